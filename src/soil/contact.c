@@ -46,15 +46,27 @@ static enum status need(struct soil_work *work, struct post_rect below)
 
 /* --- the width of the contact patch --- */
 
-/* Returns 1 / b, b the width of the contact patch, 1/m. 0: it follows from the number of posts that the body touches. */
+/* The same of a cylinder: between a level wheel and a round plate. up: of its axis. */
+static double width_of_round(double up, double width, double radius)
+{
+	return (1 - up * up) / width + up * up / radius;
+}
+
+/* Returns 1 / b, b the width of the contact patch, 1/m. 0: it follows from the area that the body touches. */
 static double width_of(const struct soil_motion *motion, const struct soil_body *body)
 {
 	const struct soil_shape *shape = motion->shape;
-	if (shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER) { /* between a level wheel and a round plate */
-		const double squares = body->lower.axis[2] * body->lower.axis[2];
-		return (1 - squares) / (shape->kind == SOIL_WHEEL ? shape->width : shape->length) + squares / shape->radius;
-	}
+	if (shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER)
+		return width_of_round(body->lower.axis[2], shape->kind == SOIL_WHEEL ? shape->width : shape->length, shape->radius);
 	return shape->kind == SOIL_BOX ? 1 / fmin(shape->size[0], shape->size[1]) : 0;
+}
+
+/* The same of a mesh: a drum has the width of the wheel that it is, and a block that of the box. axis: of a drum, in the world. */
+static double width_of_mesh(const struct soil_surface *surface, const double axis[3])
+{
+	if (surface->drum)
+		return width_of_round(axis[2], surface->width, surface->radius);
+	return surface->block ? 1 / fmin(surface->sides[0], surface->sides[1]) : 0;
 }
 
 /* Returns 1 / b for the posts that the body touches at a height. b is the radius of a round plate of their area. */
@@ -67,7 +79,40 @@ static float counted_width(const struct soil_posts *posts, const struct soil_for
 	return 1 / sqrtf(area * 0.31830989f);
 }
 
+/* The same of a mesh, for the area that it touches. It changes evenly as the mesh moves. */
+static float touched_width(const struct soil_posts *posts, const struct soil_form *form, int32_t raised)
+{
+	float cells = 0;
+	for (size_t i = 0; i < posts->count; i++) {
+		/* How much of the cell is below the ground, as both are nearly plane. */
+		const float x = posts->rise_x[i] - posts->slope_x[i], y = posts->rise_y[i] - posts->slope_y[i], across = sqrtf(x * x + y * y) * form->spacing;
+		const float depth = (float)(posts->ground[i] - raised) * SOIL_UNIT - form->beyond - posts->height[i] - posts->above[i] + x * posts->middle_x[i] + y * posts->middle_y[i];
+		cells += posts->share[i] * clamped(0.5f + depth / most(across, 1e-6f), 0, 1);
+	}
+	return 1 / sqrtf(most(cells, 1) * form->spacing * form->spacing * 0.31830989f);
+}
+
 /* --- one evaluation after another --- */
+
+/* A mesh of a drum rolls as a cylinder does. */
+static enum status begin_mesh(const struct soil_motion *motion, struct soil_work *work, struct soil_contact *b)
+{
+	enum status status = soil_fine_draw(&b->body, &b->form, &work->fine);
+	if (status != STATUS_OK)
+		return status;
+	const struct soil_surface *surface = work->fine.surface;
+	double own[3][3], axis[3];
+	soil_axes(motion->to.yaw, motion->to.pitch, motion->to.roll, 0, own);
+	for (int k = 0; k < 3; k++)
+		axis[k] = surface->axis[0] * own[0][k] + surface->axis[1] * own[1][k] + surface->axis[2] * own[2][k];
+	if (surface->drum)
+		soil_form_drum(&b->body, axis, surface->radius, &b->form);
+	b->by_width = width_of_mesh(surface, axis);
+	b->round = surface->drum;
+	b->across[0] = axis[1];
+	b->across[1] = -axis[0];
+	return STATUS_OK;
+}
 
 enum status soil_contact_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 			       double above, struct soil_contact *b)
@@ -80,10 +125,20 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
 	if (b->form.kind == FORM_RASTER)
-		return soil_fine_draw(&b->body, &b->form, &work->fine);
+		return begin_mesh(motion, work, b);
 	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0)
 		return soil_grousers_draw(&b->body, &below, &b->form, &work->grousers);
 	return STATUS_OK;
+}
+
+/* Returns the body with a frame that looks across the axis of its drum, forwards. */
+static struct soil_body rolling_frame(const struct soil_contact *b)
+{
+	struct soil_body body = b->body;
+	const double length = hypot(b->across[0], b->across[1]), sign = body.axis[0] * b->across[0] + body.axis[1] * b->across[1] < 0 ? -1 : 1;
+	for (int k = 0; k < 2 && b->round && length > 0; k++)
+		body.axis[k] = sign * b->across[k] / length;
+	return body;
 }
 
 static enum status need_met(struct soil_work *work, size_t count)
@@ -105,8 +160,11 @@ static enum status need_met(struct soil_work *work, size_t count)
 enum status soil_contact_meet(struct soil_contact *b, struct soil_work *work, const struct soil_work *const *others, size_t count, int32_t raised)
 {
 	const struct soil_shape *shape = b->motion->shape;
-	const bool rim = shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER, box = shape->kind == SOIL_BOX;
+	const bool rim = shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER || b->round, box = shape->kind == SOIL_BOX;
+	const double by_width = b->by_width * b->wider;
 	const struct soil_met self = {&b->body, &b->form, raised};
+	const struct soil_body rolls = rolling_frame(b);
+	const struct soil_met whole_of = {b->round ? &rolls : &b->body, &b->form, raised};
 	enum status status = need_met(work, count);
 	if (status != STATUS_OK)
 		return status;
@@ -117,9 +175,9 @@ enum status soil_contact_meet(struct soil_contact *b, struct soil_work *work, co
 	b->seen_count = count;
 	b->shares = false;
 	struct soil_whole whole;
-	soil_meet_whole(&self, work->met, count, rim, (const double[2]){box ? shape->size[0] : 0, box ? shape->size[1] : 0}, work->abuts, &whole);
+	soil_meet_whole(&whole_of, work->met, count, rim, (const double[2]){box ? shape->size[0] : 0, box ? shape->size[1] : 0}, work->abuts, &whole);
 	b->wider = whole.wider;
-	b->by_width = width_of(b->motion, &b->body) / b->wider;
+	b->by_width = by_width / b->wider;
 	for (int k = 0; k < 2; k++)
 		for (int end = 0; end < 2; end++)
 			b->form.enters[k][end] = b->form.half[k] + (float)whole.more[k][end];
@@ -138,7 +196,10 @@ void soil_contact_gather(struct soil_contact *b, int32_t lowest)
 
 void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)
 {
-	soil_posts_width(b->by_width > 0 ? (float)b->by_width : counted_width(b->posts, &b->form, raised) / (float)b->wider, b->posts);
+	float by_width = (float)b->by_width;
+	if (!(by_width > 0))
+		by_width = (b->form.kind == FORM_RASTER ? touched_width(b->posts, &b->form, raised) : counted_width(b->posts, &b->form, raised)) / (float)b->wider;
+	soil_posts_width(by_width, b->posts);
 	soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
 }
 

@@ -19,7 +19,9 @@ struct soil_contact {
 	struct soil_form form;
 	struct post_rect below;   /* posts that may be below the body during its motion */
 	struct soil_posts *posts; /* of the scratch memory */
-	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the number of posts that the body touches */
+	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the area that the body touches */
+	bool round;        /* it is a mesh of a drum, */
+	double across[2];  /* whose axis is across this direction in plan, or it is 0 */
 	double wider;      /* than its own, the patch that it has together with bodies that abut it */
 	double above;      /* m: posts count too above whose ground the body is by at most this */
 	int32_t gathered;  /* the least height for which the posts were gathered */

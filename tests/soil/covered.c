@@ -117,7 +117,8 @@ static void forms_have_the_heights_of_whole_numbers(void **state)
 
 static void a_mesh_has_the_heights_of_whole_numbers(void **state)
 {
-	struct soil_mesh all[] = {mesh_drum(96, 0.3, 0.2), mesh_block(0.5, 0.3, 0.2), mesh_pill(48, 12, 0.2, 0.2)};
+	/* A drum of 96 facets counts as round. One of 60 has facets. */
+	struct soil_mesh all[] = {mesh_drum(60, 0.3, 0.2), mesh_block(0.5, 0.3, 0.2), mesh_pill(48, 12, 0.2, 0.2)};
 	(void)state;
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
 		const struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &all[i]};

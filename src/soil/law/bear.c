@@ -46,17 +46,20 @@ SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind
 }
 
 /* Adds what the lower end of a rim bears beside each cell. Its place moves with the body, and it bears more where its edge sinks below the ground. */
-SOIL_INLINED void add_brims(const struct soil_form *f, bool asked, float unit, const struct lane_posts *p, const struct block *l, float stresses[7][LANES],
+SOIL_INLINED void add_brims(const struct soil_form *f, enum soil_form_kind kind, bool asked, float unit, const struct lane_posts *p, const struct block *l, float stresses[7][LANES],
 			    struct counts *counts, struct lane_changes *changes)
 {
 	const float post = f->spacing * f->spacing;
 	struct lane_brims brims;
-	if (!any_above(f->lean < 0 ? p->side_left : p->side_right, 0))
+	if (kind == FORM_RIM && !any_above(f->lean < 0 ? p->side_left : p->side_right, 0))
 		return;
 	EACH_LANE {
 		struct place place;
 		float shear[3], stress[3], moment[3];
-		put_brim(f, asked, p, l, i, &place);
+		if (kind == FORM_RIM)
+			put_brim(f, asked, p, l, i, &place);
+		else
+			put_wall(f, asked, p, l, i, &place);
 		stress_at(&place, shear, stress);
 		cross3(place.arm, stress, moment);
 		for (int k = 0; k < 3; k++) {
@@ -195,8 +198,8 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			put_spots(f, kind, p, &l, k == 0 ? -0.28867513f : 0.28867513f, &spots);
 			add_places(f, kind, asked, unit, p, &spots, stresses, &counts, &all);
 		}
-		if (kind == FORM_RIM && f->lean != 0)
-			add_brims(f, asked, unit, p, &l, stresses, &counts, a->changes);
+		if ((kind == FORM_RIM && f->lean != 0) || (kind == FORM_RASTER && f->fine.brims != NULL))
+			add_brims(f, kind, asked, unit, p, &l, stresses, &counts, a->changes);
 		if (asked)
 			add_changes(f, kind, p, &l, &all, a->changes);
 		count(f, p, unit, &l, (const float(*)[LANES])stresses, &counts, a->sums);

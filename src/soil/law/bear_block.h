@@ -88,7 +88,7 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], 
  * the time in which a rolling surface passes. */
 SOIL_INLINED float dig_way(const struct soil_form *f, float x, float y)
 {
-	const float *rolls = f->rolling, *turns = f->turning, reach = f->reach;
+	const float *rolls = f->rolling, *turns = f->turning, reach = f->rim_reach;
 	const float running[2] = {-rolls[1] * reach - rolls[2] * y - f->ran * f->belt[1], rolls[2] * x + rolls[0] * reach + f->ran * f->belt[0]};
 	const float u = f->way[0] * f->along_ground - turns[1] * reach - turns[2] * y + running[0], v = f->way[1] * f->along_ground + turns[2] * x + turns[0] * reach + running[1];
 	const float way = sqrtf(u * u + v * v);
@@ -114,6 +114,7 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 		const float whole = p->begun[i], half = p->halfway[i];
 		const float speed = 4 * half - whole, bends = 2 * whole - 4 * half, rooted = speed * speed + 4 * bends * gains, by = speed + root(rooted);
 		share = either(rooted >= 0, either(fabsf(by) > 1e-12f, 2 * gains / either(fabsf(by) > 1e-12f, by, 1), 1e3f), either(gains > 0, 1e3f, -4));
+		share = either((gains <= 0) & (speed <= 0), 1e3f, share); /* it rises, as other forms have it. Rounding would decide */
 		share = least(share, either(p->over[i] > 0, p->entered[i], 1e3f));
 	} else {
 		const float speed = p->print[i] - p->height[i] - f->way[2];
@@ -317,7 +318,9 @@ SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind 
 				 float x, float y, float depth, float rise)
 {
 	const float print = rise + p->print[i] - height_at(f, kind, p->own[i], x + f->way[0], y + f->way[1]);
-	const float leans = kind == FORM_RIM ? (1 - l->stamped[lane]) * (p->rise_y[i] - f->lean * f->lift) * (y - p->y[i]) : 0;
+	/* The rut of a rim that leans, or of such a drum, leans too. A mesh moves along the frame's x axis. */
+	const float slope = kind == FORM_RIM ? f->lean * f->lift : p->slope_y[i], rut = kind == FORM_RIM ? 1 : kind == FORM_RASTER ? either(f->bulges > 0, 1, 0) : 0;
+	const float leans = kind == FORM_RIM || kind == FORM_RASTER ? rut * (1 - l->stamped[lane]) * (p->rise_y[i] - slope) * (y - p->y[i]) : 0;
 	const float hollow = l->stamped[lane] * (depth - l->depth[lane]) + leans;
 	const float all = l->was[lane] * p->by_up[i] + l->printed[lane] * print + (1 - l->printed[lane]) * hollow;
 	return all * either(l->was[lane] > 0, 1, 0);

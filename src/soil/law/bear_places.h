@@ -198,29 +198,16 @@ SOIL_INLINED void brim_slides(const struct soil_form *f, float back, float each,
 	place->mobilised[1] = sheared(place->mobilised[1], slip.direction[1], stays);
 }
 
-/* Gives what the end bears beside a post's cell. It bears the mean of the pressure from 0 to the depth of its edge, by its area in plan. */
-SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, const struct block *l, int i, struct place *place)
+/* Gives the stresses of what bears beside a cell. area, arm and normal are set. mean: m, the sinkage at which soil bears the mean of the pressure; deep: m. */
+SOIL_INLINED void bear_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, int i, float mean, float deep, float since, struct place *place)
 {
 	const struct stress_soil s = soil_of(p, i);
-	const struct edge edge = edge_of(f, p, l, i);
-	const float low = low_side(f), leans = most(fabsf(f->lean), 1e-6f), steep = f->level / leans, up = p->up[i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
-	const float width = clamped(edge.depth / most(steep - low * rise_y, 1e-6f), 0, 2 * edge.strip * fabsf(f->lean));
-	const float deep = most(edge.depth, SOIL_UNIT), mean = deep * power_of(s.n + 1, -1 / s.n), out_by = width / (s.n + 2);
-	const float bears = either(f->ground_normals > 0, 1, clamped(1 + low * f->level * rise_y / leans, 0, 1));
-	const bool is = ((low < 0 ? p->side_right[i] : p->side_left[i]) > 0) & (l->share[i] > 0) & (edge.depth > 0);
-	place->area = place->ground = either(is, edge.length * width * f->by_step * bears, 0);
+	const float up = p->up[i], each = since * (1.0f / BRIM_STEPS);
 	place->stress = yield_stress(&s, up * mean);
 	place->sinks = place->stress * (s.n + 1) / deep;
-	place->arm[0] = edge.at[0];
-	place->arm[1] = edge.at[1] + low * out_by;
-	place->arm[2] = edge.lowest + out_by * steep + p->above[i];
-	place->normal[0] = either(f->ground_normals > 0, -rise_x * up, 0);
-	place->normal[1] = either(f->ground_normals > 0, -rise_y * up, -low * f->level);
-	place->normal[2] = either(f->ground_normals > 0, up, leans);
 	put_across(place->normal, place->across);
 	put_rates(f, s.damping * least(4 * up * mean * s.by_modulus, 1), down_at(f, place->arm, p->above[i], place->normal), place);
 	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
-	const float since = brim_since(f, &edge, mean, edge.strip - out_by / leans), each = since * (1.0f / BRIM_STEPS);
 	place->mobilised[0] = place->mobilised[1] = 0;
 	_Static_assert(BRIM_STEPS == 4, "one call each: gcc makes no vectors of a loop in a loop");
 	brim_slides(f, 3.5f * each, each, s.by_modulus, place);
@@ -232,6 +219,73 @@ SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct l
 		const float turning = (1 - exp_minus(slip.size * least(since, 1) * s.by_modulus)) / most(slip.size, 1e-9f);
 		put_shears(&slip, s.by_modulus, s.by_modulus, turning, place);
 	}
+}
+
+/* Gives what the end bears beside a post's cell. It bears the mean of the pressure from 0 to the depth of its edge, by its area in plan. */
+SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, const struct block *l, int i, struct place *place)
+{
+	const struct stress_soil s = soil_of(p, i);
+	const struct edge edge = edge_of(f, p, l, i);
+	const float low = low_side(f), leans = most(fabsf(f->lean), 1e-6f), steep = f->level / leans, up = p->up[i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
+	const float width = clamped(edge.depth / most(steep - low * rise_y, 1e-6f), 0, 2 * edge.strip * fabsf(f->lean));
+	const float deep = most(edge.depth, SOIL_UNIT), mean = deep * power_of(s.n + 1, -1 / s.n), out_by = width / (s.n + 2);
+	const float bears = either(f->ground_normals > 0, 1, clamped(1 + low * f->level * rise_y / leans, 0, 1));
+	const bool is = ((low < 0 ? p->side_right[i] : p->side_left[i]) > 0) & (l->share[i] > 0) & (edge.depth > 0);
+	place->area = place->ground = either(is, edge.length * width * f->by_step * bears, 0);
+	const float since = brim_since(f, &edge, mean, edge.strip - out_by / leans);
+	place->arm[0] = edge.at[0];
+	place->arm[1] = edge.at[1] + low * out_by;
+	place->arm[2] = edge.lowest + out_by * steep + p->above[i];
+	place->normal[0] = either(f->ground_normals > 0, -rise_x * up, 0);
+	place->normal[1] = either(f->ground_normals > 0, -rise_y * up, -low * f->level);
+	place->normal[2] = either(f->ground_normals > 0, up, leans);
+	bear_brim(f, asked, p, i, mean, deep, since, place);
+}
+
+#define WALL_MOTIONS 32 /* a wall slid over the soil beside it for so many motions, at most */
+
+/* The same of a wall. drifts: m, how far its edge moves outwards in a motion; out_by: m, from the edge. A drum's edge is bent. */
+SOIL_INLINED float wall_since(const struct soil_form *f, float drifts, float out_by, float mean)
+{
+	const float run = f->passes[0], bent = sqrtf(drifts * drifts + 2 * f->bulges * run * run * out_by) - drifts;
+	const float came = 2 * out_by / most(bent, 1e-9f), sank = mean / most(-f->way[2], 1e-9f), since = least(least(came, sank), WALL_MOTIONS), rolled = least(run / f->half_across, 1);
+	return either(since > 1, 1 + (since - 1) * rolled * rolled, since);
+}
+
+/* Gives what walls of a mesh bear beside a post's cell. */
+SOIL_INLINED void put_wall(const struct soil_form *f, bool asked, const struct lane_posts *p, const struct block *l, int i, struct place *place)
+{
+	const struct stress_soil s = soil_of(p, i);
+	const struct soil_fine *fine = &f->fine;
+	const float c = fine->axis[0], q = fine->axis[1], up = p->up[i], rise_x = p->rise_x[i], rise_y = p->rise_y[i], by_cell = fine->by_step / (float)fine->parts;
+	const float half_place = 0.5f * fine->step, column = (c * p->x[i] - q * p->y[i] - fine->x + half_place) * by_cell, row = (q * p->x[i] + c * p->y[i] - fine->y + half_place) * by_cell;
+	const bool within = (column >= 0) & (row >= 0) & (column < (float)fine->cells[0]) & (row < (float)fine->cells[1]);
+	const struct soil_brim *b = &fine->brims[within ? (int32_t)row * fine->cells[0] + (int32_t)column : 0];
+	const float by = 1 / most(b->length, 1e-12f), east = b->x * by, north = b->y * by, out[2] = {(c * b->out[0] + q * b->out[1]) * by, (c * b->out[1] - q * b->out[0]) * by};
+	const float aside[2] = {(c * b->aside[0] + q * b->aside[1]) * by, (c * b->aside[1] - q * b->aside[0]) * by}, flat = most(b->flat * by, 1e-5f), tall = b->tall * by;
+	const float x = c * east + q * north, y = c * north - q * east, half = 0.5f * b->length, along[2] = {-out[1] * half, out[0] * half};
+	/* The part of the edge that is in soil. */
+	const float beside = b->z * by - height_at(f, FORM_RASTER, 0, x, y), ground = l->ground[i] - p->above[i];
+	float depths[3];
+	for (int k = 0; k < 3; k++) {
+		const float u = x + (float)(k - 1) * along[0], v = y + (float)(k - 1) * along[1];
+		depths[k] = ground + rise_x * (u - p->x[i]) + rise_y * (v - p->y[i]) - height_at(f, FORM_RASTER, 0, u, v) - beside;
+	}
+	const float first = root_from(-1, depths), last = most(first, root_from(1, depths)), at = 0.5f * (first + last);
+	const float bends = 0.5f * (depths[0] + depths[2]) - depths[1], rises = 0.5f * (depths[2] - depths[0]), depth = depths[1] + at * (rises + at * bends);
+	const float width = clamped(depth / most(1 / flat - rise_x * out[0] - rise_y * out[1], 1e-6f), 0, tall * flat), size = 1 / sqrtf(out[0] * out[0] + out[1] * out[1] + flat * flat);
+	const float deep = most(depth, SOIL_UNIT), share = power_of(s.n + 1, -1 / s.n), mean = most(deep * share, deep - (1 - share) * tall), out_by = width / (s.n + 2);
+	const float normal[3] = {-out[0] * size, -out[1] * size, flat * size}, level = clamped(1 - (normal[0] * rise_x + normal[1] * rise_y) / normal[2], 0, 1);
+	const float bears = either(f->ground_normals > 0, 1, either(2 * b->end > b->length, level, 1 / normal[2]));
+	const bool is = within & (b->length > 0) & (l->share[i] > 0) & (depth > 0);
+	place->ground = either(is, 0.5f * (last - first) * b->length * width / (f->spacing * f->spacing), 0);
+	place->area = place->ground * bears;
+	place->arm[0] = x + at * along[0] + out_by * out[0];
+	place->arm[1] = y + at * along[1] + out_by * out[1];
+	place->arm[2] = ground + rise_x * (place->arm[0] - out_by * out[0] - p->x[i]) + rise_y * (place->arm[1] - out_by * out[1] - p->y[i]) - depth + out_by / flat + p->above[i];
+	for (int k = 0; k < 3; k++)
+		place->normal[k] = either(f->ground_normals > 0, k == 0 ? -rise_x * up : k == 1 ? -rise_y * up : up, normal[k]);
+	bear_brim(f, asked, p, i, mean, deep, wall_since(f, aside[0] * f->way[0] + aside[1] * f->way[1], out_by, mean), place);
 }
 
 /* Gives the stress on the body at a place, Pa of its surface. shear: of its shear, the direction times the share of the strength. */

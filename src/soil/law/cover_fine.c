@@ -44,15 +44,23 @@ static void put_swept(const struct soil_form *f, const int32_t cell[2], bool wit
 	const bool hole = p->base[i] == BASE_NODATA;
 	p->swept[i] = p->over[i];
 	p->lowered[i] = run > 0 || !(p->over[i] > 0) ? 0 : most(f->way[2], 0);
-	p->entered[i] = 1e3f;
-	if (!(run > 0) || !reaches(fine, y, ends))
-		return;
-	p->entered[i] = most(ends[0] - x, 0) / run;
-	if (!within || hole || x > ends[0] + BESIDE || x < ends[1] - run - BESIDE)
+	const bool known = run > 0 && reaches(fine, y, ends);
+	p->entered[i] = known ? most(ends[0] - x, 0) / run : 1e3f;
+	if (!known || !within || hole || x > ends[0] + BESIDE || x < ends[1] - run - BESIDE)
 		return;
 	const float low = fine->passed[cell[1] * fine->cells[0] + cell[0]];
 	p->swept[i] = low < 0.5f * FINE_NONE ? 1 : p->over[i];
 	p->lowered[i] = low < 0.5f * FINE_NONE ? most(p->height[i] - low, 0) : 0;
+}
+
+/* Below a wall the ground is as low as the wall, but the wall bears beside the cell that has its edge. */
+static void put_wall(float wall, float hole, struct soil_posts *p, size_t i)
+{
+	if (!(wall < 0.5f * FINE_NONE) || !(hole > 0))
+		return;
+	p->height[i] = wall;
+	p->over[i] = 1;
+	p->share[i] = 0;
 }
 
 static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i)
@@ -85,6 +93,8 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 			p->begun[i] = fine->earlier[1][at] - face.height;
 		}
 	}
+	if (within && fine->walls != NULL && !(p->over[i] > 0))
+		put_wall(fine->walls[place[1] * fine->stride + place[0]], hole, p, i);
 	put_swept(f, cell, within, p, i);
 }
 
@@ -101,5 +111,7 @@ float soil_cover_fine_low(const struct soil_form *form, float x, float y)
 	if (!place_of(fine, x, y, place, cell))
 		return FINE_NONE;
 	const int32_t at = cell[1] * fine->cells[0] + cell[0];
+	if (fine->brims != NULL && fine->brims[at].length > 0) /* its edge lies between places */
+		return -form->reach;
 	return fine->lows[at] < 0.5f * FINE_NONE || !(fine->areas[at] > 0) ? fine->lows[at] : -form->reach;
 }

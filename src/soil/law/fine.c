@@ -101,16 +101,21 @@ SOIL_INLINED void draw(struct corner a, struct corner b, struct corner c, float 
 	}
 }
 
-SOIL_CLONED static void draw_all(const struct soil_surface *restrict s, const float *restrict u, const float *restrict v, const float *restrict z,
-				 const int32_t size[restrict 2], int32_t stride, uint8_t *restrict looks, float *restrict drawn)
+SOIL_CLONED static void put_looks(const struct soil_surface *restrict s, const float *restrict u, const float *restrict v, uint8_t *restrict looks)
 {
 	for (size_t t = 0; t < s->triangle_count; t++) {
 		const uint32_t *c = s->corners[t], i = c[0], j = c[1], k = c[2];
 		const float area = (u[j] - u[i]) * (v[k] - v[i]) - (u[k] - u[i]) * (v[j] - v[i]);
-		looks[t] = area < -UPRIGHT;
+		looks[t] = area < -UPRIGHT ? FINE_SOLE : FINE_UP;
 	}
+}
+
+/* Draws the triangles that look so. Of a mesh that is not closed all triangles are drawn. */
+SOIL_CLONED static void draw_all(const struct soil_surface *restrict s, const float *restrict u, const float *restrict v, const float *restrict z,
+				 const int32_t size[restrict 2], int32_t stride, const uint8_t *restrict looks, uint8_t which, float *restrict drawn)
+{
 	for (size_t t = 0; t < s->triangle_count; t++) {
-		if (s->closed && !looks[t])
+		if (s->closed && looks[t] != which)
 			continue;
 		const uint32_t *c = s->corners[t], i = c[0], j = c[1], k = c[2];
 		const float area = (u[j] - u[i]) * (v[k] - v[i]) - (u[k] - u[i]) * (v[j] - v[i]);
@@ -125,10 +130,12 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 {
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows, cells = (size_t)(fine->cells[0] + 1) * (size_t)fine->cells[1], strips = (size_t)fine->strips;
 	const size_t pad = 16, counts[] = {vertices, vertices, vertices, places, places, places, places, places, cells, cells, cells, cells, cells,
-					   cells, cells, cells, cells, cells, cells, cells, strips, strips, (size_t)fine->stride, vertices, vertices, vertices, vertices, (triangles + 3) / 4};
+					   cells, cells, cells, cells, cells, cells, cells, strips, strips, 3 * (size_t)fine->stride, vertices, vertices, vertices, vertices, (triangles + 3) / 4, places,
+					   cells * sizeof(struct soil_brim) / sizeof(float)};
+	struct soil_brim **const brims = &work->brims;
 	float **arrays[] = {&work->u, &work->v, &work->z, &work->drawn, &work->heights, &work->less, &work->since, &work->swept, &work->sums[0], &work->sums[1],
 			    &work->sums[2], &work->sums[3], &work->sums[4], &work->areas, &work->middles[0], &work->middles[1], &work->lows, &work->passed, &work->earlier[0],
-			    &work->earlier[1], &work->front, &work->rear, &work->row, &work->earlier_u, &work->earlier_v, &work->earlier_z, NULL, NULL};
+			    &work->earlier[1], &work->front, &work->rear, &work->row, &work->earlier_u, &work->earlier_v, &work->earlier_z, NULL, NULL, &work->walls, NULL};
 	size_t all = 0;
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		all += (counts[i] + pad) / pad * pad;
@@ -145,6 +152,8 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 		if (arrays[i] != NULL)
 			*arrays[i] = memory;
 		else if (i + 1 == sizeof counts / sizeof *counts)
+			*brims = (struct soil_brim *)(void *)memory;
+		else if (i + 3 == sizeof counts / sizeof *counts)
 			work->looks = (uint8_t *)memory;
 		else
 			work->onward = (uint32_t *)(void *)memory;
@@ -272,14 +281,18 @@ static void swept_turning(const struct soil_fine_work *work, struct soil_form *f
 	const float before = fabsf(form->way[2]) <= run ? least(form->half_across / run, 1) : 0;
 	const int32_t own_count = 2 * (int32_t)clamped(ceilf(0.5f * angle / FINE_TURNS), 1, FINE_ATTITUDES / 2), all = own_count + (int32_t)ceilf(before * (float)own_count);
 	const size_t count = (size_t)fine->stride * (size_t)fine->rows;
-	memcpy(work->swept, work->drawn, count * sizeof *work->swept);
+	memcpy(work->swept, work->any_wall ? work->walls : work->drawn, count * sizeof *work->swept);
 	memset(work->since, 0, count * sizeof *work->since);
 	for (int32_t i = 1; i <= all; i++) {
 		float lift;
 		place_earlier(work, form, own, at, (double)i / own_count, &lift);
 		for (size_t k = 0; k < count; k++)
 			work->less[k] = FINE_NONE;
-		draw_all(work->surface, work->earlier_u, work->earlier_v, work->earlier_z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, work->less);
+		put_looks(work->surface, work->earlier_u, work->earlier_v, work->looks);
+		soil_fine_mark(work);
+		draw_all(work->surface, work->earlier_u, work->earlier_v, work->earlier_z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, FINE_SOLE, work->less);
+		if (work->any_wall)
+			draw_all(work->surface, work->earlier_u, work->earlier_v, work->earlier_z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, FINE_SIDE, work->less);
 		merge(work->less, count, lift, (float)i / (float)own_count, work->swept, work->since);
 		if (2 * i == own_count || i == own_count)
 			keep_posts(work, fine, lift, work->earlier[i == own_count]);
@@ -291,13 +304,56 @@ static void swept_turning(const struct soil_fine_work *work, struct soil_form *f
 	fine->earlier[1] = work->earlier[1];
 }
 
-static void swept(const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
+/* Draws the rim of an even drum round. So its facets, which are narrower than posts, press no pattern into the soil. */
+SOIL_CLONED static void round_off(const struct soil_fine *restrict fine, const float axis[restrict 3], float radius, float *restrict drawn)
+{
+	const float level = sqrtf(axis[0] * axis[0] + axis[1] * axis[1]), by_level = 1 / level, along[2] = {axis[0] * by_level, axis[1] * by_level}, far = 0.9f * radius;
+	for (int32_t row = 0; row < fine->rows; row++) {
+		float *restrict places = drawn + (size_t)row * (size_t)fine->stride;
+		const float north = fine->y + (float)row * fine->step;
+		for (int32_t i = 0; i < fine->columns; i++) {
+			const float east = fine->x + (float)i * fine->step, across = along[0] * north - along[1] * east, on = along[0] * east + along[1] * north;
+			const float height = (axis[2] * on - sqrtf(most(radius * radius - across * across, 0))) * by_level;
+			places[i] = either((places[i] < 0.5f * FINE_NONE) & (fabsf(across) < far), height, places[i]);
+		}
+	}
+}
+
+/* Returns true if a body turns but little beside its turning about the axis of an even drum. */
+static bool turns_evenly(const struct soil_surface *surface, const struct soil_body *body, const struct soil_form *form, const double own[3][3])
+{
+	double axis[3], about;
+	if (!surface->even)
+		return false;
+	for (int k = 0; k < 3; k++)
+		axis[k] = surface->axis[0] * own[0][k] + surface->axis[1] * own[1][k] + surface->axis[2] * own[2][k];
+	const double turned[3] = {body->axis[0] * axis[0] + body->axis[1] * axis[1], body->axis[0] * axis[1] - body->axis[1] * axis[0], axis[2]};
+	about = turned[0] * (double)form->spin[0] + turned[1] * (double)form->spin[1] + turned[2] * (double)form->spin[2];
+	double rest = 0;
+	for (int k = 0; k < 3; k++)
+		rest += fabs((double)form->spin[k] - about * turned[k]);
+	return rest * (double)form->radius <= (double)(FINE_ROUND * form->reach);
+}
+
+static void swept(const struct soil_body *body, const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
 {
 	form->fine.earlier[0] = form->fine.earlier[1] = NULL;
-	if (form->passes[0] > 0 && changes(work, form, own, at))
+	if (form->passes[0] > 0 && !turns_evenly(work->surface, body, form, own) && changes(work, form, own, at))
 		swept_turning(work, form, own, at);
 	else
 		soil_fine_swept(work, form, &form->fine);
+}
+
+/* Draws what bears and the walls. */
+static void draw_walls(const struct soil_fine_work *work, struct soil_fine *fine)
+{
+	const size_t places = (size_t)fine->stride * (size_t)fine->rows;
+	fine->walls = NULL;
+	if (!work->any_wall)
+		return;
+	memcpy(work->walls, work->drawn, places * sizeof *work->walls);
+	draw_all(work->surface, work->u, work->v, work->z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, FINE_SIDE, work->walls);
+	fine->walls = work->walls;
 }
 
 enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form, struct soil_fine_work *work)
@@ -327,10 +383,22 @@ enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form,
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows;
 	for (size_t i = 0; i < places; i++)
 		work->drawn[i] = FINE_NONE;
-	draw_all(surface, work->u, work->v, work->z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, work->drawn);
+	const int32_t size[2] = {fine->columns, fine->rows};
+	put_looks(surface, work->u, work->v, work->looks);
+	soil_fine_walls(work, (const double(*)[3])own);
+	draw_all(surface, work->u, work->v, work->z, size, fine->stride, work->looks, FINE_SOLE, work->drawn);
+	if (surface->even) {
+		float axis[3];
+		for (int k = 0; k < 3; k++)
+			axis[k] = (float)(surface->axis[0] * own[0][k] + surface->axis[1] * own[1][k] + surface->axis[2] * own[2][k]);
+		if (fabsf(axis[2]) <= (float)FORM_LEANS_MOST)
+			round_off(fine, axis, (float)surface->mean, work->drawn);
+	}
 	soil_fine_outline(work, fine);
-	soil_fine_fill(work, fine, -bounds[2][0]);
-	swept(work, form, (const double(*)[3])own, at);
+	soil_fine_brims(work, fine);
+	draw_walls(work, fine);
+	soil_fine_beside(work, fine, most(fabsf(bounds[2][0]), fabsf(bounds[2][1])));
+	swept(body, work, form, (const double(*)[3])own, at);
 	fine->heights = work->heights;
 	fine->drawn = work->drawn;
 	fine->areas = work->areas;

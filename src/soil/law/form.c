@@ -189,14 +189,32 @@ static double level_share(double forward, double rise)
 	return forward > 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
 }
 
-static void put_rolling(struct soil_form *form)
+/* axis: of a body that rolls about it alone; NULL: about any level axis. flat: about none. */
+static void split_spin(struct soil_form *form, const float axis[3], bool flat)
 {
-	const bool rim = form->kind == FORM_RIM, flat = form->kind == FORM_BOX || form->kind == FORM_END;
-	const float axis[3] = {0, form->level, form->lean}, about = dot3(form->spin, axis);
+	const float none[3] = {0}, *rolls = axis != NULL ? axis : none, about = dot3(form->spin, rolls);
 	for (int k = 0; k < 3; k++) {
-		form->rolling[k] = rim ? about * axis[k] : k < 2 && !flat ? form->spin[k] : 0;
+		form->rolling[k] = flat ? 0 : axis != NULL ? about * axis[k] : k < 2 ? form->spin[k] : 0;
 		form->turning[k] = form->spin[k] - form->rolling[k];
 	}
+}
+
+static void put_rolling(struct soil_form *form)
+{
+	const float axis[3] = {0, form->level, form->lean};
+	split_spin(form, form->kind == FORM_RIM ? axis : NULL, form->kind == FORM_BOX || form->kind == FORM_END);
+}
+
+void soil_form_drum(const struct soil_body *body, const double axis[3], double radius, struct soil_form *form)
+{
+	float turned[3];
+	put3(turned, body, axis);
+	const bool rolls = fabs(axis[2]) <= FORM_LEANS_MOST;
+	const float level = (float)hypot(axis[0], axis[1]);
+	split_spin(form, turned, !rolls);
+	form->rim_level = rolls ? level : 1;
+	form->rim_reach = (float)radius;
+	form->bulges = (float)(fabs(axis[2]) / radius);
 }
 
 static void put_motion(const struct soil_law *law, struct soil_body *body, struct soil_form *form, const double way[3])
@@ -215,6 +233,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 	form->reach = (float)soil_shape_reach(&body->smooth, to->pitch, to->roll);
 	if (wheel)
 		form->reach = form->radius;
+	form->rim_reach = form->reach;
 	form->belt_level = 1;
 	if (motion->shape->belt) {
 		put3(form->belt, body, axes[1]);

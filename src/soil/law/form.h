@@ -25,9 +25,20 @@ enum soil_form_kind { FORM_RIM, FORM_BALL, FORM_CAPSULE, FORM_BOX, FORM_END, FOR
  * The lower envelope of triangles at places `step` apart, m above the centre, row by row. The first place is (x, y) from the centre, east and north.
  * A post's cell has parts x parts places; `parts` is odd, so the post is the middle one. Drawn by fine.c.
  */
+/* The edges in a cell from which steep walls rise, as sums over the length of these edges. Divided by the length: means. Places are to the east and
+ * north. */
+struct soil_brim {
+	float length;           /* m */
+	float x, y, z;          /* place on the edge, m from the body's centre */
+	float out[2], aside[2]; /* unit vectors in plan, away from the body: where the wall rises, and across the edge */
+	float flat, tall;       /* how far the wall goes out for each metre that it rises; m: its height */
+	float end;              /* 1: it is the flat end of a drum, which bears by its area in plan */
+};
+
 struct soil_fine {
 	const float *heights;       /* also beside the mesh, where they go on from its edge */
 	const float *drawn;         /* the same, but FINE_NONE beside the mesh */
+	const float *walls;         /* as `drawn`, with steep walls, which bear beside the cells. NULL: there are none */
 	float moved;                /* 1: the mesh moved in plan; 0: the next three do not count */
 	const float *less, *since;  /* how much lower it was during its motion and half a cell before, and how many motions ago */
 	const float *passed;        /* of cells: its lowest height at the post during its motion, or beside a post that it passed closely. FINE_NONE: none */
@@ -44,6 +55,8 @@ struct soil_fine {
 	/* Of lines along the motion, a step apart: how far ahead and behind the mesh reaches there, m. aside: m, of the first line. sides: m, of the mesh. */
 	const float *front, *rear;
 	int32_t strips;
+	/* Of cells, if walls hang from edges of what bears: `struct soil_brim`, or NULL. */
+	const struct soil_brim *brims;
 	float aside, sides[2];
 };
 
@@ -69,7 +82,8 @@ struct soil_form {
 	float lift;
 	/* The axis of a rim, an end, a capsule. lean: its rise (rim, end: towards the left); level: its length in plan; half_axis: half of its straight part. */
 	float lean, level, half_axis;
-	float rim_level;           /* a rim: level; other forms, which may turn about any axis: 1 */
+	float rim_level;           /* a rim, and a mesh of a drum: level; other forms, which may turn about any axis: 1 */
+	float bulges;              /* 1/m: how the edge of a drum's end bends in plan; 0: it is straight */
 	float along[2];            /* capsule: the axis in plan */
 	float faces[3][3];         /* box: lower faces: height at the centre, slope along the frame's axes */
 	float slabs[3][3];         /* box: in plan it lies in three slabs: unit vector across, half the width; m */
@@ -91,6 +105,7 @@ struct soil_form {
 	float along_ground;        /* the second over the first */
 	float rolls;               /* how much its surface may roll off: less for a motion that is steeper than 45 degrees, 0 from 63 on */
 	float reach;               /* of its lowest place below the centre, grousers apart, m */
+	float rim_reach;           /* of the surface that rolls, below the axis about which it rolls, m */
 	float belt[3];             /* the body's axis to its left; 0: it has no belt */
 	float belt_level;          /* its length in plan; 1 without a belt */
 	float digs_most;           /* how deep slip digs at most, in units of the shear modulus; 0: slip digs nothing */
@@ -114,6 +129,8 @@ struct soil_body {
 	struct lower_envelope lower;
 };
 
+/* Tells a form of kind FORM_RASTER that it is a drum of this radius, m, about an axis: a unit vector, east, north, up. It rolls as a cylinder does. */
+void soil_form_drum(const struct soil_body *body, const double axis[3], double radius, struct soil_form *form);
 /* Fills both. `body` points to itself and to the motion, so it is not copied. The raster is not set. */
 void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, struct soil_body *body, struct soil_form *form);
 

@@ -143,17 +143,35 @@ static void share_out(const struct soil_fine_work *work, const struct soil_fine 
 	}
 }
 
-/* Adds an edge of the outline, between places of the raster. */
-static void add_outline(const struct soil_fine_work *work, struct soil_fine *fine, const float from[2], const float to[2])
+/* Adds how far an edge reaches, between places of the raster. */
+static void add_reach(const struct soil_fine_work *work, struct soil_fine *fine, const float from[2], const float to[2])
 {
-	const float by = 1 / (float)fine->parts, c = fine->axis[0], q = fine->axis[1];
-	if (work->surface->closed)
-		add_edge(work->sums, (size_t)fine->cells[0] + 1, (from[0] + 0.5f) * by, (from[1] + 0.5f) * by, (to[0] + 0.5f) * by, (to[1] + 0.5f) * by);
+	const float c = fine->axis[0], q = fine->axis[1];
 	const float ends[2][2] = {{fine->x + from[0] * fine->step, fine->y + from[1] * fine->step}, {fine->x + to[0] * fine->step, fine->y + to[1] * fine->step}};
 	const float a[2] = {c * ends[0][0] + q * ends[0][1], c * ends[0][1] - q * ends[0][0]}, b[2] = {c * ends[1][0] + q * ends[1][1], c * ends[1][1] - q * ends[1][0]};
 	reach(work, fine, a, b);
 	fine->sides[0] = least(fine->sides[0], least(a[1], b[1]));
 	fine->sides[1] = most(fine->sides[1], most(a[1], b[1]));
+}
+
+/* Adds an edge of the outline. */
+static void add_outline(const struct soil_fine_work *work, struct soil_fine *fine, const float from[2], const float to[2])
+{
+	const float by = 1 / (float)fine->parts;
+	if (work->surface->closed)
+		add_edge(work->sums, (size_t)fine->cells[0] + 1, (from[0] + 0.5f) * by, (from[1] + 0.5f) * by, (to[0] + 0.5f) * by, (to[1] + 0.5f) * by);
+	add_reach(work, fine, from, to);
+}
+
+/* Adds how far a triangle of a wall reaches. */
+static void add_wall(const struct soil_fine_work *work, struct soil_fine *fine, size_t t)
+{
+	const struct soil_surface *s = work->surface;
+	for (size_t k = 0; k < 3; k++) {
+		const uint32_t from = s->corners[t][k], to = s->corners[t][k == 2 ? 0 : k + 1];
+		if (work->looks[s->across[t][k]] == FINE_UP)
+			add_reach(work, fine, (const float[2]){work->u[from], work->v[from]}, (const float[2]){work->u[to], work->v[to]});
+	}
 }
 
 /* Goes on along the outline from a vertex. Edges on one line are added as one. */
@@ -193,10 +211,12 @@ void soil_fine_outline(const struct soil_fine_work *work, struct soil_fine *fine
 	}
 	memset(work->onward, 0xff, s->vertex_count * sizeof *work->onward);
 	for (size_t t = 0; t < s->triangle_count; t++) {
-		if (s->closed && looks[t] == 0)
+		if (s->closed && looks[t] == FINE_SIDE)
+			add_wall(work, fine, t);
+		if (s->closed && looks[t] != FINE_SOLE)
 			continue;
 		for (size_t k = 0; k < 3; k++) {
-			if (s->closed && looks[s->across[t][k]] != 0)
+			if (s->closed && looks[s->across[t][k]] == FINE_SOLE)
 				continue;
 			const uint32_t from = s->corners[t][k], to = s->corners[t][k == 2 ? 0 : k + 1];
 			if (s->closed && work->onward[from] == ONWARD_NONE)

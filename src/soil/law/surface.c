@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "soil/law/pieces.h"
+
 #define NONE UINT32_MAX
 
 /* What is needed while a surface is made. */
@@ -169,7 +171,7 @@ static enum status make(const struct soil_mesh *mesh, struct soil_surface *s)
 	struct making making = {.table_mask = (uint32_t)(slots - 1)};
 	mem_free(s->memory);
 	*s = (struct soil_surface){0};
-	uint32_t *memory = mem_alloc(9 * vertices + 9 * triangles, sizeof *memory);
+	uint32_t *memory = mem_alloc(9 * vertices + 15 * triangles, sizeof *memory);
 	uint32_t *scratch = mem_alloc(vertices + 2 * triangles + slots, sizeof *scratch);
 	if (memory == NULL || scratch == NULL) {
 		mem_free(memory);
@@ -184,6 +186,10 @@ static enum status make(const struct soil_mesh *mesh, struct soil_surface *s)
 	s->source_triangles = (uint32_t(*)[3])(memory + 9 * vertices);
 	s->corners = s->source_triangles + triangles;
 	s->across = (int32_t(*)[3])(s->corners + triangles);
+	s->normals = (float(*)[3])(s->across + triangles);
+	s->pieces = (uint32_t *)(s->normals + triangles);
+	s->level = (float *)(s->pieces + triangles);
+	s->top = s->level + triangles;
 	for (int k = 0; k < 3; k++)
 		s->turned[k] = (float *)memory + (6 + (size_t)k) * vertices;
 	making.table = scratch;
@@ -196,6 +202,7 @@ static enum status make(const struct soil_mesh *mesh, struct soil_surface *s)
 	s->source_count = mesh->triangle_count;
 	weld(mesh, &making, s);
 	s->closed = pair(&making, s) && orient(&making, s);
+	soil_surface_pieces(s, making.stack);
 	mem_free(scratch);
 	return STATUS_OK;
 }
@@ -236,6 +243,6 @@ size_t soil_surfaces_bytes(const struct soil_surfaces *surfaces)
 	size_t words = 0;
 	for (int i = 0; i < SURFACES; i++)
 		if (surfaces->kept[i].memory != NULL)
-			words += 9 * ((size_t)surfaces->kept[i].source_vertices + surfaces->kept[i].source_count);
+			words += 9 * (size_t)surfaces->kept[i].source_vertices + 15 * (size_t)surfaces->kept[i].source_count;
 	return words * sizeof(uint32_t);
 }

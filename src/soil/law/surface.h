@@ -14,6 +14,18 @@ struct soil_surface {
 	int32_t (*across)[3];      /* the triangle across the edge from a corner to the next; -1: none, or it is not closed */
 	bool closed;               /* each edge has two triangles, and all can look outwards */
 	float *turned[3];          /* room for the vertices in an attitude */
+	/* Only if it is closed. Triangles that turn little at their common edges make up a smooth piece. */
+	float (*normals)[3];       /* of triangles: outwards */
+	uint32_t *pieces;          /* of triangles */
+	uint32_t piece_count;
+	float *level, *top;        /* room for numbers of pieces in an attitude */
+	bool drum;                 /* it is round about `axis`, which goes through the object's centre, and has flat ends; m */
+	double axis[3], radius, width;
+	bool even;                 /* the drum's facets are so narrow that it counts as round. Then `mean` is its radius: that of a circle with the area of its
+				    * outline */
+	double mean;
+	bool block;                /* it is a block along the object's axes; m */
+	double sides[3];
 	/* What it was made of, to know the mesh again. */
 	float (*source)[3];
 	uint32_t (*source_triangles)[3];

@@ -1,106 +1,12 @@
-/* Heights beside a mesh, and how much lower it was during its motion: see fine.h. */
+/* How much lower a mesh was during its motion, and the lowest places of cells: see fine.h. */
 #include "soil/law/fine.h"
 
 #define SAMPLES_MOST 128 /* of a motion */
-
-/* --- beside the mesh --- */
 
 SOIL_INLINED bool is_drawn(float height)
 {
 	return height < 0.5f * FINE_NONE;
 }
-
-/* Continues a row from the end of a run of places. from: the last place of the run; inner: the one before it, or the same. to: the last place to set. */
-static void go_on(float *row, int32_t from, int32_t inner, int32_t to, float bound)
-{
-	const float slope = row[from] - row[inner];
-	const int32_t way = to < from ? -1 : 1;
-	float height = row[from];
-	for (int32_t i = from + way; i != to + way; i += way) {
-		height = clamped(height + slope, -bound, bound);
-		row[i] = height;
-	}
-}
-
-/* Fills a row beside and between its runs of places that are drawn. Returns false if it has none. */
-static bool fill_row(float *row, int32_t columns, float bound)
-{
-	int32_t first = 0, last = columns - 1;
-	while (first < columns && !is_drawn(row[first]))
-		first++;
-	if (first == columns)
-		return false;
-	while (!is_drawn(row[last]))
-		last--;
-	for (int32_t i = first; i < last; i++) {
-		if (is_drawn(row[i + 1]))
-			continue;
-		int32_t next = i + 2;
-		while (!is_drawn(row[next]))
-			next++;
-		const int32_t middle = (i + next) / 2;
-		go_on(row, i, i > first && is_drawn(row[i - 1]) ? i - 1 : i, middle, bound);
-		go_on(row, next, is_drawn(row[next + 1]) && next < last ? next + 1 : next, middle + 1, bound);
-		i = next - 1;
-	}
-	if (first > 0)
-		go_on(row, first, first < last ? first + 1 : first, 0, bound);
-	if (last < columns - 1)
-		go_on(row, last, last > first ? last - 1 : last, columns - 1, bound);
-	return true;
-}
-
-/* Continues rows from a filled one. inner: the row before it, or the same. */
-SOIL_CLONED static void next_row(const float *restrict from, const float *restrict inner, float *restrict to, int32_t columns, float bound)
-{
-	for (int32_t i = 0; i < columns; i++)
-		to[i] = clamped(2 * from[i] - inner[i], -bound, bound);
-}
-
-static void copy_rows(float *heights, const struct soil_fine *fine, int32_t from, int32_t inner, int32_t to, float bound)
-{
-	const int32_t way = to < from ? -1 : 1;
-	const size_t stride = (size_t)fine->stride;
-	for (int32_t row = from + way; row != to + way; row += way) {
-		float *next = heights + (size_t)row * stride;
-		if (inner == from)
-			memcpy(next, heights + (size_t)(row - way) * stride, (size_t)fine->columns * sizeof *next);
-		else
-			next_row(next - way * fine->stride, next - 2 * way * fine->stride, next, fine->columns, bound);
-	}
-}
-
-void soil_fine_fill(const struct soil_fine_work *work, const struct soil_fine *fine, float bound)
-{
-	float *heights = work->heights;
-	const size_t stride = (size_t)fine->stride;
-	const float most_height = most(bound, 0);
-	int32_t first = -1, last = -1, before = -1;
-	memcpy(heights, work->drawn, stride * (size_t)fine->rows * sizeof *heights);
-	for (int32_t row = 0; row < fine->rows; row++) {
-		if (!fill_row(heights + (size_t)row * stride, fine->columns, most_height))
-			continue;
-		/* Rows between two parts of the mesh. */
-		if (last >= 0 && row > last + 1) {
-			const int32_t middle = (last + row) / 2;
-			copy_rows(heights, fine, last, last, middle, most_height);
-			copy_rows(heights, fine, row, row, middle + 1, most_height);
-		}
-		before = last == row - 1 ? last : row;
-		first = first < 0 ? row : first;
-		last = row;
-	}
-	if (first < 0) {
-		for (size_t i = 0; i < stride * (size_t)fine->rows; i++)
-			heights[i] = most_height;
-	} else {
-		const bool second = first < last && is_drawn(heights[(size_t)(first + 1) * stride]);
-		copy_rows(heights, fine, first, second ? first + 1 : first, 0, most_height);
-		copy_rows(heights, fine, last, before, fine->rows - 1, most_height);
-	}
-}
-
-/* --- its motion --- */
 
 /* Lowers a row to where the mesh was `share` of its motion ago. near, far: the rows of the raster that are there, so many places on. */
 SOIL_INLINED void swept_row(const float *restrict near, const float *restrict far, float p, float q, float fell, float share, int32_t from, int32_t to, int32_t by,
@@ -179,11 +85,12 @@ void soil_fine_swept(const struct soil_fine_work *work, const struct soil_form *
 	const float before = fabsf(way[2]) <= run ? least(form->half_across / run, 1) : 0;
 	const int32_t own = (int32_t)clamped(ceilf(run * fine->by_step), 1, SAMPLES_MOST), earlier = (int32_t)ceilf(before * (float)own);
 	const float turned[2] = {fine->axis[0] * way[0] - fine->axis[1] * way[1], fine->axis[1] * way[0] + fine->axis[0] * way[1]};
-	memcpy(work->swept, work->drawn, count * sizeof *work->swept);
+	const float *drawn = work->any_wall ? work->walls : work->drawn;
+	memcpy(work->swept, drawn, count * sizeof *work->swept);
 	memset(work->since, 0, count * sizeof *work->since);
 	for (int32_t i = 1; i <= own + earlier; i++) {
 		const float share = (float)i / (float)own, shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
-		swept_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
+		swept_to(fine, drawn, shift, share * way[2], share, work->swept, work->since);
 		if (i == own)
 			soil_fine_passed(work, fine);
 	}
