@@ -199,6 +199,28 @@ static void put_rolling(struct soil_form *form)
 	}
 }
 
+/* Sets how long a rim is above a place: time_of of bear_block.h, which is the same all around a rim, and for its bars. Wong and Reece count the slip of a
+ * place of the rim for as long as it is in the soil. So a rim or a belt that stands while its body goes on is the limit of one that runs slowly. */
+static void put_times(const struct soil_body *body, struct soil_form *form, const double way[3])
+{
+	const bool rim = form->kind == FORM_RIM;
+	const double yaw = body->motion->to.yaw, plan = (double)form->passes[0], radius = (double)form->radius;
+	const double turns = sqrt((double)dot3(form->turning, form->turning)) * radius, ran = sqrt((double)dot3(form->rolling, form->rolling)) * radius;
+	const double forward = rim ? (double)form->way[0] : way[0] * cos(yaw) + way[1] * sin(yaw);
+	double times[2], rolls[2];
+	form->ahead = plan > 0 ? (float)(forward * forward / (plan * plan)) : 1;
+	if (plan > 0 && (rim || body->motion->shape->belt))
+		form->stands = (float)(plan * plan / (plan * plan + turns * turns));
+	for (int k = 0; k < 2; k++) {
+		const double passes = (double)form->passes[k], share = ran > 0.1 * passes ? fmax(passes / ran, 0.1) : 10;
+		times[k] = 1 + (share - 1) * (double)(form->ahead * form->rolls);
+		rolls[k] = fmax(fmin(10 * ran / fmax(passes, 1e-30), 1), (double)form->stands);
+	}
+	form->rim_time[0] = (float)(1 - rolls[0]);
+	form->rim_time[1] = (float)(rolls[0] * times[0]);
+	form->rim_digs = (float)(1 + rolls[1] * (times[1] - 1));
+}
+
 static void put_motion(const struct soil_law *law, struct soil_body *body, struct soil_form *form, const double way[3])
 {
 	const struct soil_motion *motion = body->motion;
@@ -228,6 +250,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 	form->passes[1] = (float)hypot(plan, rise);
 	form->along_ground = plan > 0 ? (float)(hypot(plan, rise) / plan) : 1;
 	form->rolls = (float)level_share(fmax(plan, turned), way[2]);
+	put_times(body, form, way);
 	for (int k = 0; k < 2; k++)
 		form->by_way[k] = plan > 0 ? (float)((double)form->way[k] / fmax(plan * plan, 1e-12)) : 0;
 	form->moved = (float)fmin(plan / (double)form->half_across, 1);
