@@ -111,7 +111,7 @@ SOIL_INLINED float dig_way(const struct soil_form *f, enum soil_form_kind kind, 
 	const float running[2] = {-rolls[1] * reach - rolls[2] * y - f->ran * f->belt[1], rolls[2] * x + rolls[0] * reach + f->ran * f->belt[0]};
 	const float u = f->way[0] * f->along_ground - turns[1] * reach - turns[2] * y + running[0], v = f->way[1] * f->along_ground + turns[2] * x + turns[0] * reach + running[1];
 	const float way = sqrtf(u * u + v * v), time = kind == FORM_RIM ? f->rim_digs : time_of(f, running, f->passes[1], 1);
-	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * time;
+	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * either(f->ground_normals > 0, 1, time);
 }
 
 /* --- 1 to 3 --- */
