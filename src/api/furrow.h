@@ -264,6 +264,8 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * contact.state is FURROW_UNKNOWN, and its numbers are NaN, off the terrain, for a body with a path, and for one that was not
  * placed. It is so under all soil models but scm, and where a state lies hundreds of working posts from the body's last contact.
  * A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
+ * A host may leave the turns of a wheel or a sphere out of its poses. If it did so in the last step, the body turns here by `angular`, for as long
+ * as its way takes at `linear`.
  * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,

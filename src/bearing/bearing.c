@@ -83,9 +83,8 @@ void bearing_destroy(struct bearing *bearing)
 {
 	if (bearing == NULL)
 		return;
-	for (size_t i = 0; i < bearing->region_count; i++)
-		bearing_region_finish(bearing, &bearing->regions[i]);
 	mem_free(bearing->regions);
+	mem_free(bearing->memory);
 	soil_block_set_finish(&bearing->active);
 	soil_block_set_finish(&bearing->next);
 	bearing_window_finish(&bearing->window);

@@ -22,7 +22,8 @@ static struct bearing *hand_of(struct bearing *main)
 	hand->tally = (struct deform_tally){.compacted = 0};
 	hand->held = NULL;
 	hand->regions = NULL;
-	hand->held_room = hand->held_count = hand->region_count = hand->region_room = 0;
+	hand->memory = NULL;
+	hand->held_room = hand->held_count = hand->region_count = hand->region_room = hand->memory_room = 0;
 	hand->contacts = hand->feels = hand->slid = hand->results = hand->results_most = 0;
 	return hand;
 }

@@ -30,6 +30,7 @@ struct bearing_window {
 struct bearing_region {
 	struct post_rect blocks; /* columns and rows of blocks */
 	struct post_rect reads, writes;
+	size_t at;                   /* of its posts in bearing->memory */
 	int32_t *offset, *deposited; /* of `writes`; offset NULL: not computed yet; deposited NULL: the model does not keep it */
 };
 
@@ -92,6 +93,8 @@ struct bearing {
 	int64_t held_tallest;        /* rows of posts of the tallest shadow */
 	struct bearing_region *regions;
 	size_t region_count, region_room;
+	int32_t *memory;             /* for the results of its regions; used again for each interval */
+	size_t memory_room;          /* numbers */
 	struct soil_block_set next;  /* blocks that stay active */
 	uint64_t contacts, feels, slid; /* computed: contacts, contacts whose forces alone were asked, and regions */
 	uint64_t results, results_most; /* posts of regions that wait to be put back: now, and at most */
@@ -139,9 +142,5 @@ enum status bearing_hold(struct bearing *bearing, const struct deform_rest *obje
 enum status bearing_hold_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
 /* Marks posts that they hold, in the window. It looks at those near the window alone. STATUS_MEMORY. */
 enum status bearing_hold_near(struct bearing *bearing) FURROW_CHECKED;
-
-/* interval.c */
-/* Frees the result of a region, if it has one. */
-void bearing_region_finish(struct bearing *bearing, struct bearing_region *region);
 
 #endif

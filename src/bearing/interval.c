@@ -18,18 +18,17 @@ static uint64_t posts_in(struct post_rect rect)
 	return (uint64_t)(rect.x1 - rect.x0) * (uint64_t)(rect.y1 - rect.y0);
 }
 
-void bearing_region_finish(struct bearing *bearing, struct bearing_region *region)
+static void finish_region(struct bearing *bearing, struct bearing_region *region)
 {
 	if (region->offset != NULL)
 		bearing->results -= posts_in(region->writes);
-	mem_free(region->offset);
 	region->offset = region->deposited = NULL;
 }
 
 static void finish_regions(struct bearing *bearing)
 {
 	for (size_t i = 0; i < bearing->region_count; i++)
-		bearing_region_finish(bearing, &bearing->regions[i]);
+		finish_region(bearing, &bearing->regions[i]);
 	bearing->region_count = 0;
 }
 
@@ -78,6 +77,26 @@ static enum status cut(struct bearing *bearing)
 	return status;
 }
 
+/* Makes room for what all regions will have computed. */
+static enum status need_results(struct bearing *bearing)
+{
+	const size_t planes = bearing->planes & PLANE_BIT(PLANE_DEPOSITED) ? 2 : 1;
+	size_t numbers = 0;
+	for (size_t i = 0; i < bearing->region_count; i++) {
+		bearing->regions[i].at = numbers;
+		numbers += planes * (size_t)posts_in(bearing->regions[i].writes);
+	}
+	if (numbers <= bearing->memory_room)
+		return STATUS_OK;
+	mem_free(bearing->memory);
+	bearing->memory_room = 0;
+	bearing->memory = mem_alloc(numbers, sizeof *bearing->memory);
+	if (bearing->memory == NULL)
+		return fail_memory("relaxation");
+	bearing->memory_room = numbers;
+	return STATUS_OK;
+}
+
 enum status bearing_interval_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count, struct bearing_interval *interval)
 {
 	const struct soil_block *blocks;
@@ -89,6 +108,8 @@ enum status bearing_interval_begin(struct bearing *bearing, const struct deform_
 		status = bearing_hold_begin(bearing, objects, count);
 	if (status == STATUS_OK && block_count > 0)
 		status = cut(bearing);
+	if (status == STATUS_OK && block_count > 0)
+		status = need_results(bearing);
 	interval->regions = bearing->region_count;
 	soil_block_set_clear(&bearing->next);
 	return status;
@@ -133,9 +154,7 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	status = soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words);
 	if (status != STATUS_OK)
 		return status;
-	region->offset = mem_alloc((planes->deposited != NULL ? 2 : 1) * width * height, sizeof *region->offset);
-	if (region->offset == NULL)
-		return fail_memory("relaxation");
+	region->offset = bearing->main->memory + region->at;
 	region->deposited = planes->deposited != NULL ? region->offset + width * height : NULL;
 	bearing->results += posts_in(region->writes);
 	for (size_t row = 0; row < height; row++) {
@@ -157,7 +176,7 @@ enum status bearing_interval_scatter(struct bearing *bearing, size_t number, con
 		status = resident_host_write(bearing->slots, held[i].slot, planes);
 	if (status == STATUS_OK)
 		resident_host_scatter(bearing->slots, held, count, &from, region->writes, planes);
-	bearing_region_finish(bearing, region);
+	finish_region(bearing, region);
 	return status;
 }
 

@@ -48,6 +48,24 @@ static double distance(const struct track_point *a, const struct track_point *b,
 	return length;
 }
 
+/* Without attitudes, a body faces along the segment that begins at the knot. Where it is at rest it faces the way it went, or at the beginning
+ * the way it will go. */
+static void face_along(struct track *track)
+{
+	struct knot *knots = track->knots;
+	size_t still = 0; /* so many knots at the beginning are at one place */
+	for (size_t i = 0; i + 1 < track->count; i++) {
+		const double dx = knots[i + 1].at.x - knots[i].at.x, dy = knots[i + 1].at.y - knots[i].at.y;
+		const bool moves = dx != 0 || dy != 0;
+		knots[i].at.yaw = moves ? atan2(dy, dx) : i > 0 ? knots[i - 1].at.yaw : 0;
+		for (; moves && still < i; still++)
+			knots[still].at.yaw = knots[i].at.yaw;
+		still = moves ? track->count : still;
+	}
+	if (track->count > 1)
+		knots[track->count - 1].at.yaw = knots[track->count - 2].at.yaw;
+}
+
 enum status motion_track_create(const struct scene_path *path, double post, double turn_reach, struct track **out)
 {
 	assert(path->count >= 1);
@@ -62,7 +80,7 @@ enum status motion_track_create(const struct scene_path *path, double post, doub
 	track->post = post;
 	track->speed = path->speed;
 	track->timed = path->timed;
-	track->turns = path->timed && !path->cornered;
+	track->turns = path->timed && path->has_attitude && !path->cornered;
 	track->delay = path->timed ? 0 : path->delay;
 	track->origin_x = lattice_offset(path->points[0].x);
 	track->origin_y = lattice_offset(path->points[0].y);
@@ -100,12 +118,8 @@ enum status motion_track_create(const struct scene_path *path, double post, doub
 	}
 	track->length = knots[track->count - 1].length;
 	track->loop = closed && track->length > 0;
-	/* Without attitudes, a body faces along the segment that begins at the knot; at the last knot, along the segment before it. */
-	for (size_t i = 0; i < track->count && !path->has_attitude; i++) {
-		size_t a = i + 1 < track->count ? i : i > 0 ? i - 1 : 0, b = a + 1 < track->count ? a + 1 : a;
-		double dx = knots[b].at.x - knots[a].at.x, dy = knots[b].at.y - knots[a].at.y;
-		knots[i].at.yaw = dx != 0 || dy != 0 ? atan2(dy, dx) : i > 0 ? knots[i - 1].at.yaw : 0;
-	}
+	if (!path->has_attitude)
+		face_along(track);
 	if (!track->timed)
 		for (size_t i = 0; i < track->count; i++)
 			knots[i].at.time = track->delay + (track->speed > 0 ? knots[i].length / track->speed : 0);

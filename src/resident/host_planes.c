@@ -5,9 +5,10 @@
 
 /* --- planes --- */
 
-static struct host_plane *make_plane(size_t bytes)
+/* zeros: new memory is zeros already where nothing was written to it, and takes no time there. */
+static struct host_plane *make_plane(size_t bytes, bool zeros)
 {
-	struct host_plane *plane = mem_alloc(1, sizeof *plane + bytes);
+	struct host_plane *plane = zeros ? mem_calloc(1, sizeof *plane + bytes) : mem_alloc(1, sizeof *plane + bytes);
 	if (plane != NULL) {
 		atomic_init(&plane->refs, 1);
 		plane->next = NULL;
@@ -15,9 +16,10 @@ static struct host_plane *make_plane(size_t bytes)
 	return plane;
 }
 
-/* Takes a free plane, or makes one. Its content is undefined. NULL: out of memory. */
-static struct host_plane *take(struct host_slots *slots, int plane)
+/* Takes a free plane, or makes one. zeros: all its posts are 0; else its content is undefined. NULL: out of memory. */
+static struct host_plane *take(struct host_slots *slots, int plane, bool zeros)
 {
+	const size_t bytes = slots->posts * plane_bytes((enum plane)plane);
 	mutex_lock(&slots->mutex);
 	struct host_plane *held = slots->free[plane];
 	if (held != NULL)
@@ -26,9 +28,11 @@ static struct host_plane *take(struct host_slots *slots, int plane)
 	if (held != NULL) {
 		held->next = NULL;
 		atomic_store_explicit(&held->refs, 1, memory_order_relaxed);
+		if (zeros)
+			memset(held->posts, 0, bytes);
 		return held;
 	}
-	held = make_plane(slots->posts * plane_bytes((enum plane)plane));
+	held = make_plane(bytes, zeros);
 	if (held == NULL)
 		return NULL;
 	mutex_lock(&slots->mutex);
@@ -64,16 +68,14 @@ static bool is_alone(const struct host_plane *held)
 static enum status write_plane(struct host_slots *slots, struct host_tile *tile, int plane)
 {
 	struct host_plane *had = tile->planes[plane];
-	const size_t bytes = slots->posts * plane_bytes((enum plane)plane);
+	const bool copies = had != NULL && had != slots->zeros;
 	if (had != NULL && is_alone(had))
 		return STATUS_OK;
-	struct host_plane *made = take(slots, plane);
+	struct host_plane *made = take(slots, plane, !copies);
 	if (made == NULL)
 		return fail_memory("a plane of a tile");
-	if (had != NULL && had != slots->zeros)
-		memcpy(made->posts, had->posts, bytes);
-	else
-		memset(made->posts, 0, bytes);
+	if (copies)
+		memcpy(made->posts, had->posts, slots->posts * plane_bytes((enum plane)plane));
 	tile->planes[plane] = made;
 	if (had != NULL)
 		let_go(slots, plane, had);

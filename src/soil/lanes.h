@@ -15,6 +15,12 @@
 #endif
 /* A function that becomes part of each function that calls it. */
 #define SOIL_INLINED static inline __attribute__((always_inline))
+/* Before a loop of as many turns as a vector has lanes. Without it gcc may write a line for each turn. */
+#ifdef __clang__
+#define SOIL_WHOLE
+#else
+#define SOIL_WHOLE _Pragma("GCC unroll 1")
+#endif
 /* Before a loop: no turn of it needs what another turn wrote, and no two arrays overlap. */
 #ifdef __clang__
 #define SOIL_APART

@@ -133,8 +133,7 @@ static void fill_jacobians(const struct step *step)
 			rows[k * nv + (size_t)geom->dof] -= geom->sprocket * step->list[i].forward[k];
 	}
 	mju_copy(step->solved, step->jacobian, (int)(step->rows * nv));
-	for (size_t r = 0; r < step->rows; r++)
-		vehicle_solve_factored(step->mass, step->solved + r * nv, nv);
+	vehicle_solve_rows(step->mass, step->solved, step->rows, nv);
 	for (size_t r = 0; r < step->rows; r++)
 		for (size_t c = 0; c < step->rows; c++)
 			step->inverse[r * step->rows + c] = mju_dot(step->solved + r * nv, step->jacobian + c * nv, (int)nv);
@@ -221,16 +220,46 @@ static void displacement(const struct vehicle *vehicle, const struct contact *co
 	mju_quat2Vel(moved + 3, turn, 1);
 }
 
-/* Copies the part of a matrix that resists. Rotations are measured in lengths of the body, so that they compare with ways. */
-static void take_resisting(const double from[6][6], double length, double to[6][6])
+/* Multiplies rotations and moments by a length. */
+static void scale(const double from[6][6], double length, double to[6][6])
+{
+	for (int i = 0; i < 6; i++)
+		for (int j = 0; j < 6; j++)
+			to[i][j] = from[i][j] * ((i < 3 ? 1 : length) * (j < 3 ? 1 : length));
+}
+
+static void scale_back(const double from[6][6], double length, double to[6][6])
 {
 	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++)
 			to[i][j] = from[i][j] / ((i < 3 ? 1 : length) * (j < 3 ? 1 : length));
-	vehicle_make_negative(to);
-	for (int i = 0; i < 6; i++)
-		for (int j = 0; j < 6; j++)
-			to[i][j] *= (i < 3 ? 1 : length) * (j < 3 ? 1 : length);
+}
+
+/* Copies the parts of the contacts' matrices that resist. Rotations are measured in lengths of the body, so that they compare with ways. */
+static void take_resisting(struct step *step)
+{
+	_Static_assert(VEHICLE_ABREAST % 2 == 0, "two matrices of a contact");
+	double(*list[VEHICLE_ABREAST])[6];
+	size_t listed = 0;
+	for (size_t i = 0; i < step->count; i++) {
+		struct contact *contact = &step->list[i];
+		const struct world_contact *from = &contact->geom->contact;
+		const double length = soil_shape_bound(&contact->geom->shape);
+		scale_back(from->stiffness, length, contact->stiffness);
+		scale_back(from->damping, length, contact->damping);
+		list[listed++] = contact->stiffness;
+		list[listed++] = contact->damping;
+		if (listed < VEHICLE_ABREAST && i + 1 < step->count)
+			continue;
+		vehicle_make_negative(list, listed);
+		listed = 0;
+	}
+	for (size_t i = 0; i < step->count; i++) {
+		struct contact *contact = &step->list[i];
+		const double length = soil_shape_bound(&contact->geom->shape);
+		scale((const double(*)[6])contact->stiffness, length, contact->stiffness);
+		scale((const double(*)[6])contact->damping, length, contact->damping);
+	}
 }
 
 /* Adds the damping of shear to the force and to the gain. */
@@ -251,11 +280,9 @@ static void fill_rows(struct step *step, size_t index)
 {
 	struct contact *contact = &step->list[index];
 	const struct soil_geom *geom = contact->geom;
-	const double *free = step->free + 6 * index, h = step->h, length = soil_shape_bound(&geom->shape);
+	const double *free = step->free + 6 * index, h = step->h;
 	double *force = step->force + 6 * index, moved[6], at[6];
 	displacement(step->vehicle, contact, moved);
-	take_resisting((const double(*)[6])geom->contact.stiffness, length, contact->stiffness);
-	take_resisting((const double(*)[6])geom->contact.damping, length, contact->damping);
 	for (int i = 0; i < 3; i++) {
 		at[i] = geom->now.linear[i] - geom->now.belt.speed * contact->forward[i];
 		at[3 + i] = geom->now.angular[i];
@@ -273,6 +300,7 @@ static void fill_rows(struct step *step, size_t index)
 
 static void fill_system(struct step *step)
 {
+	take_resisting(step);
 	for (size_t i = 0; i < step->count; i++)
 		fill_rows(step, i);
 	for (size_t r = 0; r < step->rows; r++) {
@@ -443,6 +471,7 @@ bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *iner
 	/* The soil's forces at the velocities of now. */
 	for (size_t r = 0; r < step.rows; r++)
 		step.free[r] = mju_dot(step.jacobian + r * (size_t)nv, data->qvel, nv);
+	take_resisting(&step);
 	for (size_t i = 0; i < step.count; i++)
 		fill_rows(&step, i);
 	fill_inertia(&step, inertia);

@@ -2,6 +2,10 @@
 
 #include <math.h>
 
+#include "base/wide.h"
+
+#define MOST_ABREAST 128 /* unknowns; larger systems are solved one after another */
+
 static size_t pivot_of(const double *a, size_t n, size_t column)
 {
 	size_t best = column;
@@ -79,6 +83,43 @@ void vehicle_solve_factored(const double *a, double *b, size_t n)
 	}
 }
 
+/* The same for systems side by side. x: n x VEHICLE_ABREAST. */
+FURROW_WIDE static void solve_abreast(const double *a, double (*restrict x)[VEHICLE_ABREAST], size_t n)
+{
+	for (size_t i = 0; i < n; i++) {
+		for (size_t k = 0; k < i; k++)
+			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
+				x[i][lane] -= a[i * n + k] * x[k][lane];
+		for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
+			x[i][lane] /= a[i * n + i];
+	}
+	for (size_t i = n; i-- > 0;) {
+		for (size_t k = i + 1; k < n; k++)
+			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
+				x[i][lane] -= a[k * n + i] * x[k][lane];
+		for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
+			x[i][lane] /= a[i * n + i];
+	}
+}
+
+void vehicle_solve_rows(const double *a, double *rows, size_t count, size_t n)
+{
+	double x[MOST_ABREAST][VEHICLE_ABREAST];
+	size_t first = 0;
+	for (; n <= MOST_ABREAST && first + VEHICLE_ABREAST <= count; first += VEHICLE_ABREAST) {
+		double *row = rows + first * n;
+		for (size_t i = 0; i < n; i++)
+			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
+				x[i][lane] = row[lane * n + i];
+		solve_abreast(a, x, n);
+		for (size_t i = 0; i < n; i++)
+			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
+				row[lane * n + i] = x[i][lane];
+	}
+	for (; first < count; first++)
+		vehicle_solve_factored(a, rows + first * n, n);
+}
+
 static bool is_negative(double a[6][6])
 {
 	double minus[36];
@@ -88,47 +129,79 @@ static bool is_negative(double a[6][6])
 	return vehicle_factor(minus, 6);
 }
 
-/* One rotation of Jacobi's: a' = r^T a r has no entry at (p, q); v collects the rotations. */
-static void rotate(double a[6][6], double v[6][6], int p, int q)
+/* Matrices side by side: a wide vector has a number of each. */
+struct abreast {
+	double a[6][6][VEHICLE_ABREAST], v[6][6][VEHICLE_ABREAST];
+};
+
+static inline void turn(double *restrict x, double *restrict y, const double *restrict cosine, const double *restrict sine)
 {
-	if (a[p][q] == 0)
-		return;
-	const double ratio = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-	const double t = (ratio >= 0 ? 1 : -1) / (fabs(ratio) + sqrt(1 + ratio * ratio)), c = 1 / sqrt(1 + t * t), s = t * c;
-	for (int k = 0; k < 6; k++) {
-		const double x = a[k][p], y = a[k][q];
-		a[k][p] = c * x - s * y;
-		a[k][q] = s * x + c * y;
-	}
-	for (int k = 0; k < 6; k++) {
-		const double x = a[p][k], y = a[q][k], vx = v[k][p], vy = v[k][q];
-		a[p][k] = c * x - s * y;
-		a[q][k] = s * x + c * y;
-		v[k][p] = c * vx - s * vy;
-		v[k][q] = s * vx + c * vy;
+	for (int i = 0; i < VEHICLE_ABREAST; i++) {
+		const double was_x = x[i], was_y = y[i];
+		x[i] = cosine[i] * was_x - sine[i] * was_y;
+		y[i] = sine[i] * was_x + cosine[i] * was_y;
 	}
 }
 
-void vehicle_make_negative(double a[6][6])
+/* One rotation of Jacobi's: a' = r^T a r has no entry at (p, q); v collects the rotations. */
+static inline void rotate(struct abreast *m, int p, int q)
 {
-	double v[6][6] = {{0}}, kept[6];
-	for (int i = 0; i < 6; i++)
-		for (int j = 0; j < i; j++)
-			a[i][j] = a[j][i] = (a[i][j] + a[j][i]) / 2;
-	if (is_negative(a))
-		return;
-	for (int i = 0; i < 6; i++)
-		v[i][i] = 1;
+	double cosine[VEHICLE_ABREAST], sine[VEHICLE_ABREAST];
+	for (int i = 0; i < VEHICLE_ABREAST; i++) {
+		const double here = m->a[p][q][i], ratio = (m->a[q][q][i] - m->a[p][p][i]) / (2 * here);
+		const double t = (ratio >= 0 ? 1.0 : -1.0) / (fabs(ratio) + sqrt(1 + ratio * ratio)), c = 1 / sqrt(1 + t * t);
+		cosine[i] = here == 0 ? 1 : c;
+		sine[i] = here == 0 ? 0 : t * c;
+	}
+	for (int k = 0; k < 6; k++)
+		turn(m->a[k][p], m->a[k][q], cosine, sine);
+	for (int k = 0; k < 6; k++) {
+		turn(m->a[p][k], m->a[q][k], cosine, sine);
+		turn(m->v[k][p], m->v[k][q], cosine, sine);
+	}
+}
+
+FURROW_WIDE static void rotate_all(struct abreast *m)
+{
 	for (int round = 0; round < 8; round++)
 		for (int p = 0; p < 5; p++)
 			for (int q = p + 1; q < 6; q++)
-				rotate(a, v, p, q);
-	for (int i = 0; i < 6; i++)
-		kept[i] = fmin(a[i][i], 0);
+				rotate(m, p, q);
+}
+
+static void keep_negative(const struct abreast *m, size_t lane, double a[6][6])
+{
+	double kept[6];
+	for (int k = 0; k < 6; k++)
+		kept[k] = fmin(m->a[k][k][lane], 0);
 	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++) {
 			a[i][j] = 0;
 			for (int k = 0; k < 6; k++)
-				a[i][j] += v[i][k] * kept[k] * v[j][k];
+				a[i][j] += m->v[i][k][lane] * kept[k] * m->v[j][k][lane];
 		}
+}
+
+void vehicle_make_negative(double (*const list[])[6], size_t count)
+{
+	struct abreast m = {.v = {{{0}}}};
+	size_t lanes[VEHICLE_ABREAST], used = 0; /* lanes: their places in the list */
+	for (size_t n = 0; n < count; n++) {
+		double(*a)[6] = list[n];
+		for (int i = 0; i < 6; i++)
+			for (int j = 0; j < i; j++)
+				a[i][j] = a[j][i] = (a[i][j] + a[j][i]) / 2;
+		if (is_negative(a))
+			continue;
+		for (int i = 0; i < 6; i++) {
+			m.v[i][i][used] = 1;
+			for (int j = 0; j < 6; j++)
+				m.a[i][j][used] = a[i][j];
+		}
+		lanes[used++] = n;
+	}
+	if (used > 0)
+		rotate_all(&m);
+	for (size_t i = 0; i < used; i++)
+		keep_negative(&m, i, list[lanes[i]]);
 }

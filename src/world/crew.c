@@ -8,7 +8,7 @@
 
 #define CREW_BODIES 8     /* a world with fewer bodies has no crew */
 #define CREW_MOST 8       /* threads */
-#define HANDS_EACH 2      /* groups or regions that wait for each thread */
+#define HANDS_EACH 8      /* groups or regions that wait for each thread */
 #define POSTS_LEAST 16384 /* that are read; less is computed by one thread */
 
 size_t world_crew_members(const struct world *world)

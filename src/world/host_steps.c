@@ -17,8 +17,8 @@
 #include "world/internal.h"
 
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
-#define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
 #define FLATTER 4.0       /* m in plan for each metre of sinking: a body that sank steeply and then goes more level than this leaves a dip */
+#define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
 
 static size_t index_of(const struct world *world, int32_t number)
 {
@@ -232,7 +232,7 @@ double world_turning_reach(const struct soil_shape *shape)
 	return shape->kind == SOIL_WHEEL || shape->kind == SOIL_SPHERE ? 0 : M_SQRT1_2 * soil_shape_bound(shape);
 }
 
-bool world_goes_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+static bool goes_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
 	const struct soil_pose *from = &host->body.last, *at = &host->felt;
 	double before[2], after[2];
@@ -252,9 +252,9 @@ bool world_goes_back(const struct world *world, const struct host_body *host, co
  * Tells whether the motion turns at the pose of the last step. There the body leaves a dip, goes or slides back, or sinks after it slid. A contact is taken
  * as straight, so one must end there. Shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
  */
-static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+bool world_turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
-	return (host->body.in_contact && !host->fresh && leaves_dip(world, host, to, rotated)) || world_goes_back(world, host, to, turned, rotated);
+	return (host->body.in_contact && !host->fresh && leaves_dip(world, host, to, rotated)) || goes_back(world, host, to, turned, rotated);
 }
 
 /* Computes only the forces, without changing the ground. */
@@ -318,7 +318,7 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 		turned = ran_to(host, &to) - host->turned;
 	for (int k = 0; k < 3; k++)
 		rotated[k] = host->now.angular[k] * seconds;
-	if (turns_back(world, host, &to, turned, rotated)) {
+	if (world_turns_back(world, host, &to, turned, rotated)) {
 		const struct soil_pose at = host->felt;
 		status = touch(world, number, &at, until - seconds);
 		if (status != STATUS_OK)

@@ -349,7 +349,7 @@ enum status world_body_place(struct world *world, int32_t number, const struct w
 	if (status != STATUS_OK)
 		return status;
 	host->placed = world->unplaced = true;
-	host->has_next = host->posed_linear = host->posed_angular = false;
+	host->has_next = host->posed_linear = host->posed_angular = host->unposed = false;
 	host->rates_far = 0;
 	host->now = (struct world_state){.pose = *pose};
 	world->near.stale = true;

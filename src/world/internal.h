@@ -42,6 +42,9 @@ double world_spin(const struct soil_pose *pose, const double angular[3]);
 bool world_rates_given(const double rate[3]);
 /* Replaces velocities of `state` that were not given by those of the straight motion from a pose to that state. 0 s: they are 0. */
 void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);
+/* For a round body whose host leaves its turns out of its poses. Returns how long its way to a state takes at the state's velocity, s. For others: 0.
+ * Such a body turns as its angular velocity says, as in a step. */
+double world_rates_unposed(const struct host_body *host, const struct world_state *state);
 /* Moves a body to where its host set it for the step that begins, which takes `seconds`. Velocities are known afterwards. */
 void world_rates_take(struct host_body *host, double seconds);
 
@@ -75,9 +78,9 @@ bool world_is_quiet(const struct world *world, size_t index); /* a host's body w
 
 /* Moves the host's bodies to the places that the host gave. The motion takes `seconds` and ends at time `until`. */
 enum status world_hosts_step(struct world *world, double seconds, double until) FURROW_CHECKED;
-/* Tells whether a contact ends at the pose of the last step: the body goes or slides back there, or sinks after it slid. to, turned, rotated: of the next
- * step. */
-bool world_goes_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3]);
+/* Tells whether a contact ends at the pose of the last step. There the body leaves a dip, goes or slides back, or sinks after it slid. to, turned,
+ * rotated: of the next step. */
+bool world_turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3]);
 /* Returns the shape of the hollow that a contact leaves. 1: an impression of the body, where it sank. 0: a flat rut, where it moved on. */
 double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to);
 /* Adds the host's bodies that rest on the ground to `rests`. Returns their number. */

@@ -28,9 +28,10 @@ static struct soil_motion whole_motion(const struct host_body *host, const struc
 {
 	const struct scene_object *object = host->body.object;
 	const bool known = host->body.in_contact && !host->fresh;
+	const double unposed = world_rates_unposed(host, state);
 	struct soil_motion motion = {
 		.shape = &object->shape, .interface = object->interface, .from = known ? host->body.last : *to, .to = *to, .stamped = host->stamped,
-		.turned = host->turned + remainder(to->turn - now->turn, 2 * M_PI), .hosted = true,
+		.turned = host->turned + remainder(to->turn - now->turn, 2 * M_PI) + world_spin(to, state->angular) * unposed, .hosted = true,
 	};
 	if (object->shape.belt) {
 		const struct world_belt *belt = world_belt_of(host, state);
@@ -41,6 +42,7 @@ static struct soil_motion whole_motion(const struct host_body *host, const struc
 	const int64_t place[3] = {to->x, to->y, to->z};
 	for (int k = 0; k < 3; k++) {
 		motion.rotated[k] += host->rotated[k];
+		motion.rotated[k] += unposed * state->angular[k];
 		motion.beyond[k] = rint((state->pose.position[k] - lattice_offset_metres(place[k])) * 0x1p40) * 0x1p-40;
 	}
 	memcpy(motion.linear, state->linear, sizeof motion.linear);
@@ -49,8 +51,8 @@ static struct soil_motion whole_motion(const struct host_body *host, const struc
 }
 
 /*
- * Gives the motion that a step to this state would end with. Where the body goes back, the step makes a contact first, up to where the body is. Then that
- * comes before. Returns true if there is one. A dip that the step would leave does not count: a host that looks for a height would find the edge of the dip.
+ * Gives the motion that a step to this state would end with. Where the motion turns at the pose of the last step, the step makes a contact up to there
+ * first. Then that comes before. Returns true if there is one.
  */
 static bool motion_of(const struct world *world, const struct host_body *host, const struct world_state *state, const struct soil_pose *now, const struct soil_pose *to,
 		      struct soil_motion *motion, struct soil_motion *before)
@@ -60,7 +62,7 @@ static bool motion_of(const struct world *world, const struct host_body *host, c
 	turned = motion->turned - host->turned;
 	for (int k = 0; k < 3; k++)
 		rotated[k] = motion->rotated[k] - host->rotated[k];
-	if (host->quiet || !world_goes_back(world, host, to, turned, rotated))
+	if (host->quiet || !world_turns_back(world, host, to, turned, rotated))
 		return false;
 	*before = *motion;
 	before->to = motion->from = host->felt;

@@ -56,16 +56,40 @@ static bool are_far(const double given[3], const double posed[3])
 	return length_of(between) > fmax(FAR * fmax(length_of(given), length_of(posed)), SLOW);
 }
 
-/* Nothing shows how a round body is turned about its axle, so many hosts leave its orientation as it is. */
-static bool turns_are_far(const struct host_body *host, const double given[3], const double posed[3], double seconds)
+/* Nothing shows how a round body is turned about its axle, so many hosts leave its orientation as it is. given, posed: rad/s. */
+static bool leaves_turns(const struct host_body *host, const double given[3], const double posed[3])
 {
 	const enum soil_shape_kind kind = host->body.object->shape.kind;
-	const double rate = length_of(given), turns = length_of(posed);
-	if (rate * seconds > ALIKE || turns * seconds > ALIKE)
+	return (kind == SOIL_WHEEL || kind == SOIL_SPHERE) && length_of(posed) < TURNS * length_of(given);
+}
+
+/* Remembers whether the host leaves the turns of this body out of its poses. While it does not turn, what was known holds. */
+static void see_turns(struct host_body *host, const struct world_state *next, double seconds)
+{
+	double linear[3], posed[3];
+	rates_of(&host->now.pose, &next->pose, seconds, linear, posed);
+	if (!world_rates_given(next->angular))
+		host->unposed = false;
+	else if (length_of(next->angular) > 0 && seconds > 0)
+		host->unposed = leaves_turns(host, next->angular, posed);
+}
+
+double world_rates_unposed(const struct host_body *host, const struct world_state *state)
+{
+	const double *from = host->now.pose.position, *to = state->pose.position, *v = state->linear;
+	double along = 0, squares = 0;
+	for (int k = 0; k < 3; k++) {
+		along += (to[k] - from[k]) * v[k];
+		squares += v[k] * v[k];
+	}
+	return host->unposed && along > 0 ? along / squares : 0;
+}
+
+static bool turns_are_far(const struct host_body *host, const double given[3], const double posed[3], double seconds)
+{
+	if (length_of(given) * seconds > ALIKE || length_of(posed) * seconds > ALIKE)
 		return false;
-	if ((kind == SOIL_WHEEL || kind == SOIL_SPHERE) && turns < TURNS * rate)
-		return false;
-	return are_far(given, posed);
+	return !leaves_turns(host, given, posed) && are_far(given, posed);
 }
 
 static void watch(struct host_body *host, const struct world_state *next, double seconds)
@@ -101,6 +125,7 @@ void world_rates_take(struct host_body *host, double seconds)
 		watch(host, &next, seconds);
 		host->posed_linear = !world_rates_given(next.linear);
 		host->posed_angular = !world_rates_given(next.angular);
+		see_turns(host, &next, seconds);
 		world_rates_fill(&host->now.pose, seconds, &next);
 		host->now = next;
 	} else {

@@ -1,5 +1,6 @@
 /*
  * A plate that a host drags over the soil and turns back. Its shear goes over along Janosi's curve, in rows of any length: no row jumps.
+ * So does the pull of a wheel with a load. There the ground is as the wheel left it, so a contact changes little of what the next probe tells.
  */
 #include "../support/near.h"
 #include "../support/program.h"
@@ -82,10 +83,83 @@ static void a_plate_that_turns_back_follows_janosis_curve(void **state)
 	}
 }
 
+#define LOAD 500.0 /* N */
+#define RADIUS 0.3 /* m */
+
+/* Sets the height at which the soil bears the load. */
+static void settle(struct furrow_world *world, furrow_body body, struct furrow_state *at)
+{
+	double low = at->pose.position[2] - 0.01, high = at->pose.position[2] + 0.01;
+	for (int i = 0; i < 30; i++) {
+		at->pose.position[2] = 0.5 * (low + high);
+		*(probing_ask(world, body, at).force[2] > LOAD ? &low : &high) = at->pose.position[2];
+	}
+}
+
+struct jumps {
+	double pull, told, after; /* N, at most: from row to row; step and probe before it; step and probe after it */
+};
+
+/* A wheel rolls there and back under its load, with a slip of 0.2, in rows of 5 mm. turned: its host turns its poses too. */
+static struct jumps roll_back(double spacing, bool turned)
+{
+	struct furrow_world *world = NULL;
+	char scene[200];
+	const char *store = support_path("wheel.furrow");
+	const double row = 0.005, axle[3] = {0, 1, 0};
+	snprintf(scene, sizeof scene, "{scene: 1, time_step: 0.02, spacing: %g, soil: {name: dry_sand}, redistribute: {model: scm}, cache: {slots: 64}}", spacing);
+	support_store(store, probing_extent, hosted_flat);
+	const struct furrow_open open = hosted_open(scene, store);
+	done(furrow_world_open(&open, &world));
+	assert_non_null(world);
+	struct furrow_state at = hosted_state(20.013, 20.007, 100 + RADIUS);
+	struct jumps jumps = {0};
+	double before = NAN;
+	furrow_body body;
+	done(furrow_body_add(world, "{shape: {wheel: {radius: 0.3, width: 0.2}}}", &body));
+	done(furrow_place(world, body, &at.pose));
+	for (int i = 0; i < 100; i++) {
+		const double way = i < 60 ? row : -row, turn = way / (0.8 * RADIUS);
+		struct furrow_contact told;
+		at.pose.position[0] += way;
+		at.linear[0] = way / 0.02;
+		at.angular[1] = turn / 0.02;
+		if (turned)
+			probing_turn(axle, turn, at.pose.orientation);
+		settle(world, body, &at);
+		const struct furrow_contact probed = probing_ask(world, body, &at);
+		probing_step(world, body, &at, 0.02);
+		done(furrow_get_contacts(world, 1, &body, &told, sizeof told));
+		const struct furrow_contact after = probing_ask(world, body, &at);
+		if (i >= 55) {
+			jumps.pull = support_most(jumps.pull, fabs(told.force[0] - before));
+			jumps.told = support_most(jumps.told, fabs(told.force[2] - probed.force[2]));
+			jumps.after = support_most(jumps.after, fabs(told.force[2] - after.force[2]));
+		}
+		before = told.force[0];
+	}
+	done(furrow_world_close(world));
+	return jumps;
+}
+
+static void a_wheel_that_turns_back_pulls_less_by_and_by(void **state)
+{
+	static const double spacings[] = {0.03125, 0.015625, 0.0078125}, told[] = {90, 30, 13}, after[] = {100, 80, 50}; /* N */
+	(void)state;
+	for (int i = 0; i < 6; i++) {
+		const struct jumps jumps = roll_back(spacings[i / 2], i % 2);
+		print_message("posts %g m%s: its pull changes by up to %.1f N from row to row; a step differs by up to %.2f N from the probe before it, %.1f N after it\n", spacings[i / 2],
+			      i % 2 ? ", poses turn" : "", jumps.pull, jumps.told, jumps.after);
+		assert_true(jumps.pull < 40);
+		assert_true(jumps.told < told[i / 2] && jumps.after < after[i / 2]);
+	}
+}
+
 TEST_PROGRAM(reversal)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_plate_that_turns_back_follows_janosis_curve),
+		cmocka_unit_test(a_wheel_that_turns_back_pulls_less_by_and_by),
 	};
 	return cmocka_run_group_tests_name("api/reversal", tests, support_enter, support_leave);
 }

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "motion/motion.h"
+#include "../support/near.h"
 #include "../support/program.h"
 
 static struct track *track_of(struct scene_path *path, const double (*points)[2])
@@ -123,6 +124,22 @@ static void a_timed_path_that_stands_still_is_there_from_when_it_came(void **sta
 	track = track_of(&path, points);
 	assert_int_equal(motion_track_samples(track), 1);
 	assert_true(motion_track_sample_time(track, 0) == 1);
+	motion_track_destroy(track);
+}
+
+/* Rows far apart, with a right angle: no body slides along its way sideways. */
+static void without_yaws_a_timed_path_looks_the_way_it_goes(void **state)
+{
+	struct scene_waypoint waypoints[6] = {{.t = 0}, {.t = 1}, {.t = 5}, {.t = 9}, {.t = 10}, {.t = 12}};
+	const double points[][2] = {{1, 1}, {1, 1}, {1, 9}, {9, 9}, {9, 9}, {7, 9}}, yaws[] = {90, 90, 0, 0, 180};
+	struct scene_path path = {.points = waypoints, .count = 6, .timed = true};
+	struct track *track = track_of(&path, points);
+	for (int i = 0; i < 5; i++)
+		for (int k = 1; k < 4; k++) {
+			struct track_point point;
+			motion_track_at(track, waypoints[i].t + 0.25 * k * (waypoints[i + 1].t - waypoints[i].t), &point);
+			assert_near(point.yaw, yaws[i] * M_PI / 180, 1e-12);
+		}
 	motion_track_destroy(track);
 }
 
@@ -256,6 +273,7 @@ TEST_PROGRAM(track)
 		cmocka_unit_test(a_loop_returns_to_its_start_for_ever),
 		cmocka_unit_test(a_timed_path_keeps_its_times_and_turns_the_short_way),
 		cmocka_unit_test(a_timed_path_that_stands_still_is_there_from_when_it_came),
+		cmocka_unit_test(without_yaws_a_timed_path_looks_the_way_it_goes),
 		cmocka_unit_test(a_single_point_is_one_station),
 		cmocka_unit_test(where_a_path_leaves_is_found),
 		cmocka_unit_test(the_most_samples_of_an_interval_are_known),

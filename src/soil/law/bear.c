@@ -14,7 +14,7 @@
 
 /* Whole numbers of each lane. */
 struct counts {
-	int32_t force[3][LANES], moment[3][LANES], pull[LANES], area[LANES], saturated[LANES], deepest[LANES];
+	int32_t force[3][LANES], moment[3][LANES], pull[LANES], area[LANES], saturated[LANES];
 	float grows[LANES];
 };
 
@@ -50,6 +50,7 @@ SOIL_INLINED void add_brims(const struct soil_form *f, bool asked, float unit, c
 			    struct counts *counts, struct lane_changes *changes)
 {
 	const float post = f->spacing * f->spacing;
+	struct lane_brims brims;
 	if (!any_above(f->lean < 0 ? p->side_left : p->side_right, 0))
 		return;
 	EACH_LANE {
@@ -65,35 +66,29 @@ SOIL_INLINED void add_brims(const struct soil_form *f, bool asked, float unit, c
 		counts->grows[i] += place.area * place.sinks * place.normal[2] * unit;
 		counts->area[i] += (int32_t)(place.ground * BEAR_AREA_UNITS + 0.5f);
 		if (asked) {
-			const float area = place.area * post, up[3] = {-p->rise_x[i], -p->rise_y[i], 1};
-			float column[6], row[6], along[2][6];
-			put_both(place.arm, place.normal, column);
-			put_both(place.arm, up, row);
-			put_both(place.arm, place.across[0], along[0]);
-			put_both(place.arm, place.across[1], along[1]);
-			add_outer(column, column, -area * place.damps, i, changes->damping);
-			add_outer(column, row, -area * place.sinks, i, changes->stiffness);
-			for (int j = 0; j < 2; j++)
-				for (int k = 0; k < 2; k++) {
-					add_outer(along[j], along[k], -area * place.strength * place.shears[j][k], i, changes->stiffness);
-					add_outer(along[j], along[k], -area * place.drags[j][k], i, changes->damping);
-				}
-			add_figures(p, i, &place, area, shear, changes);
+			put_brim_lane(p, i, &place, place.area * post, &brims);
+			add_figures(p, i, &place, place.area * post, shear, changes);
 		}
 	}
+	if (asked)
+		add_brim_changes(&brims, changes);
 }
 
-SOIL_INLINED int64_t total(const int32_t counts[LANES])
+/* Sums of each lane, in units of struct soil_sums. */
+struct lane_sums {
+	int64_t force[3][LANES], moment[3][LANES], pull[LANES], area[LANES], saturated[LANES];
+	int32_t deepest[LANES];
+};
+
+SOIL_INLINED void add_counts(const int32_t counts[LANES], int64_t sums[LANES])
 {
-	int64_t sum = 0;
-	for (int i = 0; i < LANES; i++)
-		sum += counts[i];
-	return sum;
+	SOIL_WHOLE
+	EACH_LANE sums[i] += counts[i];
 }
 
-/* Rounds what the lanes bear to whole numbers, and adds them up. */
+/* Rounds what the lanes bear to whole numbers, and adds them. */
 SOIL_INLINED void count(const struct soil_form *f, const struct lane_posts *p, float unit, const struct block *l, const float stresses[7][LANES],
-			struct counts *c, struct soil_sums *sums)
+			struct counts *c, struct lane_sums *sums)
 {
 	EACH_LANE {
 		float large = 0;
@@ -107,19 +102,37 @@ SOIL_INLINED void count(const struct soil_form *f, const struct lane_posts *p, f
 		c->saturated[i] = large > BEAR_MOST ? 1 : 0;
 		const bool bears = (c->area[i] > 0) & (p->over[i] > 0);
 		const float deep = l->depth[i] + l->more[i]; /* below the base: */
-		c->deepest[i] = bears ? whole_of(least(deep, 2000) * 1048576.0f) - p->deposited[i] : 0;
+		const int32_t deepest = bears ? whole_of(least(deep, 2000) * 1048576.0f) - p->deposited[i] : 0;
+		sums->deepest[i] = deepest > sums->deepest[i] ? deepest : sums->deepest[i];
 	}
 	for (int k = 0; k < 3; k++) {
-		sums->force[k] += total(c->force[k]);
-		sums->moment[k] += total(c->moment[k]);
+		add_counts(c->force[k], sums->force[k]);
+		add_counts(c->moment[k], sums->moment[k]);
 	}
-	sums->pull += total(c->pull);
-	sums->area += total(c->area);
-	sums->saturated += total(c->saturated);
-	EACH_LANE {
-		sums->deepest = c->deepest[i] > sums->deepest ? c->deepest[i] : sums->deepest;
-		sums->grows += (double)c->grows[i];
+	add_counts(c->pull, sums->pull);
+	add_counts(c->area, sums->area);
+	add_counts(c->saturated, sums->saturated);
+}
+
+static int64_t total(const int64_t lanes[LANES])
+{
+	int64_t sum = 0;
+	for (int i = 0; i < LANES; i++)
+		sum += lanes[i];
+	return sum;
+}
+
+static void total_sums(const struct lane_sums *lanes, struct soil_sums *sums)
+{
+	for (int k = 0; k < 3; k++) {
+		sums->force[k] = total(lanes->force[k]);
+		sums->moment[k] = total(lanes->moment[k]);
 	}
+	sums->pull = total(lanes->pull);
+	sums->area = total(lanes->area);
+	sums->saturated = total(lanes->saturated);
+	for (int i = 0; i < LANES; i++)
+		sums->deepest = lanes->deepest[i] > sums->deepest ? lanes->deepest[i] : sums->deepest;
 }
 
 /* --- a block --- */
@@ -138,25 +151,29 @@ SOIL_INLINED void keep(const struct lane_posts *p, size_t b, const struct block 
 struct asked {
 	int32_t raised;
 	float share;
-	struct soil_sums *sums;
+	struct lane_sums *sums;
+	double *grows; /* struct soil_sums; a search alone asks for it */
 	struct soil_kept *kept;
 	struct lane_changes *changes; /* NULL: not asked */
 };
 
 SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool asked, const struct soil_posts *posts, const struct asked *a)
 {
-	const float unit = BEAR_UNITS_A_PASCAL / a->share;
-	for (size_t b = 0; b < posts->count; b += LANES) {
-		if (a->kept == NULL && !any_above(posts->room + b, (float)a->raised * SOIL_UNIT + f->beyond))
+	const float unit = BEAR_UNITS_A_PASCAL / a->share, raised = (float)a->raised * SOIL_UNIT + f->beyond;
+	const bool sparse = a->kept == NULL && are_sparse(posts, raised);
+	struct waiting waiting = {.next = 0};
+	struct lane_posts lanes;
+	for (size_t b = 0; sparse ? take_waiting(posts, raised, &waiting, &lanes) : b < posts->count; b += LANES) {
+		if (a->kept == NULL && !sparse && !any_above(posts->room + b, raised))
 			continue;
-		struct lane_posts lanes;
 		const struct lane_posts *p = &lanes;
 		struct block l;
 		struct spots spots;
 		struct counts counts;
 		struct lane_places all;
 		float stresses[7][LANES] = {{0}};
-		take_lanes(posts, b, &lanes);
+		if (!sparse)
+			take_lanes(posts, b, &lanes);
 		memset(counts.area, 0, sizeof counts.area);
 		memset(counts.grows, 0, sizeof counts.grows);
 		put_depths(f, kind, p, a->raised, &l);
@@ -168,7 +185,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			keep(p, b, &l, a->kept);
 		if (!any_above(l.share, 0))
 			continue;
-		put_memory(f, p, &l);
+		put_memory(f, kind, p, &l);
 		if (!knows_places(kind))
 			put_beneath(f, kind, p, &l);
 		put_line(f, kind, p, &l);
@@ -183,6 +200,8 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		if (asked)
 			add_changes(f, kind, p, &l, &all, a->changes);
 		count(f, p, unit, &l, (const float(*)[LANES])stresses, &counts, a->sums);
+		for (int i = 0; i < LANES && a->kept == NULL && !asked; i++)
+			*a->grows += (double)counts.grows[i];
 	}
 }
 
@@ -223,11 +242,14 @@ void soil_bear(const struct soil_form *form, const struct soil_posts *posts, int
 		[FORM_RIM] = bear_rim, [FORM_BALL] = bear_ball, [FORM_CAPSULE] = bear_capsule, [FORM_BOX] = bear_box, [FORM_END] = bear_end, [FORM_RASTER] = bear_raster,
 	};
 	struct lane_changes lanes;
+	struct lane_sums counted;
 	if (changes != NULL)
 		memset(&lanes, 0, sizeof lanes);
+	memset(&counted, 0, sizeof counted);
 	*sums = (struct soil_sums){.deepest = 0};
-	const struct asked asked = {raised, share, sums, kept, changes != NULL ? &lanes : NULL};
+	const struct asked asked = {raised, share, &counted, &sums->grows, kept, changes != NULL ? &lanes : NULL};
 	forms[form->kind](form, posts, &asked);
+	total_sums(&counted, sums);
 	if (changes == NULL)
 		return;
 	for (int k = 0; k < 3; k++) {

@@ -18,7 +18,7 @@ struct soil_sums {
 	int64_t held;                      /* posts on which the body lies */
 	int64_t saturated;                 /* posts with a larger stress than can be counted */
 	int32_t deepest;                   /* fixed-point units: of the lower envelope below the base, where it bears */
-	double grows;                      /* of the vertical force as the body sinks, units for each m */
+	double grows;                      /* of the vertical force as the body sinks, units for each m. Without `kept` and `changes` alone; else 0 */
 };
 
 /* What a probe adds up beside these: the body's frame; forces come before moments, translations before rotations. N, m, rad. */

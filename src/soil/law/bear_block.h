@@ -14,8 +14,8 @@ _Static_assert(LANES == 16, "total_real");
 struct lane_posts {
 #define LANE_WHOLE(name) int32_t name[LANES];
 #define LANE_REAL(name) float name[LANES];
-	POSTS_WHOLES_EACH(LANE_WHOLE)
-	POSTS_REALS_EACH(LANE_REAL)
+	POSTS_LAW_WHOLES_EACH(LANE_WHOLE)
+	POSTS_LAW_REALS_EACH(LANE_REAL)
 #undef LANE_WHOLE
 #undef LANE_REAL
 };
@@ -23,9 +23,80 @@ struct lane_posts {
 SOIL_INLINED void take_lanes(const struct soil_posts *posts, size_t b, struct lane_posts *p)
 {
 #define LANE_TAKE(name) memcpy(p->name, posts->name + b, sizeof p->name);
-	POSTS_WHOLES_EACH(LANE_TAKE)
-	POSTS_REALS_EACH(LANE_TAKE)
+	POSTS_LAW_WHOLES_EACH(LANE_TAKE)
+	POSTS_LAW_REALS_EACH(LANE_TAKE)
 #undef LANE_TAKE
+}
+
+/* --- posts that bear nothing --- */
+
+/*
+ * A search and a probe need only posts that the body may touch. If there are others in most blocks, they are left out: their lanes take posts of the blocks
+ * that follow. Each lane has its posts in their order, so its sums of real numbers have the same bits.
+ */
+#define WAITING_BLOCKS 8
+#define ALL_LANES ((1u << LANES) - 1)
+struct waiting {
+	size_t next, end;                /* blocks in which lanes wait lie between */
+	uint32_t lanes[WAITING_BLOCKS];  /* a bit for each lane, of block b at b % WAITING_BLOCKS */
+};
+
+/* Tells whether leaving them out saves a sixth of the blocks, at least. */
+SOIL_CLONED static bool are_sparse(const struct soil_posts *restrict posts, float than)
+{
+	int32_t counts[LANES] = {0}, fills = 0, blocks = 0;
+	for (size_t b = 0; b < posts->count; b += LANES) {
+		int32_t any = 0;
+		SOIL_WHOLE
+		EACH_LANE {
+			const int32_t waits = posts->room[b + (size_t)i] > than ? 1 : 0;
+			counts[i] += waits;
+			any |= waits;
+		}
+		blocks += any;
+	}
+	SOIL_WHOLE
+	EACH_LANE fills = counts[i] > fills ? counts[i] : fills;
+	return 6 * fills <= 5 * blocks;
+}
+
+/* Copies the posts of some lanes. */
+SOIL_INLINED void take_some(const struct soil_posts *posts, size_t b, uint32_t lanes, struct lane_posts *p)
+{
+	struct lane_posts all;
+	take_lanes(posts, b, &all);
+#define LANE_TAKE(name) p->name[i] = (lanes >> i & 1) != 0 ? all.name[i] : p->name[i];
+	EACH_LANE {
+		POSTS_LAW_WHOLES_EACH(LANE_TAKE)
+		POSTS_LAW_REALS_EACH(LANE_TAKE)
+	}
+#undef LANE_TAKE
+}
+
+/* Takes the next post of each lane whose room is above a height. Returns false if there is none. */
+SOIL_CLONED static bool take_waiting(const struct soil_posts *restrict posts, float than, struct waiting *restrict w, struct lane_posts *restrict p)
+{
+	const size_t blocks = soil_posts_end(posts) / LANES;
+	uint32_t open = ALL_LANES;
+	for (size_t b = w->next; open != 0 && b < blocks && b < w->next + WAITING_BLOCKS; b++) {
+		uint32_t *waits = &w->lanes[b % WAITING_BLOCKS];
+		if (b == w->end) {
+			*waits = 0;
+			for (int i = 0; i < LANES; i++)
+				*waits |= posts->room[b * LANES + (size_t)i] > than ? 1u << i : 0;
+			w->end++;
+		}
+		const uint32_t takes = *waits & open;
+		if (takes != 0 && open == ALL_LANES)
+			take_lanes(posts, b * LANES, p);
+		else if (takes != 0)
+			take_some(posts, b * LANES, takes, p);
+		open &= ~takes;
+		*waits &= ~takes;
+		w->next += b == w->next && *waits == 0;
+	}
+	EACH_LANE p->share[i] = (open >> i & 1) != 0 ? 0 : p->share[i];
+	return open != ALL_LANES;
 }
 
 /* What one evaluation knows of a block of posts. Heights and depths are in metres. */
@@ -36,7 +107,10 @@ struct block {
 	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
 	float more[LANES];              /* what slip digs */
 	float springs[LANES];           /* 1: the soil holds shear, and springs back or is loaded anew */
+	float yields[LANES];            /* Pa: at the largest sinkage before */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
+	float unknown[LANES];           /* by how much the way before the motion would have lowered the post more than it remembers */
+	float bottom[LANES];            /* of a rim: rim_bottom */
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 };
@@ -48,10 +122,10 @@ SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
 
 SOIL_INLINED bool any_above(const float numbers[LANES], float than)
 {
-	float highest = numbers[0];
-	for (int i = 1; i < LANES; i++)
-		highest = most(highest, numbers[i]);
-	return highest > than;
+	uint32_t any = 0;
+	SOIL_WHOLE
+	EACH_LANE any |= numbers[i] > than ? 1 : 0;
+	return any != 0;
 }
 
 /* --- how a surface slides --- */
@@ -165,12 +239,13 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 		l->was[i] = p->was[i];
 		l->more[i] = 0;
 		l->share[i] = either(p->room[i] > (float)raised * SOIL_UNIT + f->beyond, p->share[i], 0);
-		l->plastic[i] = 0;
+		l->yields[i] = l->plastic[i] = 0;
 	}
 	if (any_above(p->was, 0))
 		EACH_LANE {
 			const struct stress_soil s = soil_of(p, i);
-			l->plastic[i] = plastic_of(&s, l->was[i]);
+			l->yields[i] = yield_stress(&s, l->was[i]);
+			l->plastic[i] = plastic_part(&s, l->was[i], l->yields[i]);
 		}
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
@@ -248,10 +323,10 @@ SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, st
 		return;
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
-		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = yield_stress(&s, was);
+		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = l->yields[i];
 		const float before = strength_at(f, &s, yields, plastic, by_elastic, up * (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT);
 		const float now = strength_at(f, &s, yields, plastic, by_elastic, up * l->depth[i]), way = l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1);
-		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 0, least(SHEAR_LENIENT * before / most(now * pays * pays, 1e-9f), 1), 1));
+		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 2 * SOIL_UNIT, least(SHEAR_LENIENT * before / most(now * pays * pays, 1e-9f), 1), 1));
 		l->springs[i] = either((share < 1) & (up * l->depth[i] < was), 1, 0);
 		p->shear_x[i] *= share;
 		p->shear_y[i] *= share;
@@ -292,9 +367,9 @@ SOIL_INLINED void put_beneath(const struct soil_form *f, enum soil_form_kind kin
 SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, float x, float y,
 			    float *since)
 {
-	*since = f->passes[0];
+	*since = 1;
 	if (knows_places(kind))
-		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], since);
+		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], l->bottom[i], l->unknown[i], since);
 	const struct course course = course_of(f);
 	struct face face = {.height = 0};
 	face_at(f, kind, p->own[i], x, y, &face);
@@ -308,14 +383,19 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 
 /* The stored sinkage counts for the post's whole cell. Where the body bore at the motion's start, it has the shape of the lower envelope there
  * (printed). Else it is a flat rut, or the impression of a body that hardly moved (stamped). */
-SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
 		const float stays = l->plastic[i] * p->by_up[i], whole = l->was[i] * p->by_up[i] - stays;
 		const float before = l->depth[i] + p->height[i] - p->print[i] + f->way[2];
 		l->printed[i] = f->prints * clamped((before - stays + 4 * SOIL_LEAST) / most(whole, 1e-9f), 0, 1);
 		l->stamped[i] = either(l->was[i] > 0, f->stamps, 0);
+		l->bottom[i] = rim_bottom(f, p->rise_x[i]);
 		l->back[i] = either(p->over[i] > 0, f->run + least(f->run, f->half_across), 1e3f);
+		/* The body may have come another way: it turned back, or sank. At the post itself it was no lower than the post remembers. */
+		float since;
+		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &since);
+		l->unknown[i] = either((p->over[i] > 0) & (f->outer <= f->radius), most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
 		 * motion since the first touch gives, the body stood on it before it moved, or left it. Then the places differ less. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);

@@ -246,26 +246,60 @@ SOIL_INLINED void add_changes(const struct soil_form *f, enum soil_form_kind kin
 	}
 }
 
-/* Adds a column times a row to a matrix of a lane. */
-SOIL_INLINED void add_outer(const float column[6], const float row[6], float by, int i, float matrix[6][6][LANES])
+/* --- the lower end of a rim --- */
+
+/* Products of columns and rows that are added to the matrices of the lanes: how the normal stress grows, then shear, and damping. */
+struct lane_brims {
+	float normal[6][LANES], up[6][LANES], along[2][6][LANES]; /* a force along each of these, and its moment */
+	float sinks[LANES], damps[LANES], shears[2][2][LANES], drags[2][2][LANES];
+};
+
+SOIL_INLINED void put_both(const float arm[3], const float v[3], int i, float both[6][LANES])
 {
-	for (int r = 0; r < 6; r++) {
-		const float times = by * column[r];
-		matrix[r][0][i] += times * row[0];
-		matrix[r][1][i] += times * row[1];
-		matrix[r][2][i] += times * row[2];
-		matrix[r][3][i] += times * row[3];
-		matrix[r][4][i] += times * row[4];
-		matrix[r][5][i] += times * row[5];
+	float moment[3];
+	cross3(arm, v, moment);
+	for (int k = 0; k < 3; k++) {
+		both[k][i] = v[k];
+		both[3 + k][i] = moment[k];
 	}
 }
 
-SOIL_INLINED void put_both(const float arm[3], const float v[3], float both[6])
+/* area: m2 */
+SOIL_INLINED void put_brim_lane(const struct lane_posts *p, int i, const struct place *place, float area, struct lane_brims *brims)
 {
-	both[0] = v[0];
-	both[1] = v[1];
-	both[2] = v[2];
-	cross3(arm, v, both + 3);
+	const float up[3] = {-p->rise_x[i], -p->rise_y[i], 1};
+	put_both(place->arm, place->normal, i, brims->normal);
+	put_both(place->arm, up, i, brims->up);
+	put_both(place->arm, place->across[0], i, brims->along[0]);
+	put_both(place->arm, place->across[1], i, brims->along[1]);
+	brims->sinks[i] = -area * place->sinks;
+	brims->damps[i] = -area * place->damps;
+	for (int j = 0; j < 2; j++)
+		for (int k = 0; k < 2; k++) {
+			brims->shears[j][k][i] = -area * place->strength * place->shears[j][k];
+			brims->drags[j][k][i] = -area * place->drags[j][k];
+		}
+}
+
+/* Adds the normal's column times a row, and those along the surface. by: of the first; along: of the others. */
+SOIL_INLINED void add_outer(const struct lane_brims *brims, float row[6][LANES], const float by[LANES], float along[2][2][LANES], float matrix[6][6][LANES])
+{
+	for (int r = 0; r < 6; r++)
+		for (int k = 0; k < 6; k++)
+			EACH_LANE {
+				float sum = matrix[r][k][i] + by[i] * brims->normal[r][i] * row[k][i];
+				sum += along[0][0][i] * brims->along[0][r][i] * brims->along[0][k][i];
+				sum += along[0][1][i] * brims->along[0][r][i] * brims->along[1][k][i];
+				sum += along[1][0][i] * brims->along[1][r][i] * brims->along[0][k][i];
+				sum += along[1][1][i] * brims->along[1][r][i] * brims->along[1][k][i];
+				matrix[r][k][i] = sum;
+			}
+}
+
+SOIL_INLINED void add_brim_changes(struct lane_brims *brims, struct lane_changes *changes)
+{
+	add_outer(brims, brims->up, brims->sinks, brims->shears, changes->stiffness);
+	add_outer(brims, brims->normal, brims->damps, brims->drags, changes->damping);
 }
 
 #endif

@@ -13,7 +13,7 @@
 
 /* The soil at a place of each lane. */
 struct spots {
-	float x[LANES], y[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], holds[LANES];
+	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], holds[LANES];
 };
 
 SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, const struct block *l, float at,
@@ -24,15 +24,16 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		const float on = 0.5f * (l->first[i] + l->last[i]) + at * (l->last[i] - l->first[i]);
 		const float x = l->centre[0][i] + on * l->end[0][i], y = l->centre[1][i] + on * l->end[1][i];
 		const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
-		const float deep = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
+		const float height = height_at(f, kind, p->own[i], x, y), deep = l->depth[i] + p->height[i] + rise - height;
 		float since;
 		const float lower = lower_at(f, kind, p, i, l, x, y, &since);
 		spots->x[i] = x;
 		spots->y[i] = y;
+		spots->height[i] = height;
 		spots->deep[i] = deep;
 		spots->most[i] = deep + lower;
 		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
-		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since / most(f->passes[0], 1e-9f), 1), 1);
+		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since, 1), 1);
 		spots->part[i] = 0.25f * l->share[i] * (l->last[i] - l->first[i]); /* of two places, on a line from -1 to 1 */
 		const float later = ((x - p->x[i]) * f->by_way[0] + (y - p->y[i]) * f->by_way[1]) * l->lasts[i];
 		spots->touching[i] = l->slides[i] * most(lasted(p, i, l->passed[i]) - later, 0);
@@ -121,6 +122,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	const struct stress_soil s = soil_of(p, i);
 	const float up = p->up[i], x = spots->x[lane], y = spots->y[lane], largest = spots->most[lane], z = up * spots->deep[lane], yields = spots->yields[lane];
 	face_at(f, kind, p->own[i], x, y, face);
+	face->height = spots->height[lane];
 	normal_of(f, p, i, face, place->normal);
 	put_across(place->normal, place->across);
 	place->arm[0] = x;
@@ -153,7 +155,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 
 /* --- the lower end of a rim that leans --- */
 
-/* It covers less than a post in plan, so it is summed beside the last cell. Its shear is followed along its way, in so many steps: it turns over the
+/* It covers less than a post in plan, so it is summed beside the last cell. Its shear is followed along its way, in four steps: it turns over the
  * soil, downwards ahead of the axle and upwards behind it. */
 #define BRIM_STEPS 4
 
@@ -186,6 +188,16 @@ SOIL_INLINED float brim_since(const struct soil_form *f, const struct edge *edge
 	return either(since < 1e9f, either(since > 1, 1 + (since - 1) * rolled * rolled, since), 1);
 }
 
+/* Follows its shear over one step. back: how long ago, each: how long it was, in motions. */
+SOIL_INLINED void brim_slides(const struct soil_form *f, float back, float each, float by_modulus, struct place *place)
+{
+	const float arm[3] = {place->arm[0] + back * f->way[0], place->arm[1] + back * f->way[1], place->arm[2] + back * f->way[2]};
+	const struct slip slip = slip_at(f, FORM_RIM, arm, place->normal, place->across);
+	const float stays = exp_minus(slip.size * each * by_modulus);
+	place->mobilised[0] = sheared(place->mobilised[0], slip.direction[0], stays);
+	place->mobilised[1] = sheared(place->mobilised[1], slip.direction[1], stays);
+}
+
 /* Gives what the end bears beside a post's cell. It bears the mean of the pressure from 0 to the depth of its edge, by its area in plan. */
 SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, const struct block *l, int i, struct place *place)
 {
@@ -210,13 +222,11 @@ SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct l
 	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
 	const float since = brim_since(f, &edge, mean, edge.strip - out_by / leans), each = since * (1.0f / BRIM_STEPS);
 	place->mobilised[0] = place->mobilised[1] = 0;
-	for (int n = BRIM_STEPS - 1; n >= 0; n--) {
-		const float back = ((float)n + 0.5f) * each, arm[3] = {place->arm[0] + back * f->way[0], place->arm[1] + back * f->way[1], place->arm[2] + back * f->way[2]};
-		const struct slip slip = slip_at(f, FORM_RIM, arm, place->normal, place->across);
-		const float stays = exp_minus(slip.size * each * s.by_modulus);
-		place->mobilised[0] = sheared(place->mobilised[0], slip.direction[0], stays);
-		place->mobilised[1] = sheared(place->mobilised[1], slip.direction[1], stays);
-	}
+	_Static_assert(BRIM_STEPS == 4, "one call each: gcc makes no vectors of a loop in a loop");
+	brim_slides(f, 3.5f * each, each, s.by_modulus, place);
+	brim_slides(f, 2.5f * each, each, s.by_modulus, place);
+	brim_slides(f, 1.5f * each, each, s.by_modulus, place);
+	brim_slides(f, 0.5f * each, each, s.by_modulus, place);
 	if (asked) { /* how the way before this motion changes is left out */
 		const struct slip slip = slip_at(f, FORM_RIM, place->arm, place->normal, place->across);
 		const float turning = (1 - exp_minus(slip.size * least(since, 1) * s.by_modulus)) / most(slip.size, 1e-9f);

@@ -40,7 +40,6 @@ SOIL_CLONED static void cover_rim(const struct soil_form *restrict f, struct soi
 /* Sets height, slope, lowered, print and room of a form whose circles tell how it moved. */
 SOIL_INLINED void lower_round(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
-	const float sinks = either(f->run > 0, 0, most(f->way[2], 0));
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i];
@@ -50,7 +49,7 @@ SOIL_INLINED void lower_round(const struct soil_form *restrict f, enum soil_form
 		p->height[b + i] = face.height;
 		p->slope_x[b + i] = face.slope[0];
 		p->slope_y[b + i] = face.slope[1];
-		p->lowered[b + i] = lowered_at(f, kind, x, y, f->run, 0, &since) + sinks;
+		p->lowered[b + i] = lowered_at(f, kind, x, y, f->run, 0, rim_bottom(f, 0), 0, &since);
 		p->print[b + i] = height_at(f, kind, 0, x + f->way[0], y + f->way[1]);
 		p->own[b + i] = p->above[b + i] = 0;
 	}
@@ -102,7 +101,9 @@ SOIL_INLINED struct passing passing_at(const struct soil_form *f, enum soil_form
  * middle of its motion is not found: path samples are a post apart. */
 SOIL_INLINED void put_lowest(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
-	float from[POSTS_LANES], to[POSTS_LANES], low[POSTS_LANES], above[POSTS_LANES], seeks[POSTS_LANES], any = 0;
+	float from[POSTS_LANES], to[POSTS_LANES], low[POSTS_LANES], above[POSTS_LANES], seeks[POSTS_LANES];
+	uint32_t any = 0;
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const struct passing now = passing_at(f, kind, p->own[b + i], p->x[b + i], p->y[b + i], 0);
 		const struct passing then = passing_at(f, kind, p->own[b + i], p->x[b + i], p->y[b + i], 1);
@@ -112,9 +113,11 @@ SOIL_INLINED void put_lowest(const struct soil_form *restrict f, enum soil_form_
 		to[i] = 1;
 		low[i] = least(either(now.above, now.height, FINE_NONE), either(then.above & !stays, then.height, FINE_NONE));
 		seeks[i] = either(stays | came | !(now.above | then.above), 0, 1);
-		any = most(any, seeks[i]);
 	}
-	for (int k = 0; k < HALVINGS && any > 0; k++)
+	SOIL_WHOLE
+	for (int i = 0; i < POSTS_LANES; i++)
+		any |= seeks[i] > 0 ? 1 : 0;
+	for (int k = 0; k < HALVINGS && any != 0; k++)
 		for (int i = 0; i < POSTS_LANES; i++) {
 			const float middle = 0.5f * (from[i] + to[i]);
 			const struct passing is = passing_at(f, kind, p->own[b + i], p->x[b + i], p->y[b + i], middle);
@@ -123,6 +126,7 @@ SOIL_INLINED void put_lowest(const struct soil_form *restrict f, enum soil_form_
 			from[i] = either(earlier > 0, middle, from[i]);
 			to[i] = either(earlier > 0, to[i], middle);
 		}
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const bool was = (low[i] < 0.5f * FINE_NONE) & (p->base[b + i] != BASE_NODATA);
 		p->swept[b + i] = either(was, 1, 0);
@@ -133,6 +137,7 @@ SOIL_INLINED void put_lowest(const struct soil_form *restrict f, enum soil_form_
 SOIL_INLINED void cover_lanes(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
 	const float own = own_of(f, kind);
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i], over = either(is_above(f, kind, x, y) & (p->base[b + i] != BASE_NODATA), 1, 0);
 		struct face face = {.height = 0};
@@ -153,6 +158,7 @@ SOIL_INLINED void cover_lanes(const struct soil_form *restrict f, enum soil_form
 /* Sets the parts that posts bear of a box' length and width. */
 SOIL_INLINED void put_box_parts(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
 {
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i], over = p->over[b + i], along_step = f->step_aside;
 		const struct part across = part_of(y - along_step, y, y + along_step, f->half[1], along_step);

@@ -205,11 +205,11 @@ SOIL_INLINED float lower_by(const struct soil_form *f, float squares, float x, f
 }
 
 /* The same as lowered_at of a raster. */
-SOIL_INLINED float raster_lowered(const struct soil_form *f, float x, float y, float *since)
+SOIL_INLINED float raster_lowered(const struct soil_form *f, float x, float y, float less_before, float *since)
 {
 	const struct fine_place place = fine_place_at(&f->fine, x, y);
-	*since = f->fine.moved * fine_at(&f->fine, f->fine.since, &place) * f->passes[0];
-	return f->fine.moved * fine_at(&f->fine, f->fine.less, &place) + (1 - f->fine.moved) * most(f->way[2], 0);
+	*since = f->fine.moved * fine_at(&f->fine, f->fine.since, &place);
+	return f->fine.moved * most(fine_at(&f->fine, f->fine.less, &place) - less_before, 0) + (1 - f->fine.moved) * most(f->way[2], 0);
 }
 
 /* Returns true if lowered_at knows the motion of this kind at any place, not at posts alone. */
@@ -218,21 +218,38 @@ SOIL_INLINED bool knows_places(enum soil_form_kind kind)
 	return is_round(kind) || kind == FORM_RASTER;
 }
 
+/* Returns how far ahead of its middle a circle is lowest that moves along ground which rises by `ground` for each metre. */
+SOIL_INLINED float bottom_of(const struct soil_form *f, enum soil_form_kind kind, float ring, float ground)
+{
+	const float rise = kind == FORM_BALL ? ground - f->tilt[0] : ground;
+	return ring * rise / sqrtf(f->lift * f->lift + rise * rise);
+}
+
+/* The same of a rim, all of whose circles have one radius. */
+SOIL_INLINED float rim_bottom(const struct soil_form *f, float ground)
+{
+	return bottom_of(f, FORM_RIM, sqrtf(f->radius * f->radius), ground);
+}
+
 /* Returns how much lower than now a round body was above a place during its last `back` metres. Before its present motion it moved along the
- * ground, which rises by `ground` for each metre. *since: how many metres ago it was lowest. */
-SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float back, float ground, float *since)
+ * ground, which rises by `ground` for each metre. bottom: of a rim, rim_bottom. less_before: by how much less that way lowered it. *since: how many
+ * motions ago it was lowest. */
+SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float back, float ground, float bottom,
+			      float less_before, float *since)
 {
 	if (kind == FORM_RASTER)
-		return raster_lowered(f, x, y, since);
+		return raster_lowered(f, x, y, less_before, since);
 	const float squares = ring_squares(f, kind, y), ring = sqrtf(squares), ahead = ring_ahead(f, kind, x, y);
-	const float rise = kind == FORM_BALL ? ground - f->tilt[0] : ground;
+	const float rise = kind == FORM_BALL ? ground - f->tilt[0] : ground, at_bottom = kind == FORM_RIM ? bottom : bottom_of(f, kind, ring, ground);
 	const float first = ahead + f->run, inside = clamped(ahead, -ring, ring), down = root(squares - ahead * ahead);
 	const float within = clamped(least(most(ring * f->sine, ahead), first), -ring, ring);
-	const float earlier = clamped(least(most(ring * rise / sqrtf(f->lift * f->lift + rise * rise), first), ahead + back), -ring, ring);
+	const float earlier = clamped(least(most(at_bottom, first), ahead + back), -ring, ring);
 	const float less = lower_by(f, squares, within, inside, down) + f->rise * (within - ahead);
-	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * (earlier - ahead) + most(earlier - first, 0) * (rise - f->rise);
-	*since = most(either(before > less, earlier, within) - ahead, 0);
-	return either(f->run > 0, most(most(less, before), 0), 0);
+	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * (earlier - ahead) + most(earlier - first, 0) * (rise - f->rise) - less_before;
+	/* A body that does not go along its circles was lowest at the motion's start, or is so now. */
+	const bool runs = f->run > 0;
+	*since = either(runs, most(either(before > less, earlier, within) - ahead, 0) / most(f->run, 1e-12f), 1);
+	return most(either(runs, most(less, before), f->plunge * f->lift), 0);
 }
 
 /* Adds the second derivatives of a ball's height: xx, xy, yy, 1/m. */

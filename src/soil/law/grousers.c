@@ -54,6 +54,17 @@ static bool moving_of(const double at[3][3], const double way[3], bool resting, 
 	return true;
 }
 
+/* Of numbers, in a line of code: fmin and fmax are calls. */
+static double smaller(double a, double b)
+{
+	return a < b ? a : b;
+}
+
+static double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
 static double along(const double f[3], double x, double y)
 {
 	return f[0] + f[1] * x + f[2] * y;
@@ -61,7 +72,7 @@ static double along(const double f[3], double x, double y)
 
 static double height_of(const struct moving *m, double x, double y)
 {
-	return fmin(fmax(along(m->plane, x, y), m->low), m->high);
+	return smaller(larger(along(m->plane, x, y), m->low), m->high);
 }
 
 /* Gives the shares of the motion, back from its end, at which the triangle is above a place. Returns false if there are none. */
@@ -72,9 +83,9 @@ static bool shares_of(const struct moving *m, double x, double y, double shares[
 	for (int k = 0; k < 3; k++) {
 		const double *edge = m->edges[k], inside = along(edge, x, y) + BESIDE, grows = edge[1] * m->way[0] + edge[2] * m->way[1];
 		if (grows > 0)
-			shares[0] = fmax(shares[0], -inside / grows);
+			shares[0] = larger(shares[0], -inside / grows);
 		else if (grows < 0)
-			shares[1] = fmin(shares[1], -inside / grows);
+			shares[1] = smaller(shares[1], -inside / grows);
 		else if (inside < 0)
 			return false;
 	}
@@ -90,10 +101,10 @@ static void draw_at(const struct drawing *d, const struct moving *m, int32_t col
 		return;
 	for (int k = 0; k < 2; k++) {
 		const double z = height_of(m, x + shares[k] * m->way[0], y + shares[k] * m->way[1]) - shares[k] * m->way[2];
-		d->lowest[at] = fminf(d->lowest[at], (float)z);
+		d->lowest[at] = least(d->lowest[at], (float)z);
 	}
 	if (m->resting && shares[0] <= 0)
-		d->rests[at] = fminf(d->rests[at], (float)height_of(m, x, y));
+		d->rests[at] = least(d->rests[at], (float)height_of(m, x, y));
 }
 
 static int32_t post_from(const struct drawing *d, double place, int axis)

@@ -166,6 +166,7 @@ SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct
 			firsts[lane] = here_first < firsts[lane] ? here_first : firsts[lane];
 			lasts[lane] = here_last > lasts[lane] ? here_last : lasts[lane];
 		}
+	SOIL_WHOLE
 	for (int32_t lane = 0; lane < POSTS_LANES; lane++) {
 		first = firsts[lane] < first ? firsts[lane] : first;
 		last = lasts[lane] > last ? lasts[lane] : last;
@@ -236,8 +237,7 @@ static void cut_mesh(const struct walk *walk, const struct soil_form *form, cons
 
 SOIL_INLINED void take(int32_t *restrict to, const int32_t *restrict from)
 {
-	for (int i = 0; i < POSTS_LANES; i++)
-		to[i] = from[i];
+	memcpy(to, from, POSTS_LANES * sizeof *to);
 }
 
 SOIL_INLINED void take_if_any(int32_t *restrict to, const int32_t *restrict from)
@@ -252,9 +252,10 @@ SOIL_INLINED void take_if_any(int32_t *restrict to, const int32_t *restrict from
 SOIL_CLONED static void take_block(const struct run *restrict run, const double place[restrict 2], const double step[restrict 2], int64_t zero,
 				   struct soil_posts *restrict p, size_t to)
 {
-	SOIL_APART
-	for (int i = 0; i < POSTS_LANES; i++) {
+	for (int i = 0; i < POSTS_LANES; i++)
 		p->index[to + (size_t)i] = run->index + i;
+	SOIL_WHOLE
+	for (int i = 0; i < POSTS_LANES; i++) {
 		p->x[to + (size_t)i] = (float)(place[0] + i * step[0]);
 		p->y[to + (size_t)i] = (float)(place[1] + i * step[1]);
 	}

@@ -10,13 +10,12 @@
 #define POSTS_LANES 16
 #define POSTS_NONE INT32_MAX /* the body is not above the post */
 
-#define POSTS_WHOLES_EACH(EACH) \
-	EACH(index)     /* of the post in the planes */ \
+/* What an evaluation reads. */
+#define POSTS_LAW_WHOLES_EACH(EACH) \
 	EACH(ground)    /* height of the undisturbed surface above the body's centre, fixed-point units */ \
 	EACH(surface)   /* of the surface as it is; fixed-point units above the centre */ \
-	EACH(deposited) EACH(sinkage) EACH(shear) EACH(digs) /* of the planes, before */ \
-	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
-#define POSTS_REALS_EACH(EACH) \
+	EACH(deposited) EACH(shear) /* of the planes, before */
+#define POSTS_LAW_REALS_EACH(EACH) \
 	EACH(x) EACH(y)             /* m, in the body's frame */ \
 	EACH(rise_x) EACH(rise_y)   /* of the base, along the frame's axes */ \
 	EACH(up) EACH(by_up)        /* z of the base's normal, and its inverse */ \
@@ -28,14 +27,23 @@
 	EACH(height) EACH(slope_x) EACH(slope_y) /* of the lower envelope at the post, m above the centre */ \
 	EACH(above)                 /* m: how much lower grousers are there, 0 or less */ \
 	EACH(lowered)               /* m: how much lower the body was there during its motion */ \
-	EACH(swept)                 /* 1: the body was above the post during its motion */ \
 	EACH(entered)               /* raster: how many motions ago the body came above the post */ \
 	EACH(halfway) EACH(begun)   /* raster: how much higher the body was there halfway through its motion, and at its start, m */ \
 	EACH(print)                 /* m: height of the lower envelope where the post was at the motion's start */ \
 	EACH(share) EACH(middle_x) EACH(middle_y) /* the part of the post's cell that the body covers: share of a cell's area, its middle from the post */ \
 	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \
 	EACH(room)                  /* m: the body touches the cell if it is raised by less */ \
-	EACH(k_c) EACH(k_phi) EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) /* struct stress_soil */
+	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) /* struct stress_soil */
+/* And what it does not. */
+#define POSTS_WHOLES_EACH(EACH) \
+	POSTS_LAW_WHOLES_EACH(EACH) \
+	EACH(index)     /* of the post in the planes */ \
+	EACH(sinkage) EACH(digs) /* of the planes, before */ \
+	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
+#define POSTS_REALS_EACH(EACH) \
+	POSTS_LAW_REALS_EACH(EACH) \
+	EACH(swept)                 /* 1: the body was above the post during its motion */ \
+	EACH(k_c) EACH(k_phi)       /* of the soil, for soil_posts_width */
 
 struct soil_posts {
 	size_t count, capacity;
