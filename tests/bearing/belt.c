@@ -117,8 +117,8 @@ static void a_belt_brakes_as_it_draws(void **state)
 	const struct soil_numbers soil = bed_soil("dry_sand");
 	const double load = 4000, modulus = soil.janosi_shear, length = track.size[0];
 	for (int m = 0; m < 15; m++) {
-		/* Of the time in which a place of the soil passes below, the belt's is way / run, 10 at most. A locked belt slides as a block does. */
-		const double rim = rims[m / 3], slid = (1 - rim) * length * (rim == 0 ? 1 : fmin(1 / fabs(rim), 10));
+		/* Of the time in which a place of the soil passes below, the belt's is way / run, 10 at most. */
+		const double rim = rims[m / 3], slid = (1 - rim) * length * fmin(1 / fmax(fabs(rim), 1e-9), 10);
 		const double strength = length * track.size[1] * soil.cohesion + load * tan(soil.friction_angle);
 		const double wanted = slid > 0 ? -strength * (1 - modulus / slid * (1 - exp(-slid / modulus))) : 0;
 		const struct drive how = {.shape = &track, .soil = &soil, .spacing = 0.02, .heading = headings[m % 3], .rim = rim, .height = 0.25,

@@ -6,7 +6,8 @@
 
 static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.5, 0.5, 0.5}};
 static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.058, .width = 0.05};
-static const struct soil_shape roller = {.kind = SOIL_CYLINDER, .radius = 0.058, .length = 0.05};
+/* As wide as its radius, so that the bands that it lays are as wide as a wheel's. */
+static const struct soil_shape broad = {.kind = SOIL_WHEEL, .radius = 0.058, .width = 0.058}, roller = {.kind = SOIL_CYLINDER, .radius = 0.058, .length = 0.058};
 
 static void init(struct ground *ground, const struct soil_numbers *soil, double spacing, double slip_sinkage, double bulldozing)
 {
@@ -150,11 +151,17 @@ static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 		print_message("rim %.2f of the axle: %.2f, %.2f, %.2f mm; %.3f, %.3f, %.3f N at 8, 4, 2 mm\n", rims[r], depths[r][0] * 1e3,
 			      depths[r][1] * 1e3, depths[r][2] * 1e3, drawbars[r][0], drawbars[r][1], drawbars[r][2]);
 	for (int s = 0; s < 3; s++) {
-		/* A locked wheel is a cylinder that is dragged. One that turns slowly digs more: its rim is longer over each place. */
-		const struct rut dragged = rut(&roller, 0.008 / (1 << s), 0, KAPPA);
-		assert_near(depths[0][s], dragged.depth, 1e-3 * dragged.depth);
-		assert_near(drawbars[0][s], dragged.drawbar, 1e-3 * 20);
-		assert_true(depths[0][s] > 1.25 * depths[2][s] && depths[1][s] > 1.5 * depths[2][s]);
+		/* A locked wheel is a cylinder that is dragged across its axis. What is dug is not laid quite alike. */
+		for (int digs = 0; digs < 2; digs++) {
+			const struct rut dragged = rut(&roller, 0.008 / (1 << s), 0, digs * KAPPA), locked = rut(&broad, 0.008 / (1 << s), 0, digs * KAPPA);
+			print_message("slip_sinkage %g: a cylinder that is dragged %.3f mm, %.3f N; a locked wheel %.3f mm, %.3f N\n", digs * KAPPA, dragged.depth * 1e3, dragged.drawbar,
+				      locked.depth * 1e3, locked.drawbar);
+			assert_near(locked.depth, dragged.depth, (digs ? 5e-3 : 1e-5) * dragged.depth);
+			assert_near(locked.drawbar, dragged.drawbar, (digs ? 5e-3 : 1e-5) * 20);
+		}
+		for (int r = 0; r < 2; r++)
+			assert_true(depths[r][s] > 1.5 * depths[2][s]);
+		assert_true(depths[0][s] > depths[1][s]);
 		for (int r = 3; r < 5; r++)
 			assert_true(depths[r][s] > depths[r - 1][s]);
 	}
@@ -166,6 +173,36 @@ static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 			assert_true(fabs(drawbars[r][s] - forms[r - 3].drawbar) < 0.01 * 20);
 		}
 	assert_true(fabs(rut(&wheel, 0.004, 1, 0).depth / depths[2][1] - 1) < 1e-6);
+}
+
+/* With stresses along the ground's normals a place of the ground counts, not one of the rim: its slip digs for as long as it lies below the wheel. Closed
+ * forms: bench/soil_forms.py, Law("ground", "ground", 1.35), 1 kN on dry_sand. */
+static void with_normals_of_the_ground_slip_digs_for_the_soils_time(void **state)
+{
+	static const struct soil_shape large = {.kind = SOIL_WHEEL, .radius = 0.32, .width = 0.24};
+	static const struct {
+		double slip;
+		struct rut form;
+	} rows[] = {{0.2, {0.04242, 311.83}}, {0.5, {0.05885, 554.99}}};
+	const struct soil_numbers soil = bed_soil("dry_sand");
+	for (size_t k = 0; k < COUNT(rows); k++) {
+		struct ground ground;
+		struct deform_forces forces = {.z = 0};
+		ground_init(&ground, &(struct ground_params){.cells = 128, .tiles = 1, .spacing = 0.02, .soils = &soil, .slip_sinkage = 1.35, .ground_normals = true});
+		struct deform_contact contact = ground_stand(&ground, &large, 24.3, 64.2, 0.32);
+		contact.load = 1000;
+		ground_forces(&ground, &contact);
+		for (int i = 0; i < 60; i++) {
+			go(&contact, 0.02, 1 / (1 - rows[k].slip));
+			forces = ground_forces(&ground, &contact);
+		}
+		const double depth = 0.32 - lattice_offset_metres(forces.z);
+		print_message("normals of the ground, slip %g: %.2f mm of %.2f, %.2f N of %.2f\n", rows[k].slip, depth * 1e3, rows[k].form.depth * 1e3, forces.force[0],
+			      rows[k].form.drawbar);
+		assert_near(depth, rows[k].form.depth, 0.005 * depth);
+		assert_near(forces.force[0], rows[k].form.drawbar, 0.005 * 1000);
+		ground_finish(&ground);
+	}
 }
 
 /* Pass after pass in one rut slip digs less, and in all no more than kappa K. */
@@ -224,6 +261,7 @@ TEST_PROGRAM(slip)
 		cmocka_unit_test(what_rolls_digs_nothing),
 		cmocka_unit_test(a_wheel_with_grousers_carries_its_load_while_it_slips),
 		cmocka_unit_test(the_more_it_slips_the_deeper_it_digs_at_any_spacing),
+		cmocka_unit_test(with_normals_of_the_ground_slip_digs_for_the_soils_time),
 		cmocka_unit_test(each_pass_digs_less),
 		cmocka_unit_test(every_unit_that_is_dug_is_laid),
 	};

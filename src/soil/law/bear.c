@@ -183,7 +183,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		put_slides(f, kind, p, &l);
 		put_shares(f, &lanes, &l);
 		if (f->digs_most > 0)
-			dig(f, p, &l);
+			dig(f, kind, p, &l);
 		if (a->kept != NULL)
 			keep(p, b, &l, a->kept);
 		if (!any_above(l.share, 0))

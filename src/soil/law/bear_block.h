@@ -59,56 +59,56 @@ SOIL_INLINED void running_at(const struct soil_form *f, const float spin[3], flo
 }
 
 /* How long a body's rolling surface is above a place, of the time for which the soil lies below the body. A rim passes over the soil faster than the
- * axle if it slips, and its surface is longer than its way. 1: the surface does not roll. */
+ * axle if it slips, and its surface is longer than its way. A belt that stands has the longest time. 1: the surface does not roll. */
 SOIL_INLINED float time_of(const struct soil_form *f, const float running[2], float passes, float up)
 {
 	const float squares = running[0] * running[0] + running[1] * running[1], ran = sqrtf(squares), way = f->passes[0];
 	const float along = running[0] * f->way[0] + running[1] * f->way[1], both = squares * way * way;
-	const float aligned = either(both > 0, along * along / most(both, 1e-30f), 1) * f->rolls;
-	const float share = either(ran > 0.1f * passes, most(passes / most(ran, 1e-30f), 0.1f), 10), rolls = clamped(10 * ran / most(passes, 1e-30f), 0, 1);
-	return 1 + rolls * ((1 + (share - 1) * aligned) * up - 1);
+	const float aligned = either(both > 0, along * along / most(both, 1e-30f), f->ahead) * f->rolls;
+	const float share = either(ran > 0.1f * passes, most(passes / most(ran, 1e-30f), 0.1f), 10), runs = clamped(10 * ran / most(passes, 1e-30f), 0, 1);
+	return 1 + most(runs, f->stands) * ((1 + (share - 1) * aligned) * up - 1);
 }
 
 struct slip {
 	float direction[2], size, time; /* along the surface; m; time_of, or 1 with normals of the ground */
 };
 
-SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], const float normal[3], float across[2][3])
+SOIL_INLINED struct slip slip_at(const struct soil_form *f, enum soil_form_kind kind, const float arm[3], const float normal[3], float across[2][3])
 {
 	float running[2], turning[3];
 	running_at(f, f->rolling, f->ran, arm, normal, across, running);
 	cross3(f->turning, arm, turning);
 	const float x = dot3(f->way, across[0]) + dot3(turning, across[0]) + running[0], y = dot3(f->way, across[1]) + dot3(turning, across[1]) + running[1];
-	const float squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f));
-	const float time = time_of(f, running, f->passes[0], f->rim_level * f->belt_level / normal[2]);
+	const float squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f)), up = f->rim_level * f->belt_level / normal[2];
+	const float time = kind == FORM_RIM ? f->rim_time[0] + f->rim_time[1] * up : time_of(f, running, f->passes[0], up);
 	return (struct slip){{x * by, y * by}, squares * by, either(f->ground_normals > 0, 1, time)};
 }
 
 /* How far the surface slips over the ground, m, as if the place were at the body's lowest level. So a rim that rolls slips nowhere. It counts for
  * the time in which a rolling surface passes. */
-SOIL_INLINED float dig_way(const struct soil_form *f, float x, float y)
+SOIL_INLINED float dig_way(const struct soil_form *f, enum soil_form_kind kind, float x, float y)
 {
 	const float *rolls = f->rolling, *turns = f->turning, reach = f->rim_reach;
 	const float running[2] = {-rolls[1] * reach - rolls[2] * y - f->ran * f->belt[1], rolls[2] * x + rolls[0] * reach + f->ran * f->belt[0]};
 	const float u = f->way[0] * f->along_ground - turns[1] * reach - turns[2] * y + running[0], v = f->way[1] * f->along_ground + turns[2] * x + turns[0] * reach + running[1];
-	const float way = sqrtf(u * u + v * v);
-	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * time_of(f, running, f->passes[1], 1);
+	const float way = sqrtf(u * u + v * v), time = kind == FORM_RIM ? f->rim_digs : time_of(f, running, f->passes[1], 1);
+	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * either(f->ground_normals > 0, 1, time);
 }
 
 /* --- 1 to 3 --- */
 
-/* Returns for which last share of the motion the body has been deeper than the soil was compacted. Below 0: it is not so deep at the end. */
+/* Returns since which last share of the motion the body has been deeper than the soil was compacted. Below 0: it was not. */
 SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, float gains)
 {
 	const float x = p->x[i], y = p->y[i];
 	float share;
 	if (is_round(kind)) {
-		/* When the circle in which the body is cut along its motion leaves the place. */
+		/* When the circle in which the body is cut along its motion first reached the place. It may have left again, and the cell still bear elsewhere. */
 		const float squares = ring_squares(f, kind, y), ahead = ring_ahead(f, kind, x, y), moves = f->run * f->run + f->plunge * f->plunge;
 		const float level = gains / f->lift - root(squares - ahead * ahead), nears = ahead * f->run + level * f->plunge;
 		const float beyond = ahead * ahead + level * level - squares, rooted = nears * nears - moves * beyond;
-		share = either(rooted >= 0, -beyond / most(nears + root(rooted), 1e-18f), -4);
-		share = either(moves > 0, share, 1e3f);
+		const float apart = either(nears > 0, -beyond, root(rooted) - nears), by = either(nears > 0, nears + root(rooted), moves);
+		share = either(moves > 0, apart / most(by, 1e-30f), 1e3f);
 	} else if (kind == FORM_RASTER) {
 		/* A parabola through the heights above the post at the motion's start, halfway, and at its end. */
 		const float whole = p->begun[i], half = p->halfway[i];
@@ -175,7 +175,7 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
  * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
-SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
@@ -186,7 +186,7 @@ SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, str
 		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
-		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, x, y) * touching * s.by_modulus * mean));
+		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
 		const float room = l->depth[i] - 2 * SOIL_UNIT; /* it never digs itself free */
 		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
 		l->ground[i] -= l->more[i];
@@ -210,7 +210,7 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 		normal_of(f, p, i, &then, normal);
 		put_across(normal, across);
 		const float arm[3] = {x, y, then.height + p->above[i]};
-		const struct slip slip = slip_at(f, arm, normal, across);
+		const struct slip slip = slip_at(f, kind, arm, normal, across);
 		l->slides[i] = slip.size * slip.time * p->by_modulus[i];
 		l->direction[0][i] = slip.direction[0];
 		l->direction[1][i] = slip.direction[1];
@@ -305,11 +305,11 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &since);
 		l->unknown[i] = either((p->over[i] > 0) & (f->outer <= f->radius), most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
-		 * motion since the first touch gives, the body stood on it before it moved. Then the places differ less. */
+		 * motion since the first touch gives, the body stood on it before it moved, or left it. Then the places differ less. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);
 		const float way = either(mobilised > 0.9999f, 1e3f, -0.69314718f * log2_of(most(1 - mobilised, 1e-4f)));
 		const float known = clamped(way / most(l->slides[i] * (l->passed[i] - 1), 1e-9f), 0, 1);
-		l->lasts[i] = either((p->over[i] > 0) & (l->passed[i] > 1), known, 1) * f->moved;
+		l->lasts[i] = either((p->over[i] > 0) & ((l->passed[i] > 1) | ((l->depth[i] < stays) & (l->passed[i] > 0))), known, 1) * f->moved;
 	}
 }
 

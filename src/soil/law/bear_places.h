@@ -141,7 +141,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
 	place->sinks = up * ((1 - unloads) * yield_growth(&s, yields, largest) + unloads * yields * by_elastic);
 	put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, place);
-	const struct slip slip = slip_at(f, place->arm, place->normal, place->across);
+	const struct slip slip = slip_at(f, kind, place->arm, place->normal, place->across);
 	place->mobilised[0] = sheared(p->shear_x[i], slip.direction[0], spots->stays[lane]);
 	place->mobilised[1] = sheared(p->shear_y[i], slip.direction[1], spots->stays[lane]);
 	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
@@ -192,7 +192,7 @@ SOIL_INLINED float brim_since(const struct soil_form *f, const struct edge *edge
 SOIL_INLINED void brim_slides(const struct soil_form *f, float back, float each, float by_modulus, struct place *place)
 {
 	const float arm[3] = {place->arm[0] + back * f->way[0], place->arm[1] + back * f->way[1], place->arm[2] + back * f->way[2]};
-	const struct slip slip = slip_at(f, arm, place->normal, place->across);
+	const struct slip slip = slip_at(f, FORM_RIM, arm, place->normal, place->across);
 	const float stays = exp_minus(slip.size * each * by_modulus);
 	place->mobilised[0] = sheared(place->mobilised[0], slip.direction[0], stays);
 	place->mobilised[1] = sheared(place->mobilised[1], slip.direction[1], stays);
@@ -215,7 +215,7 @@ SOIL_INLINED void bear_brim(const struct soil_form *f, bool asked, const struct 
 	brim_slides(f, 1.5f * each, each, s.by_modulus, place);
 	brim_slides(f, 0.5f * each, each, s.by_modulus, place);
 	if (asked) { /* how the way before this motion changes is left out */
-		const struct slip slip = slip_at(f, place->arm, place->normal, place->across);
+		const struct slip slip = slip_at(f, FORM_RIM, place->arm, place->normal, place->across);
 		const float turning = (1 - exp_minus(slip.size * least(since, 1) * s.by_modulus)) / most(slip.size, 1e-9f);
 		put_shears(&slip, s.by_modulus, s.by_modulus, turning, place);
 	}

@@ -205,6 +205,15 @@ static void put_rolling(struct soil_form *form)
 	split_spin(form, form->kind == FORM_RIM ? axis : NULL, form->kind == FORM_BOX || form->kind == FORM_END);
 }
 
+/* A rim, a belt or a drum that stands while its body goes on is the limit of one that runs slowly: Wong and Reece count the slip of a place of the rim
+ * for as long as it is in the soil. forward: m, of its way across its axis; rolls: it is one of these. */
+static void put_standing(struct soil_form *form, double forward, double radius, bool rolls)
+{
+	const double plan = (double)form->passes[0], turns = sqrt((double)dot3(form->turning, form->turning)) * radius;
+	form->ahead = plan > 0 ? (float)(forward * forward / (plan * plan)) : 1;
+	form->stands = plan > 0 && rolls ? (float)(plan * plan / (plan * plan + turns * turns)) : 0;
+}
+
 void soil_form_drum(const struct soil_body *body, const double axis[3], double radius, struct soil_form *form)
 {
 	float turned[3];
@@ -215,6 +224,24 @@ void soil_form_drum(const struct soil_body *body, const double axis[3], double r
 	form->rim_level = rolls ? level : 1;
 	form->rim_reach = (float)radius;
 	form->bulges = (float)(fabs(axis[2]) / radius);
+	put_standing(form, rolls ? (double)(form->way[0] * turned[1] - form->way[1] * turned[0]) / fmax(hypot(axis[0], axis[1]), FORM_LEVEL_LEAST) : 0, radius, rolls);
+}
+
+/* Sets how long a rim is above a place: time_of of bear_block.h, which is the same all around a rim, and for its bars. */
+static void put_times(const struct soil_body *body, struct soil_form *form, const double way[3])
+{
+	const bool rim = form->kind == FORM_RIM;
+	const double yaw = body->motion->to.yaw, radius = (double)form->radius, ran = sqrt((double)dot3(form->rolling, form->rolling)) * radius;
+	double times[2], rolls[2];
+	put_standing(form, rim ? (double)form->way[0] : way[0] * cos(yaw) + way[1] * sin(yaw), radius, rim || body->motion->shape->belt);
+	for (int k = 0; k < 2; k++) {
+		const double passes = (double)form->passes[k], share = ran > 0.1 * passes ? fmax(passes / ran, 0.1) : 10;
+		times[k] = 1 + (share - 1) * (double)(form->ahead * form->rolls);
+		rolls[k] = fmax(fmin(10 * ran / fmax(passes, 1e-30), 1), (double)form->stands);
+	}
+	form->rim_time[0] = (float)(1 - rolls[0]);
+	form->rim_time[1] = (float)(rolls[0] * times[0]);
+	form->rim_digs = (float)(1 + rolls[1] * (times[1] - 1));
 }
 
 static void put_motion(const struct soil_law *law, struct soil_body *body, struct soil_form *form, const double way[3])
@@ -247,6 +274,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 	form->passes[1] = (float)hypot(plan, rise);
 	form->along_ground = plan > 0 ? (float)(hypot(plan, rise) / plan) : 1;
 	form->rolls = (float)level_share(fmax(plan, turned), way[2]);
+	put_times(body, form, way);
 	for (int k = 0; k < 2; k++)
 		form->by_way[k] = plan > 0 ? (float)((double)form->way[k] / fmax(plan * plan, 1e-12)) : 0;
 	form->moved = (float)fmin(plan / (double)form->half_across, 1);
