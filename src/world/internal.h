@@ -37,6 +37,9 @@ enum status world_state_check(const struct soil_shape *shape, const char *name, 
 	FURROW_CHECKED;
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
 double world_spin(const struct soil_pose *pose, const double angular[3]);
+/* Returns the number of the law by which soil bears in this world; 0: it does not. */
+int world_law(const struct world *world);
+
 /* --- rates.c --- */
 /* Returns false if a velocity is all NaN, in place of that of the poses. */
 bool world_rates_given(const double rate[3]);

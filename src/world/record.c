@@ -107,8 +107,7 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
 	bool whole = cJSON_AddNumberToObject(root, "version", VERSION) != NULL &&
-		     (scene->model != DEFORM_SCM || cJSON_AddNumberToObject(root, "law", SOIL_LAW) != NULL) &&
-		     put_whole(root, "level", record->level) &&
+		     put_whole(root, "law", record->law) && put_whole(root, "level", record->level) &&
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
 		     put_whole(root, "compacted", sums->compacted) && put_whole(root, "sunk", sums->sunk) &&
@@ -275,21 +274,21 @@ static enum status parse_objects(const cJSON *objects, const char *store, const 
 	return STATUS_OK;
 }
 
-static enum status parse_root(const cJSON *root, const char *store, const struct scene *scene, struct record *record)
+static enum status parse_root(const cJSON *root, const char *store, struct record *record)
 {
-	const cJSON *version = cJSON_GetObjectItemCaseSensitive(root, "version"), *law = cJSON_GetObjectItemCaseSensitive(root, "law");
-	int64_t level;
+	const cJSON *version = cJSON_GetObjectItemCaseSensitive(root, "version");
+	int64_t level, law = 0;
 	if (!cJSON_IsObject(root))
 		return world_record_damaged(store, "no JSON object");
 	if (!cJSON_IsNumber(version) || version->valuedouble != VERSION)
 		return fail_with(STATUS_INPUT, "%s: its last drive was made by another furrow, which keeps another record; resume "
 				 "it with that, or drive without --resume", store);
-	if (scene->model == DEFORM_SCM && (!cJSON_IsNumber(law) || law->valuedouble != SOIL_LAW))
-		return fail_with(STATUS_INPUT, "%s: its last drive was made by a furrow whose soil bears otherwise, so it would not go on as it began; resume "
-				 "it with that, or drive without --resume: it then goes over those ruts", store);
 	if (!get_whole(root, "level", TILE_LEVEL_MIN, &level) || level > TILE_LEVEL_MAX)
 		return world_record_damaged(store, "its level");
 	record->level = (int)level;
+	if (cJSON_HasObjectItem(root, "law") && (!get_whole(root, "law", 0, &law) || law > INT32_MAX))
+		return world_record_damaged(store, "its law of soil");
+	record->law = (int)law;
 	if (!get_bool(root, "ended", &record->ended))
 		return world_record_damaged(store, "whether it ended");
 	struct pages_sums *sums = &record->sums;
@@ -312,7 +311,7 @@ enum status world_record_parse(const struct store_run *run, const char *store, c
 	if (run->step < 0 || !isfinite(run->time) || run->time < 0)
 		return world_record_damaged(store, "its step or its time");
 	cJSON *root = cJSON_ParseWithOpts(run->state, NULL, true);
-	enum status status = parse_root(root, store, scene, record);
+	enum status status = parse_root(root, store, record);
 	if (status == STATUS_OK)
 		status = parse_objects(cJSON_GetObjectItemCaseSensitive(root, "objects"), store, scene, record);
 	if (status == STATUS_OK && !get_attached(root, scene->object_count, record))

@@ -32,6 +32,7 @@ struct record {
 	int64_t step;         /* steps done since the scene's start */
 	double time;          /* s */
 	int level;            /* the working level */
+	int law;              /* by which soil bore: SOIL_LAW; 0: it did not, or a furrow before the first number made it */
 	bool ended;           /* the drive ended with this step */
 	struct pages_sums sums; /* read from the store; not used for writing */
 	size_t active_count;  /* active blocks, where soil may still relax */

@@ -100,6 +100,11 @@ static void restore(struct world *world)
 	}
 }
 
+int world_law(const struct world *world)
+{
+	return deform_tells_forces(world->scene->model) ? SOIL_LAW : 0;
+}
+
 /* Returns true if `run` is of this scene and its record can be read. *ended: whether it came to its end. */
 static bool is_of_this_scene(const struct world *world, const struct store_run *run, bool *ended)
 {
@@ -108,7 +113,8 @@ static bool is_of_this_scene(const struct world *world, const struct store_run *
 	if (record != NULL)
 		record->attached_count = attached;
 	const bool is = record != NULL && run->scene_hash != NULL && strcmp(run->scene_hash, world->scene->hash) == 0 &&
-			world_record_parse(run, world->path, world->scene, record) == STATUS_OK;
+			world_record_parse(run, world->path, world->scene, record) == STATUS_OK &&
+			record->law == world_law(world);
 	*ended = is && record->ended;
 	mem_free(record);
 	return is;
@@ -158,6 +164,9 @@ enum status world_resume(struct world *world)
 				 "(%.8s, not %.8s); resume with the same scene and the same --set, or drive without --resume: it then goes "
 				 "over those ruts", store, (long long)run.step, run.scene_hash, world->scene->hash);
 	status = world_record_parse(&run, store, world->scene, world->record);
+	if (status == STATUS_OK && world->record->law != world_law(world))
+		return fail_with(STATUS_INPUT, "%s: its last drive was made by a furrow whose soil bears otherwise, so it would not go on as it began; resume "
+				 "it with that, or drive without --resume: it then goes over those ruts", store);
 	if (status == STATUS_OK)
 		status = check(world);
 	if (status != STATUS_OK)

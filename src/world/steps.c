@@ -38,6 +38,7 @@ enum status world_fill_record(struct world *world)
 	record->step = world->step;
 	record->time = world->time;
 	record->level = world->level;
+	record->law = world_law(world);
 	record->ended = false;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];

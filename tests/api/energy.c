@@ -121,10 +121,16 @@ static void turn_about(const double axis[3], double angle, double q[4])
 	q[3] = r[0] * p[3] + r[1] * p[2] - r[2] * p[1] + r[3] * p[0];
 }
 
+/* Returns how far above the ground it begins and ends, m. The mesh grows wider upwards, so it has to be above the soil that it laid. */
+static double gap_of(const struct energy_body *body)
+{
+	return body == &bodies[FOOT] ? 0.05 : 0.01;
+}
+
 static struct energy_host begin(struct furrow_world *world, const struct energy_body *body, double heading)
 {
 	char text[400];
-	struct energy_host host = {.world = world, .heading = heading, .at = {15.0173, 15.0071, GROUND + body->reach + 0.01}, .attitude = {1, 0, 0, 0}};
+	struct energy_host host = {.world = world, .heading = heading, .at = {15.0173, 15.0071, GROUND + body->reach + gap_of(body)}, .attitude = {1, 0, 0, 0}};
 	snprintf(text, sizeof text, "{shape: {%s}}", body->shape);
 	done(furrow_body_add(world, text, &host.body));
 	turn_about((const double[]){0, 1, 0}, body->pitch * DEGREES, host.attitude);
@@ -293,7 +299,7 @@ static double gives(struct furrow_world *world, const struct energy_body *body, 
 	double most = -1, first = 0;
 	for (int i = 0; i < ROUNDS; i++) {
 		host.work = host.put_in = 0;
-		round_of(&host, body, motion, 0.01, deep);
+		round_of(&host, body, motion, gap_of(body), deep);
 		for (int k = 0; k < 6; k++)
 			assert_true(host.force[k] == 0);
 		first = i == 0 ? host.put_in : first;

@@ -286,6 +286,30 @@ objects:
                 self.assertFalse((self.folder / "other").exists())
 
     @long
+    def test_soil_that_bore_by_another_law_is_not_gone_on_with(self):
+        """A drive that goes on by another law than it began with is neither of the two."""
+        scene = self.scene("""scene: 1
+time_step: 0.05
+end_time: 3
+spacing: 0.25
+soil: {name: dry_sand}
+redistribute: {model: scm}
+objects:
+  - {name: ball, shape: {sphere: {radius: 0.9}}, load: 60000, path: {points: [[20, 20], [30, 20]], speed: 1}}
+""")
+        self.drive(scene, "--store", self.store, "--steps", 3)
+        for change in ("json_set(state, '$.law', '1')", "json_remove(state, '$.law')", "json_set(state, '$.law', '99')"):
+            with self.subTest(change=change):
+                other = pathlib.Path(shutil.copy(self.store, self.folder / "other.furrow"))
+                with sqlite3.connect(other) as db:
+                    db.execute(f"UPDATE run SET state = {change}")
+                db.close()
+                before = self.kept(other)
+                self.assertIn("whose soil bears otherwise", self.refused(3, "drive", scene, "--store", other, "-o", "other", "--resume"))
+                self.assertEqual(self.kept(other), before)
+                self.drive(scene, "--store", other, "--steps", 1)
+        self.drive(scene, "--store", self.store, "--steps", 2, "--resume")
+
     def test_a_torn_line_is_dropped_and_the_others_are_kept(self):
         scene = self.scene()
         self.drive(scene, "--store", self.store, "--steps", 30)

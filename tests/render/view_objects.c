@@ -47,7 +47,7 @@ static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .widt
 static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 {
 	struct rig rig;
-	struct render_object now, then;
+	struct render_object now = {0}, then = {0};
 	rig_open(&rig, 64, 2, 0);
 	rig.object.slip = 0.2;
 	rig.object.sink = 0.1;

@@ -59,14 +59,14 @@ SOIL_INLINED void running_at(const struct soil_form *f, const float spin[3], flo
 }
 
 /* How long a body's rolling surface is above a place, of the time for which the soil lies below the body. A rim passes over the soil faster than the
- * axle if it slips, and its surface is longer than its way. A belt that stands has the longest time. 1: the surface does not roll. */
+ * axle if it slips, and its surface is longer than its way. A belt at rest has the longest time. 1: the surface does not roll. */
 SOIL_INLINED float time_of(const struct soil_form *f, const float running[2], float passes, float up)
 {
 	const float squares = running[0] * running[0] + running[1] * running[1], ran = sqrtf(squares), way = f->passes[0];
 	const float along = running[0] * f->way[0] + running[1] * f->way[1], both = squares * way * way;
 	const float aligned = either(both > 0, along * along / most(both, 1e-30f), f->ahead) * f->rolls;
 	const float share = either(ran > 0.1f * passes, most(passes / most(ran, 1e-30f), 0.1f), 10), runs = clamped(10 * ran / most(passes, 1e-30f), 0, 1);
-	return 1 + most(runs, f->stands) * ((1 + (share - 1) * aligned) * up - 1);
+	return 1 + most(runs, f->locked) * ((1 + (share - 1) * aligned) * up - 1);
 }
 
 struct slip {
@@ -305,7 +305,7 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &since);
 		l->unknown[i] = either((p->over[i] > 0) & (f->outer <= f->radius), most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
-		 * motion since the first touch gives, the body stood on it before it moved, or left it. Then the places differ less. */
+		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);
 		const float way = either(mobilised > 0.9999f, 1e3f, -0.69314718f * log2_of(most(1 - mobilised, 1e-4f)));
 		const float known = clamped(way / most(l->slides[i] * (l->passed[i] - 1), 1e-9f), 0, 1);

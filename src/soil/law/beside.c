@@ -1,6 +1,6 @@
 /*
- * Heights beside a mesh, which go on from its edge: see fine.h. A place that is not drawn has two estimates: along its column and along its row, each
- * from the nearest place that is drawn, and the slope there. The nearer one counts more.
+ * Heights beside a mesh, which go on from its edge: see fine.h. A place that is not drawn has two estimates, along its column and along its row.
+ * Each is from the nearest place that is drawn, and the slope there. The nearer one counts more.
  */
 #include "soil/law/fine.h"
 

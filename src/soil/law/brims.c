@@ -1,5 +1,5 @@
 /*
- * Steep walls of a mesh, as the sides of a wheel that leans. Where a wall is in soil it is narrower than a place of the raster, so it bears beside the
+ * Steep walls of a mesh, as the sides of a wheel that leans. In soil a wall is narrower than a place of the raster. So it bears beside the
  * cells that have its lower edge. See fine.h and `struct soil_brim`.
  */
 #include "soil/law/fine.h"

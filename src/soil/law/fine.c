@@ -304,7 +304,7 @@ static void swept_turning(const struct soil_fine_work *work, struct soil_form *f
 	fine->earlier[1] = work->earlier[1];
 }
 
-/* Draws the rim of an even drum round. So its facets, which are narrower than posts, press no pattern into the soil. */
+/* Draws the rim of an even drum round. So its facets, which are narrower than posts, leave no pattern in the soil. */
 SOIL_CLONED static void round_off(const struct soil_fine *restrict fine, const float axis[restrict 3], float radius, float *restrict drawn)
 {
 	const float level = sqrtf(axis[0] * axis[0] + axis[1] * axis[1]), by_level = 1 / level, along[2] = {axis[0] * by_level, axis[1] * by_level}, far = 0.9f * radius;

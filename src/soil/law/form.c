@@ -205,13 +205,13 @@ static void put_rolling(struct soil_form *form)
 	split_spin(form, form->kind == FORM_RIM ? axis : NULL, form->kind == FORM_BOX || form->kind == FORM_END);
 }
 
-/* A rim, a belt or a drum that stands while its body goes on is the limit of one that runs slowly: Wong and Reece count the slip of a place of the rim
- * for as long as it is in the soil. forward: m, of its way across its axis; rolls: it is one of these. */
+/* A rim, a belt or a drum that is locked while its body goes on is the limit of one that runs slowly. Wong and Reece count the slip of a place of the
+ * rim for as long as it is in the soil. forward: m, of its way across its axis; rolls: it is one of these. */
 static void put_standing(struct soil_form *form, double forward, double radius, bool rolls)
 {
 	const double plan = (double)form->passes[0], turns = sqrt((double)dot3(form->turning, form->turning)) * radius;
 	form->ahead = plan > 0 ? (float)(forward * forward / (plan * plan)) : 1;
-	form->stands = plan > 0 && rolls ? (float)(plan * plan / (plan * plan + turns * turns)) : 0;
+	form->locked = plan > 0 && rolls ? (float)(plan * plan / (plan * plan + turns * turns)) : 0;
 }
 
 void soil_form_drum(const struct soil_body *body, const double axis[3], double radius, struct soil_form *form)
@@ -237,7 +237,7 @@ static void put_times(const struct soil_body *body, struct soil_form *form, cons
 	for (int k = 0; k < 2; k++) {
 		const double passes = (double)form->passes[k], share = ran > 0.1 * passes ? fmax(passes / ran, 0.1) : 10;
 		times[k] = 1 + (share - 1) * (double)(form->ahead * form->rolls);
-		rolls[k] = fmax(fmin(10 * ran / fmax(passes, 1e-30), 1), (double)form->stands);
+		rolls[k] = fmax(fmin(10 * ran / fmax(passes, 1e-30), 1), (double)form->locked);
 	}
 	form->rim_time[0] = (float)(1 - rolls[0]);
 	form->rim_time[1] = (float)(rolls[0] * times[0]);

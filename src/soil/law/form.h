@@ -105,7 +105,7 @@ struct soil_form {
 	float along_ground;        /* the second over the first */
 	float rolls;               /* how much its surface may roll off: less for a motion that is steeper than 45 degrees, 0 from 63 on */
 	float ahead;               /* of a rim or a belt: the part of its way along which it runs, squared */
-	float stands;              /* 1: a rim or a belt, which rolls off even if it does not run. Less if the body yaws. 0: another body */
+	float locked;              /* 1: a rim or a belt, which rolls off even if it does not run. Less if the body yaws. 0: another body */
 	float rim_time[2];         /* of a rim: how long it is above a place (time_of): one number, and one times its slope's 1 / cosine */
 	float rim_digs;            /* of a rim: the same for its slip along the ground */
 	float reach;               /* of its lowest place below the centre, grousers apart, m */
