@@ -85,7 +85,7 @@ static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 static void a_ball_rolls_by_its_way(void **state)
 {
 	struct rig rig;
-	struct render_object now;
+	struct render_object now = {0};
 	rig_open(&rig, 64, 2, 0);
 	show(&rig, (struct soil_shape){.kind = SOIL_SPHERE, .radius = 2}, (struct scene_path){.points = rig.points, .count = 2, .speed = 2});
 	press(&rig, 0, 0);
@@ -99,7 +99,7 @@ static void a_ball_rolls_by_its_way(void **state)
 static void where_there_is_no_ground_it_is_drawn_if_that_is_known(void **state)
 {
 	struct rig rig;
-	struct render_object now, last;
+	struct render_object now = {0}, last = {0};
 	/* Off the terrain's east side after 5 s. */
 	struct scene_waypoint out[2] = {{.x = 502, .y = 100}, {.x = 552, .y = 100}};
 	rig_open(&rig, 64, 2, 0);
