@@ -125,8 +125,8 @@ static const struct probed bodies[] = {
 	{"upright cylinder", peg, false, 0, 0, 0.03, false, 1}, {"upright capsule", pill, false, 0, 0, 0.02, false, 1},
 	{"capsule that leans", pill, false, 50, 10, 0.02, false, 1}, {"capsule that lies", pill, false, 90, 0, 0.02, false, 1},
 	{"ellipsoid", egg, false, 0, 0, 0.02, false, 1}, {"ellipsoid that leans", egg, false, 20, 30, 0.02, false, 1},
-	/* Edges between facets move over the posts. Known to be wrong: in some rows the probe of a mesh that leans is off by a third. */
-	{"mesh", foot, false, 0, 0, 0.03, false, 1}, {"mesh that leans", foot, false, 7, -11, 0.36, false, 1},
+	/* Edges between facets move over the posts. */
+	{"mesh", foot, false, 0, 0, 0.03, false, 1}, {"mesh that leans", foot, false, 7, -11, 0.01, false, 1},
 };
 
 /* A block that grows wider upwards. */
@@ -157,7 +157,9 @@ static void a_probe_tells_what_the_gpu_does(void **state)
 			for (size_t k = 0; k < 3; k++) {
 				const struct probing_ground *ground = &rows[i].ground;
 				struct way way = ways[k];
-				if (!long_or_part(b, i, 2) || (!all && k != (b + i) % 3) || ground->spacing > bodies[b].coarsest)
+				/* Of a mesh all headings: in one of them alone its motion is a whole number of places of its raster. */
+				const bool one = !all && bodies[b].shape != foot;
+				if (!long_or_part(b, i, 2) || (one && k != (b + i) % 3) || ground->spacing > bodies[b].coarsest)
 					continue;
 				way.depth = rows[i].depth;
 				const struct off off = worst_on(ground, &bodies[b], &way);

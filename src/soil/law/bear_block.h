@@ -97,6 +97,8 @@ SOIL_INLINED float dig_way(const struct soil_form *f, enum soil_form_kind kind, 
 
 /* --- 1 to 3 --- */
 
+#define BENDS_LEAST 1e-6f /* m: what bends by less is straight, and bends by rounding */
+
 /* Returns since which last share of the motion the body has been deeper than the soil was compacted. Below 0: it was not. */
 SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, float gains)
 {
@@ -112,9 +114,10 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 	} else if (kind == FORM_RASTER) {
 		/* A parabola through the heights above the post at the motion's start, halfway, and at its end. */
 		const float whole = p->begun[i], half = p->halfway[i];
-		const float speed = 4 * half - whole, bends = 2 * whole - 4 * half, rooted = speed * speed + 4 * bends * gains, by = speed + root(rooted);
-		share = either(rooted >= 0, either(fabsf(by) > 1e-12f, 2 * gains / either(fabsf(by) > 1e-12f, by, 1), 1e3f), either(gains > 0, 1e3f, -4));
-		share = either((gains <= 0) & (speed <= 0), 1e3f, share); /* it rises, as other forms have it. Rounding would decide */
+		const float speed = 4 * half - whole, bent = 2 * whole - 4 * half, bends = bent - clamped(bent, -BENDS_LEAST, BENDS_LEAST);
+		const float rooted = speed * speed + 4 * bends * gains, rises = either(bends > 0, (root(rooted) - speed) / most(2 * bends, 1e-30f), 1e3f);
+		share = either(rooted >= 0, 2 * gains / most(speed + root(rooted), 1e-30f), either(gains > 0, 1e3f, -4));
+		share = either(speed <= 0, rises, share); /* it was lower before */
 		share = least(share, either(p->over[i] > 0, p->entered[i], 1e3f));
 	} else {
 		const float speed = p->print[i] - p->height[i] - f->way[2];

@@ -284,8 +284,9 @@ static void swept_turning(const struct soil_fine_work *work, struct soil_form *f
 	memcpy(work->swept, work->any_wall ? work->walls : work->drawn, count * sizeof *work->swept);
 	memset(work->since, 0, count * sizeof *work->since);
 	for (int32_t i = 1; i <= all; i++) {
+		const float share = least((float)i / (float)own_count, 1 + before);
 		float lift;
-		place_earlier(work, form, own, at, (double)i / own_count, &lift);
+		place_earlier(work, form, own, at, (double)share, &lift);
 		for (size_t k = 0; k < count; k++)
 			work->less[k] = FINE_NONE;
 		put_looks(work->surface, work->earlier_u, work->earlier_v, work->looks);
@@ -293,7 +294,7 @@ static void swept_turning(const struct soil_fine_work *work, struct soil_form *f
 		draw_all(work->surface, work->earlier_u, work->earlier_v, work->earlier_z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, FINE_SOLE, work->less);
 		if (work->any_wall)
 			draw_all(work->surface, work->earlier_u, work->earlier_v, work->earlier_z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, FINE_SIDE, work->less);
-		merge(work->less, count, lift, (float)i / (float)own_count, work->swept, work->since);
+		merge(work->less, count, lift, share, work->swept, work->since);
 		if (2 * i == own_count || i == own_count)
 			keep_posts(work, fine, lift, work->earlier[i == own_count]);
 		if (i == own_count)

@@ -83,15 +83,20 @@ void soil_fine_swept(const struct soil_fine_work *work, const struct soil_form *
 		return;
 	/* The motion before this one was about the same. A part of it counts: over half a cell. */
 	const float before = fabsf(way[2]) <= run ? least(form->half_across / run, 1) : 0;
-	const int32_t own = (int32_t)clamped(ceilf(run * fine->by_step), 1, SAMPLES_MOST), earlier = (int32_t)ceilf(before * (float)own);
+	/* Samples lie a place apart and at both ends, so none jumps as the motion grows. */
+	const float places = run * fine->by_step, each = most(1, places * (1.0f / SAMPLES_MOST)) / places, ends[2] = {1, 1 + before};
 	const float turned[2] = {fine->axis[0] * way[0] - fine->axis[1] * way[1], fine->axis[1] * way[0] + fine->axis[0] * way[1]};
 	const float *drawn = work->any_wall ? work->walls : work->drawn;
 	memcpy(work->swept, drawn, count * sizeof *work->swept);
 	memset(work->since, 0, count * sizeof *work->since);
-	for (int32_t i = 1; i <= own + earlier; i++) {
-		const float share = (float)i / (float)own, shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
-		swept_to(fine, drawn, shift, share * way[2], share, work->swept, work->since);
-		if (i == own)
+	for (int k = 0; k < 2; k++) {
+		const float from = k == 0 ? 0 : 1, length = ends[k] - from;
+		const int32_t samples = (int32_t)ceilf(length / each);
+		for (int32_t i = 1; i <= samples; i++) {
+			const float share = from + least((float)i * each, length), shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
+			swept_to(fine, drawn, shift, share * way[2], share, work->swept, work->since);
+		}
+		if (k == 0)
 			soil_fine_passed(work, fine);
 	}
 	soil_fine_less(work, fine);
