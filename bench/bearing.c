@@ -11,6 +11,7 @@
 
 #include "bearing/bearing.h"
 #include "bench.h"
+#include "record.h"
 #include "resident/host_slots.h"
 
 enum { RUNS = 5, SIDE = 5, CELLS = 256, MOST = 4 };
@@ -120,6 +121,12 @@ static void measure(double spacing, int wheels)
 		close_ground(&ground);
 	}
 	const double sample = bench_median(us, RUNS);
+	char key[64];
+	double a_metre[RUNS];
+	for (int i = 0; i < RUNS; i++)
+		a_metre[i] = us[i] * wheels / spacing * 1e-3;
+	snprintf(key, sizeof key, "wheels%d.posts_%gcm.ms_a_metre", wheels, spacing * 100);
+	bench_record_add(key, "ms", a_metre, RUNS);
 	printf("{\"bench\": \"bearing\", \"posts_m\": %g, \"wheels\": %d, \"us\": %.1f, \"ms_a_metre\": %.2f, \"sinkage_mm\": %.2f}\n", spacing, wheels, sample,
 	       sample * wheels / spacing * 1e-3, sunk * 1e3);
 	fflush(stdout);
@@ -128,10 +135,10 @@ static void measure(double spacing, int wheels)
 int main(int argc, char **argv)
 {
 	static const double spacings[] = {0.25, 0.125, 0.04, 0.02, 0.01};
-	(void)argc;
-	(void)argv;
+	bench_record_begin("bearing", &argc, argv);
 	for (size_t s = 0; s < sizeof spacings / sizeof *spacings; s++)
 		for (int wheels = 1; wheels <= MOST; wheels *= 4)
 			measure(spacings[s], wheels);
+	bench_record_end(NULL);
 	return 0;
 }

@@ -59,6 +59,7 @@ def steps(options):
         Step("mobility", [], [python, bench / "mobility.py", furrow, "--dem", dem / "gabilan_dtm1m.bil"], ["dem"]),
         Step("climb", [], [python, bench / "climb.py", furrow]),
         Step("probe", ["bench/bench_probe"], [programs / "bench_probe"]),
+        Step("bearing", ["bench/bench_bearing"], [programs / "bench_bearing"]),
         Step("roofline", ["bench/bench_roofline"], [programs / "bench_roofline"]),
         Step("transfer", ["bench/bench_transfer"], [programs / "bench_transfer"]),
         Step("terrain_size", ["bench/bench_terrain_size"], [programs / "bench_terrain_size"]),
