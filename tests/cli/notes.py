@@ -130,7 +130,7 @@ class Notes(FurrowTest):
         fine = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.01")["notes"]
         self.assertEqual([note for note in fine if "vehicles.car" in note and "springs back" not in note], [])
         coarse = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.5")["notes"]
-        self.assertEqual(len([note for note in coarse if "posts: forces may be off by more than 100 % here; at " in note]), 1)
+        self.assertEqual(len([note for note in coarse if "posts: forces may be off by " in note]), 1)
         # Damping is told where the scene does not give it.
         damped = "soil.damping: is not given, so it is 30000 Pa s/m: it adds slip, more at a higher speed; furrow rig and furrow mobility have no damping: for the same as there give 0"
         self.assertIn("furrow: note: " + damped + "\n", result.stderr)
@@ -324,10 +324,10 @@ class Notes(FurrowTest):
 
     def test_few_posts_below_a_wheel_are_told(self):
         self.scene(SCM, "scm.yaml")
-        told = self.notes("forces may be off", "--overlay", "a.furrow", "--set", "spacing=0.0625", "--steps", "1", scene="scm.yaml")
+        told = self.notes("forces may be off", "--overlay", "a.furrow", "--set", "spacing=0.125", "--steps", "1", scene="scm.yaml")
         self.assertEqual(len(told), 1, told)
         self.assertRegex(told[0], r"objects\.a\.shape: the soil bears it over about 0\.\d+ m, [\d.]+ posts: forces may be off by about \d+ % here; at 0\.[\d]+ m by \d+ %$")
-        explained = self.json("explain", "scm.yaml", "--store", "world.furrow", "--set", "spacing=0.0625")["notes"]
+        explained = self.json("explain", "scm.yaml", "--store", "world.furrow", "--set", "spacing=0.125")["notes"]
         self.assertEqual([note for note in explained if "forces may be off" in note], [told[0].removeprefix("furrow: note: ")])
         explained = self.json("explain", "scm.yaml", "--store", "world.furrow", "--set", "spacing=0.0078125")["notes"]
         self.assertEqual([note for note in explained if "forces may be off" in note], [])
