@@ -62,7 +62,7 @@ static double spun(const struct host_body *host, const double rotated[3])
 	return host->body.object->shape.kind == SOIL_SPHERE ? sqrt(rotated[0] * rotated[0] + rotated[1] * rotated[1] + rotated[2] * rotated[2]) : 0;
 }
 
-/* Returns the angle by which one attitude is turned against another, rad. */
+/* Returns the angle between two attitudes, rad. */
 static double angle_between(const struct soil_pose *from, const struct soil_pose *to)
 {
 	double a[3][3], b[3][3], trace = 0;

@@ -553,7 +553,7 @@ struct world_sinking {
 	double reach;                 /* world_turning_reach */
 };
 /* Returns true if some place of the body has been deeper than a straight motion since its last contact will be. Such a body rises after it sank by
- * `least` metres. Or it goes on so much flatter that it was `least` metres below that motion. A contact is taken as straight, so one must end there. Pure. */
+ * `least` metres. Or it sank steeply and goes on along the ground. A contact is taken as straight, so one must end there. Pure. */
 bool world_leaves_dip(const struct world_sinking *sinking, double least);
 /* Returns how far from its middle the lower side of a body lies that rises and sinks as it turns, m. 0: it does not. */
 double world_turning_reach(const struct soil_shape *shape);

@@ -51,22 +51,8 @@ static void write_meshes(void)
 {
 	static const char text[] = "v 0.12 0.1 -0.1\nv -0.1 0.1 -0.1\nv -0.1 -0.1 -0.1\nv 0.12 -0.1 -0.1\nv 0.2 0.15 0.1\nv -0.2 0.15 0.1\nv -0.2 -0.15 0.1\nv 0.2 -0.15 0.1\n"
 				   "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-	static char wheel[16384];
-	const int facets = 96;
-	size_t at = 0;
-	for (int i = 0; i < facets; i++)
-		for (int k = 0; k < 2; k++)
-			at += (size_t)snprintf(wheel + at, sizeof wheel - at, "v %.9g %g %.9g\n", 0.25 * sin(2 * M_PI * i / facets), k ? 0.1 : -0.1, 0.25 * cos(2 * M_PI * i / facets));
-	for (int i = 0; i < facets; i++)
-		at += (size_t)snprintf(wheel + at, sizeof wheel - at, "f %d %d %d %d\n", 2 * i + 1, 2 * i + 2, 2 * ((i + 1) % facets) + 2, 2 * ((i + 1) % facets) + 1);
-	for (int k = 0; k < 2; k++) {
-		at += (size_t)snprintf(wheel + at, sizeof wheel - at, "f");
-		for (int i = 0; i < facets; i++)
-			at += (size_t)snprintf(wheel + at, sizeof wheel - at, " %d", k ? 2 * (facets - i) : 2 * i + 1);
-		at += (size_t)snprintf(wheel + at, sizeof wheel - at, "\n");
-	}
 	support_write(support_path("foot.obj"), text);
-	support_write(support_path("drum.obj"), wheel);
+	hosted_write_drum(0.25, 0.2, 96);
 	snprintf(foot, sizeof foot, "mesh: {file: %s}", support_path("foot.obj"));
 	snprintf(drum, sizeof drum, "mesh: {file: %s}", support_path("drum.obj"));
 }

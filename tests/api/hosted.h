@@ -105,4 +105,25 @@ static inline double *hosted_read(struct furrow_world *world, enum furrow_layer 
 	return posts;
 }
 
+/* Writes drum.obj, a mesh of a wheel whose axle is y: an even prism, with its corners on that radius. m */
+static inline void hosted_write_drum(double radius, double width, int facets)
+{
+	static char text[16384];
+	size_t at = 0;
+	for (int i = 0; i < facets; i++)
+		for (int k = 0; k < 2; k++)
+			at += (size_t)snprintf(text + at, sizeof text - at, "v %.9g %g %.9g\n", radius * sin(2 * M_PI * i / facets), k ? width / 2 : -width / 2,
+					       radius * cos(2 * M_PI * i / facets));
+	for (int i = 0; i < facets; i++)
+		at += (size_t)snprintf(text + at, sizeof text - at, "f %d %d %d %d\n", 2 * i + 1, 2 * i + 2, 2 * ((i + 1) % facets) + 2, 2 * ((i + 1) % facets) + 1);
+	for (int k = 0; k < 2; k++) {
+		at += (size_t)snprintf(text + at, sizeof text - at, "f");
+		for (int i = 0; i < facets; i++)
+			at += (size_t)snprintf(text + at, sizeof text - at, " %d", k ? 2 * (facets - i) : 2 * i + 1);
+		at += (size_t)snprintf(text + at, sizeof text - at, "\n");
+	}
+	assert_true(at < sizeof text);
+	support_write(support_path("drum.obj"), text);
+}
+
 #endif

@@ -14,26 +14,6 @@ struct told {
 	double force[3], moment[3], sinkage;
 };
 
-/* Writes a mesh of a wheel. Its prism has the wheel's area. */
-static void write_drum(void)
-{
-	static char text[16384];
-	const double step = 2 * M_PI / FACETS, radius = RADIUS * sqrt(step / sin(step));
-	size_t at = 0;
-	for (int i = 0; i < FACETS; i++)
-		for (int k = 0; k < 2; k++)
-			at += (size_t)snprintf(text + at, sizeof text - at, "v %.9g %g %.9g\n", radius * sin(step * i), k ? WIDTH / 2 : -WIDTH / 2, radius * cos(step * i));
-	for (int i = 0; i < FACETS; i++)
-		at += (size_t)snprintf(text + at, sizeof text - at, "f %d %d %d %d\n", 2 * i + 1, 2 * i + 2, 2 * ((i + 1) % FACETS) + 2, 2 * ((i + 1) % FACETS) + 1);
-	for (int k = 0; k < 2; k++) {
-		at += (size_t)snprintf(text + at, sizeof text - at, "f");
-		for (int i = 0; i < FACETS; i++)
-			at += (size_t)snprintf(text + at, sizeof text - at, " %d", k ? 2 * (FACETS - i) : 2 * i + 1);
-		at += (size_t)snprintf(text + at, sizeof text - at, "\n");
-	}
-	support_write(support_path("drum.obj"), text);
-}
-
 /* digs: slip_sinkage; half as much bulldozing. */
 static struct furrow_world *open_world(const char *soil, double spacing, double digs)
 {
@@ -134,7 +114,7 @@ static void a_host_rolls_a_mesh_as_a_wheel(void **state)
 {
 	char wheel[100], drum[300];
 	(void)state;
-	write_drum();
+	hosted_write_drum(RADIUS * sqrt(2 * M_PI / FACETS / sin(2 * M_PI / FACETS)), WIDTH, FACETS); /* the prism has the wheel's area */
 	snprintf(wheel, sizeof wheel, "wheel: {radius: %g, width: %g}", RADIUS, WIDTH);
 	snprintf(drum, sizeof drum, "mesh: {file: %s}", support_path("drum.obj"));
 	for (int i = 0; i < 8; i++) {

@@ -244,7 +244,8 @@ SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct l
 
 #define WALL_MOTIONS 32 /* a wall slid over the soil beside it for so many motions, at most */
 
-/* The same of a wall. drifts: m, how far its edge moves outwards in a motion; out_by: m, from the edge. A drum's edge is bent. */
+/* Returns how long a wall has slid over the soil beside it, in motions (brim_since). drifts: m, how far its edge moves outwards in a motion. out_by: m, how
+ * far from the edge its soil bears. The edge of a drum is bent, so it reaches that soil otherwise. */
 SOIL_INLINED float wall_since(const struct soil_form *f, float drifts, float out_by, float mean)
 {
 	const float run = f->passes[0], bent = sqrtf(drifts * drifts + 2 * f->bulges * run * run * out_by) - drifts;

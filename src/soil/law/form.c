@@ -227,7 +227,8 @@ void soil_form_drum(const struct soil_body *body, const double axis[3], double r
 	put_standing(form, rolls ? (double)(form->way[0] * turned[1] - form->way[1] * turned[0]) / fmax(hypot(axis[0], axis[1]), FORM_LEVEL_LEAST) : 0, radius, rolls);
 }
 
-/* Sets how long a rim is above a place: time_of of bear_block.h, which is the same all around a rim, and for its bars. */
+/* Sets how long a rim is above a place, and above one below its bars. It is what time_of of bear_block.h tells of other bodies. All around a rim it is the
+ * same, so it is found once. */
 static void put_times(const struct soil_body *body, struct soil_form *form, const double way[3])
 {
 	const bool rim = form->kind == FORM_RIM;

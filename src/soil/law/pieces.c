@@ -164,7 +164,7 @@ static double ends_of(const struct soil_surface *s, const double axis[3], double
 	return area;
 }
 
-/* Returns how far the middles of edges between corners on the rim lie below these, at most, as a share of the radius. */
+/* Returns by how much edges on the rim come nearer to the axis than its corners, at most, as a share of the radius. */
 static double sag_of(const struct soil_surface *s, const double axis[3], double radius)
 {
 	double lowest = radius * radius;
