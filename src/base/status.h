@@ -21,6 +21,27 @@ enum status {
 };
 
 #define FURROW_CHECKED __attribute__((warn_unused_result))
+
+/*
+ * Early return. A function that fails returns at once, so that what follows reads as what is done, not as what is done unless.
+ *
+ * TRY: the function holds nothing. A failure of `call` is returned.
+ * TRY_OR: the function holds something. A failure of `call` goes to `label`, where the function lets go of all it holds, and returns `status`, which is
+ * the function's variable of that name.
+ */
+#define TRY(call) \
+	do { \
+		const enum status tried_ = (call); \
+		if (tried_ != STATUS_OK) \
+			return tried_; \
+	} while (0)
+#define TRY_OR(label, call) \
+	do { \
+		status = (call); \
+		if (status != STATUS_OK) \
+			goto label; \
+	} while (0)
+
 #define FURROW_PRINTF(at, first) __attribute__((format(printf, at, first)))
 
 /* A failure carried from one thread to another. */
