@@ -174,6 +174,9 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	int64_t over = world_intervals_by(world, time);
 	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
 		over--;
+	if (world->relaxation.intervals >= over)
+		return STATUS_OK;
+	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
 	while (world->relaxation.intervals < over && status == STATUS_OK) {
 		size_t blocks = 0;
 		status = world_batches_flush(world);
@@ -182,6 +185,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 		/* If no block is active, none becomes active by itself. */
 		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
 	}
+	world_stage_enter(world, stage);
 	return status;
 }
 

@@ -1,4 +1,4 @@
-/* One step: collects its events, applies them to the ground, and records it. */
+/* The steps of a run: their number, their record, how a run begins and ends. stages.c makes a step. */
 #include <math.h>
 #include <string.h>
 
@@ -68,71 +68,6 @@ const double *world_attached_last(const struct world *world)
 	return world_record_attached(world->record, world->scene->object_count);
 }
 
-#define STOP_SECONDS 2.0 /* a step that takes less is made whole, and committed */
-
-/* Returns true if the drive is to end, and waited for this step for STOP_SECONDS. */
-static bool must_stop(struct world *world)
-{
-	if (!world_stopped(world))
-		return false;
-	if (world->stop_seen == 0)
-		world->stop_seen = clock_seconds();
-	return clock_seconds() - world->stop_seen > STOP_SECONDS;
-}
-
-static enum status torn_by_stop(const struct world *world)
-{
-	return fail_with(STATUS_INTERRUPTED, "drive: interrupted in step %lld, which is a long one; the store has the steps up to its last commit, and --resume goes on from there",
-			 (long long)world->step + 1);
-}
-
-static enum status deform_step(struct world *world, double until)
-{
-	enum status status = STATUS_OK;
-	world_batches_forget(world);
-	world_meetings_forget(world);
-	if (world->meetings != NULL)
-		status = world_near_make(world);
-	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
-		struct event *event = &world->events.list[i];
-		struct body *body = &world->bodies[event->body];
-		if (i > 0 && event->time != event[-1].time)
-			status = world_meetings_flush(world);
-		if (status != STATUS_OK)
-			return status;
-		status = must_stop(world) ? torn_by_stop(world) : world_intervals(world, event->time, false);
-		if (status == STATUS_OK)
-			status = world_forces_rows(world->forces, event->time, false);
-		if (status != STATUS_OK)
-			return status;
-		if (!event->contact) {
-			status = world_let_go(world, body);
-			body->in_contact = false;
-			body->skipped++;
-			world_forces_absent(world->forces, event->body, event);
-			continue;
-		}
-		body->distance += event->distance;
-		if (body->object->load == 0) {
-			body->sinkage = event->sinkage;
-			body->near += event->sinkage > -2 * soil_shape_bound(&body->object->shape); /* the ground beside it may be higher */
-		}
-		status = world_contact_or_wait(world, event);
-	}
-	if (status == STATUS_OK)
-		status = world_batches_flush(world);
-	if (status == STATUS_OK)
-		status = world_meetings_flush(world);
-	if (status == STATUS_OK && world->hosts.count > 0) {
-		status = world_intervals(world, until, false);
-		if (status == STATUS_OK)
-			status = world_hosts_step(world, until - world->time, until);
-	}
-	if (status == STATUS_OK)
-		status = world_intervals(world, until, true);
-	return status == STATUS_OK ? world_forces_end_step(world->forces, until) : status;
-}
-
 enum status world_begin(struct world *world)
 {
 	world_enter(world, WORLD_READY);
@@ -195,8 +130,7 @@ enum status world_end_step(struct world *world)
 	return world->params.attached > 0 ? world_end_change(world) : STATUS_OK;
 }
 
-/* Attached numbers come after the step. */
-static enum status end_or_wait(struct world *world)
+enum status world_end_or_wait(struct world *world)
 {
 	return world->params.attached > 0 ? STATUS_OK : world_end_change(world);
 }
@@ -209,51 +143,7 @@ enum status world_move_hosts(struct world *world)
 	world_tear(world);
 	if (status == STATUS_OK)
 		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
-	return status == STATUS_OK ? end_or_wait(world) : status;
-}
-
-enum status world_step(struct world *world)
-{
-	return world_step_to(world, world_step_time(world->scene, world->step + 1));
-}
-
-/* Does all that can fail before anything changes: a scene that leaves the ground stops at the end of a step. */
-static enum status prepare(struct world *world, double until)
-{
-	enum status status = world_collect_events(world, until, false);
-	if (world->ranks != NULL)
-		status = world->ranks->step(world->ranks->user, until, status);
-	if (world->ranks != NULL && status == STATUS_OK && world->events.count == 0) /* of the bodies that are here now */
-		status = world_collect_events(world, until, true);
-	if (status == STATUS_OK)
-		status = page_cache_poll(world->resident.cache);
-	if (status == STATUS_OK)
-		status = motion_look_ahead_step(world->ahead, world->time);
-	return status;
-}
-
-enum status world_step_to(struct world *world, double until)
-{
-	enum status status = prepare(world, until);
-	if (status == STATUS_OK)
-		status = world_begin_run(world);
-	if (status != STATUS_OK) {
-		world_forget_events(world);
-		return status;
-	}
-	world->hosts.until = until;
-	world_tear(world);
-	status = deform_step(world, until);
-	world->near.stale = true;
-	if (status != STATUS_OK)
-		return status;
-	world->step++;
-	world->time = until;
-	world->events.count = 0;
-	if (world->ranks != NULL)
-		world_pass_elsewhere(world, until);
-	motion_look_ahead_tell(world->ahead, until);
-	return end_or_wait(world);
+	return status == STATUS_OK ? world_end_or_wait(world) : status;
 }
 
 enum status world_idle(struct world *world)
