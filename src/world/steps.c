@@ -29,9 +29,7 @@ enum status world_fill_record(struct world *world)
 	struct record *record = world->record;
 	const struct soil_block *active;
 	size_t count;
-	enum status status = world_active_blocks(world, &active, &count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_active_blocks(world, &active, &count));
 	if (count > 0)
 		memcpy(record->active, active, count * sizeof *active);
 	record->active_count = count;
@@ -73,17 +71,18 @@ enum status world_begin(struct world *world)
 	world_enter(world, WORLD_READY);
 	world_intervals_from(world, world->time);
 	motion_look_ahead_begin(world->ahead, world->facts.resumed.time);
-	enum status status = world->facts.resumed.is ? STATUS_OK : world_fill_record(world);
 	page_cache_hold(world->resident.cache, true);
-	if (status == STATUS_OK && !world->scene->hosted)
-		status = world_begin_run(world);
+	if (!world->facts.resumed.is)
+		TRY(world_fill_record(world));
+	if (!world->scene->hosted)
+		TRY(world_begin_run(world));
 	world->counts.warmed.stalls = world->counts.warmed.range_waits = (struct stalls){0, 0};
 	struct stalls stalls, ranges;
 	world_stalls(world, &stalls);
 	world_range_waits(world, &ranges);
 	world->counts.warmed.stalls = stalls;
 	world->counts.warmed.range_waits = ranges;
-	return status;
+	return STATUS_OK;
 }
 
 enum status world_begin_run(struct world *world)
@@ -93,15 +92,11 @@ enum status world_begin_run(struct world *world)
 	if (world->params.readonly)
 		return fail_with(STATUS_USAGE, "world: it was opened to be read only, and this would change it; open it without readonly");
 	/* If the store cannot be written now, nothing has happened, and the step can be made later. */
-	enum status status = store_begin(world->resident.store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_begin(world->resident.store));
 	page_cache_hold(world->resident.cache, false);
 	/* A run that is killed before its first commit must not be taken for the run before it. */
 	if (!world->facts.resumed.is || world->params.attached > 0)
-		status = page_cache_flush(world->resident.cache, world->record);
-	if (status != STATUS_OK)
-		return status;
+		TRY(page_cache_flush(world->resident.cache, world->record));
 	world_enter(world, WORLD_STEPPING);
 	return world_checkpoint_begun(world);
 }
@@ -114,12 +109,9 @@ void world_attach(struct world *world, const double *numbers)
 
 enum status world_end_change(struct world *world)
 {
-	enum status status = world->resident.pyramid != NULL ? resident_pyramid_flush(world->resident.pyramid, world->resident.cache) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = world_fill_record(world);
+	TRY(world->resident.pyramid != NULL ? resident_pyramid_flush(world->resident.pyramid, world->resident.cache) : STATUS_OK);
+	TRY(world_fill_record(world));
 	/* Until the record describes this step too, there is nothing to commit. */
-	if (status != STATUS_OK)
-		return status;
 	world_mend(world);
 	world_changes_end(world);
 	return page_cache_end_step(world->resident.cache, world->record);
@@ -137,13 +129,13 @@ enum status world_end_or_wait(struct world *world)
 
 enum status world_move_hosts(struct world *world)
 {
-	enum status status = page_cache_poll(world->resident.cache);
-	if (world->ranks != NULL)
-		status = world->ranks->step(world->ranks->user, world->time, status);
+	const struct world_ranks *ranks = world->ranks;
+	const enum status polled = page_cache_poll(world->resident.cache);
+	const enum status agreed = ranks != NULL ? ranks->step(ranks->user, world->time, polled) : polled;
 	world_tear(world);
-	if (status == STATUS_OK)
-		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
-	return status == STATUS_OK ? world_end_or_wait(world) : status;
+	TRY(agreed);
+	TRY(world_hosts_step(world, 0, world->time)); /* no row is due: the scene's own objects have not begun */
+	return world_end_or_wait(world);
 }
 
 enum status world_idle(struct world *world)
