@@ -220,6 +220,7 @@ const struct world_ranks *fleet_ranks(struct fleet *fleet)
 		.part = fleet->part,
 		.step = fleet_step,
 		.probed = fleet_probed,
+		.rows = fleet_rows_take,
 		.changes = fleet_changes,
 		.has = fleet_has,
 		.end = fleet_end,

@@ -277,6 +277,8 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 			status = check_sunk(vehicles);
 		if (status == STATUS_OK)
 			status = world_move_hosts(vehicles->world);
+		if (status == STATUS_OK)
+			status = vehicle_record(vehicles);
 		if (status != STATUS_OK)
 			return status;
 		tell_settling(vehicles, still);
@@ -298,7 +300,9 @@ static enum status place_bodies(struct vehicles *vehicles)
 			geom->touched = geom->now;
 			geom->is_touched = true;
 		}
-	return status == STATUS_OK ? world_move_hosts(vehicles->world) : status;
+	if (status == STATUS_OK)
+		status = world_move_hosts(vehicles->world);
+	return status == STATUS_OK ? vehicle_record(vehicles) : status;
 }
 
 enum status vehicle_settle(struct vehicles *vehicles)

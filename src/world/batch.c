@@ -188,7 +188,8 @@ static enum status mark(struct world *world, const struct waiting *waiting)
 	enum status status = world_tell_contact(world, waiting->event, &waiting->contact, &waiting->window, 1);
 	if (status == STATUS_OK)
 		status = world_mark(world, waiting->window.write, &held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	world_happened_relaxes(world);
+	return status;
 }
 
 /* Computes the contacts that were chosen. A contact without others is counted as one that is computed alone. */

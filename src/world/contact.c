@@ -96,8 +96,8 @@ enum status world_mark(struct world *world, struct post_rect rect, const struct 
 			return status;
 		if (world->resident.pyramid != NULL)
 			status = resident_pyramid_changed(world->resident.pyramid, tile, rect);
-		if (status == STATUS_OK && world->watcher != NULL)
-			status = world->watcher->changed(world->watcher->user, tile);
+		if (status == STATUS_OK)
+			status = world_happened_change(world, tile);
 	}
 	return status;
 }
@@ -147,10 +147,10 @@ static void roll(const struct body *body, struct deform_contact *contact)
 	contact->to.turn = remainder(contact->from.turn + contact->turned, 2 * M_PI);
 }
 
-enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+enum status world_tell_contact(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count)
 {
-	if (world->watcher == NULL || count == 0)
+	if (!world->happened.watched || count == 0)
 		return STATUS_OK;
 	struct contact_area told = {
 		.lowest = contact->load > 0 ? INT64_MIN : world_lowest(contact),
@@ -161,12 +161,7 @@ enum status world_tell_contact(const struct world *world, const struct event *ev
 		told.changed = post_rect_around(told.changed, windows[i].write);
 		told.read = post_rect_around(told.read, windows[i].read);
 	}
-	return world->watcher->contact(world->watcher->user, event, &told);
-}
-
-enum status world_tell_contact_ended(const struct world *world)
-{
-	return world->watcher != NULL ? world->watcher->contact(world->watcher->user, NULL, NULL) : STATUS_OK;
+	return world_happened_touch(world, event, &told);
 }
 
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed)
@@ -251,7 +246,8 @@ static enum status compute_alone(struct world *world, const struct event *event,
 			status = scatter(world, &windows[i], (uint32_t)i, &held);
 		world_release(world, &held);
 	}
-	return status == STATUS_OK && count > 0 ? world_tell_contact_ended(world) : status;
+	world_happened_relaxes(world);
+	return status;
 }
 
 static enum status contact_at(struct world *world, const struct event *event, bool waits)

@@ -56,7 +56,8 @@ static enum status compute(struct world *world, const struct event *event, const
 	if (status == STATUS_OK && !post_rect_empty(*changed))
 		status = scatter(world, windows, count, *changed, &held);
 	world_release(world, &held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	world_happened_relaxes(world);
+	return status;
 }
 
 enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact)

@@ -237,7 +237,8 @@ static enum status tell(struct world *world, const struct waiting_contact *waiti
 	enum status status = world_tell_contact(world, &waiting->event, &waiting->contact, &window, 1);
 	if (status == STATUS_OK)
 		status = world_mark(world, done->changed, held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	world_happened_relaxes(world);
+	return status;
 }
 
 static void count_windows(struct world *world, const struct waiting_contact *waiting, const struct bearing_contact *done)

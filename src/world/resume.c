@@ -108,7 +108,7 @@ int world_law(const struct world *world)
 /* Returns true if `run` is of this scene and its record can be read. *ended: whether it came to its end. */
 static bool is_of_this_scene(const struct world *world, const struct store_run *run, bool *ended)
 {
-	const size_t attached = world->params.attached.count;
+	const size_t attached = world->params.attached;
 	struct record *record = mem_calloc(1, world_record_bytes_with(world->scene->object_count, attached));
 	if (record != NULL)
 		record->attached_count = attached;

@@ -53,9 +53,6 @@ enum status world_fill_record(struct world *world)
 			.skipped = body->skipped,
 		};
 	}
-	const struct world_attached *attached = &world->params.attached;
-	if (attached->count > 0)
-		attached->save(attached->user, world_record_attached(record, world->scene->object_count));
 	return STATUS_OK;
 }
 
@@ -166,7 +163,7 @@ enum status world_begin_run(struct world *world)
 		return status;
 	page_cache_hold(world->resident.cache, false);
 	/* A run that is killed before its first commit must not be taken for the run before it. */
-	if (!world->facts.resumed.is || world->params.attached.count > 0)
+	if (!world->facts.resumed.is || world->params.attached > 0)
 		status = page_cache_flush(world->resident.cache, world->record);
 	if (status != STATUS_OK)
 		return status;
@@ -174,7 +171,13 @@ enum status world_begin_run(struct world *world)
 	return world_checkpoint_begun(world);
 }
 
-enum status world_end_step(struct world *world)
+void world_attach(struct world *world, const double *numbers)
+{
+	if (world->params.attached > 0)
+		memcpy(world_record_attached(world->record, world->scene->object_count), numbers, world->params.attached * sizeof *numbers);
+}
+
+enum status world_end_change(struct world *world)
 {
 	enum status status = world->resident.pyramid != NULL ? resident_pyramid_flush(world->resident.pyramid, world->resident.cache) : STATUS_OK;
 	if (status == STATUS_OK)
@@ -187,6 +190,17 @@ enum status world_end_step(struct world *world)
 	return page_cache_end_step(world->resident.cache, world->record);
 }
 
+enum status world_end_step(struct world *world)
+{
+	return world->params.attached > 0 ? world_end_change(world) : STATUS_OK;
+}
+
+/* Attached numbers come after the step. */
+static enum status end_or_wait(struct world *world)
+{
+	return world->params.attached > 0 ? STATUS_OK : world_end_change(world);
+}
+
 enum status world_move_hosts(struct world *world)
 {
 	enum status status = page_cache_poll(world->resident.cache);
@@ -195,7 +209,7 @@ enum status world_move_hosts(struct world *world)
 	world_tear(world);
 	if (status == STATUS_OK)
 		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
-	return status == STATUS_OK ? world_end_step(world) : status;
+	return status == STATUS_OK ? end_or_wait(world) : status;
 }
 
 enum status world_step(struct world *world)
@@ -239,7 +253,7 @@ enum status world_step_to(struct world *world, double until)
 	if (world->ranks != NULL)
 		world_pass_elsewhere(world, until);
 	motion_look_ahead_tell(world->ahead, until);
-	return world_end_step(world);
+	return end_or_wait(world);
 }
 
 enum status world_idle(struct world *world)

@@ -213,9 +213,8 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 static enum status begin_commit(void *user)
 {
 	struct world *world = user;
-	if (world->commits != NULL && world->commits->before_record != NULL)
-		world->commits->before_record(world->commits->user);
-	return STATUS_OK;
+	const struct world_commits *commits = world->commits;
+	return commits != NULL && commits->before_record != NULL ? commits->before_record(commits->user) : STATUS_OK;
 }
 
 static enum status before_commit(void *user)
@@ -277,14 +276,17 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
 		.classes_drawn = scene_draws_classes(scene),
 	};
-	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached.count);
+	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached);
 	params->queue_bytes = world_queue_bytes(world, params);
 }
 
-static enum status watcher_requests(void *user, struct requests *requests)
+static enum status take_wishes(void *user, struct requests *requests)
 {
 	struct world *world = user;
-	return world->watcher->requests(world->watcher->user, requests);
+	for (size_t i = 0; i < world->wishes.count; i++)
+		TRY(motion_requests_add(requests, world->wishes.requests[i].key, world->wishes.requests[i].time));
+	motion_requests_clear(&world->wishes);
+	return STATUS_OK;
 }
 
 enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace)
@@ -346,7 +348,7 @@ static void serve(struct world *world)
 					       .level = world->resident.level,
 					       .cache = world->resident.cache,
 					       .slots = world->facts.limits.slots,
-					       .requests = world->watcher != NULL ? watcher_requests : NULL,
+					       .requests = world->happened.watched ? take_wishes : NULL,
 					       .user = world,
 				       });
 }
@@ -438,6 +440,9 @@ void world_finish(struct world *world, enum status status)
 	world_free_bodies(world);
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
+	world_happened_finish(world);
+	motion_requests_finish(&world->wishes);
+	mem_free(world->rows.list);
 	mem_free(world->events.list);
 	mem_free(world->events.ahead);
 	mem_free(world->events.runs);
