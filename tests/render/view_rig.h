@@ -19,7 +19,6 @@ struct rig {
 	struct deform_params surface; /* of made.deform */
 	struct view *view;
 	struct requests requests;
-	struct world_watcher watcher;
 	struct scene scene;
 	struct scene_object object;
 	struct scene_waypoint points[2];
