@@ -62,11 +62,8 @@ enum status export_read_light(const struct arguments *arguments, struct export_r
 {
 	double sun[2] = {315, 45};
 	bool given;
-	enum status status = arguments_numbers(arguments, "sun", 2, sun, &given);
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "exaggerate", 0.01, 1000, &request->exaggerate);
-	if (status != STATUS_OK)
-		return status;
+	TRY(arguments_numbers(arguments, "sun", 2, sun, &given));
+	TRY(arguments_number(arguments, "exaggerate", 0.01, 1000, &request->exaggerate));
 	if (fabs(sun[0]) > 360 || sun[1] < 10 || sun[1] > 90)
 		return fail_with(STATUS_USAGE, "%s: --sun %g,%g: is not in the sky; give degrees from north, and 10 to 90 above "
 					       "the horizon", request->command, sun[0], sun[1]);
@@ -280,12 +277,12 @@ static enum status tell_finer_ruts(const struct export_request *request, struct 
 	bool any;
 	if ((request->layer != LAYER_SURFACE && request->layer != LAYER_HILLSHADE) || working >= request->level)
 		return STATUS_OK;
-	enum status status = ruts_window(store, ruts, &any);
-	if (status == STATUS_OK && any)
+	TRY(ruts_window(store, ruts, &any));
+	if (any)
 		note("%s: at level %d it has one of %lld posts of the ruts, which are %g m apart: for all of them give --level %d --window %s",
 		     request->path, (int)request->level, 1LL << 2 * (request->level - working), extent_spacing(&store_meta(store)->extent, working), working,
 		     number_window(ruts[0], ruts[1], ruts[2], ruts[3]).text);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status write_raster(const struct export_request *request, struct store *store)

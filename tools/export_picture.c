@@ -110,13 +110,12 @@ static enum status draw(const struct export_request *request, const struct store
 		.size = request->size,
 		.pixels = pixels_for(request, raster),
 	};
-	enum status status = chart_map_write(&map, request->path, &written);
-	if (status == STATUS_OK && request->world_file)
-		status = world_file_write(request->path, meta, &written.place);
-	if (status == STATUS_OK)
-		printf("%s: a map of %s, %u x %u %s, of %u x %u posts, %g m apart\n", request->path, layer, written.width,
-		       written.height, request->png ? "pixels" : "points", raster->width, raster->height, raster->spacing);
-	return status;
+	TRY(chart_map_write(&map, request->path, &written));
+	if (request->world_file)
+		TRY(world_file_write(request->path, meta, &written.place));
+	printf("%s: a map of %s, %u x %u %s, of %u x %u posts, %g m apart\n", request->path, layer, written.width,
+	       written.height, request->png ? "pixels" : "points", raster->width, raster->height, raster->spacing);
+	return STATUS_OK;
 }
 
 enum status export_picture(const struct export_request *request, struct store *store)

@@ -12,12 +12,11 @@
 static enum status check_options(const struct arguments *arguments)
 {
 	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window", "window-srs"};
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < sizeof foreign / sizeof *foreign && status == STATUS_OK; i++)
+	for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
 		if (arguments_text(arguments, foreign[i]) != NULL)
-			status = fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",
-					   foreign[i][1] == '\0' ? "-" : "--", foreign[i]);
-	return status;
+			return fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",
+					 foreign[i][1] == '\0' ? "-" : "--", foreign[i]);
+	return STATUS_OK;
 }
 
 static enum status step(void *user, int64_t done, int64_t total)

@@ -33,9 +33,7 @@ enum status export_place_window(struct export_request *request, const struct sto
 			double x = given[0] + (given[2] - given[0]) * i / EDGE, y = given[1] + (given[3] - given[1]) * k / EDGE;
 			given_x[points] = x;
 			given_y[points++] = y;
-			enum status status = place_local(meta, request->window_srs, request->command, "--window-srs", &x, &y);
-			if (status != STATUS_OK)
-				return status;
+			TRY(place_local(meta, request->window_srs, request->command, "--window-srs", &x, &y));
 			window[0] = fmin(window[0], x);
 			window[1] = fmin(window[1], y);
 			window[2] = fmax(window[2], x);

@@ -32,9 +32,10 @@ static enum status write_file(const struct fit_soil *fit, const char *path, writ
 	struct aside aside = {.path = NULL};
 	if (path == NULL)
 		return STATUS_OK;
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK)
-		status = write(fit, aside.file);
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	TRY_OR(done, write(fit, aside.file));
+done:
 	return aside_end(&aside, true, status);
 }
 

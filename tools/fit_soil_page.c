@@ -238,11 +238,12 @@ enum status fit_soil_page(const struct fit_soil *fit, FILE *file)
 	fprintf(file, "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
 		      "<title>furrow fit-soil</title>\n<style>\n%spre{overflow-x:auto}</style></head><body>\n<h1>A soil from its tests</h1>\n"
 		      "<p class=\"small\">Told by furrow fit-soil " FURROW_VERSION ", method %s</p>\n", html_style, fit_soil_methods[fit->method]);
-	enum status status = write_test(fit, FIT_PLATE, file);
-	if (status == STATUS_OK && fit->has_shear)
-		status = write_test(fit, FIT_SHEAR, file);
-	if (status == STATUS_OK)
-		status = write_soil(fit, file);
+	enum status status;
+	TRY_OR(done, write_test(fit, FIT_PLATE, file));
+	if (fit->has_shear)
+		TRY_OR(done, write_test(fit, FIT_SHEAR, file));
+	TRY_OR(done, write_soil(fit, file));
+done:
 	fputs("</body></html>\n", file);
 	return status;
 }

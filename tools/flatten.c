@@ -15,11 +15,11 @@ static enum status tell(const char *out, const char *path)
 {
 	struct store *store = NULL;
 	struct store_numbers numbers;
-	enum status status = store_open(out, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = store_count(store, &numbers);
-	if (status == STATUS_OK)
-		printf("%s: what %s shows, in one file of %.1f MB; it needs no base\n", out, path, (double)numbers.file_bytes / 1e6);
+	enum status status;
+	TRY_OR(done, store_open(out, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, store_count(store, &numbers));
+	printf("%s: what %s shows, in one file of %.1f MB; it needs no base\n", out, path, (double)numbers.file_bytes / 1e6);
+done:
 	store_close(store);
 	return status;
 }

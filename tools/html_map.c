@@ -150,11 +150,12 @@ enum status html_map_write(const struct html_report *report)
 	if (first < report->count)
 		html_legend_ways(report);
 	fprintf(report->file, "<div class=\"plots%s\">\n", report->count > 1 ? "" : " wide");
-	for (size_t i = 0; i < report->count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < report->count; i++)
 		if (report->maps[i].ground.png != NULL)
 			write_map(report, i);
 		else
-			status = write_picture(report, &report->runs[i], report->maps[i].why);
+			TRY_OR(done, write_picture(report, &report->runs[i], report->maps[i].why));
+done:
 	fputs("</div>\n", report->file);
 	if (first < report->count) {
 		fputs("<p class=\"small\">A way begins at its large dot. A dotted line between two small dots shows where the rut profile lies.</p>\n", report->file);

@@ -18,9 +18,7 @@ static enum status read_json(const char *path, cJSON **out)
 {
 	char *bytes;
 	size_t length;
-	enum status status = scene_file_read(path, path, JSON_BYTES, &bytes, &length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_file_read(path, path, JSON_BYTES, &bytes, &length));
 	*out = cJSON_ParseWithLength(bytes, length);
 	mem_free(bytes);
 	const cJSON *ended = cJSON_GetObjectItemCaseSensitive(*out, "ended"), *steps = cJSON_GetObjectItemCaseSensitive(*out, "steps");
@@ -82,20 +80,13 @@ enum status html_run_read(const char *folder, struct html_run *out)
 		return fail_with(STATUS_INPUT, "%.80s...: the name is too long; give a shorter one", folder);
 	if (!html_is_file(path))
 		return fail_with(STATUS_INPUT, "%s: there is no run.json in it; give a folder that furrow drive left", folder);
-	enum status status = read_json(path, &out->json);
-	if (status == STATUS_OK)
-		status = html_rows_objects(out);
-	if (status == STATUS_OK)
-		status = html_rows_vehicles(out);
-	if (status == STATUS_OK)
-		status = html_volumes_read(out);
-	if (status == STATUS_OK)
-		html_rows_join(out);
-	if (status == STATUS_OK)
-		status = read_ways(out, "objects");
-	if (status == STATUS_OK)
-		status = read_ways(out, "vehicles");
-	return status;
+	TRY(read_json(path, &out->json));
+	TRY(html_rows_objects(out));
+	TRY(html_rows_vehicles(out));
+	TRY(html_volumes_read(out));
+	html_rows_join(out);
+	TRY(read_ways(out, "objects"));
+	return read_ways(out, "vehicles");
 }
 
 void html_run_finish(struct html_run *run)

@@ -96,11 +96,11 @@ static enum status sample_some(struct store_reader *reader, int level, double sp
 			high[k] = fmax(high[k], at);
 		}
 	const struct post_rect rect = {(int64_t)floor(low[0]), (int64_t)floor(low[1]), (int64_t)floor(high[0]) + 2, (int64_t)floor(high[1]) + 2};
-	enum status status = store_read_posts(reader, STORE_OFFSET, level, rect, room);
-	for (size_t i = from; i < to && status == STATUS_OK; i++)
+	TRY(store_read_posts(reader, STORE_OFFSET, level, rect, room));
+	for (size_t i = from; i < to; i++)
 		rut->change[i] = 1e3 * between(room, rect.x1 - rect.x0, (rut->middle[0] + rut->across[i] * rut->left[0]) / spacing - (double)rect.x0,
 					       (rut->middle[1] + rut->across[i] * rut->left[1]) / spacing - (double)rect.y0);
-	return status;
+	return STATUS_OK;
 }
 
 /* A store reads whole tiles, so the samples are read in parts. */

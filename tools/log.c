@@ -208,12 +208,11 @@ static enum status add_pin(void *user, const struct store_pin *pin)
 static enum status print_text(struct store *store, const char *path)
 {
 	struct listing listing = {.file = ""};
-	enum status status = store_log(store, print_revision, &listing);
-	if (status == STATUS_OK && listing.count == 0)
+	TRY(store_log(store, print_revision, &listing));
+	if (listing.count == 0)
 		printf("%s\n* never driven\n", path);
-	if (status == STATUS_OK)
-		status = each_branch(path, print_branch, NULL);
-	return status == STATUS_OK ? store_each_pin(store, print_pin, (void *)(uintptr_t)path) : status;
+	TRY(each_branch(path, print_branch, NULL));
+	return store_each_pin(store, print_pin, (void *)(uintptr_t)path);
 }
 
 static enum status print_json(struct store *store, const char *path)
@@ -235,10 +234,11 @@ static enum status print_json(struct store *store, const char *path)
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
-	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = arguments_flag(arguments, "json") ? print_json(store, arguments_at(arguments, 0))
-							   : print_text(store, arguments_at(arguments, 0));
+	enum status status;
+	TRY_OR(done, store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, arguments_flag(arguments, "json") ? print_json(store, arguments_at(arguments, 0))
+	       : print_text(store, arguments_at(arguments, 0)));
+done:
 	store_close(store);
 	return status;
 }

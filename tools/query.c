@@ -68,11 +68,8 @@ static enum status ask_point(struct asking *asking, double x, double y)
 {
 	struct store_sample sample;
 	double local_x = x, local_y = y;
-	enum status status = to_local(asking, &local_x, &local_y);
-	if (status == STATUS_OK)
-		status = store_sample(asking->reader, local_x, local_y, &sample);
-	if (status != STATUS_OK)
-		return status;
+	TRY(to_local(asking, &local_x, &local_y));
+	TRY(store_sample(asking->reader, local_x, local_y, &sample));
 	bool nodata = sample.nodata || sample.outside;
 	if (sample.outside)
 		tell_outside(asking, x, y);
@@ -85,9 +82,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 		return STATUS_OK;
 	}
 	struct terrain_height surface;
-	status = resident_newest_heights(asking->newest, &(struct terrain_point){local_x, local_y}, 1, &surface);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_newest_heights(asking->newest, &(struct terrain_point){local_x, local_y}, 1, &surface));
 	cJSON *point = cJSON_CreateObject();
 	json_number(point, "x", x);
 	json_number(point, "y", y);
@@ -135,18 +130,13 @@ static enum status ask_ray(struct asking *asking, const double asked[RAY])
 {
 	struct terrain_ray ray = {{asked[0], asked[1], asked[2]}, {asked[3], asked[4], asked[5]}, INFINITY};
 	struct terrain_hit hit;
-	enum status status = to_local(asking, &ray.origin[0], &ray.origin[1]);
-	if (status == STATUS_OK)
-		status = resident_newest_rays(asking->newest, &ray, 1, &hit);
-	if (status == STATUS_OK && hit.hit)
-		status = from_local(asking, &hit.point[0], &hit.point[1]);
-	if (status != STATUS_OK)
-		return status;
+	TRY(to_local(asking, &ray.origin[0], &ray.origin[1]));
+	TRY(resident_newest_rays(asking->newest, &ray, 1, &hit));
+	if (hit.hit)
+		TRY(from_local(asking, &hit.point[0], &hit.point[1]));
 	if (!hit.hit && !asking->guessed) {
 		struct store_sample sample;
-		status = store_sample(asking->reader, ray.origin[0], ray.origin[1], &sample);
-		if (status != STATUS_OK)
-			return status;
+		TRY(store_sample(asking->reader, ray.origin[0], ray.origin[1], &sample));
 		if (sample.outside)
 			tell_outside(asking, asked[0], asked[1]);
 	}
@@ -222,23 +212,22 @@ static enum status ask_lines(struct asking *asking)
 
 static enum status ask_arguments(struct asking *asking, const struct arguments *arguments)
 {
-	enum status status = STATUS_OK;
 	const char *text;
-	for (size_t i = 1; i + 1 < arguments_count(arguments) && status == STATUS_OK; i += 2) {
+	for (size_t i = 1; i + 1 < arguments_count(arguments); i += 2) {
 		double x, y;
 		if (!parse_number(arguments_at(arguments, i), &x) || !parse_number(arguments_at(arguments, i + 1), &y))
 			return fail_with(STATUS_USAGE, "query: %s %s: not a point; give X and Y as numbers",
 					 arguments_at(arguments, i), arguments_at(arguments, i + 1));
-		status = ask_point(asking, x, y);
+		TRY(ask_point(asking, x, y));
 	}
-	for (size_t i = 0; status == STATUS_OK && (text = arguments_nth(arguments, "ray", i)) != NULL; i++) {
+	for (size_t i = 0; (text = arguments_nth(arguments, "ray", i)) != NULL; i++) {
 		double ray[RAY];
 		if (read_numbers(text, ray) != RAY || !has_direction(ray))
 			return fail_with(STATUS_USAGE, "query: --ray %s: not a ray; give X,Y,Z,DX,DY,DZ, where it begins and where it goes",
 					 text);
-		status = ask_ray(asking, ray);
+		TRY(ask_ray(asking, ray));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status print_json(const struct asking *asking)

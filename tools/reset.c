@@ -14,10 +14,10 @@ static enum status tell_losses(struct store *store, const char *path)
 {
 	char text[1400];
 	int64_t count = 0;
-	enum status status = store_losses(store, false, text, sizeof text, &count);
-	if (status == STATUS_OK && count > 0)
+	TRY(store_losses(store, false, text, sizeof text, &count));
+	if (count > 0)
 		note("%s: %s; that is lost now", path, text);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status run(const struct arguments *arguments)

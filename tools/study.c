@@ -34,8 +34,8 @@ static enum status print_end(const struct study *study)
 
 static enum status collect(struct study *study)
 {
-	enum status status = study_collect(study);
-	return status == STATUS_OK ? print_end(study) : status;
+	TRY(study_collect(study));
+	return print_end(study);
 }
 
 /* Runs what is to do. What there is is collected also when some runs failed. */

@@ -81,9 +81,10 @@ static enum status take_run(struct study *study, size_t run, struct study_cell *
 	enum status status = STATUS_OK;
 	if (json == NULL)
 		return fail_with(STATUS_FAILED, "runs/%s/run.json: cannot be read; run the study again", study->runs[run].name);
-	for (size_t i = 0; i < study->result_count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < study->result_count; i++)
 		if (study->results[i].source == STUDY_RUN_JSON)
-			status = take_from_json(study, &study->results[i], json, &cells[i]);
+			TRY_OR(done, take_from_json(study, &study->results[i], json, &cells[i]));
+done:
 	cJSON_Delete(json);
 	return status == STATUS_OK ? study_columns(study, run, cells) : status;
 }
@@ -149,10 +150,10 @@ static enum status write_csv(const struct study *study, const struct study_cell 
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	snprintf(path, sizeof path, "%.4000s/study.csv", study->directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		write_rows(study, cells, aside.file);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	write_rows(study, cells, aside.file);
+done:
 	return aside_end(&aside, true, status);
 }
 
@@ -161,9 +162,10 @@ static enum status write_plot(const struct study *study, const struct study_plot
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	plot_path(study, plot, path);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK)
-		status = study_plot_write(study, plot, cells, aside.file);
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	TRY_OR(done, study_plot_write(study, plot, cells, aside.file));
+done:
 	return aside_end(&aside, false, status);
 }
 

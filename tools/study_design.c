@@ -107,8 +107,9 @@ static enum status fill_hypercube(struct study *study)
 {
 	const size_t runs = study->run_count;
 	size_t *part = mem_calloc(runs, sizeof *part);
-	enum status status = part != NULL ? STATUS_OK : fail_memory("the hypercube");
-	for (size_t i = 0; i < study->parameter_count && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, part != NULL ? STATUS_OK : fail_memory("the hypercube"));
+	for (size_t i = 0; i < study->parameter_count; i++) {
 		const struct study_parameter *parameter = &study->parameters[i];
 		uint64_t state = random_of(study->seed, parameter->name);
 		for (size_t run = 0; run < runs; run++)
@@ -118,7 +119,7 @@ static enum status fill_hypercube(struct study *study)
 			part[left - 1] = part[other];
 			part[other] = held;
 		}
-		for (size_t run = 0; run < runs && status == STATUS_OK; run++) {
+		for (size_t run = 0; run < runs; run++) {
 			const double within = (double)(next_random(&state) >> 11) * 0x1p-53;
 			const double share = ((double)part[run] + within) / (double)runs;
 			const char *value;
@@ -129,9 +130,10 @@ static enum status fill_hypercube(struct study *study)
 				value = number_text(study, range_at(parameter, share));
 			}
 			put_value(study, run, i, value);
-			status = value != NULL ? STATUS_OK : fail_memory("the hypercube");
+			TRY_OR(done, value != NULL ? STATUS_OK : fail_memory("the hypercube"));
 		}
 	}
+done:
 	mem_free(part);
 	return status;
 }

@@ -35,9 +35,7 @@ static enum status take_list(struct study *study, const struct scene_node *node,
 	if (parameter->values == NULL)
 		return fail_memory("values of the study");
 	for (const struct scene_node *value = node->first; value != NULL; value = value->next) {
-		enum status status = study_yaml(study, value, &parameter->values[parameter->value_count]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(study_yaml(study, value, &parameter->values[parameter->value_count]));
 		for (size_t i = 0; i < parameter->value_count && study->design == STUDY_GRID; i++)
 			if (strcmp(parameter->values[i], parameter->values[parameter->value_count]) == 0)
 				return scene_error(study->file, value, "is written twice; allowed: each value once");
@@ -55,27 +53,19 @@ static enum status take_range(struct study *study, const struct scene_node *node
 	double count = 0;
 	int scale = 0, whole = 0;
 	parameter->from = parameter->to = NAN;
-	enum status status = study_only(study, node, grid ? of_grid : of_cube);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "from", -1e300, 1e300, &parameter->from);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "to", -1e300, 1e300, &parameter->to);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "count", 2, STUDY_VALUES, &count);
-	if (status == STATUS_OK)
-		status = study_choice(study, node, "scale", scales, &scale);
-	if (status == STATUS_OK)
-		status = study_choice(study, node, "whole", truths, &whole);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_only(study, node, grid ? of_grid : of_cube));
+	TRY(study_number(study, node, "from", -1e300, 1e300, &parameter->from));
+	TRY(study_number(study, node, "to", -1e300, 1e300, &parameter->to));
+	TRY(study_number(study, node, "count", 2, STUDY_VALUES, &count));
+	TRY(study_choice(study, node, "scale", scales, &scale));
+	TRY(study_choice(study, node, "whole", truths, &whole));
 	parameter->logarithmic = scale == 1;
 	parameter->whole = whole == 1;
 	if (!(parameter->from < parameter->to))
 		return scene_error(study->file, node, "is no range; allowed: from and to, with from below to");
 	if (parameter->logarithmic && !(parameter->from > 0))
 		return scene_error(study->file, node, "has a logarithmic scale from %g; allowed: from above 0", parameter->from);
-	if (parameter->whole &&
-	    (parameter->logarithmic || parameter->from != floor(parameter->from) || parameter->to != floor(parameter->to)))
+	if (parameter->whole && (parameter->logarithmic || parameter->from != floor(parameter->from) || parameter->to != floor(parameter->to)))
 		return scene_error(study->file, node, "is no range of whole numbers; allowed: whole from and to, linear");
 	if (grid && (count < 2 || count != floor(count)))
 		return scene_error(study->file, node, "says no whole count; allowed: count: 2 to %d", STUDY_VALUES);
@@ -127,17 +117,14 @@ static enum status take_runs(struct study *study, const struct scene_node *node)
 					   "same in all");
 	for (const struct scene_node *child = first->first; child != NULL; child = child->next) {
 		struct study_parameter *parameter;
-		enum status status = add_parameter(study, child, &parameter);
-		if (status == STATUS_OK && (parameter->values = mem_calloc(node->count, sizeof *parameter->values)) == NULL)
-			status = fail_memory("values of the study");
-		for (const struct scene_node *run = first; run != NULL && status == STATUS_OK; run = run->next) {
+		TRY(add_parameter(study, child, &parameter));
+		if ((parameter->values = mem_calloc(node->count, sizeof *parameter->values)) == NULL)
+			return fail_memory("values of the study");
+		for (const struct scene_node *run = first; run != NULL; run = run->next) {
 			const struct scene_node *value = scene_node_child(run, child->key);
-			status = value == NULL
-					 ? scene_error(study->file, run, "lacks %s; allowed: the same keys in all runs", child->key)
-					 : study_yaml(study, value, &parameter->values[parameter->value_count++]);
+			TRY(value == NULL ? scene_error(study->file, run, "lacks %s; allowed: the same keys in all runs", child->key)
+			    : study_yaml(study, value, &parameter->values[parameter->value_count++]));
 		}
-		if (status != STATUS_OK)
-			return status;
 	}
 	return STATUS_OK;
 }
@@ -146,13 +133,9 @@ static enum status take_hypercube(struct study *study, const struct scene_node *
 {
 	static const char *const keys[] = {"count", "seed", "parameters", NULL};
 	double count = 0, seed = 0;
-	enum status status = study_only(study, node, keys);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "count", 1, STUDY_RUNS, &count);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "seed", 0, 9007199254740991.0, &seed);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_only(study, node, keys));
+	TRY(study_number(study, node, "count", 1, STUDY_RUNS, &count));
+	TRY(study_number(study, node, "seed", 0, 9007199254740991.0, &seed));
 	const struct scene_node *parameters = scene_node_child(node, "parameters");
 	if (count < 1 || count != floor(count) || seed != floor(seed) || parameters == NULL)
 		return scene_error(study->file, node,
@@ -234,9 +217,7 @@ static enum status take_set(struct study *study)
 					   "`store` beside `scene`",
 					   SETTINGS_MAX);
 		study->set[study->set_count].key = child->key;
-		enum status status = study_yaml(study, child, &study->set[study->set_count++].value);
-		if (status != STATUS_OK)
-			return status;
+		TRY(study_yaml(study, child, &study->set[study->set_count++].value));
 	}
 	return STATUS_OK;
 }
@@ -244,11 +225,8 @@ static enum status take_set(struct study *study)
 static enum status take_paths(struct study *study)
 {
 	const char *scene, *store;
-	enum status status = study_text(study, study->root, "scene", &scene);
-	if (status == STATUS_OK)
-		status = study_text(study, study->root, "store", &store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_text(study, study->root, "scene", &scene));
+	TRY(study_text(study, study->root, "store", &store));
 	if (scene == NULL)
 		return scene_error(study->file, study->root, "names no scene; allowed: scene: FILE");
 	study->scene = study_keep(study, scene_file_beside(study->folder, scene));

@@ -75,15 +75,10 @@ static enum status take_plot(const struct study *study, const struct scene_node 
 	static const char *const keys[] = {"x", "y", "by", NULL};
 	const char *y = NULL;
 	*plot = (struct study_plot){.x = SIZE_MAX, .by = SIZE_MAX, .y = 0};
-	enum status status = study_only(study, node, keys);
-	if (status == STATUS_OK)
-		status = take_parameter(study, node, "x", &plot->x);
-	if (status == STATUS_OK)
-		status = take_parameter(study, node, "by", &plot->by);
-	if (status == STATUS_OK)
-		status = study_text(study, node, "y", &y);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_only(study, node, keys));
+	TRY(take_parameter(study, node, "x", &plot->x));
+	TRY(take_parameter(study, node, "by", &plot->by));
+	TRY(study_text(study, node, "y", &y));
 	if (y == NULL || plot->x == SIZE_MAX || plot->x == plot->by)
 		return scene_error(study->file, node,
 				   "is no plot; allowed: x (a parameter), y (a result), by "
@@ -123,9 +118,7 @@ enum status study_read_results(struct study *study)
 		return scene_error(study->file, results, "is no mapping; allowed: up to %d names, with what each is",
 				   STUDY_RESULTS);
 	for (const struct scene_node *node = results != NULL ? results->first : NULL; node != NULL; node = node->next) {
-		enum status status = take_result(study, node, &study->results[study->result_count]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(take_result(study, node, &study->results[study->result_count]));
 		study->result_count++;
 	}
 	if (plots == NULL) {
@@ -135,11 +128,8 @@ enum status study_read_results(struct study *study)
 	if (plots->kind != SCENE_SEQUENCE || plots->count > STUDY_PLOTS)
 		return scene_error(study->file, plots, "is no list; allowed: up to %d plots", STUDY_PLOTS);
 	for (const struct scene_node *node = plots->first; node != NULL; node = node->next) {
-		enum status status = take_plot(study, node, &study->plots[study->plot_count]);
-		if (status == STATUS_OK)
-			status = study_plot_check(study, &study->plots[study->plot_count], node);
-		if (status != STATUS_OK)
-			return status;
+		TRY(take_plot(study, node, &study->plots[study->plot_count]));
+		TRY(study_plot_check(study, &study->plots[study->plot_count], node));
 		study->plot_count++;
 	}
 	return STATUS_OK;

@@ -225,26 +225,25 @@ static enum status write_script(struct study *study, size_t run)
 	char path[PATH_MAX], log[PATH_MAX], json[PATH_MAX];
 	const char **list = NULL;
 	struct aside aside = {.path = NULL};
-	enum status status = study_arguments(study, run, &list);
-	if (status == STATUS_OK)
-		status = aside_begin(&aside, study_path(study, run, "run.sh", path));
-	if (status == STATUS_OK) {
-		fputs("#!/bin/sh\n# One run of a study. It is not run again when it is complete; "
-		      "it goes on when it was killed.\n"
-		      "grep -q '\"ended\":[[:space:]]*\"complete\"' ",
-		      aside.file);
-		study_quote(study_path(study, run, "run.json", json), aside.file);
-		fputs(" 2>/dev/null && exit 0\nfurrow=${FURROW:-", aside.file);
-		study_quote(list[0], aside.file);
-		fputs("}\nexec \"$furrow\"", aside.file);
-		for (const char **argument = list + 1; *argument != NULL; argument++) {
-			fputc(' ', aside.file);
-			study_quote(*argument, aside.file);
-		}
-		fputs(" >>", aside.file);
-		study_quote(study_path(study, run, "log.txt", log), aside.file);
-		fputs(" 2>&1\n", aside.file);
+	enum status status;
+	TRY_OR(done, study_arguments(study, run, &list));
+	TRY_OR(done, aside_begin(&aside, study_path(study, run, "run.sh", path)));
+	fputs("#!/bin/sh\n# One run of a study. It is not run again when it is complete; "
+	      "it goes on when it was killed.\n"
+	      "grep -q '\"ended\":[[:space:]]*\"complete\"' ",
+	      aside.file);
+	study_quote(study_path(study, run, "run.json", json), aside.file);
+	fputs(" 2>/dev/null && exit 0\nfurrow=${FURROW:-", aside.file);
+	study_quote(list[0], aside.file);
+	fputs("}\nexec \"$furrow\"", aside.file);
+	for (const char **argument = list + 1; *argument != NULL; argument++) {
+		fputc(' ', aside.file);
+		study_quote(*argument, aside.file);
 	}
+	fputs(" >>", aside.file);
+	study_quote(study_path(study, run, "log.txt", log), aside.file);
+	fputs(" 2>&1\n", aside.file);
+done:
 	status = aside_end(&aside, false, status);
 	mem_free(list);
 	return status;
@@ -256,10 +255,10 @@ static enum status write_copy(const struct study *study)
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	snprintf(path, sizeof path, "%.4000s/study.yaml", study->directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		fwrite(study->text, 1, study->length, aside.file);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	fwrite(study->text, 1, study->length, aside.file);
+done:
 	return aside_end(&aside, false, status);
 }
 

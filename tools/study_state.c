@@ -104,10 +104,10 @@ enum status study_manifest(const struct study *study)
 	if (text == NULL)
 		return fail_memory("study.json");
 	snprintf(path, sizeof path, "%.4000s/study.json", study->directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		fprintf(aside.file, "%s\n", text);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	fprintf(aside.file, "%s\n", text);
+done:
 	status = aside_end(&aside, true, status);
 	cJSON_free(text);
 	return status;

@@ -164,9 +164,7 @@ static enum status start_some(struct work *work)
 			work->next++;
 		if (work->next == work->study->run_count)
 			return STATUS_OK;
-		enum status status = start(work, job, work->next++);
-		if (status != STATUS_OK)
-			return status;
+		TRY(start(work, job, work->next++));
 	}
 	return STATUS_OK;
 }

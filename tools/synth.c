@@ -56,16 +56,17 @@ static enum status make_posts(void *user, struct post_rect rect, double *heights
 	int64_t rows = rect.y1 - rect.y0, width = rect.x1 - rect.x0;
 	int64_t count = rows < making->jobs ? rows : making->jobs;
 	enum status status = STATUS_OK;
-	for (int64_t i = count - 1; i >= 0 && status == STATUS_OK; i--) {
+	for (int64_t i = count - 1; i >= 0; i--) {
 		int64_t first = rows * i / count, end = rows * (i + 1) / count;
 		jobs[i].synth = &making->synth;
 		jobs[i].rect = (struct post_rect){rect.x0, rect.y0 + first, rect.x1, rect.y0 + end};
 		jobs[i].heights = heights + first * width;
 		if (i > 0)
-			status = thread_start(&jobs[i].thread, job_run, &jobs[i], "furrow-synth");
+			TRY_OR(done, thread_start(&jobs[i].thread, job_run, &jobs[i], "furrow-synth"));
 		else
 			job_run(&jobs[i]);
 	}
+done:
 	for (int64_t i = 1; i < count; i++)
 		thread_join(&jobs[i].thread);
 	return status;
