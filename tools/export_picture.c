@@ -132,21 +132,19 @@ enum status export_picture(const struct export_request *request, struct store *s
 		.progress = progress_step,
 		.progress_user = &progress,
 	};
-	enum status status = export_find_rect(request, &meta->extent, &params.rect);
-	if (status != STATUS_OK)
-		return status;
+	TRY(export_find_rect(request, &meta->extent, &params.rect));
 	params.level =
 		chart_level(&meta->extent, (int)request->level, request->pixels > 0 ? request->pixels : SIDE_MOST, &params.rect);
 	params.deformed = store_has_working_level(store, &params.working);
 	interrupt_catch();
-	status = store_reader_create(store, &reader);
+	TRY(store_reader_create(store, &reader));
 	params.reader = reader;
 	progress_start(&progress, request->path, "rows and tiles");
-	if (status == STATUS_OK)
-		status = chart_raster_create(&params, &raster);
+	enum status status = chart_raster_create(&params, &raster);
 	progress_end(&progress);
-	if (status == STATUS_OK)
-		status = draw(request, meta, &raster);
+	TRY_OR(done, status);
+	TRY_OR(done, draw(request, meta, &raster));
+done:
 	chart_raster_finish(&raster);
 	store_reader_destroy(reader);
 	return status;

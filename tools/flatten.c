@@ -28,20 +28,18 @@ static enum status run(const struct arguments *arguments)
 {
 	struct progress progress;
 	const char *out = arguments_text(arguments, "o");
-	enum status status = STATUS_OK;
 	if (out == NULL)
-		status = fail_with(STATUS_USAGE, "flatten: -o is missing; give a file for the new store");
-	if (status != STATUS_OK)
-		return status;
+		return fail_with(STATUS_USAGE, "flatten: -o is missing; give a file for the new store");
 	const char *path = arguments_at(arguments, 0);
 	enum store_overwrite overwrite = arguments_flag(arguments, "overwrite") ? STORE_OVERWRITE : STORE_OVERWRITE_NOT;
 	if (overwrite == STORE_OVERWRITE && arguments_flag(arguments, "force"))
 		overwrite = STORE_OVERWRITE_FORCE;
 	interrupt_catch();
 	progress_start(&progress, out, "tiles");
-	status = store_flatten(path, out, overwrite, progress_step, &progress);
+	enum status status = store_flatten(path, out, overwrite, progress_step, &progress);
 	progress_end(&progress);
-	return status == STATUS_OK ? tell(out, path) : status;
+	TRY(status);
+	return tell(out, path);
 }
 
 const struct command command_flatten = {

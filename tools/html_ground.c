@@ -106,8 +106,7 @@ static enum status draw(struct html_map *map, struct chart_range range)
 	enum status status = chart_ground_write(&chart, "a map", file, &told);
 	if (fclose(file) != 0 && status == STATUS_OK)
 		status = fail_memory("a map");
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	map->range = told.range;
 	map->beyond[0] = !isnan(told.beyond[0]);
 	map->beyond[1] = !isnan(told.beyond[1]);
@@ -147,11 +146,11 @@ enum status html_map_read(const struct html_run *run, uint32_t pixels, struct ht
 		return none(out, "run.json does not name the store; an older furrow made it");
 	if (!html_is_file(path))
 		return none(out, "%.300s is not there any more", path);
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK) {
-		status = read_store(run, store, path, pixels, out);
-		store_close(store);
-	}
+	enum status status;
+	TRY_OR(done, store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, read_store(run, store, path, pixels, out));
+done:
+	store_close(store);
 	if (status != STATUS_OK)
 		out->ground.png = NULL;
 	/* A store that cannot be read does not make the report fail: another program may be writing it. */

@@ -73,14 +73,10 @@ enum status html_picture_read(const char *path, uint32_t most, struct html_pictu
 	*out = (struct html_picture){.png = NULL};
 	if (!html_is_file(path))
 		return fail_with(STATUS_INPUT, "%s: is not there; give a folder that furrow drive left", path);
-	enum status status = scene_file_read(path, path, BYTES, &bytes, &length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_file_read(path, path, BYTES, &bytes, &length));
 	png_image image = {.version = PNG_IMAGE_VERSION};
-	if (png_image_begin_read_from_memory(&image, bytes, length))
-		status = decode(&image, path, most, out);
-	else
-		status = no_picture(path, image.message);
+	const bool begun = png_image_begin_read_from_memory(&image, bytes, length);
+	enum status status = begun ? decode(&image, path, most, out) : no_picture(path, image.message);
 	png_image_free(&image);
 	mem_free(bytes);
 	if (status != STATUS_OK)

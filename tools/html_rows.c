@@ -204,9 +204,9 @@ static enum status take_line(struct table *table, char **cells, size_t count)
 		for (int k = HTML_SOIL; k < HTML_VALUES; k++)
 			row.values[k] = (double)NAN;
 	}
-	enum status status = take_row(table, cells[1], &row);
-	if (status != STATUS_OK || !table->vehicles)
-		return status;
+	TRY(take_row(table, cells[1], &row));
+	if (!table->vehicles)
+		return STATUS_OK;
 	return html_actuators_take(&table->actuators, cells, body_named(table, cells[1]), &table->run->actuators);
 }
 

@@ -35,9 +35,7 @@ static enum status take_way(const cJSON *way, struct html_body *body)
 		const cJSON *x = cJSON_GetArrayItem(point, 0), *y = cJSON_GetArrayItem(point, 1);
 		if (!cJSON_IsNumber(x) || !cJSON_IsNumber(y) || !isfinite(x->valuedouble) || !isfinite(y->valuedouble))
 			return STATUS_OK;
-		enum status status = html_body_room(body);
-		if (status != STATUS_OK)
-			return status;
+		TRY(html_body_room(body));
 		const size_t at = body->count++;
 		body->x[at] = x->valuedouble;
 		body->y[at] = y->valuedouble;
@@ -49,7 +47,6 @@ static enum status take_way(const cJSON *way, struct html_body *body)
 static enum status read_ways(struct html_run *run, const char *list)
 {
 	const cJSON *object;
-	enum status status = STATUS_OK;
 	cJSON_ArrayForEach(object, html_members(run, list)) {
 		const cJSON *way = cJSON_GetObjectItemCaseSensitive(object, "way");
 		if (!cJSON_IsArray(cJSON_GetArrayItem(way, 0)))
@@ -57,12 +54,10 @@ static enum status read_ways(struct html_run *run, const char *list)
 		struct html_body *body = html_bodies_add(&run->ways, object->string);
 		if (body == NULL)
 			return fail_memory("the ways of a drive");
-		status = take_way(way, body);
-		if (status != STATUS_OK)
-			return status;
+		TRY(take_way(way, body));
 	}
 	run->ways.there = run->ways.count > 0;
-	return status;
+	return STATUS_OK;
 }
 
 const struct html_bodies *html_ways(const struct html_run *run)

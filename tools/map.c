@@ -60,27 +60,20 @@ static enum status read_request(const struct arguments *arguments, struct export
 	enum chart_format format = CHART_PNG;
 	request->store = arguments_at(arguments, 0);
 	request->path = arguments_text(arguments, "o");
-	enum status status = STATUS_OK;
 	if (request->path == NULL || !chart_path_format(request->path, &format))
-		status = fail_with(STATUS_USAGE, "map: -o is missing or ends in none of .png, .svg and .pdf; give such a file");
+		return fail_with(STATUS_USAGE, "map: -o is missing or ends in none of .png, .svg and .pdf; give such a file");
 	request->png = format == CHART_PNG;
 	request->world_file = arguments_flag(arguments, "world-file");
-	if (status == STATUS_OK && request->world_file && !request->png)
-		status = fail_with(STATUS_USAGE, "map: --world-file: %s is no PNG; leave it out, or write a .png", request->path);
-	if (status == STATUS_OK)
-		status = export_read_layer(arguments, &request->layer);
-	if (status == STATUS_OK)
-		status = export_read_window(arguments, request);
-	if (status == STATUS_OK)
-		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
-	if (status == STATUS_OK && request->has_range && request->range[0] >= request->range[1])
-		status = fail_with(STATUS_USAGE, "map: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
-				   request->range[1]);
-	if (status == STATUS_OK)
-		status = export_read_light(arguments, request, true);
-	if (status == STATUS_OK)
-		status = export_check_picture(request);
-	return status == STATUS_OK ? read_page(arguments, request) : status;
+	if (request->world_file && !request->png)
+		return fail_with(STATUS_USAGE, "map: --world-file: %s is no PNG; leave it out, or write a .png", request->path);
+	TRY(export_read_layer(arguments, &request->layer));
+	TRY(export_read_window(arguments, request));
+	TRY(arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range));
+	if (request->has_range && request->range[0] >= request->range[1])
+		return fail_with(STATUS_USAGE, "map: --height-range %g,%g: is empty; give MIN,MAX", request->range[0], request->range[1]);
+	TRY(export_read_light(arguments, request, true));
+	TRY(export_check_picture(request));
+	return read_page(arguments, request);
 }
 
 static enum status run(const struct arguments *arguments)

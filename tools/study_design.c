@@ -140,15 +140,12 @@ done:
 
 enum status study_expand(struct study *study)
 {
-	enum status status = STATUS_OK;
-	if (study->design == STUDY_GRID)
-		status = expand_ranges(study);
-	if (status == STATUS_OK && study->design == STUDY_GRID)
-		status = count_grid(study);
+	if (study->design == STUDY_GRID) {
+		TRY(expand_ranges(study));
+		TRY(count_grid(study));
+	}
 	if (study->design == STUDY_LIST)
 		study->run_count = study->parameters[0].value_count;
-	if (status != STATUS_OK)
-		return status;
 	study->values = mem_calloc(study->run_count * study->parameter_count, sizeof *study->values);
 	study->runs = mem_calloc(study->run_count, sizeof *study->runs);
 	if (study->values == NULL || study->runs == NULL)

@@ -89,17 +89,11 @@ static enum status take_parameters(struct study *study, const struct scene_node 
 		return scene_error(study->file, node, "has no parameters; allowed: a mapping of keys to values");
 	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
 		struct study_parameter *parameter;
-		enum status status = add_parameter(study, child, &parameter);
-		if (status == STATUS_OK && child->kind == SCENE_SCALAR)
-			status = scene_error(study->file, child,
-					     "is a single value; allowed: a list, or a range "
-					     "{from, to, ...}; what all "
-					     "runs have is under `set`");
-		else if (status == STATUS_OK)
-			status = child->kind == SCENE_SEQUENCE ? take_list(study, child, parameter)
-							       : take_range(study, child, parameter);
-		if (status != STATUS_OK)
-			return status;
+		TRY(add_parameter(study, child, &parameter));
+		if (child->kind == SCENE_SCALAR)
+			return scene_error(study->file, child,
+					   "is a single value; allowed: a list, or a range {from, to, ...}; what all runs have is under `set`");
+		TRY(child->kind == SCENE_SEQUENCE ? take_list(study, child, parameter) : take_range(study, child, parameter));
 	}
 	return STATUS_OK;
 }
@@ -122,8 +116,9 @@ static enum status take_runs(struct study *study, const struct scene_node *node)
 			return fail_memory("values of the study");
 		for (const struct scene_node *run = first; run != NULL; run = run->next) {
 			const struct scene_node *value = scene_node_child(run, child->key);
-			TRY(value == NULL ? scene_error(study->file, run, "lacks %s; allowed: the same keys in all runs", child->key)
-			    : study_yaml(study, value, &parameter->values[parameter->value_count++]));
+			if (value == NULL)
+				return scene_error(study->file, run, "lacks %s; allowed: the same keys in all runs", child->key);
+			TRY(study_yaml(study, value, &parameter->values[parameter->value_count++]));
 		}
 	}
 	return STATUS_OK;
@@ -240,31 +235,22 @@ enum status study_read(const char *path, const char *beside, struct study *study
 					   "list",  "hypercube", "results", "plots", NULL};
 	double version = 0;
 	*study = (struct study){.file = path};
-	enum status status = scene_file_read(path, path, SCENE_BYTES, &study->text, &study->length);
-	if (status == STATUS_OK)
-		status = scene_folder_of(beside != NULL ? beside : path, true, &study->folder);
-	if (status == STATUS_OK)
-		status = scene_tree_parse(path, NULL, study->text, study->length, &study->root);
-	if (status == STATUS_OK)
-		status = study_only(study, study->root, keys);
-	if (status == STATUS_OK)
-		status = study_number(study, study->root, "study", 1, 1, &version);
-	if (status == STATUS_OK && version != 1)
-		status = scene_error(path, study->root, "says no version; allowed: study: 1");
-	const struct scene_node *names = status == STATUS_OK ? scene_node_child(study->root, "names") : NULL;
+	TRY(scene_file_read(path, path, SCENE_BYTES, &study->text, &study->length));
+	TRY(scene_folder_of(beside != NULL ? beside : path, true, &study->folder));
+	TRY(scene_tree_parse(path, NULL, study->text, study->length, &study->root));
+	TRY(study_only(study, study->root, keys));
+	TRY(study_number(study, study->root, "study", 1, 1, &version));
+	if (version != 1)
+		return scene_error(path, study->root, "says no version; allowed: study: 1");
+	const struct scene_node *names = scene_node_child(study->root, "names");
 	if (names != NULL && names->kind != SCENE_MAPPING)
-		status = scene_error(path, names, "is no mapping; allowed: a name, and the keys of the scene that it sets");
-	if (status == STATUS_OK && (study->parameters = mem_calloc(STUDY_PARAMETERS, sizeof *study->parameters)) == NULL)
-		status = fail_memory("parameters of the study");
-	if (status == STATUS_OK)
-		status = take_paths(study);
-	if (status == STATUS_OK)
-		status = take_set(study);
-	if (status == STATUS_OK)
-		status = take_design(study);
-	if (status == STATUS_OK)
-		status = check_keys(study);
-	if (status == STATUS_OK)
-		status = study_expand(study);
-	return status == STATUS_OK ? study_read_results(study) : status;
+		return scene_error(path, names, "is no mapping; allowed: a name, and the keys of the scene that it sets");
+	if ((study->parameters = mem_calloc(STUDY_PARAMETERS, sizeof *study->parameters)) == NULL)
+		return fail_memory("parameters of the study");
+	TRY(take_paths(study));
+	TRY(take_set(study));
+	TRY(take_design(study));
+	TRY(check_keys(study));
+	TRY(study_expand(study));
+	return study_read_results(study);
 }

@@ -12,26 +12,21 @@ static enum status take_result(const struct study *study, const struct scene_nod
 	static const char *const sources[] = {"run", "objects", "vehicles"};
 	int given = 0, take = -1;
 	*result = (struct study_result){.name = node->key, .node = node, .after = -INFINITY};
-	enum status status = study_only(study, node, keys);
-	for (int i = 0; i < 3 && status == STATUS_OK; i++) {
+	TRY(study_only(study, node, keys));
+	for (int i = 0; i < 3; i++) {
 		const char *what;
-		status = study_text(study, node, sources[i], &what);
+		TRY(study_text(study, node, sources[i], &what));
 		if (what != NULL) {
 			result->source = (enum study_source)i;
 			result->what = what;
 			given++;
 		}
 	}
-	if (status == STATUS_OK && given != 1)
-		status = scene_error(study->file, node, "says not where it is; allowed: one of run, objects, vehicles");
-	if (status == STATUS_OK)
-		status = study_text(study, node, "of", &result->of);
-	if (status == STATUS_OK)
-		status = study_choice(study, node, "take", takes, &take);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "after", 0, 1e12, &result->after);
-	if (status != STATUS_OK)
-		return status;
+	if (given != 1)
+		return scene_error(study->file, node, "says not where it is; allowed: one of run, objects, vehicles");
+	TRY(study_text(study, node, "of", &result->of));
+	TRY(study_choice(study, node, "take", takes, &take));
+	TRY(study_number(study, node, "after", 0, 1e12, &result->after));
 	result->take = (enum study_take)(take >= 0 ? take : 0);
 	if (result->source == STUDY_RUN_JSON && (result->of != NULL || take >= 0 || isfinite(result->after)))
 		return scene_error(study->file, node,
@@ -58,9 +53,9 @@ static size_t parameter_named(const struct study *study, const char *name)
 static enum status take_parameter(const struct study *study, const struct scene_node *node, const char *key, size_t *out)
 {
 	const char *name;
-	enum status status = study_text(study, node, key, &name);
-	if (status != STATUS_OK || name == NULL)
-		return status;
+	TRY(study_text(study, node, key, &name));
+	if (name == NULL)
+		return STATUS_OK;
 	struct scene_list list = {.length = 0};
 	for (size_t i = 0; i < study->parameter_count; i++)
 		scene_list_add(&list, study->parameters[i].name);
