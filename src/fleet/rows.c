@@ -45,24 +45,22 @@ const struct world_rows *fleet_rows(struct fleet *fleet, const struct world_rows
 enum status fleet_rows_put(struct fleet *fleet)
 {
 	const uint32_t count = (uint32_t)fleet->given.count;
-	enum status status = fleet_put(&fleet->sent, &count, sizeof count);
-	if (status == STATUS_OK)
-		status = fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 	fleet->given.count = 0;
-	return status;
+	TRY(fleet_put(&fleet->sent, &count, sizeof count));
+	return fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 }
 
 enum status fleet_rows_get(struct fleet *fleet, struct fleet_bytes *bytes)
 {
 	uint32_t count;
-	enum status status = fleet_get(bytes, &count, sizeof count);
-	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(fleet_get(bytes, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++) {
 		struct fleet_row row;
-		status = fleet_get(bytes, &row, sizeof row);
-		if (status == STATUS_OK && fleet->rank == 0)
-			status = add(&fleet->waiting, &row);
+		TRY(fleet_get(bytes, &row, sizeof row));
+		if (fleet->rank == 0)
+			TRY(add(&fleet->waiting, &row));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static int before(const void *a, const void *b)
@@ -73,6 +71,22 @@ static int before(const void *a, const void *b)
 	return (x->body > y->body) - (x->body < y->body);
 }
 
+/* Writes row number `at` of those that wait. */
+static enum status write_row(struct fleet *fleet, size_t at)
+{
+	const struct fleet_row *from = &fleet->waiting.rows[at];
+	struct world_row row = {
+		.time = from->time,
+		.body = (size_t)from->body,
+		.slip = from->slip,
+		.position = {from->position[0], from->position[1], from->position[2]},
+		.soil = from->soil,
+		.force = from->force,
+	};
+	row.object = world_body_of(fleet->world, &(struct event){.body = row.body})->object;
+	return fleet->rows->row(fleet->rows->user, &row);
+}
+
 enum status fleet_rows_write(struct fleet *fleet, double until)
 {
 	struct fleet_row_list *waiting = &fleet->waiting;
@@ -81,25 +95,17 @@ enum status fleet_rows_write(struct fleet *fleet, double until)
 	if (fleet->rows == NULL || waiting->count == 0)
 		return STATUS_OK;
 	qsort(waiting->rows, waiting->count, sizeof *waiting->rows, before);
-	for (; written < waiting->count && waiting->rows[written].time <= until && status == STATUS_OK; written++) {
-		const struct fleet_row *from = &waiting->rows[written];
-		struct world_row row = {
-			.time = from->time,
-			.body = (size_t)from->body,
-			.slip = from->slip,
-			.position = {from->position[0], from->position[1], from->position[2]},
-			.soil = from->soil,
-			.force = from->force,
-		};
-		if (!world_ranked(fleet->world, row.body))
+	while (written < waiting->count && waiting->rows[written].time <= until) {
+		if (!world_ranked(fleet->world, (size_t)waiting->rows[written].body))
 			return fail_with(STATUS_FAILED, "ranks: a row came of a body that there is not; report this");
-		row.object = world_body_of(fleet->world, &(struct event){.body = row.body})->object;
-		status = fleet->rows->row(fleet->rows->user, &row);
+		TRY_OR(done, write_row(fleet, written++));
 	}
+done:
 	for (size_t i = written; i < waiting->count; i++)
 		waiting->rows[i - written] = waiting->rows[i];
 	waiting->count -= written;
-	return status == STATUS_OK ? fleet->rows->flush(fleet->rows->user) : status;
+	TRY(status);
+	return fleet->rows->flush(fleet->rows->user);
 }
 
 void fleet_rows_finish(struct fleet *fleet)
