@@ -75,7 +75,8 @@ static enum status run(const struct arguments *arguments)
 	TRY(soil_named(fit.named, &soil));
 	fit.method = (enum fit_method)method;
 	if (isnan(soil.elastic_stiffness))
-		return fail_with(STATUS_INPUT, "fit-soil: --soil: %s has no numbers of Bekker's and Janosi's soils; name one that docs/SOILS.md has there", fit.named);
+		return fail_with(STATUS_INPUT, "fit-soil: --soil: %s has no numbers of Bekker's and Janosi's soils; name one that docs/SOILS.md has "
+					       "there", fit.named);
 	enum status status;
 	TRY_OR(done, fit_all(arguments, &fit));
 	TRY_OR(done, write_file(&fit, path, write_block));

@@ -24,8 +24,8 @@ static enum status take_curves(const struct html_run *run, const char *path, con
 	}
 	cache_sizes(&curves);
 	if (curves.count == 1)
-		snprintf(out->why, sizeof out->why, "No cache curve: the drive touched %u tile%s, fewer than the smallest cache has slots", accesses->tile_count,
-			 accesses->tile_count == 1 ? "" : "s");
+		snprintf(out->why, sizeof out->why, "No cache curve: the drive touched %u tile%s, fewer than the smallest cache has slots",
+			 accesses->tile_count, accesses->tile_count == 1 ? "" : "s");
 	if (curves.count <= 1)
 		return STATUS_OK;
 	for (int policy = 0; policy < HTML_POLICIES; policy++)

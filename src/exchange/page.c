@@ -180,34 +180,14 @@ static void add_ramp(struct text *text)
 	add(text, "],\n");
 }
 
-/* The script's text. `shades` and `ruts`: the tiles that are there, sorted. */
-static void add_script(struct text *text, const struct exchange_tiles_params *params, const struct exchange_frame *frame,
-		       const struct exchange_zooms *zooms, const struct exchange_tiles_result *result, const struct listed *shades,
-		       const struct listed *ruts)
-{
-	const struct extent *extent = &frame->meta->extent;
-	double metres[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
-	const double *bounds = result->local ? metres : frame->bounds;
-	add(text, "// What the folder has. Written by furrow export --tiles.\nconst FURROW_TILES = {\n  title: ");
-	add_string(text, params->title);
-	add(text, ",\n  revision: %lld,\n  local: %s,\n", (long long)result->revision, result->local ? "true" : "false");
-	add(text, "  side: %.17g, // metres of the square of local tiles\n", frame->side);
-	add(text, "  bounds: [%.12g, %.12g, %.12g, %.12g], // west, south, east, north\n", bounds[0], bounds[1], bounds[2], bounds[3]);
-	add(text, "  range: [%.6g, %.6g], // metres\n", result->range[0], result->range[1]);
-	add_ramp(text);
-	add(text, "  coarsest: %d, finest: %d,\n", zooms->map[0], zooms->map[1]);
-	add(text, "  // Tiles that are there: {z: {y: [x0, x1, ...]}}.\n  hillshade: ");
-	add_rows(text, shades);
-	add(text, ",\n  ruts: ");
-	add_rows(text, ruts);
-	add(text, ",\n};\n");
-}
-
 static enum status write_page(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
 			      const struct exchange_tiles_result *result)
 {
 	/* The array is only read. */
 	const struct exchange_bytes page = {.data = (uint8_t *)(uintptr_t)exchange_page, .size = exchange_page_size};
+	const struct extent *extent = &frame->meta->extent;
+	const double metres[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
+	const double *bounds = result->local ? metres : frame->bounds;
 	struct listed shades = {NULL, 0, 0}, ruts = {NULL, 0, 0};
 	struct text text = {.status = STATUS_OK};
 	enum status status;
@@ -215,7 +195,19 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	TRY_OR(done, exchange_folder_each(params->directory, EXCHANGE_RUTS, list_tile, &ruts));
 	sort_tiles(&shades);
 	sort_tiles(&ruts);
-	add_script(&text, params, frame, zooms, result, &shades, &ruts);
+	add(&text, "// What the folder has. Written by furrow export --tiles.\nconst FURROW_TILES = {\n  title: ");
+	add_string(&text, params->title);
+	add(&text, ",\n  revision: %lld,\n  local: %s,\n", (long long)result->revision, result->local ? "true" : "false");
+	add(&text, "  side: %.17g, // metres of the square of local tiles\n", frame->side);
+	add(&text, "  bounds: [%.12g, %.12g, %.12g, %.12g], // west, south, east, north\n", bounds[0], bounds[1], bounds[2], bounds[3]);
+	add(&text, "  range: [%.6g, %.6g], // metres\n", result->range[0], result->range[1]);
+	add_ramp(&text);
+	add(&text, "  coarsest: %d, finest: %d,\n", zooms->map[0], zooms->map[1]);
+	add(&text, "  // Tiles that are there: {z: {y: [x0, x1, ...]}}.\n  hillshade: ");
+	add_rows(&text, &shades);
+	add(&text, ",\n  ruts: ");
+	add_rows(&text, &ruts);
+	add(&text, ",\n};\n");
 	TRY_OR(done, put_text(params, "tiles.js", &text));
 	TRY_OR(done, put(params, "index.html", &page));
 done:

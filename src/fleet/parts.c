@@ -171,8 +171,8 @@ static enum status read_before(const char *over, const char *folder, struct gath
 	enum status status;
 	TRY_OR(done, store_last_run(store, &run));
 	if (run.scene_hash != NULL && !read_sums(run.state, gathering->before, NULL))
-		TRY_OR(done, fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged; drive without --resume, or furrow reset %s",
-				       over, shell_path(over).text));
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged; drive without --resume, or furrow "
+						     "reset %s", over, shell_path(over).text));
 done:
 	store_close(store);
 	return status;
