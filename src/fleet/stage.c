@@ -33,10 +33,12 @@ static enum status agree(const struct staging *staging, int ranks, enum status s
 	const int32_t interrupted = status == STATUS_INTERRUPTED;
 	const void *const *all;
 	const size_t *sizes;
-	TRY(fleet_agree(status));
-	if (ranks == 0)
-		return STATUS_OK;
+	status = fleet_agree(status);
+	if (ranks == 0 || (status != STATUS_OK && status != STATUS_INTERRUPTED))
+		return status;
+	/* No other rank has failed. They all come here, so the interrupted one does, too. */
 	fleet_comm_exchange(&interrupted, sizeof interrupted, &all, &sizes);
+	TRY(status);
 	for (int i = 0; i < ranks; i++)
 		if (sizes[i] == sizeof interrupted && *(const int32_t *)all[i] != 0)
 			return fail_with(STATUS_INTERRUPTED, "%s: interrupted on rank %d; the copy of the base is begun anew the next time",
