@@ -393,7 +393,7 @@ enum status fleet_gather(void *user, struct world_ranked *figures)
 	fleet->ran = true;
 	memset(figures, 0, sizeof *figures);
 	fleet_meet(); /* nobody has the ground open any more */
-	enum status gathered = fleet->rank == 0 ? gather_folder(fleet->over, fleet->parts, &gathering, &any) : STATUS_OK;
+	enum status status = fleet->rank == 0 ? gather_folder(fleet->over, fleet->parts, &gathering, &any) : STATUS_OK;
 	memset(&mine, 0, sizeof mine);
 	mine.sums = (struct pages_sums){gathering.all[0], gathering.all[1], gathering.all[2], gathering.all[3], gathering.all[4]};
 	mine.tiles_moved = fleet->tiles_moved;
@@ -407,13 +407,13 @@ enum status fleet_gather(void *user, struct world_ranked *figures)
 	mine.moving = fleet->moving;
 	mine.balance = fleet->steps > 0 ? fleet->balance / (double)fleet->steps : 1;
 	struct summing summing = {figures, fleet->ranks};
-	if (gathered == STATUS_OK)
-		gathered = fleet_begin(fleet, FLEET_FIGURES, STATUS_OK);
-	if (gathered == STATUS_OK)
-		gathered = fleet_put(&fleet->sent, &mine, sizeof mine);
-	gathered = fleet_tell(fleet, FLEET_FIGURES, gathered, &told, add_figures, &summing);
-	fleet->gathered = gathered == STATUS_OK;
-	return gathered;
+	TRY_OR(tell, status);
+	TRY_OR(tell, fleet_begin(fleet, FLEET_FIGURES, STATUS_OK));
+	TRY_OR(tell, fleet_put(&fleet->sent, &mine, sizeof mine));
+tell: /* the others wait for it, also after a failure */
+	TRY(fleet_tell(fleet, FLEET_FIGURES, status, &told, add_figures, &summing));
+	fleet->gathered = true;
+	return STATUS_OK;
 }
 
 void fleet_close(struct fleet *fleet)
