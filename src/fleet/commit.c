@@ -18,9 +18,9 @@ static enum status put_bodies(struct fleet *fleet)
 	uint32_t count = 0;
 	const size_t at = fleet->sent.size;
 	TRY(fleet_put(&fleet->sent, &count, sizeof count));
-	for (size_t i = 0; i < world->scene->object_count; i++) {
+	for (size_t i = 0; i < world_scene(world)->object_count; i++) {
 		struct world_moved moved;
-		if (!world_ranked(world, i) || world->bodies[i].elsewhere)
+		if (!world_ranked(world, i) || world_object_body(world, i)->elsewhere)
 			continue;
 		world_body_pack(world, i, &moved);
 		TRY(fleet_put(&fleet->sent, &moved, sizeof moved));
@@ -83,7 +83,7 @@ static enum status get_all(void *user, int rank, struct fleet_bytes *bytes)
 static enum status put_record(struct fleet *fleet)
 {
 	const struct fleet_wait wait = fleet_wait_begin();
-	enum status status = page_cache_await_commit(fleet->world->cache);
+	enum status status = page_cache_await_commit(world_resident(fleet->world)->cache);
 	fleet_wait_end(fleet, wait);
 	TRY(status);
 	TRY(fleet_begin(fleet, FLEET_COMMIT, STATUS_OK));
@@ -109,7 +109,7 @@ done:
 enum status fleet_commit(struct fleet *fleet, enum status status)
 {
 	TRY(fleet_share_record(fleet, status));
-	return page_cache_begin_commit(fleet->world->cache, fleet->world->record);
+	return world_begin_commit(fleet->world);
 }
 
 enum status fleet_end(void *user, enum status status)
@@ -124,12 +124,12 @@ enum status fleet_end(void *user, enum status status)
 		const enum status any = fleet_tell(fleet, FLEET_END, put, &told, NULL, NULL);
 		status = any != STATUS_OK ? any : status;
 	}
-	if (fleet->world->torn)
+	if (world_is_torn(fleet->world))
 		return status;
 	failure_capture(&failure, status);
 	const enum status shared = fleet_share_record(fleet, STATUS_OK);
 	if (shared != STATUS_OK)
-		fleet->world->torn = true;
+		world_tear(fleet->world);
 	if (status == STATUS_OK || status == STATUS_INTERRUPTED)
 		return shared != STATUS_OK ? shared : status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 	return failure_restore(&failure);
@@ -163,8 +163,8 @@ static enum status get_contacts(void *user, int rank, struct fleet_bytes *bytes)
 
 static bool is_here(const struct world *world, int32_t number)
 {
-	return number >= 0 && (size_t)number < world->hosts.count && world->hosts.list[number] != NULL &&
-	       !world->hosts.list[number]->body.elsewhere;
+	return number >= 0 && (size_t)number < world_host_count(world) && world_host(world, number) != NULL &&
+	       !world_host(world, number)->body.elsewhere;
 }
 
 /* Puts the contacts of the bodies that are on this rank. */
