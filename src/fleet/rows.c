@@ -41,24 +41,22 @@ void fleet_rows(struct fleet *fleet, const struct report_rows *rows)
 enum status fleet_rows_put(struct fleet *fleet)
 {
 	const uint32_t count = (uint32_t)fleet->given.count;
-	enum status status = fleet_put(&fleet->sent, &count, sizeof count);
-	if (status == STATUS_OK)
-		status = fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 	fleet->given.count = 0;
-	return status;
+	TRY(fleet_put(&fleet->sent, &count, sizeof count));
+	return fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 }
 
 enum status fleet_rows_get(struct fleet *fleet, struct fleet_bytes *bytes)
 {
 	uint32_t count;
-	enum status status = fleet_get(bytes, &count, sizeof count);
-	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(fleet_get(bytes, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++) {
 		struct fleet_row row;
-		status = fleet_get(bytes, &row, sizeof row);
-		if (status == STATUS_OK && fleet->rank == 0)
-			status = add(&fleet->waiting, &row);
+		TRY(fleet_get(bytes, &row, sizeof row));
+		if (fleet->rank == 0)
+			TRY(add(&fleet->waiting, &row));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static int before(const void *a, const void *b)
