@@ -95,14 +95,16 @@ enum status fleet_rows_write(struct fleet *fleet, double until)
 	qsort(waiting->rows, waiting->count, sizeof *waiting->rows, before);
 	while (due < waiting->count && waiting->rows[due].time <= until)
 		due++;
-	for (size_t count; written < due; written += count) {
-		count = due - written < ROWS_AT_ONCE ? due - written : ROWS_AT_ONCE;
-		TRY(write_some(fleet, waiting->rows + written, count));
+	enum status status = STATUS_OK;
+	while (written < due && status == STATUS_OK) { /* rows are not written a second time, also if this fails */
+		const size_t count = due - written < ROWS_AT_ONCE ? due - written : ROWS_AT_ONCE;
+		status = write_some(fleet, waiting->rows + written, count);
+		written += count;
 	}
 	for (size_t i = written; i < waiting->count; i++)
 		waiting->rows[i - written] = waiting->rows[i];
 	waiting->count -= written;
-	return STATUS_OK;
+	return status;
 }
 
 void fleet_rows_finish(struct fleet *fleet)
