@@ -63,6 +63,7 @@ enum status aside_begin(struct aside *aside, const char *path)
 	const enum status status = fail_open(STATUS_FAILED, aside->path, aside->part, errno);
 	if (file >= 0)
 		close(file);
+	aside_finish(aside);
 	return status;
 }
 
