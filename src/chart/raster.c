@@ -193,7 +193,7 @@ static enum status read_posts(struct rasterizing *s, enum store_layer layer, flo
 	double *values = mem_alloc((size_t)raster->width * RASTER_STRIP, sizeof *values);
 	if (values == NULL)
 		return fail_memory("rows of a map");
-	enum status status;
+	enum status status = STATUS_OK;
 	struct post_rect rect = raster->rect;
 	for (int64_t y = rect.y0; y < rect.y1; y += RASTER_STRIP) {
 		struct post_rect part = {rect.x0, y, rect.x1, y + RASTER_STRIP < rect.y1 ? y + RASTER_STRIP : rect.y1};

@@ -39,7 +39,7 @@ static enum status mark_holes(const struct inset_rim *rim, inset_rows_fn rows, v
 	double *heights = mem_alloc((size_t)(most * rim->width), sizeof *heights);
 	if (heights == NULL)
 		return fail_memory("an inset");
-	enum status status;
+	enum status status = STATUS_OK;
 	for (int64_t y = 0; y < rim->height; y += most) {
 		const int64_t count = rim->height - y < most ? rim->height - y : most;
 		TRY_OR(done, rows(user, y, count, heights));

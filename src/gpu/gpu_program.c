@@ -76,14 +76,14 @@ static enum status compile(struct gpu *gpu, const struct shader_text *table, GLe
 	glShaderSource(name, 1, &text, &length);
 	glCompileShader(name);
 	glGetShaderiv(name, GL_COMPILE_STATUS, &ok);
-	if (!ok) {
+	if (ok) {
+		*out = name;
+	} else {
 		char log[LOG_BYTES] = "";
 		glGetShaderInfoLog(name, sizeof log, NULL, log);
 		status = fail_compile(gpu, &shader, log, request);
 		glDeleteShader(name);
-		goto done;
 	}
-	*out = name;
 done:
 	gpu_shader_finish(&shader);
 	return status;
