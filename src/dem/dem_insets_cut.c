@@ -152,7 +152,7 @@ static enum status fill_band(struct cutting *cutting, struct post_rect rect)
 		TRY(dem_inset_heights(cutting->cut->insets, cutting->depth, cutting->level, part, cutting->heights));
 		for (int64_t row = part.y0; row < part.y1; row++)
 			TRY(take_row(cutting, in.x0, row, cutting->heights + (row - y) * (in.x1 - in.x0), in.x1 - in.x0,
-					  cutting->band + (row - rect.y0) * width + in.x0 - rect.x0));
+				     cutting->band + (row - rect.y0) * width + in.x0 - rect.x0));
 	}
 	return STATUS_OK;
 }

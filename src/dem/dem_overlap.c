@@ -100,7 +100,7 @@ static enum status compare_rows(struct pair *pair, struct post_rect strip, struc
 		TRY(dem_sampler_read(pair->sampler, &samples, strip, &done));
 	if (!done)
 		return fail_with(STATUS_INPUT, "%s: reading where it overlaps %s failed%s; check that both are whole",
-				   pair->second->path, pair->first->path, dem_gdal_because());
+				 pair->second->path, pair->first->path, dem_gdal_because());
 	count_strip(pair, posts, grid);
 	return STATUS_OK;
 }

@@ -115,7 +115,7 @@ enum status dem_png_sink(const struct dem_raster *raster, const char *part, stru
 	TRY_OR(failed, png->rows != NULL ? STATUS_OK : fail_memory(raster->path));
 	if ((png->file = dem_part_open(part)) == NULL)
 		TRY_OR(failed, fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions",
-				   raster->path, input_problem()));
+					 raster->path, input_problem()));
 	*out = &png->sink;
 	return STATUS_OK;
 failed:

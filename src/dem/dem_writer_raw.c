@@ -61,7 +61,7 @@ enum status dem_raw_sink(const struct dem_raster *raster, const char *part, stru
 	TRY_OR(failed, raw->row != NULL ? STATUS_OK : fail_memory(raster->path));
 	if ((raw->file = dem_part_open(part)) == NULL)
 		TRY_OR(failed, fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions", raster->path,
-				   input_problem()));
+					 input_problem()));
 	*out = &raw->sink;
 	return STATUS_OK;
 failed:
