@@ -22,9 +22,7 @@ static enum status load_first(struct view *view, const struct terrain_view *whol
 {
 	uint32_t slot;
 	uint64_t key = view->selection->wanted[0];
-	enum status status = page_cache_pin(view->world->cache, key, &slot);
-	if (status != STATUS_OK)
-		return status;
+	TRY(page_cache_pin(view->world->cache, key, &slot));
 	page_cache_unpin(view->world->cache, key);
 	return render_view_select_seen(view, whole, false);
 }
@@ -38,8 +36,7 @@ static enum status load_wanted(struct view *view, const struct terrain_view *who
 	const struct timespec nap = {0, 500000};
 	double progressed = clock_seconds();
 	size_t least = SIZE_MAX;
-	enum status status = STATUS_OK;
-	while (view->selection->wanted_count > 0 && status == STATUS_OK) {
+	while (view->selection->wanted_count > 0) {
 		double now = clock_seconds();
 		if (view->selection->wanted_count < least) {
 			least = view->selection->wanted_count;
@@ -51,15 +48,14 @@ static enum status load_wanted(struct view *view, const struct terrain_view *who
 		render_view_mark_used(view, false);
 		ask(view);
 		if (world->limits.loaders == 0 || now - progressed > 1) {
-			status = load_first(view, whole);
+			TRY(load_first(view, whole));
 			continue;
 		}
 		nanosleep(&nap, NULL);
-		status = page_cache_poll(world->cache);
-		if (status == STATUS_OK)
-			status = render_view_select_seen(view, whole, false);
+		TRY(page_cache_poll(world->cache));
+		TRY(render_view_select_seen(view, whole, false));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns how long the world's thread has waited for the store so far, ms. */
@@ -90,19 +86,23 @@ static bool has_ground(const struct view *view)
 	       page_cache_peek(view->world->cache, tile_key(coarsest), false, &slot);
 }
 
+static enum status select_and_load(struct view *view, const struct terrain_view *whole, bool complete)
+{
+	TRY(render_view_select_seen(view, whole, false));
+	if (complete)
+		TRY(wait_for_wanted(view, whole));
+	/* If the step pinned every slot, not even the coarsest tile is resident. A picture needs it. */
+	return has_ground(view) ? STATUS_OK : load_first(view, whole);
+}
+
 static enum status find_tiles(struct view *view, const struct terrain_view *whole, bool complete)
 {
 	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
-	enum status status = render_view_select_seen(view, whole, false);
-	if (status == STATUS_OK && complete)
-		status = wait_for_wanted(view, whole);
-	/* If the step pinned every slot, not even the coarsest tile is resident. A picture needs it. */
-	if (status == STATUS_OK && !has_ground(view))
-		status = load_first(view, whole);
+	enum status status = select_and_load(view, whole, complete);
 	view->exact = true;
-	if (status == STATUS_OK)
-		render_view_mark_used(view, true);
-	return status;
+	TRY(status);
+	render_view_mark_used(view, true);
+	return STATUS_OK;
 }
 
 enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete)
@@ -114,7 +114,6 @@ enum status render_view_find_tiles(struct view *view, const struct render_camera
 
 enum status render_view_shade(struct view *view, const struct render_camera *camera, bool complete)
 {
-	enum status status = STATUS_OK;
 	render_view_move_sun(view);
 	render_shade_begin(view->render);
 	if (!(view->world->scene->view.effects >> EFFECT_TERRAIN_SHADOW & 1))
@@ -122,32 +121,26 @@ enum status render_view_shade(struct view *view, const struct render_camera *cam
 	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
 	const double ground = render_view_ground_at(view, camera->eye[0], camera->eye[1], isnan(view->world->meta->low) ? 0 : view->world->meta->low);
 	view->exact = true;
-	for (int map = 0; map < RENDER_SHADE_MAPS && status == STATUS_OK; map++) {
+	for (int map = 0; map < RENDER_SHADE_MAPS; map++) {
 		struct terrain_view whole;
 		if (!render_shade_view(view->render, camera, ground, map, &whole))
 			continue;
-		status = find_tiles(view, &whole, complete);
-		if (status == STATUS_OK)
-			status = render_shade_draw(view->render, camera, map, &whole, view->selection);
+		TRY(find_tiles(view, &whole, complete));
+		TRY(render_shade_draw(view->render, camera, map, &whole, view->selection));
 		render_view_count_tiles(view);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status draw(struct view *view, bool complete)
 {
 	struct render_camera camera;
 	render_view_place_camera(view, view->world->time, &camera);
-	enum status status = render_view_shade(view, &camera, complete);
-	if (status == STATUS_OK)
-		status = render_view_find_tiles(view, &camera, complete);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_shade(view, &camera, complete));
+	TRY(render_view_find_tiles(view, &camera, complete));
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
-	status = render_view_set_objects(view);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_set_objects(view));
 	return render_frame(view->render, &camera, view->selection);
 }
 
@@ -156,13 +149,14 @@ enum status render_view_warm(struct view *view)
 	const struct world *world = view->world;
 	bool deformed = world_planes(world) != 0;
 	const bool divided = world->level < 0, smooth = render_view_smooths(world);
-	enum status status = render_warm(view->render, deformed, divided, smooth);
-	if (status == STATUS_OK)
-		status = render_draw_unseen(view->render, deformed, divided, smooth);
-	if (status == STATUS_OK && !view->at_steps)
-		status = draw(view, !view->watched); /* a watched picture may be drawn before its tiles are there */
-	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
-		status = render_view_look_ahead(view);
+	enum status status;
+	TRY_OR(done, render_warm(view->render, deformed, divided, smooth));
+	TRY_OR(done, render_draw_unseen(view->render, deformed, divided, smooth));
+	if (!view->at_steps)
+		TRY_OR(done, draw(view, !view->watched)); /* a watched picture may be drawn before its tiles are there */
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		TRY_OR(done, render_view_look_ahead(view));
+done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	/* This picture is not one of the drive's. */
@@ -187,9 +181,10 @@ void render_view_settle(struct view *view)
 
 enum status render_view_between(struct view *view, struct pictures *pictures)
 {
-	enum status status = render_pictures_poll(pictures);
-	if (status == STATUS_OK)
-		status = render_view_look_ahead(view);
+	enum status status;
+	TRY_OR(done, render_pictures_poll(pictures));
+	TRY_OR(done, render_view_look_ahead(view));
+done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	return status;
@@ -215,21 +210,17 @@ void render_view_count(struct view *view)
 
 enum status render_view_frame(struct view *view, struct pictures *pictures, bool image)
 {
-	enum status status = render_pictures_poll(pictures);
-	if (status == STATUS_OK)
-		status = draw(view, image);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_pictures_poll(pictures));
+	TRY(draw(view, image));
 	render_view_count(view);
 	take_overdraw(view);
 	view->lacks = view->selection->wanted_count > 0 || view->guessed;
 	view->starved += view->coarse || view->lacks;
-	status = render_view_look_ahead(view);
+	enum status status = render_view_look_ahead(view);
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
-	if (!image || status != STATUS_OK)
-		return status;
-	return render_pictures_begin(pictures, view->render, view->world->step);
+	TRY(status);
+	return image ? render_pictures_begin(pictures, view->render, view->world->step) : STATUS_OK;
 }
 
 /* --- life --- */
@@ -266,9 +257,7 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	struct world *world = view->world;
 	struct render_params params;
 	render_view_params(world, &params);
-	enum status status = render_view_list_drawn(view, &params);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_list_drawn(view, &params));
 	params.gpu = world->gpu;
 	params.slots = world->slots;
 	params.show = show;
@@ -285,6 +274,24 @@ static enum status deformed_key(void *user, uint64_t key)
 {
 	struct view *view = user;
 	return render_view_add_chain(view, &view->deformed, tile_from_key(key));
+}
+
+static enum status make(struct view *view)
+{
+	struct world *world = view->world;
+	const struct scene *scene = world->scene;
+	if (view->selection == NULL || view->now == NULL || view->ahead == NULL || view->missing == NULL)
+		return fail_memory("the view");
+	view->reach = render_view_find_reach(world);
+	TRY(make_render(view, view->watched, &view->render));
+	TRY(render_sun_find(&world->light, world->meta, &view->sun));
+	if (!view->watched)
+		TRY(render_view_make_cameras(view));
+	if (scene->view.pixel_error > 0)
+		TRY(render_view_errors_create(world, &view->errors));
+	if (world->was_deformed || scene->hosted) /* a host may make its view late */
+		TRY(store_each_offset(resident_ground_reader(world->ground), world->level, deformed_key, view));
+	return render_view_contact(view, NULL, NULL);
 }
 
 enum status render_view_create(struct world *world, bool watched, struct view **out)
@@ -305,23 +312,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 	view->ahead = mem_calloc(VIEW_LOOKS, sizeof *view->ahead);
 	render_view_find_room(view);
 	resident_ground_forget_offsets(world->ground); /* they may be older than a view that is made late */
-	enum status status = STATUS_OK;
-	if (view->selection == NULL || view->now == NULL || view->ahead == NULL || view->missing == NULL)
-		status = fail_memory("the view");
-	if (status == STATUS_OK)
-		view->reach = render_view_find_reach(world);
-	if (status == STATUS_OK)
-		status = make_render(view, watched, &view->render);
-	if (status == STATUS_OK)
-		status = render_sun_find(&world->light, world->meta, &view->sun);
-	if (status == STATUS_OK && !watched)
-		status = render_view_make_cameras(view);
-	if (status == STATUS_OK && scene->view.pixel_error > 0)
-		status = render_view_errors_create(world, &view->errors);
-	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host may make its view late */
-		status = store_each_offset(resident_ground_reader(world->ground), world->level, deformed_key, view);
-	if (status == STATUS_OK)
-		status = render_view_contact(view, NULL, NULL);
+	enum status status = make(view);
 	if (status != STATUS_OK) {
 		render_view_destroy(view);
 		return status;
@@ -439,9 +430,7 @@ void render_view_read_into(struct view *view, struct gpu_staging *staging)
 
 enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth)
 {
-	enum status status = draw(view, true);
-	if (status != STATUS_OK)
-		return status;
+	TRY(draw(view, true));
 	take_overdraw(view);
 	view->frames++;
 	return render_read(view->render, pixels, depth);

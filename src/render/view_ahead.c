@@ -29,13 +29,12 @@ void render_view_keep_now(struct view *view)
 static enum status expect_tracks(struct view *view, double time)
 {
 	const struct requests *requests = motion_look_ahead_requests(view->world->ahead);
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < requests->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < requests->count; i++) {
 		struct tile tile = tile_from_key(requests->requests[i].key);
 		if (tile.level == view->world->level && requests->requests[i].time <= time)
-			status = render_view_add_chain(view, &view->expected, tile);
+			TRY(render_view_add_chain(view, &view->expected, tile));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns the time of the n-th picture from now, n from 0, in simulated seconds. INFINITY: the drive ends before. */
@@ -115,28 +114,24 @@ enum status render_view_look(struct view *view, const struct render_camera *came
 	uint64_t done = motion_look_ahead_ranges_done(view->world->ahead);
 	look->time = time;
 	look->made = view->world->time;
-	enum status status = expect_tracks(view, time);
-	if (status == STATUS_OK)
-		status = render_view_select(view, camera, true);
+	enum status status;
+	TRY_OR(done, expect_tracks(view, time));
+	TRY_OR(done, render_view_select(view, camera, true));
+	look->count = view->selection->wanted_count;
+	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
+done:
 	look->guessed = view->guessed;
 	look->done = done;
 	key_set_clear(&view->expected);
 	view->coarse = coarse;
-	if (status != STATUS_OK)
-		return status;
-	look->count = view->selection->wanted_count;
-	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
-	return STATUS_OK;
+	return status;
 }
 
 enum status render_view_look_ahead(struct view *view)
 {
 	const struct scene *scene = view->world->scene;
-	if (view->world->limits.prefetch > 0 && view->camera_count > 0) {
-		enum status status = render_view_look_camera(view);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (view->world->limits.prefetch > 0 && view->camera_count > 0)
+		TRY(render_view_look_camera(view));
 	if (view->world->limits.prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
 		return STATUS_OK;
 	struct view_look *look;
@@ -172,16 +167,15 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 			    struct requests *requests)
 {
 	uint32_t slot;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < look->count && view->seen.count < room && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < look->count && view->seen.count < room; i++) {
 		uint64_t key = look->keys[i];
 		if (key_set_has(&view->seen, key))
 			continue;
-		status = key_set_add(&view->seen, key);
-		if (status == STATUS_OK && !page_cache_peek(view->world->cache, key, false, &slot))
-			status = motion_requests_add(requests, key, time);
+		TRY(key_set_add(&view->seen, key));
+		if (!page_cache_peek(view->world->cache, key, false, &slot))
+			TRY(motion_requests_add(requests, key, time));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_view_requests(struct view *view, struct requests *requests)
@@ -189,8 +183,8 @@ enum status render_view_requests(struct view *view, struct requests *requests)
 	const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS];
 	size_t count = order_ahead(view, order);
 	key_set_clear(&view->seen);
-	enum status status = add_look(view, view->now, view->world->time, SIZE_MAX, requests);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = add_look(view, order[i], order[i]->time, view->room, requests);
-	return status;
+	TRY(add_look(view, view->now, view->world->time, SIZE_MAX, requests));
+	for (size_t i = 0; i < count; i++)
+		TRY(add_look(view, order[i], order[i]->time, view->room, requests));
+	return STATUS_OK;
 }

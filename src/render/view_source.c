@@ -11,14 +11,12 @@ enum status render_view_base_range(struct view *view, struct tile tile, struct k
 {
 	uint64_t key = tile_key(tile);
 	bool found, any = false;
-	enum status status = key_cache_find(&view->ranges, key, range, &found);
-	if (status != STATUS_OK || found)
-		return status;
+	TRY(key_cache_find(&view->ranges, key, range, &found));
+	if (found)
+		return STATUS_OK;
 	if (render_view_lacks_range(view, GROUND_BASE, tile))
 		return render_view_base_range(view, tile_ancestor(tile, tile.level + 1), range);
-	status = resident_ground_range(view->world->ground, tile, &range->a, &range->b, &any);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_range(view->world->ground, tile, &range->a, &range->b, &any));
 	if (!any)
 		range->a = NAN;
 	return key_cache_put(&view->ranges, key, range->a, range->b);
@@ -141,23 +139,21 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
 		uint64_t key = tile_key(tile_ancestor(tile, level));
 		if (key_set_has(set, key))
 			return STATUS_OK;
-		enum status status = key_set_add(set, key);
-		if (status != STATUS_OK)
-			return status;
+		TRY(key_set_add(set, key));
 	}
 	return STATUS_OK;
 }
 
 enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area)
 {
-	enum status status = render_view_offsets_contact(view, area);
-	return status == STATUS_OK && view->errors != NULL ? render_view_errors_contact(view, event) : status;
+	TRY(render_view_offsets_contact(view, area));
+	return view->errors != NULL ? render_view_errors_contact(view, event) : STATUS_OK;
 }
 
 enum status render_view_deformed(struct view *view, struct tile tile)
 {
-	enum status status = render_view_offsets_touch(view, tile);
-	return status == STATUS_OK && view->errors != NULL ? render_view_errors_touch(view, tile) : status;
+	TRY(render_view_offsets_touch(view, tile));
+	return view->errors != NULL ? render_view_errors_touch(view, tile) : STATUS_OK;
 }
 
 static double error_of(void *user, struct tile tile)
