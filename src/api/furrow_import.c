@@ -4,7 +4,7 @@
 #include <string.h>
 #include <yaml.h>
 
-#include "api/import.h"
+#include "intake/intake.h"
 
 struct telling {
 	bool (*progress)(double share, void *user);
@@ -37,15 +37,15 @@ static enum status take(struct import *import, const char *name, const yaml_node
 {
 	if (value == NULL || value->type != YAML_SCALAR_NODE)
 		return off(value, "a value is no number, word or text");
-	return api_import_option(import, name, (const char *)value->data.scalar.value);
+	return intake_import_option(import, name, (const char *)value->data.scalar.value);
 }
 
 static enum status take_list(struct import *import, yaml_document_t *document, const char *name, const yaml_node_t *list)
 {
-	const enum import_list kind = api_import_list(name);
+	const enum import_list kind = intake_import_list(name);
 	char joined[128] = "";
 	enum status status = STATUS_OK;
-	if (kind == IMPORT_NO_LIST && api_import_has_option(name))
+	if (kind == IMPORT_NO_LIST && intake_import_has_option(name))
 		return fail_with(STATUS_USAGE, "options: line %zu: %s is a list; give one value", list->start_mark.line + 1, name);
 	for (const yaml_node_item_t *item = list->data.sequence.items.start; item < list->data.sequence.items.top && status == STATUS_OK; item++) {
 		const yaml_node_t *one = yaml_document_get_node(document, *item);
@@ -57,7 +57,7 @@ static enum status take_list(struct import *import, yaml_document_t *document, c
 		else
 			snprintf(joined + used, sizeof joined - used, "%s%s", used > 0 ? "," : "", (const char *)one->data.scalar.value);
 	}
-	return status == STATUS_OK && kind != IMPORT_EACH ? api_import_option(import, name, joined) : status;
+	return status == STATUS_OK && kind != IMPORT_EACH ? intake_import_option(import, name, joined) : status;
 }
 
 static enum status take_pair(struct import *import, yaml_document_t *document, const yaml_node_pair_t *pair)
@@ -112,7 +112,7 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 	struct intake made;
 	struct telling telling = {progress, user, store};
 	enum status status = api_library_begin();
-	api_import_init(&import);
+	intake_import_init(&import);
 	if (status == STATUS_OK)
 		status = api_library_need(sources, "sources");
 	if (status == STATUS_OK && count == 0)
@@ -128,9 +128,9 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 	if (status == STATUS_OK)
 		status = read_options(&import, options);
 	if (status == STATUS_OK)
-		status = api_import_open(&import, sources, count);
+		status = intake_import_open(&import, sources, count);
 	if (status == STATUS_OK)
-		status = api_import_run(&import, store, tell, &telling, &made);
-	api_import_finish(&import);
+		status = intake_import_run(&import, store, tell, &telling, &made);
+	intake_import_finish(&import);
 	return api_library_end(status);
 }

@@ -1,20 +1,20 @@
 /* Writes rows of posts into a store: cuts and codes them, writes under another name, and renames when complete. */
-#include "api/intake.h"
+#include "intake/intake.h"
 
 #include <math.h>
 #include <sys/stat.h>
 
-#include "api/conveyor.h"
+#include "intake/conveyor.h"
 
 /* Metres. A float32 holds each multiple that is below 16,384 m exactly, and the lattice of heights does. */
 #define FLOAT_STEP (1.0 / 1024)
 
-double api_intake_default_error(double unit)
+double intake_default_error(double unit)
 {
 	return unit > 0 ? unit / 2 : 0.001;
 }
 
-double api_intake_step(double max_error, double unit, bool whole)
+double intake_step(double max_error, double unit, bool whole)
 {
 	if (whole && max_error <= unit / 2)
 		return unit;
@@ -28,7 +28,7 @@ double api_intake_step(double max_error, double unit, bool whole)
 	return ldexp(1, exponent - 1);
 }
 
-double api_intake_common_step(double coarse, double step)
+double intake_common_step(double coarse, double step)
 {
 	if (coarse <= step || step == 0 || fmod(coarse, step) == 0)
 		return step;
@@ -40,7 +40,7 @@ double api_intake_common_step(double coarse, double step)
 static enum status get_tile(void *user, struct tile tile, int32_t *codes, double *low, double *high, double *error, bool *found)
 {
 	struct store_range range = {0};
-	enum status status = api_conveyor_get(user, tile, codes, &range, found);
+	enum status status = intake_conveyor_get(user, tile, codes, &range, found);
 	*low = range.low;
 	*high = range.high;
 	*error = range.error;
@@ -49,7 +49,7 @@ static enum status get_tile(void *user, struct tile tile, int32_t *codes, double
 
 static enum status settle(void *user)
 {
-	return api_conveyor_settle(user);
+	return intake_conveyor_settle(user);
 }
 
 struct measuring {
@@ -76,7 +76,7 @@ static enum status put_tile(void *user, const struct dem_tile *tile)
 	struct measuring *measuring = user;
 	if (tile->tile.level == 0)
 		measuring->holes += count_holes(&measuring->intake->meta.extent, tile);
-	return api_conveyor_put(measuring->conveyor, tile);
+	return intake_conveyor_put(measuring->conveyor, tile);
 }
 
 /* What is stored already was measured, too. */
@@ -84,7 +84,7 @@ static enum status measure_tile(void *user, const struct dem_tile *tile, struct 
 {
 	const struct measuring *measuring = user;
 	const struct intake *intake = measuring->intake;
-	if (api_conveyor_has(measuring->conveyor))
+	if (intake_conveyor_has(measuring->conveyor))
 		return STATUS_OK;
 	return intake->misfit(intake->posts_user, &intake->meta.extent, tile, intake->meta.step, source);
 }
@@ -92,14 +92,14 @@ static enum status measure_tile(void *user, const struct dem_tile *tile, struct 
 static enum status cut_and_store(const struct intake *intake, struct store *store, int64_t stored)
 {
 	struct conveyor *conveyor = NULL;
-	enum status status = api_conveyor_create(store, intake->jobs, stored, &conveyor);
+	enum status status = intake_conveyor_create(store, intake->jobs, stored, &conveyor);
 	if (status != STATUS_OK)
 		return status;
 	struct measuring measuring = {intake, conveyor, 0};
 	struct dem_insets_cut insets = {
 		.insets = intake->insets,
 		.step = intake->meta.step,
-		.emit = api_conveyor_put,
+		.emit = intake_conveyor_put,
 		.emit_user = conveyor,
 		.get = get_tile,
 		.get_user = conveyor,
@@ -121,7 +121,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 		.rounded = intake->rounded,
 		.finer = intake->insets != NULL ? dem_insets_finer : NULL,
 		.finer_user = &insets,
-		.known = stored > 0 ? api_conveyor_known : NULL,
+		.known = stored > 0 ? intake_conveyor_known : NULL,
 		.known_user = conveyor,
 		.panel_posts = intake->panel_posts,
 		.progress = intake->progress,
@@ -129,7 +129,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	});
 	struct failure failure;
 	failure_capture(&failure, status);
-	enum status done = api_conveyor_finish(conveyor);
+	enum status done = intake_conveyor_finish(conveyor);
 	const struct extent *extent = &intake->meta.extent;
 	const double posts = (double)extent->width * (double)extent->height;
 	store_put_holes(store, (double)measuring.holes / posts);
@@ -149,7 +149,7 @@ static enum status suspend(const struct intake *intake, struct store *store)
 					       intake->path);
 }
 
-enum status api_intake_run(struct intake *intake)
+enum status intake_run(struct intake *intake)
 {
 	struct store *store = NULL;
 	const double started = clock_seconds();

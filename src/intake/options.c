@@ -1,14 +1,10 @@
-/* Imports elevation data into a store: the options, and the import. */
-#include "api/import.h"
+/* The options of an import, by their long names. */
+#include "intake/intake.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-/* --- options by their long names --- */
 
 enum kind { FLAG, WHOLE, NUMBER, TEXT, WORD, RANGE, WINDOW, LIST, SOURCES };
 
@@ -19,10 +15,10 @@ struct option {
 	const char *const *words; /* of a word, ended by NULL */
 };
 
-const char *const api_import_methods[] = {"bilinear", "cubic", "near", NULL};
-const char *const api_import_radii[] = {"auto", "yes", "no", NULL};
-const char *const api_import_packs[] = {"fast", "small", NULL};
-const char *const api_import_units[] = {"m", "ft", "us-ft", NULL};
+const char *const intake_import_methods[] = {"bilinear", "cubic", "near", NULL};
+const char *const intake_import_radii[] = {"auto", "yes", "no", NULL};
+const char *const intake_import_packs[] = {"fast", "small", NULL};
+const char *const intake_import_units[] = {"m", "ft", "us-ft", NULL};
 static const struct option options[] = {
 	{"tile", WHOLE, TILE_CELLS_MIN, TILE_CELLS_MAX, NULL},
 	{"jobs", WHOLE, 1, 256, NULL},
@@ -34,10 +30,10 @@ static const struct option options[] = {
 	{"t-srs", TEXT, 0, 0, NULL},
 	{"s-vertical", TEXT, 0, 0, NULL},
 	{"t-vertical", TEXT, 0, 0, NULL},
-	{"s-unit", WORD, 0, 0, api_import_units},
-	{"r", WORD, 0, 0, api_import_methods},
-	{"radii", WORD, 0, 0, api_import_radii},
-	{"pack", WORD, 0, 0, api_import_packs},
+	{"s-unit", WORD, 0, 0, intake_import_units},
+	{"r", WORD, 0, 0, intake_import_methods},
+	{"radii", WORD, 0, 0, intake_import_radii},
+	{"pack", WORD, 0, 0, intake_import_packs},
 	{"nodata", LIST, 0, 0, NULL},
 	{"height-range", RANGE, 0, 0, NULL},
 	{"window", WINDOW, 0, 0, NULL},
@@ -70,7 +66,7 @@ static enum status take_number(const struct option *option, const char *text, do
 static enum status take_word(const struct option *option, const char *text, int *word)
 {
 	char allowed[160] = "one of";
-	if (option->words == api_import_units && (strcmp(text, "feet") == 0 || strcmp(text, "foot") == 0))
+	if (option->words == intake_import_units && (strcmp(text, "feet") == 0 || strcmp(text, "foot") == 0))
 		return refuse(option->name, text, "ft (0.3048 m), or us-ft (the US survey foot)");
 	for (int i = 0; option->words[i] != NULL; i++) {
 		if (strcmp(option->words[i], text) == 0) {
@@ -226,12 +222,12 @@ static enum status take(struct import *import, const struct option *option, cons
 		return take_named_text(import, option->name, text);
 	case WORD:
 		status = take_word(option, text, &word);
-		if (option->words == api_import_methods)
+		if (option->words == intake_import_methods)
 			import->dem.resample = (enum dem_resample)word;
-		else if (option->words == api_import_radii)
+		else if (option->words == intake_import_radii)
 			import->dem.radii = (enum dem_radii)word;
-		else if (option->words == api_import_units)
-			import->dem.s_unit = status == STATUS_OK ? api_import_units[word] : NULL;
+		else if (option->words == intake_import_units)
+			import->dem.s_unit = status == STATUS_OK ? intake_import_units[word] : NULL;
 		else
 			import->pack = (enum store_pack)word;
 		return status;
@@ -263,12 +259,12 @@ static const struct option *find(const char *name)
 	return NULL;
 }
 
-bool api_import_has_option(const char *name)
+bool intake_import_has_option(const char *name)
 {
 	return find(name) != NULL;
 }
 
-enum import_list api_import_list(const char *name)
+enum import_list intake_import_list(const char *name)
 {
 	const struct option *option = find(name);
 	if (option != NULL && (option->kind == LIST || option->kind == SOURCES))
@@ -276,19 +272,19 @@ enum import_list api_import_list(const char *name)
 	return option != NULL && (option->kind == RANGE || option->kind == WINDOW) ? IMPORT_JOINED : IMPORT_NO_LIST;
 }
 
-enum status api_import_option(struct import *import, const char *name, const char *value)
+enum status intake_import_option(struct import *import, const char *name, const char *value)
 {
 	const struct option *option = find(name);
 	return option != NULL ? take(import, option, value)
 			      : fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
 }
 
-void api_import_init(struct import *import)
+void intake_import_init(struct import *import)
 {
 	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1, .feather = -1};
 }
 
-void api_import_finish(struct import *import)
+void intake_import_finish(struct import *import)
 {
 	for (size_t i = 0; i < sizeof import->texts / sizeof *import->texts; i++)
 		mem_free(import->texts[i]);
@@ -303,110 +299,4 @@ void api_import_finish(struct import *import)
 	free(import->description);
 	dem_close(import->opened);
 	allow_network(import, false);
-}
-
-/* --- making the store --- */
-
-static enum status read_posts(void *user, struct post_rect rect, double *heights)
-{
-	const struct import *import = user;
-	return dem_read(import->opened, rect, heights);
-}
-
-static enum status misfit(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *sum)
-{
-	const struct import *import = user;
-	return dem_misfit(import->opened, extent, tile, step, sum);
-}
-
-/* Notes a height that is probably an undeclared hole. Such a value mixed with others may become any height. */
-static void note_sentinel(const struct intake *intake)
-{
-	static const double usual[] = {-9999, -32767, -32768, -99999, 32767, 99999};
-	/* Coarser heights may differ from a sentinel by rounding, or reach one by chance. */
-	for (size_t i = 0; i < sizeof usual / sizeof usual[0] && intake->meta.max_error < 1; i++)
-		if (intake->low == usual[i] || intake->high == usual[i]) {
-			note("the %s height is %g m; if that means nodata, import again with --nodata %g",
-			     usual[i] < 0 ? "lowest" : "highest", usual[i], usual[i]);
-			return;
-		}
-	if (intake->low <= -12000)
-		note("the lowest height is %s m; if a value of the sources means nodata, as -32767 often does, import "
-		     "again with --nodata and that value", number_exact(intake->low).text);
-}
-
-/* Heights that were whole numbers of a unit are none when they were converted, and are rounded to the unit again. */
-static void note_rounding(const struct import *import)
-{
-	const struct dem_info *info = dem_info(import->opened);
-	if (!info->shifted || !(info->unit > 0) || import->max_error >= 0)
-		return;
-	note("%s: its heights are multiples of %g m, and so they are again after the conversion to %s: up to %g m off, with steps where the conversion "
-	     "changes; give --max-error %g to keep it smooth", info->sources[0], info->unit, info->vertical, info->unit / 2, info->unit / 20);
-}
-
-enum status api_import_open(struct import *import, const char *const *sources, size_t count)
-{
-	import->dem.sources = sources;
-	import->dem.source_count = count;
-	import->dem.nodata = import->nodata;
-	import->dem.jobs = import->jobs;
-	import->dem.apart = true;
-	enum status status = dem_open(&import->dem, &import->opened);
-	if (status != STATUS_OK)
-		return status;
-	const struct dem_info *info = dem_info(import->opened);
-	const double max_error = import->max_error >= 0 ? import->max_error : api_intake_default_error(info->unit);
-	import->meta = (struct store_meta){
-		.extent = {info->width, info->height, info->spacing, (uint32_t)import->tile},
-		.step = api_intake_step(max_error, info->unit, info->whole),
-		.max_error = max_error,
-		.srs = info->srs,
-		.origin = {info->origin[0], info->origin[1]},
-		.ground_off = info->ground_off,
-		.holes = (double)NAN,
-		.vertical = info->vertical,
-		.pack = import->pack,
-	};
-	note_rounding(import);
-	const char *problem = extent_problem(&import->meta.extent);
-	if (problem != NULL)
-		return fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
-	if (import->inset_count > 0 || info->finer_count > 0)
-		status = api_import_open_insets(import);
-	return status == STATUS_OK ? api_import_describe(import) : status;
-}
-
-/* What to look at if no post has a height. */
-static const char *why_none(const struct import *import)
-{
-	if (dem_info(import->opened)->projected[0] != '\0')
-		return "the sources say other places than their SRS has (a longitude beyond 180 degrees, the radius of another body), or all their "
-		       "values are nodata; name the right SRS with --s-srs, or keep the sources' with --t-srs source";
-	return "all values of the sources are nodata; look at --nodata, at --window and at what gdalinfo says of nodata";
-}
-
-enum status api_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made)
-{
-	*made = (struct intake){
-		.path = store,
-		.overwrite = import->overwrite,
-		.force = import->force,
-		.resume = import->resume,
-		.jobs = import->jobs,
-		.posts = read_posts,
-		.posts_user = import,
-		.insets = import->insets,
-		.none = why_none(import),
-		.rounded = import->coarse_step,
-		.misfit = dem_info(import->opened)->resampled ? misfit : NULL,
-		.panel_posts = dem_info(import->opened)->panel_posts,
-		.meta = import->meta,
-		.progress = progress,
-		.progress_user = user,
-	};
-	enum status status = api_intake_run(made);
-	if (status == STATUS_OK)
-		note_sentinel(made);
-	return status;
 }

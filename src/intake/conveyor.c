@@ -1,7 +1,7 @@
 /*
  * A ring of parcels, each a tile on its way:
  *
- *     cut (api_conveyor_put) -> [stored ... taken ... put) -> packed by any worker -> stored, first first
+ *     cut (intake_conveyor_put) -> [stored ... taken ... put) -> packed by any worker -> stored, first first
  *
  * A worker that finds the first parcel packed, and nobody storing, stores it. Otherwise it packs the next one.
  *
@@ -10,7 +10,7 @@
  * - Parcels are stored in the order in which they were put in. So the store does not depend on the number of threads.
  * - After a failure parcels are skipped, so that nobody waits for ever.
  */
-#include "api/conveyor.h"
+#include "intake/conveyor.h"
 
 #include <string.h>
 
@@ -171,7 +171,7 @@ static enum status make_parcels(struct conveyor *conveyor)
 	return STATUS_OK;
 }
 
-enum status api_conveyor_create(struct store *store, int64_t jobs, int64_t stored, struct conveyor **out)
+enum status intake_conveyor_create(struct store *store, int64_t jobs, int64_t stored, struct conveyor **out)
 {
 	struct conveyor *conveyor = mem_calloc(1, sizeof *conveyor);
 	if (conveyor == NULL)
@@ -200,7 +200,7 @@ enum status api_conveyor_create(struct store *store, int64_t jobs, int64_t store
 	return STATUS_OK;
 }
 
-bool api_conveyor_has(const struct conveyor *conveyor)
+bool intake_conveyor_has(const struct conveyor *conveyor)
 {
 	return conveyor->put < conveyor->passing; /* only the thread that puts changes `put` */
 }
@@ -215,7 +215,7 @@ static enum status put_alone(struct conveyor *conveyor, const struct dem_tile *t
 	return store_put_packed(conveyor->store, tile->tile, &packed, &range);
 }
 
-enum status api_conveyor_put(void *user, const struct dem_tile *tile)
+enum status intake_conveyor_put(void *user, const struct dem_tile *tile)
 {
 	struct conveyor *conveyor = user;
 	if (conveyor->worker_count == 0)
@@ -242,7 +242,7 @@ enum status api_conveyor_put(void *user, const struct dem_tile *tile)
 	return status;
 }
 
-enum status api_conveyor_known(void *user, struct tile tile, int32_t *codes, bool *known)
+enum status intake_conveyor_known(void *user, struct tile tile, int32_t *codes, bool *known)
 {
 	struct conveyor *conveyor = user;
 	*known = false;
@@ -257,7 +257,7 @@ enum status api_conveyor_known(void *user, struct tile tile, int32_t *codes, boo
 	return status;
 }
 
-enum status api_conveyor_get(struct conveyor *conveyor, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
+enum status intake_conveyor_get(struct conveyor *conveyor, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
 {
 	mutex_lock(&conveyor->mutex);
 	while (conveyor->storing)
@@ -267,7 +267,7 @@ enum status api_conveyor_get(struct conveyor *conveyor, struct tile tile, int32_
 	return status;
 }
 
-enum status api_conveyor_settle(struct conveyor *conveyor)
+enum status intake_conveyor_settle(struct conveyor *conveyor)
 {
 	mutex_lock(&conveyor->mutex);
 	while (conveyor->worker_count > 0 && conveyor->stored < conveyor->put)
@@ -279,7 +279,7 @@ enum status api_conveyor_settle(struct conveyor *conveyor)
 	return status;
 }
 
-enum status api_conveyor_finish(struct conveyor *conveyor)
+enum status intake_conveyor_finish(struct conveyor *conveyor)
 {
 	conveyor_end(conveyor);
 	enum status status = conveyor->failure.status;
