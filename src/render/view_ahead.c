@@ -16,7 +16,7 @@
 
 void render_view_keep_now(struct view *view)
 {
-	const struct terrain_selection *selection = view->selection;
+	const struct render_selection *selection = view->selection;
 	struct view_look *now = view->now;
 	now->time = view->world->time;
 	memcpy(now->keys, selection->wanted, selection->wanted_count * sizeof *now->keys);

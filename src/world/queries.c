@@ -13,13 +13,13 @@ static enum status need_newest(struct world *world)
 	return world->limits.queries > 0 ? resident_newest_keep(world->newest, world->limits.queries) : STATUS_OK;
 }
 
-enum status world_heights(struct world *world, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status world_heights(struct world *world, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
 	enum status status = need_newest(world);
 	return status == STATUS_OK ? resident_newest_heights(world->newest, points, count, heights) : status;
 }
 
-enum status world_rays(struct world *world, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status world_rays(struct world *world, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
 	enum status status = need_newest(world);
 	return status == STATUS_OK ? resident_newest_rays(world->newest, rays, count, hits) : status;

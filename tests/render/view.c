@@ -256,11 +256,11 @@ static void bent_ground_is_drawn_finely_and_straight_ground_is_not(void **state)
 			rig.world.spacing = extent_spacing(&extent, level);
 			rig.scene.view.aim.eye[2] = 107; /* near the ground */
 			must(render_view_frame(rig.view, NULL, true));
-			const struct terrain_selection *selection = rig.view->selection;
+			const struct render_selection *selection = rig.view->selection;
 			size_t finer = 0;
 			int finest = 0;
 			for (size_t i = 0; i < selection->draw_count; i++) {
-				const struct terrain_draw *draw = &selection->draws[i];
+				const struct render_draw *draw = &selection->draws[i];
 				double bend = 0;
 				finer += draw->tile.level < 0;
 				finest = draw->tile.level < finest ? draw->tile.level : finest;
@@ -472,7 +472,7 @@ static void a_picture_in_a_window_waits_for_no_range(void **state)
 		nap();
 	}
 	assert_true(range_waits(&rig) <= 1);
-	static struct terrain_selection seen, read;
+	static struct render_selection seen, read;
 	seen = *view->selection;
 	struct render_camera camera;
 	render_view_place_camera(view, rig.world.time, &camera);

@@ -1,16 +1,16 @@
 /* Fitting a view into fewer tiles: never more than the budget, no coarser than it must be, and only
  * what is furthest for its size is given up. */
-#include "fake.h"
+#include "selection_fake.h"
 #include "../support/program.h"
 
-static struct terrain_selection selection;
+static struct render_selection selection;
 
 static bool nothing_resident(void *user, struct tile tile, uint32_t *slot)
 {
 	return false;
 }
 
-static void random_scene(uint64_t *random, struct fake *fake, struct terrain_view *view)
+static void random_scene(uint64_t *random, struct fake *fake, struct render_view *view)
 {
 	random_fake(random, fake);
 	fake->resident_of = 100;
@@ -20,11 +20,11 @@ static void random_scene(uint64_t *random, struct fake *fake, struct terrain_vie
 static size_t distinct(const struct fake *fake)
 {
 	/* Tiles of the complete picture: drawn, grounds, the coarsest. */
-	uint64_t keys[2 * TERRAIN_DRAWS_MAX + 1];
+	uint64_t keys[2 * RENDER_DRAWS_MAX + 1];
 	size_t count = 0;
 	keys[count++] = tile_key((struct tile){extent_coarsest(&fake->extent), 0, 0});
 	for (size_t i = 0; i < 2 * selection.draw_count; i++) {
-		const struct terrain_draw *draw = &selection.draws[i / 2];
+		const struct render_draw *draw = &selection.draws[i / 2];
 		struct tile tile = i % 2 == 0 || draw->tile.level >= 0 ? draw->tile : tile_ancestor(draw->tile, 0);
 		uint64_t key = tile_key(tile);
 		bool again = false;
@@ -42,10 +42,10 @@ static void what_a_picture_needs_is_counted_and_wanted_once_each(void **state)
 	size_t below = 0;
 	for (int round = 0; round < 200; round++) {
 		struct fake fake;
-		struct terrain_view view;
+		struct render_view view;
 		random_scene(&random, &fake, &view);
-		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.extent, &view, &source, &selection);
+		struct render_source source = source_of(&fake);
+		render_select(&fake.extent, &view, &source, &selection);
 		size_t needed = selection.needed;
 		assert_int_equal(needed, distinct(&fake));
 		for (size_t i = 0; i < selection.draw_count; i++) {
@@ -54,7 +54,7 @@ static void what_a_picture_needs_is_counted_and_wanted_once_each(void **state)
 		}
 		/* The same picture, whatever is resident; without anything, all of it is wanted. */
 		source.resident = nothing_resident;
-		terrain_select(&fake.extent, &view, &source, &selection);
+		render_select(&fake.extent, &view, &source, &selection);
 		assert_int_equal(selection.needed, needed);
 		assert_int_equal(selection.draw_count, 0);
 		assert_int_equal(selection.wanted_count, needed);
@@ -70,14 +70,14 @@ static void what_only_stands_in_is_told_from_what_is_needed(void **state)
 	size_t standing = 0;
 	for (int round = 0; round < 200; round++) {
 		struct fake fake;
-		struct terrain_view view;
+		struct render_view view;
 		random_scene(&random, &fake, &view);
 		fake.resident_of = 60;
-		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.extent, &view, &source, &selection);
-		static struct terrain_selection all;
+		struct render_source source = source_of(&fake);
+		render_select(&fake.extent, &view, &source, &selection);
+		static struct render_selection all;
 		source.resident = nothing_resident;
-		terrain_select(&fake.extent, &view, &source, &all);
+		render_select(&fake.extent, &view, &source, &all);
 		for (size_t i = 0; i < selection.draw_count; i++) {
 			bool needed = false;
 			for (size_t k = 0; k < all.wanted_count && !needed; k++)
@@ -90,17 +90,17 @@ static void what_only_stands_in_is_told_from_what_is_needed(void **state)
 }
 
 /* The radius grown by one step at the least, or the next level let in: needs more than the budget. */
-static bool could_be_finer(const struct fake *fake, const struct terrain_view *wished, const struct terrain_view *fitted,
+static bool could_be_finer(const struct fake *fake, const struct render_view *wished, const struct render_view *fitted,
 			   size_t budget)
 {
-	struct terrain_source source = source_of((struct fake *)fake);
-	struct terrain_view finer = *fitted;
+	struct render_source source = source_of((struct fake *)fake);
+	struct render_view finer = *fitted;
 	if (fitted->finest > wished->finest) {
 		finer.finest--; /* of the tiles the eye is inside */
 	} else {
 		finer.radius = nextafter(fitted->radius, INFINITY);
 	}
-	terrain_select(&fake->extent, &finer, &source, &selection);
+	render_select(&fake->extent, &finer, &source, &selection);
 	return selection.needed <= budget;
 }
 
@@ -110,14 +110,14 @@ static void a_fitted_view_needs_no_more_than_the_budget_and_is_as_fine_as_it_can
 	size_t cut = 0, floors = 0, whole = 0;
 	for (int round = 0; round < 400; round++) {
 		struct fake fake;
-		struct terrain_view wished, view;
+		struct render_view wished, view;
 		random_scene(&random, &fake, &wished);
-		struct terrain_source source = source_of(&fake);
+		struct render_source source = source_of(&fake);
 		size_t budget = 1 + (size_t)(40 * unit(&random) * unit(&random));
-		terrain_select(&fake.extent, &wished, &source, &selection);
+		render_select(&fake.extent, &wished, &source, &selection);
 		size_t needed = selection.needed;
 		view = wished;
-		bool fits = terrain_fit(&fake.extent, &source, budget, &view);
+		bool fits = render_fit(&fake.extent, &source, budget, &view);
 		assert_int_equal(fits, needed <= budget);
 		if (fits) {
 			assert_memory_equal(&view, &wished, sizeof view);
@@ -127,13 +127,13 @@ static void a_fitted_view_needs_no_more_than_the_budget_and_is_as_fine_as_it_can
 		cut++;
 		floors += view.finest > wished.finest;
 		assert_true(view.radius < wished.radius || view.finest > wished.finest);
-		terrain_select(&fake.extent, &view, &source, &selection);
+		render_select(&fake.extent, &view, &source, &selection);
 		assert_true(selection.needed <= budget);
 		assert_false(could_be_finer(&fake, &wished, &view, budget));
 		/* Fitted again it is the same; and what is resident does not matter. */
-		struct terrain_view again = wished;
+		struct render_view again = wished;
 		fake.resident_of = 0;
-		assert_false(terrain_fit(&fake.extent, &source, budget, &again));
+		assert_false(render_fit(&fake.extent, &source, budget, &again));
 		assert_memory_equal(&again, &view, sizeof view);
 	}
 	assert_true(cut > 100 && floors > 20 && whole > 20);
@@ -143,14 +143,14 @@ static void fitting_a_view_of_very_many_tiles_costs_what_the_budget_does(void **
 {
 	/* Far more tiles than there is room for anywhere. */
 	struct fake fake = {.extent = {4097, 4097, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
-	struct terrain_source source = source_of(&fake);
-	struct terrain_view view;
+	struct render_source source = source_of(&fake);
+	struct render_view view;
 	const double eye[3] = {2048, 2048, 900}, target[3] = {2048.1, 2048, 0};
 	look(eye, target, 10000, &view);
-	for (size_t budget = 1; budget <= TERRAIN_DRAWS_MAX; budget *= 4) {
-		struct terrain_view fitted = view;
-		assert_false(terrain_fit(&fake.extent, &source, budget, &fitted));
-		terrain_select(&fake.extent, &fitted, &source, &selection);
+	for (size_t budget = 1; budget <= RENDER_DRAWS_MAX; budget *= 4) {
+		struct render_view fitted = view;
+		assert_false(render_fit(&fake.extent, &source, budget, &fitted));
+		render_select(&fake.extent, &fitted, &source, &selection);
 		assert_true(selection.needed <= budget && selection.needed * 8 >= budget);
 		assert_true(selection.visited + selection.culled <= 16 * budget);
 	}
@@ -159,16 +159,16 @@ static void fitting_a_view_of_very_many_tiles_costs_what_the_budget_does(void **
 static void without_ground_there_is_nothing_to_fit(void **state)
 {
 	struct fake fake = {.extent = {65, 65, 1, 8}};
-	struct terrain_source source = source_of(&fake);
-	struct terrain_view view;
+	struct render_source source = source_of(&fake);
+	struct render_view view;
 	const double eye[3] = {32, 32, 60}, away[3] = {32, 32, 160};
 	look(eye, away, 5, &view);
-	assert_true(terrain_fit(&fake.extent, &source, 1, &view));
-	terrain_select(&fake.extent, &view, &source, &selection);
+	assert_true(render_fit(&fake.extent, &source, 1, &view));
+	render_select(&fake.extent, &view, &source, &selection);
 	assert_int_equal(selection.needed, 1);
 }
 
-TEST_PROGRAM(fit)
+TEST_PROGRAM(selection_fit)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_picture_needs_is_counted_and_wanted_once_each),

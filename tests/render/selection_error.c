@@ -1,18 +1,18 @@
 /* Selection by error on the screen (Equation 3): against its definition at every point, where it spends tiles, how it
  * is fitted, and what a source may say without harm. */
-#include "fake.h"
+#include "selection_fake.h"
 #include "../support/program.h"
 
-static struct terrain_selection selection;
+static struct render_selection selection;
 
 /* A camera of `focal` pixels that allows so many of error. */
-static void by_error(double focal, double pixels, struct terrain_view *view)
+static void by_error(double focal, double pixels, struct render_view *view)
 {
 	view->by_error = true;
 	view->radius = focal / pixels;
 }
 
-static void random_scene(uint64_t *random, struct fake *fake, struct terrain_view *view)
+static void random_scene(uint64_t *random, struct fake *fake, struct render_view *view)
 {
 	random_fake(random, fake);
 	fake->resident_of = 100;
@@ -20,9 +20,9 @@ static void random_scene(uint64_t *random, struct fake *fake, struct terrain_vie
 	by_error(400, 0.2 * pow(100, unit(random)), view);
 }
 
-static bool in_frustum(const struct terrain_view *view, const double point[3])
+static bool in_frustum(const struct render_view *view, const double point[3])
 {
-	return terrain_box_visible(view->planes, point, point);
+	return render_box_visible(view->planes, point, point);
 }
 
 /* How many draws show a point, and the last of them. */
@@ -30,7 +30,7 @@ static int drawn_at(const struct fake *fake, const double point[3], struct tile 
 {
 	int times = 0;
 	for (size_t k = 0; k < selection.draw_count; k++) {
-		const struct terrain_draw *draw = &selection.draws[k];
+		const struct render_draw *draw = &selection.draws[k];
 		double side = extent_spacing(&fake->extent, draw->tile.level) * fake->extent.cells;
 		double u = point[0] / side - draw->tile.x, v = point[1] / side - draw->tile.y;
 		if (u < 0 || v < 0 || u >= 1 || v >= 1 || !(draw->quadrants >> ((u >= 0.5 ? 1 : 0) + (v >= 0.5 ? 2 : 0)) & 1))
@@ -49,15 +49,15 @@ static struct tile child_at(const struct fake *fake, struct tile tile, double x,
 
 /* The tile that Equation 3 asks for at a point: the first from the top whose error is small enough, or that has
  * nothing finer there. */
-static struct tile asked_for(struct fake *fake, const struct terrain_view *view, double focal, double pixels, double x,
+static struct tile asked_for(struct fake *fake, const struct render_view *view, double focal, double pixels, double x,
 			     double y)
 {
 	struct tile tile = {extent_coarsest(&fake->extent), 0, 0};
 	for (;;) {
 		double low[3], high[3];
-		terrain_box(&fake->extent, tile, low, high);
+		render_box(&fake->extent, tile, low, high);
 		assert_true(fake_bounds(fake, tile, &low[2], &high[2]));
-		double distance = terrain_box_distance(view->eye, low, high);
+		double distance = render_box_distance(view->eye, low, high);
 		if (!fake_divisible(fake, tile) || fake_error(fake, tile) * focal <= pixels * distance)
 			return tile;
 		struct tile child = child_at(fake, tile, x, y);
@@ -73,13 +73,13 @@ static void every_visible_point_has_the_tile_that_its_error_asks_for(void **stat
 	size_t seen = 0, levels[40] = {0};
 	for (int round = 0; round < 200; round++) {
 		struct fake fake;
-		struct terrain_view view;
+		struct render_view view;
 		double focal = 300 + 500 * unit(&random), pixels = 0.2 * pow(100, unit(&random));
 		random_scene(&random, &fake, &view);
 		by_error(focal, pixels, &view);
-		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.extent, &view, &source, &selection);
-		if (selection.draw_count > TERRAIN_DRAWS_MAX / 2)
+		struct render_source source = source_of(&fake);
+		render_select(&fake.extent, &view, &source, &selection);
+		if (selection.draw_count > RENDER_DRAWS_MAX / 2)
 			continue;
 		for (int i = 0; i < 400; i++) {
 			double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&random),
@@ -107,16 +107,16 @@ static void a_draw_tells_its_error_and_that_of_all_above_it(void **state)
 	size_t checked = 0;
 	for (int round = 0; round < 100; round++) {
 		struct fake fake;
-		struct terrain_view view;
+		struct render_view view;
 		random_scene(&random, &fake, &view);
-		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.extent, &view, &source, &selection);
+		struct render_source source = source_of(&fake);
+		render_select(&fake.extent, &view, &source, &selection);
 		int coarsest = extent_coarsest(&fake.extent);
 		double low = 0, high = 0;
 		assert_true(fake_bounds(&fake, (struct tile){coarsest, 0, 0}, &low, &high));
 		for (size_t i = 0; i < selection.draw_count; i++) {
-			const struct terrain_draw *draw = &selection.draws[i];
-			for (int k = 0; k < TERRAIN_STRIDES; k++) {
+			const struct render_draw *draw = &selection.draws[i];
+			for (int k = 0; k < RENDER_STRIDES; k++) {
 				int level = draw->tile.level + k;
 				double top = fake_error(&fake, (struct tile){coarsest, 0, 0});
 				if (level <= coarsest)
@@ -137,16 +137,16 @@ static void allowed_less_a_view_is_nowhere_coarser(void **state)
 	size_t grown = 0;
 	for (int round = 0; round < 100; round++) {
 		struct fake fake;
-		struct terrain_view view;
+		struct render_view view;
 		random_scene(&random, &fake, &view);
-		struct terrain_source source = source_of(&fake);
+		struct render_source source = source_of(&fake);
 		int levels[50];
 		for (int i = 0; i < 50; i++)
 			levels[i] = TILE_LEVEL_MIN;
 		for (double pixels = 1; pixels <= 64; pixels *= 2) {
 			by_error(400, pixels, &view);
-			terrain_select(&fake.extent, &view, &source, &selection);
-			if (selection.draw_count > TERRAIN_DRAWS_MAX / 2)
+			render_select(&fake.extent, &view, &source, &selection);
+			if (selection.draw_count > RENDER_DRAWS_MAX / 2)
 				continue; /* some were left undivided for want of room */
 			uint64_t places = 99;
 			for (int i = 0; i < 50; i++) {
@@ -183,16 +183,16 @@ static double cliff_error(void *user, struct tile tile)
 static void flat_ground_takes_few_tiles_and_a_cliff_many(void **state)
 {
 	struct fake fake = {.extent = {1025, 1025, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
-	struct terrain_source source = source_of(&fake);
-	struct terrain_view view;
+	struct render_source source = source_of(&fake);
+	struct render_view view;
 	const double eye[3] = {480, 400, 60}, target[3] = {520, 560, 0};
 	look(eye, target, 0, &view);
 	by_error(600, 1, &view);
 	source.error = no_error;
-	terrain_select(&fake.extent, &view, &source, &selection);
+	render_select(&fake.extent, &view, &source, &selection);
 	assert_int_equal(selection.draw_count, 1);
 	source.error = cliff_error;
-	terrain_select(&fake.extent, &view, &source, &selection);
+	render_select(&fake.extent, &view, &source, &selection);
 	size_t fine = 0;
 	for (size_t i = 0; i < selection.draw_count; i++) {
 		bool at_cliff = cliff_error(NULL, tile_ancestor(selection.draws[i].tile, selection.draws[i].tile.level + 1)) > 0;
@@ -224,16 +224,16 @@ static bool flat_bounds(void *user, struct tile tile, double *low, double *high)
 static void selection_by_error_does_not_depend_on_where_the_world_lies(void **state)
 {
 	struct fake fake = {.extent = {40000001, 1025, 0.25, 256}, .seed = 4, .resident_of = 100, .root_resident = true};
-	const struct terrain_source source = {&fake, flat_bounds, fake_resident, fake_divisible, shifted_error, NULL};
-	uint64_t keys[2][TERRAIN_DRAWS_MAX];
+	const struct render_source source = {&fake, flat_bounds, fake_resident, fake_divisible, shifted_error, NULL};
+	uint64_t keys[2][RENDER_DRAWS_MAX];
 	size_t counts[2];
 	for (int far = 0; far < 2; far++) {
 		shift = far ? 609 : 1;
 		const double eye[3] = {shift * 16384.0 + 700, 40, 60}, target[3] = {shift * 16384.0 + 800, 90, 0};
-		struct terrain_view view;
+		struct render_view view;
 		look(eye, target, 0, &view);
 		by_error(500, 1, &view);
-		terrain_select(&fake.extent, &view, &source, &selection);
+		render_select(&fake.extent, &view, &source, &selection);
 		counts[far] = 0;
 		for (size_t i = 0; i < selection.draw_count; i++) {
 			struct tile tile = selection.draws[i].tile;
@@ -257,25 +257,25 @@ static double wild_error(void *user, struct tile tile)
 	return wild[mix(tile_key(tile) ^ fake->seed) % 10];
 }
 
-static void check_fit(struct fake *fake, const struct terrain_source *source, const struct terrain_view *wished, size_t budget,
+static void check_fit(struct fake *fake, const struct render_source *source, const struct render_view *wished, size_t budget,
 		      size_t *cut)
 {
-	struct terrain_view view = *wished;
-	terrain_select(&fake->extent, wished, source, &selection);
-	bool fits = terrain_fit(&fake->extent, source, budget, &view);
+	struct render_view view = *wished;
+	render_select(&fake->extent, wished, source, &selection);
+	bool fits = render_fit(&fake->extent, source, budget, &view);
 	assert_int_equal(fits, selection.needed <= budget);
 	if (fits)
 		return;
 	++*cut;
 	assert_true(view.by_error && (view.radius < wished->radius || view.finest > wished->finest));
-	terrain_select(&fake->extent, &view, source, &selection);
+	render_select(&fake->extent, &view, source, &selection);
 	assert_true(selection.needed <= budget);
 	/* Any finer needs too many. */
 	if (view.finest > wished->finest)
 		view.finest--;
 	else
 		view.radius = nextafter(view.radius, INFINITY);
-	terrain_select(&fake->extent, &view, source, &selection);
+	render_select(&fake->extent, &view, source, &selection);
 	assert_true(selection.needed > budget);
 }
 
@@ -285,9 +285,9 @@ static void a_view_by_error_is_fitted_as_finely_as_it_can_be(void **state)
 	size_t cut = 0;
 	for (int round = 0; round < 300; round++) {
 		struct fake fake;
-		struct terrain_view view;
+		struct render_view view;
 		random_scene(&random, &fake, &view);
-		struct terrain_source source = source_of(&fake);
+		struct render_source source = source_of(&fake);
 		check_fit(&fake, &source, &view, 1 + (size_t)(40 * unit(&random) * unit(&random)), &cut);
 	}
 	assert_true(cut > 80);
@@ -299,14 +299,14 @@ static void whatever_a_source_calls_an_error_each_point_is_drawn_once(void **sta
 	size_t seen = 0, cut = 0;
 	for (int round = 0; round < 200; round++) {
 		struct fake fake;
-		struct terrain_view view;
+		struct render_view view;
 		random_scene(&random, &fake, &view);
 		fake.resident_of = (unsigned)(101 * unit(&random));
-		struct terrain_source source = source_of(&fake);
+		struct render_source source = source_of(&fake);
 		source.error = wild_error;
-		terrain_select(&fake.extent, &view, &source, &selection);
+		render_select(&fake.extent, &view, &source, &selection);
 		for (size_t i = 0; i < selection.draw_count; i++)
-			for (int k = 0; k < TERRAIN_STRIDES; k++)
+			for (int k = 0; k < RENDER_STRIDES; k++)
 				assert_true(selection.draws[i].errors[k] >= (k > 0 ? selection.draws[i].errors[k - 1] : 0));
 		for (int i = 0; i < 300; i++) {
 			double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&random),
@@ -323,7 +323,7 @@ static void whatever_a_source_calls_an_error_each_point_is_drawn_once(void **sta
 	assert_true(seen > 5000 && cut > 20);
 }
 
-TEST_PROGRAM(error)
+TEST_PROGRAM(selection_error)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_visible_point_has_the_tile_that_its_error_asks_for),

@@ -15,7 +15,7 @@
  */
 #include <stdlib.h>
 
-#include "terrain/internal.h"
+#include "render/select_place.h"
 
 struct want {
 	uint64_t key;
@@ -25,11 +25,11 @@ struct want {
 
 struct selector {
 	const struct extent *extent;
-	const struct terrain_view *view;
-	const struct terrain_source *source;
-	struct terrain_selection *out;
+	const struct render_view *view;
+	const struct render_source *source;
+	struct render_selection *out;
 	size_t open; /* tiles being divided */
-	struct want wants[TERRAIN_DRAWS_MAX];
+	struct want wants[RENDER_DRAWS_MAX];
 	size_t want_count;
 };
 
@@ -47,7 +47,7 @@ static int compare_wants(const void *a, const void *b)
 static void want(struct selector *s, struct tile tile, double distance)
 {
 	struct want entry = {tile_key(tile), tile.level, distance};
-	if (s->want_count < TERRAIN_DRAWS_MAX) {
+	if (s->want_count < RENDER_DRAWS_MAX) {
 		s->wants[s->want_count++] = entry;
 		return;
 	}
@@ -59,27 +59,27 @@ static void want(struct selector *s, struct tile tile, double distance)
 		s->wants[worst] = entry;
 }
 
-static bool append(struct selector *s, const struct terrain_draw *draw)
+static bool append(struct selector *s, const struct render_draw *draw)
 {
-	if (s->out->draw_count + s->open >= TERRAIN_DRAWS_MAX)
+	if (s->out->draw_count + s->open >= RENDER_DRAWS_MAX)
 		return false;
 	s->out->draws[s->out->draw_count++] = *draw;
 	return true;
 }
 
-static bool in_view(struct selector *s, const struct terrain_place *place)
+static bool in_view(struct selector *s, const struct render_place *place)
 {
-	if (terrain_box_visible(s->view->planes, place->low, place->high))
+	if (render_box_visible(s->view->planes, place->low, place->high))
 		return true;
 	s->out->culled++;
 	return false;
 }
 
-static bool cover(struct selector *s, const struct terrain_place *place);
+static bool cover(struct selector *s, const struct render_place *place);
 
 /* Selects the children of a divided tile. Then the tile itself must still draw some quadrants, each a bit. `own`: quadrants for
  * which there are no finer tiles. `standing`: quadrants whose finer tiles are not resident yet. */
-static void cover_children(struct selector *s, const struct terrain_place *place, unsigned *own,
+static void cover_children(struct selector *s, const struct render_place *place, unsigned *own,
 			   unsigned *standing)
 {
 	struct tile tile = place->tile;
@@ -92,16 +92,16 @@ static void cover_children(struct selector *s, const struct terrain_place *place
 
 	for (unsigned i = 0; i < 4; i++) {
 		unsigned quadrant = nearest ^ i;
-		struct tile child = terrain_child(tile, quadrant);
-		struct terrain_place there;
+		struct tile child = render_child(tile, quadrant);
+		struct render_place there;
 		if (!extent_has(s->extent, child))
 			continue;
-		if (terrain_find(s->extent, s->view, s->source, child, &there)) {
+		if (render_place_find(s->extent, s->view, s->source, child, &there)) {
 			there.above = place;
 			if (!cover(s, &there))
 				*standing |= 1u << quadrant;
 		} else if (tile.level <= 0) {
-			terrain_put(s->extent, s->view, child, place->low[2], place->high[2], &there);
+			render_place_put(s->extent, s->view, child, place->low[2], place->high[2], &there);
 			if (in_view(s, &there))
 				*own |= 1u << quadrant;
 		}
@@ -110,7 +110,7 @@ static void cover_children(struct selector *s, const struct terrain_place *place
 
 /* A tile whose base is interpolated needs the tile above that has base heights too, for the broad shape of the ground. Counts that
  * tile, and requests it if it is not resident. */
-static void need_ground(struct selector *s, const struct terrain_place *place)
+static void need_ground(struct selector *s, const struct render_place *place)
 {
 	uint32_t slot;
 	s->out->needed++;
@@ -118,10 +118,10 @@ static void need_ground(struct selector *s, const struct terrain_place *place)
 		want(s, place->tile, place->distance);
 }
 
-static void fill_errors(const struct terrain_place *place, double errors[TERRAIN_STRIDES])
+static void fill_errors(const struct render_place *place, double errors[RENDER_STRIDES])
 {
 	double most = 0;
-	for (int k = 0; k < TERRAIN_STRIDES; k++) {
+	for (int k = 0; k < RENDER_STRIDES; k++) {
 		most = fmax(most, place->error);
 		errors[k] = most;
 		if (place->above != NULL)
@@ -131,9 +131,9 @@ static void fill_errors(const struct terrain_place *place, double errors[TERRAIN
 	}
 }
 
-static bool cover(struct selector *s, const struct terrain_place *place)
+static bool cover(struct selector *s, const struct render_place *place)
 {
-	struct terrain_selection *out = s->out;
+	struct render_selection *out = s->out;
 	struct tile tile = place->tile;
 	size_t mark = out->draw_count;
 
@@ -143,7 +143,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 
 	bool divisible = s->source->divisible(s->source->user, tile);
 	bool coarsest = tile.level == extent_coarsest(s->extent);
-	bool ground = false, divided = divisible && terrain_near(s->view, tile, place->ratio);
+	bool ground = false, divided = divisible && render_divides(s->view, tile, place->ratio);
 	unsigned own = 15, standing = 0;
 	if (divided) {
 		size_t ideal = out->ideal;
@@ -151,7 +151,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 		s->open++;
 		cover_children(s, place, &own, &standing);
 		s->open--;
-		ground = own == 0 && out->ideal > ideal && terrain_carries(s->extent, s->source, tile);
+		ground = own == 0 && out->ideal > ideal && render_carries(s->extent, s->source, tile);
 		if (ground && !coarsest)
 			need_ground(s, place);
 		if ((own | standing) == 0)
@@ -162,8 +162,8 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 		out->needed += !coarsest;
 	}
 
-	struct terrain_draw draw = {
-		.tile = tile, .ground = TERRAIN_NO_SLOT, .ground_level = tile.level, .quadrants = own | standing, .finest = !divisible,
+	struct render_draw draw = {
+		.tile = tile, .ground = RENDER_NO_SLOT, .ground_level = tile.level, .quadrants = own | standing, .finest = !divisible,
 		.divided = divided, .standing = standing, .replaces = own == 0 && !ground && !coarsest,
 		.low = place->low[2], .high = place->high[2], .distance = place->distance,
 	};
@@ -180,7 +180,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 
 static int compare_draws(const void *a, const void *b)
 {
-	const struct terrain_draw *p = a, *q = b;
+	const struct render_draw *p = a, *q = b;
 	if (p->distance != q->distance)
 		return p->distance < q->distance ? -1 : 1;
 	uint64_t left = tile_key(p->tile), right = tile_key(q->tile);
@@ -189,30 +189,30 @@ static int compare_draws(const void *a, const void *b)
 
 static void find_ground(struct selector *s)
 {
-	struct terrain_selection *out = s->out;
+	struct render_selection *out = s->out;
 	for (size_t i = 0; i < out->draw_count; i++) {
-		struct terrain_draw *draw = &out->draws[i];
+		struct render_draw *draw = &out->draws[i];
 		struct tile tile = draw->tile;
 		draw->ground = draw->slot;
-		while (!terrain_stored(s->source, tile))
+		while (!render_stored(s->source, tile))
 			tile = tile_ancestor(tile, tile.level + 1);
 		draw->ground_level = tile.level;
 		if (tile.level != draw->tile.level && !s->source->resident(s->source->user, tile, &draw->ground))
-			draw->ground = TERRAIN_NO_SLOT;
+			draw->ground = RENDER_NO_SLOT;
 	}
 }
 
-void terrain_select(const struct extent *extent, const struct terrain_view *view,
-		    const struct terrain_source *source, struct terrain_selection *selection)
+void render_select(const struct extent *extent, const struct render_view *view,
+		    const struct render_source *source, struct render_selection *selection)
 {
 	struct selector s = {.extent = extent, .view = view, .source = source, .out = selection};
 	struct tile root = {extent_coarsest(extent), 0, 0};
-	struct terrain_place place;
+	struct render_place place;
 	uint32_t slot;
 
 	selection->draw_count = selection->wanted_count = 0;
 	selection->visited = selection->culled = selection->ideal = selection->needed = 0;
-	if (!terrain_find(extent, view, source, root, &place))
+	if (!render_place_find(extent, view, source, root, &place))
 		return;
 	/* The coarsest tile can replace every other tile, so it is needed even if it is not visible. */
 	selection->needed = 1;

@@ -2,8 +2,8 @@
  * What the tests of queries share: a small rough ground with holes and finer tiles here and there, every face of it, and
  * plain answers from all of these faces. query_rig.c is an oracle: see tests/meson.build.
  */
-#ifndef FURROW_TESTS_TERRAIN_QUERY_RIG_H
-#define FURROW_TESTS_TERRAIN_QUERY_RIG_H
+#ifndef FURROW_TESTS_RESIDENT_QUERY_RIG_H
+#define FURROW_TESTS_RESIDENT_QUERY_RIG_H
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "terrain/terrain.h"
+#include "resident/heights.h"
 
 enum { RIG_CELLS_MOST = 32 };
 
@@ -27,7 +27,7 @@ struct rig {
 	double relief, rut;     /* metres */
 	double crack;           /* metres: the finest tiles stand so much higher, at their edges too */
 	int64_t far;            /* posts from the south-west one to the one that is as post 0 is elsewhere */
-	struct terrain_ground ground;
+	struct resident_source ground;
 	double heights[(RIG_CELLS_MOST + 1) * (RIG_CELLS_MOST + 1)], blocks[16][2];
 	uint64_t reads;         /* posts asked for */
 	uint64_t fails_at;      /* the posts asked for that fail; 0: none */
@@ -66,9 +66,9 @@ size_t rig_faces(const struct rig *rig, struct rig_face **out);
 /* --- plain answers --- */
 
 /* Every face is made larger by `slack`, smaller if negative. */
-struct rig_strike rig_strike(const struct rig_face *all, size_t count, const struct terrain_ray *ray, long double slack);
+struct rig_strike rig_strike(const struct rig_face *all, size_t count, const struct resident_ray *ray, long double slack);
 /* The face over a point, which lies inside by `slack`; NULL: none. *height: metres. normal: of length 1, upward. */
-const struct rig_face *rig_over(const struct rig_face *all, size_t count, struct terrain_point point, double slack, double *height,
+const struct rig_face *rig_over(const struct rig_face *all, size_t count, struct resident_point point, double slack, double *height,
 				double normal[3]);
 /* The normal of a face at a point: by differences of its height, for a cell. */
 void rig_normal(const struct rig_face *face, long double x, long double y, double normal[3]);

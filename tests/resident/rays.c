@@ -6,7 +6,7 @@
 
 #define FAR 1e-9 /* metres a hit may be off */
 
-static void check(const struct terrain_ray *ray, const struct terrain_hit *hit, const struct rig_face *all, size_t count)
+static void check(const struct resident_ray *ray, const struct resident_hit *hit, const struct rig_face *all, size_t count)
 {
 	/* Where a ray just touches an edge, or a hole's, either is right. */
 	struct rig_strike loose = rig_strike(all, count, ray, 1e-12L), strict = rig_strike(all, count, ray, -1e-12L);
@@ -41,10 +41,10 @@ static void check(const struct terrain_ray *ray, const struct terrain_hit *hit, 
 
 static const struct rig rough = {.extent = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
 
-static struct terrain_ray random_ray(const struct rig *rig, uint64_t *state)
+static struct resident_ray random_ray(const struct rig *rig, uint64_t *state)
 {
 	double east = (double)(rig->extent.width - 1) * rig->extent.spacing, north = (double)(rig->extent.height - 1) * rig->extent.spacing;
-	struct terrain_ray ray = {.length = rig_unit(state) < 0.3 ? (double)INFINITY : rig_between(state, 0, 200)};
+	struct resident_ray ray = {.length = rig_unit(state) < 0.3 ? (double)INFINITY : rig_between(state, 0, 200)};
 	double from[3] = {rig_between(state, -20, east + 20), rig_between(state, -20, north + 20), rig_between(state, -15, 25)};
 	double to[3] = {rig_between(state, 0, east), rig_between(state, 0, north), rig_between(state, -10, 12)};
 	bool grazes = rig_unit(state) < 0.4;
@@ -68,9 +68,9 @@ static void against_all(struct rig rig, size_t rays)
 	size_t count = rig_faces(&rig, &all), hits = 0, below = 0;
 	uint64_t state = rig.seed;
 	for (size_t i = 0; i < rays; i++) {
-		struct terrain_ray ray = random_ray(&rig, &state);
-		struct terrain_hit hit;
-		assert_int_equal(terrain_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
+		struct resident_ray ray = random_ray(&rig, &state);
+		struct resident_hit hit;
+		assert_int_equal(resident_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
 		check(&ray, &hit, all, count);
 		hits += hit.hit;
 		below += hit.hit && hit.below;
@@ -98,8 +98,8 @@ static void slips_through(struct rig rig, size_t rays)
 	uint64_t state = rig.seed + 99;
 	double spacing = extent_spacing(&rig.extent, rig.finest);
 	for (size_t i = 0; i < rays; i++) {
-		struct terrain_ray ray = {.length = INFINITY};
-		struct terrain_hit hit;
+		struct resident_ray ray = {.length = INFINITY};
+		struct resident_hit hit;
 		double step = rig_unit(&state) < 0.5 ? spacing : rig.extent.spacing;
 		double post[3] = {(double)rig.far * rig.extent.spacing + step * floor(rig_between(&state, 80, 90)),
 				  (double)rig.far * rig.extent.spacing + step * floor(rig_between(&state, 80, 90)), 0};
@@ -116,7 +116,7 @@ static void slips_through(struct rig rig, size_t rays)
 			ray.origin[2] -= 2 * up;
 			ray.direction[2] = slope;
 		}
-		assert_int_equal(terrain_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
+		assert_int_equal(resident_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
 		if (!hit.hit)
 			print_error("slipped: %.17g %.17g %.17g to %.17g %.17g %.17g\n", ray.origin[0], ray.origin[1], ray.origin[2],
 				    ray.direction[0], ray.direction[1], ray.direction[2]);
@@ -145,8 +145,8 @@ static void no_crack_lets_through(void **unused)
 		struct rig rig = {.extent = {129, 129, 1, 8}, .seed = 8, .finest = -2, .fine = 20, .crack = ldexp(1, -(int)(12 + i % 20))};
 		bool east = rig_unit(&state) < 0.5;
 		double x = 0.5, y = floor(rig_between(&state, 1, 500)) * 0.25 + 0.1, side = 2, end = 128;
-		struct terrain_ray ray = {{east ? x : y, east ? y : x, rig.crack / 2}, {east, !east, 0}, INFINITY};
-		struct terrain_hit hit;
+		struct resident_ray ray = {{east ? x : y, east ? y : x, rig.crack / 2}, {east, !east, 0}, INFINITY};
+		struct resident_hit hit;
 		rig_open(&rig);
 		/* The first tile on its way that stands higher; it may begin over one. */
 		for (; x < end; x = (floor(x / side) + 1) * side) {
@@ -154,7 +154,7 @@ static void no_crack_lets_through(void **unused)
 			if (rig_present(&rig, tile))
 				break;
 		}
-		assert_int_equal(terrain_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
+		assert_int_equal(resident_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
 		if (x == 0.5) {
 			assert_true(hit.hit && hit.below);
 			continue;
@@ -176,8 +176,8 @@ static void far_is_as_near(void **unused)
 	rig_open(&near);
 	rig_open(&far);
 	for (int i = 0; i < 2000; i++) {
-		struct terrain_ray ray = {.length = 60}, away;
-		struct terrain_hit hit, there;
+		struct resident_ray ray = {.length = 60}, away;
+		struct resident_hit hit, there;
 		for (int k = 0; k < 3; k++) {
 			ray.origin[k] = floor(rig_between(&state, 0, 200) * 0x1p20) * 0x1p-20;
 			ray.direction[k] = rig_between(&state, -1, 1);
@@ -192,8 +192,8 @@ static void far_is_as_near(void **unused)
 		away = ray;
 		away.origin[0] += 16777216;
 		away.origin[1] += 16777216;
-		assert_int_equal(terrain_rays(&near.ground, &ray, 1, &hit), STATUS_OK);
-		assert_int_equal(terrain_rays(&far.ground, &away, 1, &there), STATUS_OK);
+		assert_int_equal(resident_rays(&near.ground, &ray, 1, &hit), STATUS_OK);
+		assert_int_equal(resident_rays(&far.ground, &away, 1, &there), STATUS_OK);
 		assert_int_equal(there.hit, hit.hit);
 		assert_true(fabs(there.distance - hit.distance) < 1e-7);
 		hits += hit.hit;
@@ -205,49 +205,49 @@ static void what_is_no_ray(void **unused)
 {
 	struct rig rig = rough;
 	rig_open(&rig);
-	struct terrain_hit hits[2];
-	struct terrain_ray good = {{50, 40, 100}, {0, 0, -1}, 1000}, bad;
-	assert_int_equal(terrain_rays(&rig.ground, &good, 1, hits), STATUS_OK);
+	struct resident_hit hits[2];
+	struct resident_ray good = {{50, 40, 100}, {0, 0, -1}, 1000}, bad;
+	assert_int_equal(resident_rays(&rig.ground, &good, 1, hits), STATUS_OK);
 	assert_true(hits[0].hit && !hits[0].below && hits[0].normal[2] > 0);
-	const struct terrain_ray refused[] = {
+	const struct resident_ray refused[] = {
 		{{NAN, 0, 0}, {0, 0, -1}, 10},      {{0, INFINITY, 0}, {0, 0, -1}, 10}, {{50, 40, 100}, {0, NAN, -1}, 10},
 		{{50, 40, 100}, {0, 0, 0}, 10},     {{50, 40, 100}, {0, 0, -1}, NAN},   {{50, 40, 100}, {0, 0, -1}, -1},
 		{{50, 40, 100}, {0, INFINITY, 0}, 10},
 	};
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
-		assert_int_equal(terrain_rays(&rig.ground, &refused[i], 1, hits), STATUS_INPUT);
+		assert_int_equal(resident_rays(&rig.ground, &refused[i], 1, hits), STATUS_INPUT);
 	/* The second of two, by its number. */
-	const struct terrain_ray two[2] = {good, refused[0]};
-	assert_int_equal(terrain_rays(&rig.ground, two, 2, hits), STATUS_INPUT);
+	const struct resident_ray two[2] = {good, refused[0]};
+	assert_int_equal(resident_rays(&rig.ground, two, 2, hits), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "ray 1"));
 	/* Tiny, huge, too short, of no length. */
 	bad = good;
 	bad.direction[2] = -1e-300;
-	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_int_equal(resident_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
 	assert_true(hits[1].hit && hits[1].distance == hits[0].distance);
 	bad.direction[2] = -1e300;
-	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_int_equal(resident_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
 	assert_true(hits[1].hit && hits[1].distance == hits[0].distance);
 	bad.length = hits[0].distance - 1e-6;
-	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_int_equal(resident_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
 	assert_false(hits[1].hit);
 	bad.length = 0;
-	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_int_equal(resident_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
 	assert_false(hits[1].hit);
 	bad.origin[2] = hits[0].point[2];
-	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_int_equal(resident_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
 	rig.fails_at = rig.reads + 1;
-	assert_int_equal(terrain_rays(&rig.ground, &good, 1, hits), STATUS_INPUT);
+	assert_int_equal(resident_rays(&rig.ground, &good, 1, hits), STATUS_INPUT);
 }
 
 /* On the ground, at its edge, in it. */
 static void where_it_begins(void **unused)
 {
 	struct rig rig = {.extent = {33, 33, 1, 8}};
-	struct terrain_hit hit;
+	struct resident_hit hit;
 	rig_open(&rig); /* level, at 0 */
 	const struct {
-		struct terrain_ray ray;
+		struct resident_ray ray;
 		bool hit, below;
 		double distance;
 	} cases[] = {
@@ -267,7 +267,7 @@ static void where_it_begins(void **unused)
 		{{{40, 16, 1}, {1, 0, 0}, INFINITY}, false, false, 0},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		assert_int_equal(terrain_rays(&rig.ground, &cases[i].ray, 1, &hit), STATUS_OK);
+		assert_int_equal(resident_rays(&rig.ground, &cases[i].ray, 1, &hit), STATUS_OK);
 		assert_int_equal(hit.hit, cases[i].hit);
 		assert_true(!hit.hit || fabs(hit.distance - cases[i].distance) < 1e-12);
 		assert_int_equal(hit.below, cases[i].below);
@@ -282,7 +282,7 @@ static void the_edge_is_ground(void **unused)
 			for (uint32_t cells = 8; cells <= 32; cells *= 2) {
 				struct rig rig = {.extent = {side, side + 3, 1, cells}, .finest = level, .fine = 50, .relief = 1};
 				double east = (double)side - 1, north = (double)side + 2;
-				const struct terrain_ray rays[] = {
+				const struct resident_ray rays[] = {
 					{{east, 7.25, 9}, {0, 0, -1}, INFINITY}, {{7.25, north, 9}, {0, 0, -1}, INFINITY},
 					{{east, north, 9}, {0, 0, -1}, INFINITY}, {{east, -9, 9}, {0, 1, -0.9}, INFINITY},
 					{{-9, north, 9}, {1, 0, -0.9}, INFINITY}, {{0, -9, 9}, {0, 1, -0.9}, INFINITY},
@@ -290,16 +290,16 @@ static void the_edge_is_ground(void **unused)
 					{{9, north + 4, -4}, {0, -1, 1}, INFINITY},
 				};
 				enum { COUNT = sizeof rays / sizeof *rays };
-				struct terrain_hit hits[COUNT];
+				struct resident_hit hits[COUNT];
 				rig_open(&rig);
-				assert_int_equal(terrain_rays(&rig.ground, rays, COUNT, hits), STATUS_OK);
+				assert_int_equal(resident_rays(&rig.ground, rays, COUNT, hits), STATUS_OK);
 				for (int i = 0; i < COUNT; i++) {
-					struct terrain_height height;
-					struct terrain_point at = {hits[i].point[0], hits[i].point[1]};
+					struct resident_height height;
+					struct resident_point at = {hits[i].point[0], hits[i].point[1]};
 					if (i >= 6 && !hits[i].hit)
 						continue; /* may pass beside */
 					assert_true(hits[i].hit);
-					assert_int_equal(terrain_heights(&rig.ground, &at, 1, &height), STATUS_OK);
+					assert_int_equal(resident_heights(&rig.ground, &at, 1, &height), STATUS_OK);
 					assert_true(fabs(height.height - hits[i].point[2]) < 1e-9 && !isnan(height.normal[2]));
 				}
 			}
@@ -308,18 +308,18 @@ static void the_edge_is_ground(void **unused)
 static void many_are_as_one(void **unused)
 {
 	enum { COUNT = 500 };
-	static struct terrain_ray rays[COUNT];
-	static struct terrain_hit together[COUNT];
+	static struct resident_ray rays[COUNT];
+	static struct resident_hit together[COUNT];
 	struct rig rig = rough;
 	uint64_t state = 4;
 	rig.holes = 20;
 	rig_open(&rig);
 	for (int i = 0; i < COUNT; i++)
 		rays[i] = random_ray(&rig, &state);
-	assert_int_equal(terrain_rays(&rig.ground, rays, COUNT, together), STATUS_OK);
+	assert_int_equal(resident_rays(&rig.ground, rays, COUNT, together), STATUS_OK);
 	for (int i = 0; i < COUNT; i++) {
-		struct terrain_hit alone;
-		assert_int_equal(terrain_rays(&rig.ground, &rays[i], 1, &alone), STATUS_OK);
+		struct resident_hit alone;
+		assert_int_equal(resident_rays(&rig.ground, &rays[i], 1, &alone), STATUS_OK);
 		assert_int_equal(alone.hit, together[i].hit);
 		assert_true(alone.distance == together[i].distance && tile_equal(alone.tile, together[i].tile));
 	}

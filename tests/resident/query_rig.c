@@ -72,7 +72,7 @@ static double rig_height(const struct rig *rig, int level, int64_t x, int64_t y)
 	return height - floor(rig->rut * (double)(hash >> 40 & 255) / 255 * 0x1p20) * 0x1p-20;
 }
 
-static enum status rig_posts(void *user, struct tile tile, struct terrain_posts *posts)
+static enum status rig_posts(void *user, struct tile tile, struct resident_posts *posts)
 {
 	struct rig *rig = user;
 	int64_t cells = rig->extent.cells;
@@ -82,8 +82,8 @@ static enum status rig_posts(void *user, struct tile tile, struct terrain_posts 
 	for (int64_t y = 0; y <= cells; y++)
 		for (int64_t x = 0; x <= cells; x++)
 			rig->heights[y * (cells + 1) + x] = rig_height(rig, tile.level, tile.x * cells + x, tile.y * cells + y);
-	terrain_fill_blocks(rig->extent.cells, rig->heights, rig->blocks);
-	*posts = (struct terrain_posts){rig->heights, (const double(*)[2])rig->blocks};
+	resident_fill_blocks(rig->extent.cells, rig->heights, rig->blocks);
+	*posts = (struct resident_posts){rig->heights, (const double(*)[2])rig->blocks};
 	return STATUS_OK;
 }
 
@@ -121,7 +121,7 @@ static enum status rig_bounds(void *user, struct tile tile, double *low, double 
 
 void rig_open(struct rig *rig)
 {
-	rig->ground = (struct terrain_ground){rig, &rig->extent, rig->finest, rig_posts, rig_ask, rig_bounds};
+	rig->ground = (struct resident_source){rig, &rig->extent, rig->finest, rig_posts, rig_ask, rig_bounds};
 }
 
 static void put_corner(const struct rig *rig, int level, int64_t x, int64_t y, double corner[3])
@@ -252,7 +252,7 @@ static long double meets(const struct rig_face *triangle, const long double orig
 
 /* Seen from above the ray's line passes a face by: corner 0 is farther from it than any point of the face is from that corner,
  * sqrt(2) sides, and a third more. `across`: length of the direction from above. */
-static bool passes_by(const struct rig_face *face, const struct terrain_ray *ray, double across)
+static bool passes_by(const struct rig_face *face, const struct resident_ray *ray, double across)
 {
 	const double(*c)[3] = face->corner;
 	double x = c[0][0] - ray->origin[0], y = c[0][1] - ray->origin[1];
@@ -260,7 +260,7 @@ static bool passes_by(const struct rig_face *face, const struct terrain_ray *ray
 	return fabs(ray->direction[0] * y - ray->direction[1] * x) > across * reach;
 }
 
-struct rig_strike rig_strike(const struct rig_face *all, size_t count, const struct terrain_ray *ray, long double slack)
+struct rig_strike rig_strike(const struct rig_face *all, size_t count, const struct resident_ray *ray, long double slack)
 {
 	struct rig_strike struck = {INFINITY, NULL};
 	long double origin[3], way[3], length = 0;
@@ -312,7 +312,7 @@ void rig_normal(const struct rig_face *face, long double x, long double y, doubl
 	normal[2] = (double)(1 / length);
 }
 
-const struct rig_face *rig_over(const struct rig_face *all, size_t count, struct terrain_point point, double slack, double *height,
+const struct rig_face *rig_over(const struct rig_face *all, size_t count, struct resident_point point, double slack, double *height,
 				double normal[3])
 {
 	for (size_t i = 0; i < count; i++) {

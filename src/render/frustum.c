@@ -1,9 +1,9 @@
 /* Boxes against a camera: planes, visibility, distance; and the ground a tile covers. */
-#include "terrain/terrain.h"
+#include "render/select.h"
 
 #include <math.h>
 
-void terrain_box(const struct extent *extent, struct tile tile, double low[2], double high[2])
+void render_box(const struct extent *extent, struct tile tile, double low[2], double high[2])
 {
 	double side = extent_spacing(extent, tile.level) * extent->cells;
 	low[0] = tile.x * side;
@@ -20,7 +20,7 @@ static void plane_through(const double eye[3], const double normal[3], double pl
 	plane[3] = -(plane[0] * eye[0] + plane[1] * eye[1] + plane[2] * eye[2]);
 }
 
-void terrain_frustum(const double eye[3], const double forward[3], const double right[3],
+void render_frustum(const double eye[3], const double forward[3], const double right[3],
 		     const double up[3], double fov, double aspect, double far, double planes[5][4])
 {
 	double high = tan(fov / 2), wide = high * aspect;
@@ -41,7 +41,7 @@ void terrain_frustum(const double eye[3], const double forward[3], const double 
 	plane_through(end, back, planes[4]);
 }
 
-bool terrain_box_visible(const double planes[5][4], const double low[3], const double high[3])
+bool render_box_visible(const double planes[5][4], const double low[3], const double high[3])
 {
 	for (int p = 0; p < 5; p++) {
 		/* The corner furthest along the plane's normal; hidden if even that is outside. */
@@ -54,7 +54,7 @@ bool terrain_box_visible(const double planes[5][4], const double low[3], const d
 	return true;
 }
 
-double terrain_box_distance(const double eye[3], const double low[3], const double high[3])
+double render_box_distance(const double eye[3], const double low[3], const double high[3])
 {
 	double sum = 0;
 	for (int i = 0; i < 3; i++) {

@@ -12,33 +12,33 @@
  * 3. A node is passed over only if the ray stays CLEAR of its bounds. CLEAR is more than the heights of neighbours can differ
  *    along their common edge, by roundings of the lattice. So the ray comes out on the same side, unless there was a hole.
  */
-#include "terrain/cell.h"
+#include "resident/cell.h"
 
 #define CLEAR 0x1p-10 /* metres */
 
 enum side { SIDE_UNKNOWN, SIDE_ABOVE, SIDE_BELOW };
 
 struct ray {
-	const struct terrain_ground *ground;
+	const struct resident_source *ground;
 	double origin[3], way[3]; /* way: of length 1 */
 	double spacing;           /* of the tile below, and the ray in its cells: at + t step */
 	double at[2], step[2];
 	uint32_t in[2];           /* of its cells in the world: what is on the edge is in the last */
 	struct tile tile;
-	struct terrain_posts posts;
+	struct resident_posts posts;
 	enum side side;
-	struct terrain_hit *hit;
+	struct resident_hit *hit;
 };
 
-static void hit_at(struct ray *ray, double t, bool below, const struct terrain_plane *plane, uint32_t x, uint32_t y)
+static void hit_at(struct ray *ray, double t, bool below, const struct resident_plane *plane, uint32_t x, uint32_t y)
 {
-	struct terrain_hit *hit = ray->hit;
-	*hit = (struct terrain_hit){.hit = true, .below = below, .distance = t, .tile = ray->tile, .x = x, .y = y};
+	struct resident_hit *hit = ray->hit;
+	*hit = (struct resident_hit){.hit = true, .below = below, .distance = t, .tile = ray->tile, .x = x, .y = y};
 	for (int i = 0; i < 3; i++)
 		hit->point[i] = ray->origin[i] + t * ray->way[i];
 	/* A ray straight down does not move in the cell. */
 	const double u = ray->at[0] - x + (ray->step[0] == 0 ? 0 : t * ray->step[0]), v = ray->at[1] - y + (ray->step[1] == 0 ? 0 : t * ray->step[1]);
-	terrain_plane_normal(plane, fmin(fmax(u, 0), 1), fmin(fmax(v, 0), 1), ray->spacing, hit->normal);
+	resident_plane_normal(plane, fmin(fmax(u, 0), 1), fmin(fmax(v, 0), 1), ray->spacing, hit->normal);
 }
 
 /* How far a ray is above the ground: over + rate s + bend s^2, with s metres along the ray from the begin of a piece. */
@@ -46,7 +46,7 @@ struct above {
 	double over, rate, bend;
 };
 
-static struct above above_of(const struct ray *ray, const struct terrain_plane *plane, uint32_t x, uint32_t y, double begin)
+static struct above above_of(const struct ray *ray, const struct resident_plane *plane, uint32_t x, uint32_t y, double begin)
 {
 	const double su = ray->step[0], sv = ray->step[1], p = plane->slope[0], q = plane->slope[1], twist = plane->twist;
 	const double u = ray->at[0] - x + (su == 0 ? 0 : begin * su), v = ray->at[1] - y + (sv == 0 ? 0 : begin * sv);
@@ -77,9 +77,9 @@ static double meets(const struct above *above, double length)
 }
 
 /* Over one cell or triangle from `begin` to `end`, which may be infinite. True: hit. */
-static bool piece(struct ray *ray, double begin, double end, const struct terrain_plane *plane, uint32_t x, uint32_t y)
+static bool piece(struct ray *ray, double begin, double end, const struct resident_plane *plane, uint32_t x, uint32_t y)
 {
-	if (!terrain_plane_whole(plane)) {
+	if (!resident_plane_whole(plane)) {
 		ray->side = SIDE_UNKNOWN;
 		return false;
 	}
@@ -102,15 +102,15 @@ static bool in_cell(struct ray *ray, uint32_t x, uint32_t y, double begin, doubl
 {
 	const size_t stride = ray->ground->extent->cells + 1;
 	const double *sw = ray->posts.heights + y * stride + x;
-	const struct terrain_plane cell = terrain_cell_of(sw, stride);
-	if (terrain_plane_whole(&cell))
+	const struct resident_plane cell = resident_cell_of(sw, stride);
+	if (resident_plane_whole(&cell))
 		return piece(ray, begin, end, &cell, x, y);
-	const struct terrain_plane lower = terrain_plane_of(sw, stride, false), upper = terrain_plane_of(sw, stride, true);
+	const struct resident_plane lower = resident_plane_of(sw, stride, false), upper = resident_plane_of(sw, stride, true);
 	/* The sign of `apart` tells on which side of the diagonal the ray is. */
 	const double apart = (ray->at[0] - x) - (ray->at[1] - y), rate = ray->step[0] - ray->step[1];
 	const double first = apart + rate * begin, last = rate == 0 ? apart : apart + rate * end;
 	if (first == 0 && last == 0)
-		return piece(ray, begin, end, terrain_plane_whole(&lower) ? &lower : &upper, x, y);
+		return piece(ray, begin, end, resident_plane_whole(&lower) ? &lower : &upper, x, y);
 	if ((first >= 0 && last >= 0) || (first <= 0 && last <= 0))
 		return piece(ray, begin, end, first + last < 0 ? &upper : &lower, x, y);
 	const double middle = fmin(fmax(-apart / rate, begin), end);
@@ -152,13 +152,13 @@ static bool march(struct ray *ray, struct cell_rect rect, uint32_t size, double 
 
 static bool in_block(struct ray *ray, uint32_t x, uint32_t y, double begin, double end)
 {
-	const double *range = ray->posts.blocks[(size_t)y * (ray->ground->extent->cells / TERRAIN_BLOCK) + x];
+	const double *range = ray->posts.blocks[(size_t)y * (ray->ground->extent->cells / RESIDENT_BLOCK) + x];
 	if (is_clear(ray, begin, end, range[0], range[1])) {
 		ray->side = SIDE_UNKNOWN;
 		return false;
 	}
-	const struct cell_rect cells = {x * TERRAIN_BLOCK, y * TERRAIN_BLOCK, least((x + 1) * TERRAIN_BLOCK, ray->in[0]),
-					least((y + 1) * TERRAIN_BLOCK, ray->in[1])};
+	const struct cell_rect cells = {x * RESIDENT_BLOCK, y * RESIDENT_BLOCK, least((x + 1) * RESIDENT_BLOCK, ray->in[0]),
+					least((y + 1) * RESIDENT_BLOCK, ray->in[1])};
 	return march(ray, cells, 1, begin, end);
 }
 
@@ -185,22 +185,22 @@ static bool march(struct ray *ray, struct cell_rect rect, uint32_t size, double 
 
 static enum status in_posts(struct ray *ray, struct tile tile, struct cell_rect blocks, double begin, double end)
 {
-	const struct terrain_ground *ground = ray->ground;
+	const struct resident_source *ground = ray->ground;
 	enum status status = ground->posts(ground->user, tile, &ray->posts);
 	if (status != STATUS_OK)
 		return status;
 	ray->tile = tile;
-	ray->in[0] = terrain_cells_in(ground->extent, tile.level, tile.x, ground->extent->width);
-	ray->in[1] = terrain_cells_in(ground->extent, tile.level, tile.y, ground->extent->height);
-	blocks.x1 = least(blocks.x1, (ray->in[0] + TERRAIN_BLOCK - 1) / TERRAIN_BLOCK);
-	blocks.y1 = least(blocks.y1, (ray->in[1] + TERRAIN_BLOCK - 1) / TERRAIN_BLOCK);
+	ray->in[0] = resident_cells_in(ground->extent, tile.level, tile.x, ground->extent->width);
+	ray->in[1] = resident_cells_in(ground->extent, tile.level, tile.y, ground->extent->height);
+	blocks.x1 = least(blocks.x1, (ray->in[0] + RESIDENT_BLOCK - 1) / RESIDENT_BLOCK);
+	blocks.y1 = least(blocks.y1, (ray->in[1] + RESIDENT_BLOCK - 1) / RESIDENT_BLOCK);
 	ray->spacing = extent_spacing(ground->extent, tile.level);
 	const double side = ray->spacing * ground->extent->cells, corner[2] = {tile.x * side, tile.y * side};
 	for (int i = 0; i < 2; i++) {
 		ray->at[i] = (ray->origin[i] - corner[i]) / ray->spacing;
 		ray->step[i] = ray->way[i] / ray->spacing;
 	}
-	march(ray, blocks, TERRAIN_BLOCK, begin, end);
+	march(ray, blocks, RESIDENT_BLOCK, begin, end);
 	return STATUS_OK;
 }
 
@@ -209,7 +209,7 @@ static enum status in_tile(struct ray *ray, struct tile tile, double begin, doub
 /* Follows the ray through a quarter of a tile. Uses the child tile there, or the posts of the tile itself if there is no child. */
 static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool north, double begin, double end)
 {
-	const struct terrain_ground *ground = ray->ground;
+	const struct resident_source *ground = ray->ground;
 	struct tile child = {tile.level - 1, 2 * tile.x + east, 2 * tile.y + north};
 	/* At the edge of the world the quarter may have no child tile. Its posts are then in the last tile before it. */
 	if (child.x >= extent_tiles_x(ground->extent, child.level))
@@ -224,7 +224,7 @@ static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool
 	}
 	if (present)
 		return in_tile(ray, child, begin, end);
-	const uint32_t half = ground->extent->cells / TERRAIN_BLOCK / 2;
+	const uint32_t half = ground->extent->cells / RESIDENT_BLOCK / 2;
 	if (half == 0) /* the tile is one block: the ray is cut, that is enough */
 		return in_posts(ray, tile, (struct cell_rect){0, 0, 1, 1}, begin, end);
 	const uint32_t x = child.x & 1 ? half : 0, y = child.y & 1 ? half : 0;
@@ -242,7 +242,7 @@ static double crosses(const struct ray *ray, int axis, uint32_t tile, double sid
 
 static enum status in_tile(struct ray *ray, struct tile tile, double begin, double end)
 {
-	const struct terrain_ground *ground = ray->ground;
+	const struct resident_source *ground = ray->ground;
 	double low, high;
 	bool any;
 	enum status status = ground->bounds(ground->user, tile, &low, &high, &any);
@@ -253,7 +253,7 @@ static enum status in_tile(struct ray *ray, struct tile tile, double begin, doub
 		return STATUS_OK;
 	}
 	if (tile.level <= 0 && tile.level == ground->finest) {
-		const uint32_t blocks = ground->extent->cells / TERRAIN_BLOCK;
+		const uint32_t blocks = ground->extent->cells / RESIDENT_BLOCK;
 		return in_posts(ray, tile, (struct cell_rect){0, 0, blocks, blocks}, begin, end);
 	}
 	const double side = extent_spacing(ground->extent, tile.level) * ground->extent->cells;
@@ -290,7 +290,7 @@ static bool clip(const struct extent *extent, const struct ray *ray, double leng
 }
 
 /* Fills origin and way. */
-static enum status take(const struct terrain_ray *asked, size_t index, struct ray *ray)
+static enum status take(const struct resident_ray *asked, size_t index, struct ray *ray)
 {
 	double most = 0, sum = 0;
 	bool finite = asked->length >= 0;
@@ -315,14 +315,14 @@ static enum status take(const struct terrain_ray *asked, size_t index, struct ra
 	return STATUS_OK;
 }
 
-enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count,
-			 struct terrain_hit *hits)
+enum status resident_rays(const struct resident_source *ground, const struct resident_ray *rays, size_t count,
+			 struct resident_hit *hits)
 {
 	const struct tile all = {extent_coarsest(ground->extent), 0, 0};
 	for (size_t i = 0; i < count; i++) {
 		struct ray ray = {.ground = ground, .hit = &hits[i]};
 		double begin, end;
-		hits[i] = (struct terrain_hit){.hit = false};
+		hits[i] = (struct resident_hit){.hit = false};
 		enum status status = take(&rays[i], i, &ray);
 		if (status == STATUS_OK && clip(ground->extent, &ray, rays[i].length, &begin, &end))
 			status = in_tile(&ray, all, begin, end);

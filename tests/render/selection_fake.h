@@ -1,6 +1,6 @@
 /* What the tests of selection share: a world with a ground, and views of it. */
-#ifndef FURROW_TESTS_TERRAIN_FAKE_H
-#define FURROW_TESTS_TERRAIN_FAKE_H
+#ifndef FURROW_TESTS_RENDER_SELECTION_FAKE_H
+#define FURROW_TESTS_RENDER_SELECTION_FAKE_H
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "terrain/terrain.h"
+#include "render/select.h"
 
 /* A world whose ground is a sum of waves; some tiles below level 0 exist, some tiles are resident. */
 struct fake {
@@ -61,7 +61,7 @@ static inline bool fake_bounds(void *user, struct tile tile, double *low, double
 	double from[2], to[2];
 	if (!exists(fake, tile))
 		return false;
-	terrain_box(&fake->extent, tile, from, to);
+	render_box(&fake->extent, tile, from, to);
 	/* Loose but true: the waves' own slope bounds how far the middle can be missed. */
 	double x = (from[0] + to[0]) / 2, y = (from[1] + to[1]) / 2;
 	double reach = ((to[0] - from[0]) + (to[1] - from[1])) * 0.9;
@@ -105,7 +105,7 @@ static inline double fake_error(void *user, struct tile tile)
 	return fake_divisible(user, tile) ? error * (1 + (tile.x + 1) * side / 400 + (tile.y + 1) * side / 300) : 0;
 }
 
-static inline void look(const double eye[3], const double target[3], double radius, struct terrain_view *view)
+static inline void look(const double eye[3], const double target[3], double radius, struct render_view *view)
 {
 	double f[3], length = 0;
 	for (int i = 0; i < 3; i++)
@@ -116,14 +116,14 @@ static inline void look(const double eye[3], const double target[3], double radi
 	double right[3] = {flat > 1e-6 ? f[1] / flat : 1, flat > 1e-6 ? -f[0] / flat : 0, 0};
 	double up[3] = {right[1] * f[2] - right[2] * f[1], right[2] * f[0] - right[0] * f[2],
 			right[0] * f[1] - right[1] * f[0]};
-	terrain_frustum(eye, f, right, up, 0.9, 1.5, 5000, view->planes);
+	render_frustum(eye, f, right, up, 0.9, 1.5, 5000, view->planes);
 	memcpy(view->eye, eye, sizeof view->eye);
 	view->radius = radius;
 	view->by_error = false;
 	view->finest = TILE_LEVEL_MIN;
 }
 
-static inline void random_view(const struct fake *fake, uint64_t *random, struct terrain_view *view)
+static inline void random_view(const struct fake *fake, uint64_t *random, struct render_view *view)
 {
 	double w = (double)(fake->extent.width - 1) * fake->extent.spacing;
 	double h = (double)(fake->extent.height - 1) * fake->extent.spacing;
@@ -143,9 +143,9 @@ static inline void random_fake(uint64_t *random, struct fake *fake)
 	};
 }
 
-static inline struct terrain_source source_of(struct fake *fake)
+static inline struct render_source source_of(struct fake *fake)
 {
-	return (struct terrain_source){fake, fake_bounds, fake_resident, fake_divisible, fake_error, NULL};
+	return (struct render_source){fake, fake_bounds, fake_resident, fake_divisible, fake_error, NULL};
 }
 
 #endif

@@ -4,8 +4,8 @@
 
 static const struct rig rough = {.extent = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
 
-static void check(const struct rig *rig, const struct rig_face *all, size_t count, struct terrain_point point,
-		  const struct terrain_height *height)
+static void check(const struct rig *rig, const struct rig_face *all, size_t count, struct resident_point point,
+		  const struct resident_height *height)
 {
 	double east = (double)(rig->extent.width - 1) * rig->extent.spacing, north = (double)(rig->extent.height - 1) * rig->extent.spacing;
 	bool outside = !(point.x >= 0 && point.y >= 0 && point.x <= east && point.y <= north);
@@ -34,8 +34,8 @@ static void check(const struct rig *rig, const struct rig_face *all, size_t coun
 static void every_face_agrees(void **unused)
 {
 	enum { COUNT = 3000 };
-	static struct terrain_point points[COUNT];
-	static struct terrain_height heights[COUNT];
+	static struct resident_point points[COUNT];
+	static struct resident_height heights[COUNT];
 	for (uint64_t seed = 1; seed <= 4; seed++) {
 		struct rig rig = rough;
 		struct rig_face *all;
@@ -47,8 +47,8 @@ static void every_face_agrees(void **unused)
 		rig_open(&rig);
 		size_t count = rig_faces(&rig, &all), holes = 0, fine = 0;
 		for (int i = 0; i < COUNT; i++)
-			points[i] = (struct terrain_point){rig_between(&state, -3, 125), rig_between(&state, -3, 93)};
-		assert_int_equal(terrain_heights(&rig.ground, points, COUNT, heights), STATUS_OK);
+			points[i] = (struct resident_point){rig_between(&state, -3, 125), rig_between(&state, -3, 93)};
+		assert_int_equal(resident_heights(&rig.ground, points, COUNT, heights), STATUS_OK);
 		for (int i = 0; i < COUNT; i++) {
 			check(&rig, all, count, points[i], &heights[i]);
 			holes += heights[i].nodata && !heights[i].outside;
@@ -71,10 +71,10 @@ static void posts_are_posts(void **unused)
 	rig_open(&rig);
 	for (int64_t y = 0; y < rig.extent.height; y++)
 		for (int64_t x = 0; x < rig.extent.width; x++) {
-			struct terrain_height height;
-			struct terrain_point point = {(double)x * rig.extent.spacing, (double)y * rig.extent.spacing};
+			struct resident_height height;
+			struct resident_point point = {(double)x * rig.extent.spacing, (double)y * rig.extent.spacing};
 			double post = rig_post(&rig, x, y);
-			assert_int_equal(terrain_heights(&rig.ground, &point, 1, &height), STATUS_OK);
+			assert_int_equal(resident_heights(&rig.ground, &point, 1, &height), STATUS_OK);
 			assert_int_equal(height.nodata, isnan(post));
 			assert_false(height.outside);
 			assert_true(isnan(post) ? isnan(height.height) && isnan(height.bilinear)
@@ -87,29 +87,29 @@ static void posts_are_posts(void **unused)
 static void many_are_as_one(void **unused)
 {
 	enum { COUNT = 4000 };
-	static struct terrain_point points[COUNT];
-	static struct terrain_height together[COUNT];
+	static struct resident_point points[COUNT];
+	static struct resident_height together[COUNT];
 	struct rig rig = rough;
 	uint64_t state = 9;
 	rig.holes = 20;
 	rig_open(&rig);
 	for (int i = 0; i < COUNT; i++)
-		points[i] = (struct terrain_point){rig_between(&state, -3, 125), rig_between(&state, -3, 93)};
+		points[i] = (struct resident_point){rig_between(&state, -3, 125), rig_between(&state, -3, 93)};
 	points[7].x = NAN;
 	points[8].y = INFINITY;
-	assert_int_equal(terrain_heights(&rig.ground, points, COUNT, together), STATUS_OK);
+	assert_int_equal(resident_heights(&rig.ground, points, COUNT, together), STATUS_OK);
 	assert_true(together[7].outside && together[8].outside);
 	/* Each tile once, but for those parted by finer ones. */
 	uint64_t tiles = 15 * 11;
 	assert_true(rig.reads < 3 * tiles);
 	for (int i = 0; i < COUNT; i++) {
-		struct terrain_height alone;
-		assert_int_equal(terrain_heights(&rig.ground, &points[i], 1, &alone), STATUS_OK);
-		assert_memory_equal(&alone, &together[i], offsetof(struct terrain_height, nodata) + sizeof alone.nodata); /* what follows is padding */
+		struct resident_height alone;
+		assert_int_equal(resident_heights(&rig.ground, &points[i], 1, &alone), STATUS_OK);
+		assert_memory_equal(&alone, &together[i], offsetof(struct resident_height, nodata) + sizeof alone.nodata); /* what follows is padding */
 	}
 	rig.fails_at = rig.reads + 3;
-	assert_int_equal(terrain_heights(&rig.ground, points, COUNT, together), STATUS_INPUT);
-	assert_int_equal(terrain_heights(&rig.ground, points, 0, together), STATUS_OK);
+	assert_int_equal(resident_heights(&rig.ground, points, COUNT, together), STATUS_INPUT);
+	assert_int_equal(resident_heights(&rig.ground, points, 0, together), STATUS_OK);
 }
 
 TEST_PROGRAM(heights)

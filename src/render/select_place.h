@@ -1,44 +1,44 @@
 /* What select.c and fit.c share: the box of a tile, and the test if a tile is divided. */
-#ifndef FURROW_TERRAIN_INTERNAL_H
-#define FURROW_TERRAIN_INTERNAL_H
+#ifndef FURROW_RENDER_SELECT_PLACE_H
+#define FURROW_RENDER_SELECT_PLACE_H
 
 #include <math.h>
 
-#include "terrain/terrain.h"
+#include "render/select.h"
 
 /* A tile and its box. low[2] and high[2] are its lowest and highest height. */
-struct terrain_place {
+struct render_place {
 	struct tile tile;
 	double low[3], high[3];
 	double distance; /* metres, from the eye to the box */
 	double error;    /* metres, as the source gives it; 0 if radii decide */
 	double ratio;    /* distance / the tile's side; with by_error, distance / the tile's error */
-	const struct terrain_place *above; /* the tile whose division gave this tile; NULL: none */
+	const struct render_place *above; /* the tile whose division gave this tile; NULL: none */
 };
 
-static inline struct tile terrain_child(struct tile tile, unsigned quadrant)
+static inline struct tile render_child(struct tile tile, unsigned quadrant)
 {
 	return (struct tile){tile.level - 1, 2 * tile.x + (quadrant & 1), 2 * tile.y + (quadrant >> 1)};
 }
 
-static inline void terrain_put(const struct extent *extent, const struct terrain_view *view, struct tile tile,
-			       double low, double high, struct terrain_place *place)
+static inline void render_place_put(const struct extent *extent, const struct render_view *view, struct tile tile,
+			       double low, double high, struct render_place *place)
 {
 	place->tile = tile;
-	terrain_box(extent, tile, place->low, place->high);
+	render_box(extent, tile, place->low, place->high);
 	place->low[2] = low;
 	place->high[2] = high;
-	place->distance = terrain_box_distance(view->eye, place->low, place->high);
+	place->distance = render_box_distance(view->eye, place->low, place->high);
 }
 
 /* Fills `place`. Returns false if the tile has nothing to draw. */
-static inline bool terrain_find(const struct extent *extent, const struct terrain_view *view,
-				const struct terrain_source *source, struct tile tile, struct terrain_place *place)
+static inline bool render_place_find(const struct extent *extent, const struct render_view *view,
+				const struct render_source *source, struct tile tile, struct render_place *place)
 {
 	double low, high;
 	if (!source->bounds(source->user, tile, &low, &high))
 		return false;
-	terrain_put(extent, view, tile, low, high, place);
+	render_place_put(extent, view, tile, low, high, place);
 	place->above = NULL;
 	place->error = 0;
 	if (!view->by_error) {
@@ -54,23 +54,23 @@ static inline bool terrain_find(const struct extent *extent, const struct terrai
 
 /* Returns true if the tile is divided. The selection uses this expression, and so does the search for the radius that the budget
  * allows (fit.c). So they agree to the last bit. */
-static inline bool terrain_near(const struct terrain_view *view, struct tile tile, double ratio)
+static inline bool render_divides(const struct render_view *view, struct tile tile, double ratio)
 {
 	return tile.level > view->finest && ratio < view->radius;
 }
 
-static inline bool terrain_stored(const struct terrain_source *source, struct tile tile)
+static inline bool render_stored(const struct render_source *source, struct tile tile)
 {
 	return tile.level >= 0 || (source->stored != NULL && source->stored(source->user, tile));
 }
 
 /* Returns true if the tile has base heights of its own, and a tile below it is interpolated from them. */
-static inline bool terrain_carries(const struct extent *extent, const struct terrain_source *source, struct tile tile)
+static inline bool render_carries(const struct extent *extent, const struct render_source *source, struct tile tile)
 {
-	if (tile.level > 0 || !terrain_stored(source, tile))
+	if (tile.level > 0 || !render_stored(source, tile))
 		return false;
 	for (unsigned quadrant = 0; quadrant < 4; quadrant++)
-		if (extent_has(extent, terrain_child(tile, quadrant)) && !terrain_stored(source, terrain_child(tile, quadrant)))
+		if (extent_has(extent, render_child(tile, quadrant)) && !render_stored(source, render_child(tile, quadrant)))
 			return true;
 	return false;
 }

@@ -5,7 +5,7 @@
  */
 #include <stdlib.h>
 
-#include "terrain/cell.h"
+#include "resident/cell.h"
 
 #define BESIDE 1e-7 /* of a cell: a point no further from a post's row is on it */
 
@@ -37,7 +37,7 @@ static void sides_of(const struct extent *extent, double most[2])
 }
 
 /* Onto the world, where it is a rounding beside it. */
-static bool inside(const struct extent *extent, struct terrain_point point, double on[2])
+static bool inside(const struct extent *extent, struct resident_point point, double on[2])
 {
 	const double asked[2] = {point.x, point.y};
 	double most[2], slack = BESIDE * extent->spacing;
@@ -50,7 +50,7 @@ static bool inside(const struct extent *extent, struct terrain_point point, doub
 	return true;
 }
 
-static uint64_t finest_key(const struct terrain_ground *ground, struct terrain_point point)
+static uint64_t finest_key(const struct resident_source *ground, struct resident_point point)
 {
 	const struct extent *extent = ground->extent;
 	double on[2], side = extent_spacing(extent, ground->finest) * extent->cells;
@@ -61,7 +61,7 @@ static uint64_t finest_key(const struct terrain_ground *ground, struct terrain_p
 }
 
 /* Finds the tile whose triangles are the ground at a point. */
-static enum status resolve(const struct terrain_ground *ground, struct tile finest, struct tile *tile)
+static enum status resolve(const struct resident_source *ground, struct tile finest, struct tile *tile)
 {
 	*tile = tile_ancestor(finest, 0);
 	while (tile->level > finest.level) {
@@ -75,13 +75,13 @@ static enum status resolve(const struct terrain_ground *ground, struct tile fine
 	return STATUS_OK;
 }
 
-static void measure(const struct extent *extent, struct tile tile, const struct terrain_posts *posts, const double on[2],
-		    struct terrain_height *height)
+static void measure(const struct extent *extent, struct tile tile, const struct resident_posts *posts, const double on[2],
+		    struct resident_height *height)
 {
 	const double spacing = extent_spacing(extent, tile.level), cells = extent->cells;
 	/* On the world's edge it is in the last cell. */
-	const uint32_t in[2] = {terrain_cells_in(extent, tile.level, tile.x, extent->width),
-				terrain_cells_in(extent, tile.level, tile.y, extent->height)};
+	const uint32_t in[2] = {resident_cells_in(extent, tile.level, tile.x, extent->width),
+				resident_cells_in(extent, tile.level, tile.y, extent->height)};
 	double place[2] = {on[0] / spacing - tile.x * cells, on[1] / spacing - tile.y * cells}, part[2];
 	size_t cell[2];
 	for (int i = 0; i < 2; i++) {
@@ -96,31 +96,31 @@ static void measure(const struct extent *extent, struct tile tile, const struct 
 	const double corners[3] = {sw[0], upper ? sw[stride] : sw[1], sw[stride + 1]};
 	const double weights[3] = {1 - fmax(u, v), fabs(u - v), fmin(u, v)};
 	const double all[4] = {sw[0], sw[1], sw[stride], sw[stride + 1]};
-	struct terrain_plane plane = terrain_cell_of(sw, stride);
+	struct resident_plane plane = resident_cell_of(sw, stride);
 	height->level = tile.level;
 	height->bilinear = lattice_bilinear(all, u, v, BESIDE);
 	height->height = height->bilinear;
-	if (!terrain_plane_whole(&plane)) {
-		plane = terrain_plane_of(sw, stride, upper);
+	if (!resident_plane_whole(&plane)) {
+		plane = resident_plane_of(sw, stride, upper);
 		height->height = lattice_weighted(corners, weights, 3, BESIDE);
 	}
 	height->nodata = isnan(height->height);
 	if (!height->nodata)
-		terrain_plane_normal(&plane, u, v, spacing, height->normal);
+		resident_plane_normal(&plane, u, v, spacing, height->normal);
 }
 
 /* Computes the heights of all points. `places` has the points' keys and is sorted. */
-static enum status measure_all(const struct terrain_ground *ground, const struct place *places,
-			       const struct terrain_point *points, size_t count, struct terrain_height *heights)
+static enum status measure_all(const struct resident_source *ground, const struct place *places,
+			       const struct resident_point *points, size_t count, struct resident_height *heights)
 {
 	struct tile tile = {0};
-	struct terrain_posts posts;
+	struct resident_posts posts;
 	uint64_t at = UINT64_MAX;
 	bool held = false;
 	for (size_t i = 0; i < count; i++) {
-		struct terrain_height *height = &heights[places[i].index];
+		struct resident_height *height = &heights[places[i].index];
 		double on[2];
-		*height = (struct terrain_height){NAN, NAN, {NAN, NAN, NAN}, 0, true, true};
+		*height = (struct resident_height){NAN, NAN, {NAN, NAN, NAN}, 0, true, true};
 		if (places[i].key == UINT64_MAX)
 			continue;
 		if (places[i].key != at) {
@@ -141,8 +141,8 @@ static enum status measure_all(const struct terrain_ground *ground, const struct
 	return STATUS_OK;
 }
 
-enum status terrain_heights(const struct terrain_ground *ground, const struct terrain_point *points, size_t count,
-			    struct terrain_height *heights)
+enum status resident_heights(const struct resident_source *ground, const struct resident_point *points, size_t count,
+			    struct resident_height *heights)
 {
 	struct place one, *places = count > 1 ? mem_alloc(count, sizeof *places) : &one;
 	if (places == NULL)
@@ -157,16 +157,16 @@ enum status terrain_heights(const struct terrain_ground *ground, const struct te
 	return status;
 }
 
-void terrain_fill_blocks(uint32_t cells, const double *heights, double (*blocks)[2])
+void resident_fill_blocks(uint32_t cells, const double *heights, double (*blocks)[2])
 {
-	const uint32_t side = cells / TERRAIN_BLOCK;
+	const uint32_t side = cells / RESIDENT_BLOCK;
 	for (uint32_t by = 0; by < side; by++)
 		for (uint32_t bx = 0; bx < side; bx++) {
 			double low = INFINITY, high = -INFINITY;
-			for (uint32_t y = 0; y <= TERRAIN_BLOCK; y++) {
-				const double *row = heights + (size_t)(by * TERRAIN_BLOCK + y) * (cells + 1) + bx * TERRAIN_BLOCK;
+			for (uint32_t y = 0; y <= RESIDENT_BLOCK; y++) {
+				const double *row = heights + (size_t)(by * RESIDENT_BLOCK + y) * (cells + 1) + bx * RESIDENT_BLOCK;
 				/* NaN compares as false: it counts as nothing. */
-				for (uint32_t x = 0; x <= TERRAIN_BLOCK; x++) {
+				for (uint32_t x = 0; x <= RESIDENT_BLOCK; x++) {
 					low = row[x] < low ? row[x] : low;
 					high = row[x] > high ? row[x] : high;
 				}
