@@ -45,53 +45,6 @@ struct look_ahead {
 	double began_time;             /* s, simulated */
 };
 
-unsigned motion_look_ahead_threads(double prefetch, size_t count)
-{
-	return motion_prefetcher_threads(prefetch, count);
-}
-
-void motion_look_ahead_plan(double prefetch, size_t count, struct plan *plan)
-{
-	motion_prefetcher_plan(prefetch, count, plan);
-}
-
-/* Starts before everything else: it reads while the GPU's programs are made. */
-static enum status start_prefetcher(struct look_ahead *ahead)
-{
-	const struct look_ahead_params *params = &ahead->params;
-	if (params->prefetch <= 0 || params->count == 0)
-		return STATUS_OK;
-	const struct track **tracks = mem_alloc(params->count, sizeof *tracks);
-	const _Atomic bool **elsewhere = mem_alloc(params->count, sizeof *elsewhere);
-	if (tracks == NULL || elsewhere == NULL) {
-		mem_free(tracks);
-		mem_free(elsewhere);
-		return fail_memory("the prefetcher");
-	}
-	for (size_t i = 0; i < params->count; i++) {
-		tracks[i] = params->bodies[i].track;
-		elsewhere[i] = params->bodies[i].elsewhere;
-	}
-	struct prefetcher_params prefetcher = {
-		.store = params->store,
-		.ground = params->ground,
-		.tiles = params->tiles,
-		.tracks = tracks,
-		.elsewhere = elsewhere,
-		.count = params->count,
-		.post = params->spacing,
-		.camera = params->camera,
-		.user = params->camera_user,
-		.camera_speed = params->camera_speed,
-		.prefetch = params->prefetch,
-		.end = params->end,
-	};
-	enum status status = motion_prefetcher_create(&prefetcher, &ahead->prefetcher);
-	mem_free(tracks);
-	mem_free(elsewhere);
-	return status;
-}
-
 enum status motion_look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out)
 {
 	struct look_ahead *ahead = mem_calloc(1, sizeof *ahead);
@@ -102,8 +55,9 @@ enum status motion_look_ahead_create(const struct look_ahead_params *params, str
 	enum status status = ahead->watches != NULL || params->count == 0 ? STATUS_OK : fail_memory("the look-ahead");
 	for (size_t i = 0; i < params->count && status == STATUS_OK; i++)
 		ahead->watches[i] = (struct watch){.body = params->bodies[i], .sample = params->bodies[i].next};
-	if (status == STATUS_OK)
-		status = start_prefetcher(ahead);
+	/* Before everything else: it reads while the GPU's programs are made. */
+	if (status == STATUS_OK && params->prefetch > 0 && params->count > 0)
+		status = motion_prefetcher_create(params, &ahead->prefetcher);
 	ahead->params.bodies = NULL;
 	if (status != STATUS_OK) {
 		motion_look_ahead_destroy(ahead);
@@ -208,13 +162,9 @@ static enum status note_tile(struct watch *watch, uint64_t key, double time)
 static enum status note_sample(const struct look_ahead *ahead, struct watch *watch)
 {
 	const struct look_ahead_pages *pages = &ahead->pages;
-	struct track_point point;
-	motion_track_sample(watch->body.track, watch->sample, &point);
-	struct deform_contact contact = {
-		.shape = watch->body.shape,
-		.from = watch->last,
-		.to = {.x = point.qx, .y = point.qy, .yaw = point.yaw, .pitch = point.pitch, .roll = point.roll},
-	};
+	struct look_ahead_sample sample;
+	watch->body.path.sample(watch->body.path.user, watch->sample, &sample);
+	struct deform_contact contact = {.shape = watch->body.shape, .from = watch->last, .to = sample.pose};
 	if (watch->sample == 0 || watch->count == 0)
 		contact.from = contact.to;
 	watch->last = contact.to;
@@ -227,7 +177,7 @@ static enum status note_sample(const struct look_ahead *ahead, struct watch *wat
 			continue;
 		for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
 			for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++)
-				status = note_tile(watch, tile_key((struct tile){pages->level, x, y}), point.time);
+				status = note_tile(watch, tile_key((struct tile){pages->level, x, y}), sample.time);
 	}
 	return status;
 }
@@ -257,11 +207,11 @@ double motion_look_ahead_reach(const struct look_ahead *ahead, double time)
 /* Goes on along the path until then, and stops when `most` tiles are noted. Sets *news if one is new. */
 static enum status go_on(const struct look_ahead *ahead, struct watch *watch, double until, size_t most, bool *news)
 {
-	const struct track *track = watch->body.track;
+	const struct look_ahead_path *path = &watch->body.path;
 	size_t before = watch->count;
 	enum status status = STATUS_OK;
-	while (status == STATUS_OK && watch->count < most && watch->sample < motion_track_samples(track) &&
-	       motion_track_sample_time(track, watch->sample) <= until) {
+	while (status == STATUS_OK && watch->count < most && watch->sample < path->samples &&
+	       path->time(path->user, watch->sample) <= until) {
 		status = note_sample(ahead, watch);
 		watch->sample++;
 	}
@@ -272,8 +222,8 @@ static enum status go_on(const struct look_ahead *ahead, struct watch *watch, do
 /* Goes to the first path sample that is not made yet. */
 static void come_back(struct watch *watch, double time)
 {
-	const int64_t samples = motion_track_samples(watch->body.track);
-	while (watch->sample < samples && motion_track_sample_time(watch->body.track, watch->sample) <= time)
+	const struct look_ahead_path *path = &watch->body.path;
+	while (watch->sample < path->samples && path->time(path->user, watch->sample) <= time)
 		watch->sample++;
 	watch->away = false;
 }

@@ -69,6 +69,8 @@ size_t motion_track_way(const struct track *track, double time, double (*places)
  * their number, 0 to 2. `target`: the path of the body that the camera follows or is above. Any thread. */
 size_t motion_track_camera_places(const struct scene_aim *aim, const struct scene_path *path, const struct track *target, double time,
 			   double places[2][2]);
+/* Gives the track's path samples to a look-ahead. The track must stay valid longer. */
+struct look_ahead_path motion_track_ahead(const struct track *track);
 /* Gives the place of the object at `time`, s. Before the path's start and after its end it rests there. */
 void motion_track_at(const struct track *track, double time, struct track_point *point);
 
@@ -111,9 +113,24 @@ typedef size_t (*look_ahead_camera_fn)(const void *user, double time, double pla
 /* Adds the pages that a picture will need. */
 typedef enum status (*look_ahead_requests_fn)(void *user, struct requests *requests);
 
+/* A path sample, as the look-ahead needs it. */
+struct look_ahead_sample {
+	double time;           /* s */
+	double x, y;           /* metres from the south-west post */
+	struct soil_pose pose; /* of the body; z and turn are 0 */
+};
+
+/* The path samples of a body, `spacing` metres apart. The functions are called on the look-ahead's threads, too. */
+struct look_ahead_path {
+	const void *user;      /* their first argument; must stay valid longer than the look-ahead */
+	int64_t samples;       /* how many there are; INT64_MAX: the path has no end */
+	double (*time)(const void *user, int64_t index); /* s; no sample is earlier than the one before it */
+	void (*sample)(const void *user, int64_t index, struct look_ahead_sample *sample);
+};
+
 struct look_ahead_body {
-	const struct track *track;         /* must stay valid longer than the look-ahead */
-	const struct soil_shape *shape;  /* must stay valid longer than the look-ahead */
+	struct look_ahead_path path;
+	const struct soil_shape *shape;    /* must stay valid longer than the look-ahead; only requests for pages need it */
 	int64_t next;                      /* its next path sample */
 	/* While it is true nothing is loaded for the body; changed on the world's thread. NULL: it is always false */
 	const _Atomic bool *elsewhere;
@@ -121,8 +138,8 @@ struct look_ahead_body {
 
 struct look_ahead_params {
 	struct store *store;
-	struct ground *ground;             /* the world's ground; at most `tiles` of its tiles are loaded ahead */
-	uint32_t tiles;
+	struct ground *ground;             /* the world's ground; its owner calls all functions here */
+	uint32_t tiles;                    /* most tiles that are kept in the ground; fewer than its own limit, which also holds others */
 	const struct look_ahead_body *bodies; /* copied */
 	size_t count;
 	double spacing;                    /* m between path samples */
@@ -131,11 +148,13 @@ struct look_ahead_params {
 	double camera_speed;               /* m/s: about the largest speed of the points of `camera` */
 	double prefetch;                   /* s of simulated time to look ahead; 0: nothing is loaded ahead */
 	double end;                        /* s: end time of the drive; INFINITY: there is none */
+	unsigned threads;                  /* at most 8; 0: motion_look_ahead_threads */
 };
 /* Returns the number of its threads, by the number of bodies with paths and of cores. Pure. */
 unsigned motion_look_ahead_threads(double prefetch, size_t count);
-/* Adds the plan's lines of a look-ahead. `prefetch` and `count` are as in look_ahead_params. Pure. */
-void motion_look_ahead_plan(double prefetch, size_t count, struct plan *plan);
+/* Adds the plan's lines of a look-ahead. `prefetch` and `count` are as in look_ahead_params. `effect`: the name that the plan
+ * gives as the reason. Pure. */
+void motion_look_ahead_plan(double prefetch, size_t count, const char *effect, struct plan *plan);
 /* Makes a look-ahead at time 0 and starts its thread. */
 enum status motion_look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out) FURROW_CHECKED;
 void motion_look_ahead_destroy(struct look_ahead *ahead); /* ahead may be NULL */

@@ -1,7 +1,7 @@
 /*
  * Loads base tiles before bodies or the camera need them. This is the work of one thread of a prefetcher, in looks.
  *
- * A look predicts which tiles will be needed. Walkers move along the tracks of bodies and the way of the camera, one for each,
+ * A look predicts which tiles will be needed. Walkers move along the paths of bodies and the way of the camera, one for each,
  * beginning at the present time. The walker with the earliest time moves next. At each of its places it adds the tiles around it
  * to the list. Where an inset lies, these are tiles of all its levels, the finest first, and the steps are as small as those tiles ask
  * for. The look ends at its time limit, or when the list or the number of places is full. Then the tiles of the list are
@@ -30,17 +30,17 @@
 #define RANGES_ROOM 1024 /* most ranges that wait to be loaded */
 
 struct walker {
-	const struct track *track; /* NULL: the camera's */
+	struct look_ahead_path path; /* `sample` is NULL: the camera's */
 	const _Atomic bool *elsewhere; /* while it is true the walker does not move; NULL: it always does */
 	int64_t past;              /* the last path sample whose time has passed */
-	int64_t sample, last;      /* path sample where the walker is; the last one of the track */
-	double time;               /* of the walker, s; INFINITY: it is at the end of its track */
+	int64_t sample;            /* path sample where the walker is */
+	double time;               /* of the walker, s; INFINITY: it is at the end of its path */
 	int level;                 /* finest level that may have tiles on the way to the next place */
 	int before;                /* the same, on the way from the last place */
 };
 
 struct prefetch_thread {
-	struct prefetcher_params params;
+	struct look_ahead_params params;
 	const struct extent *extent;
 	struct store_reader *reader;
 	const struct inset_areas *insets;
@@ -121,15 +121,25 @@ static bool add_place(struct prefetch_thread *ahead, const struct walker *walker
 	return room;
 }
 
-/* Returns the points where a walker needs the ground: one of its track, at most two of the camera. */
+static bool is_camera(const struct walker *walker)
+{
+	return walker->path.sample == NULL;
+}
+
+static double time_at(const struct walker *walker, int64_t index)
+{
+	return walker->path.time(walker->path.user, index);
+}
+
+/* Returns the points where a walker needs the ground: one of its path, at most two of the camera. */
 static size_t places_of(const struct prefetch_thread *ahead, const struct walker *walker, double places[2][2])
 {
-	if (walker->track == NULL)
-		return ahead->params.camera(ahead->params.user, walker->time, places);
-	struct track_point point;
-	motion_track_sample(walker->track, walker->sample, &point);
-	places[0][0] = point.x;
-	places[0][1] = point.y;
+	if (is_camera(walker))
+		return ahead->params.camera(ahead->params.camera_user, walker->time, places);
+	struct look_ahead_sample sample;
+	walker->path.sample(walker->path.user, walker->sample, &sample);
+	places[0][0] = sample.x;
+	places[0][1] = sample.y;
 	return 1;
 }
 
@@ -160,9 +170,10 @@ static void look_around(const struct prefetch_thread *ahead, struct walker *walk
 
 static int64_t next_sample(const struct prefetch_thread *ahead, const struct walker *walker)
 {
-	double stride = floor(step_of(ahead, walker->level) * ahead->extent->spacing / ahead->params.post);
+	double stride = floor(step_of(ahead, walker->level) * ahead->extent->spacing / ahead->params.spacing);
 	int64_t samples = stride > 1 ? (int64_t)stride : 1;
-	return walker->last - walker->sample > samples ? walker->sample + samples : walker->last;
+	const int64_t last = walker->path.samples - 1;
+	return last - walker->sample > samples ? walker->sample + samples : last;
 }
 
 static void begin(struct prefetch_thread *ahead, struct walker *walker, double now)
@@ -175,27 +186,27 @@ static void begin(struct prefetch_thread *ahead, struct walker *walker, double n
 	}
 	look_around(ahead, walker);
 	walker->before = walker->level;
-	if (walker->track == NULL)
+	if (is_camera(walker))
 		return;
 	for (int64_t next; (next = next_sample(ahead, walker)) != walker->sample && !atomic_load(&ahead->stopping);) {
-		if (motion_track_sample_time(walker->track, next) > now)
+		if (time_at(walker, next) > now)
 			break;
 		walker->sample = next;
 		look_around(ahead, walker);
 	}
 	walker->past = walker->sample;
-	walker->time = motion_track_sample_time(walker->track, walker->sample);
+	walker->time = time_at(walker, walker->sample);
 }
 
 static void go_on(const struct prefetch_thread *ahead, struct walker *walker)
 {
-	const struct prefetcher_params *params = &ahead->params;
-	if (walker->track == NULL) {
+	const struct look_ahead_params *params = &ahead->params;
+	if (is_camera(walker)) {
 		double step = step_of(ahead, walker->level) * ahead->extent->spacing / params->camera_speed;
 		walker->time += fmin(fmax(step, params->prefetch / 1024), params->prefetch / 16);
 	} else {
 		int64_t next = next_sample(ahead, walker);
-		walker->time = next == walker->sample ? (double)INFINITY : motion_track_sample_time(walker->track, next);
+		walker->time = next == walker->sample ? (double)INFINITY : time_at(walker, next);
 		walker->sample = next;
 	}
 	if (walker->time < (double)INFINITY)
@@ -333,19 +344,16 @@ static void wake(struct prefetch_thread *ahead)
 
 static void mount_walkers(struct prefetch_thread *ahead)
 {
-	const struct prefetcher_params *params = &ahead->params;
+	const struct look_ahead_params *params = &ahead->params;
 	ahead->walker_count = params->count + (params->camera != NULL);
 	for (size_t i = 0; i < params->count; i++)
-		ahead->walkers[i] = (struct walker){
-			.track = params->tracks[i],
-			.elsewhere = params->elsewhere != NULL ? params->elsewhere[i] : NULL,
-			.last = motion_track_samples(params->tracks[i]) - 1,
-		};
+		ahead->walkers[i] = (struct walker){.path = params->bodies[i].path, .elsewhere = params->bodies[i].elsewhere};
 	for (size_t i = 0; i < ahead->walker_count; i++)
 		ahead->heap[i] = (uint32_t)i;
+	ahead->params.bodies = NULL; /* the caller's */
 }
 
-enum status motion_prefetch_thread_create(const struct prefetcher_params *params, const struct inset_areas *insets, struct prefetch_thread **out)
+enum status motion_prefetch_thread_create(const struct look_ahead_params *params, const struct inset_areas *insets, struct prefetch_thread **out)
 {
 	assert(params->count >= 1 && params->prefetch > 0);
 	struct prefetch_thread *ahead = mem_calloc(1, sizeof *ahead);

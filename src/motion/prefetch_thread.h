@@ -12,9 +12,9 @@
 
 struct prefetch_thread;
 
-/* Makes what the thread needs. `params`: of its own bodies alone; tracks, which are copied, and tiles are its own share. Ignores params->threads.
+/* Makes what the thread needs. `params`: its bodies, which are copied, and tiles are its own share. Ignores params->threads.
  * `insets` must stay valid longer than the thread. */
-enum status motion_prefetch_thread_create(const struct prefetcher_params *params, const struct inset_areas *insets, struct prefetch_thread **out)
+enum status motion_prefetch_thread_create(const struct look_ahead_params *params, const struct inset_areas *insets, struct prefetch_thread **out)
 	FURROW_CHECKED;
 /* Starts it, once all `count` threads of the prefetcher are made; `all` must stay valid until they are stopped. */
 enum status motion_prefetch_thread_start(struct prefetch_thread *ahead, struct prefetch_thread *const *all, size_t count) FURROW_CHECKED;

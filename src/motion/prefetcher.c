@@ -16,7 +16,7 @@ struct prefetcher {
 	size_t count;
 };
 
-unsigned motion_prefetcher_threads(double prefetch, size_t count)
+unsigned motion_look_ahead_threads(double prefetch, size_t count)
 {
 	if (prefetch <= 0 || count == 0)
 		return 0;
@@ -25,12 +25,11 @@ unsigned motion_prefetcher_threads(double prefetch, size_t count)
 	return threads < THREADS_MOST ? (unsigned)threads : THREADS_MOST;
 }
 
-void motion_prefetcher_plan(double prefetch, size_t count, struct plan *plan)
+void motion_look_ahead_plan(double prefetch, size_t count, const char *effect, struct plan *plan)
 {
-	const unsigned threads = motion_prefetcher_threads(prefetch, count);
+	const unsigned threads = motion_look_ahead_threads(prefetch, count);
 	if (threads > 0)
-		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_PREFETCH)->name,
-						   .object = -1, .amount = threads}, PREFETCH_THREAD);
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = effect, .object = -1, .amount = threads}, PREFETCH_THREAD);
 }
 
 /* Returns where the part of thread `i` of `all` begins, of `count`. */
@@ -39,10 +38,10 @@ static size_t part(size_t count, size_t i, size_t all)
 	return count * i / all;
 }
 
-enum status motion_prefetcher_create(const struct prefetcher_params *params, struct prefetcher **out)
+enum status motion_prefetcher_create(const struct look_ahead_params *params, struct prefetcher **out)
 {
 	assert(params->count >= 1 && params->prefetch > 0);
-	size_t threads = params->threads > 0 ? params->threads : motion_prefetcher_threads(params->prefetch, params->count);
+	size_t threads = params->threads > 0 ? params->threads : motion_look_ahead_threads(params->prefetch, params->count);
 	threads = threads < params->count ? threads : params->count;
 	threads = threads < params->tiles ? threads : params->tiles;
 	assert(threads >= 1 && threads <= THREADS_MOST);
@@ -51,10 +50,9 @@ enum status motion_prefetcher_create(const struct prefetcher_params *params, str
 		return fail_memory("the prefetcher");
 	enum status status = motion_insets_init(params->store, &prefetcher->insets);
 	for (size_t i = 0; i < threads && status == STATUS_OK; i++) {
-		struct prefetcher_params own = *params;
+		struct look_ahead_params own = *params;
 		const size_t first = part(params->count, i, threads);
-		own.tracks = params->tracks + first;
-		own.elsewhere = params->elsewhere != NULL ? params->elsewhere + first : NULL;
+		own.bodies = params->bodies + first;
 		own.count = part(params->count, i + 1, threads) - first;
 		own.tiles = (uint32_t)(part(params->tiles, i + 1, threads) - part(params->tiles, i, threads));
 		if (i > 0)

@@ -83,7 +83,7 @@ static enum status start_look_ahead(struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (world->bodies[i].track != NULL)
-			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next,
+			bodies[count++] = (struct look_ahead_body){motion_track_ahead(world->bodies[i].track), &world->bodies[i].object->shape, world->bodies[i].next,
 									&world->bodies[i].elsewhere};
 	uint32_t tiles = world->limits.ground;
 	bool follows = scene->view.present && scene->view.aim.kind != SCENE_FIXED && scene->view.aim.vehicle == 0 && scene->object_count > 0 &&

@@ -45,13 +45,16 @@ static struct trip travel(const char *path, uint32_t tiles, double prefetch, dou
 		}
 		must(motion_track_create(&(struct scene_path){.count = 6, .speed = speed, .points = points}, POST, 1, &tracks[i]));
 	}
-	const struct prefetcher_params params = {
+	struct look_ahead_body bodies[WAYS];
+	for (int i = 0; i < WAYS; i++)
+		bodies[i] = (struct look_ahead_body){.path = motion_track_ahead(tracks[i])};
+	const struct look_ahead_params params = {
 	        .store = store,
 	        .ground = ground,
 	        .tiles = tiles - tiles / 4,
-	        .tracks = (const struct track *const *)tracks,
+	        .bodies = bodies,
 	        .count = WAYS,
-	        .post = POST,
+	        .spacing = POST,
 	        .prefetch = prefetch,
 	        .end = END,
 	};

@@ -52,16 +52,24 @@ static void party_join(struct party *party, struct track *track)
 	party->tracks[party->count++] = track;
 }
 
+static void list_bodies(const struct party *party, struct look_ahead_body bodies[MOST])
+{
+	for (size_t i = 0; i < party->count; i++)
+		bodies[i] = (struct look_ahead_body){.path = motion_track_ahead(party->tracks[i])};
+}
+
 /* As a drive has it: a quarter of the ground is not the prefetcher's. */
 static void party_scout(struct party *party, uint32_t tiles, double prefetch, double end)
 {
-	struct prefetcher_params params = {
+	struct look_ahead_body bodies[MOST];
+	list_bodies(party, bodies);
+	const struct look_ahead_params params = {
 		.store = party->store,
 		.ground = party->ground,
 		.tiles = tiles - tiles / 4,
-		.tracks = (const struct track *const *)party->tracks,
+		.bodies = bodies,
 		.count = party->count,
-		.post = post,
+		.spacing = post,
 		.prefetch = prefetch,
 		.end = end,
 		.threads = party->threads,
@@ -314,15 +322,17 @@ static void the_camera_finds_its_ground_too(void **state)
 		struct party party;
 		party_open(&party, 32);
 		party_join(&party, diagonal(30));
-		struct prefetcher_params params = {
+		struct look_ahead_body bodies[MOST];
+		list_bodies(&party, bodies);
+		const struct look_ahead_params params = {
 			.store = party.store,
 			.ground = party.ground,
 			.tiles = 24,
-			.tracks = (const struct track *const *)party.tracks,
+			.bodies = bodies,
 			.count = 1,
-			.post = post,
+			.spacing = post,
 			.camera = told ? camera : NULL,
-			.user = &party,
+			.camera_user = &party,
 			.camera_speed = 30,
 			.prefetch = 1.5,
 			.end = 100,
@@ -400,8 +410,10 @@ static void what_cannot_be_had_is_said(void **state)
 	party_open(&party, 4);
 	party_join(&party, diagonal(40));
 	party_join(&party, diagonal(33));
-	struct prefetcher_params params = {.store = party.store, .ground = party.ground, .tiles = 3, .count = 2, .threads = 2, .post = post,
-				      .tracks = (const struct track *const *)party.tracks, .prefetch = 1, .end = 10};
+	struct look_ahead_body bodies[MOST];
+	list_bodies(&party, bodies);
+	const struct look_ahead_params params = {.store = party.store, .ground = party.ground, .tiles = 3, .count = 2, .threads = 2, .spacing = post,
+						 .bodies = bodies, .prefetch = 1, .end = 10};
 	for (uint64_t nth = 1;; nth++) {
 		struct prefetcher *prefetcher = NULL;
 		mem_fail_nth(nth, 0);

@@ -404,7 +404,7 @@ static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
 static void start_bringing(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next, NULL};
+	const struct look_ahead_body body = {motion_track_ahead(rig->body.track), &rig->object.shape, rig->body.next, NULL};
 	motion_look_ahead_destroy(world->ahead);
 	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,

@@ -74,7 +74,7 @@ static inline void start_look_ahead(struct rig *rig)
 				       .level = world->level};
 	world->surface = params;
 	must(deform_create(&params, &world->deform));
-	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next, NULL};
+	const struct look_ahead_body body = {motion_track_ahead(rig->body.track), &rig->object.shape, rig->body.next, NULL};
 	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &world->ahead));
