@@ -194,7 +194,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	/* Work that a step does beside stepping: loads go on, slots become free, and a commit may become due. */
 	status = page_cache_poll(drive->world.cache);
 	if (status == STATUS_OK)
-		status = motion_look_ahead_step(drive->world.ahead, drive->world.time);
+		status = resident_look_ahead_step(drive->world.ahead, drive->world.time);
 	return status == STATUS_OK ? page_cache_end_step(drive->world.cache, drive->world.record) : status;
 }
 

@@ -92,7 +92,7 @@ static bool has_ground(const struct view *view)
 
 static enum status find_tiles(struct view *view, const struct render_view *whole, bool complete)
 {
-	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
+	view->exact = complete || !resident_look_ahead_brings_ranges(view->world->ahead);
 	enum status status = render_view_select_seen(view, whole, false);
 	if (status == STATUS_OK && complete)
 		status = wait_for_wanted(view, whole);
@@ -119,7 +119,7 @@ enum status render_view_shade(struct view *view, const struct render_camera *cam
 	render_shade_begin(view->render);
 	if (!(view->world->scene->view.effects >> EFFECT_TERRAIN_SHADOW & 1))
 		return STATUS_OK;
-	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
+	view->exact = complete || !resident_look_ahead_brings_ranges(view->world->ahead);
 	const double ground = render_view_ground_at(view, camera->eye[0], camera->eye[1], isnan(view->world->meta->low) ? 0 : view->world->meta->low);
 	view->exact = true;
 	for (int map = 0; map < RENDER_SHADE_MAPS && status == STATUS_OK; map++) {

@@ -28,7 +28,7 @@ void render_view_keep_now(struct view *view)
 /* Adds the tiles where objects will be by then. The step's requests name them. */
 static enum status expect_tracks(struct view *view, double time)
 {
-	const struct requests *requests = motion_look_ahead_requests(view->world->ahead);
+	const struct requests *requests = resident_look_ahead_requests(view->world->ahead);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < requests->count && status == STATUS_OK; i++) {
 		struct tile tile = tile_from_key(requests->requests[i].key);
@@ -61,7 +61,7 @@ static double choose_picture(const struct world *world, unsigned turn)
 	if (within > VIEW_LOOKS)
 		return picture_time(world, within * (turn + 1) / VIEW_LOOKS - 1);
 	double time = picture_time(world, turn);
-	return time <= world->time + motion_look_ahead_reach(world->ahead, world->time) ? time : INFINITY;
+	return time <= world->time + resident_look_ahead_reach(world->ahead, world->time) ? time : INFINITY;
 }
 
 /* Returns the look that was made at this time, or NULL. */
@@ -99,7 +99,7 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 		if (isinf(*time))
 			continue;
 		*look = find_look(view, *time);
-		bool come = *look != NULL && (*look)->guessed && (*look)->done != motion_look_ahead_ranges_done(world->ahead);
+		bool come = *look != NULL && (*look)->guessed && (*look)->done != resident_look_ahead_ranges_done(world->ahead);
 		if (*look != NULL && !come && *time - world->time > (*time - (*look)->made) / 2)
 			continue;
 		if (*look == NULL)
@@ -112,7 +112,7 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 enum status render_view_look(struct view *view, const struct render_camera *camera, double time, struct view_look *look)
 {
 	bool coarse = view->coarse;
-	uint64_t done = motion_look_ahead_ranges_done(view->world->ahead);
+	uint64_t done = resident_look_ahead_ranges_done(view->world->ahead);
 	look->time = time;
 	look->made = view->world->time;
 	enum status status = expect_tracks(view, time);
@@ -144,7 +144,7 @@ enum status render_view_look_ahead(struct view *view)
 	double time;
 	if (!choose_time(view, &look, &time))
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(view->world->ahead);
+	view->exact = !resident_look_ahead_brings_ranges(view->world->ahead);
 	render_view_place_camera(view, time, &camera);
 	enum status status = render_view_look(view, &camera, time, look);
 	view->exact = true;
@@ -179,7 +179,7 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 			continue;
 		status = key_set_add(&view->seen, key);
 		if (status == STATUS_OK && !page_cache_peek(view->world->cache, key, false, &slot))
-			status = motion_requests_add(requests, key, time);
+			status = resident_requests_add(requests, key, time);
 	}
 	return status;
 }

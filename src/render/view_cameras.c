@@ -185,13 +185,13 @@ enum status render_view_look_camera(struct view *view)
 	struct view_camera *this = &view->cameras[view->camera_turn++ % view->camera_count];
 	struct view_look *look = &this->ahead;
 	const double time = next_time(world, this->camera);
-	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world->ahead);
+	const bool come = look->guessed && look->done != resident_look_ahead_ranges_done(world->ahead);
 	struct render_camera camera;
-	if (time > world->time + motion_look_ahead_reach(world->ahead, world->time))
+	if (time > world->time + resident_look_ahead_reach(world->ahead, world->time))
 		return STATUS_OK;
 	if (look->time == time && !come && time - world->time > (time - look->made) / 2)
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(world->ahead);
+	view->exact = !resident_look_ahead_brings_ranges(world->ahead);
 	view->render->screen = this->screen;
 	enum status status = place(view, this, time, false, &camera);
 	if (status == STATUS_OK)

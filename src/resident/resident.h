@@ -15,6 +15,7 @@
 #include "gpu/gpu.h"
 #include "page/page.h"
 #include "resident/heights.h"
+#include "resident/look_ahead.h"
 #include "soil/soil.h"
 #include "store/store.h"
 

@@ -139,7 +139,7 @@ static enum status deform_step(struct world *world, double until)
 enum status world_begin(struct world *world)
 {
 	world_intervals_from(world, world->time);
-	motion_look_ahead_begin(world->ahead, world->resumed.time);
+	resident_look_ahead_begin(world->ahead, world->resumed.time);
 	enum status status = world->resumed.is ? STATUS_OK : world_fill_record(world);
 	page_cache_hold(world->cache, true);
 	if (status == STATUS_OK && !world->scene->hosted)
@@ -213,7 +213,7 @@ static enum status prepare(struct world *world, double until)
 	if (status == STATUS_OK)
 		status = page_cache_poll(world->cache);
 	if (status == STATUS_OK)
-		status = motion_look_ahead_step(world->ahead, world->time);
+		status = resident_look_ahead_step(world->ahead, world->time);
 	return status;
 }
 
@@ -237,7 +237,7 @@ enum status world_step_to(struct world *world, double until)
 	world->events.count = 0;
 	if (world->ranks != NULL)
 		world_pass_elsewhere(world, until);
-	motion_look_ahead_tell(world->ahead, until);
+	resident_look_ahead_tell(world->ahead, until);
 	return world_end_step(world);
 }
 

@@ -101,7 +101,7 @@ static enum status start_look_ahead(struct world *world)
 		.prefetch = world->limits.prefetch,
 		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
-	enum status status = motion_look_ahead_create(&params, &world->ahead);
+	enum status status = resident_look_ahead_create(&params, &world->ahead);
 	mem_free(bodies);
 	return status;
 }
@@ -335,7 +335,7 @@ enum status world_start_drawing(struct world *world)
 
 static void serve(struct world *world)
 {
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
+	resident_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
 					       .surface = world_changes_ground(world) ? &world->surface : NULL,
 					       .extent = &world->meta->extent,
 					       .level = world->level,
@@ -367,7 +367,7 @@ enum status world_warm(struct world *world)
 	serve(world);
 	double began = clock_seconds();
 	if (status == STATUS_OK)
-		status = motion_look_ahead_first(world->ahead, world->time, world->params.stop);
+		status = resident_look_ahead_first(world->ahead, world->time, world->params.stop);
 	world->warmed.load_ms = (clock_seconds() - began) * 1e3;
 	return status;
 }
@@ -387,7 +387,7 @@ void world_seal(struct world *world)
 
 void world_stop(struct world *world)
 {
-	motion_look_ahead_stop(world->ahead);
+	resident_look_ahead_stop(world->ahead);
 	if (world->pages != NULL)
 		resident_pages_stop(world->pages);
 }
@@ -401,10 +401,10 @@ void world_forked(const struct world *world)
 
 void world_finish(struct world *world, enum status status)
 {
-	motion_look_ahead_stop(world->ahead);
+	resident_look_ahead_stop(world->ahead);
 	resident_newest_destroy(world->newest);
 	resident_pages_destroy(world->pages);
-	motion_look_ahead_destroy(world->ahead);
+	resident_look_ahead_destroy(world->ahead);
 	resident_soil_map_close(world->soil_map);
 	world_relief_close(world->relief);
 	resident_soil_rasters_close(world->soil_rasters);

@@ -17,7 +17,7 @@ static void step(struct rig *rig, double time_step)
 {
 	struct world *world = &rig->world;
 	must(page_cache_poll(world->cache));
-	must(motion_look_ahead_step(world->ahead, world->time));
+	must(resident_look_ahead_step(world->ahead, world->time));
 	world->time += time_step;
 	world->step++;
 	must(page_cache_end_step(world->cache, world->record));
@@ -104,12 +104,12 @@ static void load_wishes(struct rig *rig)
 	struct world *world = &rig->world;
 	for (int tries = 0;; tries++) {
 		assert_true(tries < 100000);
-		motion_requests_clear(&rig->requests);
+		resident_requests_clear(&rig->requests);
 		must(render_view_requests(rig->view, &rig->requests));
 		if (rig->requests.count == 0)
 			return;
 		const uint64_t *keys;
-		size_t count = motion_requests_order(&rig->requests, &keys);
+		size_t count = resident_requests_order(&rig->requests, &keys);
 		page_cache_want(world->cache, keys, count);
 		nap();
 		must(page_cache_poll(world->cache));
@@ -156,7 +156,7 @@ static void wishes_are_what_is_lacking_now_then_what_will_be(void **state)
 		struct render_camera camera;
 		render_view_place_camera(view, world->time, &camera);
 		must(render_view_select(view, &camera, false));
-		motion_requests_clear(&rig.requests);
+		resident_requests_clear(&rig.requests);
 		must(render_view_requests(view, &rig.requests));
 		const struct request *wishes = rig.requests.requests;
 		size_t count = rig.requests.count, lacking = view->selection->wanted_count;
@@ -228,7 +228,7 @@ static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void *
 	world->level = -2;
 	world->spacing = 0.25;
 	start_look_ahead(&rig);
-	must(motion_look_ahead_step(world->ahead, world->time));
+	must(resident_look_ahead_step(world->ahead, world->time));
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		must(render_view_look_ahead(rig.view));
 	assert_true(below_zero(rig.view) >= 8);
@@ -286,12 +286,12 @@ static void however_far_it_looks_an_object_wishes_for_no_more_than_the_slots(voi
 	world->spacing = extent.spacing / 16;
 	start_look_ahead(&rig);
 	for (world->time = 0; world->time < 2; world->time += 0.1) {
-		must(motion_look_ahead_step(world->ahead, world->time));
+		must(resident_look_ahead_step(world->ahead, world->time));
 		size_t count = 0, next = 0;
-		for (size_t i = 0; i < motion_look_ahead_requests(world->ahead)->count; i++) {
-			count += tile_from_key(motion_look_ahead_requests(world->ahead)->requests[i].key).level == -4;
-			next += tile_from_key(motion_look_ahead_requests(world->ahead)->requests[i].key).level == -4 &&
-				motion_look_ahead_requests(world->ahead)->requests[i].time <= world->time + 0.05;
+		for (size_t i = 0; i < resident_look_ahead_requests(world->ahead)->count; i++) {
+			count += tile_from_key(resident_look_ahead_requests(world->ahead)->requests[i].key).level == -4;
+			next += tile_from_key(resident_look_ahead_requests(world->ahead)->requests[i].key).level == -4 &&
+				resident_look_ahead_requests(world->ahead)->requests[i].time <= world->time + 0.05;
 		}
 		assert_true(next > 0 && count < 8 + 4); /* the last station has a window of four */
 	}
@@ -309,7 +309,7 @@ static void looking_ahead_marks_nothing_used(void **state)
 		struct residents before = {.count = 0}, after = {.count = 0};
 		page_cache_each_resident(rig.world.cache, resident, &before);
 		must(render_view_look_ahead(rig.view));
-		motion_requests_clear(&rig.requests);
+		resident_requests_clear(&rig.requests);
 		must(render_view_requests(rig.view, &rig.requests));
 		page_cache_each_resident(rig.world.cache, resident, &after);
 		/* Least recently used first: the order is the marks. */
@@ -405,11 +405,11 @@ static void start_bringing(struct rig *rig)
 {
 	struct world *world = &rig->world;
 	const struct look_ahead_body body = {motion_track_ahead(rig->body.track), &rig->object.shape, rig->body.next, NULL};
-	motion_look_ahead_destroy(world->ahead);
-	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
+	resident_look_ahead_destroy(world->ahead);
+	must(resident_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &world->ahead));
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
+	resident_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
 								  rig->scene.slots, rig_requests, rig});
 }
 
@@ -478,7 +478,7 @@ static void a_picture_in_a_window_waits_for_no_range(void **state)
 	render_view_place_camera(view, rig.world.time, &camera);
 	key_cache_finish(&view->ranges);
 	view->ranges = (struct key_cache){.most = 1024};
-	motion_look_ahead_stop(rig.world.ahead);
+	resident_look_ahead_stop(rig.world.ahead);
 	resident_ground_destroy(rig.world.ground);
 	must(resident_ground_create(rig.world.store, 16, &rig.world.ground));
 	must(render_view_select(view, &camera, false));

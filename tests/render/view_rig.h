@@ -68,18 +68,18 @@ static inline enum status rig_requests(void *user, struct requests *requests)
 static inline void start_look_ahead(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	motion_look_ahead_destroy(world->ahead);
+	resident_look_ahead_destroy(world->ahead);
 	deform_destroy(world->deform);
 	struct deform_params params = {.gpu = world->gpu, .slots = world->slots, .extent = &world->meta->extent,
 				       .level = world->level};
 	world->surface = params;
 	must(deform_create(&params, &world->deform));
 	const struct look_ahead_body body = {motion_track_ahead(rig->body.track), &rig->object.shape, rig->body.next, NULL};
-	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
+	must(resident_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &world->ahead));
-	motion_look_ahead_stop(world->ahead);
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
+	resident_look_ahead_stop(world->ahead);
+	resident_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
 								  rig->scene.slots, rig_requests, rig});
 }
 
@@ -143,7 +143,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 static inline void rig_close(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	motion_look_ahead_destroy(world->ahead);
+	resident_look_ahead_destroy(world->ahead);
 	render_view_destroy(rig->view);
 	resident_pages_destroy(world->pages);
 	resident_ground_destroy(world->ground);
@@ -151,7 +151,7 @@ static inline void rig_close(struct rig *rig)
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	motion_track_destroy(rig->body.track);
-	motion_requests_finish(&rig->requests);
+	resident_requests_finish(&rig->requests);
 	store_close(world->store);
 	fclose(world->commit_log);
 	free(world->record);

@@ -8,27 +8,27 @@
  * It looks `prefetch` seconds of simulated time ahead, but only as far as `tiles` tiles suffice. Tiles that are needed first
  * are loaded first.
  */
-#ifndef FURROW_MOTION_PREFETCHER_H
-#define FURROW_MOTION_PREFETCHER_H
+#ifndef FURROW_RESIDENT_PREFETCHER_H
+#define FURROW_RESIDENT_PREFETCHER_H
 
-#include "motion/motion.h"
+#include "resident/resident.h"
 
 struct prefetcher;
 
 /* Starts the threads, at simulated time 0. `params`: of the look-ahead; `prefetch` is above 0 and `count` at least 1. It needs no shapes
  * of bodies. */
-enum status motion_prefetcher_create(const struct look_ahead_params *params, struct prefetcher **out) FURROW_CHECKED;
-void motion_prefetcher_destroy(struct prefetcher *prefetcher); /* prefetcher may be NULL */
+enum status resident_prefetcher_create(const struct look_ahead_params *params, struct prefetcher **out) FURROW_CHECKED;
+void resident_prefetcher_destroy(struct prefetcher *prefetcher); /* prefetcher may be NULL */
 /* Sets how many simulated seconds it looks ahead from now on; at the start it is `prefetch`. Does not wait. */
-void motion_prefetcher_reach(struct prefetcher *prefetcher, double seconds);
+void resident_prefetcher_reach(struct prefetcher *prefetcher, double seconds);
 /* Tells it the simulated time, which must not decrease. Does not wait. */
-void motion_prefetcher_tell(struct prefetcher *prefetcher, double time);
+void resident_prefetcher_tell(struct prefetcher *prefetcher, double time);
 /* Gives it the ranges that pictures lack, most urgent first. They replace the earlier ones. It takes as many as it has room
  * for, and loads them between tiles. Does not wait. */
-void motion_prefetcher_ranges(struct prefetcher *prefetcher, const struct ground_range_key *keys, size_t count);
+void resident_prefetcher_ranges(struct prefetcher *prefetcher, const struct ground_range_key *keys, size_t count);
 /* Returns how many ranges it has finished since its start. */
-uint64_t motion_prefetcher_ranges_done(struct prefetcher *prefetcher);
+uint64_t resident_prefetcher_ranges_done(struct prefetcher *prefetcher);
 /* Waits until everything is loaded that should be, by the last time it was told. */
-void motion_prefetcher_wait(struct prefetcher *prefetcher);
+void resident_prefetcher_wait(struct prefetcher *prefetcher);
 
 #endif

@@ -1,7 +1,7 @@
 /* Where the store's insets lie, so that walkers go in small steps there and in large ones
  * elsewhere. Any thread; never changes. */
-#ifndef FURROW_MOTION_INSETS_H
-#define FURROW_MOTION_INSETS_H
+#ifndef FURROW_RESIDENT_INSET_AREAS_H
+#define FURROW_RESIDENT_INSET_AREAS_H
 
 #include "store/store.h"
 
@@ -17,11 +17,11 @@ struct inset_areas {
 };
 
 /* Lists the insets. A store that has some and does not say where counts as one inset. */
-enum status motion_insets_init(const struct store *store,
+enum status resident_inset_areas_init(const struct store *store,
                                struct inset_areas *insets) FURROW_CHECKED;
-void motion_insets_finish(struct inset_areas *insets); /* may be all zero */
+void resident_inset_areas_finish(struct inset_areas *insets); /* may be all zero */
 /* Returns the finest level of which a base tile may lie within `reach` of (x, y), in posts of level
  * 0; 0: no inset does. */
-int motion_insets_level(const struct inset_areas *insets, double x, double y, double reach);
+int resident_inset_areas_level(const struct inset_areas *insets, double x, double y, double reach);
 
 #endif

@@ -13,8 +13,8 @@
 #include <math.h>
 #include <time.h>
 
-#include "motion/motion.h"
-#include "motion/prefetcher.h"
+#include "deform/deform.h"
+#include "resident/prefetcher.h"
 
 #define RECENT 16 /* tiles searched for one that is still in use */
 
@@ -45,7 +45,7 @@ struct look_ahead {
 	double began_time;             /* s, simulated */
 };
 
-enum status motion_look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out)
+enum status resident_look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out)
 {
 	struct look_ahead *ahead = mem_calloc(1, sizeof *ahead);
 	if (ahead == NULL)
@@ -57,48 +57,48 @@ enum status motion_look_ahead_create(const struct look_ahead_params *params, str
 		ahead->watches[i] = (struct watch){.body = params->bodies[i], .sample = params->bodies[i].next};
 	/* Before everything else: it reads while the GPU's programs are made. */
 	if (status == STATUS_OK && params->prefetch > 0 && params->count > 0)
-		status = motion_prefetcher_create(params, &ahead->prefetcher);
+		status = resident_prefetcher_create(params, &ahead->prefetcher);
 	ahead->params.bodies = NULL;
 	if (status != STATUS_OK) {
-		motion_look_ahead_destroy(ahead);
+		resident_look_ahead_destroy(ahead);
 		return status;
 	}
 	*out = ahead;
 	return STATUS_OK;
 }
 
-void motion_look_ahead_stop(struct look_ahead *ahead)
+void resident_look_ahead_stop(struct look_ahead *ahead)
 {
 	if (ahead == NULL)
 		return;
-	motion_prefetcher_destroy(ahead->prefetcher);
+	resident_prefetcher_destroy(ahead->prefetcher);
 	ahead->prefetcher = NULL;
 }
 
-void motion_look_ahead_destroy(struct look_ahead *ahead)
+void resident_look_ahead_destroy(struct look_ahead *ahead)
 {
 	if (ahead == NULL)
 		return;
-	motion_look_ahead_stop(ahead);
+	resident_look_ahead_stop(ahead);
 	for (size_t i = 0; ahead->watches != NULL && i < ahead->params.count; i++)
 		mem_free(ahead->watches[i].tiles);
 	mem_free(ahead->watches);
-	motion_requests_finish(&ahead->requests);
+	resident_requests_finish(&ahead->requests);
 	mem_free(ahead);
 }
 
-void motion_look_ahead_serve(struct look_ahead *ahead, const struct look_ahead_pages *pages)
+void resident_look_ahead_serve(struct look_ahead *ahead, const struct look_ahead_pages *pages)
 {
 	ahead->pages = *pages;
 }
 
-void motion_look_ahead_begin(struct look_ahead *ahead, double time)
+void resident_look_ahead_begin(struct look_ahead *ahead, double time)
 {
 	ahead->began = clock_seconds();
 	ahead->began_time = time;
 }
 
-void motion_look_ahead_rewind(struct look_ahead *ahead, const int64_t *next, double time)
+void resident_look_ahead_rewind(struct look_ahead *ahead, const int64_t *next, double time)
 {
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		ahead->watches[i].count = 0;
@@ -106,36 +106,36 @@ void motion_look_ahead_rewind(struct look_ahead *ahead, const int64_t *next, dou
 	}
 	ahead->keys = NULL;
 	ahead->key_count = ahead->passed = 0;
-	motion_look_ahead_begin(ahead, time);
-	motion_look_ahead_tell(ahead, time);
+	resident_look_ahead_begin(ahead, time);
+	resident_look_ahead_tell(ahead, time);
 }
 
-const struct requests *motion_look_ahead_requests(const struct look_ahead *ahead)
+const struct requests *resident_look_ahead_requests(const struct look_ahead *ahead)
 {
 	static const struct requests none;
 	return ahead != NULL ? &ahead->requests : &none;
 }
 
-bool motion_look_ahead_brings_ranges(const struct look_ahead *ahead)
+bool resident_look_ahead_brings_ranges(const struct look_ahead *ahead)
 {
 	return ahead != NULL && ahead->prefetcher != NULL;
 }
 
-void motion_look_ahead_ranges(struct look_ahead *ahead, const struct ground_range_key *keys, size_t count)
+void resident_look_ahead_ranges(struct look_ahead *ahead, const struct ground_range_key *keys, size_t count)
 {
 	if (ahead->prefetcher != NULL)
-		motion_prefetcher_ranges(ahead->prefetcher, keys, count);
+		resident_prefetcher_ranges(ahead->prefetcher, keys, count);
 }
 
-uint64_t motion_look_ahead_ranges_done(const struct look_ahead *ahead)
+uint64_t resident_look_ahead_ranges_done(const struct look_ahead *ahead)
 {
-	return motion_look_ahead_brings_ranges(ahead) ? motion_prefetcher_ranges_done(ahead->prefetcher) : 0;
+	return resident_look_ahead_brings_ranges(ahead) ? resident_prefetcher_ranges_done(ahead->prefetcher) : 0;
 }
 
-void motion_look_ahead_tell(struct look_ahead *ahead, double time)
+void resident_look_ahead_tell(struct look_ahead *ahead, double time)
 {
 	if (ahead->prefetcher != NULL)
-		motion_prefetcher_tell(ahead->prefetcher, time);
+		resident_prefetcher_tell(ahead->prefetcher, time);
 }
 
 /* --- along a path --- */
@@ -195,7 +195,7 @@ static size_t forget_passed(struct watch *watch, double now)
 	return count - kept;
 }
 
-double motion_look_ahead_reach(const struct look_ahead *ahead, double time)
+double resident_look_ahead_reach(const struct look_ahead *ahead, double time)
 {
 	const double settled = 0.05; /* s: before this the pace is not known well */
 	if (ahead->began <= 0)
@@ -231,9 +231,9 @@ static void come_back(struct watch *watch, double time)
 /* `*changed`: there are new tiles, or enough were left behind. */
 static enum status look(struct look_ahead *ahead, double time, bool *changed)
 {
-	double far = motion_look_ahead_reach(ahead, time), until = fmin(time + far, ahead->params.end);
+	double far = resident_look_ahead_reach(ahead, time), until = fmin(time + far, ahead->params.end);
 	if (ahead->prefetcher != NULL)
-		motion_prefetcher_reach(ahead->prefetcher, far);
+		resident_prefetcher_reach(ahead->prefetcher, far);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		struct watch *watch = &ahead->watches[i];
@@ -261,20 +261,20 @@ static enum status look(struct look_ahead *ahead, double time, bool *changed)
 static enum status gather(struct look_ahead *ahead)
 {
 	enum status status = STATUS_OK;
-	motion_requests_clear(&ahead->requests);
+	resident_requests_clear(&ahead->requests);
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		const struct watch *watch = &ahead->watches[i];
 		for (size_t k = 0; k < watch->count && status == STATUS_OK; k++)
-			status = motion_requests_add(&ahead->requests, watch->tiles[k].key, watch->tiles[k].from);
+			status = resident_requests_add(&ahead->requests, watch->tiles[k].key, watch->tiles[k].from);
 	}
 	if (status == STATUS_OK && ahead->pages.requests != NULL)
 		status = ahead->pages.requests(ahead->pages.user, &ahead->requests);
 	ahead->passed = 0;
-	ahead->key_count = motion_requests_order(&ahead->requests, &ahead->keys);
+	ahead->key_count = resident_requests_order(&ahead->requests, &ahead->keys);
 	return status;
 }
 
-enum status motion_look_ahead_step(struct look_ahead *ahead, double time)
+enum status resident_look_ahead_step(struct look_ahead *ahead, double time)
 {
 	bool asked = ahead->pages.requests != NULL, changed = asked || ahead->keys == NULL;
 	if (ahead->params.prefetch <= 0 && !asked)
@@ -289,17 +289,17 @@ enum status motion_look_ahead_step(struct look_ahead *ahead, double time)
 	return status;
 }
 
-enum status motion_look_ahead_first(struct look_ahead *ahead, double time, const volatile sig_atomic_t *stop)
+enum status resident_look_ahead_first(struct look_ahead *ahead, double time, const volatile sig_atomic_t *stop)
 {
 	const struct timespec nap = {0, 50000};
-	enum status status = motion_look_ahead_step(ahead, time);
+	enum status status = resident_look_ahead_step(ahead, time);
 	while (status == STATUS_OK && page_cache_request_state(ahead->pages.cache) == PAGE_REQUESTS_COMING && (stop == NULL || !*stop)) {
 		nanosleep(&nap, NULL);
 		status = page_cache_poll(ahead->pages.cache);
 	}
 	if (ahead->prefetcher != NULL) {
-		motion_prefetcher_tell(ahead->prefetcher, time);
-		motion_prefetcher_wait(ahead->prefetcher);
+		resident_prefetcher_tell(ahead->prefetcher, time);
+		resident_prefetcher_wait(ahead->prefetcher);
 	}
 	return status;
 }

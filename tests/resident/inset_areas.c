@@ -5,10 +5,11 @@
 #include "../long.h"
 #include "../support.h"
 
-#include "../resident/insets.h"
+#include "insets.h"
 #include "../support/program.h"
-#include "motion/insets.h"
-#include "motion/prefetcher.h"
+#include "motion/motion.h"
+#include "resident/inset_areas.h"
+#include "resident/prefetcher.h"
 
 #define POST 0.125
 #define DT 0.05
@@ -59,8 +60,8 @@ static struct trip travel(const char *path, uint32_t tiles, double prefetch, dou
 	        .end = END,
 	};
 	if (prefetch > 0) {
-		must(motion_prefetcher_create(&params, &prefetcher));
-		motion_prefetcher_wait(prefetcher);
+		must(resident_prefetcher_create(&params, &prefetcher));
+		resident_prefetcher_wait(prefetcher);
 	}
 	for (int64_t step = 1; (double)step * DT <= END; step++) {
 		for (int i = 0; i < WAYS; i++)
@@ -78,10 +79,10 @@ static struct trip travel(const char *path, uint32_t tiles, double prefetch, dou
 			}
 		if (prefetcher == NULL)
 			continue;
-		motion_prefetcher_tell(prefetcher, (double)step * DT);
-		motion_prefetcher_wait(prefetcher);
+		resident_prefetcher_tell(prefetcher, (double)step * DT);
+		resident_prefetcher_wait(prefetcher);
 	}
-	motion_prefetcher_destroy(prefetcher);
+	resident_prefetcher_destroy(prefetcher);
 	struct resident_ground_figures figures;
 	resident_ground_figures(ground, &figures);
 	trip.waits = figures.waits;
@@ -133,13 +134,13 @@ static void no_tile_is_out_of_reach(void **state)
 		must(store_open(insets_store(cells[i]), &(struct store_options){.mode = STORE_READ},
 		                &store));
 		must(store_reader_create(store, &reader));
-		must(motion_insets_init(store, &insets));
+		must(resident_inset_areas_init(store, &insets));
 		assert_int_equal(insets.count, 2);
 		const struct extent *extent = &store_meta(store)->extent;
 		for (double y = 0; y <= 48; y += 0.37)
 			for (double x = 0; x <= 64; x += 0.41)
 				for (double reach = 0; reach <= 2; reach++) {
-					int level = motion_insets_level(&insets, x, y, reach);
+					int level = resident_inset_areas_level(&insets, x, y, reach);
 					coarse += level == 0;
 					for (int finer = INSETS_FINEST; finer < level; finer++)
 						for (int corner = 0; corner < 4; corner++) {
@@ -164,22 +165,22 @@ static void no_tile_is_out_of_reach(void **state)
 						}
 				}
 		assert_true(coarse > (cells[i] < 64 ? 100 : -1));
-		motion_insets_finish(&insets);
+		resident_inset_areas_finish(&insets);
 		store_reader_destroy(reader);
 		store_close(store);
 		/* Without a word of where they are, they may be anywhere. */
 		insets_told = NULL;
 		must(store_open(insets_store(cells[i]), &(struct store_options){.mode = STORE_READ},
 		                &store));
-		must(motion_insets_init(store, &whole));
-		assert_int_equal(motion_insets_level(&whole, 0, 0, 0), INSETS_FINEST);
-		assert_int_equal(motion_insets_level(&whole, 64, 48, 0), INSETS_FINEST);
-		motion_insets_finish(&whole);
+		must(resident_inset_areas_init(store, &whole));
+		assert_int_equal(resident_inset_areas_level(&whole, 0, 0, 0), INSETS_FINEST);
+		assert_int_equal(resident_inset_areas_level(&whole, 64, 48, 0), INSETS_FINEST);
+		resident_inset_areas_finish(&whole);
 		store_close(store);
 	}
 }
 
-TEST_PROGRAM(insets)
+TEST_PROGRAM(inset_areas)
 {
 	const struct CMUnitTest tests[] = {
 	        cmocka_unit_test(no_step_reads_the_base_of_an_inset),

@@ -6,7 +6,8 @@
 #include "../support/program.h"
 
 #include "damage.h"
-#include "motion/prefetcher.h"
+#include "motion/motion.h"
+#include "resident/prefetcher.h"
 
 /* 32 x 32 tiles of 32 m. */
 static const struct extent extent = {1025, 1025, 1, 32};
@@ -74,12 +75,12 @@ static void party_scout(struct party *party, uint32_t tiles, double prefetch, do
 		.end = end,
 		.threads = party->threads,
 	};
-	must(motion_prefetcher_create(&params, &party->prefetcher));
+	must(resident_prefetcher_create(&params, &party->prefetcher));
 }
 
 static void party_close(struct party *party)
 {
-	motion_prefetcher_destroy(party->prefetcher);
+	resident_prefetcher_destroy(party->prefetcher);
 	for (size_t i = 0; i < party->count; i++)
 		motion_track_destroy(party->tracks[i]);
 	resident_ground_destroy(party->ground);
@@ -131,16 +132,16 @@ static void step(struct party *party, double until, bool wait)
 		}
 	if (party->prefetcher == NULL)
 		return;
-	motion_prefetcher_tell(party->prefetcher, until);
+	resident_prefetcher_tell(party->prefetcher, until);
 	if (wait)
-		motion_prefetcher_wait(party->prefetcher);
+		resident_prefetcher_wait(party->prefetcher);
 }
 
 /* Leads them all until `end`; returns the waits. */
 static uint64_t lead(struct party *party, double dt, double end)
 {
 	if (party->prefetcher != NULL)
-		motion_prefetcher_wait(party->prefetcher);
+		resident_prefetcher_wait(party->prefetcher);
 	for (int64_t i = 1; (double)(i - 1) * dt < end; i++)
 		step(party, fmin((double)i * dt, end), true);
 	return waits(party);
@@ -218,8 +219,8 @@ static void what_the_owner_reads_for_itself_costs_no_more_than_it_pushed_out(voi
 		stand(&party, &point);
 	}
 	assert_int_equal(reads(&party), 20);
-	motion_prefetcher_tell(party.prefetcher, 22);
-	motion_prefetcher_wait(party.prefetcher);
+	resident_prefetcher_tell(party.prefetcher, 22);
+	resident_prefetcher_wait(party.prefetcher);
 	assert_int_equal(reads(&party), 20 + 4);
 	party_close(&party);
 }
@@ -232,12 +233,12 @@ static void it_looks_as_far_as_it_is_told(void **state)
 	party_open(&party, 64);
 	party_join(&party, track_of((struct scene_path){.count = 2, .speed = 20}, points));
 	party_scout(&party, 48, 2, 100);
-	motion_prefetcher_wait(party.prefetcher);
+	resident_prefetcher_wait(party.prefetcher);
 	uint64_t before = reads(&party);
 	assert_in_range(before, 1, 4);
-	motion_prefetcher_reach(party.prefetcher, 32);
-	motion_prefetcher_tell(party.prefetcher, 2);
-	motion_prefetcher_wait(party.prefetcher);
+	resident_prefetcher_reach(party.prefetcher, 32);
+	resident_prefetcher_tell(party.prefetcher, 2);
+	resident_prefetcher_wait(party.prefetcher);
 	assert_in_range(reads(&party), before + 18, before + 23);
 	party_close(&party);
 }
@@ -337,8 +338,8 @@ static void the_camera_finds_its_ground_too(void **state)
 			.prefetch = 1.5,
 			.end = 100,
 		};
-		must(motion_prefetcher_create(&params, &party.prefetcher));
-		motion_prefetcher_wait(party.prefetcher);
+		must(resident_prefetcher_create(&params, &party.prefetcher));
+		resident_prefetcher_wait(party.prefetcher);
 		for (int i = 1; i <= 1000; i++) {
 			double places[2][2];
 			step(&party, i * 0.1, true);
@@ -384,7 +385,7 @@ static void it_goes_on_beside_an_owner_who_does_not_wait(void **state)
 		party_scout(&party, tiles, 5, 100);
 		for (int i = 1; i <= 400; i++)
 			step(&party, i * 0.25, false);
-		motion_prefetcher_wait(party.prefetcher);
+		resident_prefetcher_wait(party.prefetcher);
 		party_close(&party);
 	}
 }
@@ -417,17 +418,17 @@ static void what_cannot_be_had_is_said(void **state)
 	for (uint64_t nth = 1;; nth++) {
 		struct prefetcher *prefetcher = NULL;
 		mem_fail_nth(nth, 0);
-		enum status status = motion_prefetcher_create(&params, &prefetcher);
+		enum status status = resident_prefetcher_create(&params, &prefetcher);
 		mem_fail_nth(0, 0);
 		if (status == STATUS_OK) {
 			assert_true(nth > 3);
-			motion_prefetcher_destroy(prefetcher);
+			resident_prefetcher_destroy(prefetcher);
 			break;
 		}
 		assert_int_equal(status, STATUS_FAILED);
 		assert_null(prefetcher);
 	}
-	motion_prefetcher_destroy(NULL);
+	resident_prefetcher_destroy(NULL);
 	party_close(&party);
 }
 

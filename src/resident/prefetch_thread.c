@@ -17,7 +17,7 @@
  * last list, `told_list`, which the others read.
  * - The walkers form a heap: none is before its parent in time; at equal times the one with the lower number comes first.
  */
-#include "motion/prefetch_thread.h"
+#include "resident/prefetch_thread.h"
 
 #include "base/key_set.h"
 #include <assert.h>
@@ -54,7 +54,7 @@ struct prefetch_thread {
 	struct key_set keys;  /* of the list's tiles; it has room for all */
 	struct thread thread;
 	struct mutex mutex;
-	struct condition changed; /* the thread sleeps on it, and motion_prefetch_thread_wait waits on it */
+	struct condition changed; /* the thread sleeps on it, and resident_prefetch_thread_wait waits on it */
 	/* guarded by the mutex: */
 	bool asleep;
 	struct tile *told_list;
@@ -163,7 +163,7 @@ static void look_around(const struct prefetch_thread *ahead, struct walker *walk
 		return;
 	size_t count = places_of(ahead, walker, places);
 	for (size_t i = 0; i < count; i++) {
-		int level = motion_insets_level(ahead->insets, places[i][0] / spacing, places[i][1] / spacing, step_of(ahead, 0));
+		int level = resident_inset_areas_level(ahead->insets, places[i][0] / spacing, places[i][1] / spacing, step_of(ahead, 0));
 		walker->level = level < walker->level ? level : walker->level;
 	}
 }
@@ -353,7 +353,7 @@ static void mount_walkers(struct prefetch_thread *ahead)
 	ahead->params.bodies = NULL; /* the caller's */
 }
 
-enum status motion_prefetch_thread_create(const struct look_ahead_params *params, const struct inset_areas *insets, struct prefetch_thread **out)
+enum status resident_prefetch_thread_create(const struct look_ahead_params *params, const struct inset_areas *insets, struct prefetch_thread **out)
 {
 	assert(params->count >= 1 && params->prefetch > 0);
 	struct prefetch_thread *ahead = mem_calloc(1, sizeof *ahead);
@@ -382,28 +382,28 @@ enum status motion_prefetch_thread_create(const struct look_ahead_params *params
 	if (status == STATUS_OK)
 		status = store_reader_create(params->store, &ahead->reader);
 	if (status != STATUS_OK) {
-		motion_prefetch_thread_destroy(ahead);
+		resident_prefetch_thread_destroy(ahead);
 		return status;
 	}
 	*out = ahead;
 	return STATUS_OK;
 }
 
-enum status motion_prefetch_thread_start(struct prefetch_thread *ahead, struct prefetch_thread *const *all, size_t count)
+enum status resident_prefetch_thread_start(struct prefetch_thread *ahead, struct prefetch_thread *const *all, size_t count)
 {
 	ahead->all = all;
 	ahead->all_count = count;
 	return thread_start(&ahead->thread, body, ahead, PREFETCH_THREAD);
 }
 
-void motion_prefetch_thread_stop(struct prefetch_thread *ahead)
+void resident_prefetch_thread_stop(struct prefetch_thread *ahead)
 {
 	atomic_store(&ahead->stopping, true);
 	wake(ahead);
 	thread_join(&ahead->thread);
 }
 
-void motion_prefetch_thread_destroy(struct prefetch_thread *ahead)
+void resident_prefetch_thread_destroy(struct prefetch_thread *ahead)
 {
 	if (ahead == NULL)
 		return;
@@ -418,12 +418,12 @@ void motion_prefetch_thread_destroy(struct prefetch_thread *ahead)
 	mem_free(ahead);
 }
 
-void motion_prefetch_thread_reach(struct prefetch_thread *ahead, double seconds)
+void resident_prefetch_thread_reach(struct prefetch_thread *ahead, double seconds)
 {
 	atomic_store(&ahead->reach, seconds);
 }
 
-void motion_prefetch_thread_ranges(struct prefetch_thread *ahead, const struct ground_range_key *keys, size_t count)
+void resident_prefetch_thread_ranges(struct prefetch_thread *ahead, const struct ground_range_key *keys, size_t count)
 {
 	mutex_lock(&ahead->mutex);
 	ahead->range_next = 0;
@@ -433,19 +433,19 @@ void motion_prefetch_thread_ranges(struct prefetch_thread *ahead, const struct g
 	mutex_unlock(&ahead->mutex);
 }
 
-uint64_t motion_prefetch_thread_ranges_done(struct prefetch_thread *ahead)
+uint64_t resident_prefetch_thread_ranges_done(struct prefetch_thread *ahead)
 {
 	return atomic_load(&ahead->ranges_done);
 }
 
-void motion_prefetch_thread_tell(struct prefetch_thread *ahead, double time)
+void resident_prefetch_thread_tell(struct prefetch_thread *ahead, double time)
 {
 	atomic_store(&ahead->told, time);
 	if (time >= atomic_load(&ahead->look_at))
 		wake(ahead);
 }
 
-void motion_prefetch_thread_wait(struct prefetch_thread *ahead)
+void resident_prefetch_thread_wait(struct prefetch_thread *ahead)
 {
 	mutex_lock(&ahead->mutex);
 	while (!ahead->asleep || ahead->range_next < ahead->range_count ||

@@ -1,20 +1,21 @@
-#include "motion/motion.h"
+/* Prefetch requests: gathered in any order, given out soonest first. */
+#include "resident/look_ahead.h"
 
 #include <stdlib.h>
 
-void motion_requests_clear(struct requests *requests)
+void resident_requests_clear(struct requests *requests)
 {
 	requests->count = 0;
 }
 
-void motion_requests_finish(struct requests *requests)
+void resident_requests_finish(struct requests *requests)
 {
 	mem_free(requests->requests);
 	mem_free(requests->keys);
 	*requests = (struct requests){.requests = NULL};
 }
 
-enum status motion_requests_add(struct requests *requests, uint64_t key, double time)
+enum status resident_requests_add(struct requests *requests, uint64_t key, double time)
 {
 	if (requests->count == requests->room) {
 		size_t room = requests->room != 0 ? 2 * requests->room : 64;
@@ -51,7 +52,7 @@ static int by_time(const void *a, const void *b)
 	return (x->order > y->order) - (x->order < y->order);
 }
 
-size_t motion_requests_order(struct requests *requests, const uint64_t **keys)
+size_t resident_requests_order(struct requests *requests, const uint64_t **keys)
 {
 	size_t kept = 0;
 	if (requests->count > 0)

@@ -1,4 +1,4 @@
-#include "motion/insets.h"
+#include "resident/inset_areas.h"
 
 #include <math.h>
 
@@ -16,7 +16,7 @@ static enum status add_area(struct inset_areas *insets, size_t *room, struct ins
 	return STATUS_OK;
 }
 
-enum status motion_insets_init(const struct store *store, struct inset_areas *insets)
+enum status resident_inset_areas_init(const struct store *store, struct inset_areas *insets)
 {
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
@@ -39,11 +39,11 @@ enum status motion_insets_init(const struct store *store, struct inset_areas *in
 		                                      (double)(extent->height - 1),
 		                                      store_finest_base(store)});
 	if (status != STATUS_OK)
-		motion_insets_finish(insets);
+		resident_inset_areas_finish(insets);
 	return status;
 }
 
-void motion_insets_finish(struct inset_areas *insets)
+void resident_inset_areas_finish(struct inset_areas *insets)
 {
 	mem_free(insets->areas);
 	*insets = (struct inset_areas){.cells = 0};
@@ -57,7 +57,7 @@ static bool tiles_reach(double low, double high, double side, double at, double 
 	       at - reach <= (floor(high / side) + 1) * side;
 }
 
-int motion_insets_level(const struct inset_areas *insets, double x, double y, double reach)
+int resident_inset_areas_level(const struct inset_areas *insets, double x, double y, double reach)
 {
 	int finest = 0;
 	for (size_t i = 0; i < insets->count; i++) {
