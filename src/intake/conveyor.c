@@ -147,12 +147,11 @@ static int64_t clamp(int64_t value, int64_t least, int64_t most)
 static enum status make_packers(struct conveyor *conveyor)
 {
 	int64_t count = conveyor->worker_count > 0 ? conveyor->worker_count : 1;
-	enum status status = STATUS_OK;
-	for (int64_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (int64_t i = 0; i < count; i++) {
 		conveyor->workers[i].conveyor = conveyor;
-		status = store_packer_create(store_meta(conveyor->store), &conveyor->workers[i].packer);
+		TRY(store_packer_create(store_meta(conveyor->store), &conveyor->workers[i].packer));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status make_parcels(struct conveyor *conveyor)
@@ -186,18 +185,18 @@ enum status intake_conveyor_create(struct store *store, int64_t jobs, int64_t st
 			jobs, 1, clamp(WORKER_BYTES / (int64_t)(WORKER_POST_BYTES * conveyor->posts), 1, WORKERS_MOST));
 	mutex_init(&conveyor->mutex);
 	condition_init(&conveyor->changed);
-	enum status status = make_packers(conveyor);
-	if (status == STATUS_OK && conveyor->worker_count > 0)
-		status = make_parcels(conveyor);
-	for (int64_t i = 0; i < conveyor->worker_count && status == STATUS_OK; i++)
-		status = thread_start(&conveyor->workers[i].thread, work, &conveyor->workers[i], "furrow-pack");
-	if (status != STATUS_OK) {
-		conveyor_end(conveyor);
-		conveyor_free(conveyor);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, make_packers(conveyor));
+	if (conveyor->worker_count > 0)
+		TRY_OR(failed, make_parcels(conveyor));
+	for (int64_t i = 0; i < conveyor->worker_count; i++)
+		TRY_OR(failed, thread_start(&conveyor->workers[i].thread, work, &conveyor->workers[i], "furrow-pack"));
 	*out = conveyor;
 	return STATUS_OK;
+failed:
+	conveyor_end(conveyor);
+	conveyor_free(conveyor);
+	return status;
 }
 
 bool intake_conveyor_has(const struct conveyor *conveyor)

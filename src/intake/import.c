@@ -49,9 +49,7 @@ enum status intake_import_open(struct import *import, const char *const *sources
 	import->dem.nodata = import->nodata;
 	import->dem.jobs = import->jobs;
 	import->dem.apart = true;
-	enum status status = dem_open(&import->dem, &import->opened);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_open(&import->dem, &import->opened));
 	const struct dem_info *info = dem_info(import->opened);
 	const double max_error = import->max_error >= 0 ? import->max_error : intake_default_error(info->unit);
 	import->meta = (struct store_meta){
@@ -70,8 +68,8 @@ enum status intake_import_open(struct import *import, const char *const *sources
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
 	if (import->inset_count > 0 || info->finer_count > 0)
-		status = intake_import_open_insets(import);
-	return status == STATUS_OK ? intake_import_describe(import) : status;
+		TRY(intake_import_open_insets(import));
+	return intake_import_describe(import);
 }
 
 /* What to look at if no post has a height. */
@@ -102,8 +100,7 @@ enum status intake_import_run(struct import *import, const char *store, dem_prog
 		.progress = progress,
 		.progress_user = user,
 	};
-	enum status status = intake_run(made);
-	if (status == STATUS_OK)
-		note_sentinel(made);
-	return status;
+	TRY(intake_run(made));
+	note_sentinel(made);
+	return STATUS_OK;
 }

@@ -57,7 +57,7 @@ enum status intake_import_open_insets(struct import *import)
 	import->inset_from = mem_alloc(most, sizeof *import->inset_from);
 	if (import->inset_paths == NULL || import->inset_from == NULL)
 		return fail_memory("insets");
-	enum status status = dem_insets_open(&(struct dem_insets_params){
+	TRY(dem_insets_open(&(struct dem_insets_params){
 		.country = import->opened,
 		.extent = &import->meta.extent,
 		.dem = &import->dem,
@@ -65,8 +65,7 @@ enum status intake_import_open_insets(struct import *import)
 		.count = list_insets(import),
 		.feather = import->feather,
 		.match = import->match_heights,
-	}, &import->insets);
-	if (status == STATUS_OK)
-		choose_step(import);
-	return status;
+	}, &import->insets));
+	choose_step(import);
+	return STATUS_OK;
 }

@@ -92,9 +92,7 @@ static enum status measure_tile(void *user, const struct dem_tile *tile, struct 
 static enum status cut_and_store(const struct intake *intake, struct store *store, int64_t stored)
 {
 	struct conveyor *conveyor = NULL;
-	enum status status = intake_conveyor_create(store, intake->jobs, stored, &conveyor);
-	if (status != STATUS_OK)
-		return status;
+	TRY(intake_conveyor_create(store, intake->jobs, stored, &conveyor));
 	struct measuring measuring = {intake, conveyor, 0};
 	struct dem_insets_cut insets = {
 		.insets = intake->insets,
@@ -107,8 +105,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 		.progress = intake->progress,
 		.progress_user = intake->progress_user,
 	};
-	if (intake->insets != NULL)
-		status = dem_insets_cut(&insets);
+	enum status status = intake->insets != NULL ? dem_insets_cut(&insets) : STATUS_OK;
 	status = status != STATUS_OK ? status : dem_cut(&(struct dem_cut){
 		.extent = &intake->meta.extent,
 		.step = intake->meta.step,
@@ -143,10 +140,8 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 /* Broken off: the stored part is kept for a later call. */
 static enum status suspend(const struct intake *intake, struct store *store)
 {
-	enum status status = store_suspend(store);
-	return status != STATUS_OK ? status
-				   : fail_with(STATUS_INTERRUPTED, "%s: interrupted; run the same import with --resume to go on",
-					       intake->path);
+	TRY(store_suspend(store));
+	return fail_with(STATUS_INTERRUPTED, "%s: interrupted; run the same import with --resume to go on", intake->path);
 }
 
 enum status intake_run(struct intake *intake)
@@ -155,25 +150,22 @@ enum status intake_run(struct intake *intake)
 	const double started = clock_seconds();
 	int64_t stored = 0;
 	const enum store_overwrite overwrite = !intake->overwrite ? STORE_OVERWRITE_NOT : intake->force ? STORE_OVERWRITE_FORCE : STORE_OVERWRITE;
-	enum status status = intake->resume ? store_resume(intake->path, &intake->meta, overwrite, &store, &stored)
-					    : store_create(intake->path, &intake->meta, overwrite, &store);
-	if (status != STATUS_OK)
-		return status;
-	status = cut_and_store(intake, store, stored);
+	TRY(intake->resume ? store_resume(intake->path, &intake->meta, overwrite, &store, &stored)
+			   : store_create(intake->path, &intake->meta, overwrite, &store));
+	enum status status = cut_and_store(intake, store, stored);
 	if (status == STATUS_INTERRUPTED && intake->meta.request != NULL)
 		return suspend(intake, store);
-	if (status == STATUS_OK)
-		status = store_publish(store);
-	if (status == STATUS_OK) {
-		intake->low = store_meta(store)->low;
-		intake->high = store_meta(store)->high;
-		intake->meta.holes = store_meta(store)->holes;
-		intake->meta.off_resampled = store_meta(store)->off_resampled;
-		intake->meta.off_source = store_meta(store)->off_source;
-	}
+	TRY_OR(done, status);
+	TRY_OR(done, store_publish(store));
+	const struct store_meta *made = store_meta(store);
+	intake->low = made->low;
+	intake->high = made->high;
+	intake->meta.holes = made->holes;
+	intake->meta.off_resampled = made->off_resampled;
+	intake->meta.off_source = made->off_source;
+done:
 	store_close(store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	struct stat file;
 	intake->stored = stored;
 	intake->bytes = stat(intake->path, &file) == 0 ? (int64_t)file.st_size : 0;

@@ -197,40 +197,39 @@ static enum status take(struct import *import, const struct option *option, cons
 {
 	double number = 0;
 	int word = 0;
-	enum status status = STATUS_OK;
 	switch (option->kind) {
 	case FLAG:
 		if (strcmp(text, "true") != 0 && strcmp(text, "false") != 0 && text[0] != '\0')
 			return refuse(option->name, text, "true or false");
 		return take_flag(import, option->name, text[0] != 'f');
 	case WHOLE:
-		status = take_number(option, text, &number);
-		if (status == STATUS_OK && strcmp(option->name, "tile") == 0)
+		TRY(take_number(option, text, &number));
+		if (strcmp(option->name, "tile") == 0)
 			return take_tile(import, (int64_t)number);
 		import->jobs = (int64_t)number;
-		return status;
+		break;
 	case NUMBER:
-		status = take_number(option, text, &number);
-		if (status == STATUS_OK && strcmp(option->name, "spacing") == 0)
+		TRY(take_number(option, text, &number));
+		if (strcmp(option->name, "spacing") == 0)
 			import->dem.spacing = number;
-		else if (status == STATUS_OK && strcmp(option->name, "feather") == 0)
+		else if (strcmp(option->name, "feather") == 0)
 			import->feather = number;
-		else if (status == STATUS_OK)
+		else
 			import->max_error = number;
-		return status;
+		break;
 	case TEXT:
 		return take_named_text(import, option->name, text);
 	case WORD:
-		status = take_word(option, text, &word);
+		TRY(take_word(option, text, &word));
 		if (option->words == intake_import_methods)
 			import->dem.resample = (enum dem_resample)word;
 		else if (option->words == intake_import_radii)
 			import->dem.radii = (enum dem_radii)word;
 		else if (option->words == intake_import_units)
-			import->dem.s_unit = status == STATUS_OK ? intake_import_units[word] : NULL;
+			import->dem.s_unit = intake_import_units[word];
 		else
 			import->pack = (enum store_pack)word;
-		return status;
+		break;
 	case RANGE:
 		return take_range(import, text);
 	case WINDOW:
@@ -240,7 +239,7 @@ static enum status take(struct import *import, const struct option *option, cons
 	case SOURCES:
 		return take_inset(import, text);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* "max_error" is the same as "max-error", for mappings. */

@@ -67,9 +67,9 @@ static enum status resolve(const struct resident_source *ground, struct tile fin
 	while (tile->level > finest.level) {
 		struct tile below = tile_ancestor(finest, tile->level - 1);
 		bool present;
-		enum status status = ground->present(ground->user, below, &present);
-		if (status != STATUS_OK || !present)
-			return status;
+		TRY(ground->present(ground->user, below, &present));
+		if (!present)
+			return STATUS_OK;
 		*tile = below;
 	}
 	return STATUS_OK;
@@ -125,11 +125,9 @@ static enum status measure_all(const struct resident_source *ground, const struc
 			continue;
 		if (places[i].key != at) {
 			struct tile found;
-			enum status status = resolve(ground, tile_from_key(places[i].key), &found);
-			if (status == STATUS_OK && !(held && tile_equal(found, tile)))
-				status = ground->posts(ground->user, found, &posts);
-			if (status != STATUS_OK)
-				return status;
+			TRY(resolve(ground, tile_from_key(places[i].key), &found));
+			if (!(held && tile_equal(found, tile)))
+				TRY(ground->posts(ground->user, found, &posts));
 			tile = found;
 			held = true;
 			at = places[i].key;

@@ -23,23 +23,19 @@ enum status resident_inset_areas_init(const struct store *store, struct inset_ar
 	const char *text = meta->insets != NULL ? meta->insets : "";
 	struct store_inset inset;
 	size_t room = 0;
-	enum status status = STATUS_OK;
+	enum status status;
 	*insets = (struct inset_areas){.cells = extent->cells};
-	while (status == STATUS_OK && store_inset_next(&text, extent, &inset)) {
-		double x = ldexp((double)inset.x, inset.level),
-		       y = ldexp((double)inset.y, inset.level);
-		double width = ldexp((double)(inset.width - 1), inset.level),
-		       height = ldexp((double)(inset.height - 1), inset.level);
-		status = add_area(insets, &room,
-		                  (struct inset_area){x, y, x + width, y + height, inset.level});
+	while (store_inset_next(&text, extent, &inset)) {
+		const double x = ldexp((double)inset.x, inset.level), y = ldexp((double)inset.y, inset.level);
+		const double width = ldexp((double)(inset.width - 1), inset.level), height = ldexp((double)(inset.height - 1), inset.level);
+		TRY_OR(failed, add_area(insets, &room, (struct inset_area){x, y, x + width, y + height, inset.level}));
 	}
-	if (status == STATUS_OK && insets->count == 0 && store_finest_base(store) < 0)
-		status = add_area(insets, &room,
-		                  (struct inset_area){0, 0, (double)(extent->width - 1),
-		                                      (double)(extent->height - 1),
-		                                      store_finest_base(store)});
-	if (status != STATUS_OK)
-		resident_inset_areas_finish(insets);
+	if (insets->count == 0 && store_finest_base(store) < 0)
+		TRY_OR(failed, add_area(insets, &room, (struct inset_area){0, 0, (double)(extent->width - 1), (double)(extent->height - 1),
+									   store_finest_base(store)}));
+	return STATUS_OK;
+failed:
+	resident_inset_areas_finish(insets);
 	return status;
 }
 

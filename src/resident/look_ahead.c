@@ -52,19 +52,18 @@ enum status resident_look_ahead_create(const struct look_ahead_params *params, s
 		return fail_memory("the look-ahead");
 	ahead->params = *params;
 	ahead->watches = mem_calloc(params->count, sizeof *ahead->watches);
-	enum status status = ahead->watches != NULL || params->count == 0 ? STATUS_OK : fail_memory("the look-ahead");
-	for (size_t i = 0; i < params->count && status == STATUS_OK; i++)
+	ahead->params.bodies = NULL; /* the caller's */
+	enum status status;
+	TRY_OR(failed, ahead->watches != NULL || params->count == 0 ? STATUS_OK : fail_memory("the look-ahead"));
+	for (size_t i = 0; i < params->count; i++)
 		ahead->watches[i] = (struct watch){.body = params->bodies[i], .sample = params->bodies[i].next};
-	/* Before everything else: it reads while the GPU's programs are made. */
-	if (status == STATUS_OK && params->prefetch > 0 && params->count > 0)
-		status = resident_prefetcher_create(params, &ahead->prefetcher);
-	ahead->params.bodies = NULL;
-	if (status != STATUS_OK) {
-		resident_look_ahead_destroy(ahead);
-		return status;
-	}
+	if (params->prefetch > 0 && params->count > 0)
+		TRY_OR(failed, resident_prefetcher_create(params, &ahead->prefetcher));
 	*out = ahead;
 	return STATUS_OK;
+failed:
+	resident_look_ahead_destroy(ahead);
+	return status;
 }
 
 void resident_look_ahead_stop(struct look_ahead *ahead)
@@ -170,16 +169,16 @@ static enum status note_sample(const struct look_ahead *ahead, struct watch *wat
 	watch->last = contact.to;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
-	enum status status = deform_cut(pages->surface, &contact, windows, &count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(deform_cut(pages->surface, &contact, windows, &count));
+	for (size_t i = 0; i < count; i++) {
 		struct tile first, last;
 		if (!tile_range_of(pages->extent, pages->level, windows[i].read, &first, &last))
 			continue;
-		for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
-			for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++)
-				status = note_tile(watch, tile_key((struct tile){pages->level, x, y}), sample.time);
+		for (uint32_t y = first.y; y <= last.y; y++)
+			for (uint32_t x = first.x; x <= last.x; x++)
+				TRY(note_tile(watch, tile_key((struct tile){pages->level, x, y}), sample.time));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Forgets the tiles that the object has left; returns how many. */
@@ -208,15 +207,13 @@ double resident_look_ahead_reach(const struct look_ahead *ahead, double time)
 static enum status go_on(const struct look_ahead *ahead, struct watch *watch, double until, size_t most, bool *news)
 {
 	const struct look_ahead_path *path = &watch->body.path;
-	size_t before = watch->count;
-	enum status status = STATUS_OK;
-	while (status == STATUS_OK && watch->count < most && watch->sample < path->samples &&
-	       path->time(path->user, watch->sample) <= until) {
-		status = note_sample(ahead, watch);
+	const size_t before = watch->count;
+	while (watch->count < most && watch->sample < path->samples && path->time(path->user, watch->sample) <= until) {
+		TRY(note_sample(ahead, watch));
 		watch->sample++;
 	}
 	*news |= watch->count != before;
-	return status;
+	return STATUS_OK;
 }
 
 /* Goes to the first path sample that is not made yet. */
@@ -234,7 +231,6 @@ static enum status look(struct look_ahead *ahead, double time, bool *changed)
 	double far = resident_look_ahead_reach(ahead, time), until = fmin(time + far, ahead->params.end);
 	if (ahead->prefetcher != NULL)
 		resident_prefetcher_reach(ahead->prefetcher, far);
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		struct watch *watch = &ahead->watches[i];
 		if (watch->body.elsewhere != NULL && *watch->body.elsewhere) {
@@ -245,33 +241,32 @@ static enum status look(struct look_ahead *ahead, double time, bool *changed)
 		}
 		if (watch->away)
 			come_back(watch, time);
-		if (status == STATUS_OK)
-			status = go_on(ahead, watch, time, SIZE_MAX, changed);
+		TRY(go_on(ahead, watch, time, SIZE_MAX, changed));
 		ahead->passed += forget_passed(watch, time);
 		/* Never loads ahead more than there are slots, however far it looks. */
-		if (status == STATUS_OK)
-			status = go_on(ahead, watch, until, ahead->pages.slots, changed);
+		TRY(go_on(ahead, watch, until, ahead->pages.slots, changed));
 	}
 	*changed |= ahead->passed * 8 > ahead->key_count;
-	return status;
+	return STATUS_OK;
 }
 
 /* --- requests --- */
 
 static enum status gather(struct look_ahead *ahead)
 {
-	enum status status = STATUS_OK;
+	/* After a failure there are no keys, and the next step gathers again. */
+	ahead->keys = NULL;
+	ahead->key_count = ahead->passed = 0;
 	resident_requests_clear(&ahead->requests);
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		const struct watch *watch = &ahead->watches[i];
-		for (size_t k = 0; k < watch->count && status == STATUS_OK; k++)
-			status = resident_requests_add(&ahead->requests, watch->tiles[k].key, watch->tiles[k].from);
+		for (size_t k = 0; k < watch->count; k++)
+			TRY(resident_requests_add(&ahead->requests, watch->tiles[k].key, watch->tiles[k].from));
 	}
-	if (status == STATUS_OK && ahead->pages.requests != NULL)
-		status = ahead->pages.requests(ahead->pages.user, &ahead->requests);
-	ahead->passed = 0;
+	if (ahead->pages.requests != NULL)
+		TRY(ahead->pages.requests(ahead->pages.user, &ahead->requests));
 	ahead->key_count = resident_requests_order(&ahead->requests, &ahead->keys);
-	return status;
+	return STATUS_OK;
 }
 
 enum status resident_look_ahead_step(struct look_ahead *ahead, double time)
@@ -279,27 +274,26 @@ enum status resident_look_ahead_step(struct look_ahead *ahead, double time)
 	bool asked = ahead->pages.requests != NULL, changed = asked || ahead->keys == NULL;
 	if (ahead->params.prefetch <= 0 && !asked)
 		return STATUS_OK; /* nobody requests anything */
-	enum status status = STATUS_OK;
 	if (ahead->params.prefetch > 0)
-		status = look(ahead, time, &changed);
-	if (status == STATUS_OK && changed)
-		status = gather(ahead);
-	if (status == STATUS_OK && (changed || page_cache_request_state(ahead->pages.cache) != PAGE_REQUESTS_HERE))
+		TRY(look(ahead, time, &changed));
+	if (changed)
+		TRY(gather(ahead));
+	if (changed || page_cache_request_state(ahead->pages.cache) != PAGE_REQUESTS_HERE)
 		page_cache_want(ahead->pages.cache, ahead->keys, ahead->key_count);
-	return status;
+	return STATUS_OK;
 }
 
 enum status resident_look_ahead_first(struct look_ahead *ahead, double time, const volatile sig_atomic_t *stop)
 {
 	const struct timespec nap = {0, 50000};
-	enum status status = resident_look_ahead_step(ahead, time);
-	while (status == STATUS_OK && page_cache_request_state(ahead->pages.cache) == PAGE_REQUESTS_COMING && (stop == NULL || !*stop)) {
+	TRY(resident_look_ahead_step(ahead, time));
+	while (page_cache_request_state(ahead->pages.cache) == PAGE_REQUESTS_COMING && (stop == NULL || !*stop)) {
 		nanosleep(&nap, NULL);
-		status = page_cache_poll(ahead->pages.cache);
+		TRY(page_cache_poll(ahead->pages.cache));
 	}
 	if (ahead->prefetcher != NULL) {
 		resident_prefetcher_tell(ahead->prefetcher, time);
 		resident_prefetcher_wait(ahead->prefetcher);
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -374,19 +374,16 @@ enum status resident_prefetch_thread_create(const struct look_ahead_params *para
 	ahead->list = mem_alloc(params->tiles, sizeof *ahead->list);
 	ahead->told_list = mem_alloc(params->tiles, sizeof *ahead->told_list);
 	const bool made = ahead->walkers != NULL && ahead->heap != NULL && ahead->list != NULL && ahead->told_list != NULL;
-	enum status status = made ? STATUS_OK : fail_memory("the prefetcher");
-	if (status == STATUS_OK)
-		status = key_set_reserve(&ahead->keys, params->tiles);
-	if (status == STATUS_OK)
-		mount_walkers(ahead);
-	if (status == STATUS_OK)
-		status = store_reader_create(params->store, &ahead->reader);
-	if (status != STATUS_OK) {
-		resident_prefetch_thread_destroy(ahead);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, made ? STATUS_OK : fail_memory("the prefetcher"));
+	TRY_OR(failed, key_set_reserve(&ahead->keys, params->tiles));
+	mount_walkers(ahead);
+	TRY_OR(failed, store_reader_create(params->store, &ahead->reader));
 	*out = ahead;
 	return STATUS_OK;
+failed:
+	resident_prefetch_thread_destroy(ahead);
+	return status;
 }
 
 enum status resident_prefetch_thread_start(struct prefetch_thread *ahead, struct prefetch_thread *const *all, size_t count)

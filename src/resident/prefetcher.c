@@ -48,8 +48,9 @@ enum status resident_prefetcher_create(const struct look_ahead_params *params, s
 	struct prefetcher *prefetcher = mem_calloc(1, sizeof *prefetcher);
 	if (prefetcher == NULL)
 		return fail_memory("the prefetcher");
-	enum status status = resident_inset_areas_init(params->store, &prefetcher->insets);
-	for (size_t i = 0; i < threads && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(failed, resident_inset_areas_init(params->store, &prefetcher->insets));
+	for (size_t i = 0; i < threads; i++) {
 		struct look_ahead_params own = *params;
 		const size_t first = part(params->count, i, threads);
 		own.bodies = params->bodies + first;
@@ -57,17 +58,16 @@ enum status resident_prefetcher_create(const struct look_ahead_params *params, s
 		own.tiles = (uint32_t)(part(params->tiles, i + 1, threads) - part(params->tiles, i, threads));
 		if (i > 0)
 			own.camera = NULL;
-		status = resident_prefetch_thread_create(&own, &prefetcher->insets, &prefetcher->threads[i]);
-		prefetcher->count += status == STATUS_OK;
+		TRY_OR(failed, resident_prefetch_thread_create(&own, &prefetcher->insets, &prefetcher->threads[i]));
+		prefetcher->count++;
 	}
-	for (size_t i = 0; i < threads && status == STATUS_OK; i++)
-		status = resident_prefetch_thread_start(prefetcher->threads[i], prefetcher->threads, threads);
-	if (status != STATUS_OK) {
-		resident_prefetcher_destroy(prefetcher);
-		return status;
-	}
+	for (size_t i = 0; i < threads; i++)
+		TRY_OR(failed, resident_prefetch_thread_start(prefetcher->threads[i], prefetcher->threads, threads));
 	*out = prefetcher;
 	return STATUS_OK;
+failed:
+	resident_prefetcher_destroy(prefetcher);
+	return status;
 }
 
 void resident_prefetcher_destroy(struct prefetcher *prefetcher)

@@ -186,9 +186,7 @@ static bool march(struct ray *ray, struct cell_rect rect, uint32_t size, double 
 static enum status in_posts(struct ray *ray, struct tile tile, struct cell_rect blocks, double begin, double end)
 {
 	const struct resident_source *ground = ray->ground;
-	enum status status = ground->posts(ground->user, tile, &ray->posts);
-	if (status != STATUS_OK)
-		return status;
+	TRY(ground->posts(ground->user, tile, &ray->posts));
 	ray->tile = tile;
 	ray->in[0] = resident_cells_in(ground->extent, tile.level, tile.x, ground->extent->width);
 	ray->in[1] = resident_cells_in(ground->extent, tile.level, tile.y, ground->extent->height);
@@ -217,11 +215,8 @@ static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool
 	if (child.y >= extent_tiles_y(ground->extent, child.level))
 		child.y--;
 	bool present = true;
-	if (child.level < 0) {
-		enum status status = ground->present(ground->user, child, &present);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (child.level < 0)
+		TRY(ground->present(ground->user, child, &present));
 	if (present)
 		return in_tile(ray, child, begin, end);
 	const uint32_t half = ground->extent->cells / RESIDENT_BLOCK / 2;
@@ -245,9 +240,7 @@ static enum status in_tile(struct ray *ray, struct tile tile, double begin, doub
 	const struct resident_source *ground = ray->ground;
 	double low, high;
 	bool any;
-	enum status status = ground->bounds(ground->user, tile, &low, &high, &any);
-	if (status != STATUS_OK)
-		return status;
+	TRY(ground->bounds(ground->user, tile, &low, &high, &any));
 	if (!any || is_clear(ray, begin, end, low, high)) {
 		ray->side = SIDE_UNKNOWN;
 		return STATUS_OK;
@@ -259,16 +252,15 @@ static enum status in_tile(struct ray *ray, struct tile tile, double begin, doub
 	const double side = extent_spacing(ground->extent, tile.level) * ground->extent->cells;
 	bool east, north;
 	const double x = crosses(ray, 0, tile.x, side, &east), y = crosses(ray, 1, tile.y, side, &north);
-	while (status == STATUS_OK) {
+	for (;;) {
 		double until = end;
 		until = x > begin && x < until ? x : until;
 		until = y > begin && y < until ? y : until;
-		status = in_quarter(ray, tile, east != (x <= begin), north != (y <= begin), begin, until);
+		TRY(in_quarter(ray, tile, east != (x <= begin), north != (y <= begin), begin, until));
 		if (until >= end || ray->hit->hit)
-			break;
+			return STATUS_OK;
 		begin = until;
 	}
-	return status;
 }
 
 /* Finds the part of the ray that is over the world. */
@@ -323,11 +315,9 @@ enum status resident_rays(const struct resident_source *ground, const struct res
 		struct ray ray = {.ground = ground, .hit = &hits[i]};
 		double begin, end;
 		hits[i] = (struct resident_hit){.hit = false};
-		enum status status = take(&rays[i], i, &ray);
-		if (status == STATUS_OK && clip(ground->extent, &ray, rays[i].length, &begin, &end))
-			status = in_tile(&ray, all, begin, end);
-		if (status != STATUS_OK)
-			return status;
+		TRY(take(&rays[i], i, &ray));
+		if (clip(ground->extent, &ray, rays[i].length, &begin, &end))
+			TRY(in_tile(&ray, all, begin, end));
 	}
 	return STATUS_OK;
 }
