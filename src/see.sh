@@ -1,8 +1,7 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
-# base, and the outward header of each folder below it with the parts that this header includes of
-# its own folder. deform and bearing may include all of soil. It runs when meson configures: after a
-# new part, `meson setup --reconfigure BUILD`.
+# base, and of each folder below it the outward header with the parts that it includes. deform and bearing may include all of soil.
+# It runs when meson configures: after a new part, `meson setup --reconfigure BUILD`.
 set -eu
 src=$1 farm=$2 name=$3
 shift 3
@@ -14,7 +13,7 @@ for below; do
 		ln -s "$src/$below" "$farm/$name/$below"
 	else
 		mkdir "$farm/$name/$below"
-		for header in "$below/$below.h" $(sed -n "s|^#include \"\($below/[a-z_]*\.h\)\"\$|\1|p" "$src/$below/$below.h"); do
+		for header in $below/$below.h $(sed -n "s,^#include \"\($below/[^\"]*\)\".*,\1,p" "$src/$below/$below.h"); do
 			ln -s "$src/$header" "$farm/$name/$header"
 		done
 	fi
