@@ -81,34 +81,28 @@ void world_release(struct world *world, struct held_tiles *held)
 
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held)
 {
-	enum status status = STATUS_OK;
 	resident_newest_changed(world->resident.newest);
-	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < held->count; i++) {
 		struct tile tile = held->tiles[i].tile;
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile))))
 			continue;
 		page_cache_dirty(world->resident.cache, held->keys[i]);
 		if (world->ranks != NULL)
-			status = world->ranks->changes(world->ranks->user, held->keys[i]);
-		if (status == STATUS_OK)
-			status = world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile)));
-		if (status != STATUS_OK)
-			return status;
+			TRY(world->ranks->changes(world->ranks->user, held->keys[i]));
+		TRY(world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile))));
 		if (world->resident.pyramid != NULL)
-			status = resident_pyramid_changed(world->resident.pyramid, tile, rect);
-		if (status == STATUS_OK)
-			status = world_happened_change(world, tile);
+			TRY(resident_pyramid_changed(world->resident.pyramid, tile, rect));
+		TRY(world_happened_change(world, tile));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status scatter(struct world *world, const struct deform_window *window, uint32_t layer,
 			   const struct held_tiles *held)
 {
-	enum status status = deform_scatter(world->deform, window, layer, held->tiles, held->count);
-	if (status == STATUS_OK)
-		status = world_mark(world, window->write, held);
-	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
+	TRY(deform_scatter(world->deform, window, layer, held->tiles, held->count));
+	TRY(world_mark(world, window->write, held));
+	return deform_wake_swept(world->deform, window, layer);
 }
 
 /* Computes how far a belt ran between two path samples: with slip s it is the way along the body's own x axis / (1 - s). */
@@ -205,11 +199,9 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 {
 	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
-	enum status status = bearing_area(world->bearing, contact, &area);
-	if (status == STATUS_OK && !feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
-		status = world_let_go(world, body);
-	if (status != STATUS_OK)
-		return status;
+	TRY(bearing_area(world->bearing, contact, &area));
+	if (!feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
+		TRY(world_let_go(world, body));
 	if (post_rect_empty(area.write)) {
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;

@@ -41,11 +41,12 @@ static enum status surface(struct world *world, double x, double y, int64_t *hei
 {
 	const struct resident_point point = {x, y};
 	struct resident_height found = {.bilinear = NAN};
-	enum status status = world_heights(world, &point, 1, &found);
-	*any = status == STATUS_OK && !isnan(found.bilinear);
+	*any = false;
+	TRY(world_heights(world, &point, 1, &found));
+	*any = !isnan(found.bilinear);
 	if (*any)
 		*height = lattice_offset(found.bilinear);
-	return status;
+	return STATUS_OK;
 }
 
 /* Several drops at one place go deeper than any object of the scene. Bounding boxes of tiles must include this. */
@@ -53,10 +54,10 @@ static enum status tell_reach(struct world *world, const struct event *event, in
 {
 	int64_t base;
 	bool any;
-	enum status status = resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &base, &any);
-	if (status == STATUS_OK && any)
+	TRY(resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &base, &any));
+	if (any)
 		world_happened_reach(world, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * soil_shape_bound(shape));
-	return status;
+	return STATUS_OK;
 }
 
 /* Between steps the drive is consistent; during a drop it is not. */
@@ -65,12 +66,10 @@ static enum status touch(struct world *world, const struct event *event)
 	struct body *body = &world->bodies[event->body];
 	world_tear(world);
 	world->near.stale = true;
-	enum status status = world_contact(world, event);
-	if (status == STATUS_OK)
-		status = world_meetings_flush(world);
-	if (status == STATUS_OK)
-		status = world_let_go(world, body);
-	return status == STATUS_OK ? world_end_change(world) : status;
+	TRY(world_contact(world, event));
+	TRY(world_meetings_flush(world));
+	TRY(world_let_go(world, body));
+	return world_end_change(world);
 }
 
 enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)

@@ -28,6 +28,16 @@ void world_happened_finish(struct world *world);
 /* Ends a change of the ground. From now on it may be committed with the present record, and the numbers that were attached last. */
 enum status world_end_change(struct world *world) FURROW_CHECKED;
 
+enum status world_end_or_wait(struct world *world) FURROW_CHECKED; /* the same, unless numbers are attached: those come first */
+
+/* --- stages.c --- */
+/* The step that is made. */
+struct step {
+	double until; /* s: its end */
+};
+/* From now on time counts as that of this stage. Returns the stage before. */
+enum world_stage world_stage_enter(struct world *world, enum world_stage stage);
+
 /* --- resume.c --- */
 
 /* Sets the world to the state of the store's last run of this scene. Call it after the bodies were made. */

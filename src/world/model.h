@@ -52,6 +52,10 @@ struct world {
 		size_t touch;     /* the contact that changes the ground now; SIZE_MAX: none */
 		bool watched;
 	} happened;
+	struct {                  /* stages.c */
+		enum world_stage now;
+		double since;     /* s, by the clock */
+	} stage;
 	struct requests wishes;   /* world_wishes */
 	struct {                  /* forces.c: rows that nobody has read yet */
 		struct world_row *list;
