@@ -310,12 +310,12 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 
 /* --- queries --- */
 
-enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status api_heights(struct drive *drive, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
 	return world_heights(drive->world, points, count, heights);
 }
 
-enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status api_rays(struct drive *drive, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
 	return world_rays(drive->world, rays, count, hits);
 }

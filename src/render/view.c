@@ -18,7 +18,7 @@ static void ask(struct view *view)
 }
 
 /* Waits for the coarsest tile that is missing. If it cannot be read, this says why; a prefetch would not. */
-static enum status load_first(struct view *view, const struct terrain_view *whole)
+static enum status load_first(struct view *view, const struct render_view *whole)
 {
 	uint32_t slot;
 	uint64_t key = view->selection->wanted[0];
@@ -29,7 +29,7 @@ static enum status load_first(struct view *view, const struct terrain_view *whol
 
 /* Waits for all tiles of a picture that is kept, however long. They fit into the slots, so the wait ends. If nothing arrives, or
  * there is no loader, it pins a tile. That says why, if the tile cannot be read. */
-static enum status load_wanted(struct view *view, const struct terrain_view *whole)
+static enum status load_wanted(struct view *view, const struct render_view *whole)
 {
 	const struct world *world = view->world;
 	const volatile sig_atomic_t *stop = world_params(world)->stop;
@@ -69,7 +69,7 @@ static double waited(const struct world *world)
 	return stalls.ms + ranges.ms;
 }
 
-static enum status wait_for_wanted(struct view *view, const struct terrain_view *whole)
+static enum status wait_for_wanted(struct view *view, const struct render_view *whole)
 {
 	if (view->selection->wanted_count == 0)
 		return STATUS_OK;
@@ -88,9 +88,9 @@ static bool has_ground(const struct view *view)
 	       page_cache_peek(world_resident(view->world)->cache, tile_key(coarsest), false, &slot);
 }
 
-static enum status find_tiles(struct view *view, const struct terrain_view *whole, bool complete)
+static enum status find_tiles(struct view *view, const struct render_view *whole, bool complete)
 {
-	view->exact = complete || !motion_look_ahead_brings_ranges(world_look_ahead(view->world));
+	view->exact = complete || !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
 	enum status status = render_view_select_seen(view, whole, false);
 	if (status == STATUS_OK && complete)
 		status = wait_for_wanted(view, whole);
@@ -105,7 +105,7 @@ static enum status find_tiles(struct view *view, const struct terrain_view *whol
 
 enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete)
 {
-	struct terrain_view whole;
+	struct render_view whole;
 	render_view(view->render, camera, &whole);
 	return find_tiles(view, &whole, complete);
 }
@@ -117,11 +117,11 @@ enum status render_view_shade(struct view *view, const struct render_camera *cam
 	render_shade_begin(view->render);
 	if (!(world_scene(view->world)->view.effects >> EFFECT_TERRAIN_SHADOW & 1))
 		return STATUS_OK;
-	view->exact = complete || !motion_look_ahead_brings_ranges(world_look_ahead(view->world));
+	view->exact = complete || !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
 	const double ground = render_view_ground_at(view, camera->eye[0], camera->eye[1], isnan(world_resident(view->world)->meta->low) ? 0 : world_resident(view->world)->meta->low);
 	view->exact = true;
 	for (int map = 0; map < RENDER_SHADE_MAPS && status == STATUS_OK; map++) {
-		struct terrain_view whole;
+		struct render_view whole;
 		if (!render_shade_view(view->render, camera, ground, map, &whole))
 			continue;
 		status = find_tiles(view, &whole, complete);
@@ -466,7 +466,7 @@ enum status render_view_update(struct view *view)
 enum status render_view_wish(struct view *view)
 {
 	struct requests *wishes = world_wishes(view->world);
-	motion_requests_clear(wishes);
+	resident_requests_clear(wishes);
 	TRY(render_view_update(view));
 	return render_view_requests(view, wishes);
 }

@@ -186,13 +186,13 @@ enum status render_view_look_camera(struct view *view)
 	struct view_camera *this = &view->cameras[view->camera_turn++ % view->camera_count];
 	struct view_look *look = &this->ahead;
 	const double time = next_time(world, this->camera);
-	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world_look_ahead(world));
+	const bool come = look->guessed && look->done != resident_look_ahead_ranges_done(world_look_ahead(world));
 	struct render_camera camera;
-	if (time > world_time(world) + motion_look_ahead_reach(world_look_ahead(world), world_time(world)))
+	if (time > world_time(world) + resident_look_ahead_reach(world_look_ahead(world), world_time(world)))
 		return STATUS_OK;
 	if (look->time == time && !come && time - world_time(world) > (time - look->made) / 2)
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(world_look_ahead(world));
+	view->exact = !resident_look_ahead_brings_ranges(world_look_ahead(world));
 	view->render->screen = this->screen;
 	enum status status;
 	TRY_OR(done, place(view, this, time, false, &camera));

@@ -176,7 +176,7 @@ static bool not_resident(void *user, struct tile tile, uint32_t *slot)
 /* --- selecting --- */
 
 /* Most draws of a selection. The rest of the list is room for tiles that are being divided. */
-#define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
+#define MOST (RENDER_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
 
 /* Returns how many of the slots pictures and their requests may take. *budget: those of one picture. */
 static size_t room_of(const struct world *world, size_t slots, size_t *budget)
@@ -216,26 +216,26 @@ static void tell(struct view *view)
 
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything)
 {
-	struct terrain_view whole;
+	struct render_view whole;
 	render_view(view->render, camera, &whole);
 	return render_view_select_seen(view, &whole, everything);
 }
 
-enum status render_view_select_seen(struct view *view, const struct terrain_view *whole, bool everything)
+enum status render_view_select_seen(struct view *view, const struct render_view *whole, bool everything)
 {
 	const struct extent *extent = &world_resident(view->world)->meta->extent;
-	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of, stored};
-	struct terrain_view looking;
+	const struct render_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of, stored};
+	struct render_view looking;
 	view->failed = STATUS_OK;
 	view->guessed = false;
 	looking = *whole;
 	/* Always begin with the whole view, so that a picture does not depend on the pictures before. */
-	terrain_select(extent, &looking, &source, view->selection);
+	render_select(extent, &looking, &source, view->selection);
 	view->coarse = view->selection->needed > view->budget;
 	if (view->coarse) {
 		tell(view);
-		view->coarse = !terrain_fit(extent, &source, view->budget, &looking);
-		terrain_select(extent, &looking, &source, view->selection);
+		view->coarse = !render_fit(extent, &source, view->budget, &looking);
+		render_select(extent, &looking, &source, view->selection);
 	}
 	return view->failed;
 }
@@ -243,11 +243,11 @@ enum status render_view_select_seen(struct view *view, const struct terrain_view
 void render_view_mark_used(struct view *view, bool stand_ins)
 {
 	struct page_cache *cache = world_resident(view->world)->cache;
-	const struct terrain_selection *selection = view->selection;
+	const struct render_selection *selection = view->selection;
 	uint32_t slot;
 	/* From far to near, since the tile used last is evicted last. The coarsest tile, which can replace all, comes after them. */
 	for (size_t i = selection->draw_count; i-- > 0;) {
-		const struct terrain_draw *draw = &selection->draws[i];
+		const struct render_draw *draw = &selection->draws[i];
 		if (draw->replaces && !stand_ins)
 			continue;
 		page_cache_peek(cache, tile_key(draw->tile), true, &slot);
