@@ -1,6 +1,6 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
-# base, and the outward header of each folder below it. deform and bearing may include all of soil.
+# base, and of each folder below it the outward header with the parts that it includes. deform and bearing may include all of soil.
 set -eu
 src=$1 farm=$2 name=$3
 shift 3
@@ -12,6 +12,8 @@ for below; do
 		ln -s "$src/$below" "$farm/$name/$below"
 	else
 		mkdir "$farm/$name/$below"
-		ln -s "$src/$below/$below.h" "$farm/$name/$below/$below.h"
+		for header in $below/$below.h $(sed -n "s,^#include \"\($below/[^\"]*\)\".*,\1,p" "$src/$below/$below.h"); do
+			ln -s "$src/$header" "$farm/$name/$header"
+		done
 	fi
 done

@@ -12,8 +12,8 @@
 
 static bool is_image_step(const struct drive *drive)
 {
-	int64_t every = drive->world.scene->view.images;
-	return every > 0 && drive->world.step % every == 0 && drive->params->host == NULL;
+	int64_t every = world_scene(drive->world)->view.images;
+	return every > 0 && world_steps_done(drive->world) % every == 0 && drive->params->host == NULL;
 }
 
 /* Draws the frames of cameras that follow the present step. */
@@ -33,25 +33,25 @@ static enum status draw_step(struct drive *drive)
 /* The frames of cameras before the first step. */
 static enum status draw_beginning(struct drive *drive)
 {
-	const bool first = drive->view != NULL && drive->world.step == 0 && drive->params->host == NULL;
+	const bool first = drive->view != NULL && world_steps_done(drive->world) == 0 && drive->params->host == NULL;
 	return first ? draw_cameras(drive) : STATUS_OK;
 }
 
 /* The step was committed, but its picture may be missing. A step that was cut short is still to be finished. */
 static enum status begin(struct drive *drive)
 {
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	struct world_recorded recorded;
 	world_recorded(world, &recorded);
-	bool ended = world->resumed.is && world->step == recorded.step;
+	bool ended = world_facts(world)->resumed.is && world_steps_done(world) == recorded.step;
 	enum status status = STATUS_OK;
-	const bool again = ended && drive->view != NULL && world->step > 0 && drive->params->host == NULL;
+	const bool again = ended && drive->view != NULL && world_steps_done(world) > 0 && drive->params->host == NULL;
 	if (again && is_image_step(drive))
 		status = render_view_frame(drive->view, drive->pictures, true);
 	if (again && status == STATUS_OK)
 		status = draw_cameras(drive);
 	if (status == STATUS_OK)
-		status = world_begin(&drive->world);
+		status = world_begin(drive->world);
 	if (status == STATUS_OK && drive->vehicles != NULL)
 		status = vehicle_begin(drive->vehicles);
 	return status == STATUS_OK ? draw_beginning(drive) : status;
@@ -59,7 +59,7 @@ static enum status begin(struct drive *drive)
 
 enum status api_one_step(struct drive *drive)
 {
-	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world);
+	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(drive->world);
 }
 
 #define DRAWING_TOLD 0.1 /* share of the drive's time: if pictures take more, it is told */
@@ -84,19 +84,19 @@ static uint64_t frames_of(const struct drive *drive)
  * after the first `before` ones. */
 static void show_progress(const struct drive *drive, bool terminal, int64_t total, double drawing, uint64_t before, double *shown)
 {
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	double now = clock_seconds();
 	if (now - *shown < (terminal ? TERMINAL_SECONDS : LOG_SECONDS))
 		return;
 	*shown = now;
-	double elapsed = now - drive->began, rate = (double)(world->step - world->resumed.from) / elapsed;
+	double elapsed = now - drive->began, rate = (double)(world_steps_done(world) - world_facts(world)->resumed.from) / elapsed;
 	if (rate <= 0)
 		return;
 	char pictures[96];
 	tell_drawing(drawing, elapsed, frames_of(drive) - before, pictures, sizeof pictures);
 	fprintf(stderr, "%s: step %lld of %lld (%.0f %%), %.*f a second, %.0f s left%s%s", terminal ? "\rdrive" : "furrow: note: drive",
-		(long long)world->step, (long long)total, 100.0 * (double)world->step / (double)total, rate < 10 ? 2 : 0, rate,
-		(double)(total - world->step) / rate, pictures, terminal ? "\033[K" : "\n");
+		(long long)world_steps_done(world), (long long)total, 100.0 * (double)world_steps_done(world) / (double)total, rate < 10 ? 2 : 0, rate,
+		(double)(total - world_steps_done(world)) / rate, pictures, terminal ? "\033[K" : "\n");
 	fflush(stderr);
 }
 
@@ -121,13 +121,13 @@ static void count_pictures(struct drive *drive, struct pictures_time *pictures, 
 /* Makes all steps, some of them with a picture. */
 static enum status all_steps(struct drive *drive, int64_t total)
 {
-	struct world *world = &drive->world;
+	struct world *world = drive->world;
 	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
 	double shown = terminal ? 0 : drive->began, drawing = 0;
 	struct pictures_time pictures = {.frames = frames_of(drive)};
 	const uint64_t before = frames_of(drive);
 	enum status status = STATUS_OK;
-	while (world->step < total && status == STATUS_OK && !vehicle_stuck(drive->vehicles)) {
+	while (world_steps_done(world) < total && status == STATUS_OK && !vehicle_stuck(drive->vehicles)) {
 		if (world_stopped(world)) {
 			status = world_interrupted(world);
 			break;
@@ -142,7 +142,7 @@ static enum status all_steps(struct drive *drive, int64_t total)
 			count_pictures(drive, &pictures, framed - stepped);
 		}
 		if (status == STATUS_OK)
-			status = page_trace_status(world->trace);
+			status = page_trace_status(world_resident(world)->trace);
 		if (status == STATUS_OK)
 			times_add(&drive->report.step_ms, (stepped - started) * 1e3);
 		if (!drive->report.settled && framed - drive->began > 1) {
@@ -160,15 +160,15 @@ static enum status all_steps(struct drive *drive, int64_t total)
 /* Returns true if nobody else uses the drive's files, and no earlier run left anything in them. */
 static bool owns_its_files(const struct drive *drive)
 {
-	return !drive->world.resumed.is && drive->params->ranks == NULL && drive->params->host == NULL;
+	return !world_facts(drive->world)->resumed.is && drive->params->ranks == NULL && drive->params->host == NULL;
 }
 
 static enum status all(struct drive *drive)
 {
-	struct world *world = &drive->world;
+	struct world *world = drive->world;
 	int64_t total = world_step_count(world);
 	enum status status = begin(drive);
-	drive->unbegun = status == STATUS_INPUT && world->step == 0 && owns_its_files(drive);
+	drive->unbegun = status == STATUS_INPUT && world_steps_done(world) == 0 && owns_its_files(drive);
 	if (status != STATUS_OK && drive->params->ranks == NULL)
 		return status;
 	drive->began = clock_seconds();
@@ -182,7 +182,7 @@ static enum status all(struct drive *drive)
 	if (ranks != NULL)
 		status = ranks->end(ranks->user, status);
 	failure_capture(&failure, status);
-	enum status flushed = world_end(world, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
+	enum status flushed = world_end(world, status == STATUS_OK && (world_steps_done(world) >= total || vehicle_stuck(drive->vehicles)));
 	if (ranks != NULL)
 		flushed = api_agree(drive, flushed);
 	drive->report.seconds = clock_seconds() - drive->began;
@@ -211,10 +211,10 @@ static void advise(const struct drive *drive)
 		scene_advise_units(drive->params->scene, tell_advice, NULL);
 		return;
 	}
-	world_tell_written(&drive->world);
-	world_advise(&drive->world, tell_advice, NULL);
-	report_sun_advise(&drive->world, tell_advice, NULL);
-	vehicle_advise(drive->vehicles, &drive->world, tell_advice, NULL);
+	world_tell_written(drive->world);
+	world_advise(drive->world, tell_advice, NULL);
+	report_sun_advise(drive->world, tell_advice, NULL);
+	vehicle_advise(drive->vehicles, drive->world, tell_advice, NULL);
 }
 
 static struct world_params world_params_of(const struct drive *drive)
@@ -244,10 +244,10 @@ static struct world_params world_params_of(const struct drive *drive)
 
 static void finish(struct drive *drive, enum status status)
 {
-	world_stop(&drive->world);
+	world_stop(drive->world);
 	render_view_destroy(drive->view);
 	render_pictures_destroy(drive->pictures);
-	world_finish(&drive->world, status);
+	world_finish(drive->world, status);
 	report_rows_close(drive->rows);
 	report_vehicles_close(drive->vehicle_rows);
 	report_poses_close(drive->poses);
@@ -267,9 +267,9 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		status = vehicle_load(&drive.scene, &drive.vehicles);
 	const struct world_params world = world_params_of(&drive);
 	if (status == STATUS_OK)
-		status = world_prepare(&drive.world, &world);
+		status = world_open(&world, &drive.world);
 	status = api_agree(&drive, status);
-	if (status == STATUS_OK && drive.world.resumed.nothing_left) {
+	if (status == STATUS_OK && world_facts(drive.world)->resumed.nothing_left) {
 		status = api_end_again(&drive, result);
 	} else if (status == STATUS_OK) {
 		advise(&drive);
@@ -279,8 +279,8 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		if (status == STATUS_OK)
 			status = api_end(&drive, result, all(&drive));
 	}
-	const int64_t step = drive.world.step;
-	const double time = drive.world.time;
+	const int64_t step = drive.ran ? world_steps_done(drive.world) : 0;
+	const double time = drive.ran ? world_time(drive.world) : 0;
 	finish(&drive, status);
 	if (drive.unbegun)
 		api_remove_made(&drive);
@@ -294,10 +294,10 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 
 enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
 {
-	return world_heights(&drive->world, points, count, heights);
+	return world_heights(drive->world, points, count, heights);
 }
 
 enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
 {
-	return world_rays(&drive->world, rays, count, hits);
+	return world_rays(drive->world, rays, count, hits);
 }

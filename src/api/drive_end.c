@@ -10,7 +10,7 @@ static void stop_threads(struct drive *drive)
 {
 	drive->report.threads = thread_running();
 	render_pictures_stop(drive->pictures);
-	world_stop(&drive->world);
+	world_stop(drive->world);
 	if (drive->view != NULL)
 		render_view_settle(drive->view);
 }
@@ -22,7 +22,7 @@ static enum status publish_trace(const struct drive *drive, enum status status)
 {
 	struct failure failure;
 	failure_capture(&failure, status);
-	enum status published = page_trace_publish(drive->world.trace);
+	enum status published = page_trace_publish(world_resident(drive->world)->trace);
 	if (published != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
 		return published;
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
@@ -31,7 +31,7 @@ static enum status publish_trace(const struct drive *drive, enum status status)
 static void fill_report(struct drive *drive)
 {
 	struct report *report = &drive->report;
-	report->world = &drive->world;
+	report->world = drive->world;
 	report->view = drive->view;
 	report->pictures = drive->pictures;
 	report->poses = drive->poses;
@@ -42,13 +42,13 @@ static void fill_report(struct drive *drive)
 /* Makes the text of run.json. */
 static enum status describe(struct drive *drive, struct api_result *result)
 {
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	const struct report *report = &drive->report;
-	result->steps = world->step;
-	result->level = world->level;
-	result->spacing = world->spacing;
+	result->steps = world_steps_done(world);
+	result->level = world_resident(world)->level;
+	result->spacing = world_resident(world)->spacing;
 	result->seconds = report->seconds;
-	result->rtf = report->seconds > 0 ? (world->time - world->resumed.time) / report->seconds : 0;
+	result->rtf = report->seconds > 0 ? (world_time(world) - world_facts(world)->resumed.time) / report->seconds : 0;
 	result->json = report_json(report, result->ended);
 	return result->json != NULL ? STATUS_OK : fail_memory("run.json");
 }
@@ -96,11 +96,11 @@ static enum status write_maps(const struct drive *drive, const struct world *wor
 static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
 {
 	struct failure failure;
-	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && drive->world.step == 0;
+	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && world_steps_done(drive->world) == 0;
 	if (!asks_for_a_map(drive->params) || empty)
 		return status;
 	failure_capture(&failure, status);
-	enum status drawn = write_maps(drive, &drive->world, keep, result);
+	enum status drawn = write_maps(drive, drive->world, keep, result);
 	if (status == STATUS_OK)
 		return drawn;
 	if (drawn != STATUS_OK)
@@ -134,7 +134,7 @@ static void tell_on_the_way(const struct drive *drive)
 			continue;
 		if (info.speed >= DRIVES_STILL * drive->scene.vehicles[i].way.speed)
 			note("vehicles.%s: is not at the end of its path, but still drives at %.2g m/s: it has come %.4g m, and %.4g m are left; give an end_time of "
-			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(drive->world.time + info.left / info.speed + 1));
+			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(world_time(drive->world) + info.left / info.speed + 1));
 		else
 			note("vehicles.%s: is not at the end of its path: it has come %.4g m%s; drive longer, or look at what holds it up (vehicles.csv)",
 			     info.name, info.distance, slip_text(info.slip).text);
@@ -181,8 +181,8 @@ static void tell_end(struct drive *drive, const char *ended)
 static int64_t last_committed(const struct world *world)
 {
 	struct resident_pages_io io;
-	resident_pages_io(world->pages, &io);
-	return io.commits > 0 ? io.step : world->resumed.is ? world->resumed.from : 0;
+	resident_pages_io(world_resident(world)->pages, &io);
+	return io.commits > 0 ? io.step : world_facts(world)->resumed.is ? world_facts(world)->resumed.from : 0;
 }
 
 enum status api_end(struct drive *drive, struct api_result *result, enum status status)
@@ -201,7 +201,7 @@ enum status api_end(struct drive *drive, struct api_result *result, enum status 
 		enum status made = describe(drive, result);
 		return status == STATUS_OK ? made : failure_restore(&failure);
 	}
-	result->committed = last_committed(&drive->world);
+	result->committed = last_committed(drive->world);
 	enum status written = report_cameras(drive->poses);
 	if (status == STATUS_OK && written == STATUS_OK)
 		report_videos(drive->poses);
@@ -228,16 +228,11 @@ enum status api_end_again(struct drive *drive, struct api_result *result)
 /* Draws the map from the run's overlay, after what the ranks committed was gathered into it. */
 static enum status map_gathered(const struct drive *drive, int64_t step, double time, struct api_result *result)
 {
-	struct world world;
-	struct store_meta assumed;
-	enum status status = world_prepare_plan(&world, &drive->scene, drive->params->ranks->over, false, &assumed);
-	world.step = step;
-	world.time = time;
+	struct world *world = NULL;
+	enum status status = world_open_ended(&drive->scene, drive->params->ranks->over, step, time, &world);
 	if (status == STATUS_OK)
-		status = resident_ground_create(world.store, world.limits.ground, &world.ground);
-	if (status == STATUS_OK)
-		status = write_maps(drive, &world, false, result);
-	world_finish(&world, STATUS_OK);
+		status = write_maps(drive, world, false, result);
+	world_finish(world, STATUS_OK);
 	return status;
 }
 

@@ -9,7 +9,7 @@ bool api_writes(const struct drive *drive)
 enum status api_agree(struct drive *drive, enum status status)
 {
 	const struct world_ranks *ranks = drive->params->ranks;
-	return ranks != NULL ? ranks->agree(ranks->user, &drive->world, status) : status;
+	return ranks != NULL ? ranks->agree(ranks->user, drive->world, status) : status;
 }
 
 /* --- the view --- */
@@ -30,18 +30,18 @@ static enum status before_commit(void *user)
 static enum status start_view(struct drive *drive)
 {
 	const bool watched = drive->params->host != NULL;
-	if (!drive->world.scene->view.present)
+	if (!world_scene(drive->world)->view.present)
 		return STATUS_OK;
-	enum status status = render_view_create(&drive->world, watched, &drive->view);
-	const size_t bytes = watched ? 0 : render_pictures_bytes(drive->world.scene);
+	enum status status = render_view_create(drive->world, watched, &drive->view);
+	const size_t bytes = watched ? 0 : render_pictures_bytes(world_scene(drive->world));
 	if (status == STATUS_OK && bytes > 0)
-		status = render_pictures_create(drive->world.gpu, drive->params->directory, bytes, &drive->pictures);
+		status = render_pictures_create(world_resident(drive->world)->gpu, drive->params->directory, bytes, &drive->pictures);
 	if (status != STATUS_OK)
 		return status;
 	drive->commits = (struct world_commits){drive, before_record, before_commit};
-	drive->world.commits = &drive->commits;
+	world_set_commits(drive->world, &drive->commits);
 	drive->watcher = render_view_watcher(drive->view);
-	world_watch(&drive->world, &drive->watcher);
+	world_watch(drive->world, &drive->watcher);
 	return STATUS_OK;
 }
 
@@ -58,7 +58,7 @@ static enum status start_pages(struct drive *drive)
 	if (params->trace != NULL)
 		status = page_trace_create(params->trace, &trace);
 	if (status == STATUS_OK)
-		return world_start_pages(&drive->world, commit_log, trace);
+		return world_start_pages(drive->world, commit_log, trace);
 	if (commit_log != NULL)
 		fclose(commit_log);
 	return status;
@@ -68,12 +68,12 @@ static enum status start_pages(struct drive *drive)
 static enum status start_rows(struct drive *drive)
 {
 	const struct api_params *params = drive->params;
-	struct world *world = &drive->world;
+	struct world *world = drive->world;
 	enum status status = STATUS_OK;
 	if (api_writes(drive)) {
 		status = api_folder_clear(world, params->directory);
 		if (status == STATUS_OK && drive->pictures != NULL)
-			status = render_cameras_folders(world->scene, params->directory);
+			status = render_cameras_folders(world_scene(world), params->directory);
 		if (status == STATUS_OK)
 			status = report_rows_open(world, params->directory, &drive->rows);
 		if (status == STATUS_OK)
@@ -84,18 +84,18 @@ static enum status start_rows(struct drive *drive)
 	if (status == STATUS_OK && drive->view != NULL && params->host == NULL)
 		status = report_poses_open(world, params->directory, &drive->poses);
 	const struct world_rows *rows = report_rows_sink(drive->rows);
-	world->rows = params->ranks != NULL ? params->share_rows(params->ranks->user, rows) : rows;
+	world_set_rows(world, params->ranks != NULL ? params->share_rows(params->ranks->user, rows) : rows);
 	vehicle_set_rows(drive->vehicles, report_vehicles_sink(drive->vehicle_rows));
 	return status;
 }
 
 enum status api_start(struct drive *drive)
 {
-	struct world *world = &drive->world;
-	const struct scene *scene = world->scene;
+	struct world *world = drive->world;
+	const struct scene *scene = world_scene(world);
 	enum status status = world_start(world);
 	if (status == STATUS_OK && scene->view.present)
-		status = render_check_samples(world->gpu, scene->view.samples);
+		status = render_check_samples(world_resident(world)->gpu, scene->view.samples);
 	if (status == STATUS_OK && drive->params->host == NULL)
 		status = render_cameras_fit(scene, mem_usable().bytes);
 	/* A drive that could not begin leaves nothing behind. */
@@ -103,7 +103,8 @@ enum status api_start(struct drive *drive)
 		status = api_folder_make(drive->params->directory);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
-	world->figures = vehicle_figures(drive->vehicles);
+	const struct world_figures figures = vehicle_figures(drive->vehicles);
+	world_set_figures(world, &figures);
 	if (status == STATUS_OK)
 		status = start_view(drive);
 	if (status == STATUS_OK)

@@ -9,11 +9,11 @@ static const char default_view[] = "view: {size: [640, 480], effects: [texture, 
 
 enum status api_library_start_view(struct furrow_world *host)
 {
-	enum status status = render_view_create(&host->world, true, &host->view);
+	enum status status = render_view_create(host->world, true, &host->view);
 	if (status != STATUS_OK)
 		return status;
 	host->watcher = render_view_watcher(host->view);
-	world_watch(&host->world, &host->watcher);
+	world_watch(host->world, &host->watcher);
 	return STATUS_OK;
 }
 
@@ -29,7 +29,7 @@ static enum status need_view(struct furrow_world *host)
 	host->scene->view = defaults->view;
 	scene_destroy(defaults);
 	api_library_begin_gl(host);
-	status = world_start_drawing(&host->world);
+	status = world_start_drawing(host->world);
 	if (status == STATUS_OK)
 		status = api_library_start_view(host);
 	if (status != STATUS_OK)

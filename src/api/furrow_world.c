@@ -40,19 +40,19 @@ static enum status start_pages(struct furrow_world *host)
 	enum status status = host->output != NULL ? api_folder_make(host->output) : STATUS_OK;
 	if (status == STATUS_OK && host->output != NULL)
 		status = api_folder_commits(host->output, &commit_log);
-	return status == STATUS_OK ? world_start_pages(&host->world, commit_log, NULL) : status;
+	return status == STATUS_OK ? world_start_pages(host->world, commit_log, NULL) : status;
 }
 
 static enum status start_output(struct furrow_world *host)
 {
 	if (host->output == NULL)
 		return STATUS_OK;
-	enum status status = api_folder_clear(&host->world, host->output);
+	enum status status = api_folder_clear(host->world, host->output);
 	if (status == STATUS_OK)
-		status = report_rows_open(&host->world, host->output, &host->rows);
-	host->world.rows = report_rows_sink(host->rows);
+		status = report_rows_open(host->world, host->output, &host->rows);
+	world_set_rows(host->world, report_rows_sink(host->rows));
 	if (status == STATUS_OK)
-		status = report_vehicles_open(&host->world, host->vehicles, host->output, &host->vehicle_rows);
+		status = report_vehicles_open(host->world, host->vehicles, host->output, &host->vehicle_rows);
 	vehicle_set_rows(host->vehicles, report_vehicles_sink(host->vehicle_rows));
 	return status;
 }
@@ -64,11 +64,12 @@ static void tell_advice(void *user, const char *text)
 
 static enum status start(struct furrow_world *host)
 {
-	struct world *world = &host->world;
+	struct world *world = host->world;
 	enum status status = world_start(world);
 	if (status == STATUS_OK)
 		status = start_pages(host);
-	world->figures = vehicle_figures(host->vehicles);
+	const struct world_figures figures = vehicle_figures(host->vehicles);
+	world_set_figures(world, &figures);
 	if (status == STATUS_OK && host->scene->view.present)
 		status = api_library_start_view(host);
 	if (status == STATUS_OK)
@@ -92,9 +93,9 @@ static enum status start(struct furrow_world *host)
 
 static void destroy(struct furrow_world *host, enum status status)
 {
-	world_stop(&host->world);
+	world_stop(host->world);
 	render_view_destroy(host->view);
-	world_finish(&host->world, status);
+	world_finish(host->world, status);
 	report_rows_close(host->rows);
 	report_vehicles_close(host->vehicle_rows);
 	vehicle_destroy(host->vehicles);
@@ -130,7 +131,7 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 			.draws = host->scene->view.present,
 			.rows = open->output != NULL,
 		};
-		status = world_prepare(&host->world, &params);
+		status = world_open(&params, &host->world);
 	}
 	if (status == STATUS_OK)
 		status = need_own_gl();
@@ -143,10 +144,10 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 		return failure_restore(&failure);
 	}
 	host->process = getpid();
-	host->origin = host->world.time;
-	if (host->world.time == world_step_time(host->scene, host->world.step)) { /* whole steps from the scene's start */
+	host->origin = world_time(host->world);
+	if (world_time(host->world) == world_step_time(host->scene, world_steps_done(host->world))) { /* whole steps from the scene's start */
 		host->origin = 0;
-		host->steps = host->world.step;
+		host->steps = world_steps_done(host->world);
 	}
 	host->mark.origin = host->origin;
 	host->mark.steps = host->steps;
@@ -187,7 +188,7 @@ furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_wo
 /* run.json, as the command writes it. */
 static enum status write_report(struct furrow_world *host, const char *ended)
 {
-	host->report.world = &host->world;
+	host->report.world = host->world;
 	host->report.view = host->view;
 	host->report.vehicles = host->vehicles;
 	host->report.seconds = host->busy;
@@ -202,27 +203,27 @@ static enum status write_report(struct furrow_world *host, const char *ended)
 /* Tells whether it went as far as the scene says. */
 static bool is_complete(const struct furrow_world *host)
 {
-	return isfinite(host->scene->end_time) && host->world.time >= host->scene->end_time * (1 - 1e-12);
+	return isfinite(host->scene->end_time) && world_time(host->world) >= host->scene->end_time * (1 - 1e-12);
 }
 
 /* A step that failed half-way cannot be committed. The commit that is in flight may have all steps before it. */
 static enum status end_torn(struct world *world)
 {
 	struct resident_pages_io io;
-	enum status status = page_cache_await_commit(world->cache);
+	enum status status = page_cache_await_commit(world_resident(world)->cache);
 	if (status != STATUS_OK)
 		return status;
-	resident_pages_io(world->pages, &io);
-	if (io.step >= world->step)
+	resident_pages_io(world_resident(world)->pages, &io);
+	if (io.step >= world_steps_done(world))
 		return STATUS_OK;
 	return fail_with(STATUS_FAILED, "close: a step failed half-way, and %lld whole steps before it are lost with it; go on from step %lld, which is in the store",
-			 (long long)(world->step - io.step), (long long)io.step);
+			 (long long)(world_steps_done(world) - io.step), (long long)io.step);
 }
 
 static enum status end(struct furrow_world *host)
 {
-	struct world *world = &host->world;
-	if (world->torn)
+	struct world *world = host->world;
+	if (world_is_torn(world))
 		return end_torn(world);
 	enum status status = world_hosts_commit(world);
 	return status == STATUS_OK ? world_end(world, is_complete(host)) : status;
@@ -230,7 +231,7 @@ static enum status end(struct furrow_world *host)
 
 static const char *ended(const struct furrow_world *host, enum status status)
 {
-	return status != STATUS_OK || host->failed || host->world.torn ? "failed" : is_complete(host) ? "complete" : "interrupted";
+	return status != STATUS_OK || host->failed || world_is_torn(host->world) ? "failed" : is_complete(host) ? "complete" : "interrupted";
 }
 
 furrow_status furrow_world_close(struct furrow_world *world)
@@ -243,7 +244,7 @@ furrow_status furrow_world_close(struct furrow_world *world)
 		return api_library_leave(&call, status);
 	status = end(world);
 	world->report.threads = thread_running();
-	world_stop(&world->world);
+	world_stop(world->world);
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (world->output != NULL) {
@@ -272,26 +273,28 @@ furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
 		status = api_library_need_size(info->size, sizeof info->size, sizeof *info, "info");
 	if (status != STATUS_OK)
 		return api_library_end(status);
-	const struct world *of = &world->world;
-	const struct extent *extent = &of->meta->extent;
+	const struct world *of = world->world;
+	const struct resident *resident = world_resident(of);
+	const struct store_meta *meta = resident->meta;
+	const struct extent *extent = &meta->extent;
 	const size_t size = info->size < sizeof *info ? info->size : sizeof *info;
 	const struct furrow_info all = {
 		.size = info->size,
-		.level = of->level,
+		.level = resident->level,
 		.coarsest = extent_coarsest(extent),
 		.cells = extent->cells,
-		.spacing = of->spacing,
-		.columns = extent_posts(extent->width, of->level),
-		.rows = extent_posts(extent->height, of->level),
-		.levels = extent_coarsest(extent) - of->level + 1,
+		.spacing = resident->spacing,
+		.columns = extent_posts(extent->width, resident->level),
+		.rows = extent_posts(extent->height, resident->level),
+		.levels = extent_coarsest(extent) - resident->level + 1,
 		.extent = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing},
-		.low = of->meta->low,
-		.high = of->meta->high,
-		.gravity = world->scene->gravity,
-		.time_step = world->scene->time_step,
-		.srs = of->meta->srs,
-		.origin = {of->meta->origin[0], of->meta->origin[1]},
-		.revision = of->changes.revision,
+		.low = meta->low,
+		.high = meta->high,
+		.gravity = world_scene(of)->gravity,
+		.time_step = world_scene(of)->time_step,
+		.srs = meta->srs,
+		.origin = {meta->origin[0], meta->origin[1]},
+		.revision = world_revision(of),
 	};
 	memcpy(info, &all, size);
 	return api_library_end(STATUS_OK);
@@ -306,7 +309,7 @@ furrow_status furrow_stats(struct furrow_world *world, char **json)
 	if (status == STATUS_OK)
 		status = api_library_need(json, "json");
 	if (status == STATUS_OK) {
-		world->report.world = &world->world;
+		world->report.world = world->world;
 		world->report.view = world->view;
 		world->report.vehicles = world->vehicles;
 		world->report.seconds = world->busy;

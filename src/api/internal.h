@@ -12,7 +12,7 @@ struct host; /* host.c */
 struct drive {
 	const struct api_params *params;
 	struct scene scene;           /* the scene that is run; without a window it comes from scene_unwatched */
-	struct world world;
+	struct world *world;
 	struct vehicles *vehicles;    /* NULL: the scene has none */
 	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
 	struct world_watcher watcher; /* the view's */

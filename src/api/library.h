@@ -15,7 +15,7 @@
 #include "world/world.h"
 
 struct furrow_world {
-	struct world world;
+	struct world *world;
 	int64_t process;          /* number of the process that opened it */
 	bool forked;              /* this is a child of that process, and has let go of the world's locks */
 	struct scene *scene;

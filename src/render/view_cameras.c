@@ -46,7 +46,7 @@ static void stand_at(const struct scene_path *poses, double time, struct stand *
 
 static double middle_height(const struct world *world)
 {
-	const double middle = (world->meta->low + world->meta->high) / 2;
+	const double middle = (world_resident(world)->meta->low + world_resident(world)->meta->high) / 2;
 	return isnan(middle) ? 0 : middle;
 }
 
@@ -67,8 +67,8 @@ static void stand_later(struct view *view, const struct body *body, double time,
 /* Where a vehicle, or a body of its model, is. Before the vehicle was set down, where it starts. */
 static void stand_on_vehicle(struct view *view, size_t index, const char *body, struct stand *stand)
 {
-	const struct world_figures *figures = &view->world->figures;
-	const struct scene_vehicle *vehicle = &view->world->scene->vehicles[index];
+	const struct world_figures *figures = world_figures(view->world);
+	const struct scene_vehicle *vehicle = &world_scene(view->world)->vehicles[index];
 	if (figures->vehicle != NULL && figures->vehicle(figures->user, index, body, stand->at, stand->axes))
 		return;
 	memcpy(stand->at, vehicle->at, sizeof vehicle->at);
@@ -88,7 +88,7 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 	}
 	if (now)
 		TRY(render_view_object(view, (size_t)aim->object, &object, &known));
-	stand_later(view, &view->world->bodies[aim->object], time, stand);
+	stand_later(view, world_object_body(view->world, aim->object), time, stand);
 	if (!known)
 		return STATUS_OK;
 	memcpy(stand->at, object.at, sizeof object.at);
@@ -167,12 +167,12 @@ static enum status place(struct view *view, const struct view_camera *this, doub
 /* Returns when the camera's next frame comes, s; INFINITY: the drive ends before. */
 static double next_time(const struct world *world, const struct scene_camera *camera)
 {
-	const double step = world->scene->time_step;
-	int64_t frame = (int64_t)floor((double)world->step * camera->rate * step + 1e-9);
-	while (scene_camera_step(camera, step, frame) <= world->step)
+	const double step = world_scene(world)->time_step;
+	int64_t frame = (int64_t)floor((double)world_steps_done(world) * camera->rate * step + 1e-9);
+	while (scene_camera_step(camera, step, frame) <= world_steps_done(world))
 		frame++;
 	const int64_t at = scene_camera_step(camera, step, frame);
-	return at <= world_step_count(world) ? world_step_time(world->scene, at) : INFINITY;
+	return at <= world_step_count(world) ? world_step_time(world_scene(world), at) : INFINITY;
 }
 
 enum status render_view_look_camera(struct view *view)
@@ -181,13 +181,13 @@ enum status render_view_look_camera(struct view *view)
 	struct view_camera *this = &view->cameras[view->camera_turn++ % view->camera_count];
 	struct view_look *look = &this->ahead;
 	const double time = next_time(world, this->camera);
-	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world->ahead);
+	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world_look_ahead(world));
 	struct render_camera camera;
-	if (time > world->time + motion_look_ahead_reach(world->ahead, world->time))
+	if (time > world_time(world) + motion_look_ahead_reach(world_look_ahead(world), world_time(world)))
 		return STATUS_OK;
-	if (look->time == time && !come && time - world->time > (time - look->made) / 2)
+	if (look->time == time && !come && time - world_time(world) > (time - look->made) / 2)
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(world->ahead);
+	view->exact = !motion_look_ahead_brings_ranges(world_look_ahead(world));
 	view->render->screen = this->screen;
 	enum status status;
 	TRY_OR(done, place(view, this, time, false, &camera));
@@ -219,7 +219,7 @@ static enum status write_all(struct view *view, const struct view_camera *this, 
 			     int64_t frame)
 {
 	const unsigned images = this->camera->images;
-	const bool measures = scene_camera_measures(view->world->scene, this->camera);
+	const bool measures = scene_camera_measures(world_scene(view->world), this->camera);
 	if (images >> SCENE_IMAGE_COLOUR & 1)
 		TRY(write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR));
 	if (measures) {
@@ -259,7 +259,7 @@ static void tell_below(struct view *view, const struct scene_camera *camera, con
 static enum status draw(struct view *view, struct view_camera *this, struct pictures *pictures, const struct render_poses *poses, int64_t frame)
 {
 	struct render_camera camera;
-	TRY(place(view, this, view->world->time, true, &camera));
+	TRY(place(view, this, world_time(view->world), true, &camera));
 	if (frame == 0)
 		tell_below(view, this->camera, camera.eye);
 	TRY(render_view_shade(view, &camera, true));
@@ -277,7 +277,7 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 	const struct world *world = view->world;
 	bool set = false;
 	for (size_t i = 0; i < view->camera_count; i++) {
-		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world->scene->time_step, world->step);
+		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world_scene(world)->time_step, world_steps_done(world));
 		if (frame < 0)
 			continue;
 		if (!set)
@@ -319,7 +319,7 @@ static enum status find_screen(struct view *view, struct view_camera *this)
 
 enum status render_view_make_cameras(struct view *view)
 {
-	const struct scene *scene = view->world->scene;
+	const struct scene *scene = world_scene(view->world);
 	const size_t count = scene->camera_count;
 	if (count == 0)
 		return STATUS_OK;

@@ -28,12 +28,12 @@ struct view_errors {
 
 enum status render_view_errors_create(const struct world *world, struct view_errors **out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct view_errors *errors = mem_calloc(1, sizeof *errors);
 	if (errors == NULL)
 		return fail_memory("the view");
 	errors->bases.most = BASES;
-	errors->bounds.extent = &world->meta->extent;
+	errors->bounds.extent = &world_resident(world)->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		double deep = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
@@ -108,7 +108,7 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 		double ahead = far[0] * x, aside = far[1] * y;
 		int64_t height;
 		bool any;
-		TRY(resident_ground_height(view->world->ground, pose->x + lattice_offset(ahead * c - aside * s),
+		TRY(resident_ground_height(world_resident(view->world)->ground, pose->x + lattice_offset(ahead * c - aside * s),
 					   pose->y + lattice_offset(ahead * s + aside * c), &height, &any));
 		if (i == 0)
 			middle = height;
@@ -134,7 +134,7 @@ enum status render_view_errors_contact(struct view *view, const struct event *ev
 		deep = fmax(deep, body->sinkage);
 	deep = fmax(deep + rise, 0);
 	errors->low = -deep;
-	errors->high = deform_conserves(view->world->scene->model) ? deep : 0;
+	errors->high = deform_conserves(world_scene(view->world)->model) ? deep : 0;
 	errors->lowest = fmin(errors->lowest, errors->low);
 	errors->highest = fmax(errors->highest, errors->high);
 	return STATUS_OK;
@@ -160,7 +160,7 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 		*error /= 2;
 		return STATUS_OK;
 	}
-	TRY(resident_ground_base_range(view->world->ground, tile, &range));
+	TRY(resident_ground_base_range(world_resident(view->world)->ground, tile, &range));
 	*error = range.error;
 	return key_cache_put(&view->errors->bases, key, range.error, 0);
 }
@@ -170,7 +170,7 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	const struct view_errors *errors = view->errors;
 	*error = 0;
 	/* No tile is drawn finer than the working level if it has offsets. */
-	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= view->world->level)
+	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= world_resident(view->world)->level)
 		return STATUS_OK;
 	double low, high;
 	TRY(render_view_stored_offsets(view, tile, &low, &high));
@@ -178,10 +178,10 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	if (tile.level > store_finest_base(view->world->store) || world_relief(view->world) != NULL)
+	if (tile.level > store_finest_base(world_resident(view->world)->store) || world_relief(view->world) != NULL)
 		TRY(base_error(view, tile, error));
 	double bend = 0;
-	if (tile.level <= 0 && tile.level > view->world->level)
+	if (tile.level <= 0 && tile.level > world_resident(view->world)->level)
 		TRY(render_view_bend(view, tile, &bend));
 	*error += apart + bend;
 	return STATUS_OK;

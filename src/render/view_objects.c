@@ -31,8 +31,8 @@ static enum status height_at(struct world *world, const struct body *body, const
 	*height = lattice_offset(point->z);
 	if (object->path.has_z)
 		return STATUS_OK;
-	TRY(resident_ground_height(world->ground, point->qx, point->qy, &ground, known));
-	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world->scene->soils[0], object->load) : object->sink;
+	TRY(resident_ground_height(world_resident(world)->ground, point->qx, point->qy, &ground, known));
+	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world_scene(world)->soils[0], object->load) : object->sink;
 	*height = *known ? ground + lattice_offset(soil_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
 			   body->last.z + body->raised;
 	*known = *known || body->in_contact || body->distance > 0;
@@ -42,10 +42,10 @@ static enum status height_at(struct world *world, const struct body *body, const
 enum status render_view_object(struct view *view, size_t index, struct render_object *object, bool *known)
 {
 	struct world *world = view->world;
-	const struct body *body = &world->bodies[index];
+	const struct body *body = world_object_body(world, index);
 	struct track_point point;
 	int64_t height;
-	motion_track_at(body->track, world->time, &point);
+	motion_track_at(body->track, world_time(world), &point);
 	TRY(height_at(world, body, &point, &height, known));
 	const bool attitude = body->object->shape.kind != SOIL_WHEEL; /* the pitch of a wheel only turns it */
 	*object = (struct render_object){
@@ -62,10 +62,10 @@ enum status render_view_object(struct view *view, size_t index, struct render_ob
 enum status render_view_set_objects(struct view *view)
 {
 	struct world *world = view->world;
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	if (!render_shows_objects(view->render))
 		return STATUS_OK;
-	const struct world_figures *figures = &world->figures;
+	const struct world_figures *figures = world_figures(world);
 	struct render_object *objects = mem_alloc(scene->object_count + figures->count + view->added_count, sizeof *objects);
 	if (objects == NULL)
 		return fail_memory("the picture's objects");
@@ -73,12 +73,12 @@ enum status render_view_set_objects(struct view *view)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		bool known;
-		if (world->bodies[i].track == NULL) { /* a host moves it */
+		if (world_object_body(world, i)->track == NULL) { /* a host moves it */
 			if (render_view_body(view, i, &objects[count]))
 				objects[count++].object = i;
 			continue;
 		}
-		if (world->time < motion_track_sample_time(world->bodies[i].track, 0))
+		if (world_time(world) < motion_track_sample_time(world_object_body(world, i)->track, 0))
 			continue; /* its path has not begun */
 		TRY_OR(done, render_view_object(view, i, &objects[count], &known));
 		count += known;

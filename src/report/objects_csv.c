@@ -49,13 +49,13 @@ static enum status write_row(void *user, const struct world_row *row)
 	static const char *const states[DEFORM_STATES] = {
 		[DEFORM_TOUCHING] = "touching", [DEFORM_SLIDES] = "slides", [DEFORM_SUNK] = "sunk", [DEFORM_AIR] = "air",
 	};
-	const char *soil = row->soil >= 0 ? rows->world->scene->soil_names[row->soil] : "";
+	const char *soil = row->soil >= 0 ? world_scene(rows->world)->soil_names[row->soil] : "";
 	char load[32] = "", work[32] = "";
-	if (rows->world->scene->vehicle_count > 0)
+	if (world_scene(rows->world)->vehicle_count > 0)
 		strcpy(work, ",");
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
-	if (row->body > rows->world->scene->object_count) /* of a vehicle */
+	if (row->body > world_scene(rows->world)->object_count) /* of a vehicle */
 		snprintf(work, sizeof work, ",%.9g", force->work);
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g%s\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
@@ -87,7 +87,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	char path[4096];
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/objects.csv", directory);
-	if (world->scene->object_count + world->scene->vehicle_count == 0 || world->scene->forces == 0) {
+	if (world_scene(world)->object_count + world_scene(world)->vehicle_count == 0 || world_scene(world)->forces == 0) {
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}
@@ -96,7 +96,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 		return fail_memory("objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush, mark, rollback}};
 	bool begins;
-	const char *header = world->scene->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
+	const char *header = world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
 	enum status status = report_rows_file_open(world, path, header, &rows->file, &begins);
 	if (status == STATUS_OK && begins && fputs(header, rows->file) < 0)
 		status = report_rows_file_failed(path);

@@ -133,7 +133,7 @@ enum status report_vehicles_open(const struct world *world, const struct vehicle
 	char path[4096];
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/vehicles.csv", directory);
-	if (vehicles == NULL || world->scene->vehicle_rows == 0) {
+	if (vehicles == NULL || world_scene(world)->vehicle_rows == 0) {
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}

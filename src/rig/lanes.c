@@ -135,11 +135,11 @@ static enum status steps(struct rig *rig, struct world *world, size_t count)
 {
 	const int64_t total = world_step_count(world), before = rig->done;
 	enum status status = world_begin(world);
-	while (world->step < total && status == STATUS_OK) {
+	while (world_steps_done(world) < total && status == STATUS_OK) {
 		if (world_stopped(world))
 			return fail_with(STATUS_INTERRUPTED, "rig: interrupted; run it again to start over");
 		status = world_step(world);
-		rig->done = before + (int64_t)count * world->step / total;
+		rig->done = before + (int64_t)count * world_steps_done(world) / total;
 		if (status == STATUS_OK && rig->params->progress != NULL)
 			status = rig->params->progress(rig->params->user, rig->done, rig->total);
 	}
@@ -148,29 +148,29 @@ static enum status steps(struct rig *rig, struct world *world, size_t count)
 
 static enum status drive(struct rig *rig, const struct scene *scene, struct sums *sums, size_t count)
 {
-	struct world world = {.step = 0};
+	struct world *world = NULL;
 	struct taking taking = {rig, sums};
 	const struct world_rows rows = {.user = &taking, .row = take, .flush = nothing};
 	const struct world_params params = {.scene = scene, .store = rig->bed, .rows = true, .stop = rig->params->stop};
-	enum status status = world_prepare(&world, &params);
+	enum status status = world_open(&params, &world);
 	if (status == STATUS_OK && !rig->advised && rig->params->tell != NULL)
-		world_advise(&world, rig->params->tell, rig->params->user);
+		world_advise(world, rig->params->tell, rig->params->user);
 	rig->advised = true;
 	if (status == STATUS_OK)
-		status = world_start(&world);
+		status = world_start(world);
 	if (status == STATUS_OK)
-		status = world_start_pages(&world, NULL, NULL);
+		status = world_start_pages(world, NULL, NULL);
 	if (status == STATUS_OK)
-		status = world_warm(&world);
+		status = world_warm(world);
 	if (status == STATUS_OK) {
-		world_seal(&world);
-		world.rows = &rows;
-		status = steps(rig, &world, count);
+		world_seal(world);
+		world_set_rows(world, &rows);
+		status = steps(rig, world, count);
 	}
 	struct failure failure;
 	failure_capture(&failure, status);
-	world_stop(&world);
-	world_finish(&world, status);
+	world_stop(world);
+	world_finish(world, status);
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }
 

@@ -84,7 +84,7 @@ void vehicle_save(void *user, double *numbers)
 static enum status damaged(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from does not fit vehicles.%s: %s; drive without --resume",
-			 vehicles->world->path, vehicle->scene->name, why);
+			 world_facts(vehicles->world)->path, vehicle->scene->name, why);
 }
 
 static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geom, const double **from)

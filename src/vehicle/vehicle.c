@@ -144,7 +144,7 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 /* Tells rows that are due at the present time. */
 static enum status tell_rows(struct vehicles *vehicles)
 {
-	const double rate = vehicles->scene->vehicle_rows, time = vehicles->world->time;
+	const double rate = vehicles->scene->vehicle_rows, time = world_time(vehicles->world);
 	if (vehicles->rows == NULL || !(rate > 0) || time * rate * (1 + 1e-12) < vehicles->row)
 		return STATUS_OK;
 	vehicles->row = floor(time * rate * (1 + 1e-12)) + 1;
@@ -194,7 +194,7 @@ static enum status tell_forces(struct vehicles *vehicles)
 
 void vehicle_skip_rows(struct vehicles *vehicles)
 {
-	vehicles->row = floor(vehicles->world->time * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
+	vehicles->row = floor(world_time(vehicles->world) * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
 }
 
 enum status vehicle_begin(struct vehicles *vehicles)
@@ -220,7 +220,7 @@ static void watch_sunk(const struct vehicles *vehicles, struct vehicle *vehicle)
 	if (!long_sunk || vehicle->told_sunk[0] != '\0')
 		return;
 	vehicle_say_sunk(vehicles, vehicle, vehicle_sunk(vehicle), text, sizeof text);
-	snprintf(vehicle->told_sunk, sizeof vehicle->told_sunk, "after %.3g s, %.450s", vehicles->world->time, text);
+	snprintf(vehicle->told_sunk, sizeof vehicle->told_sunk, "after %.3g s, %.450s", world_time(vehicles->world), text);
 	note("%s", vehicle->told_sunk);
 }
 
@@ -321,7 +321,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	if (vehicles->world != NULL && vehicle->begun > VEHICLE_ABOVE)
 		info->kinetic = vehicle_kinetic(vehicle);
 	if (info->stuck)
-		info->stuck_at = vehicles->world->time - vehicle->slow;
+		info->stuck_at = world_time(vehicles->world) - vehicle->slow;
 }
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint)

@@ -113,7 +113,7 @@ const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number);
 /* Tells where such a body is, and what the soil did to it in the last step. The contact is unknown after a rollback and in a resumed run, until
  * a step. Returns false if the body is no vehicle's. `vehicles` may be NULL. */
 bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact);
-/* Goes back to the world's last whole step, after vehicle_step failed and left world->torn false. Contacts are unknown until the next step. */
+/* Goes back to the world's last whole step, after vehicle_step failed and left world_is_torn(world) false. Contacts are unknown until the next step. */
 enum status vehicle_step_back(struct vehicles *vehicles) FURROW_CHECKED;
 /* Goes back to the checkpoint, after world_rollback. Controls that the host set stay. */
 enum status vehicle_rollback(struct vehicles *vehicles) FURROW_CHECKED;

@@ -65,12 +65,12 @@ void world_batches_free(struct world *world)
 static size_t tiles_of(const struct world *world, struct post_rect rect, uint64_t *keys, size_t room)
 {
 	struct tile first, last;
-	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, rect, &first, &last))
 		return 0;
 	size_t count = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1), at = 0;
 	for (uint32_t y = first.y; y <= last.y && count <= room; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
-			keys[at++] = tile_key((struct tile){world->level, x, y});
+			keys[at++] = tile_key((struct tile){world->resident.level, x, y});
 	return count;
 }
 
@@ -154,7 +154,7 @@ enum status world_batches_flush_near(struct world *world, const struct deform_wi
 static void release(struct world *world, struct chosen *chosen)
 {
 	for (size_t i = 0; i < chosen->waiting->tiles && chosen->held; i++)
-		page_cache_unpin(world->cache, chosen->waiting->keys[i]);
+		page_cache_unpin(world->resident.cache, chosen->waiting->keys[i]);
 	chosen->held = false;
 }
 
@@ -207,7 +207,7 @@ static enum status compute(struct world *world)
 static enum status one_batch(struct world *world, size_t *at)
 {
 	struct batches *batches = world->batches;
-	const size_t round = batches->list[batches->order[*at]].round, most = world->limits.slots / 2;
+	const size_t round = batches->list[batches->order[*at]].round, most = world->facts.limits.slots / 2;
 	size_t tiles = 0;
 	bool added = true;
 	enum status status = STATUS_OK;

@@ -71,7 +71,7 @@ void world_changes_rollback(struct world *world, uint64_t revision)
 			continue;
 		changed->last = changes->revision;
 		changed->from = 0;
-		changed->rect = tile_post_rect(&world->meta->extent, changed->tile);
+		changed->rect = tile_post_rect(&world->resident.meta->extent, changed->tile);
 	}
 	changes->pending = false;
 }
@@ -90,8 +90,8 @@ struct telling {
 
 static void tell(struct telling *telling, struct post_rect rect)
 {
-	const struct extent *extent = &telling->world->meta->extent;
-	const struct post_rect all = {0, 0, extent_posts(extent->width, telling->world->level), extent_posts(extent->height, telling->world->level)};
+	const struct extent *extent = &telling->world->resident.meta->extent;
+	const struct post_rect all = {0, 0, extent_posts(extent->width, telling->world->resident.level), extent_posts(extent->height, telling->world->resident.level)};
 	rect = post_rect_intersect(rect, all);
 	if (post_rect_empty(rect))
 		return;
@@ -104,8 +104,8 @@ static enum status tell_stored(void *user, uint64_t key)
 {
 	struct telling *telling = user;
 	const struct tile tile = tile_from_key(key);
-	if (tile.level == telling->world->level && key_map_find(&telling->world->changes.places, key) == NULL)
-		tell(telling, tile_post_rect(&telling->world->meta->extent, tile));
+	if (tile.level == telling->world->resident.level && key_map_find(&telling->world->changes.places, key) == NULL)
+		tell(telling, tile_post_rect(&telling->world->resident.meta->extent, tile));
 	return STATUS_OK;
 }
 
@@ -122,10 +122,10 @@ enum status world_changes_since(struct world *world, uint64_t since, struct post
 		const struct changed_tile *changed = &changes->list[i];
 		if (changed->last > since)
 			tell(&telling, since >= changed->from && changed->from > 0 ? changed->rect :
-				       tile_post_rect(&world->meta->extent, changed->tile));
+				       tile_post_rect(&world->resident.meta->extent, changed->tile));
 	}
 	if (since == 0) {
-		enum status status = store_each_changed(resident_ground_reader(world->ground), 0, tell_stored, &telling, &stored);
+		enum status status = store_each_changed(resident_ground_reader(world->resident.ground), 0, tell_stored, &telling, &stored);
 		if (status != STATUS_OK)
 			return status;
 	}

@@ -19,7 +19,7 @@ static struct scene_object dropped(const struct world *world, enum world_drop_sh
 	if (shape == WORLD_DROP_BALL)
 		object.shape = (struct soil_shape){
 			.kind = SOIL_SPHERE,
-			.radius = fmin(fmax(BALL_RADIUS, BALL_POSTS * world->spacing), bound),
+			.radius = fmin(fmax(BALL_RADIUS, BALL_POSTS * world->resident.spacing), bound),
 		};
 	double reach = soil_shape_reach(&object.shape, 0, 0);
 	if (!(object.sink > 0) || object.sink > reach)
@@ -53,7 +53,7 @@ static enum status tell_watcher(struct world *world, const struct event *event, 
 {
 	int64_t base;
 	bool any;
-	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &base, &any);
+	enum status status = resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &base, &any);
 	if (status == STATUS_OK && any && world->watcher != NULL)
 		world->watcher->reach(world->watcher->user, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * soil_shape_bound(shape));
 	return status;
@@ -63,7 +63,7 @@ static enum status tell_watcher(struct world *world, const struct event *event, 
 static enum status touch(struct world *world, const struct event *event)
 {
 	struct body *body = &world->bodies[event->body];
-	world->torn = true;
+	world_tear(world);
 	world->near.stale = true;
 	enum status status = world_contact(world, event);
 	if (status == STATUS_OK)
@@ -101,6 +101,6 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 	if (status == STATUS_OK)
 		status = touch(world, &event);
 	*body = (struct body){.object = NULL};
-	world->drops++;
+	world->counts.drops++;
 	return status;
 }

@@ -78,7 +78,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 	*out = forces;
 	if (forces->standing == NULL)
 		return fail_memory("forces");
-	for (size_t i = 0; world->resumed.is && i < scene->object_count; i++) {
+	for (size_t i = 0; world->facts.resumed.is && i < scene->object_count; i++) {
 		const struct record_object *object = &world->record->objects[i];
 		if (object->next == 0)
 			continue;
@@ -89,7 +89,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 		forces->standing[i].pose.y = point.qy;
 	}
 	/* The first step gives the rows of time 0. */
-	while (world->resumed.is && world->record->step > 0 && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
+	while (world->facts.resumed.is && world->record->step > 0 && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
 	       (double)forces->row / forces->rate <= world->record->time)
 		forces->row++;
 	return STATUS_OK;
@@ -360,7 +360,9 @@ void world_forces_restore(struct forces *forces, const struct forces_saved *save
 	memcpy(forces->standing, saved->standing, forces->world->scene->object_count * sizeof *saved->standing);
 }
 
-void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures)
+bool world_forces_figures(const struct world *world, struct world_forces_figures *figures)
 {
-	*figures = (struct world_forces_figures){forces->saturated};
+	if (world->forces != NULL)
+		*figures = (struct world_forces_figures){world->forces->saturated};
+	return world->forces != NULL;
 }

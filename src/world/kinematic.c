@@ -81,10 +81,10 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	if (status == STATUS_OK && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
 		status = world_let_go(world, body);
 	const size_t due = deform_windows_computed(windows, count);
-	world->windows.due += due;
+	world->counts.windows.due += due;
 	if (status != STATUS_OK || count == 0 || aloft)
 		return status;
-	world->windows.computed += due;
+	world->counts.windows.computed += due;
 	status = compute(world, event, contact, &area, windows, count, &changed);
 	if (status == STATUS_OK)
 		world_count_windows(body, contact, due);

@@ -247,8 +247,8 @@ static void count_windows(struct world *world, const struct waiting_contact *wai
 	if (waiting->feels)
 		return;
 	world_count_windows(world_body_at(world, waiting->event.body), &waiting->contact, computed);
-	world->windows.due++;
-	world->windows.computed += computed;
+	world->counts.windows.due++;
+	world->counts.windows.computed += computed;
 }
 
 /* Puts back what the held tiles have of what changed. */
@@ -266,12 +266,12 @@ static enum status each_tile(struct world *world, const struct group *group, boo
 	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
 	struct tile first, last;
 	enum status status = STATUS_OK;
-	if (!tile_range_of(&world->meta->extent, world->level, reads, &first, &last))
+	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, reads, &first, &last))
 		return status;
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
 			struct held_tiles held;
-			status = world_hold_tile(world, (struct tile){world->level, x, y}, &held);
+			status = world_hold_tile(world, (struct tile){world->resident.level, x, y}, &held);
 			if (status == STATUS_OK && gathers)
 				bearing_meeting_gather(group->hand, held.tiles, held.count);
 			else if (status == STATUS_OK)
@@ -363,7 +363,7 @@ static void put_group(struct world *world, size_t number, size_t first, size_t l
 	group->count = last - first;
 	group->contacts = &m->contacts[first];
 	group->hand = bearing_hand(world->bearing, number);
-	group->whole = group->count == 1 || world_tiles_in(world, bearing_meeting_reads(group->contacts, group->count)) <= world->windows.tiles;
+	group->whole = group->count == 1 || world_tiles_in(world, bearing_meeting_reads(group->contacts, group->count)) <= world->counts.windows.tiles;
 }
 
 /* Returns where the group ends that begins at order[first]. */
@@ -402,7 +402,7 @@ static enum status compute_round(struct world *world, size_t round)
 		m->contacts[i] = (struct bearing_contact){.contact = &waiting->contact, .area = waiting->area, .feels = waiting->feels};
 		posts += posts_in(waiting->area.read);
 	}
-	const size_t hands = world_hands_for(world, posts), most = world->limits.slots / 2;
+	const size_t hands = world_hands_for(world, posts), most = world->facts.limits.slots / 2;
 	if (status == STATUS_OK)
 		status = need_groups(world, hands);
 	for (size_t first = 0; first < count && status == STATUS_OK;) {

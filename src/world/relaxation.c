@@ -27,8 +27,8 @@ void world_intervals_from(struct world *world, double time)
 
 enum status world_wake_all(struct world *world)
 {
-	const struct extent *extent = &world->meta->extent;
-	const struct post_rect all = {0, 0, extent_posts(extent->width, world->level), extent_posts(extent->height, world->level)};
+	const struct extent *extent = &world->resident.meta->extent;
+	const struct post_rect all = {0, 0, extent_posts(extent->width, world->resident.level), extent_posts(extent->height, world->resident.level)};
 	return world_wake(world, all);
 }
 
@@ -45,13 +45,13 @@ static size_t rests_of(const struct world *world)
 /* Gathers a region from tiles that are pinned four at a time, however many it reads. hand: of bearing. */
 static enum status gather(struct world *world, struct bearing *hand, size_t region)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	const struct post_rect reads = world->bearing != NULL ? bearing_interval_reads(world->bearing, region) : deform_interval_reads(world->deform, region);
 	const int64_t cells = extent->cells;
 	struct held_tiles held = {.count = 0};
 	struct tile first, last;
 	enum status status = hand != NULL ? bearing_interval_start(hand, region) : STATUS_OK;
-	bool any = tile_range_of(extent, world->level, reads, &first, &last);
+	bool any = tile_range_of(extent, world->resident.level, reads, &first, &last);
 	for (uint32_t y = first.y; any && y <= last.y; y += 2)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
 			/* Tiles x, x + 1 and y, y + 1, without the posts that they share with others. */
@@ -159,10 +159,10 @@ static enum status one_interval(struct world *world, size_t *blocks)
 {
 	const enum status status = interval(world, blocks);
 	struct page_stats pages;
-	int64_t side = (world->meta->extent.cells + SOIL_BLOCK - 1) / SOIL_BLOCK;
-	page_cache_stats(world->cache, &pages);
-	world->relaxation.visited += *blocks;
-	world->relaxation.possible += pages.touched * (uint64_t)(side * side);
+	int64_t side = (world->resident.meta->extent.cells + SOIL_BLOCK - 1) / SOIL_BLOCK;
+	page_cache_stats(world->resident.cache, &pages);
+	world->counts.visited += *blocks;
+	world->counts.possible += pages.touched * (uint64_t)(side * side);
 	return status;
 }
 

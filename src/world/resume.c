@@ -21,7 +21,7 @@ static bool near(int64_t a, int64_t b)
 static enum status check_object(struct world *world, struct body *body, const struct record_object *object)
 {
 	const struct record *record = world->record;
-	const char *store = world->path;
+	const char *store = world->facts.path;
 	struct event event = {.time = 0};
 	if (body->track == NULL) /* a host's: it begins anew */
 		return object->next == 0 && !object->in_contact ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
@@ -51,16 +51,16 @@ static enum status check_object(struct world *world, struct body *body, const st
 static enum status check(struct world *world)
 {
 	const struct record *record = world->record;
-	const char *store = world->path;
+	const char *store = world->facts.path;
 	/* An earlier end_time may have cut the last step short. */
 	double whole = (double)record->step * world->scene->time_step;
 	if (!world->scene->hosted && world_steps_until(world->scene, record->time) != (double)record->step &&
 	    fabs(record->time - whole) > 1e-12 * whole)
 		return world_record_damaged(store, "its step and its time do not agree");
-	if (record->level != world->level)
+	if (record->level != world->resident.level)
 		return world_record_damaged(store, "its level is not the store's");
-	const struct extent *extent = &world->meta->extent;
-	int64_t width = extent_posts(extent->width, world->level), height = extent_posts(extent->height, world->level);
+	const struct extent *extent = &world->resident.meta->extent;
+	int64_t width = extent_posts(extent->width, world->resident.level), height = extent_posts(extent->height, world->resident.level);
 	for (size_t i = 0; i < record->active_count; i++)
 		if (record->active[i].x >= (width + SOIL_BLOCK - 1) / SOIL_BLOCK ||
 		    record->active[i].y >= (height + SOIL_BLOCK - 1) / SOIL_BLOCK)
@@ -76,16 +76,16 @@ static enum status check(struct world *world)
 static void restore(struct world *world)
 {
 	const struct record *record = world->record;
-	world->resumed.is = true;
+	world->facts.resumed.is = true;
 	world->step = record->step;
 	world->time = record->time;
 	/* The scene ends later now: its last step is done to its full length. */
 	if (!world->scene->hosted && record->step > 0 && record->time < world_step_time(world->scene, record->step) * (1 - 1e-12))
 		world->step--;
-	world->resumed.from = world->step;
-	world->resumed.time = world->time;
+	world->facts.resumed.from = world->step;
+	world->facts.resumed.time = world->time;
 	const int64_t total = world->scene->hosted ? INT64_MAX : world_step_count(world); /* a host decides how far it goes */
-	world->resumed.nothing_left = world->step > total || (world->step == total && record->ended);
+	world->facts.resumed.nothing_left = world->step > total || (world->step == total && record->ended);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct record_object *object = &record->objects[i];
 		struct body *body = &world->bodies[i];
@@ -113,7 +113,7 @@ static bool is_of_this_scene(const struct world *world, const struct store_run *
 	if (record != NULL)
 		record->attached_count = attached;
 	const bool is = record != NULL && run->scene_hash != NULL && strcmp(run->scene_hash, world->scene->hash) == 0 &&
-			world_record_parse(run, world->path, world->scene, record) == STATUS_OK &&
+			world_record_parse(run, world->facts.path, world->scene, record) == STATUS_OK &&
 			record->law == world_law(world);
 	*ended = is && record->ended;
 	mem_free(record);
@@ -124,9 +124,9 @@ void world_tell_unfinished(const struct world *world)
 {
 	struct store_run run;
 	bool ended;
-	if (store_last_run(world->store, &run) == STATUS_OK && run.step > 0 && is_of_this_scene(world, &run, &ended) && !ended)
+	if (store_last_run(world->resident.store, &run) == STATUS_OK && run.step > 0 && is_of_this_scene(world, &run, &ended) && !ended)
 		note("%s: this scene was driven to step %lld there and not to its end; it begins anew, over those ruts "
-		     "(--resume would go on)", world->path, (long long)run.step);
+		     "(--resume would go on)", world->facts.path, (long long)run.step);
 }
 
 /* Returns true if nothing was driven in an overlay, and its parent's drive cannot go on there. That drive is of another scene, or has no step
@@ -134,7 +134,7 @@ void world_tell_unfinished(const struct world *world)
 static bool begins_anew(struct world *world, const struct store_run *run)
 {
 	bool ended;
-	if (!store_run_inherited(world->store))
+	if (!store_run_inherited(world->resident.store))
 		return false;
 	if (strcmp(run->scene_hash, world->scene->hash) != 0)
 		return true;
@@ -144,11 +144,11 @@ static bool begins_anew(struct world *world, const struct store_run *run)
 enum status world_resume(struct world *world)
 {
 	int64_t revision;
-	const char *store = world->path, *over = store_parent(world->store, &revision);
+	const char *store = world->facts.path, *over = store_parent(world->resident.store, &revision);
 	struct store_run run;
 	if (world->params.ranks != NULL && over != NULL) /* a rank's part lies over the run's overlay, which the user knows */
 		store = over;
-	enum status status = store_last_run(world->store, &run);
+	enum status status = store_last_run(world->resident.store, &run);
 	if (status != STATUS_OK)
 		return status;
 	if (run.scene_hash == NULL) {
@@ -172,7 +172,7 @@ enum status world_resume(struct world *world)
 	if (status != STATUS_OK)
 		return status;
 	restore(world);
-	if (world->resumed.nothing_left)
+	if (world->facts.resumed.nothing_left)
 		note("%s: this scene was driven to step %lld, %g s, already; nothing is left to do", store,
 		     (long long)run.step, run.time);
 	return STATUS_OK;

@@ -37,7 +37,7 @@ enum status world_fill_record(struct world *world)
 	record->active_count = count;
 	record->step = world->step;
 	record->time = world->time;
-	record->level = world->level;
+	record->level = world->resident.level;
 	record->law = world_law(world);
 	record->ended = false;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
@@ -61,7 +61,7 @@ enum status world_fill_record(struct world *world)
 
 const double *world_attached(const struct world *world)
 {
-	return world->resumed.is && world->record->attached_count > 0
+	return world->facts.resumed.is && world->record->attached_count > 0
 		       ? world_record_attached(world->record, world->scene->object_count)
 		       : NULL;
 }
@@ -138,60 +138,61 @@ static enum status deform_step(struct world *world, double until)
 
 enum status world_begin(struct world *world)
 {
+	world_enter(world, WORLD_READY);
 	world_intervals_from(world, world->time);
-	motion_look_ahead_begin(world->ahead, world->resumed.time);
-	enum status status = world->resumed.is ? STATUS_OK : world_fill_record(world);
-	page_cache_hold(world->cache, true);
+	motion_look_ahead_begin(world->ahead, world->facts.resumed.time);
+	enum status status = world->facts.resumed.is ? STATUS_OK : world_fill_record(world);
+	page_cache_hold(world->resident.cache, true);
 	if (status == STATUS_OK && !world->scene->hosted)
 		status = world_begin_run(world);
-	world->warmed.stalls = world->warmed.range_waits = (struct stalls){0, 0};
+	world->counts.warmed.stalls = world->counts.warmed.range_waits = (struct stalls){0, 0};
 	struct stalls stalls, ranges;
 	world_stalls(world, &stalls);
 	world_range_waits(world, &ranges);
-	world->warmed.stalls = stalls;
-	world->warmed.range_waits = ranges;
+	world->counts.warmed.stalls = stalls;
+	world->counts.warmed.range_waits = ranges;
 	return status;
 }
 
 enum status world_begin_run(struct world *world)
 {
-	if (world->begun)
+	if (world->phase == WORLD_STEPPING)
 		return STATUS_OK;
 	if (world->params.readonly)
 		return fail_with(STATUS_USAGE, "world: it was opened to be read only, and this would change it; open it without readonly");
 	/* If the store cannot be written now, nothing has happened, and the step can be made later. */
-	enum status status = store_begin(world->store);
+	enum status status = store_begin(world->resident.store);
 	if (status != STATUS_OK)
 		return status;
-	page_cache_hold(world->cache, false);
+	page_cache_hold(world->resident.cache, false);
 	/* A run that is killed before its first commit must not be taken for the run before it. */
-	if (!world->resumed.is || world->params.attached.count > 0)
-		status = page_cache_flush(world->cache, world->record);
+	if (!world->facts.resumed.is || world->params.attached.count > 0)
+		status = page_cache_flush(world->resident.cache, world->record);
 	if (status != STATUS_OK)
 		return status;
-	world->begun = true;
+	world_enter(world, WORLD_STEPPING);
 	return world_checkpoint_begun(world);
 }
 
 enum status world_end_step(struct world *world)
 {
-	enum status status = world->pyramid != NULL ? resident_pyramid_flush(world->pyramid, world->cache) : STATUS_OK;
+	enum status status = world->resident.pyramid != NULL ? resident_pyramid_flush(world->resident.pyramid, world->resident.cache) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = world_fill_record(world);
 	/* Until the record describes this step too, there is nothing to commit. */
 	if (status != STATUS_OK)
 		return status;
-	world->torn = false;
+	world_mend(world);
 	world_changes_end(world);
-	return page_cache_end_step(world->cache, world->record);
+	return page_cache_end_step(world->resident.cache, world->record);
 }
 
 enum status world_move_hosts(struct world *world)
 {
-	enum status status = page_cache_poll(world->cache);
+	enum status status = page_cache_poll(world->resident.cache);
 	if (world->ranks != NULL)
 		status = world->ranks->step(world->ranks->user, world->time, status);
-	world->torn = true;
+	world_tear(world);
 	if (status == STATUS_OK)
 		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
 	return status == STATUS_OK ? world_end_step(world) : status;
@@ -211,7 +212,7 @@ static enum status prepare(struct world *world, double until)
 	if (world->ranks != NULL && status == STATUS_OK && world->events.count == 0) /* of the bodies that are here now */
 		status = world_collect_events(world, until, true);
 	if (status == STATUS_OK)
-		status = page_cache_poll(world->cache);
+		status = page_cache_poll(world->resident.cache);
 	if (status == STATUS_OK)
 		status = motion_look_ahead_step(world->ahead, world->time);
 	return status;
@@ -227,7 +228,7 @@ enum status world_step_to(struct world *world, double until)
 		return status;
 	}
 	world->hosts.until = until;
-	world->torn = true;
+	world_tear(world);
 	status = deform_step(world, until);
 	world->near.stale = true;
 	if (status != STATUS_OK)
@@ -241,15 +242,27 @@ enum status world_step_to(struct world *world, double until)
 	return world_end_step(world);
 }
 
+enum status world_idle(struct world *world)
+{
+	TRY(page_cache_poll(world->resident.cache));
+	TRY(motion_look_ahead_step(world->ahead, world->time));
+	return page_cache_end_step(world->resident.cache, world->record);
+}
+
+enum status world_begin_commit(struct world *world)
+{
+	return page_cache_begin_commit(world->resident.cache, world->record);
+}
+
 void world_stalls(const struct world *world, struct stalls *stalls)
 {
 	struct page_stats pages;
 	struct resident_ground_figures ground;
-	page_cache_stats(world->cache, &pages);
-	resident_ground_figures(world->ground, &ground);
+	page_cache_stats(world->resident.cache, &pages);
+	resident_ground_figures(world->resident.ground, &ground);
 	*stalls = (struct stalls){
-		.count = pages.stalls + ground.waits - world->warmed.stalls.count,
-		.ms = pages.stall_ms + ground.wait_ms - world->warmed.stalls.ms,
+		.count = pages.stalls + ground.waits - world->counts.warmed.stalls.count,
+		.ms = pages.stall_ms + ground.wait_ms - world->counts.warmed.stalls.ms,
 	};
 }
 
@@ -262,10 +275,10 @@ void world_recorded(const struct world *world, struct world_recorded *recorded)
 void world_range_waits(const struct world *world, struct stalls *waits)
 {
 	struct resident_ground_figures ground;
-	resident_ground_figures(world->ground, &ground);
+	resident_ground_figures(world->resident.ground, &ground);
 	*waits = (struct stalls){
-		.count = ground.range_waits - world->warmed.range_waits.count,
-		.ms = ground.range_wait_ms - world->warmed.range_waits.ms,
+		.count = ground.range_waits - world->counts.warmed.range_waits.count,
+		.ms = ground.range_wait_ms - world->counts.warmed.range_waits.ms,
 	};
 }
 
@@ -284,5 +297,5 @@ enum status world_end(struct world *world, bool ended)
 {
 	world->record->ended = ended;
 	/* A step that failed half-way must not be committed. The last commit remains. */
-	return world->torn || !world->begun ? STATUS_OK : page_cache_flush(world->cache, world->record);
+	return world->phase != WORLD_STEPPING ? STATUS_OK : page_cache_flush(world->resident.cache, world->record);
 }
