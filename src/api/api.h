@@ -110,8 +110,8 @@ struct api_params {
 	/* The drive is one of several processes that step this world together. Then store and overlay are those of `ranks`, and only rank 0
 	 * writes files. NULL: it is the only one. */
 	const struct world_ranks *ranks;
-	/* Gives what takes the rows of all ranks, and passes them on to `rows` (NULL: there are none). */
-	const struct world_rows *(*share_rows)(void *user, const struct world_rows *rows);
+	/* Says where the rows of all ranks go (NULL: nowhere). */
+	void (*share_rows)(void *user, const struct report_rows *rows);
 };
 
 struct api_result {

@@ -135,6 +135,7 @@ enum status render_view_shade(struct view *view, const struct render_camera *cam
 static enum status draw(struct view *view, bool complete)
 {
 	struct render_camera camera;
+	TRY(render_view_update(view));
 	render_view_place_camera(view, world_time(view->world), &camera);
 	TRY(render_view_shade(view, &camera, complete));
 	TRY(render_view_find_tiles(view, &camera, complete));
@@ -181,6 +182,7 @@ void render_view_settle(struct view *view)
 
 enum status render_view_between(struct view *view, struct pictures *pictures)
 {
+	TRY(render_view_update(view));
 	enum status status;
 	TRY_OR(done, render_pictures_poll(pictures));
 	TRY_OR(done, render_view_look_ahead(view));
@@ -291,7 +293,7 @@ static enum status make(struct view *view)
 		TRY(render_view_errors_create(world, &view->errors));
 	if (world_resident(world)->was_deformed || scene->hosted) /* a host may make its view late */
 		TRY(store_each_offset(resident_ground_reader(world_resident(world)->ground), world_resident(world)->level, deformed_key, view));
-	return render_view_contact(view, NULL, NULL);
+	return render_view_contact(view, NULL);
 }
 
 enum status render_view_create(struct world *world, bool watched, struct view **out)
@@ -317,6 +319,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 		render_view_destroy(view);
 		return status;
 	}
+	world_watch(world);
 	*out = view;
 	return STATUS_OK;
 }
@@ -436,29 +439,32 @@ enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth
 	return render_read(view->render, pixels, depth);
 }
 
-/* --- watching the world --- */
+/* --- what happened in the world --- */
 
-static enum status on_contact(void *user, const struct event *event, const struct contact_area *area)
+enum status render_view_update(struct view *view)
 {
-	return render_view_contact(user, event, area);
+	const struct world_happened *happened = world_happened(view->world);
+	size_t touch = SIZE_MAX;
+	if (happened->reach > 0)
+		render_view_reach_at_least(view, happened->reach);
+	for (size_t i = 0; i < happened->change_count; i++) {
+		const struct world_change *change = &happened->changes[i];
+		if (change->touch != touch) {
+			touch = change->touch;
+			TRY(render_view_contact(view, touch != SIZE_MAX ? &happened->touches[touch] : NULL));
+		}
+		TRY(render_view_deformed(view, change->tile));
+	}
+	if (touch != SIZE_MAX)
+		TRY(render_view_contact(view, NULL));
+	world_happened_clear(view->world);
+	return STATUS_OK;
 }
 
-static enum status on_changed(void *user, struct tile tile)
+enum status render_view_wish(struct view *view)
 {
-	return render_view_deformed(user, tile);
-}
-
-static enum status on_requests(void *user, struct requests *requests)
-{
-	return render_view_requests(user, requests);
-}
-
-static void on_reach(void *user, double metres)
-{
-	render_view_reach_at_least(user, metres);
-}
-
-struct world_watcher render_view_watcher(struct view *view)
-{
-	return (struct world_watcher){view, on_contact, on_changed, on_requests, on_reach};
+	struct requests *wishes = world_wishes(view->world);
+	motion_requests_clear(wishes);
+	TRY(render_view_update(view));
+	return render_view_requests(view, wishes);
 }

@@ -67,10 +67,13 @@ static void stand_later(struct view *view, const struct body *body, double time,
 /* Where a vehicle, or a body of its model, is. Before the vehicle was set down, where it starts. */
 static void stand_on_vehicle(struct view *view, size_t index, const char *body, struct stand *stand)
 {
-	const struct world_figures *figures = world_figures(view->world);
+	const struct world_place *place = world_frame_of(view->world, index, body);
 	const struct scene_vehicle *vehicle = &world_scene(view->world)->vehicles[index];
-	if (figures->vehicle != NULL && figures->vehicle(figures->user, index, body, stand->at, stand->axes))
+	if (place != NULL) {
+		memcpy(stand->at, place->at, sizeof stand->at);
+		memcpy(stand->axes, place->axes, sizeof stand->axes);
 		return;
+	}
 	memcpy(stand->at, vehicle->at, sizeof vehicle->at);
 	stand->at[2] = render_view_ground_at(view, vehicle->at[0], vehicle->at[1], middle_height(view->world));
 	soil_axes(vehicle->yaw, 0, 0, 0, stand->axes);

@@ -96,12 +96,12 @@ static void sides(const struct soil_shape *shape, double far[2], double lift[2])
 }
 
 /* Finds how much deeper an object on a slope digs beside its middle than at the middle, metres. */
-static enum status rise_beside(struct view *view, const struct event *event, double *rise)
+static enum status rise_beside(struct view *view, const struct world_touch *touch, double *rise)
 {
-	const struct soil_pose *pose = &event->pose;
+	const struct soil_pose *pose = &touch->pose;
 	double far[2], lift[2], c = cos(pose->yaw), s = sin(pose->yaw);
 	int64_t middle = 0;
-	sides(&world_body_of(view->world, event)->object->shape, far, lift);
+	sides(touch->shape, far, lift);
 	*rise = 0;
 	for (int i = 0; i < 9; i++) {
 		int x = (i + 4) % 9 % 3 - 1, y = (i + 4) % 9 / 3 - 1; /* the middle first */
@@ -118,21 +118,17 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	return STATUS_OK;
 }
 
-enum status render_view_errors_contact(struct view *view, const struct event *event)
+enum status render_view_errors_contact(struct view *view, const struct world_touch *touch)
 {
 	struct view_errors *errors = view->errors;
-	if (event == NULL) {
+	if (touch == NULL) {
 		errors->low = errors->lowest;
 		errors->high = errors->highest;
 		return STATUS_OK;
 	}
 	double rise;
-	TRY(rise_beside(view, event, &rise));
-	const struct body *body = world_body_of(view->world, event);
-	double deep = event->sinkage;
-	if (body->object->load > 0) /* as the soil was found to carry it in the last step */
-		deep = fmax(deep, body->sinkage);
-	deep = fmax(deep + rise, 0);
+	TRY(rise_beside(view, touch, &rise));
+	const double deep = fmax(touch->depth + rise, 0); /* with a load: as the soil was found to carry it in the step before */
 	errors->low = -deep;
 	errors->high = deform_conserves(world_scene(view->world)->model) ? deep : 0;
 	errors->lowest = fmin(errors->lowest, errors->low);

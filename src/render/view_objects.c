@@ -4,6 +4,7 @@
  * A wheel and a ball have rolled on since the last path sample.
  */
 #include <math.h>
+#include <string.h>
 
 #include "render/view.h"
 
@@ -85,8 +86,11 @@ enum status render_view_set_objects(struct view *view)
 	}
 	for (size_t i = 0; i < figures->count; i++) {
 		struct render_object figure = {.object = scene->object_count + i, .posed = true};
-		if (figures->place(figures->user, i, figure.at, figure.axes))
-			objects[count++] = figure;
+		if (!figures->places[i].there)
+			continue;
+		memcpy(figure.at, figures->places[i].at, sizeof figure.at);
+		memcpy(figure.axes, figures->places[i].axes, sizeof figure.axes);
+		objects[count++] = figure;
 	}
 	for (size_t i = 0; i < view->added_count; i++)
 		if (render_view_body(view, (size_t)view->added[i], &objects[count]))

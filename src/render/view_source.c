@@ -144,10 +144,10 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
 	return STATUS_OK;
 }
 
-enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area)
+enum status render_view_contact(struct view *view, const struct world_touch *touch)
 {
-	TRY(render_view_offsets_contact(view, area));
-	return view->errors != NULL ? render_view_errors_contact(view, event) : STATUS_OK;
+	TRY(render_view_offsets_contact(view, touch != NULL ? &touch->area : NULL));
+	return view->errors != NULL ? render_view_errors_contact(view, touch) : STATUS_OK;
 }
 
 enum status render_view_deformed(struct view *view, struct tile tile)

@@ -269,6 +269,7 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 		}
 		TRY(check_sunk(vehicles));
 		TRY(world_move_hosts(vehicles->world));
+		TRY(vehicle_record(vehicles));
 		tell_settling(vehicles, still);
 	}
 	return STATUS_OK;
@@ -286,7 +287,8 @@ static enum status place_bodies(struct vehicles *vehicles)
 			geom->touched = geom->now;
 			geom->is_touched = true;
 		}
-	return world_move_hosts(vehicles->world);
+	TRY(world_move_hosts(vehicles->world));
+	return vehicle_record(vehicles);
 }
 
 static enum status start(struct vehicles *vehicles)

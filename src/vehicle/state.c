@@ -74,9 +74,8 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 	return to;
 }
 
-void vehicle_save(void *user, double *numbers)
+void vehicle_save(const struct vehicles *vehicles, double *numbers)
 {
-	const struct vehicles *vehicles = user;
 	for (size_t v = 0; v < vehicles->count; v++)
 		numbers = save_one(vehicles, &vehicles->list[v], numbers);
 }
@@ -163,5 +162,6 @@ enum status vehicle_restore(struct vehicles *vehicles, const double *numbers)
 		mj_crb(vehicle->model, vehicle->data);
 		mj_factorM(vehicle->model, vehicle->data);
 	}
+	vehicle_show(vehicles);
 	return STATUS_OK;
 }

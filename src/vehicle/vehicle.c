@@ -22,7 +22,8 @@ static enum status make_lists(struct vehicles *vehicles)
 	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
 	vehicles->states = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->states);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
-	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->contacts == NULL)
+	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
+	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->contacts == NULL || vehicles->record == NULL)
 		return fail_memory("the vehicles");
 	return STATUS_OK;
 }
@@ -74,12 +75,21 @@ void vehicle_destroy(struct vehicles *vehicles)
 	mem_free(vehicles->numbers);
 	mem_free(vehicles->states);
 	mem_free(vehicles->contacts);
+	mem_free(vehicles->record);
 	mem_free(vehicles);
 }
 
-struct world_attached vehicle_attached(struct vehicles *vehicles)
+size_t vehicle_attached(const struct vehicles *vehicles)
 {
-	return vehicles != NULL ? (struct world_attached){vehicles->attached, vehicles, vehicle_save} : (struct world_attached){.count = 0};
+	return vehicles != NULL ? vehicles->attached : 0;
+}
+
+enum status vehicle_record(struct vehicles *vehicles)
+{
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(vehicles->world, vehicles->record);
+	vehicle_show(vehicles);
+	return world_end_step(vehicles->world);
 }
 
 /* --- joining the world --- */
@@ -109,16 +119,15 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
-	return recorded != NULL ? vehicle_restore(vehicles, recorded) : STATUS_OK;
+	if (recorded != NULL)
+		return vehicle_restore(vehicles, recorded);
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(world, vehicles->record);
+	vehicle_show(vehicles);
+	return STATUS_OK;
 }
 
 /* --- rows --- */
-
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
-{
-	if (vehicles != NULL)
-		vehicles->rows = rows;
-}
 
 static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 {
@@ -141,20 +150,22 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->forces = data->actuator_force;
 }
 
-/* Tells rows that are due at the present time. */
-static enum status tell_rows(struct vehicles *vehicles)
+bool vehicle_rows_due(struct vehicles *vehicles)
 {
-	const double rate = vehicles->scene->vehicle_rows, time = world_time(vehicles->world);
-	if (vehicles->rows == NULL || !(rate > 0) || time * rate * (1 + 1e-12) < vehicles->row)
-		return STATUS_OK;
-	vehicles->row = floor(time * rate * (1 + 1e-12)) + 1;
-	for (size_t v = 0; v < vehicles->count; v++) {
-		struct vehicle_row row = {.time = time, .vehicle = v};
-		vehicle_joints(vehicles, v, vehicles->list[v].row_joints, NULL);
-		fill_row(&vehicles->list[v], &row);
-		TRY(vehicles->rows->row(vehicles->rows->user, &row));
-	}
-	return vehicles->rows->flush(vehicles->rows->user);
+	if (vehicles == NULL)
+		return false;
+	const double rate = vehicles->scene->vehicle_rows, now = world_time(vehicles->world) * rate * (1 + 1e-12);
+	if (!(rate > 0) || now < vehicles->row)
+		return false;
+	vehicles->row = floor(now) + 1;
+	return true;
+}
+
+void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *row)
+{
+	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
+	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
+	fill_row(&vehicles->list[index], row);
 }
 
 static enum deform_state state_of(enum world_contact_state state)
@@ -204,8 +215,7 @@ enum status vehicle_begin(struct vehicles *vehicles)
 		return STATUS_OK;
 	}
 	TRY(vehicle_settle(vehicles));
-	TRY(tell_forces(vehicles));
-	return tell_rows(vehicles);
+	return tell_forces(vehicles);
 }
 
 /* Tells once of each vehicle that the soil does not carry it. */
@@ -249,7 +259,7 @@ enum status vehicle_step(struct vehicles *vehicles)
 	TRY(tell_forces(vehicles));
 	watch(vehicles);
 	TRY(world_step(vehicles->world));
-	return tell_rows(vehicles);
+	return vehicle_record(vehicles);
 }
 
 static bool is_stuck(const struct vehicles *vehicles, const struct vehicle *vehicle)

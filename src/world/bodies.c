@@ -130,10 +130,10 @@ enum status world_make_bodies(struct world *world)
 	const struct scene *scene = world->scene;
 	world->bodies = mem_calloc(scene->object_count + 1, sizeof *world->bodies);
 	world->relaxation.rests = mem_calloc(scene->object_count + 1, sizeof *world->relaxation.rests);
-	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached.count));
+	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached));
 	if (world->bodies == NULL || world->relaxation.rests == NULL || world->record == NULL)
 		return fail_memory("the objects");
-	world->record->attached_count = world->params.attached.count;
+	world->record->attached_count = world->params.attached;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		struct body *body = &world->bodies[i];

@@ -106,9 +106,7 @@ enum status world_budget_check(struct world *world)
 	struct deform_params params;
 	/* For an assumed terrain it is not known. */
 	bool slides = world_deforms(world) && scene->undisturbed == SCENE_SLIDES && world->resident.store != NULL;
-	enum status status = slides ? check_active(world) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	TRY(slides ? check_active(world) : STATUS_OK);
 	world_deform_params(world, &params);
 	size_t block = world_deforms(world) && deform_conserves(scene->model) ? block_tiles(world) : 0;
 	if (block > WORLD_TILES_MOST || block > world->facts.limits.slots)
@@ -117,11 +115,8 @@ enum status world_budget_check(struct world *world)
 					       "larger tiles (--tile)",
 				 block, world->resident.meta->extent.cells, world->facts.limits.slots, WORLD_TILES_MOST);
 	world->counts.windows.tiles = block;
-	for (size_t i = 0; i < scene->object_count; i++) {
-		status = shape_budget(world, &params, scene->objects[i].name, &scene->objects[i].shape);
-		if (status != STATUS_OK)
-			return status;
-	}
+	for (size_t i = 0; i < scene->object_count; i++)
+		TRY(shape_budget(world, &params, scene->objects[i].name, &scene->objects[i].shape));
 	return STATUS_OK;
 }
 

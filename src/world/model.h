@@ -21,8 +21,6 @@ struct changed_tile {
 struct world {
 	struct world_params params;
 	const struct scene *scene;
-	const struct world_watcher *watcher; /* NULL: nothing watches the world */
-	const struct world_rows *rows;       /* NULL: rows are not used */
 	const struct world_commits *commits; /* NULL: no functions */
 	const struct world_ranks *ranks;     /* NULL: this process alone steps the world */
 	bool unplaced;    /* ranks: a body was placed since the last call of ranks->step */
@@ -45,8 +43,24 @@ struct world {
 	struct deform_params surface; /* of deform or bearing */
 	struct forces *forces;    /* forces.c; NULL: forces are not needed */
 	struct look_ahead *ahead; /* motion: loads tiles before they are needed */
+	struct scene_object dropped; /* the last body that a window dropped */
 	struct body *bodies;      /* bodies.c: the scene's objects in its order, and one more for drops of a window */
 
+	struct {                  /* happened.c */
+		struct world_happened told;
+		size_t touch_room, change_room;
+		size_t touch;     /* the contact that changes the ground now; SIZE_MAX: none */
+		bool watched;
+	} happened;
+	struct {                  /* stages.c */
+		enum world_stage now;
+		double since;     /* s, by the clock */
+	} stage;
+	struct requests wishes;   /* world_wishes */
+	struct {                  /* forces.c: rows that nobody has read yet */
+		struct world_row *list;
+		size_t count, room;
+	} rows;
 	struct world_events {     /* events.c: events of the current step */
 		struct event *list;
 		size_t count, room;
