@@ -114,28 +114,24 @@ enum status render_view_look(struct view *view, const struct render_camera *came
 	uint64_t done = resident_look_ahead_ranges_done(world_look_ahead(view->world));
 	look->time = time;
 	look->made = world_time(view->world);
-	enum status status = expect_tracks(view, time);
-	if (status == STATUS_OK)
-		status = render_view_select(view, camera, true);
+	enum status status;
+	TRY_OR(done, expect_tracks(view, time));
+	TRY_OR(done, render_view_select(view, camera, true));
+	look->count = view->selection->wanted_count;
+	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
+done:
 	look->guessed = view->guessed;
 	look->done = done;
 	key_set_clear(&view->expected);
 	view->coarse = coarse;
-	if (status != STATUS_OK)
-		return status;
-	look->count = view->selection->wanted_count;
-	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
-	return STATUS_OK;
+	return status;
 }
 
 enum status render_view_look_ahead(struct view *view)
 {
 	const struct scene *scene = world_scene(view->world);
-	if (world_facts(view->world)->limits.prefetch > 0 && view->camera_count > 0) {
-		enum status status = render_view_look_camera(view);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (world_facts(view->world)->limits.prefetch > 0 && view->camera_count > 0)
+		TRY(render_view_look_camera(view));
 	if (world_facts(view->world)->limits.prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
 		return STATUS_OK;
 	struct view_look *look;

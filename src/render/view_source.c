@@ -11,14 +11,12 @@ enum status render_view_base_range(struct view *view, struct tile tile, struct k
 {
 	uint64_t key = tile_key(tile);
 	bool found, any = false;
-	enum status status = key_cache_find(&view->ranges, key, range, &found);
-	if (status != STATUS_OK || found)
-		return status;
+	TRY(key_cache_find(&view->ranges, key, range, &found));
+	if (found)
+		return STATUS_OK;
 	if (render_view_lacks_range(view, GROUND_BASE, tile))
 		return render_view_base_range(view, tile_ancestor(tile, tile.level + 1), range);
-	status = resident_ground_range(world_resident(view->world)->ground, tile, &range->a, &range->b, &any);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_range(world_resident(view->world)->ground, tile, &range->a, &range->b, &any));
 	if (!any)
 		range->a = NAN;
 	return key_cache_put(&view->ranges, key, range->a, range->b);
@@ -154,8 +152,8 @@ enum status render_view_contact(struct view *view, const struct world_touch *tou
 
 enum status render_view_deformed(struct view *view, struct tile tile)
 {
-	enum status status = render_view_offsets_touch(view, tile);
-	return status == STATUS_OK && view->errors != NULL ? render_view_errors_touch(view, tile) : status;
+	TRY(render_view_offsets_touch(view, tile));
+	return view->errors != NULL ? render_view_errors_touch(view, tile) : STATUS_OK;
 }
 
 static double error_of(void *user, struct tile tile)
