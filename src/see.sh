@@ -1,6 +1,6 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
-# base, and the outward header of each folder below it. deform and bearing may include all of soil.
+# base, and the outward header of each folder below it: that of api is furrow.h. deform and bearing may include all of soil.
 set -eu
 src=$1 farm=$2 name=$3
 shift 3
@@ -12,6 +12,8 @@ for below; do
 		ln -s "$src/$below" "$farm/$name/$below"
 	else
 		mkdir "$farm/$name/$below"
-		ln -s "$src/$below/$below.h" "$farm/$name/$below/$below.h"
+		header=$below/$below.h
+		[ "$below" != api ] || header=api/furrow.h
+		ln -s "$src/$header" "$farm/$name/$header"
 	fi
 done

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "base/aside.h"
 #include "scene/scene_file.h"
 #include "study.h"
@@ -284,13 +284,13 @@ enum status study_prepare(struct study *study, const char *directory, bool colle
 	char path[PATH_MAX];
 	struct stat found;
 	const bool there = stat(directory, &found) == 0;
-	enum status status = api_folder_make(directory);
+	enum status status = drive_folder_make(directory);
 	if (status == STATUS_OK)
 		status = find_paths(study, directory);
 	const char *runs = study->directory != NULL ? study->directory : "";
 	snprintf(path, sizeof path, "%.4000s/runs", runs);
 	if (status == STATUS_OK)
-		status = api_folder_make(path);
+		status = drive_folder_make(path);
 	if (status == STATUS_OK)
 		status = name_runs(study, path, collects);
 	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++)
@@ -302,7 +302,7 @@ enum status study_prepare(struct study *study, const char *directory, bool colle
 		(void)rmdir(study->directory);
 	}
 	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++) {
-		status = api_folder_make(study_path(study, run, "", path));
+		status = drive_folder_make(study_path(study, run, "", path));
 		if (status == STATUS_OK)
 			status = write_script(study, run);
 	}

@@ -49,8 +49,8 @@ static enum status camera_of(const struct furrow_camera *from, struct render_cam
 		return fail_with(STATUS_USAGE, "camera: its pose is none; give a place in m and a unit quaternion w, x, y, z");
 	if (!(from->fovy > 0 && from->fovy < M_PI))
 		return fail_with(STATUS_USAGE, "camera.fovy: %g is no angle of view; give radians above 0 and below pi", from->fovy);
-	if (from->width < 1 || from->height < 1 || from->width > API_PICTURE_MOST || from->height > API_PICTURE_MOST)
-		return fail_with(STATUS_USAGE, "camera: %u x %u pixels; give 1 to %u each", from->width, from->height, API_PICTURE_MOST);
+	if (from->width < 1 || from->height < 1 || from->width > DRIVE_PICTURE_MOST || from->height > DRIVE_PICTURE_MOST)
+		return fail_with(STATUS_USAGE, "camera: %u x %u pixels; give 1 to %u each", from->width, from->height, DRIVE_PICTURE_MOST);
 	for (int i = 0; i < 4; i++)
 		q[i] = from->pose.orientation[i] / length;
 	world_axes(q, axes);

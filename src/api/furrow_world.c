@@ -7,8 +7,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "api/internal.h"
-
 /* --- opening --- */
 
 static _Atomic int64_t gl_process; /* the process that made GL contexts, or a parent of it; 0: none did */
@@ -37,9 +35,9 @@ static enum status load_scene(const struct furrow_open *open, struct scene **out
 static enum status start_pages(struct furrow_world *host)
 {
 	FILE *commit_log = NULL;
-	enum status status = host->output != NULL ? api_folder_make(host->output) : STATUS_OK;
+	enum status status = host->output != NULL ? drive_folder_make(host->output) : STATUS_OK;
 	if (status == STATUS_OK && host->output != NULL)
-		status = api_folder_commits(host->output, &commit_log);
+		status = drive_folder_commits(host->output, &commit_log);
 	return status == STATUS_OK ? world_start_pages(&host->world, commit_log, NULL) : status;
 }
 
@@ -47,7 +45,7 @@ static enum status start_output(struct furrow_world *host)
 {
 	if (host->output == NULL)
 		return STATUS_OK;
-	enum status status = api_folder_clear(&host->world, host->output);
+	enum status status = drive_folder_clear(&host->world, host->output);
 	if (status == STATUS_OK)
 		status = report_rows_open(&host->world, host->output, &host->rows);
 	host->world.rows = report_rows_sink(host->rows);

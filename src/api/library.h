@@ -4,7 +4,7 @@
 #ifndef FURROW_API_LIBRARY_H
 #define FURROW_API_LIBRARY_H
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "api/furrow.h"
 #include "base/base.h"
 #include "gpu/gpu.h"

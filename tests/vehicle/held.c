@@ -71,7 +71,7 @@ static size_t drive(const struct vehicle_kind *kind, const char *soil, double tu
 				    "stuck: {after: 2, below: 0.02}\noutput: {vehicles: 20}\n", seconds, SPACING, soil);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, &json));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, &json));
 	*stuck = strstr(json, "\"stuck\"") != NULL && strstr(strstr(json, "\"ended\""), "\"stuck\"") < strchr(strstr(json, "\"ended\""), ',');
 	mem_free(json);
 	return drive_rows(support_path("out/vehicles.csv"), "v", rows, ROWS_MOST);

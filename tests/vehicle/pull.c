@@ -80,7 +80,7 @@ static double drive(const struct trial *trial)
 				    "output: {vehicles: 20, forces: 20}\n", seconds, trial->spacing, trial->gravity, trial->soil, trial->more);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 2000);
 	assert_true(count > 30);
 	const struct drive_row *from = &rows[count - count / 4], *to = &rows[count - 1];

@@ -2,7 +2,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "api/internal.h"
+#include "drive/internal.h"
 
 /* How often it is told how far a drive is, s. */
 #define TERMINAL_SECONDS 0.2
@@ -57,7 +57,7 @@ static enum status begin(struct drive *drive)
 	return status == STATUS_OK ? draw_beginning(drive) : status;
 }
 
-enum status api_one_step(struct drive *drive)
+enum status drive_one_step(struct drive *drive)
 {
 	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world);
 }
@@ -133,7 +133,7 @@ static enum status all_steps(struct drive *drive, int64_t total)
 			break;
 		}
 		double started = clock_seconds();
-		status = api_one_step(drive);
+		status = drive_one_step(drive);
 		double stepped = clock_seconds(), framed = stepped;
 		if (status == STATUS_OK && drive->view != NULL) {
 			status = draw_step(drive);
@@ -175,7 +175,7 @@ static enum status all(struct drive *drive)
 	const double used = clock_process_seconds();
 	drive->report.warm_seconds = drive->began - drive->entered;
 	if (status == STATUS_OK)
-		status = drive->params->host != NULL ? api_host_steps(drive, total) : all_steps(drive, total);
+		status = drive->params->host != NULL ? drive_host_steps(drive, total) : all_steps(drive, total);
 	drive->report.processor = clock_process_seconds() - used;
 	struct failure failure;
 	const struct world_ranks *ranks = drive->params->ranks;
@@ -184,7 +184,7 @@ static enum status all(struct drive *drive)
 	failure_capture(&failure, status);
 	enum status flushed = world_end(world, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
 	if (ranks != NULL)
-		flushed = api_agree(drive, flushed);
+		flushed = drive_agree(drive, flushed);
 	drive->report.seconds = clock_seconds() - drive->began;
 	/* An interrupted drive that could not be committed has failed. */
 	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
@@ -219,7 +219,7 @@ static void advise(const struct drive *drive)
 
 static struct world_params world_params_of(const struct drive *drive)
 {
-	const struct api_params *params = drive->params;
+	const struct drive_params *params = drive->params;
 	const struct world_ranks *ranks = params->ranks;
 	return (struct world_params){
 		.scene = &drive->scene,
@@ -255,49 +255,49 @@ static void finish(struct drive *drive, enum status status)
 		fclose(drive->volume);
 }
 
-enum status api_drive(const struct api_params *params, struct api_result *result)
+enum status drive_run(const struct drive_params *params, struct drive_result *result)
 {
 	struct drive drive = {.params = params, .scene = *params->scene, .entered = clock_seconds(), .new_folder = !is_there(params->directory),
 			      .new_overlay = !is_there(params->overlay)};
 	if (params->host == NULL)
 		scene_unwatched(params->scene, &drive.scene);
-	*result = (struct api_result){.ended = "failed"};
+	*result = (struct drive_result){.ended = "failed"};
 	enum status status = params->map ? report_map_check(&drive.scene) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = vehicle_load(&drive.scene, &drive.vehicles);
 	const struct world_params world = world_params_of(&drive);
 	if (status == STATUS_OK)
 		status = world_prepare(&drive.world, &world);
-	status = api_agree(&drive, status);
+	status = drive_agree(&drive, status);
 	if (status == STATUS_OK && drive.world.resumed.nothing_left) {
-		status = api_end_again(&drive, result);
+		status = drive_end_again(&drive, result);
 	} else if (status == STATUS_OK) {
 		advise(&drive);
-		status = api_agree(&drive, api_start(&drive));
+		status = drive_agree(&drive, drive_start(&drive));
 		drive.ran = status == STATUS_OK;
 		drive.unbegun = !drive.ran && owns_its_files(&drive);
 		if (status == STATUS_OK)
-			status = api_end(&drive, result, all(&drive));
+			status = drive_end(&drive, result, all(&drive));
 	}
 	const int64_t step = drive.world.step;
 	const double time = drive.world.time;
 	finish(&drive, status);
 	if (drive.unbegun)
-		api_remove_made(&drive);
+		drive_remove_made(&drive);
 	if (drive.ran && params->ranks != NULL)
-		status = api_conclude(&drive, step, time, result, status);
+		status = drive_conclude(&drive, step, time, result, status);
 	vehicle_destroy(drive.vehicles);
 	return status;
 }
 
 /* --- queries --- */
 
-enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status drive_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
 {
 	return world_heights(&drive->world, points, count, heights);
 }
 
-enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status drive_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
 {
 	return world_rays(&drive->world, rays, count, hits);
 }

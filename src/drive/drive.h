@@ -1,20 +1,21 @@
 /*
- * api: runs a drive, step by step. furrow.h is the public header of the library. This header has the loop that the command and the
- * window use. The library and this loop are made of the same parts.
+ * drive: runs a drive, step by step: the loop that the command and the window use.
  */
-#ifndef FURROW_API_H
-#define FURROW_API_H
+#ifndef FURROW_DRIVE_H
+#define FURROW_DRIVE_H
 
 #include <signal.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "base/base.h"
 #include "render/render.h"
 #include "report/report.h"
 #include "scene/scene.h"
 #include "terrain/terrain.h"
+#include "world/world.h"
 
 struct drive; /* a world with its view, its pictures and its report */
 
@@ -23,43 +24,43 @@ struct drive; /* a world with its view, its pictures and its report */
  *
  * A host watches a drive while it goes on, and may control it. The window is a host.
  *
- * All calls come from the drive's thread, the one that called api_drive. The functions below are called from that thread only,
+ * All calls come from the drive's thread, the one that called drive_run. The functions below are called from that thread only,
  * and only inside a call of the host. Between two calls of `turn` the drive makes the steps that are due, and draws at most one
  * picture. What a host asks for decides when steps are made and what is seen. It does not change the ground that they make.
  * Bodies that it drops do change the ground.
  */
-enum api_go {
-	API_ON,   /* makes steps at the speed `pace` */
-	API_ONE,  /* makes one step at once */
-	API_HOLD, /* makes no steps, but still draws pictures */
-	API_STOP, /* ends the drive with STATUS_OK; everything done so far is committed */
+enum drive_go {
+	DRIVE_ON,   /* makes steps at the speed `pace` */
+	DRIVE_ONE,  /* makes one step at once */
+	DRIVE_HOLD, /* makes no steps, but still draws pictures */
+	DRIVE_STOP, /* ends the drive with STATUS_OK; everything done so far is committed */
 };
 
-#define API_PICTURE_MOST 8192u /* pixels a side */
+#define DRIVE_PICTURE_MOST 8192u /* pixels a side */
 
 /* What the host wants. The host changes it in a call of `turn`; it keeps its values until the next call. Before the first call it
  * has the values named here. */
-struct api_control {
-	enum api_go go;               /* API_ON. After the scene's last step everything but API_STOP acts as API_HOLD */
+struct drive_control {
+	enum drive_go go;               /* DRIVE_ON. After the scene's last step everything but DRIVE_STOP acts as DRIVE_HOLD */
 	double pace;                  /* simulated seconds for each second, above 0: 1. INFINITY: as fast as possible */
 	bool free;                    /* false: the scene's camera is used; true: `camera` is used */
 	struct render_camera camera;
 	enum render_layer_kind layer; /* RENDER_NATURAL */
-	uint32_t width, height;       /* of the picture, pixels, 1 to API_PICTURE_MOST each: the scene's */
+	uint32_t width, height;       /* of the picture, pixels, 1 to DRIVE_PICTURE_MOST each: the scene's */
 	bool again;                   /* draws a picture even if nothing changed; set to false when it is drawn */
 };
 
-struct api_host {
+struct drive_host {
 	void *user;
 	/* May use the functions below. A status other than STATUS_OK ends the drive, as a failed step does. */
-	enum status (*turn)(void *user, struct drive *drive, struct api_control *control);
+	enum status (*turn)(void *user, struct drive *drive, struct drive_control *control);
 	/* Takes a picture: sRGB and alpha, 4 x width x height bytes, row 0 at the bottom. The host may change the pixels until
 	 * it returns. Pictures come in the order in which they were drawn. With a software driver each comes at most one turn
 	 * late. Nothing is drawn when nothing has changed. */
 	enum status (*picture)(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height);
 };
 
-struct api_figures {
+struct drive_figures {
 	double fps;               /* pictures a second: about the mean of the last second in which there were any */
 	double frame_ms, step_ms; /* frame_ms: the last picture, until it was read back; step_ms: the last step */
 	uint32_t slots, slots_used;
@@ -71,22 +72,22 @@ struct api_figures {
 	bool over;                /* the scene's last step is done */
 	struct render_layer layer; /* the layer that the last picture shows, with the range of its colours */
 };
-void api_figures(struct drive *drive, struct api_figures *figures);
+void drive_figures(struct drive *drive, struct drive_figures *figures);
 
-const struct scene *api_scene(const struct drive *drive);
-const struct store_meta *api_store(const struct drive *drive);
+const struct scene *drive_scene(const struct drive *drive);
+const struct store_meta *drive_store(const struct drive *drive);
 /* Copies the scene's own camera as it is now. */
-void api_scene_camera(const struct drive *drive, struct render_camera *camera);
+void drive_scene_camera(const struct drive *drive, struct render_camera *camera);
 /* Tells where an object of the scene is on its path now. `place`: local metres, on the base; `yaw`: radians from east to north. */
-void api_place(const struct drive *drive, size_t object, double place[3], double *yaw);
+void drive_place(const struct drive *drive, size_t object, double place[3], double *yaw);
 
 /* Drops a body, as world_drop does. The soil that relaxes after it goes on relaxing in the steps that follow. */
-enum status api_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
+enum status drive_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 	FURROW_CHECKED;
 
 /* --- a drive --- */
 
-struct api_params {
+struct drive_params {
 	const struct scene *scene;
 	const char *store;     /* path; overrides the scene's; may be NULL if that names one */
 	const char *overlay;   /* path of the overlay that takes the deformation instead of the store; made if absent. May be NULL */
@@ -105,7 +106,7 @@ struct api_params {
 	bool everywhere;       /* computes every contact, also one that changes nothing: for tests that compare results */
 	/* The host that watches and controls the drive; NULL: none. Only for a scene with a view; then the scene's images are not
 	 * written. */
-	const struct api_host *host;
+	const struct drive_host *host;
 	const volatile sig_atomic_t *stop; /* becomes non-zero to end the drive cleanly, with STATUS_INTERRUPTED. May be NULL */
 	/* The drive is one of several processes that step this world together. Then store and overlay are those of `ranks`, and only rank 0
 	 * writes files. NULL: it is the only one. */
@@ -114,7 +115,7 @@ struct api_params {
 	const struct world_rows *(*share_rows)(void *user, const struct world_rows *rows);
 };
 
-struct api_result {
+struct drive_result {
 	const char *ended; /* "complete", "interrupted", "failed" */
 	int64_t steps;
 	int level;      /* that was deformed */
@@ -160,7 +161,7 @@ struct api_result {
  *
  * If the map fails, the drive fails with it, unless it failed already. Then the map's failure is printed on stderr.
  */
-enum status api_drive(const struct api_params *params, struct api_result *result) FURROW_CHECKED;
+enum status drive_run(const struct drive_params *params, struct drive_result *result) FURROW_CHECKED;
 
 /*
  * --- queries: the ground of a drive that runs ---
@@ -172,10 +173,15 @@ enum status api_drive(const struct api_params *params, struct api_result *result
  * terrain/terrain.h defines heights and rays. One call for many points is cheaper than many calls. In each step the first query
  * near ground that changed and is not committed may wait. On a hardware GPU it waits for all work begun before.
  */
-enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights) FURROW_CHECKED;
-enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+enum status drive_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights) FURROW_CHECKED;
+enum status drive_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
 
 /* Makes the folder if it does not exist. STATUS_FAILED: it cannot be made, or is no folder. */
-enum status api_folder_make(const char *path) FURROW_CHECKED;
+enum status drive_folder_make(const char *path) FURROW_CHECKED;
+
+/* Opens the folder's log of commits, and locks the folder with it. */
+enum status drive_folder_commits(const char *directory, FILE **out) FURROW_CHECKED;
+/* Removes the files of an earlier run, by their names. A resumed run keeps pictures, and the lines that it continues. */
+enum status drive_folder_clear(const struct world *world, const char *directory) FURROW_CHECKED;
 
 #endif

@@ -3,7 +3,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "api/internal.h"
+#include "drive/internal.h"
 
 /* Stops all threads, so that the counts are complete. */
 static void stop_threads(struct drive *drive)
@@ -40,7 +40,7 @@ static void fill_report(struct drive *drive)
 }
 
 /* Makes the text of run.json. */
-static enum status describe(struct drive *drive, struct api_result *result)
+static enum status describe(struct drive *drive, struct drive_result *result)
 {
 	const struct world *world = &drive->world;
 	const struct report *report = &drive->report;
@@ -54,7 +54,7 @@ static enum status describe(struct drive *drive, struct api_result *result)
 }
 
 /* Writes run.json, unless `keep` and it exists. */
-static enum status report(struct drive *drive, bool keep, struct api_result *result)
+static enum status report(struct drive *drive, bool keep, struct drive_result *result)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
@@ -67,13 +67,13 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	return status;
 }
 
-static bool asks_for_a_map(const struct api_params *params)
+static bool asks_for_a_map(const struct drive_params *params)
 {
 	return params->map || params->map_also != NULL;
 }
 
 /* Draws the maps that are asked for. `keep`: only those that do not exist. */
-static enum status write_maps(const struct drive *drive, const struct world *world, bool keep, struct api_result *result)
+static enum status write_maps(const struct drive *drive, const struct world *world, bool keep, struct drive_result *result)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
@@ -93,7 +93,7 @@ static enum status write_maps(const struct drive *drive, const struct world *wor
 
 /* Draws the maps that are asked for, unless the drive failed in its first step. `keep` is as in write_maps. Returns `status` if that is a failure,
  * otherwise the status of the maps. */
-static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
+static enum status draw_map(const struct drive *drive, bool keep, struct drive_result *result, enum status status)
 {
 	struct failure failure;
 	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && drive->world.step == 0;
@@ -169,11 +169,11 @@ static const char *ending(const struct drive *drive, enum status status)
 
 static void tell_end(struct drive *drive, const char *ended)
 {
-	if (strcmp(ended, "complete") == 0 && api_writes(drive)) {
+	if (strcmp(ended, "complete") == 0 && drive_writes(drive)) {
 		tell_on_the_way(drive);
 		report_end_notes(&drive->report, tell_note, NULL);
 	}
-	if (strcmp(ended, "stuck") == 0 && api_writes(drive))
+	if (strcmp(ended, "stuck") == 0 && drive_writes(drive))
 		tell_stuck(drive);
 }
 
@@ -185,7 +185,7 @@ static int64_t last_committed(const struct world *world)
 	return io.commits > 0 ? io.step : world->resumed.is ? world->resumed.from : 0;
 }
 
-enum status api_end(struct drive *drive, struct api_result *result, enum status status)
+enum status drive_end(struct drive *drive, struct drive_result *result, enum status status)
 {
 	if (!drive->unbegun)
 		status = publish_trace(drive, status);
@@ -197,7 +197,7 @@ enum status api_end(struct drive *drive, struct api_result *result, enum status 
 	tell_end(drive, result->ended);
 	struct failure failure;
 	failure_capture(&failure, status);
-	if (drive->params->ranks != NULL) { /* api_conclude() writes it */
+	if (drive->params->ranks != NULL) { /* drive_conclude() writes it */
 		enum status made = describe(drive, result);
 		return status == STATUS_OK ? made : failure_restore(&failure);
 	}
@@ -213,20 +213,20 @@ enum status api_end(struct drive *drive, struct api_result *result, enum status 
 	return draw_map(drive, false, result, tell_written ? written : status);
 }
 
-enum status api_end_again(struct drive *drive, struct api_result *result)
+enum status drive_end_again(struct drive *drive, struct drive_result *result)
 {
 	result->ended = "complete";
 	fill_report(drive);
 	if (drive->params->trace != NULL)
 		note("%s: no trace is written, since nothing is left to drive", drive->params->trace);
-	if (!api_writes(drive))
+	if (!drive_writes(drive))
 		return STATUS_OK;
-	enum status status = api_folder_make(drive->params->directory);
+	enum status status = drive_folder_make(drive->params->directory);
 	return status == STATUS_OK ? draw_map(drive, true, result, report(drive, true, result)) : status;
 }
 
 /* Draws the map from the run's overlay, after what the ranks committed was gathered into it. */
-static enum status map_gathered(const struct drive *drive, int64_t step, double time, struct api_result *result)
+static enum status map_gathered(const struct drive *drive, int64_t step, double time, struct drive_result *result)
 {
 	struct world world;
 	struct store_meta assumed;
@@ -241,14 +241,14 @@ static enum status map_gathered(const struct drive *drive, int64_t step, double 
 	return status;
 }
 
-enum status api_conclude(const struct drive *drive, int64_t step, double time, struct api_result *result, enum status status)
+enum status drive_conclude(const struct drive *drive, int64_t step, double time, struct drive_result *result, enum status status)
 {
 	const struct world_ranks *ranks = drive->params->ranks;
 	struct world_ranked ranked;
 	struct failure failure;
 	failure_capture(&failure, status);
 	enum status gathered = ranks->gather(ranks->user, &ranked);
-	if (gathered == STATUS_OK && api_writes(drive) && result->json != NULL) {
+	if (gathered == STATUS_OK && drive_writes(drive) && result->json != NULL) {
 		gathered = report_gathered(&result->json, &ranked, ranks->ranks);
 		if (gathered == STATUS_OK)
 			gathered = report_write(drive->params->directory, result->json);
@@ -261,12 +261,12 @@ enum status api_conclude(const struct drive *drive, int64_t step, double time, s
 	return failure_restore(&failure);
 }
 
-void api_remove_made(const struct drive *drive)
+void drive_remove_made(const struct drive *drive)
 {
 	static const char *const endings[] = {"", "-wal", "-shm"};
 	char path[4096];
 	if (drive->new_folder)
-		api_folder_remove(drive->params->directory);
+		drive_folder_remove(drive->params->directory);
 	for (size_t i = 0; drive->new_overlay && i < sizeof endings / sizeof *endings; i++)
 		if (snprintf(path, sizeof path, "%s%s", drive->params->overlay, endings[i]) < (int)sizeof path)
 			(void)unlink(path);

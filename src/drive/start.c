@@ -1,12 +1,12 @@
 /* The start of a drive: pages, the view, and the files of rows. */
-#include "api/internal.h"
+#include "drive/internal.h"
 
-bool api_writes(const struct drive *drive)
+bool drive_writes(const struct drive *drive)
 {
 	return drive->params->ranks == NULL || drive->params->ranks->rank == 0;
 }
 
-enum status api_agree(struct drive *drive, enum status status)
+enum status drive_agree(struct drive *drive, enum status status)
 {
 	const struct world_ranks *ranks = drive->params->ranks;
 	return ranks != NULL ? ranks->agree(ranks->user, &drive->world, status) : status;
@@ -49,10 +49,10 @@ static enum status start_view(struct drive *drive)
 
 static enum status start_pages(struct drive *drive)
 {
-	const struct api_params *params = drive->params;
+	const struct drive_params *params = drive->params;
 	FILE *commit_log = NULL;
 	struct page_trace *trace = NULL;
-	enum status status = api_writes(drive) ? api_folder_commits(params->directory, &commit_log) : STATUS_OK;
+	enum status status = drive_writes(drive) ? drive_folder_commits(params->directory, &commit_log) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	if (params->trace != NULL)
@@ -67,11 +67,11 @@ static enum status start_pages(struct drive *drive)
 /* Opens the files of rows, and says who takes the rows. */
 static enum status start_rows(struct drive *drive)
 {
-	const struct api_params *params = drive->params;
+	const struct drive_params *params = drive->params;
 	struct world *world = &drive->world;
 	enum status status = STATUS_OK;
-	if (api_writes(drive)) {
-		status = api_folder_clear(world, params->directory);
+	if (drive_writes(drive)) {
+		status = drive_folder_clear(world, params->directory);
 		if (status == STATUS_OK && drive->pictures != NULL)
 			status = render_cameras_folders(world->scene, params->directory);
 		if (status == STATUS_OK)
@@ -89,7 +89,7 @@ static enum status start_rows(struct drive *drive)
 	return status;
 }
 
-enum status api_start(struct drive *drive)
+enum status drive_start(struct drive *drive)
 {
 	struct world *world = &drive->world;
 	const struct scene *scene = world->scene;
@@ -99,8 +99,8 @@ enum status api_start(struct drive *drive)
 	if (status == STATUS_OK && drive->params->host == NULL)
 		status = render_cameras_fit(scene, mem_usable().bytes);
 	/* A drive that could not begin leaves nothing behind. */
-	if (status == STATUS_OK && api_writes(drive))
-		status = api_folder_make(drive->params->directory);
+	if (status == STATUS_OK && drive_writes(drive))
+		status = drive_folder_make(drive->params->directory);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
 	world->figures = vehicle_figures(drive->vehicles);
