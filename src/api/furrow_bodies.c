@@ -70,7 +70,7 @@ static enum status need_bodies(const struct furrow_world *world, size_t count, c
 	struct world_state state;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = world_body_state(&world->world, bodies[i], &state);
+		status = world_body_state(world->world, bodies[i], &state);
 	return status;
 }
 
@@ -89,13 +89,13 @@ static enum status need_free(const struct furrow_world *world, size_t count, con
 static enum status state_at(const struct furrow_world *world, furrow_body body, struct world_state *state)
 {
 	struct world_contact contact;
-	return vehicle_body(world->vehicles, body, state, &contact) ? STATUS_OK : world_body_state(&world->world, body, state);
+	return vehicle_body(world->vehicles, body, state, &contact) ? STATUS_OK : world_body_state(world->world, body, state);
 }
 
 static enum status contact_of(struct furrow_world *world, furrow_body body, struct world_contact *contact)
 {
 	struct world_state state;
-	return vehicle_body(world->vehicles, body, &state, contact) ? STATUS_OK : world_body_contact(&world->world, body, contact);
+	return vehicle_body(world->vehicles, body, &state, contact) ? STATUS_OK : world_body_contact(world->world, body, contact);
 }
 
 /* Checks lists of bodies and of their contacts, and the caller's size of a contact. */
@@ -124,7 +124,7 @@ furrow_status furrow_body_add(struct furrow_world *world, const char *object, fu
 		status = scene_object_parse(world->scene, object, &parsed);
 	if (status != STATUS_OK)
 		return api_library_leave(&call, status);
-	status = world_body_add(&world->world, &parsed, body);
+	status = world_body_add(world->world, &parsed, body);
 	if (status != STATUS_OK)
 		scene_object_finish(&parsed);
 	return api_library_leave(&call, status);
@@ -142,7 +142,7 @@ furrow_status furrow_body_find(struct furrow_world *world, const char *name, fur
 	if (status == STATUS_OK)
 		status = api_library_need(body, "body");
 	if (status == STATUS_OK)
-		status = world_body_find(&world->world, name, body);
+		status = world_body_find(world->world, name, body);
 	return api_library_end(status);
 }
 
@@ -153,7 +153,7 @@ furrow_status furrow_body_remove(struct furrow_world *world, furrow_body body)
 	if (status == STATUS_OK)
 		status = need_free(world, 1, &body);
 	if (status == STATUS_OK)
-		status = world_body_remove(&world->world, body);
+		status = world_body_remove(world->world, body);
 	return api_library_leave(&call, status);
 }
 
@@ -169,7 +169,7 @@ furrow_status furrow_place(struct furrow_world *world, furrow_body body, const s
 		status = need_free(world, 1, &body);
 	if (status == STATUS_OK) {
 		const struct world_pose at = pose_of(pose);
-		status = world_body_place(&world->world, body, &at);
+		status = world_body_place(world->world, body, &at);
 	}
 	return api_library_leave(&call, status);
 }
@@ -191,7 +191,7 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		list[i] = state_of(&states[i]);
 	if (status == STATUS_OK && count > 0)
-		status = world_bodies_set(&world->world, count, bodies, list);
+		status = world_bodies_set(world->world, count, bodies, list);
 	mem_free(list);
 	return api_library_end(status);
 }
@@ -211,7 +211,7 @@ furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const f
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		list[i] = (struct world_belt){belts[i].travel, belts[i].speed};
 	if (status == STATUS_OK && count > 0)
-		status = world_belts_set(&world->world, count, bodies, list);
+		status = world_belts_set(world->world, count, bodies, list);
 	mem_free(list);
 	return api_library_end(status);
 }
@@ -260,7 +260,7 @@ static enum status probe(struct furrow_world *world, size_t count, const furrow_
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		asked[i] = state_of(&states[i]);
 	if (status == STATUS_OK)
-		status = world_probe(&world->world, count, bodies, asked, told);
+		status = world_probe(world->world, count, bodies, asked, told);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		tell_contact(&told[i], &contacts[i]);
 	mem_free(asked);
@@ -282,7 +282,7 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 	if (status != STATUS_OK || count == 0)
 		return api_library_end(status);
 	/* Only the first probe of a body needs the GL context. */
-	if (!world_probe_reads(&world->world, count, bodies))
+	if (!world_probe_reads(world->world, count, bodies))
 		return api_library_end(probe(world, count, bodies, states, contacts));
 	(void)api_library_end(STATUS_OK);
 	status = api_library_enter(&call, world);

@@ -28,14 +28,14 @@ static enum status tell_point(struct furrow_world *world, const struct terrain_p
 	}
 	int64_t base;
 	bool any;
-	enum status status = resident_ground_height(world->world.ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
+	enum status status = resident_ground_height(world->world->ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
 	if (status == STATUS_OK && any) {
 		point->offset = height->bilinear - lattice_offset_metres(base);
 		point->offset = fabs(point->offset) <= OFFSET_NOISE ? 0 : point->offset;
 	}
 	int soil = 0;
 	if (status == STATUS_OK)
-		status = world_soil_at(&world->world, at->x, at->y, &soil);
+		status = world_soil_at(world->world, at->x, at->y, &soil);
 	point->soil = soil;
 	return status;
 }
@@ -62,7 +62,7 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 		if (status == STATUS_OK)
 			status = api_library_settle(world);
 		if (status == STATUS_OK)
-			status = world_heights(&world->world, at, count, heights);
+			status = world_heights(world->world, at, count, heights);
 		for (size_t i = 0; i < count && status == STATUS_OK; i++)
 			status = tell_point(world, &at[i], &heights[i], &points[i]);
 	} while (api_library_again(world, ++tries, &status));
@@ -123,7 +123,7 @@ furrow_status furrow_rays(struct furrow_world *world, size_t count, const double
 		if (status == STATUS_OK)
 			status = api_library_settle(world);
 		if (status == STATUS_OK)
-			status = world_rays(&world->world, rays, count, found);
+			status = world_rays(world->world, rays, count, found);
 	} while (api_library_again(world, ++tries, &status));
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		tell_hit(&found[i], &hits[i]);
@@ -162,14 +162,14 @@ static enum store_layer layer_of(enum furrow_layer layer)
 static enum status check_read(const struct furrow_world *world, enum furrow_layer layer, int level, uint32_t columns, uint32_t rows,
 			      const double *posts, size_t row_stride)
 {
-	const int coarsest = extent_coarsest(&world->world.meta->extent);
+	const int coarsest = extent_coarsest(&world->world->meta->extent);
 	enum status status = api_library_need(posts, "posts");
 	if (status != STATUS_OK)
 		return status;
 	if ((int)layer < 0 || (int)layer > (int)FURROW_DISTURBANCE)
 		return fail_with(STATUS_USAGE, "layer: %d is none; give one of enum furrow_layer", (int)layer);
-	if (level < world->world.level || level > coarsest)
-		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world->world.level, coarsest);
+	if (level < world->world->level || level > coarsest)
+		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world->world->level, coarsest);
 	if (row_stride < columns)
 		return fail_with(STATUS_USAGE, "row_stride: %zu posts are less than the %u of a row; give at least as many", row_stride, columns);
 	if (row_stride > PTRDIFF_MAX / sizeof *posts / rows)
@@ -194,7 +194,7 @@ static enum status read_rows(struct furrow_world *world, enum store_layer layer,
 	enum status status = values != NULL ? STATUS_OK : fail_memory("posts");
 	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += at_once) {
 		const int64_t end = y + at_once < rect.y1 ? y + at_once : rect.y1;
-		status = world_read_posts(&world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values);
+		status = world_read_posts(world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values);
 		for (int64_t r = y; r < end && status == STATUS_OK; r++)
 			for (size_t c = 0; c < columns; c++) {
 				const double value = values[(size_t)(r - y) * columns + c];
@@ -217,7 +217,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	if (status != STATUS_OK)
 		return api_library_leave(&call, status);
 	const enum store_layer kept = layer_of(layer);
-	const struct extent *extent = &world->world.meta->extent;
+	const struct extent *extent = &world->world->meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
 	const bool soil = kept >= STORE_DEPOSITED;
 	struct post_rect rect = {column, row, column, row};
@@ -228,7 +228,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	int tries = 0;
 	do {
 		status = api_library_settle(world);
-		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world->world.level))
+		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world->world->level))
 			status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
 					   row_stride);
 	} while (api_library_again(world, ++tries, &status));
@@ -254,7 +254,7 @@ furrow_status furrow_changes(struct furrow_world *world, uint64_t since, struct 
 		status = found != NULL ? STATUS_OK : fail_memory("rectangles");
 	}
 	if (status == STATUS_OK) {
-		status = world_changes_since(&world->world, since, found, count, &revision);
+		status = world_changes_since(world->world, since, found, count, &revision);
 		if (now != NULL)
 			*now = revision;
 		for (size_t i = 0; status == STATUS_OK && i < *count; i++)

@@ -7,37 +7,36 @@
 
 enum status api_library_checkpoint(struct furrow_world *host)
 {
-	struct library_mark mark = {host->origin, host->steps, 0};
-	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.rows_end);
-	if (status == STATUS_OK)
-		status = world_checkpoint(&host->world);
-	if (status == STATUS_OK)
-		host->mark = mark;
-	return status;
+	TRY(drive_checkpoint(host->drive));
+	host->mark = (struct library_mark){host->origin, host->steps};
+	return STATUS_OK;
 }
 
 /* Vehicles take whole steps of time_step. Those before one that failed stay. */
 static enum status step_vehicles(struct furrow_world *host, double seconds)
 {
-	struct world *world = &host->world;
+	struct world *world = host->world;
 	const double time_step = host->scene->time_step, count = seconds == 0 ? 1 : round(seconds / time_step);
 	if (count < 1 || (seconds != 0 && fabs(seconds - count * time_step) > 1e-9 * seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no whole number of time_steps of %g s, which vehicles need; give a multiple, or 0 for one", seconds,
 				 time_step);
-	enum status status = STATUS_OK;
-	for (double i = 0; i < count && status == STATUS_OK; i++)
-		status = vehicle_step(host->vehicles);
-	if (status == STATUS_OK || world->torn)
-		return status;
-	struct failure failure;
-	failure_capture(&failure, status);
-	world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
-	return failure_restore(&failure);
+	enum status status;
+	for (double i = 0; i < count; i++)
+		TRY_OR(failed, drive_step(host->drive));
+	return STATUS_OK;
+failed:
+	if (!world->torn) {
+		struct failure failure;
+		failure_capture(&failure, status);
+		world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
+		return failure_restore(&failure);
+	}
+	return status;
 }
 
 static enum status step(struct furrow_world *host, double seconds)
 {
-	struct world *world = &host->world;
+	struct world *world = host->world;
 	if (!(seconds >= 0) || !isfinite(seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
 	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
@@ -60,7 +59,7 @@ static enum status step(struct furrow_world *host, double seconds)
 		host->origin = until;
 		host->steps = 0;
 	}
-	times_add(&host->report.step_ms, took * 1e3);
+	times_add(&drive_report(host->drive)->step_ms, took * 1e3);
 	return STATUS_OK;
 }
 
@@ -75,7 +74,7 @@ furrow_status furrow_step(struct furrow_world *world, double seconds)
 
 double furrow_time(const struct furrow_world *world)
 {
-	return world != NULL ? world->world.time : (double)NAN;
+	return world != NULL ? world->world->time : (double)NAN;
 }
 
 furrow_status furrow_checkpoint(struct furrow_world *world)
@@ -94,13 +93,7 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	struct library_call call;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
-		status = world_rollback(&world->world);
-	if (status == STATUS_OK && world->vehicles != NULL) {
-		status = vehicle_rollback(world->vehicles);
-		if (status == STATUS_OK)
-			status = report_vehicles_rollback(world->vehicle_rows, world->mark.rows_end);
-		world->world.torn = status != STATUS_OK;
-	}
+		status = drive_rollback(world->drive);
 	if (status == STATUS_OK) {
 		world->origin = world->mark.origin;
 		world->steps = world->mark.steps;

@@ -1,5 +1,10 @@
 /*
- * drive: runs a drive, step by step: the loop that the command and the window use.
+ * drive: the one loop that opens, warms, steps, seals and ends a world, with its vehicles, view, rows and report. The command and the window
+ * run it whole by drive_run(). The library calls its parts, since its host decides when to step:
+ *
+ *     drive_open -> drive_start -> drive_begin -> (drive_step | drive_checkpoint | drive_rollback) ... -> drive_end -> drive_stop -> drive_close
+ *
+ * What differs between them is in struct drive_params. Only one thread uses a drive, the one that owns its GL context.
  */
 #ifndef FURROW_DRIVE_H
 #define FURROW_DRIVE_H
@@ -8,16 +13,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
 #include "base/base.h"
 #include "render/render.h"
 #include "report/report.h"
 #include "scene/scene.h"
 #include "terrain/terrain.h"
+#include "vehicle/vehicle.h"
 #include "world/world.h"
 
-struct drive; /* a world with its view, its pictures and its report */
+struct drive; /* a world with its vehicles, view, pictures, rows and report */
 
 /*
  * --- a window ---
@@ -92,7 +97,10 @@ struct drive_params {
 	const char *store;     /* path; overrides the scene's; may be NULL if that names one */
 	const char *overlay;   /* path of the overlay that takes the deformation instead of the store; made if absent. May be NULL */
 	const struct store_staged *staged; /* the base is read from its copy (store_stage). NULL: from where it is */
-	const char *directory; /* directory for run.json, epochs.log, frame-*.png and what `output` asks for; made if absent */
+	/* folder for run.json, epochs.log, frame-*.png and what `output` asks for; made if absent. NULL: nothing is written; only if hosted */
+	const char *directory;
+	bool hosted;           /* the library's host steps it, and only it sees pictures: no files of pictures and no volume.csv. Advice on vehicles alone */
+	bool readonly;         /* nothing is written to store and overlay, and there are no steps; only if hosted */
 	const char *trace;     /* path of a trace of every access to the page cache (page/page.h). May be NULL */
 	int64_t steps;         /* last step, counted from the scene's start; 0: until end_time */
 	bool resume;           /* goes on from the store's last drive of this scene, with the same bits; begins anew if there was none */
@@ -179,9 +187,40 @@ enum status drive_rays(struct drive *drive, const struct terrain_ray *rays, size
 /* Makes the folder if it does not exist. STATUS_FAILED: it cannot be made, or is no folder. */
 enum status drive_folder_make(const char *path) FURROW_CHECKED;
 
-/* Opens the folder's log of commits, and locks the folder with it. */
-enum status drive_folder_commits(const char *directory, FILE **out) FURROW_CHECKED;
-/* Removes the files of an earlier run, by their names. A resumed run keeps pictures, and the lines that it continues. */
-enum status drive_folder_clear(const struct world *world, const char *directory) FURROW_CHECKED;
+/*
+ * --- the parts of a drive: for who hosts it ---
+ *
+ * Failures are those of the functions of world.h, vehicle.h, render.h and report.h that they call.
+ */
+
+/* Loads the vehicles, opens the store, and makes the bodies. Changes no file. The texts of `params` and the scene must stay valid as long as the
+ * drive, but for those of store, overlay and staged. *out gets the drive, or NULL after a failure. */
+enum status drive_open(const struct drive_params *params, struct drive **out) FURROW_CHECKED;
+/* Tells advice as notes. Makes GL, pages, the view of the scene and the files of rows, and loads what the first step needs. */
+enum status drive_start(struct drive *drive) FURROW_CHECKED;
+/* Makes the view of the drive's scene, if that got one after the start. Call world_start_drawing() before. */
+enum status drive_start_view(struct drive *drive) FURROW_CHECKED;
+/* Begins, or goes on where a resumed drive stopped. Vehicles are set down. */
+enum status drive_begin(struct drive *drive) FURROW_CHECKED;
+/* Makes one time_step, with the vehicles. */
+enum status drive_step(struct drive *drive) FURROW_CHECKED;
+/* Marks the present state: ground, bodies, vehicles and files of rows. drive_rollback() goes back to it. On failure the mark stays where it was. */
+enum status drive_checkpoint(struct drive *drive) FURROW_CHECKED;
+/* STATUS_FAILED: there is no checkpoint, or vehicles are not back; then the world is torn. */
+enum status drive_rollback(struct drive *drive) FURROW_CHECKED;
+/* Commits all. `complete`: it went as far as the scene says. */
+enum status drive_end(struct drive *drive, bool complete) FURROW_CHECKED;
+/* Stops the threads, so that figures are final. */
+void drive_stop(struct drive *drive);
+/* Returns the text of run.json as of now, to free with mem_free. `ended` as in report_json(). NULL: out of memory. */
+char *drive_describe(struct drive *drive, const char *ended);
+/* Frees it, whatever part it came to. Takes NULL. `status`: how it ended; its message stays. */
+void drive_close(struct drive *drive, enum status status);
+
+/* What a drive has, valid until it is closed. */
+struct world *drive_world(struct drive *drive);
+struct vehicles *drive_vehicles(struct drive *drive); /* NULL: the scene has none */
+struct view *drive_view(struct drive *drive);         /* NULL: there is none yet */
+struct report *drive_report(struct drive *drive);     /* times are added by who measures them */
 
 #endif

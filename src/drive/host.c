@@ -153,7 +153,7 @@ static enum status one_step(struct host *host)
 {
 	struct drive *drive = host->drive;
 	double began = clock_seconds();
-	enum status status = drive_one_step(drive);
+	enum status status = drive_step(drive);
 	if (status == STATUS_OK)
 		status = page_trace_status(drive->world.trace);
 	host->step_ms = (clock_seconds() - began) * 1e3;
@@ -227,7 +227,7 @@ enum status drive_host_steps(struct drive *drive, int64_t total)
 	const struct scene_view *view = &drive->world.scene->view;
 	struct host host = {
 		.drive = drive,
-		.calls = drive->params->host,
+		.calls = drive->params.host,
 		.control = {.go = DRIVE_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
 		.software = gpu_info(drive->world.gpu)->software,
 		.stale = true,

@@ -1,5 +1,4 @@
-/* The command's loop: makes steps and pictures from a checked scene and a store. */
-#include <string.h>
+/* A whole drive: makes steps and pictures from a checked scene and a store, until its end. */
 #include <unistd.h>
 
 #include "drive/internal.h"
@@ -13,7 +12,7 @@
 static bool is_image_step(const struct drive *drive)
 {
 	int64_t every = drive->world.scene->view.images;
-	return every > 0 && drive->world.step % every == 0 && drive->params->host == NULL;
+	return every > 0 && drive->world.step % every == 0 && drive->params.host == NULL;
 }
 
 /* Draws the frames of cameras that follow the present step. */
@@ -25,15 +24,14 @@ static enum status draw_cameras(struct drive *drive)
 /* Draws the pictures that follow the present step. */
 static enum status draw_step(struct drive *drive)
 {
-	enum status status = is_image_step(drive) ? render_view_frame(drive->view, drive->pictures, true)
-						  : render_view_between(drive->view, drive->pictures);
-	return status == STATUS_OK ? draw_cameras(drive) : status;
+	TRY(is_image_step(drive) ? render_view_frame(drive->view, drive->pictures, true) : render_view_between(drive->view, drive->pictures));
+	return draw_cameras(drive);
 }
 
 /* The frames of cameras before the first step. */
 static enum status draw_beginning(struct drive *drive)
 {
-	const bool first = drive->view != NULL && drive->world.step == 0 && drive->params->host == NULL;
+	const bool first = drive->view != NULL && drive->world.step == 0 && drive->params.host == NULL;
 	return first ? draw_cameras(drive) : STATUS_OK;
 }
 
@@ -44,23 +42,29 @@ static enum status begin(struct drive *drive)
 	struct world_recorded recorded;
 	world_recorded(world, &recorded);
 	bool ended = world->resumed.is && world->step == recorded.step;
-	enum status status = STATUS_OK;
-	const bool again = ended && drive->view != NULL && world->step > 0 && drive->params->host == NULL;
+	const bool again = ended && drive->view != NULL && world->step > 0 && drive->params.host == NULL;
 	if (again && is_image_step(drive))
-		status = render_view_frame(drive->view, drive->pictures, true);
-	if (again && status == STATUS_OK)
-		status = draw_cameras(drive);
-	if (status == STATUS_OK)
-		status = world_begin(&drive->world);
-	if (status == STATUS_OK && drive->vehicles != NULL)
-		status = vehicle_begin(drive->vehicles);
-	return status == STATUS_OK ? draw_beginning(drive) : status;
+		TRY(render_view_frame(drive->view, drive->pictures, true));
+	if (again)
+		TRY(draw_cameras(drive));
+	TRY(drive_begin(drive));
+	return draw_beginning(drive);
 }
 
-enum status drive_one_step(struct drive *drive)
-{
-	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world);
-}
+/* Drawing that was timed, and not yet added to the times of pictures. */
+struct pictures_time {
+	uint64_t frames; /* when it was last added */
+	double seconds;
+};
+
+/* How long all steps have taken so far. */
+struct steps_time {
+	bool terminal;        /* progress is on one line that changes */
+	double shown;         /* s, of the system's clock: when progress was told last */
+	double drawing;       /* s */
+	uint64_t before;      /* pictures before the first step */
+	struct pictures_time pictures;
+};
 
 #define DRAWING_TOLD 0.1 /* share of the drive's time: if pictures take more, it is told */
 
@@ -80,31 +84,25 @@ static uint64_t frames_of(const struct drive *drive)
 	return figures.frames;
 }
 
-/* Tells how far the drive is: on a terminal in one line that changes, otherwise in a line now and then. `drawing`: seconds for the pictures
- * after the first `before` ones. */
-static void show_progress(const struct drive *drive, bool terminal, int64_t total, double drawing, uint64_t before, double *shown)
+/* Tells how far the drive is: on a terminal in one line that changes, otherwise in a line now and then. */
+static void show_progress(const struct drive *drive, struct steps_time *times, int64_t total)
 {
+	const bool terminal = times->terminal;
 	const struct world *world = &drive->world;
 	double now = clock_seconds();
-	if (now - *shown < (terminal ? TERMINAL_SECONDS : LOG_SECONDS))
+	if (now - times->shown < (terminal ? TERMINAL_SECONDS : LOG_SECONDS))
 		return;
-	*shown = now;
+	times->shown = now;
 	double elapsed = now - drive->began, rate = (double)(world->step - world->resumed.from) / elapsed;
 	if (rate <= 0)
 		return;
 	char pictures[96];
-	tell_drawing(drawing, elapsed, frames_of(drive) - before, pictures, sizeof pictures);
+	tell_drawing(times->drawing, elapsed, frames_of(drive) - times->before, pictures, sizeof pictures);
 	fprintf(stderr, "%s: step %lld of %lld (%.0f %%), %.*f a second, %.0f s left%s%s", terminal ? "\rdrive" : "furrow: note: drive",
 		(long long)world->step, (long long)total, 100.0 * (double)world->step / (double)total, rate < 10 ? 2 : 0, rate,
 		(double)(total - world->step) / rate, pictures, terminal ? "\033[K" : "\n");
 	fflush(stderr);
 }
-
-/* Drawing that was timed, and not yet added to the times of pictures. */
-struct pictures_time {
-	uint64_t frames; /* when it was last added */
-	double seconds;
-};
 
 /* Adds `seconds` of drawing to the time of the pictures that came in them. Where none came, to that of the next: its tiles are loaded in the
  * steps before. */
@@ -118,40 +116,40 @@ static void count_pictures(struct drive *drive, struct pictures_time *pictures, 
 		*pictures = (struct pictures_time){.frames = frames};
 }
 
+/* Makes a step, and the picture that follows it, if there is one. */
+static enum status step_and_draw(struct drive *drive, struct steps_time *times)
+{
+	const double began = clock_seconds();
+	TRY(drive_step(drive));
+	const double stepped = clock_seconds();
+	if (drive->view != NULL) {
+		TRY(draw_step(drive));
+		const double seconds = clock_seconds() - stepped;
+		times->drawing += seconds;
+		count_pictures(drive, &times->pictures, seconds);
+	}
+	times_add(&drive->report.step_ms, (stepped - began) * 1e3);
+	if (!drive->report.settled && clock_seconds() - drive->began > 1) {
+		world_stalls(&drive->world, &drive->report.stalls_settled);
+		drive->report.settled = true;
+	}
+	return STATUS_OK;
+}
+
 /* Makes all steps, some of them with a picture. */
 static enum status all_steps(struct drive *drive, int64_t total)
 {
 	struct world *world = &drive->world;
-	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
-	double shown = terminal ? 0 : drive->began, drawing = 0;
-	struct pictures_time pictures = {.frames = frames_of(drive)};
+	const bool terminal = drive->params.progress && isatty(STDERR_FILENO) != 0;
 	const uint64_t before = frames_of(drive);
+	struct steps_time times = {terminal, terminal ? 0 : drive->began, 0, before, {.frames = before}};
 	enum status status = STATUS_OK;
-	while (world->step < total && status == STATUS_OK && !vehicle_stuck(drive->vehicles)) {
-		if (world_stopped(world)) {
-			status = world_interrupted(world);
-			break;
-		}
-		double started = clock_seconds();
-		status = drive_one_step(drive);
-		double stepped = clock_seconds(), framed = stepped;
-		if (status == STATUS_OK && drive->view != NULL) {
-			status = draw_step(drive);
-			framed = clock_seconds();
-			drawing += framed - stepped;
-			count_pictures(drive, &pictures, framed - stepped);
-		}
-		if (status == STATUS_OK)
-			status = page_trace_status(world->trace);
-		if (status == STATUS_OK)
-			times_add(&drive->report.step_ms, (stepped - started) * 1e3);
-		if (!drive->report.settled && framed - drive->began > 1) {
-			world_stalls(world, &drive->report.stalls_settled);
-			drive->report.settled = true;
-		}
-		if (drive->params->progress)
-			show_progress(drive, terminal, total, drawing, before, &shown);
+	while (world->step < total && !vehicle_stuck(drive->vehicles)) {
+		TRY_OR(done, world_stopped(world) ? world_interrupted(world) : step_and_draw(drive, &times));
+		if (drive->params.progress)
+			show_progress(drive, &times, total);
 	}
+done:
 	if (terminal)
 		fputs("\r\033[K", stderr);
 	return status;
@@ -160,31 +158,30 @@ static enum status all_steps(struct drive *drive, int64_t total)
 /* Returns true if nobody else uses the drive's files, and no earlier run left anything in them. */
 static bool owns_its_files(const struct drive *drive)
 {
-	return !drive->world.resumed.is && drive->params->ranks == NULL && drive->params->host == NULL;
+	return !drive->world.resumed.is && drive->params.ranks == NULL && drive->params.host == NULL;
 }
 
+/* Begins, makes the steps, and commits the last of them. */
 static enum status all(struct drive *drive)
 {
 	struct world *world = &drive->world;
-	int64_t total = world_step_count(world);
+	const struct world_ranks *ranks = drive->params.ranks;
+	const int64_t total = world_step_count(world);
 	enum status status = begin(drive);
 	drive->unbegun = status == STATUS_INPUT && world->step == 0 && owns_its_files(drive);
-	if (status != STATUS_OK && drive->params->ranks == NULL)
+	if (status != STATUS_OK && ranks == NULL)
 		return status;
 	drive->began = clock_seconds();
 	const double used = clock_process_seconds();
 	drive->report.warm_seconds = drive->began - drive->entered;
 	if (status == STATUS_OK)
-		status = drive->params->host != NULL ? drive_host_steps(drive, total) : all_steps(drive, total);
+		status = drive->params.host != NULL ? drive_host_steps(drive, total) : all_steps(drive, total);
 	drive->report.processor = clock_process_seconds() - used;
-	struct failure failure;
-	const struct world_ranks *ranks = drive->params->ranks;
 	if (ranks != NULL)
 		status = ranks->end(ranks->user, status);
+	struct failure failure;
 	failure_capture(&failure, status);
-	enum status flushed = world_end(world, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
-	if (ranks != NULL)
-		flushed = drive_agree(drive, flushed);
+	const enum status flushed = drive_end(drive, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
 	drive->report.seconds = clock_seconds() - drive->began;
 	/* An interrupted drive that could not be committed has failed. */
 	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
@@ -199,94 +196,32 @@ static bool is_there(const char *path)
 	return path == NULL || access(path, F_OK) == 0;
 }
 
-static void tell_advice(void *user, const char *text)
+/* Everything after the world is open. */
+static enum status start_to_end(struct drive *drive, struct drive_result *result)
 {
-	note("%s", text);
-}
-
-/* Says what looks wrong before anything runs. */
-static void advise(const struct drive *drive)
-{
-	if (drive->params->host != NULL) { /* settings that a drive does not use may matter to who watches */
-		scene_advise_units(drive->params->scene, tell_advice, NULL);
-		return;
-	}
-	world_tell_written(&drive->world);
-	world_advise(&drive->world, tell_advice, NULL);
-	report_sun_advise(&drive->world, tell_advice, NULL);
-	vehicle_advise(drive->vehicles, &drive->world, tell_advice, NULL);
-}
-
-static struct world_params world_params_of(const struct drive *drive)
-{
-	const struct drive_params *params = drive->params;
-	const struct world_ranks *ranks = params->ranks;
-	return (struct world_params){
-		.scene = &drive->scene,
-		.attached = vehicle_attached(drive->vehicles),
-		.store = ranks != NULL ? ranks->over : params->store,
-		.overlay = ranks != NULL ? ranks->part : params->overlay,
-		.staged = params->staged,
-		.ranks = ranks,
-		.resume = params->resume,
-		.durable_full = params->durable_full,
-		.keep_history = params->keep_history,
-		.threads = params->threads,
-		.everywhere = params->everywhere,
-		.alone = params->alone,
-		.draws = drive->scene.view.present,
-		.drops = params->host != NULL,
-		.rows = true,
-		.steps = params->steps,
-		.stop = params->stop,
-	};
-}
-
-static void finish(struct drive *drive, enum status status)
-{
-	world_stop(&drive->world);
-	render_view_destroy(drive->view);
-	render_pictures_destroy(drive->pictures);
-	world_finish(&drive->world, status);
-	report_rows_close(drive->rows);
-	report_vehicles_close(drive->vehicle_rows);
-	report_poses_close(drive->poses);
-	if (drive->volume != NULL)
-		fclose(drive->volume);
+	if (drive->world.resumed.nothing_left)
+		return drive_conclude_again(drive, result);
+	const enum status status = drive_start(drive);
+	drive->ran = status == STATUS_OK;
+	drive->unbegun = !drive->ran && owns_its_files(drive);
+	return drive->ran ? drive_conclude(drive, result, all(drive)) : status;
 }
 
 enum status drive_run(const struct drive_params *params, struct drive_result *result)
 {
-	struct drive drive = {.params = params, .scene = *params->scene, .entered = clock_seconds(), .new_folder = !is_there(params->directory),
-			      .new_overlay = !is_there(params->overlay)};
-	if (params->host == NULL)
-		scene_unwatched(params->scene, &drive.scene);
+	struct drive drive = {.entered = clock_seconds(), .new_folder = !is_there(params->directory), .new_overlay = !is_there(params->overlay)};
 	*result = (struct drive_result){.ended = "failed"};
-	enum status status = params->map ? report_map_check(&drive.scene) : STATUS_OK;
+	enum status status = drive_prepare(&drive, params);
 	if (status == STATUS_OK)
-		status = vehicle_load(&drive.scene, &drive.vehicles);
-	const struct world_params world = world_params_of(&drive);
-	if (status == STATUS_OK)
-		status = world_prepare(&drive.world, &world);
-	status = drive_agree(&drive, status);
-	if (status == STATUS_OK && drive.world.resumed.nothing_left) {
-		status = drive_end_again(&drive, result);
-	} else if (status == STATUS_OK) {
-		advise(&drive);
-		status = drive_agree(&drive, drive_start(&drive));
-		drive.ran = status == STATUS_OK;
-		drive.unbegun = !drive.ran && owns_its_files(&drive);
-		if (status == STATUS_OK)
-			status = drive_end(&drive, result, all(&drive));
-	}
+		status = start_to_end(&drive, result);
 	const int64_t step = drive.world.step;
 	const double time = drive.world.time;
-	finish(&drive, status);
+	drive_let_go(&drive, status);
 	if (drive.unbegun)
 		drive_remove_made(&drive);
 	if (drive.ran && params->ranks != NULL)
-		status = drive_conclude(&drive, step, time, result, status);
-	vehicle_destroy(drive.vehicles);
+		status = drive_conclude_ranks(&drive, step, time, result, status);
+	drive_let_go_vehicles(&drive);
 	return status;
 }
 

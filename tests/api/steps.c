@@ -22,9 +22,9 @@ static enum status no_step(void *user, double until, enum status status)
 static void fail_late(struct furrow_world *world)
 {
 	const struct world_ranks ranks = {.step = no_step};
-	world->world.ranks = &ranks;
+	world->world->ranks = &ranks;
 	refused(FURROW_FAILED, furrow_step(world, 0.1));
-	world->world.ranks = NULL;
+	world->world->ranks = NULL;
 }
 
 static double *driven(const char *name, bool fails, struct furrow_info *info)
