@@ -60,7 +60,7 @@ static enum status take_vehicle(const struct scene *scene, struct asked *asked)
 	enum status status = vehicle_outline(scene, 0, &asked->vehicle);
 	if (status != STATUS_OK)
 		return status;
-	const char *problem = mobility_vehicle_problem(&asked->vehicle);
+	const char *problem = trials_vehicle_problem(&asked->vehicle);
 	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "mobility: %s: %s", asked->vehicle.name, problem);
 }
 
@@ -126,7 +126,7 @@ static void tell(void *user, const char *text)
 static enum status check_units(const struct asked *asked)
 {
 	struct scene *scene;
-	enum status status = rig_soil_scene(asked->soil.text, &scene);
+	enum status status = trials_soil_scene(asked->soil.text, &scene);
 	if (status != STATUS_OK)
 		return status;
 	scene_advise_units(scene, tell, NULL);
@@ -148,7 +148,7 @@ static enum status measure(struct asked *asked, const double *factor)
 	const char *soil = asked->soil.text;
 	char *varied = NULL;
 	if (factor != NULL) {
-		soil = varied = mobility_soil_varied(asked->soil.text, factor);
+		soil = varied = trials_soil_varied(asked->soil.text, factor);
 		if (varied == NULL)
 			return STATUS_INPUT;
 	}
@@ -162,7 +162,7 @@ static enum status measure(struct asked *asked, const double *factor)
 					 .progress = progress_rig, .user = asked};
 	progress_start(&asked->progress, factor == NULL ? "rig" : "rig, spread", "runs");
 	if (status == STATUS_OK) {
-		status = mobility_measure(&asked->vehicle, &rig, asked->curves);
+		status = trials_measure_wheels(&asked->vehicle, &rig, asked->curves);
 		rmdir(folder);
 	}
 	progress_end(&asked->progress);
@@ -173,7 +173,7 @@ static enum status measure(struct asked *asked, const double *factor)
 static enum status make_tables(struct asked *asked)
 {
 	double factors[MOBILITY_SAMPLES_MOST][3];
-	mobility_spread_factors(asked->spread, asked->seed, (size_t)asked->samples, factors);
+	trials_spread_factors(asked->spread, asked->seed, (size_t)asked->samples, factors);
 	asked->table = mem_calloc(1, sizeof *asked->table);
 	asked->columns = mem_calloc((size_t)asked->samples + 1, sizeof *asked->columns);
 	asked->curves = mem_calloc(1, sizeof *asked->curves);
@@ -181,11 +181,11 @@ static enum status make_tables(struct asked *asked)
 		return fail_memory("tables of slopes");
 	enum status status = measure(asked, NULL);
 	if (status == STATUS_OK)
-		mobility_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
+		trials_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
 	for (int64_t i = 0; i < asked->samples && status == STATUS_OK; i++) {
 		status = measure(asked, factors[i]);
 		if (status == STATUS_OK)
-			mobility_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
+			trials_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
 	}
 	return status;
 }
@@ -204,7 +204,7 @@ static int level_for(const struct extent *extent, double length)
 /* Refuses a terrain of which nothing could be known. The rig would take a minute before that is told. */
 static enum status check_posts(const struct asked *asked, const struct store_meta *meta)
 {
-	const double length = mobility_length(&asked->vehicle);
+	const double length = trials_vehicle_length(&asked->vehicle);
 	if (meta->extent.spacing <= length)
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "mobility: %s: its posts are %g m apart, and %s is %.2g m long, so all would be unknown; give a terrain with posts of "
@@ -214,7 +214,7 @@ static enum status check_posts(const struct asked *asked, const struct store_met
 /* Finds the posts that are judged, and their level. A picture has at most SIDE_MOST cells on a side. */
 static enum status find_cells(struct asked *asked, const struct store_meta *meta, int *level, struct post_rect *rect)
 {
-	const int own = level_for(&meta->extent, mobility_length(&asked->vehicle));
+	const int own = level_for(&meta->extent, trials_vehicle_length(&asked->vehicle));
 	enum chart_format format;
 	const bool picture = chart_path_format(asked->out, &format);
 	for (asked->window.level = own;; asked->window.level++) {

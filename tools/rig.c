@@ -211,7 +211,7 @@ static void print_row(const struct rig_table *table, const struct rig_row *row)
 			printf(formats[i], values[i]);
 		else
 			printf("%*s", widths[i], "-");
-	printf("  %s\n", rig_state_names[row->state]);
+	printf("  %s\n", trials_rig_states[row->state]);
 }
 
 static void print_differences(const struct rig_table *table, size_t soil)
@@ -314,7 +314,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		progress_start(&asked->progress, "rig", "runs");
-		status = rig_run(params, &asked->table.found, keep, asked);
+		status = trials_rig_run(params, &asked->table.found, keep, asked);
 		progress_end(&asked->progress);
 	}
 	if (status == STATUS_OK)

@@ -12,7 +12,7 @@ SOURCES = pathlib.Path(os.environ["SOURCES"])      # src
 LIBRARIES = pathlib.Path(os.environ["LIBRARIES"])  # where libfurrow_FOLDER.a are
 # From below to above; folders of one line are siblings, and never include each other.
 ORDER = [["base"], ["dem", "store", "page", "soil"], ["gpu"], ["deform", "terrain", "chart"], ["resident"], ["bearing"], ["scene"], ["motion"], ["world"],
-         ["vehicle", "render"], ["report", "rig", "exchange"], ["mobility", "drive"], ["api", "fleet"]]
+         ["vehicle", "render"], ["report", "exchange"], ["drive"], ["api", "fleet"], ["trials"]]
 FOLDERS = [folder for row in ORDER for folder in row]
 FREE = {"base"}  # its words are everybody's: status, tile, lattice, ...
 WHOLE = {("deform", "soil"), ("bearing", "soil")}  # the first may include every header of the second

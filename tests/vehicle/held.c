@@ -10,7 +10,7 @@
 #include "../long.h"
 #include "../support/program.h"
 #include "drive.h"
-#include "rig/rig.h"
+#include "trials/trials.h"
 
 #define RADIUS 0.32
 #define G 9.81
@@ -89,7 +89,7 @@ static void ask_rig(const char *soil, const double *loads, size_t load_count, co
 	struct rig_found found;
 	const struct rig_params params = {.shape = "wheel: {radius: 0.32, width: 0.24}", .soils = &soil, .soil_count = 1, .loads = loads, .load_count = load_count,
 					  .slips = slips, .slip_count = slip_count, .spacing = SPACING, .folder = support_path("")};
-	must(rig_run(&params, &found, keep, &rows));
+	must(trials_rig_run(&params, &found, keep, &rows));
 }
 
 /* --- held by a spring --- */

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "rig/internal.h"
+#include "trials/internal.h"
 
 #define NEAR 0.005 /* of the torque, or of a twentieth of load x arm, whichever is more */
 #define TRIES 5
@@ -72,7 +72,7 @@ static enum status refine(struct rig *rig, size_t soil, struct search *searches,
 		if (open == 0)
 			break;
 		rig->total += (int64_t)open;
-		status = rig_lanes_drive(rig, soil, lanes, open);
+		status = trials_lanes_drive(rig, soil, lanes, open);
 		open = 0;
 		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 			struct search *s = &searches[i];
@@ -103,7 +103,7 @@ static enum status give_all(const struct search *searches, size_t count, rig_row
 	return status;
 }
 
-enum status rig_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user)
+enum status trials_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user)
 {
 	const struct rig_params *params = rig->params;
 	const size_t count = params->load_count * params->torque_count;
@@ -111,12 +111,12 @@ enum status rig_torques(struct rig *rig, size_t soil, rig_row_fn give, void *use
 	struct search *searches = mem_calloc(count, sizeof *searches);
 	enum status status = lanes == NULL || searches == NULL ? fail_memory("the rig's lanes") : STATUS_OK;
 	for (size_t i = 0; i < params->load_count * BRACKETING && status == STATUS_OK; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .lead = rig_lead(params, i / BRACKETING), .slip = bracketing[i % BRACKETING]};
+		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .lead = trials_rig_lead(params, i / BRACKETING), .slip = bracketing[i % BRACKETING]};
 	if (status == STATUS_OK)
-		status = rig_lanes_drive(rig, soil, lanes, params->load_count * BRACKETING);
+		status = trials_lanes_drive(rig, soil, lanes, params->load_count * BRACKETING);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		const size_t load = i / params->torque_count;
-		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[load], .lead = rig_lead(params, load)};
+		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[load], .lead = trials_rig_lead(params, load)};
 		bracket(rig, &searches[i], &lanes[load * BRACKETING]);
 	}
 	if (status == STATUS_OK)

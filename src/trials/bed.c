@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "dem/dem.h"
-#include "rig/internal.h"
+#include "trials/internal.h"
 #include "store/store.h"
 
 #define CELLS 256
@@ -27,7 +27,7 @@ static enum status put(void *user, const struct dem_tile *tile)
 	return store_put_base(user, tile->tile, tile->codes, &range);
 }
 
-enum status rig_bed_make(const struct rig *rig, size_t lanes)
+enum status trials_bed_make(const struct rig *rig, size_t lanes)
 {
 	struct store *store;
 	const double spacing = rig->found.spacing * rig->levels;
@@ -50,7 +50,7 @@ enum status rig_bed_make(const struct rig *rig, size_t lanes)
 	return status;
 }
 
-enum status rig_bed_begin(struct rig *rig)
+enum status trials_bed_begin(struct rig *rig)
 {
 	const char *folder = rig->params->folder;
 	rig->bed = mem_alloc(strlen(folder) + sizeof "/bed-XXXXXX" NAME, 1);
@@ -66,7 +66,7 @@ enum status rig_bed_begin(struct rig *rig)
 	return fail_with(STATUS_FAILED, "%s: no folder can be made in it: %s; give another folder", folder, strerror(errno));
 }
 
-void rig_bed_remove(struct rig *rig)
+void trials_bed_remove(struct rig *rig)
 {
 	static const char *const ends[] = {"", "-wal", "-shm", ".part"};
 	char path[4096];

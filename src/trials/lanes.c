@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rig/internal.h"
+#include "trials/internal.h"
 #include "world/world.h"
 
 #define SPEED 0.1    /* m/s: no force of a body on a path depends on it */
@@ -36,7 +36,7 @@ static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *la
 	const char *name = rig->params->soils[soil];
 	const double step = found->spacing / SPEED;
 	fprintf(out, "scene: 1\ntime_step: %.17g\nend_time: %.17g\nspacing: %.17g\n", step, found->way / SPEED, found->spacing);
-	fprintf(out, rig_in_braces(name) ? "soil: %s\n" : "soil: {name: %s}\n", name);
+	fprintf(out, trials_in_braces(name) ? "soil: %s\n" : "soil: {name: %s}\n", name);
 	fprintf(out, "redistribute: {model: scm}\noutput: {forces: %.17g}\nobjects:\n", (1 - 1e-9) / step);
 	for (size_t i = 0; i < count * rig->passes; i++) {
 		const size_t pass = i % rig->passes;
@@ -104,7 +104,7 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size
 {
 	const double count = sums->count[0] + sums->count[1];
 	const double first = sums->sinkage[0] / sums->count[0], second = sums->sinkage[1] / sums->count[1];
-	const bool driven = rig_is_driven(rig);
+	const bool driven = trials_rig_is_driven(rig);
 	struct rig_row *row = &lane->rows[pass];
 	*row = (struct rig_row){
 		.soil = soil,
@@ -174,14 +174,14 @@ static enum status drive(struct rig *rig, const struct scene *scene, struct sums
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }
 
-enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count)
+enum status trials_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count)
 {
 	struct scene *scene = NULL;
 	struct sums sums[RIG_LANES_MOST * RIG_PASSES_MOST];
 	for (size_t at = 0; at < count; at += RIG_LANES_MOST) {
 		const size_t now = count - at < RIG_LANES_MOST ? count - at : RIG_LANES_MOST;
 		memset(sums, 0, sizeof sums);
-		enum status status = rig_bed_make(rig, now);
+		enum status status = trials_bed_make(rig, now);
 		if (status == STATUS_OK)
 			status = load(rig, soil, lanes + at, now, &scene);
 		if (status != STATUS_OK)

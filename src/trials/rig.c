@@ -1,12 +1,12 @@
 /* What is asked of the rig: checks it, chooses spacing and way, and runs soil after soil. */
-#include "rig/rig.h"
+#include "trials/trials.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "rig/internal.h"
+#include "trials/internal.h"
 
 #define POSTS 20         /* below the object's width or height, by default */
 #define WAY 8.0          /* the way, in radii or half lengths */
@@ -15,7 +15,7 @@
 #define TAKEN 0.25       /* of the way, at its end, in which a row is taken */
 #define LEVELS 16        /* posts of the bed's base are so many times as far apart: less to store */
 
-const char *const rig_state_names[] = {
+const char *const trials_rig_states[] = {
 	[RIG_STEADY] = "steady", [RIG_DIGS] = "digs", [RIG_SUNK] = "sunk", [RIG_SPINS] = "spins",
 };
 
@@ -45,28 +45,28 @@ static enum status check(const struct rig_params *params)
 	return status == STATUS_OK ? check_list("torque", params->torques, params->torque_count, -1e9, 1e9) : status;
 }
 
-bool rig_is_driven(const struct rig *rig)
+bool trials_rig_is_driven(const struct rig *rig)
 {
 	return rig->found.wheel || rig->found.belt;
 }
 
-double rig_lead(const struct rig_params *params, size_t load)
+double trials_rig_lead(const struct rig_params *params, size_t load)
 {
 	return params->leads != NULL ? params->leads[load] : params->loads[load];
 }
 
-bool rig_in_braces(const char *text)
+bool trials_in_braces(const char *text)
 {
 	return text[strspn(text, " ")] == '{';
 }
 
-enum status rig_soil_scene(const char *soil, struct scene **out)
+enum status trials_soil_scene(const char *soil, struct scene **out)
 {
 	const size_t room = strlen(soil) + 64;
 	char *text = mem_alloc(room, 1);
 	if (text == NULL)
 		return fail_memory("a soil");
-	snprintf(text, room, rig_in_braces(soil) ? "{soil: %s, redistribute: {model: scm}}" : "{soil: {name: %s}, redistribute: {model: scm}}", soil);
+	snprintf(text, room, trials_in_braces(soil) ? "{soil: %s, redistribute: {model: scm}}" : "{soil: {name: %s}, redistribute: {model: scm}}", soil);
 	enum status status = scene_load_text(text, NULL, NULL, 0, SCENE_HOST, out);
 	mem_free(text);
 	if (status != STATUS_INPUT)
@@ -76,7 +76,7 @@ enum status rig_soil_scene(const char *soil, struct scene **out)
 	return fail_with(status, "soil %s: %.400s", soil, why);
 }
 
-char *rig_soil_text(const struct soil_numbers *soil, enum deform_model model)
+char *trials_soil_text(const struct soil_numbers *soil, enum deform_model model)
 {
 	char *text = NULL, *made = NULL;
 	size_t length;
@@ -106,7 +106,7 @@ char *rig_soil_text(const struct soil_numbers *soil, enum deform_model model)
 
 static char *in_braces(const char *shape)
 {
-	const bool has = rig_in_braces(shape);
+	const bool has = trials_in_braces(shape);
 	char *text = mem_alloc(strlen(shape) + 3, 1);
 	if (text != NULL)
 		sprintf(text, has ? "%s" : "{%s}", shape);
@@ -164,43 +164,43 @@ static enum status measure(struct rig *rig)
 static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *user)
 {
 	const struct rig_params *params = rig->params;
-	const size_t each = rig_is_driven(rig) ? params->slip_count : 1, count = params->load_count * each;
+	const size_t each = trials_rig_is_driven(rig) ? params->slip_count : 1, count = params->load_count * each;
 	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
 	if (lanes == NULL)
 		return fail_memory("the rig's lanes");
 	for (size_t i = 0; i < count; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = rig_lead(params, i / each),
-					     .slip = rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
-	enum status status = rig_lanes_drive(rig, soil, lanes, count);
+		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = trials_rig_lead(params, i / each),
+					     .slip = trials_rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
+	enum status status = trials_lanes_drive(rig, soil, lanes, count);
 	for (size_t i = 0; i < count * rig->passes && status == STATUS_OK; i++)
 		status = give(user, &lanes[i / rig->passes].rows[i % rig->passes]);
 	mem_free(lanes);
 	return status;
 }
 
-enum status rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user)
+enum status trials_rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user)
 {
 	struct rig rig = {.params = params};
 	enum status status = check(params);
 	if (status != STATUS_OK)
 		return status;
 	rig.shape = in_braces(params->shape);
-	status = rig.shape != NULL ? rig_bed_begin(&rig) : fail_memory("the rig");
+	status = rig.shape != NULL ? trials_bed_begin(&rig) : fail_memory("the rig");
 	if (status == STATUS_OK)
 		status = measure(&rig);
-	if (status == STATUS_OK && rig_is_driven(&rig) && params->slip_count + params->torque_count == 0)
+	if (status == STATUS_OK && trials_rig_is_driven(&rig) && params->slip_count + params->torque_count == 0)
 		status = fail_with(STATUS_USAGE, "rig: a wheel or a belt needs slips or torques; give some");
-	if (status == STATUS_OK && !rig_is_driven(&rig) && params->torque_count > 0)
+	if (status == STATUS_OK && !trials_rig_is_driven(&rig) && params->torque_count > 0)
 		status = fail_with(STATUS_USAGE, "rig: %s is no wheel and has no belt, so that no torque turns it; give loads alone", params->shape);
 	*found = rig.found;
-	rig.total = (int64_t)(params->soil_count * params->load_count * (params->torque_count > 0 ? 12 : rig_is_driven(&rig) ? params->slip_count : 1));
+	rig.total = (int64_t)(params->soil_count * params->load_count * (params->torque_count > 0 ? 12 : trials_rig_is_driven(&rig) ? params->slip_count : 1));
 	for (size_t soil = 0; soil < params->soil_count && status == STATUS_OK; soil++) {
 		rig.advised = false;
-		status = params->torque_count > 0 ? rig_torques(&rig, soil, give, user) : slips(&rig, soil, give, user);
+		status = params->torque_count > 0 ? trials_torques(&rig, soil, give, user) : slips(&rig, soil, give, user);
 	}
 	struct failure failure;
 	failure_capture(&failure, status);
-	rig_bed_remove(&rig);
+	trials_bed_remove(&rig);
 	mem_free(rig.shape);
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }
