@@ -22,14 +22,44 @@ static enum status need_own_gl(void)
 				       "child as a program of its own (exec, or spawn in Python)", (long long)before);
 }
 
+#define SETTINGS_MOST 64
 #define OPEN_FIRST offsetof(struct furrow_open, reserved) /* bytes of the first version, which ended with unused bytes behind its last flag */
+
+/* Takes the lines of `text` apart, which it changes. STATUS_USAGE: one is not KEY=VALUE. */
+static enum status take_settings(char *text, struct scene_setting *list, size_t *count)
+{
+	*count = 0;
+	for (char *line = text, *next; *line != '\0'; line = next) {
+		next = line + strcspn(line, "\n");
+		if (*next != '\0')
+			*next++ = '\0';
+		char *equals = strchr(line, '=');
+		if (equals == NULL || equals == line)
+			return fail_with(STATUS_USAGE, "settings: %s: not KEY=VALUE; give one a line, as in cache.slots=16", line);
+		if (*count == SETTINGS_MOST)
+			return fail_with(STATUS_USAGE, "settings: are too many; give at most %d", SETTINGS_MOST);
+		*equals = '\0';
+		list[(*count)++] = (struct scene_setting){line, equals + 1};
+	}
+	return STATUS_OK;
+}
 
 static enum status load_scene(const struct furrow_open *open, struct scene **out)
 {
+	struct scene_setting list[SETTINGS_MOST];
+	size_t count = 0;
 	if ((open->scene != NULL) == (open->scene_file != NULL))
 		return fail_with(STATUS_USAGE, "open: scene and scene_file are both given, or neither; give one of them");
-	return open->scene != NULL ? scene_load_text(open->scene, NULL, NULL, 0, SCENE_HOST, out)
-				   : scene_load_file(open->scene_file, NULL, 0, SCENE_HOST, out);
+	char *settings = mem_strdup(open->settings != NULL ? open->settings : "");
+	if (settings == NULL)
+		return fail_memory("settings");
+	enum status status;
+	TRY_OR(done, take_settings(settings, list, &count));
+	TRY_OR(done, open->scene != NULL ? scene_load_text(open->scene, NULL, list, count, SCENE_HOST, out)
+					 : scene_load_file(open->scene_file, list, count, SCENE_HOST, out));
+done:
+	mem_free(settings);
+	return status;
 }
 
 static enum status open_drive(struct furrow_world *host, const struct furrow_open *open)
@@ -40,6 +70,7 @@ static enum status open_drive(struct furrow_world *host, const struct furrow_ope
 		.overlay = open->overlay,
 		.directory = host->output,
 		.hosted = true,
+		.advise = open->advise,
 		.resume = open->resume,
 		.durable_full = open->durable,
 		.keep_history = open->keep_history,

@@ -99,7 +99,8 @@ struct drive_params {
 	const struct store_staged *staged; /* the base is read from its copy (store_stage). NULL: from where it is */
 	/* folder for run.json, epochs.log, frame-*.png and what `output` asks for; made if absent. NULL: nothing is written; only if hosted */
 	const char *directory;
-	bool hosted;           /* the library's host steps it, and only it sees pictures: no files of pictures and no volume.csv. Advice on vehicles alone */
+	bool hosted;           /* the library's host steps it, and only it sees pictures: no files of pictures and no volume.csv */
+	bool advise;           /* of a hosted drive: notes tell what looks wrong with the scene. Otherwise they do so of vehicles alone */
 	bool readonly;         /* nothing is written to store and overlay, and there are no steps; only if hosted */
 	const char *trace;     /* path of a trace of every access to the page cache (page/page.h). May be NULL */
 	int64_t steps;         /* last step, counted from the scene's start; 0: until end_time */

@@ -44,6 +44,7 @@ static struct world_params world_params_of(const struct drive *drive)
 		.durable_full = params->durable_full,
 		.keep_history = params->keep_history,
 		.readonly = params->readonly,
+		.advise = params->advise,
 		.threads = params->threads,
 		.everywhere = params->everywhere,
 		.alone = params->alone,
@@ -104,8 +105,9 @@ static void advise(const struct drive *drive)
 		scene_advise_units(drive->params.scene, tell_advice, NULL);
 		return;
 	}
-	if (!drive->params.hosted) {
+	if (!drive->params.hosted)
 		world_tell_written(world);
+	if (!drive->params.hosted || drive->params.advise) {
 		world_advise(world, tell_advice, NULL);
 		report_sun_advise(world, tell_advice, NULL);
 	}

@@ -1,4 +1,4 @@
-/* The bed: a store of level ground, in a folder of its own that is removed when the rig has ended. */
+/* The bed: a store of level ground, imported from a heightmap, in a folder of its own that is removed when the rig has ended. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -6,47 +6,39 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "dem/dem.h"
 #include "trials/internal.h"
-#include "store/store.h"
 
-#define CELLS 256
 #define NAME "/bed.furrow"
+#define LEVEL "/level.raw"
 
-static enum status level(void *user, struct post_rect rect, double *heights)
+/* Writes a raw heightmap: a square of so many posts a side, all of height 0. */
+static enum status write_level(const char *path, int64_t posts)
 {
-	(void)user;
-	for (int64_t i = 0; i < (rect.x1 - rect.x0) * (rect.y1 - rect.y0); i++)
-		heights[i] = 0;
-	return STATUS_OK;
-}
-
-static enum status put(void *user, const struct dem_tile *tile)
-{
-	const struct store_range range = {tile->low, tile->high, tile->error};
-	return store_put_base(user, tile->tile, tile->codes, &range);
+	static const char zeros[4096];
+	FILE *file = output_open(path, "w");
+	if (file == NULL)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	size_t left = (size_t)posts * (size_t)posts * 2;
+	for (size_t part; left > 0; left -= part) {
+		part = left < sizeof zeros ? left : sizeof zeros;
+		if (fwrite(zeros, 1, part, file) != part)
+			break;
+	}
+	return fclose(file) == 0 && left == 0 ? STATUS_OK : fail_with(STATUS_FAILED, "%s: %s; free some disk space", path, strerror(errno));
 }
 
 enum status trials_bed_make(const struct rig *rig, size_t lanes)
 {
-	struct store *store;
+	char path[4096], options[160];
+	const char *sources[] = {path};
 	const double spacing = rig->found.spacing * rig->levels;
-	const struct store_meta meta = {
-		.extent = {(int64_t)ceil((2 * rig->start + rig->found.way + (double)(rig->passes - 1) * rig->behind) / spacing) + 2,
-			   (int64_t)ceil((2 * rig->start + (double)(lanes - 1) * rig->pitch) / spacing) + 2, spacing, CELLS},
-		.step = 0.001,
-		.max_error = 0.0005,
-		.srs = "",
-		.vertical = "",
-		.sources = "a level bed",
-	};
-	enum status status = store_create(rig->bed, &meta, true, &store);
-	if (status != STATUS_OK)
-		return status;
-	status = dem_cut(&(struct dem_cut){.extent = &meta.extent, .step = meta.step, .posts = level, .emit = put, .emit_user = store});
-	if (status == STATUS_OK)
-		status = store_publish(store);
-	store_close(store);
+	const double columns = ceil((2 * rig->start + rig->found.way + (double)(rig->passes - 1) * rig->behind) / spacing);
+	const double rows = ceil((2 * rig->start + (double)(lanes - 1) * rig->pitch) / spacing);
+	snprintf(path, sizeof path, "%.*s%s", (int)(strlen(rig->bed) - strlen(NAME)), rig->bed, LEVEL);
+	snprintf(options, sizeof options, "{spacing: %.17g, max_error: 0.0005, overwrite: true, jobs: 1}", spacing);
+	TRY(write_level(path, (int64_t)fmax(columns, rows) + 2));
+	const enum status status = trials_told(furrow_import(sources, 1, rig->bed, options, NULL, NULL));
+	unlink(path);
 	return status;
 }
 

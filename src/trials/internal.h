@@ -2,6 +2,7 @@
 #ifndef FURROW_RIG_INTERNAL_H
 #define FURROW_RIG_INTERNAL_H
 
+#include "api/furrow.h"
 #include "trials/trials.h"
 
 /* One run of one object: its load and slip, and what was found. */
@@ -30,6 +31,8 @@ enum status trials_bed_begin(struct rig *rig) FURROW_CHECKED;
 enum status trials_bed_make(const struct rig *rig, size_t lanes) FURROW_CHECKED;
 void trials_bed_remove(struct rig *rig); /* and its folder */
 
+/* rig.c: returns the failure of a call of the library, with its message. STATUS_OK: it was none. */
+enum status trials_told(furrow_status status) FURROW_CHECKED;
 /* rig.c: true if the object has a slip and what drives it. */
 bool trials_rig_is_driven(const struct rig *rig);
 /* rig.c: true if a text is a mapping in braces, and no name. */

@@ -28,11 +28,11 @@ bool trials_is_unknown(enum mobility_reason reason)
  *
  * W_x, W_y: the parts of the weight down the slope, against x and y. Returns false if the wheels lie in one line.
  */
-static bool loads_of(const struct vehicle_outline *vehicle, double normal, const double along[2], double *loads)
+static bool loads_of(const struct trials_vehicle *vehicle, double normal, const double along[2], double *loads)
 {
 	double s = (double)vehicle->wheel_count, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct vehicle_wheel *w = &vehicle->wheels[i];
+		const struct trials_wheel *w = &vehicle->wheels[i];
 		x += w->x;
 		y += w->y;
 		xx += w->x * w->x;
@@ -62,11 +62,11 @@ static bool loads_of(const struct vehicle_outline *vehicle, double normal, const
 
 /* What all of a judgement's trials share. */
 struct trial {
-	const struct vehicle_outline *vehicle;
+	const struct trials_vehicle *vehicle;
 	double along, aside;                   /* N: the parts of the weight against its way, and down across it */
-	double loads[VEHICLE_WHEELS_MOST];     /* N */
-	double free_slips[VEHICLE_WHEELS_MOST];
-	struct mobility_wheel wheels[VEHICLE_WHEELS_MOST];
+	double loads[TRIALS_WHEELS_MOST];     /* N */
+	double free_slips[TRIALS_WHEELS_MOST];
+	struct mobility_wheel wheels[TRIALS_WHEELS_MOST];
 };
 
 static struct mobility_pull wheel_at(const struct trial *trial, size_t wheel, double slip, double crab)
@@ -154,7 +154,7 @@ static struct mobility_verdict no(enum mobility_reason reason)
 	return (struct mobility_verdict){reason, NAN, NAN, NAN, NAN};
 }
 
-struct mobility_verdict trials_judge(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, double slope,
+struct mobility_verdict trials_judge(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, double slope,
 				       double heading)
 {
 	const double weight = vehicle->mass * gravity, a = slope * RADIANS, h = heading * RADIANS;
@@ -180,7 +180,7 @@ struct mobility_verdict trials_judge(const struct vehicle_outline *vehicle, cons
 		return no(reason);
 	struct mobility_verdict verdict = {MOBILITY_GO, slip, 0, 0, crab / RADIANS};
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
+		const struct trials_wheel *wheel = &vehicle->wheels[i];
 		const struct mobility_pull pull = wheel_at(&trial, i, slip, crab);
 		if (wheel->driven && pull.torque > wheel->torque_most)
 			return no(MOBILITY_NO_TORQUE);

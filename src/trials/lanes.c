@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lattice.h"
 #include "trials/internal.h"
-#include "world/world.h"
 
 #define SPEED 0.1    /* m/s: no force of a body on a path depends on it */
 
@@ -13,12 +13,6 @@
 struct sums {
 	double count[2], sinkage[2], drawbar, side, fz, torque; /* torque: of a belt its pull */
 	bool sunk;
-	double first; /* m: where the row before was taken, so that a place counts once */
-};
-
-struct taking {
-	const struct rig *rig;
-	struct sums *sums;
 };
 
 /* Where a body starts: those of a lane in the order of their passes. */
@@ -53,51 +47,67 @@ static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *la
 	return ferror(out);
 }
 
-static enum status load(const struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count, struct scene **out)
+static char *text_for(const struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count)
 {
 	char *text = NULL;
 	size_t length;
 	FILE *stream = open_memstream(&text, &length);
 	if (stream == NULL)
-		return fail_memory("a scene");
-	int failed = text_of(rig, soil, lanes, count, stream);
-	failed |= fclose(stream);
-	enum status status = failed != 0 ? fail_memory("a scene")
-					 : scene_load_text(text, NULL, rig->params->settings, rig->params->setting_count, SCENE_COMMAND, out);
+		return NULL;
+	const int failed = text_of(rig, soil, lanes, count, stream);
+	if (fclose(stream) == 0 && failed == 0)
+		return text;
 	free(text);
-	if (status != STATUS_INPUT && status != STATUS_USAGE)
+	return NULL;
+}
+
+/* Where the reason in a message on a scene's text begins, behind its name and line. NULL: it is no such message. */
+static const char *reason_of(const char *message)
+{
+	static const char name[] = "scene text:";
+	if (strncmp(message, name, strlen(name)) != 0)
+		return NULL;
+	const char *reason = message + strlen(name);
+	reason += strspn(reason, "0123456789");
+	reason += *reason == ':';
+	return reason + (*reason == ' ');
+}
+
+static enum status open_world(const struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count, struct furrow_world **world)
+{
+	char *text = text_for(rig, soil, lanes, count), why[512];
+	if (text == NULL)
+		return fail_memory("a scene");
+	const struct furrow_open open = {.size = sizeof open, .scene = text, .store = rig->bed, .settings = rig->params->settings,
+					 .advise = rig->params->advise && !rig->advised};
+	const enum status status = trials_told(furrow_world_open(&open, world));
+	free(text);
+	const char *reason = status == STATUS_OK ? NULL : reason_of(failure_message());
+	if (reason == NULL)
 		return status;
-	char why[512];
-	snprintf(why, sizeof why, "%s", scene_text_reason(failure_message()));
+	snprintf(why, sizeof why, "%s", reason);
 	return fail_with(status, "rig: soil %s, in the scene that it makes: %.400s", rig->params->soils[soil], why);
 }
 
 /* --- the rows --- */
 
-static enum status take(void *user, const struct world_row *row)
+/* Adds what the soil does to a body at a path sample. */
+static void take(const struct rig *rig, size_t body, const struct furrow_contact *contact, struct sums *sums)
 {
-	const struct taking *taking = user;
-	struct sums *sums = &taking->sums[row->body];
-	const double left = start_of(taking->rig, row->body) + taking->rig->found.way - row->position[0]; /* of the way */
-	if (left > taking->rig->taken || row->position[0] == sums->first)
-		return STATUS_OK;
-	const int half = left <= taking->rig->taken / 2;
-	sums->first = row->position[0];
+	/* The body is at a multiple of the lattice. */
+	const double x = lattice_offset_metres(lattice_offset(start_of(rig, body) + contact->time * SPEED));
+	const double left = start_of(rig, body) + rig->found.way - x; /* of the way */
+	if (!(left <= rig->taken))
+		return;
+	const int half = left <= rig->taken / 2;
 	sums->count[half]++;
-	sums->sinkage[half] += row->force.sinkage;
-	sums->drawbar += row->force.force[0];
-	sums->side += row->force.force[1];
-	sums->fz += row->force.force[2];
+	sums->sinkage[half] += contact->sinkage;
+	sums->drawbar += contact->force[0];
+	sums->side += contact->force[1];
+	sums->fz += contact->force[2];
 	/* The soil turns a wheel back, about the axis to the left. */
-	sums->torque += taking->rig->found.belt ? row->force.pull : -row->force.moment[1];
-	sums->sunk |= row->force.state == DEFORM_SUNK;
-	return STATUS_OK;
-}
-
-static enum status nothing(void *user)
-{
-	(void)user;
-	return STATUS_OK;
+	sums->torque += rig->found.belt ? contact->pull : -contact->moment[1];
+	sums->sunk |= contact->state == FURROW_SUNK;
 }
 
 static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size_t pass, const struct sums *sums)
@@ -131,65 +141,53 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size
 
 /* --- the drive --- */
 
-static enum status steps(struct rig *rig, struct world *world, size_t count)
+/* Bodies come to a path sample in each step. The first step is half as long as the others, so that no sample falls on the end of a step. */
+static enum status steps(struct rig *rig, struct furrow_world *world, struct sums *sums, size_t count)
 {
-	const int64_t total = world_step_count(world), before = rig->done;
-	enum status status = world_begin(world);
-	while (world->step < total && status == STATUS_OK) {
-		if (world_stopped(world))
+	furrow_body bodies[RIG_LANES_MOST * RIG_PASSES_MOST];
+	struct furrow_contact contacts[RIG_LANES_MOST * RIG_PASSES_MOST];
+	const size_t all = count * rig->passes;
+	const double step = rig->found.spacing / SPEED;
+	const int64_t total = (int64_t)round(rig->found.way / rig->found.spacing), before = rig->done;
+	for (size_t i = 0; i < all; i++)
+		bodies[i] = (furrow_body)i; /* those of a scene come first */
+	for (int64_t k = 0; k < total; k++) {
+		if (rig->params->stop != NULL && *rig->params->stop)
 			return fail_with(STATUS_INTERRUPTED, "rig: interrupted; run it again to start over");
-		status = world_step(world);
-		rig->done = before + (int64_t)count * world->step / total;
-		if (status == STATUS_OK && rig->params->progress != NULL)
-			status = rig->params->progress(rig->params->user, rig->done, rig->total);
+		TRY(trials_told(furrow_step(world, k == 0 ? step / 2 : step)));
+		if ((double)(total - k - 1) * rig->found.spacing <= rig->taken) {
+			TRY(trials_told(furrow_get_contacts(world, all, bodies, contacts, sizeof *contacts)));
+			for (size_t i = 0; i < all; i++)
+				take(rig, i, &contacts[i], &sums[i]);
+		}
+		rig->done = before + (int64_t)count * (k + 1) / total;
+		if (rig->params->progress != NULL)
+			TRY(rig->params->progress(rig->params->user, rig->done, rig->total));
 	}
-	return status;
+	return STATUS_OK;
 }
 
-static enum status drive(struct rig *rig, const struct scene *scene, struct sums *sums, size_t count)
+/* Drives lanes that fit one bed. */
+static enum status drive(struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count, struct sums *sums)
 {
-	struct world world = {.step = 0};
-	struct taking taking = {rig, sums};
-	const struct world_rows rows = {.user = &taking, .row = take, .flush = nothing};
-	const struct world_params params = {.scene = scene, .store = rig->bed, .rows = true, .stop = rig->params->stop};
-	enum status status = world_prepare(&world, &params);
-	if (status == STATUS_OK && !rig->advised && rig->params->tell != NULL)
-		world_advise(&world, rig->params->tell, rig->params->user);
-	rig->advised = true;
-	if (status == STATUS_OK)
-		status = world_start(&world);
-	if (status == STATUS_OK)
-		status = world_start_pages(&world, NULL, NULL);
-	if (status == STATUS_OK)
-		status = world_warm(&world);
-	if (status == STATUS_OK) {
-		world_seal(&world);
-		world.rows = &rows;
-		status = steps(rig, &world, count);
-	}
+	struct furrow_world *world = NULL;
 	struct failure failure;
+	TRY(trials_bed_make(rig, count));
+	TRY(open_world(rig, soil, lanes, count, &world));
+	rig->advised = true;
+	const enum status status = steps(rig, world, sums, count);
 	failure_capture(&failure, status);
-	world_stop(&world);
-	world_finish(&world, status);
-	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+	const enum status closed = trials_told(furrow_world_close(world));
+	return status == STATUS_OK ? closed : failure_restore(&failure);
 }
 
 enum status trials_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count)
 {
-	struct scene *scene = NULL;
 	struct sums sums[RIG_LANES_MOST * RIG_PASSES_MOST];
 	for (size_t at = 0; at < count; at += RIG_LANES_MOST) {
 		const size_t now = count - at < RIG_LANES_MOST ? count - at : RIG_LANES_MOST;
 		memset(sums, 0, sizeof sums);
-		enum status status = trials_bed_make(rig, now);
-		if (status == STATUS_OK)
-			status = load(rig, soil, lanes + at, now, &scene);
-		if (status != STATUS_OK)
-			return status;
-		status = drive(rig, scene, sums, now);
-		scene_destroy(scene);
-		if (status != STATUS_OK)
-			return status;
+		TRY(drive(rig, soil, lanes + at, now, sums));
 		for (size_t i = 0; i < now * rig->passes; i++)
 			fill(rig, soil, &lanes[at + i / rig->passes], i % rig->passes, &sums[i]);
 	}

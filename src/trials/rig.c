@@ -60,50 +60,6 @@ bool trials_in_braces(const char *text)
 	return text[strspn(text, " ")] == '{';
 }
 
-enum status trials_soil_scene(const char *soil, struct scene **out)
-{
-	const size_t room = strlen(soil) + 64;
-	char *text = mem_alloc(room, 1);
-	if (text == NULL)
-		return fail_memory("a soil");
-	snprintf(text, room, trials_in_braces(soil) ? "{soil: %s, redistribute: {model: scm}}" : "{soil: {name: %s}, redistribute: {model: scm}}", soil);
-	enum status status = scene_load_text(text, NULL, NULL, 0, SCENE_HOST, out);
-	mem_free(text);
-	if (status != STATUS_INPUT)
-		return status;
-	char why[512];
-	snprintf(why, sizeof why, "%s", scene_text_reason(failure_message()));
-	return fail_with(status, "soil %s: %.400s", soil, why);
-}
-
-char *trials_soil_text(const struct soil_numbers *soil, enum deform_model model)
-{
-	char *text = NULL, *made = NULL;
-	size_t length;
-	FILE *stream = open_memstream(&text, &length);
-	const char *key, *comma = "";
-	double value;
-	if (stream == NULL) {
-		(void)fail_memory("a soil");
-		return NULL;
-	}
-	int failed = fputc('{', stream) < 0;
-	for (size_t i = 0; scene_soil_number(soil, i, &key, &value); i++) {
-		if (isnan(value) || !deform_model_reads(model, key))
-			continue;
-		failed |= fprintf(stream, "%s%s: %.17g", comma, key, value) < 0;
-		comma = ", ";
-	}
-	failed |= fputc('}', stream) < 0;
-	failed |= fclose(stream) != 0;
-	if (!failed)
-		made = mem_strdup(text);
-	free(text);
-	if (made == NULL)
-		(void)fail_memory("a soil");
-	return made;
-}
-
 static char *in_braces(const char *shape)
 {
 	const bool has = trials_in_braces(shape);
@@ -113,38 +69,40 @@ static char *in_braces(const char *shape)
 	return text;
 }
 
+enum status trials_told(furrow_status status)
+{
+	static const enum status of[] = {[FURROW_OK] = STATUS_OK, [FURROW_FAILED] = STATUS_FAILED, [FURROW_USAGE] = STATUS_USAGE, [FURROW_INPUT] = STATUS_INPUT,
+					 [FURROW_NO_GL] = STATUS_NO_GL};
+	if (status == FURROW_OK)
+		return STATUS_OK;
+	char message[4096];
+	snprintf(message, sizeof message, "%s", furrow_last_error());
+	return fail_with(status == FURROW_INTERRUPTED ? STATUS_INTERRUPTED : of[status], "%s", message);
+}
+
 /* Reads the shape as a host's body, whose messages name its own text. */
 static enum status measure(struct rig *rig)
 {
-	struct scene *scene;
-	struct scene_object object;
-	enum status status = scene_load_text("{}", NULL, NULL, 0, SCENE_HOST, &scene);
-	if (status != STATUS_OK)
-		return status;
+	struct furrow_shape shape = {.size = sizeof shape};
 	char *text = mem_alloc(strlen(rig->shape) + 16, 1);
-	if (text != NULL) {
-		sprintf(text, "{shape: %s}", rig->shape);
-		status = scene_object_parse(scene, text, &object);
-	} else {
-		status = fail_memory("a shape");
-	}
+	if (text == NULL)
+		return fail_with(STATUS_FAILED, "rig: shape %s: out of memory", rig->shape);
+	sprintf(text, "{shape: %s}", rig->shape);
+	const enum status status = trials_told(furrow_measure(text, &shape));
 	mem_free(text);
-	scene_destroy(scene);
 	if (status != STATUS_OK) {
 		char why[512];
 		snprintf(why, sizeof why, "%s", failure_message());
 		return fail_with(status, "rig: shape %s: %.400s", rig->shape, why);
 	}
-	const struct soil_shape *shape = &object.shape;
 	struct rig_found *found = &rig->found;
-	const double bound = soil_shape_bound(shape);
-	found->wheel = shape->kind == SOIL_WHEEL;
-	found->belt = shape->belt;
-	found->radius = found->wheel ? shape->radius : (double)NAN;
-	found->arm = found->wheel ? shape->radius : 1;
-	found->width = found->wheel ? shape->width : (double)NAN;
-	const double least = found->wheel ? fmin(shape->radius, shape->width) : bound / sqrt(3);
-	const double most = found->wheel ? fmax(shape->radius, shape->width) : bound;
+	found->wheel = !isnan(shape.radius);
+	found->belt = shape.belt;
+	found->radius = shape.radius;
+	found->arm = found->wheel ? shape.radius : 1;
+	found->width = shape.width;
+	const double least = found->wheel ? fmin(shape.radius, shape.width) : shape.bound / sqrt(3);
+	const double most = found->wheel ? fmax(shape.radius, shape.width) : shape.bound;
 	found->spacing = rig->params->spacing > 0 ? rig->params->spacing : least / POSTS;
 	/* Whole posts, so that each step is a path sample. */
 	const double way = ceil(WAY * most / found->spacing) * found->spacing;
@@ -156,7 +114,6 @@ static enum status measure(struct rig *rig)
 	rig->levels = LEVELS;
 	rig->pitch = ceil(PITCH * most / found->spacing) * found->spacing;
 	rig->start = rig->pitch;
-	scene_object_finish(&object);
 	return STATUS_OK;
 }
 
@@ -178,12 +135,20 @@ static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *us
 	return status;
 }
 
+/* Notes of the library are those of the command. */
+static void tell_note(int level, const char *message, void *user)
+{
+	(void)level, (void)user;
+	fprintf(stderr, "furrow: note: %s\n", message);
+}
+
 enum status trials_rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user)
 {
 	struct rig rig = {.params = params};
 	enum status status = check(params);
 	if (status != STATUS_OK)
 		return status;
+	furrow_set_log(tell_note, NULL);
 	rig.shape = in_braces(params->shape);
 	status = rig.shape != NULL ? trials_bed_begin(&rig) : fail_memory("the rig");
 	if (status == STATUS_OK)

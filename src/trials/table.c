@@ -3,14 +3,14 @@
 
 #include "trials/trials.h"
 
-void trials_table_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table)
+void trials_table_make(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table)
 {
 	for (int i = 0; i < MOBILITY_SLOPES; i++)
 		for (int k = 0; k < MOBILITY_HEADINGS; k++)
 			table->verdicts[i][k] = trials_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, k * MOBILITY_HEADING_STEP);
 }
 
-void trials_column_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_column *column)
+void trials_column_make(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_column *column)
 {
 	for (int i = 0; i < MOBILITY_SLOPES; i++)
 		column->verdicts[i] = trials_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, 0);

@@ -1,6 +1,6 @@
 /*
- * trials: what is measured by drives that are made for it. The rig drives one object over a level bed. Mobility judges a vehicle on slopes by what the
- * rig measured of its wheels.
+ * trials: what is measured by drives that are made for it, by a host that uses furrow.h alone. The rig drives one object over a level bed. Mobility
+ * judges a vehicle on slopes by what the rig measured of its wheels.
  */
 #ifndef FURROW_TRIALS_H
 #define FURROW_TRIALS_H
@@ -10,14 +10,12 @@
 #include <stddef.h>
 
 #include "base/base.h"
-#include "scene/scene.h"
-#include "vehicle/vehicle.h"
 
 /*
  * rig: the single-wheel test of terramechanics. An object is carried over level soil in a straight line, under a load, and a
  * wheel with a slip or a torque besides. A body with a belt is as a wheel: what pulls its belt is in the place of a torque. What the soil does to it when that is steady becomes a row.
  *
- * The bodies are those of a scene, and world steps them, so a row is what a drive would tell. Several runs share one bed. Each
+ * The bodies are those of a scene, and furrow_step moves them, so a row is what a drive would tell. Several runs share one bed. Each
  * has a lane of its own, and no soil goes from one lane to the next.
  *
  * All functions belong to one thread. They make a GL context of their own.
@@ -49,13 +47,12 @@ struct rig_params {
 	size_t passes;                  /* objects that follow each other in a lane, up to RIG_PASSES_MOST; 0: one */
 	const double *leads;            /* N: loads of those ahead of the last, one for each of loads; NULL: as loads */
 	double spacing;                 /* m between posts; 0: a twentieth of the object's width or height, whichever is less */
-	const struct scene_setting *settings; /* of the scene, as in redistribute.slip_sinkage */
-	size_t setting_count;
+	const char *settings;           /* of the scene, each KEY=VALUE on a line, as in redistribute.slip_sinkage=0.3; NULL: none */
 	const char *folder;             /* an existing folder, in which the bed has a folder while it is used */
 	const volatile sig_atomic_t *stop;
 	/* Called from time to time. If it does not return STATUS_OK, the rig stops with that. NULL: no calls */
 	enum status (*progress)(void *user, int64_t done, int64_t total);
-	void (*tell)(void *user, const char *text); /* gets advice on the scene; NULL: nobody does */
+	bool advise;                    /* notes tell what looks wrong with the scene of each soil */
 	void *user;
 };
 
@@ -90,11 +87,6 @@ typedef enum status (*rig_row_fn)(void *user, const struct rig_row *row);
  */
 enum status trials_rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user) FURROW_CHECKED;
 
-/* Makes a scene that has this soil and nothing else: its soils[0] has the numbers. `soil`: as in struct rig_params. */
-enum status trials_soil_scene(const char *soil, struct scene **out) FURROW_CHECKED;
-/* Writes a soil as YAML in braces, with those of its numbers that the model reads. NULL: out of memory. Free it with mem_free. */
-char *trials_soil_text(const struct soil_numbers *soil, enum deform_model model) FURROW_CHECKED;
-
 /*
  * mobility: whether a vehicle can drive over a slope, and how much it slips there, from what the rig measured of its wheels.
  *
@@ -107,17 +99,33 @@ char *trials_soil_text(const struct soil_numbers *soil, enum deform_model model)
  *
  * trials_measure_wheels belongs to one thread, and makes a GL context. All others are pure. Any thread.
  */
+/* A wheel of a vehicle. x and y: m from the centre of gravity, forward and to the left. */
+struct trials_wheel {
+	double x, y, radius, width;
+	bool driven;
+	double torque_most;    /* N m that its motor gives; INFINITY: not limited */
+};
+#define TRIALS_WHEELS_MOST 32
+/* What of a vehicle decides where it can drive. */
+struct trials_vehicle {
+	double mass;           /* kg */
+	double height;         /* m: of the centre of gravity above the lowest part that touches the ground */
+	double clearance;      /* m: of the lowest part that does not touch the ground; INFINITY: there is none */
+	struct trials_wheel wheels[TRIALS_WHEELS_MOST];
+	size_t wheel_count;
+};
+
 #define MOBILITY_LOADS 5
 #define MOBILITY_SLIPS 12
 
 /* Returns NULL if this vehicle can be judged. Otherwise the reason, a static text: "WHY; WHAT TO DO". */
-const char *trials_vehicle_problem(const struct vehicle_outline *vehicle);
+const char *trials_vehicle_problem(const struct trials_vehicle *vehicle);
 /* Returns the distance between its first and last axle, or its longest wheel's diameter if that is more, m. */
-double trials_vehicle_length(const struct vehicle_outline *vehicle);
+double trials_vehicle_length(const struct trials_vehicle *vehicle);
 
 /* Returns how many wheels run ahead of one in its track: those that it overlaps by more than half of the narrower one's width. At most
  * RIG_PASSES_MOST - 1. */
-size_t trials_wheel_pass(const struct vehicle_outline *vehicle, size_t wheel);
+size_t trials_wheel_pass(const struct trials_vehicle *vehicle, size_t wheel);
 
 /* What the rig told of one wheel over loads and slips. */
 struct mobility_point {
@@ -133,8 +141,8 @@ struct mobility_wheel_curves {
 struct mobility_curves {
 	double friction_angle; /* degrees, the soil's */
 	size_t kind_count;     /* of wheels that differ */
-	size_t kinds[VEHICLE_WHEELS_MOST]; /* of each wheel */
-	struct mobility_wheel_curves of[VEHICLE_WHEELS_MOST];
+	size_t kinds[TRIALS_WHEELS_MOST]; /* of each wheel */
+	struct mobility_wheel_curves of[TRIALS_WHEELS_MOST];
 };
 extern const double trials_slips[MOBILITY_SLIPS];
 
@@ -159,6 +167,7 @@ struct mobility_pull trials_wheel_at(const struct mobility_wheel *wheel, double 
 
 struct mobility_rig {
 	const char *soil;      /* as in struct rig_params */
+	double friction_angle; /* degrees, of that soil; NaN: it has none */
 	double gravity;        /* m/s2 */
 	double spacing;        /* m between posts; 0: a tenth of a wheel's width or radius, whichever is less */
 	const char *folder;    /* an existing folder for the bed */
@@ -169,11 +178,7 @@ struct mobility_rig {
 
 /* Runs the rig for each size of wheel, under loads from 0.2 of their mean to 1.8. A wheel runs behind those that are ahead of it in its track.
  * STATUS_INPUT: the vehicle cannot be judged, or the soil is wrong. */
-enum status trials_measure_wheels(const struct vehicle_outline *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves) FURROW_CHECKED;
-
-/* Gives YAML of a soil whose strength and stiffness are multiplied: `factor` of cohesion, friction (its tangent), k_c and k_phi. Free it with
- * mem_free. NULL: out of memory, or there is no such soil; the message tells. */
-char *trials_soil_varied(const char *soil, const double factor[3]);
+enum status trials_measure_wheels(const struct trials_vehicle *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves) FURROW_CHECKED;
 
 enum mobility_reason {
 	MOBILITY_GO,
@@ -199,7 +204,7 @@ struct mobility_verdict {
 #define MOBILITY_CRAB_MOST 45.0 /* degrees */
 
 /* Judges a vehicle on a slope, degrees from level. heading: degrees between its way and the way straight up, 0 to 180. */
-struct mobility_verdict trials_judge(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, double slope,
+struct mobility_verdict trials_judge(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, double slope,
 				       double heading);
 
 /* Verdicts for slopes 0 to MOBILITY_SLOPE_MOST, and headings 0 to 90 degrees. */
@@ -211,7 +216,7 @@ struct mobility_verdict trials_judge(const struct vehicle_outline *vehicle, cons
 struct mobility_table {
 	struct mobility_verdict verdicts[MOBILITY_SLOPES][MOBILITY_HEADINGS];
 };
-void trials_table_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table);
+void trials_table_make(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table);
 
 /* Of a slope: the verdict straight up. And the steepest heading at which it goes, degrees from along the slope (0) to straight up (90);
  * NaN: it goes at none. every: it goes at every heading between. */
@@ -222,14 +227,14 @@ struct mobility_slope {
 };
 struct mobility_slope trials_table_at(const struct mobility_table *table, double slope);
 
-/* Fills factors for trials_soil_varied: a Latin hypercube of `count` soils. Each factor is lognormal with median 1; spread: standard deviations of
+/* Fills factors for scene_soil_varied: a Latin hypercube of `count` soils. Each factor is lognormal with median 1; spread: standard deviations of
  * their logarithms. The same seed gives the same factors. */
 void trials_spread_factors(const double spread[3], int64_t seed, size_t count, double (*factors)[3]);
 /* Verdicts straight up, for slopes as in a table: what P(GO) needs of a soil. */
 struct mobility_column {
 	struct mobility_verdict verdicts[MOBILITY_SLOPES];
 };
-void trials_column_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_column *column);
+void trials_column_make(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_column *column);
 /* Returns the share of the soils whose verdict straight up this slope, degrees, is go. NaN: no ground, or no soil. */
 double trials_probability(const struct mobility_column *columns, size_t count, double slope);
 

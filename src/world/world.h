@@ -151,6 +151,7 @@ struct world_params {
 	bool durable_full;
 	bool keep_history;         /* each commit keeps what it replaces */
 	bool readonly;             /* nothing is ever written: store and overlay are only read, and there are no steps */
+	bool advise;               /* world_advise will be called, of a host's world too */
 	bool alone;                /* compute every contact alone; for tests that compare */
 	int threads;               /* that compute soil that bears, however little there is; for tests that compare. 0: as many as are worth it */
 	bool everywhere;           /* compute also contacts that change nothing; for tests that compare */
@@ -211,7 +212,7 @@ struct world_contact {
 	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel or a belt */
 	double stiffness[6][6], damping[6][6]; /* d(force, moment) / d(translation, rotation about local axes), and of their rates */
 	double normal_force, shear_limit; /* N */
-	double pull;                  /* N: of its belt, as in struct deform_forces; only of a probe */
+	double pull;                  /* N: of its belt, as in struct deform_forces */
 	enum world_contact_state state;
 };
 

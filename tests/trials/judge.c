@@ -3,13 +3,14 @@
 
 #include "../support.h"
 #include "../support/program.h"
+#include "scene/scene.h"
 #include "trials/trials.h"
 
 #define RADIANS (3.14159265358979323846 / 180)
 #define G 9.81
 
 /* Drawbar N (0.1 + 0.8 s) of every wheel, torque N r (0.3 + 0.5 s), sinkage 1e-5 N. */
-static void straight(struct mobility_curves *curves, const struct vehicle_outline *vehicle)
+static void straight(struct mobility_curves *curves, const struct trials_vehicle *vehicle)
 {
 	*curves = (struct mobility_curves){.friction_angle = 40, .kind_count = 1};
 	struct mobility_wheel_curves *of = &curves->of[0];
@@ -23,17 +24,17 @@ static void straight(struct mobility_curves *curves, const struct vehicle_outlin
 	}
 }
 
-static struct vehicle_outline car(void)
+static struct trials_vehicle car(void)
 {
-	struct vehicle_outline vehicle = {.mass = 1000, .height = 0.6, .clearance = INFINITY, .wheel_count = 4};
+	struct trials_vehicle vehicle = {.mass = 1000, .height = 0.6, .clearance = INFINITY, .wheel_count = 4};
 	for (size_t i = 0; i < 4; i++)
-		vehicle.wheels[i] = (struct vehicle_wheel){i < 2 ? 1.2 : -1.2, i % 2 == 0 ? 0.7 : -0.7, 0.35, 0.25, true, INFINITY};
+		vehicle.wheels[i] = (struct trials_wheel){i < 2 ? 1.2 : -1.2, i % 2 == 0 ? 0.7 : -0.7, 0.35, 0.25, true, INFINITY};
 	return vehicle;
 }
 
 static void slip_is_that_of_the_slope(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -59,7 +60,7 @@ static void slip_is_that_of_the_slope(void **state)
 
 static void free_wheels_do_not_pull(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -75,7 +76,7 @@ static void free_wheels_do_not_pull(void **state)
 
 static void it_tips_where_its_weight_leaves_the_wheels(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -93,7 +94,7 @@ static void it_tips_where_its_weight_leaves_the_wheels(void **state)
  * 0.9 (1 - s) tan(crab). */
 static void across_a_slope_it_points_up_it(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -121,7 +122,7 @@ static void across_a_slope_it_points_up_it(void **state)
 /* Sinkage is 1e-5 m / N, so it tells the load of the wheel that has most. */
 static void loads_move_down_the_slope(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -137,7 +138,7 @@ static void loads_move_down_the_slope(void **state)
 
 static void brakes_hold_it_down_to_a_slope(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -151,7 +152,7 @@ static void brakes_hold_it_down_to_a_slope(void **state)
 
 static void wheels_behind_each_other_share_a_track(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	(void)state;
 	for (size_t i = 0; i < 4; i++)
 		assert_int_equal(trials_wheel_pass(&vehicle, i), i < 2 ? 0 : 1);
@@ -161,16 +162,16 @@ static void wheels_behind_each_other_share_a_track(void **state)
 	vehicle.wheels[2].y = 0.7 - 0.12;
 	assert_int_equal(trials_wheel_pass(&vehicle, 2), 1);
 	/* Twin wheels of one axle are side by side. */
-	vehicle.wheels[1] = (struct vehicle_wheel){1.2, 0.6, 0.35, 0.25, true, INFINITY};
+	vehicle.wheels[1] = (struct trials_wheel){1.2, 0.6, 0.35, 0.25, true, INFINITY};
 	assert_int_equal(trials_wheel_pass(&vehicle, 0), 0);
 	for (size_t i = 4; i < 9; i++)
-		vehicle.wheels[vehicle.wheel_count++] = (struct vehicle_wheel){-1.2 * (double)i, -0.7, 0.35, 0.25, true, INFINITY};
+		vehicle.wheels[vehicle.wheel_count++] = (struct trials_wheel){-1.2 * (double)i, -0.7, 0.35, 0.25, true, INFINITY};
 	assert_int_equal(trials_wheel_pass(&vehicle, 8), RIG_PASSES_MOST - 1);
 }
 
 static void each_limit_is_told(void **state)
 {
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -203,7 +204,7 @@ static void each_limit_is_told(void **state)
 static void the_table_is_the_judge(void **state)
 {
 	static struct mobility_table table;
-	struct vehicle_outline vehicle = car();
+	struct trials_vehicle vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -234,10 +235,10 @@ static void soils_vary_by_their_factors(void **state)
 	double value, wanted;
 	struct scene *plain, *varied;
 	(void)state;
-	must(trials_soil_scene("dry_sand", &plain));
-	char *text = trials_soil_varied("dry_sand", (double[]){0.5, 1.2, 0.8});
+	must(scene_soil_alone("dry_sand", &plain));
+	char *text = scene_soil_varied("dry_sand", (double[]){0.5, 1.2, 0.8});
 	assert_non_null(text);
-	must(trials_soil_scene(text, &varied));
+	must(scene_soil_alone(text, &varied));
 	for (size_t i = 0; scene_soil_number(&plain->soils[0], i, &key, &wanted); i++) {
 		assert_true(scene_soil_number(&varied->soils[0], i, &key, &value));
 		if (strcmp(key, "cohesion") == 0)
@@ -253,7 +254,7 @@ static void soils_vary_by_their_factors(void **state)
 	mem_free(text);
 	scene_destroy(plain);
 	scene_destroy(varied);
-	assert_null(trials_soil_varied("moondust", (double[]){1, 1, 1}));
+	assert_null(scene_soil_varied("moondust", (double[]){1, 1, 1}));
 }
 
 TEST_PROGRAM(judge)

@@ -13,9 +13,9 @@
 /* Drawbar factor x MOST x N at every slip from 0.1 on. */
 static void judge_all(const double (*factors)[3], size_t count, struct mobility_column *columns)
 {
-	struct vehicle_outline vehicle = {.mass = 1000, .height = 0.1, .clearance = INFINITY, .wheel_count = 4};
+	struct trials_vehicle vehicle = {.mass = 1000, .height = 0.1, .clearance = INFINITY, .wheel_count = 4};
 	for (size_t i = 0; i < 4; i++)
-		vehicle.wheels[i] = (struct vehicle_wheel){i < 2 ? 1.2 : -1.2, i % 2 == 0 ? 0.7 : -0.7, 0.35, 0.25, true, INFINITY};
+		vehicle.wheels[i] = (struct trials_wheel){i < 2 ? 1.2 : -1.2, i % 2 == 0 ? 0.7 : -0.7, 0.35, 0.25, true, INFINITY};
 	for (size_t k = 0; k < count; k++) {
 		struct mobility_curves curves = {.friction_angle = 89, .kind_count = 1};
 		for (size_t l = 0; l < MOBILITY_LOADS; l++) {
