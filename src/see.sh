@@ -1,6 +1,6 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
-# base, and the outward header of each folder below it: that of api is furrow.h. deform and bearing may include all of soil.
+# base, and of each folder below it the outward header with the parts that it includes: that of api is furrow.h. deform and bearing may include all of soil.
 set -eu
 src=$1 farm=$2 name=$3
 shift 3
@@ -12,8 +12,10 @@ for below; do
 		ln -s "$src/$below" "$farm/$name/$below"
 	else
 		mkdir "$farm/$name/$below"
-		header=$below/$below.h
-		[ "$below" != api ] || header=api/furrow.h
-		ln -s "$src/$header" "$farm/$name/$header"
+		outward=$below/$below.h
+		[ "$below" != api ] || outward=api/furrow.h
+		for header in $outward $(sed -n "s,^#include \"\($below/[^\"]*\)\".*,\1,p" "$src/$outward"); do
+			ln -s "$src/$header" "$farm/$name/$header"
+		done
 	fi
 done

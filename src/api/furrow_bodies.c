@@ -129,7 +129,7 @@ furrow_status furrow_body_add(struct furrow_world *world, const char *object, fu
 	if (status == STATUS_OK)
 		status = api_library_need(body, "body");
 	if (status == STATUS_OK)
-		status = scene_object_parse(world->scene, object, &parsed);
+		status = scene_object_parse(world_scene(world->world), object, &parsed);
 	if (status != STATUS_OK)
 		return api_library_leave(&call, status);
 	status = world_body_add(world->world, &parsed, body);

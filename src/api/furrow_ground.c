@@ -28,7 +28,7 @@ static enum status tell_point(struct furrow_world *world, const struct terrain_p
 	}
 	int64_t base;
 	bool any;
-	enum status status = resident_ground_height(world->world->ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
+	enum status status = resident_ground_height(world_resident(world->world)->ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
 	if (status == STATUS_OK && any) {
 		point->offset = height->bilinear - lattice_offset_metres(base);
 		point->offset = fabs(point->offset) <= OFFSET_NOISE ? 0 : point->offset;
@@ -162,14 +162,14 @@ static enum store_layer layer_of(enum furrow_layer layer)
 static enum status check_read(const struct furrow_world *world, enum furrow_layer layer, int level, uint32_t columns, uint32_t rows,
 			      const double *posts, size_t row_stride)
 {
-	const int coarsest = extent_coarsest(&world->world->meta->extent);
+	const int coarsest = extent_coarsest(&world_resident(world->world)->meta->extent);
 	enum status status = api_library_need(posts, "posts");
 	if (status != STATUS_OK)
 		return status;
 	if ((int)layer < 0 || (int)layer > (int)FURROW_DISTURBANCE)
 		return fail_with(STATUS_USAGE, "layer: %d is none; give one of enum furrow_layer", (int)layer);
-	if (level < world->world->level || level > coarsest)
-		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world->world->level, coarsest);
+	if (level < world_resident(world->world)->level || level > coarsest)
+		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world_resident(world->world)->level, coarsest);
 	if (row_stride < columns)
 		return fail_with(STATUS_USAGE, "row_stride: %zu posts are less than the %u of a row; give at least as many", row_stride, columns);
 	if (row_stride > PTRDIFF_MAX / sizeof *posts / rows)
@@ -217,7 +217,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	if (status != STATUS_OK)
 		return api_library_leave(&call, status);
 	const enum store_layer kept = layer_of(layer);
-	const struct extent *extent = &world->world->meta->extent;
+	const struct extent *extent = &world_resident(world->world)->meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
 	const bool soil = kept >= STORE_DEPOSITED;
 	struct post_rect rect = {column, row, column, row};
@@ -228,7 +228,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	int tries = 0;
 	do {
 		status = api_library_settle(world);
-		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world->world->level))
+		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world_resident(world->world)->level))
 			status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
 					   row_stride);
 	} while (api_library_again(world, ++tries, &status));

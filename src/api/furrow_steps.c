@@ -25,10 +25,11 @@ static enum status step_vehicles(struct furrow_world *host, double seconds)
 		TRY_OR(failed, drive_step(host->drive));
 	return STATUS_OK;
 failed:
-	if (!world->torn) {
+	if (!world_is_torn(world)) {
 		struct failure failure;
 		failure_capture(&failure, status);
-		world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
+		if (vehicle_step_back(host->vehicles) != STATUS_OK)
+			world_tear(world);
 		return failure_restore(&failure);
 	}
 	return status;
@@ -39,14 +40,14 @@ static enum status step(struct furrow_world *host, double seconds)
 	struct world *world = host->world;
 	if (!(seconds >= 0) || !isfinite(seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
-	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
+	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world_time(world) + seconds;
 	if (until > TIME_MOST)
 		return fail_with(STATUS_USAGE, "step: %g s from %g s on lead beyond %g s, where time does not tell steps of a microsecond apart; give %g s or less",
-				 until - world->time, world->time, TIME_MOST, fmax(TIME_MOST - world->time, 0));
-	if (world->torn)
+				 until - world_time(world), world_time(world), TIME_MOST, fmax(TIME_MOST - world_time(world), 0));
+	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
 	const double began = clock_seconds();
-	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
+	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : drive_step_to(host->drive, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
 	host->failed = status != STATUS_OK && status != STATUS_USAGE;
@@ -54,7 +55,7 @@ static enum status step(struct furrow_world *host, double seconds)
 		return status;
 	host->steps++;
 	if (host->vehicles != NULL) {
-		host->steps = world->step;
+		host->steps = world_steps_done(world);
 	} else if (seconds != 0) {
 		host->origin = until;
 		host->steps = 0;
@@ -74,7 +75,7 @@ furrow_status furrow_step(struct furrow_world *world, double seconds)
 
 double furrow_time(const struct furrow_world *world)
 {
-	return world != NULL ? world->world->time : (double)NAN;
+	return world != NULL ? world_time(world->world) : (double)NAN;
 }
 
 furrow_status furrow_checkpoint(struct furrow_world *world)

@@ -60,7 +60,7 @@ const char *furrow_vehicle_part(const struct furrow_world *world, furrow_vehicle
 	case FURROW_SOIL_GEOM:
 		if (index >= info.geom_count)
 			return NULL;
-		vehicle_geom(world->vehicles, (size_t)vehicle, index, world->world->spacing, &geom);
+		vehicle_geom(world->vehicles, (size_t)vehicle, index, world_resident(world->world)->spacing, &geom);
 		return geom.name;
 	}
 	return NULL;

@@ -103,9 +103,9 @@ static enum status start(struct furrow_world *host, const struct furrow_open *op
 	TRY(drive_start(host->drive));
 	TRY(drive_begin(host->drive));
 	const struct world *world = host->world;
-	const bool whole = world->time == world_step_time(host->scene, world->step); /* steps from the scene's start */
-	host->origin = whole ? 0 : world->time;
-	host->steps = whole ? world->step : 0;
+	const bool whole = world_time(world) == world_step_time(host->scene, world_steps_done(world)); /* steps from the scene's start */
+	host->origin = whole ? 0 : world_time(world);
+	host->steps = whole ? world_steps_done(world) : 0;
 	return api_library_checkpoint(host);
 }
 
@@ -179,25 +179,25 @@ static enum status write_report(struct furrow_world *host, const char *ended)
 /* Tells whether it went as far as the scene says. */
 static bool is_complete(const struct furrow_world *host)
 {
-	return isfinite(host->scene->end_time) && host->world->time >= host->scene->end_time * (1 - 1e-12);
+	return isfinite(host->scene->end_time) && world_time(host->world) >= host->scene->end_time * (1 - 1e-12);
 }
 
 /* A step that failed half-way cannot be committed. The commit that is in flight may have all steps before it. */
 static enum status end_torn(struct world *world)
 {
 	struct resident_pages_io io;
-	TRY(page_cache_await_commit(world->cache));
-	resident_pages_io(world->pages, &io);
-	if (io.step >= world->step)
+	TRY(page_cache_await_commit(world_resident(world)->cache));
+	resident_pages_io(world_resident(world)->pages, &io);
+	if (io.step >= world_steps_done(world))
 		return STATUS_OK;
 	return fail_with(STATUS_FAILED, "close: a step failed half-way, and %lld whole steps before it are lost with it; go on from step %lld, which is in the store",
-			 (long long)(world->step - io.step), (long long)io.step);
+			 (long long)(world_steps_done(world) - io.step), (long long)io.step);
 }
 
 static enum status end(struct furrow_world *host)
 {
 	struct world *world = host->world;
-	if (world->torn)
+	if (world_is_torn(world))
 		return end_torn(world);
 	TRY(world_hosts_commit(world));
 	return drive_end(host->drive, is_complete(host));
@@ -205,7 +205,7 @@ static enum status end(struct furrow_world *host)
 
 static const char *ended(const struct furrow_world *host, enum status status)
 {
-	return status != STATUS_OK || host->failed || host->world->torn ? "failed" : is_complete(host) ? "complete" : "interrupted";
+	return status != STATUS_OK || host->failed || world_is_torn(host->world) ? "failed" : is_complete(host) ? "complete" : "interrupted";
 }
 
 furrow_status furrow_world_close(struct furrow_world *world)
@@ -247,25 +247,27 @@ furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
 	if (status != STATUS_OK)
 		return api_library_end(status);
 	const struct world *of = world->world;
-	const struct extent *extent = &of->meta->extent;
+	const struct resident *resident = world_resident(of);
+	const struct store_meta *meta = resident->meta;
+	const struct extent *extent = &meta->extent;
 	const size_t size = info->size < sizeof *info ? info->size : sizeof *info;
 	const struct furrow_info all = {
 		.size = info->size,
-		.level = of->level,
+		.level = resident->level,
 		.coarsest = extent_coarsest(extent),
 		.cells = extent->cells,
-		.spacing = of->spacing,
-		.columns = extent_posts(extent->width, of->level),
-		.rows = extent_posts(extent->height, of->level),
-		.levels = extent_coarsest(extent) - of->level + 1,
+		.spacing = resident->spacing,
+		.columns = extent_posts(extent->width, resident->level),
+		.rows = extent_posts(extent->height, resident->level),
+		.levels = extent_coarsest(extent) - resident->level + 1,
 		.extent = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing},
-		.low = of->meta->low,
-		.high = of->meta->high,
-		.gravity = world->scene->gravity,
-		.time_step = world->scene->time_step,
-		.srs = of->meta->srs,
-		.origin = {of->meta->origin[0], of->meta->origin[1]},
-		.revision = of->changes.revision,
+		.low = meta->low,
+		.high = meta->high,
+		.gravity = world_scene(of)->gravity,
+		.time_step = world_scene(of)->time_step,
+		.srs = meta->srs,
+		.origin = {meta->origin[0], meta->origin[1]},
+		.revision = world_revision(of),
 	};
 	memcpy(info, &all, size);
 	return api_library_end(STATUS_OK);

@@ -109,12 +109,12 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 		return status;
 	call->world = world;
 	world->call = call;
-	page_cache_adopt(world->world->cache); /* another thread may have used the world before */
-	if (world->world->gpu == NULL)
+	page_cache_adopt(world_resident(world->world)->cache); /* another thread may have used the world before */
+	if (world_resident(world->world)->gpu == NULL)
 		return STATUS_OK;
 	call->gl = true;
-	gpu_keep(world->world->gpu, &call->kept);
-	return gpu_take(world->world->gpu);
+	gpu_keep(world_resident(world->world)->gpu, &call->kept);
+	return gpu_take(world_resident(world->world)->gpu);
 }
 
 void api_library_begin_gl(struct furrow_world *world)
@@ -166,14 +166,14 @@ enum status api_library_need_size(size_t size, size_t least, size_t known, const
 
 enum status api_library_need_writable(const struct furrow_world *world, const char *what)
 {
-	return !world->world->params.readonly
+	return !world_params(world->world)->readonly
 		       ? STATUS_OK
 		       : fail_with(STATUS_USAGE, "%s: the world is readonly, and this would change it; open it without readonly to change it", what);
 }
 
 enum status api_library_settle(struct furrow_world *world)
 {
-	if (world->world->torn)
+	if (world_is_torn(world->world))
 		return fail_with(STATUS_FAILED, "world: its last step failed half-way; roll back first, or close it");
 	const enum status status = world_follow(world->world);
 	return status == STATUS_OK ? world_hosts_commit(world->world) : status;
@@ -188,6 +188,6 @@ bool api_library_again(struct furrow_world *world, int tries, enum status *statu
 	if (*status != STATUS_OK || !moved)
 		return false;
 	if (tries >= TRIES_MOST)
-		*status = fail_with(STATUS_FAILED, "%s: another process commits to it more often than it can be read; ask for less at a time", world->world->path);
+		*status = fail_with(STATUS_FAILED, "%s: another process commits to it more often than it can be read; ask for less at a time", world_facts(world->world)->path);
 	return *status == STATUS_OK;
 }

@@ -120,8 +120,8 @@ struct drive_params {
 	/* The drive is one of several processes that step this world together. Then store and overlay are those of `ranks`, and only rank 0
 	 * writes files. NULL: it is the only one. */
 	const struct world_ranks *ranks;
-	/* Gives what takes the rows of all ranks, and passes them on to `rows` (NULL: there are none). */
-	const struct world_rows *(*share_rows)(void *user, const struct world_rows *rows);
+	/* Says where the rows of all ranks go (NULL: nowhere). */
+	void (*share_rows)(void *user, const struct report_rows *rows);
 };
 
 struct drive_result {
@@ -205,6 +205,8 @@ enum status drive_start_view(struct drive *drive) FURROW_CHECKED;
 enum status drive_begin(struct drive *drive) FURROW_CHECKED;
 /* Makes one time_step, with the vehicles. */
 enum status drive_step(struct drive *drive) FURROW_CHECKED;
+/* Makes one step that ends at `until`, s. Only without vehicles. */
+enum status drive_step_to(struct drive *drive, double until) FURROW_CHECKED;
 /* Marks the present state: ground, bodies, vehicles and files of rows. drive_rollback() goes back to it. On failure the mark stays where it was. */
 enum status drive_checkpoint(struct drive *drive) FURROW_CHECKED;
 /* STATUS_FAILED: there is no checkpoint, or vehicles are not back; then the world is torn. */

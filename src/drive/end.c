@@ -12,7 +12,7 @@ static enum status publish_trace(const struct drive *drive, enum status status)
 {
 	struct failure failure;
 	failure_capture(&failure, status);
-	enum status published = page_trace_publish(drive->world.trace);
+	enum status published = page_trace_publish(world_resident(drive->world)->trace);
 	if (published != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
 		return published;
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
@@ -21,13 +21,13 @@ static enum status publish_trace(const struct drive *drive, enum status status)
 /* Makes the text of run.json. */
 static enum status describe(struct drive *drive, struct drive_result *result)
 {
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	const double seconds = drive->report.seconds;
-	result->steps = world->step;
-	result->level = world->level;
-	result->spacing = world->spacing;
+	result->steps = world_steps_done(world);
+	result->level = world_resident(world)->level;
+	result->spacing = world_resident(world)->spacing;
 	result->seconds = seconds;
-	result->rtf = seconds > 0 ? (world->time - world->resumed.time) / seconds : 0;
+	result->rtf = seconds > 0 ? (world_time(world) - world_facts(world)->resumed.time) / seconds : 0;
 	result->json = drive_describe(drive, result->ended);
 	return result->json != NULL ? STATUS_OK : fail_memory("run.json");
 }
@@ -70,11 +70,11 @@ static enum status write_maps(const struct drive *drive, const struct world *wor
 static enum status draw_map(const struct drive *drive, bool keep, struct drive_result *result, enum status status)
 {
 	struct failure failure;
-	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && drive->world.step == 0;
+	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && world_steps_done(drive->world) == 0;
 	if (!asks_for_a_map(&drive->params) || empty)
 		return status;
 	failure_capture(&failure, status);
-	enum status drawn = write_maps(drive, &drive->world, keep, result);
+	enum status drawn = write_maps(drive, drive->world, keep, result);
 	if (status == STATUS_OK)
 		return drawn;
 	if (drawn != STATUS_OK)
@@ -108,7 +108,7 @@ static void tell_on_the_way(const struct drive *drive)
 			continue;
 		if (info.speed >= DRIVES_STILL * drive->scene->vehicles[i].way.speed)
 			note("vehicles.%s: is not at the end of its path, but still drives at %.2g m/s: it has come %.4g m, and %.4g m are left; give an end_time of "
-			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(drive->world.time + info.left / info.speed + 1));
+			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(world_time(drive->world) + info.left / info.speed + 1));
 		else
 			note("vehicles.%s: is not at the end of its path: it has come %.4g m%s; drive longer, or look at what holds it up (vehicles.csv)",
 			     info.name, info.distance, slip_text(info.slip).text);
@@ -155,8 +155,8 @@ static void tell_end(struct drive *drive, const char *ended)
 static int64_t last_committed(const struct world *world)
 {
 	struct resident_pages_io io;
-	resident_pages_io(world->pages, &io);
-	return io.commits > 0 ? io.step : world->resumed.is ? world->resumed.from : 0;
+	resident_pages_io(world_resident(world)->pages, &io);
+	return io.commits > 0 ? io.step : world_facts(world)->resumed.is ? world_facts(world)->resumed.from : 0;
 }
 
 enum status drive_conclude(struct drive *drive, struct drive_result *result, enum status status)
@@ -175,7 +175,7 @@ enum status drive_conclude(struct drive *drive, struct drive_result *result, enu
 		const enum status made = describe(drive, result);
 		return status == STATUS_OK ? made : failure_restore(&failure);
 	}
-	result->committed = last_committed(&drive->world);
+	result->committed = last_committed(drive->world);
 	enum status written = report_cameras(drive->poses);
 	if (status == STATUS_OK && written == STATUS_OK)
 		report_videos(drive->poses);
@@ -201,16 +201,12 @@ enum status drive_conclude_again(struct drive *drive, struct drive_result *resul
 /* Draws the map from the run's overlay, after what the ranks committed was gathered into it. */
 static enum status map_gathered(const struct drive *drive, int64_t step, double time, struct drive_result *result)
 {
-	struct world world;
-	struct store_meta assumed;
+	struct world *world = NULL;
 	enum status status;
-	TRY_OR(done, world_prepare_plan(&world, drive->scene, drive->params.ranks->over, false, &assumed));
-	world.step = step;
-	world.time = time;
-	TRY_OR(done, resident_ground_create(world.store, world.limits.ground, &world.ground));
-	TRY_OR(done, write_maps(drive, &world, false, result));
+	TRY_OR(done, world_open_ended(drive->scene, drive->params.ranks->over, step, time, &world));
+	TRY_OR(done, write_maps(drive, world, false, result));
 done:
-	world_finish(&world, STATUS_OK);
+	world_finish(world, STATUS_OK);
 	return status;
 }
 

@@ -89,11 +89,11 @@ static void clear_pictures(const char *path, int level)
 enum status drive_folder_clear(const struct world *world, const char *directory)
 {
 	char path[4096];
-	FILE *commit_log = world->commit_log;
+	FILE *commit_log = world_commit_log(world);
 	const bool logged = fseek(commit_log, 0, SEEK_END) == 0 && ftell(commit_log) > 0;
 	rewind(commit_log);
 	long whole = 0;
-	for (int c; world->resumed.is && (c = getc(commit_log)) != EOF;) /* a kill may have torn the last line */
+	for (int c; world_facts(world)->resumed.is && (c = getc(commit_log)) != EOF;) /* a kill may have torn the last line */
 		if (c == '\n')
 			whole = ftell(commit_log);
 	if (whole < 0 || ferror(commit_log) || ftruncate(fileno(commit_log), whole) != 0)
@@ -102,7 +102,7 @@ enum status drive_folder_clear(const struct world *world, const char *directory)
 	rewind(commit_log);
 	snprintf(path, sizeof path, "%s/run.json", directory);
 	const bool driven = unlink(path) == 0 || logged;
-	if (driven && !world->resumed.is)
+	if (driven && !world_facts(world)->resumed.is)
 		clear_pictures(directory, 0);
 	snprintf(path, sizeof path, "%s/map.png", directory);
 	if (driven) /* the map of an earlier drive, or of this one's part before the resume */

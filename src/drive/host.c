@@ -55,10 +55,10 @@ static double deepest(const struct scene *scene)
 
 static struct render_layer layer_of(const struct drive *drive, enum render_layer_kind kind)
 {
-	const struct store_meta *meta = drive->world.meta;
+	const struct store_meta *meta = world_resident(drive->world)->meta;
 	struct render_layer layer = {kind, 0, 1};
 	if (kind == RENDER_OFFSETS) {
-		layer.high = deepest(drive->world.scene);
+		layer.high = deepest(world_scene(drive->world));
 		layer.low = -layer.high;
 	} else if (kind == RENDER_HEIGHTS && meta->high > meta->low) {
 		layer.low = meta->low;
@@ -75,7 +75,7 @@ static enum status make_staging(struct host *host, uint32_t width, uint32_t heig
 	host->staging = NULL;
 	host->width = width;
 	host->height = height;
-	return gpu_staging_create(host->drive->world.gpu, (size_t)4 * width * height, &host->staging);
+	return gpu_staging_create(world_resident(host->drive->world)->gpu, (size_t)4 * width * height, &host->staging);
 }
 
 /* A picture drawn at the old size is never shown. */
@@ -114,7 +114,7 @@ static enum status show(struct host *host)
 	host->read = true;
 	if (!gpu_staging_idle(host->staging))
 		return STATUS_OK;
-	enum status status = gpu_check(drive->world.gpu, "reading the picture back");
+	enum status status = gpu_check(world_resident(drive->world)->gpu, "reading the picture back");
 	if (status != STATUS_OK)
 		return status;
 	host->drawn = host->read = false;
@@ -155,7 +155,7 @@ static enum status one_step(struct host *host)
 	double began = clock_seconds();
 	enum status status = drive_step(drive);
 	if (status == STATUS_OK)
-		status = page_trace_status(drive->world.trace);
+		status = page_trace_status(world_resident(drive->world)->trace);
 	host->step_ms = (clock_seconds() - began) * 1e3;
 	if (status == STATUS_OK)
 		times_add(&drive->report.step_ms, host->step_ms);
@@ -166,7 +166,7 @@ static enum status one_step(struct host *host)
 /* Adds the simulated time that is due now. Time that a slow machine cannot catch up with is dropped. */
 static void earn(struct host *host)
 {
-	double now = clock_seconds(), step = host->drive->world.scene->time_step, pace = host->control.pace;
+	double now = clock_seconds(), step = world_scene(host->drive->world)->time_step, pace = host->control.pace;
 	double most = step + BEHIND * (isinf(pace) ? 0 : pace);
 	host->credit = host->control.go != DRIVE_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
 	host->turned = now;
@@ -176,26 +176,24 @@ static void earn(struct host *host)
 static enum status steps(struct host *host, int64_t total, bool *any)
 {
 	struct drive *drive = host->drive;
-	double began = clock_seconds(), step = drive->world.scene->time_step;
-	int64_t first = drive->world.step;
+	double began = clock_seconds(), step = world_scene(drive->world)->time_step;
+	int64_t first = world_steps_done(drive->world);
 	enum status status = STATUS_OK;
 	earn(host);
 	double slice = isinf(host->credit) ? fmin(fmax(SLICE, host->frame_ms / 1e3), BEHIND) : SLICE;
 	if (host->control.go == DRIVE_ONE)
 		host->credit = step;
-	while (status == STATUS_OK && drive->world.step < total && host->credit >= step && !world_stopped(&drive->world) &&
+	while (status == STATUS_OK && world_steps_done(drive->world) < total && host->credit >= step && !world_stopped(drive->world) &&
 	       !vehicle_stuck(drive->vehicles) && clock_seconds() - began < slice) {
 		status = one_step(host);
 		host->credit -= isinf(host->credit) ? 0 : step;
 	}
-	*any = drive->world.step > first;
+	*any = world_steps_done(drive->world) > first;
 	if (*any || status != STATUS_OK)
 		return status;
 	/* Work that a step does beside stepping: loads go on, slots become free, and a commit may become due. */
-	status = page_cache_poll(drive->world.cache);
-	if (status == STATUS_OK)
-		status = motion_look_ahead_step(drive->world.ahead, drive->world.time);
-	return status == STATUS_OK ? page_cache_end_step(drive->world.cache, drive->world.record) : status;
+	TRY(render_view_wish(drive->view));
+	return world_idle(drive->world);
 }
 
 static enum status turn(struct host *host, int64_t total)
@@ -203,8 +201,8 @@ static enum status turn(struct host *host, int64_t total)
 	struct drive *drive = host->drive;
 	bool stepped = false, before = host->drawn;
 	enum status status = host->calls->turn(host->calls->user, drive, &host->control);
-	host->stale = host->stale || drive->world.drops != host->drops; /* while a picture was shown, too */
-	host->drops = drive->world.drops;
+	host->stale = host->stale || world_counts(drive->world)->drops != host->drops; /* while a picture was shown, too */
+	host->drops = world_counts(drive->world)->drops;
 	if (status == STATUS_OK)
 		status = resize(host);
 	render_view_look_from(drive->view, host->control.free ? &host->control.camera : NULL);
@@ -224,12 +222,12 @@ static enum status turn(struct host *host, int64_t total)
 
 enum status drive_host_steps(struct drive *drive, int64_t total)
 {
-	const struct scene_view *view = &drive->world.scene->view;
+	const struct scene_view *view = &world_scene(drive->world)->view;
 	struct host host = {
 		.drive = drive,
 		.calls = drive->params.host,
 		.control = {.go = DRIVE_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
-		.software = gpu_info(drive->world.gpu)->software,
+		.software = gpu_info(world_resident(drive->world)->gpu)->software,
 		.stale = true,
 		.turned = drive->began,
 		.apart = PICTURES,
@@ -237,7 +235,7 @@ enum status drive_host_steps(struct drive *drive, int64_t total)
 	drive->host = &host;
 	enum status status = make_staging(&host, (uint32_t)view->width, (uint32_t)view->height);
 	while (status == STATUS_OK && host.control.go != DRIVE_STOP)
-		status = world_stopped(&drive->world) ? world_interrupted(&drive->world) : turn(&host, total);
+		status = world_stopped(drive->world) ? world_interrupted(drive->world) : turn(&host, total);
 	gpu_staging_destroy(host.staging);
 	drive->host = NULL;
 	return status;
@@ -268,37 +266,37 @@ void drive_figures(struct drive *drive, struct drive_figures *figures)
 	const struct host *host = drive->host;
 	struct pages_seen seen = {0, 0, 0};
 	struct page_stats stats;
-	page_cache_each_resident(drive->world.cache, see_resident, &seen);
-	page_cache_each_queued(drive->world.cache, see_queued, &seen);
-	page_cache_stats(drive->world.cache, &stats);
+	page_cache_each_resident(world_resident(drive->world)->cache, see_resident, &seen);
+	page_cache_each_queued(world_resident(drive->world)->cache, see_queued, &seen);
+	page_cache_stats(world_resident(drive->world)->cache, &stats);
 	*figures = (struct drive_figures){
 		.fps = 1 / host->apart,
 		.frame_ms = host->frame_ms,
 		.step_ms = host->step_ms,
-		.slots = drive->world.limits.slots,
+		.slots = world_facts(drive->world)->limits.slots,
 		.slots_used = seen.used,
 		.hits = stats.hits,
 		.misses = stats.misses,
 		.dirty = seen.dirty,
 		.queued = seen.queued,
 		.triangles = render_view_triangles(drive->view),
-		.step = drive->world.step,
-		.steps = world_step_count(&drive->world),
-		.time = drive->world.time,
-		.end = drive->world.scene->end_time,
-		.over = drive->world.step >= world_step_count(&drive->world),
+		.step = world_steps_done(drive->world),
+		.steps = world_step_count(drive->world),
+		.time = world_time(drive->world),
+		.end = world_scene(drive->world)->end_time,
+		.over = world_steps_done(drive->world) >= world_step_count(drive->world),
 		.layer = layer_of(drive, host->shown.layer),
 	};
 }
 
 const struct scene *drive_scene(const struct drive *drive)
 {
-	return drive->world.scene;
+	return world_scene(drive->world);
 }
 
 const struct store_meta *drive_store(const struct drive *drive)
 {
-	return drive->world.meta;
+	return world_resident(drive->world)->meta;
 }
 
 void drive_scene_camera(const struct drive *drive, struct render_camera *camera)
@@ -308,10 +306,10 @@ void drive_scene_camera(const struct drive *drive, struct render_camera *camera)
 
 void drive_place(const struct drive *drive, size_t object, double place[3], double *yaw)
 {
-	world_place(&drive->world, object, place, yaw);
+	world_place(drive->world, object, place, yaw);
 }
 
 enum status drive_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
-	return world_drop(&drive->world, shape, x, y, yaw, landed);
+	return world_drop(drive->world, shape, x, y, yaw, landed);
 }

@@ -13,18 +13,19 @@ struct drive {
 	struct drive_params params;   /* its texts are the caller's */
 	struct scene unwatched;       /* the scene without what only a window uses */
 	const struct scene *scene;    /* the scene that is run: that, or the caller's */
-	struct world world;
+	struct world *world;
 	struct vehicles *vehicles;    /* NULL: the scene has none */
 	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
-	struct world_watcher watcher; /* the view's */
-	struct world_commits commits; /* the pictures' */
+	struct world_commits commits; /* before a commit, rows and pictures of its steps go to their files */
 	struct view *view;            /* NULL if the scene has no view */
 	struct pictures *pictures;    /* NULL: none are written */
 	struct report_poses *poses;   /* NULL: the scene has no cameras, or they write nothing */
 	FILE *volume;                 /* volume.csv; NULL: none */
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
-	int64_t marked;               /* end of vehicle_rows at the last checkpoint */
+	struct drive_mark {           /* ends of the files of rows at the last checkpoint */
+		int64_t rows, vehicle_rows;
+	} mark;
 	bool ran;                     /* its loop began */
 	bool unbegun;                 /* it failed before its first step, or nothing could be set down: nothing of it is to be kept */
 	bool new_folder, new_overlay; /* they were not there before */
@@ -50,6 +51,8 @@ void drive_let_go_vehicles(struct drive *drive);
 bool drive_is_watched(const struct drive *drive);
 /* Returns true if this process writes files: the drive has a folder, and of many ranks this is the first. */
 bool drive_writes(const struct drive *drive);
+/* Takes what steps did since the last call: rows go to their file, and the view learns what happened to the ground. */
+enum status drive_take(struct drive *drive) FURROW_CHECKED;
 /* Says in drive->report what the drive has. */
 void drive_fill_report(struct drive *drive);
 /* Returns the failure of any process on all of them. */

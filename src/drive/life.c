@@ -9,6 +9,8 @@
  *     stop:  threads
  *     close
  */
+#include <math.h>
+
 #include "drive/internal.h"
 
 bool drive_is_watched(const struct drive *drive)
@@ -24,7 +26,7 @@ bool drive_writes(const struct drive *drive)
 enum status drive_agree(struct drive *drive, enum status status)
 {
 	const struct world_ranks *ranks = drive->params.ranks;
-	return ranks != NULL ? ranks->agree(ranks->user, &drive->world, status) : status;
+	return ranks != NULL ? ranks->agree(ranks->user, drive->world, status) : status;
 }
 
 /* --- open --- */
@@ -62,7 +64,7 @@ static enum status prepare(struct drive *drive)
 		TRY(report_map_check(drive->scene));
 	TRY(vehicle_load(drive->scene, &drive->vehicles));
 	const struct world_params world = world_params_of(drive);
-	return world_prepare(&drive->world, &world);
+	return world_open(&world, &drive->world);
 }
 
 enum status drive_prepare(struct drive *drive, const struct drive_params *params)
@@ -100,7 +102,7 @@ static void tell_advice(void *user, const char *text)
 /* Says what looks wrong before anything runs. */
 static void advise(const struct drive *drive)
 {
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	if (drive->params.host != NULL) { /* settings that a drive does not use may matter to who watches */
 		scene_advise_units(drive->params.scene, tell_advice, NULL);
 		return;
@@ -127,46 +129,43 @@ static enum status start_pages(struct drive *drive)
 	}
 	const enum status status = params->trace != NULL ? page_trace_create(params->trace, &trace) : STATUS_OK;
 	if (status == STATUS_OK)
-		return world_start_pages(&drive->world, commit_log, trace);
+		return world_start_pages(drive->world, commit_log, trace);
 	if (commit_log != NULL)
 		fclose(commit_log);
 	return status;
 }
 
-static void before_record(void *user)
+/* What the store has after the commit is newer than what the view was told, so it is told first. Rows of the commit are written before it. */
+static enum status before_record(void *user)
 {
 	struct drive *drive = user;
-	render_pictures_mark(drive->pictures);
+	if (drive->pictures != NULL)
+		render_pictures_mark(drive->pictures);
+	return drive_take(drive);
 }
 
 /* A run resumed from this commit draws the picture of its step again, and none before it. */
 static enum status before_commit(void *user)
 {
 	const struct drive *drive = user;
-	return render_pictures_await(drive->pictures);
+	return drive->pictures != NULL ? render_pictures_await(drive->pictures) : STATUS_OK;
 }
 
 enum status drive_start_view(struct drive *drive)
 {
 	const bool watched = drive_is_watched(drive);
-	TRY(render_view_create(&drive->world, watched, &drive->view));
+	TRY(render_view_create(drive->world, watched, &drive->view));
 	const size_t bytes = watched ? 0 : render_pictures_bytes(drive->scene);
-	if (bytes > 0)
-		TRY(render_pictures_create(drive->world.gpu, drive->params.directory, bytes, &drive->pictures));
-	drive->commits = (struct world_commits){drive, before_record, before_commit};
-	drive->world.commits = &drive->commits;
-	drive->watcher = render_view_watcher(drive->view);
-	world_watch(&drive->world, &drive->watcher);
-	return STATUS_OK;
+	return bytes > 0 ? render_pictures_create(world_resident(drive->world)->gpu, drive->params.directory, bytes, &drive->pictures) : STATUS_OK;
 }
 
 static enum status open_rows(struct drive *drive)
 {
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	const char *directory = drive->params.directory;
 	TRY(drive_folder_clear(world, directory));
 	if (drive->pictures != NULL)
-		TRY(render_cameras_folders(world->scene, directory));
+		TRY(render_cameras_folders(world_scene(world), directory));
 	TRY(report_rows_open(world, directory, &drive->rows));
 	TRY(report_vehicles_open(world, drive->vehicles, directory, &drive->vehicle_rows));
 	return drive->params.hosted ? STATUS_OK : report_volume_open(world, directory, &drive->volume);
@@ -176,28 +175,30 @@ static enum status open_rows(struct drive *drive)
 static enum status start_rows(struct drive *drive)
 {
 	const struct drive_params *params = &drive->params;
-	struct world *world = &drive->world;
+	struct world *world = drive->world;
 	if (drive_writes(drive))
 		TRY(open_rows(drive));
 	if (drive->view != NULL && !drive_is_watched(drive))
 		TRY(report_poses_open(world, params->directory, &drive->poses));
-	const struct world_rows *rows = report_rows_sink(drive->rows);
-	world->rows = params->ranks != NULL ? params->share_rows(params->ranks->user, rows) : rows;
-	vehicle_set_rows(drive->vehicles, report_vehicles_sink(drive->vehicle_rows));
+	if (params->ranks != NULL)
+		params->share_rows(params->ranks->user, drive->rows);
 	return STATUS_OK;
 }
 
 static enum status start(struct drive *drive)
 {
-	struct world *world = &drive->world;
+	struct world *world = drive->world;
 	const struct scene *scene = drive->scene;
 	TRY(world_start(world));
 	if (scene->view.present)
-		TRY(render_check_samples(world->gpu, scene->view.samples));
+		TRY(render_check_samples(world_resident(world)->gpu, scene->view.samples));
 	if (!drive_is_watched(drive))
 		TRY(render_cameras_fit(scene, mem_usable().bytes));
 	TRY(start_pages(drive));
-	world->figures = vehicle_figures(drive->vehicles);
+	const struct world_figures figures = vehicle_figures(drive->vehicles);
+	world_set_figures(world, &figures);
+	drive->commits = (struct world_commits){drive, before_record, before_commit};
+	world_set_commits(world, &drive->commits);
 	if (scene->view.present)
 		TRY(drive_start_view(drive));
 	TRY(world_warm(world));
@@ -217,40 +218,73 @@ enum status drive_start(struct drive *drive)
 
 /* --- steps --- */
 
+enum status drive_take(struct drive *drive)
+{
+	size_t count;
+	const struct world_row *rows = world_rows(drive->world, &count);
+	const struct world_ranks *ranks = drive->params.ranks;
+	TRY(ranks != NULL ? ranks->rows(ranks->user, rows, count) : report_rows_write(drive->rows, rows, count));
+	world_rows_clear(drive->world);
+	return drive->view != NULL ? render_view_update(drive->view) : STATUS_OK;
+}
+
 enum status drive_begin(struct drive *drive)
 {
-	TRY(world_begin(&drive->world));
-	return drive->vehicles != NULL ? vehicle_begin(drive->vehicles) : STATUS_OK;
+	TRY(world_begin(drive->world));
+	if (drive->vehicles != NULL)
+		TRY(vehicle_begin(drive->vehicles));
+	TRY(report_vehicles_write(drive->vehicle_rows));
+	return drive_take(drive);
+}
+
+/* Lets the view say what it will need, makes one step, and takes what it did. `until`: s; NAN: one time_step. Vehicles make one time_step always. */
+static enum status step(struct drive *drive, double until)
+{
+	if (drive->view != NULL)
+		TRY(render_view_wish(drive->view));
+	if (drive->vehicles != NULL)
+		TRY(vehicle_step(drive->vehicles));
+	else
+		TRY(isnan(until) ? world_step(drive->world) : world_step_to(drive->world, until));
+	TRY(report_vehicles_write(drive->vehicle_rows));
+	TRY(drive_take(drive));
+	return page_trace_status(world_resident(drive->world)->trace);
 }
 
 enum status drive_step(struct drive *drive)
 {
-	TRY(drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world));
-	return page_trace_status(drive->world.trace);
+	return step(drive, (double)NAN);
+}
+
+enum status drive_step_to(struct drive *drive, double until)
+{
+	return step(drive, until);
 }
 
 enum status drive_checkpoint(struct drive *drive)
 {
-	int64_t end;
-	TRY(report_vehicles_mark(drive->vehicle_rows, &end));
-	TRY(world_checkpoint(&drive->world));
-	drive->marked = end;
+	struct drive_mark mark;
+	TRY(report_vehicles_mark(drive->vehicle_rows, &mark.vehicle_rows));
+	TRY(report_rows_mark(drive->rows, &mark.rows));
+	TRY(world_checkpoint(drive->world));
+	drive->mark = mark;
 	return STATUS_OK;
 }
 
-static enum status roll_vehicles_back(struct drive *drive)
+static enum status roll_rows_back(struct drive *drive)
 {
-	TRY(vehicle_rollback(drive->vehicles));
-	return report_vehicles_rollback(drive->vehicle_rows, drive->marked);
+	TRY(report_rows_rollback(drive->rows, drive->mark.rows));
+	if (drive->vehicles != NULL)
+		TRY(vehicle_rollback(drive->vehicles));
+	return report_vehicles_rollback(drive->vehicle_rows, drive->mark.vehicle_rows);
 }
 
 enum status drive_rollback(struct drive *drive)
 {
-	TRY(world_rollback(&drive->world));
-	if (drive->vehicles == NULL)
-		return STATUS_OK;
-	const enum status status = roll_vehicles_back(drive);
-	drive->world.torn = status != STATUS_OK;
+	TRY(world_rollback(drive->world));
+	const enum status status = roll_rows_back(drive);
+	if (status != STATUS_OK)
+		world_tear(drive->world);
 	return status;
 }
 
@@ -258,14 +292,14 @@ enum status drive_rollback(struct drive *drive)
 
 enum status drive_end(struct drive *drive, bool complete)
 {
-	return drive_agree(drive, world_end(&drive->world, complete));
+	return drive_agree(drive, world_end(drive->world, complete));
 }
 
 void drive_stop(struct drive *drive)
 {
 	drive->report.threads = thread_running();
 	render_pictures_stop(drive->pictures);
-	world_stop(&drive->world);
+	world_stop(drive->world);
 	if (drive->view != NULL && !drive->params.hosted)
 		render_view_settle(drive->view);
 }
@@ -273,7 +307,7 @@ void drive_stop(struct drive *drive)
 void drive_fill_report(struct drive *drive)
 {
 	struct report *report = &drive->report;
-	report->world = &drive->world;
+	report->world = drive->world;
 	report->view = drive->view;
 	report->pictures = drive->pictures;
 	report->poses = drive->poses;
@@ -291,10 +325,10 @@ void drive_let_go(struct drive *drive, enum status status)
 {
 	struct failure failure;
 	failure_capture(&failure, status);
-	world_stop(&drive->world);
+	world_stop(drive->world);
 	render_view_destroy(drive->view);
 	render_pictures_destroy(drive->pictures);
-	world_finish(&drive->world, status);
+	world_finish(drive->world, status);
 	report_rows_close(drive->rows);
 	report_vehicles_close(drive->vehicle_rows);
 	report_poses_close(drive->poses);
@@ -323,7 +357,7 @@ void drive_close(struct drive *drive, enum status status)
 
 struct world *drive_world(struct drive *drive)
 {
-	return &drive->world;
+	return drive->world;
 }
 
 struct vehicles *drive_vehicles(struct drive *drive)

@@ -11,8 +11,8 @@
 
 static bool is_image_step(const struct drive *drive)
 {
-	int64_t every = drive->world.scene->view.images;
-	return every > 0 && drive->world.step % every == 0 && drive->params.host == NULL;
+	int64_t every = world_scene(drive->world)->view.images;
+	return every > 0 && world_steps_done(drive->world) % every == 0 && drive->params.host == NULL;
 }
 
 /* Draws the frames of cameras that follow the present step. */
@@ -31,18 +31,18 @@ static enum status draw_step(struct drive *drive)
 /* The frames of cameras before the first step. */
 static enum status draw_beginning(struct drive *drive)
 {
-	const bool first = drive->view != NULL && drive->world.step == 0 && drive->params.host == NULL;
+	const bool first = drive->view != NULL && world_steps_done(drive->world) == 0 && drive->params.host == NULL;
 	return first ? draw_cameras(drive) : STATUS_OK;
 }
 
 /* The step was committed, but its picture may be missing. A step that was cut short is still to be finished. */
 static enum status begin(struct drive *drive)
 {
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	struct world_recorded recorded;
 	world_recorded(world, &recorded);
-	bool ended = world->resumed.is && world->step == recorded.step;
-	const bool again = ended && drive->view != NULL && world->step > 0 && drive->params.host == NULL;
+	bool ended = world_facts(world)->resumed.is && world_steps_done(world) == recorded.step;
+	const bool again = ended && drive->view != NULL && world_steps_done(world) > 0 && drive->params.host == NULL;
 	if (again && is_image_step(drive))
 		TRY(render_view_frame(drive->view, drive->pictures, true));
 	if (again)
@@ -88,19 +88,19 @@ static uint64_t frames_of(const struct drive *drive)
 static void show_progress(const struct drive *drive, struct steps_time *times, int64_t total)
 {
 	const bool terminal = times->terminal;
-	const struct world *world = &drive->world;
+	const struct world *world = drive->world;
 	double now = clock_seconds();
 	if (now - times->shown < (terminal ? TERMINAL_SECONDS : LOG_SECONDS))
 		return;
 	times->shown = now;
-	double elapsed = now - drive->began, rate = (double)(world->step - world->resumed.from) / elapsed;
+	double elapsed = now - drive->began, rate = (double)(world_steps_done(world) - world_facts(world)->resumed.from) / elapsed;
 	if (rate <= 0)
 		return;
 	char pictures[96];
 	tell_drawing(times->drawing, elapsed, frames_of(drive) - times->before, pictures, sizeof pictures);
 	fprintf(stderr, "%s: step %lld of %lld (%.0f %%), %.*f a second, %.0f s left%s%s", terminal ? "\rdrive" : "furrow: note: drive",
-		(long long)world->step, (long long)total, 100.0 * (double)world->step / (double)total, rate < 10 ? 2 : 0, rate,
-		(double)(total - world->step) / rate, pictures, terminal ? "\033[K" : "\n");
+		(long long)world_steps_done(world), (long long)total, 100.0 * (double)world_steps_done(world) / (double)total, rate < 10 ? 2 : 0, rate,
+		(double)(total - world_steps_done(world)) / rate, pictures, terminal ? "\033[K" : "\n");
 	fflush(stderr);
 }
 
@@ -130,7 +130,7 @@ static enum status step_and_draw(struct drive *drive, struct steps_time *times)
 	}
 	times_add(&drive->report.step_ms, (stepped - began) * 1e3);
 	if (!drive->report.settled && clock_seconds() - drive->began > 1) {
-		world_stalls(&drive->world, &drive->report.stalls_settled);
+		world_stalls(drive->world, &drive->report.stalls_settled);
 		drive->report.settled = true;
 	}
 	return STATUS_OK;
@@ -139,12 +139,12 @@ static enum status step_and_draw(struct drive *drive, struct steps_time *times)
 /* Makes all steps, some of them with a picture. */
 static enum status all_steps(struct drive *drive, int64_t total)
 {
-	struct world *world = &drive->world;
+	struct world *world = drive->world;
 	const bool terminal = drive->params.progress && isatty(STDERR_FILENO) != 0;
 	const uint64_t before = frames_of(drive);
 	struct steps_time times = {terminal, terminal ? 0 : drive->began, 0, before, {.frames = before}};
 	enum status status = STATUS_OK;
-	while (world->step < total && !vehicle_stuck(drive->vehicles)) {
+	while (world_steps_done(world) < total && !vehicle_stuck(drive->vehicles)) {
 		TRY_OR(done, world_stopped(world) ? world_interrupted(world) : step_and_draw(drive, &times));
 		if (drive->params.progress)
 			show_progress(drive, &times, total);
@@ -158,17 +158,17 @@ done:
 /* Returns true if nobody else uses the drive's files, and no earlier run left anything in them. */
 static bool owns_its_files(const struct drive *drive)
 {
-	return !drive->world.resumed.is && drive->params.ranks == NULL && drive->params.host == NULL;
+	return !world_facts(drive->world)->resumed.is && drive->params.ranks == NULL && drive->params.host == NULL;
 }
 
 /* Begins, makes the steps, and commits the last of them. */
 static enum status all(struct drive *drive)
 {
-	struct world *world = &drive->world;
+	struct world *world = drive->world;
 	const struct world_ranks *ranks = drive->params.ranks;
 	const int64_t total = world_step_count(world);
 	enum status status = begin(drive);
-	drive->unbegun = status == STATUS_INPUT && world->step == 0 && owns_its_files(drive);
+	drive->unbegun = status == STATUS_INPUT && world_steps_done(world) == 0 && owns_its_files(drive);
 	if (status != STATUS_OK && ranks == NULL)
 		return status;
 	drive->began = clock_seconds();
@@ -181,7 +181,7 @@ static enum status all(struct drive *drive)
 		status = ranks->end(ranks->user, status);
 	struct failure failure;
 	failure_capture(&failure, status);
-	const enum status flushed = drive_end(drive, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
+	const enum status flushed = drive_end(drive, status == STATUS_OK && (world_steps_done(world) >= total || vehicle_stuck(drive->vehicles)));
 	drive->report.seconds = clock_seconds() - drive->began;
 	/* An interrupted drive that could not be committed has failed. */
 	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
@@ -199,7 +199,7 @@ static bool is_there(const char *path)
 /* Everything after the world is open. */
 static enum status start_to_end(struct drive *drive, struct drive_result *result)
 {
-	if (drive->world.resumed.nothing_left)
+	if (world_facts(drive->world)->resumed.nothing_left)
 		return drive_conclude_again(drive, result);
 	const enum status status = drive_start(drive);
 	drive->ran = status == STATUS_OK;
@@ -214,8 +214,8 @@ enum status drive_run(const struct drive_params *params, struct drive_result *re
 	enum status status = drive_prepare(&drive, params);
 	if (status == STATUS_OK)
 		status = start_to_end(&drive, result);
-	const int64_t step = drive.world.step;
-	const double time = drive.world.time;
+	const int64_t step = drive.ran ? world_steps_done(drive.world) : 0;
+	const double time = drive.ran ? world_time(drive.world) : 0;
 	drive_let_go(&drive, status);
 	if (drive.unbegun)
 		drive_remove_made(&drive);
@@ -229,10 +229,10 @@ enum status drive_run(const struct drive_params *params, struct drive_result *re
 
 enum status drive_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
 {
-	return world_heights(&drive->world, points, count, heights);
+	return world_heights(drive->world, points, count, heights);
 }
 
 enum status drive_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
 {
-	return world_rays(&drive->world, rays, count, hits);
+	return world_rays(drive->world, rays, count, hits);
 }

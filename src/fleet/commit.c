@@ -19,9 +19,9 @@ static enum status put_bodies(struct fleet *fleet)
 	uint32_t count = 0;
 	const size_t at = fleet->sent.size;
 	status = fleet_put(&fleet->sent, &count, sizeof count);
-	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < world_scene(world)->object_count && status == STATUS_OK; i++) {
 		struct world_moved moved;
-		if (!world_ranked(world, i) || world->bodies[i].elsewhere)
+		if (!world_ranked(world, i) || world_object_body(world, i)->elsewhere)
 			continue;
 		world_body_pack(world, i, &moved);
 		status = fleet_put(&fleet->sent, &moved, sizeof moved);
@@ -90,7 +90,7 @@ enum status fleet_share_record(struct fleet *fleet, enum status status)
 	const struct fleet_wait wait = fleet_wait_begin();
 	/* The exchange comes after each rank's last commit is done, so no rank is ahead by more than one commit. */
 	if (status == STATUS_OK)
-		status = page_cache_await_commit(fleet->world->cache);
+		status = page_cache_await_commit(world_resident(fleet->world)->cache);
 	fleet_wait_end(fleet, wait);
 	if (status == STATUS_OK)
 		status = fleet_begin(fleet, FLEET_COMMIT, status);
@@ -113,7 +113,7 @@ enum status fleet_commit(struct fleet *fleet, enum status status)
 {
 	struct world *world = fleet->world;
 	status = fleet_share_record(fleet, status);
-	return status == STATUS_OK ? page_cache_begin_commit(world->cache, world->record) : status;
+	return status == STATUS_OK ? world_begin_commit(world) : status;
 }
 
 enum status fleet_end(void *user, enum status status)
@@ -128,12 +128,12 @@ enum status fleet_end(void *user, enum status status)
 		const enum status any = fleet_tell(fleet, FLEET_END, put, &told, NULL, NULL);
 		status = any != STATUS_OK ? any : status;
 	}
-	if (fleet->world->torn)
+	if (world_is_torn(fleet->world))
 		return status;
 	failure_capture(&failure, status);
 	const enum status shared = fleet_share_record(fleet, STATUS_OK);
 	if (shared != STATUS_OK)
-		fleet->world->torn = true;
+		world_tear(fleet->world);
 	if (status == STATUS_OK || status == STATUS_INTERRUPTED)
 		return shared != STATUS_OK ? shared : status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 	return failure_restore(&failure);
@@ -168,8 +168,8 @@ static enum status get_contacts(void *user, int rank, struct fleet_bytes *bytes)
 
 static bool is_here(const struct world *world, int32_t number)
 {
-	return number >= 0 && (size_t)number < world->hosts.count && world->hosts.list[number] != NULL &&
-	       !world->hosts.list[number]->body.elsewhere;
+	return number >= 0 && (size_t)number < world_host_count(world) && world_host(world, number) != NULL &&
+	       !world_host(world, number)->body.elsewhere;
 }
 
 enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status)

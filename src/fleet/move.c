@@ -77,7 +77,7 @@ static enum status put_tile(void *user, struct tile tile, unsigned planes, const
 {
 	struct moving *moving = user;
 	struct fleet_bytes *out = &moving->out[moving->to];
-	const size_t size = resident_pages_moved_bytes(moving->fleet->world->pages);
+	const size_t size = resident_pages_moved_bytes(world_resident(moving->fleet->world)->pages);
 	const uint64_t key = tile_key(tile);
 	int32_t packed = 0;
 	if (planes != 0) {
@@ -101,7 +101,7 @@ static enum status put_tile(void *user, struct tile tile, unsigned planes, const
 
 static enum status take_tiles(struct fleet *fleet, struct fleet_bytes *in, char *planes)
 {
-	const size_t size = resident_pages_moved_bytes(fleet->world->pages);
+	const size_t size = resident_pages_moved_bytes(world_resident(fleet->world)->pages);
 	uint32_t count;
 	enum status status = fleet_get(in, &count, sizeof count);
 	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
@@ -172,7 +172,7 @@ static bool block_stays(void *user, struct soil_block block)
 	struct moving *moving = user;
 	const struct fleet *fleet = moving->fleet;
 	const struct fleet_item item = fleet_block_item(fleet, block, fleet->intervals);
-	return fleet_groups_rank(&fleet->groups, tile_key((struct tile){fleet->world->level, item.x0, item.y0})) == fleet->rank;
+	return fleet_groups_rank(&fleet->groups, tile_key((struct tile){world_resident(fleet->world)->level, item.x0, item.y0})) == fleet->rank;
 }
 
 /* Appends the blocks that go to each rank to the messages. */
@@ -191,7 +191,7 @@ static enum status put_blocks(struct moving *moving)
 				status = fleet_put(&moving->out[r], &counts[r], sizeof counts[r]);
 		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 			const struct fleet_item item = fleet_block_item(fleet, blocks[i], fleet->intervals);
-			const int32_t rank = fleet_groups_rank(&fleet->groups, tile_key((struct tile){fleet->world->level, item.x0, item.y0}));
+			const int32_t rank = fleet_groups_rank(&fleet->groups, tile_key((struct tile){world_resident(fleet->world)->level, item.x0, item.y0}));
 			if (rank == fleet->rank || rank == FLEET_NONE)
 				continue;
 			fleet->blocks_moved += pass;
@@ -232,7 +232,7 @@ static enum status pack(struct moving *moving, const bool *goes)
 		any = any || goes[r];
 	if (!any)
 		return STATUS_OK;
-	moving->packed = mem_alloc((size_t)LZ4_compressBound((int)resident_pages_moved_bytes(fleet->world->pages)) + 1, 1);
+	moving->packed = mem_alloc((size_t)LZ4_compressBound((int)resident_pages_moved_bytes(world_resident(fleet->world)->pages)) + 1, 1);
 	if (moving->packed == NULL)
 		return fail_memory("tiles that move");
 	for (int r = 0; r < fleet->ranks && status == STATUS_OK; r++) {
@@ -244,7 +244,7 @@ static enum status pack(struct moving *moving, const bool *goes)
 		if (status == STATUS_OK)
 			status = fleet_put(&moving->out[r], &count, sizeof count);
 		if (status == STATUS_OK)
-			status = resident_pages_take(fleet->world->pages, moving->keys, moving->count, put_tile, moving);
+			status = resident_pages_take(world_resident(fleet->world)->pages, moving->keys, moving->count, put_tile, moving);
 		if (status == STATUS_OK)
 			status = put_bodies(moving);
 	}
@@ -255,7 +255,7 @@ static enum status unpack(struct fleet *fleet, const struct fleet_message *messa
 {
 	struct fleet_bytes in = {.bytes = message->bytes, .size = message->size};
 	if (message->size == 0) {
-		fleet->world->torn = true;
+		world_tear(fleet->world);
 		return fail_with(STATUS_FAILED, "rank %d: it could not send its ground; look at what that rank says", message->rank);
 	}
 	enum status status = take_tiles(fleet, &in, planes);
@@ -296,7 +296,7 @@ static void find_next(struct fleet *fleet)
 static enum status exchange(struct moving *moving, const bool *goes, enum status status)
 {
 	struct fleet *fleet = moving->fleet;
-	const size_t ranks = (size_t)fleet->ranks, size = resident_pages_moved_bytes(fleet->world->pages);
+	const size_t ranks = (size_t)fleet->ranks, size = resident_pages_moved_bytes(world_resident(fleet->world)->pages);
 	struct fleet_message *out = mem_calloc(ranks, sizeof *out), *in = mem_calloc(ranks, sizeof *in);
 	char *planes = mem_alloc(size > 0 ? size : 1, 1);
 	size_t out_count = 0, in_count = 0;

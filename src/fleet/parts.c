@@ -393,6 +393,7 @@ enum status fleet_gather(void *user, struct world_ranked *figures)
 	struct fleet_told told;
 	bool any = false;
 	fleet->ran = true;
+	fleet->world = NULL; /* it is freed */
 	memset(figures, 0, sizeof *figures);
 	fleet_meet(); /* nobody has the ground open any more */
 	enum status gathered = fleet->rank == 0 ? gather_folder(fleet->over, fleet->parts, &gathering, &any) : STATUS_OK;

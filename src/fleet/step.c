@@ -31,7 +31,7 @@ static bool tiles_of(const struct fleet *fleet, struct post_rect posts, struct f
 {
 	const struct world *world = fleet->world;
 	struct tile first, last;
-	if (!tile_range_of(&world->meta->extent, world->level, posts, &first, &last))
+	if (!tile_range_of(&world_resident(world)->meta->extent, world_resident(world)->level, posts, &first, &last))
 		return false;
 	item->x0 = first.x;
 	item->y0 = first.y;
@@ -148,7 +148,7 @@ static enum status add_bodies(struct fleet *fleet, double until)
 		else if (fleet->owners[i] == FLEET_NONE)
 			fleet->owners[i] = 0;
 	}
-	if (world->meetings != NULL)
+	if (world_meets(world))
 		status = fleet_together_join(&fleet->together, fleet->planned_count);
 	for (size_t i = 0; i < fleet->planned_count && status == STATUS_OK; i++) {
 		item = (struct fleet_item){.owner = fleet->owners[fleet->planned_bodies[i]], .weight = 1};
@@ -172,15 +172,15 @@ static void note_balance(struct fleet *fleet)
 static int64_t horizon_of(const struct fleet *fleet)
 {
 	const struct world *world = fleet->world;
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	double fastest = 0, steps = HORIZON_MOST;
 	if (scene->vehicle_count > 0)
 		return 1;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
-			fastest = fmax(fastest, motion_track_fastest(world->bodies[i].track));
+		if (world_object_body(world, i)->track != NULL)
+			fastest = fmax(fastest, motion_track_fastest(world_object_body(world, i)->track));
 	if (fastest > 0)
-		steps = fmin(steps, TILE_SHARE * world->spacing * world->meta->extent.cells / (fastest * scene->time_step));
+		steps = fmin(steps, TILE_SHARE * world_resident(world)->spacing * world_resident(world)->meta->extent.cells / (fastest * scene->time_step));
 	if (deform_conserves(scene->model))
 		steps = fmin(steps, INTERVALS_MOST * scene->interval / scene->time_step);
 	return steps >= 2 ? (int64_t)steps : 1;
@@ -190,7 +190,7 @@ static int64_t horizon_of(const struct fleet *fleet)
 static bool leaves(struct fleet *fleet, double until)
 {
 	struct world *world = fleet->world;
-	if (world->scene->outside != SCENE_STOP)
+	if (world_scene(world)->outside != SCENE_STOP)
 		return false;
 	return world_check_events(world, until) != STATUS_OK;
 }
@@ -207,7 +207,7 @@ static enum status plan(struct fleet *fleet, double until, enum status status, e
 		fleet->horizon = horizon_of(fleet);
 	fleet->ahead = fleet->horizon;
 	if (fleet->horizon > 1)
-		until = world_step_time(world->scene, world->step + fleet->horizon);
+		until = world_step_time(world_scene(world), world_steps_done(world) + fleet->horizon);
 	fleet->intervals = world_intervals_due(world, until);
 	fleet->leaves = fleet->horizon > 1 && status == STATUS_OK && leaves(fleet, until);
 	if (status == STATUS_OK)
@@ -224,12 +224,12 @@ static enum status plan(struct fleet *fleet, double until, enum status status, e
 	fleet->stop = fleet->stop || told.stop;
 	if (told.leaves)
 		fleet->ahead = 1; /* the areas are larger than they need be */
-	*mine = world->step > 0 ? fleet_rows_write(fleet, world_step_time(world->scene, world->step)) : STATUS_OK;
+	*mine = world_steps_done(world) > 0 ? fleet_rows_write(fleet, world_step_time(world_scene(world), world_steps_done(world))) : STATUS_OK;
 	if (told.due)
 		*mine = fleet_commit(fleet, *mine);
 	if (fleet->failed)
 		return *mine;
-	if (fleet_groups_make(&fleet->groups, world->level, fleet->ranks, fleet->plans % BALANCE_PLANS == BALANCE_PLANS - 1) != STATUS_OK)
+	if (fleet_groups_make(&fleet->groups, world_resident(world)->level, fleet->ranks, fleet->plans % BALANCE_PLANS == BALANCE_PLANS - 1) != STATUS_OK)
 		fleet_comm_give_up(failure_message());
 	return STATUS_OK;
 }
@@ -238,7 +238,7 @@ enum status fleet_step(void *user, double until, enum status status)
 {
 	struct fleet *fleet = user;
 	struct world *world = fleet->world;
-	if (fleet->plans > 0 && fleet->ahead > 1 && world->step < fleet->planned_until && !world->unplaced) {
+	if (fleet->plans > 0 && fleet->ahead > 1 && world_steps_done(world) < fleet->planned_until && !world_unplaced(world)) {
 		fleet->steps++;
 		note_balance(fleet);
 		return status;
@@ -257,15 +257,15 @@ enum status fleet_step(void *user, double until, enum status status)
 	note_balance(fleet);
 	fleet->plans++;
 	fleet->steps++;
-	fleet->planned_until = world->step + fleet->ahead;
-	world->unplaced = false;
+	fleet->planned_until = world_steps_done(world) + fleet->ahead;
+	world_placed(world);
 	/* From here on this rank's ground is not whole until the end of the step. */
-	world->torn = true;
+	world_tear(world);
 	const double waited = fleet->spun;
 	status = fleet_move(fleet, mine);
 	fleet->moving += clock_thread_seconds() - planned - (fleet->spun - waited);
 	if (status == STATUS_OK)
-		world->torn = false;
+		world_mend(world);
 	return status;
 }
 

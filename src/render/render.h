@@ -205,10 +205,13 @@ enum status render_cameras_folders(const struct scene *scene, const char *direct
 void render_cameras_plan(const struct scene *scene, struct plan *plan);
 /* Call this after the last step. Waits for results that the GPU is still counting. */
 void render_view_settle(struct view *view);
-/* Returns the view as a watcher of its world, for world_watch. */
-struct world_watcher render_view_watcher(struct view *view);
+/* Takes what happened in the world since the last call. Call it before a commit takes the record. Pictures call it themselves. */
+enum status render_view_update(struct view *view) FURROW_CHECKED;
+/* Tells the world, before a step, which tiles pictures will need: world_wishes. */
+enum status render_view_wish(struct view *view) FURROW_CHECKED;
 enum status render_view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
-enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
+/* The next tiles that deform belong to this contact; NULL: to relaxation. */
+enum status render_view_contact(struct view *view, const struct world_touch *touch) FURROW_CHECKED;
 enum status render_view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
 void render_view_reach_at_least(struct view *view, double metres);
 struct render_view_figures {

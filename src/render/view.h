@@ -171,7 +171,7 @@ enum status render_view_offsets(struct view *view, struct tile tile, bool expect
 enum status render_view_errors_create(const struct world *world, struct view_errors **out) FURROW_CHECKED;
 void render_view_errors_destroy(struct view_errors *errors); /* errors may be NULL */
 /* Called by render_view_contact. */
-enum status render_view_errors_contact(struct view *view, const struct event *event) FURROW_CHECKED;
+enum status render_view_errors_contact(struct view *view, const struct world_touch *touch) FURROW_CHECKED;
 /* Notes that the current contact changes this tile of the working level. */
 enum status render_view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
 /* Gives the error in metres, for terrain_source.error. `expected`: the tile will be deformed by the future moment that is

@@ -8,7 +8,7 @@
 static enum status list_added(struct view *view)
 {
 	const struct world *world = view->world;
-	const size_t first = world->scene->object_count, count = world->scene->hosted ? world->hosts.count : 0;
+	const size_t first = world_scene(world)->object_count, count = world_scene(world)->hosted ? world_host_count(world) : 0;
 	mem_free(view->added);
 	view->added = NULL;
 	view->added_count = 0;
@@ -19,7 +19,7 @@ static enum status list_added(struct view *view)
 	if (view->added == NULL)
 		return fail_memory("the view");
 	for (size_t number = first; number < count; number++)
-		if (world->hosts.list[number] != NULL && !world->hosts.list[number]->quiet) /* a quiet body is a part of a vehicle, and world->figures has that */
+		if (world_host(world, number) != NULL && !world_host(world, number)->quiet) /* a quiet body is a part of a vehicle, and world->figures has that */
 			view->added[view->added_count++] = (int32_t)number;
 	return STATUS_OK;
 }
@@ -27,7 +27,7 @@ static enum status list_added(struct view *view)
 enum status render_view_list_drawn(struct view *view, struct render_params *params)
 {
 	const struct world *world = view->world;
-	const size_t objects = world->scene->object_count, figures = world->figures.count;
+	const size_t objects = world_scene(world)->object_count, figures = world_figures(world)->count;
 	mem_free(view->drawn);
 	view->drawn = NULL;
 	enum status status = list_added(view);
@@ -38,11 +38,11 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 	if (view->drawn == NULL)
 		return fail_memory("the view");
 	if (objects > 0)
-		memcpy(view->drawn, world->scene->objects, objects * sizeof *view->drawn);
+		memcpy(view->drawn, world_scene(world)->objects, objects * sizeof *view->drawn);
 	if (figures > 0)
-		memcpy(view->drawn + objects, world->figures.list, figures * sizeof *view->drawn);
+		memcpy(view->drawn + objects, world_figures(world)->list, figures * sizeof *view->drawn);
 	for (size_t i = 0; i < view->added_count; i++)
-		view->drawn[objects + figures + i] = *world->hosts.list[view->added[i]]->body.object;
+		view->drawn[objects + figures + i] = *world_host(world, (int32_t)view->added[i])->body.object;
 	params->objects = view->drawn;
 	params->object_count = objects + figures + view->added_count;
 	return STATUS_OK;
@@ -50,8 +50,7 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 
 bool render_view_body(const struct view *view, size_t number, struct render_object *object)
 {
-	const struct world_hosts *hosts = &view->world->hosts;
-	const struct host_body *host = number < hosts->count ? hosts->list[number] : NULL;
+	const struct host_body *host = world_host(view->world, (int32_t)number);
 	if (host == NULL || host->removed || !host->placed)
 		return false;
 	*object = (struct render_object){.posed = true};

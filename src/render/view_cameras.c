@@ -46,7 +46,7 @@ static void stand_at(const struct scene_path *poses, double time, struct stand *
 
 static double middle_height(const struct world *world)
 {
-	const double middle = (world->meta->low + world->meta->high) / 2;
+	const double middle = (world_resident(world)->meta->low + world_resident(world)->meta->high) / 2;
 	return isnan(middle) ? 0 : middle;
 }
 
@@ -67,10 +67,13 @@ static void stand_later(struct view *view, const struct body *body, double time,
 /* Where a vehicle, or a body of its model, is. Before the vehicle was set down, where it starts. */
 static void stand_on_vehicle(struct view *view, size_t index, const char *body, struct stand *stand)
 {
-	const struct world_figures *figures = &view->world->figures;
-	const struct scene_vehicle *vehicle = &view->world->scene->vehicles[index];
-	if (figures->vehicle != NULL && figures->vehicle(figures->user, index, body, stand->at, stand->axes))
+	const struct world_place *place = world_frame_of(view->world, index, body);
+	const struct scene_vehicle *vehicle = &world_scene(view->world)->vehicles[index];
+	if (place != NULL) {
+		memcpy(stand->at, place->at, sizeof stand->at);
+		memcpy(stand->axes, place->axes, sizeof stand->axes);
 		return;
+	}
 	memcpy(stand->at, vehicle->at, sizeof vehicle->at);
 	stand->at[2] = render_view_ground_at(view, vehicle->at[0], vehicle->at[1], middle_height(view->world));
 	soil_axes(vehicle->yaw, 0, 0, 0, stand->axes);
@@ -89,7 +92,7 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 	enum status status = now ? render_view_object(view, (size_t)aim->object, &object, &known) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
-	stand_later(view, &view->world->bodies[aim->object], time, stand);
+	stand_later(view, world_object_body(view->world, aim->object), time, stand);
 	if (!known)
 		return STATUS_OK;
 	memcpy(stand->at, object.at, sizeof object.at);
@@ -171,12 +174,12 @@ static enum status place(struct view *view, const struct view_camera *this, doub
 /* Returns when the camera's next frame comes, s; INFINITY: the drive ends before. */
 static double next_time(const struct world *world, const struct scene_camera *camera)
 {
-	const double step = world->scene->time_step;
-	int64_t frame = (int64_t)floor((double)world->step * camera->rate * step + 1e-9);
-	while (scene_camera_step(camera, step, frame) <= world->step)
+	const double step = world_scene(world)->time_step;
+	int64_t frame = (int64_t)floor((double)world_steps_done(world) * camera->rate * step + 1e-9);
+	while (scene_camera_step(camera, step, frame) <= world_steps_done(world))
 		frame++;
 	const int64_t at = scene_camera_step(camera, step, frame);
-	return at <= world_step_count(world) ? world_step_time(world->scene, at) : INFINITY;
+	return at <= world_step_count(world) ? world_step_time(world_scene(world), at) : INFINITY;
 }
 
 enum status render_view_look_camera(struct view *view)
@@ -185,13 +188,13 @@ enum status render_view_look_camera(struct view *view)
 	struct view_camera *this = &view->cameras[view->camera_turn++ % view->camera_count];
 	struct view_look *look = &this->ahead;
 	const double time = next_time(world, this->camera);
-	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world->ahead);
+	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world_look_ahead(world));
 	struct render_camera camera;
-	if (time > world->time + motion_look_ahead_reach(world->ahead, world->time))
+	if (time > world_time(world) + motion_look_ahead_reach(world_look_ahead(world), world_time(world)))
 		return STATUS_OK;
-	if (look->time == time && !come && time - world->time > (time - look->made) / 2)
+	if (look->time == time && !come && time - world_time(world) > (time - look->made) / 2)
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(world->ahead);
+	view->exact = !motion_look_ahead_brings_ranges(world_look_ahead(world));
 	view->render->screen = this->screen;
 	enum status status = place(view, this, time, false, &camera);
 	if (status == STATUS_OK)
@@ -222,7 +225,7 @@ static enum status write_all(struct view *view, const struct view_camera *this, 
 			     int64_t frame)
 {
 	const unsigned images = this->camera->images;
-	const bool measures = scene_camera_measures(view->world->scene, this->camera);
+	const bool measures = scene_camera_measures(world_scene(view->world), this->camera);
 	enum status status = STATUS_OK;
 	if (images >> SCENE_IMAGE_COLOUR & 1)
 		status = write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR);
@@ -263,7 +266,7 @@ static void tell_below(struct view *view, const struct scene_camera *camera, con
 static enum status draw(struct view *view, struct view_camera *this, struct pictures *pictures, const struct render_poses *poses, int64_t frame)
 {
 	struct render_camera camera;
-	enum status status = place(view, this, view->world->time, true, &camera);
+	enum status status = place(view, this, world_time(view->world), true, &camera);
 	if (status == STATUS_OK && frame == 0)
 		tell_below(view, this->camera, camera.eye);
 	if (status == STATUS_OK)
@@ -288,7 +291,7 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 	bool set = false;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < view->camera_count && status == STATUS_OK; i++) {
-		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world->scene->time_step, world->step);
+		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world_scene(world)->time_step, world_steps_done(world));
 		if (frame < 0)
 			continue;
 		if (!set)
@@ -330,7 +333,7 @@ static enum status find_screen(struct view *view, struct view_camera *this)
 
 enum status render_view_make_cameras(struct view *view)
 {
-	const struct scene *scene = view->world->scene;
+	const struct scene *scene = world_scene(view->world);
 	const size_t count = scene->camera_count;
 	if (count == 0)
 		return STATUS_OK;

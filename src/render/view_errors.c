@@ -28,12 +28,12 @@ struct view_errors {
 
 enum status render_view_errors_create(const struct world *world, struct view_errors **out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct view_errors *errors = mem_calloc(1, sizeof *errors);
 	if (errors == NULL)
 		return fail_memory("the view");
 	errors->bases.most = BASES;
-	errors->bounds.extent = &world->meta->extent;
+	errors->bounds.extent = &world_resident(world)->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		double deep = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
@@ -96,19 +96,19 @@ static void sides(const struct soil_shape *shape, double far[2], double lift[2])
 }
 
 /* Finds how much deeper an object on a slope digs beside its middle than at the middle, metres. */
-static enum status rise_beside(struct view *view, const struct event *event, double *rise)
+static enum status rise_beside(struct view *view, const struct world_touch *touch, double *rise)
 {
-	const struct soil_pose *pose = &event->pose;
+	const struct soil_pose *pose = &touch->pose;
 	double far[2], lift[2], c = cos(pose->yaw), s = sin(pose->yaw);
 	int64_t middle = 0;
-	sides(&world_body_of(view->world, event)->object->shape, far, lift);
+	sides(touch->shape, far, lift);
 	*rise = 0;
 	for (int i = 0; i < 9; i++) {
 		int x = (i + 4) % 9 % 3 - 1, y = (i + 4) % 9 / 3 - 1; /* the middle first */
 		double ahead = far[0] * x, aside = far[1] * y;
 		int64_t height;
 		bool any;
-		enum status status = resident_ground_height(view->world->ground, pose->x + lattice_offset(ahead * c - aside * s),
+		enum status status = resident_ground_height(world_resident(view->world)->ground, pose->x + lattice_offset(ahead * c - aside * s),
 						   pose->y + lattice_offset(ahead * s + aside * c), &height, &any);
 		if (status != STATUS_OK)
 			return status;
@@ -120,25 +120,21 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	return STATUS_OK;
 }
 
-enum status render_view_errors_contact(struct view *view, const struct event *event)
+enum status render_view_errors_contact(struct view *view, const struct world_touch *touch)
 {
 	struct view_errors *errors = view->errors;
-	if (event == NULL) {
+	if (touch == NULL) {
 		errors->low = errors->lowest;
 		errors->high = errors->highest;
 		return STATUS_OK;
 	}
 	double rise;
-	enum status status = rise_beside(view, event, &rise);
+	enum status status = rise_beside(view, touch, &rise);
 	if (status != STATUS_OK)
 		return status;
-	const struct body *body = world_body_of(view->world, event);
-	double deep = event->sinkage;
-	if (body->object->load > 0) /* as the soil was found to carry it in the last step */
-		deep = fmax(deep, body->sinkage);
-	deep = fmax(deep + rise, 0);
+	const double deep = fmax(touch->depth + rise, 0); /* with a load: as the soil was found to carry it in the step before */
 	errors->low = -deep;
-	errors->high = deform_conserves(view->world->scene->model) ? deep : 0;
+	errors->high = deform_conserves(world_scene(view->world)->model) ? deep : 0;
 	errors->lowest = fmin(errors->lowest, errors->low);
 	errors->highest = fmax(errors->highest, errors->high);
 	return STATUS_OK;
@@ -162,7 +158,7 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 		*error /= 2;
 		return status;
 	}
-	status = resident_ground_base_range(view->world->ground, tile, &range);
+	status = resident_ground_base_range(world_resident(view->world)->ground, tile, &range);
 	if (status != STATUS_OK)
 		return status;
 	*error = range.error;
@@ -174,7 +170,7 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	const struct view_errors *errors = view->errors;
 	*error = 0;
 	/* No tile is drawn finer than the working level if it has offsets. */
-	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= view->world->level)
+	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= world_resident(view->world)->level)
 		return STATUS_OK;
 	double low, high;
 	enum status status = render_view_stored_offsets(view, tile, &low, &high);
@@ -182,11 +178,11 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	if (status == STATUS_OK && (tile.level > store_finest_base(view->world->store) ||
+	if (status == STATUS_OK && (tile.level > store_finest_base(world_resident(view->world)->store) ||
 				    world_relief(view->world) != NULL))
 		status = base_error(view, tile, error);
 	double bend = 0;
-	if (status == STATUS_OK && tile.level <= 0 && tile.level > view->world->level)
+	if (status == STATUS_OK && tile.level <= 0 && tile.level > world_resident(view->world)->level)
 		status = render_view_bend(view, tile, &bend);
 	*error += apart + bend;
 	return status;

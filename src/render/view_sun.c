@@ -57,6 +57,6 @@ void render_view_move_sun(struct view *view)
 	double azimuth, height;
 	if (!view->sun.light.timed)
 		return;
-	render_sun_at(&view->sun, view->world->time, &azimuth, &height);
+	render_sun_at(&view->sun, world_time(view->world), &azimuth, &height);
 	render_move_sun(view->render, azimuth, height);
 }

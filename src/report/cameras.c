@@ -51,9 +51,9 @@ static void eye_on(const struct body *body, const struct track_point *start, dou
 static enum status advise_camera(const struct world *world, struct store_reader *reader, const struct scene_camera *camera, scene_advice_fn tell,
 				 void *user)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world_resident(world)->meta->extent;
 	const bool fixed = camera->aim.kind == SCENE_FIXED;
-	const struct body *body = fixed ? NULL : &world->bodies[camera->aim.object];
+	const struct body *body = fixed ? NULL : world_object_body(world, camera->aim.object);
 	struct store_sample at;
 	struct track_point start;
 	double eye[3];
@@ -88,14 +88,14 @@ static enum status advise_camera(const struct world *world, struct store_reader 
 
 void report_cameras_advise(const struct world *world, scene_advice_fn tell, void *user)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct store_reader *reader = NULL;
-	if (scene->camera_count == 0 || world->store == NULL || world->ranks != NULL || store_reader_create(world->store, &reader) != STATUS_OK)
+	if (scene->camera_count == 0 || world_resident(world)->store == NULL || world_params(world)->ranks != NULL || store_reader_create(world_resident(world)->store, &reader) != STATUS_OK)
 		return;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->camera_count && status == STATUS_OK; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
-		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world->bodies[camera->aim.object].track != NULL;
+		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world_object_body(world, camera->aim.object)->track != NULL;
 		if (camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object))
 			status = advise_camera(world, reader, camera, tell, user); /* a tile that cannot be read is told when it is drawn */
 	}
@@ -106,7 +106,7 @@ void report_cameras_advise(const struct world *world, scene_advice_fn tell, void
 
 static void print_model(const struct report_poses *poses, size_t index, FILE *file)
 {
-	const struct scene_camera *camera = &poses->world->scene->cameras[index];
+	const struct scene_camera *camera = &world_scene(poses->world)->cameras[index];
 	const double focal = focal_of(camera);
 	fprintf(file, "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n1 PINHOLE %d %d %.9f %.9f %.9f %.9f\n", camera->width, camera->height, focal, focal,
 		camera->width / 2.0, camera->height / 2.0);
@@ -122,7 +122,7 @@ static enum scene_image first_image(const struct scene_camera *camera)
 
 static void print_images(const struct report_poses *poses, size_t index, FILE *file)
 {
-	const struct scene_camera *camera = &poses->world->scene->cameras[index];
+	const struct scene_camera *camera = &world_scene(poses->world)->cameras[index];
 	const struct poses_of *of = &poses->cameras[index];
 	fputs("# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points, which is empty\n", file);
 	for (size_t i = 0; i < of->count; i++) {
@@ -193,7 +193,7 @@ static void add_measured(cJSON *images, const struct world *world, const struct 
 	}
 	if (camera->images >> SCENE_IMAGE_HEIGHT & 1) {
 		cJSON *height = cJSON_AddObjectToObject(images, "height");
-		render_height_scale(isnan(world->meta->low) ? 0 : world->meta->low, isnan(world->meta->high) ? 0 : world->meta->high, &unit, &zero);
+		render_height_scale(isnan(world_resident(world)->meta->low) ? 0 : world_resident(world)->meta->low, isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high, &unit, &zero);
 		cJSON_AddStringToObject(height, "png", "16-bit: (height - png_zero) / png_unit; 0: sky");
 		json_number(height, "png_unit", unit);
 		json_number(height, "png_zero", zero);
@@ -202,7 +202,7 @@ static void add_measured(cJSON *images, const struct world *world, const struct 
 	if (camera->images >> SCENE_IMAGE_CLASS & 1) {
 		cJSON *class = cJSON_AddObjectToObject(images, "class");
 		cJSON_AddStringToObject(class, "png", "8-bit: index of the soil; 255: sky, or an object");
-		add_soils(class, world->scene);
+		add_soils(class, world_scene(world));
 	}
 }
 
@@ -262,7 +262,7 @@ static void add_frames(cJSON *root, const struct poses_of *of, const struct repo
 
 static void print_json(const struct report_poses *poses, size_t index, FILE *file)
 {
-	const struct scene *scene = poses->world->scene;
+	const struct scene *scene = world_scene(poses->world);
 	const struct scene_camera *camera = &scene->cameras[index];
 	const double focal = focal_of(camera);
 	cJSON *root = cJSON_CreateObject();
@@ -335,7 +335,7 @@ void report_cameras_add(cJSON *root, const struct scene *scene, const struct rep
 enum status report_cameras(const struct report_poses *poses)
 {
 	enum status status = STATUS_OK;
-	for (size_t i = 0; poses != NULL && i < poses->world->scene->camera_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; poses != NULL && i < world_scene(poses->world)->camera_count && status == STATUS_OK; i++) {
 		status = publish(poses, i, "camera.json", print_json);
 		if (status == STATUS_OK)
 			status = publish(poses, i, "cameras.txt", print_model);

@@ -33,7 +33,7 @@ static void keep_note(void *user, const char *text)
 
 static enum status list_bodies(const struct world *world, struct report_plan *out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	size_t count = scene->object_count;
 	for (size_t v = 0; v < vehicle_count(out->vehicles); v++) {
 		struct vehicle_info info;
@@ -50,7 +50,7 @@ static enum status list_bodies(const struct world *world, struct report_plan *ou
 		struct vehicle_geom geom;
 		vehicle_info(out->vehicles, v, &info);
 		for (size_t g = 0; g < info.geom_count; g++) {
-			vehicle_geom(out->vehicles, v, g, world->spacing, &geom);
+			vehicle_geom(out->vehicles, v, g, world_resident(world)->spacing, &geom);
 			out->bodies[out->body_count++] = (struct report_body){geom.name, geom.shape, vehicle_bears_over(out->vehicles, v, g, scene), geom.contacts};
 		}
 	}
@@ -60,7 +60,7 @@ static enum status list_bodies(const struct world *world, struct report_plan *ou
 /* Adds the lines of what bodies do to the soil. */
 static enum status plan_bodies(const struct world *world, struct report_plan *out)
 {
-	const size_t first = world->scene->object_count, count = out->body_count - first;
+	const size_t first = world_scene(world)->object_count, count = out->body_count - first;
 	const struct soil_shape **added = mem_calloc(count + 1, sizeof *added);
 	if (added == NULL)
 		return fail_memory("the plan");
@@ -74,7 +74,7 @@ static enum status plan_bodies(const struct world *world, struct report_plan *ou
 /* Adds the lines of pictures: of the scene's objects, and of the parts of vehicles. */
 static enum status plan_view(const struct world *world, bool planes, struct report_plan *out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	const struct world_figures figures = vehicle_figures(out->vehicles);
 	struct render_params render;
 	render_view_params(world, &render);
@@ -87,7 +87,7 @@ static enum status plan_view(const struct world *world, bool planes, struct repo
 		drawn[scene->object_count + i] = figures.list[i];
 	render.objects = drawn;
 	render.object_count = scene->object_count + figures.count;
-	render_plan(&render, planes, world->level < 0, render_view_smooths(world), &out->plan);
+	render_plan(&render, planes, world_resident(world)->level < 0, render_view_smooths(world), &out->plan);
 	mem_free(drawn);
 	return STATUS_OK;
 }
@@ -102,8 +102,8 @@ static const char *drawn_classes_effect(const struct scene *scene)
 static enum status plan_lines(const struct world *world, struct report_plan *out)
 {
 	struct plan *plan = &out->plan;
-	const struct scene *scene = world->scene;
-	uint32_t cells = world->meta->extent.cells;
+	const struct scene *scene = world_scene(world);
+	uint32_t cells = world_resident(world)->meta->extent.cells;
 	unsigned planes = world_planes(world);
 	bool classes = world_needs_soil_map(scene);
 	bool decimates = planes != 0 && scene->view.present;
@@ -140,11 +140,11 @@ static void describe_batches(struct report_plan *out)
 /* Tells where a vehicle's start has no ground below it. A drive looks below each soil geom, and refuses it. */
 static enum status advise_starts(const struct world *world, struct notes *notes)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct store_reader *reader = NULL;
-	if (scene->vehicle_count == 0 || world->store == NULL)
+	if (scene->vehicle_count == 0 || world_resident(world)->store == NULL)
 		return STATUS_OK;
-	enum status status = store_reader_create(world->store, &reader);
+	enum status status = store_reader_create(world_resident(world)->store, &reader);
 	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++) {
 		struct store_sample sample = {.nodata = false};
 		double at[2];
@@ -188,7 +188,7 @@ static enum status find_holes(struct store_reader *reader, const struct track *t
 
 static void tell_holes(const struct world *world, const char *key, const struct over_holes *holes, bool vehicle, struct notes *notes)
 {
-	const bool stops = world->scene->outside == SCENE_STOP;
+	const bool stops = world_scene(world)->outside == SCENE_STOP;
 	char text[500];
 	if (holes->share == 0)
 		return;
@@ -211,9 +211,9 @@ static enum status advise_way(const struct world *world, struct store_reader *re
 	char key[240];
 	if (world_route(world, &vehicle->way, vehicle->name, &route) != STATUS_OK)
 		return STATUS_OK; /* a drive refuses it */
-	enum status status = motion_track_create(&route, world->spacing, 0, &track);
+	enum status status = motion_track_create(&route, world_resident(world)->spacing, 0, &track);
 	if (status == STATUS_OK)
-		status = find_holes(reader, track, world->scene->end_time, most, &holes);
+		status = find_holes(reader, track, world_scene(world)->end_time, most, &holes);
 	snprintf(key, sizeof key, "vehicles.%.200s.driver.path", vehicle->name);
 	if (status == STATUS_OK)
 		tell_holes(world, key, &holes, true, notes);
@@ -225,19 +225,19 @@ static enum status advise_way(const struct world *world, struct store_reader *re
 /* Tells of paths over holes, as advise_leaving does of those off the terrain. It looks at some path samples only. */
 static enum status advise_holes(const struct world *world, struct notes *notes)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	const size_t paths = scene->object_count + scene->vehicle_count;
 	struct store_reader *reader = NULL;
-	if (paths == 0 || world->store == NULL)
+	if (paths == 0 || world_resident(world)->store == NULL)
 		return STATUS_OK;
 	const uint64_t most = HOLE_SAMPLES / paths + 2;
-	enum status status = store_reader_create(world->store, &reader);
+	enum status status = store_reader_create(world_resident(world)->store, &reader);
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		struct over_holes holes = {.share = 0};
 		char key[240];
-		if (world->bodies[i].track == NULL)
+		if (world_object_body(world, i)->track == NULL)
 			continue;
-		status = find_holes(reader, world->bodies[i].track, scene->end_time, most, &holes);
+		status = find_holes(reader, world_object_body(world, i)->track, scene->end_time, most, &holes);
 		snprintf(key, sizeof key, "objects.%.200s.path", scene->objects[i].name);
 		if (status == STATUS_OK)
 			tell_holes(world, key, &holes, false, notes);
@@ -251,7 +251,7 @@ static enum status advise_holes(const struct world *world, struct notes *notes)
 
 static void describe_soils(const struct world *world, struct report_plan *out)
 {
-	const struct world_soils_met *met = world->met;
+	const struct world_soils_met *met = world_facts(world)->met;
 	if (met == NULL)
 		return;
 	out->soils_known = true;
@@ -265,7 +265,7 @@ static void describe_soils(const struct world *world, struct report_plan *out)
 
 static enum status describe(struct world *world, struct report_plan *out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct resident_pages_budget most;
 	struct notes notes = {.plan = out};
 	enum status status = world_budget_check(world);
@@ -277,16 +277,16 @@ static enum status describe(struct world *world, struct report_plan *out)
 		return status;
 	world_budget(world, &most);
 	out->effects = world_effects(world);
-	out->cells = world->meta->extent.cells;
-	out->level = world->level;
-	out->spacing = world->spacing;
-	out->deformed = world->was_deformed;
+	out->cells = world_resident(world)->meta->extent.cells;
+	out->level = world_resident(world)->level;
+	out->spacing = world_resident(world)->spacing;
+	out->deformed = world_resident(world)->was_deformed;
 	out->most = most;
 	out->tiles = report_tiles_of(world, &most);
-	out->usable = world->limits.usable;
-	out->all = world->limits.all;
+	out->usable = world_facts(world)->limits.usable;
+	out->all = world_facts(world)->limits.all;
 	out->bearing = world_is_bearing(world);
-	out->window_tiles = world->windows.tiles;
+	out->window_tiles = world_counts(world)->windows.tiles;
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
 	out->picture_steps = scene->view.present ? scene->view.images : 0;
 	out->pictures = out->picture_steps > 0 ? out->steps / out->picture_steps : 0;
@@ -294,12 +294,12 @@ static enum status describe(struct world *world, struct report_plan *out)
 	if (out->samples == NULL)
 		return fail_memory("the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
-		out->samples[i] = world_samples_until(world->bodies[i].track, scene->end_time);
-	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++)
+		out->samples[i] = world_samples_until(world_object_body(world, i)->track, scene->end_time);
+	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++)
 		out->rasters[out->raster_count++] = world_raster(world, i);
 	describe_soils(world, out);
 	world_advise(world, keep_note, &notes);
-	if (world->store != NULL || world->scene->spacing > 0)
+	if (world_resident(world)->store != NULL || world_scene(world)->spacing > 0)
 		vehicle_advise(out->vehicles, world, keep_note, &notes);
 	report_sun_advise(world, keep_note, &notes);
 	report_cameras_advise(world, keep_note, &notes);
@@ -314,7 +314,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 
 enum status report_check(const struct scene *scene, const char *store)
 {
-	struct world world;
+	struct world *world = NULL;
 	struct scene driven;
 	struct store_meta assumed;
 	struct vehicles *vehicles = NULL;
@@ -322,11 +322,11 @@ enum status report_check(const struct scene *scene, const char *store)
 	scene_unwatched(scene, &driven);
 	enum status status = vehicle_load(scene, &vehicles);
 	if (status == STATUS_OK) {
-		status = world_prepare_plan(&world, &driven, store != NULL ? store : scene->store, false, &assumed);
+		status = world_open_plan(&driven, store != NULL ? store : scene->store, false, &assumed, &world);
 		if (status == STATUS_OK)
-			status = vehicle_check_rasters(vehicles, &world);
+			status = vehicle_check_rasters(vehicles, world);
 		failure_capture(&failure, status);
-		world_finish(&world, STATUS_OK);
+		world_finish(world, STATUS_OK);
 		status = status != STATUS_OK ? failure_restore(&failure) : STATUS_OK;
 	}
 	failure_capture(&failure, status);
@@ -336,7 +336,7 @@ enum status report_check(const struct scene *scene, const char *store)
 
 enum status report_plan(const struct scene *scene, const char *store, bool keep_history, struct report_plan *out)
 {
-	struct world world;
+	struct world *world = NULL;
 	struct scene driven;
 	struct store_meta assumed;
 	const char *path = store;
@@ -355,16 +355,16 @@ enum status report_plan(const struct scene *scene, const char *store, bool keep_
 		report_plan_finish(out);
 		return status;
 	}
-	status = world_prepare_plan(&world, &driven, path, keep_history, &assumed);
+	status = world_open_plan(&driven, path, keep_history, &assumed, &world);
 	if (status == STATUS_OK)
-		status = vehicle_check_rasters(out->vehicles, &world);
+		status = vehicle_check_rasters(out->vehicles, world);
 	if (status == STATUS_OK && path != NULL && (out->store = mem_strdup(path)) == NULL)
 		status = fail_memory("the plan");
 	if (status == STATUS_OK)
-		status = describe(&world, out);
+		status = describe(world, out);
 	struct failure failure;
 	failure_capture(&failure, status);
-	world_finish(&world, STATUS_OK);
+	world_finish(world, STATUS_OK);
 	if (status == STATUS_OK)
 		return STATUS_OK;
 	report_plan_finish(out);

@@ -125,7 +125,7 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 {
 	struct report_poses *all = user;
 	struct poses_of *poses = &all->cameras[index];
-	struct poses_row row = {.frame = frame, .time = all->world->time, .at = {pose->eye[0], pose->eye[1], pose->eye[2]}};
+	struct poses_row row = {.frame = frame, .time = world_time(all->world), .at = {pose->eye[0], pose->eye[1], pose->eye[2]}};
 	double columns[3][3];
 	char path[POSES_PATH], text[ROW];
 	for (int i = 0; i < 3; i++) {
@@ -152,12 +152,12 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 
 void report_poses_path(const struct report_poses *poses, size_t camera, const char *name, char path[POSES_PATH])
 {
-	snprintf(path, POSES_PATH, "%s/" RENDER_CAMERAS "/%s/%s", poses->directory, poses->world->scene->cameras[camera].name, name);
+	snprintf(path, POSES_PATH, "%s/" RENDER_CAMERAS "/%s/%s", poses->directory, world_scene(poses->world)->cameras[camera].name, name);
 }
 
 enum status report_poses_open(const struct world *world, const char *directory, struct report_poses **out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	*out = NULL;
 	if (scene->camera_count == 0)
 		return STATUS_OK;
@@ -167,10 +167,10 @@ enum status report_poses_open(const struct world *world, const char *directory, 
 	*poses = (struct report_poses){.world = world, .directory = directory, .count = scene->camera_count};
 	poses->cameras = mem_calloc(scene->camera_count, sizeof *poses->cameras);
 	enum status status = poses->cameras != NULL ? STATUS_OK : fail_memory("the cameras' poses");
-	for (size_t i = 0; i < scene->camera_count && world->resumed.is && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->camera_count && world_facts(world)->resumed.is && status == STATUS_OK; i++) {
 		char path[POSES_PATH];
 		report_poses_path(poses, i, "poses.tum", path);
-		status = read_rows(&poses->cameras[i], &scene->cameras[i], path, world->resumed.time);
+		status = read_rows(&poses->cameras[i], &scene->cameras[i], path, world_facts(world)->resumed.time);
 	}
 	poses->sink = (struct render_poses){poses, take};
 	*out = poses;

@@ -21,13 +21,12 @@ struct column {
 };
 
 struct report_vehicles {
-	const struct vehicles *vehicles;
+	struct vehicles *vehicles;
 	const char *directory;
 	FILE *file;
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
-	struct vehicle_rows sink;
 };
 
 static enum status failed(const struct report_vehicles *rows)
@@ -40,9 +39,8 @@ static double value_of(const struct vehicle_row *row, enum kind kind, int index)
 	return (kind == JOINT ? row->joints : kind == CONTROL ? row->controls : row->forces)[index];
 }
 
-static enum status write_row(void *user, const struct vehicle_row *row)
+static enum status write_row(const struct report_vehicles *rows, const struct vehicle_row *row)
 {
-	const struct report_vehicles *rows = user;
 	struct vehicle_info info;
 	vehicle_info(rows->vehicles, row->vehicle, &info);
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", row->time, info.name, row->position[0],
@@ -59,9 +57,15 @@ static enum status write_row(void *user, const struct vehicle_row *row)
 	return printed > 0 && fputs("\n", rows->file) >= 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status flush(void *user)
+enum status report_vehicles_write(const struct report_vehicles *rows)
 {
-	const struct report_vehicles *rows = user;
+	if (rows == NULL || !vehicle_rows_due(rows->vehicles))
+		return STATUS_OK;
+	for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
+		struct vehicle_row row;
+		vehicle_row(rows->vehicles, v, &row);
+		TRY(write_row(rows, &row));
+	}
 	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
 }
 
@@ -127,20 +131,20 @@ static enum status make_header(struct report_vehicles *rows)
 	return fclose(stream) == 0 && whole ? STATUS_OK : fail_memory("vehicles.csv");
 }
 
-enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
+enum status report_vehicles_open(const struct world *world, struct vehicles *vehicles, const char *directory,
 				 struct report_vehicles **out)
 {
 	char path[4096];
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/vehicles.csv", directory);
-	if (vehicles == NULL || world->scene->vehicle_rows == 0) {
+	if (vehicles == NULL || world_scene(world)->vehicle_rows == 0) {
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
 	if (rows == NULL)
 		return fail_memory("vehicles.csv");
-	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .sink = {rows, write_row, flush}};
+	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory};
 	enum status status = find_columns(rows);
 	bool begins = false;
 	if (status == STATUS_OK)
@@ -168,11 +172,6 @@ void report_vehicles_close(struct report_vehicles *rows)
 	mem_free(rows->columns);
 	free(rows->header);
 	mem_free(rows);
-}
-
-const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows)
-{
-	return rows != NULL ? &rows->sink : NULL;
 }
 
 enum status report_vehicles_mark(const struct report_vehicles *rows, int64_t *end)

@@ -506,4 +506,27 @@ enum status resident_newest_rays(struct newest *newest, const struct terrain_ray
 enum status resident_read_posts(struct newest *newest, enum store_layer layer, int level, struct post_rect rect, double *values)
 	FURROW_CHECKED;
 
+/*
+ * The ground of one terrain in memory: the store and all that stands between it and who reads or changes the ground. world makes the parts one after
+ * the other, and frees them. Pictures, reports and queries reach them here. A part that a run has no use for is NULL.
+ */
+struct resident {
+	struct store *store;
+	const struct store_meta *meta;
+	int level;                         /* the working level */
+	double spacing;                    /* m, of the working level */
+	bool was_deformed;                 /* the store was deformed before it was opened */
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct host_slots *host;           /* where the CPU computes: the home of pages */
+	struct ground *ground;
+	struct soil_map *soil_map;         /* NULL: one soil */
+	struct soil_rasters *soil_rasters; /* NULL: every number is that of a post's soil */
+	struct pages *pages;
+	struct page_cache *cache;
+	struct page_trace *trace;          /* NULL: no trace was asked for */
+	struct pyramid *pyramid;           /* NULL: coarser levels are not used */
+	struct newest *newest;             /* NULL until the first query */
+};
+
 #endif

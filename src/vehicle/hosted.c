@@ -74,7 +74,7 @@ bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_
 	/* The engine's steps went on from the probe's state: this force they applied last. */
 	mju_copy3(contact->force, geom->force);
 	mju_copy3(contact->moment, geom->force + 3);
-	contact->time = vehicles->world->time;
+	contact->time = world_time(vehicles->world);
 	return true;
 }
 

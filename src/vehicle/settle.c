@@ -90,7 +90,7 @@ static enum status depth_of(const struct vehicles *vehicles, const struct vehicl
 			bool found;
 			vehicle_geom_support(vehicle->model, vehicle->data, geom, direction, place);
 			mju_addTo3(place, vehicle->origin);
-			status = resident_ground_height(vehicles->world->ground, lattice_offset(place[0]), lattice_offset(place[1]), &height, &found);
+			status = resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(place[0]), lattice_offset(place[1]), &height, &found);
 			*any = *any && found;
 			if (status == STATUS_OK && found)
 				*depth = fmax(*depth, lattice_offset_metres(height) - place[2]);
@@ -138,9 +138,9 @@ enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *veh
 /* Fails for a vehicle that starts where there is no ground. Small numbers off a terrain that knows degrees are probably degrees. */
 static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom)
 {
-	const struct extent *extent = &vehicles->world->meta->extent;
+	const struct extent *extent = &world_resident(vehicles->world)->meta->extent;
 	const double *at = vehicle->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
-	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && vehicles->world->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
+	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && world_resident(vehicles->world)->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
 	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
 				  extent_side(extent, 0), extent_side(extent, 1),
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
@@ -277,6 +277,8 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 			status = check_sunk(vehicles);
 		if (status == STATUS_OK)
 			status = world_move_hosts(vehicles->world);
+		if (status == STATUS_OK)
+			status = vehicle_record(vehicles);
 		if (status != STATUS_OK)
 			return status;
 		tell_settling(vehicles, still);
@@ -298,7 +300,9 @@ static enum status place_bodies(struct vehicles *vehicles)
 			geom->touched = geom->now;
 			geom->is_touched = true;
 		}
-	return status == STATUS_OK ? world_move_hosts(vehicles->world) : status;
+	if (status == STATUS_OK)
+		status = world_move_hosts(vehicles->world);
+	return status == STATUS_OK ? vehicle_record(vehicles) : status;
 }
 
 enum status vehicle_settle(struct vehicles *vehicles)

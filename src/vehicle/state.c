@@ -74,9 +74,8 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 	return to;
 }
 
-void vehicle_save(void *user, double *numbers)
+void vehicle_save(const struct vehicles *vehicles, double *numbers)
 {
-	const struct vehicles *vehicles = user;
 	for (size_t v = 0; v < vehicles->count; v++)
 		numbers = save_one(vehicles, &vehicles->list[v], numbers);
 }
@@ -84,7 +83,7 @@ void vehicle_save(void *user, double *numbers)
 static enum status damaged(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from does not fit vehicles.%s: %s; drive without --resume",
-			 vehicles->world->path, vehicle->scene->name, why);
+			 world_facts(vehicles->world)->path, vehicle->scene->name, why);
 }
 
 static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geom, const double **from)
@@ -163,5 +162,6 @@ enum status vehicle_restore(struct vehicles *vehicles, const double *numbers)
 		mj_crb(vehicle->model, vehicle->data);
 		mj_factorM(vehicle->model, vehicle->data);
 	}
+	vehicle_show(vehicles);
 	return status;
 }

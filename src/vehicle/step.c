@@ -35,7 +35,7 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
 	for (int i = 0; i < PLACES; i++) {
 		int64_t height;
 		bool any;
-		enum status status = resident_ground_height(vehicles->world->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any);
+		enum status status = resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any);
 		if (status != STATUS_OK)
 			return status;
 		all = all && any;
@@ -52,7 +52,7 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
  */
 static enum status find_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, bool *due)
 {
-	const double spacing = vehicles->world->spacing;
+	const double spacing = world_resident(vehicles->world)->spacing;
 	const struct world_pose *from = &geom->touched.pose;
 	double way[2], turns[3], places[PLACES][3], heights[PLACES];
 	*due = true;
@@ -152,7 +152,7 @@ static enum status ask(struct vehicles *vehicles)
 			geom->contact = vehicles->contacts[count++];
 			if (geom->contact.state == WORLD_UNKNOWN && geom->is_touched)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
-						 geom->now.pose.position[0], geom->now.pose.position[1], vehicles->world->time);
+						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));
 		}
 	return status;
 }
@@ -164,10 +164,10 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 	const double *at = geom->now.pose.position;
 	int64_t height;
 	bool any;
-	enum status status = resident_ground_height(world->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any);
-	if (status != STATUS_OK || any || world->scene->outside == SCENE_SKIP)
+	enum status status = resident_ground_height(world_resident(world)->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any);
+	if (status != STATUS_OK || any || world_scene(world)->outside == SCENE_SKIP)
 		return status;
-	return world_no_ground(world, geom->name, false, at[0], at[1], world->time);
+	return world_no_ground(world, geom->name, false, at[0], at[1], world_time(world));
 }
 
 /* --- the motion --- */
@@ -204,7 +204,7 @@ static bool is_finite(const struct vehicle *vehicle)
 
 static struct motion motion_of(const struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
 {
-	return (struct motion){vehicle, drives ? vehicles->world->time : 0, vehicles->scene->time_step, rate, drives};
+	return (struct motion){vehicle, drives ? world_time(vehicles->world) : 0, vehicles->scene->time_step, rate, drives};
 }
 
 static enum status prepare_one(const struct vehicles *vehicles, struct vehicle *vehicle, bool drives)

@@ -22,7 +22,8 @@ static enum status make_lists(struct vehicles *vehicles)
 	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
 	vehicles->states = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->states);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
-	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->contacts == NULL)
+	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
+	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->contacts == NULL || vehicles->record == NULL)
 		return fail_memory("the vehicles");
 	return STATUS_OK;
 }
@@ -71,12 +72,21 @@ void vehicle_destroy(struct vehicles *vehicles)
 	mem_free(vehicles->numbers);
 	mem_free(vehicles->states);
 	mem_free(vehicles->contacts);
+	mem_free(vehicles->record);
 	mem_free(vehicles);
 }
 
-struct world_attached vehicle_attached(struct vehicles *vehicles)
+size_t vehicle_attached(const struct vehicles *vehicles)
 {
-	return vehicles != NULL ? (struct world_attached){vehicles->attached, vehicles, vehicle_save} : (struct world_attached){.count = 0};
+	return vehicles != NULL ? vehicles->attached : 0;
+}
+
+enum status vehicle_record(struct vehicles *vehicles)
+{
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(vehicles->world, vehicles->record);
+	vehicle_show(vehicles);
+	return world_end_step(vehicles->world);
 }
 
 /* --- joining the world --- */
@@ -106,16 +116,15 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 			status = vehicle_place_driver(vehicle, world);
 	}
 	const double *recorded = world_attached(world);
-	return status == STATUS_OK && recorded != NULL ? vehicle_restore(vehicles, recorded) : status;
+	if (status != STATUS_OK || recorded != NULL)
+		return status != STATUS_OK ? status : vehicle_restore(vehicles, recorded);
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(world, vehicles->record);
+	vehicle_show(vehicles);
+	return STATUS_OK;
 }
 
 /* --- rows --- */
-
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
-{
-	if (vehicles != NULL)
-		vehicles->rows = rows;
-}
 
 static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 {
@@ -138,21 +147,22 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->forces = data->actuator_force;
 }
 
-/* Tells rows that are due at the present time. */
-static enum status tell_rows(struct vehicles *vehicles)
+bool vehicle_rows_due(struct vehicles *vehicles)
 {
-	const double rate = vehicles->scene->vehicle_rows, time = vehicles->world->time;
-	enum status status = STATUS_OK;
-	if (vehicles->rows == NULL || !(rate > 0) || time * rate * (1 + 1e-12) < vehicles->row)
-		return STATUS_OK;
-	vehicles->row = floor(time * rate * (1 + 1e-12)) + 1;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
-		struct vehicle_row row = {.time = time, .vehicle = v};
-		vehicle_joints(vehicles, v, vehicles->list[v].row_joints, NULL);
-		fill_row(&vehicles->list[v], &row);
-		status = vehicles->rows->row(vehicles->rows->user, &row);
-	}
-	return status == STATUS_OK ? vehicles->rows->flush(vehicles->rows->user) : status;
+	if (vehicles == NULL)
+		return false;
+	const double rate = vehicles->scene->vehicle_rows, now = world_time(vehicles->world) * rate * (1 + 1e-12);
+	if (!(rate > 0) || now < vehicles->row)
+		return false;
+	vehicles->row = floor(now) + 1;
+	return true;
+}
+
+void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *row)
+{
+	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
+	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
+	fill_row(&vehicles->list[index], row);
 }
 
 static enum deform_state state_of(enum world_contact_state state)
@@ -193,20 +203,17 @@ static enum status tell_forces(struct vehicles *vehicles)
 
 void vehicle_skip_rows(struct vehicles *vehicles)
 {
-	vehicles->row = floor(vehicles->world->time * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
+	vehicles->row = floor(world_time(vehicles->world) * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
 }
 
 enum status vehicle_begin(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
 	if (vehicles->list[0].begun == VEHICLE_DRIVES) { /* the rows of its time were written */
 		vehicle_skip_rows(vehicles);
 		return STATUS_OK;
 	}
-	status = vehicle_settle(vehicles);
-	if (status == STATUS_OK)
-		status = tell_forces(vehicles);
-	return status == STATUS_OK ? tell_rows(vehicles) : status;
+	TRY(vehicle_settle(vehicles));
+	return tell_forces(vehicles);
 }
 
 /* Tells once of each vehicle that the soil does not carry it. */
@@ -221,7 +228,7 @@ static void watch_sunk(const struct vehicles *vehicles, struct vehicle *vehicle)
 	if (!long_sunk || vehicle->told_sunk[0] != '\0')
 		return;
 	vehicle_say_sunk(vehicles, vehicle, vehicle_sunk(vehicle), text, sizeof text);
-	snprintf(vehicle->told_sunk, sizeof vehicle->told_sunk, "after %.3g s, %.450s", vehicles->world->time, text);
+	snprintf(vehicle->told_sunk, sizeof vehicle->told_sunk, "after %.3g s, %.450s", world_time(vehicles->world), text);
 	note("%s", vehicle->told_sunk);
 }
 
@@ -246,14 +253,11 @@ static void watch(struct vehicles *vehicles)
 
 enum status vehicle_step(struct vehicles *vehicles)
 {
-	enum status status = vehicle_move(vehicles, 0, true);
-	if (status == STATUS_OK)
-		status = tell_forces(vehicles);
-	if (status != STATUS_OK)
-		return status;
+	TRY(vehicle_move(vehicles, 0, true));
+	TRY(tell_forces(vehicles));
 	watch(vehicles);
-	status = world_step(vehicles->world);
-	return status == STATUS_OK ? tell_rows(vehicles) : status;
+	TRY(world_step(vehicles->world));
+	return vehicle_record(vehicles);
 }
 
 static bool is_stuck(const struct vehicles *vehicles, const struct vehicle *vehicle)
@@ -325,7 +329,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	if (vehicles->world != NULL && vehicle->begun > VEHICLE_ABOVE)
 		info->kinetic = vehicle_kinetic(vehicle);
 	if (info->stuck)
-		info->stuck_at = vehicles->world->time - vehicle->slow;
+		info->stuck_at = world_time(vehicles->world) - vehicle->slow;
 }
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint)

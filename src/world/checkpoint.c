@@ -1,5 +1,5 @@
 /*
- * Checkpoints, and going back to the last one: ground, bodies, forces, time and rows.
+ * Checkpoints, and going back to the last one: ground, bodies, forces and time.
  *
  * After a checkpoint the store keeps what commits replace (store_mark), and a rollback drops the pages that changed. The
  * world's own state is copied here. A checkpoint that fails leaves the earlier one: the store's mark is the last that can fail. Touched posts, seen tiles and the bounds of what a view saw change are not set back. They only
@@ -15,7 +15,6 @@ struct checkpoint {
 	double time;
 	int64_t intervals;
 	uint64_t revision;
-	int64_t rows_end;
 	struct deform_tally tally;
 	struct record *record;
 	struct body *bodies;      /* of the scene */
@@ -55,7 +54,7 @@ static enum status save(struct world *world, struct checkpoint **out)
 		.time = world->time,
 		.intervals = world->relaxation.intervals,
 		.revision = world->changes.revision,
-		.begun = world->begun,
+		.begun = world_has_begun(world),
 		.record = copy_of(world->record, world_record_bytes_with(objects, world->record->attached_count)),
 		.bodies = copy_of(world->bodies, (objects + 1) * sizeof *world->bodies),
 		.hosts = mem_calloc(world->hosts.count + 1, sizeof *saved->hosts),
@@ -71,8 +70,6 @@ static enum status save(struct world *world, struct checkpoint **out)
 		status = world_forces_save(world->forces, &saved->forces);
 	if (status == STATUS_OK)
 		status = world_tally(world, &saved->tally);
-	if (status == STATUS_OK && world->rows != NULL && world->rows->mark != NULL)
-		status = world->rows->mark(world->rows->user, &saved->rows_end);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
 		return status;
@@ -84,15 +81,15 @@ static enum status save(struct world *world, struct checkpoint **out)
 enum status world_checkpoint(struct world *world)
 {
 	struct checkpoint *saved = NULL;
-	if (world->torn)
+	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "checkpoint: the last step failed half-way; roll back first, or close the world");
 	enum status status = world_hosts_commit(world);
-	if (status == STATUS_OK && world->begun)
-		status = page_cache_flush(world->cache, world->record);
+	if (status == STATUS_OK && world_has_begun(world))
+		status = page_cache_flush(world->resident.cache, world->record);
 	if (status == STATUS_OK)
 		status = save(world, &saved);
 	if (status == STATUS_OK && !world->params.readonly)
-		status = resident_pages_mark(world->pages);
+		status = resident_pages_mark(world->resident.pages);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
 		return status;
@@ -105,9 +102,9 @@ enum status world_checkpoint(struct world *world)
 enum status world_checkpoint_begun(struct world *world)
 {
 	struct checkpoint *saved = world->checkpoint;
-	if (saved == NULL || saved->begun || world->params.attached.count == 0)
+	if (saved == NULL || saved->begun || world->params.attached == 0)
 		return STATUS_OK;
-	enum status status = resident_pages_mark(world->pages);
+	enum status status = resident_pages_mark(world->resident.pages);
 	saved->begun = status == STATUS_OK;
 	return status;
 }
@@ -166,11 +163,11 @@ enum status world_rollback(struct world *world)
 	if (saved == NULL)
 		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint; make one first");
 	const size_t objects = world->scene->object_count;
-	enum status status = world->begun ? resident_pages_rollback(world->pages) : STATUS_OK; /* else the ground is as it was */
+	enum status status = world_has_begun(world) ? resident_pages_rollback(world->resident.pages) : STATUS_OK; /* else the ground is as it was */
 	if (status != STATUS_OK)
 		return status;
-	world->begun = saved->begun;
-	page_cache_hold(world->cache, !world->begun);
+	world_return_to(world, saved->begun);
+	page_cache_hold(world->resident.cache, !saved->begun);
 	world->step = saved->step;
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;
@@ -179,16 +176,15 @@ enum status world_rollback(struct world *world)
 	restore_hosts(world, saved);
 	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
-	world->events.count = 0;
-	resident_ground_forget_offsets(world->ground); /* higher ground may be back than what was read since the checkpoint */
-	resident_pyramid_forget(world->pyramid);
-	resident_newest_changed(world->newest);
+	world->events.count = world->rows.count = 0;
+	resident_ground_forget_offsets(world->resident.ground); /* higher ground may be back than what was read since the checkpoint */
+	resident_pyramid_forget(world->resident.pyramid);
+	resident_newest_changed(world->resident.newest);
 	world_changes_rollback(world, saved->revision);
 	status = restore_deform(world, saved);
 	if (status == STATUS_OK)
 		status = rewind_paths(world);
-	if (status == STATUS_OK && world->rows != NULL && world->rows->rollback != NULL)
-		status = world->rows->rollback(world->rows->user, saved->rows_end);
-	world->torn = status != STATUS_OK;
+	if (status != STATUS_OK)
+		world_tear(world);
 	return status;
 }

@@ -37,7 +37,7 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 		.roll = point.roll,
 	};
 	int64_t ground;
-	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
+	enum status status = resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &ground, &event->contact);
 	if (status != STATUS_OK)
 		return status;
 	if (!event->contact && world->scene->outside == SCENE_STOP)

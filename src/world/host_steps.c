@@ -40,7 +40,7 @@ static struct event event_of(const struct world *world, int32_t number, const st
 static enum status over_ground(struct world *world, struct event *event, const struct soil_shape *shape)
 {
 	int64_t ground;
-	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
+	enum status status = resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &ground, &event->contact);
 	if (status == STATUS_OK && event->contact)
 		event->sinkage = lattice_offset_metres(ground - event->pose.z) + soil_shape_reach(shape, event->pose.pitch, event->pose.roll);
 	return status;
@@ -103,8 +103,8 @@ static double ran_to(const struct host_body *host, const struct soil_pose *to)
 static bool is_worth_a_contact(const struct world *world, const struct host_body *host, const struct soil_pose *to)
 {
 	const double sinkage = fabs(lattice_offset_metres(to->z - host->body.last.z));
-	return travel(&host->body.last, to) >= world->spacing || turned_by(host, to) >= world->spacing ||
-	       sinkage >= WORLD_SINKAGE_SHARE * world->spacing;
+	return travel(&host->body.last, to) >= world->resident.spacing || turned_by(host, to) >= world->resident.spacing ||
+	       sinkage >= WORLD_SINKAGE_SHARE * world->resident.spacing;
 }
 
 static bool has_moved(const struct host_body *host, const struct soil_pose *to)
@@ -146,8 +146,8 @@ static struct soil_pose between(const struct soil_pose *a, const struct soil_pos
 double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to)
 {
 	const struct soil_pose *from = &host->body.last;
-	const double less = host->body.in_contact ? 2 * travel(from, to) / world->spacing : 0;
-	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->spacing;
+	const double less = host->body.in_contact ? 2 * travel(from, to) / world->resident.spacing : 0;
+	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->resident.spacing;
 	return fmax((sinks ? 1 : host->stamped) - less, 0);
 }
 
@@ -159,7 +159,7 @@ static enum status touch(struct world *world, int32_t number, const struct soil_
 	const struct soil_pose from = body->last;
 	size_t parts = 1;
 	if (body->in_contact)
-		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->spacing - PART_MORE)));
+		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->resident.spacing - PART_MORE)));
 	enum status status = STATUS_OK;
 	for (size_t part = 1; part <= parts && status == STATUS_OK; part++) {
 		struct soil_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
@@ -224,7 +224,7 @@ static bool leaves_dip(const struct world *world, const struct host_body *host, 
 		.sinks = lattice_offset_metres(at->z - to->z), .goes = travel(at, to), .turns = {rotated[0], rotated[1]},
 		.reach = world_turning_reach(&host->body.object->shape),
 	};
-	return world_leaves_dip(&sinking, DIP_SHARE * world->spacing);
+	return world_leaves_dip(&sinking, DIP_SHARE * world->resident.spacing);
 }
 
 double world_turning_reach(const struct soil_shape *shape)
@@ -240,12 +240,12 @@ static bool goes_back(const struct world *world, const struct host_body *host, c
 		return false;
 	const double went[2] = {lattice_offset_metres(at->x - from->x), lattice_offset_metres(at->y - from->y)};
 	const double goes[2] = {lattice_offset_metres(to->x - at->x), lattice_offset_metres(to->y - at->y)};
-	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= WORLD_SINKAGE_SHARE * world->spacing)
+	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= WORLD_SINKAGE_SHARE * world->resident.spacing)
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
 	const double slid = hypot(before[0], before[1]), sinks = lattice_offset_metres(at->z - to->z);
-	return slid >= WORLD_SINKAGE_SHARE * world->spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
+	return slid >= WORLD_SINKAGE_SHARE * world->resident.spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
 }
 
 /*
@@ -367,19 +367,20 @@ enum status world_hosts_commit(struct world *world)
 	enum status status = STATUS_OK;
 	bool any = false;
 	struct soil_pose to;
-	if (!world->begun) /* no step has moved a body */
+	if (!world_has_begun(world)) /* no step has moved a body */
 		return STATUS_OK;
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
 		if (!is_behind(world, world->hosts.list[i], &to))
 			continue;
-		world->torn = any = true;
+		world_tear(world);
+		any = true;
 		status = touch(world, (int32_t)i, &to, world->time);
 	}
 	if (status == STATUS_OK)
 		status = world_meetings_flush(world);
 	if (status == STATUS_OK && any)
 		status = world_forces_end_step(world->forces, world->time);
-	return status == STATUS_OK && any ? world_end_step(world) : status;
+	return status == STATUS_OK && any ? world_end_change(world) : status;
 }
 
 size_t world_host_rests(const struct world *world, struct deform_rest *rests)

@@ -175,7 +175,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (object->path.count > 0)
 		return fail_with(STATUS_INPUT, "%s: it has a path; a body that is added is the host's: leave the path out, or put it into the "
 					       "scene's objects", object->name);
-	enum status status = soil_shape_check(&object->shape, world->spacing);
+	enum status status = soil_shape_check(&object->shape, world->resident.spacing);
 	if (status == STATUS_OK)
 		status = world_shape_budget(world, object->name, &object->shape);
 	if (status == STATUS_OK)
@@ -214,7 +214,7 @@ static enum status check_state(const struct world *world, const struct host_body
 		return status;
 	const struct world_state *from = &host->now;
 	const double way = hypot(state->pose.position[0] - from->pose.position[0], state->pose.position[1] - from->pose.position[1]);
-	if (way > WORLD_HOST_WAY * world->spacing)
+	if (way > WORLD_HOST_WAY * world->resident.spacing)
 		return fail_with(STATUS_USAGE, "%s: it moves %g m in one step, more than %d posts; step more often, or use furrow_place", name, way,
 				 WORLD_HOST_WAY);
 	return STATUS_OK;
@@ -223,8 +223,8 @@ static enum status check_state(const struct world *world, const struct host_body
 /* Returns the number of pages that one body's motion can change. */
 static double pages_of(const struct world *world, const struct host_body *host, const struct world_state *state)
 {
-	const double side = world->spacing * world->meta->extent.cells;
-	const double across = ceil((2 * soil_shape_bound(&host->body.object->shape) + 16 * world->spacing) / side) + 1;
+	const double side = world->resident.spacing * world->resident.meta->extent.cells;
+	const double across = ceil((2 * soil_shape_bound(&host->body.object->shape) + 16 * world->resident.spacing) / side) + 1;
 	const double way = fmax(fabs(state->pose.position[0] - host->now.pose.position[0]),
 				fabs(state->pose.position[1] - host->now.pose.position[1]));
 	return (2 * (way / side) + across) * across;
@@ -234,18 +234,18 @@ static double pages_of(const struct world *world, const struct host_body *host, 
 static enum status add_tiles(const struct world *world, const struct host_body *host, const struct world_state *state, struct key_set *tiles)
 {
 	const double *from = host->now.pose.position, *to = state->pose.position;
-	const double beside = soil_shape_bound(&host->body.object->shape) + 8 * world->spacing;
+	const double beside = soil_shape_bound(&host->body.object->shape) + 8 * world->resident.spacing;
 	const struct post_rect rect = {
-		(int64_t)floor((fmin(from[0], to[0]) - beside) / world->spacing), (int64_t)floor((fmin(from[1], to[1]) - beside) / world->spacing),
-		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->spacing),
+		(int64_t)floor((fmin(from[0], to[0]) - beside) / world->resident.spacing), (int64_t)floor((fmin(from[1], to[1]) - beside) / world->resident.spacing),
+		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->resident.spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->resident.spacing),
 	};
 	struct tile first, last;
 	enum status status = STATUS_OK;
-	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, rect, &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK && tiles->count <= WORLD_HOST_PAGES; x++)
-			status = key_set_add(tiles, tile_key((struct tile){world->level, x, y}));
+			status = key_set_add(tiles, tile_key((struct tile){world->resident.level, x, y}));
 	return status;
 }
 

@@ -4,7 +4,39 @@
 
 #include "world/record.h"
 #include "base/crew.h"
-#include "world/world.h"
+#include "world/model.h"
+
+/* world.c: makes a world with nothing in it but its parameters. */
+enum status world_make(const struct world_params *params, struct world **world) FURROW_CHECKED;
+
+/* --- phase.c --- */
+/* Enters a phase. The arrow from the present one must be in the table. */
+void world_enter(struct world *world, enum world_phase to);
+/* Returns the function that may lead from one phase to another; NULL: none may. */
+const char *world_phase_arrow(enum world_phase from, enum world_phase to);
+bool world_has_begun(const struct world *world); /* this run has changed the store, or is about to */
+void world_return_to(struct world *world, bool begun); /* for world_rollback: to WORLD_STEPPING if the run had begun then, or WORLD_READY */
+
+/* --- happened.c: what a watched world keeps of a step --- */
+enum status world_happened_touch(struct world *world, const struct event *event, const struct contact_area *area) FURROW_CHECKED; /* a contact begins */
+void world_happened_relaxes(struct world *world);                       /* it has ended; what changes now is relaxation */
+enum status world_happened_change(struct world *world, struct tile tile) FURROW_CHECKED;
+void world_happened_reach(struct world *world, double metres);
+void world_happened_finish(struct world *world);
+
+/* --- steps.c --- */
+/* Ends a change of the ground. From now on it may be committed with the present record, and the numbers that were attached last. */
+enum status world_end_change(struct world *world) FURROW_CHECKED;
+
+enum status world_end_or_wait(struct world *world) FURROW_CHECKED; /* the same, unless numbers are attached: those come first */
+
+/* --- stages.c --- */
+/* The step that is made. */
+struct step {
+	double until; /* s: its end */
+};
+/* From now on time counts as that of this stage. Returns the stage before. */
+enum world_stage world_stage_enter(struct world *world, enum world_stage stage);
 
 /* --- resume.c --- */
 
@@ -16,7 +48,7 @@ enum status world_fill_record(struct world *world) FURROW_CHECKED; /* steps.c */
 
 /* --- ruts.c --- */
 
-/* Finds world->began: how deep the ruts in the store or overlay are, and prints a note about it. Does nothing if the drive is resumed. */
+/* Finds world->facts.began: how deep the ruts in the store or overlay are, and prints a note about it. Does nothing if the drive is resumed. */
 enum status world_find_ruts(struct world *world) FURROW_CHECKED;
 
 /* --- drop.c: links the programs for bodies that a window drops, before the first step --- */
@@ -131,7 +163,7 @@ enum status world_settle_relief(struct world *world) FURROW_CHECKED;
 void world_relief_close(struct world_relief *relief); /* relief may be NULL */
 /* Tells why the scene's relief raises nothing, if so. */
 void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user);
-/* planet.c: sets world->light; tells if pictures or vehicles are of another planet than the store. */
+/* planet.c: sets world->facts.light; tells if pictures or vehicles are of another planet than the store. */
 void world_settle_light(struct world *world);
 void world_advise_planet(const struct world *world, scene_advice_fn tell, void *user);
 /* Opens the map of soils, if the scene needs it. */
@@ -144,7 +176,7 @@ enum status world_check_bearing(const struct world *world, const char *name, con
 /* Tells the rasters whose values seem to be in a wrong unit. */
 void world_advise_rasters(const struct world *world, scene_advice_fn tell, void *user);
 /* --- soils_met.c --- */
-/* Finds world->met. Call it after world_make_bodies, before a thread reads the map. What cannot be read is left to the drive. */
+/* Finds world->facts.met. Call it after world_make_bodies, before a thread reads the map. What cannot be read is left to the drive. */
 enum status world_find_soils_met(struct world *world) FURROW_CHECKED;
 void world_soils_met_free(struct world_soils_met *met); /* takes NULL */
 /* Tells maps and rasters that cover nothing, values in no class, classes under no path, and loads that a soil does not carry. */
@@ -175,7 +207,7 @@ size_t world_least_slots(const struct world *world);
 
 /* --- limits.c: how many tiles the world keeps in memory --- */
 
-/* Sets world->limits. Call it after world_make_bodies. STATUS_INPUT: cache.memory is too little; the message has the least. */
+/* Sets world->facts.limits. Call it after world_make_bodies. STATUS_INPUT: cache.memory is too little; the message has the least. */
 enum status world_settle_limits(struct world *world) FURROW_CHECKED;
 /* plan.c: returns the metres along the ground that the object has come at `time`; NAN: out of memory. */
 double world_way_at(const struct track *track, double time);
@@ -251,15 +283,14 @@ size_t world_tiles_in(const struct world *world, struct post_rect rect); /* retu
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
 enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held) FURROW_CHECKED;
 void world_release(struct world *world, struct held_tiles *held);
-/* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and the watcher learn of it. */
+/* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and pictures learn of it. */
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
 /* Computes one contact. world_contact_or_wait: it may wait until world_batches_flush; the event must stay valid until then. */
 enum status world_contact(struct world *world, const struct event *event) FURROW_CHECKED;
 enum status world_contact_or_wait(struct world *world, const struct event *event) FURROW_CHECKED;
-/* Tell the watcher, if there is one, that a contact begins to change the ground, and that it has ended. */
-enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+/* Note, if somebody watches, that a contact begins to change the ground, and that it has ended. */
+enum status world_tell_contact(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count) FURROW_CHECKED;
-enum status world_tell_contact_ended(const struct world *world) FURROW_CHECKED;
 /* Counts windows of a contact that were computed alone. */
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed);
 

@@ -50,7 +50,7 @@ void world_near_free(struct near_table *near)
 
 static struct post_rect shadow_of(const struct world *world, const struct deform_rest *rest)
 {
-	return soil_shadow(rest->shape, &rest->pose, &rest->pose, world->spacing);
+	return soil_shadow(rest->shape, &rest->pose, &rest->pose, world->resident.spacing);
 }
 
 /* Returns where a body on a path is now. */
@@ -73,7 +73,7 @@ static void add_paths(struct world *world, struct near_table *near)
 		const struct event *event = &world->events.list[i];
 		struct near_entry *entry = &near->entries[first + event->body];
 		if (event->contact)
-			entry->rect = post_rect_joined(entry->rect, soil_shadow(entry->rest.shape, &event->pose, &event->pose, world->spacing));
+			entry->rect = post_rect_joined(entry->rect, soil_shadow(entry->rest.shape, &event->pose, &event->pose, world->resident.spacing));
 	}
 }
 

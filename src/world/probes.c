@@ -81,7 +81,7 @@ static bool motion_of(const struct world *world, const struct host_body *host, c
 static bool fits(const struct world *world, struct post_rect rect)
 {
 	const size_t tiles = world_tiles_in(world, rect);
-	return rect.x1 - rect.x0 <= DEFORM_WHOLE_POSTS && rect.y1 - rect.y0 <= DEFORM_WHOLE_POSTS && tiles > 0 && tiles <= world->windows.tiles;
+	return rect.x1 - rect.x0 <= DEFORM_WHOLE_POSTS && rect.y1 - rect.y0 <= DEFORM_WHOLE_POSTS && tiles > 0 && tiles <= world->counts.windows.tiles;
 }
 
 /* Lists the bodies beside a host's body, in world->near.rests. Returns how many there are. */
@@ -104,7 +104,7 @@ static enum status probe_host(struct world *world, size_t body, const struct hos
 	struct soil_pose to, now;
 	probed->known = false;
 	enum status status = world_state_check(&object->shape, object->name, state, &to);
-	if (status != STATUS_OK || world->torn || !place_of(host, &now))
+	if (status != STATUS_OK || world_is_torn(world) || !place_of(host, &now))
 		return status;
 	struct soil_motion motion, before;
 	const bool turns = motion_of(world, host, state, &now, &to, &motion, &before);
@@ -144,7 +144,7 @@ bool world_probe_reads(const struct world *world, size_t count, const int32_t *n
 {
 	for (size_t i = 0; i < count; i++) {
 		const struct host_body *host = probed_host(world, numbers[i]);
-		if (host != NULL && host->placed && !world->torn)
+		if (host != NULL && host->placed && !world_is_torn(world))
 			return true;
 	}
 	return false;

@@ -46,7 +46,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 				  .angular = {n[23], n[24], n[25]}, .belt = {.travel = n[8]}};
 	if (world_attitude(&host->body.object->shape, host->body.object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||
 	    fabs(n[3]) > 0x1p52 || fabs(n[4]) > 0x1p52)
-		return world_record_damaged(world->path, "where a vehicle is");
+		return world_record_damaged(world->facts.path, "where a vehicle is");
 	host->placed = world->unplaced = true;
 	host->body.in_contact = n[1] != 0;
 	host->body.last = (struct soil_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};

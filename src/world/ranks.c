@@ -49,7 +49,7 @@ void world_body_here(struct world *world, size_t index, bool here)
 
 static void include(struct post_rect *area, const struct world *world, int64_t x, int64_t y, int64_t posts)
 {
-	const double spacing = world->spacing;
+	const double spacing = world->resident.spacing;
 	const int64_t post_x = (int64_t)floor(lattice_offset_metres(x) / spacing), post_y = (int64_t)floor(lattice_offset_metres(y) / spacing);
 	*area = post_rect_around(*area, (struct post_rect){post_x - posts, post_y - posts, post_x + posts + 2, post_y + posts + 2});
 }
@@ -81,7 +81,7 @@ static void include_path(const struct world *world, const struct body *body, dou
 		return;
 	motion_track_sample(body->track, first, &from);
 	motion_track_sample(body->track, end - 1, &to);
-	const double straight = hypot(to.x - from.x, to.y - from.y) / world->spacing, way = (double)(end - 1 - first);
+	const double straight = hypot(to.x - from.x, to.y - from.y) / world->resident.spacing, way = (double)(end - 1 - first);
 	const int64_t more = posts + (int64_t)ceil(fmax(way - straight, 0) / 2);
 	include(area, world, from.qx, from.qy, more);
 	include(area, world, to.qx, to.qy, more);
@@ -198,11 +198,11 @@ enum status world_active_keep(struct world *world, world_block_fn keeps, void *u
 
 enum status world_tile_came(struct world *world, struct tile tile, unsigned planes, const void *bytes)
 {
-	const struct post_rect posts = tile_post_rect(&world->meta->extent, tile);
-	enum status status = resident_pages_put(world->pages, tile, planes, bytes);
-	if (status == STATUS_OK && world->aloft.asks_touched)
-		status = deform_touch(world->deform, posts);
-	return status;
+	const struct post_rect posts = tile_post_rect(&world->resident.meta->extent, tile);
+	TRY(resident_pages_put(world->resident.pages, tile, planes, bytes));
+	if (world->aloft.asks_touched)
+		TRY(deform_touch(world->deform, posts));
+	return STATUS_OK;
 }
 
 /* --- commits --- */

@@ -34,13 +34,13 @@ struct world_contact world_contact_unknown(void)
 /* Finds the normal of the undisturbed surface. NaN: it cannot be found. */
 static enum status normal_at(const struct world *world, const double place[3], double normal[3])
 {
-	const double step = NORMAL_POSTS * world->spacing;
+	const double step = NORMAL_POSTS * world->resident.spacing;
 	double height[4];
 	static const double to[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
 	for (int i = 0; i < 4; i++) {
 		int64_t found;
 		bool any;
-		enum status status = resident_ground_height(world->ground, lattice_offset(place[0] + to[i][0] * step),
+		enum status status = resident_ground_height(world->resident.ground, lattice_offset(place[0] + to[i][0] * step),
 						   lattice_offset(place[1] + to[i][1] * step), &found, &any);
 		if (status != STATUS_OK)
 			return status;
