@@ -85,10 +85,11 @@ static enum status measure(struct rig *rig)
 {
 	struct furrow_shape shape = {.size = sizeof shape};
 	char *text = mem_alloc(strlen(rig->shape) + 16, 1);
-	if (text == NULL)
-		return fail_with(STATUS_FAILED, "rig: shape %s: out of memory", rig->shape);
-	sprintf(text, "{shape: %s}", rig->shape);
-	const enum status status = trials_told(furrow_measure(text, &shape));
+	enum status status = text != NULL ? STATUS_OK : fail_memory("a shape");
+	if (status == STATUS_OK) {
+		sprintf(text, "{shape: %s}", rig->shape);
+		status = trials_told(furrow_measure(text, &shape));
+	}
 	mem_free(text);
 	if (status != STATUS_OK) {
 		char why[512];
