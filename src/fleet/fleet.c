@@ -28,10 +28,10 @@ bool fleet_is_launched(void)
 
 enum status fleet_join(void)
 {
-	enum status status = fleet_comm_start(&joined.rank, &joined.ranks);
-	if (status == STATUS_OK && joined.rank > 0)
+	TRY(fleet_comm_start(&joined.rank, &joined.ranks));
+	if (joined.rank > 0)
 		note_to(say_nothing);
-	return status;
+	return STATUS_OK;
 }
 
 void fleet_leave(void)

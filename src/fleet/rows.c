@@ -41,24 +41,22 @@ void fleet_rows(struct fleet *fleet, const struct report_rows *rows)
 enum status fleet_rows_put(struct fleet *fleet)
 {
 	const uint32_t count = (uint32_t)fleet->given.count;
-	enum status status = fleet_put(&fleet->sent, &count, sizeof count);
-	if (status == STATUS_OK)
-		status = fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 	fleet->given.count = 0;
-	return status;
+	TRY(fleet_put(&fleet->sent, &count, sizeof count));
+	return fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 }
 
 enum status fleet_rows_get(struct fleet *fleet, struct fleet_bytes *bytes)
 {
 	uint32_t count;
-	enum status status = fleet_get(bytes, &count, sizeof count);
-	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(fleet_get(bytes, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++) {
 		struct fleet_row row;
-		status = fleet_get(bytes, &row, sizeof row);
-		if (status == STATUS_OK && fleet->rank == 0)
-			status = add(&fleet->waiting, &row);
+		TRY(fleet_get(bytes, &row, sizeof row));
+		if (fleet->rank == 0)
+			TRY(add(&fleet->waiting, &row));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static int before(const void *a, const void *b)
@@ -97,14 +95,16 @@ enum status fleet_rows_write(struct fleet *fleet, double until)
 	qsort(waiting->rows, waiting->count, sizeof *waiting->rows, before);
 	while (due < waiting->count && waiting->rows[due].time <= until)
 		due++;
-	for (size_t count; written < due; written += count) {
-		count = due - written < ROWS_AT_ONCE ? due - written : ROWS_AT_ONCE;
-		TRY(write_some(fleet, waiting->rows + written, count));
+	enum status status = STATUS_OK;
+	while (written < due && status == STATUS_OK) { /* rows are not written a second time, also if this fails */
+		const size_t count = due - written < ROWS_AT_ONCE ? due - written : ROWS_AT_ONCE;
+		status = write_some(fleet, waiting->rows + written, count);
+		written += count;
 	}
 	for (size_t i = written; i < waiting->count; i++)
 		waiting->rows[i - written] = waiting->rows[i];
 	waiting->count -= written;
-	return STATUS_OK;
+	return status;
 }
 
 void fleet_rows_finish(struct fleet *fleet)

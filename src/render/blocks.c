@@ -18,7 +18,6 @@ struct splitter {
 	double limit[2];     /* the world's last post */
 	uint32_t side, cells; /* along a block, and the tile */
 	size_t first;        /* of this tile's blocks */
-	enum status status;
 };
 
 uint32_t render_block_cells(const struct extent *extent)
@@ -61,26 +60,25 @@ static void slide_west_and_south(const struct splitter *s, const double low[3], 
 	out[2] = low[2];
 }
 
-static void split(struct splitter *s, uint32_t x, uint32_t y, int stride)
+static enum status split(struct splitter *s, uint32_t x, uint32_t y, int stride)
 {
 	double size = s->side * s->spacing * (1 << stride);
 	double low[3] = {s->west + x * size, s->south + y * size, s->draw->low};
 	double high[3] = {fmin(low[0] + size, s->limit[0]), fmin(low[1] + size, s->limit[1]), s->draw->high};
 	double slid[3];
 	slide_west_and_south(s, low, high, slid);
-	if (s->status != STATUS_OK || low[0] >= s->limit[0] || low[1] >= s->limit[1] ||
-	    !terrain_box_visible(s->view->planes, slid, high))
-		return;
+	if (low[0] >= s->limit[0] || low[1] >= s->limit[1] || !terrain_box_visible(s->view->planes, slid, high))
+		return STATUS_OK;
 	double distance = terrain_box_distance(s->view->eye, low, high);
 	if (stride > 0 && distance < s->reaches[stride]) {
 		/* The nearest first, since they hide what is behind. */
 		uint32_t nearest = (s->view->eye[0] >= low[0] + size / 2 ? 1u : 0u) |
 				   (s->view->eye[1] >= low[1] + size / 2 ? 2u : 0u);
 		for (uint32_t i = 0; i < 4; i++)
-			split(s, 2 * x + ((i ^ nearest) & 1), 2 * y + ((i ^ nearest) >> 1), stride - 1);
-		return;
+			TRY(split(s, 2 * x + ((i ^ nearest) & 1), 2 * y + ((i ^ nearest) >> 1), stride - 1));
+		return STATUS_OK;
 	}
-	s->status = append(s->blocks, x | y << 10 | (uint32_t)stride << 20);
+	return append(s->blocks, x | y << 10 | (uint32_t)stride << 20);
 }
 
 /* Marks edges that need a skirt. An edge needs none if the neighbouring block is of the same tile and has the same stride. */
@@ -128,9 +126,9 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct extent 
 		stride++;
 	for (uint32_t i = 0; i < 4; i++)
 		if (draw->quadrants >> i & 1)
-			split(&s, i & 1, i >> 1, stride);
-	if (s.status != STATUS_OK || blocks->count == s.first)
-		return s.status;
+			TRY(split(&s, i & 1, i >> 1, stride));
+	if (blocks->count == s.first)
+		return STATUS_OK;
 	uint32_t *strides = mem_alloc((size_t)across * across, sizeof *strides);
 	if (strides == NULL)
 		return fail_memory("the picture's blocks");

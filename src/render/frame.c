@@ -123,9 +123,7 @@ static enum status collect_blocks(struct render *render, const struct terrain_vi
 		size_t before = blocks->count;
 		double reaches[TERRAIN_STRIDES];
 		render_reaches(render, axes, draw, reaches);
-		enum status status = render_blocks_add(blocks, &render->extent, view, reaches, draw);
-		if (status != STATUS_OK)
-			return status;
+		TRY(render_blocks_add(blocks, &render->extent, view, reaches, draw));
 		if (blocks->count > RENDER_BLOCKS_ROOM) {
 			blocks->count = before;
 			break;
@@ -181,25 +179,21 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 		pass.images[2] = slot->planes[PLANE_DISTURBANCE];
 	const bool smooth = ground != NULL && render->shading == NULL && !render->measuring;
 	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? (smooth ? RENDER_SMOOTH : RENDER_PLAIN) : smooth ? RENDER_LEVEL0 : RENDER_OFFSET;
-	enum status status = render_tile_program(render, variant, &pass.program);
-	if (status == STATUS_OK)
-		gpu_pass_run(render->gpu, &pass);
-	return status;
+	TRY(render_tile_program(render, variant, &pass.program));
+	gpu_pass_run(render->gpu, &pass);
+	return STATUS_OK;
 }
 
 static enum status draw_tile(struct render *render, const struct terrain_draw *draw, const struct drawn *drawn,
 			     const struct picture_params *params)
 {
 	bool interpolated = draw->ground_level != draw->tile.level && draw->ground != TERRAIN_NO_SLOT;
-	enum status status = render->show != NULL ? render->show(render->user, draw->slot, true) : STATUS_OK;
-	if (status == STATUS_OK && render->show != NULL && interpolated)
-		status = render->show(render->user, draw->ground, false);
-	if (status != STATUS_OK)
-		return status;
+	if (render->show != NULL)
+		TRY(render->show(render->user, draw->slot, true));
+	if (render->show != NULL && interpolated)
+		TRY(render->show(render->user, draw->ground, false));
 	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
-	status = run_tile(render, slot, interpolated ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params);
-	if (status != STATUS_OK)
-		return status;
+	TRY(run_tile(render, slot, interpolated ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params));
 	render->tiles.drawn++;
 	render->tiles.deformed += slot->target != NULL;
 	return STATUS_OK;
@@ -215,10 +209,9 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 		.params_bytes = sizeof *params,
 		.depth_test = true,
 	};
-	enum status status = render_sky_program(render, &pass.program);
-	if (status == STATUS_OK)
-		gpu_pass_run(render->gpu, &pass);
-	return status;
+	TRY(render_sky_program(render, &pass.program));
+	gpu_pass_run(render->gpu, &pass);
+	return STATUS_OK;
 }
 
 /* Draws the blocks of the selected tiles that `view` sees. */
@@ -235,19 +228,18 @@ static enum status draw_ground(struct render *render, const struct render_camera
 		lowest = fmin(lowest, selection->draws[i].low);
 	render->triangles = 0;
 	render->tiles = (struct render_tiles){.drawn = 0};
-	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
-		status = collect_blocks(render, view, axes, selection, i, &end, drawn);
-		if (status != STATUS_OK)
-			break;
+	for (size_t i = 0, end; i < selection->draw_count; i = end) {
+		TRY_OR(done, collect_blocks(render, view, axes, selection, i, &end, drawn));
 		count_triangles(render);
-		for (size_t k = i; k < end && status == STATUS_OK; k++) {
+		for (size_t k = i; k < end; k++) {
 			if (drawn[k].count == 0)
 				continue;
 			const struct terrain_draw *draw = &selection->draws[k];
 			fill_tile(render, camera, axes, draw, drawn[k].first, patched, lowest, params);
-			status = draw_tile(render, draw, &drawn[k], params);
+			TRY_OR(done, draw_tile(render, draw, &drawn[k], params));
 		}
 	}
+done:
 	mem_free(drawn);
 	return status;
 }
@@ -267,9 +259,8 @@ static enum status draw_frame(struct render *render, const struct render_camera 
 	enum status status = draw_ground(render, camera, &axes, &view, selection, params);
 	if (counted)
 		gpu_counter_end(render->ground_samples);
-	if (status == STATUS_OK && render->objects != NULL)
-		status = render_objects_draw(render, camera, &axes, &view, params);
-	return status;
+	TRY(status);
+	return render->objects != NULL ? render_objects_draw(render, camera, &axes, &view, params) : STATUS_OK;
 }
 
 enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct terrain_view *view,
@@ -285,7 +276,8 @@ enum status render_shade_draw(struct render *render, const struct render_camera 
 	gpu_target_clear(render->shading, nothing);
 	enum status status = draw_ground(render, camera, &axes, view, selection, &params);
 	render->shading = NULL;
-	return status == STATUS_OK ? gpu_check(render->gpu, "drawing shadows") : status;
+	TRY(status);
+	return gpu_check(render->gpu, "drawing shadows");
 }
 
 enum status render_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
@@ -294,12 +286,12 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	struct picture_params params = {0};
 	render_body_background(&render->light, background);
 	gpu_target_clear(target_of(render), background);
-	enum status status = draw_frame(render, camera, selection, &params);
-	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
-		status = draw_sky(render, &params);
-	if (status == STATUS_OK && render->screen->resolved != NULL)
+	TRY(draw_frame(render, camera, selection, &params));
+	if (render->effects >> EFFECT_SKY & 1)
+		TRY(draw_sky(render, &params));
+	if (render->screen->resolved != NULL)
 		gpu_target_resolve(render->screen->target, render->screen->resolved);
-	return status == STATUS_OK ? gpu_check(render->gpu, "drawing the picture") : status;
+	return gpu_check(render->gpu, "drawing the picture");
 }
 
 enum status render_measure(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
@@ -311,7 +303,8 @@ enum status render_measure(struct render *render, const struct render_camera *ca
 	render->measuring = true;
 	enum status status = draw_frame(render, camera, selection, &params);
 	render->measuring = false;
-	return status == STATUS_OK ? gpu_check(render->gpu, "drawing numbers") : status;
+	TRY(status);
+	return gpu_check(render->gpu, "drawing numbers");
 }
 
 /* --- before the first frame --- */
@@ -326,32 +319,51 @@ static enum status draw_kinds(struct render *render, const struct gpu_slot *defo
 {
 	const struct gpu_slot plain = {.base = deformed->base};
 	const bool shown = render->shading == NULL && !render->measuring;
-	enum status status = run_tile(render, &plain, NULL, 1, params);
-	if (status == STATUS_OK && kinds->smooth && shown)
-		status = run_tile(render, &plain, deformed->base, 1, params);
-	if (status == STATUS_OK && kinds->deformed)
-		status = run_tile(render, deformed, NULL, 1, params);
-	if (status == STATUS_OK && kinds->deformed && kinds->divided && shown)
-		status = run_tile(render, deformed, deformed->base, 1, params);
-	return status;
+	TRY(run_tile(render, &plain, NULL, 1, params));
+	if (kinds->smooth && shown)
+		TRY(run_tile(render, &plain, deformed->base, 1, params));
+	if (kinds->deformed)
+		TRY(run_tile(render, deformed, NULL, 1, params));
+	return kinds->deformed && kinds->divided && shown ? run_tile(render, deformed, deformed->base, 1, params) : STATUS_OK;
 }
 
 /* The screen that numbers are drawn into may be another's, so this makes one of a pixel. */
 static enum status measure_unseen(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
 {
 	struct render_screen *shown = render->screen, small;
-	enum status status = render_screen_init(render, 1, 1, 1, &small);
-	if (status == STATUS_OK)
-		status = render_screen_measures(render, &small);
+	enum status status;
+	TRY_OR(done, render_screen_init(render, 1, 1, 1, &small));
+	TRY_OR(done, render_screen_measures(render, &small));
 	render->screen = &small;
 	render->measuring = true;
-	if (status == STATUS_OK)
-		status = draw_kinds(render, slot, kinds, params);
-	if (status == STATUS_OK && render->objects != NULL)
-		status = render_objects_draw_unseen(render, params);
+	TRY_OR(done, draw_kinds(render, slot, kinds, params));
+	if (render->objects != NULL)
+		TRY_OR(done, render_objects_draw_unseen(render, params));
+done:
 	render->measuring = false;
 	render->screen = shown;
 	render_screen_finish(&small);
+	return status;
+}
+
+/* Draws natural ground, and any layer. */
+static enum status draw_layers(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
+{
+	const struct render_layer shown = render->layer;
+	TRY(draw_kinds(render, slot, kinds, params));
+	if (!render->layers)
+		return STATUS_OK;
+	render->layer.kind = RENDER_TILES;
+	enum status status = draw_kinds(render, slot, kinds, params);
+	render->layer = shown;
+	return status;
+}
+
+static enum status draw_shade(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
+{
+	render->shading = render_shade_target(render->shade, 0);
+	enum status status = draw_kinds(render, slot, kinds, params);
+	render->shading = NULL;
 	return status;
 }
 
@@ -365,24 +377,16 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 	gpu_list_write(render->instances, sizeof none, &none);
 	/* Count samples as in any frame, since llvmpipe compiles a program again for that. */
 	gpu_counter_begin(render->ground_samples);
-	enum status status = draw_kinds(render, slot, kinds, &params);
-	if (status == STATUS_OK && render->layers) {
-		const struct render_layer shown = render->layer;
-		render->layer.kind = RENDER_TILES;
-		status = draw_kinds(render, slot, kinds, &params);
-		render->layer = shown;
-	}
+	enum status status = draw_layers(render, slot, kinds, &params);
 	gpu_counter_end(render->ground_samples);
-	if (status == STATUS_OK && render->shade != NULL) {
-		render->shading = render_shade_target(render->shade, 0);
-		status = draw_kinds(render, slot, kinds, &params);
-		render->shading = NULL;
-	}
-	if (status == STATUS_OK && render->measures)
-		status = measure_unseen(render, slot, kinds, &params);
-	if (status == STATUS_OK && render->objects != NULL)
-		status = render_objects_draw_unseen(render, &params);
-	return status == STATUS_OK && (render->effects >> EFFECT_SKY & 1) ? draw_sky(render, &params) : status;
+	TRY(status);
+	if (render->shade != NULL)
+		TRY(draw_shade(render, slot, kinds, &params));
+	if (render->measures)
+		TRY(measure_unseen(render, slot, kinds, &params));
+	if (render->objects != NULL)
+		TRY(render_objects_draw_unseen(render, &params));
+	return render->effects >> EFFECT_SKY & 1 ? draw_sky(render, &params) : STATUS_OK;
 }
 
 enum status render_draw_unseen(struct render *render, bool deformed, bool divided, bool smooth)
@@ -391,15 +395,15 @@ enum status render_draw_unseen(struct render *render, bool deformed, bool divide
 	const uint32_t side = render->extent.cells + 1;
 	struct gpu_slot slot = {.base = NULL};
 	/* Textures like those of a slot, since a driver may compile again for others. */
-	enum status status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base);
-	if (status == STATUS_OK && deformed)
-		status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]);
-	if (status == STATUS_OK && deformed && render->disturbance)
-		status = gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]);
-	if (status == STATUS_OK)
-		status = draw_unseen(render, &slot, &(struct kinds){deformed, divided, smooth});
-	if (status == STATUS_OK)
-		status = gpu_check(gpu, "drawing before the first picture");
+	enum status status;
+	TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base));
+	if (deformed)
+		TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]));
+	if (deformed && render->disturbance)
+		TRY_OR(done, gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]));
+	TRY_OR(done, draw_unseen(render, &slot, &(struct kinds){deformed, divided, smooth}));
+	TRY_OR(done, gpu_check(gpu, "drawing before the first picture"));
+done:
 	gpu_texture_destroy(slot.planes[PLANE_DISTURBANCE]);
 	gpu_texture_destroy(slot.planes[PLANE_OFFSET]);
 	gpu_texture_destroy(slot.base);

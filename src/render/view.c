@@ -22,9 +22,7 @@ static enum status load_first(struct view *view, const struct terrain_view *whol
 {
 	uint32_t slot;
 	uint64_t key = view->selection->wanted[0];
-	enum status status = page_cache_pin(world_resident(view->world)->cache, key, &slot);
-	if (status != STATUS_OK)
-		return status;
+	TRY(page_cache_pin(world_resident(view->world)->cache, key, &slot));
 	page_cache_unpin(world_resident(view->world)->cache, key);
 	return render_view_select_seen(view, whole, false);
 }
@@ -139,16 +137,11 @@ static enum status draw(struct view *view, bool complete)
 	struct render_camera camera;
 	TRY(render_view_update(view));
 	render_view_place_camera(view, world_time(view->world), &camera);
-	enum status status = render_view_shade(view, &camera, complete);
-	if (status == STATUS_OK)
-		status = render_view_find_tiles(view, &camera, complete);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_shade(view, &camera, complete));
+	TRY(render_view_find_tiles(view, &camera, complete));
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
-	status = render_view_set_objects(view);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_set_objects(view));
 	return render_frame(view->render, &camera, view->selection);
 }
 
@@ -157,13 +150,14 @@ enum status render_view_warm(struct view *view)
 	const struct world *world = view->world;
 	bool deformed = world_planes(world) != 0;
 	const bool divided = world_resident(world)->level < 0, smooth = render_view_smooths(world);
-	enum status status = render_warm(view->render, deformed, divided, smooth);
-	if (status == STATUS_OK)
-		status = render_draw_unseen(view->render, deformed, divided, smooth);
-	if (status == STATUS_OK && !view->at_steps)
-		status = draw(view, !view->watched); /* a watched picture may be drawn before its tiles are there */
-	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
-		status = render_view_look_ahead(view);
+	enum status status;
+	TRY_OR(done, render_warm(view->render, deformed, divided, smooth));
+	TRY_OR(done, render_draw_unseen(view->render, deformed, divided, smooth));
+	if (!view->at_steps)
+		TRY_OR(done, draw(view, !view->watched)); /* a watched picture may be drawn before its tiles are there */
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		TRY_OR(done, render_view_look_ahead(view));
+done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	/* This picture is not one of the drive's. */
@@ -189,9 +183,10 @@ void render_view_settle(struct view *view)
 enum status render_view_between(struct view *view, struct pictures *pictures)
 {
 	TRY(render_view_update(view));
-	enum status status = render_pictures_poll(pictures);
-	if (status == STATUS_OK)
-		status = render_view_look_ahead(view);
+	enum status status;
+	TRY_OR(done, render_pictures_poll(pictures));
+	TRY_OR(done, render_view_look_ahead(view));
+done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	return status;
@@ -268,9 +263,7 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	struct world *world = view->world;
 	struct render_params params;
 	render_view_params(world, &params);
-	enum status status = render_view_list_drawn(view, &params);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_list_drawn(view, &params));
 	params.gpu = world_resident(world)->gpu;
 	params.slots = world_resident(world)->slots;
 	params.show = show;
@@ -442,9 +435,7 @@ void render_view_read_into(struct view *view, struct gpu_staging *staging)
 
 enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth)
 {
-	enum status status = draw(view, true);
-	if (status != STATUS_OK)
-		return status;
+	TRY(draw(view, true));
 	take_overdraw(view);
 	view->frames++;
 	return render_read(view->render, pixels, depth);

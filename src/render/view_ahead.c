@@ -29,13 +29,12 @@ void render_view_keep_now(struct view *view)
 static enum status expect_tracks(struct view *view, double time)
 {
 	const struct requests *requests = motion_look_ahead_requests(world_look_ahead(view->world));
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < requests->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < requests->count; i++) {
 		struct tile tile = tile_from_key(requests->requests[i].key);
 		if (tile.level == world_resident(view->world)->level && requests->requests[i].time <= time)
-			status = render_view_add_chain(view, &view->expected, tile);
+			TRY(render_view_add_chain(view, &view->expected, tile));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns the time of the n-th picture from now, n from 0, in simulated seconds. INFINITY: the drive ends before. */
@@ -172,16 +171,15 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 			    struct requests *requests)
 {
 	uint32_t slot;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < look->count && view->seen.count < room && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < look->count && view->seen.count < room; i++) {
 		uint64_t key = look->keys[i];
 		if (key_set_has(&view->seen, key))
 			continue;
-		status = key_set_add(&view->seen, key);
-		if (status == STATUS_OK && !page_cache_peek(world_resident(view->world)->cache, key, false, &slot))
-			status = motion_requests_add(requests, key, time);
+		TRY(key_set_add(&view->seen, key));
+		if (!page_cache_peek(world_resident(view->world)->cache, key, false, &slot))
+			TRY(motion_requests_add(requests, key, time));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_view_requests(struct view *view, struct requests *requests)
@@ -189,8 +187,8 @@ enum status render_view_requests(struct view *view, struct requests *requests)
 	const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS];
 	size_t count = order_ahead(view, order);
 	key_set_clear(&view->seen);
-	enum status status = add_look(view, view->now, world_time(view->world), SIZE_MAX, requests);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = add_look(view, order[i], order[i]->time, view->room, requests);
-	return status;
+	TRY(add_look(view, view->now, world_time(view->world), SIZE_MAX, requests));
+	for (size_t i = 0; i < count; i++)
+		TRY(add_look(view, order[i], order[i]->time, view->room, requests));
+	return STATUS_OK;
 }

@@ -89,9 +89,7 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 		stand_on_vehicle(view, (size_t)aim->vehicle - 1, given->body, stand);
 		return STATUS_OK;
 	}
-	enum status status = now ? render_view_object(view, (size_t)aim->object, &object, &known) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	TRY(now ? render_view_object(view, (size_t)aim->object, &object, &known) : STATUS_OK);
 	stand_later(view, world_object_body(view->world, aim->object), time, stand);
 	if (!known)
 		return STATUS_OK;
@@ -196,9 +194,10 @@ enum status render_view_look_camera(struct view *view)
 		return STATUS_OK;
 	view->exact = !motion_look_ahead_brings_ranges(world_look_ahead(world));
 	view->render->screen = this->screen;
-	enum status status = place(view, this, time, false, &camera);
-	if (status == STATUS_OK)
-		status = render_view_look(view, &camera, time, look);
+	enum status status;
+	TRY_OR(done, place(view, this, time, false, &camera));
+	TRY_OR(done, render_view_look(view, &camera, time, look));
+done:
 	view->render->screen = &view->render->own;
 	view->exact = true;
 	return status;
@@ -266,19 +265,13 @@ static void tell_below(struct view *view, const struct scene_camera *camera, con
 static enum status draw(struct view *view, struct view_camera *this, struct pictures *pictures, const struct render_poses *poses, int64_t frame)
 {
 	struct render_camera camera;
-	enum status status = place(view, this, world_time(view->world), true, &camera);
-	if (status == STATUS_OK && frame == 0)
+	TRY(place(view, this, world_time(view->world), true, &camera));
+	if (frame == 0)
 		tell_below(view, this->camera, camera.eye);
-	if (status == STATUS_OK)
-		status = render_view_shade(view, &camera, true);
-	if (status == STATUS_OK)
-		status = render_view_find_tiles(view, &camera, true);
-	if (status == STATUS_OK)
-		status = render_frame(view->render, &camera, view->selection);
-	if (status == STATUS_OK)
-		status = tell_pose(view, this, &camera, poses, frame);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_shade(view, &camera, true));
+	TRY(render_view_find_tiles(view, &camera, true));
+	TRY(render_frame(view->render, &camera, view->selection));
+	TRY(tell_pose(view, this, &camera, poses, frame));
 	render_view_count(view);
 	view->starved += view->coarse;
 	this->frames++;
@@ -342,12 +335,13 @@ enum status render_view_make_cameras(struct view *view)
 	if (view->cameras == NULL || view->screens == NULL)
 		return fail_memory("the cameras");
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		view->cameras[i] = (struct view_camera){.camera = &scene->cameras[i], .ahead = {.time = -INFINITY}};
-		status = find_screen(view, &view->cameras[i]);
-		if (status == STATUS_OK && scene_camera_measures(scene, &scene->cameras[i]))
-			status = render_screen_measures(view->render, view->cameras[i].screen);
+		TRY_OR(done, find_screen(view, &view->cameras[i]));
+		if (scene_camera_measures(scene, &scene->cameras[i]))
+			TRY_OR(done, render_screen_measures(view->render, view->cameras[i].screen));
 	}
+done:
 	view->camera_count = status == STATUS_OK ? count : 0;
 	return status;
 }
@@ -373,19 +367,19 @@ enum status render_cameras_folders(const struct scene *scene, const char *direct
 {
 	char path[RENDER_PATH];
 	snprintf(path, sizeof path, "%s/" RENDER_CAMERAS, directory);
-	enum status status = scene->camera_count > 0 ? make_folder(path) : STATUS_OK;
-	for (size_t i = 0; i < scene->camera_count && status == STATUS_OK; i++) {
+	TRY(scene->camera_count > 0 ? make_folder(path) : STATUS_OK);
+	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
 		snprintf(path, sizeof path, "%s/" RENDER_CAMERAS "/%s", directory, camera->name);
-		status = make_folder(path);
-		for (int image = 0; image < SCENE_IMAGES && status == STATUS_OK; image++) {
+		TRY(make_folder(path));
+		for (int image = 0; image < SCENE_IMAGES; image++) {
 			if (!(camera->images >> image & 1))
 				continue;
 			snprintf(path, sizeof path, "%s/" RENDER_CAMERAS "/%s/%s", directory, camera->name, scene_image_name((enum scene_image)image));
-			status = make_folder(path);
+			TRY(make_folder(path));
 		}
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- the plan --- */

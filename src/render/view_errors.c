@@ -108,10 +108,8 @@ static enum status rise_beside(struct view *view, const struct world_touch *touc
 		double ahead = far[0] * x, aside = far[1] * y;
 		int64_t height;
 		bool any;
-		enum status status = resident_ground_height(world_resident(view->world)->ground, pose->x + lattice_offset(ahead * c - aside * s),
-						   pose->y + lattice_offset(ahead * s + aside * c), &height, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_height(world_resident(view->world)->ground, pose->x + lattice_offset(ahead * c - aside * s),
+					   pose->y + lattice_offset(ahead * s + aside * c), &height, &any));
 		if (i == 0)
 			middle = height;
 		else if (any)
@@ -129,9 +127,7 @@ enum status render_view_errors_contact(struct view *view, const struct world_tou
 		return STATUS_OK;
 	}
 	double rise;
-	enum status status = rise_beside(view, touch, &rise);
-	if (status != STATUS_OK)
-		return status;
+	TRY(rise_beside(view, touch, &rise));
 	const double deep = fmax(touch->depth + rise, 0); /* with a load: as the soil was found to carry it in the step before */
 	errors->low = -deep;
 	errors->high = deform_conserves(world_scene(view->world)->model) ? deep : 0;

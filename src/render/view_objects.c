@@ -49,18 +49,17 @@ enum status render_view_object(struct view *view, size_t index, struct render_ob
 	struct track_point point;
 	int64_t height;
 	motion_track_at(body->track, world_time(world), &point);
-	enum status status = height_at(world, body, &point, &height, known);
+	TRY(height_at(world, body, &point, &height, known));
 	const bool attitude = body->object->shape.kind != SOIL_WHEEL; /* the pitch of a wheel only turns it */
-	if (status == STATUS_OK)
-		*object = (struct render_object){
-			.object = index,
-			.at = {point.x, point.y, lattice_offset_metres(height)},
-			.yaw = point.yaw,
-			.pitch = attitude ? point.pitch : 0,
-			.roll = point.roll,
-			.turned = turned_at(body, &point),
-		};
-	return status;
+	*object = (struct render_object){
+		.object = index,
+		.at = {point.x, point.y, lattice_offset_metres(height)},
+		.yaw = point.yaw,
+		.pitch = attitude ? point.pitch : 0,
+		.roll = point.roll,
+		.turned = turned_at(body, &point),
+	};
+	return STATUS_OK;
 }
 
 enum status render_view_set_objects(struct view *view)

@@ -141,9 +141,7 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
 		uint64_t key = tile_key(tile_ancestor(tile, level));
 		if (key_set_has(set, key))
 			return STATUS_OK;
-		enum status status = key_set_add(set, key);
-		if (status != STATUS_OK)
-			return status;
+		TRY(key_set_add(set, key));
 	}
 	return STATUS_OK;
 }

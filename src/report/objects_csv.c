@@ -96,15 +96,15 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	*rows = (struct report_rows){.world = world, .directory = directory};
 	bool begins;
 	const char *header = world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
-	enum status status = report_rows_file_open(world, path, header, &rows->file, &begins);
-	if (status == STATUS_OK && begins && fputs(header, rows->file) < 0)
-		status = report_rows_file_failed(path);
-	if (status != STATUS_OK) {
-		report_rows_close(rows);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, report_rows_file_open(world, path, header, &rows->file, &begins));
+	if (begins && fputs(header, rows->file) < 0)
+		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;
 	return STATUS_OK;
+failed:
+	report_rows_close(rows);
+	return status;
 }
 
 void report_rows_close(struct report_rows *rows)

@@ -105,16 +105,15 @@ static enum status add_column(struct report_vehicles *rows, size_t vehicle, size
 
 static enum status find_columns(struct report_vehicles *rows)
 {
-	enum status status = STATUS_OK;
 	for (enum kind kind = JOINT; kind < KINDS; kind++)
 		for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
 			struct vehicle_info info;
 			vehicle_info(rows->vehicles, v, &info);
 			const size_t count = kind == JOINT ? info.joint_count : info.actuator_count;
-			for (size_t i = 0; i < count && status == STATUS_OK; i++)
-				status = add_column(rows, v, i, kind);
+			for (size_t i = 0; i < count; i++)
+				TRY(add_column(rows, v, i, kind));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status make_header(struct report_vehicles *rows)
@@ -145,20 +144,18 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 	if (rows == NULL)
 		return fail_memory("vehicles.csv");
 	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory};
-	enum status status = find_columns(rows);
+	enum status status;
+	TRY_OR(failed, find_columns(rows));
 	bool begins = false;
-	if (status == STATUS_OK)
-		status = make_header(rows);
-	if (status == STATUS_OK)
-		status = report_rows_file_open(world, path, rows->header, &rows->file, &begins);
-	if (status == STATUS_OK && begins && fputs(rows->header, rows->file) < 0)
-		status = report_rows_file_failed(path);
-	if (status != STATUS_OK) {
-		report_vehicles_close(rows);
-		return status;
-	}
+	TRY_OR(failed, make_header(rows));
+	TRY_OR(failed, report_rows_file_open(world, path, rows->header, &rows->file, &begins));
+	if (begins && fputs(rows->header, rows->file) < 0)
+		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;
 	return STATUS_OK;
+failed:
+	report_vehicles_close(rows);
+	return status;
 }
 
 void report_vehicles_close(struct report_vehicles *rows)

@@ -79,23 +79,23 @@ static void turn_root(struct vehicle *vehicle, int body, double height)
 /* Finds how far a geom is below the ground at most; negative: above it. *any false: there is no ground under one of its places. */
 static enum status depth_of(const struct vehicles *vehicles, const struct vehicle *vehicle, int geom, double *depth, bool *any)
 {
-	enum status status = STATUS_OK;
 	*depth = -INFINITY;
 	*any = true;
-	for (int i = -SIDES; i <= SIDES && status == STATUS_OK; i++)
-		for (int j = -SIDES; j <= SIDES && status == STATUS_OK; j++) {
+	for (int i = -SIDES; i <= SIDES; i++)
+		for (int j = -SIDES; j <= SIDES; j++) {
 			const double direction[3] = {(double)i / SIDES, (double)j / SIDES, -1};
 			double place[3];
 			int64_t height;
 			bool found;
 			vehicle_geom_support(vehicle->model, vehicle->data, geom, direction, place);
 			mju_addTo3(place, vehicle->origin);
-			status = resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(place[0]), lattice_offset(place[1]), &height, &found);
+			TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(place[0]), lattice_offset(place[1]),
+						   &height, &found));
 			*any = *any && found;
-			if (status == STATUS_OK && found)
+			if (found)
 				*depth = fmax(*depth, lattice_offset_metres(height) - place[2]);
 		}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
@@ -109,9 +109,7 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 			soil = soil || vehicle->geoms[g].geom == i;
 		if (soil || vehicle_is_fixed(model, i) || (model->geom_contype[i] == 0 && model->geom_conaffinity[i] == 0))
 			continue;
-		enum status status = depth_of(vehicles, vehicle, i, &depth, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(depth_of(vehicles, vehicle, i, &depth, &any));
 		if (depth <= 0)
 			continue;
 		vehicle_geom_name(model, i, name, sizeof name);
@@ -149,16 +147,12 @@ static enum status fail_ground(const struct vehicles *vehicles, const struct veh
 static enum status set_down(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	double deepest = -INFINITY;
-	enum status status = turn(vehicles, vehicle);
-	if (status != STATUS_OK)
-		return status;
+	TRY(turn(vehicles, vehicle));
 	mj_kinematics(vehicle->model, vehicle->data);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		double depth;
 		bool any;
-		status = depth_of(vehicles, vehicle, vehicle->geoms[g].geom, &depth, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(depth_of(vehicles, vehicle, vehicle->geoms[g].geom, &depth, &any));
 		if (!any)
 			return fail_ground(vehicles, vehicle, &vehicle->geoms[g]);
 		deepest = fmax(deepest, depth);

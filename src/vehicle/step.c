@@ -35,9 +35,8 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
 	for (int i = 0; i < PLACES; i++) {
 		int64_t height;
 		bool any;
-		enum status status = resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]),
+					   &height, &any));
 		all = all && any;
 		ground[i] = any ? lattice_offset_metres(height) : 0;
 	}
@@ -59,9 +58,7 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	if (!geom->is_touched)
 		return STATUS_OK;
 	find_places(vehicles, geom, to, places);
-	enum status status = find_heights(vehicles, places, heights);
-	if (status != STATUS_OK)
-		return status;
+	TRY(find_heights(vehicles, places, heights));
 	mju_sub(way, to->pose.position, from->position, 2);
 	turn_between(from, &to->pose, turns);
 	const double level = hypot(way[0], way[1]), turn = mju_norm3(turns), sank = heights[TOUCHED] - heights[END];
@@ -104,9 +101,7 @@ static enum status touch(struct vehicles *vehicles)
 			struct world_state to;
 			bool due;
 			vehicle_geom_state(vehicle, geom, &to);
-			enum status status = find_due(vehicles, geom, &to, &due);
-			if (status != STATUS_OK)
-				return status;
+			TRY(find_due(vehicles, geom, &to, &due));
 			if (!due)
 				continue;
 			geom->touched = to;
@@ -221,9 +216,7 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 	if (drives)
 		vehicle_trail_add(vehicle);
 	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
-	enum status status = vehicle_guard(vehicle->scene->name, advance, &motion);
-	if (status != STATUS_OK)
-		return status;
+	TRY(vehicle_guard(vehicle->scene->name, advance, &motion));
 	if (!is_finite(vehicle))
 		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "
 						"actuators, or give its joints damping", vehicle->scene->name, time, seconds,
@@ -235,17 +228,16 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 
 enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 {
-	enum status status = ask(vehicles);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++)
-			status = check_ground(vehicles, &vehicles->list[v].geoms[g]);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		status = prepare_one(vehicles, &vehicles->list[v], drives);
-	if (status == STATUS_OK)
-		status = vehicle_between_push(vehicles);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		status = move_one(vehicles, &vehicles->list[v], rate, drives);
-	return status == STATUS_OK ? touch(vehicles) : status;
+	TRY(ask(vehicles));
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
+	for (size_t v = 0; v < vehicles->count; v++)
+		TRY(prepare_one(vehicles, &vehicles->list[v], drives));
+	TRY(vehicle_between_push(vehicles));
+	for (size_t v = 0; v < vehicles->count; v++)
+		TRY(move_one(vehicles, &vehicles->list[v], rate, drives));
+	return touch(vehicles);
 }
 
 double vehicle_kinetic(const struct vehicle *vehicle)

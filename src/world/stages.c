@@ -171,6 +171,16 @@ enum status world_step_to(struct world *world, double until)
 	return status;
 }
 
+enum status world_end_step(struct world *world)
+{
+	if (world->params.attached == 0)
+		return STATUS_OK;
+	const double began = clock_seconds();
+	const enum status status = world_end_change(world);
+	world->counts.stage_seconds[WORLD_RECORD] += clock_seconds() - began;
+	return status;
+}
+
 enum status world_step(struct world *world)
 {
 	return world_step_to(world, world_step_time(world->scene, world->step + 1));

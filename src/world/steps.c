@@ -117,11 +117,6 @@ enum status world_end_change(struct world *world)
 	return page_cache_end_step(world->resident.cache, world->record);
 }
 
-enum status world_end_step(struct world *world)
-{
-	return world->params.attached > 0 ? world_end_change(world) : STATUS_OK;
-}
-
 enum status world_end_or_wait(struct world *world)
 {
 	return world->params.attached > 0 ? STATUS_OK : world_end_change(world);
