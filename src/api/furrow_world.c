@@ -84,7 +84,7 @@ static enum status open_drive(struct furrow_world *host, const struct furrow_ope
 
 static void destroy(struct furrow_world *host, enum status status)
 {
-	drive_close(host->drive, status);
+	drive_finish(host->drive, status);
 	scene_destroy(host->scene);
 	mem_free(host->output);
 	mem_free(host);

@@ -2,7 +2,7 @@
  * drive: the one loop that opens, warms, steps, seals and ends a world, with its vehicles, view, rows and report. The command and the window
  * run it whole by drive_run(). The library calls its parts, since its host decides when to step:
  *
- *     drive_open -> drive_start -> drive_begin -> (drive_step | drive_checkpoint | drive_rollback) ... -> drive_end -> drive_stop -> drive_close
+ *     drive_open -> drive_start -> drive_begin -> (drive_step | drive_checkpoint | drive_rollback) ... -> drive_end -> drive_stop -> drive_finish
  *
  * What differs between them is in struct drive_params. Only one thread uses a drive, the one that owns its GL context.
  */
@@ -218,7 +218,7 @@ void drive_stop(struct drive *drive);
 /* Returns the text of run.json as of now, to free with mem_free. `ended` as in report_json(). NULL: out of memory. */
 char *drive_describe(struct drive *drive, const char *ended);
 /* Frees it, whatever part it came to. Takes NULL. `status`: how it ended; its message stays. */
-void drive_close(struct drive *drive, enum status status);
+void drive_finish(struct drive *drive, enum status status);
 
 /* What a drive has, valid until it is closed. */
 struct world *drive_world(struct drive *drive);

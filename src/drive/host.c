@@ -87,8 +87,8 @@ static enum status resize(struct host *host)
 	assert(control->width > 0 && control->height > 0 && control->width <= DRIVE_PICTURE_MOST && control->height <= DRIVE_PICTURE_MOST);
 	host->drawn = host->read = false;
 	host->stale = true;
-	enum status status = render_view_resize(host->drive->view, control->width, control->height);
-	return status == STATUS_OK ? make_staging(host, control->width, control->height) : status;
+	TRY(render_view_resize(host->drive->view, control->width, control->height));
+	return make_staging(host, control->width, control->height);
 }
 
 static bool same_camera(const struct drive_control *a, const struct drive_control *b)
@@ -114,9 +114,7 @@ static enum status show(struct host *host)
 	host->read = true;
 	if (!gpu_staging_idle(host->staging))
 		return STATUS_OK;
-	enum status status = gpu_check(world_resident(drive->world)->gpu, "reading the picture back");
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_check(world_resident(drive->world)->gpu, "reading the picture back"));
 	host->drawn = host->read = false;
 	double now = clock_seconds();
 	host->frame_ms = (now - host->began) * 1e3;
@@ -152,15 +150,12 @@ static enum status draw(struct host *host)
 static enum status one_step(struct host *host)
 {
 	struct drive *drive = host->drive;
-	double began = clock_seconds();
-	enum status status = drive_step(drive);
-	if (status == STATUS_OK)
-		status = page_trace_status(world_resident(drive->world)->trace);
-	host->step_ms = (clock_seconds() - began) * 1e3;
-	if (status == STATUS_OK)
-		times_add(&drive->report.step_ms, host->step_ms);
+	const double began = clock_seconds();
 	host->stale = true;
-	return status;
+	TRY(drive_step(drive));
+	host->step_ms = (clock_seconds() - began) * 1e3;
+	times_add(&drive->report.step_ms, host->step_ms);
+	return STATUS_OK;
 }
 
 /* Adds the simulated time that is due now. Time that a slow machine cannot catch up with is dropped. */
@@ -178,19 +173,18 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	struct drive *drive = host->drive;
 	double began = clock_seconds(), step = world_scene(drive->world)->time_step;
 	int64_t first = world_steps_done(drive->world);
-	enum status status = STATUS_OK;
 	earn(host);
 	double slice = isinf(host->credit) ? fmin(fmax(SLICE, host->frame_ms / 1e3), BEHIND) : SLICE;
 	if (host->control.go == DRIVE_ONE)
 		host->credit = step;
-	while (status == STATUS_OK && world_steps_done(drive->world) < total && host->credit >= step && !world_stopped(drive->world) &&
-	       !vehicle_stuck(drive->vehicles) && clock_seconds() - began < slice) {
-		status = one_step(host);
+	while (world_steps_done(drive->world) < total && host->credit >= step && !world_stopped(drive->world) && !vehicle_stuck(drive->vehicles) &&
+	       clock_seconds() - began < slice) {
+		TRY(one_step(host));
 		host->credit -= isinf(host->credit) ? 0 : step;
 	}
 	*any = world_steps_done(drive->world) > first;
-	if (*any || status != STATUS_OK)
-		return status;
+	if (*any)
+		return STATUS_OK;
 	/* Work that a step does beside stepping: loads go on, slots become free, and a commit may become due. */
 	TRY(render_view_wish(drive->view));
 	return world_idle(drive->world);
@@ -200,24 +194,23 @@ static enum status turn(struct host *host, int64_t total)
 {
 	struct drive *drive = host->drive;
 	bool stepped = false, before = host->drawn;
-	enum status status = host->calls->turn(host->calls->user, drive, &host->control);
+	TRY(host->calls->turn(host->calls->user, drive, &host->control));
 	host->stale = host->stale || world_counts(drive->world)->drops != host->drops; /* while a picture was shown, too */
 	host->drops = world_counts(drive->world)->drops;
-	if (status == STATUS_OK)
-		status = resize(host);
+	TRY(resize(host));
 	render_view_look_from(drive->view, host->control.free ? &host->control.camera : NULL);
-	if (status == STATUS_OK && host->control.go != DRIVE_STOP)
-		status = steps(host, total, &stepped);
-	if (status == STATUS_OK && host->drawn)
-		status = show(host);
+	if (host->control.go != DRIVE_STOP)
+		TRY(steps(host, total, &stepped));
+	if (host->drawn)
+		TRY(show(host));
 	bool came = before && !host->drawn;
-	if (status == STATUS_OK && !host->drawn)
-		status = draw(host);
+	if (!host->drawn)
+		TRY(draw(host));
 	bool begun = host->drawn && (came || !before);
 	const struct timespec nap = {0, NAP};
-	if (status == STATUS_OK && !stepped && !came && !begun)
+	if (!stepped && !came && !begun)
 		nanosleep(&nap, NULL);
-	return status;
+	return STATUS_OK;
 }
 
 enum status drive_host_steps(struct drive *drive, int64_t total)
@@ -233,9 +226,11 @@ enum status drive_host_steps(struct drive *drive, int64_t total)
 		.apart = PICTURES,
 	};
 	drive->host = &host;
-	enum status status = make_staging(&host, (uint32_t)view->width, (uint32_t)view->height);
-	while (status == STATUS_OK && host.control.go != DRIVE_STOP)
-		status = world_stopped(drive->world) ? world_interrupted(drive->world) : turn(&host, total);
+	enum status status;
+	TRY_OR(done, make_staging(&host, (uint32_t)view->width, (uint32_t)view->height));
+	while (host.control.go != DRIVE_STOP)
+		TRY_OR(done, world_stopped(drive->world) ? world_interrupted(drive->world) : turn(&host, total));
+done:
 	gpu_staging_destroy(host.staging);
 	drive->host = NULL;
 	return status;

@@ -44,7 +44,7 @@ void drive_folder_remove(const char *directory);
 /* --- life.c --- */
 /* The first part of drive_open(), into a drive that is all zero. After a failure, too, the drive is to be let go. */
 enum status drive_prepare(struct drive *drive, const struct drive_params *params) FURROW_CHECKED;
-/* Both are drive_close(), but for the memory of the drive. Between them only scene, params and vehicles may be used. */
+/* Both are drive_finish(), but for the memory of the drive. Between them only scene, params and vehicles may be used. */
 void drive_let_go(struct drive *drive, enum status status);
 void drive_let_go_vehicles(struct drive *drive);
 /* Returns true if pictures are for whoever hosts the drive, so that none are written. */

@@ -7,7 +7,7 @@
  *     step ... (checkpoint, rollback)
  *     end:   the last commit
  *     stop:  threads
- *     close
+ *     finish
  */
 #include <math.h>
 
@@ -86,7 +86,7 @@ enum status drive_open(const struct drive_params *params, struct drive **out)
 	const enum status status = drive_prepare(*out, params);
 	if (status == STATUS_OK)
 		return STATUS_OK;
-	drive_close(*out, status);
+	drive_finish(*out, status);
 	*out = NULL;
 	return status;
 }
@@ -344,7 +344,7 @@ void drive_let_go_vehicles(struct drive *drive)
 	drive->vehicles = NULL;
 }
 
-void drive_close(struct drive *drive, enum status status)
+void drive_finish(struct drive *drive, enum status status)
 {
 	if (drive == NULL)
 		return;

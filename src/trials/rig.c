@@ -37,12 +37,11 @@ static enum status check(const struct rig_params *params)
 		return fail_with(STATUS_USAGE, "rig: slips and torques are both given; give one of them");
 	if (params->passes > RIG_PASSES_MOST)
 		return fail_with(STATUS_USAGE, "rig: passes: %zu are too many; give 1 to %d", params->passes, RIG_PASSES_MOST);
-	enum status status = check_list("load", params->loads, params->load_count, 1e-3, 1e9);
-	if (status == STATUS_OK && params->leads != NULL)
-		status = check_list("load ahead", params->leads, params->load_count, 1e-3, 1e9);
-	if (status == STATUS_OK)
-		status = check_list("slip", params->slips, params->slip_count, -1000, 0.999);
-	return status == STATUS_OK ? check_list("torque", params->torques, params->torque_count, -1e9, 1e9) : status;
+	TRY(check_list("load", params->loads, params->load_count, 1e-3, 1e9));
+	if (params->leads != NULL)
+		TRY(check_list("load ahead", params->leads, params->load_count, 1e-3, 1e9));
+	TRY(check_list("slip", params->slips, params->slip_count, -1000, 0.999));
+	return check_list("torque", params->torques, params->torque_count, -1e9, 1e9);
 }
 
 bool trials_rig_is_driven(const struct rig *rig)
@@ -129,9 +128,11 @@ static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *us
 	for (size_t i = 0; i < count; i++)
 		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = trials_rig_lead(params, i / each),
 					     .slip = trials_rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
-	enum status status = trials_lanes_drive(rig, soil, lanes, count);
-	for (size_t i = 0; i < count * rig->passes && status == STATUS_OK; i++)
-		status = give(user, &lanes[i / rig->passes].rows[i % rig->passes]);
+	enum status status;
+	TRY_OR(done, trials_lanes_drive(rig, soil, lanes, count));
+	for (size_t i = 0; i < count * rig->passes; i++)
+		TRY_OR(done, give(user, &lanes[i / rig->passes].rows[i % rig->passes]));
+done:
 	mem_free(lanes);
 	return status;
 }
@@ -143,27 +144,36 @@ static void tell_note(int level, const char *message, void *user)
 	fprintf(stderr, "furrow: note: %s\n", message);
 }
 
+/* Measures the object, and runs all soils over it. */
+static enum status run(struct rig *rig, struct rig_found *found, rig_row_fn give, void *user)
+{
+	const struct rig_params *params = rig->params;
+	TRY(measure(rig));
+	*found = rig->found;
+	const bool driven = trials_rig_is_driven(rig), torques = params->torque_count > 0;
+	if (driven && params->slip_count + params->torque_count == 0)
+		return fail_with(STATUS_USAGE, "rig: a wheel or a belt needs slips or torques; give some");
+	if (!driven && torques)
+		return fail_with(STATUS_USAGE, "rig: %s is no wheel and has no belt, so that no torque turns it; give loads alone", params->shape);
+	rig->total = (int64_t)(params->soil_count * params->load_count * (torques ? 12 : driven ? params->slip_count : 1));
+	for (size_t soil = 0; soil < params->soil_count; soil++) {
+		rig->advised = false;
+		TRY(torques ? trials_torques(rig, soil, give, user) : slips(rig, soil, give, user));
+	}
+	return STATUS_OK;
+}
+
 enum status trials_rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user)
 {
 	struct rig rig = {.params = params};
-	enum status status = check(params);
-	if (status != STATUS_OK)
-		return status;
+	*found = rig.found;
+	TRY(check(params));
 	furrow_set_log(tell_note, NULL);
 	rig.shape = in_braces(params->shape);
-	status = rig.shape != NULL ? trials_bed_begin(&rig) : fail_memory("the rig");
-	if (status == STATUS_OK)
-		status = measure(&rig);
-	if (status == STATUS_OK && trials_rig_is_driven(&rig) && params->slip_count + params->torque_count == 0)
-		status = fail_with(STATUS_USAGE, "rig: a wheel or a belt needs slips or torques; give some");
-	if (status == STATUS_OK && !trials_rig_is_driven(&rig) && params->torque_count > 0)
-		status = fail_with(STATUS_USAGE, "rig: %s is no wheel and has no belt, so that no torque turns it; give loads alone", params->shape);
-	*found = rig.found;
-	rig.total = (int64_t)(params->soil_count * params->load_count * (params->torque_count > 0 ? 12 : trials_rig_is_driven(&rig) ? params->slip_count : 1));
-	for (size_t soil = 0; soil < params->soil_count && status == STATUS_OK; soil++) {
-		rig.advised = false;
-		status = params->torque_count > 0 ? trials_torques(&rig, soil, give, user) : slips(&rig, soil, give, user);
-	}
+	enum status status;
+	TRY_OR(done, rig.shape != NULL ? trials_bed_begin(&rig) : fail_memory("the rig"));
+	TRY_OR(done, run(&rig, found, give, user));
+done:;
 	struct failure failure;
 	failure_capture(&failure, status);
 	trials_bed_remove(&rig);
