@@ -1,6 +1,6 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
-# base, and of each folder below it the outward header with the parts that it includes. deform and bearing may include all of soil.
+# base, and of each folder below it the outward header with the parts that it includes: that of api is furrow.h. deform and bearing may include all of soil.
 # It runs when meson configures: after a new part, `meson setup --reconfigure BUILD`.
 set -eu
 src=$1 farm=$2 name=$3
@@ -13,7 +13,9 @@ for below; do
 		ln -s "$src/$below" "$farm/$name/$below"
 	else
 		mkdir "$farm/$name/$below"
-		for header in $below/$below.h $(sed -n "s,^#include \"\($below/[^\"]*\)\".*,\1,p" "$src/$below/$below.h"); do
+		outward=$below/$below.h
+		[ "$below" != api ] || outward=api/furrow.h
+		for header in $outward $(sed -n "s,^#include \"\($below/[^\"]*\)\".*,\1,p" "$src/$outward"); do
 			ln -s "$src/$header" "$farm/$name/$header"
 		done
 	fi

@@ -1,6 +1,8 @@
 /* furrow.h: bodies. Handles are the world's numbers. */
 #include "api/library.h"
 
+#include <stddef.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -31,15 +33,20 @@ void api_library_tell_state(const struct world_state *from, struct furrow_state 
 	memcpy(state->angular, from->angular, sizeof state->angular);
 }
 
-static void tell_contact(const struct world_contact *from, struct furrow_contact *contact)
+#define CONTACT_FIRST offsetof(struct furrow_contact, pull) /* bytes of the first version */
+
+/* Fills entry `index` of the host's list, whose entries have `size` bytes. */
+static void tell_contact(const struct world_contact *from, struct furrow_contact *contacts, size_t index, size_t size)
 {
-	*contact = (struct furrow_contact){
+	struct furrow_contact known, *contact = &known;
+	known = (struct furrow_contact){
 		.time = from->time,
 		.sinkage = from->sinkage,
 		.area = from->area,
 		.slip = from->slip,
 		.normal_force = from->normal_force,
 		.shear_limit = from->shear_limit,
+		.pull = from->pull,
 		.state = (enum furrow_contact_state)from->state,
 	};
 	memcpy(contact->force, from->force, sizeof contact->force);
@@ -48,6 +55,7 @@ static void tell_contact(const struct world_contact *from, struct furrow_contact
 	memcpy(contact->normal, from->normal, sizeof contact->normal);
 	memcpy(contact->stiffness, from->stiffness, sizeof contact->stiffness);
 	memcpy(contact->damping, from->damping, sizeof contact->damping);
+	memcpy((char *)contacts + index * size, contact, size);
 }
 
 /* Checks lists of bodies, and of the data of each: `bytes` a body. */
@@ -103,7 +111,7 @@ static enum status need_contacts(const struct furrow_world *world, size_t count,
 				 const struct furrow_contact *contacts, size_t size)
 {
 	enum status status = need_lists(world, count, bodies, contacts, sizeof *contacts, "contacts");
-	if (status != STATUS_OK || size == sizeof *contacts)
+	if (status != STATUS_OK || size == sizeof *contacts || size == CONTACT_FIRST)
 		return status;
 	return fail_with(STATUS_USAGE, "contact_size: it is %zu, and a contact has %zu bytes; give sizeof(struct furrow_contact)", size,
 			 sizeof *contacts);
@@ -128,6 +136,37 @@ furrow_status furrow_body_add(struct furrow_world *world, const char *object, fu
 	if (status != STATUS_OK)
 		scene_object_finish(&parsed);
 	return api_library_leave(&call, status);
+}
+
+static enum status measure(const char *object, struct furrow_shape *shape)
+{
+	struct scene *scene;
+	struct scene_object parsed;
+	TRY(api_library_need(object, "object"));
+	TRY(api_library_need(shape, "shape"));
+	TRY(api_library_need_size(shape->size, sizeof *shape, sizeof *shape, "shape"));
+	TRY(scene_load_text("{}", NULL, NULL, 0, SCENE_HOST, &scene));
+	const enum status status = scene_object_parse(scene, object, &parsed);
+	scene_destroy(scene);
+	if (status != STATUS_OK)
+		return status;
+	const struct soil_shape *of = &parsed.shape;
+	const bool wheel = of->kind == SOIL_WHEEL;
+	*shape = (struct furrow_shape){
+		.size = shape->size,
+		.radius = wheel ? of->radius : (double)NAN,
+		.width = wheel ? of->width : (double)NAN,
+		.bound = soil_shape_bound(of),
+		.belt = of->belt,
+	};
+	scene_object_finish(&parsed);
+	return STATUS_OK;
+}
+
+furrow_status furrow_measure(const char *object, struct furrow_shape *shape)
+{
+	const enum status status = api_library_begin();
+	return api_library_end(status == STATUS_OK ? measure(object, shape) : status);
 }
 
 furrow_status furrow_body_find(struct furrow_world *world, const char *name, furrow_body *body)
@@ -245,14 +284,14 @@ furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, cons
 		struct world_contact contact;
 		status = contact_of(world, bodies[i], &contact);
 		if (status == STATUS_OK)
-			tell_contact(&contact, &contacts[i]);
+			tell_contact(&contact, contacts, i, contact_size);
 	}
 	return api_library_leave(&call, status);
 }
 
 /* Probes, with the lists that the world takes. */
 static enum status probe(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states,
-			 struct furrow_contact *contacts)
+			 struct furrow_contact *contacts, size_t contact_size)
 {
 	struct world_state *asked = mem_alloc(count, sizeof *asked);
 	struct world_contact *told = mem_alloc(count, sizeof *told);
@@ -262,7 +301,7 @@ static enum status probe(struct furrow_world *world, size_t count, const furrow_
 	if (status == STATUS_OK)
 		status = world_probe(world->world, count, bodies, asked, told);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		tell_contact(&told[i], &contacts[i]);
+		tell_contact(&told[i], contacts, i, contact_size);
 	mem_free(asked);
 	mem_free(told);
 	return status;
@@ -283,10 +322,10 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 		return api_library_end(status);
 	/* Only the first probe of a body needs the GL context. */
 	if (!world_probe_reads(world->world, count, bodies))
-		return api_library_end(probe(world, count, bodies, states, contacts));
+		return api_library_end(probe(world, count, bodies, states, contacts, contact_size));
 	(void)api_library_end(STATUS_OK);
 	status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
-		status = probe(world, count, bodies, states, contacts);
+		status = probe(world, count, bodies, states, contacts, contact_size);
 	return api_library_leave(&call, status);
 }

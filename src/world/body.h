@@ -72,7 +72,7 @@ struct world_contact {
 	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel or a belt */
 	double stiffness[6][6], damping[6][6]; /* d(force, moment) / d(translation, rotation about local axes), and of their rates */
 	double normal_force, shear_limit; /* N */
-	double pull;                  /* N: of its belt, as in struct deform_forces; only of a probe */
+	double pull;                  /* N: of its belt, as in struct deform_forces */
 	enum world_contact_state state;
 };
 

@@ -110,6 +110,7 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	memcpy(contact->force, force->force, sizeof contact->force);
 	memcpy(contact->moment, force->moment, sizeof contact->moment);
 	contact->area = force->area;
+	contact->pull = object->shape.belt ? force->pull : NAN;
 	struct soil_pose pose = {.x = 0};
 	status = world_attitude(&object->shape, object->name, &state->pose, &pose);
 	if (status != STATUS_OK)
