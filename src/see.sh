@@ -1,6 +1,7 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
 # base, and of each folder below it the outward header with the parts that it includes: that of api is furrow.h. deform and bearing may include all of soil.
+# It runs when meson configures: after a new part, `meson setup --reconfigure BUILD`.
 set -eu
 src=$1 farm=$2 name=$3
 shift 3

@@ -81,8 +81,8 @@ static enum status ask_point(struct asking *asking, double x, double y)
 			       sample.base, sample.offset, sample.disturbance);
 		return STATUS_OK;
 	}
-	struct terrain_height surface;
-	TRY(resident_newest_heights(asking->newest, &(struct terrain_point){local_x, local_y}, 1, &surface));
+	struct resident_height surface;
+	TRY(resident_newest_heights(asking->newest, &(struct resident_point){local_x, local_y}, 1, &surface));
 	cJSON *point = cJSON_CreateObject();
 	json_number(point, "x", x);
 	json_number(point, "y", y);
@@ -115,7 +115,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	return STATUS_OK;
 }
 
-static void print_ray(const double asked[RAY], const struct terrain_hit *hit)
+static void print_ray(const double asked[RAY], const struct resident_hit *hit)
 {
 	for (int i = 0; i < RAY; i++)
 		printf("%.15g ", asked[i]);
@@ -128,8 +128,8 @@ static void print_ray(const double asked[RAY], const struct terrain_hit *hit)
 
 static enum status ask_ray(struct asking *asking, const double asked[RAY])
 {
-	struct terrain_ray ray = {{asked[0], asked[1], asked[2]}, {asked[3], asked[4], asked[5]}, INFINITY};
-	struct terrain_hit hit;
+	struct resident_ray ray = {{asked[0], asked[1], asked[2]}, {asked[3], asked[4], asked[5]}, INFINITY};
+	struct resident_hit hit;
 	TRY(to_local(asking, &ray.origin[0], &ray.origin[1]));
 	TRY(resident_newest_rays(asking->newest, &ray, 1, &hit));
 	if (hit.hit)

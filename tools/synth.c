@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "command.h"
-#include "api/intake.h"
+#include "intake/intake.h"
 #include "made.h"
 
 static const char *const kinds[] = {"ridged", "dunes", "plain", NULL};
@@ -171,8 +171,8 @@ static enum status run(const struct arguments *arguments)
 		.posts_user = &making,
 		.meta = {
 			.extent = {synth->width, synth->height, synth->spacing, 256},
-			.max_error = api_intake_default_error(0),
-			.step = api_intake_step(api_intake_default_error(0), 0, false),
+			.max_error = intake_default_error(0),
+			.step = intake_step(intake_default_error(0), 0, false),
 			.srs = "",
 			.vertical = "",
 			.sources = sources,
@@ -183,7 +183,7 @@ static enum status run(const struct arguments *arguments)
 	progress_start(&progress, path, "rows");
 	intake.progress = progress_step;
 	intake.progress_user = &progress;
-	enum status status = api_intake_run(&intake);
+	enum status status = intake_run(&intake);
 	progress_end(&progress);
 	TRY(status);
 	print_made(&intake);

@@ -18,7 +18,7 @@
 #include "render/render.h"
 #include "report/report.h"
 #include "scene/scene.h"
-#include "terrain/terrain.h"
+#include "resident/resident.h"
 #include "vehicle/vehicle.h"
 #include "world/world.h"
 
@@ -179,11 +179,11 @@ enum status drive_run(const struct drive_params *params, struct drive_result *re
  * changes nothing that the results of a drive depend on. What it reads is counted in run.json (memory, statements, read-backs)
  * and is in no plan.
  *
- * terrain/terrain.h defines heights and rays. One call for many points is cheaper than many calls. In each step the first query
+ * resident/heights.h defines heights and rays. One call for many points is cheaper than many calls. In each step the first query
  * near ground that changed and is not committed may wait. On a hardware GPU it waits for all work begun before.
  */
-enum status drive_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights) FURROW_CHECKED;
-enum status drive_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+enum status drive_heights(struct drive *drive, const struct resident_point *points, size_t count, struct resident_height *heights) FURROW_CHECKED;
+enum status drive_rays(struct drive *drive, const struct resident_ray *rays, size_t count, struct resident_hit *hits) FURROW_CHECKED;
 
 /* Makes the folder if it does not exist. STATUS_FAILED: it cannot be made, or is no folder. */
 enum status drive_folder_make(const char *path) FURROW_CHECKED;

@@ -227,12 +227,12 @@ enum status drive_run(const struct drive_params *params, struct drive_result *re
 
 /* --- queries --- */
 
-enum status drive_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status drive_heights(struct drive *drive, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
 	return world_heights(drive->world, points, count, heights);
 }
 
-enum status drive_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status drive_rays(struct drive *drive, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
 	return world_rays(drive->world, rays, count, hits);
 }

@@ -10,8 +10,8 @@
 
 struct splitter {
 	struct render_blocks *blocks;
-	const struct terrain_view *view;
-	const struct terrain_draw *draw;
+	const struct render_view *view;
+	const struct render_draw *draw;
 	const double *reaches;
 	double spacing;
 	double west, south;  /* metres, of the tile */
@@ -67,9 +67,9 @@ static enum status split(struct splitter *s, uint32_t x, uint32_t y, int stride)
 	double high[3] = {fmin(low[0] + size, s->limit[0]), fmin(low[1] + size, s->limit[1]), s->draw->high};
 	double slid[3];
 	slide_west_and_south(s, low, high, slid);
-	if (low[0] >= s->limit[0] || low[1] >= s->limit[1] || !terrain_box_visible(s->view->planes, slid, high))
+	if (low[0] >= s->limit[0] || low[1] >= s->limit[1] || !render_box_visible(s->view->planes, slid, high))
 		return STATUS_OK;
-	double distance = terrain_box_distance(s->view->eye, low, high);
+	double distance = render_box_distance(s->view->eye, low, high);
 	if (stride > 0 && distance < s->reaches[stride]) {
 		/* The nearest first, since they hide what is behind. */
 		uint32_t nearest = (s->view->eye[0] >= low[0] + size / 2 ? 1u : 0u) |
@@ -110,8 +110,8 @@ static void add_skirts(struct splitter *s, uint32_t *edge_strides, uint32_t acro
 	}
 }
 
-enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct terrain_view *view,
-			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw)
+enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct render_view *view,
+			      const double reaches[RENDER_STRIDES], const struct render_draw *draw)
 {
 	uint32_t side = render_block_cells(extent), across = extent->cells / side;
 	double spacing = extent_spacing(extent, draw->tile.level);

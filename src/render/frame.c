@@ -62,11 +62,11 @@ static void fill_frame(const struct render *render, const struct render_camera *
 
 /* Tells whether some tile is coarser than it should be: a finer one is not resident, or the budget does not allow it. Its edges
  * may then be off by more than in a complete picture. */
-static bool is_patched(const struct render *render, const struct render_axes *axes, const struct terrain_selection *selection)
+static bool is_patched(const struct render *render, const struct render_axes *axes, const struct render_selection *selection)
 {
 	for (size_t i = 0; i < selection->draw_count; i++) {
-		const struct terrain_draw *draw = &selection->draws[i];
-		double reaches[TERRAIN_STRIDES];
+		const struct render_draw *draw = &selection->draws[i];
+		double reaches[RENDER_STRIDES];
 		render_reaches(render, axes, draw, reaches);
 		if (draw->standing != 0 || (!draw->finest && !draw->divided && draw->distance < reaches[0]))
 			return true;
@@ -75,10 +75,10 @@ static bool is_patched(const struct render *render, const struct render_axes *ax
 }
 
 static void fill_tile(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-		      const struct terrain_draw *draw, uint32_t first, bool patched, double lowest,
+		      const struct render_draw *draw, uint32_t first, bool patched, double lowest,
 		      struct picture_params *params)
 {
-	double reaches[TERRAIN_STRIDES];
+	double reaches[RENDER_STRIDES];
 	render_reaches(render, axes, draw, reaches);
 	uint32_t cells = render->extent.cells;
 	double spacing = extent_spacing(&render->extent, draw->tile.level);
@@ -92,7 +92,7 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	to_floats(params->corner_squares, near_x - floor(near_x), near_y - floor(near_y), fmod(far_x, 16), fmod(far_y, 16));
 	to_floats(params->detail, render_mesh_reach(axes), patched ? draw->high - lowest : 0, RENDER_RUT_REACH * render_mesh_reach(axes),
 		  fmax(render->pixel_error, 1) / axes->focal);
-	for (int k = 0; k < TERRAIN_STRIDES; k++)
+	for (int k = 0; k < RENDER_STRIDES; k++)
 		params->reaches[k] = (float)reaches[k];
 	params->tile[0] = (int32_t)cells;
 	params->tile[1] = (int32_t)first;
@@ -113,15 +113,15 @@ struct drawn {
 };
 
 /* Collects blocks of draws, beginning with the first, until the GPU's buffer is full. *end: the first draw that did not fit. */
-static enum status collect_blocks(struct render *render, const struct terrain_view *view, const struct render_axes *axes,
-				  const struct terrain_selection *selection, size_t first, size_t *end, struct drawn *drawn)
+static enum status collect_blocks(struct render *render, const struct render_view *view, const struct render_axes *axes,
+				  const struct render_selection *selection, size_t first, size_t *end, struct drawn *drawn)
 {
 	struct render_blocks *blocks = &render->blocks;
 	blocks->count = 0;
 	for (*end = first; *end < selection->draw_count; ++*end) {
-		const struct terrain_draw *draw = &selection->draws[*end];
+		const struct render_draw *draw = &selection->draws[*end];
 		size_t before = blocks->count;
-		double reaches[TERRAIN_STRIDES];
+		double reaches[RENDER_STRIDES];
 		render_reaches(render, axes, draw, reaches);
 		TRY(render_blocks_add(blocks, &render->extent, view, reaches, draw));
 		if (blocks->count > RENDER_BLOCKS_ROOM) {
@@ -184,10 +184,10 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 	return STATUS_OK;
 }
 
-static enum status draw_tile(struct render *render, const struct terrain_draw *draw, const struct drawn *drawn,
+static enum status draw_tile(struct render *render, const struct render_draw *draw, const struct drawn *drawn,
 			     const struct picture_params *params)
 {
-	bool interpolated = draw->ground_level != draw->tile.level && draw->ground != TERRAIN_NO_SLOT;
+	bool interpolated = draw->ground_level != draw->tile.level && draw->ground != RENDER_NO_SLOT;
 	if (render->show != NULL)
 		TRY(render->show(render->user, draw->slot, true));
 	if (render->show != NULL && interpolated)
@@ -215,8 +215,8 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 }
 
 /* Draws the blocks of the selected tiles that `view` sees. */
-static enum status draw_ground(struct render *render, const struct render_camera *camera, const struct render_axes *axes, const struct terrain_view *view,
-			       const struct terrain_selection *selection, struct picture_params *params)
+static enum status draw_ground(struct render *render, const struct render_camera *camera, const struct render_axes *axes, const struct render_view *view,
+			       const struct render_selection *selection, struct picture_params *params)
 {
 	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
 	if (drawn == NULL)
@@ -234,7 +234,7 @@ static enum status draw_ground(struct render *render, const struct render_camera
 		for (size_t k = i; k < end; k++) {
 			if (drawn[k].count == 0)
 				continue;
-			const struct terrain_draw *draw = &selection->draws[k];
+			const struct render_draw *draw = &selection->draws[k];
 			fill_tile(render, camera, axes, draw, drawn[k].first, patched, lowest, params);
 			TRY_OR(done, draw_tile(render, draw, &drawn[k], params));
 		}
@@ -245,11 +245,11 @@ done:
 }
 
 /* Draws the ground and the objects. */
-static enum status draw_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection,
+static enum status draw_frame(struct render *render, const struct render_camera *camera, const struct render_selection *selection,
 			      struct picture_params *params)
 {
 	struct render_axes axes;
-	struct terrain_view view;
+	struct render_view view;
 	render_axes(render, camera, &axes);
 	render_view(render, camera, &view);
 	fill_frame(render, camera, &axes, params);
@@ -263,8 +263,8 @@ static enum status draw_frame(struct render *render, const struct render_camera 
 	return render->objects != NULL ? render_objects_draw(render, camera, &axes, &view, params) : STATUS_OK;
 }
 
-enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct terrain_view *view,
-			      const struct terrain_selection *selection)
+enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct render_view *view,
+			      const struct render_selection *selection)
 {
 	struct picture_params params = {0};
 	struct render_axes axes;
@@ -280,7 +280,7 @@ enum status render_shade_draw(struct render *render, const struct render_camera 
 	return gpu_check(render->gpu, "drawing shadows");
 }
 
-enum status render_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
+enum status render_frame(struct render *render, const struct render_camera *camera, const struct render_selection *selection)
 {
 	float background[4];
 	struct picture_params params = {0};
@@ -294,7 +294,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	return gpu_check(render->gpu, "drawing the picture");
 }
 
-enum status render_measure(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
+enum status render_measure(struct render *render, const struct render_camera *camera, const struct render_selection *selection)
 {
 	static const float nothing[4] = {0, 0, 0, 0};
 	struct picture_params params = {0};

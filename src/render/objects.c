@@ -279,7 +279,7 @@ void render_set_objects(struct render *render, const struct render_object *list,
 
 /* --- a picture --- */
 
-static bool ball_visible(const struct terrain_view *view, const double eye[3], const double at[3], double radius)
+static bool ball_visible(const struct render_view *view, const double eye[3], const double at[3], double radius)
 {
 	for (int p = 0; p < 5; p++) {
 		const double *plane = view->planes[p];
@@ -303,7 +303,7 @@ static int in_order(const void *a, const void *b)
 
 /* Lists the objects in the picture, by shape and detail. Also lists the shadows in the picture: their objects may be outside. */
 static void look(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-		 const struct terrain_view *view, const double sun[3], size_t *seen_count, size_t *shadow_count)
+		 const struct render_view *view, const double sun[3], size_t *seen_count, size_t *shadow_count)
 {
 	struct render_objects *objects = render->objects;
 	*seen_count = *shadow_count = 0;
@@ -425,7 +425,7 @@ enum status render_objects_draw_unseen(struct render *render, const struct pictu
 }
 
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-				const struct terrain_view *view, struct picture_params *params)
+				const struct render_view *view, struct picture_params *params)
 {
 	struct render_objects *objects = render->objects;
 	const double sun[3] = {params->sun[0], params->sun[1], params->sun[2]};

@@ -82,7 +82,7 @@ void render_shade_begin(struct render *render)
 	shade->along[2] = cos(light->height);
 }
 
-bool render_shade_view(const struct render *render, const struct render_camera *camera, double ground, int index, struct terrain_view *view)
+bool render_shade_view(const struct render *render, const struct render_camera *camera, double ground, int index, struct render_view *view)
 {
 	struct render_shade *shade = render->shade;
 	struct render_axes axes;

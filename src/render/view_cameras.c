@@ -89,7 +89,8 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 		stand_on_vehicle(view, (size_t)aim->vehicle - 1, given->body, stand);
 		return STATUS_OK;
 	}
-	TRY(now ? render_view_object(view, (size_t)aim->object, &object, &known) : STATUS_OK);
+	if (now)
+		TRY(render_view_object(view, (size_t)aim->object, &object, &known));
 	stand_later(view, world_object_body(view->world, aim->object), time, stand);
 	if (!known)
 		return STATUS_OK;
@@ -123,7 +124,6 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 	static const struct stand world = {.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 	const struct scene_camera *given = this->camera;
 	struct stand on, stand;
-	enum status status = STATUS_OK;
 	switch (given->aim.kind) {
 	case SCENE_CHASE:
 	case SCENE_OVERHEAD:
@@ -134,9 +134,7 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 		mount(given, &world, &stand);
 		break;
 	case SCENE_MOUNTED:
-		status = stand_on(view, given, time, now, &on);
-		if (status != STATUS_OK)
-			return status;
+		TRY(stand_on(view, given, time, now, &on));
 		mount(given, &on, &stand);
 		break;
 	case SCENE_BY_POSES:
@@ -156,9 +154,9 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 static enum status place(struct view *view, const struct view_camera *this, double time, bool now, struct render_camera *camera)
 {
 	struct render_axes axes;
-	enum status status = place_left(view, this, time, now, camera);
-	if (status != STATUS_OK || this->camera->baseline == 0)
-		return status;
+	TRY(place_left(view, this, time, now, camera));
+	if (this->camera->baseline == 0)
+		return STATUS_OK;
 	render_axes(view->render, camera, &axes);
 	for (int i = 0; i < 3; i++) {
 		camera->eye[i] += this->camera->baseline * axes.right[i];
@@ -186,13 +184,13 @@ enum status render_view_look_camera(struct view *view)
 	struct view_camera *this = &view->cameras[view->camera_turn++ % view->camera_count];
 	struct view_look *look = &this->ahead;
 	const double time = next_time(world, this->camera);
-	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world_look_ahead(world));
+	const bool come = look->guessed && look->done != resident_look_ahead_ranges_done(world_look_ahead(world));
 	struct render_camera camera;
-	if (time > world_time(world) + motion_look_ahead_reach(world_look_ahead(world), world_time(world)))
+	if (time > world_time(world) + resident_look_ahead_reach(world_look_ahead(world), world_time(world)))
 		return STATUS_OK;
 	if (look->time == time && !come && time - world_time(world) > (time - look->made) / 2)
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(world_look_ahead(world));
+	view->exact = !resident_look_ahead_brings_ranges(world_look_ahead(world));
 	view->render->screen = this->screen;
 	enum status status;
 	TRY_OR(done, place(view, this, time, false, &camera));
@@ -225,16 +223,15 @@ static enum status write_all(struct view *view, const struct view_camera *this, 
 {
 	const unsigned images = this->camera->images;
 	const bool measures = scene_camera_measures(world_scene(view->world), this->camera);
-	enum status status = STATUS_OK;
 	if (images >> SCENE_IMAGE_COLOUR & 1)
-		status = write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR);
-	if (status == STATUS_OK && measures) {
-		status = render_measure(view->render, at, view->selection);
+		TRY(write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR));
+	if (measures) {
+		TRY(render_measure(view->render, at, view->selection));
 		render_view_count_tiles(view);
 	}
-	if (status == STATUS_OK && (images >> SCENE_IMAGE_DEPTH & 1))
-		status = write(view, this, at, pictures, frame, SCENE_IMAGE_DEPTH);
-	return status == STATUS_OK && (images & SCENE_IMAGES_MEASURED) ? write(view, this, at, pictures, frame, SCENE_IMAGE_NORMALS) : status;
+	if (images >> SCENE_IMAGE_DEPTH & 1)
+		TRY(write(view, this, at, pictures, frame, SCENE_IMAGE_DEPTH));
+	return images & SCENE_IMAGES_MEASURED ? write(view, this, at, pictures, frame, SCENE_IMAGE_NORMALS) : STATUS_OK;
 }
 
 static enum status tell_pose(struct view *view, const struct view_camera *this, const struct render_camera *camera, const struct render_poses *poses,
@@ -282,20 +279,19 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 {
 	const struct world *world = view->world;
 	bool set = false;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < view->camera_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < view->camera_count; i++) {
 		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world_scene(world)->time_step, world_steps_done(world));
 		if (frame < 0)
 			continue;
 		if (!set)
-			status = render_view_set_objects(view);
+			TRY(render_view_set_objects(view));
 		set = true;
 		view->render->screen = view->cameras[i].screen;
-		if (status == STATUS_OK)
-			status = draw(view, &view->cameras[i], pictures, poses, frame);
+		enum status status = draw(view, &view->cameras[i], pictures, poses, frame);
 		view->render->screen = &view->render->own;
+		TRY(status);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 uint64_t render_view_camera_frames(const struct view *view, size_t camera)
@@ -334,16 +330,14 @@ enum status render_view_make_cameras(struct view *view)
 	view->screens = mem_calloc(count, sizeof *view->screens);
 	if (view->cameras == NULL || view->screens == NULL)
 		return fail_memory("the cameras");
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++) {
 		view->cameras[i] = (struct view_camera){.camera = &scene->cameras[i], .ahead = {.time = -INFINITY}};
-		TRY_OR(done, find_screen(view, &view->cameras[i]));
+		TRY(find_screen(view, &view->cameras[i]));
 		if (scene_camera_measures(scene, &scene->cameras[i]))
-			TRY_OR(done, render_screen_measures(view->render, view->cameras[i].screen));
+			TRY(render_screen_measures(view->render, view->cameras[i].screen));
 	}
-done:
-	view->camera_count = status == STATUS_OK ? count : 0;
-	return status;
+	view->camera_count = count;
+	return STATUS_OK;
 }
 
 void render_view_free_cameras(struct view *view)
@@ -367,7 +361,8 @@ enum status render_cameras_folders(const struct scene *scene, const char *direct
 {
 	char path[RENDER_PATH];
 	snprintf(path, sizeof path, "%s/" RENDER_CAMERAS, directory);
-	TRY(scene->camera_count > 0 ? make_folder(path) : STATUS_OK);
+	if (scene->camera_count > 0)
+		TRY(make_folder(path));
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
 		snprintf(path, sizeof path, "%s/" RENDER_CAMERAS "/%s", directory, camera->name);

@@ -144,19 +144,19 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 	struct store_range range;
 	bool found;
 	uint64_t key = tile_key(tile);
-	enum status status = key_cache_find(&view->errors->bases, key, &known, &found);
-	*error = status == STATUS_OK && found ? known.a : 0;
-	if (status != STATUS_OK || found)
-		return status;
+	*error = 0;
+	TRY(key_cache_find(&view->errors->bases, key, &known, &found));
+	if (found) {
+		*error = known.a;
+		return STATUS_OK;
+	}
 	if (render_view_lacks_range(view, GROUND_BASE, tile)) {
 		/* Errors about halve from level to level. This guess avoids that all is divided until the error is known. */
-		status = base_error(view, tile_ancestor(tile, tile.level + 1), error);
+		TRY(base_error(view, tile_ancestor(tile, tile.level + 1), error));
 		*error /= 2;
-		return status;
+		return STATUS_OK;
 	}
-	status = resident_ground_base_range(world_resident(view->world)->ground, tile, &range);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_base_range(world_resident(view->world)->ground, tile, &range));
 	*error = range.error;
 	return key_cache_put(&view->errors->bases, key, range.error, 0);
 }
@@ -169,17 +169,16 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= world_resident(view->world)->level)
 		return STATUS_OK;
 	double low, high;
-	enum status status = render_view_stored_offsets(view, tile, &low, &high);
+	TRY(render_view_stored_offsets(view, tile, &low, &high));
 	resident_bounds_widen(&errors->bounds, tile, &low, &high);
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	if (status == STATUS_OK && (tile.level > store_finest_base(world_resident(view->world)->store) ||
-				    world_relief(view->world) != NULL))
-		status = base_error(view, tile, error);
+	if (tile.level > store_finest_base(world_resident(view->world)->store) || world_relief(view->world) != NULL)
+		TRY(base_error(view, tile, error));
 	double bend = 0;
-	if (status == STATUS_OK && tile.level <= 0 && tile.level > world_resident(view->world)->level)
-		status = render_view_bend(view, tile, &bend);
+	if (tile.level <= 0 && tile.level > world_resident(view->world)->level)
+		TRY(render_view_bend(view, tile, &bend));
 	*error += apart + bend;
-	return status;
+	return STATUS_OK;
 }

@@ -32,9 +32,7 @@ static enum status height_at(struct world *world, const struct body *body, const
 	*height = lattice_offset(point->z);
 	if (object->path.has_z)
 		return STATUS_OK;
-	enum status status = resident_ground_height(world_resident(world)->ground, point->qx, point->qy, &ground, known);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_height(world_resident(world)->ground, point->qx, point->qy, &ground, known));
 	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world_scene(world)->soils[0], object->load) : object->sink;
 	*height = *known ? ground + lattice_offset(soil_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
 			   body->last.z + body->raised;
@@ -74,7 +72,7 @@ enum status render_view_set_objects(struct view *view)
 		return fail_memory("the picture's objects");
 	size_t count = 0;
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->object_count; i++) {
 		bool known;
 		if (world_object_body(world, i)->track == NULL) { /* a host moves it */
 			if (render_view_body(view, i, &objects[count]))
@@ -83,10 +81,10 @@ enum status render_view_set_objects(struct view *view)
 		}
 		if (world_time(world) < motion_track_sample_time(world_object_body(world, i)->track, 0))
 			continue; /* its path has not begun */
-		status = render_view_object(view, i, &objects[count], &known);
-		count += status == STATUS_OK && known;
+		TRY_OR(done, render_view_object(view, i, &objects[count], &known));
+		count += known;
 	}
-	for (size_t i = 0; i < figures->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < figures->count; i++) {
 		struct render_object figure = {.object = scene->object_count + i, .posed = true};
 		if (!figures->places[i].there)
 			continue;
@@ -94,11 +92,11 @@ enum status render_view_set_objects(struct view *view)
 		memcpy(figure.axes, figures->places[i].axes, sizeof figure.axes);
 		objects[count++] = figure;
 	}
-	for (size_t i = 0; i < view->added_count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < view->added_count; i++)
 		if (render_view_body(view, (size_t)view->added[i], &objects[count]))
 			objects[count++].object = scene->object_count + figures->count + i;
-	if (status == STATUS_OK)
-		render_set_objects(view->render, objects, count);
+	render_set_objects(view->render, objects, count);
+done:
 	mem_free(objects);
 	return status;
 }

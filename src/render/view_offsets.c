@@ -71,21 +71,20 @@ static double deposit(const struct view *view)
 static enum status around(struct view *view, struct post_rect rect, double *low, double *high)
 {
 	struct tile first, last;
-	enum status status = STATUS_OK;
 	*low = *high = 0;
 	if (!tile_range_of(&world_resident(view->world)->meta->extent, world_resident(view->world)->level, rect, &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y; y++)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
+		for (uint32_t x = first.x; x <= last.x; x++) {
 			const struct tile tile = {world_resident(view->world)->level, x, y};
 			double lowest, highest;
-			status = render_view_stored_offsets(view, tile, &lowest, &highest);
+			TRY(render_view_stored_offsets(view, tile, &lowest, &highest));
 			if (view->contact.known)
 				resident_bounds_widen(&view->bounds, tile, &lowest, &highest);
 			*low = fmin(*low, lowest);
 			*high = fmax(*high, highest);
 		}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_view_offsets_contact(struct view *view, const struct contact_area *area)

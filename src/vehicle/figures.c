@@ -46,9 +46,9 @@ static enum status make_figure(const struct vehicle *vehicle, struct figure *fig
 		drawn->shape = (struct soil_shape){.kind = SOIL_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
 		return STATUS_OK;
 	}
-	enum status status = vehicle_make_mesh(model, figure->geom, &figure->mesh);
+	TRY(vehicle_make_mesh(model, figure->geom, &figure->mesh));
 	drawn->shape = (struct soil_shape){.kind = SOIL_MESH, .mesh = figure->mesh};
-	return status;
+	return STATUS_OK;
 }
 
 /* A frame for the root body of each vehicle, and one for each body that a camera of the scene names. */
@@ -74,16 +74,15 @@ enum status vehicle_make_figures(struct vehicles *vehicles)
 	if (vehicles->drawn == NULL || vehicles->figures == NULL || vehicles->places == NULL || vehicles->frames == NULL)
 		return fail_memory("the parts of a vehicle");
 	list_frames(vehicles);
-	enum status status = STATUS_OK;
 	for (size_t v = 0; v < vehicles->count; v++)
-		for (int i = 0; i < vehicles->list[v].model->ngeom && status == STATUS_OK; i++) {
+		for (int i = 0; i < vehicles->list[v].model->ngeom; i++) {
 			if (!is_shown(vehicles->list[v].model, i))
 				continue;
 			struct figure *figure = &vehicles->figures[vehicles->figure_count];
 			*figure = (struct figure){.vehicle = v, .geom = i};
-			status = make_figure(&vehicles->list[v], figure, &vehicles->drawn[vehicles->figure_count++]);
+			TRY(make_figure(&vehicles->list[v], figure, &vehicles->drawn[vehicles->figure_count++]));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 void vehicle_free_figures(struct vehicles *vehicles)

@@ -35,8 +35,7 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
 	for (int i = 0; i < PLACES; i++) {
 		int64_t height;
 		bool any;
-		TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]),
-					   &height, &any));
+		TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any));
 		all = all && any;
 		ground[i] = any ? lattice_offset_metres(height) : 0;
 	}
@@ -139,9 +138,9 @@ static enum status ask(struct vehicles *vehicles)
 			vehicles->numbers[count] = geom->number;
 			vehicles->states[count++] = geom->now;
 		}
-	enum status status = world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->contacts);
+	TRY(world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->contacts));
 	count = 0;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			geom->contact = vehicles->contacts[count++];
@@ -149,7 +148,7 @@ static enum status ask(struct vehicles *vehicles)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
 						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 /* A vehicle that leaves the terrain, or comes over a hole, ends the drive, unless the scene says skip. */
@@ -159,9 +158,9 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 	const double *at = geom->now.pose.position;
 	int64_t height;
 	bool any;
-	enum status status = resident_ground_height(world_resident(world)->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any);
-	if (status != STATUS_OK || any || world_scene(world)->outside == SCENE_SKIP)
-		return status;
+	TRY(resident_ground_height(world_resident(world)->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any));
+	if (any || world_scene(world)->outside == SCENE_SKIP)
+		return STATUS_OK;
 	return world_no_ground(world, geom->name, false, at[0], at[1], world_time(world));
 }
 

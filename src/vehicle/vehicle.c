@@ -28,6 +28,23 @@ static enum status make_lists(struct vehicles *vehicles)
 	return STATUS_OK;
 }
 
+/* Reads all models, and makes what is made of them once. */
+static enum status load(const struct scene *scene, struct vehicles *vehicles)
+{
+	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
+	if (vehicles->list == NULL)
+		return fail_memory("the vehicles");
+	for (size_t i = 0; i < scene->vehicle_count; i++) {
+		vehicles->count = i + 1;
+		vehicles->list[i].scene = &scene->vehicles[i];
+		TRY(vehicle_read(&vehicles->list[i], scene));
+	}
+	TRY(make_lists(vehicles));
+	TRY(vehicle_check_cameras(vehicles));
+	TRY(vehicle_between_create(vehicles));
+	return scene->view.present || scene->hosted ? vehicle_make_figures(vehicles) : STATUS_OK; /* a host may ask for pictures without a view */
+}
+
 enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 {
 	*out = NULL;
@@ -37,27 +54,13 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	if (vehicles == NULL)
 		return fail_memory("the vehicles");
 	vehicles->scene = scene;
-	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
-	enum status status = vehicles->list != NULL ? STATUS_OK : fail_memory("the vehicles");
-	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++) {
-		vehicles->count = i + 1;
-		vehicles->list[i].scene = &scene->vehicles[i];
-		status = vehicle_read(&vehicles->list[i], scene);
+	enum status status = load(scene, vehicles);
+	if (status != STATUS_OK) {
+		vehicle_destroy(vehicles);
+		return status;
 	}
-	if (status == STATUS_OK)
-		status = make_lists(vehicles);
-	if (status == STATUS_OK)
-		status = vehicle_check_cameras(vehicles);
-	if (status == STATUS_OK)
-		status = vehicle_between_create(vehicles);
-	if (status == STATUS_OK && (scene->view.present || scene->hosted)) /* a host may ask for pictures without a view */
-		status = vehicle_make_figures(vehicles);
-	if (status == STATUS_OK) {
-		*out = vehicles;
-		return STATUS_OK;
-	}
-	vehicle_destroy(vehicles);
-	return status;
+	*out = vehicles;
+	return STATUS_OK;
 }
 
 void vehicle_destroy(struct vehicles *vehicles)
@@ -97,27 +100,27 @@ static enum status add_body(struct world *world, struct soil_geom *geom)
 	if (object.name == NULL)
 		return fail_memory("a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
-	if (status == STATUS_OK)
-		world_body_quiet(world, geom->number);
-	else
+	if (status != STATUS_OK) {
 		mem_free(object.name);
-	return status;
+		return status;
+	}
+	world_body_quiet(world, geom->number);
+	return STATUS_OK;
 }
 
 enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 {
-	enum status status = vehicle_check_rasters(vehicles, world);
 	vehicles->world = world;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+	TRY(vehicle_check_rasters(vehicles, world));
+	for (size_t v = 0; v < vehicles->count; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
-		for (size_t g = 0; g < vehicle->geom_count && status == STATUS_OK; g++)
-			status = add_body(world, &vehicle->geoms[g]);
-		if (status == STATUS_OK)
-			status = vehicle_place_driver(vehicle, world);
+		for (size_t g = 0; g < vehicle->geom_count; g++)
+			TRY(add_body(world, &vehicle->geoms[g]));
+		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
-	if (status != STATUS_OK || recorded != NULL)
-		return status != STATUS_OK ? status : vehicle_restore(vehicles, recorded);
+	if (recorded != NULL)
+		return vehicle_restore(vehicles, recorded);
 	vehicle_save(vehicles, vehicles->record);
 	world_attach(world, vehicles->record);
 	vehicle_show(vehicles);
@@ -182,11 +185,10 @@ static enum deform_state state_of(enum world_contact_state state)
 /* Tells the world the forces that its rows of objects.csv have. */
 static enum status tell_forces(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
 	if (vehicles->scene->forces == 0)
 		return STATUS_OK;
 	for (size_t v = 0; v < vehicles->count; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			const struct world_contact *contact = &geom->contact;
 			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state)};
@@ -194,9 +196,9 @@ static enum status tell_forces(struct vehicles *vehicles)
 				force.sinkage = force.area = 0;
 			memcpy(force.force, geom->force, sizeof force.force);
 			memcpy(force.moment, geom->force + 3, sizeof force.moment);
-			status = world_body_tell(vehicles->world, geom->number, &geom->now, &force, isfinite(contact->slip) ? contact->slip : 0);
+			TRY(world_body_tell(vehicles->world, geom->number, &geom->now, &force, isfinite(contact->slip) ? contact->slip : 0));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- steps --- */

@@ -152,7 +152,7 @@ static enum status rewind_paths(struct world *world)
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		if (world->bodies[i].track != NULL)
 			next[count++] = world->bodies[i].next;
-	motion_look_ahead_rewind(world->ahead, next, world->time);
+	resident_look_ahead_rewind(world->ahead, next, world->time);
 	mem_free(next);
 	return STATUS_OK;
 }

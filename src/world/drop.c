@@ -39,8 +39,8 @@ enum status world_warm_drops(struct world *world)
 /* Finds the ground that it is set upon, as it is now, with ruts. */
 static enum status surface(struct world *world, double x, double y, int64_t *height, bool *any)
 {
-	const struct terrain_point point = {x, y};
-	struct terrain_height found = {.bilinear = NAN};
+	const struct resident_point point = {x, y};
+	struct resident_height found = {.bilinear = NAN};
 	*any = false;
 	TRY(world_heights(world, &point, 1, &found));
 	*any = !isnan(found.bilinear);

@@ -384,7 +384,7 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.picture_effect = scene_effect_row(EFFECT_PICTURE)->name,
 	};
 	resident_pages_plan(&planned, plan);
-	motion_look_ahead_plan(world->facts.limits.prefetch, scene->object_count, plan);
+	resident_look_ahead_plan(world->facts.limits.prefetch, scene->object_count, scene_effect_row(EFFECT_PREFETCH)->name, plan);
 }
 
 uint64_t world_samples_until(const struct track *track, double end)

@@ -10,13 +10,13 @@ static enum status need_newest(struct world *world)
 	return world->facts.limits.queries > 0 ? resident_newest_keep(world->resident.newest, world->facts.limits.queries) : STATUS_OK;
 }
 
-enum status world_heights(struct world *world, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status world_heights(struct world *world, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
 	TRY(need_newest(world));
 	return resident_newest_heights(world->resident.newest, points, count, heights);
 }
 
-enum status world_rays(struct world *world, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status world_rays(struct world *world, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
 	TRY(need_newest(world));
 	return resident_newest_rays(world->resident.newest, rays, count, hits);

@@ -24,7 +24,7 @@ static enum status all_that_can_fail(struct world *world, const struct step *ste
 {
 	TRY(agree(world, step));
 	TRY(page_cache_poll(world->resident.cache));
-	TRY(motion_look_ahead_step(world->ahead, world->time));
+	TRY(resident_look_ahead_step(world->ahead, world->time));
 	return world_begin_run(world);
 }
 
@@ -123,7 +123,7 @@ static enum status record(struct world *world, const struct step *step)
 	world->events.count = 0;
 	if (world->ranks != NULL)
 		world_pass_elsewhere(world, step->until);
-	motion_look_ahead_tell(world->ahead, step->until);
+	resident_look_ahead_tell(world->ahead, step->until);
 	return world_end_or_wait(world);
 }
 

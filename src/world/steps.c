@@ -70,7 +70,7 @@ enum status world_begin(struct world *world)
 {
 	world_enter(world, WORLD_READY);
 	world_intervals_from(world, world->time);
-	motion_look_ahead_begin(world->ahead, world->facts.resumed.time);
+	resident_look_ahead_begin(world->ahead, world->facts.resumed.time);
 	page_cache_hold(world->resident.cache, true);
 	if (!world->facts.resumed.is)
 		TRY(world_fill_record(world));
@@ -136,7 +136,7 @@ enum status world_move_hosts(struct world *world)
 enum status world_idle(struct world *world)
 {
 	TRY(page_cache_poll(world->resident.cache));
-	TRY(motion_look_ahead_step(world->ahead, world->time));
+	TRY(resident_look_ahead_step(world->ahead, world->time));
 	return page_cache_end_step(world->resident.cache, world->record);
 }
 

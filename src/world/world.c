@@ -91,7 +91,7 @@ static enum status start_look_ahead(struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (world->bodies[i].track != NULL)
-			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next,
+			bodies[count++] = (struct look_ahead_body){motion_track_ahead(world->bodies[i].track), &world->bodies[i].object->shape, world->bodies[i].next,
 									&world->bodies[i].elsewhere};
 	uint32_t tiles = world->facts.limits.ground;
 	bool follows = scene->view.present && scene->view.aim.kind != SCENE_FIXED && scene->view.aim.vehicle == 0 && scene->object_count > 0 &&
@@ -109,7 +109,7 @@ static enum status start_look_ahead(struct world *world)
 		.prefetch = world->facts.limits.prefetch,
 		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
-	enum status status = motion_look_ahead_create(&params, &world->ahead);
+	enum status status = resident_look_ahead_create(&params, &world->ahead);
 	mem_free(bodies);
 	return status;
 }
@@ -287,8 +287,8 @@ static enum status take_wishes(void *user, struct requests *requests)
 {
 	struct world *world = user;
 	for (size_t i = 0; i < world->wishes.count; i++)
-		TRY(motion_requests_add(requests, world->wishes.requests[i].key, world->wishes.requests[i].time));
-	motion_requests_clear(&world->wishes);
+		TRY(resident_requests_add(requests, world->wishes.requests[i].key, world->wishes.requests[i].time));
+	resident_requests_clear(&world->wishes);
 	return STATUS_OK;
 }
 
@@ -344,7 +344,7 @@ enum status world_start_drawing(struct world *world)
 
 static void serve(struct world *world)
 {
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
+	resident_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
 					       .surface = world_changes_ground(world) ? &world->surface : NULL,
 					       .extent = &world->resident.meta->extent,
 					       .level = world->resident.level,
@@ -377,7 +377,7 @@ enum status world_warm(struct world *world)
 	TRY(ranks != NULL ? ranks->step(ranks->user, world_step_time(world->scene, world->step + 1), warmed) : warmed);
 	serve(world);
 	const double began = clock_seconds();
-	TRY(motion_look_ahead_first(world->ahead, world->time, world->params.stop));
+	TRY(resident_look_ahead_first(world->ahead, world->time, world->params.stop));
 	world->counts.warmed.load_ms = (clock_seconds() - began) * 1e3;
 	world_enter(world, WORLD_WARM);
 	return STATUS_OK;
@@ -402,7 +402,7 @@ void world_stop(struct world *world)
 		return;
 	if (world->phase != WORLD_ENDED)
 		world_enter(world, WORLD_ENDED);
-	motion_look_ahead_stop(world->ahead);
+	resident_look_ahead_stop(world->ahead);
 	if (world->resident.pages != NULL)
 		resident_pages_stop(world->resident.pages);
 }
@@ -418,10 +418,10 @@ void world_finish(struct world *world, enum status status)
 {
 	if (world == NULL)
 		return;
-	motion_look_ahead_stop(world->ahead);
+	resident_look_ahead_stop(world->ahead);
 	resident_newest_destroy(world->resident.newest);
 	resident_pages_destroy(world->resident.pages);
-	motion_look_ahead_destroy(world->ahead);
+	resident_look_ahead_destroy(world->ahead);
 	resident_soil_map_close(world->resident.soil_map);
 	world_relief_close(world->relief);
 	resident_soil_rasters_close(world->resident.soil_rasters);
@@ -443,7 +443,7 @@ void world_finish(struct world *world, enum status status)
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
 	world_happened_finish(world);
-	motion_requests_finish(&world->wishes);
+	resident_requests_finish(&world->wishes);
 	mem_free(world->rows.list);
 	mem_free(world->events.list);
 	mem_free(world->events.ahead);

@@ -28,7 +28,6 @@
 #include "resident/resident.h"
 #include "scene/scene.h"
 #include "store/store.h"
-#include "terrain/terrain.h"
 #include "world/body.h"
 #include "world/events.h"
 #include "world/facts.h"
@@ -193,11 +192,11 @@ enum status world_changes_since(struct world *world, uint64_t since, struct post
  * --- queries ---
  *
  * Call them between two steps. They give the newest ground, with the changes of the last step. They never change results. For
- * heights and rays see terrain/terrain.h. One call for many points is faster than many calls.
+ * heights and rays see resident/heights.h. One call for many points is faster than many calls.
  */
-enum status world_heights(struct world *world, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status world_heights(struct world *world, const struct resident_point *points, size_t count, struct resident_height *heights)
 	FURROW_CHECKED;
-enum status world_rays(struct world *world, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+enum status world_rays(struct world *world, const struct resident_ray *rays, size_t count, struct resident_hit *hits) FURROW_CHECKED;
 /* As resident_read_posts. */
 enum status world_read_posts(struct world *world, enum store_layer layer, int level, struct post_rect rect, double *values)
 	FURROW_CHECKED;
