@@ -154,6 +154,7 @@ static enum status drop_often(struct guest *guest, struct drive *drive, struct d
 		must(drive_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
 	must(drive_heights(drive, &point, 1, &height));
 	assert_true(height.height < 90);
+	must(render_view_update(drive->view));
 	assert_true(drive->view->reach >= 100 - height.height);
 	return STATUS_OK;
 }
