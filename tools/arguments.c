@@ -140,8 +140,7 @@ static enum status check_count(const struct arguments *arguments)
 enum status arguments_parse(const struct command *command, int argc, char **argv, struct arguments **out)
 {
 	struct arguments *arguments = mem_calloc(1, sizeof *arguments);
-	if (arguments == NULL)
-		return fail_memory("arguments");
+	TRY_MEM(arguments, "arguments");
 	arguments->command = command;
 	arguments->positional = mem_calloc((size_t)argc + 1, sizeof *arguments->positional);
 	arguments->given = mem_calloc((size_t)argc + 1, sizeof *arguments->given);

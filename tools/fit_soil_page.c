@@ -56,8 +56,7 @@ static enum status add_dots(struct page *page, size_t group, bool residuals)
 {
 	struct fit_row *rows = mem_alloc(page->table->count, sizeof *rows);
 	size_t count = 0;
-	if (rows == NULL)
-		return fail_memory("a page");
+	TRY_MEM(rows, "a page");
 	for (size_t i = 0; i < page->table->count; i++)
 		if (fit_table_group(page->table, &page->table->rows[i]) == group)
 			rows[count++] = page->table->rows[i];
@@ -211,8 +210,7 @@ static enum status write_soil(const struct fit_soil *fit, FILE *file)
 	char *text = NULL;
 	size_t size = 0;
 	FILE *memory = open_memstream(&text, &size);
-	if (memory == NULL)
-		return fail_memory("a page");
+	TRY_MEM(memory, "a page");
 	fit_soil_block(fit, memory);
 	const bool whole = fclose(memory) == 0;
 	fputs("<section id=\"soil\"><h2>soil of a scene</h2>\n<pre>", file);

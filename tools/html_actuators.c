@@ -12,15 +12,13 @@ enum status html_actuators_find(struct html_actuators *actuators, char *const *n
 {
 	actuators->cells = mem_calloc(count + 1, sizeof *actuators->cells);
 	actuators->names = mem_calloc(count + 1, sizeof *actuators->names);
-	if (actuators->cells == NULL || actuators->names == NULL)
-		return fail_memory("the rows of a drive");
+	TRY_MEM(actuators->cells != NULL && actuators->names != NULL, "the rows of a drive");
 	for (size_t i = 0; i < count; i++) {
 		if (strncmp(names[i], "f:", 2) != 0)
 			continue;
 		actuators->cells[actuators->count] = i;
 		actuators->names[actuators->count] = mem_strdup(names[i] + 2);
-		if (actuators->names[actuators->count++] == NULL)
-			return fail_memory("the rows of a drive");
+		TRY_MEM(actuators->names[actuators->count++], "the rows of a drive");
 	}
 	return STATUS_OK;
 }
@@ -65,8 +63,7 @@ enum status html_actuators_take(const struct html_actuators *actuators, char *co
 		if (end == cell || *end != '\0') /* the vehicle has no such actuator */
 			continue;
 		struct html_body *curve = curve_of(bodies, vehicle->name, actuators->names[i]);
-		if (curve == NULL)
-			return fail_memory("the rows of a drive");
+		TRY_MEM(curve, "the rows of a drive");
 		bodies->there = true;
 		TRY(add(curve, vehicle, isfinite(force) ? force : (double)NAN));
 	}

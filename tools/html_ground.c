@@ -101,8 +101,7 @@ static enum status draw(struct html_map *map, struct chart_range range)
 	free(map->bytes);
 	map->bytes = NULL;
 	FILE *file = open_memstream(&map->bytes, &length);
-	if (file == NULL)
-		return fail_memory("a map");
+	TRY_MEM(file, "a map");
 	enum status status = chart_ground_write(&chart, "a map", file, &told);
 	if (fclose(file) != 0 && status == STATUS_OK)
 		status = fail_memory("a map");

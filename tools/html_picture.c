@@ -35,8 +35,7 @@ static enum status write_png(const uint8_t *pixels, const char *path, struct htm
 	if (!png_image_write_to_memory(&image, NULL, &size, 0, pixels, 0, NULL))
 		return no_picture(path, image.message);
 	out->png = mem_alloc(size, 1);
-	if (out->png == NULL)
-		return fail_memory("a picture");
+	TRY_MEM(out->png, "a picture");
 	if (!png_image_write_to_memory(&image, out->png, &size, 0, pixels, 0, NULL))
 		return no_picture(path, image.message);
 	out->length = size;

@@ -52,8 +52,7 @@ static enum status read_ways(struct html_run *run, const char *list)
 		if (!cJSON_IsArray(cJSON_GetArrayItem(way, 0)))
 			continue;
 		struct html_body *body = html_bodies_add(&run->ways, object->string);
-		if (body == NULL)
-			return fail_memory("the ways of a drive");
+		TRY_MEM(body, "the ways of a drive");
 		TRY(take_way(way, body));
 	}
 	run->ways.there = run->ways.count > 0;

@@ -108,8 +108,7 @@ static enum status sample(struct store_reader *reader, const struct extent *exte
 {
 	const double spacing = extent_spacing(extent, level);
 	double *room = mem_alloc((size_t)(PART + 3) * (PART + 3), sizeof *room);
-	if (room == NULL)
-		return fail_memory("a rut profile");
+	TRY_MEM(room, "a rut profile");
 	for (size_t i = 0; i < rut->count; i++)
 		rut->across[i] = ((double)i - (double)(rut->count / 2)) * spacing;
 	enum status status = STATUS_OK;
@@ -206,8 +205,7 @@ enum status html_rut_read(const struct html_run *run, struct html_rut *out)
 	out->count = 2 * (size_t)fmin(half, HALF_MOST) + 1;
 	out->across = mem_alloc(out->count, sizeof *out->across);
 	out->change = mem_alloc(out->count, sizeof *out->change);
-	if (out->across == NULL || out->change == NULL)
-		return fail_memory("a rut profile");
+	TRY_MEM(out->across != NULL && out->change != NULL, "a rut profile");
 	return from_store(run, path, spacing, out);
 }
 

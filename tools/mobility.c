@@ -78,8 +78,7 @@ static enum status load_model(const struct asked *asked, struct scene **scene)
 	char *text = NULL;
 	size_t length;
 	FILE *stream = open_memstream(&text, &length);
-	if (stream == NULL)
-		return fail_memory("a scene");
+	TRY_MEM(stream, "a scene");
 	fprintf(stream, "scene: 1\ntime_step: 0.0001\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
 			"vehicles:\n  - {name: vehicle, model: \"%s\", start: {at: [0, 0]}}\n", asked->model);
 	if (fclose(stream) != 0) {
@@ -201,8 +200,7 @@ static enum status make_tables(struct asked *asked)
 	asked->table = mem_calloc(1, sizeof *asked->table);
 	asked->columns = mem_calloc((size_t)asked->samples + 1, sizeof *asked->columns);
 	asked->curves = mem_calloc(1, sizeof *asked->curves);
-	if (asked->table == NULL || asked->columns == NULL || asked->curves == NULL)
-		return fail_memory("tables of slopes");
+	TRY_MEM(asked->table != NULL && asked->columns != NULL && asked->curves != NULL, "tables of slopes");
 	enum status status = measure(asked, NULL);
 	if (status == STATUS_OK)
 		trials_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);

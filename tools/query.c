@@ -266,8 +266,7 @@ static enum status ask(struct asking *asking, struct store *store, const struct 
 	if (arguments_flag(arguments, "json")) {
 		asking->points = cJSON_CreateArray();
 		asking->rays = cJSON_CreateArray();
-		if (asking->points == NULL || asking->rays == NULL)
-			return fail_memory("JSON");
+		TRY_MEM(asking->points != NULL && asking->rays != NULL, "JSON");
 	}
 	TRY(told ? ask_arguments(asking, arguments) : ask_lines(asking));
 	return asking->points != NULL ? print_json(asking) : STATUS_OK;

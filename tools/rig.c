@@ -92,8 +92,7 @@ static enum status read_list(const struct arguments *arguments, const char *opti
 	if (given == NULL)
 		return STATUS_OK;
 	char *text = mem_strdup(given), *rest = text, *item;
-	if (text == NULL)
-		return fail_memory("a list");
+	TRY_MEM(text, "a list");
 	enum status status = STATUS_OK;
 	while (status == STATUS_OK && (item = strsep(&rest, ",")) != NULL)
 		status = read_item(option, item, list, count);
@@ -117,8 +116,7 @@ static enum status add_soil(struct asked *asked, const char *given)
 		if (strcmp(soil->label, asked->labels[i]) == 0 && strcmp(soil->label, given) != 0) {
 			mem_free(soil->label);
 			soil->label = mem_strdup(given);
-			if (soil->label == NULL)
-				return fail_memory("a soil");
+			TRY_MEM(soil->label, "a soil");
 		}
 	asked->soils[count] = soil->text;
 	asked->labels[count] = soil->label;
@@ -163,8 +161,7 @@ static enum status keep(void *user, const struct rig_row *row)
 	if (table->count == asked->room) {
 		const size_t room = asked->room > 0 ? 2 * asked->room : 64;
 		struct rig_row *rows = mem_realloc(table->rows, room, sizeof *rows);
-		if (rows == NULL)
-			return fail_memory("the rig's rows");
+		TRY_MEM(rows, "the rig's rows");
 		table->rows = rows;
 		asked->room = room;
 	}
@@ -289,8 +286,7 @@ static enum status join_settings(const struct settings *settings, char **out)
 	for (size_t i = 0; i < settings->count; i++)
 		room += strlen(settings->list[i].key) + strlen(settings->list[i].value) + 2;
 	char *at = *out = mem_alloc(room, 1);
-	if (at == NULL)
-		return fail_memory("settings");
+	TRY_MEM(at, "settings");
 	*at = '\0';
 	for (size_t i = 0; i < settings->count; i++)
 		at += sprintf(at, "%s=%s\n", settings->list[i].key, settings->list[i].value);
@@ -308,8 +304,7 @@ static enum status run(const struct arguments *arguments)
 {
 	struct settings settings = {.count = 0};
 	struct asked *asked = mem_calloc(1, sizeof *asked);
-	if (asked == NULL)
-		return fail_memory("the rig");
+	TRY_MEM(asked, "the rig");
 	struct rig_params *params = &asked->params;
 	*params = (struct rig_params){.soils = asked->soils, .loads = asked->loads, .slips = asked->slips, .torques = asked->torques, .stop = &interrupted,
 				      .progress = progress_rig, .advise = true, .user = asked};

@@ -9,8 +9,7 @@ static enum status add(struct settings *settings, const char *key, size_t length
 {
 	const size_t room = strlen(value) + 1;
 	char *copy = mem_alloc(length + 1 + room, 1);
-	if (copy == NULL)
-		return fail_memory("settings");
+	TRY_MEM(copy, "settings");
 	memcpy(copy, key, length);
 	copy[length] = '\0';
 	memcpy(copy + length + 1, value, room);

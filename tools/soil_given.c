@@ -57,8 +57,7 @@ static enum status write_value(const struct scene *scene, char **out)
 	char *text = NULL;
 	size_t size = 0, count = 0;
 	FILE *stream = open_memstream(&text, &size);
-	if (stream == NULL)
-		return fail_memory("a soil");
+	TRY_MEM(stream, "a soil");
 	for (size_t i = 0; i < scene->value_count; i++)
 		if (strncmp(scene->values[i].key, key, strlen(key)) == 0)
 			fprintf(stream, "%s%s: %s", count++ > 0 ? ", " : "{", scene->values[i].key + strlen(key), scene->values[i].text);
@@ -116,8 +115,7 @@ enum status soil_given_of_scene(const struct scene *scene, const char *path, str
 	const size_t room = strlen(name) + strlen(path) + 8;
 	mem_free(plain);
 	soil->label = mem_alloc(room, 1);
-	if (soil->text == NULL || soil->label == NULL)
-		return fail_memory("a soil");
+	TRY_MEM(soil->text != NULL && soil->label != NULL, "a soil");
 	snprintf(soil->label, room, own ? "%s of %s" : "%s", name, path);
 	return STATUS_OK;
 }

@@ -183,8 +183,7 @@ enum status study_collect(struct study *study)
 {
 	const size_t count = study->run_count * study->result_count;
 	struct study_cell *cells = mem_calloc(count, sizeof *cells);
-	if (cells == NULL)
-		return fail_memory("results of the study");
+	TRY_MEM(cells, "results of the study");
 	for (size_t i = 0; i < count; i++)
 		cells[i].number = NAN;
 	enum status status;

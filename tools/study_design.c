@@ -46,13 +46,11 @@ static enum status expand_ranges(struct study *study)
 		if (parameter->values != NULL)
 			continue;
 		parameter->values = mem_calloc(parameter->value_count, sizeof *parameter->values);
-		if (parameter->values == NULL)
-			return fail_memory("values of the study");
+		TRY_MEM(parameter->values, "values of the study");
 		for (size_t k = 0; k < parameter->value_count; k++) {
 			parameter->values[k] =
 				number_text(study, range_at(parameter, (double)k / (double)(parameter->value_count - 1)));
-			if (parameter->values[k] == NULL)
-				return fail_memory("values of the study");
+			TRY_MEM(parameter->values[k], "values of the study");
 		}
 	}
 	return STATUS_OK;
@@ -148,8 +146,7 @@ enum status study_expand(struct study *study)
 		study->run_count = study->parameters[0].value_count;
 	study->values = mem_calloc(study->run_count * study->parameter_count, sizeof *study->values);
 	study->runs = mem_calloc(study->run_count, sizeof *study->runs);
-	if (study->values == NULL || study->runs == NULL)
-		return fail_memory("runs of the study");
+	TRY_MEM(study->values != NULL && study->runs != NULL, "runs of the study");
 	if (study->design == STUDY_HYPERCUBE)
 		return fill_hypercube(study);
 	if (study->design == STUDY_GRID)

@@ -280,8 +280,7 @@ enum status study_plot_write(const struct study *study, const struct study_plot 
 	struct plot plot;
 	TRY(group(study, wanted, study->root, &plot));
 	plot.dots = mem_calloc(study->run_count, sizeof *plot.dots);
-	if (plot.dots == NULL)
-		return fail_memory("a plot of the study");
+	TRY_MEM(plot.dots, "a plot of the study");
 	take_dots(&plot, cells);
 	make_axes(&plot);
 	write_all(&plot, file);

@@ -107,8 +107,7 @@ enum status study_read_results(struct study *study)
 				*plots = scene_node_child(study->root, "plots");
 	study->results = mem_calloc(STUDY_RESULTS, sizeof *study->results);
 	study->plots = mem_calloc(STUDY_PLOTS, sizeof *study->plots);
-	if (study->results == NULL || study->plots == NULL)
-		return fail_memory("results of the study");
+	TRY_MEM(study->results != NULL && study->plots != NULL, "results of the study");
 	if (results != NULL && (results->kind != SCENE_MAPPING || results->count > STUDY_RESULTS))
 		return scene_error(study->file, results, "is no mapping; allowed: up to %d names, with what each is",
 				   STUDY_RESULTS);

@@ -60,8 +60,7 @@ enum status study_arguments(struct study *study, size_t run, const char ***out)
 	char folder[PATH_MAX], overlay[PATH_MAX];
 	TRY(study_settings(study, run, &settings, &store));
 	const char **list = mem_calloc(12 + 2 * settings.count, sizeof *list);
-	if (list == NULL)
-		return fail_memory("arguments of a run");
+	TRY_MEM(list, "arguments of a run");
 	size_t count = 0;
 	const char *first[] = {study->program,
 			       "drive",
@@ -158,8 +157,7 @@ static enum status check_differ(const struct study *study, struct study_run *con
 static enum status keep_folders(const struct study *study, const char *runs)
 {
 	struct study_run **sorted = mem_calloc(study->run_count, sizeof *sorted);
-	if (sorted == NULL)
-		return fail_memory("names of runs");
+	TRY_MEM(sorted, "names of runs");
 	for (size_t i = 0; i < study->run_count; i++)
 		sorted[i] = &study->runs[i];
 	qsort(sorted, study->run_count, sizeof *sorted, by_hash);

@@ -101,8 +101,7 @@ enum status study_manifest(const struct study *study)
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	char *text = manifest_text(study);
-	if (text == NULL)
-		return fail_memory("study.json");
+	TRY_MEM(text, "study.json");
 	snprintf(path, sizeof path, "%.4000s/study.json", study->directory);
 	enum status status;
 	TRY_OR(done, aside_begin(&aside, path));
@@ -137,8 +136,7 @@ static enum status read_copy(struct study *study, const char *directory, const c
 {
 	const size_t room = strlen(directory) + sizeof "/study.yaml";
 	char *copy = mem_alloc(room, 1);
-	if (copy == NULL)
-		return fail_memory("paths of the study");
+	TRY_MEM(copy, "paths of the study");
 	snprintf(copy, room, "%s/study.yaml", directory);
 	enum status status = study_read(copy, file, study);
 	const bool kept = study_keep(study, copy) != NULL;

@@ -221,8 +221,7 @@ static enum status check_and_run(struct work *work, int jobs)
 {
 	struct study *study = work->study;
 	work->jobs = mem_calloc((size_t)jobs, sizeof *work->jobs);
-	if (work->jobs == NULL)
-		return fail_memory("jobs of the study");
+	TRY_MEM(work->jobs, "jobs of the study");
 	interrupt_catch();
 	progress_start(&work->progress, "study", "runs");
 	for (size_t run = 0; run < study->run_count && !work->checked; run++)

@@ -77,8 +77,7 @@ static enum status write_rows(struct making *making, const char *path, struct de
 	const struct dem_synth *synth = &making->synth;
 	const int64_t most = ((int64_t)1 << 20) / synth->width, band = most < 1 ? 1 : most > 64 ? 64 : most; /* rows */
 	double *heights = mem_alloc((size_t)synth->width * (size_t)band, sizeof *heights);
-	if (heights == NULL)
-		return fail_memory("synthetic rows");
+	TRY_MEM(heights, "synthetic rows");
 	struct progress progress;
 	progress_start(&progress, path, "rows");
 	enum status status = STATUS_OK;

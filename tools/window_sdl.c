@@ -50,8 +50,7 @@ enum status window_open(const char *title, int width, int height, struct window 
 {
 	TRY(sdl_load());
 	struct window *window = mem_calloc(1, sizeof *window);
-	if (window == NULL)
-		return fail_memory("a window");
+	TRY_MEM(window, "a window");
 	sdl.SetMainReady();
 	sdl.SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1"); /* Ctrl-C is the command's own */
 	/* The environment may ask for a renderer, even one that does not exist. The window needs none. */

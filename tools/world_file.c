@@ -26,8 +26,7 @@ enum status world_file_write(const char *picture, const struct store_meta *meta,
 	const size_t length = strlen(picture), stem = length - strlen(".png");
 	struct aside lines = {.path = NULL}, system = {.path = NULL};
 	char *names = mem_alloc(2, length + sizeof ".aux.xml");
-	if (names == NULL)
-		return fail_memory("a world file");
+	TRY_MEM(names, "a world file");
 	char *lines_name = names, *system_name = names + length + sizeof ".aux.xml";
 	snprintf(lines_name, length + 1, "%.*s.pgw", (int)stem, picture);
 	snprintf(system_name, length + sizeof ".aux.xml", "%s.aux.xml", picture);

@@ -14,8 +14,7 @@ enum status aside_name(struct aside *aside, const char *path)
 {
 	size_t room = strlen(path) + sizeof ".part";
 	*aside = (struct aside){.path = path, .part = mem_alloc(room, 1)};
-	if (aside->part == NULL)
-		return fail_memory(path);
+	TRY_MEM(aside->part, path);
 	snprintf(aside->part, room, "%s.part", path);
 	return STATUS_OK;
 }

@@ -91,8 +91,7 @@ static void *live(void *argument)
 enum status crew_create(size_t members, const char *name, crew_hook_fn enter, crew_hook_fn leave, struct crew **out)
 {
 	struct crew *crew = mem_calloc(1, sizeof *crew);
-	if (crew == NULL)
-		return fail_memory("threads");
+	TRY_MEM(crew, "threads");
 	crew->enter = enter;
 	crew->leave = leave;
 	mutex_init(&crew->mutex);

@@ -23,8 +23,7 @@ enum status key_map_put(struct key_map *map, uint64_t key, double a, double b)
 	if (map->keys.count == map->room) {
 		const size_t room = map->room != 0 ? 2 * map->room : 128;
 		struct key_pair *pairs = mem_realloc(map->pairs, room, sizeof *pairs);
-		if (pairs == NULL)
-			return fail_memory("a table of tiles");
+		TRY_MEM(pairs, "a table of tiles");
 		map->pairs = pairs;
 		map->room = room;
 	}

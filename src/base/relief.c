@@ -249,8 +249,7 @@ enum status relief_heights(const struct relief *relief, int level, int from, str
 	enum status status = STATUS_OK;
 	if (relief->classes > 1) {
 		classes = mem_alloc(bytes, 1);
-		if (classes == NULL)
-			return fail_memory("relief");
+		TRY_MEM(classes, "relief");
 		TRY_OR(done, read_classes(relief, level, rect, bands, count, classes));
 	}
 	fill_rows(bands, count, bands[0].depth, rect, heights);

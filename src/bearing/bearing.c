@@ -55,8 +55,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 {
 	struct bearing *bearing = mem_calloc(1, sizeof *bearing);
 	*out = bearing;
-	if (bearing == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(bearing, "bearing soil");
 	const struct extent *extent = params->extent;
 	bearing->main = bearing;
 	bearing->params = *params;
@@ -75,8 +74,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 		TRY(bearing_members_need(bearing, 1));
 	if (params->loaded_bodies > 0) {
 		bearing->standing = mem_calloc(params->loaded_bodies, sizeof *bearing->standing);
-		if (bearing->standing == NULL)
-			return fail_memory("bearing soil");
+		TRY_MEM(bearing->standing, "bearing soil");
 	}
 	return STATUS_OK;
 }

@@ -157,8 +157,7 @@ static enum status claim(struct bearing *bearing, const struct bearing_contact *
 		mem_free(bearing->claims);
 		bearing->claim_room = 0;
 		bearing->claims = mem_alloc(posts, sizeof *bearing->claims);
-		if (bearing->claims == NULL)
-			return fail_memory("bearing soil");
+		TRY_MEM(bearing->claims, "bearing soil");
 		bearing->claim_room = posts;
 	}
 	memset(bearing->claims, 0, posts * sizeof *bearing->claims);

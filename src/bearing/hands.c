@@ -33,13 +33,11 @@ enum status bearing_hands_need(struct bearing *bearing, size_t count)
 	if (count <= bearing->hand_count + 1)
 		return STATUS_OK;
 	struct bearing **hands = mem_realloc(bearing->hands, count - 1, sizeof *hands);
-	if (hands == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(hands, "bearing soil");
 	bearing->hands = hands;
 	while (bearing->hand_count + 1 < count) {
 		struct bearing *hand = hand_of(bearing);
-		if (hand == NULL)
-			return fail_memory("bearing soil");
+		TRY_MEM(hand, "bearing soil");
 		bearing->hands[bearing->hand_count++] = hand;
 	}
 	return STATUS_OK;

@@ -50,8 +50,7 @@ enum status bearing_hold_begin(struct bearing *bearing, const struct deform_rest
 	bearing->held_tallest = 0;
 	if (count > bearing->held_room) {
 		struct bearing_held *held = mem_realloc(bearing->held, count, sizeof *held);
-		if (held == NULL)
-			return fail_memory("relaxation");
+		TRY_MEM(held, "relaxation");
 		bearing->held = held;
 		bearing->held_room = count;
 	}

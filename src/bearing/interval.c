@@ -37,8 +37,7 @@ static enum status add_region(struct bearing *bearing, struct post_rect blocks)
 	if (bearing->region_count == bearing->region_room) {
 		const size_t room = bearing->region_room > 0 ? 2 * bearing->region_room : 16;
 		struct bearing_region *regions = mem_realloc(bearing->regions, room, sizeof *regions);
-		if (regions == NULL)
-			return fail_memory("relaxation");
+		TRY_MEM(regions, "relaxation");
 		bearing->regions = regions;
 		bearing->region_room = room;
 	}
@@ -63,8 +62,7 @@ static enum status cut(struct bearing *bearing)
 	const int64_t cells = bearing->params.extent->cells;
 	struct soil_block *blocks = mem_alloc(count, sizeof *blocks);
 	enum status status = STATUS_OK;
-	if (blocks == NULL)
-		return fail_memory("relaxation");
+	TRY_MEM(blocks, "relaxation");
 	memcpy(blocks, bearing->active.blocks, count * sizeof *blocks);
 	qsort(blocks, count, sizeof *blocks, by_row);
 	for (size_t first = 0, last; first < count; first = last) {
@@ -92,8 +90,7 @@ static enum status need_results(struct bearing *bearing)
 	mem_free(bearing->memory);
 	bearing->memory_room = 0;
 	bearing->memory = mem_alloc(numbers, sizeof *bearing->memory);
-	if (bearing->memory == NULL)
-		return fail_memory("relaxation");
+	TRY_MEM(bearing->memory, "relaxation");
 	bearing->memory_room = numbers;
 	return STATUS_OK;
 }

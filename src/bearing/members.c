@@ -22,16 +22,13 @@ enum status bearing_members_need(struct bearing *bearing, size_t count)
 	if (count <= bearing->member_room)
 		return STATUS_OK;
 	struct bearing_member *members = mem_realloc(bearing->members, count, sizeof *members);
-	if (members == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(members, "bearing soil");
 	bearing->members = members;
 	const struct soil_work **others = mem_realloc(bearing->others, count, sizeof *others);
-	if (others == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(others, "bearing soil");
 	bearing->others = others;
 	struct deform_rest *rests = mem_realloc(bearing->rests, count, sizeof *rests);
-	if (rests == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(rests, "bearing soil");
 	bearing->rests = rests;
 	for (; bearing->member_room < count; bearing->member_room++) {
 		struct bearing_member *member = &members[bearing->member_room];

@@ -30,8 +30,7 @@ enum status chart_ground_write(const struct chart_map *map, const char *name, FI
 	*out = (struct chart_ground){.holes = chart_relief_has_holes(map)};
 	TRY(chart_relief_range(map, &out->range, out->beyond));
 	uint32_t *pixels = mem_alloc((size_t)frame.width * frame.height, sizeof *pixels);
-	if (pixels == NULL)
-		return fail_memory("a map");
+	TRY_MEM(pixels, "a map");
 	const struct picture picture = {pixels, frame.width, frame.height};
 	const struct chart_png png = {frame.width, frame.height, 8, 3, put, &picture, .srgb = true, .small = true};
 	chart_relief_fill(map, &out->range, &frame, pixels, frame.width);

@@ -280,8 +280,7 @@ static enum status draw_ground(struct chart_page *page, const struct layout *lay
 {
 	const struct chart_frame *frame = &layout->frame;
 	uint32_t *pixels = mem_alloc((size_t)frame->width * frame->height, sizeof *pixels);
-	if (pixels == NULL)
-		return fail_memory("a map");
+	TRY_MEM(pixels, "a map");
 	chart_relief_fill(layout->map, &layout->legend.range, frame, pixels, frame->width);
 	enum status status = chart_page_image(page, pixels, frame->width, frame->height, &frame->rect);
 	mem_free(pixels);

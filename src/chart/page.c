@@ -102,8 +102,7 @@ static enum status open_picture(struct chart_page *page)
 {
 	const int stride = cairo_format_stride_for_width(CAIRO_FORMAT_RGB24, (int)page->columns);
 	page->pixels = mem_calloc(page->rows, (size_t)stride);
-	if (page->pixels == NULL)
-		return fail_memory("a map");
+	TRY_MEM(page->pixels, "a map");
 	page->surface =
 		cairo_image_surface_create_for_data(page->pixels, CAIRO_FORMAT_RGB24, (int)page->columns, (int)page->rows, stride);
 	return STATUS_OK;

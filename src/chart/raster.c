@@ -21,8 +21,7 @@ static enum status add_key(struct key_list *list, uint64_t key)
 	if (list->count == list->room) {
 		size_t room = list->room > 0 ? 2 * list->room : 256;
 		uint64_t *more = mem_realloc(list->keys, room, sizeof *more);
-		if (more == NULL)
-			return fail_memory("a map's tiles");
+		TRY_MEM(more, "a map's tiles");
 		list->keys = more;
 		list->room = room;
 	}
@@ -162,8 +161,7 @@ static enum status read_tiles(struct rasterizing *s, enum store_layer layer, enu
 	int32_t *posts = mem_alloc(side * side, sizeof *posts);
 	void *planes[PLANES] = {NULL};
 	enum status status;
-	if (posts == NULL)
-		return fail_memory("a tile");
+	TRY_MEM(posts, "a tile");
 	planes[plane] = posts;
 	TRY_OR(done, list_tiles(s, plane, &list));
 	s->total += (int64_t)list.count;
@@ -191,8 +189,7 @@ static enum status read_posts(struct rasterizing *s, enum store_layer layer, flo
 {
 	const struct chart_raster *raster = s->raster;
 	double *values = mem_alloc((size_t)raster->width * RASTER_STRIP, sizeof *values);
-	if (values == NULL)
-		return fail_memory("rows of a map");
+	TRY_MEM(values, "rows of a map");
 	enum status status = STATUS_OK;
 	struct post_rect rect = raster->rect;
 	for (int64_t y = rect.y0; y < rect.y1; y += RASTER_STRIP) {
@@ -277,8 +274,7 @@ enum status chart_raster_widen(struct chart_raster *raster)
 {
 	uint32_t width = raster->width, height = raster->height;
 	float *wide = mem_alloc((size_t)width * height, sizeof *wide);
-	if (wide == NULL)
-		return fail_memory("a map");
+	TRY_MEM(wide, "a map");
 	for (uint32_t y = 0; y < height; y++)
 		for (uint32_t x = 0; x < width; x++) {
 			float shown = 0;
@@ -308,8 +304,7 @@ enum status chart_raster_spread(const struct chart_raster *raster, double share,
 	size_t pixels = (size_t)raster->width * raster->height;
 	uint32_t *classes = mem_calloc((size_t)1 << 16, sizeof *classes);
 	uint64_t count = 0;
-	if (classes == NULL)
-		return fail_memory("a map's values");
+	TRY_MEM(classes, "a map's values");
 	*size = *low = *high = 0;
 	for (size_t i = 0; i < pixels; i++) {
 		float value = raster->values[i];

@@ -21,8 +21,7 @@
 enum status deform_batch_create(struct deform *deform)
 {
 	deform->batch = mem_calloc(1, sizeof *deform->batch);
-	if (deform->batch == NULL)
-		return fail_memory("a batch of windows");
+	TRY_MEM(deform->batch, "a batch of windows");
 	return gpu_list_create(deform->params.gpu, sizeof deform->batch->records, &deform->batch->list);
 }
 

@@ -28,8 +28,7 @@ static enum status make(struct deform *deform)
 enum status deform_create(const struct deform_params *params, struct deform **out)
 {
 	struct deform *deform = mem_calloc(1, sizeof *deform);
-	if (deform == NULL)
-		return fail_memory("deformation");
+	TRY_MEM(deform, "deformation");
 	assert(!deform_model_row(params->model)->bears);
 	deform->params = *params;
 	deform->params.batches = params->batches && deform_model_row(params->model)->batch != NULL && gpu_info(params->gpu)->vertices_pass;

@@ -116,8 +116,7 @@ static enum status begin_tile(const struct cutting *cutting, struct open *open)
 {
 	if (open->codes == NULL)
 		open->codes = mem_alloc(cutting->posts, sizeof *open->codes);
-	if (open->codes == NULL)
-		return fail_memory("cutting tiles");
+	TRY_MEM(open->codes, "cutting tiles");
 	codes_clear(open->codes, (int64_t)cutting->posts);
 	open->begun = true;
 	open->low = open->high = (double)NAN;

@@ -65,8 +65,7 @@ static enum status put_row(struct fill *fill, int level, int64_t y, float *row)
 static enum status load_posts(struct fill *fill, bool *any, bool *holes)
 {
 	double *heights = mem_alloc((size_t)fill->grid.width, sizeof *heights);
-	if (heights == NULL)
-		return fail_memory("filling holes");
+	TRY_MEM(heights, "filling holes");
 	enum status status = STATUS_OK;
 	for (int64_t y = 0; y < fill->grid.height; y++) {
 		TRY_OR(done, fill->source->read(fill->source, (struct post_rect){0, y, fill->grid.width, y + 1}, heights));

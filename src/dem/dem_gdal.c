@@ -177,8 +177,7 @@ static enum status find_lone(const struct gdal_grid *gdal, const struct gdal_sou
 	const size_t count = gdal->source_count;
 	size_t *chain = mem_alloc(count, sizeof *chain), known = 1; /* numbers of sources: first those that are reached */
 	*lone = NULL;
-	if (chain == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(chain, "opening the sources");
 	for (size_t i = 0; i < count; i++)
 		chain[i] = i;
 	for (size_t i = 0; i < known; i++)
@@ -288,8 +287,7 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 	skip_placeless(params, list);
 	gdal->sources = mem_calloc(list->count, sizeof *gdal->sources);
 	gdal->name = mem_strdup(list->paths[0]);
-	if (gdal->sources == NULL || gdal->name == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(gdal->sources != NULL && gdal->name != NULL, "opening the sources");
 	TRY(open_sources(gdal, params, list));
 	TRY(several_agree(gdal));
 	TRY(dem_groups_init(&gdal->groups, gdal->sources, gdal->source_count));
@@ -315,8 +313,7 @@ enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list
 {
 	TRY(dem_gdal_init(list->paths[0]));
 	struct gdal_grid *gdal = mem_calloc(1, sizeof *gdal);
-	if (gdal == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(gdal, "opening the sources");
 	gdal->grid.destroy = gdal_destroy;
 	gdal->grid.read = dem_grid_read;
 	gdal->method = params->resample;

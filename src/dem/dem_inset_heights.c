@@ -39,8 +39,7 @@ static enum status country_posts(struct dem_insets *insets, struct post_rect rec
 	if (insets->posts != NULL && same_rect(rect, insets->held))
 		return STATUS_OK;
 	double *room = mem_realloc(insets->posts, dem_inset_posts(rect), sizeof *room);
-	if (room == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(room, "an inset");
 	insets->posts = room;
 	insets->held = (struct post_rect){0, 0, 0, 0};
 	TRY(dem_read(insets->country, rect, room));
@@ -75,8 +74,7 @@ static enum status blend(const struct inset *inset, struct post_rect rect, doubl
 	if (post_rect_empty(part))
 		return STATUS_OK;
 	double *own = mem_alloc(dem_inset_posts(part), sizeof *own), *from = own;
-	if (own == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(own, "an inset");
 	enum status status;
 	const struct post_rect inside = {part.x0 - inset->x, part.y0 - inset->y, part.x1 - inset->x, part.y1 - inset->y};
 	TRY_OR(done, dem_read(inset->dem, inside, own));
@@ -103,8 +101,7 @@ static enum status divide(struct dem_insets *insets, size_t depth, int level, st
 	if (post_rect_empty(part))
 		return STATUS_OK;
 	double *coarse = mem_alloc(dem_inset_posts(from), sizeof *coarse);
-	if (coarse == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(coarse, "an inset");
 	enum status status;
 	TRY_OR(done, dem_inset_heights(insets, depth, inset->info.level, from, coarse));
 	for (int64_t y = part.y0; y < part.y1; y++)

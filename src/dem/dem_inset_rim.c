@@ -37,8 +37,7 @@ static enum status mark_holes(const struct inset_rim *rim, inset_rows_fn rows, v
 {
 	const int64_t most = STRIP_POSTS / rim->width > 0 ? STRIP_POSTS / rim->width : 1;
 	double *heights = mem_alloc((size_t)(most * rim->width), sizeof *heights);
-	if (heights == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(heights, "an inset");
 	enum status status = STATUS_OK;
 	for (int64_t y = 0; y < rim->height; y += most) {
 		const int64_t count = rim->height - y < most ? rim->height - y : most;
@@ -56,8 +55,7 @@ static enum status mark_outside(const struct inset_rim *rim, uint8_t *kinds)
 {
 	const int64_t posts[2] = {rim->width, rim->height};
 	int64_t *open = mem_alloc((size_t)(rim->nodes[0] * rim->nodes[1]), sizeof *open), count = 0;
-	if (open == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(open, "an inset");
 	for (int64_t y = 0; y < rim->nodes[1]; y++)
 		for (int64_t x = 0; x < rim->nodes[0]; x++) {
 			const int64_t at[2] = {x, y};
@@ -166,8 +164,7 @@ enum status dem_inset_rim_init(struct inset_rim *rim, inset_rows_fn rows, void *
 			break;
 	}
 	uint8_t *kinds = mem_calloc((size_t)(rim->nodes[0] * rim->nodes[1]), 1);
-	if (kinds == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(kinds, "an inset");
 	enum status status;
 	TRY_OR(done, mark_holes(rim, rows, user, kinds));
 	TRY_OR(done, mark_outside(rim, kinds));

@@ -139,8 +139,7 @@ static enum status cover(struct inset *inset)
 	const struct post_rect corners = dem_inset_around(inset->rect, shift);
 	inset->cells = (struct post_rect){corners.x0, corners.y0, corners.x1 - 1, corners.y1 - 1};
 	inset->covered = mem_calloc(dem_inset_posts(inset->cells), 1);
-	if (inset->covered == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(inset->covered, "an inset");
 	for (int64_t ny = 0; ny < rim->nodes[1]; ny++)
 		for (int64_t nx = 0; nx < rim->nodes[0]; nx++) {
 			if (rim->far[ny * rim->nodes[0] + nx] == 0)
@@ -249,8 +248,7 @@ static void number(struct dem_insets *insets)
 enum status dem_insets_open(const struct dem_insets_params *params, struct dem_insets **out)
 {
 	struct dem_insets *insets = mem_calloc(1, sizeof *insets);
-	if (insets == NULL)
-		return fail_memory("insets");
+	TRY_MEM(insets, "insets");
 	insets->country = params->country;
 	insets->extent = *params->extent;
 	insets->list = mem_calloc(params->count, sizeof *insets->list);

@@ -86,8 +86,7 @@ enum status dem_insets_finer(void *user, struct tile tile, int32_t *codes, doubl
 	if (!may_cover(cut->insets, tile))
 		return STATUS_OK;
 	int32_t *below = mem_alloc(side * side, sizeof *below);
-	if (below == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(below, "an inset");
 	enum status status = lay_below(cut, tile, below, codes, low, high, error);
 	mem_free(below);
 	return status;

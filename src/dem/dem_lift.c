@@ -120,8 +120,7 @@ static enum status choose(struct dem_lift *lift, const struct dem_lift_params *p
 {
 	PJ_CONTEXT *context = lift->context;
 	PJ_OPERATION_FACTORY_CONTEXT *factory = P.proj_create_operation_factory_context(context, NULL);
-	if (factory == NULL)
-		return fail_memory(params->name);
+	TRY_MEM(factory, params->name);
 	P.proj_operation_factory_context_set_allow_ballpark_transformations(context, factory, 0); /* they leave heights as they are */
 	P.proj_operation_factory_context_set_spatial_criterion(context, factory, PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
 	P.proj_operation_factory_context_set_grid_availability_use(context, factory, PROJ_GRID_AVAILABILITY_IGNORED);
@@ -166,8 +165,7 @@ static enum status find_operation(struct dem_lift *lift, const struct dem_lift_p
 enum status dem_lift_create(const struct dem_lift_params *params, struct dem_lift **out)
 {
 	struct dem_lift *lift = mem_calloc(1, sizeof *lift);
-	if (lift == NULL)
-		return fail_memory(params->name);
+	TRY_MEM(lift, params->name);
 	const double *at = params->lattice->at;
 	lift->lattice = *params->lattice;
 	for (int i = 0; i < 2 && at[2] == 0 && at[4] == 0; i++) {
@@ -263,8 +261,7 @@ enum status dem_lift_run(struct dem_lift *lift, struct post_rect rect, bool sing
 		mem_free(lift->nodes);
 		lift->nodes = mem_alloc(nodes, sizeof *lift->nodes);
 		lift->room = lift->nodes != NULL ? nodes : 0;
-		if (lift->nodes == NULL)
-			return fail_memory(lift->name);
+		TRY_MEM(lift->nodes, lift->name);
 	}
 	for (int64_t row = (rect.y0 + lift->phase[1]) / SIDE; row <= (rect.y1 - 1 + lift->phase[1]) / SIDE; row++) {
 		struct cells cells = {.first = first, .row = row, .count = last - first + 1};

@@ -34,12 +34,10 @@ static enum status add_point(struct reading *reading, double x, double y, double
 	if (line->count == reading->room) {
 		const size_t room = reading->room == 0 ? 256 : 2 * reading->room;
 		double(*points)[2] = mem_realloc(line->points, room, sizeof *points);
-		if (points == NULL)
-			return fail_memory("reading a line");
+		TRY_MEM(points, "reading a line");
 		line->points = points;
 		double *times = mem_realloc(line->times, room, sizeof *times);
-		if (times == NULL)
-			return fail_memory("reading a line");
+		TRY_MEM(times, "reading a line");
 		line->times = times;
 		reading->room = room;
 	}

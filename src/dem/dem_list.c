@@ -24,18 +24,15 @@ enum status dem_list_add(struct dem_list *list, const char *path)
 	if (list->count == list->room) {
 		size_t room = list->room > 0 ? 2 * list->room : 16;
 		char **paths = mem_realloc(list->paths, room, sizeof *paths);
-		if (paths == NULL)
-			return fail_memory("the list of sources");
+		TRY_MEM(paths, "the list of sources");
 		list->paths = paths;
 		bool *found = mem_realloc(list->found, room, sizeof *found);
-		if (found == NULL)
-			return fail_memory("the list of sources");
+		TRY_MEM(found, "the list of sources");
 		list->found = found;
 		list->room = room;
 	}
 	char *copy = mem_strdup(path);
-	if (copy == NULL)
-		return fail_memory("the list of sources");
+	TRY_MEM(copy, "the list of sources");
 	list->found[list->count] = false;
 	list->paths[list->count++] = copy;
 	return STATUS_OK;
@@ -105,8 +102,7 @@ static enum status add_gzip(struct dem_list *list, const char *path)
 {
 	size_t bytes = strlen(path) + sizeof "/vsigzip/";
 	char *through = mem_alloc(bytes, 1);
-	if (through == NULL)
-		return fail_memory("the list of sources");
+	TRY_MEM(through, "the list of sources");
 	snprintf(through, bytes, "/vsigzip/%s", path);
 	enum status status = dem_list_add(list, through);
 	mem_free(through);
@@ -168,8 +164,7 @@ static enum status add_entries(struct dem_list *list, const char *path, DIR *dir
 			continue;
 		size_t bytes = strlen(path) + strlen(entry->d_name) + 2;
 		char *full = mem_alloc(bytes, 1);
-		if (full == NULL)
-			return fail_memory("the list of sources");
+		TRY_MEM(full, "the list of sources");
 		size_t length = strlen(path);
 		snprintf(full, bytes, "%s%s%s", path, length > 0 && path[length - 1] == '/' ? "" : "/",
 			 entry->d_name);
@@ -227,8 +222,7 @@ static enum status add_line(struct dem_list *list, const char *list_path, const 
 		return add_one(list, line);
 	size_t bytes = (size_t)(slash - list_path) + strlen(line) + 2;
 	char *full = mem_alloc(bytes, 1);
-	if (full == NULL)
-		return fail_memory("the list of sources");
+	TRY_MEM(full, "the list of sources");
 	snprintf(full, bytes, "%.*s/%s", (int)(slash - list_path), list_path, line);
 	struct stat file;
 	enum status status = add_one(list, stat(full, &file) == 0 ? full : line);

@@ -117,8 +117,7 @@ static int64_t choose_side(const struct dem_map *map)
 enum status dem_map_create(const struct dem_lattice *from, const struct dem_lattice *to, const char *name, struct dem_map **out)
 {
 	struct dem_map *map = mem_calloc(1, sizeof *map);
-	if (map == NULL)
-		return fail_memory(name);
+	TRY_MEM(map, name);
 	map->from = *from;
 	map->side = 1;
 	enum status status = STATUS_OK;

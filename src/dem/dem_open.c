@@ -150,8 +150,7 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 {
 	TRY(params_check(params));
 	struct dem *dem = mem_calloc(1, sizeof *dem);
-	if (dem == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(dem, "opening the sources");
 	enum status status;
 	TRY_OR(failed, dem_list_init(&dem->list, params->sources, params->source_count));
 	TRY_OR(failed, grid_open(params, &dem->list, &dem->grid));
@@ -267,8 +266,7 @@ enum status dem_misfit(struct dem *dem, const struct extent *extent, const struc
 		mem_free(dem->surface);
 		dem->surface = mem_alloc(posts, sizeof *dem->surface);
 		dem->room = dem->surface != NULL ? posts : 0;
-		if (dem->surface == NULL)
-			return fail_memory("comparing with the sources");
+		TRY_MEM(dem->surface, "comparing with the sources");
 	}
 	for (int64_t y = 0; y < rows; y++)
 		for (int64_t x = 0; x < width; x++)

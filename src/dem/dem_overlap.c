@@ -32,8 +32,7 @@ static enum status pair_init(struct pair *pair)
 	pair->own = mem_alloc(posts, sizeof *pair->own);
 	pair->heights = mem_alloc(posts, sizeof *pair->heights);
 	pair->sampled = mem_alloc(posts, 1);
-	if (pair->own == NULL || pair->heights == NULL || pair->sampled == NULL)
-		return fail_memory("comparing overlaps");
+	TRY_MEM(pair->own != NULL && pair->heights != NULL && pair->sampled != NULL, "comparing overlaps");
 	const struct dem_sampling sampling = {
 		.layers = pair->one,
 		.raster = dem_layers_lattice(pair->one),

@@ -35,8 +35,7 @@ static enum status open(struct dem_pixels *pixels, const struct dem_placed_param
 	pixels->x = mem_alloc((size_t)pixels->most_posts, sizeof *pixels->x);
 	pixels->y = mem_alloc((size_t)pixels->most_posts, sizeof *pixels->y);
 	pixels->values = mem_alloc((size_t)pixels->most_pixels, sizeof *pixels->values);
-	if (pixels->path == NULL || pixels->srs == NULL || pixels->x == NULL || pixels->y == NULL || pixels->values == NULL)
-		return fail_memory(opening[pixels->kind]);
+	TRY_MEM(pixels->path != NULL && pixels->srs != NULL && pixels->x != NULL && pixels->y != NULL && pixels->values != NULL, opening[pixels->kind]);
 	if (dem_path_ends(pixels->path, ".png"))
 		return dem_placed_png_open(&pixels->params, pixels->kind, &pixels->raster);
 	return dem_placed_gdal_open(&pixels->params, pixels->kind, pixels->most_pixels, &pixels->raster);
@@ -46,8 +45,7 @@ enum status dem_pixels_open(const struct dem_placed_params *params, enum dem_pla
 {
 	*out = NULL;
 	struct dem_pixels *pixels = mem_calloc(1, sizeof *pixels);
-	if (pixels == NULL)
-		return fail_memory(opening[kind]);
+	TRY_MEM(pixels, opening[kind]);
 	pixels->kind = kind;
 	enum status status = open(pixels, params);
 	if (status != STATUS_OK) {

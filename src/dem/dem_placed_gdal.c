@@ -125,8 +125,7 @@ static enum status take_band(struct gdal_of_values *gdal)
 	if ((GDALGetMaskFlags(gdal->band) & GMF_ALL_VALID) == 0) {
 		gdal->mask = GDALGetMaskBand(gdal->band);
 		gdal->masked = mem_alloc((size_t)gdal->most, 1);
-		if (gdal->masked == NULL)
-			return fail_memory(path);
+		TRY_MEM(gdal->masked, path);
 	}
 	return STATUS_OK;
 }
@@ -209,8 +208,7 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 	TRY(dem_gdal_init(params->path));
 	TRY(dem_outside_check(params->path, NULL));
 	struct gdal_of_values *gdal = mem_calloc(1, sizeof *gdal);
-	if (gdal == NULL)
-		return fail_memory(params->path);
+	TRY_MEM(gdal, params->path);
 	gdal->params = params;
 	gdal->kind = kind;
 	gdal->most = most;

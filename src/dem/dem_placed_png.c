@@ -80,8 +80,7 @@ enum status dem_placed_png_open(const struct dem_placed_params *params, enum dem
 	const struct dem_params plain = {.source_count = 1};
 	TRY(png_check(params->path, kind));
 	struct png_of_values *png = mem_calloc(1, sizeof *png);
-	if (png == NULL)
-		return fail_memory(params->path);
+	TRY_MEM(png, params->path);
 	png->params = params;
 	const enum status status = dem_png_open(&plain, params->path, &png->grid);
 	if (status != STATUS_OK) {

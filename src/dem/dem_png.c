@@ -156,8 +156,7 @@ static enum status load(const char *path, struct png *png, int *full)
 enum status dem_png_open(const struct dem_params *params, const char *path, struct dem_grid **out)
 {
 	struct png *png = mem_calloc(1, sizeof *png);
-	if (png == NULL)
-		return fail_memory(path);
+	TRY_MEM(png, path);
 	png->grid.destroy = png_destroy;
 	png->scratch.file = -1;
 	int full = 0;

@@ -30,8 +30,7 @@ static enum status sample(const struct gdal_source *source, double sphere, struc
 {
 	const int width = source->width < SAMPLED ? source->width : SAMPLED, height = source->height < SAMPLED ? source->height : SAMPLED;
 	double *taken = mem_alloc((size_t)width * (size_t)height, sizeof *taken);
-	if (taken == NULL)
-		return fail_memory(source->path);
+	TRY_MEM(taken, source->path);
 	CPLErrorReset();
 	GDALDatasetH dataset = GDALOpen(source->vrt, GA_ReadOnly);
 	bool done = dataset != NULL && GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, 0, source->width, source->height, taken, width,

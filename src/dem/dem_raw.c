@@ -46,8 +46,7 @@ static enum status raw_read(struct dem_grid *grid, struct post_rect rect, double
 enum status dem_raw_open(const struct dem_params *params, const char *path, struct dem_grid **out)
 {
 	struct raw *raw = mem_calloc(1, sizeof *raw);
-	if (raw == NULL)
-		return fail_memory(path);
+	TRY_MEM(raw, path);
 	raw->grid.destroy = raw_destroy;
 	enum status status;
 	raw->file = input_open(path);

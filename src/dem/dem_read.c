@@ -104,8 +104,7 @@ static enum status make_readers(struct gdal_grid *gdal)
 	const size_t count = gdal->jobs < 1 ? 1 : gdal->jobs > READERS_MOST ? READERS_MOST : (size_t)gdal->jobs;
 	if (gdal->readers == NULL) {
 		gdal->readers = mem_calloc(count, sizeof *gdal->readers);
-		if (gdal->readers == NULL)
-			return fail_memory("reading the sources");
+		TRY_MEM(gdal->readers, "reading the sources");
 		gdal->readers[0].groups = gdal->groups;
 		gdal->reader_count = 1;
 	}
@@ -156,8 +155,7 @@ static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double 
 		mem_free(gdal->sampled);
 		gdal->sampled = mem_alloc(posts, 1);
 		gdal->room = gdal->sampled != NULL ? posts : 0;
-		if (gdal->sampled == NULL)
-			return fail_memory("reading the sources");
+		TRY_MEM(gdal->sampled, "reading the sources");
 	}
 	struct sampling sampling = {gdal, {rect, heights, gdal->sampled, owners, 0}};
 	TRY(make_readers(gdal));
@@ -203,8 +201,7 @@ static enum status measure_part(void *user, size_t member, size_t task)
 	bool done = true;
 	if (reader->room == NULL)
 		reader->room = dem_misfit_room_create();
-	if (reader->room == NULL)
-		return fail_memory("comparing with the sources");
+	TRY_MEM(reader->room, "comparing with the sources");
 	CPLErrorReset();
 	TRY(dem_misfit_part(&reader->groups, &measuring->parts[task], &measuring->surface, reader->room, &measuring->misfits[task], &done));
 	return done ? STATUS_OK : refuse_rows(measuring->gdal, measuring->surface.part.rect);
@@ -213,8 +210,7 @@ static enum status measure_part(void *user, size_t member, size_t task)
 static enum status measure(struct measuring *measuring, size_t count, struct misfit *misfit)
 {
 	measuring->misfits = mem_calloc(count + 1, sizeof *measuring->misfits);
-	if (measuring->misfits == NULL)
-		return fail_memory("comparing with the sources");
+	TRY_MEM(measuring->misfits, "comparing with the sources");
 	enum status status;
 	TRY_OR(done, crew_run(measuring->gdal->crew, count, measure_part, measuring));
 	for (size_t i = 0; i < count; i++)

@@ -36,8 +36,7 @@ void dem_sampler_destroy(struct dem_sampler *sampler)
 enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_sampler **out)
 {
 	struct dem_sampler *sampler = mem_calloc(1, sizeof *sampler);
-	if (sampler == NULL)
-		return fail_memory(sampling->name);
+	TRY_MEM(sampler, sampling->name);
 	sampler->layers = sampling->layers;
 	sampler->width = sampling->raster->width;
 	sampler->height = sampling->raster->height;
@@ -86,8 +85,7 @@ static enum status read_part(struct dem_sampler *sampler, struct post_rect rect,
 		mem_free(sampler->part);
 		sampler->part = mem_alloc(posts, sizeof *sampler->part);
 		sampler->room = sampler->part != NULL ? posts : 0;
-		if (sampler->part == NULL)
-			return fail_memory("reading the sources");
+		TRY_MEM(sampler->part, "reading the sources");
 	}
 	return dem_layers_read(sampler->layers, rect, sampler->part, done);
 }

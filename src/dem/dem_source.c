@@ -94,8 +94,7 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 				 source->path);
 	TRY(dem_srs_check(source->path, own));
 	source->srs = OSRClone(own);
-	if (source->srs == NULL)
-		return fail_memory(source->path);
+	TRY_MEM(source->srs, source->path);
 	OSRSetAxisMappingStrategy(source->srs, OAMS_TRADITIONAL_GIS_ORDER);
 	if (OSRIsLocal(source->srs)) {
 		/* Metres of its own, on no planet. */
@@ -307,8 +306,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 	if (radius.sphere > 0) {
 		mem_free(source->own);
 		source->own = mem_strdup(DEM_ELLIPSOID);
-		if (source->own == NULL)
-			return fail_memory(path);
+		TRY_MEM(source->own, path);
 		snprintf(source->vertical, sizeof source->vertical, "sphere of %.10g m, from radii", radius.sphere);
 		TRY(write_vrt(source, params, band, radius.unit, radius.sphere, number));
 	}

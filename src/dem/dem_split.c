@@ -138,8 +138,7 @@ static enum status name_finer(struct gdal_grid *gdal, const struct part *parts, 
 {
 	struct dem_grid *grid = &gdal->grid;
 	grid->finer_sets = mem_alloc(gdal->source_count, sizeof *grid->finer_sets);
-	if (grid->finer_sets == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(grid->finer_sets, "opening the sources");
 	for (size_t i = 0; i < gdal->source_count; i++) {
 		const struct part *part = part_of(gdal, parts, &gdal->sources[i]);
 		gone[i] = part->finer;

@@ -102,8 +102,7 @@ static enum status name_it(struct dem_unpacked *unpacked, const char *path, int6
 	const char *slash = strrchr(path, '/'), *last = slash != NULL ? slash + 1 : path;
 	const size_t room = strlen(last) + 80;
 	unpacked->name = mem_alloc(room, 1);
-	if (unpacked->name == NULL)
-		return fail_memory(path);
+	TRY_MEM(unpacked->name, path);
 	snprintf(unpacked->name, room, "%s/vsimem/furrow/xz%llu/%.*s", prefix, (unsigned long long)atomic_fetch_add(&made, 1),
 		 (int)(strlen(last) - strlen(".xz")), last);
 	char xml[400];

@@ -66,8 +66,7 @@ enum status dem_writer_create(const struct dem_raster *raster, struct dem_writer
 		return fail_with(STATUS_INPUT, "%s: %lld x %lld posts make no raster; ask for another size",
 				 raster->path, (long long)raster->width, (long long)raster->height);
 	struct dem_writer *writer = mem_calloc(1, sizeof *writer);
-	if (writer == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(writer, raster->path);
 	writer->raster = *raster;
 	writer->path = mem_strdup(raster->path);
 	writer->srs = mem_strdup(raster->srs != NULL ? raster->srs : "");

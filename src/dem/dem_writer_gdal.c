@@ -120,8 +120,7 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 					     [DEM_UINT8] = GDT_Byte, [DEM_UINT16] = GDT_UInt16};
 	TRY(dem_gdal_init(raster->path));
 	struct gdal_sink *gdal = mem_calloc(1, sizeof *gdal);
-	if (gdal == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(gdal, raster->path);
 	gdal->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
 	gdal->raster = raster;
 	gdal->row = mem_alloc((size_t)raster->width, sizeof *gdal->row);

@@ -105,8 +105,7 @@ enum status dem_png_sink(const struct dem_raster *raster, const char *part, stru
 		return fail_with(STATUS_INPUT, "%s: %lld x %lld posts are too many for a PNG; name a .tif",
 				 raster->path, (long long)raster->width, (long long)raster->height);
 	struct png_sink *png = mem_calloc(1, sizeof *png);
-	if (png == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(png, raster->path);
 	png->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
 	png->raster = raster;
 	png->row_bytes = (size_t)row_bytes;

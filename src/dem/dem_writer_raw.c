@@ -52,8 +52,7 @@ static void sink_destroy(struct dem_sink *sink)
 enum status dem_raw_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 {
 	struct raw_sink *raw = mem_calloc(1, sizeof *raw);
-	if (raw == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(raw, raster->path);
 	raw->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
 	raw->raster = raster;
 	raw->row = mem_alloc((size_t)raster->width, 2);

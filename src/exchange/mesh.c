@@ -245,8 +245,7 @@ enum status exchange_mesh(const struct exchange_mesh_params *params, struct exch
 	TRY(check_size(&surface, format));
 	surface.total = surface.rows * (1 + format->passes);
 	surface.first = mem_calloc((size_t)surface.rows + 1, sizeof *surface.first);
-	if (surface.first == NULL)
-		return fail_memory("rows of a mesh");
+	TRY_MEM(surface.first, "rows of a mesh");
 	enum status status = count_and_write(&surface, format);
 	if (status == STATUS_OK)
 		tell(&surface, result);

@@ -164,8 +164,7 @@ static enum status write_json(struct exchange_surface *surface, const char *json
 static enum status write_glb(struct exchange_surface *surface)
 {
 	char *json = describe(surface);
-	if (json == NULL)
-		return fail_memory(surface->params->path);
+	TRY_MEM(json, surface->params->path);
 	enum status status = write_json(surface, json);
 	cJSON_free(json);
 	TRY(status);

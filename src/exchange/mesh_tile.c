@@ -24,8 +24,7 @@ enum status exchange_steps_create(struct exchange_steps **out)
 {
 	struct exchange_steps *steps = mem_calloc(1, sizeof *steps);
 	*out = steps;
-	if (steps == NULL)
-		return fail_memory("heights of tiles");
+	TRY_MEM(steps, "heights of tiles");
 	mutex_init(&steps->mutex);
 	return STATUS_OK;
 }

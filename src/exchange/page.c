@@ -101,8 +101,7 @@ static enum status list_tile(void *user, struct tile tile)
 	if (list->count == list->room) {
 		size_t room = list->room != 0 ? 2 * list->room : 256;
 		struct tile *grown = mem_realloc(list->tiles, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("a list of tiles");
+		TRY_MEM(grown, "a list of tiles");
 		list->tiles = grown;
 		list->room = room;
 	}

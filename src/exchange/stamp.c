@@ -85,8 +85,7 @@ enum status exchange_stamp_write(const char *directory, const struct exchange_st
 	cJSON_AddStringToObject(root, "look", look);
 	char *text = cJSON_Print(root);
 	cJSON_Delete(root);
-	if (text == NULL)
-		return fail_memory(path);
+	TRY_MEM(text, path);
 	bool written;
 	const struct exchange_bytes bytes = {.data = (uint8_t *)text, .size = strlen(text)};
 	enum status status = exchange_file_put(path, &bytes, &written);
@@ -117,8 +116,7 @@ enum status exchange_journal_begin(struct exchange_journal *journal, const char 
 	*journal = (struct exchange_journal){.units = units};
 	TRY(path_in(directory, JOURNAL, journal->path));
 	journal->done = mem_calloc((size_t)units + 1, 1);
-	if (journal->done == NULL)
-		return fail_memory("the journal of tiles");
+	TRY_MEM(journal->done, "the journal of tiles");
 	journal->file = output_open(journal->path, "a+");
 	if (journal->file == NULL)
 		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", journal->path, input_problem(),

@@ -48,8 +48,7 @@ static enum status add_tile(void *user, uint64_t key)
 	if (list->count == list->room) {
 		size_t room = list->room != 0 ? 2 * list->room : 64;
 		struct rect *grown = mem_realloc(list->rects, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("the tiles of a level");
+		TRY_MEM(grown, "the tiles of a level");
 		list->rects = grown;
 		list->room = room;
 	}
@@ -145,8 +144,7 @@ static int compare_keys(const void *a, const void *b)
 static enum status sort_keys(const struct key_set *set, struct exchange_zoom *zoom)
 {
 	zoom->order = mem_alloc(set->count + 1, sizeof *zoom->order);
-	if (zoom->order == NULL)
-		return fail_memory("the tiles of a zoom level");
+	TRY_MEM(zoom->order, "the tiles of a zoom level");
 	for (size_t i = 0; i < set->room; i++)
 		if (set->keys[i] != UINT64_MAX)
 			zoom->order[zoom->count++] = set->keys[i];

@@ -63,8 +63,7 @@ static enum status get_blocks(struct sharing *sharing, int rank, struct fleet_by
 		if (rank == sharing->fleet->rank)
 			continue;
 		struct soil_block *more = fleet_grown(sharing->blocks, &sharing->room, sharing->count + 1, sizeof *more);
-		if (more == NULL)
-			return fail_memory("active blocks");
+		TRY_MEM(more, "active blocks");
 		sharing->blocks = more;
 		sharing->blocks[sharing->count++] = block;
 	}

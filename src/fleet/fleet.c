@@ -53,8 +53,7 @@ enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size)
 	if (size > bytes->room - bytes->size) {
 		const size_t room = 2 * bytes->room > bytes->size + size ? 2 * bytes->room : bytes->size + size;
 		char *more = mem_realloc(bytes->bytes, room, 1);
-		if (more == NULL)
-			return fail_memory("a message to ranks");
+		TRY_MEM(more, "a message to ranks");
 		bytes->bytes = more;
 		bytes->room = room;
 	}

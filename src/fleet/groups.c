@@ -36,8 +36,7 @@ void *fleet_grown(void *list, size_t *room, size_t count, size_t size)
 enum status fleet_groups_add(struct fleet_groups *groups, const struct fleet_item *item)
 {
 	struct fleet_item *items = fleet_grown(groups->items, &groups->item_room, groups->item_count + 1, sizeof *items);
-	if (items == NULL)
-		return fail_memory("groups of bodies");
+	TRY_MEM(items, "groups of bodies");
 	groups->items = items;
 	items[groups->item_count++] = *item;
 	return STATUS_OK;
@@ -72,16 +71,13 @@ static enum status number_of(struct fleet_groups *groups, uint64_t key, uint32_t
 	if (*number >= groups->tile_room) {
 		const size_t room = groups->tile_room > 0 ? 2 * groups->tile_room : 1024;
 		uint32_t *parent = mem_realloc(groups->parent, room, sizeof *parent);
-		if (parent == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(parent, "groups of bodies");
 		groups->parent = parent;
 		uint32_t *group = mem_realloc(groups->tile_group, room, sizeof *group);
-		if (group == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(group, "groups of bodies");
 		groups->tile_group = group;
 		uint64_t *keys = mem_realloc(groups->tile_key, room, sizeof *keys);
-		if (keys == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(keys, "groups of bodies");
 		groups->tile_key = keys;
 		groups->tile_room = room;
 	}
@@ -116,8 +112,7 @@ static enum status number_groups(struct fleet_groups *groups)
 			continue;
 		}
 		struct fleet_group *list = fleet_grown(groups->groups, &groups->group_room, groups->group_count + 1, sizeof *list);
-		if (list == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(list, "groups of bodies");
 		groups->groups = list;
 		groups->tile_group[i] = (uint32_t)groups->group_count;
 		groups->groups[groups->group_count++] = (struct fleet_group){0, FLEET_NONE};
@@ -137,8 +132,7 @@ static enum status follow_owners(struct fleet_groups *groups, int ranks)
 {
 	const size_t count = groups->group_count * (size_t)ranks;
 	uint64_t *shares = fleet_grown(groups->shares, &groups->share_room, count, sizeof *shares);
-	if (shares == NULL)
-		return fail_memory("groups of bodies");
+	TRY_MEM(shares, "groups of bodies");
 	groups->shares = shares;
 	memset(shares, 0, count * sizeof *shares);
 	for (size_t i = 0; i < groups->item_count; i++) {
@@ -209,8 +203,7 @@ enum status fleet_groups_make(struct fleet_groups *groups, int level, int ranks,
 	groups->group_count = 0;
 	if (groups->loads == NULL) {
 		groups->loads = mem_calloc((size_t)ranks, sizeof *groups->loads);
-		if (groups->loads == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(groups->loads, "groups of bodies");
 	}
 	for (size_t i = 0; i < groups->item_count; i++)
 		TRY(join_item(groups, &groups->items[i], level));
@@ -232,8 +225,7 @@ enum status fleet_groups_settle(struct fleet_groups *groups)
 		bool fresh;
 		TRY(key_set_number(&groups->known, groups->tile_key[i], &number, &fresh));
 		int32_t *owner = fleet_grown(groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *owner);
-		if (owner == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(owner, "groups of bodies");
 		groups->owner = owner;
 		owner[number] = groups->groups[groups->tile_group[i]].rank;
 	}

@@ -65,8 +65,7 @@ static enum status list_tiles(struct moving *moving)
 		    !fleet_is_changed(moving->fleet, key))
 			continue;
 		uint64_t *keys = fleet_grown(moving->keys, &moving->room, moving->count + 1, sizeof *keys);
-		if (keys == NULL)
-			return fail_memory("tiles that move");
+		TRY_MEM(keys, "tiles that move");
 		moving->keys = keys;
 		keys[moving->count++] = key;
 	}
@@ -193,8 +192,7 @@ static enum status put_blocks(struct moving *moving)
 	size_t count = 0;
 	bool any = false;
 	uint32_t *counts = mem_calloc((size_t)fleet->ranks, sizeof *counts);
-	if (counts == NULL)
-		return fail_memory("blocks that move");
+	TRY_MEM(counts, "blocks that move");
 	enum status status;
 	TRY_OR(done, world_active_blocks(fleet->world, &blocks, &count));
 	TRY_OR(done, put_each_block(moving, blocks, count, counts));
@@ -230,8 +228,7 @@ static enum status pack(struct moving *moving, const bool *goes)
 	if (!any)
 		return STATUS_OK;
 	moving->packed = mem_alloc((size_t)LZ4_compressBound((int)resident_pages_moved_bytes(world_resident(fleet->world)->pages)) + 1, 1);
-	if (moving->packed == NULL)
-		return fail_memory("tiles that move");
+	TRY_MEM(moving->packed, "tiles that move");
 	for (int r = 0; r < fleet->ranks; r++) {
 		if (!goes[r])
 			continue;

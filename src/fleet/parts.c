@@ -256,8 +256,7 @@ enum status fleet_gather_left(const char *overlay, bool resume)
 	if (overlay == NULL)
 		return STATUS_OK;
 	char *folder = joined_path(overlay, ".parts");
-	if (folder == NULL)
-		return fail_memory("a path");
+	TRY_MEM(folder, "a path");
 	enum status status = gather_left(overlay, folder, resume);
 	mem_free(folder);
 	return status;
@@ -296,8 +295,7 @@ static enum status name_files(struct fleet *fleet)
 	fleet->over = mem_strdup(fleet->params.overlay);
 	fleet->parts = joined_path(fleet->params.overlay, ".parts");
 	fleet->part = fleet->parts != NULL ? joined_path(fleet->parts, name) : NULL;
-	if (fleet->over == NULL || fleet->part == NULL)
-		return fail_memory("ranks");
+	TRY_MEM(fleet->over != NULL && fleet->part != NULL, "ranks");
 	return fleet_put(&fleet->sent, head, sizeof head); /* a head always has room */
 }
 

@@ -11,8 +11,7 @@
 static enum status add(struct fleet_row_list *list, const struct fleet_row *row)
 {
 	struct fleet_row *rows = fleet_grown(list->rows, &list->room, list->count + 1, sizeof *rows);
-	if (rows == NULL)
-		return fail_memory("rows");
+	TRY_MEM(rows, "rows");
 	list->rows = rows;
 	list->rows[list->count++] = *row;
 	return STATUS_OK;

@@ -106,8 +106,7 @@ static enum status make_owners(struct fleet *fleet)
 	const size_t count = world_ranked_bodies(fleet->world);
 	if (count > fleet->planned_room) {
 		size_t *bodies = mem_realloc(fleet->planned_bodies, count, sizeof *bodies);
-		if (bodies == NULL)
-			return fail_memory("the ranks of bodies");
+		TRY_MEM(bodies, "the ranks of bodies");
 		fleet->planned_bodies = bodies;
 		fleet->planned_room = count;
 	}
@@ -115,8 +114,7 @@ static enum status make_owners(struct fleet *fleet)
 	if (count <= fleet->owner_count)
 		return STATUS_OK;
 	int32_t *owners = mem_realloc(fleet->owners, count, sizeof *owners);
-	if (owners == NULL)
-		return fail_memory("the ranks of bodies");
+	TRY_MEM(owners, "the ranks of bodies");
 	fleet->owners = owners;
 	while (fleet->owner_count < count)
 		fleet->owners[fleet->owner_count++] = FLEET_NONE;
@@ -282,8 +280,7 @@ enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine)
 	bool fresh;
 	TRY(key_set_number(&fleet->changed, key, &number, &fresh));
 	bool *more = fleet_grown(fleet->mine, &fleet->mine_room, (size_t)number + 1, sizeof *more);
-	if (more == NULL)
-		return fail_memory("the tiles of a rank");
+	TRY_MEM(more, "the tiles of a rank");
 	fleet->mine = more;
 	more[number] = mine;
 	return STATUS_OK;

@@ -22,8 +22,7 @@ enum status fleet_together_need(struct fleet_together *together, size_t count)
 	together->areas = areas != NULL ? areas : together->areas;
 	size_t *first = mem_realloc(together->first, count, sizeof *first);
 	together->first = first != NULL ? first : together->first;
-	if (areas == NULL || first == NULL)
-		return fail_memory("the ranks of bodies");
+	TRY_MEM(areas != NULL && first != NULL, "the ranks of bodies");
 	together->room = count;
 	return STATUS_OK;
 }

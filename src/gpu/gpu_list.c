@@ -30,8 +30,7 @@ enum status gpu_list_create(struct gpu *gpu, size_t bytes, struct gpu_list **out
 		return failure_restore(&gpu->failure);
 	assert(bytes > 0 && all <= INT32_MAX);
 	struct gpu_list *list = mem_alloc(1, sizeof *list);
-	if (list == NULL)
-		return fail_memory("GPU list");
+	TRY_MEM(list, "GPU list");
 	*list = (struct gpu_list){.gpu = gpu, .bytes = copy_bytes(bytes)};
 	glCreateBuffers(1, &list->name);
 	glNamedBufferStorage(list->name, (GLsizeiptr)all, NULL, MAP_FLAGS);

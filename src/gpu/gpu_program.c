@@ -157,8 +157,7 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 	if (!gpu_usable(gpu))
 		return failure_restore(&gpu->failure);
 	char *key = request_key(request);
-	if (key == NULL)
-		return fail_memory("GL program");
+	TRY_MEM(key, "GL program");
 	for (struct gpu_program *program = gpu->programs; program != NULL; program = program->next) {
 		if (program->table == table && strcmp(program->key, key) == 0) {
 			mem_free(key);

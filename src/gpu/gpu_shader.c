@@ -19,8 +19,7 @@ static enum status append(struct gpu_shader *shader, const char *text, size_t le
 	if (shader->capacity - shader->length <= length) {
 		size_t capacity = (shader->length + length + 1) * 2;
 		char *grown = mem_realloc(shader->text, capacity, 1);
-		if (grown == NULL)
-			return fail_memory("shader");
+		TRY_MEM(grown, "shader");
 		shader->text = grown;
 		shader->capacity = capacity;
 	}

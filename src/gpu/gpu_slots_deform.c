@@ -40,8 +40,7 @@ void gpu_deform_slot_destroy(struct deform_slot *home)
 static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slot **out)
 {
 	struct deform_slot *home = mem_calloc(1, sizeof *home);
-	if (home == NULL)
-		return fail_memory("deform slot");
+	TRY_MEM(home, "deform slot");
 	struct gpu_attachment drawn[PLANES];
 	uint32_t count = 0;
 	enum status status = STATUS_OK;

@@ -42,8 +42,7 @@ enum status gpu_staging_create(struct gpu *gpu, size_t bytes, struct gpu_staging
 		return failure_restore(&gpu->failure);
 	assert(bytes > 0 && bytes <= INT32_MAX);
 	struct gpu_staging *staging = mem_alloc(1, sizeof *staging);
-	if (staging == NULL)
-		return fail_memory("GPU staging memory");
+	TRY_MEM(staging, "GPU staging memory");
 	*staging = (struct gpu_staging){.gpu = gpu, .bytes = bytes, .direct = gpu->info.software};
 	glCreateBuffers(1, &staging->name);
 	glNamedBufferStorage(staging->name, (GLsizeiptr)bytes, NULL, MAP_FLAGS | GL_CLIENT_STORAGE_BIT);

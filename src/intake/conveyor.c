@@ -164,8 +164,7 @@ static enum status make_parcels(struct conveyor *conveyor)
 		struct parcel *parcel = &conveyor->parcels[i];
 		parcel->codes = mem_alloc(conveyor->posts, sizeof *parcel->codes);
 		parcel->bytes = mem_alloc(most, 1);
-		if (parcel->codes == NULL || parcel->bytes == NULL)
-			return fail_memory("an import");
+		TRY_MEM(parcel->codes != NULL && parcel->bytes != NULL, "an import");
 	}
 	return STATUS_OK;
 }
@@ -173,8 +172,7 @@ static enum status make_parcels(struct conveyor *conveyor)
 enum status intake_conveyor_create(struct store *store, int64_t jobs, int64_t stored, struct conveyor **out)
 {
 	struct conveyor *conveyor = mem_calloc(1, sizeof *conveyor);
-	if (conveyor == NULL)
-		return fail_memory("an import");
+	TRY_MEM(conveyor, "an import");
 	size_t side = tile_posts(&store_meta(store)->extent);
 	conveyor->store = store;
 	conveyor->posts = side * side;

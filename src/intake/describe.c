@@ -112,8 +112,7 @@ enum status intake_import_describe(struct import *import)
 	import->lines = list_sources(import);
 	import->inset_lines = tell_insets(import);
 	import->description = describe(import, dem_info(import->opened));
-	if (import->lines == NULL || import->inset_lines == NULL || import->description == NULL)
-		return fail_memory("sources");
+	TRY_MEM(import->lines != NULL && import->inset_lines != NULL && import->description != NULL, "sources");
 	import->meta.sources = import->lines;
 	import->meta.insets = import->inset_lines;
 	import->meta.request = import->description;

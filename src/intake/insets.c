@@ -55,8 +55,7 @@ enum status intake_import_open_insets(struct import *import)
 	const size_t most = import->inset_count + dem_info(import->opened)->finer_count;
 	import->inset_paths = mem_alloc(most, sizeof *import->inset_paths);
 	import->inset_from = mem_alloc(most, sizeof *import->inset_from);
-	if (import->inset_paths == NULL || import->inset_from == NULL)
-		return fail_memory("insets");
+	TRY_MEM(import->inset_paths != NULL && import->inset_from != NULL, "insets");
 	TRY(dem_insets_open(&(struct dem_insets_params){
 		.country = import->opened,
 		.extent = &import->meta.extent,

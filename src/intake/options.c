@@ -133,8 +133,7 @@ static enum status take_tile(struct import *import, int64_t tile)
 static enum status take_text(const char *text, const char **to, char **kept)
 {
 	char *copy = mem_alloc(strlen(text) + 1, 1);
-	if (copy == NULL)
-		return fail_memory("an option");
+	TRY_MEM(copy, "an option");
 	strcpy(copy, text);
 	mem_free(*kept);
 	*to = *kept = copy;
@@ -157,12 +156,10 @@ static enum status take_named_text(struct import *import, const char *name, cons
 static enum status take_inset(struct import *import, const char *text)
 {
 	char **room = mem_realloc(import->inset_sources, import->inset_count + 1, sizeof *room);
-	if (room == NULL)
-		return fail_memory("an option");
+	TRY_MEM(room, "an option");
 	import->inset_sources = room;
 	room[import->inset_count] = mem_strdup(text);
-	if (room[import->inset_count] == NULL)
-		return fail_memory("an option");
+	TRY_MEM(room[import->inset_count], "an option");
 	import->inset_count++;
 	return STATUS_OK;
 }

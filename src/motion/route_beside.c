@@ -82,8 +82,7 @@ static enum status take_corners(struct beside *beside)
 	const struct scene_path *path = beside->path;
 	beside->corners = mem_alloc(path->count + 3, sizeof *beside->corners);
 	beside->lengths = mem_alloc(path->count, sizeof *beside->lengths);
-	if (beside->corners == NULL || beside->lengths == NULL)
-		return fail_memory("a path");
+	TRY_MEM(beside->corners != NULL && beside->lengths != NULL, "a path");
 	for (size_t i = 0; i < path->count; i++) {
 		add_corner(beside, path->points[i].x, path->points[i].y);
 		beside->lengths[i] = beside->corners[beside->count - 1].s;

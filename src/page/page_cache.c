@@ -39,8 +39,7 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 {
 	assert(params->slots >= 1);
 	struct page_cache *cache = mem_calloc(1, sizeof *cache);
-	if (cache == NULL)
-		return fail_memory("the page cache");
+	TRY_MEM(cache, "the page cache");
 	cache->params = *params;
 	cache->owner = pthread_self();
 	cache->step = 1;

@@ -122,8 +122,7 @@ enum status page_trace_create(const char *path, struct page_trace **out)
 {
 	TRY(check_replaceable(path));
 	struct page_trace *trace = mem_calloc(1, sizeof *trace);
-	if (trace == NULL)
-		return fail_memory("a trace");
+	TRY_MEM(trace, "a trace");
 	trace->file = -1;
 	trace->path = mem_strdup(path);
 	trace->buffer = mem_alloc(BUFFER_BYTES, 1);

@@ -31,8 +31,7 @@ static enum status append(struct render_blocks *blocks, uint32_t block)
 	if (blocks->count == blocks->capacity) {
 		size_t capacity = blocks->capacity ? 2 * blocks->capacity : 1024;
 		uint32_t *grown = mem_realloc(blocks->blocks, capacity, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("the picture's blocks");
+		TRY_MEM(grown, "the picture's blocks");
 		blocks->blocks = grown;
 		blocks->capacity = capacity;
 	}
@@ -130,8 +129,7 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct extent 
 	if (blocks->count == s.first)
 		return STATUS_OK;
 	uint32_t *strides = mem_alloc((size_t)across * across, sizeof *strides);
-	if (strides == NULL)
-		return fail_memory("the picture's blocks");
+	TRY_MEM(strides, "the picture's blocks");
 	add_skirts(&s, strides, across);
 	mem_free(strides);
 	return STATUS_OK;

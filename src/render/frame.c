@@ -219,8 +219,7 @@ static enum status draw_ground(struct render *render, const struct render_camera
 			       const struct render_selection *selection, struct picture_params *params)
 {
 	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
-	if (drawn == NULL)
-		return fail_memory("the picture's draws");
+	TRY_MEM(drawn, "the picture's draws");
 	enum status status = STATUS_OK;
 	bool patched = is_patched(render, axes, selection);
 	double lowest = INFINITY;

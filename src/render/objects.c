@@ -210,8 +210,7 @@ static enum status make_shadows(struct render *render, struct render_objects *ob
 {
 	struct gpu *gpu = render->gpu;
 	objects->shadows = mem_alloc(objects->count, sizeof *objects->shadows);
-	if (objects->shadows == NULL)
-		return fail_memory("the picture's shadows");
+	TRY_MEM(objects->shadows, "the picture's shadows");
 	TRY(gpu_list_create(gpu, objects->count * sizeof *objects->shadows, &objects->casters));
 	return gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
 }
@@ -222,8 +221,7 @@ enum status render_objects_create(struct render *render, const struct render_par
 	if (!shows(params->effects, count))
 		return STATUS_OK;
 	struct render_objects *objects = mem_calloc(1, sizeof *objects);
-	if (objects == NULL)
-		return fail_memory("the picture's objects");
+	TRY_MEM(objects, "the picture's objects");
 	render->objects = objects; /* from here on render_destroy frees it */
 	objects->objects = params->objects;
 	objects->count = count;

@@ -73,8 +73,7 @@ static enum status write_normals(const char *path, const struct render_picture *
 {
 	const size_t count = (size_t)picture->width * picture->height;
 	float *normals = mem_alloc(count, 3 * sizeof *normals);
-	if (normals == NULL)
-		return fail_memory("a picture of normals");
+	TRY_MEM(normals, "a picture of normals");
 	for (size_t i = 0; i < count; i++) {
 		const float *from = &numbers[4 * i];
 		const float up = sqrtf(fmaxf(1 - from[0] * from[0] - from[1] * from[1], 0));
@@ -121,8 +120,7 @@ static enum status write_heights(const char *path, const struct render_picture *
 {
 	const size_t count = (size_t)picture->width * picture->height;
 	double *values = mem_alloc(count, sizeof *values);
-	if (values == NULL)
-		return fail_memory("a picture of heights");
+	TRY_MEM(values, "a picture of heights");
 	for (size_t i = 0; i < count; i++)
 		values[i] = numbers[4 * i + CODE] == 0 ? (double)NAN : picture->eye + (double)numbers[4 * i + 2];
 	const struct heights heights = {values, picture};

@@ -275,8 +275,7 @@ static enum status start(struct pictures *pictures)
 enum status render_pictures_create(struct gpu *gpu, const char *directory, size_t bytes, struct pictures **out)
 {
 	struct pictures *pictures = mem_calloc(1, sizeof *pictures);
-	if (pictures == NULL)
-		return fail_memory("the pictures");
+	TRY_MEM(pictures, "the pictures");
 	pictures->gpu = gpu;
 	pictures->directory = directory;
 	pictures->bytes = bytes;

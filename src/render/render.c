@@ -43,8 +43,7 @@ static enum status create_mesh(struct render *render)
 	uint32_t cells = render_block_cells(&render->extent);
 	bool skirts = render->effects >> EFFECT_SKIRTS & 1;
 	uint16_t *indices = mem_alloc(render_index_count(cells, true), sizeof *indices);
-	if (indices == NULL)
-		return fail_memory("the picture's mesh");
+	TRY_MEM(indices, "the picture's mesh");
 	render->index_count = fill_indices(indices, cells, skirts);
 	assert(render->index_count == render_index_count(cells, skirts));
 	enum status status = gpu_buffer_create(render->gpu, GPU_INDICES, render->index_count * sizeof *indices,
@@ -58,8 +57,7 @@ static enum status create_ground(struct render *render)
 	const uint32_t size = RENDER_GROUND_SIZE;
 	enum render_ground kinds[RENDER_GROUND_LAYERS];
 	uint8_t *texels = mem_alloc((size_t)size * size * RENDER_GROUND_LAYERS, 4);
-	if (texels == NULL)
-		return fail_memory("the ground's textures");
+	TRY_MEM(texels, "the ground's textures");
 	render_body_textures(&render->light, kinds);
 	enum status status;
 	TRY_OR(done, render_textures_fill(kinds, RENDER_GROUND_LAYERS, texels));
@@ -107,8 +105,7 @@ static enum status make(struct render *render, const struct render_params *param
 enum status render_create(const struct render_params *params, struct render **out)
 {
 	struct render *render = mem_calloc(1, sizeof *render);
-	if (render == NULL)
-		return fail_memory("the picture");
+	TRY_MEM(render, "the picture");
 	*render = (struct render){
 		.gpu = params->gpu,
 		.slots = params->slots,
@@ -214,8 +211,7 @@ enum status render_read(struct render *render, uint8_t *pixels, float *depth)
 enum status render_write_png(struct render *render, const char *path)
 {
 	uint8_t *pixels = mem_alloc((size_t)render->screen->width * render->screen->height, 4);
-	if (pixels == NULL)
-		return fail_memory("the picture's pixels");
+	TRY_MEM(pixels, "the picture's pixels");
 	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, pixels);
 	enum status status;
 	TRY_OR(done, gpu_check(render->gpu, "reading the picture back"));

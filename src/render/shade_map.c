@@ -35,8 +35,7 @@ enum status render_shade_create(struct render *render)
 	if (!(render->effects >> EFFECT_TERRAIN_SHADOW & 1))
 		return STATUS_OK;
 	struct render_shade *shade = mem_calloc(1, sizeof *shade);
-	if (shade == NULL)
-		return fail_memory("the terrain's shadows");
+	TRY_MEM(shade, "the terrain's shadows");
 	render->shade = shade; /* from here on render_destroy frees it */
 	TRY(gpu_texture_create(render->gpu, GPU_DEPTH32F, RENDER_SHADE_SIZE, RENDER_SHADE_SIZE, RENDER_SHADES, &shade->map));
 	for (uint32_t i = 0; i < RENDER_SHADES; i++)

@@ -282,8 +282,7 @@ static enum status make(struct view *view)
 {
 	struct world *world = view->world;
 	const struct scene *scene = world_scene(world);
-	if (view->selection == NULL || view->now == NULL || view->ahead == NULL || view->missing == NULL)
-		return fail_memory("the view");
+	TRY_MEM(view->selection != NULL && view->now != NULL && view->ahead != NULL && view->missing != NULL, "the view");
 	view->reach = render_view_find_reach(world);
 	TRY(make_render(view, view->watched, &view->render));
 	TRY(render_sun_find(&world_facts(world)->light, world_resident(world)->meta, &view->sun));
@@ -300,8 +299,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 {
 	const struct scene *scene = world_scene(world);
 	struct view *view = mem_calloc(1, sizeof *view);
-	if (view == NULL)
-		return fail_memory("the view");
+	TRY_MEM(view, "the view");
 	view->world = world;
 	view->watched = watched;
 	view->at_steps = !watched && (scene->view.images > 0 || scene->camera_count > 0);

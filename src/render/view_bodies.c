@@ -16,8 +16,7 @@ static enum status list_added(struct view *view)
 	if (count <= first)
 		return STATUS_OK;
 	view->added = mem_alloc(count - first, sizeof *view->added);
-	if (view->added == NULL)
-		return fail_memory("the view");
+	TRY_MEM(view->added, "the view");
 	for (size_t number = first; number < count; number++)
 		if (world_host(world, number) != NULL && !world_host(world, number)->quiet) /* a quiet body is a part of a vehicle, and world->figures has that */
 			view->added[view->added_count++] = (int32_t)number;
@@ -35,8 +34,7 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 		return STATUS_OK;
 	/* They share the memory of the scene's objects, of the figures and of the bodies. */
 	view->drawn = mem_calloc(objects + figures + view->added_count, sizeof *view->drawn);
-	if (view->drawn == NULL)
-		return fail_memory("the view");
+	TRY_MEM(view->drawn, "the view");
 	if (objects > 0)
 		memcpy(view->drawn, world_scene(world)->objects, objects * sizeof *view->drawn);
 	if (figures > 0)

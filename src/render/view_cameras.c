@@ -328,8 +328,7 @@ enum status render_view_make_cameras(struct view *view)
 		return STATUS_OK;
 	view->cameras = mem_calloc(count, sizeof *view->cameras);
 	view->screens = mem_calloc(count, sizeof *view->screens);
-	if (view->cameras == NULL || view->screens == NULL)
-		return fail_memory("the cameras");
+	TRY_MEM(view->cameras != NULL && view->screens != NULL, "the cameras");
 	for (size_t i = 0; i < count; i++) {
 		view->cameras[i] = (struct view_camera){.camera = &scene->cameras[i], .ahead = {.time = -INFINITY}};
 		TRY(find_screen(view, &view->cameras[i]));

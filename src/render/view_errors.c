@@ -30,8 +30,7 @@ enum status render_view_errors_create(const struct world *world, struct view_err
 {
 	const struct scene *scene = world_scene(world);
 	struct view_errors *errors = mem_calloc(1, sizeof *errors);
-	if (errors == NULL)
-		return fail_memory("the view");
+	TRY_MEM(errors, "the view");
 	errors->bases.most = BASES;
 	errors->bounds.extent = &world_resident(world)->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {

@@ -68,8 +68,7 @@ enum status render_view_set_objects(struct view *view)
 		return STATUS_OK;
 	const struct world_figures *figures = world_figures(world);
 	struct render_object *objects = mem_alloc(scene->object_count + figures->count + view->added_count, sizeof *objects);
-	if (objects == NULL)
-		return fail_memory("the picture's objects");
+	TRY_MEM(objects, "the picture's objects");
 	size_t count = 0;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->object_count; i++) {

@@ -62,8 +62,7 @@ static enum status take_ways(struct map *map)
 		struct way *way = &map->ways[map->count];
 		const struct body *body = map->count < objects ? world_object_body(world, map->count) : NULL;
 		way->places = mem_alloc(body != NULL ? motion_track_corners(body->track) : VEHICLE_TRAIL + 1, sizeof *way->places);
-		if (way->places == NULL)
-			return fail_memory("a map");
+		TRY_MEM(way->places, "a map");
 		if (body != NULL)
 			take_object(body, world_time(world), way);
 		else

@@ -91,8 +91,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 		return STATUS_OK;
 	}
 	struct report_rows *rows = mem_calloc(1, sizeof *rows);
-	if (rows == NULL)
-		return fail_memory("objects.csv");
+	TRY_MEM(rows, "objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory};
 	bool begins;
 	const char *header = world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;

@@ -41,8 +41,7 @@ static enum status list_bodies(const struct world *world, struct report_plan *ou
 		count += info.geom_count;
 	}
 	out->bodies = mem_calloc(count + 1, sizeof *out->bodies);
-	if (out->bodies == NULL)
-		return fail_memory("the plan");
+	TRY_MEM(out->bodies, "the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
 		out->bodies[out->body_count++] = (struct report_body){scene->objects[i].name, &scene->objects[i].shape, scene_object_bears_over(scene, &scene->objects[i]), 0};
 	for (size_t v = 0; v < vehicle_count(out->vehicles); v++) {
@@ -62,8 +61,7 @@ static enum status plan_bodies(const struct world *world, struct report_plan *ou
 {
 	const size_t first = world_scene(world)->object_count, count = out->body_count - first;
 	const struct soil_shape **added = mem_calloc(count + 1, sizeof *added);
-	if (added == NULL)
-		return fail_memory("the plan");
+	TRY_MEM(added, "the plan");
 	for (size_t i = 0; i < count; i++)
 		added[i] = out->bodies[first + i].shape;
 	enum status status = world_plan_deform(world, added, count, &out->plan);
@@ -79,8 +77,7 @@ static enum status plan_view(const struct world *world, bool planes, struct repo
 	struct render_params render;
 	render_view_params(world, &render);
 	struct scene_object *drawn = mem_calloc(scene->object_count + figures.count + 1, sizeof *drawn);
-	if (drawn == NULL)
-		return fail_memory("the plan");
+	TRY_MEM(drawn, "the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
 		drawn[i] = scene->objects[i];
 	for (size_t i = 0; i < figures.count; i++)
@@ -287,8 +284,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->picture_steps = scene->view.present ? scene->view.images : 0;
 	out->pictures = out->picture_steps > 0 ? out->steps / out->picture_steps : 0;
 	out->samples = mem_calloc(scene->object_count + 1, sizeof *out->samples);
-	if (out->samples == NULL)
-		return fail_memory("the plan");
+	TRY_MEM(out->samples, "the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
 		out->samples[i] = world_samples_until(world_object_body(world, i)->track, scene->end_time);
 	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++)

@@ -53,8 +53,7 @@ static enum status add(struct poses_of *poses, const struct poses_row *row)
 	if (poses->count == poses->room) {
 		const size_t room = poses->room > 0 ? 2 * poses->room : 64;
 		struct poses_row *grown = mem_realloc(poses->rows, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("the cameras' poses");
+		TRY_MEM(grown, "the cameras' poses");
 		poses->rows = grown;
 		poses->room = room;
 	}
@@ -157,8 +156,7 @@ enum status report_poses_open(const struct world *world, const char *directory, 
 	if (scene->camera_count == 0)
 		return STATUS_OK;
 	struct report_poses *poses = mem_calloc(1, sizeof *poses);
-	if (poses == NULL)
-		return fail_memory("the cameras' poses");
+	TRY_MEM(poses, "the cameras' poses");
 	*poses = (struct report_poses){.world = world, .directory = directory, .count = scene->camera_count};
 	poses->cameras = mem_calloc(scene->camera_count, sizeof *poses->cameras);
 	enum status status;

@@ -492,8 +492,7 @@ char *report_json(const struct report *report, const char *ended)
 enum status report_gathered(char **json, const struct world_ranked *ranked, int ranks)
 {
 	cJSON *root = cJSON_Parse(*json);
-	if (root == NULL)
-		return fail_memory("run.json");
+	TRY_MEM(root, "run.json");
 	cJSON *forces = cJSON_GetObjectItemCaseSensitive(root, "forces");
 	cJSON_DeleteItemFromObjectCaseSensitive(root, "volume");
 	add_volume(root, cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(root, "spacing")), &ranked->sums);

@@ -88,13 +88,11 @@ static enum status add_column(struct report_vehicles *rows, size_t vehicle, size
 	struct column *column = find_column(rows, name, kind);
 	if (column == NULL) {
 		struct column *grown = mem_realloc(rows->columns, rows->count + 1, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("vehicles.csv");
+		TRY_MEM(grown, "vehicles.csv");
 		rows->columns = grown;
 		column = &grown[rows->count];
 		*column = (struct column){name, kind, mem_alloc(vehicles, sizeof *column->index)};
-		if (column->index == NULL)
-			return fail_memory("vehicles.csv");
+		TRY_MEM(column->index, "vehicles.csv");
 		rows->count++;
 		for (size_t i = 0; i < vehicles; i++)
 			column->index[i] = -1;
@@ -120,8 +118,7 @@ static enum status make_header(struct report_vehicles *rows)
 {
 	size_t size = 0;
 	FILE *stream = open_memstream(&rows->header, &size);
-	if (stream == NULL)
-		return fail_memory("vehicles.csv");
+	TRY_MEM(stream, "vehicles.csv");
 	fputs(fixed, stream);
 	for (size_t i = 0; i < rows->count; i++)
 		fprintf(stream, ",%c:%s", letters[rows->columns[i].kind], rows->columns[i].name);
@@ -141,8 +138,7 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 		return STATUS_OK;
 	}
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
-	if (rows == NULL)
-		return fail_memory("vehicles.csv");
+	TRY_MEM(rows, "vehicles.csv");
 	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory};
 	enum status status;
 	TRY_OR(failed, find_columns(rows));

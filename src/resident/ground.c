@@ -27,8 +27,7 @@ int32_t resident_ground_reference(const struct store *store)
 enum status resident_ground_create(struct store *store, uint32_t tiles, struct ground **out)
 {
 	struct ground *ground = mem_calloc(1, sizeof *ground);
-	if (ground == NULL)
-		return fail_memory("the ground");
+	TRY_MEM(ground, "the ground");
 	assert(tiles >= 1);
 	mutex_init(&ground->mutex);
 	ground->bases.most = ground->errors.most = ground->stored.most = ground->bends.most = RANGES;

@@ -143,8 +143,7 @@ enum status resident_heights(const struct resident_source *ground, const struct 
 			    struct resident_height *heights)
 {
 	struct place one, *places = count > 1 ? mem_alloc(count, sizeof *places) : &one;
-	if (places == NULL)
-		return fail_memory("the points that are asked for");
+	TRY_MEM(places, "the points that are asked for");
 	for (size_t i = 0; i < count; i++)
 		places[i] = (struct place){finest_key(ground, points[i]), i};
 	if (count > 1)

@@ -72,8 +72,7 @@ static enum status write_plane(struct host_slots *slots, struct host_tile *tile,
 	if (had != NULL && is_alone(had))
 		return STATUS_OK;
 	struct host_plane *made = take(slots, plane, !copies);
-	if (made == NULL)
-		return fail_memory("a plane of a tile");
+	TRY_MEM(made, "a plane of a tile");
 	if (copies)
 		memcpy(made->posts, had->posts, slots->posts * plane_bytes((enum plane)plane));
 	tile->planes[plane] = made;

@@ -7,8 +7,7 @@ static enum status add_area(struct inset_areas *insets, size_t *room, struct ins
 	if (insets->count == *room) {
 		size_t more = *room != 0 ? 2 * *room : 4;
 		struct inset_area *grown = mem_realloc(insets->areas, more, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("the insets");
+		TRY_MEM(grown, "the insets");
 		insets->areas = grown;
 		*room = more;
 	}

@@ -48,8 +48,7 @@ struct look_ahead {
 enum status resident_look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out)
 {
 	struct look_ahead *ahead = mem_calloc(1, sizeof *ahead);
-	if (ahead == NULL)
-		return fail_memory("the look-ahead");
+	TRY_MEM(ahead, "the look-ahead");
 	ahead->params = *params;
 	ahead->watches = mem_calloc(params->count, sizeof *ahead->watches);
 	ahead->params.bodies = NULL; /* the caller's */
@@ -149,8 +148,7 @@ static enum status note_tile(struct watch *watch, uint64_t key, double time)
 	if (watch->count == watch->room) {
 		size_t room = watch->room != 0 ? 2 * watch->room : 32;
 		struct ahead_tile *tiles = mem_realloc(watch->tiles, room, sizeof *tiles);
-		if (tiles == NULL)
-			return fail_memory("loading ahead");
+		TRY_MEM(tiles, "loading ahead");
 		watch->tiles = tiles;
 		watch->room = room;
 	}

@@ -131,8 +131,7 @@ enum status resident_newest_create(struct store *store, struct pages *pages, str
 {
 	const struct store_meta *meta = store_meta(store);
 	struct newest *newest = mem_calloc(1, sizeof *newest);
-	if (newest == NULL)
-		return fail_memory("queries");
+	TRY_MEM(newest, "queries");
 	*newest = (struct newest){
 		.store = store,
 		.pages = pages,

@@ -59,8 +59,7 @@ enum status resident_newest_keep(struct newest *newest, uint32_t tiles)
 	if (tiles == count)
 		return STATUS_OK;
 	struct resident_newest_tile *grown = mem_realloc(newest->tiles, tiles, sizeof *grown);
-	if (grown == NULL)
-		return fail_memory("tiles for queries");
+	TRY_MEM(grown, "tiles for queries");
 	newest->tiles = grown;
 	for (uint32_t i = count; i < tiles; i++)
 		grown[i] = (struct resident_newest_tile){.heights = NULL};
@@ -167,8 +166,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 	enum status status = resident_newest_plane(newest, tile_ancestor(tile, newest->level), PLANE_OFFSET, offsets);
 	if (status == STATUS_OK && shift > 0) {
 		fine = mem_alloc(count, sizeof *fine);
-		if (fine == NULL)
-			return fail_memory("a tile for queries");
+		TRY_MEM(fine, "a tile for queries");
 		divide(newest, tile, shift, offsets, fine);
 		offsets = fine;
 	}

@@ -166,8 +166,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	double started = clock_seconds();
 	if (count > pages->commit_room) {
 		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
-		if (room == NULL)
-			return fail_memory("a commit");
+		TRY_MEM(room, "a commit");
 		pages->commit_pages = room;
 		pages->commit_room = count;
 	}

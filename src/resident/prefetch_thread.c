@@ -357,8 +357,7 @@ enum status resident_prefetch_thread_create(const struct look_ahead_params *para
 {
 	assert(params->count >= 1 && params->prefetch > 0);
 	struct prefetch_thread *ahead = mem_calloc(1, sizeof *ahead);
-	if (ahead == NULL)
-		return fail_memory("the prefetcher");
+	TRY_MEM(ahead, "the prefetcher");
 	ahead->params = *params;
 	ahead->insets = insets;
 	ahead->extent = &store_meta(params->store)->extent;

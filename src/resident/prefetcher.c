@@ -46,8 +46,7 @@ enum status resident_prefetcher_create(const struct look_ahead_params *params, s
 	threads = threads < params->tiles ? threads : params->tiles;
 	assert(threads >= 1 && threads <= THREADS_MOST);
 	struct prefetcher *prefetcher = mem_calloc(1, sizeof *prefetcher);
-	if (prefetcher == NULL)
-		return fail_memory("the prefetcher");
+	TRY_MEM(prefetcher, "the prefetcher");
 	enum status status;
 	TRY_OR(failed, resident_inset_areas_init(params->store, &prefetcher->insets));
 	for (size_t i = 0; i < threads; i++) {

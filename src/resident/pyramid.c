@@ -22,8 +22,7 @@ enum status resident_pyramid_create(const struct extent *extent, int level, stru
 				    struct pyramid **out)
 {
 	struct pyramid *pyramid = mem_calloc(1, sizeof *pyramid);
-	if (pyramid == NULL)
-		return fail_memory("the pyramid");
+	TRY_MEM(pyramid, "the pyramid");
 	*pyramid = (struct pyramid){.extent = extent, .level = level, .coarsest = extent_coarsest(extent), .slots = slots, .host = host};
 	*out = pyramid;
 	return STATUS_OK;
@@ -49,8 +48,7 @@ enum status resident_pyramid_changed(struct pyramid *pyramid, struct tile tile, 
 	if (pyramid->count == pyramid->room) {
 		size_t room = pyramid->room != 0 ? 2 * pyramid->room : 64;
 		struct change *changes = mem_realloc(pyramid->changes, room, sizeof *changes);
-		if (changes == NULL)
-			return fail_memory("the pyramid");
+		TRY_MEM(changes, "the pyramid");
 		pyramid->changes = changes;
 		pyramid->room = room;
 	}

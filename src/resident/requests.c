@@ -25,8 +25,7 @@ enum status resident_requests_add(struct requests *requests, uint64_t key, doubl
 		uint64_t *keys = mem_realloc(requests->keys, room, sizeof *keys);
 		if (keys != NULL)
 			requests->keys = keys;
-		if (grown == NULL || keys == NULL)
-			return fail_memory("the list of pages to load ahead");
+		TRY_MEM(grown != NULL && keys != NULL, "the list of pages to load ahead");
 		requests->room = room;
 	}
 	requests->requests[requests->count] = (struct request){key, time, requests->count};

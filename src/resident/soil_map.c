@@ -16,8 +16,7 @@ enum status resident_soil_map_open(const struct soil_map_params *params, struct 
 	const struct store_meta *meta = params->meta;
 	unsigned count = params->loaders > 0 ? params->loaders : 1;
 	struct soil_map *map = mem_calloc(1, sizeof *map + count * sizeof map->rasters[0]);
-	if (map == NULL)
-		return fail_memory("the map of soils");
+	TRY_MEM(map, "the map of soils");
 	map->params = *params;
 	const struct dem_placed_params raster = {
 		.path = params->path,

@@ -31,8 +31,7 @@ static enum status open_reader(struct soil_rasters *rasters, struct reader *read
 {
 	const struct store_meta *meta = rasters->params.meta;
 	reader->values = mem_alloc(strip_posts(rasters), sizeof *reader->values);
-	if (reader->values == NULL)
-		return fail_memory("the rasters of the soil");
+	TRY_MEM(reader->values, "the rasters of the soil");
 	for (int i = 0; i < rasters->params.count; i++)
 		TRY(dem_pixels_open(&(struct dem_placed_params){.path = rasters->params.rasters[i].path, .extent = &meta->extent, .srs = meta->srs,
 								.origin = {meta->origin[0],
@@ -54,8 +53,7 @@ enum status resident_soil_rasters_open(const struct soil_rasters_params *params,
 {
 	unsigned readers = (params->loaders > 0 ? params->loaders : 1) + (params->places ? 1 : 0);
 	struct soil_rasters *rasters = mem_calloc(1, sizeof *rasters + readers * sizeof rasters->list[0]);
-	if (rasters == NULL)
-		return fail_memory("the rasters of the soil");
+	TRY_MEM(rasters, "the rasters of the soil");
 	rasters->params = *params;
 	rasters->readers = readers;
 	enum status status = STATUS_OK;

@@ -56,8 +56,7 @@ const char *scene_alias_key(const struct scene_node *parent, const char *key)
 static enum status rename_text(char **text, const char *name)
 {
 	char *copy = mem_strdup(name);
-	if (copy == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(copy, "reading the scene");
 	mem_free(*text);
 	*text = copy;
 	return STATUS_OK;

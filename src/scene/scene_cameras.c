@@ -105,8 +105,7 @@ static enum status read_poses(const struct entry *entry)
 	struct scene_path *poses = &entry->camera->poses;
 	const struct scene_node *node = node_of(entry, "file");
 	char *file = scene_file_beside(entry->tree->folder, entry->raw->file);
-	if (file == NULL)
-		return fail_memory("reading poses");
+	TRY_MEM(file, "reading poses");
 	const enum status status = scene_path_read(file, scene_told(entry->tree->file, node, entry->raw->file).text, poses);
 	mem_free(file);
 	TRY(status);
@@ -223,8 +222,7 @@ static enum status add_right(const struct entry *left, struct scene *scene)
 	if (left->camera->poses.points == NULL)
 		return STATUS_OK;
 	camera->poses.points = mem_alloc(camera->poses.count, sizeof *camera->poses.points);
-	if (camera->poses.points == NULL)
-		return fail_memory("reading poses");
+	TRY_MEM(camera->poses.points, "reading poses");
 	memcpy(camera->poses.points, left->camera->poses.points, camera->poses.count * sizeof *camera->poses.points);
 	return STATUS_OK;
 }
@@ -250,8 +248,7 @@ enum status scene_check_cameras(const struct scene_tree *tree, const struct raw_
 	if (scene->hosted)
 		return scene_tell_unused(scene, "cameras: write pictures of drives by the command, and a host draws its own; take them away");
 	scene->cameras = mem_calloc((size_t)2 * raw->cameras_count, sizeof *scene->cameras);
-	if (scene->cameras == NULL)
-		return fail_memory("reading the cameras");
+	TRY_MEM(scene->cameras, "reading the cameras");
 	for (size_t i = 0; i < raw->cameras_count; i++) {
 		const struct entry entry = {tree, &raw->cameras[i], i, scene, &scene->cameras[scene->camera_count++]};
 		TRY(check_camera(&entry));

@@ -176,8 +176,7 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	const struct raw_cache *cache = raw->cache != NULL ? raw->cache : &none;
 	if (raw->store != NULL) {
 		scene->store = scene_file_beside(tree->folder, raw->store);
-		if (scene->store == NULL)
-			return fail_memory("reading the scene");
+		TRY_MEM(scene->store, "reading the scene");
 	}
 	scene->time_step = number(raw->time_step, "time_step");
 	scene->end_time = raw->end_time != NULL ? *raw->end_time : (double)INFINITY;

@@ -18,8 +18,7 @@ static enum status fold_camera(struct scene_node *camera, const char *name,
 			continue;
 		if (inner == NULL) {
 			inner = scene_node_create(SCENE_MAPPING, name);
-			if (inner == NULL)
-				return fail_memory("reading the scene");
+			TRY_MEM(inner, "reading the scene");
 			inner->line = child->line;
 			inner->setting = child->setting;
 			scene_node_append(camera, inner);

@@ -49,8 +49,7 @@ static enum status take_base64(const struct scene_gltf *gltf, const char *text, 
 	uint32_t bits = 0;
 	int held = 0;
 	out->owned = mem_alloc(length / 4 * 3 + 4, 1);
-	if (out->owned == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(out->owned, "a mesh");
 	for (size_t i = 0; i < length && text[i] != '='; i++) {
 		const int digit = digit_of(text[i]);
 		if (digit < 0)
@@ -88,8 +87,7 @@ static enum status take_file(struct scene_gltf *gltf, const char *uri, struct sc
 	if (!is_beside(uri, name, sizeof name))
 		return scene_gltf_bad(gltf, "a buffer is not in its folder: %.100s", uri);
 	char *path = scene_file_beside(gltf->path, name);
-	if (path == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(path, "a mesh");
 	const enum status status = scene_file_read(path, gltf->told, gltf->left, &out->owned, &out->length);
 	mem_free(path);
 	TRY(status);
@@ -192,8 +190,7 @@ static enum status find_list(struct scene_gltf *gltf, enum scene_gltf_list list)
 	const cJSON *array = cJSON_GetObjectItemCaseSensitive(gltf->root, names[list]), *item;
 	const size_t room = cJSON_IsArray(array) ? (size_t)cJSON_GetArraySize(array) : 0;
 	gltf->lists[list] = mem_calloc(room + 1, sizeof *gltf->lists[list]);
-	if (gltf->lists[list] == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(gltf->lists[list], "a mesh");
 	if (room > 0)
 		cJSON_ArrayForEach(item, array)
 			gltf->lists[list][gltf->counts[list]++] = item;

@@ -172,8 +172,7 @@ static enum status take_surfaces(struct shapes *shapes)
 	for (size_t i = 0; i < meshes; i++)
 		room += (size_t)cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(gltf->lists[SCENE_GLTF_MESHES][i], "primitives"));
 	shapes->surfaces = mem_calloc(room + 1, sizeof *shapes->surfaces);
-	if (shapes->firsts == NULL || shapes->surfaces == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(shapes->firsts != NULL && shapes->surfaces != NULL, "a mesh");
 	for (size_t i = 0; i < meshes; i++) {
 		const cJSON *primitive;
 		cJSON_ArrayForEach(primitive, cJSON_GetObjectItemCaseSensitive(gltf->lists[SCENE_GLTF_MESHES][i], "primitives")) {
@@ -230,8 +229,7 @@ static enum status take_parts(struct shapes *shapes)
 	struct scene_gltf *gltf = shapes->gltf;
 	const size_t nodes = gltf->counts[SCENE_GLTF_NODES], meshes = gltf->counts[SCENE_GLTF_MESHES];
 	shapes->parts = mem_calloc(nodes + 1, sizeof *shapes->parts);
-	if (shapes->parts == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(shapes->parts, "a mesh");
 	for (size_t i = 0; i < nodes; i++) {
 		const cJSON *node = gltf->lists[SCENE_GLTF_NODES][i];
 		shapes->parts[i].children = cJSON_GetObjectItemCaseSensitive(node, "children");

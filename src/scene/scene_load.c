@@ -109,8 +109,7 @@ enum status scene_load_text(const char *text, const char *folder, const struct s
 	if (length > SCENE_BYTES)
 		return fail_with(STATUS_INPUT, "%s: it is too large; allowed: %u bytes", name, SCENE_BYTES);
 	char *beside = mem_alloc(folder_length + 2, 1);
-	if (beside == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(beside, "reading the scene");
 	snprintf(beside, folder_length + 2, "%s%s", folder_length > 0 ? folder : "", folder_length > 0 ? "/" : "");
 	enum status status = load(name, beside, text, length, settings, count, reader, out);
 	mem_free(beside);

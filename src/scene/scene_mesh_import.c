@@ -181,8 +181,7 @@ static enum status take_scene(const struct aiScene *scene, const char *told, str
 	size_t triangles = 0, nodes = 0;
 	TRY(count_node(scene, scene->mRootNode, 0, told, &triangles, &nodes));
 	corners->at = mem_alloc(3 * triangles + 1, sizeof *corners->at);
-	if (corners->at == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(corners->at, "a mesh");
 	TRY(take_node(scene, scene->mRootNode, as_it_is, told, corners));
 	if (corners->triangles == 0)
 		return fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", told);

@@ -136,8 +136,7 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 				   "no object and no view or vehicle; needed: objects, vehicles or a view");
 	}
 	scene->objects = mem_calloc(count, sizeof *scene->objects);
-	if (scene->objects == NULL)
-		return fail_memory("reading the objects");
+	TRY_MEM(scene->objects, "reading the objects");
 	for (size_t i = 0; i < count; i++) {
 		scene->object_count = i + 1;
 		TRY(take_object(tree, &raw->objects[i], i, scene, &scene->objects[i]));

@@ -74,8 +74,7 @@ static enum status take_row(struct reader *reader, char *const fields[COLUMNS])
 	if (path->count == reader->room) {
 		size_t room = reader->room == 0 ? 256 : reader->room * 2;
 		struct scene_waypoint *grown = mem_realloc(path->points, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("reading poses");
+		TRY_MEM(grown, "reading poses");
 		path->points = grown;
 		reader->room = room;
 	}

@@ -37,8 +37,7 @@ static enum status take(const struct scene_tree *tree, const char *path, enum so
 	struct scene_raster *raster = &scene->rasters[scene->raster_count];
 	raster->number = number;
 	raster->path = scene_file_beside(tree->folder, path);
-	if (raster->path == NULL)
-		return fail_memory("reading a raster of the soil");
+	TRY_MEM(raster->path, "reading a raster of the soil");
 	scene->raster_count++;
 	return scene_file_hash(raster->path, scene_told(tree->file, node, path).text, SCENE_RASTER_BYTES, raster->hash);
 }

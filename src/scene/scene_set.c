@@ -71,8 +71,7 @@ static enum status step(const struct scene_tree *tree, const struct scene_settin
 	if (at->count >= SCENE_KEYS)
 		return refuse(tree, setting, segment, "is one key too many; allowed: 64");
 	struct scene_node *made = scene_node_create(SCENE_MAPPING, segment);
-	if (made == NULL)
-		return fail_memory("setting a key of the scene");
+	TRY_MEM(made, "setting a key of the scene");
 	made->setting = setting->key;
 	made->line = at->line;
 	scene_node_append(at, made);
@@ -108,8 +107,7 @@ enum status scene_set(struct scene_tree *tree, const struct scene_setting *setti
 		return fail_with(STATUS_INPUT, "%s: --set %s: the key has %zu bytes; allowed: at most %d", tree->file,
 				 scene_quote(setting->key).text, length, KEY_MAX);
 	char *key = mem_strdup(setting->key);
-	if (key == NULL)
-		return fail_memory("setting a key of the scene");
+	TRY_MEM(key, "setting a key of the scene");
 	enum status status;
 	TRY_OR(done, scene_tree_parse(tree->file, setting->key, setting->value, strlen(setting->value), &value));
 	for (char *segment = key, *dot; segment != NULL; segment = dot) {

@@ -280,8 +280,7 @@ static enum status check_map(const struct scene_tree *tree, const struct raw_soi
 	if (!read)
 		return STATUS_OK;
 	scene->soil_map = scene_file_beside(tree->folder, raw->map);
-	if (scene->soil_map == NULL)
-		return fail_memory("reading the map of soils");
+	TRY_MEM(scene->soil_map, "reading the map of soils");
 	return scene_file_hash(scene->soil_map, scene_told(tree->file, node, raw->map).text, SCENE_RASTER_BYTES,
 			       scene->soil_map_hash);
 }

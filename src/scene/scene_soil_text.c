@@ -16,8 +16,7 @@ enum status scene_soil_alone(const char *soil, struct scene **out)
 {
 	const size_t room = strlen(soil) + 64;
 	char *text = mem_alloc(room, 1);
-	if (text == NULL)
-		return fail_memory("a soil");
+	TRY_MEM(text, "a soil");
 	snprintf(text, room, in_braces(soil) ? "{soil: %s, redistribute: {model: scm}}" : "{soil: {name: %s}, redistribute: {model: scm}}", soil);
 	enum status status = scene_load_text(text, NULL, NULL, 0, SCENE_HOST, out);
 	mem_free(text);

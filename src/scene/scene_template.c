@@ -118,8 +118,7 @@ static enum status add_to_offset(struct scene_node *path, const double more[2])
 		scene_node_destroy(node);
 	}
 	node = scene_node_create(SCENE_SEQUENCE, "offset");
-	if (node == NULL)
-		return fail_memory("reading the objects");
+	TRY_MEM(node, "reading the objects");
 	node->line = path->line;
 	node->setting = path->setting;
 	scene_node_append(path, node);
@@ -165,8 +164,7 @@ static enum status move_path(const struct template *template, struct scene_node 
 static enum status add_copy(const struct template *template, const struct scene_node *object, const struct place *place, struct scene_node *list)
 {
 	struct scene_node *copy = copy_node(object);
-	if (copy == NULL)
-		return fail_memory("reading the objects");
+	TRY_MEM(copy, "reading the objects");
 	mem_free(copy->key);
 	copy->key = NULL; /* in a list */
 	scene_node_append(list, copy);
@@ -258,8 +256,7 @@ static bool is_template(const struct scene_node *node)
 static enum status fold_alone(struct scene_node *objects)
 {
 	struct scene_node *inner = scene_node_create(SCENE_MAPPING, NULL);
-	if (inner == NULL)
-		return fail_memory("reading the objects");
+	TRY_MEM(inner, "reading the objects");
 	inner->line = objects->line;
 	inner->setting = objects->setting;
 	for (struct scene_node *child = objects->first, *next; child != NULL; child = next) {

@@ -80,8 +80,7 @@ static enum status list_items(struct scene_node *node)
 {
 	if (node->kind == SCENE_SEQUENCE && node->count > 0) {
 		node->items = mem_alloc(node->count, sizeof *node->items);
-		if (node->items == NULL)
-			return fail_memory("reading the scene");
+		TRY_MEM(node->items, "reading the scene");
 	}
 	for (struct scene_node *child = node->first; child != NULL; child = child->next) {
 		if (node->items != NULL)
@@ -206,8 +205,7 @@ static enum status add(struct builder *builder, enum scene_kind kind, const char
 		       int line)
 {
 	struct scene_node *node = scene_node_create(kind, NULL);
-	if (node == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(node, "reading the scene");
 	node->line = builder->key != NULL ? builder->key_line : line;
 	node->setting = builder->setting;
 	node->plain = plain;

@@ -37,8 +37,7 @@ static enum status doubt(const struct units *units, const struct scene_node *nod
 	else
 		snprintf(text, sizeof text, "%.200s:%d: %s: %s", units->tree->file, node->line, key, why);
 	char **doubts = mem_realloc(scene->doubts, scene->doubt_count + 1, sizeof *doubts);
-	if (doubts == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(doubts, "reading the scene");
 	scene->doubts = doubts;
 	doubts[scene->doubt_count] = mem_strdup(text);
 	return doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");

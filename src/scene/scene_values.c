@@ -134,8 +134,7 @@ static enum status add(const struct step *step, struct scene *scene)
 	if ((scene->value_count & (scene->value_count - 1)) == 0) {
 		struct scene_value *grown =
 			mem_realloc(scene->values, scene->value_count == 0 ? 1 : scene->value_count * 2, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("reading the scene");
+		TRY_MEM(grown, "reading the scene");
 		scene->values = grown;
 	}
 	struct scene_value *value = &scene->values[scene->value_count++];

@@ -29,8 +29,7 @@ static enum status take_name(const struct scene_tree *tree, const struct scene *
 static enum status take_texts(char *const *from, uint32_t count, struct scene_texts *texts)
 {
 	texts->list = mem_calloc(count + 1, sizeof *texts->list);
-	if (texts->list == NULL)
-		return fail_memory("reading the vehicles");
+	TRY_MEM(texts->list, "reading the vehicles");
 	for (; texts->count < count; texts->count++)
 		if ((texts->list[texts->count] = mem_strdup(from[texts->count])) == NULL)
 			return fail_memory("reading the vehicles");
@@ -68,8 +67,7 @@ static enum status check_hold(const struct scene_tree *tree, const struct raw_dr
 	vehicle->driver = SCENE_HOLD;
 	vehicle->values = mem_calloc(raw->hold_count + 1, sizeof *vehicle->values);
 	vehicle->held.list = mem_calloc(raw->hold_count + 1, sizeof *vehicle->held.list);
-	if (vehicle->values == NULL || vehicle->held.list == NULL)
-		return fail_memory("reading the vehicles");
+	TRY_MEM(vehicle->values != NULL && vehicle->held.list != NULL, "reading the vehicles");
 	for (size_t i = 0; i < raw->hold_count; i++) {
 		for (size_t k = 0; k < i; k++)
 			if (strcmp(raw->hold[i].actuator, raw->hold[k].actuator) == 0)
@@ -77,8 +75,7 @@ static enum status check_hold(const struct scene_tree *tree, const struct raw_dr
 						   "%s is named twice; allowed: once", scene_quote(raw->hold[i].actuator).text);
 		vehicle->values[i] = raw->hold[i].value;
 		vehicle->held.list[i] = mem_strdup(raw->hold[i].actuator);
-		if (vehicle->held.list[i] == NULL)
-			return fail_memory("reading the vehicles");
+		TRY_MEM(vehicle->held.list[i], "reading the vehicles");
 		vehicle->held.count = i + 1;
 	}
 	return STATUS_OK;
@@ -131,8 +128,7 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 		scene->stuck_below = raw->stuck->below;
 	}
 	scene->vehicles = mem_calloc(count, sizeof *scene->vehicles);
-	if (scene->vehicles == NULL)
-		return fail_memory("reading the vehicles");
+	TRY_MEM(scene->vehicles, "reading the vehicles");
 	for (size_t i = 0; i < count; i++) {
 		scene->vehicle_count = i + 1;
 		TRY(check_vehicle(tree, &raw->vehicles[i], i, scene, &scene->vehicles[i]));

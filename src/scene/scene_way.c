@@ -47,8 +47,7 @@ static enum status take_points(const struct way *way)
 	if (raw->speed == NULL)
 		return scene_error(way->tree->file, node_of(way, NULL), "has no speed; allowed: points with a speed in m/s");
 	path->points = mem_calloc(raw->points_count, sizeof *path->points);
-	if (path->points == NULL)
-		return fail_memory("reading the points of a path");
+	TRY_MEM(path->points, "reading the points of a path");
 	path->count = raw->points_count;
 	for (uint32_t i = 0; i < raw->points_count; i++)
 		path->points[i] = (struct scene_waypoint){.x = raw->points[i][0], .y = raw->points[i][1]};
@@ -72,8 +71,7 @@ static enum status read_file(const struct way *way, const char *file)
 static enum status take_file(const struct way *way)
 {
 	char *file = scene_file_beside(way->tree->folder, way->raw->file);
-	if (file == NULL)
-		return fail_memory("reading a path");
+	TRY_MEM(file, "reading a path");
 	const enum status status = read_file(way, file);
 	mem_free(file);
 	return status;

@@ -37,8 +37,7 @@ static enum status need(struct soil_work *work, struct post_rect below)
 		return STATUS_OK;
 	const size_t room = work->posts.capacity;
 	float *memory = mem_realloc(work->kept.more, 3 * room, sizeof *memory);
-	if (memory == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(memory, "bearing soil");
 	work->kept = (struct soil_kept){memory, memory + room, memory + 2 * room};
 	work->kept_room = room;
 	return STATUS_OK;
@@ -147,8 +146,7 @@ static enum status need_met(struct soil_work *work, size_t count)
 	work->seen = seen != NULL ? seen : work->seen;
 	bool *abuts = mem_realloc(work->abuts, count, sizeof *abuts);
 	work->abuts = abuts != NULL ? abuts : work->abuts;
-	if (met == NULL || seen == NULL || abuts == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(met != NULL && seen != NULL && abuts != NULL, "bearing soil");
 	work->met_room = count;
 	return STATUS_OK;
 }

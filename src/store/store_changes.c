@@ -39,8 +39,7 @@ enum status store_changes_note(struct changes *changes, uint64_t key)
 	if (changes->pending_count == changes->pending_room) {
 		size_t room = changes->pending_room != 0 ? 2 * changes->pending_room : LEAST_ROOM;
 		uint64_t *pending = mem_realloc(changes->pending, room, sizeof *pending);
-		if (pending == NULL)
-			return fail_memory("the changed tiles");
+		TRY_MEM(pending, "the changed tiles");
 		changes->pending = pending;
 		changes->pending_room = room;
 	}
@@ -69,8 +68,7 @@ static enum status reserve_locked(struct changes *changes, size_t more)
 	if (room == old.room)
 		return STATUS_OK;
 	struct changes_entry *entries = mem_calloc(room, sizeof *entries);
-	if (entries == NULL)
-		return fail_memory("the changed tiles");
+	TRY_MEM(entries, "the changed tiles");
 	changes->entries = entries;
 	changes->room = room;
 	changes->count = 0;

@@ -38,8 +38,7 @@ static enum status climb_table(struct store *store, enum row_table table, const 
 	const struct climb_source source = {(void *)(uintptr_t)pages, page_posts};
 	size_t side = tile_posts(&store->meta.extent), with = 0;
 	struct climb_item *items = mem_alloc(count, sizeof *items);
-	if (items == NULL)
-		return fail_memory("a commit");
+	TRY_MEM(items, "a commit");
 	for (size_t i = 0; i < count; i++)
 		if (pages[i].planes[row_plane(table)] != NULL)
 			items[with++] = (struct climb_item){tile_key(pages[i].tile), i, side * side};
@@ -52,8 +51,7 @@ static enum status put_run(struct store *store, const struct store_run *run,
 			   const struct store_commit_result *result)
 {
 	const char *state = run->describe != NULL ? run->describe(run->user, result) : run->state;
-	if (state == NULL)
-		return fail_memory("the run's record");
+	TRY_MEM(state, "the run's record");
 	return store_run_put(store, run, state);
 }
 

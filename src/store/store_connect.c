@@ -77,8 +77,7 @@ static enum status connect_as(const char *path, const char *named, bool writing,
 	*db = NULL;
 	TRY(check_beside(path, named));
 	char *uri = way == STORE_IMMUTABLE ? uri_of(path) : mem_strdup(path);
-	if (uri == NULL)
-		return fail_memory("opening a store");
+	TRY_MEM(uri, "opening a store");
 	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (way == STORE_IMMUTABLE ? SQLITE_OPEN_URI : 0) |
 		    (writing ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
 	int code = sqlite3_open_v2(uri, db, flags, way == STORE_ASIDE ? store_frozen_vfs() : NULL);

@@ -193,8 +193,7 @@ static enum status open_part(struct store *store, bool resume)
 	bool resumed = false;
 	store->keeps_part = resume;
 	store->part_path = store_path_with(store->real_path, ".part");
-	if (store->part_path == NULL)
-		return fail_memory("a store");
+	TRY_MEM(store->part_path, "a store");
 	if (resume)
 		TRY(resume_part(store, &resumed));
 	return resumed ? STATUS_OK : begin_part(store);
@@ -204,14 +203,12 @@ static enum status open_part(struct store *store, bool resume)
 static enum status begin(struct store *store, const char *path, const struct store_meta *meta, bool resume)
 {
 	store->path = mem_strdup(path);
-	if (store->path == NULL)
-		return fail_memory("a store");
+	TRY_MEM(store->path, "a store");
 	TRY(store_meta_copy(&store->meta, meta));
 	TRY(resolve(path, &store->real_path));
 	TRY(refuse_existing(store));
 	store->lock_path = store_path_with(store->real_path, "-lock");
-	if (store->lock_path == NULL)
-		return fail_memory("a store");
+	TRY_MEM(store->lock_path, "a store");
 	TRY(store_lock_take(store->lock_path, path, &store->lock));
 	TRY(open_part(store, resume));
 	return store_rows_init(&store->rows, store->db, store->path, &store->meta.extent, meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
@@ -222,8 +219,7 @@ static enum status make(const char *path, const struct store_meta *meta, enum st
 {
 	TRY(check_meta(path, meta));
 	struct store *store = mem_calloc(1, sizeof *store);
-	if (store == NULL)
-		return fail_memory("a store");
+	TRY_MEM(store, "a store");
 	store->lock = -1;
 	store->base = &store->rows;
 	store_changes_begin(&store->changes);
@@ -314,8 +310,7 @@ static enum status remove_beside(const struct store *store)
 	TRY(store_replace_settle(store->real_path, store->path));
 	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
 		char *beside = store_path_with(store->real_path, suffixes[i]);
-		if (beside == NULL)
-			return fail_memory("a store");
+		TRY_MEM(beside, "a store");
 		bool removed = unlink(beside) == 0 || errno == ENOENT;
 		int error = errno;
 		mem_free(beside);
@@ -352,8 +347,7 @@ static enum status rename_part(struct store *store, int folder)
 static enum status put_in_place(struct store *store)
 {
 	char *path = mem_strdup(store->real_path);
-	if (path == NULL)
-		return fail_memory("a store");
+	TRY_MEM(path, "a store");
 	int folder = open(dirname(path), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 	int error = errno;
 	mem_free(path);

@@ -97,8 +97,7 @@ static enum status put_record(struct gather *gather)
 	const struct store_gathering *gathering = gather->gathering;
 	const struct store_run_copy *first = &gather->heads[0].run;
 	struct store_run *runs = mem_calloc(gather->count, sizeof *runs);
-	if (runs == NULL)
-		return fail_memory("parts");
+	TRY_MEM(runs, "parts");
 	for (uint32_t i = 0; i < gather->count; i++) {
 		const struct head *head = &gather->heads[i];
 		runs[i] = (struct store_run){
@@ -156,8 +155,7 @@ static enum status commit(struct gather *gather)
 	gather->posts = mem_alloc(side * side, sizeof *gather->posts);
 	gather->scratch = mem_alloc(side * side, sizeof *gather->scratch);
 	gather->items = mem_alloc(gather->claim_count + 1, sizeof *gather->items);
-	if (gather->posts == NULL || gather->scratch == NULL || gather->items == NULL)
-		return fail_memory("parts");
+	TRY_MEM(gather->posts != NULL && gather->scratch != NULL && gather->items != NULL, "parts");
 	if (gather->has_level) {
 		store->has_working = true;
 		store->working = gather->level;

@@ -17,8 +17,7 @@ static enum status take_head(struct gather *gather, const char *path, const stru
 	const struct store_part *id = &part->part;
 	if (gather->heads == NULL) {
 		gather->heads = mem_calloc(id->count, sizeof *gather->heads);
-		if (gather->heads == NULL)
-			return fail_memory("parts");
+		TRY_MEM(gather->heads, "parts");
 		gather->count = id->count;
 		gather->first = &gather->heads[id->index];
 	}
@@ -99,8 +98,7 @@ static enum status take_claim(void *user, uint64_t key, int64_t commit)
 	if (gather->claim_count == gather->claim_room) {
 		size_t room = gather->claim_room != 0 ? 2 * gather->claim_room : 256;
 		struct claim *claims = mem_realloc(gather->claims, room, sizeof *claims);
-		if (claims == NULL)
-			return fail_memory("parts");
+		TRY_MEM(claims, "parts");
 		gather->claims = claims;
 		gather->claim_room = room;
 	}

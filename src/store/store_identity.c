@@ -39,8 +39,7 @@ done:
 enum status store_identity_compute(struct store *store, uint64_t *hash)
 {
 	XXH3_state_t *state = XXH3_createState();
-	if (state == NULL)
-		return fail_memory("a base's hash");
+	TRY_MEM(state, "a base's hash");
 	XXH3_64bits_reset(state);
 	add_meta(state, &store->meta);
 	enum status status;

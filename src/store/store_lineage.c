@@ -71,8 +71,7 @@ static enum status gather(void *user, const struct row_entry *row)
 	if (count == gathering->room) {
 		size_t room = gathering->room != 0 ? 2 * gathering->room : 64;
 		struct lineage_entry *more = mem_realloc(lineage->entries[gathering->table], room, sizeof *more);
-		if (more == NULL)
-			return fail_memory("an overlay");
+		TRY_MEM(more, "an overlay");
 		lineage->entries[gathering->table] = more;
 		gathering->room = room;
 	}
@@ -107,8 +106,7 @@ failed:
 enum status store_lineage_hash(const struct store *under, const struct lineage *lineage, uint64_t *hash)
 {
 	XXH3_state_t *state = XXH3_createState();
-	if (state == NULL)
-		return fail_memory("an overlay");
+	TRY_MEM(state, "an overlay");
 	XXH3_64bits_reset(state);
 	const uint64_t head[] = {under->base_hash, under->working_stored, under->working_stored ? (uint64_t)(int64_t)under->working : 0,
 				 (uint64_t)under->compacted};

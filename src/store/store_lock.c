@@ -44,8 +44,7 @@ static enum status note_held(int lock)
 	if (fstat(lock, &file) != 0)
 		return STATUS_OK; /* then only a message is less exact */
 	struct held *held = mem_calloc(1, sizeof *held);
-	if (held == NULL)
-		return fail_memory("a store's lock");
+	TRY_MEM(held, "a store's lock");
 	*held = (struct held){.device = file.st_dev, .file = file.st_ino, .process = getpid()};
 	pthread_mutex_lock(&mutex);
 	held->next = all;

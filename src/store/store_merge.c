@@ -72,8 +72,7 @@ static enum status list_tiles(struct merging *merging, enum row_table table)
 	if (room == 0)
 		return STATUS_OK;
 	merging->items = mem_alloc(room, sizeof *merging->items);
-	if (merging->items == NULL)
-		return fail_memory("a merge");
+	TRY_MEM(merging->items, "a merge");
 	for (;;) {
 		uint64_t key = UINT64_MAX, hashes[SIDES] = {0};
 		for (int side = 0; side < SIDES; side++)
@@ -206,8 +205,7 @@ static enum status fill(struct store *out, void *user)
 	struct merging *merging = user;
 	size_t side = tile_posts(&out->meta.extent);
 	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
-	if (scratch == NULL)
-		return fail_memory("a merge");
+	TRY_MEM(scratch, "a merge");
 	out->has_working = true;
 	out->working = merging->level;
 	enum status status = put_rows(merging, out, scratch);
@@ -251,14 +249,12 @@ static enum status compare(struct merging *merging, struct store_conflicts *conf
 	TRY(find_base(ours, merging->sides[THEIRS], &merging->sides[BASE]));
 	for (int i = 0; i < SIDES; i++) {
 		merging->posts[i] = mem_alloc(side * side, sizeof *merging->posts[i]);
-		if (merging->posts[i] == NULL)
-			return fail_memory("a merge");
+		TRY_MEM(merging->posts[i], "a merge");
 		if (merging->sides[i] != NULL)
 			TRY(store_lineage_make(merging->sides[i], merging->sides[i]->commit, &merging->rows[i]));
 	}
 	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
-	if (scratch == NULL)
-		return fail_memory("a merge");
+	TRY_MEM(scratch, "a merge");
 	enum status status = seek_conflicts(merging, conflicts, scratch);
 	mem_free(scratch);
 	return status;

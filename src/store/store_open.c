@@ -214,8 +214,7 @@ static enum status open_it(const char *path, const struct store_options *options
 			   const uint64_t *wanted, struct store **out)
 {
 	struct store *store = mem_calloc(1, sizeof *store);
-	if (store == NULL)
-		return fail_memory("a store");
+	TRY_MEM(store, "a store");
 	store->lock = -1;
 	store->base = &store->rows;
 	store->over = over;

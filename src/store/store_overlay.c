@@ -150,8 +150,7 @@ static enum status connect_parent(struct store *store)
 				 store->path, store->over->path);
 	TRY(check_chain(store));
 	char *path = store_overlay_parent_file(store);
-	if (path == NULL)
-		return fail_memory("an overlay");
+	TRY_MEM(path, "an overlay");
 	enum status status = store_open_as(path, &(struct store_options){.mode = STORE_READ, .staged = store->staged}, store, NULL, &store->under);
 	mem_free(path);
 	if (status != STATUS_OK)
@@ -254,8 +253,7 @@ enum status store_overlay_name_parent(struct store *store, const struct store *p
 	if (folder != NULL)
 		store->base_path = store_overlay_path_between(dirname(folder), parent->real_path);
 	mem_free(folder);
-	if (store->base_path == NULL)
-		return fail_memory("an overlay");
+	TRY_MEM(store->base_path, "an overlay");
 	return store_overlay_path_fits(store->base_path, strlen(store->base_path))
 		       ? STATUS_OK
 		       : fail_with(STATUS_INPUT, "%s: its path has control characters; rename it", parent->path);

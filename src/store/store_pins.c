@@ -78,8 +78,7 @@ static enum status list_open(const char *real_path, struct list *list)
 	struct stat file;
 	bool empty = false;
 	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
-	if (list->path == NULL)
-		return fail_memory("a list of overlays");
+	TRY_MEM(list->path, "a list of overlays");
 	if (lstat(list->path, &file) != 0)
 		return STATUS_OK;
 	if (!S_ISREG(file.st_mode))
@@ -118,8 +117,7 @@ static enum status list_begin(const char *real_path, struct list *list)
 {
 	bool empty = false, same = false;
 	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
-	if (list->path == NULL)
-		return fail_memory("a list of overlays");
+	TRY_MEM(list->path, "a list of overlays");
 	while (!same) {
 		sqlite3_close(list->db);
 		list->db = NULL;

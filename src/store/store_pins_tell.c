@@ -90,8 +90,7 @@ enum status store_pins_add(struct store *parent, const char *real_path, const st
 	if (folder != NULL)
 		from = store_overlay_path_between(dirname(folder), real_path);
 	mem_free(folder);
-	if (from == NULL)
-		return fail_memory("a list of overlays");
+	TRY_MEM(from, "a list of overlays");
 	struct pin named = *pin;
 	named.path = from;
 	named.made = (int64_t)time(NULL);
@@ -128,8 +127,7 @@ enum status store_pins_tell_parent(struct store *store)
 	char *from = folder != NULL ? store_overlay_path_between(dirname(folder), store->real_path) : NULL;
 	struct seeking seeking = {.path = from, .pin = &pin};
 	mem_free(folder);
-	if (from == NULL)
-		return fail_memory("a list of overlays");
+	TRY_MEM(from, "a list of overlays");
 	seeking.found = needs_no_list(&pin, from);
 	enum status status = seeking.found ? STATUS_OK : store_pins_each(parent->real_path, seek, &seeking);
 	mem_free(from);

@@ -250,8 +250,7 @@ static enum status read_in_transaction(struct reading *reading, read_fn read)
 	if (post_rect_empty(within))
 		return STATUS_OK;
 	reading->posts = mem_alloc(side * side, sizeof *reading->posts);
-	if (reading->posts == NULL)
-		return fail_memory("a tile");
+	TRY_MEM(reading->posts, "a tile");
 	enum status status = begin_and_read(reading, read, within);
 	mem_free(reading->posts);
 	return store_reader_outdated(reading->reader) ? read_in_transaction(reading, read) : status;

@@ -58,8 +58,7 @@ static char *path_in(const char *folder, const char *name)
 static enum status add(struct finding *finding, const struct store_pin *pin, const char *line)
 {
 	struct standing *more = mem_realloc(finding->all, finding->count + 1, sizeof *more);
-	if (more == NULL)
-		return fail_memory("the overlays of a store");
+	TRY_MEM(more, "the overlays of a store");
 	finding->all = more;
 	struct standing *standing = &finding->all[finding->count++];
 	*standing = (struct standing){.pin = *pin};
@@ -217,8 +216,7 @@ static enum status search_elsewhere(struct finding *finding)
 		if (finding->all[i].pin.state != STORE_PIN_GONE || finding->all[i].path == NULL)
 			continue;
 		char *path = mem_strdup(finding->all[i].path);
-		if (path == NULL)
-			return fail_memory("the overlays of a store");
+		TRY_MEM(path, "the overlays of a store");
 		const char *folder = dirname(path);
 		enum status status = strcmp(folder, finding->folder) != 0 ? search(finding, folder) : STATUS_OK;
 		mem_free(path);
@@ -262,8 +260,7 @@ static enum status finding_make(struct store *store, struct finding *finding)
 	*finding = (struct finding){.store = store};
 	finding->folder = path != NULL ? mem_strdup(dirname(path)) : NULL;
 	mem_free(path);
-	if (finding->folder == NULL)
-		return fail_memory("the overlays of a store");
+	TRY_MEM(finding->folder, "the overlays of a store");
 	TRY(store_pins_each(store->real_path, add_line, finding));
 	for (size_t i = 0; i < finding->count; i++)
 		TRY(look_at(finding, &finding->all[i]));
@@ -304,8 +301,7 @@ static enum status put_line(struct finding *finding, const struct standing *stan
 {
 	const char *at = standing->found != NULL ? standing->found : standing->path;
 	char *line = store_overlay_path_between(finding->folder, at);
-	if (line == NULL)
-		return fail_memory("the overlays of a store");
+	TRY_MEM(line, "the overlays of a store");
 	const struct pin pin = {.path = line, .revision = standing->pin.revision, .hash = standing->pin.hash, .base = standing->pin.base, .made = standing->pin.made};
 	enum status status = store_overlay_path_fits(line, strlen(line)) ? store_pins_put(finding->store->real_path, &pin) : STATUS_OK;
 	mem_free(line);

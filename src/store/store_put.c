@@ -20,8 +20,7 @@ struct store_packer {
 enum status store_packer_create(const struct store_meta *meta, struct store_packer **out)
 {
 	struct store_packer *packer = mem_calloc(1, sizeof *packer);
-	if (packer == NULL)
-		return fail_memory("packing tiles");
+	TRY_MEM(packer, "packing tiles");
 	packer->extent = meta->extent;
 	packer->is_small = meta->pack == STORE_PACK_SMALL;
 	enum status status;

@@ -79,8 +79,7 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 {
 	assert(store->part_path == NULL);
 	struct store_reader *reader = mem_calloc(1, sizeof *reader);
-	if (reader == NULL)
-		return fail_memory("a reader");
+	TRY_MEM(reader, "a reader");
 	reader->store = store;
 	enum status status = connect(reader);
 	if (status != STATUS_OK) {

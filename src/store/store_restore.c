@@ -81,8 +81,7 @@ static enum status add(struct restoring *restoring, uint64_t key)
 	if (restoring->count == restoring->room) {
 		size_t room = restoring->room != 0 ? 2 * restoring->room : 64;
 		struct climb_item *items = mem_realloc(restoring->items, room, sizeof *items);
-		if (items == NULL)
-			return fail_memory("a restore");
+		TRY_MEM(items, "a restore");
 		restoring->items = items;
 		restoring->room = room;
 	}
@@ -142,8 +141,7 @@ static enum status put_state(struct restoring *restoring, enum row_table table, 
 	const int32_t *posts;
 	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
 	enum status status = STATUS_OK;
-	if (scratch == NULL)
-		return fail_memory("a restore");
+	TRY_MEM(scratch, "a restore");
 	for (size_t i = 0; i < restoring->count; i++) {
 		TRY_OR(done, posts_then(restoring, table, &restoring->items[i], scratch, &posts));
 		TRY_OR(done, store_state_put_tile(restoring->store, table, tile_from_key(restoring->items[i].key), posts, result));

@@ -149,8 +149,7 @@ done:
 static enum status make_folder(const char *copy)
 {
 	char *path = mem_strdup(copy);
-	if (path == NULL)
-		return fail_memory("a base's copy");
+	TRY_MEM(path, "a base's copy");
 	const char *folder = dirname(path);
 	struct stat file;
 	enum status status = STATUS_OK;
@@ -201,8 +200,7 @@ enum status store_stage(const struct store_staged *staged, store_progress_fn pro
 	struct stat file;
 	*made = false;
 	char *lock_path = store_path_with(staged->copy, "-stage");
-	if (lock_path == NULL)
-		return fail_memory("a base's copy");
+	TRY_MEM(lock_path, "a base's copy");
 	enum status status;
 	TRY_OR(done, make_folder(staged->copy));
 	while (!*made && lstat(staged->copy, &file) != 0)

@@ -38,8 +38,7 @@ void store_undo_destroy(struct undo *undo)
 static enum status create(const struct extent *extent, struct undo **out)
 {
 	struct undo *undo = mem_calloc(1, sizeof *undo);
-	if (undo == NULL)
-		return fail_memory("a mark");
+	TRY_MEM(undo, "a mark");
 	undo->rows = (struct rows){.path = name, .extent = extent};
 	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
 	int code = sqlite3_open_v2("", &undo->rows.db, flags, NULL);

@@ -198,8 +198,7 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 		.finest = store_finest(store),
 	};
 	struct verifying *verifying = mem_calloc(1, sizeof *verifying);
-	if (verifying == NULL)
-		return fail_memory("verifying");
+	TRY_MEM(verifying, "verifying");
 	*verifying = (struct verifying){
 		.store = store,
 		.problem = problem,

@@ -46,8 +46,7 @@ enum status trials_bed_begin(struct rig *rig)
 {
 	const char *folder = rig->params->folder;
 	rig->bed = mem_alloc(strlen(folder) + sizeof "/bed-XXXXXX" NAME, 1);
-	if (rig->bed == NULL)
-		return fail_memory("the rig");
+	TRY_MEM(rig->bed, "the rig");
 	char *const end = rig->bed + sprintf(rig->bed, "%s/bed-XXXXXX", folder);
 	if (mkdtemp(rig->bed) != NULL) {
 		strcpy(end, NAME);

@@ -76,8 +76,7 @@ static const char *reason_of(const char *message)
 static enum status open_world(const struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count, struct furrow_world **world)
 {
 	char *text = text_for(rig, soil, lanes, count), why[512];
-	if (text == NULL)
-		return fail_memory("a scene");
+	TRY_MEM(text, "a scene");
 	const struct furrow_open open = {.size = sizeof open, .scene = text, .store = rig->bed, .settings = rig->params->settings,
 					 .advise = rig->params->advise && !rig->advised};
 	const enum status status = trials_told(furrow_world_open(&open, world));

@@ -123,8 +123,7 @@ static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *us
 	const struct rig_params *params = rig->params;
 	const size_t each = trials_rig_is_driven(rig) ? params->slip_count : 1, count = params->load_count * each;
 	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
-	if (lanes == NULL)
-		return fail_memory("the rig's lanes");
+	TRY_MEM(lanes, "the rig's lanes");
 	for (size_t i = 0; i < count; i++)
 		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = trials_rig_lead(params, i / each),
 					     .slip = trials_rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};

@@ -90,8 +90,7 @@ static enum status try_slips(struct rig *rig, size_t soil, struct search *search
 static enum status refine(struct rig *rig, size_t soil, struct search *searches, size_t count)
 {
 	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
-	if (lanes == NULL)
-		return fail_memory("the rig's lanes");
+	TRY_MEM(lanes, "the rig's lanes");
 	enum status status = STATUS_OK;
 	bool any = true;
 	for (int try = 0; try < TRIES && any; try++)

@@ -203,8 +203,7 @@ static enum status add_row(struct fit_table *table, size_t *room, const struct f
 	if (table->count == *room) {
 		const size_t more = *room > 0 ? 2 * *room : 256;
 		struct fit_row *rows = mem_realloc(table->rows, more, sizeof *rows);
-		if (rows == NULL)
-			return fail_memory("the rows of a test");
+		TRY_MEM(rows, "the rows of a test");
 		table->rows = rows;
 		*room = more;
 	}

@@ -76,8 +76,7 @@ static enum status grow(void *array, size_t *room, size_t size)
 {
 	void **memory = array;
 	void *wider = mem_realloc(*memory, *room, size);
-	if (wider == NULL)
-		return fail_memory("the trace");
+	TRY_MEM(wider, "the trace");
 	*memory = wider;
 	return STATUS_OK;
 }

@@ -16,8 +16,7 @@ static enum status one_size(struct sim_run *run, sim_access_fn access, uint32_t 
 	for (int i = 0; i < SIM_QUEUES; i++)
 		cache.queues[i] = (struct sim_queue){SIM_NONE, SIM_NONE, 0};
 	cache.pages = mem_calloc((size_t)accesses->tile_count + 1, sizeof *cache.pages);
-	if (cache.pages == NULL)
-		return fail_memory("the simulated cache");
+	TRY_MEM(cache.pages, "the simulated cache");
 	enum status status = STATUS_OK;
 	*misses = 0;
 	for (size_t i = 0; i < accesses->count; i++) {

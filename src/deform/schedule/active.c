@@ -33,8 +33,7 @@
 enum status deform_active_create(struct deform *deform)
 {
 	deform->active = mem_calloc(1, sizeof *deform->active);
-	if (deform->active == NULL)
-		return fail_memory("the awake blocks");
+	TRY_MEM(deform->active, "the awake blocks");
 	struct gpu *gpu = deform->params.gpu;
 	TRY(gpu_buffer_create(gpu, GPU_STORAGE, CONTACT_BYTES, NULL, &deform->active->contact_flags));
 	for (int i = 0; i < VISITS; i++)
@@ -135,8 +134,7 @@ static enum status keep_swept(struct period *period, struct swept window)
 	if (period->count == period->room) {
 		size_t room = period->room != 0 ? 2 * period->room : 64;
 		struct swept *swept = mem_realloc(period->swept, room, sizeof *swept);
-		if (swept == NULL)
-			return fail_memory("the awake blocks");
+		TRY_MEM(swept, "the awake blocks");
 		period->swept = swept;
 		period->room = room;
 	}
@@ -234,8 +232,7 @@ enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flag
 	assert(count > 0 && active->visit_count < VISITS);
 	struct visit *visit = &active->visits[active->visit_count];
 	visit->visited = mem_alloc(count, sizeof *visit->visited);
-	if (visit->visited == NULL)
-		return fail_memory("the awake blocks");
+	TRY_MEM(visit->visited, "the awake blocks");
 	memcpy(visit->visited, active->blocks.blocks, count * sizeof *visit->visited);
 	visit->count = count;
 	active->visit_count++;

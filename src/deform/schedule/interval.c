@@ -89,8 +89,7 @@ static enum status make_quads(struct deform *deform)
 enum status deform_interval_create(struct deform *deform)
 {
 	struct interval *interval = mem_calloc(1, sizeof *interval);
-	if (interval == NULL)
-		return fail_memory("the awake blocks");
+	TRY_MEM(interval, "the awake blocks");
 	deform->interval = interval;
 	interval->limits = (struct region_limits){SIDE, (uint32_t)deform_slide_rim(deform), deform->params.extent->cells, RESULT_COLUMNS};
 	TRY(gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL, &interval->flags));

@@ -39,16 +39,14 @@ static enum status make_room(struct touched *touched)
 	if (touched->blocks.count == touched->which_room) {
 		size_t room = touched->which_room != 0 ? 2 * touched->which_room : 64;
 		uint32_t *whiches = mem_realloc(touched->whiches, room, sizeof *whiches);
-		if (whiches == NULL)
-			return fail_memory("the touched ground");
+		TRY_MEM(whiches, "the touched ground");
 		touched->whiches = whiches;
 		touched->which_room = room;
 	}
 	if (touched->count == touched->room) {
 		size_t room = touched->room != 0 ? 2 * touched->room : 64;
 		void *rows = mem_realloc(touched->rows, room, sizeof *touched->rows);
-		if (rows == NULL)
-			return fail_memory("the touched ground");
+		TRY_MEM(rows, "the touched ground");
 		touched->rows = rows;
 		touched->room = room;
 		memset(touched->rows[0], 0xff, sizeof *touched->rows);

@@ -31,8 +31,7 @@ void deform_facets_plan(const char *effect, struct plan *plan)
 static enum status make(struct deform *deform)
 {
 	struct facets *facets = mem_calloc(1, sizeof *facets);
-	if (facets == NULL)
-		return fail_memory("the triangles of objects");
+	TRY_MEM(facets, "the triangles of objects");
 	enum status status = gpu_list_create(deform->params.gpu, sizeof facets->list, &facets->sent);
 	if (status != STATUS_OK) {
 		mem_free(facets);

@@ -21,8 +21,7 @@ enum status deform_mesh(struct deform *deform, const struct deform_contact *cont
 	const struct facets_motion motion = deform_facets_motion(deform, contact, window);
 	const struct gpu_rect all = deform_window_rect(window);
 	struct facet_corner *corners = mem_alloc(contact->shape->mesh->vertex_count, sizeof *corners);
-	if (corners == NULL)
-		return fail_memory("the vertices of a mesh");
+	TRY_MEM(corners, "the vertices of a mesh");
 	enum status status;
 	TRY_OR(done, deform_facets_begin(deform, window->read, layer));
 	gpu_texture_clear(deform->under, layer, all, UNDER_NONE);

@@ -143,8 +143,7 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 		mem_free(work->memory);
 		work->room = 0;
 		work->memory = mem_alloc(all + all / 2, sizeof(float));
-		if (work->memory == NULL)
-			return fail_memory("the raster of a mesh");
+		TRY_MEM(work->memory, "the raster of a mesh");
 		work->room = (all + all / 2) * sizeof(float);
 	}
 	float *memory = work->memory;

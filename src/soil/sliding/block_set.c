@@ -34,12 +34,10 @@ static enum status grow(struct soil_block_set *set)
 {
 	size_t room = set->room != 0 ? 2 * set->room : 128;
 	struct soil_block *blocks = mem_realloc(set->blocks, room / 2, sizeof *blocks);
-	if (blocks == NULL)
-		return fail_memory("the active blocks");
+	TRY_MEM(blocks, "the active blocks");
 	set->blocks = blocks;
 	uint32_t *places = mem_realloc(set->places, room, sizeof *places);
-	if (places == NULL)
-		return fail_memory("the active blocks");
+	TRY_MEM(places, "the active blocks");
 	set->places = places;
 	set->room = room;
 	index_all(set);
