@@ -186,7 +186,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	if (*any)
 		return STATUS_OK;
 	/* Work that a step does beside stepping: loads go on, slots become free, and a commit may become due. */
-	TRY(render_view_wish(drive->view));
+	TRY(render_view_ask_ahead(drive->view));
 	return world_idle(drive->world);
 }
 

@@ -241,7 +241,7 @@ enum status drive_begin(struct drive *drive)
 static enum status step(struct drive *drive, double until)
 {
 	if (drive->view != NULL)
-		TRY(render_view_wish(drive->view));
+		TRY(render_view_ask_ahead(drive->view));
 	if (drive->vehicles != NULL)
 		TRY(vehicle_step(drive->vehicles));
 	else

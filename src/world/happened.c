@@ -83,9 +83,9 @@ void world_happened_reach(struct world *world, double metres)
 	world->happened.told.reach = fmax(world->happened.told.reach, metres);
 }
 
-/* --- wishes --- */
+/* --- tiles asked ahead --- */
 
-struct requests *world_wishes(struct world *world)
+struct requests *world_asked_ahead(struct world *world)
 {
-	return &world->wishes;
+	return &world->asked_ahead;
 }

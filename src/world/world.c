@@ -286,9 +286,9 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 static enum status take_wishes(void *user, struct requests *requests)
 {
 	struct world *world = user;
-	for (size_t i = 0; i < world->wishes.count; i++)
-		TRY(resident_requests_add(requests, world->wishes.requests[i].key, world->wishes.requests[i].time));
-	resident_requests_clear(&world->wishes);
+	for (size_t i = 0; i < world->asked_ahead.count; i++)
+		TRY(resident_requests_add(requests, world->asked_ahead.requests[i].key, world->asked_ahead.requests[i].time));
+	resident_requests_clear(&world->asked_ahead);
 	return STATUS_OK;
 }
 
@@ -443,7 +443,7 @@ void world_finish(struct world *world, enum status status)
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
 	world_happened_finish(world);
-	resident_requests_finish(&world->wishes);
+	resident_requests_finish(&world->asked_ahead);
 	mem_free(world->rows.list);
 	mem_free(world->events.list);
 	mem_free(world->events.ahead);
