@@ -21,7 +21,7 @@ static enum status put_bodies(struct fleet *fleet)
 	status = fleet_put(&fleet->sent, &count, sizeof count);
 	for (size_t i = 0; i < world_scene(world)->object_count && status == STATUS_OK; i++) {
 		struct world_moved moved;
-		if (!world_ranked(world, i) || world_object_body(world, i)->elsewhere)
+		if (!world_ranked(world, i) || world_body(world, i)->elsewhere)
 			continue;
 		world_body_pack(world, i, &moved);
 		status = fleet_put(&fleet->sent, &moved, sizeof moved);
@@ -168,8 +168,8 @@ static enum status get_contacts(void *user, int rank, struct fleet_bytes *bytes)
 
 static bool is_here(const struct world *world, int32_t number)
 {
-	return number >= 0 && (size_t)number < world_host_count(world) && world_host(world, number) != NULL &&
-	       !world_host(world, number)->body.elsewhere;
+	const struct body *body = world_body(world, (size_t)number);
+	return body != NULL && body->kind != BODY_PATH && !body->elsewhere;
 }
 
 enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status)

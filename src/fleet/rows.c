@@ -93,7 +93,7 @@ enum status fleet_rows_write(struct fleet *fleet, double until)
 		};
 		if (!world_ranked(fleet->world, row.body))
 			return fail_with(STATUS_FAILED, "ranks: a row came of a body that there is not; report this");
-		row.object = world_body_of(fleet->world, &(struct event){.body = row.body})->object;
+		row.object = world_body(fleet->world, row.body)->object;
 		status = fleet->rows->row(fleet->rows->user, &row);
 	}
 	for (size_t i = written; i < waiting->count; i++)

@@ -101,7 +101,7 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	const struct soil_pose *pose = &event->pose;
 	double far[2], lift[2], c = cos(pose->yaw), s = sin(pose->yaw);
 	int64_t middle = 0;
-	sides(&world_body_of(view->world, event)->object->shape, far, lift);
+	sides(&world_body(view->world, event->body)->object->shape, far, lift);
 	*rise = 0;
 	for (int i = 0; i < 9; i++) {
 		int x = (i + 4) % 9 % 3 - 1, y = (i + 4) % 9 / 3 - 1; /* the middle first */
@@ -132,7 +132,7 @@ enum status render_view_errors_contact(struct view *view, const struct event *ev
 	enum status status = rise_beside(view, event, &rise);
 	if (status != STATUS_OK)
 		return status;
-	const struct body *body = world_body_of(view->world, event);
+	const struct body *body = world_body(view->world, event->body);
 	double deep = event->sinkage;
 	if (body->object->load > 0) /* as the soil was found to carry it in the last step */
 		deep = fmax(deep, body->sinkage);

@@ -22,31 +22,6 @@ struct world_force {
 	enum deform_state state;
 };
 
-
-/* One body. Its shape, sink, load and slip are in the scene object. */
-struct body {
-	const struct scene_object *object;
-	struct track *track;
-	int64_t next;             /* number of its next path sample */
-	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
-	struct soil_pose last;
-	double distance, sinkage; /* m */
-	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */
-	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
-	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
-	int64_t skipped;          /* number of path samples without ground */
-	int64_t near;             /* path samples of this run in which it was near the ground. With a load: steps at whose end the soil bore it */
-	uint64_t met_turn;        /* meet.c: when its contacts waited last, and how many */
-	size_t met;
-	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
-	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
-	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
-	struct body_failed {
-		int64_t steps;      /* at whose end it was so */
-		double time, x, y;  /* the first time, s, and the place then, local metres */
-	} sunk, slid;
-};
-
 /* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */
 struct world_pose {
 	double position[3];    /* m */
@@ -76,9 +51,15 @@ struct world_contact {
 	enum world_contact_state state;
 };
 
-/* One body of a host: hosts.c. */
-struct host_body {
-	struct body body;             /* its member `last` is the pose up to which the motion has changed the ground */
+enum body_kind {
+	BODY_PATH,    /* it follows its path */
+	BODY_HOST,    /* a host sets its states */
+	BODY_VEHICLE, /* a soil geom of a vehicle, which sets its states and computes its forces with world_probe (world_body_quiet) */
+	BODY_DROPPED  /* a window sets it down once */
+};
+
+/* What only a body of a host or a vehicle has: hosts.c. */
+struct body_hosted {
 	struct scene_object *owned;   /* NULL: the scene owns the object */
 	bool placed, removed;
 	bool fresh;                   /* placed since the last step, so there is no motion from an earlier pose */
@@ -88,40 +69,66 @@ struct host_body {
 	bool unposed;                 /* rates.c: the host leaves the turns of a round body out of its poses */
 	bool rates_told;              /* a note told what is wrong with its velocities */
 	int rates_far;                /* for so many steps on end, velocities and poses differed by far */
-	double since;                 /* s: time of its motion since `last` */
-	struct world_belt belt;       /* as world_belts_set told it; of a quiet body now.belt counts */
+	double since;                 /* s: time of its motion since `last`; of a vehicle's body the time of the last contact */
+	struct world_belt belt;       /* as world_belts_set told it; of a vehicle's body now.belt counts */
 	bool belt_told;               /* it was called for this body */
 	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
-	struct soil_pose felt;      /* the pose for which forces were last computed, */
+	struct soil_pose felt;        /* the pose for which forces were last computed, */
 	double felt_turned;           /* the value of `turned` then, */
 	bool felt_moving;             /* and true if it moved then */
 	double told;                  /* s: time of `force` and `state` */
 	struct world_force force;
 	enum world_contact_state state;
 	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
-	bool quiet;                   /* world_body_quiet; then `since` is the time of the last contact, */
-	double slip;                  /* and these two are what its caller told for rows */
-	struct soil_pose shown;
+	double slip;                  /* of a vehicle's body: what the vehicle told for rows, */
+	struct soil_pose shown;       /* and where */
 };
 
-/* Returns the number of bodies of a host, removed ones included. The scene's objects are among them in a scene that a host steps. */
-size_t world_host_count(const struct world *world);
-/* Returns the body of one of the scene's objects. */
-const struct body *world_object_body(const struct world *world, size_t object);
-/* Returns the host's body with this number. NULL: it follows a path, a rollback removed it, or there is none. */
-const struct host_body *world_host(const struct world *world, int32_t number);
-/* Returns the body of an event: one of the scene, one that a window drops, or one of a host. */
-const struct body *world_body_of(const struct world *world, const struct event *event);
+/*
+ * One body. Its shape, sink, load and slip are in the scene object. It has one number everywhere, and stays where it is in memory. The scene's objects
+ * have 0 .. object_count - 1 in its order. Bodies that are added get the next numbers. A number is never used twice.
+ */
+struct body {
+	enum body_kind kind;      /* who moves it */
+	const struct scene_object *object;
+	struct track *track;      /* its path; NULL: it has none */
+	int64_t next;             /* number of its next path sample */
+	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
+	struct soil_pose last;    /* the pose up to which its motion has changed the ground */
+	double distance, sinkage; /* m */
+	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */
+	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
+	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
+	int64_t skipped;          /* number of path samples without ground */
+	int64_t near;             /* path samples of this run in which it was near the ground. With a load: steps at whose end the soil bore it */
+	uint64_t met_turn;        /* meet.c: when its contacts waited last, and how many */
+	size_t met;
+	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
+	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
+	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
+	struct body_failed {
+		int64_t steps;      /* at whose end it was so */
+		double time, x, y;  /* the first time, s, and the place then, local metres */
+	} sunk, slid;
+	struct body_hosted host;  /* of BODY_HOST and BODY_VEHICLE; of others all 0 */
+};
+
+/* The number of the body that a window drops. It is there while it is dropped. */
+#define WORLD_DROPPED ((size_t)INT32_MAX)
+/* Returns the body with this number: one of the scene's objects, an added one, or the one that a window drops. NULL: there is none, or a rollback
+ * removed it. A negative number, as a size_t, has no body. */
+const struct body *world_body(const struct world *world, size_t number);
+/* Returns how many numbers were given out: those of the scene's objects, of added bodies, and of removed ones. */
+size_t world_body_count(const struct world *world);
 /* Gives the present place of a body on its path. `place`: local metres, on the base. `yaw`: radians from east to north. */
 void world_place(const struct world *world, size_t body, double place[3], double *yaw);
 
 /*
  * --- bodies of a host: bodies without a path, in a scene that was read for a host ---
  *
- * Numbers 0 .. object_count - 1 are the scene's objects in its order. Bodies that are added get the next numbers. A number is
- * never used twice. STATUS_USAGE: there is no body with this number, or it follows a path.
+ * STATUS_USAGE: there is no body with this number, or it follows a path.
  */
 
 /* Adds a body and gives its number. `object` was made by scene_object_parse; the world owns it from now on, unless the call

@@ -62,27 +62,25 @@ static enum status tell_watcher(struct world *world, const struct event *event, 
 /* Between steps the drive is consistent; during a drop it is not. */
 static enum status touch(struct world *world, const struct event *event)
 {
-	struct body *body = &world->bodies[event->body];
 	world_tear(world);
 	world->near.stale = true;
 	enum status status = world_contact(world, event);
 	if (status == STATUS_OK)
 		status = world_meetings_flush(world);
 	if (status == STATUS_OK)
-		status = world_let_go(world, body);
+		status = world_let_go(world, world->dropped);
 	return status == STATUS_OK ? world_end_step(world) : status;
 }
 
 enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
-	size_t spare = world->scene->object_count;
 	*landed = false;
-	if (spare == 0)
+	if (world->scene->object_count == 0)
 		return STATUS_OK;
 	const struct scene_object object = dropped(world, shape);
-	struct body *body = &world->bodies[spare];
+	struct body body = {.kind = BODY_DROPPED, .object = &object};
 	struct event event = {
-		.body = spare,
+		.body = WORLD_DROPPED,
 		.time = world->time,
 		.contact = true,
 		.next_time = INFINITY,
@@ -92,15 +90,15 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 	if (status != STATUS_OK || !*landed)
 		return status;
 	event.pose = (struct soil_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
-	*body = (struct body){.object = &object};
 	double reach = soil_shape_reach(&object.shape, 0, 0);
 	double sink = object.load > 0 ? soil_sinkage_guess(&object.shape, &world->scene->soils[0], object.load) : object.sink;
 	event.pose.z = height + lattice_offset(reach - sink);
 	event.sinkage = sink;
+	world->dropped = &body;
 	status = tell_watcher(world, &event, height, &object.shape);
 	if (status == STATUS_OK)
 		status = touch(world, &event);
-	*body = (struct body){.object = NULL};
+	world->dropped = NULL;
 	world->counts.drops++;
 	return status;
 }

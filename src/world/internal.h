@@ -33,9 +33,20 @@ enum status world_find_ruts(struct world *world) FURROW_CHECKED;
 /* --- drop.c: links the programs for bodies that a window drops, before the first step --- */
 enum status world_warm_drops(struct world *world) FURROW_CHECKED;
 
-/* --- bodies.c: makes a body for each of the scene's objects, one more for drops, and the record --- */
+/* --- bodies.c: the list of bodies --- */
+/* Makes a body for each of the scene's objects, and the record. */
 enum status world_make_bodies(struct world *world) FURROW_CHECKED;
 void world_free_bodies(struct world *world); /* the world may have no bodies */
+/* Adds a body that moves as `kind` says, and gives it the next number. `owned`: the object, if the body owns it, or NULL. On failure there is no body. */
+enum status world_list_body(struct world *world, enum body_kind kind, const struct scene_object *object, struct scene_object *owned) FURROW_CHECKED;
+void world_body_free(struct body *body); /* body may be NULL */
+/* As world_body, for who changes the body. */
+struct body *world_body_at(const struct world *world, size_t number);
+/* Returns the body with this number if a host or a vehicle moves it; NULL: none does. */
+struct body *world_body_hosted(const struct world *world, size_t number);
+bool world_is_hosted(const struct body *body); /* a host or a vehicle moves it. NULL: false */
+bool world_is_set_down(const struct body *body); /* a host or a vehicle has placed it, and has not removed it. NULL: false */
+bool world_follows_path(const struct world *world, size_t number);
 
 /* --- attitude.c --- */
 
@@ -58,9 +69,9 @@ bool world_rates_given(const double rate[3]);
 void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);
 /* For a round body whose host leaves its turns out of its poses. Returns how long its way to a state takes at the state's velocity, s. For others: 0.
  * Such a body turns as its angular velocity says, as in a step. */
-double world_rates_unposed(const struct host_body *host, const struct world_state *state);
+double world_rates_unposed(const struct body *body, const struct world_state *state);
 /* Moves a body to where its host set it for the step that begins, which takes `seconds`. Velocities are known afterwards. */
-void world_rates_take(struct host_body *host, double seconds);
+void world_rates_take(struct body *body, double seconds);
 
 /* Computes the quaternion w, x, y, z of a pose. */
 void world_orientation(const struct soil_pose *pose, double q[4]);
@@ -69,16 +80,6 @@ void world_orientation(const struct soil_pose *pose, double q[4]);
 
 #define WORLD_HOST_PAGES 4096 /* tiles that a host's bodies may change in one step */
 #define WORLD_HOST_WAY 4096   /* posts that one such body may travel in one step */
-enum status world_make_hosts(struct world *world) FURROW_CHECKED;
-void world_free_hosts(struct world *world);
-void world_host_free(struct host_body *host); /* host may be NULL */
-/* Returns the host's body with this number. Returns NULL for a body with a path, or if there is no such body. */
-struct host_body *world_host_body(const struct world *world, int32_t number);
-/* Returns the body with the index event.body. Indices: first the scene's objects, then the body that a window drops, then the
- * host's bodies by number. */
-struct body *world_body_at(const struct world *world, size_t index);
-bool world_is_hosts(const struct world *world, size_t index);
-bool world_follows_path(const struct world *world, int32_t number);
 /* --- names.c --- */
 /* Returns the number of the body with this name; -1: there is none. */
 int32_t world_names_find(struct world *world, const char *name);
@@ -87,18 +88,15 @@ void world_names_next(struct world *world, char *name, size_t room);
 void world_names_freed(struct world *world, const char *name); /* no body has this name any more */
 void world_names_forget(struct world *world); /* bodies came and went in another way, as in a rollback */
 void world_names_free(struct world *world);
-bool world_is_quiet(const struct world *world, size_t index); /* a host's body whose caller computes its forces */
 /* --- host_steps.c --- */
 
 /* Moves the host's bodies to the places that the host gave. The motion takes `seconds` and ends at time `until`. */
 enum status world_hosts_step(struct world *world, double seconds, double until) FURROW_CHECKED;
 /* Tells whether a contact ends at the pose of the last step. There the body leaves a dip, goes or slides back, or sinks after it slid. to, turned,
  * rotated: of the next step. */
-bool world_turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3]);
+bool world_turns_back(const struct world *world, const struct body *body, const struct soil_pose *to, double turned, const double rotated[3]);
 /* Returns the shape of the hollow that a contact leaves. 1: an impression of the body, where it sank. 0: a flat rut, where it moved on. */
-double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to);
-/* Adds the host's bodies that rest on the ground to `rests`. Returns their number. */
-size_t world_host_rests(const struct world *world, struct deform_rest *rests);
+double world_stamp_after(const struct world *world, const struct body *body, const struct soil_pose *to);
 void world_host_felt(struct world *world, size_t index, double time, const struct world_force *force); /* notes the force at a time, s */
 void world_host_absent(struct world *world, size_t index); /* notes that the body touches nothing */
 /* In told.c: gives the state of a body with a path. */
@@ -111,9 +109,9 @@ void world_rotation_between(const double from[4], const double to[4], double rot
 /* Computes the contact at the body's present state. probed->known false: it is not known. */
 enum status world_probes_now(struct world *world, int32_t number, struct soil_probed *probed) FURROW_CHECKED;
 /* hosts.c: returns where the body's belt is in a state. */
-const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state);
+const struct world_belt *world_belt_of(const struct body *body, const struct world_state *state);
 /* told.c: fills a contact from what a probe computed. */
-void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct soil_probed *probed, double time,
+void world_tell_probed(const struct body *body, const struct world_state *state, const struct soil_probed *probed, double time,
 		       struct world_contact *contact);
 
 /* --- changes.c --- */

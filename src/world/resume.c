@@ -69,7 +69,7 @@ static enum status check(struct world *world)
 		return world_record_damaged(store, "something is awake that cannot be");
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++)
-		status = check_object(world, &world->bodies[i], &record->objects[i]);
+		status = check_object(world, world->bodies[i], &record->objects[i]);
 	return status;
 }
 
@@ -88,7 +88,9 @@ static void restore(struct world *world)
 	world->facts.resumed.nothing_left = world->step > total || (world->step == total && record->ended);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct record_object *object = &record->objects[i];
-		struct body *body = &world->bodies[i];
+		struct body *body = world->bodies[i];
+		if (body->kind != BODY_PATH)
+			continue;
 		body->next = object->next;
 		body->in_contact = object->in_contact;
 		body->last = object->last;

@@ -41,7 +41,9 @@ enum status world_fill_record(struct world *world)
 	record->law = world_law(world);
 	record->ended = false;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
+		if (body->kind != BODY_PATH) /* a host's begins anew */
+			continue;
 		world_forces_record(world->forces, i, &record->objects[i].force);
 		record->objects[i] = (struct record_object){
 			.next = body->next,
@@ -98,7 +100,7 @@ static enum status deform_step(struct world *world, double until)
 		status = world_near_make(world);
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
-		struct body *body = &world->bodies[event->body];
+		struct body *body = world->bodies[event->body];
 		if (i > 0 && event->time != event[-1].time)
 			status = world_meetings_flush(world);
 		if (status != STATUS_OK)
@@ -126,7 +128,7 @@ static enum status deform_step(struct world *world, double until)
 		status = world_batches_flush(world);
 	if (status == STATUS_OK)
 		status = world_meetings_flush(world);
-	if (status == STATUS_OK && world->hosts.count > 0) {
+	if (status == STATUS_OK && scene_moves_bodies(world->scene) && world->body_count > 0) {
 		status = world_intervals(world, until, false);
 		if (status == STATUS_OK)
 			status = world_hosts_step(world, until - world->time, until);
@@ -227,7 +229,7 @@ enum status world_step_to(struct world *world, double until)
 		world_forget_events(world);
 		return status;
 	}
-	world->hosts.until = until;
+	world->until = until;
 	world_tear(world);
 	status = deform_step(world, until);
 	world->near.stale = true;

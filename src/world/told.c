@@ -127,15 +127,15 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	return STATUS_OK;
 }
 
-void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct soil_probed *probed, double time,
+void world_tell_probed(const struct body *body, const struct world_state *state, const struct soil_probed *probed, double time,
 		       struct world_contact *contact)
 {
-	const struct scene_object *object = host->body.object;
+	const struct scene_object *object = body->object;
 	struct soil_pose pose = {.x = 0};
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = world_contact_state_of((enum deform_state)probed->state);
-	contact->slip = slip_of(object, state, world_belt_of(host, state)->speed, probed->normal);
+	contact->slip = slip_of(object, state, world_belt_of(body, state)->speed, probed->normal);
 	contact->pull = probed->pull;
 	contact->sinkage = probed->sinkage;
 	contact->area = probed->area;
@@ -158,13 +158,13 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	enum status status = world_body_state(world, number, &state);
 	if (status != STATUS_OK)
 		return status;
-	const struct host_body *host = world_host_body(world, number);
-	if (host != NULL && !host->placed)
+	const struct body *body = world->bodies[number];
+	if (body->kind != BODY_PATH && !body->host.placed)
 		return STATUS_OK;
-	if (host != NULL) {
+	if (body->kind != BODY_PATH) {
 		struct soil_probed probed;
-		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
-		contact->slip = slip_of(host->body.object, &state, world_belt_of(host, &state)->speed, contact->normal);
+		status = fill(world, body->object, &state, &body->host.force, body->host.told, body->host.state, contact);
+		contact->slip = slip_of(body->object, &state, world_belt_of(body, &state)->speed, contact->normal);
 		if (status == STATUS_OK)
 			status = world_probes_now(world, number, &probed);
 		if (status == STATUS_OK && probed.known) {
@@ -173,7 +173,6 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 		}
 		return status;
 	}
-	const struct body *body = &world->bodies[number];
 	if (body->next == 0)
 		return STATUS_OK;
 	struct world_force force = world_no_force(0);
@@ -191,7 +190,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 
 enum status world_path_state(const struct world *world, size_t body, struct world_state *state)
 {
-	const struct body *at = &world->bodies[body];
+	const struct body *at = world->bodies[body];
 	struct track_point point, before;
 	const double moment = 1e-3; /* s over which velocities are measured */
 	motion_track_at(at->track, world->time, &point);
