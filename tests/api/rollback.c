@@ -3,6 +3,7 @@
 #include "rut.h"
 
 #include "api/library.h"
+#include "world/made.h"
 #include "../support/program.h"
 
 /* A whole copy of what a host can ask for. */
@@ -132,9 +133,9 @@ static void a_failed_checkpoint_changes_no_rollback(void **state)
 	done(furrow_checkpoint(world));
 	struct copy first = copy_of(world, ball);
 	make_rut(world, ball, 10.6, 16, 20);
-	world->world.rows = &rows;
+	world_set_rows(world->world, &rows);
 	refused(FURROW_FAILED, furrow_checkpoint(world));
-	world->world.rows = NULL;
+	world_set_rows(world->world, NULL);
 	make_rut(world, ball, 11.6, 16, 5);
 	done(furrow_rollback(world));
 	struct copy back = copy_of(world, ball);
@@ -351,7 +352,7 @@ static void force_commit(struct furrow_world *world)
 {
 	struct library_call call;
 	must(api_library_enter(&call, world));
-	done(api_library_leave(&call, page_cache_flush(world->world.cache, world->world.record)));
+	done(api_library_leave(&call, page_cache_flush(world_resident(world->world)->cache, world_made_record(world->world))));
 }
 
 static enum status no_contact(void *user, const struct event *event, const struct contact_area *area)
@@ -365,11 +366,11 @@ static void tear(struct furrow_world *world, furrow_body ball, double x)
 {
 	const struct world_watcher watcher = {.contact = no_contact};
 	const struct furrow_state state = hosted_state(x, 16, 100.4);
-	world->world.watcher = &watcher;
+	world_watch(world->world, &watcher);
 	done(furrow_set_states(world, 1, &ball, &state));
 	refused(FURROW_FAILED, furrow_step(world, 0));
-	world->world.watcher = NULL;
-	assert_true(world->world.torn);
+	world_watch(world->world, NULL);
+	assert_true(world_is_torn(world->world));
 }
 
 /* What a commit has of it stays, and a close tells if that is not all. */

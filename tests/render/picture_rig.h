@@ -54,7 +54,7 @@ static inline bool world_bounds(void *user, struct tile tile, double *low, doubl
 	return tile.level >= 0;
 }
 
-static inline bool world_resident(void *user, struct tile tile, uint32_t *slot)
+static inline bool tile_resident(void *user, struct tile tile, uint32_t *slot)
 {
 	for (uint32_t i = 0; i < resident_count; i++)
 		if (resident[i] == tile_key(tile)) {
@@ -134,7 +134,7 @@ static inline void end(void)
 /* Selects the tiles of a view, and loads them. */
 static inline void select_tiles(struct terrain_view *view)
 {
-	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible, world_error, NULL};
+	const struct terrain_source source = {NULL, world_bounds, tile_resident, world_divisible, world_error, NULL};
 	if (!view->by_error || said_errors[1] > 0) {
 		view->by_error = false;
 		view->radius = tile_radius;

@@ -43,9 +43,9 @@ static void wait_for_tiles(struct drive *drive, const struct render_camera *came
 		const struct terrain_selection *selection = drive->view->selection;
 		if (selection->wanted_count == 0)
 			return;
-		page_cache_want(drive->world.cache, selection->wanted, selection->wanted_count);
+		page_cache_want(world_resident(drive->world)->cache, selection->wanted, selection->wanted_count);
 		usleep(500);
-		must(page_cache_poll(drive->world.cache));
+		must(page_cache_poll(world_resident(drive->world)->cache));
 	}
 	fail();
 }
@@ -56,7 +56,7 @@ static void draw(struct drive *drive, const struct render_camera *camera, uint8_
 	const size_t bytes = 4 * WIDTH * HEIGHT;
 	wait_for_tiles(drive, camera);
 	must(render_frame(drive->view->render, camera, drive->view->selection));
-	must(gpu_staging_create(drive->world.gpu, bytes, &staging));
+	must(gpu_staging_create(world_resident(drive->world)->gpu, bytes, &staging));
 	render_read_into(drive->view->render, SCENE_IMAGE_COLOUR, staging);
 	while (!gpu_staging_idle(staging))
 		usleep(100);
@@ -68,8 +68,8 @@ static void draw(struct drive *drive, const struct render_camera *camera, uint8_
 static void check_tile(struct drive *drive, struct tile tile, uint32_t slot)
 {
 	struct view *view = drive->view;
-	const struct extent *of = &drive->world.meta->extent;
-	struct gpu_texture *offsets = gpu_slots_get(drive->world.slots, slot)->planes[PLANE_OFFSET];
+	const struct extent *of = &world_resident(drive->world)->meta->extent;
+	struct gpu_texture *offsets = gpu_slots_get(world_resident(drive->world)->slots, slot)->planes[PLANE_OFFSET];
 	uint32_t side = tile_posts(of);
 	int32_t posts[33 * 33];
 	if (offsets == NULL)
@@ -96,12 +96,13 @@ static void check_tile(struct drive *drive, struct tile tile, uint32_t slot)
 
 static void check_boxes(struct drive *drive)
 {
-	const struct extent *of = &drive->world.meta->extent;
-	for (uint32_t y = 0; y < extent_tiles_y(of, drive->world.level); y++)
-		for (uint32_t x = 0; x < extent_tiles_x(of, drive->world.level); x++) {
-			const struct tile tile = {drive->world.level, x, y};
+	const struct resident *parts = world_resident(drive->world);
+	const struct extent *of = &parts->meta->extent;
+	for (uint32_t y = 0; y < extent_tiles_y(of, parts->level); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(of, parts->level); x++) {
+			const struct tile tile = {parts->level, x, y};
 			uint32_t slot;
-			if (page_cache_peek(drive->world.cache, tile_key(tile), false, &slot))
+			if (page_cache_peek(parts->cache, tile_key(tile), false, &slot))
 				check_tile(drive, tile, slot);
 		}
 }
@@ -245,7 +246,7 @@ static bool boxes_of_base(void *user, struct tile tile, double *low, double *hig
 	bool any = false;
 	if (!extent_has(&extent, tile) || tile.level < 0)
 		return false;
-	must(resident_ground_range(rig->world.ground, tile, low, high, &any));
+	must(resident_ground_range(rig->made.resident.ground, tile, low, high, &any));
 	return any;
 }
 
@@ -292,7 +293,7 @@ static void what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base(voi
 				const struct tile tile = {level, x, y};
 				double lowest = 0, highest = 0;
 				bool found;
-				must(store_read_offset_range(resident_ground_reader(rig.world.ground), tile, &lowest, &highest, &found));
+				must(store_read_offset_range(resident_ground_reader(rig.made.resident.ground), tile, &lowest, &highest, &found));
 				must(render_view_offsets(view, tile, false, &low, &high));
 				assert_true(found == render_view_is_deformed(view, tile));
 				assert_true(low == lowest && high == highest && high == 0);
@@ -326,15 +327,16 @@ static void a_late_view_knows_what_is_there(void **state)
 	struct store_commit_result result;
 	double low, high;
 	bool found;
-	must(resident_ground_offset_range(rig.world.ground, top, &low, &high, &found));
+	must(resident_ground_offset_range(rig.made.resident.ground, top, &low, &high, &found));
 	offset[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-77);
-	const struct store_page page = {.tile = {rig.world.level, 2, 2}, .planes = {[PLANE_OFFSET] = offset}};
+	const struct store_page page = {.tile = {rig.made.resident.level, 2, 2}, .planes = {[PLANE_OFFSET] = offset}};
 	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
-	must(store_set_working_level(rig.world.store, rig.world.level));
-	must(store_commit(rig.world.store, &page, 1, &run, &result));
+	must(store_set_working_level(rig.made.resident.store, rig.made.resident.level));
+	must(store_commit(rig.made.resident.store, &page, 1, &run, &result));
 	render_view_destroy(rig.view);
-	rig.world.was_deformed = true;
-	must(render_view_create(&rig.world, false, &rig.view));
+	rig.made.resident.was_deformed = true;
+	rig_set(&rig);
+	must(render_view_create(rig.world, false, &rig.view));
 	must(render_view_offsets(rig.view, top, false, &low, &high));
 	assert_true(low == -77 && high == 0);
 	rig_close(&rig);
