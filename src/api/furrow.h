@@ -240,6 +240,7 @@ struct furrow_contact {
 	double normal_force;    /* N: the part of `force` along `normal`; by furrow_probe the soil's pressure, summed over the patch */
 	double shear_limit;     /* N: the most that its shear can hold */
 	enum furrow_contact_state state; /* whether the soil carries the body */
+	double pull;            /* N: that its belt needs; NaN: it has no belt. Hosts that were built without it have a smaller struct */
 };
 
 /*

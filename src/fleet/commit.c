@@ -143,7 +143,7 @@ enum status fleet_end(void *user, enum status status)
 
 struct probing {
 	struct fleet *fleet;
-	struct world_contact *contacts;
+	struct furrow_contact *contacts;
 	size_t count;
 };
 
@@ -154,7 +154,7 @@ static enum status get_contacts(void *user, int rank, struct fleet_bytes *bytes)
 	enum status status = fleet_get(bytes, &count, sizeof count);
 	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
 		uint32_t at;
-		struct world_contact contact;
+		struct furrow_contact contact;
 		status = fleet_get(bytes, &at, sizeof at);
 		if (status == STATUS_OK)
 			status = fleet_get(bytes, &contact, sizeof contact);
@@ -172,7 +172,7 @@ static bool is_here(const struct world *world, int32_t number)
 	return body != NULL && body->kind != BODY_PATH && !body->elsewhere;
 }
 
-enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status)
+enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status)
 {
 	struct fleet *fleet = user;
 	struct probing probing = {fleet, contacts, count};

@@ -211,7 +211,7 @@ const struct soil_geom *vehicle_sunk(const struct vehicle *vehicle)
 {
 	const struct soil_geom *deepest = NULL;
 	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++)
-		if (geom->contact.state == WORLD_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
+		if (geom->contact.state == FURROW_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
 			deepest = geom;
 	return deepest;
 }
@@ -291,11 +291,12 @@ static enum status place_bodies(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
 			status = world_body_place(vehicles->world, geom->number, &geom->now.pose);
 			if (status == STATUS_OK)
-				status = world_bodies_set(vehicles->world, 1, &geom->number, &geom->now);
+				status = world_bodies_set(vehicles->world, 1, &geom->number, &geom->now, &geom->now_belt);
 			geom->touched = geom->now;
+			geom->touched_belt = geom->now_belt;
 			geom->is_touched = true;
 		}
 	return status == STATUS_OK ? world_move_hosts(vehicles->world) : status;

@@ -5,6 +5,7 @@
 #ifndef FURROW_WORLD_BODY_H
 #define FURROW_WORLD_BODY_H
 
+#include "api/furrow.h"
 #include "deform/deform.h"
 #include "motion/motion.h"
 #include "scene/scene.h"
@@ -22,35 +23,6 @@ struct world_force {
 	enum deform_state state;
 };
 
-/* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */
-struct world_pose {
-	double position[3];    /* m */
-	double orientation[4]; /* unit quaternion w, x, y, z, from the body's axes (x forward, y left, z up) to local axes */
-};
-struct world_state {
-	struct world_pose pose;
-	double linear[3];  /* m/s, velocity of the origin. Of a state that a host gives: all NaN: that of the poses (rates.c) */
-	double angular[3]; /* rad/s. All NaN: likewise */
-	struct world_belt {
-		double travel, speed; /* m: how far its belt has run, counted from anywhere, and m/s. 0: it has none */
-	} belt;                       /* world_bodies_set takes it of quiet bodies alone. Of others world_belts_set tells it */
-};
-
-enum world_contact_state { WORLD_AIR, WORLD_TOUCHING, WORLD_SLIDES, WORLD_SUNK, WORLD_UNKNOWN };
-
-/* The contact of a body with the soil. NaN: not known. */
-struct world_contact {
-	double time;                  /* s: time at which the ground and the body were as described here; on a path that of the latest path sample */
-	double force[3], moment[3];   /* on the body, in local axes: N, and N m about the origin */
-	double point[3];              /* m: on the line of the force, the point nearest to the body's lowest point */
-	double normal[3];             /* unit normal of the undisturbed surface under the body */
-	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel or a belt */
-	double stiffness[6][6], damping[6][6]; /* d(force, moment) / d(translation, rotation about local axes), and of their rates */
-	double normal_force, shear_limit; /* N */
-	double pull;                  /* N: of its belt, as in struct deform_forces; only of a probe */
-	enum world_contact_state state;
-};
-
 enum body_kind {
 	BODY_PATH,    /* it follows its path */
 	BODY_HOST,    /* a host sets its states */
@@ -64,14 +36,15 @@ struct body_hosted {
 	bool placed, removed;
 	bool fresh;                   /* placed since the last step, so there is no motion from an earlier pose */
 	bool has_next;
-	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
+	struct furrow_state now, next; /* now: after the last step. next: after the next step, if has_next */
+	struct furrow_belt belt;      /* as world_belts_set told it; of a vehicle's body that of `now` */
+	struct furrow_belt next_belt; /* of a vehicle's body: that of `next` */
+	bool belt_told;               /* world_belts_set was called for this body */
 	bool posed_linear, posed_angular; /* rates.c: the velocities in `now` are those of the poses */
 	bool unposed;                 /* rates.c: the host leaves the turns of a round body out of its poses */
 	bool rates_told;              /* a note told what is wrong with its velocities */
 	int rates_far;                /* for so many steps on end, velocities and poses differed by far */
 	double since;                 /* s: time of its motion since `last`; of a vehicle's body the time of the last contact */
-	struct world_belt belt;       /* as world_belts_set told it; of a vehicle's body now.belt counts */
-	bool belt_told;               /* it was called for this body */
 	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
@@ -80,7 +53,7 @@ struct body_hosted {
 	bool felt_moving;             /* and true if it moved then */
 	double told;                  /* s: time of `force` and `state` */
 	struct world_force force;
-	enum world_contact_state state;
+	enum furrow_contact_state state;
 	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
 	double slip;                  /* of a vehicle's body: what the vehicle told for rows, */
 	struct soil_pose shown;       /* and where */
@@ -139,12 +112,14 @@ enum status world_body_find(struct world *world, const char *name, int32_t *numb
 /* Removes a body. Its weight no longer acts on the soil. */
 enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
 /* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */
-enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose) FURROW_CHECKED;
-/* Sets where bodies will be after the next step. The list names each body at most once. On failure no body is set. */
-enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states) FURROW_CHECKED;
+enum status world_body_place(struct world *world, int32_t number, const struct furrow_pose *pose) FURROW_CHECKED;
+/* Sets where bodies will be after the next step, and the belts of bodies of vehicles then (`belts` NULL: there is no such body). The list names each
+ * body at most once. On failure no body is set. */
+enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts)
+	FURROW_CHECKED;
 /* Sets where the belts of bodies are at the end of the next step, and in probes from now on. The first call for a body says where its
  * belt is now. On failure no belt is set. */
-enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct world_belt *belts)
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_belt *belts)
 	FURROW_CHECKED;
 /* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */
@@ -162,7 +137,7 @@ bool world_leaves_dip(const struct world_sinking *sinking, double least);
 /* Returns how far from its middle the lower side of a body lies that rises and sinks as it turns, m. 0: it does not. */
 double world_turning_reach(const struct soil_shape *shape);
 /* Tells the force on a quiet body for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
-enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
+enum status world_body_tell(struct world *world, int32_t number, const struct furrow_state *state, const struct world_force *force,
 			    double slip) FURROW_CHECKED;
 /* Moves the host's bodies to the states that were set, without a time step. */
 enum status world_move_hosts(struct world *world) FURROW_CHECKED;
@@ -171,22 +146,23 @@ enum status world_move_hosts(struct world *world) FURROW_CHECKED;
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS]);
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS]) FURROW_CHECKED;
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
-enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
+enum status world_body_state(const struct world *world, int32_t number, struct furrow_state *state) FURROW_CHECKED;
 /*
  * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. It reads the ground
  * on the host, and may load tiles.
  * world_probe_reads: returns true if a probe of these bodies would read the ground.
  * The contact is `unknown` off the terrain and for a body with a path. It is so, too, where a state is hundreds of working posts from the body's last
- * contact. So it is
- * for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
+ * contact. So it is for a soil model that probes do not know. No memory is allocated, unless there are more bodies or larger windows than ever before.
+ * belts: of bodies of vehicles; NULL: as world_belts_set told them. contact_size: bytes of an entry of `contacts`; an older host's are shorter.
+ * STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have; no contact is written then. After another failure some may be.
  */
 bool world_probe_reads(const struct world *world, size_t count, const int32_t *numbers);
-enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states,
-			struct world_contact *contacts) FURROW_CHECKED;
+enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts,
+			struct furrow_contact *contacts, size_t contact_size) FURROW_CHECKED;
 /* Returns a contact whose numbers are all NaN (not known). Pure. */
-struct world_contact world_contact_unknown(void);
+struct furrow_contact world_contact_unknown(void);
 /* Gives the contact of any body with the soil. Waits for forces that are being computed. */
-enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
+enum status world_body_contact(struct world *world, int32_t number, struct furrow_contact *contact) FURROW_CHECKED;
 /* Computes the axes of a body (forward, left, up) in local axes. `q`: unit quaternion w, x, y, z. Pure. */
 void world_axes(const double q[4], double axes[3][3]);
 /* Changes the ground up to the present places of the host's bodies. Does nothing if that was already done. */

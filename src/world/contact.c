@@ -190,7 +190,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		if (event->seconds > 0) {
 			memcpy(contact.linear, body->host.now.linear, sizeof contact.linear);
 			memcpy(contact.angular, body->host.now.angular, sizeof contact.angular);
-			contact.runs = contact.shape->belt ? world_belt_of(body, &body->host.now)->speed : 0;
+			contact.runs = contact.shape->belt ? body->host.belt.speed : 0;
 		}
 		contact.stamped = event->stamped;
 		contact.seconds = event->seconds;

@@ -79,7 +79,7 @@ static enum status pose_of(const struct body *body, struct soil_pose *pose)
 {
 	enum status status = world_attitude(&body->object->shape, body->object->name, &body->host.now.pose, pose);
 	if (body->object->shape.belt)
-		pose->turn = world_belt_of(body, &body->host.now)->travel;
+		pose->turn = body->host.belt.travel;
 	return status;
 }
 
@@ -276,6 +276,7 @@ static enum status step_quiet(struct world *world, size_t number, double until)
 		return STATUS_OK;
 	world_rotation_between(body->host.now.pose.orientation, body->host.next.pose.orientation, body->host.rotated);
 	body->host.now = body->host.next;
+	body->host.belt = body->host.next_belt;
 	body->host.has_next = false;
 	enum status status = pose_of(body, &to);
 	if (status != STATUS_OK)
@@ -384,7 +385,7 @@ void world_host_absent(struct world *world, size_t index)
 	struct body *body = world->bodies[index];
 	if (body->kind == BODY_VEHICLE)
 		return;
-	body->host.state = WORLD_AIR;
+	body->host.state = FURROW_AIR;
 	body->host.force = world_no_force(0);
 	body->host.told = world->until;
 }

@@ -113,7 +113,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 
 /* --- poses --- */
 
-static enum status check_state(const struct world *world, const struct body *body, const struct world_state *state)
+static enum status check_state(const struct world *world, const struct body *body, const struct furrow_state *state)
 {
 	struct soil_pose pose;
 	const char *name = body->object->name;
@@ -122,7 +122,7 @@ static enum status check_state(const struct world *world, const struct body *bod
 	enum status status = world_state_check(&body->object->shape, name, state, &pose);
 	if (status != STATUS_OK)
 		return status;
-	const struct world_state *from = &body->host.now;
+	const struct furrow_state *from = &body->host.now;
 	const double way = hypot(state->pose.position[0] - from->pose.position[0], state->pose.position[1] - from->pose.position[1]);
 	if (way > WORLD_HOST_WAY * world->resident.spacing)
 		return fail_with(STATUS_USAGE, "%s: it moves %g m in one step, more than %d posts; step more often, or use furrow_place", name, way,
@@ -131,7 +131,7 @@ static enum status check_state(const struct world *world, const struct body *bod
 }
 
 /* Returns the number of pages that one body's motion can change. */
-static double pages_of(const struct world *world, const struct body *body, const struct world_state *state)
+static double pages_of(const struct world *world, const struct body *body, const struct furrow_state *state)
 {
 	const double side = world->resident.spacing * world->resident.meta->extent.cells;
 	const double across = ceil((2 * soil_shape_bound(&body->object->shape) + 16 * world->resident.spacing) / side) + 1;
@@ -141,7 +141,7 @@ static double pages_of(const struct world *world, const struct body *body, const
 }
 
 /* Adds the tiles that one body's motion can change, within the terrain. */
-static enum status add_tiles(const struct world *world, const struct body *body, const struct world_state *state, struct key_set *tiles)
+static enum status add_tiles(const struct world *world, const struct body *body, const struct furrow_state *state, struct key_set *tiles)
 {
 	const double *from = body->host.now.pose.position, *to = state->pose.position;
 	const double beside = soil_shape_bound(&body->object->shape) + 8 * world->resident.spacing;
@@ -159,7 +159,7 @@ static enum status add_tiles(const struct world *world, const struct body *body,
 	return status;
 }
 
-static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states)
 {
 	double pages = 0;
 	for (size_t i = 0; i < count; i++)
@@ -180,7 +180,7 @@ static enum status check_pages(const struct world *world, size_t count, const in
 	return STATUS_OK;
 }
 
-enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts)
 {
 	const uint64_t turn = ++world->set_turn;
 	for (size_t i = 0; i < count; i++) {
@@ -198,18 +198,15 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct body *body = world->bodies[numbers[i]];
 		body->host.next = states[i];
+		if (belts != NULL)
+			body->host.next_belt = belts[i];
 		body->host.has_next = true;
 	}
 	world->near.stale = true;
 	return status;
 }
 
-const struct world_belt *world_belt_of(const struct body *body, const struct world_state *state)
-{
-	return body->kind == BODY_VEHICLE ? &state->belt : &body->host.belt;
-}
-
-enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct world_belt *belts)
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_belt *belts)
 {
 	for (size_t i = 0; i < count; i++) {
 		struct body *body;
@@ -242,12 +239,12 @@ static enum status lift(struct world *world, struct body *body)
 	memset(body->host.rotated, 0, sizeof body->host.rotated);
 	body->host.stamped = 1;
 	body->host.force = world_no_force(0);
-	body->host.state = WORLD_AIR;
+	body->host.state = FURROW_AIR;
 	body->host.told = world->time;
 	return status;
 }
 
-enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose)
+enum status world_body_place(struct world *world, int32_t number, const struct furrow_pose *pose)
 {
 	struct body *body;
 	struct soil_pose at;
@@ -261,7 +258,9 @@ enum status world_body_place(struct world *world, int32_t number, const struct w
 	body->host.placed = world->unplaced = true;
 	body->host.has_next = body->host.posed_linear = body->host.posed_angular = body->host.unposed = false;
 	body->host.rates_far = 0;
-	body->host.now = (struct world_state){.pose = *pose};
+	body->host.now = (struct furrow_state){.pose = *pose};
+	if (body->kind == BODY_VEHICLE)
+		body->host.belt = (struct furrow_belt){0, 0};
 	world->near.stale = true;
 	return STATUS_OK;
 }
@@ -280,10 +279,10 @@ enum status world_body_remove(struct world *world, int32_t number)
 	return status;
 }
 
-enum status world_body_state(const struct world *world, int32_t number, struct world_state *state)
+enum status world_body_state(const struct world *world, int32_t number, struct furrow_state *state)
 {
 	const struct body *body = world_body(world, (size_t)number);
-	*state = (struct world_state){.pose = {{NAN, NAN, NAN}, {NAN, NAN, NAN, NAN}}};
+	*state = (struct furrow_state){.pose = {{NAN, NAN, NAN}, {NAN, NAN, NAN, NAN}}};
 	if (body == NULL || body->host.removed)
 		return gone(number);
 	if (body->kind != BODY_PATH) {

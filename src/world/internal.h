@@ -52,10 +52,10 @@ bool world_follows_path(const struct world *world, size_t number);
 
 /* Converts a pose that a host gave into a pose for deform, for this shape. STATUS_USAGE: a number is wrong, or the quaternion's
  * length is. `name`: the body's name, for messages. */
-enum status world_attitude(const struct soil_shape *shape, const char *name, const struct world_pose *from, struct soil_pose *pose)
+enum status world_attitude(const struct soil_shape *shape, const char *name, const struct furrow_pose *from, struct soil_pose *pose)
 	FURROW_CHECKED;
 /* Checks a state that a host gave, and finds its pose. STATUS_USAGE as world_attitude, or a velocity is neither finite nor all NaN. */
-enum status world_state_check(const struct soil_shape *shape, const char *name, const struct world_state *state, struct soil_pose *pose)
+enum status world_state_check(const struct soil_shape *shape, const char *name, const struct furrow_state *state, struct soil_pose *pose)
 	FURROW_CHECKED;
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
 double world_spin(const struct soil_pose *pose, const double angular[3]);
@@ -66,10 +66,10 @@ int world_law(const struct world *world);
 /* Returns false if a velocity is all NaN, in place of that of the poses. */
 bool world_rates_given(const double rate[3]);
 /* Replaces velocities of `state` that were not given by those of the straight motion from a pose to that state. 0 s: they are 0. */
-void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);
+void world_rates_fill(const struct furrow_pose *from, double seconds, struct furrow_state *state);
 /* For a round body whose host leaves its turns out of its poses. Returns how long its way to a state takes at the state's velocity, s. For others: 0.
  * Such a body turns as its angular velocity says, as in a step. */
-double world_rates_unposed(const struct body *body, const struct world_state *state);
+double world_rates_unposed(const struct body *body, const struct furrow_state *state);
 /* Moves a body to where its host set it for the step that begins, which takes `seconds`. Velocities are known afterwards. */
 void world_rates_take(struct body *body, double seconds);
 
@@ -100,7 +100,7 @@ double world_stamp_after(const struct world *world, const struct body *body, con
 void world_host_felt(struct world *world, size_t index, double time, const struct world_force *force); /* notes the force at a time, s */
 void world_host_absent(struct world *world, size_t index); /* notes that the body touches nothing */
 /* In told.c: gives the state of a body with a path. */
-enum status world_path_state(const struct world *world, size_t body, struct world_state *state) FURROW_CHECKED;
+enum status world_path_state(const struct world *world, size_t body, struct furrow_state *state) FURROW_CHECKED;
 
 /* --- probes.c --- */
 
@@ -108,11 +108,9 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 void world_rotation_between(const double from[4], const double to[4], double rotated[3]);
 /* Computes the contact at the body's present state. probed->known false: it is not known. */
 enum status world_probes_now(struct world *world, int32_t number, struct soil_probed *probed) FURROW_CHECKED;
-/* hosts.c: returns where the body's belt is in a state. */
-const struct world_belt *world_belt_of(const struct body *body, const struct world_state *state);
 /* told.c: fills a contact from what a probe computed. */
-void world_tell_probed(const struct body *body, const struct world_state *state, const struct soil_probed *probed, double time,
-		       struct world_contact *contact);
+void world_tell_probed(const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_probed *probed,
+		       double time, struct furrow_contact *contact);
 
 /* --- changes.c --- */
 
@@ -241,7 +239,7 @@ enum status world_let_go(struct world *world, const struct body *body) FURROW_CH
 /* Lists the bodies, with all places of this step's events. Call it when a step has its events. */
 enum status world_near_make(struct world *world) FURROW_CHECKED;
 /* Lists them for probes, these hosts' bodies in these states. After the probes call world_near_end. */
-enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states) FURROW_CHECKED;
+enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states) FURROW_CHECKED;
 void world_near_end(struct world *world);
 /* Puts the bodies that are over these posts now into world->near.found, in their order. */
 void world_near_find(struct world *world, struct post_rect rect);
@@ -351,7 +349,7 @@ void world_forces_met(struct forces *forces, size_t body, const struct event *ev
 bool world_feels(const struct world *world);
 /* told.c: the force on a body at this height that touches nothing. */
 struct world_force world_no_force(int64_t z);
-enum world_contact_state world_contact_state_of(enum deform_state state);
+enum furrow_contact_state world_contact_state_of(enum deform_state state);
 /* Copies the state of the forces, for a checkpoint. If `forces` is NULL, *out is NULL. */
 struct forces_saved;
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out) FURROW_CHECKED;

@@ -214,7 +214,7 @@ static void move(const struct world *world, struct near_entry *entry, const stru
 	entry->rect = shadow_of(world, &entry->rest);
 }
 
-enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states)
 {
 	struct near_table *near = &world->near;
 	/* Of one body alone the place does not matter to itself. */

@@ -24,7 +24,8 @@ static bool place_of(const struct body *body, struct soil_pose *pose)
 }
 
 /* The motion since the last contact. Poses are rounded; a probe is of the very place, to 2^-40 m. */
-static struct soil_motion whole_motion(const struct body *body, const struct world_state *state, const struct soil_pose *now, const struct soil_pose *to)
+static struct soil_motion whole_motion(const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_pose *now,
+				       const struct soil_pose *to)
 {
 	const struct scene_object *object = body->object;
 	const bool known = body->in_contact && !body->host.fresh;
@@ -34,7 +35,6 @@ static struct soil_motion whole_motion(const struct body *body, const struct wor
 		.turned = body->host.turned + remainder(to->turn - now->turn, 2 * M_PI) + world_spin(to, state->angular) * unposed, .hosted = true,
 	};
 	if (object->shape.belt) {
-		const struct world_belt *belt = world_belt_of(body, state);
 		motion.turned = known ? belt->travel - body->last.turn : 0;
 		motion.runs = belt->speed;
 	}
@@ -54,11 +54,11 @@ static struct soil_motion whole_motion(const struct body *body, const struct wor
  * Gives the motion that a step to this state would end with. Where the motion turns at the pose of the last step, the step makes a contact up to there
  * first. Then that comes before. Returns true if there is one.
  */
-static bool motion_of(const struct world *world, const struct body *body, const struct world_state *state, const struct soil_pose *now, const struct soil_pose *to,
-		      struct soil_motion *motion, struct soil_motion *before)
+static bool motion_of(const struct world *world, const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt,
+		      const struct soil_pose *now, const struct soil_pose *to, struct soil_motion *motion, struct soil_motion *before)
 {
 	double turned, rotated[3];
-	*motion = whole_motion(body, state, now, to);
+	*motion = whole_motion(body, state, belt, now, to);
 	turned = motion->turned - body->host.turned;
 	for (int k = 0; k < 3; k++)
 		rotated[k] = motion->rotated[k] - body->host.rotated[k];
@@ -97,8 +97,9 @@ static size_t list_beside(struct world *world, size_t number, struct post_rect r
 }
 
 /* world_near_begin was called. */
-static enum status probe_one(struct world *world, size_t number, const struct body *body, const struct world_state *state, struct soil_probed *probed)
+static enum status probe_one(struct world *world, size_t number, const struct furrow_state *state, const struct furrow_belt *belt, struct soil_probed *probed)
 {
+	const struct body *body = world->bodies[number];
 	const struct scene_object *object = body->object;
 	struct held_tiles held;
 	struct soil_pose to, now;
@@ -107,7 +108,7 @@ static enum status probe_one(struct world *world, size_t number, const struct bo
 	if (status != STATUS_OK || world_is_torn(world) || !place_of(body, &now))
 		return status;
 	struct soil_motion motion, before;
-	const bool turns = motion_of(world, body, state, &now, &to, &motion, &before);
+	const bool turns = motion_of(world, body, state, belt, &now, &to, &motion, &before);
 	struct post_rect rect = bearing_probe_posts(world->bearing, &motion);
 	if (post_rect_empty(rect))
 		return STATUS_OK;
@@ -130,7 +131,7 @@ enum status world_probes_now(struct world *world, int32_t number, struct soil_pr
 	if (!body->host.placed || world->bearing == NULL || !world_feels(world) || body->elsewhere)
 		return STATUS_OK;
 	enum status status = world_near_begin(world, 0, NULL, NULL);
-	return status == STATUS_OK ? probe_one(world, (size_t)number, body, &body->host.now, probed) : status;
+	return status == STATUS_OK ? probe_one(world, (size_t)number, &body->host.now, &body->host.belt, probed) : status;
 }
 
 /* Returns the body with this number if its probes can be known; NULL: they cannot. */
@@ -150,40 +151,59 @@ bool world_probe_reads(const struct world *world, size_t count, const int32_t *n
 	return false;
 }
 
-/* Checks a state whose contact is unknown. */
-static enum status check(const struct world *world, int32_t number, const struct world_state *state)
+/* Checks all states, before the first contact is written. */
+static enum status check_states(const struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states)
 {
-	const struct scene_object *object = world->bodies[number]->object;
 	struct soil_pose pose;
-	return world_state_check(&object->shape, object->name, state, &pose);
+	for (size_t i = 0; i < count; i++) {
+		const struct scene_object *object = world->bodies[numbers[i]]->object;
+		TRY(world_state_check(&object->shape, object->name, &states[i], &pose));
+	}
+	return STATUS_OK;
 }
 
-enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states,
-			struct world_contact *contacts)
+/* Fills one contact. `belt` NULL: as world_belts_set told it. */
+static enum status probe(struct world *world, int32_t number, const struct furrow_state *asked, const struct furrow_belt *belt, struct furrow_contact *contact)
+{
+	const struct body *body = probed_body(world, number);
+	struct soil_probed probed;
+	*contact = world_contact_unknown();
+	if (body == NULL || body->elsewhere || !body->host.placed)
+		return STATUS_OK;
+	struct furrow_state state = *asked;
+	world_rates_fill(&body->host.now.pose, world->scene->time_step, &state);
+	belt = belt != NULL ? belt : &body->host.belt;
+	TRY(probe_one(world, (size_t)number, &state, belt, &probed));
+	if (probed.known)
+		world_tell_probed(body, &state, belt, &probed, world->time, contact);
+	return STATUS_OK;
+}
+
+static enum status probe_all(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts,
+			     struct furrow_contact *contacts, size_t contact_size)
+{
+	struct furrow_contact whole; /* of an older host's shorter entries */
+	TRY(check_states(world, count, numbers, states));
+	if (world->bearing != NULL && world_feels(world))
+		TRY(world_near_begin(world, count, numbers, states));
+	for (size_t i = 0; i < count; i++) {
+		struct furrow_contact *contact = contact_size == sizeof whole ? &contacts[i] : &whole;
+		TRY(probe(world, numbers[i], &states[i], belts != NULL ? &belts[i] : NULL, contact));
+		if (contact == &whole)
+			memcpy((char *)contacts + i * contact_size, &whole, contact_size);
+	}
+	return STATUS_OK;
+}
+
+enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts,
+			struct furrow_contact *contacts, size_t contact_size)
 {
 	const struct world_ranks *ranks = world->ranks;
 	enum status status = STATUS_OK;
 	if (ranks != NULL && world->unplaced)
 		status = ranks->step(ranks->user, world->time, status);
-	if (status == STATUS_OK && world->bearing != NULL && world_feels(world))
-		status = world_near_begin(world, count, numbers, states);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		const struct body *body = probed_body(world, numbers[i]);
-		struct soil_probed probed = {.known = false};
-		contacts[i] = world_contact_unknown();
-		if (body == NULL || body->elsewhere) {
-			status = check(world, numbers[i], &states[i]);
-			continue;
-		}
-		struct world_state state = states[i];
-		status = check(world, numbers[i], &state);
-		if (status == STATUS_OK && body->host.placed)
-			world_rates_fill(&body->host.now.pose, world->scene->time_step, &state);
-		if (status == STATUS_OK)
-			status = probe_one(world, (size_t)numbers[i], body, &state, &probed);
-		if (probed.known)
-			world_tell_probed(body, &state, &probed, world->time, &contacts[i]);
-	}
+	if (status == STATUS_OK)
+		status = probe_all(world, count, numbers, states, belts, contacts, contact_size);
 	world_near_end(world);
 	return ranks != NULL ? ranks->probed(ranks->user, count, numbers, contacts, status) : status;
 }

@@ -8,7 +8,7 @@ void world_body_quiet(struct world *world, int32_t number)
 	world_body_hosted(world, (size_t)number)->kind = BODY_VEHICLE;
 }
 
-enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
+enum status world_body_tell(struct world *world, int32_t number, const struct furrow_state *state, const struct world_force *force,
 			    double slip)
 {
 	struct body *body = world_body_hosted(world, (size_t)number);
@@ -23,7 +23,7 @@ void world_body_save(const struct world *world, int32_t number, double numbers[W
 {
 	const struct body *body = world_body_hosted(world, (size_t)number);
 	const struct soil_pose *last = &body->last;
-	const struct world_state *now = &body->host.now;
+	const struct furrow_state *now = &body->host.now;
 	const double all[WORLD_BODY_NUMBERS] = {
 		body->host.placed, body->in_contact, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
 		last->turn, body->host.since, body->distance, body->sinkage, body->host.stamped,
@@ -42,8 +42,8 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	const double *n = numbers;
 	if (n[0] == 0)
 		return STATUS_OK;
-	struct world_state now = {.pose = {{n[13], n[14], n[15]}, {n[16], n[17], n[18], n[19]}}, .linear = {n[20], n[21], n[22]},
-				  .angular = {n[23], n[24], n[25]}, .belt = {.travel = n[8]}};
+	struct furrow_state now = {.pose = {{n[13], n[14], n[15]}, {n[16], n[17], n[18], n[19]}}, .linear = {n[20], n[21], n[22]},
+				   .angular = {n[23], n[24], n[25]}};
 	if (world_attitude(&body->object->shape, body->object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||
 	    fabs(n[3]) > 0x1p52 || fabs(n[4]) > 0x1p52)
 		return world_record_damaged(world->facts.path, "where a vehicle is");
@@ -55,6 +55,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	body->sinkage = n[11];
 	body->host.stamped = n[12];
 	body->host.now = now;
+	body->host.belt = (struct furrow_belt){.travel = n[8]};
 	world->near.stale = true;
 	body->host.has_next = false;
 	body->host.fresh = !body->in_contact;

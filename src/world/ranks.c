@@ -73,7 +73,7 @@ static void include_path(const struct world *world, const struct body *body, dou
 
 static void include_hosted(const struct world *world, const struct body *body, int64_t posts, struct post_rect *area)
 {
-	const struct world_state *states[] = {&body->host.now, &body->host.next};
+	const struct furrow_state *states[] = {&body->host.now, &body->host.next};
 	for (int i = 0; i < 1 + body->host.has_next; i++) {
 		const double *place = states[i]->pose.position;
 		include(area, world, lattice_offset(place[0]), lattice_offset(place[1]), posts);

@@ -28,7 +28,7 @@ struct world_ranks {
 	 * this step, and where soil slides near them. `status`: of this rank so far. A failure of any rank is returned on all. */
 	enum status (*step)(void *user, double until, enum status status);
 	/* Fills the contacts of bodies that are elsewhere. `status`: of this rank's own probes. */
-	enum status (*probed)(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status);
+	enum status (*probed)(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status);
 	/* This rank changes the tile in this step. */
 	enum status (*changes)(void *user, uint64_t key);
 	/* Returns true if this rank may read the tile in this step. */

@@ -27,7 +27,7 @@ bool world_rates_given(const double rate[3])
 	return !isnan(rate[0]);
 }
 
-static void rates_of(const struct world_pose *from, const struct world_pose *to, double seconds, double linear[3], double angular[3])
+static void rates_of(const struct furrow_pose *from, const struct furrow_pose *to, double seconds, double linear[3], double angular[3])
 {
 	world_rotation_between(from->orientation, to->orientation, angular);
 	for (int k = 0; k < 3; k++) {
@@ -36,7 +36,7 @@ static void rates_of(const struct world_pose *from, const struct world_pose *to,
 	}
 }
 
-void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state)
+void world_rates_fill(const struct furrow_pose *from, double seconds, struct furrow_state *state)
 {
 	double linear[3], angular[3];
 	if (world_rates_given(state->linear) && world_rates_given(state->angular))
@@ -64,7 +64,7 @@ static bool leaves_turns(const struct body *body, const double given[3], const d
 }
 
 /* Remembers whether the host leaves the turns of this body out of its poses. While it does not turn, what was known holds. */
-static void see_turns(struct body *body, const struct world_state *next, double seconds)
+static void see_turns(struct body *body, const struct furrow_state *next, double seconds)
 {
 	double linear[3], posed[3];
 	rates_of(&body->host.now.pose, &next->pose, seconds, linear, posed);
@@ -74,7 +74,7 @@ static void see_turns(struct body *body, const struct world_state *next, double 
 		body->host.unposed = leaves_turns(body, next->angular, posed);
 }
 
-double world_rates_unposed(const struct body *body, const struct world_state *state)
+double world_rates_unposed(const struct body *body, const struct furrow_state *state)
 {
 	const double *from = body->host.now.pose.position, *to = state->pose.position, *v = state->linear;
 	double along = 0, squares = 0;
@@ -92,7 +92,7 @@ static bool turns_are_far(const struct body *body, const double given[3], const 
 	return !leaves_turns(body, given, posed) && are_far(given, posed);
 }
 
-static void watch(struct body *body, const struct world_state *next, double seconds)
+static void watch(struct body *body, const struct furrow_state *next, double seconds)
 {
 	double linear[3], angular[3];
 	const char *name = body->object->name;
@@ -121,7 +121,7 @@ void world_rates_take(struct body *body, double seconds)
 {
 	static const double none[3] = {0, 0, 0};
 	if (body->host.has_next) {
-		struct world_state next = body->host.next;
+		struct furrow_state next = body->host.next;
 		watch(body, &next, seconds);
 		body->host.posed_linear = !world_rates_given(next.linear);
 		body->host.posed_angular = !world_rates_given(next.angular);
