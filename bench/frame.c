@@ -84,7 +84,6 @@ struct rig {
 	struct world *world;    /* it is opened and not started: the bench makes slots and pages, since all rigs share one GL context */
 	struct world_made made;
 	struct scene *scene;
-	struct world_watcher watcher;
 	FILE *commit_log;
 };
 
@@ -356,8 +355,6 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	set_time(untouched, 0);
 	open_look(&moving, rig, CHASE, sizes[1], 0, SETS - 1);
 	open_look(&without, untouched, CHASE, sizes[1], 0, SETS - 1);
-	rig->watcher = render_view_watcher(moving.view);
-	world_watch(rig->world, &rig->watcher);
 	for (int i = -before; i < rounds; i++) {
 		double until = (i + before + 1) * STEP, times[3];
 		gpu_finish(gpu);
@@ -389,7 +386,6 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	bench_record_add("deforming.ratio", "times", ratio, (size_t)rounds);
 	bench_record_add("deforming.pyramid", "ms", pyramid, (size_t)rounds);
 	save(&moving, "deforming");
-	world_watch(rig->world, NULL);
 	render_view_destroy(moving.view);
 	render_view_destroy(without.view);
 }

@@ -156,7 +156,7 @@ struct figures {
 
 static double slot_bytes(const struct rig *rig, size_t *deformed)
 {
-	const struct terrain_selection *selection = rig->view->selection;
+	const struct render_selection *selection = rig->view->selection;
 	double posts = (CELLS + 1) * (CELLS + 1), bytes = (double)selection->needed * posts * sizeof(int32_t);
 	for (size_t i = 0; i < selection->draw_count; i++)
 		if (gpu_slots_get(rig->made.resident.slots, selection->draws[i].slot)->target != NULL) {
@@ -184,7 +184,7 @@ static void draw(struct rig *rig, double pixel_error, int repeats, const char *f
 			gpu_finish(rig->made.resident.gpu);
 			figures->ms[figures->timed++] = (clock_seconds() - began) * 1e3;
 		}
-		const struct terrain_selection *selection = view->selection;
+		const struct render_selection *selection = view->selection;
 		if (view->coarse || selection->wanted_count > 0)
 			bench_must(fail_with(STATUS_FAILED, "%s: its picture needs %zu tiles and %d are too few; give more SLOTS",
 					     cameras[i].name, selection->needed, SLOTS));

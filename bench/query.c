@@ -16,10 +16,10 @@
 enum { BEAMS = 64, TURN = 1024, RAYS = BEAMS * TURN, POINTS = 1 << 20, SINGLES = 1 << 14, SIDE = 2049, LEVEL = -3, SLOTS = 64, STEPS = 40 };
 #define RANGE 120.0 /* m, of the lidar */
 
-static struct terrain_ray rays[RAYS];
-static struct terrain_hit hits[RAYS];
-static struct terrain_point near_points[POINTS], far_points[POINTS];
-static struct terrain_height heights[POINTS];
+static struct resident_ray rays[RAYS];
+static struct resident_hit hits[RAYS];
+static struct resident_point near_points[POINTS], far_points[POINTS];
+static struct resident_height heights[POINTS];
 
 static double unit(void)
 {
@@ -32,11 +32,11 @@ static void choose(double x, double y, double ground)
 {
 	for (int i = 0; i < RAYS; i++) {
 		double up = (-25 + 40.0 * (i % BEAMS) / (BEAMS - 1)) * M_PI / 180, turn = 2 * M_PI * (i / BEAMS) / TURN;
-		rays[i] = (struct terrain_ray){{x, y, ground + 2}, {cos(up) * cos(turn), cos(up) * sin(turn), sin(up)}, RANGE};
+		rays[i] = (struct resident_ray){{x, y, ground + 2}, {cos(up) * cos(turn), cos(up) * sin(turn), sin(up)}, RANGE};
 	}
 	for (int i = 0; i < POINTS; i++) {
-		near_points[i] = (struct terrain_point){x + (unit() - 0.5) * 100, y + (unit() - 0.5) * 100};
-		far_points[i] = (struct terrain_point){unit() * (SIDE - 1), unit() * (SIDE - 1)};
+		near_points[i] = (struct resident_point){x + (unit() - 0.5) * 100, y + (unit() - 0.5) * 100};
+		far_points[i] = (struct resident_point){unit() * (SIDE - 1), unit() * (SIDE - 1)};
 	}
 }
 
@@ -53,7 +53,7 @@ static void measure_rays(struct newest *newest, const char *over, const char *wh
 	tell(over, "lidar", when, RAYS, clock_seconds() - began, gl);
 }
 
-static void measure_points(struct newest *newest, const char *over, const char *what, const struct terrain_point *points, const char *when,
+static void measure_points(struct newest *newest, const char *over, const char *what, const struct resident_point *points, const char *when,
 			   const char *gl)
 {
 	double began = clock_seconds();
@@ -214,12 +214,12 @@ int main(void)
 	const char *path = bench_path("query.furrow");
 	struct store *store;
 	struct newest *newest;
-	struct terrain_height under;
+	struct resident_height under;
 	bench_store(path, &synth, 256);
 	mem_free(bench_drive(ruts, path));
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	bench_must(resident_newest_create(store, NULL, &newest));
-	bench_must(resident_newest_heights(newest, &(struct terrain_point){1000, 1000}, 1, &under));
+	bench_must(resident_newest_heights(newest, &(struct resident_point){1000, 1000}, 1, &under));
 	resident_newest_destroy(newest);
 	store_close(store);
 	choose(1000, 1000, under.height);

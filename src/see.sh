@@ -2,6 +2,7 @@
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
 # base, and of each folder below it the outward header with the parts that it includes. deform and bearing may include all of soil.
 # world and the folders above it also see api/furrow.h, which includes nothing of ours: its structs are the world's own.
+# It runs when meson configures: after a new part, `meson setup --reconfigure BUILD`.
 set -eu
 src=$1 farm=$2 name=$3
 shift 3

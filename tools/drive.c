@@ -82,9 +82,9 @@ static enum status drive_alone(struct api_params *params, const char *stage, str
 	return status;
 }
 
-static const struct world_rows *share_rows(void *user, const struct world_rows *rows)
+static void share_rows(void *user, const struct report_rows *rows)
 {
-	return fleet_rows(user, rows);
+	fleet_rows(user, rows);
 }
 
 /* Before the drive, whose map comes last. */

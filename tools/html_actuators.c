@@ -45,9 +45,7 @@ static struct html_body *curve_of(struct html_bodies *bodies, const char *vehicl
 
 static enum status add(struct html_body *curve, const struct html_body *vehicle, double force)
 {
-	enum status status = html_body_room(curve);
-	if (status != STATUS_OK)
-		return status;
+	TRY(html_body_room(curve));
 	const size_t from = vehicle->count - 1, to = curve->count++;
 	curve->time[to] = vehicle->time[from];
 	curve->way[to] = vehicle->way[from];
@@ -60,8 +58,7 @@ static enum status add(struct html_body *curve, const struct html_body *vehicle,
 
 enum status html_actuators_take(const struct html_actuators *actuators, char *const *cells, const struct html_body *vehicle, struct html_bodies *bodies)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < actuators->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < actuators->count; i++) {
 		const char *cell = cells[actuators->cells[i]];
 		char *end;
 		const double force = strtod(cell, &end);
@@ -71,7 +68,7 @@ enum status html_actuators_take(const struct html_actuators *actuators, char *co
 		if (curve == NULL)
 			return fail_memory("the rows of a drive");
 		bodies->there = true;
-		status = add(curve, vehicle, isfinite(force) ? force : (double)NAN);
+		TRY(add(curve, vehicle, isfinite(force) ? force : (double)NAN));
 	}
-	return status;
+	return STATUS_OK;
 }

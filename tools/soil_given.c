@@ -47,8 +47,8 @@ static enum status load_file(const char *path, struct scene **scene)
 {
 	/* The soil is read for the rig's model, whatever the file says of its own. */
 	const struct scene_setting model = {.key = "redistribute", .value = "{model: scm}"};
-	enum status status = scene_load_file(path, &model, 1, SCENE_HOST, scene);
-	return status == STATUS_OK ? check_one(*scene, path) : status;
+	TRY(scene_load_file(path, &model, 1, SCENE_HOST, scene));
+	return check_one(*scene, path);
 }
 
 /* Writes "{name: dry_sand, cohesion: 500}": what the scene gives of its soil. */
@@ -73,9 +73,10 @@ static enum status write_value(const struct scene *scene, char **out)
 enum status soil_given_value(const char *path, char **out)
 {
 	struct scene *scene = NULL;
-	enum status status = load_file(path, &scene);
-	if (status == STATUS_OK)
-		status = write_value(scene, out);
+	enum status status;
+	TRY_OR(done, load_file(path, &scene));
+	TRY_OR(done, write_value(scene, out));
+done:
 	scene_destroy(scene);
 	return status;
 }
@@ -83,13 +84,13 @@ enum status soil_given_value(const char *path, char **out)
 static enum status take_file(const char *path, struct soil_given *soil)
 {
 	struct scene *scene = NULL;
-	enum status status = load_file(path, &scene);
-	if (status == STATUS_OK) {
-		soil->text = rig_soil_text(&scene->soils[0], scene->model);
-		soil->label = label_of(path);
-		if (soil->text == NULL || soil->label == NULL)
-			status = fail_memory("a soil");
-	}
+	enum status status;
+	TRY_OR(done, load_file(path, &scene));
+	soil->text = rig_soil_text(&scene->soils[0], scene->model);
+	soil->label = label_of(path);
+	if (soil->text == NULL || soil->label == NULL)
+		TRY_OR(done, fail_memory("a soil"));
+done:
 	scene_destroy(scene);
 	return status;
 }

@@ -45,8 +45,8 @@ static void tell(struct viewer *viewer, const char *format, ...)
 static enum status ground_below(struct drive *drive, const double eye[3], double *ground)
 {
 	const struct store_meta *meta = api_store(drive);
-	const struct terrain_point point = {eye[0], eye[1]};
-	struct terrain_height found = {.height = NAN};
+	const struct resident_point point = {eye[0], eye[1]};
+	struct resident_height found = {.height = NAN};
 	enum status status = api_heights(drive, &point, 1, &found);
 	*ground = !isnan(found.height) ? found.height : isnan(meta->low) ? 0 : meta->low;
 	return status;
@@ -114,8 +114,8 @@ static enum status drop_at(struct viewer *viewer, struct drive *drive, double x,
 {
 	struct render_camera camera;
 	int width, height;
-	struct terrain_ray ray = {.length = INFINITY};
-	struct terrain_hit hit = {.hit = false};
+	struct resident_ray ray = {.length = INFINITY};
+	struct resident_hit hit = {.hit = false};
 	bool pressed = false;
 	window_size(viewer->window, &width, &height);
 	if (viewer->eye.mode == VIEW_MODE_SCENE)

@@ -14,7 +14,6 @@
 #include "render/render.h"
 #include "report/report.h"
 #include "scene/scene.h"
-#include "terrain/terrain.h"
 
 struct drive; /* a world with its view, its pictures and its report */
 
@@ -110,8 +109,8 @@ struct api_params {
 	/* The drive is one of several processes that step this world together. Then store and overlay are those of `ranks`, and only rank 0
 	 * writes files. NULL: it is the only one. */
 	const struct world_ranks *ranks;
-	/* Gives what takes the rows of all ranks, and passes them on to `rows` (NULL: there are none). */
-	const struct world_rows *(*share_rows)(void *user, const struct world_rows *rows);
+	/* Says where the rows of all ranks go (NULL: nowhere). */
+	void (*share_rows)(void *user, const struct report_rows *rows);
 };
 
 struct api_result {
@@ -169,11 +168,11 @@ enum status api_drive(const struct api_params *params, struct api_result *result
  * changes nothing that the results of a drive depend on. What it reads is counted in run.json (memory, statements, read-backs)
  * and is in no plan.
  *
- * terrain/terrain.h defines heights and rays. One call for many points is cheaper than many calls. In each step the first query
+ * resident/heights.h defines heights and rays. One call for many points is cheaper than many calls. In each step the first query
  * near ground that changed and is not committed may wait. On a hardware GPU it waits for all work begun before.
  */
-enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights) FURROW_CHECKED;
-enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+enum status api_heights(struct drive *drive, const struct resident_point *points, size_t count, struct resident_height *heights) FURROW_CHECKED;
+enum status api_rays(struct drive *drive, const struct resident_ray *rays, size_t count, struct resident_hit *hits) FURROW_CHECKED;
 
 /* Makes the folder if it does not exist. STATUS_FAILED: it cannot be made, or is no folder. */
 enum status api_folder_make(const char *path) FURROW_CHECKED;

@@ -54,12 +54,30 @@ static enum status begin(struct drive *drive)
 		status = world_begin(drive->world);
 	if (status == STATUS_OK && drive->vehicles != NULL)
 		status = vehicle_begin(drive->vehicles);
+	if (status == STATUS_OK)
+		status = report_vehicles_write(drive->vehicle_rows);
+	if (status == STATUS_OK)
+		status = api_take(drive);
 	return status == STATUS_OK ? draw_beginning(drive) : status;
+}
+
+enum status api_take(struct drive *drive)
+{
+	size_t count;
+	const struct world_row *rows = world_rows(drive->world, &count);
+	const struct world_ranks *ranks = drive->params->ranks;
+	TRY(ranks != NULL ? ranks->rows(ranks->user, rows, count) : report_rows_write(drive->rows, rows, count));
+	world_rows_clear(drive->world);
+	return drive->view != NULL ? render_view_update(drive->view) : STATUS_OK;
 }
 
 enum status api_one_step(struct drive *drive)
 {
-	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(drive->world);
+	if (drive->view != NULL)
+		TRY(render_view_wish(drive->view));
+	TRY(drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(drive->world));
+	TRY(report_vehicles_write(drive->vehicle_rows));
+	return api_take(drive);
 }
 
 #define DRAWING_TOLD 0.1 /* share of the drive's time: if pictures take more, it is told */
@@ -292,12 +310,12 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 
 /* --- queries --- */
 
-enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status api_heights(struct drive *drive, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
 	return world_heights(drive->world, points, count, heights);
 }
 
-enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status api_rays(struct drive *drive, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
 	return world_rays(drive->world, rays, count, hits);
 }

@@ -14,17 +14,20 @@ enum status api_agree(struct drive *drive, enum status status)
 
 /* --- the view --- */
 
-static void before_record(void *user)
+/* What the store has after the commit is newer than what the view was told, so it is told first. Rows of the commit are written before it. */
+static enum status before_record(void *user)
 {
 	struct drive *drive = user;
-	render_pictures_mark(drive->pictures);
+	if (drive->pictures != NULL)
+		render_pictures_mark(drive->pictures);
+	return api_take(drive);
 }
 
 /* A run resumed from this commit draws the picture of its step again, and none before it. */
 static enum status before_commit(void *user)
 {
 	const struct drive *drive = user;
-	return render_pictures_await(drive->pictures);
+	return drive->pictures != NULL ? render_pictures_await(drive->pictures) : STATUS_OK;
 }
 
 static enum status start_view(struct drive *drive)
@@ -38,10 +41,6 @@ static enum status start_view(struct drive *drive)
 		status = render_pictures_create(world_resident(drive->world)->gpu, drive->params->directory, bytes, &drive->pictures);
 	if (status != STATUS_OK)
 		return status;
-	drive->commits = (struct world_commits){drive, before_record, before_commit};
-	world_set_commits(drive->world, &drive->commits);
-	drive->watcher = render_view_watcher(drive->view);
-	world_watch(drive->world, &drive->watcher);
 	return STATUS_OK;
 }
 
@@ -83,9 +82,8 @@ static enum status start_rows(struct drive *drive)
 	}
 	if (status == STATUS_OK && drive->view != NULL && params->host == NULL)
 		status = report_poses_open(world, params->directory, &drive->poses);
-	const struct world_rows *rows = report_rows_sink(drive->rows);
-	world_set_rows(world, params->ranks != NULL ? params->share_rows(params->ranks->user, rows) : rows);
-	vehicle_set_rows(drive->vehicles, report_vehicles_sink(drive->vehicle_rows));
+	if (status == STATUS_OK && params->ranks != NULL)
+		params->share_rows(params->ranks->user, drive->rows);
 	return status;
 }
 
@@ -105,6 +103,8 @@ enum status api_start(struct drive *drive)
 		status = start_pages(drive);
 	const struct world_figures figures = vehicle_figures(drive->vehicles);
 	world_set_figures(world, &figures);
+	drive->commits = (struct world_commits){drive, before_record, before_commit};
+	world_set_commits(world, &drive->commits);
 	if (status == STATUS_OK)
 		status = start_view(drive);
 	if (status == STATUS_OK)

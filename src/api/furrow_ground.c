@@ -7,18 +7,18 @@
 /* Offsets smaller than this are rounding errors of the base: twice the lattice's 2^-18 m. */
 #define OFFSET_NOISE 0x1p-17
 
-static enum status points_of(size_t count, const double *xy, struct terrain_point *points)
+static enum status points_of(size_t count, const double *xy, struct resident_point *points)
 {
 	for (size_t i = 0; i < count; i++) {
 		const double x = xy[2 * i], y = xy[2 * i + 1];
 		if (!isfinite(x) || !isfinite(y))
 			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, x, y);
-		points[i] = (struct terrain_point){x, y};
+		points[i] = (struct resident_point){x, y};
 	}
 	return STATUS_OK;
 }
 
-static enum status tell_point(struct furrow_world *world, const struct terrain_point *at, const struct terrain_height *height,
+static enum status tell_point(struct furrow_world *world, const struct resident_point *at, const struct resident_height *height,
 			      struct furrow_point *point)
 {
 	*point = (struct furrow_point){.height = height->bilinear, .offset = NAN, .nodata = isnan(height->bilinear)};
@@ -44,8 +44,8 @@ static enum status tell_point(struct furrow_world *world, const struct terrain_p
 furrow_status furrow_points(struct furrow_world *world, size_t count, const double *xy, struct furrow_point *points)
 {
 	struct library_call call;
-	struct terrain_point *at = NULL;
-	struct terrain_height *heights = NULL;
+	struct resident_point *at = NULL;
+	struct resident_height *heights = NULL;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = api_library_need_count(count, sizeof *points);
@@ -72,7 +72,7 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 	return api_library_leave(&call, status);
 }
 
-static enum status rays_of(size_t count, const double *origin, const double *direction, struct terrain_ray *rays)
+static enum status rays_of(size_t count, const double *origin, const double *direction, struct resident_ray *rays)
 {
 	for (size_t i = 0; i < count; i++, origin += 3, direction += 3) {
 		double sum = 0, length = 0;
@@ -82,14 +82,14 @@ static enum status rays_of(size_t count, const double *origin, const double *dir
 		}
 		if (!isfinite(sum) || length == 0)
 			return fail_with(STATUS_USAGE, "ray %zu: it is no ray; give finite numbers, and a direction that is not 0", i);
-		rays[i] = (struct terrain_ray){.length = INFINITY};
+		rays[i] = (struct resident_ray){.length = INFINITY};
 		memcpy(rays[i].origin, origin, sizeof rays[i].origin);
 		memcpy(rays[i].direction, direction, sizeof rays[i].direction);
 	}
 	return STATUS_OK;
 }
 
-static void tell_hit(const struct terrain_hit *from, struct furrow_hit *hit)
+static void tell_hit(const struct resident_hit *from, struct furrow_hit *hit)
 {
 	*hit = (struct furrow_hit){{NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, from->hit};
 	if (!from->hit)
@@ -102,8 +102,8 @@ static void tell_hit(const struct terrain_hit *from, struct furrow_hit *hit)
 furrow_status furrow_rays(struct furrow_world *world, size_t count, const double *origin, const double *direction, struct furrow_hit *hits)
 {
 	struct library_call call;
-	struct terrain_ray *rays = NULL;
-	struct terrain_hit *found = NULL;
+	struct resident_ray *rays = NULL;
+	struct resident_hit *found = NULL;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = api_library_need_count(count, sizeof *hits);

@@ -9,12 +9,7 @@ static const char default_view[] = "view: {size: [640, 480], effects: [texture, 
 
 enum status api_library_start_view(struct furrow_world *host)
 {
-	enum status status = render_view_create(host->world, true, &host->view);
-	if (status != STATUS_OK)
-		return status;
-	host->watcher = render_view_watcher(host->view);
-	world_watch(host->world, &host->watcher);
-	return STATUS_OK;
+	return render_view_create(host->world, true, &host->view);
 }
 
 /* Makes the view before the first picture of a scene without one. */

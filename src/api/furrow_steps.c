@@ -5,10 +5,31 @@
 
 #define TIME_MOST 1e9 /* s: the longest end_time of a scene, too */
 
+enum status api_library_take(struct furrow_world *host)
+{
+	size_t count;
+	const struct world_row *rows = world_rows(host->world, &count);
+	TRY(report_rows_write(host->rows, rows, count));
+	world_rows_clear(host->world);
+	return host->view != NULL ? render_view_update(host->view) : STATUS_OK;
+}
+
+/* Lets the view say what it will need, makes one step, and takes what it did. */
+static enum status one_step(struct furrow_world *host, double until)
+{
+	if (host->view != NULL)
+		TRY(render_view_wish(host->view));
+	TRY(host->vehicles != NULL ? vehicle_step(host->vehicles) : world_step_to(host->world, until));
+	TRY(report_vehicles_write(host->vehicle_rows));
+	return api_library_take(host);
+}
+
 enum status api_library_checkpoint(struct furrow_world *host)
 {
-	struct library_mark mark = {host->origin, host->steps, 0};
-	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.rows_end);
+	struct library_mark mark = {host->origin, host->steps, 0, 0};
+	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.vehicle_rows_end);
+	if (status == STATUS_OK)
+		status = report_rows_mark(host->rows, &mark.rows_end);
 	if (status == STATUS_OK)
 		status = world_checkpoint(host->world);
 	if (status == STATUS_OK)
@@ -26,7 +47,7 @@ static enum status step_vehicles(struct furrow_world *host, double seconds)
 				 time_step);
 	enum status status = STATUS_OK;
 	for (double i = 0; i < count && status == STATUS_OK; i++)
-		status = vehicle_step(host->vehicles);
+		status = one_step(host, 0);
 	if (status == STATUS_OK || world_is_torn(world))
 		return status;
 	struct failure failure;
@@ -48,7 +69,7 @@ static enum status step(struct furrow_world *host, double seconds)
 	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
 	const double began = clock_seconds();
-	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
+	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : one_step(host, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
 	host->failed = status != STATUS_OK && status != STATUS_USAGE;
@@ -96,10 +117,12 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = world_rollback(world->world);
-	if (status == STATUS_OK && world->vehicles != NULL) {
-		status = vehicle_rollback(world->vehicles);
+	if (status == STATUS_OK) {
+		status = report_rows_rollback(world->rows, world->mark.rows_end);
+		if (status == STATUS_OK && world->vehicles != NULL)
+			status = vehicle_rollback(world->vehicles);
 		if (status == STATUS_OK)
-			status = report_vehicles_rollback(world->vehicle_rows, world->mark.rows_end);
+			status = report_vehicles_rollback(world->vehicle_rows, world->mark.vehicle_rows_end);
 		if (status != STATUS_OK)
 			world_tear(world->world);
 	}

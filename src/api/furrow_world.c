@@ -50,16 +50,19 @@ static enum status start_output(struct furrow_world *host)
 	enum status status = api_folder_clear(host->world, host->output);
 	if (status == STATUS_OK)
 		status = report_rows_open(host->world, host->output, &host->rows);
-	world_set_rows(host->world, report_rows_sink(host->rows));
 	if (status == STATUS_OK)
 		status = report_vehicles_open(host->world, host->vehicles, host->output, &host->vehicle_rows);
-	vehicle_set_rows(host->vehicles, report_vehicles_sink(host->vehicle_rows));
 	return status;
 }
 
 static void tell_advice(void *user, const char *text)
 {
 	note("%s", text);
+}
+
+static enum status before_record(void *user)
+{
+	return api_library_take(user);
 }
 
 static enum status start(struct furrow_world *host)
@@ -70,6 +73,8 @@ static enum status start(struct furrow_world *host)
 		status = start_pages(host);
 	const struct world_figures figures = vehicle_figures(host->vehicles);
 	world_set_figures(world, &figures);
+	host->commits = (struct world_commits){host, before_record, NULL};
+	world_set_commits(world, &host->commits);
 	if (status == STATUS_OK && host->scene->view.present)
 		status = api_library_start_view(host);
 	if (status == STATUS_OK)
@@ -88,6 +93,10 @@ static enum status start(struct furrow_world *host)
 		vehicle_advise(host->vehicles, world, tell_advice, NULL);
 		status = vehicle_begin(host->vehicles);
 	}
+	if (status == STATUS_OK)
+		status = report_vehicles_write(host->vehicle_rows);
+	if (status == STATUS_OK)
+		status = api_library_take(host);
 	return status == STATUS_OK ? api_library_checkpoint(host) : status;
 }
 

@@ -192,6 +192,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	if (*any || status != STATUS_OK)
 		return status;
 	/* Work that a step does beside stepping: loads go on, slots become free, and a commit may become due. */
+	TRY(render_view_wish(drive->view));
 	return world_idle(drive->world);
 }
 

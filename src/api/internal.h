@@ -15,7 +15,6 @@ struct drive {
 	struct world *world;
 	struct vehicles *vehicles;    /* NULL: the scene has none */
 	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
-	struct world_watcher watcher; /* the view's */
 	struct world_commits commits; /* the pictures' */
 	struct view *view;            /* NULL if the scene has no view */
 	struct pictures *pictures;    /* NULL: none are written */
@@ -47,6 +46,8 @@ enum status api_agree(struct drive *drive, enum status status) FURROW_CHECKED;
 /* Opens and makes all that the drive changes: pages, the view, files of rows. */
 enum status api_start(struct drive *drive) FURROW_CHECKED;
 
+/* drive.c: takes what steps did since the last call: rows go to their file, and the view learns what happened to the ground. */
+enum status api_take(struct drive *drive) FURROW_CHECKED;
 /* drive.c: makes one step of the world, and of the vehicles in it. */
 enum status api_one_step(struct drive *drive) FURROW_CHECKED;
 

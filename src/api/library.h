@@ -26,12 +26,12 @@ struct furrow_world {
 	struct report report;
 	struct view *view;        /* NULL until the first picture, if the scene has no view */
 	struct library_call *call; /* the last one that entered */
-	struct world_watcher watcher;
+	struct world_commits commits;
 	double origin;            /* s: time from which steps of time_step are counted */
 	int64_t steps;            /* steps since then */
-	struct library_mark {     /* values of `origin` and `steps` at the last checkpoint, and the end of vehicle_rows */
+	struct library_mark {     /* values of `origin` and `steps` at the last checkpoint, and the ends of the files of rows */
 		double origin;
-		int64_t steps, rows_end;
+		int64_t steps, rows_end, vehicle_rows_end;
 	} mark;
 	bool failed;              /* the last step failed, and nothing was rolled back since */
 	double began;             /* s, by the clock */
@@ -59,6 +59,8 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 void api_library_begin_gl(struct furrow_world *world);
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
+/* furrow_steps.c: takes what steps did since the last call: rows go to their file, and the view learns what happened to the ground. */
+enum status api_library_take(struct furrow_world *host) FURROW_CHECKED;
 /* furrow_steps.c: makes a checkpoint. */
 enum status api_library_checkpoint(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that the world may be changed. STATUS_USAGE: it is readonly. `what`: the call. */

@@ -30,10 +30,9 @@ enum status key_map_put(struct key_map *map, uint64_t key, double a, double b)
 	}
 	uint32_t number;
 	bool fresh;
-	enum status status = key_set_number(&map->keys, key, &number, &fresh);
-	if (status == STATUS_OK)
-		map->pairs[number] = (struct key_pair){key, a, b};
-	return status;
+	TRY(key_set_number(&map->keys, key, &number, &fresh));
+	map->pairs[number] = (struct key_pair){key, a, b};
+	return STATUS_OK;
 }
 
 void key_cache_finish(struct key_cache *cache)

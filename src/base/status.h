@@ -26,8 +26,8 @@ enum status {
  * Early return. A function that fails returns at once, so that what follows reads as what is done, not as what is done unless.
  *
  * TRY: the function holds nothing. A failure of `call` is returned.
- * TRY_OR: the function holds something. A failure of `call` goes to `label`, where the function lets go of all it holds, and returns `status`, which is
- * the function's variable of that name.
+ * TRY_OR: the function holds something. A failure of `call` goes to `label`. There the function lets go of all it holds, and returns its variable
+ * `status`.
  */
 #define TRY(call) \
 	do { \

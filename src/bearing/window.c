@@ -96,8 +96,8 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 	if (!bearing->conserves)
 		return STATUS_OK;
 	const size_t laying = soil_lay_scratch(width, height), sliding = soil_sliding_scratch(&bearing->rule, &window->planes);
-	enum status status = bearing_scratch_need(bearing, laying > sliding ? laying : sliding);
-	return status == STATUS_OK ? need_words(bearing, (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2)) : status;
+	TRY(bearing_scratch_need(bearing, laying > sliding ? laying : sliding));
+	return need_words(bearing, (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2));
 }
 
 void bearing_window_clear(struct bearing *bearing)

@@ -73,10 +73,9 @@ enum status dem_groups_init(struct dem_groups *groups, const struct gdal_source 
 		}
 		group->sources[group->count++] = &sources[i];
 	}
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++)
-		status = dem_layers_create(groups->groups[i].sources, groups->groups[i].count, &groups->groups[i].layers);
-	return status;
+	for (size_t i = 0; i < groups->count; i++)
+		TRY(dem_layers_create(groups->groups[i].sources, groups->groups[i].count, &groups->groups[i].layers));
+	return STATUS_OK;
 }
 
 void dem_groups_finish(struct dem_groups *groups)

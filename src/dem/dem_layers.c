@@ -184,6 +184,6 @@ static enum status read_all(struct dem_layers *layers, struct post_rect rect, do
 
 enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
 {
-	enum status status = read_all(layers, rect, heights, done);
-	return status == STATUS_OK && *done && layers->lift != NULL ? dem_lift_run(layers->lift, rect, layers->single, heights) : status;
+	TRY(read_all(layers, rect, heights, done));
+	return *done && layers->lift != NULL ? dem_lift_run(layers->lift, rect, layers->single, heights) : STATUS_OK;
 }

@@ -147,10 +147,8 @@ static enum status choose(struct dem_lift *lift, const struct dem_lift_params *p
 static enum status find_operation(struct dem_lift *lift, const struct dem_lift_params *params)
 {
 	struct dem_vertical from, to;
-	enum status status = dem_vertical_init(lift->context, params->from, &from);
-	if (status != STATUS_OK)
-		return status;
-	status = dem_vertical_init(lift->context, params->to, &to);
+	TRY(dem_vertical_init(lift->context, params->from, &from));
+	enum status status = dem_vertical_init(lift->context, params->to, &to);
 	if (status != STATUS_OK) {
 		dem_vertical_finish(&from);
 		return status;
@@ -243,17 +241,16 @@ static enum status run_cell(const struct dem_lift *lift, const struct cells *cel
 	const double middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
 	const bool smooth = fabs(middle - cells->middle[i]) <= OFF_MOST; /* false for NaN */
 	const int64_t x0 = (cells->first + i) * SIDE - lift->phase[0], y0 = cells->row * SIDE - lift->phase[1];
-	enum status status = STATUS_OK;
 	for (int64_t y = rect.y0; y < rect.y1; y++, heights += stride) {
 		const double v = (double)(y - y0) / SIDE, west = corners[0] + (corners[2] - corners[0]) * v,
 			     east = corners[1] + (corners[3] - corners[1]) * v;
-		for (int64_t x = rect.x0; x < rect.x1 && status == STATUS_OK; x++) {
+		for (int64_t x = rect.x0; x < rect.x1; x++) {
 			const double here = smooth ? west + (east - west) * ((double)(x - x0) / SIDE)
 						   : isnan(heights[x - rect.x0]) ? 0 : difference(lift, (double)x, (double)y);
-			status = add(lift, x, y, here, single, &heights[x - rect.x0]);
+			TRY(add(lift, x, y, here, single, &heights[x - rect.x0]));
 		}
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status dem_lift_run(struct dem_lift *lift, struct post_rect rect, bool single, double *heights)
@@ -269,15 +266,14 @@ enum status dem_lift_run(struct dem_lift *lift, struct post_rect rect, bool sing
 		if (lift->nodes == NULL)
 			return fail_memory(lift->name);
 	}
-	enum status status = STATUS_OK;
-	for (int64_t row = (rect.y0 + lift->phase[1]) / SIDE; row <= (rect.y1 - 1 + lift->phase[1]) / SIDE && status == STATUS_OK; row++) {
+	for (int64_t row = (rect.y0 + lift->phase[1]) / SIDE; row <= (rect.y1 - 1 + lift->phase[1]) / SIDE; row++) {
 		struct cells cells = {.first = first, .row = row, .count = last - first + 1};
 		fill_cells(lift, &cells);
-		for (int64_t i = 0; i < cells.count && status == STATUS_OK; i++) {
+		for (int64_t i = 0; i < cells.count; i++) {
 			const int64_t x = (first + i) * SIDE - lift->phase[0], y = row * SIDE - lift->phase[1];
 			const struct post_rect part = post_rect_intersect(rect, (struct post_rect){x, y, x + SIDE, y + SIDE});
-			status = run_cell(lift, &cells, i, part, single, width, heights + (part.y0 - rect.y0) * width + part.x0 - rect.x0);
+			TRY(run_cell(lift, &cells, i, part, single, width, heights + (part.y0 - rect.y0) * width + part.x0 - rect.x0));
 		}
 	}
-	return status;
+	return STATUS_OK;
 }

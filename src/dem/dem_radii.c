@@ -65,9 +65,7 @@ enum status dem_radii_find(const struct gdal_source *source, enum dem_radii radi
 				 source->path);
 	struct guess guesses[2] = {{1, (double)INFINITY, 0, 0}, {1000, (double)INFINITY, 0, 0}};
 	size_t values = 0;
-	enum status status = sample(source, axis, guesses, &values);
-	if (status != STATUS_OK)
-		return status;
+	TRY(sample(source, axis, guesses, &values));
 	const struct guess *found = said || guesses[0].near > guesses[1].near ? &guesses[0] : &guesses[1];
 	const bool most = 2 * found->near > values;
 	if (!most && radii == DEM_RADII_AUTO)

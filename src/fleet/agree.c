@@ -16,9 +16,7 @@ struct common {
 static enum status compare(void *user, int rank, struct fleet_bytes *bytes)
 {
 	struct common *first = user, other;
-	enum status status = fleet_get(bytes, &other, sizeof other);
-	if (status != STATUS_OK)
-		return status;
+	TRY(fleet_get(bytes, &other, sizeof other));
 	if (rank == 0)
 		*first = other;
 	if (strncmp(other.version, first->version, sizeof other.version) != 0)
@@ -51,8 +49,8 @@ static enum status put_common(struct fleet *fleet, const struct world *world)
 	mine.forces = world_scene(world)->forces;
 	mine.step = world_steps_done(world);
 	mine.resumed = world_facts(world)->resumed.is;
-	enum status status = world_facts(world)->resumed.is && fleet->rank == 0 ? fleet_note_resumed(fleet) : STATUS_OK;
-	return status == STATUS_OK ? fleet_put(&fleet->sent, &mine, sizeof mine) : status;
+	TRY(world_facts(world)->resumed.is && fleet->rank == 0 ? fleet_note_resumed(fleet) : STATUS_OK);
+	return fleet_put(&fleet->sent, &mine, sizeof mine);
 }
 
 /* The first call comes when the files are open. Each later one tells only the status. */

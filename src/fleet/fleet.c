@@ -28,10 +28,10 @@ bool fleet_is_launched(void)
 
 enum status fleet_join(void)
 {
-	enum status status = fleet_comm_start(&joined.rank, &joined.ranks);
-	if (status == STATUS_OK && joined.rank > 0)
+	TRY(fleet_comm_start(&joined.rank, &joined.ranks));
+	if (joined.rank > 0)
 		note_to(say_nothing);
-	return status;
+	return STATUS_OK;
 }
 
 void fleet_leave(void)
@@ -220,6 +220,7 @@ const struct world_ranks *fleet_ranks(struct fleet *fleet)
 		.part = fleet->part,
 		.step = fleet_step,
 		.probed = fleet_probed,
+		.rows = fleet_rows_take,
 		.changes = fleet_changes,
 		.has = fleet_has,
 		.end = fleet_end,

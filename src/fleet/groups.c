@@ -66,9 +66,9 @@ static void join(uint32_t *parent, uint32_t a, uint32_t b)
 static enum status number_of(struct fleet_groups *groups, uint64_t key, uint32_t *number)
 {
 	bool fresh;
-	enum status status = key_set_number(&groups->tiles, key, number, &fresh);
-	if (status != STATUS_OK || !fresh)
-		return status;
+	TRY(key_set_number(&groups->tiles, key, number, &fresh));
+	if (!fresh)
+		return STATUS_OK;
 	if (*number >= groups->tile_room) {
 		const size_t room = groups->tile_room > 0 ? 2 * groups->tile_room : 1024;
 		uint32_t *parent = mem_realloc(groups->parent, room, sizeof *parent);
@@ -93,18 +93,17 @@ static enum status number_of(struct fleet_groups *groups, uint64_t key, uint32_t
 /* Joins the tiles of an item. Its `group` becomes the number of its first tile. */
 static enum status join_item(struct fleet_groups *groups, struct fleet_item *item, int level)
 {
-	enum status status = STATUS_OK;
 	uint32_t first = 0, number = 0;
 	for (uint32_t y = item->y0; y <= item->y1; y++)
-		for (uint32_t x = item->x0; x <= item->x1 && status == STATUS_OK; x++) {
-			status = number_of(groups, tile_key((struct tile){level, x, y}), &number);
+		for (uint32_t x = item->x0; x <= item->x1; x++) {
+			TRY(number_of(groups, tile_key((struct tile){level, x, y}), &number));
 			if (x == item->x0 && y == item->y0)
 				first = number;
-			else if (status == STATUS_OK)
+			else
 				join(groups->parent, first, number);
 		}
 	item->group = first;
-	return status;
+	return STATUS_OK;
 }
 
 /* Numbers the groups in the order of their first tiles, and sets that of each tile and item. */
@@ -207,21 +206,16 @@ static void balance(struct fleet_groups *groups, int ranks)
 
 enum status fleet_groups_make(struct fleet_groups *groups, int level, int ranks, bool balances)
 {
-	enum status status = STATUS_OK;
 	groups->group_count = 0;
 	if (groups->loads == NULL) {
 		groups->loads = mem_calloc((size_t)ranks, sizeof *groups->loads);
 		if (groups->loads == NULL)
 			return fail_memory("groups of bodies");
 	}
-	for (size_t i = 0; i < groups->item_count && status == STATUS_OK; i++)
-		status = join_item(groups, &groups->items[i], level);
-	if (status == STATUS_OK)
-		status = number_groups(groups);
-	if (status == STATUS_OK)
-		status = follow_owners(groups, ranks);
-	if (status != STATUS_OK)
-		return status;
+	for (size_t i = 0; i < groups->item_count; i++)
+		TRY(join_item(groups, &groups->items[i], level));
+	TRY(number_groups(groups));
+	TRY(follow_owners(groups, ranks));
 	give_new(groups, ranks);
 	add_loads(groups, ranks);
 	if (balances)
@@ -236,9 +230,7 @@ enum status fleet_groups_settle(struct fleet_groups *groups)
 	for (size_t i = 0; i < groups->tiles.count; i++) {
 		uint32_t number;
 		bool fresh;
-		enum status status = key_set_number(&groups->known, groups->tile_key[i], &number, &fresh);
-		if (status != STATUS_OK)
-			return status;
+		TRY(key_set_number(&groups->known, groups->tile_key[i], &number, &fresh));
 		int32_t *owner = fleet_grown(groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *owner);
 		if (owner == NULL)
 			return fail_memory("groups of bodies");

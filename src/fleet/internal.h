@@ -69,8 +69,7 @@ struct fleet {
 	volatile sig_atomic_t stop;
 	struct fleet_bytes sent;   /* of an exchange */
 	/* rows.c */
-	const struct world_rows *rows;
-	struct world_rows sink;
+	const struct report_rows *rows; /* of rank 0; NULL: there are none */
 	struct fleet_row_list given, waiting; /* given: by this rank since the last exchange; waiting: on rank 0, of all */
 	/* figures */
 	int64_t tiles_moved, bodies_moved, blocks_moved, bytes_moved, exchanges;
@@ -134,6 +133,7 @@ enum status fleet_together_need(struct fleet_together *together, size_t count) F
 enum status fleet_together_join(struct fleet_together *together, size_t count) FURROW_CHECKED;
 
 /* --- rows.c --- */
+enum status fleet_rows_take(void *user, const struct world_row *rows, size_t count) FURROW_CHECKED;
 enum status fleet_rows_put(struct fleet *fleet) FURROW_CHECKED; /* appends the given rows to fleet->sent */
 enum status fleet_rows_get(struct fleet *fleet, struct fleet_bytes *bytes) FURROW_CHECKED;
 /* On rank 0: writes the rows until `until`, in order. */

@@ -59,12 +59,11 @@ static enum status put_links(struct fleet *fleet, double until)
 	uint32_t links = 0;
 	if (!world_changes_ground(world))
 		return fleet_put(&fleet->sent, &links, sizeof links);
-	enum status status = world_active_blocks(world, &blocks, &count);
+	TRY(world_active_blocks(world, &blocks, &count));
 	const size_t at = fleet->sent.size;
 	struct link last = {0};
-	if (status == STATUS_OK)
-		status = fleet_put(&fleet->sent, &links, sizeof links);
-	for (size_t i = 0; i <= count && status == STATUS_OK; i++) {
+	TRY(fleet_put(&fleet->sent, &links, sizeof links));
+	for (size_t i = 0; i <= count; i++) {
 		struct link link = {0};
 		if (i < count) {
 			const struct fleet_item item = fleet_block_item(fleet, blocks[i], intervals);
@@ -76,14 +75,13 @@ static enum status put_links(struct fleet *fleet, double until)
 			continue;
 		}
 		if (last.weight > 0) {
-			status = fleet_put(&fleet->sent, &last, sizeof last);
+			TRY(fleet_put(&fleet->sent, &last, sizeof last));
 			links++;
 		}
 		last = link;
 	}
-	if (status == STATUS_OK)
-		memcpy(fleet->sent.bytes + at, &links, sizeof links);
-	return status;
+	memcpy(fleet->sent.bytes + at, &links, sizeof links);
+	return STATUS_OK;
 }
 
 static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
@@ -91,16 +89,14 @@ static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
 	const struct planning *planning = user;
 	struct fleet *fleet = planning->fleet;
 	uint32_t links;
-	enum status status = fleet_rows_get(fleet, bytes);
-	if (status == STATUS_OK)
-		status = fleet_get(bytes, &links, sizeof links);
-	for (uint32_t i = 0; status == STATUS_OK && i < links; i++) {
+	TRY(fleet_rows_get(fleet, bytes));
+	TRY(fleet_get(bytes, &links, sizeof links));
+	for (uint32_t i = 0; i < links; i++) {
 		struct link link;
-		status = fleet_get(bytes, &link, sizeof link);
-		if (status == STATUS_OK)
-			status = fleet_groups_add(&fleet->groups, &(struct fleet_item){link.x0, link.y0, link.x1, link.y1, rank, link.weight, 0});
+		TRY(fleet_get(bytes, &link, sizeof link));
+		TRY(fleet_groups_add(&fleet->groups, &(struct fleet_item){link.x0, link.y0, link.x1, link.y1, rank, link.weight, 0}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- planning --- */
@@ -133,11 +129,8 @@ static enum status add_bodies(struct fleet *fleet, double until)
 	const struct world *world = fleet->world;
 	struct post_rect *areas;
 	struct fleet_item item;
-	enum status status = make_owners(fleet);
-	if (status == STATUS_OK)
-		status = fleet_together_need(&fleet->together, fleet->owner_count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(make_owners(fleet));
+	TRY(fleet_together_need(&fleet->together, fleet->owner_count));
 	areas = fleet->together.areas;
 	for (size_t i = 0; i < fleet->owner_count; i++) {
 		if (!world_ranked(world, i))
@@ -149,13 +142,13 @@ static enum status add_bodies(struct fleet *fleet, double until)
 			fleet->owners[i] = 0;
 	}
 	if (world_meets(world))
-		status = fleet_together_join(&fleet->together, fleet->planned_count);
-	for (size_t i = 0; i < fleet->planned_count && status == STATUS_OK; i++) {
+		TRY(fleet_together_join(&fleet->together, fleet->planned_count));
+	for (size_t i = 0; i < fleet->planned_count; i++) {
 		item = (struct fleet_item){.owner = fleet->owners[fleet->planned_bodies[i]], .weight = 1};
 		(void)tiles_of(fleet, areas[i], &item); /* it has some */
-		status = fleet_groups_add(&fleet->groups, &item);
+		TRY(fleet_groups_add(&fleet->groups, &item));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static void note_balance(struct fleet *fleet)
@@ -195,6 +188,14 @@ static bool leaves(struct fleet *fleet, double until)
 	return world_check_events(world, until) != STATUS_OK;
 }
 
+static enum status put_plan(struct fleet *fleet, double until)
+{
+	TRY(fleet_begin(fleet, FLEET_STEP, STATUS_OK));
+	TRY(fleet_rows_put(fleet));
+	TRY(put_links(fleet, until));
+	return add_bodies(fleet, until); /* bodies are items before links */
+}
+
 /* A failure of any rank is returned on all. *mine: a failure of this rank alone, after which the others go on to move what the plan moves. */
 static enum status plan(struct fleet *fleet, double until, enum status status, enum status *mine)
 {
@@ -211,16 +212,8 @@ static enum status plan(struct fleet *fleet, double until, enum status status, e
 	fleet->intervals = world_intervals_due(world, until);
 	fleet->leaves = fleet->horizon > 1 && status == STATUS_OK && leaves(fleet, until);
 	if (status == STATUS_OK)
-		status = fleet_begin(fleet, FLEET_STEP, status);
-	if (status == STATUS_OK)
-		status = fleet_rows_put(fleet);
-	if (status == STATUS_OK)
-		status = put_links(fleet, until);
-	if (status == STATUS_OK) /* bodies are items before links */
-		status = add_bodies(fleet, until);
-	status = fleet_tell(fleet, FLEET_STEP, status, &told, take_links, &planning);
-	if (status != STATUS_OK)
-		return status;
+		status = put_plan(fleet, until);
+	TRY(fleet_tell(fleet, FLEET_STEP, status, &told, take_links, &planning));
 	fleet->stop = fleet->stop || told.stop;
 	if (told.leaves)
 		fleet->ahead = 1; /* the areas are larger than they need be */
@@ -252,8 +245,7 @@ enum status fleet_step(void *user, double until, enum status status)
 	status = plan(fleet, until, status, &mine);
 	const double planned = clock_thread_seconds();
 	fleet->planning += planned - began - (fleet->spun - spun);
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	note_balance(fleet);
 	fleet->plans++;
 	fleet->steps++;
@@ -264,9 +256,9 @@ enum status fleet_step(void *user, double until, enum status status)
 	const double waited = fleet->spun;
 	status = fleet_move(fleet, mine);
 	fleet->moving += clock_thread_seconds() - planned - (fleet->spun - waited);
-	if (status == STATUS_OK)
-		world_mend(world);
-	return status;
+	TRY(status);
+	world_mend(world);
+	return STATUS_OK;
 }
 
 /* --- tiles of this rank --- */
@@ -288,9 +280,7 @@ enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine)
 {
 	uint32_t number;
 	bool fresh;
-	enum status status = key_set_number(&fleet->changed, key, &number, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_set_number(&fleet->changed, key, &number, &fresh));
 	bool *more = fleet_grown(fleet->mine, &fleet->mine_room, (size_t)number + 1, sizeof *more);
 	if (more == NULL)
 		return fail_memory("the tiles of a rank");

@@ -36,17 +36,18 @@ enum status gpu_list_create(struct gpu *gpu, size_t bytes, struct gpu_list **out
 	glCreateBuffers(1, &list->name);
 	glNamedBufferStorage(list->name, (GLsizeiptr)all, NULL, MAP_FLAGS);
 	list->map = glMapNamedBufferRange(list->name, 0, (GLsizeiptr)all, MAP_FLAGS);
-	enum status status = gpu_check(gpu, "GPU list");
-	if (status == STATUS_OK && list->map == NULL)
-		status = gpu_fail(gpu, fail_with(STATUS_FAILED, "GPU list: it cannot be mapped; try another GL driver than %s", gpu->info.renderer));
-	if (status != STATUS_OK) {
-		glDeleteBuffers(1, &list->name);
-		mem_free(list);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, gpu_check(gpu, "GPU list"));
+	if (list->map == NULL)
+		TRY_OR(failed, gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"GPU list: it cannot be mapped; try another GL driver than %s", gpu->info.renderer)));
 	gpu->stats.bytes += all;
 	*out = list;
 	return STATUS_OK;
+failed:
+	glDeleteBuffers(1, &list->name);
+	mem_free(list);
+	return status;
 }
 
 void gpu_list_destroy(struct gpu_list *list)

@@ -325,17 +325,17 @@ static void attach(struct gpu_target *target, GLenum point, struct gpu_attachmen
 /* Complete: the caller's. Otherwise it is destroyed. */
 static enum status seal(struct gpu *gpu, struct gpu_target *target, struct gpu_target **out)
 {
-	enum status status = gpu_check(gpu, "render target");
-	if (status == STATUS_OK && glCheckNamedFramebufferStatus(target->name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-		status = gpu_fail(gpu, fail_with(STATUS_FAILED,
-			"render target: %s does not support it; use another GL driver", gpu->info.renderer));
-	if (status != STATUS_OK) {
-		glDeleteFramebuffers(1, &target->name);
-		mem_free(target);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, gpu_check(gpu, "render target"));
+	if (glCheckNamedFramebufferStatus(target->name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+		TRY_OR(failed, gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"render target: %s does not support it; use another GL driver", gpu->info.renderer)));
 	*out = target;
 	return STATUS_OK;
+failed:
+	glDeleteFramebuffers(1, &target->name);
+	mem_free(target);
+	return status;
 }
 
 enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,

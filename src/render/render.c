@@ -61,14 +61,15 @@ static enum status create_ground(struct render *render)
 	if (texels == NULL)
 		return fail_memory("the ground's textures");
 	render_body_textures(&render->light, kinds);
-	enum status status = render_textures_fill(kinds, RENDER_GROUND_LAYERS, texels);
-	if (status == STATUS_OK)
-		status = gpu_texture_create_mipmapped(render->gpu, GPU_RGBA8, size, RENDER_GROUND_LAYERS, &render->ground);
-	for (uint32_t level = 0; status == STATUS_OK && level < gpu_mipmap_levels(size); level++) {
+	enum status status;
+	TRY_OR(done, render_textures_fill(kinds, RENDER_GROUND_LAYERS, texels));
+	TRY_OR(done, gpu_texture_create_mipmapped(render->gpu, GPU_RGBA8, size, RENDER_GROUND_LAYERS, &render->ground));
+	for (uint32_t level = 0; level < gpu_mipmap_levels(size); level++) {
 		if (level > 0)
 			render_textures_halve(texels, size >> (level - 1), RENDER_GROUND_LAYERS);
 		gpu_texture_upload_level(render->ground, level, texels);
 	}
+done:
 	mem_free(texels);
 	return status;
 }
@@ -87,6 +88,20 @@ enum status render_check_samples(const struct gpu *gpu, int samples)
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "view.samples: %d: this driver (%s) draws at most %u a pixel; give that, or less", samples,
 			 info->renderer, info->samples_most);
+}
+
+static enum status make(struct render *render, const struct render_params *params)
+{
+	TRY(render_check_samples(render->gpu, params->samples));
+	TRY(create_mesh(render));
+	TRY(gpu_list_create(render->gpu, RENDER_BLOCKS_ROOM * sizeof(uint32_t), &render->instances));
+	if (render->effects >> EFFECT_TEXTURE & 1)
+		TRY(create_ground(render));
+	TRY(gpu_counter_create(render->gpu, &render->ground_samples));
+	TRY(render_shade_create(render));
+	TRY(render_objects_create(render, params));
+	return render_screen_init(render, (uint32_t)params->width, (uint32_t)params->height, params->samples > 1 ? (uint32_t)params->samples : 1,
+				  &render->own);
 }
 
 enum status render_create(const struct render_params *params, struct render **out)
@@ -114,22 +129,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 	render->screen = &render->own;
 	render->light = params->light != NULL ? *params->light : scene_light_default();
 	render->soils = params->soils;
-	enum status status = render_check_samples(render->gpu, params->samples);
-	if (status == STATUS_OK)
-		status = create_mesh(render);
-	if (status == STATUS_OK)
-		status = gpu_list_create(render->gpu, RENDER_BLOCKS_ROOM * sizeof(uint32_t), &render->instances);
-	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
-		status = create_ground(render);
-	if (status == STATUS_OK)
-		status = gpu_counter_create(render->gpu, &render->ground_samples);
-	if (status == STATUS_OK)
-		status = render_shade_create(render);
-	if (status == STATUS_OK)
-		status = render_objects_create(render, params);
-	if (status == STATUS_OK)
-		status = render_screen_init(render, (uint32_t)params->width, (uint32_t)params->height,
-					    params->samples > 1 ? (uint32_t)params->samples : 1, &render->own);
+	enum status status = make(render, params);
 	if (status != STATUS_OK) {
 		render_destroy(render);
 		return status;
@@ -217,9 +217,10 @@ enum status render_write_png(struct render *render, const char *path)
 	if (pixels == NULL)
 		return fail_memory("the picture's pixels");
 	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, pixels);
-	enum status status = gpu_check(render->gpu, "reading the picture back");
-	if (status == STATUS_OK)
-		status = chart_png_write(path, pixels, render->screen->width, render->screen->height);
+	enum status status;
+	TRY_OR(done, gpu_check(render->gpu, "reading the picture back"));
+	TRY_OR(done, chart_png_write(path, pixels, render->screen->width, render->screen->height));
+done:
 	mem_free(pixels);
 	return status;
 }

@@ -16,7 +16,7 @@
 
 void render_view_keep_now(struct view *view)
 {
-	const struct terrain_selection *selection = view->selection;
+	const struct render_selection *selection = view->selection;
 	struct view_look *now = view->now;
 	now->time = world_time(view->world);
 	memcpy(now->keys, selection->wanted, selection->wanted_count * sizeof *now->keys);
@@ -28,14 +28,13 @@ void render_view_keep_now(struct view *view)
 /* Adds the tiles where objects will be by then. The step's requests name them. */
 static enum status expect_tracks(struct view *view, double time)
 {
-	const struct requests *requests = motion_look_ahead_requests(world_look_ahead(view->world));
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < requests->count && status == STATUS_OK; i++) {
+	const struct requests *requests = resident_look_ahead_requests(world_look_ahead(view->world));
+	for (size_t i = 0; i < requests->count; i++) {
 		struct tile tile = tile_from_key(requests->requests[i].key);
 		if (tile.level == world_resident(view->world)->level && requests->requests[i].time <= time)
-			status = render_view_add_chain(view, &view->expected, tile);
+			TRY(render_view_add_chain(view, &view->expected, tile));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns the time of the n-th picture from now, n from 0, in simulated seconds. INFINITY: the drive ends before. */
@@ -61,7 +60,7 @@ static double choose_picture(const struct world *world, unsigned turn)
 	if (within > VIEW_LOOKS)
 		return picture_time(world, within * (turn + 1) / VIEW_LOOKS - 1);
 	double time = picture_time(world, turn);
-	return time <= world_time(world) + motion_look_ahead_reach(world_look_ahead(world), world_time(world)) ? time : INFINITY;
+	return time <= world_time(world) + resident_look_ahead_reach(world_look_ahead(world), world_time(world)) ? time : INFINITY;
 }
 
 /* Returns the look that was made at this time, or NULL. */
@@ -99,7 +98,7 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 		if (isinf(*time))
 			continue;
 		*look = find_look(view, *time);
-		bool come = *look != NULL && (*look)->guessed && (*look)->done != motion_look_ahead_ranges_done(world_look_ahead(world));
+		bool come = *look != NULL && (*look)->guessed && (*look)->done != resident_look_ahead_ranges_done(world_look_ahead(world));
 		if (*look != NULL && !come && *time - world_time(world) > (*time - (*look)->made) / 2)
 			continue;
 		if (*look == NULL)
@@ -112,31 +111,27 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 enum status render_view_look(struct view *view, const struct render_camera *camera, double time, struct view_look *look)
 {
 	bool coarse = view->coarse;
-	uint64_t done = motion_look_ahead_ranges_done(world_look_ahead(view->world));
+	uint64_t done = resident_look_ahead_ranges_done(world_look_ahead(view->world));
 	look->time = time;
 	look->made = world_time(view->world);
-	enum status status = expect_tracks(view, time);
-	if (status == STATUS_OK)
-		status = render_view_select(view, camera, true);
+	enum status status;
+	TRY_OR(done, expect_tracks(view, time));
+	TRY_OR(done, render_view_select(view, camera, true));
+	look->count = view->selection->wanted_count;
+	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
+done:
 	look->guessed = view->guessed;
 	look->done = done;
 	key_set_clear(&view->expected);
 	view->coarse = coarse;
-	if (status != STATUS_OK)
-		return status;
-	look->count = view->selection->wanted_count;
-	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
-	return STATUS_OK;
+	return status;
 }
 
 enum status render_view_look_ahead(struct view *view)
 {
 	const struct scene *scene = world_scene(view->world);
-	if (world_facts(view->world)->limits.prefetch > 0 && view->camera_count > 0) {
-		enum status status = render_view_look_camera(view);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (world_facts(view->world)->limits.prefetch > 0 && view->camera_count > 0)
+		TRY(render_view_look_camera(view));
 	if (world_facts(view->world)->limits.prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
 		return STATUS_OK;
 	struct view_look *look;
@@ -144,7 +139,7 @@ enum status render_view_look_ahead(struct view *view)
 	double time;
 	if (!choose_time(view, &look, &time))
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(world_look_ahead(view->world));
+	view->exact = !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
 	render_view_place_camera(view, time, &camera);
 	enum status status = render_view_look(view, &camera, time, look);
 	view->exact = true;
@@ -172,16 +167,15 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 			    struct requests *requests)
 {
 	uint32_t slot;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < look->count && view->seen.count < room && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < look->count && view->seen.count < room; i++) {
 		uint64_t key = look->keys[i];
 		if (key_set_has(&view->seen, key))
 			continue;
-		status = key_set_add(&view->seen, key);
-		if (status == STATUS_OK && !page_cache_peek(world_resident(view->world)->cache, key, false, &slot))
-			status = motion_requests_add(requests, key, time);
+		TRY(key_set_add(&view->seen, key));
+		if (!page_cache_peek(world_resident(view->world)->cache, key, false, &slot))
+			TRY(resident_requests_add(requests, key, time));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_view_requests(struct view *view, struct requests *requests)
@@ -189,8 +183,8 @@ enum status render_view_requests(struct view *view, struct requests *requests)
 	const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS];
 	size_t count = order_ahead(view, order);
 	key_set_clear(&view->seen);
-	enum status status = add_look(view, view->now, world_time(view->world), SIZE_MAX, requests);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = add_look(view, order[i], order[i]->time, view->room, requests);
-	return status;
+	TRY(add_look(view, view->now, world_time(view->world), SIZE_MAX, requests));
+	for (size_t i = 0; i < count; i++)
+		TRY(add_look(view, order[i], order[i]->time, view->room, requests));
+	return STATUS_OK;
 }

@@ -30,9 +30,9 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 	const size_t objects = world_scene(world)->object_count, figures = world_figures(world)->count;
 	mem_free(view->drawn);
 	view->drawn = NULL;
-	enum status status = list_added(view);
-	if (status != STATUS_OK || figures + view->added_count == 0)
-		return status;
+	TRY(list_added(view));
+	if (figures + view->added_count == 0)
+		return STATUS_OK;
 	/* They share the memory of the scene's objects, of the figures and of the bodies. */
 	view->drawn = mem_calloc(objects + figures + view->added_count, sizeof *view->drawn);
 	if (view->drawn == NULL)

@@ -35,16 +35,12 @@ static const struct body *target_of(const struct world *world, const struct scen
 /* Places of a camera that follows a vehicle: where that is now. Before it was set down, where it starts. */
 static size_t vehicle_places(const struct world *world, const struct scene_aim *aim, double places[2][2])
 {
-	const struct world_figures *figures = world_figures(world);
+	const struct world_place *place = world_frame_of(world, (size_t)aim->vehicle - 1, NULL);
 	const struct scene_vehicle *vehicle = &world_scene(world)->vehicles[aim->vehicle - 1];
-	double place[3], axes[3][3], yaw = vehicle->yaw;
-	if (figures->vehicle != NULL && figures->vehicle(figures->user, (size_t)aim->vehicle - 1, NULL, place, axes))
-		yaw = atan2(axes[0][1], axes[0][0]);
-	else
-		memcpy(place, vehicle->at, sizeof vehicle->at);
-	memcpy(places[0], place, sizeof places[0]);
-	places[1][0] = place[0] - aim->back * cos(yaw);
-	places[1][1] = place[1] - aim->back * sin(yaw);
+	const double yaw = place != NULL ? atan2(place->axes[0][1], place->axes[0][0]) : vehicle->yaw;
+	memcpy(places[0], place != NULL ? place->at : vehicle->at, sizeof places[0]);
+	places[1][0] = places[0][0] - aim->back * cos(yaw);
+	places[1][1] = places[0][1] - aim->back * sin(yaw);
 	return 2;
 }
 

@@ -71,21 +71,20 @@ static double deposit(const struct view *view)
 static enum status around(struct view *view, struct post_rect rect, double *low, double *high)
 {
 	struct tile first, last;
-	enum status status = STATUS_OK;
 	*low = *high = 0;
 	if (!tile_range_of(&world_resident(view->world)->meta->extent, world_resident(view->world)->level, rect, &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y; y++)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
+		for (uint32_t x = first.x; x <= last.x; x++) {
 			const struct tile tile = {world_resident(view->world)->level, x, y};
 			double lowest, highest;
-			status = render_view_stored_offsets(view, tile, &lowest, &highest);
+			TRY(render_view_stored_offsets(view, tile, &lowest, &highest));
 			if (view->contact.known)
 				resident_bounds_widen(&view->bounds, tile, &lowest, &highest);
 			*low = fmin(*low, lowest);
 			*high = fmax(*high, highest);
 		}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_view_offsets_contact(struct view *view, const struct contact_area *area)
@@ -98,12 +97,10 @@ enum status render_view_offsets_contact(struct view *view, const struct contact_
 		return STATUS_OK;
 	contact->known = area->lowest != INT64_MIN && !raises;
 	double low = 0, high = 0, depth = 0;
-	enum status status = around(view, area->read, &low, &high);
+	TRY(around(view, area->read, &low, &high));
 	int64_t base = INT64_MIN;
-	if (status == STATUS_OK && area->lowest != INT64_MIN)
-		status = resident_ground_highest(world_resident(world)->ground, world_resident(world)->level, area->changed, &base);
-	if (status != STATUS_OK)
-		return status;
+	if (area->lowest != INT64_MIN)
+		TRY(resident_ground_highest(world_resident(world)->ground, world_resident(world)->level, area->changed, &base));
 	if (base != INT64_MIN)
 		depth = fmax(lattice_offset_metres(base - area->lowest), 0);
 	if (contact->known)
@@ -116,18 +113,16 @@ enum status render_view_offsets_contact(struct view *view, const struct contact_
 enum status render_view_offsets_touch(struct view *view, struct tile tile)
 {
 	double low, high;
-	enum status status = render_view_stored_offsets(view, tile, &low, &high);
+	TRY(render_view_stored_offsets(view, tile, &low, &high));
 	/* Read the store's ranges of all tiles above, too, before this change is committed. */
-	for (int level = tile.level; level <= extent_coarsest(&world_resident(view->world)->meta->extent) && status == STATUS_OK; level++) {
+	for (int level = tile.level; level <= extent_coarsest(&world_resident(view->world)->meta->extent); level++) {
 		const struct tile above = tile_ancestor(tile, level);
 		double above_low, above_high;
 		if (key_map_find(&view->bounds.added, tile_key(above)) != NULL)
 			break;
 		if (level > tile.level)
-			status = render_view_stored_offsets(view, above, &above_low, &above_high);
+			TRY(render_view_stored_offsets(view, above, &above_low, &above_high));
 	}
-	if (status != STATUS_OK)
-		return status;
 	const struct view_contact *contact = &view->contact;
 	low -= contact->known ? 0 : view->reach;
 	high += contact->known ? 0 : deposit(view);

@@ -29,16 +29,16 @@ bool render_view_lacks_range(struct view *view, enum ground_range_kind kind, str
 void render_view_ask_ranges(struct view *view)
 {
 	if (view->missing_count > 0)
-		motion_look_ahead_ranges(world_look_ahead(view->world), view->missing, view->missing_count);
+		resident_look_ahead_ranges(world_look_ahead(view->world), view->missing, view->missing_count);
 	view->missing_count = 0;
 }
 
 void render_view_expect_contacts(struct view *view)
 {
 	const struct world *world = view->world;
-	if (view->deformed.count == 0 || !motion_look_ahead_brings_ranges(world_look_ahead(world)))
+	if (view->deformed.count == 0 || !resident_look_ahead_brings_ranges(world_look_ahead(world)))
 		return;
-	const struct requests *requests = motion_look_ahead_requests(world_look_ahead(world));
+	const struct requests *requests = resident_look_ahead_requests(world_look_ahead(world));
 	for (size_t i = 0; i < requests->count; i++) {
 		struct tile tile = tile_from_key(requests->requests[i].key);
 		for (int level = world_resident(world)->level; tile.level == world_resident(world)->level && level <= extent_coarsest(&world_resident(world)->meta->extent); level++) {

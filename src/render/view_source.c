@@ -11,14 +11,12 @@ enum status render_view_base_range(struct view *view, struct tile tile, struct k
 {
 	uint64_t key = tile_key(tile);
 	bool found, any = false;
-	enum status status = key_cache_find(&view->ranges, key, range, &found);
-	if (status != STATUS_OK || found)
-		return status;
+	TRY(key_cache_find(&view->ranges, key, range, &found));
+	if (found)
+		return STATUS_OK;
 	if (render_view_lacks_range(view, GROUND_BASE, tile))
 		return render_view_base_range(view, tile_ancestor(tile, tile.level + 1), range);
-	status = resident_ground_range(world_resident(view->world)->ground, tile, &range->a, &range->b, &any);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_range(world_resident(view->world)->ground, tile, &range->a, &range->b, &any));
 	if (!any)
 		range->a = NAN;
 	return key_cache_put(&view->ranges, key, range->a, range->b);
@@ -141,23 +139,21 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
 		uint64_t key = tile_key(tile_ancestor(tile, level));
 		if (key_set_has(set, key))
 			return STATUS_OK;
-		enum status status = key_set_add(set, key);
-		if (status != STATUS_OK)
-			return status;
+		TRY(key_set_add(set, key));
 	}
 	return STATUS_OK;
 }
 
-enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area)
+enum status render_view_contact(struct view *view, const struct world_touch *touch)
 {
-	enum status status = render_view_offsets_contact(view, area);
-	return status == STATUS_OK && view->errors != NULL ? render_view_errors_contact(view, event) : status;
+	TRY(render_view_offsets_contact(view, touch != NULL ? &touch->area : NULL));
+	return view->errors != NULL ? render_view_errors_contact(view, touch) : STATUS_OK;
 }
 
 enum status render_view_deformed(struct view *view, struct tile tile)
 {
-	enum status status = render_view_offsets_touch(view, tile);
-	return status == STATUS_OK && view->errors != NULL ? render_view_errors_touch(view, tile) : status;
+	TRY(render_view_offsets_touch(view, tile));
+	return view->errors != NULL ? render_view_errors_touch(view, tile) : STATUS_OK;
 }
 
 static double error_of(void *user, struct tile tile)
@@ -178,7 +174,7 @@ static bool not_resident(void *user, struct tile tile, uint32_t *slot)
 /* --- selecting --- */
 
 /* Most draws of a selection. The rest of the list is room for tiles that are being divided. */
-#define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
+#define MOST (RENDER_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
 
 /* Returns how many of the slots pictures and their requests may take. *budget: those of one picture. */
 static size_t room_of(const struct world *world, size_t slots, size_t *budget)
@@ -218,26 +214,26 @@ static void tell(struct view *view)
 
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything)
 {
-	struct terrain_view whole;
+	struct render_view whole;
 	render_view(view->render, camera, &whole);
 	return render_view_select_seen(view, &whole, everything);
 }
 
-enum status render_view_select_seen(struct view *view, const struct terrain_view *whole, bool everything)
+enum status render_view_select_seen(struct view *view, const struct render_view *whole, bool everything)
 {
 	const struct extent *extent = &world_resident(view->world)->meta->extent;
-	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of, stored};
-	struct terrain_view looking;
+	const struct render_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of, stored};
+	struct render_view looking;
 	view->failed = STATUS_OK;
 	view->guessed = false;
 	looking = *whole;
 	/* Always begin with the whole view, so that a picture does not depend on the pictures before. */
-	terrain_select(extent, &looking, &source, view->selection);
+	render_select(extent, &looking, &source, view->selection);
 	view->coarse = view->selection->needed > view->budget;
 	if (view->coarse) {
 		tell(view);
-		view->coarse = !terrain_fit(extent, &source, view->budget, &looking);
-		terrain_select(extent, &looking, &source, view->selection);
+		view->coarse = !render_fit(extent, &source, view->budget, &looking);
+		render_select(extent, &looking, &source, view->selection);
 	}
 	return view->failed;
 }
@@ -245,11 +241,11 @@ enum status render_view_select_seen(struct view *view, const struct terrain_view
 void render_view_mark_used(struct view *view, bool stand_ins)
 {
 	struct page_cache *cache = world_resident(view->world)->cache;
-	const struct terrain_selection *selection = view->selection;
+	const struct render_selection *selection = view->selection;
 	uint32_t slot;
 	/* From far to near, since the tile used last is evicted last. The coarsest tile, which can replace all, comes after them. */
 	for (size_t i = selection->draw_count; i-- > 0;) {
-		const struct terrain_draw *draw = &selection->draws[i];
+		const struct render_draw *draw = &selection->draws[i];
 		if (draw->replaces && !stand_ins)
 			continue;
 		page_cache_peek(cache, tile_key(draw->tile), true, &slot);

@@ -25,11 +25,9 @@ static enum status publish(const struct report_poses *poses, size_t index, const
 	char path[POSES_PATH];
 	struct aside aside;
 	report_poses_path(poses, index, name, path);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		print(poses, index, aside.file); /* a failure returns when the file is completed */
-	}
-	return aside_end(&aside, false, status);
+	TRY(aside_begin(&aside, path));
+	print(poses, index, aside.file); /* a failure returns when the file is completed */
+	return aside_end(&aside, false, STATUS_OK);
 }
 
 /* --- notes --- */
@@ -58,18 +56,15 @@ static enum status advise_camera(const struct world *world, struct store_reader 
 	struct track_point start;
 	double eye[3];
 	char text[400];
-	enum status status = STATUS_OK;
 	memcpy(eye, camera->aim.eye, sizeof eye);
 	if (!fixed) {
 		motion_track_sample(body->track, 0, &start);
-		status = store_sample(reader, start.x, start.y, &at);
-		if (status != STATUS_OK || at.nodata || at.outside)
-			return status; /* told of the path */
+		TRY(store_sample(reader, start.x, start.y, &at));
+		if (at.nodata || at.outside)
+			return STATUS_OK; /* told of the path */
 		eye_on(body, &start, at.base, camera->aim.eye, eye);
 	}
-	status = store_sample(reader, eye[0], eye[1], &at);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sample(reader, eye[0], eye[1], &at));
 	if (fixed && at.outside)
 		snprintf(text, sizeof text, "cameras.%s.pose.at: %.9g, %.9g m is off the terrain, which is 0 to %g, 0 to %g m: the place of a camera is in local "
 					    "metres, and coordinates does not hold for it", camera->name, eye[0], eye[1],
@@ -92,12 +87,12 @@ void report_cameras_advise(const struct world *world, scene_advice_fn tell, void
 	struct store_reader *reader = NULL;
 	if (scene->camera_count == 0 || world_resident(world)->store == NULL || world_params(world)->ranks != NULL || store_reader_create(world_resident(world)->store, &reader) != STATUS_OK)
 		return;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->camera_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
 		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world_body(world, camera->aim.object)->track != NULL;
-		if (camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object))
-			status = advise_camera(world, reader, camera, tell, user); /* a tile that cannot be read is told when it is drawn */
+		const bool advised = camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object);
+		if (advised && advise_camera(world, reader, camera, tell, user) != STATUS_OK)
+			break; /* a tile that cannot be read is told when it is drawn */
 	}
 	store_reader_destroy(reader);
 }
@@ -334,15 +329,11 @@ void report_cameras_add(cJSON *root, const struct scene *scene, const struct rep
 
 enum status report_cameras(const struct report_poses *poses)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; poses != NULL && i < world_scene(poses->world)->camera_count && status == STATUS_OK; i++) {
-		status = publish(poses, i, "camera.json", print_json);
-		if (status == STATUS_OK)
-			status = publish(poses, i, "cameras.txt", print_model);
-		if (status == STATUS_OK)
-			status = publish(poses, i, "images.txt", print_images);
-		if (status == STATUS_OK)
-			status = publish(poses, i, "points3D.txt", print_points);
+	for (size_t i = 0; poses != NULL && i < world_scene(poses->world)->camera_count; i++) {
+		TRY(publish(poses, i, "camera.json", print_json));
+		TRY(publish(poses, i, "cameras.txt", print_model));
+		TRY(publish(poses, i, "images.txt", print_images));
+		TRY(publish(poses, i, "points3D.txt", print_points));
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -36,7 +36,7 @@ static void tell(const struct world *world, int64_t times, bool sunk, const char
 		snprintf(text, sizeof text, "; most often %.100s (%.6g N), first after %.4g s at %.2f, %.2f m%s%.64s", body->object->name, body->object->load, failed->time,
 			 failed->x, failed->y, soil != NULL ? ", on " : "", soil != NULL ? soil : "");
 	}
-	if (world_gives_rows(world) && world_scene(world)->forces > 0)
+	if (world_params(world)->rows && world_scene(world)->forces > 0)
 		snprintf(rows, sizeof rows, "state %s of objects.csv", state);
 	else
 		snprintf(rows, sizeof rows, "output.forces: 10 in the scene writes objects.csv, whose rows then have the state %s", state);

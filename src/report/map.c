@@ -138,13 +138,14 @@ static enum status raster(struct map *map)
 	params.rect = find_rect(map, &params.level);
 	params.deformed = store_has_working_level(world_resident(world)->store, &params.working);
 	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &params.sun);
-	enum status status = store_reader_create(world_resident(world)->store, &reader);
+	enum status status;
+	TRY_OR(done, store_reader_create(world_resident(world)->store, &reader));
 	params.reader = reader;
-	if (status == STATUS_OK)
-		status = chart_raster_create(&params, &map->raster);
+	TRY_OR(done, chart_raster_create(&params, &map->raster));
 	/* Widen ruts of one pixel. Otherwise the line of the way would hide them. */
-	if (status == STATUS_OK && params.deformed && params.level > params.working)
-		status = chart_raster_widen(&map->raster);
+	if (params.deformed && params.level > params.working)
+		TRY_OR(done, chart_raster_widen(&map->raster));
+done:
 	store_reader_destroy(reader);
 	return status;
 }
@@ -208,11 +209,11 @@ enum status report_map_check(const struct scene *scene)
 enum status report_map(const struct world *world, const struct vehicles *vehicles, const char *path, const char *ended)
 {
 	struct map map = {.world = world, .vehicles = vehicles};
-	enum status status = take_ways(&map);
-	if (status == STATUS_OK)
-		status = raster(&map);
-	if (status == STATUS_OK)
-		status = draw(&map, path, ended);
+	enum status status;
+	TRY_OR(done, take_ways(&map));
+	TRY_OR(done, raster(&map));
+	TRY_OR(done, draw(&map, path, ended));
+done:
 	for (size_t i = 0; i < map.count; i++)
 		mem_free(map.ways[i].places);
 	mem_free(map.ways);

@@ -33,7 +33,6 @@ struct report_rows {
 	const struct world *world;
 	const char *directory;
 	FILE *file;
-	struct world_rows sink;
 };
 
 static enum status failed(const struct report_rows *rows)
@@ -41,9 +40,8 @@ static enum status failed(const struct report_rows *rows)
 	return fail_with(STATUS_FAILED, "%s/objects.csv: %s; free some disk space", rows->directory, strerror(errno));
 }
 
-static enum status write_row(void *user, const struct world_row *row)
+static enum status write_row(const struct report_rows *rows, const struct world_row *row)
 {
-	const struct report_rows *rows = user;
 	const struct scene_object *object = row->object;
 	const struct world_force *force = &row->force;
 	static const char *const states[DEFORM_STATES] = {
@@ -64,22 +62,23 @@ static enum status write_row(void *user, const struct world_row *row)
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status flush(void *user)
+enum status report_rows_write(const struct report_rows *rows, const struct world_row *list, size_t count)
 {
-	const struct report_rows *rows = user;
+	if (rows == NULL)
+		return STATUS_OK;
+	for (size_t i = 0; i < count; i++)
+		TRY(write_row(rows, &list[i]));
 	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status mark(void *user, int64_t *end)
+enum status report_rows_mark(const struct report_rows *rows, int64_t *end)
 {
-	const struct report_rows *rows = user;
-	return report_rows_file_end(rows->file, end) ? STATUS_OK : failed(rows);
+	return rows == NULL || report_rows_file_end(rows->file, end) ? STATUS_OK : failed(rows);
 }
 
-static enum status rollback(void *user, int64_t end)
+enum status report_rows_rollback(const struct report_rows *rows, int64_t end)
 {
-	const struct report_rows *rows = user;
-	return report_rows_file_cut(rows->file, end) ? STATUS_OK : failed(rows);
+	return rows == NULL || report_rows_file_cut(rows->file, end) ? STATUS_OK : failed(rows);
 }
 
 enum status report_rows_open(const struct world *world, const char *directory, struct report_rows **out)
@@ -94,18 +93,18 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	struct report_rows *rows = mem_calloc(1, sizeof *rows);
 	if (rows == NULL)
 		return fail_memory("objects.csv");
-	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush, mark, rollback}};
+	*rows = (struct report_rows){.world = world, .directory = directory};
 	bool begins;
 	const char *header = world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
-	enum status status = report_rows_file_open(world, path, header, &rows->file, &begins);
-	if (status == STATUS_OK && begins && fputs(header, rows->file) < 0)
-		status = report_rows_file_failed(path);
-	if (status != STATUS_OK) {
-		report_rows_close(rows);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, report_rows_file_open(world, path, header, &rows->file, &begins));
+	if (begins && fputs(header, rows->file) < 0)
+		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;
 	return STATUS_OK;
+failed:
+	report_rows_close(rows);
+	return status;
 }
 
 void report_rows_close(struct report_rows *rows)
@@ -115,9 +114,4 @@ void report_rows_close(struct report_rows *rows)
 	if (rows->file != NULL)
 		fclose(rows->file);
 	mem_free(rows);
-}
-
-const struct world_rows *report_rows_sink(const struct report_rows *rows)
-{
-	return rows != NULL ? &rows->sink : NULL;
 }

@@ -107,7 +107,7 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	unsigned planes = world_planes(world);
 	bool classes = world_needs_soil_map(scene);
 	bool decimates = planes != 0 && scene->view.present;
-	enum status status = plan_bodies(world, out);
+	TRY(plan_bodies(world, out));
 	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
 	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
@@ -116,14 +116,13 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	else if (scene->view.present)
 		gpu_slots_plan_mirror(cells, planes, drawn_classes_effect(scene), picture, plan);
 	if (scene->view.present) {
-		if (status == STATUS_OK)
-			status = plan_view(world, planes != 0, out);
+		TRY(plan_view(world, planes != 0, out));
 		render_cameras_plan(scene, plan);
 		if (render_pictures_bytes(scene) > 0)
 			render_pictures_plan(render_pictures_bytes(scene), scene->view.images > 0 ? EFFECT_IMAGES : EFFECT_CAMERAS, plan);
 	}
 	world_plan_pages(world, plan);
-	return status == STATUS_OK ? plan_status(plan) : status;
+	return plan_status(plan);
 }
 
 static void describe_batches(struct report_plan *out)
@@ -144,20 +143,21 @@ static enum status advise_starts(const struct world *world, struct notes *notes)
 	struct store_reader *reader = NULL;
 	if (scene->vehicle_count == 0 || world_resident(world)->store == NULL)
 		return STATUS_OK;
-	enum status status = store_reader_create(world_resident(world)->store, &reader);
-	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, store_reader_create(world_resident(world)->store, &reader));
+	for (size_t i = 0; i < scene->vehicle_count; i++) {
 		struct store_sample sample = {.nodata = false};
 		double at[2];
 		char text[300];
-		status = world_start_point(world, &scene->vehicles[i], at);
-		if (status == STATUS_OK)
-			status = store_sample(reader, at[0], at[1], &sample);
-		if (status != STATUS_OK || !(sample.nodata || sample.outside))
+		TRY_OR(done, world_start_point(world, &scene->vehicles[i], at));
+		TRY_OR(done, store_sample(reader, at[0], at[1], &sample));
+		if (!sample.nodata && !sample.outside)
 			continue;
 		snprintf(text, sizeof text, "vehicles.%s.start: there is no ground at %.3f, %.3f m, %s, and a drive refuses a vehicle with none below a soil geom; "
 					    "start elsewhere", scene->vehicles[i].name, at[0], at[1], sample.outside ? "off the terrain" : "in a hole of the terrain");
 		keep_note(notes, text);
 	}
+done:
 	store_reader_destroy(reader);
 	return status;
 }
@@ -172,18 +172,17 @@ struct over_holes {
 static enum status find_holes(struct store_reader *reader, const struct track *track, double end, uint64_t most, struct over_holes *out)
 {
 	const uint64_t due = world_samples_until(track, end), count = due < most ? due : most;
-	enum status status = STATUS_OK;
 	uint64_t holes = 0;
-	for (uint64_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (uint64_t i = 0; i < count; i++) {
 		struct track_point point;
 		struct store_sample sample = {.nodata = false};
 		motion_track_sample(track, (int64_t)(count > 1 ? i * (due - 1) / (count - 1) : 0), &point);
-		status = store_sample(reader, point.x, point.y, &sample);
-		if (status == STATUS_OK && sample.nodata && !sample.outside && holes++ == 0)
+		TRY(store_sample(reader, point.x, point.y, &sample));
+		if (sample.nodata && !sample.outside && holes++ == 0)
 			out->first = point;
 	}
 	out->share = count > 0 ? (double)holes / (double)count : 0;
-	return status;
+	return STATUS_OK;
 }
 
 static void tell_holes(const struct world *world, const char *key, const struct over_holes *holes, bool vehicle, struct notes *notes)
@@ -211,12 +210,12 @@ static enum status advise_way(const struct world *world, struct store_reader *re
 	char key[240];
 	if (world_route(world, &vehicle->way, vehicle->name, &route) != STATUS_OK)
 		return STATUS_OK; /* a drive refuses it */
-	enum status status = motion_track_create(&route, world_resident(world)->spacing, 0, &track);
-	if (status == STATUS_OK)
-		status = find_holes(reader, track, world_scene(world)->end_time, most, &holes);
+	enum status status;
+	TRY_OR(done, motion_track_create(&route, world_resident(world)->spacing, 0, &track));
+	TRY_OR(done, find_holes(reader, track, world_scene(world)->end_time, most, &holes));
 	snprintf(key, sizeof key, "vehicles.%.200s.driver.path", vehicle->name);
-	if (status == STATUS_OK)
-		tell_holes(world, key, &holes, true, notes);
+	tell_holes(world, key, &holes, true, notes);
+done:
 	motion_track_destroy(track);
 	motion_route_finish(&route);
 	return status;
@@ -231,20 +230,21 @@ static enum status advise_holes(const struct world *world, struct notes *notes)
 	if (paths == 0 || world_resident(world)->store == NULL)
 		return STATUS_OK;
 	const uint64_t most = HOLE_SAMPLES / paths + 2;
-	enum status status = store_reader_create(world_resident(world)->store, &reader);
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, store_reader_create(world_resident(world)->store, &reader));
+	for (size_t i = 0; i < scene->object_count; i++) {
 		struct over_holes holes = {.share = 0};
 		char key[240];
 		if (world_body(world, i)->track == NULL)
 			continue;
-		status = find_holes(reader, world_body(world, i)->track, scene->end_time, most, &holes);
+		TRY_OR(done, find_holes(reader, world_body(world, i)->track, scene->end_time, most, &holes));
 		snprintf(key, sizeof key, "objects.%.200s.path", scene->objects[i].name);
-		if (status == STATUS_OK)
-			tell_holes(world, key, &holes, false, notes);
+		tell_holes(world, key, &holes, false, notes);
 	}
-	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < scene->vehicle_count; i++)
 		if (scene->vehicles[i].driver == SCENE_FOLLOW)
-			status = advise_way(world, reader, &scene->vehicles[i], most, notes);
+			TRY_OR(done, advise_way(world, reader, &scene->vehicles[i], most, notes));
+done:
 	store_reader_destroy(reader);
 	return status;
 }
@@ -268,13 +268,9 @@ static enum status describe(struct world *world, struct report_plan *out)
 	const struct scene *scene = world_scene(world);
 	struct resident_pages_budget most;
 	struct notes notes = {.plan = out};
-	enum status status = world_budget_check(world);
-	if (status == STATUS_OK)
-		status = advise_starts(world, &notes);
-	if (status == STATUS_OK)
-		status = advise_holes(world, &notes);
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_budget_check(world));
+	TRY(advise_starts(world, &notes));
+	TRY(advise_holes(world, &notes));
 	world_budget(world, &most);
 	out->effects = world_effects(world);
 	out->cells = world_resident(world)->meta->extent.cells;
@@ -305,68 +301,78 @@ static enum status describe(struct world *world, struct report_plan *out)
 	report_cameras_advise(world, keep_note, &notes);
 	if (report_sun_find(world, &out->sun) != STATUS_OK) /* told when the store is known */
 		out->sun.drawn = false;
-	status = list_bodies(world, out);
-	if (status == STATUS_OK)
-		status = plan_lines(world, out);
+	TRY(list_bodies(world, out));
+	TRY(plan_lines(world, out));
 	describe_batches(out);
-	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
+	return notes.failed ? fail_memory("the plan") : STATUS_OK;
 }
 
-enum status report_check(const struct scene *scene, const char *store)
+/* Lets go of the world. Returns `status`, with its message. */
+static enum status finish_world(struct world *world, enum status status)
+{
+	struct failure failure;
+	failure_capture(&failure, status);
+	world_finish(world, STATUS_OK);
+	return status != STATUS_OK ? failure_restore(&failure) : STATUS_OK;
+}
+
+static enum status check_world(const struct scene *scene, const char *store, struct vehicles *vehicles)
 {
 	struct world *world = NULL;
 	struct scene driven;
 	struct store_meta assumed;
-	struct vehicles *vehicles = NULL;
-	struct failure failure = {.status = STATUS_OK};
+	enum status status;
 	scene_unwatched(scene, &driven);
-	enum status status = vehicle_load(scene, &vehicles);
-	if (status == STATUS_OK) {
-		status = world_open_plan(&driven, store != NULL ? store : scene->store, false, &assumed, &world);
-		if (status == STATUS_OK)
-			status = vehicle_check_rasters(vehicles, world);
-		failure_capture(&failure, status);
-		world_finish(world, STATUS_OK);
-		status = status != STATUS_OK ? failure_restore(&failure) : STATUS_OK;
-	}
+	TRY_OR(done, world_open_plan(&driven, store != NULL ? store : scene->store, false, &assumed, &world));
+	TRY_OR(done, vehicle_check_rasters(vehicles, world));
+done:
+	return finish_world(world, status);
+}
+
+enum status report_check(const struct scene *scene, const char *store)
+{
+	struct vehicles *vehicles = NULL;
+	TRY(vehicle_load(scene, &vehicles));
+	const enum status status = check_world(scene, store, vehicles);
+	struct failure failure;
 	failure_capture(&failure, status);
 	vehicle_destroy(vehicles);
 	return status != STATUS_OK ? failure_restore(&failure) : STATUS_OK;
 }
 
-enum status report_plan(const struct scene *scene, const char *store, bool keep_history, struct report_plan *out)
+static enum status plan_world(const struct scene *scene, const char *path, bool keep_history, struct report_plan *out)
 {
 	struct world *world = NULL;
 	struct scene driven;
 	struct store_meta assumed;
+	enum status status;
+	scene_unwatched(scene, &driven);
+	TRY_OR(done, world_open_plan(&driven, path, keep_history, &assumed, &world));
+	TRY_OR(done, vehicle_check_rasters(out->vehicles, world));
+	if (path != NULL && (out->store = mem_strdup(path)) == NULL)
+		TRY_OR(done, fail_memory("the plan"));
+	TRY_OR(done, describe(world, out));
+done:
+	return finish_world(world, status);
+}
+
+enum status report_plan(const struct scene *scene, const char *store, bool keep_history, struct report_plan *out)
+{
 	const char *path = store;
 	if (path == NULL && scene->store != NULL && access(scene->store, F_OK) == 0)
 		path = scene->store;
 	*out = (struct report_plan){.store = NULL};
 	if (path == NULL && scene->store != NULL && (out->missing = mem_strdup(scene->store)) == NULL)
 		return fail_memory("the plan");
-	scene_unwatched(scene, &driven);
-	enum status status = report_map_check(scene);
-	if (status == STATUS_OK)
-		status = vehicle_load(scene, &out->vehicles);
-	if (status == STATUS_OK)
-		status = vehicle_find_shares(out->vehicles);
-	if (status != STATUS_OK) {
-		report_plan_finish(out);
-		return status;
-	}
-	status = world_open_plan(&driven, path, keep_history, &assumed, &world);
-	if (status == STATUS_OK)
-		status = vehicle_check_rasters(out->vehicles, world);
-	if (status == STATUS_OK && path != NULL && (out->store = mem_strdup(path)) == NULL)
-		status = fail_memory("the plan");
-	if (status == STATUS_OK)
-		status = describe(world, out);
 	struct failure failure;
+	enum status status;
+	TRY_OR(failed, report_map_check(scene));
+	TRY_OR(failed, vehicle_load(scene, &out->vehicles));
+	TRY_OR(failed, vehicle_find_shares(out->vehicles));
+	TRY_OR(failed, plan_world(scene, path, keep_history, out));
+	return STATUS_OK;
+failed:
 	failure_capture(&failure, status);
-	world_finish(world, STATUS_OK);
-	if (status == STATUS_OK)
-		return STATUS_OK;
 	report_plan_finish(out);
 	return failure_restore(&failure);
 }

@@ -80,19 +80,15 @@ static bool parse_row(const char *text, struct poses_row *row)
 static enum status begin_file(struct poses_of *poses, const char *path)
 {
 	struct aside aside;
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		/* A failure here returns when the file is completed. */
-		(void)fputs(HEADER, aside.file);
-		for (size_t i = 0; i < poses->count; i++) {
-			char text[ROW];
-			print_row(&poses->rows[i], text);
-			(void)fputs(text, aside.file);
-		}
+	TRY(aside_begin(&aside, path));
+	/* A failure here returns when the file is completed. */
+	(void)fputs(HEADER, aside.file);
+	for (size_t i = 0; i < poses->count; i++) {
+		char text[ROW];
+		print_row(&poses->rows[i], text);
+		(void)fputs(text, aside.file);
 	}
-	status = aside_end(&aside, false, status);
-	if (status != STATUS_OK)
-		return status;
+	TRY(aside_end(&aside, false, STATUS_OK));
 	poses->file = output_open(path, "a");
 	return poses->file != NULL ? STATUS_OK : failed(path);
 }
@@ -107,15 +103,16 @@ static enum status read_rows(struct poses_of *poses, const struct scene_camera *
 	enum status status = STATUS_OK;
 	if (file == NULL)
 		return STATUS_OK;
-	while (status == STATUS_OK && (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n') {
+	while ((length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n') {
 		struct poses_row row;
 		if (line[0] == '#')
 			continue;
 		if (!parse_row(line, &row) || row.time > time * (1 + 1e-8))
 			break;
 		row.frame = (int64_t)floor(row.time * camera->rate + 1e-6);
-		status = add(poses, &row);
+		TRY_OR(done, add(poses, &row));
 	}
+done:
 	free(line);
 	fclose(file);
 	return status;
@@ -140,11 +137,9 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 	/* All files tell what this row tells, so that a resumed drive leaves the same. */
 	print_row(&row, text);
 	(void)parse_row(text, &row);
-	enum status status = poses->file == NULL ? begin_file(poses, path) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = add(poses, &row);
-	if (status != STATUS_OK)
-		return status;
+	if (poses->file == NULL)
+		TRY(begin_file(poses, path));
+	TRY(add(poses, &row));
 	return fputs(text, poses->file) >= 0 && fflush(poses->file) == 0 ? STATUS_OK : failed(path);
 }
 
@@ -166,18 +161,18 @@ enum status report_poses_open(const struct world *world, const char *directory, 
 		return fail_memory("the cameras' poses");
 	*poses = (struct report_poses){.world = world, .directory = directory, .count = scene->camera_count};
 	poses->cameras = mem_calloc(scene->camera_count, sizeof *poses->cameras);
-	enum status status = poses->cameras != NULL ? STATUS_OK : fail_memory("the cameras' poses");
-	for (size_t i = 0; i < scene->camera_count && world_facts(world)->resumed.is && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(failed, poses->cameras != NULL ? STATUS_OK : fail_memory("the cameras' poses"));
+	for (size_t i = 0; i < scene->camera_count && world_facts(world)->resumed.is; i++) {
 		char path[POSES_PATH];
 		report_poses_path(poses, i, "poses.tum", path);
-		status = read_rows(&poses->cameras[i], &scene->cameras[i], path, world_facts(world)->resumed.time);
+		TRY_OR(failed, read_rows(&poses->cameras[i], &scene->cameras[i], path, world_facts(world)->resumed.time));
 	}
 	poses->sink = (struct render_poses){poses, take};
 	*out = poses;
-	if (status != STATUS_OK) {
-		report_poses_close(poses);
-		*out = NULL;
-	}
+	return STATUS_OK;
+failed:
+	report_poses_close(poses);
 	return status;
 }
 

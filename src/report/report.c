@@ -525,11 +525,9 @@ enum status report_write(const char *directory, const char *json)
 	char path[4096];
 	struct aside aside;
 	snprintf(path, sizeof path, "%s/run.json", directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		/* A failure here returns when the file is completed. */
-		(void)fputs(json, aside.file);
-		(void)fputc('\n', aside.file);
-	}
-	return aside_end(&aside, true, status);
+	TRY(aside_begin(&aside, path));
+	/* A failure here returns when the file is completed. */
+	(void)fputs(json, aside.file);
+	(void)fputc('\n', aside.file);
+	return aside_end(&aside, true, STATUS_OK);
 }

@@ -23,12 +23,10 @@ enum status report_sun_find(const struct world *world, struct report_sun *out)
 	*out = (struct report_sun){.drawn = scene->view.present};
 	if (!out->drawn)
 		return STATUS_OK;
-	enum status status = render_sun_find(&world_facts(world)->light, world_resident(world)->meta, &out->sun);
-	if (status == STATUS_OK) {
-		out->begins = report_sun_at(out, 0);
-		out->ends = report_sun_at(out, scene->end_time);
-	}
-	return status;
+	TRY(render_sun_find(&world_facts(world)->light, world_resident(world)->meta, &out->sun));
+	out->begins = report_sun_at(out, 0);
+	out->ends = report_sun_at(out, scene->end_time);
+	return STATUS_OK;
 }
 
 void report_sun_add(cJSON *root, const struct report_sun *sun)

@@ -21,13 +21,12 @@ struct column {
 };
 
 struct report_vehicles {
-	const struct vehicles *vehicles;
+	struct vehicles *vehicles;
 	const char *directory;
 	FILE *file;
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
-	struct vehicle_rows sink;
 };
 
 static enum status failed(const struct report_vehicles *rows)
@@ -40,9 +39,8 @@ static double value_of(const struct vehicle_row *row, enum kind kind, int index)
 	return (kind == JOINT ? row->joints : kind == CONTROL ? row->controls : row->forces)[index];
 }
 
-static enum status write_row(void *user, const struct vehicle_row *row)
+static enum status write_row(const struct report_vehicles *rows, const struct vehicle_row *row)
 {
-	const struct report_vehicles *rows = user;
 	struct vehicle_info info;
 	vehicle_info(rows->vehicles, row->vehicle, &info);
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", row->time, info.name, row->position[0],
@@ -59,9 +57,15 @@ static enum status write_row(void *user, const struct vehicle_row *row)
 	return printed > 0 && fputs("\n", rows->file) >= 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status flush(void *user)
+enum status report_vehicles_write(const struct report_vehicles *rows)
 {
-	const struct report_vehicles *rows = user;
+	if (rows == NULL || !vehicle_rows_due(rows->vehicles))
+		return STATUS_OK;
+	for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
+		struct vehicle_row row;
+		vehicle_row(rows->vehicles, v, &row);
+		TRY(write_row(rows, &row));
+	}
 	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
 }
 
@@ -101,16 +105,15 @@ static enum status add_column(struct report_vehicles *rows, size_t vehicle, size
 
 static enum status find_columns(struct report_vehicles *rows)
 {
-	enum status status = STATUS_OK;
 	for (enum kind kind = JOINT; kind < KINDS; kind++)
 		for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
 			struct vehicle_info info;
 			vehicle_info(rows->vehicles, v, &info);
 			const size_t count = kind == JOINT ? info.joint_count : info.actuator_count;
-			for (size_t i = 0; i < count && status == STATUS_OK; i++)
-				status = add_column(rows, v, i, kind);
+			for (size_t i = 0; i < count; i++)
+				TRY(add_column(rows, v, i, kind));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status make_header(struct report_vehicles *rows)
@@ -127,7 +130,7 @@ static enum status make_header(struct report_vehicles *rows)
 	return fclose(stream) == 0 && whole ? STATUS_OK : fail_memory("vehicles.csv");
 }
 
-enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
+enum status report_vehicles_open(const struct world *world, struct vehicles *vehicles, const char *directory,
 				 struct report_vehicles **out)
 {
 	char path[4096];
@@ -140,21 +143,19 @@ enum status report_vehicles_open(const struct world *world, const struct vehicle
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
 	if (rows == NULL)
 		return fail_memory("vehicles.csv");
-	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .sink = {rows, write_row, flush}};
-	enum status status = find_columns(rows);
+	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory};
+	enum status status;
+	TRY_OR(failed, find_columns(rows));
 	bool begins = false;
-	if (status == STATUS_OK)
-		status = make_header(rows);
-	if (status == STATUS_OK)
-		status = report_rows_file_open(world, path, rows->header, &rows->file, &begins);
-	if (status == STATUS_OK && begins && fputs(rows->header, rows->file) < 0)
-		status = report_rows_file_failed(path);
-	if (status != STATUS_OK) {
-		report_vehicles_close(rows);
-		return status;
-	}
+	TRY_OR(failed, make_header(rows));
+	TRY_OR(failed, report_rows_file_open(world, path, rows->header, &rows->file, &begins));
+	if (begins && fputs(rows->header, rows->file) < 0)
+		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;
 	return STATUS_OK;
+failed:
+	report_vehicles_close(rows);
+	return status;
 }
 
 void report_vehicles_close(struct report_vehicles *rows)
@@ -168,11 +169,6 @@ void report_vehicles_close(struct report_vehicles *rows)
 	mem_free(rows->columns);
 	free(rows->header);
 	mem_free(rows);
-}
-
-const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows)
-{
-	return rows != NULL ? &rows->sink : NULL;
 }
 
 enum status report_vehicles_mark(const struct report_vehicles *rows, int64_t *end)

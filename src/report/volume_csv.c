@@ -17,10 +17,9 @@ enum status report_volume_open(const struct world *world, const char *directory,
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}
-	enum status status = report_rows_file_open(world, path, header, out, &begins);
-	if (status == STATUS_OK && begins && (fputs(header, *out) < 0 || fflush(*out) != 0))
-		status = report_rows_file_failed(path);
-	if (status == STATUS_OK)
-		resident_pages_volume(world_resident(world)->pages, *out, lattice_offset_metres(1) * world_resident(world)->spacing * world_resident(world)->spacing);
-	return status;
+	TRY(report_rows_file_open(world, path, header, out, &begins));
+	if (begins && (fputs(header, *out) < 0 || fflush(*out) != 0))
+		return report_rows_file_failed(path);
+	resident_pages_volume(world_resident(world)->pages, *out, lattice_offset_metres(1) * world_resident(world)->spacing * world_resident(world)->spacing);
+	return STATUS_OK;
 }

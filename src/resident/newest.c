@@ -119,12 +119,12 @@ static enum status present(void *user, struct tile tile, bool *out)
 	return status;
 }
 
-static enum status posts(void *user, struct tile tile, struct terrain_posts *out)
+static enum status posts(void *user, struct tile tile, struct resident_posts *out)
 {
 	const struct resident_newest_tile *held;
 	enum status status = resident_newest_tile(user, tile, &held);
 	if (status == STATUS_OK)
-		*out = (struct terrain_posts){held->heights, (const double(*)[2])held->blocks};
+		*out = (struct resident_posts){held->heights, (const double(*)[2])held->blocks};
 	return status;
 }
 
@@ -153,7 +153,7 @@ enum status resident_newest_create(struct store *store, struct pages *pages, str
 		mem_free(newest);
 		return refused;
 	}
-	newest->ground = (struct terrain_ground){
+	newest->ground = (struct resident_source){
 		.user = newest,
 		.extent = newest->extent,
 		.finest = newest->fits ? store_finest(store) : 0,
@@ -184,14 +184,14 @@ void resident_newest_destroy(struct newest *newest)
 	mem_free(newest);
 }
 
-enum status resident_newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status resident_newest_heights(struct newest *newest, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
 	enum status status = resident_newest_settle(newest);
-	return status == STATUS_OK ? terrain_heights(&newest->ground, points, count, heights) : status;
+	return status == STATUS_OK ? resident_heights(&newest->ground, points, count, heights) : status;
 }
 
-enum status resident_newest_rays(struct newest *newest, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status resident_newest_rays(struct newest *newest, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
 	enum status status = resident_newest_settle(newest);
-	return status == STATUS_OK ? terrain_rays(&newest->ground, rays, count, hits) : status;
+	return status == STATUS_OK ? resident_rays(&newest->ground, rays, count, hits) : status;
 }

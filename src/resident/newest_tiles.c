@@ -21,7 +21,7 @@ uint32_t resident_newest_tiles(uint32_t cells)
 
 uint64_t resident_newest_tile_bytes(uint32_t cells)
 {
-	const uint64_t posts = (uint64_t)(cells + 1) * (cells + 1), side = cells / TERRAIN_BLOCK;
+	const uint64_t posts = (uint64_t)(cells + 1) * (cells + 1), side = cells / RESIDENT_BLOCK;
 	return sizeof(double) * (posts + 2 * side * side);
 }
 
@@ -185,7 +185,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 
 static enum status make_room(const struct newest *newest, struct resident_newest_tile *tile)
 {
-	const size_t side = newest->extent->cells / TERRAIN_BLOCK;
+	const size_t side = newest->extent->cells / RESIDENT_BLOCK;
 	if (tile->heights == NULL)
 		tile->heights = mem_alloc(posts_of(newest), sizeof *tile->heights);
 	if (tile->blocks == NULL)
@@ -209,7 +209,7 @@ enum status resident_newest_tile(struct newest *newest, struct tile tile, const 
 			status = add_offsets(newest, tile, found);
 		if (status != STATUS_OK)
 			return status;
-		terrain_fill_blocks(newest->extent->cells, found->heights, found->blocks);
+		resident_fill_blocks(newest->extent->cells, found->heights, found->blocks);
 	}
 	recent_use(&newest->recent, place, key);
 	*out = &newest->tiles[place];

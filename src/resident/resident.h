@@ -14,9 +14,10 @@
 #include "base/plan.h"
 #include "gpu/gpu.h"
 #include "page/page.h"
+#include "resident/heights.h"
+#include "resident/look_ahead.h"
 #include "soil/soil.h"
 #include "store/store.h"
-#include "terrain/terrain.h"
 
 /*
  * --- base heights ---
@@ -471,7 +472,7 @@ void resident_pyramid_figures(const struct pyramid *pyramid, struct resident_pyr
 /*
  * --- newest values ---
  *
- * Queries of the present ground (terrain/terrain.h): the base, and the newest planes of each tile. The newest planes may be in
+ * Queries of the present ground (resident/heights.h): the base, and the newest planes of each tile. The newest planes may be in
  * a slot, in the queue for the next commit, or in the store.
  *
  * For a running drive: call it on the drive's thread, between two steps. A query only reads. It pins, loads and uses no page of
@@ -495,9 +496,9 @@ uint64_t resident_newest_tile_bytes(uint32_t cells);
 enum status resident_newest_keep(struct newest *newest, uint32_t tiles) FURROW_CHECKED;
 /* Notes that the ground has changed since the last query. May be called inside a step. newest may be NULL. */
 void resident_newest_changed(struct newest *newest);
-enum status resident_newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status resident_newest_heights(struct newest *newest, const struct resident_point *points, size_t count, struct resident_height *heights)
 	FURROW_CHECKED;
-enum status resident_newest_rays(struct newest *newest, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+enum status resident_newest_rays(struct newest *newest, const struct resident_ray *rays, size_t count, struct resident_hit *hits) FURROW_CHECKED;
 /*
  * Reads the posts of a rectangle of any level, row by row from the south-west. Units are those of store_read_posts. So are the
  * values at levels finer or coarser than those that the layer has. NaN: nodata, or outside the terrain. Keeps nothing in

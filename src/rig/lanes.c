@@ -74,13 +74,12 @@ static enum status load(const struct rig *rig, size_t soil, const struct rig_lan
 
 /* --- the rows --- */
 
-static enum status take(void *user, const struct world_row *row)
+static void take(const struct taking *taking, const struct world_row *row)
 {
-	const struct taking *taking = user;
 	struct sums *sums = &taking->sums[row->body];
 	const double left = start_of(taking->rig, row->body) + taking->rig->found.way - row->position[0]; /* of the way */
 	if (left > taking->rig->taken || row->position[0] == sums->first)
-		return STATUS_OK;
+		return;
 	const int half = left <= taking->rig->taken / 2;
 	sums->first = row->position[0];
 	sums->count[half]++;
@@ -91,13 +90,6 @@ static enum status take(void *user, const struct world_row *row)
 	/* The soil turns a wheel back, about the axis to the left. */
 	sums->torque += taking->rig->found.belt ? row->force.pull : -row->force.moment[1];
 	sums->sunk |= row->force.state == DEFORM_SUNK;
-	return STATUS_OK;
-}
-
-static enum status nothing(void *user)
-{
-	(void)user;
-	return STATUS_OK;
 }
 
 static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size_t pass, const struct sums *sums)
@@ -131,7 +123,7 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size
 
 /* --- the drive --- */
 
-static enum status steps(struct rig *rig, struct world *world, size_t count)
+static enum status steps(struct rig *rig, struct world *world, const struct taking *taking, size_t count)
 {
 	const int64_t total = world_step_count(world), before = rig->done;
 	enum status status = world_begin(world);
@@ -139,6 +131,11 @@ static enum status steps(struct rig *rig, struct world *world, size_t count)
 		if (world_stopped(world))
 			return fail_with(STATUS_INTERRUPTED, "rig: interrupted; run it again to start over");
 		status = world_step(world);
+		size_t row_count;
+		const struct world_row *rows = world_rows(world, &row_count);
+		for (size_t i = 0; i < row_count; i++)
+			take(taking, &rows[i]);
+		world_rows_clear(world);
 		rig->done = before + (int64_t)count * world_steps_done(world) / total;
 		if (status == STATUS_OK && rig->params->progress != NULL)
 			status = rig->params->progress(rig->params->user, rig->done, rig->total);
@@ -149,8 +146,7 @@ static enum status steps(struct rig *rig, struct world *world, size_t count)
 static enum status drive(struct rig *rig, const struct scene *scene, struct sums *sums, size_t count)
 {
 	struct world *world = NULL;
-	struct taking taking = {rig, sums};
-	const struct world_rows rows = {.user = &taking, .row = take, .flush = nothing};
+	const struct taking taking = {rig, sums};
 	const struct world_params params = {.scene = scene, .store = rig->bed, .rows = true, .stop = rig->params->stop};
 	enum status status = world_open(&params, &world);
 	if (status == STATUS_OK && !rig->advised && rig->params->tell != NULL)
@@ -164,8 +160,7 @@ static enum status drive(struct rig *rig, const struct scene *scene, struct sums
 		status = world_warm(world);
 	if (status == STATUS_OK) {
 		world_seal(world);
-		world_set_rows(world, &rows);
-		status = steps(rig, world, count);
+		status = steps(rig, world, &taking, count);
 	}
 	struct failure failure;
 	failure_capture(&failure, status);

@@ -46,19 +46,18 @@ static enum status take(const struct scene_tree *tree, const char *path, enum so
 enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_rasters *raw, struct scene *scene)
 {
 	const struct soil_model *model = deform_model_row(scene->model);
-	enum status status = STATUS_OK;
 	if (raw == NULL)
 		return STATUS_OK;
 	if (!model->bears && model->numbers != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "soil.rasters"),
 				   "model %s reads a soil's numbers by class alone; allowed with: %s; or give soil.map", model->name,
 				   models_with_rasters().text);
-	for (int number = 0; model->bears && number < SOIL_NUMBERS && status == STATUS_OK; number++) {
+	for (int number = 0; model->bears && number < SOIL_NUMBERS; number++) {
 		const char *path = path_of(raw, (enum soil_number)number);
 		if (path != NULL)
-			status = take(tree, path, (enum soil_number)number, scene);
+			TRY(take(tree, path, (enum soil_number)number, scene));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 double scene_raster_unit(enum soil_number number)

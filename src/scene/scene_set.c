@@ -102,7 +102,6 @@ enum status scene_set(struct scene_tree *tree, const struct scene_setting *setti
 {
 	struct scene_node *value = NULL, *at = tree->root;
 	size_t length = strlen(setting->key);
-	enum status status;
 	int segments = 0;
 
 	if (length > KEY_MAX)
@@ -111,21 +110,15 @@ enum status scene_set(struct scene_tree *tree, const struct scene_setting *setti
 	char *key = mem_strdup(setting->key);
 	if (key == NULL)
 		return fail_memory("setting a key of the scene");
-	status = scene_tree_parse(tree->file, setting->key, setting->value, strlen(setting->value),
-				  &value);
-	if (status != STATUS_OK)
-		goto out;
+	enum status status;
+	TRY_OR(done, scene_tree_parse(tree->file, setting->key, setting->value, strlen(setting->value), &value));
 	for (char *segment = key, *dot; segment != NULL; segment = dot) {
 		dot = strchr(segment, '.');
 		if (dot != NULL)
 			*dot++ = '\0';
-		if (++segments > SEGMENTS_MAX) {
-			status = refuse(tree, setting, segment, "is too deep; allowed: 8 keys");
-			goto out;
-		}
-		status = step(tree, setting, at, segment, &at);
-		if (status != STATUS_OK)
-			goto out;
+		if (++segments > SEGMENTS_MAX)
+			TRY_OR(done, refuse(tree, setting, segment, "is too deep; allowed: 8 keys"));
+		TRY_OR(done, step(tree, setting, at, segment, &at));
 	}
 	if (value->plain && (strcmp(value->text, "null") == 0 || strcmp(value->text, "~") == 0)) {
 		scene_node_remove(at);
@@ -133,7 +126,7 @@ enum status scene_set(struct scene_tree *tree, const struct scene_setting *setti
 	} else {
 		replace(at, value);
 	}
-out:
+done:
 	scene_node_destroy(value);
 	mem_free(key);
 	return status;

@@ -154,13 +154,12 @@ static bool has_parts(const struct scene_node *node)
 /* No deeper than a tree is: SCENE_DEPTH. */
 static enum status take(const struct step *step, struct scene *scene)
 {
-	enum status status = STATUS_OK;
 	if (!has_parts(step->node))
 		return add(step, scene);
-	for (const struct scene_node *child = step->node->first; child != NULL && status == STATUS_OK; child = child->next)
+	for (const struct scene_node *child = step->node->first; child != NULL; child = child->next)
 		if (child != name_of(step->node))
-			status = take(&(struct step){step, child}, scene);
-	return status;
+			TRY(take(&(struct step){step, child}, scene));
+	return STATUS_OK;
 }
 
 enum status scene_values_take(const struct scene_tree *tree, struct scene *scene)

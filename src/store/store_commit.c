@@ -60,29 +60,22 @@ static enum status put_run(struct store *store, const struct store_run *run,
 static enum status put_all(struct store *store, const struct store_page *pages, size_t count,
 			   const struct store_run *run, struct store_commit_result *result)
 {
-	enum status status = STATUS_OK;
+	TRY(store_history_begin(store, false));
 	if (!store->working_stored && count > 0) {
-		status = store_meta_put_working(store, store->working, store->relief_text);
+		TRY(store_meta_put_working(store, store->working, store->relief_text));
 		result->header += store->relief_text != NULL ? 2 : 1;
 	}
-	if (status == STATUS_OK)
-		status = climb_table(store, ROW_OFFSET, pages, count, run, result);
-	if (status == STATUS_OK)
-		status = climb_table(store, ROW_DISTURBANCE, pages, count, run, result);
-	for (int table = ROW_DEPOSITED; table < ROW_TABLES && status == STATUS_OK; table++)
-		status = store_state_put(store, (enum row_table)table, pages, count, run, result);
-	if (status == STATUS_OK && store->part.count > 0)
-		status = store_part_claim(store, pages, count);
-	if (status == STATUS_OK)
-		status = store_meta_add_compacted(store, run->compacted);
+	TRY(climb_table(store, ROW_OFFSET, pages, count, run, result));
+	TRY(climb_table(store, ROW_DISTURBANCE, pages, count, run, result));
+	for (int table = ROW_DEPOSITED; table < ROW_TABLES; table++)
+		TRY(store_state_put(store, (enum row_table)table, pages, count, run, result));
+	if (store->part.count > 0)
+		TRY(store_part_claim(store, pages, count));
+	TRY(store_meta_add_compacted(store, run->compacted));
 	result->header += run->compacted != 0;
-	if (status == STATUS_OK)
-		status = put_run(store, run, result);
-	if (status == STATUS_OK)
-		status = store_changes_reserve(&store->changes);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "committing", "COMMIT");
-	return status;
+	TRY(put_run(store, run, result));
+	TRY(store_changes_reserve(&store->changes));
+	return store_sql_exec(store->db, store->path, "committing", "COMMIT");
 }
 
 enum status store_commit(struct store *store, const struct store_page *pages, size_t count,
@@ -93,22 +86,10 @@ enum status store_commit(struct store *store, const struct store_page *pages, si
 		assert(pages[i].tile.level == store->working && extent_has(&store->meta.extent, pages[i].tile) &&
 		       pages[i].planes[PLANE_OFFSET] != NULL);
 	*result = (struct store_commit_result){.commit = store->commit + 1};
-	enum status status = store_begin(store);
-	if (status == STATUS_OK)
-		status = store_place_check(store);
-	if (status == STATUS_OK)
-		status = store_sql_begin(store->db, store->path, "beginning a commit");
-	if (status != STATUS_OK)
-		return status;
-	status = store_history_begin(store, false);
-	if (status == STATUS_OK)
-		status = put_all(store, pages, count, run, result);
-	store_history_end(store, status == STATUS_OK);
-	if (status != STATUS_OK) {
-		store_sql_undo(store->db);
-		store_changes_drop(&store->changes);
-		return status;
-	}
+	TRY(store_begin(store));
+	TRY(store_place_check(store));
+	TRY(store_sql_begin(store->db, store->path, "beginning a commit"));
+	TRY(store_history_end(store, put_all(store, pages, count, run, result)));
 	if (count > 0 && !store->working_stored) {
 		store->working_stored = true;
 		store->relief_stored = store->relief_text != NULL;

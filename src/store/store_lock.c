@@ -123,9 +123,9 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 enum status store_lock_take(const char *lock_path, const char *named, int *descriptor)
 {
 	bool taken;
-	enum status status = store_lock_try(lock_path, named, descriptor, &taken);
-	if (status != STATUS_OK || taken)
-		return status;
+	TRY(store_lock_try(lock_path, named, descriptor, &taken));
+	if (taken)
+		return STATUS_OK;
 	if (is_own(lock_path))
 		return fail_with(STATUS_FAILED, "%s: this process has it open for writing already; close that world or end that import first, or open it "
 						"readonly", named);

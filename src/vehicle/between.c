@@ -89,9 +89,10 @@ static enum status load_model(const struct vehicles *vehicles, const char *text,
 		return fail_memory("the vehicles' model");
 	enum status status = vehicle_guard("vehicles", read_model, &reading);
 	mem_free(reading.files);
-	if (status == STATUS_OK && between->data == NULL)
-		status = fail_with(STATUS_FAILED, "vehicles: their geoms cannot be put into one model of MuJoCo: %.200s; change their models", reading.error);
-	return status;
+	TRY(status);
+	if (between->data == NULL)
+		return fail_with(STATUS_FAILED, "vehicles: their geoms cannot be put into one model of MuJoCo: %.200s; change their models", reading.error);
+	return STATUS_OK;
 }
 
 static enum status make_model(const struct vehicles *vehicles, size_t parts)
@@ -99,14 +100,15 @@ static enum status make_model(const struct vehicles *vehicles, size_t parts)
 	struct between *between = vehicles->between;
 	char *text = NULL, name[32];
 	size_t size = 0;
-	enum status status = write_model(vehicles, parts, &text, &size);
-	if (status == STATUS_OK)
-		status = load_model(vehicles, text, size);
-	free(text);
-	for (size_t i = 0; i < parts && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, write_model(vehicles, parts, &text, &size));
+	TRY_OR(done, load_model(vehicles, text, size));
+	for (size_t i = 0; i < parts; i++) {
 		snprintf(name, sizeof name, "g%d", between->parts[i].here);
 		between->parts[i].here = mj_name2id(between->model, mjOBJ_GEOM, name);
 	}
+done:
+	free(text);
 	return status;
 }
 
@@ -158,8 +160,8 @@ enum status vehicle_between_create(struct vehicles *vehicles)
 			}
 		between->first[v + 1] = parts;
 	}
-	enum status status = make_movers(vehicles);
-	return status == STATUS_OK ? make_model(vehicles, parts) : status;
+	TRY(make_movers(vehicles));
+	return make_model(vehicles, parts);
 }
 
 void vehicle_between_destroy(struct vehicles *vehicles)

@@ -163,7 +163,6 @@ static enum status check_place(struct vehicle_check *check, const char *path, co
 {
 	char real[PATH_MAX];
 	struct stat found;
-	enum status status = STATUS_OK;
 	if (stat(path, &found) != 0)
 		return STATUS_OK; /* MuJoCo does not find it there */
 	if (realpath(path, real) == NULL)
@@ -179,23 +178,29 @@ static enum status check_place(struct vehicle_check *check, const char *path, co
 	check->bytes += png_bytes(path);
 	const char *dot = strrchr(path, '.'), *problem = NULL;
 	if (dot != NULL && (strcasecmp(dot, ".obj") == 0 || strcasecmp(dot, ".msh") == 0))
-		status = check_mesh(path, strcasecmp(dot, ".obj") == 0, (size_t)found.st_size, &problem);
-	return problem != NULL ? refuse(check, name, problem, "export it again") : status;
+		TRY(check_mesh(path, strcasecmp(dot, ".obj") == 0, (size_t)found.st_size, &problem));
+	return problem != NULL ? refuse(check, name, problem, "export it again") : STATUS_OK;
+}
+
+/* Checks where one form of a name leads. `folder`: where the file is looked for; NULL: the model's folder. */
+static enum status check_form(struct vehicle_check *check, const char *folder, const char *form, const char *name)
+{
+	char *path = vehicle_check_path(check, folder, form);
+	if (path == NULL)
+		return fail_memory("a vehicle");
+	enum status status = check_place(check, path, name);
+	mem_free(path);
+	return status;
 }
 
 enum status vehicle_check_name(struct vehicle_check *check, const char *name)
 {
 	const char *slash = strrchr(name, '/'), *forms[] = {name, without_package(name), slash != NULL ? slash + 1 : name};
-	enum status status = STATUS_OK;
 	for (size_t folder = 0; folder <= check->folder_count; folder++)
-		for (size_t i = 0; i < 3 && status == STATUS_OK; i++) {
-			if (i > 0 && strcmp(forms[i], forms[i - 1]) == 0)
-				continue;
-			char *path = vehicle_check_path(check, folder > 0 ? check->folders[folder - 1] : NULL, forms[i]);
-			status = path != NULL ? check_place(check, path, name) : fail_memory("a vehicle");
-			mem_free(path);
-		}
-	return status;
+		for (size_t i = 0; i < 3; i++)
+			if (i == 0 || strcmp(forms[i], forms[i - 1]) != 0)
+				TRY(check_form(check, folder > 0 ? check->folders[folder - 1] : NULL, forms[i], name));
+	return STATUS_OK;
 }
 
 enum status vehicle_check_reach(struct vehicle_check *check)

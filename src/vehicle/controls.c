@@ -46,9 +46,7 @@ static enum status read_header(struct table *table)
 	struct driver *driver = &table->vehicle->driver;
 	bool any;
 	char *rest = table->text;
-	enum status status = next(table, &any);
-	if (status != STATUS_OK)
-		return status;
+	TRY(next(table, &any));
 	const char *name = any ? strsep(&rest, ",") : NULL;
 	if (name == NULL || strcmp(name, "t") != 0)
 		return wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
@@ -98,17 +96,14 @@ static enum status read_row(struct table *table)
 static enum status read(struct table *table)
 {
 	bool any;
-	enum status status = read_header(table);
-	while (status == STATUS_OK) {
-		status = next(table, &any);
-		if (status == STATUS_OK && !any)
+	TRY(read_header(table));
+	for (;;) {
+		TRY(next(table, &any));
+		if (!any)
 			break;
-		if (status == STATUS_OK)
-			status = read_row(table);
+		TRY(read_row(table));
 	}
-	if (status == STATUS_OK && table->vehicle->driver.row_count == 0)
-		return wrong(table, "no row", "at least one");
-	return status;
+	return table->vehicle->driver.row_count > 0 ? STATUS_OK : wrong(table, "no row", "at least one");
 }
 
 enum status vehicle_read_controls(struct vehicle *vehicle, const char *where)

@@ -223,12 +223,11 @@ static enum status make_name(const struct vehicle *vehicle, size_t index)
 static enum status make_geom(const struct vehicle *vehicle, size_t index, const char *where)
 {
 	struct soil_geom *out = &vehicle->geoms[index];
-	enum status status = make_name(vehicle, index);
-	if (status == STATUS_OK)
-		status = make_shape(vehicle, out, where);
-	if (status == STATUS_OK && out->dof >= 0)
+	TRY(make_name(vehicle, index));
+	TRY(make_shape(vehicle, out, where));
+	if (out->dof >= 0)
 		out->armature = vehicle->model->dof_armature[out->dof];
-	return status;
+	return STATUS_OK;
 }
 
 static enum status no_geom(const struct vehicle *vehicle, const char *where)
@@ -253,17 +252,16 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 	vehicle->geoms = mem_calloc((size_t)model->ngeom + 1, sizeof *vehicle->geoms);
 	if (vehicle->geoms == NULL)
 		return fail_memory("a vehicle");
-	enum status status = STATUS_OK;
-	for (int i = 0; i < model->ngeom && status == STATUS_OK; i++) {
+	for (int i = 0; i < model->ngeom; i++) {
 		if (!is_soil_geom(vehicle, i))
 			continue;
 		const size_t index = vehicle->geom_count++;
 		vehicle->geoms[index].geom = i;
-		status = make_geom(vehicle, index, where);
+		TRY(make_geom(vehicle, index, where));
 	}
-	if (status == STATUS_OK && vehicle->geom_count == 0)
+	if (vehicle->geom_count == 0)
 		return no_geom(vehicle, where);
-	return status == STATUS_OK ? check_belts(vehicle, where) : status;
+	return check_belts(vehicle, where);
 }
 
 void vehicle_free_geoms(struct vehicle *vehicle)

@@ -88,8 +88,7 @@ enum status vehicle_step_back(struct vehicles *vehicles)
 
 enum status vehicle_rollback(struct vehicles *vehicles)
 {
-	enum status status = vehicle_step_back(vehicles);
-	if (status == STATUS_OK)
-		vehicle_skip_rows(vehicles);
-	return status;
+	TRY(vehicle_step_back(vehicles));
+	vehicle_skip_rows(vehicles);
+	return STATUS_OK;
 }

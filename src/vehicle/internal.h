@@ -109,10 +109,12 @@ struct vehicles {
 	struct furrow_contact *contacts;
 	struct scene_object *drawn; /* what pictures show, in the order of `figures` */
 	struct figure *figures;
-	size_t figure_count;
+	struct world_place *places; /* of the figures */
+	struct world_frame *frames; /* the bodies of all models */
+	size_t figure_count, frame_count;
 	size_t attached;            /* numbers in the record */
+	double *record;             /* room for them */
 	double row;                 /* number of the next row of vehicles.csv */
-	const struct vehicle_rows *rows;
 	struct between *between;    /* between.h; NULL: one vehicle only */
 	double stuck_at;
 	double settling_told;       /* s, by the clock: when it was last told how far settling is; 0: not begun */
@@ -161,6 +163,8 @@ enum status vehicle_make_figures(struct vehicles *vehicles) FURROW_CHECKED;
 /* STATUS_INPUT: a camera is mounted on a body that its vehicle does not have. */
 enum status vehicle_check_cameras(const struct vehicles *vehicles) FURROW_CHECKED;
 void vehicle_free_figures(struct vehicles *vehicles);
+enum status vehicle_record(struct vehicles *vehicles) FURROW_CHECKED; /* ends a step of the world, whose record gets the state of the vehicles */
+void vehicle_show(struct vehicles *vehicles); /* brings the places of figures up to date */
 
 /* --- bound.c --- */
 
@@ -227,7 +231,7 @@ double vehicle_kinetic(const struct vehicle *vehicle); /* J */
 
 /* --- state.c --- */
 size_t vehicle_state_numbers(const struct vehicle *vehicle);
-void vehicle_save(void *vehicles, double *numbers);
+void vehicle_save(const struct vehicles *vehicles, double *numbers);
 enum status vehicle_restore(struct vehicles *vehicles, const double *numbers) FURROW_CHECKED;
 
 #endif

@@ -15,13 +15,13 @@ void vehicle_destroy(struct vehicles *vehicles)
 	(void)vehicles;
 }
 
-struct world_attached vehicle_attached(struct vehicles *vehicles)
+size_t vehicle_attached(const struct vehicles *vehicles)
 {
 	(void)vehicles;
-	return (struct world_attached){.count = 0};
+	return 0;
 }
 
-struct world_figures vehicle_figures(struct vehicles *vehicles)
+struct world_figures vehicle_figures(const struct vehicles *vehicles)
 {
 	(void)vehicles;
 	return (struct world_figures){.count = 0};
@@ -62,9 +62,15 @@ bool vehicle_stuck(const struct vehicles *vehicles)
 	return false;
 }
 
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
+bool vehicle_rows_due(struct vehicles *vehicles)
 {
-	(void)vehicles, (void)rows;
+	(void)vehicles;
+	return false;
+}
+
+void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *row)
+{
+	(void)vehicles, (void)vehicle, (void)row;
 }
 
 size_t vehicle_count(const struct vehicles *vehicles)

@@ -35,9 +35,7 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
 	for (int i = 0; i < PLACES; i++) {
 		int64_t height;
 		bool any;
-		enum status status = resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any));
 		all = all && any;
 		ground[i] = any ? lattice_offset_metres(height) : 0;
 	}
@@ -59,9 +57,7 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	if (!geom->is_touched)
 		return STATUS_OK;
 	find_places(vehicles, geom, to, places);
-	enum status status = find_heights(vehicles, places, heights);
-	if (status != STATUS_OK)
-		return status;
+	TRY(find_heights(vehicles, places, heights));
 	mju_sub(way, to->pose.position, from->position, 2);
 	turn_between(from, &to->pose, turns);
 	const double level = hypot(way[0], way[1]), turn = mju_norm3(turns), sank = heights[TOUCHED] - heights[END];
@@ -105,9 +101,7 @@ static enum status touch(struct vehicles *vehicles)
 			struct furrow_belt belt;
 			bool due;
 			vehicle_geom_state(vehicle, geom, &to, &belt);
-			enum status status = find_due(vehicles, geom, &to, &belt, &due);
-			if (status != STATUS_OK)
-				return status;
+			TRY(find_due(vehicles, geom, &to, &belt, &due));
 			if (!due)
 				continue;
 			geom->touched = to;
@@ -148,10 +142,9 @@ static enum status ask(struct vehicles *vehicles)
 			vehicles->belts[count] = geom->now_belt;
 			vehicles->states[count++] = geom->now;
 		}
-	enum status status = world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts,
-					 sizeof *vehicles->contacts);
+	TRY(world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, sizeof *vehicles->contacts));
 	count = 0;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			geom->contact = vehicles->contacts[count++];
@@ -159,7 +152,7 @@ static enum status ask(struct vehicles *vehicles)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
 						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 /* A vehicle that leaves the terrain, or comes over a hole, ends the drive, unless the scene says skip. */
@@ -169,9 +162,9 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 	const double *at = geom->now.pose.position;
 	int64_t height;
 	bool any;
-	enum status status = resident_ground_height(world_resident(world)->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any);
-	if (status != STATUS_OK || any || world_scene(world)->outside == SCENE_SKIP)
-		return status;
+	TRY(resident_ground_height(world_resident(world)->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any));
+	if (any || world_scene(world)->outside == SCENE_SKIP)
+		return STATUS_OK;
 	return world_no_ground(world, geom->name, false, at[0], at[1], world_time(world));
 }
 
@@ -226,9 +219,7 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 	if (drives)
 		vehicle_trail_add(vehicle);
 	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
-	enum status status = vehicle_guard(vehicle->scene->name, advance, &motion);
-	if (status != STATUS_OK)
-		return status;
+	TRY(vehicle_guard(vehicle->scene->name, advance, &motion));
 	if (!is_finite(vehicle))
 		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "
 						"actuators, or give its joints damping", vehicle->scene->name, time, seconds,
@@ -240,17 +231,16 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 
 enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 {
-	enum status status = ask(vehicles);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++)
-			status = check_ground(vehicles, &vehicles->list[v].geoms[g]);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		status = prepare_one(vehicles, &vehicles->list[v], drives);
-	if (status == STATUS_OK)
-		status = vehicle_between_push(vehicles);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		status = move_one(vehicles, &vehicles->list[v], rate, drives);
-	return status == STATUS_OK ? touch(vehicles) : status;
+	TRY(ask(vehicles));
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
+	for (size_t v = 0; v < vehicles->count; v++)
+		TRY(prepare_one(vehicles, &vehicles->list[v], drives));
+	TRY(vehicle_between_push(vehicles));
+	for (size_t v = 0; v < vehicles->count; v++)
+		TRY(move_one(vehicles, &vehicles->list[v], rate, drives));
+	return touch(vehicles);
 }
 
 double vehicle_kinetic(const struct vehicle *vehicle)

@@ -23,9 +23,28 @@ static enum status make_lists(struct vehicles *vehicles)
 	vehicles->states = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->states);
 	vehicles->belts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->belts);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
-	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->belts == NULL || vehicles->contacts == NULL)
+	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
+	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->belts == NULL || vehicles->contacts == NULL ||
+	    vehicles->record == NULL)
 		return fail_memory("the vehicles");
 	return STATUS_OK;
+}
+
+/* Reads all models, and makes what is made of them once. */
+static enum status load(const struct scene *scene, struct vehicles *vehicles)
+{
+	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
+	if (vehicles->list == NULL)
+		return fail_memory("the vehicles");
+	for (size_t i = 0; i < scene->vehicle_count; i++) {
+		vehicles->count = i + 1;
+		vehicles->list[i].scene = &scene->vehicles[i];
+		TRY(vehicle_read(&vehicles->list[i], scene));
+	}
+	TRY(make_lists(vehicles));
+	TRY(vehicle_check_cameras(vehicles));
+	TRY(vehicle_between_create(vehicles));
+	return scene->view.present || scene->hosted ? vehicle_make_figures(vehicles) : STATUS_OK; /* a host may ask for pictures without a view */
 }
 
 enum status vehicle_load(const struct scene *scene, struct vehicles **out)
@@ -37,27 +56,13 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	if (vehicles == NULL)
 		return fail_memory("the vehicles");
 	vehicles->scene = scene;
-	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
-	enum status status = vehicles->list != NULL ? STATUS_OK : fail_memory("the vehicles");
-	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++) {
-		vehicles->count = i + 1;
-		vehicles->list[i].scene = &scene->vehicles[i];
-		status = vehicle_read(&vehicles->list[i], scene);
+	enum status status = load(scene, vehicles);
+	if (status != STATUS_OK) {
+		vehicle_destroy(vehicles);
+		return status;
 	}
-	if (status == STATUS_OK)
-		status = make_lists(vehicles);
-	if (status == STATUS_OK)
-		status = vehicle_check_cameras(vehicles);
-	if (status == STATUS_OK)
-		status = vehicle_between_create(vehicles);
-	if (status == STATUS_OK && (scene->view.present || scene->hosted)) /* a host may ask for pictures without a view */
-		status = vehicle_make_figures(vehicles);
-	if (status == STATUS_OK) {
-		*out = vehicles;
-		return STATUS_OK;
-	}
-	vehicle_destroy(vehicles);
-	return status;
+	*out = vehicles;
+	return STATUS_OK;
 }
 
 void vehicle_destroy(struct vehicles *vehicles)
@@ -73,12 +78,21 @@ void vehicle_destroy(struct vehicles *vehicles)
 	mem_free(vehicles->states);
 	mem_free(vehicles->belts);
 	mem_free(vehicles->contacts);
+	mem_free(vehicles->record);
 	mem_free(vehicles);
 }
 
-struct world_attached vehicle_attached(struct vehicles *vehicles)
+size_t vehicle_attached(const struct vehicles *vehicles)
 {
-	return vehicles != NULL ? (struct world_attached){vehicles->attached, vehicles, vehicle_save} : (struct world_attached){.count = 0};
+	return vehicles != NULL ? vehicles->attached : 0;
+}
+
+enum status vehicle_record(struct vehicles *vehicles)
+{
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(vehicles->world, vehicles->record);
+	vehicle_show(vehicles);
+	return world_end_step(vehicles->world);
 }
 
 /* --- joining the world --- */
@@ -89,35 +103,34 @@ static enum status add_body(struct world *world, struct soil_geom *geom)
 	if (object.name == NULL)
 		return fail_memory("a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
-	if (status == STATUS_OK)
-		world_body_quiet(world, geom->number);
-	else
+	if (status != STATUS_OK) {
 		mem_free(object.name);
-	return status;
+		return status;
+	}
+	world_body_quiet(world, geom->number);
+	return STATUS_OK;
 }
 
 enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 {
-	enum status status = vehicle_check_rasters(vehicles, world);
 	vehicles->world = world;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+	TRY(vehicle_check_rasters(vehicles, world));
+	for (size_t v = 0; v < vehicles->count; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
-		for (size_t g = 0; g < vehicle->geom_count && status == STATUS_OK; g++)
-			status = add_body(world, &vehicle->geoms[g]);
-		if (status == STATUS_OK)
-			status = vehicle_place_driver(vehicle, world);
+		for (size_t g = 0; g < vehicle->geom_count; g++)
+			TRY(add_body(world, &vehicle->geoms[g]));
+		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
-	return status == STATUS_OK && recorded != NULL ? vehicle_restore(vehicles, recorded) : status;
+	if (recorded != NULL)
+		return vehicle_restore(vehicles, recorded);
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(world, vehicles->record);
+	vehicle_show(vehicles);
+	return STATUS_OK;
 }
 
 /* --- rows --- */
-
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
-{
-	if (vehicles != NULL)
-		vehicles->rows = rows;
-}
 
 static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 {
@@ -140,21 +153,22 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->forces = data->actuator_force;
 }
 
-/* Tells rows that are due at the present time. */
-static enum status tell_rows(struct vehicles *vehicles)
+bool vehicle_rows_due(struct vehicles *vehicles)
 {
-	const double rate = vehicles->scene->vehicle_rows, time = world_time(vehicles->world);
-	enum status status = STATUS_OK;
-	if (vehicles->rows == NULL || !(rate > 0) || time * rate * (1 + 1e-12) < vehicles->row)
-		return STATUS_OK;
-	vehicles->row = floor(time * rate * (1 + 1e-12)) + 1;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
-		struct vehicle_row row = {.time = time, .vehicle = v};
-		vehicle_joints(vehicles, v, vehicles->list[v].row_joints, NULL);
-		fill_row(&vehicles->list[v], &row);
-		status = vehicles->rows->row(vehicles->rows->user, &row);
-	}
-	return status == STATUS_OK ? vehicles->rows->flush(vehicles->rows->user) : status;
+	if (vehicles == NULL)
+		return false;
+	const double rate = vehicles->scene->vehicle_rows, now = world_time(vehicles->world) * rate * (1 + 1e-12);
+	if (!(rate > 0) || now < vehicles->row)
+		return false;
+	vehicles->row = floor(now) + 1;
+	return true;
+}
+
+void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *row)
+{
+	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
+	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
+	fill_row(&vehicles->list[index], row);
 }
 
 static enum deform_state state_of(enum furrow_contact_state state)
@@ -174,11 +188,10 @@ static enum deform_state state_of(enum furrow_contact_state state)
 /* Tells the world the forces that its rows of objects.csv have. */
 static enum status tell_forces(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
 	if (vehicles->scene->forces == 0)
 		return STATUS_OK;
 	for (size_t v = 0; v < vehicles->count; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			const struct furrow_contact *contact = &geom->contact;
 			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state)};
@@ -186,9 +199,9 @@ static enum status tell_forces(struct vehicles *vehicles)
 				force.sinkage = force.area = 0;
 			memcpy(force.force, geom->force, sizeof force.force);
 			memcpy(force.moment, geom->force + 3, sizeof force.moment);
-			status = world_body_tell(vehicles->world, geom->number, &geom->now, &force, isfinite(contact->slip) ? contact->slip : 0);
+			TRY(world_body_tell(vehicles->world, geom->number, &geom->now, &force, isfinite(contact->slip) ? contact->slip : 0));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- steps --- */
@@ -200,15 +213,12 @@ void vehicle_skip_rows(struct vehicles *vehicles)
 
 enum status vehicle_begin(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
 	if (vehicles->list[0].begun == VEHICLE_DRIVES) { /* the rows of its time were written */
 		vehicle_skip_rows(vehicles);
 		return STATUS_OK;
 	}
-	status = vehicle_settle(vehicles);
-	if (status == STATUS_OK)
-		status = tell_forces(vehicles);
-	return status == STATUS_OK ? tell_rows(vehicles) : status;
+	TRY(vehicle_settle(vehicles));
+	return tell_forces(vehicles);
 }
 
 /* Tells once of each vehicle that the soil does not carry it. */
@@ -248,14 +258,11 @@ static void watch(struct vehicles *vehicles)
 
 enum status vehicle_step(struct vehicles *vehicles)
 {
-	enum status status = vehicle_move(vehicles, 0, true);
-	if (status == STATUS_OK)
-		status = tell_forces(vehicles);
-	if (status != STATUS_OK)
-		return status;
+	TRY(vehicle_move(vehicles, 0, true));
+	TRY(tell_forces(vehicles));
 	watch(vehicles);
-	status = world_step(vehicles->world);
-	return status == STATUS_OK ? tell_rows(vehicles) : status;
+	TRY(world_step(vehicles->world));
+	return vehicle_record(vehicles);
 }
 
 static bool is_stuck(const struct vehicles *vehicles, const struct vehicle *vehicle)

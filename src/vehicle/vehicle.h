@@ -25,8 +25,8 @@ struct vehicles; /* all vehicles of a scene */
  * does not fit the scene, its time_step is too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
 enum status vehicle_load(const struct scene *scene, struct vehicles **out) FURROW_CHECKED;
 void vehicle_destroy(struct vehicles *vehicles); /* takes NULL */
-/* Returns what the vehicles add to the run's record. For NULL: nothing. */
-struct world_attached vehicle_attached(struct vehicles *vehicles);
+/* Returns how many numbers the vehicles add to the run's record (world_attach). For NULL: 0. */
+size_t vehicle_attached(const struct vehicles *vehicles);
 
 /* Finds the longest stable step again, with the highest elastic stiffness of the scene's rasters. Needs a world that is prepared, or prepared for
  * a plan; without a store no raster is known. STATUS_INPUT: the scene's time_step is longer. NULL: there are no vehicles. */
@@ -42,8 +42,8 @@ enum status vehicle_step(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns true if the scene asks to stop when vehicles are stuck, and they are. */
 bool vehicle_stuck(const struct vehicles *vehicles);
 
-/* Returns what pictures show of the vehicles: their models' geoms. For NULL: nothing. */
-struct world_figures vehicle_figures(struct vehicles *vehicles);
+/* Returns what pictures show of the vehicles: their models' geoms and bodies. For NULL: nothing. The places in it follow each step. */
+struct world_figures vehicle_figures(const struct vehicles *vehicles);
 
 /* A row of vehicles.csv. */
 struct vehicle_row {
@@ -56,13 +56,10 @@ struct vehicle_row {
 	const double *joints;  /* joint_count numbers */
 	const double *controls, *forces; /* actuator_count numbers; N or N m before `gear`, in the last step of the engine */
 };
-/* Receives the rows in their order. The functions return their own failure. */
-struct vehicle_rows {
-	void *user;
-	enum status (*row)(void *user, const struct vehicle_row *row);
-	enum status (*flush)(void *user);
-};
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows); /* rows must outlive the vehicles; may be NULL */
+/* Returns true if rows of the present time are due. Ask after vehicle_begin and after each step; once it said so, they count as read. */
+bool vehicle_rows_due(struct vehicles *vehicles);
+/* Gives the row of a vehicle now. Its arrays are valid until the next call. */
+void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *row);
 
 /* Facts about a vehicle. Those above `settled` are known once it is loaded. */
 struct vehicle_info {

@@ -44,14 +44,13 @@ int64_t world_lowest(const struct deform_contact *contact)
 /* Finds the highest base in the windows, 2^-20 m. INT64_MIN: there is no ground. */
 static enum status highest_base(struct world *world, const struct deform_window *windows, size_t count, int64_t *highest)
 {
-	enum status status = STATUS_OK;
 	*highest = INT64_MIN;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		int64_t height;
-		status = resident_ground_highest(world->resident.ground, world->resident.level, windows[i].write, &height);
-		*highest = status == STATUS_OK && height > *highest ? height : *highest;
+		TRY(resident_ground_highest(world->resident.ground, world->resident.level, windows[i].write, &height));
+		*highest = height > *highest ? height : *highest;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Finds a bound of the offsets, 2^-20 m: the highest one that the store had when it was first asked. A rollback makes it ask anew.
@@ -153,15 +152,14 @@ static enum status near_old(struct world *world, const struct deform_window *win
 
 static enum status untouched_soil(struct world *world, const struct deform_window *windows, size_t count, bool *none)
 {
-	enum status status = STATUS_OK;
 	bool is = false;
-	for (size_t i = 0; i < count && !is && status == STATUS_OK; i++) {
-		status = near_old(world, &windows[i], &is);
-		if (status == STATUS_OK && !is)
-			status = deform_is_touched(world->deform, windows[i].write, &is);
+	for (size_t i = 0; i < count && !is; i++) {
+		TRY(near_old(world, &windows[i], &is));
+		if (!is)
+			TRY(deform_is_touched(world->deform, windows[i].write, &is));
 	}
-	*none = status == STATUS_OK && !is;
-	return status;
+	*none = !is;
+	return STATUS_OK;
 }
 
 enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *contact,

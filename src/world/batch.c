@@ -121,7 +121,6 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 {
 	struct batches *batches = world->batches;
 	struct waiting waiting = {.event = event, .contact = *contact, .window = windows[0]};
-	enum status status = STATUS_OK;
 	*taken = deform_is_batched(world->deform, contact, windows, count);
 	if (*taken) {
 		waiting.tiles = tiles_of(world, windows[0].read, waiting.keys, TILES_MOST);
@@ -133,9 +132,7 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 	if (!*taken)
 		return world_batches_flush_near(world, windows, count);
 	if (batches->count == WAITING_MOST)
-		status = world_batches_flush(world);
-	if (status != STATUS_OK)
-		return status;
+		TRY(world_batches_flush(world));
 	const size_t near = last_round(batches, windows[0].read), own = batches->count > 0 ? before : 0;
 	waiting.round = (near > own ? near : own) + 1;
 	batches->rounds = waiting.round > batches->rounds ? waiting.round : batches->rounds;
@@ -185,22 +182,24 @@ static enum status mark(struct world *world, const struct waiting *waiting)
 		held.keys[i] = waiting->keys[i];
 		held.tiles[i].tile = tile_from_key(waiting->keys[i]);
 	}
-	enum status status = world_tell_contact(world, waiting->event, &waiting->contact, &waiting->window, 1);
-	if (status == STATUS_OK)
-		status = world_mark(world, waiting->window.write, &held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	enum status status;
+	TRY_OR(done, world_tell_contact(world, waiting->event, &waiting->contact, &waiting->window, 1));
+	TRY_OR(done, world_mark(world, waiting->window.write, &held));
+done:
+	world_happened_relaxes(world);
+	return status;
 }
 
 /* Computes the contacts that were chosen. A contact without others is counted as one that is computed alone. */
 static enum status compute(struct world *world)
 {
 	struct batches *batches = world->batches;
-	enum status status = deform_batch_compute(world->deform);
-	for (size_t i = 0; i < batches->chosen_count && status == STATUS_OK; i++)
-		status = mark(world, batches->chosen[i].waiting);
-	if (status == STATUS_OK && batches->chosen_count == 1)
+	TRY(deform_batch_compute(world->deform));
+	for (size_t i = 0; i < batches->chosen_count; i++)
+		TRY(mark(world, batches->chosen[i].waiting));
+	if (batches->chosen_count == 1)
 		world_count_windows(world_body_at(world, batches->chosen[0].waiting->event->body), &batches->chosen[0].waiting->contact, 1);
-	return status;
+	return STATUS_OK;
 }
 
 /* Computes contacts order[*at] .. that are of one round, as many as fit a batch. Half of the slots remain for other tiles. */
@@ -266,9 +265,11 @@ enum status world_batches_flush(struct world *world)
 	struct batches *batches = world->batches;
 	if (batches == NULL || batches->count == 0)
 		return STATUS_OK;
-	enum status status = sort(batches);
-	for (size_t at = 0; at < batches->count && status == STATUS_OK;)
-		status = one_batch(world, &at);
+	enum status status;
+	TRY_OR(done, sort(batches));
+	for (size_t at = 0; at < batches->count;)
+		TRY_OR(done, one_batch(world, &at));
+done:
 	world_batches_forget(world);
 	return status;
 }

@@ -141,7 +141,7 @@ const struct body *world_body(const struct world *world, size_t number)
 struct body *world_body_at(const struct world *world, size_t number)
 {
 	if (number == WORLD_DROPPED)
-		return world->dropped;
+		return world->dropping;
 	return number < world->body_count ? world->bodies[number] : NULL;
 }
 
@@ -196,10 +196,10 @@ enum status world_list_body(struct world *world, enum body_kind kind, const stru
 enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached.count));
+	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached));
 	if (world->record == NULL)
 		return fail_memory("the objects");
-	world->record->attached_count = world->params.attached.count;
+	world->record->attached_count = world->params.attached;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];

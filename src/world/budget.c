@@ -106,9 +106,7 @@ enum status world_budget_check(struct world *world)
 	struct deform_params params;
 	/* For an assumed terrain it is not known. */
 	bool slides = world_deforms(world) && scene->undisturbed == SCENE_SLIDES && world->resident.store != NULL;
-	enum status status = slides ? check_active(world) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	TRY(slides ? check_active(world) : STATUS_OK);
 	world_deform_params(world, &params);
 	size_t block = world_deforms(world) && deform_conserves(scene->model) ? block_tiles(world) : 0;
 	if (block > WORLD_TILES_MOST || block > world->facts.limits.slots)
@@ -117,11 +115,8 @@ enum status world_budget_check(struct world *world)
 					       "larger tiles (--tile)",
 				 block, world->resident.meta->extent.cells, world->facts.limits.slots, WORLD_TILES_MOST);
 	world->counts.windows.tiles = block;
-	for (size_t i = 0; i < scene->object_count; i++) {
-		status = shape_budget(world, &params, scene->objects[i].name, &scene->objects[i].shape);
-		if (status != STATUS_OK)
-			return status;
-	}
+	for (size_t i = 0; i < scene->object_count; i++)
+		TRY(shape_budget(world, &params, scene->objects[i].name, &scene->objects[i].shape));
 	return STATUS_OK;
 }
 
@@ -153,7 +148,7 @@ static uint64_t kept_bytes(const struct world *world)
 {
 	const uint64_t side = tile_posts(&world->resident.meta->extent);
 	/* each thread that loads ahead has one tile of its own */
-	const unsigned ahead = motion_look_ahead_threads(world->facts.limits.prefetch, world->scene->object_count);
+	const unsigned ahead = resident_look_ahead_threads(world->facts.limits.prefetch, world->scene->object_count);
 	return ((uint64_t)world->facts.limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t) +
 	       world->facts.limits.queries * resident_newest_tile_bytes(world->resident.meta->extent.cells);
 }

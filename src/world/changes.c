@@ -22,9 +22,7 @@ static enum status add(struct world_changes *changes, struct tile tile, struct c
 		changes->list = list;
 		changes->room = room;
 	}
-	enum status status = key_map_put(&changes->places, tile_key(tile), (double)changes->count, 0);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_map_put(&changes->places, tile_key(tile), (double)changes->count, 0));
 	*out = &changes->list[changes->count++];
 	**out = (struct changed_tile){.tile = tile};
 	return STATUS_OK;
@@ -37,13 +35,10 @@ enum status world_changed(struct world *world, struct tile tile, struct post_rec
 		return STATUS_OK;
 	struct changed_tile *changed = NULL;
 	const struct key_pair *place = key_map_find(&changes->places, tile_key(tile));
-	enum status status = STATUS_OK;
 	if (place != NULL)
 		changed = &changes->list[(size_t)place->a];
 	else
-		status = add(changes, tile, &changed);
-	if (status != STATUS_OK)
-		return status;
+		TRY(add(changes, tile, &changed));
 	if (changed->last <= changes->asked) { /* the last host that asked has seen no part of it */
 		changed->from = changes->asked;
 		changed->rect = rect;
@@ -124,11 +119,8 @@ enum status world_changes_since(struct world *world, uint64_t since, struct post
 			tell(&telling, since >= changed->from && changed->from > 0 ? changed->rect :
 				       tile_post_rect(&world->resident.meta->extent, changed->tile));
 	}
-	if (since == 0) {
-		enum status status = store_each_changed(resident_ground_reader(world->resident.ground), 0, tell_stored, &telling, &stored);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (since == 0)
+		TRY(store_each_changed(resident_ground_reader(world->resident.ground), 0, tell_stored, &telling, &stored));
 	const size_t room = *count;
 	*count = telling.count;
 	if (telling.count > room)

@@ -1,5 +1,5 @@
 /*
- * Checkpoints, and going back to the last one: ground, bodies, forces, time and rows.
+ * Checkpoints, and going back to the last one: ground, bodies, forces and time.
  *
  * After a checkpoint the store keeps what commits replace (store_mark), and a rollback drops the pages that changed. The
  * world's own state is copied here. A checkpoint that fails leaves the earlier one: the store's mark is the last that can fail. Touched posts, seen tiles and the bounds of what a view saw change are not set back. They only
@@ -15,7 +15,6 @@ struct checkpoint {
 	double time;
 	int64_t intervals;
 	uint64_t revision;
-	int64_t rows_end;
 	struct deform_tally tally;
 	struct record *record;
 	struct body *bodies;      /* body_count of them; all zero where a number has no body */
@@ -68,8 +67,6 @@ static enum status save(struct world *world, struct checkpoint **out)
 		status = world_forces_save(world->forces, &saved->forces);
 	if (status == STATUS_OK)
 		status = world_tally(world, &saved->tally);
-	if (status == STATUS_OK && world->rows != NULL && world->rows->mark != NULL)
-		status = world->rows->mark(world->rows->user, &saved->rows_end);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
 		return status;
@@ -102,7 +99,7 @@ enum status world_checkpoint(struct world *world)
 enum status world_checkpoint_begun(struct world *world)
 {
 	struct checkpoint *saved = world->checkpoint;
-	if (saved == NULL || saved->begun || world->params.attached.count == 0)
+	if (saved == NULL || saved->begun || world->params.attached == 0)
 		return STATUS_OK;
 	enum status status = resident_pages_mark(world->resident.pages);
 	saved->begun = status == STATUS_OK;
@@ -152,7 +149,7 @@ static enum status rewind_paths(struct world *world)
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		if (world->bodies[i]->track != NULL)
 			next[count++] = world->bodies[i]->next;
-	motion_look_ahead_rewind(world->ahead, next, world->time);
+	resident_look_ahead_rewind(world->ahead, next, world->time);
 	mem_free(next);
 	return STATUS_OK;
 }
@@ -175,7 +172,7 @@ enum status world_rollback(struct world *world)
 	restore_bodies(world, saved);
 	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
-	world->events.count = 0;
+	world->events.count = world->rows.count = 0;
 	resident_ground_forget_offsets(world->resident.ground); /* higher ground may be back than what was read since the checkpoint */
 	resident_pyramid_forget(world->resident.pyramid);
 	resident_newest_changed(world->resident.newest);
@@ -183,8 +180,6 @@ enum status world_rollback(struct world *world)
 	status = restore_deform(world, saved);
 	if (status == STATUS_OK)
 		status = rewind_paths(world);
-	if (status == STATUS_OK && world->rows != NULL && world->rows->rollback != NULL)
-		status = world->rows->rollback(world->rows->user, saved->rows_end);
 	if (status != STATUS_OK)
 		world_tear(world);
 	return status;

@@ -81,34 +81,28 @@ void world_release(struct world *world, struct held_tiles *held)
 
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held)
 {
-	enum status status = STATUS_OK;
 	resident_newest_changed(world->resident.newest);
-	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < held->count; i++) {
 		struct tile tile = held->tiles[i].tile;
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile))))
 			continue;
 		page_cache_dirty(world->resident.cache, held->keys[i]);
 		if (world->ranks != NULL)
-			status = world->ranks->changes(world->ranks->user, held->keys[i]);
-		if (status == STATUS_OK)
-			status = world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile)));
-		if (status != STATUS_OK)
-			return status;
+			TRY(world->ranks->changes(world->ranks->user, held->keys[i]));
+		TRY(world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile))));
 		if (world->resident.pyramid != NULL)
-			status = resident_pyramid_changed(world->resident.pyramid, tile, rect);
-		if (status == STATUS_OK && world->watcher != NULL)
-			status = world->watcher->changed(world->watcher->user, tile);
+			TRY(resident_pyramid_changed(world->resident.pyramid, tile, rect));
+		TRY(world_happened_change(world, tile));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status scatter(struct world *world, const struct deform_window *window, uint32_t layer,
 			   const struct held_tiles *held)
 {
-	enum status status = deform_scatter(world->deform, window, layer, held->tiles, held->count);
-	if (status == STATUS_OK)
-		status = world_mark(world, window->write, held);
-	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
+	TRY(deform_scatter(world->deform, window, layer, held->tiles, held->count));
+	TRY(world_mark(world, window->write, held));
+	return deform_wake_swept(world->deform, window, layer);
 }
 
 /* Computes how far a belt ran between two path samples: with slip s it is the way along the body's own x axis / (1 - s). */
@@ -147,10 +141,10 @@ static void roll(const struct body *body, struct deform_contact *contact)
 	contact->to.turn = remainder(contact->from.turn + contact->turned, 2 * M_PI);
 }
 
-enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+enum status world_tell_contact(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count)
 {
-	if (world->watcher == NULL || count == 0)
+	if (!world->happened.watched || count == 0)
 		return STATUS_OK;
 	struct contact_area told = {
 		.lowest = contact->load > 0 ? INT64_MIN : world_lowest(contact),
@@ -161,12 +155,7 @@ enum status world_tell_contact(const struct world *world, const struct event *ev
 		told.changed = post_rect_around(told.changed, windows[i].write);
 		told.read = post_rect_around(told.read, windows[i].read);
 	}
-	return world->watcher->contact(world->watcher->user, event, &told);
-}
-
-enum status world_tell_contact_ended(const struct world *world)
-{
-	return world->watcher != NULL ? world->watcher->contact(world->watcher->user, NULL, NULL) : STATUS_OK;
+	return world_happened_touch(world, event, &told);
 }
 
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed)
@@ -209,11 +198,9 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 {
 	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
-	enum status status = bearing_area(world->bearing, contact, &area);
-	if (status == STATUS_OK && !feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
-		status = world_let_go(world, body);
-	if (status != STATUS_OK)
-		return status;
+	TRY(bearing_area(world->bearing, contact, &area));
+	if (!feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
+		TRY(world_let_go(world, body));
 	if (post_rect_empty(area.write)) {
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;
@@ -250,7 +237,8 @@ static enum status compute_alone(struct world *world, const struct event *event,
 			status = scatter(world, &windows[i], (uint32_t)i, &held);
 		world_release(world, &held);
 	}
-	return status == STATUS_OK && count > 0 ? world_tell_contact_ended(world) : status;
+	world_happened_relaxes(world);
+	return status;
 }
 
 static enum status contact_at(struct world *world, const struct event *event, bool waits)

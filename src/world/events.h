@@ -30,26 +30,33 @@ struct contact_area {
 };
 
 /*
-
- * A watcher of a world, which draws it. All calls come from the world's thread. Any function may be NULL. If a function does
- * not return STATUS_OK, the step fails with that status.
+ * What happened to the ground, for who draws it. A world keeps it from world_watch on, until world_happened_clear. Who draws reads it before the next
+ * commit takes the record (struct world_commits), since what the store has then is newer.
  */
-struct world_watcher {
-	void *user;
-	/* The next calls of `changed` belong to this contact. Both arguments NULL: they belong to relaxation. */
-	enum status (*contact)(void *user, const struct event *event, const struct contact_area *area);
-	/* Posts of this tile of the working level have changed. */
-	enum status (*changed)(void *user, struct tile tile);
-	/* Adds prefetch requests: the tiles that the watcher will need, and when. */
-	enum status (*requests)(void *user, struct requests *requests);
-	/* From now on the ground may differ from its base by up to this many metres. */
-	void (*reach)(void *user, double metres);
+struct world_happened {
+	struct world_touch {              /* a contact, in the order of contacts */
+		const struct soil_shape *shape; /* of the body; valid until the next step */
+		struct soil_pose pose;
+		double depth;             /* m: about how deep the body is in the soil */
+		struct contact_area area;
+	} *touches;
+	struct world_change {             /* posts of a tile of the working level have changed, in the order of changes */
+		struct tile tile;
+		size_t touch;             /* by that contact; SIZE_MAX: by relaxation */
+	} *changes;
+	size_t touch_count, change_count;
+	double reach;                     /* m: the ground may differ from its base by up to this; 0: as before */
 };
+void world_watch(struct world *world); /* call it before world_warm, or when a view is made */
+const struct world_happened *world_happened(const struct world *world);
+void world_happened_clear(struct world *world);
+/* Who draws puts here, before a step, the tiles that it will need, and when. The step loads them ahead, and clears the list. */
+struct requests *world_wishes(struct world *world);
 
 /* Functions that are called around a commit. Both may be NULL. */
 struct world_commits {
 	void *user;
-	void (*before_record)(void *user);         /* on the world's thread, before a commit takes the record */
+	enum status (*before_record)(void *user);  /* on the world's thread, before a commit takes the record */
 	enum status (*before_commit)(void *user);  /* on the writer thread, before it commits */
 };
 
@@ -64,34 +71,27 @@ struct world_row {
 	int soil;
 	struct world_force force;
 };
-/* Receives the rows in their order. `flush` is called after some rows. */
-struct world_rows {
-	void *user;
-	enum status (*row)(void *user, const struct world_row *row);
-	enum status (*flush)(void *user);
-	/* mark: tells where the rows so far end, when all are written. rollback: drops the rows after such an end. NULL: there are no
-	 * checkpoints. */
-	enum status (*mark)(void *user, int64_t *end);
-	enum status (*rollback)(void *user, int64_t end);
-};
+/* Gives the rows of the steps since world_rows_clear, in order. A step adds its rows at its end; one that fails adds none. */
+const struct world_row *world_rows(const struct world *world, size_t *count);
+void world_rows_clear(struct world *world);
 
-/* Numbers that another part of the run adds to each record, such as the state of vehicles. */
-struct world_attached {
-	size_t count;
-	void *user;
-	void (*save)(void *user, double *numbers); /* on the world's thread; `count` finite numbers */
+/* What pictures show beside the scene's objects: the parts of vehicles. Their owner keeps the places up to date between steps. */
+struct world_place {
+	bool there;                       /* false: it is not there yet */
+	double at[3], axes[3][3];         /* m; axes forward, left, up */
 };
-
-/* What pictures show beside the scene's objects: the parts of vehicles. */
 struct world_figures {
-	const struct scene_object *list; /* their shapes and names; must stay valid longer than the world */
+	const struct scene_object *list;  /* shapes and names; must stay valid longer than the world */
+	const struct world_place *places; /* of their middles */
 	size_t count;
-	void *user;
-	/* Gives the middle of a figure, m, and its axes forward, left, up. Returns false: it is not there yet. */
-	bool (*place)(void *user, size_t figure, double middle[3], double axes[3][3]);
-	/* Gives the place of a vehicle, m, and its axes forward, left, up. `body`: those of this body of its model; NULL: of its root body.
-	 * Returns false: it is not there yet. */
-	bool (*vehicle)(void *user, size_t vehicle, const char *body, double place[3], double axes[3][3]);
+	const struct world_frame {        /* bodies of the models of vehicles */
+		size_t vehicle;
+		const char *body;         /* name; NULL: the root body, also if it has a name */
+		struct world_place place;
+	} *frames;
+	size_t frame_count;
 };
+/* Finds the place of a body of a vehicle's model. NULL: it is not there yet. `body` NULL: the root body. */
+const struct world_place *world_frame_of(const struct world *world, size_t vehicle, const char *body);
 
 #endif

@@ -44,6 +44,18 @@ struct world_facts {
 };
 const struct world_facts *world_facts(const struct world *world);
 
+/* The stages of a step, in their order: stages.c. */
+enum world_stage {
+	WORLD_COLLECT, /* the events that are due, and the ground for them. Nothing changes */
+	WORLD_CONTACT, /* bodies on paths change the ground */
+	WORLD_HOSTS,   /* bodies that a host moves do */
+	WORLD_RELAX,   /* soil slides */
+	WORLD_FORCES,  /* rows, and what loads found */
+	WORLD_RECORD,  /* the record, and a commit that is due begins */
+	WORLD_STAGES
+};
+const char *world_stage_name(enum world_stage stage);
+
 /* What a world has counted so far. */
 struct world_counts {
 	struct world_windows {          /* windows of contacts */
@@ -55,6 +67,7 @@ struct world_counts {
 	/* Blocks in which relaxation looked. possible: how many there would be if it looked at all blocks of each touched tile. */
 	uint64_t visited, possible;
 	uint64_t drops;                 /* bodies that a window dropped */
+	double stage_seconds[WORLD_STAGES]; /* s, by the clock, of all steps so far: what each stage took */
 	struct world_warmed {           /* figures of warming up, which do not count as figures of steps */
 		struct gpu_stats gpu;
 		struct gpu_slots_figures slots;

@@ -10,7 +10,7 @@
 
 static bool follows(const struct world *world)
 {
-	return world->params.readonly && world->params.attached.count == 0;
+	return world->params.readonly && world->params.attached == 0;
 }
 
 static enum status note_changed(void *user, uint64_t key)

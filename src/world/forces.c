@@ -232,25 +232,45 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 	}
 }
 
-static enum status give_row(const struct forces *forces, const struct entry *entry)
+static enum status give_row(struct forces *forces, const struct entry *entry)
 {
-	const struct world_rows *rows = forces->world->rows;
+	struct world *world = forces->world;
 	const struct soil_pose *pose = &entry->pose;
+	if (world->rows.count == world->rows.room) {
+		const size_t room = 2 * world->rows.count + 64;
+		struct world_row *rows = mem_realloc(world->rows.list, room, sizeof *rows);
+		if (rows == NULL)
+			return fail_memory("rows");
+		world->rows.list = rows;
+		world->rows.room = room;
+	}
 	struct world_row row = {
 		.time = entry->t,
 		.body = entry->object,
-		.object = world_body_at(forces->world, entry->object)->object,
+		.object = world_body_at(world, entry->object)->object,
 		.slip = entry->slip,
 		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
 		.force = entry->force,
 	};
-	if (!world_feels(forces->world)) {
+	if (!world_feels(world)) {
 		for (int i = 0; i < 3; i++)
 			row.force.force[i] = row.force.moment[i] = (double)NAN;
 		row.force.area = row.force.residual = (double)NAN;
 	}
-	enum status status = world_soil_at(forces->world, row.position[0], row.position[1], &row.soil);
-	return status == STATUS_OK ? rows->row(rows->user, &row) : status;
+	TRY(world_soil_at(world, row.position[0], row.position[1], &row.soil));
+	world->rows.list[world->rows.count++] = row;
+	return STATUS_OK;
+}
+
+const struct world_row *world_rows(const struct world *world, size_t *count)
+{
+	*count = world->rows.count;
+	return world->rows.list;
+}
+
+void world_rows_clear(struct world *world)
+{
+	world->rows.count = 0;
 }
 
 /* --- the end of a step --- */
@@ -284,17 +304,19 @@ enum status world_forces_end_step(struct forces *forces, double until)
 	if (forces == NULL)
 		return STATUS_OK;
 	const struct scene *scene = forces->world->scene;
-	const struct world_rows *rows = forces->world->rows;
+	const size_t before = forces->world->rows.count;
 	enum status status = world_forces_rows(forces, until, true);
 	for (size_t i = 0; i < forces->count && status == STATUS_OK; i++)
 		status = give_row(forces, &forces->entries[i]);
+	if (status != STATUS_OK)
+		forces->world->rows.count = before;
 	forces->count = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		if (scene->objects[i].load > 0 && forces->standing[i].felt && forces->standing[i].met)
 			settle(forces, i);
 		forces->standing[i].met = false;
 	}
-	return status == STATUS_OK && rows != NULL ? rows->flush(rows->user) : status;
+	return status;
 }
 
 /* --- other ranks, checkpoints --- */

@@ -367,7 +367,7 @@ enum status world_hosts_commit(struct world *world)
 		status = world_meetings_flush(world);
 	if (status == STATUS_OK && any)
 		status = world_forces_end_step(world->forces, world->time);
-	return status == STATUS_OK && any ? world_end_step(world) : status;
+	return status == STATUS_OK && any ? world_end_change(world) : status;
 }
 
 /* --- being told --- */

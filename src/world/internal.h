@@ -17,6 +17,27 @@ const char *world_phase_arrow(enum world_phase from, enum world_phase to);
 bool world_has_begun(const struct world *world); /* this run has changed the store, or is about to */
 void world_return_to(struct world *world, bool begun); /* for world_rollback: to WORLD_STEPPING if the run had begun then, or WORLD_READY */
 
+/* --- happened.c: what a watched world keeps of a step --- */
+enum status world_happened_touch(struct world *world, const struct event *event, const struct contact_area *area) FURROW_CHECKED; /* a contact begins */
+void world_happened_relaxes(struct world *world);                       /* it has ended; what changes now is relaxation */
+enum status world_happened_change(struct world *world, struct tile tile) FURROW_CHECKED;
+void world_happened_reach(struct world *world, double metres);
+void world_happened_finish(struct world *world);
+
+/* --- steps.c --- */
+/* Ends a change of the ground. From now on it may be committed with the present record, and the numbers that were attached last. */
+enum status world_end_change(struct world *world) FURROW_CHECKED;
+
+enum status world_end_or_wait(struct world *world) FURROW_CHECKED; /* the same, unless numbers are attached: those come first */
+
+/* --- stages.c --- */
+/* The step that is made. */
+struct step {
+	double until; /* s: its end */
+};
+/* From now on time counts as that of this stage. Returns the stage before. */
+enum world_stage world_stage_enter(struct world *world, enum world_stage stage);
+
 /* --- resume.c --- */
 
 /* Sets the world to the state of the store's last run of this scene. Call it after the bodies were made. */
@@ -258,15 +279,14 @@ size_t world_tiles_in(const struct world *world, struct post_rect rect); /* retu
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
 enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held) FURROW_CHECKED;
 void world_release(struct world *world, struct held_tiles *held);
-/* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and the watcher learn of it. */
+/* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and pictures learn of it. */
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
 /* Computes one contact. world_contact_or_wait: it may wait until world_batches_flush; the event must stay valid until then. */
 enum status world_contact(struct world *world, const struct event *event) FURROW_CHECKED;
 enum status world_contact_or_wait(struct world *world, const struct event *event) FURROW_CHECKED;
-/* Tell the watcher, if there is one, that a contact begins to change the ground, and that it has ended. */
-enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+/* Note, if somebody watches, that a contact begins to change the ground, and that it has ended. */
+enum status world_tell_contact(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count) FURROW_CHECKED;
-enum status world_tell_contact_ended(const struct world *world) FURROW_CHECKED;
 /* Counts windows of a contact that were computed alone. */
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed);
 

@@ -96,9 +96,7 @@ enum status world_meetings_add(struct world *world, const struct event *event, c
 {
 	struct meetings *m = world->meetings;
 	struct body *body = world_body_at(world, event->body);
-	enum status status = m->count == m->room ? grow(m) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	TRY(m->count == m->room ? grow(m) : STATUS_OK);
 	/* The rounds of a body count while anything waits. */
 	const size_t round = m->count > 0 && body->met_turn == m->turn ? body->met : 0;
 	m->list[m->count++] = (struct waiting_contact){*event, *contact, *area, round, 0, feels};
@@ -234,10 +232,12 @@ static enum status tell(struct world *world, const struct waiting_contact *waiti
 	const struct deform_window window = {.read = waiting->area.read, .write = waiting->area.write};
 	if (waiting->feels || post_rect_empty(done->changed))
 		return STATUS_OK;
-	enum status status = world_tell_contact(world, &waiting->event, &waiting->contact, &window, 1);
-	if (status == STATUS_OK)
-		status = world_mark(world, done->changed, held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	enum status status;
+	TRY_OR(done, world_tell_contact(world, &waiting->event, &waiting->contact, &window, 1));
+	TRY_OR(done, world_mark(world, done->changed, held));
+done:
+	world_happened_relaxes(world);
+	return status;
 }
 
 static void count_windows(struct world *world, const struct waiting_contact *waiting, const struct bearing_contact *done)
@@ -254,10 +254,10 @@ static void count_windows(struct world *world, const struct waiting_contact *wai
 /* Puts back what the held tiles have of what changed. */
 static enum status put_back(struct world *world, const struct group *group, const struct held_tiles *held)
 {
-	enum status status = bearing_meeting_scatter(group->hand, group->contacts, group->count, held->tiles, held->count);
-	for (size_t i = 0; i < group->count && status == STATUS_OK; i++)
-		status = tell(world, &world->meetings->list[group->order[i]], &group->contacts[i], held);
-	return status;
+	TRY(bearing_meeting_scatter(group->hand, group->contacts, group->count, held->tiles, held->count));
+	for (size_t i = 0; i < group->count; i++)
+		TRY(tell(world, &world->meetings->list[group->order[i]], &group->contacts[i], held));
+	return STATUS_OK;
 }
 
 /* Goes over the tiles of a window one by one: it may have more of them than there are slots. */
@@ -286,12 +286,9 @@ static enum status begin(struct world *world, struct group *group)
 {
 	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
 	group->held.count = 0;
-	enum status status = list_beside(world, group);
-	if (status == STATUS_OK)
-		status = bearing_meeting_begin(group->hand, group->contacts, group->count, group->whole);
-	if (status == STATUS_OK)
-		status = group->whole ? world_hold(world, reads, &group->held) : each_tile(world, group, true);
-	return status;
+	TRY(list_beside(world, group));
+	TRY(bearing_meeting_begin(group->hand, group->contacts, group->count, group->whole));
+	return group->whole ? world_hold(world, reads, &group->held) : each_tile(world, group, true);
 }
 
 /* Computes a group. Any thread of the crew. */
@@ -307,13 +304,13 @@ static enum status compute(void *user, size_t member, size_t number)
 static enum status end(struct world *world, struct group *group)
 {
 	const struct meetings *m = world->meetings;
-	enum status status = group->whole ? put_back(world, group, &group->held) : each_tile(world, group, false);
-	for (size_t i = 0; i < group->count && status == STATUS_OK; i++) {
+	TRY(group->whole ? put_back(world, group, &group->held) : each_tile(world, group, false));
+	for (size_t i = 0; i < group->count; i++) {
 		const struct waiting_contact *waiting = &m->list[group->order[i]];
 		world_forces_felt(world->forces, waiting->event.body, &waiting->event, &group->contacts[i].forces);
 		count_windows(world, waiting, &group->contacts[i]);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Computes groups that share no post. */
@@ -378,12 +375,11 @@ static size_t group_end(const struct meetings *m, size_t first, size_t count)
 /* A group that does not fit one window: its contacts are computed one after another, each beside the others. */
 static enum status one_by_one(struct world *world, size_t first, size_t last)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = first; i < last && status == STATUS_OK; i++) {
+	for (size_t i = first; i < last; i++) {
 		put_group(world, 0, i, i + 1);
-		status = compute_groups(world, 1);
+		TRY(compute_groups(world, 1));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status compute_round(struct world *world, size_t round)

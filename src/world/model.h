@@ -21,8 +21,6 @@ struct changed_tile {
 struct world {
 	struct world_params params;
 	const struct scene *scene;
-	const struct world_watcher *watcher; /* NULL: nothing watches the world */
-	const struct world_rows *rows;       /* NULL: rows are not used */
 	const struct world_commits *commits; /* NULL: no functions */
 	const struct world_ranks *ranks;     /* NULL: this process alone steps the world */
 	bool unplaced;    /* ranks: a body was placed since the last call of ranks->step */
@@ -47,7 +45,7 @@ struct world {
 	struct look_ahead *ahead; /* motion: loads tiles before they are needed */
 	struct body **bodies;     /* bodies.c: by number. NULL: a rollback removed it; of the scene's objects none is NULL */
 	size_t body_count, body_room;
-	struct body *dropped;     /* drop.c: the body that a window drops; NULL: none */
+	struct body *dropping;    /* drop.c: the body that a window drops now; NULL: none */
 	struct world_names {      /* names.c: in a scene whose bodies a host moves */
 		struct key_set keys; /* hashes of names */
 		int32_t *numbers;    /* by a key's number: the body that had the name last */
@@ -56,7 +54,23 @@ struct world {
 	} names;
 	uint64_t set_turn;        /* hosts.c: number of calls of world_bodies_set so far */
 	double until;             /* s: the end of the current step */
+	struct scene_object dropped; /* the last body that a window dropped */
 
+	struct {                  /* happened.c */
+		struct world_happened told;
+		size_t touch_room, change_room;
+		size_t touch;     /* the contact that changes the ground now; SIZE_MAX: none */
+		bool watched;
+	} happened;
+	struct {                  /* stages.c */
+		enum world_stage now;
+		double since;     /* s, by the clock */
+	} stage;
+	struct requests wishes;   /* world_wishes */
+	struct {                  /* forces.c: rows that nobody has read yet */
+		struct world_row *list;
+		size_t count, room;
+	} rows;
 	struct world_events {     /* events.c: events of the current step */
 		struct event *list;
 		size_t count, room;

@@ -64,10 +64,10 @@ enum status world_open_rasters(struct world *world)
 			.above = parameter.above,
 		};
 	}
-	enum status status = resident_soil_rasters_open(&params, &world->resident.soil_rasters);
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
-		status = world_check_bearing(world, scene->objects[i].name, &scene->objects[i].shape);
-	return status;
+	TRY(resident_soil_rasters_open(&params, &world->resident.soil_rasters));
+	for (size_t i = 0; i < scene->object_count; i++)
+		TRY(world_check_bearing(world, scene->objects[i].name, &scene->objects[i].shape));
+	return STATUS_OK;
 }
 
 int world_rasters(const struct world *world, struct soil_raster *rasters)

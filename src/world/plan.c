@@ -384,7 +384,7 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.picture_effect = scene_effect_row(EFFECT_PICTURE)->name,
 	};
 	resident_pages_plan(&planned, plan);
-	motion_look_ahead_plan(world->facts.limits.prefetch, scene->object_count, plan);
+	resident_look_ahead_plan(world->facts.limits.prefetch, scene->object_count, scene_effect_row(EFFECT_PREFETCH)->name, plan);
 }
 
 uint64_t world_samples_until(const struct track *track, double end)
@@ -411,13 +411,11 @@ uint64_t world_samples_until(const struct track *track, double end)
 
 static enum status over_store(struct world *world, const char *path)
 {
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &world->resident.store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &world->resident.store));
 	world->resident.meta = store_meta(world->resident.store);
 	world_settle_light(world);
-	status = world_settle_level(world);
-	return status == STATUS_OK ? world_settle_relief(world) : status;
+	TRY(world_settle_level(world));
+	return world_settle_relief(world);
 }
 
 static enum status over_nothing(struct world *world, struct store_meta *assumed)

@@ -183,10 +183,10 @@ enum status world_active_keep(struct world *world, world_block_fn keeps, void *u
 enum status world_tile_came(struct world *world, struct tile tile, unsigned planes, const void *bytes)
 {
 	const struct post_rect posts = tile_post_rect(&world->resident.meta->extent, tile);
-	enum status status = resident_pages_put(world->resident.pages, tile, planes, bytes);
-	if (status == STATUS_OK && world->aloft.asks_touched)
-		status = deform_touch(world->deform, posts);
-	return status;
+	TRY(resident_pages_put(world->resident.pages, tile, planes, bytes));
+	if (world->aloft.asks_touched)
+		TRY(deform_touch(world->deform, posts));
+	return STATUS_OK;
 }
 
 /* --- commits --- */

@@ -5,6 +5,7 @@
 #define FURROW_WORLD_RANKS_H
 
 #include "world/body.h"
+#include "world/events.h"
 
 /* What ranks did together. */
 struct world_ranked {
@@ -33,6 +34,8 @@ struct world_ranks {
 	enum status (*changes)(void *user, uint64_t key);
 	/* Returns true if this rank may read the tile in this step. */
 	bool (*has)(void *user, uint64_t key);
+	/* Takes rows of bodies here, after each step that has some, and before each commit. */
+	enum status (*rows)(void *user, const struct world_row *rows, size_t count);
 	/* Before the run's last commit. `status`: how this rank ended. */
 	enum status (*end)(void *user, enum status status);
 	/* When this rank has closed its ground: puts what all ranks have committed into `over`. Fills `figures`. */

@@ -90,22 +90,19 @@ static enum status slide_all(struct world *world, size_t count)
 {
 	struct bearing *bearing = world->bearing;
 	double posts = 0;
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++) {
 		const struct post_rect reads = bearing_interval_reads(bearing, i);
 		posts += (double)(reads.x1 - reads.x0) * (double)(reads.y1 - reads.y0);
 	}
 	const size_t hands = world_hands_for(world, posts);
-	for (size_t first = 0; first < count && status == STATUS_OK; first += hands) {
+	for (size_t first = 0; first < count; first += hands) {
 		const size_t some = count - first < hands ? count - first : hands;
-		for (size_t i = 0; i < some && status == STATUS_OK; i++)
-			status = gather(world, bearing_hand(bearing, i), first + i);
-		if (status == STATUS_OK)
-			status = world_crew_run(world, some, slide, &(struct regions){bearing, first});
-		if (status == STATUS_OK)
-			status = bearing_hands_join(bearing);
+		for (size_t i = 0; i < some; i++)
+			TRY(gather(world, bearing_hand(bearing, i), first + i));
+		TRY(world_crew_run(world, some, slide, &(struct regions){bearing, first}));
+		TRY(bearing_hands_join(bearing));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Writes a part of the result back: the region of soil that bears, or a run of regions. */
@@ -113,12 +110,12 @@ static enum status scatter(struct world *world, size_t i)
 {
 	const struct post_rect writes = world->bearing != NULL ? bearing_interval_writes(world->bearing, i) : deform_interval_writes(world->deform, i);
 	struct held_tiles held;
-	enum status status = world_hold(world, writes, &held);
-	if (status == STATUS_OK)
-		status = world->bearing != NULL ? bearing_interval_scatter(world->bearing, i, held.tiles, held.count)
-						: deform_interval_scatter(world->deform, i, held.tiles, held.count);
-	if (status == STATUS_OK)
-		status = world_mark(world, writes, &held);
+	enum status status;
+	TRY_OR(done, world_hold(world, writes, &held));
+	TRY_OR(done, world->bearing != NULL ? bearing_interval_scatter(world->bearing, i, held.tiles, held.count)
+	       : deform_interval_scatter(world->deform, i, held.tiles, held.count));
+	TRY_OR(done, world_mark(world, writes, &held));
+done:
 	world_release(world, &held);
 	return status;
 }
@@ -175,6 +172,9 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	int64_t over = world_intervals_by(world, time);
 	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
 		over--;
+	if (world->relaxation.intervals >= over)
+		return STATUS_OK;
+	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
 	while (world->relaxation.intervals < over && status == STATUS_OK) {
 		size_t blocks = 0;
 		status = world_batches_flush(world);
@@ -183,6 +183,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 		/* If no block is active, none becomes active by itself. */
 		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
 	}
+	world_stage_enter(world, stage);
 	return status;
 }
 
@@ -193,8 +194,8 @@ enum status world_let_go(struct world *world, const struct body *body)
 	size_t count = 0;
 	if (!body->in_contact || body->elsewhere || !deform_conserves(world->scene->model))
 		return STATUS_OK;
-	enum status status = deform_cut(&world->surface, &rest, windows, &count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = world_wake(world, windows[i].write);
-	return status;
+	TRY(deform_cut(&world->surface, &rest, windows, &count));
+	for (size_t i = 0; i < count; i++)
+		TRY(world_wake(world, windows[i].write));
+	return STATUS_OK;
 }

@@ -28,22 +28,18 @@ static enum status check_object(struct world *world, struct body *body, const st
 	if (record->step == 0 && object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first step") : STATUS_OK;
 	int64_t samples = motion_track_samples(body->track);
-	if (object->next > samples ||
-	    (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
+	if (object->next > samples || (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
 	    (object->next < samples && motion_track_sample_time(body->track, object->next) <= record->time))
 		return world_record_damaged(store, "path samples that are not those of its time");
 	if (object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first path sample") : STATUS_OK;
-	enum status status = world_set_down(world, body, object->next - 1, &event);
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_set_down(world, body, object->next - 1, &event));
 	/* Not compared bit for bit: another machine's mathematics may have made it. */
 	const struct soil_pose *pose = &event.pose, *last = &object->last;
-	if (object->in_contact != event.contact ||
-	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
+	if (object->in_contact != event.contact || (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return world_record_damaged(store, "an object is not where its path was");
-	if (body->loaded_body > 0 && event.contact &&
-	    (object->force.z <= last->z - EQUILIBRIUM_MOST || object->force.z >= last->z + EQUILIBRIUM_MOST))
+	if (body->loaded_body > 0 && event.contact && (object->force.z <= last->z - EQUILIBRIUM_MOST ||
+						       object->force.z >= last->z + EQUILIBRIUM_MOST))
 		return world_record_damaged(store, "an object stands where it cannot");
 	return STATUS_OK;
 }
@@ -62,15 +58,13 @@ static enum status check(struct world *world)
 	const struct extent *extent = &world->resident.meta->extent;
 	int64_t width = extent_posts(extent->width, world->resident.level), height = extent_posts(extent->height, world->resident.level);
 	for (size_t i = 0; i < record->active_count; i++)
-		if (record->active[i].x >= (width + SOIL_BLOCK - 1) / SOIL_BLOCK ||
-		    record->active[i].y >= (height + SOIL_BLOCK - 1) / SOIL_BLOCK)
+		if (record->active[i].x >= (width + SOIL_BLOCK - 1) / SOIL_BLOCK || record->active[i].y >= (height + SOIL_BLOCK - 1) / SOIL_BLOCK)
 			return world_record_damaged(store, "what was awake lies beyond the ground");
 	if (record->active_count > 0 && (!world_deforms(world) || !deform_conserves(world->scene->model)))
 		return world_record_damaged(store, "something is awake that cannot be");
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++)
-		status = check_object(world, world->bodies[i], &record->objects[i]);
-	return status;
+	for (size_t i = 0; i < world->scene->object_count; i++)
+		TRY(check_object(world, world->bodies[i], &record->objects[i]));
+	return STATUS_OK;
 }
 
 static void restore(struct world *world)
@@ -110,7 +104,7 @@ int world_law(const struct world *world)
 /* Returns true if `run` is of this scene and its record can be read. *ended: whether it came to its end. */
 static bool is_of_this_scene(const struct world *world, const struct store_run *run, bool *ended)
 {
-	const size_t attached = world->params.attached.count;
+	const size_t attached = world->params.attached;
 	struct record *record = mem_calloc(1, world_record_bytes_with(world->scene->object_count, attached));
 	if (record != NULL)
 		record->attached_count = attached;
@@ -150,9 +144,7 @@ enum status world_resume(struct world *world)
 	struct store_run run;
 	if (world->params.ranks != NULL && over != NULL) /* a rank's part lies over the run's overlay, which the user knows */
 		store = over;
-	enum status status = store_last_run(world->resident.store, &run);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_last_run(world->resident.store, &run));
 	if (run.scene_hash == NULL) {
 		note("%s: nothing was driven there; begins at step 0", store);
 		return STATUS_OK;
@@ -165,14 +157,11 @@ enum status world_resume(struct world *world)
 		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene, or of this one with other values "
 				 "(%.8s, not %.8s); resume with the same scene and the same --set, or drive without --resume: it then goes "
 				 "over those ruts", store, (long long)run.step, run.scene_hash, world->scene->hash);
-	status = world_record_parse(&run, store, world->scene, world->record);
-	if (status == STATUS_OK && world->record->law != world_law(world))
+	TRY(world_record_parse(&run, store, world->scene, world->record));
+	if (world->record->law != world_law(world))
 		return fail_with(STATUS_INPUT, "%s: its last drive was made by a furrow whose soil bears otherwise, so it would not go on as it began; resume "
 				 "it with that, or drive without --resume: it then goes over those ruts", store);
-	if (status == STATUS_OK)
-		status = check(world);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check(world));
 	restore(world);
 	if (world->facts.resumed.nothing_left)
 		note("%s: this scene was driven to step %lld, %g s, already; nothing is left to do", store,

@@ -1,4 +1,6 @@
 /* What others may see of a world. */
+#include <string.h>
+
 #include "world/internal.h"
 
 const struct scene *world_scene(const struct world *world)
@@ -80,21 +82,6 @@ void world_placed(struct world *world)
 
 /* --- who is told --- */
 
-void world_watch(struct world *world, const struct world_watcher *watcher)
-{
-	world->watcher = watcher;
-}
-
-void world_set_rows(struct world *world, const struct world_rows *rows)
-{
-	world->rows = rows;
-}
-
-bool world_gives_rows(const struct world *world)
-{
-	return world->rows != NULL;
-}
-
 void world_set_commits(struct world *world, const struct world_commits *commits)
 {
 	world->commits = commits;
@@ -108,4 +95,15 @@ void world_set_figures(struct world *world, const struct world_figures *figures)
 const struct world_figures *world_figures(const struct world *world)
 {
 	return &world->figures;
+}
+
+const struct world_place *world_frame_of(const struct world *world, size_t vehicle, const char *body)
+{
+	for (size_t i = 0; i < world->figures.frame_count; i++) {
+		const struct world_frame *frame = &world->figures.frames[i];
+		const bool same = body == NULL || frame->body == NULL ? body == frame->body : strcmp(body, frame->body) == 0;
+		if (frame->vehicle == vehicle && same)
+			return frame->place.there ? &frame->place : NULL;
+	}
+	return NULL;
 }

@@ -56,9 +56,7 @@ static enum status add_place(const struct world *world, double x, double y, doub
 	struct post_soil post;
 	if (!extent_holds(extent, x, y))
 		return STATUS_OK;
-	enum status status = read_post(world, (int64_t)floor(x / world->resident.spacing + 0.5), (int64_t)floor(y / world->resident.spacing + 0.5), &post);
-	if (status != STATUS_OK)
-		return status;
+	TRY(read_post(world, (int64_t)floor(x / world->resident.spacing + 0.5), (int64_t)floor(y / world->resident.spacing + 0.5), &post));
 	met->places++;
 	met->all += weight;
 	met->soils[post.soil] += weight;
@@ -79,13 +77,12 @@ static enum status add_track(const struct world *world, const struct track *trac
 			     struct world_soils_met *met)
 {
 	const uint64_t due = world_samples_until(track, world->scene->end_time), count = due < most ? due : most;
-	enum status status = STATUS_OK;
-	for (uint64_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (uint64_t i = 0; i < count; i++) {
 		struct track_point point;
 		motion_track_sample(track, (int64_t)(count > 1 ? i * (due - 1) / (count - 1) : 0), &point);
-		status = add_place(world, point.x, point.y, (double)due / (double)count, object, least, met);
+		TRY(add_place(world, point.x, point.y, (double)due / (double)count, object, least, met));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* The way of a driver, or where a vehicle starts whose way is not known. */
@@ -114,15 +111,14 @@ static enum status add_all(const struct world *world, struct world_soils_met *me
 {
 	const struct scene *scene = world->scene;
 	const uint64_t most = SAMPLES / (scene->object_count + scene->vehicle_count) + 2;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->object_count; i++) {
 		met->partly = met->partly || world->bodies[i]->track == NULL;
 		if (world->bodies[i]->track != NULL)
-			status = add_track(world, world->bodies[i]->track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met);
+			TRY(add_track(world, world->bodies[i]->track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met));
 	}
-	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++)
-		status = add_vehicle(world, &scene->vehicles[i], most, met);
-	return status;
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		TRY(add_vehicle(world, &scene->vehicles[i], most, met));
+	return STATUS_OK;
 }
 
 void world_soils_met_free(struct world_soils_met *met)

@@ -91,7 +91,7 @@ static enum status start_look_ahead(struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (world->bodies[i]->track != NULL)
-			bodies[count++] = (struct look_ahead_body){world->bodies[i]->track, &world->bodies[i]->object->shape, world->bodies[i]->next,
+			bodies[count++] = (struct look_ahead_body){motion_track_ahead(world->bodies[i]->track), &world->bodies[i]->object->shape, world->bodies[i]->next,
 									&world->bodies[i]->elsewhere};
 	uint32_t tiles = world->facts.limits.ground;
 	bool follows = scene->view.present && scene->view.aim.kind != SCENE_FIXED && scene->view.aim.vehicle == 0 && scene->object_count > 0 &&
@@ -109,9 +109,15 @@ static enum status start_look_ahead(struct world *world)
 		.prefetch = world->facts.limits.prefetch,
 		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
-	enum status status = motion_look_ahead_create(&params, &world->ahead);
+	enum status status = resident_look_ahead_create(&params, &world->ahead);
 	mem_free(bodies);
 	return status;
+}
+
+static enum status make_pyramid(struct world *world)
+{
+	struct resident *resident = &world->resident;
+	return resident_pyramid_create(&resident->meta->extent, resident->level, resident->slots, resident->host, &resident->pyramid);
 }
 
 /* Sets active blocks and the equilibrium heights of loaded bodies as the resumed run left them. */
@@ -119,14 +125,15 @@ static enum status go_on_with_ground(struct world *world)
 {
 	const struct record *record = world->record;
 	bool relaxes = world_changes_ground(world) && world->scene->undisturbed == SCENE_SLIDES && (!world->facts.resumed.is || record->step == 0);
-	enum status status = relaxes ? world_wake_all(world) : STATUS_OK;
-	for (size_t i = 0; i < record->active_count && status == STATUS_OK; i++)
-		status = world_wake_block(world, record->active[i]);
+	if (relaxes)
+		TRY(world_wake_all(world));
+	for (size_t i = 0; i < record->active_count; i++)
+		TRY(world_wake_block(world, record->active[i]));
 	for (size_t i = 0; i < world->scene->object_count && world->facts.resumed.is; i++) {
 		const struct body *body = world->bodies[i];
 		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* A host owns its environment, so it counts as if it had. A window draws after each step. */
@@ -139,9 +146,7 @@ static bool has_large_passes(const struct world *world, const struct deform_para
 /* Makes the GPU's context and slots: the home of pages; over pages in host memory their mirror, for pictures. */
 static enum status start_gpu(struct world *world, const struct gpu_params *params)
 {
-	enum status status = gpu_create(params, &world->resident.gpu);
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_create(params, &world->resident.gpu));
 	const unsigned planes = world->resident.host != NULL ? world_planes(world) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE)) : world_planes(world);
 	return gpu_slots_create(world->resident.gpu, world->resident.meta->extent.cells, world->facts.limits.slots, planes, &world->resident.slots);
 }
@@ -168,38 +173,36 @@ static enum status start_home(struct world *world)
 	return status == STATUS_OK && world->params.draws ? start_gpu(world, &gpu) : status;
 }
 
-enum status world_start(struct world *world)
+/* Makes what computes the ground: deform or bearing, and what lets contacts be computed together. */
+static enum status start_surface(struct world *world)
 {
 	struct deform_params deform;
-	enum status status = start_look_ahead(world);
-	if (status == STATUS_OK)
-		status = start_home(world);
 	world_deform_params(world, &deform);
-	if (status == STATUS_OK && world->resident.slots != NULL && world_computes_together(world))
-		status = gpu_slots_in_arrays(world->resident.slots);
+	if (world->resident.slots != NULL && world_computes_together(world))
+		TRY(gpu_slots_in_arrays(world->resident.slots));
 	world->aloft.asks_touched = deform.touched;
 	deform.gpu = world->resident.gpu;
 	deform.slots = world->resident.slots;
 	deform.reference = resident_ground_reference(world->resident.store);
-	if (status == STATUS_OK)
-		status = world_surface_create(world, &deform);
-	if (status == STATUS_OK && world->deform != NULL)
-		status = world_batches_create(world);
-	if (status == STATUS_OK)
-		status = world_meetings_create(world);
-	if (status == STATUS_OK)
-		status = world_crew_create(world);
-	if (status == STATUS_OK)
-		status = world_budget_check(world);
-	if (status == STATUS_OK)
-		status = go_on_with_ground(world);
-	if (status == STATUS_OK)
-		status = world_forces_create(world, &world->forces);
-	if (status == STATUS_OK && world->params.draws)
-		status = resident_pyramid_create(&world->resident.meta->extent, world->resident.level, world->resident.slots, world->resident.host, &world->resident.pyramid);
-	if (status == STATUS_OK)
-		world_enter(world, WORLD_STARTED);
-	return status;
+	TRY(world_surface_create(world, &deform));
+	if (world->deform != NULL)
+		TRY(world_batches_create(world));
+	TRY(world_meetings_create(world));
+	return world_crew_create(world);
+}
+
+enum status world_start(struct world *world)
+{
+	TRY(start_look_ahead(world));
+	TRY(start_home(world));
+	TRY(start_surface(world));
+	TRY(world_budget_check(world));
+	TRY(go_on_with_ground(world));
+	TRY(world_forces_create(world, &world->forces));
+	if (world->params.draws)
+		TRY(make_pyramid(world));
+	world_enter(world, WORLD_STARTED);
+	return STATUS_OK;
 }
 
 /* --- pages --- */
@@ -213,9 +216,8 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 static enum status begin_commit(void *user)
 {
 	struct world *world = user;
-	if (world->commits != NULL && world->commits->before_record != NULL)
-		world->commits->before_record(world->commits->user);
-	return STATUS_OK;
+	const struct world_commits *commits = world->commits;
+	return commits != NULL && commits->before_record != NULL ? commits->before_record(commits->user) : STATUS_OK;
 }
 
 static enum status before_commit(void *user)
@@ -277,14 +279,17 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
 		.classes_drawn = scene_draws_classes(scene),
 	};
-	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached.count);
+	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached);
 	params->queue_bytes = world_queue_bytes(world, params);
 }
 
-static enum status watcher_requests(void *user, struct requests *requests)
+static enum status take_wishes(void *user, struct requests *requests)
 {
 	struct world *world = user;
-	return world->watcher->requests(world->watcher->user, requests);
+	for (size_t i = 0; i < world->wishes.count; i++)
+		TRY(resident_requests_add(requests, world->wishes.requests[i].key, world->wishes.requests[i].time));
+	resident_requests_clear(&world->wishes);
+	return STATUS_OK;
 }
 
 enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace)
@@ -305,12 +310,11 @@ enum status world_start_pages(struct world *world, FILE *commit_log, struct page
 	params.commit_log = commit_log;
 	params.trace = trace;
 	params.user = world;
-	enum status status = resident_pages_create(&params, &world->resident.pages);
-	if (status == STATUS_OK)
-		world->resident.cache = resident_pages_cache(world->resident.pages);
-	if (status == STATUS_OK && world->resident.host != NULL && world->resident.slots != NULL)
+	TRY(resident_pages_create(&params, &world->resident.pages));
+	world->resident.cache = resident_pages_cache(world->resident.pages);
+	if (world->resident.host != NULL && world->resident.slots != NULL)
 		resident_pages_mirror(world->resident.pages, world->resident.gpu, world->resident.slots);
-	return status;
+	return STATUS_OK;
 }
 
 /* --- warming up --- */
@@ -318,10 +322,9 @@ enum status world_start_pages(struct world *world, FILE *commit_log, struct page
 /* Pictures of bearing soil need a context that the drive does not. */
 static enum status start_mirror(struct world *world)
 {
-	enum status status = start_gpu(world, &(struct gpu_params){.draws = true});
-	if (status == STATUS_OK)
-		resident_pages_mirror(world->resident.pages, world->resident.gpu, world->resident.slots);
-	return status;
+	TRY(start_gpu(world, &(struct gpu_params){.draws = true}));
+	resident_pages_mirror(world->resident.pages, world->resident.gpu, world->resident.slots);
+	return STATUS_OK;
 }
 
 enum status world_start_drawing(struct world *world)
@@ -329,54 +332,55 @@ enum status world_start_drawing(struct world *world)
 	if (world->resident.pyramid != NULL)
 		return STATUS_OK;
 	/* Coarser tiles of changed pages are made from the store, so commit first. Before the first step there is hardly any. */
-	enum status status = world_has_begun(world) ? page_cache_flush(world->resident.cache, world->record) : STATUS_OK;
-	if (status == STATUS_OK && world->resident.gpu == NULL)
-		status = start_mirror(world);
-	if (status == STATUS_OK)
-		status = resident_pyramid_create(&world->resident.meta->extent, world->resident.level, world->resident.slots, world->resident.host, &world->resident.pyramid);
-	world->params.draws = status == STATUS_OK;
-	return status;
+	world->params.draws = false;
+	if (world_has_begun(world))
+		TRY(page_cache_flush(world->resident.cache, world->record));
+	if (world->resident.gpu == NULL)
+		TRY(start_mirror(world));
+	TRY(make_pyramid(world));
+	world->params.draws = true;
+	return STATUS_OK;
 }
 
 static void serve(struct world *world)
 {
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
+	resident_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
 					       .surface = world_changes_ground(world) ? &world->surface : NULL,
 					       .extent = &world->resident.meta->extent,
 					       .level = world->resident.level,
 					       .cache = world->resident.cache,
 					       .slots = world->facts.limits.slots,
-					       .requests = world->watcher != NULL ? watcher_requests : NULL,
+					       .requests = world->happened.watched ? take_wishes : NULL,
 					       .user = world,
 				       });
 }
 
-/* A driver compiles a program at its first draw. That happens here and not in a step. By the end the ground of the first steps
- * is read, too. */
-enum status world_warm(struct world *world)
+/* A driver compiles a program at its first draw. That happens here and not in a step. */
+static enum status warm_programs(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && world->deform != NULL && status == STATUS_OK; i++) {
+	const bool deformed = world_planes(world) != 0 && world->resident.host == NULL;
+	for (size_t i = 0; i < scene->object_count && world->deform != NULL; i++) {
 		const struct deform_planned planned = world_planned(&scene->objects[i]);
-		status = deform_warm(world->deform, &planned);
+		TRY(deform_warm(world->deform, &planned));
 	}
-	if (status == STATUS_OK)
-		status = world_warm_drops(world);
-	bool deformed = world_planes(world) != 0 && world->resident.host == NULL;
-	if (status == STATUS_OK && world->resident.slots != NULL)
-		status = gpu_slots_warm(world->resident.slots, world_division(world),
-					deformed && world->params.draws);
-	if (world->ranks != NULL) /* so that nothing is loaded for bodies of other ranks */
-		status = world->ranks->step(world->ranks->user, world_step_time(scene, world->step + 1), status);
+	TRY(world_warm_drops(world));
+	return world->resident.slots != NULL ? gpu_slots_warm(world->resident.slots, world_division(world), deformed && world->params.draws) : STATUS_OK;
+}
+
+/* By the end the ground of the first steps is read, too. */
+enum status world_warm(struct world *world)
+{
+	const struct world_ranks *ranks = world->ranks;
+	const enum status warmed = warm_programs(world);
+	/* Ranks agree, so that nothing is loaded for bodies of other ranks. */
+	TRY(ranks != NULL ? ranks->step(ranks->user, world_step_time(world->scene, world->step + 1), warmed) : warmed);
 	serve(world);
-	double began = clock_seconds();
-	if (status == STATUS_OK)
-		status = motion_look_ahead_first(world->ahead, world->time, world->params.stop);
+	const double began = clock_seconds();
+	TRY(resident_look_ahead_first(world->ahead, world->time, world->params.stop));
 	world->counts.warmed.load_ms = (clock_seconds() - began) * 1e3;
-	if (status == STATUS_OK)
-		world_enter(world, WORLD_WARM);
-	return status;
+	world_enter(world, WORLD_WARM);
+	return STATUS_OK;
 }
 
 void world_seal(struct world *world)
@@ -398,7 +402,7 @@ void world_stop(struct world *world)
 		return;
 	if (world->phase != WORLD_ENDED)
 		world_enter(world, WORLD_ENDED);
-	motion_look_ahead_stop(world->ahead);
+	resident_look_ahead_stop(world->ahead);
 	if (world->resident.pages != NULL)
 		resident_pages_stop(world->resident.pages);
 }
@@ -414,10 +418,10 @@ void world_finish(struct world *world, enum status status)
 {
 	if (world == NULL)
 		return;
-	motion_look_ahead_stop(world->ahead);
+	resident_look_ahead_stop(world->ahead);
 	resident_newest_destroy(world->resident.newest);
 	resident_pages_destroy(world->resident.pages);
-	motion_look_ahead_destroy(world->ahead);
+	resident_look_ahead_destroy(world->ahead);
 	resident_soil_map_close(world->resident.soil_map);
 	world_relief_close(world->relief);
 	resident_soil_rasters_close(world->resident.soil_rasters);
@@ -438,6 +442,9 @@ void world_finish(struct world *world, enum status status)
 	world_free_bodies(world);
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
+	world_happened_finish(world);
+	resident_requests_finish(&world->wishes);
+	mem_free(world->rows.list);
 	mem_free(world->events.list);
 	mem_free(world->events.ahead);
 	mem_free(world->events.runs);

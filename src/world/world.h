@@ -4,7 +4,8 @@
  * be resumed.
  *
  * The world does not know which program steps it. That program is the command, the window, or a host (a program that calls the
- * library). It calls the functions below in this order. To draw the world, it watches it through struct world_watcher.
+ * library). It calls the functions below in this order. It reads what a step did after the step: rows, and for pictures
+ * what happened to the ground (events.h).
  *
  *     world_open -> world_start -> (a view is made) -> world_warm -> world_begin -> world_step ... -> world_end -> world_finish
  *
@@ -27,7 +28,6 @@
 #include "resident/resident.h"
 #include "scene/scene.h"
 #include "store/store.h"
-#include "terrain/terrain.h"
 #include "world/body.h"
 #include "world/events.h"
 #include "world/facts.h"
@@ -44,7 +44,7 @@ struct world_recorded {
 };
 
 struct world_params {
-	struct world_attached attached; /* count 0: none */
+	size_t attached;           /* numbers that another part of the run adds to each record, such as the state of vehicles: world_attach */
 	const struct scene *scene; /* must stay valid longer than the world */
 	/* path; overrides the store that the scene names; NULL: the scene must name one. Like overlay, it is read while the world opens */
 	const char *store;
@@ -95,8 +95,6 @@ enum status world_start(struct world *world) FURROW_CHECKED;
 /* Makes the page cache and its threads. `commit_log`: a file that gets a line for each commit. `trace`: notes each access. Both
  * may be NULL. The world owns them from now on. */
 enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace) FURROW_CHECKED;
-/* Sets the watcher. Call it before world_warm. The caller owns the watcher, which must stay valid longer than the world. */
-void world_watch(struct world *world, const struct world_watcher *watcher);
 /* Allows drawing a host's world from now on, if it was not drawn before. */
 enum status world_start_drawing(struct world *world) FURROW_CHECKED;
 /* Links every program, runs each once, and loads what the first step needs. */
@@ -145,7 +143,11 @@ bool world_stopped(const struct world *world); /* true after Ctrl-C */
 enum status world_interrupted(const struct world *world) FURROW_CHECKED;
 /* The most path samples of one object in a step. */
 #define WORLD_SAMPLES_MOST 1000000
-/* Ends a change of the ground. From now on it may be committed with the present record. */
+/* For a world with attached numbers: sets them, `params.attached` finite ones, for the next record. Call it before world_begin, and between each step
+ * and world_end_step. */
+void world_attach(struct world *world, const double *numbers);
+/* Ends a step of a world with attached numbers, which world_step, world_step_to and world_move_hosts leave open. From now on it may be committed.
+ * In other worlds these end it, and there is nothing to call. */
 enum status world_end_step(struct world *world) FURROW_CHECKED;
 /* Returns the attached numbers of the run that is resumed. NULL: there are none. Call it before world_begin. */
 const double *world_attached(const struct world *world);
@@ -169,13 +171,11 @@ const struct resident *world_resident(const struct world *world);
 const struct deform *world_deform(const struct world *world);
 const struct bearing *world_bearing(const struct world *world);
 struct look_ahead *world_look_ahead(const struct world *world);
-/* Sets who gets rows of objects.csv, who is called around commits, and what pictures show of vehicles. Call them before world_warm. All stay the
- * caller's, and must stay valid longer than the world. */
-void world_set_rows(struct world *world, const struct world_rows *rows);
+/* Sets who is called around commits, and what pictures show of vehicles. Call them before world_warm. Both stay the caller's, and must stay valid longer
+ * than the world. */
 void world_set_commits(struct world *world, const struct world_commits *commits);
 void world_set_figures(struct world *world, const struct world_figures *figures);
 const struct world_figures *world_figures(const struct world *world);
-bool world_gives_rows(const struct world *world); /* somebody gets rows */
 
 /* Commits everything so far. world_rollback can restore this state. On failure it restores that of the earlier checkpoint. */
 enum status world_checkpoint(struct world *world) FURROW_CHECKED;
@@ -191,11 +191,11 @@ enum status world_changes_since(struct world *world, uint64_t since, struct post
  * --- queries ---
  *
  * Call them between two steps. They give the newest ground, with the changes of the last step. They never change results. For
- * heights and rays see terrain/terrain.h. One call for many points is faster than many calls.
+ * heights and rays see resident/heights.h. One call for many points is faster than many calls.
  */
-enum status world_heights(struct world *world, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status world_heights(struct world *world, const struct resident_point *points, size_t count, struct resident_height *heights)
 	FURROW_CHECKED;
-enum status world_rays(struct world *world, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+enum status world_rays(struct world *world, const struct resident_ray *rays, size_t count, struct resident_hit *hits) FURROW_CHECKED;
 /* As resident_read_posts. */
 enum status world_read_posts(struct world *world, enum store_layer layer, int level, struct post_rect rect, double *values)
 	FURROW_CHECKED;

@@ -12,8 +12,8 @@ static enum status drop_one(struct guest *guest, struct drive *drive, struct api
 /* Twice between two steps: the second upon what the first left. */
 static enum status drop_twice(struct guest *guest, struct drive *drive, struct api_control *wish)
 {
-	const struct terrain_point point = {150, 120};
-	struct terrain_height height;
+	const struct resident_point point = {150, 120};
+	struct resident_height height;
 	wish->go = guest->turns < 3 ? API_HOLD : API_STOP;
 	for (int i = 1; i <= 2 && guest->turns == 2; i++) {
 		must(api_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
@@ -147,8 +147,8 @@ static void beyond_the_ground_nothing_is_dropped(void **state)
 /* Deeper than an object of the scene ever is: boxes hold it still. */
 static enum status drop_often(struct guest *guest, struct drive *drive, struct api_control *wish)
 {
-	const struct terrain_point point = {150, 120};
-	struct terrain_height height;
+	const struct resident_point point = {150, 120};
+	struct resident_height height;
 	wish->go = API_STOP;
 	for (int i = 0; i < 30; i++)
 		must(api_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));

@@ -14,10 +14,10 @@ static enum status only_watch(struct guest *guest, struct drive *drive, struct a
 	wish->camera = (struct render_camera){{20, 20, 130 + guest->turns % 7}, {60, 70, 100}, 0.9, {0}};
 	wish->layer = (enum render_layer_kind)(guest->turns % RENDER_LAYERS);
 	/* And asks where the object has been, and will be. */
-	const struct terrain_point points[] = {{45, 63.75}, {60, 75}, {79, 89}};
-	const struct terrain_ray down = {{60, 75, 200}, {0, 0, -1}, 200};
-	struct terrain_height heights[3];
-	struct terrain_hit hit;
+	const struct resident_point points[] = {{45, 63.75}, {60, 75}, {79, 89}};
+	const struct resident_ray down = {{60, 75, 200}, {0, 0, -1}, 200};
+	struct resident_height heights[3];
+	struct resident_hit hit;
 	enum status status = api_heights(drive, points, 3, heights);
 	if (status == STATUS_OK)
 		status = api_rays(drive, &down, 1, &hit);

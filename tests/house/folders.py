@@ -11,7 +11,7 @@ import unittest
 SOURCES = pathlib.Path(os.environ["SOURCES"])      # src
 LIBRARIES = pathlib.Path(os.environ["LIBRARIES"])  # where libfurrow_FOLDER.a are
 # From below to above; folders of one line are siblings, and never include each other.
-ORDER = [["base"], ["dem", "store", "page", "soil"], ["gpu"], ["deform", "terrain", "chart"], ["resident"], ["bearing"], ["scene"], ["motion"], ["world"],
+ORDER = [["base"], ["dem", "store", "page", "soil"], ["gpu", "intake"], ["deform", "chart"], ["resident"], ["bearing"], ["scene"], ["motion"], ["world"],
          ["vehicle", "render"], ["report", "rig", "exchange"], ["mobility"], ["api", "fleet"]]
 FOLDERS = [folder for row in ORDER for folder in row]
 FREE = {"base"}  # its words are everybody's: status, tile, lattice, ...

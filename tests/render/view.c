@@ -16,7 +16,7 @@ static void nap(void)
 static void step(struct rig *rig, double time_step)
 {
 	must(page_cache_poll(rig->made.resident.cache));
-	must(motion_look_ahead_step(rig->made.ahead, rig->made.time));
+	must(resident_look_ahead_step(rig->made.ahead, rig->made.time));
 	rig->made.step++;
 	rig_at(rig, rig->made.time + time_step);
 	must(page_cache_end_step(rig->made.resident.cache, rig->record));
@@ -102,12 +102,12 @@ static void load_wishes(struct rig *rig)
 {
 	for (int tries = 0;; tries++) {
 		assert_true(tries < 100000);
-		motion_requests_clear(&rig->requests);
+		resident_requests_clear(&rig->requests);
 		must(render_view_requests(rig->view, &rig->requests));
 		if (rig->requests.count == 0)
 			return;
 		const uint64_t *keys;
-		size_t count = motion_requests_order(&rig->requests, &keys);
+		size_t count = resident_requests_order(&rig->requests, &keys);
 		page_cache_want(rig->made.resident.cache, keys, count);
 		nap();
 		must(page_cache_poll(rig->made.resident.cache));
@@ -153,7 +153,7 @@ static void wishes_are_what_is_lacking_now_then_what_will_be(void **state)
 		struct render_camera camera;
 		render_view_place_camera(view, rig.made.time, &camera);
 		must(render_view_select(view, &camera, false));
-		motion_requests_clear(&rig.requests);
+		resident_requests_clear(&rig.requests);
 		must(render_view_requests(view, &rig.requests));
 		const struct request *wishes = rig.requests.requests;
 		size_t count = rig.requests.count, lacking = view->selection->wanted_count;
@@ -222,7 +222,7 @@ static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void *
 	assert_int_equal(below_zero(rig.view), 0);
 	rig_at_level(&rig, -2);
 	start_look_ahead(&rig);
-	must(motion_look_ahead_step(rig.made.ahead, rig.made.time));
+	must(resident_look_ahead_step(rig.made.ahead, rig.made.time));
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		must(render_view_look_ahead(rig.view));
 	assert_true(below_zero(rig.view) >= 8);
@@ -249,11 +249,11 @@ static void bent_ground_is_drawn_finely_and_straight_ground_is_not(void **state)
 			rig_at_level(&rig, level);
 			rig.scene.view.aim.eye[2] = 107; /* near the ground */
 			must(render_view_frame(rig.view, NULL, true));
-			const struct terrain_selection *selection = rig.view->selection;
+			const struct render_selection *selection = rig.view->selection;
 			size_t finer = 0;
 			int finest = 0;
 			for (size_t i = 0; i < selection->draw_count; i++) {
-				const struct terrain_draw *draw = &selection->draws[i];
+				const struct render_draw *draw = &selection->draws[i];
 				double bend = 0;
 				finer += draw->tile.level < 0;
 				finest = draw->tile.level < finest ? draw->tile.level : finest;
@@ -277,12 +277,12 @@ static void however_far_it_looks_an_object_wishes_for_no_more_than_the_slots(voi
 	rig_at_level(&rig, -4);
 	start_look_ahead(&rig);
 	for (; rig.made.time < 2; rig_at(&rig, rig.made.time + 0.1)) {
-		must(motion_look_ahead_step(rig.made.ahead, rig.made.time));
+		must(resident_look_ahead_step(rig.made.ahead, rig.made.time));
 		size_t count = 0, next = 0;
-		for (size_t i = 0; i < motion_look_ahead_requests(rig.made.ahead)->count; i++) {
-			count += tile_from_key(motion_look_ahead_requests(rig.made.ahead)->requests[i].key).level == -4;
-			next += tile_from_key(motion_look_ahead_requests(rig.made.ahead)->requests[i].key).level == -4 &&
-				motion_look_ahead_requests(rig.made.ahead)->requests[i].time <= rig.made.time + 0.05;
+		for (size_t i = 0; i < resident_look_ahead_requests(rig.made.ahead)->count; i++) {
+			count += tile_from_key(resident_look_ahead_requests(rig.made.ahead)->requests[i].key).level == -4;
+			next += tile_from_key(resident_look_ahead_requests(rig.made.ahead)->requests[i].key).level == -4 &&
+				resident_look_ahead_requests(rig.made.ahead)->requests[i].time <= rig.made.time + 0.05;
 		}
 		assert_true(next > 0 && count < 8 + 4); /* the last station has a window of four */
 	}
@@ -300,7 +300,7 @@ static void looking_ahead_marks_nothing_used(void **state)
 		struct residents before = {.count = 0}, after = {.count = 0};
 		page_cache_each_resident(rig.made.resident.cache, resident, &before);
 		must(render_view_look_ahead(rig.view));
-		motion_requests_clear(&rig.requests);
+		resident_requests_clear(&rig.requests);
 		must(render_view_requests(rig.view, &rig.requests));
 		page_cache_each_resident(rig.made.resident.cache, resident, &after);
 		/* Least recently used first: the order is the marks. */
@@ -395,7 +395,7 @@ static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
 /* As start_look_ahead does, with its thread. */
 static void start_bringing(struct rig *rig)
 {
-	motion_look_ahead_destroy(rig->made.ahead);
+	resident_look_ahead_destroy(rig->made.ahead);
 	rig_make_look_ahead(rig);
 	rig_serve_look_ahead(rig);
 }
@@ -458,13 +458,13 @@ static void a_picture_in_a_window_waits_for_no_range(void **state)
 		nap();
 	}
 	assert_true(range_waits(&rig) <= 1);
-	static struct terrain_selection seen, read;
+	static struct render_selection seen, read;
 	seen = *view->selection;
 	struct render_camera camera;
 	render_view_place_camera(view, rig.made.time, &camera);
 	key_cache_finish(&view->ranges);
 	view->ranges = (struct key_cache){.most = 1024};
-	motion_look_ahead_stop(rig.made.ahead);
+	resident_look_ahead_stop(rig.made.ahead);
 	resident_ground_destroy(rig.made.resident.ground);
 	must(resident_ground_create(rig.made.resident.store, 16, &rig.made.resident.ground));
 	rig_set(&rig);

@@ -40,7 +40,7 @@ static void wait_for_tiles(struct drive *drive, const struct render_camera *came
 {
 	for (int tries = 0; tries < 100000; tries++) {
 		must(render_view_select(drive->view, camera, false));
-		const struct terrain_selection *selection = drive->view->selection;
+		const struct render_selection *selection = drive->view->selection;
 		if (selection->wanted_count == 0)
 			return;
 		page_cache_want(world_resident(drive->world)->cache, selection->wanted, selection->wanted_count);
@@ -304,12 +304,12 @@ static void what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base(voi
 	struct render_camera camera = {{20, 20, 140}, {480, 480, 160}, 0.3, {0}};
 	must(render_view_select(view, &camera, true));
 	size_t needed = view->selection->needed, culled = view->selection->culled;
-	struct terrain_view looking;
+	struct render_view looking;
 	render_view(view->render, &camera, &looking);
-	static struct terrain_selection wide, base;
+	static struct render_selection wide, base;
 	widest = 40; /* as all were taken to be */
-	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_all_wide, never_resident, down_to_zero, NULL, NULL}, &wide);
-	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_of_base, never_resident, down_to_zero, NULL, NULL}, &base);
+	render_select(&extent, &looking, &(struct render_source){&rig, boxes_all_wide, never_resident, down_to_zero, NULL, NULL}, &wide);
+	render_select(&extent, &looking, &(struct render_source){&rig, boxes_of_base, never_resident, down_to_zero, NULL, NULL}, &base);
 	print_message("tiles of a picture: %zu by true boxes (%zu culled), %zu by the widest (%zu), %zu undeformed (%zu)\n", needed, culled,
 		      wide.needed, wide.culled, base.needed, base.culled);
 	assert_true(needed >= base.needed && 3 * needed < 2 * wide.needed);

@@ -39,10 +39,15 @@ static void press(struct rig *rig, struct tile tile, double x, double y, double 
 	struct event event = event_at(rig, x, y, sink);
 	int64_t cx = (int64_t)(x / rig->made.resident.spacing), cy = (int64_t)(y / rig->made.resident.spacing), r = (int64_t)ceil(0.5 / rig->made.resident.spacing);
 	const struct post_rect under = {cx - r, cy - r, cx + r + 2, cy + r + 2};
-	const struct contact_area sweep = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under};
-	must(render_view_contact(rig->view, &event, &sweep));
+	const struct world_touch touch = {
+		.shape = &rig->object.shape,
+		.pose = event.pose,
+		.depth = sink,
+		.area = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under},
+	};
+	must(render_view_contact(rig->view, &touch));
 	must(render_view_deformed(rig->view, tile));
-	must(render_view_contact(rig->view, NULL, NULL));
+	must(render_view_contact(rig->view, NULL));
 }
 
 static void without_a_pixel_error_no_errors_are_kept(void **state)

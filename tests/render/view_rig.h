@@ -19,7 +19,6 @@ struct rig {
 	struct deform_params surface; /* of made.deform */
 	struct view *view;
 	struct requests requests;
-	struct world_watcher watcher;
 	struct scene scene;
 	struct scene_object object;
 	struct scene_waypoint points[2];
@@ -90,8 +89,8 @@ static inline void rig_at_level(struct rig *rig, int level)
 static inline void rig_make_look_ahead(struct rig *rig)
 {
 	const struct resident *ground = &rig->made.resident;
-	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next, NULL};
-	must(motion_look_ahead_create(&(struct look_ahead_params){.store = ground->store, .ground = ground->ground, .tiles = 8, .bodies = &body,
+	const struct look_ahead_body body = {motion_track_ahead(rig->body.track), &rig->object.shape, rig->body.next, NULL};
+	must(resident_look_ahead_create(&(struct look_ahead_params){.store = ground->store, .ground = ground->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = ground->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &rig->made.ahead));
 	rig_set(rig);
@@ -100,7 +99,7 @@ static inline void rig_make_look_ahead(struct rig *rig)
 static inline void rig_serve_look_ahead(struct rig *rig)
 {
 	const struct resident *ground = &rig->made.resident;
-	motion_look_ahead_serve(rig->made.ahead, &(struct look_ahead_pages){&rig->surface, &ground->meta->extent, ground->level, ground->cache,
+	resident_look_ahead_serve(rig->made.ahead, &(struct look_ahead_pages){&rig->surface, &ground->meta->extent, ground->level, ground->cache,
 									    rig->scene.slots, rig_requests, rig});
 }
 
@@ -108,12 +107,12 @@ static inline void rig_serve_look_ahead(struct rig *rig)
 static inline void start_look_ahead(struct rig *rig)
 {
 	const struct resident *ground = &rig->made.resident;
-	motion_look_ahead_destroy(rig->made.ahead);
+	resident_look_ahead_destroy(rig->made.ahead);
 	deform_destroy(rig->made.deform);
 	rig->surface = (struct deform_params){.gpu = ground->gpu, .slots = ground->slots, .extent = &ground->meta->extent, .level = ground->level};
 	must(deform_create(&rig->surface, &rig->made.deform));
 	rig_make_look_ahead(rig);
-	motion_look_ahead_stop(rig->made.ahead);
+	resident_look_ahead_stop(rig->made.ahead);
 	rig_serve_look_ahead(rig);
 }
 
@@ -181,7 +180,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 static inline void rig_close(struct rig *rig)
 {
 	struct resident *ground = &rig->made.resident;
-	motion_look_ahead_destroy(rig->made.ahead);
+	resident_look_ahead_destroy(rig->made.ahead);
 	render_view_destroy(rig->view);
 	world_made_free(rig->world);
 	resident_pages_destroy(ground->pages);
@@ -190,7 +189,7 @@ static inline void rig_close(struct rig *rig)
 	gpu_slots_destroy(ground->slots);
 	gpu_destroy(ground->gpu);
 	motion_track_destroy(rig->body.track);
-	motion_requests_finish(&rig->requests);
+	resident_requests_finish(&rig->requests);
 	store_close(ground->store);
 	fclose(rig->commit_log);
 	free(rig->record);

@@ -20,8 +20,8 @@ static double level_ground(int64_t x, int64_t y)
 
 /* --- asking --- */
 
-static struct terrain_point points[POINTS];
-static struct terrain_ray rays[RAYS];
+static struct resident_point points[POINTS];
+static struct resident_ray rays[RAYS];
 
 static void choose(void)
 {
@@ -33,18 +33,18 @@ static void choose(void)
 			at[k] = (double)(state >> 11) * 0x1p-53;
 		}
 		if (i < POINTS) /* every third at a post of the finest there is */
-			points[i] = i % 3 == 0 ? (struct terrain_point){floor(at[0] * 1024) / 8, floor(at[1] * 1024) / 8}
-					       : (struct terrain_point){at[0] * 130 - 1, at[1] * 130 - 1};
+			points[i] = i % 3 == 0 ? (struct resident_point){floor(at[0] * 1024) / 8, floor(at[1] * 1024) / 8}
+					       : (struct resident_point){at[0] * 130 - 1, at[1] * 130 - 1};
 		else
-			rays[i - POINTS] = (struct terrain_ray){{at[0] * 128, at[1] * 128, 90 + 20 * at[2]},
+			rays[i - POINTS] = (struct resident_ray){{at[0] * 128, at[1] * 128, 90 + 20 * at[2]},
 								{at[3] - 0.5, at[4] - 0.5, 0.3 * (at[5] - 0.5)},
 								at[5] < 0.2 ? (double)INFINITY : 60};
 	}
 }
 
 struct answers {
-	struct terrain_height heights[POINTS];
-	struct terrain_hit hits[RAYS];
+	struct resident_height heights[POINTS];
+	struct resident_hit hits[RAYS];
 };
 
 static struct answers before, after;
@@ -69,7 +69,7 @@ static void ask_anew(struct rig *rig, struct answers *answers)
 static void check_same(const struct answers *a, const struct answers *b)
 {
 	for (int i = 0; i < POINTS; i++)
-		assert_memory_equal(&a->heights[i], &b->heights[i], offsetof(struct terrain_height, nodata) + sizeof a->heights[i].nodata); /* what follows is padding */
+		assert_memory_equal(&a->heights[i], &b->heights[i], offsetof(struct resident_height, nodata) + sizeof a->heights[i].nodata); /* what follows is padding */
 	for (int i = 0; i < RAYS; i++) {
 		assert_int_equal(a->hits[i].hit, b->hits[i].hit);
 		assert_true(a->hits[i].distance == b->hits[i].distance && a->hits[i].normal[0] == b->hits[i].normal[0] &&
@@ -122,14 +122,14 @@ static void check_posts(const char *path, struct newest *newest, int level)
 	int finest = level < 0 ? level : 0;
 	int64_t side = extent_posts(extent.width, finest);
 	double *values = malloc((size_t)(side * side) * sizeof *values);
-	struct terrain_point *all = malloc((size_t)(side * side) * sizeof *all);
-	struct terrain_height *heights = malloc((size_t)(side * side) * sizeof *heights);
+	struct resident_point *all = malloc((size_t)(side * side) * sizeof *all);
+	struct resident_height *heights = malloc((size_t)(side * side) * sizeof *heights);
 	size_t fine = 0;
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(store_reader_create(store, &reader));
 	must(store_read_posts(reader, STORE_SURFACE, finest, (struct post_rect){0, 0, side, side}, values));
 	for (int64_t i = 0; i < side * side; i++)
-		all[i] = (struct terrain_point){(double)(i % side) * extent_spacing(&extent, finest),
+		all[i] = (struct resident_point){(double)(i % side) * extent_spacing(&extent, finest),
 						(double)(i / side) * extent_spacing(&extent, finest)};
 	must(resident_newest_heights(newest, all, (size_t)(side * side), heights));
 	for (int64_t i = 0; i < side * side; i++) {
@@ -232,8 +232,8 @@ static void above_it(void **state)
 static void check_in_rut(struct newest *newest, double x, double y)
 {
 	for (int i = 0; i < 64; i++) {
-		struct terrain_ray ray = {{x, y, 99.9}, {cos(i * 0.1), sin(i * 0.1), 0}, INFINITY};
-		struct terrain_hit hit;
+		struct resident_ray ray = {{x, y, 99.9}, {cos(i * 0.1), sin(i * 0.1), 0}, INFINITY};
+		struct resident_hit hit;
 		must(resident_newest_rays(newest, &ray, 1, &hit));
 		assert_true(hit.hit && !hit.below && hit.distance < 3);
 		/* And from afar under it: into the rut from below. */

@@ -20,8 +20,11 @@ static enum status one_size(struct sim_run *run, sim_access_fn access, uint32_t 
 		return fail_memory("the simulated cache");
 	enum status status = STATUS_OK;
 	*misses = 0;
-	for (size_t i = 0; i < accesses->count && (status = sim_tick(run, i)) == STATUS_OK; i++)
+	for (size_t i = 0; i < accesses->count; i++) {
+		TRY_OR(done, sim_tick(run, i));
 		*misses += !access(&cache, accesses->tiles[i]);
+	}
+done:
 	mem_free(cache.pages);
 	return status;
 }
@@ -35,14 +38,13 @@ enum status sim_misses(const struct sim_accesses *accesses, enum sim_policy poli
 		[SIM_S3FIFO] = sim_s3fifo,
 	};
 	struct sim_run run = {accesses, progress, user, policy == SIM_LRU ? 1 : count, 0};
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++)
 		assert(slots[i] >= 1);
 	if (policy == SIM_LRU)
 		return sim_lru(&run, slots, count, misses);
 	if (policy == SIM_OPT)
 		return sim_opt(&run, slots, count, misses);
-	for (; run.pass < count && status == STATUS_OK; run.pass++)
-		status = one_size(&run, access[policy], slots[run.pass], &misses[run.pass]);
-	return status;
+	for (; run.pass < count; run.pass++)
+		TRY(one_size(&run, access[policy], slots[run.pass], &misses[run.pass]));
+	return STATUS_OK;
 }

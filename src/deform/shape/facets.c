@@ -46,11 +46,9 @@ enum status deform_facets_begin(struct deform *deform, struct post_rect read, ui
 {
 	struct deform_request request;
 	deform_programs_facet(&deform->params, &request);
-	enum status status = deform_program(deform, &request, &deform->facet);
-	if (status == STATUS_OK && deform->facets == NULL)
-		status = make(deform);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, &deform->facet));
+	if (deform->facets == NULL)
+		TRY(make(deform));
 	deform->facets->read = read;
 	deform->facets->layer = layer;
 	deform->facets->count = 0;

@@ -48,11 +48,8 @@ static enum status grow(struct soil_block_set *set)
 
 enum status soil_block_set_add(struct soil_block_set *set, struct soil_block block)
 {
-	if (2 * set->count == set->room) {
-		enum status status = grow(set);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (2 * set->count == set->room)
+		TRY(grow(set));
 	size_t place = place_of(set, block);
 	if (set->places[place] == 0) {
 		set->blocks[set->count++] = block;
