@@ -1,7 +1,7 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
-# base, and of each folder below it the outward header with the parts that it includes. deform and bearing may include all of soil.
-# world and the folders above it also see api/furrow.h, which includes nothing of ours: its structs are the world's own.
+# base, and of each folder below it the outward header with the parts that it includes: that of api is furrow.h. deform and bearing may include all of soil.
+# world and the folders above it see api/furrow.h, too, which includes nothing of ours: its structs are the world's own.
 # It runs when meson configures: after a new part, `meson setup --reconfigure BUILD`.
 set -eu
 src=$1 farm=$2 name=$3
@@ -21,7 +21,9 @@ for below; do
 		ln -s "$src/$below" "$farm/$name/$below"
 	else
 		mkdir "$farm/$name/$below"
-		for header in $below/$below.h $(sed -n "s,^#include \"\($below/[^\"]*\)\".*,\1,p" "$src/$below/$below.h"); do
+		outward=$below/$below.h
+		[ "$below" != api ] || outward=api/furrow.h
+		for header in $outward $(sed -n "s,^#include \"\($below/[^\"]*\)\".*,\1,p" "$src/$outward"); do
 			ln -s "$src/$header" "$farm/$name/$header"
 		done
 	fi

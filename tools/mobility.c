@@ -11,6 +11,7 @@
 #include "export.h"
 #include "mobility.h"
 #include "soil_given.h"
+#include "vehicle/vehicle.h"
 
 #define ROWS 64
 #define SIDE_MOST 4096 /* cells of a map */
@@ -45,7 +46,8 @@ struct asked {
 	bool json;
 	double gravity, spread[3], spacing; /* spread: of cohesion, friction, stiffness */
 	int64_t samples, seed;
-	struct vehicle_outline vehicle;
+	char name[64];           /* of the vehicle */
+	struct trials_vehicle vehicle;
 	struct mobility_table *table;
 	struct mobility_column *columns; /* of the spread's soils */
 	struct mobility_curves *curves;
@@ -57,11 +59,17 @@ struct asked {
 
 static enum status take_vehicle(const struct scene *scene, struct asked *asked)
 {
-	enum status status = vehicle_outline(scene, 0, &asked->vehicle);
-	if (status != STATUS_OK)
-		return status;
-	const char *problem = mobility_vehicle_problem(&asked->vehicle);
-	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "mobility: %s: %s", asked->vehicle.name, problem);
+	struct vehicle_outline outline;
+	struct trials_vehicle *vehicle = &asked->vehicle;
+	TRY(vehicle_outline(scene, 0, &outline));
+	snprintf(asked->name, sizeof asked->name, "%s", outline.name);
+	*vehicle = (struct trials_vehicle){.mass = outline.mass, .height = outline.height, .clearance = outline.clearance, .wheel_count = outline.wheel_count};
+	for (size_t i = 0; i < outline.wheel_count && i < TRIALS_WHEELS_MOST; i++) {
+		const struct vehicle_wheel *wheel = &outline.wheels[i];
+		vehicle->wheels[i] = (struct trials_wheel){wheel->x, wheel->y, wheel->radius, wheel->width, wheel->driven, wheel->torque_most};
+	}
+	const char *problem = trials_vehicle_problem(vehicle);
+	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "mobility: %s: %s", asked->name, problem);
 }
 
 /* A scene of the model alone. */
@@ -126,7 +134,7 @@ static void tell(void *user, const char *text)
 static enum status check_units(const struct asked *asked)
 {
 	struct scene *scene;
-	enum status status = rig_soil_scene(asked->soil.text, &scene);
+	enum status status = scene_soil_alone(asked->soil.text, &scene);
 	if (status != STATUS_OK)
 		return status;
 	scene_advise_units(scene, tell, NULL);
@@ -142,13 +150,27 @@ static enum status progress_rig(void *user, int64_t done, int64_t total)
 	return progress_step(&asked->progress, done, total);
 }
 
+static enum status friction_of(const char *soil, double *degrees)
+{
+	const char *key;
+	double value;
+	struct scene *scene;
+	TRY(scene_soil_alone(soil, &scene));
+	*degrees = NAN;
+	for (size_t i = 0; scene_soil_number(&scene->soils[0], i, &key, &value); i++)
+		if (strcmp(key, "friction_angle") == 0)
+			*degrees = value;
+	scene_destroy(scene);
+	return STATUS_OK;
+}
+
 /* Fills the curves. factor: of the soil's numbers; NULL: the soil as it is. */
 static enum status measure(struct asked *asked, const double *factor)
 {
 	const char *soil = asked->soil.text;
 	char *varied = NULL;
 	if (factor != NULL) {
-		soil = varied = mobility_soil_varied(asked->soil.text, factor);
+		soil = varied = scene_soil_varied(asked->soil.text, factor);
 		if (varied == NULL)
 			return STATUS_INPUT;
 	}
@@ -158,13 +180,15 @@ static enum status measure(struct asked *asked, const double *factor)
 	enum status status = STATUS_OK;
 	if (mkdtemp(folder) == NULL)
 		status = fail_with(STATUS_FAILED, "%s: cannot be made; free some disk space", folder);
-	const struct mobility_rig rig = {.soil = soil, .gravity = asked->gravity, .spacing = asked->spacing, .folder = folder, .stop = &interrupted,
+	double angle = NAN;
+	if (status == STATUS_OK)
+		status = friction_of(soil, &angle);
+	const struct mobility_rig rig = {.soil = soil, .friction_angle = angle, .gravity = asked->gravity, .spacing = asked->spacing, .folder = folder, .stop = &interrupted,
 					 .progress = progress_rig, .user = asked};
 	progress_start(&asked->progress, factor == NULL ? "rig" : "rig, spread", "runs");
-	if (status == STATUS_OK) {
-		status = mobility_measure(&asked->vehicle, &rig, asked->curves);
-		rmdir(folder);
-	}
+	if (status == STATUS_OK)
+		status = trials_measure_wheels(&asked->vehicle, &rig, asked->curves);
+	rmdir(folder); /* where it was made */
 	progress_end(&asked->progress);
 	mem_free(varied);
 	return status;
@@ -173,7 +197,7 @@ static enum status measure(struct asked *asked, const double *factor)
 static enum status make_tables(struct asked *asked)
 {
 	double factors[MOBILITY_SAMPLES_MOST][3];
-	mobility_spread_factors(asked->spread, asked->seed, (size_t)asked->samples, factors);
+	trials_spread_factors(asked->spread, asked->seed, (size_t)asked->samples, factors);
 	asked->table = mem_calloc(1, sizeof *asked->table);
 	asked->columns = mem_calloc((size_t)asked->samples + 1, sizeof *asked->columns);
 	asked->curves = mem_calloc(1, sizeof *asked->curves);
@@ -181,11 +205,11 @@ static enum status make_tables(struct asked *asked)
 		return fail_memory("tables of slopes");
 	enum status status = measure(asked, NULL);
 	if (status == STATUS_OK)
-		mobility_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
+		trials_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
 	for (int64_t i = 0; i < asked->samples && status == STATUS_OK; i++) {
 		status = measure(asked, factors[i]);
 		if (status == STATUS_OK)
-			mobility_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
+			trials_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
 	}
 	return status;
 }
@@ -204,17 +228,17 @@ static int level_for(const struct extent *extent, double length)
 /* Refuses a terrain of which nothing could be known. The rig would take a minute before that is told. */
 static enum status check_posts(const struct asked *asked, const struct store_meta *meta)
 {
-	const double length = mobility_length(&asked->vehicle);
+	const double length = trials_vehicle_length(&asked->vehicle);
 	if (meta->extent.spacing <= length)
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "mobility: %s: its posts are %g m apart, and %s is %.2g m long, so all would be unknown; give a terrain with posts of "
-				       "at most %s m", asked->store, meta->extent.spacing, asked->vehicle.name, length, number_at_most(length, 2).text);
+				       "at most %s m", asked->store, meta->extent.spacing, asked->name, length, number_at_most(length, 2).text);
 }
 
 /* Finds the posts that are judged, and their level. A picture has at most SIDE_MOST cells on a side. */
 static enum status find_cells(struct asked *asked, const struct store_meta *meta, int *level, struct post_rect *rect)
 {
-	const int own = level_for(&meta->extent, mobility_length(&asked->vehicle));
+	const int own = level_for(&meta->extent, trials_vehicle_length(&asked->vehicle));
 	enum chart_format format;
 	const bool picture = chart_path_format(asked->out, &format);
 	for (asked->window.level = own;; asked->window.level++) {
@@ -234,7 +258,7 @@ static enum status find_cells(struct asked *asked, const struct store_meta *meta
 static enum status draw(struct asked *asked, struct store *store, int level, struct post_rect rect)
 {
 	const struct store_meta *meta = store_meta(store);
-	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->vehicle.name, .soil = asked->soil.label,
+	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->name, .soil = asked->soil.label,
 				   .mass = asked->vehicle.mass, .gravity = asked->gravity, .seed = asked->seed, .table = asked->table,
 				   .columns = asked->columns, .samples = (size_t)asked->samples, .meta = meta, .layer = (enum mobility_layer)asked->layer,
 				   .level = level, .rect = rect};

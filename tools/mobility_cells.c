@@ -14,7 +14,7 @@ enum mobility_class mobility_class_of(const struct mobility_slope *slope)
 		return CLASS_GO;
 	if (!isnan(slope->steepest))
 		return CLASS_SOME;
-	return mobility_is_unknown(slope->up.reason) ? CLASS_UNKNOWN : CLASS_NO_GO;
+	return trials_is_unknown(slope->up.reason) ? CLASS_UNKNOWN : CLASS_NO_GO;
 }
 
 int mobility_colour_of(const struct mobility_cell *cell, enum mobility_layer layer)
@@ -29,11 +29,11 @@ int mobility_colour_of(const struct mobility_cell *cell, enum mobility_layer lay
 static void judge(const struct mobility_map *map, double east, double north, struct mobility_cell *cell)
 {
 	const double slope = atan(hypot(east, north)) * 180 / M_PI;
-	cell->slope = mobility_table_at(map->table, slope);
+	cell->slope = trials_table_at(map->table, slope);
 	cell->probability = NAN;
 	/* What is unknown in the soil as given has no probability. */
-	if (!mobility_is_unknown(cell->slope.up.reason))
-		cell->probability = mobility_probability(map->columns, map->samples, slope);
+	if (!trials_is_unknown(cell->slope.up.reason))
+		cell->probability = trials_probability(map->columns, map->samples, slope);
 	cell->shade = chart_shade(&map->sun, east, north);
 }
 

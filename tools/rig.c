@@ -154,12 +154,6 @@ static enum status progress_rig(void *user, int64_t done, int64_t total)
 	return progress_step(&asked->progress, done, total);
 }
 
-static void tell(void *user, const char *text)
-{
-	(void)user;
-	note("%s", text);
-}
-
 static enum status keep(void *user, const struct rig_row *row)
 {
 	struct asked *asked = user;
@@ -211,7 +205,7 @@ static void print_row(const struct rig_table *table, const struct rig_row *row)
 			printf(formats[i], values[i]);
 		else
 			printf("%*s", widths[i], "-");
-	printf("  %s\n", rig_state_names[row->state]);
+	printf("  %s\n", trials_rig_states[row->state]);
 }
 
 static void print_differences(const struct rig_table *table, size_t soil)
@@ -288,6 +282,21 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 	return status;
 }
 
+/* Writes settings as the rig takes them. */
+static enum status join_settings(const struct settings *settings, char **out)
+{
+	size_t room = 1;
+	for (size_t i = 0; i < settings->count; i++)
+		room += strlen(settings->list[i].key) + strlen(settings->list[i].value) + 2;
+	char *at = *out = mem_alloc(room, 1);
+	if (at == NULL)
+		return fail_memory("settings");
+	*at = '\0';
+	for (size_t i = 0; i < settings->count; i++)
+		at += sprintf(at, "%s=%s\n", settings->list[i].key, settings->list[i].value);
+	return STATUS_OK;
+}
+
 static enum status make_folder(const char *path)
 {
 	if (mkdir(path, 0777) == 0 || errno == EEXIST)
@@ -303,18 +312,20 @@ static enum status run(const struct arguments *arguments)
 		return fail_memory("the rig");
 	struct rig_params *params = &asked->params;
 	*params = (struct rig_params){.soils = asked->soils, .loads = asked->loads, .slips = asked->slips, .torques = asked->torques, .stop = &interrupted,
-				      .progress = progress_rig, .tell = tell, .user = asked};
+				      .progress = progress_rig, .advise = true, .user = asked};
 	asked->table.params = params;
 	asked->table.soils = asked->labels;
 	enum status status = read_all(arguments, asked, &settings);
-	params->settings = settings.list;
-	params->setting_count = settings.count;
+	char *joined = NULL;
+	if (status == STATUS_OK)
+		status = join_settings(&settings, &joined);
+	params->settings = joined;
 	if (status == STATUS_OK)
 		status = make_folder(params->folder);
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		progress_start(&asked->progress, "rig", "runs");
-		status = rig_run(params, &asked->table.found, keep, asked);
+		status = trials_rig_run(params, &asked->table.found, keep, asked);
 		progress_end(&asked->progress);
 	}
 	if (status == STATUS_OK)
@@ -327,6 +338,7 @@ static enum status run(const struct arguments *arguments)
 		printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
 	}
 	settings_finish(&settings);
+	mem_free(joined);
 	mem_free(asked->table.rows);
 	mem_free(asked->table.measured);
 	for (size_t i = 0; i < SOILS_MOST; i++)

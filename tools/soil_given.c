@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "dem/dem.h"
-#include "rig/rig.h"
 
 bool soil_given_is_file(const char *given)
 {
@@ -86,7 +85,7 @@ static enum status take_file(const char *path, struct soil_given *soil)
 	struct scene *scene = NULL;
 	enum status status;
 	TRY_OR(done, load_file(path, &scene));
-	soil->text = rig_soil_text(&scene->soils[0], scene->model);
+	soil->text = scene_soil_text(&scene->soils[0], scene->model);
 	soil->label = label_of(path);
 	if (soil->text == NULL || soil->label == NULL)
 		TRY_OR(done, fail_memory("a soil"));
@@ -110,8 +109,8 @@ enum status soil_given_of_scene(const struct scene *scene, const char *path, str
 	if (scene->soil_count == 0)
 		return fail_with(STATUS_INPUT, "%s: its model reads no soil; give --soil", path);
 	struct soil_numbers named;
-	soil->text = rig_soil_text(&scene->soils[0], scene->model);
-	char *plain = soil_named(name, &named) == STATUS_OK ? rig_soil_text(&named, scene->model) : NULL;
+	soil->text = scene_soil_text(&scene->soils[0], scene->model);
+	char *plain = soil_named(name, &named) == STATUS_OK ? scene_soil_text(&named, scene->model) : NULL;
 	/* A named soil with numbers of the scene's own is another one. */
 	const bool own = soil->text != NULL && (plain == NULL || strcmp(plain, soil->text) != 0);
 	const size_t room = strlen(name) + strlen(path) + 8;

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "base/aside.h"
 #include "scene/scene_file.h"
 #include "study.h"
@@ -281,10 +281,10 @@ static enum status find_paths(struct study *study, const char *directory)
 static enum status find_runs(struct study *study, const char *directory, bool collects)
 {
 	char path[PATH_MAX];
-	TRY(api_folder_make(directory));
+	TRY(drive_folder_make(directory));
 	TRY(find_paths(study, directory));
 	snprintf(path, sizeof path, "%.4000s/runs", study->directory);
-	TRY(api_folder_make(path));
+	TRY(drive_folder_make(path));
 	TRY(name_runs(study, path, collects));
 	for (size_t run = 0; run < study->run_count; run++)
 		study_look(study, run);
@@ -304,7 +304,7 @@ enum status study_prepare(struct study *study, const char *directory, bool colle
 	}
 	TRY(status);
 	for (size_t run = 0; run < study->run_count; run++) {
-		TRY(api_folder_make(study_path(study, run, "", path)));
+		TRY(drive_folder_make(study_path(study, run, "", path)));
 		TRY(write_script(study, run));
 	}
 	TRY(write_copy(study));

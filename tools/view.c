@@ -103,8 +103,8 @@ static void say_where(const struct looking *looking, char *text, size_t size)
 
 static enum status look(struct looking *looking)
 {
-	const struct api_host host = viewer_host(&looking->viewer);
-	const struct api_params params = {
+	const struct drive_host host = viewer_host(&looking->viewer);
+	const struct drive_params params = {
 		.scene = looking->scene,
 		.store = looking->store,
 		.overlay = looking->overlay != NULL ? looking->overlay : looking->write ? NULL : shelter.overlay,
@@ -112,9 +112,9 @@ static enum status look(struct looking *looking)
 		.host = &host,
 		.stop = &interrupted,
 	};
-	struct api_result result;
+	struct drive_result result;
 	char where[700];
-	enum status status = api_drive(&params, &result);
+	enum status status = drive_run(&params, &result);
 	mem_free(result.json);
 	if (status != STATUS_OK && status != STATUS_INTERRUPTED)
 		return status;

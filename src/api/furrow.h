@@ -125,6 +125,8 @@ struct furrow_open {
 				   may write the store meanwhile: each query then tells the ground of its last commit. furrow_step,
 				   furrow_checkpoint, furrow_place and furrow_set_states are FURROW_USAGE. It goes with no `output` */
 	size_t reserved;        /* 0. Hosts that were built before `readonly` have a smaller struct */
+	const char *settings;   /* KEY=VALUE, one a line: each sets a key of the scene before it is read, as the command's --set; NULL: none */
+	bool advise;            /* the log gets what looks wrong with the scene on this store, or has no effect, as the command tells it */
 };
 
 /*
@@ -242,6 +244,21 @@ struct furrow_contact {
 	enum furrow_contact_state state; /* whether the soil carries the body */
 	double pull;            /* N: that its belt needs; NaN: it has no belt. Hosts that were built without it have a smaller struct */
 };
+
+/* What a body's shape is like. Filled by furrow_measure. */
+struct furrow_shape {
+	size_t size;          /* sizeof(struct furrow_shape) */
+	double radius, width; /* m: of a wheel; NaN: it is none */
+	double bound;         /* m: no part of it is farther from its origin */
+	bool belt;            /* a belt runs over it */
+};
+
+/*
+ * Fills *shape, whose `size` the caller has set. `object`: as furrow_body_add takes it. Needs no world and no GL, so a host can choose spacing and
+ * terrain by the size of its bodies. Paths of meshes count from the working folder. FURROW_INPUT: the text is no such entry.
+ * FURROW_USAGE: `size` is off. Any thread.
+ */
+FURROW_API furrow_status furrow_measure(const char *object, struct furrow_shape *shape);
 
 /*
  * Adds a body. `object`: YAML of one entry of the scene's `objects`, as in "{shape: {sphere: {radius: 0.2}}}". `name` may be

@@ -1,6 +1,7 @@
 /* furrow.h: bodies. Handles are the world's numbers. */
 #include "api/library.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -82,6 +83,37 @@ furrow_status furrow_body_add(struct furrow_world *world, const char *object, fu
 	if (status != STATUS_OK)
 		scene_object_finish(&parsed);
 	return api_library_leave(&call, status);
+}
+
+static enum status measure(const char *object, struct furrow_shape *shape)
+{
+	struct scene *scene;
+	struct scene_object parsed;
+	TRY(api_library_need(object, "object"));
+	TRY(api_library_need(shape, "shape"));
+	TRY(api_library_need_size(shape->size, sizeof *shape, sizeof *shape, "shape"));
+	TRY(scene_load_text("{}", NULL, NULL, 0, SCENE_HOST, &scene));
+	const enum status status = scene_object_parse(scene, object, &parsed);
+	scene_destroy(scene);
+	if (status != STATUS_OK)
+		return status;
+	const struct soil_shape *of = &parsed.shape;
+	const bool wheel = of->kind == SOIL_WHEEL;
+	*shape = (struct furrow_shape){
+		.size = shape->size,
+		.radius = wheel ? of->radius : (double)NAN,
+		.width = wheel ? of->width : (double)NAN,
+		.bound = soil_shape_bound(of),
+		.belt = of->belt,
+	};
+	scene_object_finish(&parsed);
+	return STATUS_OK;
+}
+
+furrow_status furrow_measure(const char *object, struct furrow_shape *shape)
+{
+	const enum status status = api_library_begin();
+	return api_library_end(status == STATUS_OK ? measure(object, shape) : status);
 }
 
 furrow_status furrow_body_find(struct furrow_world *world, const char *name, furrow_body *body)

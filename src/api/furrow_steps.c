@@ -5,36 +5,11 @@
 
 #define TIME_MOST 1e9 /* s: the longest end_time of a scene, too */
 
-enum status api_library_take(struct furrow_world *host)
-{
-	size_t count;
-	const struct world_row *rows = world_rows(host->world, &count);
-	TRY(report_rows_write(host->rows, rows, count));
-	world_rows_clear(host->world);
-	return host->view != NULL ? render_view_update(host->view) : STATUS_OK;
-}
-
-/* Lets the view say what it will need, makes one step, and takes what it did. */
-static enum status one_step(struct furrow_world *host, double until)
-{
-	if (host->view != NULL)
-		TRY(render_view_wish(host->view));
-	TRY(host->vehicles != NULL ? vehicle_step(host->vehicles) : world_step_to(host->world, until));
-	TRY(report_vehicles_write(host->vehicle_rows));
-	return api_library_take(host);
-}
-
 enum status api_library_checkpoint(struct furrow_world *host)
 {
-	struct library_mark mark = {host->origin, host->steps, 0, 0};
-	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.vehicle_rows_end);
-	if (status == STATUS_OK)
-		status = report_rows_mark(host->rows, &mark.rows_end);
-	if (status == STATUS_OK)
-		status = world_checkpoint(host->world);
-	if (status == STATUS_OK)
-		host->mark = mark;
-	return status;
+	TRY(drive_checkpoint(host->drive));
+	host->mark = (struct library_mark){host->origin, host->steps};
+	return STATUS_OK;
 }
 
 /* Vehicles take whole steps of time_step. Those before one that failed stay. */
@@ -45,16 +20,19 @@ static enum status step_vehicles(struct furrow_world *host, double seconds)
 	if (count < 1 || (seconds != 0 && fabs(seconds - count * time_step) > 1e-9 * seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no whole number of time_steps of %g s, which vehicles need; give a multiple, or 0 for one", seconds,
 				 time_step);
-	enum status status = STATUS_OK;
-	for (double i = 0; i < count && status == STATUS_OK; i++)
-		status = one_step(host, 0);
-	if (status == STATUS_OK || world_is_torn(world))
-		return status;
-	struct failure failure;
-	failure_capture(&failure, status);
-	if (vehicle_step_back(host->vehicles) != STATUS_OK)
-		world_tear(world);
-	return failure_restore(&failure);
+	enum status status;
+	for (double i = 0; i < count; i++)
+		TRY_OR(failed, drive_step(host->drive));
+	return STATUS_OK;
+failed:
+	if (!world_is_torn(world)) {
+		struct failure failure;
+		failure_capture(&failure, status);
+		if (vehicle_step_back(host->vehicles) != STATUS_OK)
+			world_tear(world);
+		return failure_restore(&failure);
+	}
+	return status;
 }
 
 static enum status step(struct furrow_world *host, double seconds)
@@ -69,7 +47,7 @@ static enum status step(struct furrow_world *host, double seconds)
 	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
 	const double began = clock_seconds();
-	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : one_step(host, until);
+	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : drive_step_to(host->drive, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
 	host->failed = status != STATUS_OK && status != STATUS_USAGE;
@@ -82,7 +60,7 @@ static enum status step(struct furrow_world *host, double seconds)
 		host->origin = until;
 		host->steps = 0;
 	}
-	times_add(&host->report.step_ms, took * 1e3);
+	times_add(&drive_report(host->drive)->step_ms, took * 1e3);
 	return STATUS_OK;
 }
 
@@ -116,16 +94,7 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	struct library_call call;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
-		status = world_rollback(world->world);
-	if (status == STATUS_OK) {
-		status = report_rows_rollback(world->rows, world->mark.rows_end);
-		if (status == STATUS_OK && world->vehicles != NULL)
-			status = vehicle_rollback(world->vehicles);
-		if (status == STATUS_OK)
-			status = report_vehicles_rollback(world->vehicle_rows, world->mark.vehicle_rows_end);
-		if (status != STATUS_OK)
-			world_tear(world->world);
-	}
+		status = drive_rollback(world->drive);
 	if (status == STATUS_OK) {
 		world->origin = world->mark.origin;
 		world->steps = world->mark.steps;

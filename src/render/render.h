@@ -207,8 +207,8 @@ void render_cameras_plan(const struct scene *scene, struct plan *plan);
 void render_view_settle(struct view *view);
 /* Takes what happened in the world since the last call. Call it before a commit takes the record. Pictures call it themselves. */
 enum status render_view_update(struct view *view) FURROW_CHECKED;
-/* Tells the world, before a step, which tiles pictures will need: world_wishes. */
-enum status render_view_wish(struct view *view) FURROW_CHECKED;
+/* Tells the world, before a step, which tiles pictures will need: world_prefetch. */
+enum status render_view_prefetch(struct view *view) FURROW_CHECKED;
 enum status render_view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
 /* The next tiles that deform belong to this contact; NULL: to relaxation. */
 enum status render_view_contact(struct view *view, const struct world_touch *touch) FURROW_CHECKED;

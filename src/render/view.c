@@ -461,10 +461,10 @@ enum status render_view_update(struct view *view)
 	return STATUS_OK;
 }
 
-enum status render_view_wish(struct view *view)
+enum status render_view_prefetch(struct view *view)
 {
-	struct requests *wishes = world_wishes(view->world);
-	resident_requests_clear(wishes);
+	struct requests *asked = world_prefetch(view->world);
+	resident_requests_clear(asked);
 	TRY(render_view_update(view));
-	return render_view_requests(view, wishes);
+	return render_view_requests(view, asked);
 }

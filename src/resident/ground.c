@@ -119,9 +119,7 @@ enum status resident_ground_posts_locked(struct ground *ground, struct tile tile
 		if (ground->posts[place] == NULL && (ground->posts[place] = alloc_posts(ground)) == NULL)
 			return fail_memory("a base tile");
 		recent_empty(&ground->recent, place); /* has no tile until the read is complete */
-		enum status status = read_posts(ground, ground->reader, tile, ground->posts[place]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(read_posts(ground, ground->reader, tile, ground->posts[place]));
 		ground->figures.reads++;
 		ground->figures.waits++;
 		ground->figures.wait_ms += (clock_seconds() - began) * 1e3;

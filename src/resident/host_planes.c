@@ -84,11 +84,10 @@ static enum status write_plane(struct host_slots *slots, struct host_tile *tile,
 
 enum status resident_host_tile_write(struct host_slots *slots, struct host_tile *tile, unsigned planes)
 {
-	enum status status = STATUS_OK;
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & slots->planes & PLANE_BIT(plane))
-			status = write_plane(slots, tile, plane);
-	return status;
+			TRY(write_plane(slots, tile, plane));
+	return STATUS_OK;
 }
 
 void resident_host_tile_drop(struct host_slots *slots, struct host_tile *tile, unsigned planes)

@@ -69,9 +69,7 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 {
 	struct newest *newest = user;
 	struct key_pair base;
-	enum status status = base_range(newest, tile, &base);
-	if (status != STATUS_OK)
-		return status;
+	TRY(base_range(newest, tile, &base));
 	*any = !isnan(base.a);
 	*low = base.a;
 	*high = base.b;
@@ -82,10 +80,10 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 		return STATUS_OK;
 	double lowest, highest;
 	bool found;
-	status = resident_ground_offset_range(newest->base, held, &lowest, &highest, &found);
+	TRY(resident_ground_offset_range(newest->base, held, &lowest, &highest, &found));
 	*low += lowest;
 	*high += highest;
-	return status;
+	return STATUS_OK;
 }
 
 /* --- which tiles exist --- */
@@ -122,10 +120,9 @@ static enum status present(void *user, struct tile tile, bool *out)
 static enum status posts(void *user, struct tile tile, struct resident_posts *out)
 {
 	const struct resident_newest_tile *held;
-	enum status status = resident_newest_tile(user, tile, &held);
-	if (status == STATUS_OK)
-		*out = (struct resident_posts){held->heights, (const double(*)[2])held->blocks};
-	return status;
+	TRY(resident_newest_tile(user, tile, &held));
+	*out = (struct resident_posts){held->heights, (const double(*)[2])held->blocks};
+	return STATUS_OK;
 }
 
 /* --- life --- */
@@ -186,12 +183,12 @@ void resident_newest_destroy(struct newest *newest)
 
 enum status resident_newest_heights(struct newest *newest, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
-	enum status status = resident_newest_settle(newest);
-	return status == STATUS_OK ? resident_heights(&newest->ground, points, count, heights) : status;
+	TRY(resident_newest_settle(newest));
+	return resident_heights(&newest->ground, points, count, heights);
 }
 
 enum status resident_newest_rays(struct newest *newest, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
-	enum status status = resident_newest_settle(newest);
-	return status == STATUS_OK ? resident_rays(&newest->ground, rays, count, hits) : status;
+	TRY(resident_newest_settle(newest));
+	return resident_rays(&newest->ground, rays, count, hits);
 }

@@ -83,11 +83,8 @@ static enum status take_changed(struct patch *patch, struct tile tile)
 	const size_t side = tile_posts(newest->extent);
 	if (post_rect_empty(part))
 		return STATUS_OK;
-	enum status status = need_base(patch);
-	if (status == STATUS_OK)
-		status = resident_newest_plane(newest, tile, planes[patch->layer], patch->posts);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_base(patch));
+	TRY(resident_newest_plane(newest, tile, planes[patch->layer], patch->posts));
 	widen(patch->layer, side * side, patch->posts);
 	for (int64_t y = part.y0; y < part.y1; y++)
 		for (int64_t x = part.x0; x < part.x1; x++) {

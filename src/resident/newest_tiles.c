@@ -49,9 +49,7 @@ enum status resident_newest_keep(struct newest *newest, uint32_t tiles)
 {
 	if (tiles < newest->recent.count) {
 		struct recent fewer;
-		enum status status = recent_create(&fewer, tiles);
-		if (status != STATUS_OK)
-			return status;
+		TRY(recent_create(&fewer, tiles));
 		free_heights(newest);
 		recent_finish(&newest->recent);
 		newest->recent = fewer;
@@ -202,13 +200,10 @@ enum status resident_newest_tile(struct newest *newest, struct tile tile, const 
 		recent_empty(&newest->recent, place); /* until it is whole */
 		struct resident_newest_tile *found = &newest->tiles[place];
 		found->offsets = false;
-		enum status status = make_room(newest, found);
-		if (status == STATUS_OK)
-			status = fill_base(newest, tile, found->heights);
-		if (status == STATUS_OK && takes_offsets(newest, tile))
-			status = add_offsets(newest, tile, found);
-		if (status != STATUS_OK)
-			return status;
+		TRY(make_room(newest, found));
+		TRY(fill_base(newest, tile, found->heights));
+		if (takes_offsets(newest, tile))
+			TRY(add_offsets(newest, tile, found));
 		resident_fill_blocks(newest->extent->cells, found->heights, found->blocks);
 	}
 	recent_use(&newest->recent, place, key);

@@ -508,7 +508,7 @@ enum status resident_read_posts(struct newest *newest, enum store_layer layer, i
 	FURROW_CHECKED;
 
 /*
- * The ground of one terrain in memory: the store and all that stands between it and who reads or changes the ground. world makes the parts one after
+ * The ground of one terrain in memory: the store and all that is between it and who reads or changes the ground. world makes the parts one after
  * the other, and frees them. Pictures, reports and queries reach them here. A part that a run has no use for is NULL.
  */
 struct resident {

@@ -81,9 +81,11 @@ enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, 
 		any[i] = 1;
 	}
 	dem_quiet_begin();
-	enum status status = dem_classes_read(map->rasters[0], level, post, same, 0, &read);
-	if (status == STATUS_OK && read == 0)
-		status = dem_classes_read(map->rasters[0], level, post, any, 0, &has);
+	enum status status;
+	TRY_OR(done, dem_classes_read(map->rasters[0], level, post, same, 0, &read));
+	if (read == 0)
+		TRY_OR(done, dem_classes_read(map->rasters[0], level, post, any, 0, &has));
+done:
 	dem_quiet_end();
 	*value = read > 0 || has > 0 ? read : -1;
 	return status;

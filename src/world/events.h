@@ -51,7 +51,7 @@ void world_watch(struct world *world); /* call it before world_warm, or when a v
 const struct world_happened *world_happened(const struct world *world);
 void world_happened_clear(struct world *world);
 /* Who draws puts here, before a step, the tiles that it will need, and when. The step loads them ahead, and clears the list. */
-struct requests *world_wishes(struct world *world);
+struct requests *world_prefetch(struct world *world);
 
 /* Functions that are called around a commit. Both may be NULL. */
 struct world_commits {

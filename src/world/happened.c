@@ -83,9 +83,9 @@ void world_happened_reach(struct world *world, double metres)
 	world->happened.told.reach = fmax(world->happened.told.reach, metres);
 }
 
-/* --- wishes --- */
+/* --- prefetch requests --- */
 
-struct requests *world_wishes(struct world *world)
+struct requests *world_prefetch(struct world *world)
 {
-	return &world->wishes;
+	return &world->prefetch;
 }

@@ -66,7 +66,7 @@ struct world {
 		enum world_stage now;
 		double since;     /* s, by the clock */
 	} stage;
-	struct requests wishes;   /* world_wishes */
+	struct requests prefetch;   /* world_prefetch */
 	struct {                  /* forces.c: rows that nobody has read yet */
 		struct world_row *list;
 		size_t count, room;

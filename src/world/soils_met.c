@@ -173,7 +173,7 @@ enum status world_find_soils_met(struct world *world)
 	const size_t rows = scene->object_count * SOIL_CLASSES + 1;
 	const bool read = world->resident.soil_map != NULL || world->resident.soil_rasters != NULL;
 	/* Without the files it is known only if there are none. */
-	if (scene->hosted || scene->object_count + scene->vehicle_count == 0 || deform_model_row(scene->model)->numbers == NULL ||
+	if ((scene->hosted && !world->params.advise) || scene->object_count + scene->vehicle_count == 0 || deform_model_row(scene->model)->numbers == NULL ||
 	    (!read && (scene->soil_map != NULL || scene->raster_count > 0)))
 		return STATUS_OK;
 	struct world_soils_met *met = mem_calloc(1, sizeof *met);

@@ -283,12 +283,12 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 	params->queue_bytes = world_queue_bytes(world, params);
 }
 
-static enum status take_wishes(void *user, struct requests *requests)
+static enum status take_prefetch(void *user, struct requests *requests)
 {
 	struct world *world = user;
-	for (size_t i = 0; i < world->wishes.count; i++)
-		TRY(resident_requests_add(requests, world->wishes.requests[i].key, world->wishes.requests[i].time));
-	resident_requests_clear(&world->wishes);
+	for (size_t i = 0; i < world->prefetch.count; i++)
+		TRY(resident_requests_add(requests, world->prefetch.requests[i].key, world->prefetch.requests[i].time));
+	resident_requests_clear(&world->prefetch);
 	return STATUS_OK;
 }
 
@@ -350,7 +350,7 @@ static void serve(struct world *world)
 					       .level = world->resident.level,
 					       .cache = world->resident.cache,
 					       .slots = world->facts.limits.slots,
-					       .requests = world->happened.watched ? take_wishes : NULL,
+					       .requests = world->happened.watched ? take_prefetch : NULL,
 					       .user = world,
 				       });
 }
@@ -443,7 +443,7 @@ void world_finish(struct world *world, enum status status)
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
 	world_happened_finish(world);
-	resident_requests_finish(&world->wishes);
+	resident_requests_finish(&world->prefetch);
 	mem_free(world->rows.list);
 	mem_free(world->events.list);
 	mem_free(world->events.ahead);

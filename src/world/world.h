@@ -55,6 +55,7 @@ struct world_params {
 	bool durable_full;
 	bool keep_history;         /* each commit keeps what it replaces */
 	bool readonly;             /* nothing is ever written: store and overlay are only read, and there are no steps */
+	bool advise;               /* world_advise will be called, of a host's world too */
 	bool alone;                /* compute every contact alone; for tests that compare */
 	int threads;               /* that compute soil that bears, however little there is; for tests that compare. 0: as many as are worth it */
 	bool everywhere;           /* compute also contacts that change nothing; for tests that compare */

@@ -5,7 +5,7 @@
 #include "../support/near.h"
 #include "view_rig.h"
 
-#include "api/internal.h"
+#include "drive/internal.h"
 #include "../support/program.h"
 #include "../support/skip.h"
 
@@ -107,12 +107,12 @@ static void check_boxes(struct drive *drive)
 		}
 }
 
-static enum status on_turn(void *user, struct drive *drive, struct api_control *wish)
+static enum status on_turn(void *user, struct drive *drive, struct drive_control *wish)
 {
-	struct api_figures figures;
-	api_figures(drive, &figures);
+	struct drive_figures figures;
+	drive_figures(drive, &figures);
 	wish->pace = INFINITY;
-	wish->go = figures.over ? API_STOP : API_ONE;
+	wish->go = figures.over ? DRIVE_STOP : DRIVE_ONE;
 	guest.steps = (size_t)figures.step;
 	guest.look(drive);
 	return STATUS_OK;
@@ -134,10 +134,10 @@ static void world_and_look(const char *model, const char *object, const char *st
 	support_write(path, text);
 	must(scene_load(path, &setting, 1, &scene));
 	guest = (struct guest){.look = look};
-	const struct api_host host = {NULL, on_turn, on_picture};
-	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out"), .host = &host};
-	struct api_result result = {.json = NULL};
-	enum status status = api_drive(&params, &result);
+	const struct drive_host host = {NULL, on_turn, on_picture};
+	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out"), .host = &host};
+	struct drive_result result = {.json = NULL};
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	mem_free(result.json);
 	if (status == STATUS_NO_GL)

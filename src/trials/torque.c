@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "rig/internal.h"
+#include "trials/internal.h"
 
 #define NEAR 0.005 /* of the torque, or of a twentieth of load x arm, whichever is more */
 #define TRIES 5
@@ -54,75 +54,92 @@ static void bracket(const struct rig *rig, struct search *search, const struct r
 	}
 }
 
+static bool is_open(const struct search *search)
+{
+	return !search->done && search->inside;
+}
+
+/* Tries one slip for each search that is open. *any: there was one. */
+static enum status try_slips(struct rig *rig, size_t soil, struct search *searches, size_t count, struct rig_lane *lanes, bool *any)
+{
+	size_t open = 0;
+	for (size_t i = 0; i < count; i++) {
+		const struct search *s = &searches[i];
+		if (!is_open(s))
+			continue;
+		const double share = (s->torque - s->low.torque) / (s->high.torque - s->low.torque);
+		lanes[open++] = (struct rig_lane){.load = s->load, .lead = s->lead, .slip = s->low.slip + (s->high.slip - s->low.slip) * share};
+	}
+	*any = open > 0;
+	if (!*any)
+		return STATUS_OK;
+	rig->total += (int64_t)open;
+	TRY(trials_lanes_drive(rig, soil, lanes, open));
+	open = 0;
+	for (size_t i = 0; i < count; i++) {
+		struct search *s = &searches[i];
+		if (!is_open(s))
+			continue;
+		const struct rig_row *row = last_of(rig, &lanes[open++]);
+		look(rig, s, row);
+		*((row->torque > s->torque) == (s->high.torque > s->torque) ? &s->high : &s->low) = *row;
+	}
+	return STATUS_OK;
+}
+
 static enum status refine(struct rig *rig, size_t soil, struct search *searches, size_t count)
 {
 	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
 	if (lanes == NULL)
 		return fail_memory("the rig's lanes");
 	enum status status = STATUS_OK;
-	for (int try = 0; try < TRIES && status == STATUS_OK; try++) {
-		size_t open = 0;
-		for (size_t i = 0; i < count; i++) {
-			const struct search *s = &searches[i];
-			if (s->done || !s->inside)
-				continue;
-			const double share = (s->torque - s->low.torque) / (s->high.torque - s->low.torque);
-			lanes[open++] = (struct rig_lane){.load = s->load, .lead = s->lead, .slip = s->low.slip + (s->high.slip - s->low.slip) * share};
-		}
-		if (open == 0)
-			break;
-		rig->total += (int64_t)open;
-		status = rig_lanes_drive(rig, soil, lanes, open);
-		open = 0;
-		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-			struct search *s = &searches[i];
-			if (s->done || !s->inside)
-				continue;
-			const struct rig_row *row = last_of(rig, &lanes[open++]);
-			look(rig, s, row);
-			if ((row->torque > s->torque) == (s->high.torque > s->torque))
-				s->high = *row;
-			else
-				s->low = *row;
-		}
-	}
+	bool any = true;
+	for (int try = 0; try < TRIES && any; try++)
+		TRY_OR(done, try_slips(rig, soil, searches, count, lanes, &any));
+done:
 	mem_free(lanes);
 	return status;
 }
 
 static enum status give_all(const struct search *searches, size_t count, rig_row_fn give, void *user)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		struct rig_row row = searches[i].best;
 		if (!searches[i].inside && !searches[i].done)
 			row = (struct rig_row){.soil = row.soil, .load = row.load, .pass = row.pass, .slip = NAN, .torque = searches[i].torque, .sinkage = NAN, .drawbar = NAN,
 					       .side = NAN, .fz = NAN, .efficiency = NAN, .deeper = NAN, .state = RIG_SPINS};
-		status = give(user, &row);
+		TRY(give(user, &row));
 	}
-	return status;
+	return STATUS_OK;
 }
 
-enum status rig_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user)
+/* Drives the slips that bracket torques, and searches between them. `lanes`: room for them; `searches`: for each load and torque. */
+static enum status search_all(struct rig *rig, size_t soil, struct rig_lane *lanes, struct search *searches, size_t count)
 {
 	const struct rig_params *params = rig->params;
-	const size_t count = params->load_count * params->torque_count;
-	struct rig_lane *lanes = mem_calloc(params->load_count * BRACKETING, sizeof *lanes);
-	struct search *searches = mem_calloc(count, sizeof *searches);
-	enum status status = lanes == NULL || searches == NULL ? fail_memory("the rig's lanes") : STATUS_OK;
-	for (size_t i = 0; i < params->load_count * BRACKETING && status == STATUS_OK; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .lead = rig_lead(params, i / BRACKETING), .slip = bracketing[i % BRACKETING]};
-	if (status == STATUS_OK)
-		status = rig_lanes_drive(rig, soil, lanes, params->load_count * BRACKETING);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < params->load_count * BRACKETING; i++)
+		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .lead = trials_rig_lead(params, i / BRACKETING),
+					     .slip = bracketing[i % BRACKETING]};
+	TRY(trials_lanes_drive(rig, soil, lanes, params->load_count * BRACKETING));
+	for (size_t i = 0; i < count; i++) {
 		const size_t load = i / params->torque_count;
-		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[load], .lead = rig_lead(params, load)};
+		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[load],
+					      .lead = trials_rig_lead(params, load)};
 		bracket(rig, &searches[i], &lanes[load * BRACKETING]);
 	}
-	if (status == STATUS_OK)
-		status = refine(rig, soil, searches, count);
-	if (status == STATUS_OK)
-		status = give_all(searches, count, give, user);
+	return refine(rig, soil, searches, count);
+}
+
+enum status trials_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user)
+{
+	const size_t count = rig->params->load_count * rig->params->torque_count;
+	struct rig_lane *lanes = mem_calloc(rig->params->load_count * BRACKETING, sizeof *lanes);
+	struct search *searches = mem_calloc(count, sizeof *searches);
+	enum status status;
+	TRY_OR(done, lanes == NULL || searches == NULL ? fail_memory("the rig's lanes") : STATUS_OK);
+	TRY_OR(done, search_all(rig, soil, lanes, searches, count));
+	TRY_OR(done, give_all(searches, count, give, user));
+done:
 	mem_free(lanes);
 	mem_free(searches);
 	return status;

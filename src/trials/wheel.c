@@ -9,12 +9,12 @@
  *
  * So the shear is that of a wheel that runs straight with the same whole displacement, at slip s', and it lies along (s_x, s_y). The torque
  * over the radius is the shear along the rim. What that pulls more than the drawbar is the soil's resistance, which stays along the wheel.
- * tests/mobility/wheel.c compares both forces with the integrals of these displacements along the rim. They are within 4 % of the load where the
+ * tests/trials/wheel.c compares both forces with the integrals of these displacements along the rim. They are within 4 % of the load where the
  * wheel sinks by less than a sixth of its radius. Where it sinks by more they are within 8 %.
  */
 #include <math.h>
 
-#include "mobility/mobility.h"
+#include "trials/trials.h"
 
 static struct mobility_point between(struct mobility_point a, struct mobility_point b, double share)
 {
@@ -23,7 +23,7 @@ static struct mobility_point between(struct mobility_point a, struct mobility_po
 				       (share >= 1 || a.steady) && (share <= 0 || b.steady)};
 }
 
-void mobility_wheel_load(const struct mobility_wheel_curves *curves, double load, struct mobility_wheel *out)
+void trials_wheel_load(const struct mobility_wheel_curves *curves, double load, struct mobility_wheel *out)
 {
 	size_t l = 0;
 	while (l + 2 < MOBILITY_LOADS && load > curves->loads[l + 1])
@@ -34,20 +34,20 @@ void mobility_wheel_load(const struct mobility_wheel_curves *curves, double load
 		out->points[s] = between(curves->points[l][s], curves->points[l + 1][s], share);
 }
 
-struct mobility_point mobility_wheel_straight(const struct mobility_wheel *wheel, double slip)
+struct mobility_point trials_wheel_straight(const struct mobility_wheel *wheel, double slip)
 {
 	size_t s = 0;
-	while (s + 2 < MOBILITY_SLIPS && slip > mobility_slips[s + 1])
+	while (s + 2 < MOBILITY_SLIPS && slip > trials_slips[s + 1])
 		s++;
-	return between(wheel->points[s], wheel->points[s + 1], (slip - mobility_slips[s]) / (mobility_slips[s + 1] - mobility_slips[s]));
+	return between(wheel->points[s], wheel->points[s + 1], (slip - trials_slips[s]) / (trials_slips[s + 1] - trials_slips[s]));
 }
 
-double mobility_wheel_free_slip(const struct mobility_wheel *wheel)
+double trials_wheel_free_slip(const struct mobility_wheel *wheel)
 {
-	double low = mobility_slips[0], high = mobility_slips[MOBILITY_SLIPS - 1];
+	double low = trials_slips[0], high = trials_slips[MOBILITY_SLIPS - 1];
 	for (int i = 0; i < 40; i++) {
 		const double middle = (low + high) / 2;
-		*(mobility_wheel_straight(wheel, middle).torque > 0 ? &high : &low) = middle;
+		*(trials_wheel_straight(wheel, middle).torque > 0 ? &high : &low) = middle;
 	}
 	return (low + high) / 2;
 }
@@ -57,12 +57,12 @@ double mobility_wheel_free_slip(const struct mobility_wheel *wheel)
 static struct mobility_point same_displacement(const struct mobility_wheel *wheel, double displacement, double arc)
 {
 	const double slip = 1 - (1 - displacement) / arc;
-	return mobility_wheel_straight(wheel, fmin(fmax(slip, mobility_slips[0]), mobility_slips[MOBILITY_SLIPS - 1]));
+	return trials_wheel_straight(wheel, fmin(fmax(slip, trials_slips[0]), trials_slips[MOBILITY_SLIPS - 1]));
 }
 
-struct mobility_pull mobility_wheel_at(const struct mobility_wheel *wheel, double slip, double tangent)
+struct mobility_pull trials_wheel_at(const struct mobility_wheel *wheel, double slip, double tangent)
 {
-	const struct mobility_point straight = mobility_wheel_straight(wheel, slip);
+	const struct mobility_point straight = trials_wheel_straight(wheel, slip);
 	if (tangent == 0)
 		return (struct mobility_pull){straight.drawbar, 0, straight.torque, straight.sinkage, straight.steady};
 	/* sin(theta) / theta from 1 - cos(theta) = depth / radius */

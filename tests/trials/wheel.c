@@ -7,7 +7,7 @@
 #include "../support.h"
 #include "../support/near.h"
 #include "../support/program.h"
-#include "mobility/mobility.h"
+#include "trials/trials.h"
 
 #define RADIANS (3.14159265358979323846 / 180)
 #define PARTS 400
@@ -60,8 +60,8 @@ static void fill(const struct soil *soil, double mean, struct mobility_wheel_cur
 	for (size_t l = 0; l < MOBILITY_LOADS; l++) {
 		curves->loads[l] = mean * (0.2 + 0.4 * (double)l);
 		for (size_t s = 0; s < MOBILITY_SLIPS; s++) {
-			const double sinkage = sinkage_of(soil, curves->radius, curves->width, curves->loads[l], mobility_slips[s], 0);
-			const struct forces forces = at_sinkage(soil, curves->radius, curves->width, sinkage, mobility_slips[s], 0);
+			const double sinkage = sinkage_of(soil, curves->radius, curves->width, curves->loads[l], trials_slips[s], 0);
+			const struct forces forces = at_sinkage(soil, curves->radius, curves->width, sinkage, trials_slips[s], 0);
 			curves->points[l][s] = (struct mobility_point){forces.drawbar, forces.torque, sinkage, sinkage, true};
 		}
 	}
@@ -83,8 +83,8 @@ static void a_slip_angle_gives_the_forces_of_the_integrals(void **state)
 					const double sinkage = sinkage_of(&soils[i], curves.radius, curves.width, load, slip, tangent);
 					const struct forces wanted = at_sinkage(&soils[i], curves.radius, curves.width, sinkage, slip, tangent);
 					struct mobility_wheel wheel;
-					mobility_wheel_load(&curves, load, &wheel);
-					const struct mobility_pull got = mobility_wheel_at(&wheel, slip, tangent);
+					trials_wheel_load(&curves, load, &wheel);
+					const struct mobility_pull got = trials_wheel_at(&wheel, slip, tangent);
 					worst = support_most(worst, fabs(got.drawbar - wanted.drawbar) / load);
 					side_worst = support_most(side_worst, fabs(got.side - wanted.side) / load);
 					rim_worst = support_most(rim_worst, fabs(got.torque - wanted.torque) / curves.radius / load);
@@ -104,16 +104,16 @@ static void a_driven_wheel_digs_by_its_own_curve(void **state)
 	(void)state;
 	fill(&soils[0], 1000, &curves);
 	for (size_t l = 0; l < MOBILITY_LOADS; l++)
-		for (size_t s = 0; mobility_slips[s] < 0; s++)
+		for (size_t s = 0; trials_slips[s] < 0; s++)
 			curves.points[l][s].steady = false;
-	mobility_wheel_load(&curves, 1000, &wheel);
-	assert_true(mobility_wheel_at(&wheel, 0.2, 0.1).steady && !mobility_wheel_at(&wheel, -0.2, 0.1).steady);
+	trials_wheel_load(&curves, 1000, &wheel);
+	assert_true(trials_wheel_at(&wheel, 0.2, 0.1).steady && !trials_wheel_at(&wheel, -0.2, 0.1).steady);
 	for (size_t l = 0; l < MOBILITY_LOADS; l++)
 		for (size_t s = 0; s < MOBILITY_SLIPS; s++)
-			curves.points[l][s].steady = mobility_slips[s] < 0.2;
-	mobility_wheel_load(&curves, 1000, &wheel);
+			curves.points[l][s].steady = trials_slips[s] < 0.2;
+	trials_wheel_load(&curves, 1000, &wheel);
 	/* Sliding aside shears as much as a slip of 0.4. */
-	assert_true(mobility_wheel_at(&wheel, 0.05, 0.05).steady && !mobility_wheel_at(&wheel, 0.05, 0.4).steady);
+	assert_true(trials_wheel_at(&wheel, 0.05, 0.05).steady && !trials_wheel_at(&wheel, 0.05, 0.4).steady);
 }
 
 static void without_a_slip_angle_it_is_the_curve(void **state)
@@ -125,16 +125,16 @@ static void without_a_slip_angle_it_is_the_curve(void **state)
 	for (size_t l = 0; l < MOBILITY_LOADS; l++)
 		for (size_t s = 0; s < MOBILITY_SLIPS; s++) {
 			const struct mobility_point *point = &curves.points[l][s];
-			mobility_wheel_load(&curves, curves.loads[l], &wheel);
-			const struct mobility_pull straight = mobility_wheel_at(&wheel, mobility_slips[s], 0);
+			trials_wheel_load(&curves, curves.loads[l], &wheel);
+			const struct mobility_pull straight = trials_wheel_at(&wheel, trials_slips[s], 0);
 			/* A tiny angle changes nothing. */
-			const struct mobility_pull nearly = mobility_wheel_at(&wheel, mobility_slips[s], 1e-9);
+			const struct mobility_pull nearly = trials_wheel_at(&wheel, trials_slips[s], 1e-9);
 			assert_true(straight.side == 0 && fabs(straight.drawbar - point->drawbar) < 1e-6 && fabs(straight.torque - point->torque) < 1e-6);
 			assert_true(fabs(nearly.drawbar - straight.drawbar) < 1e-3 && fabs(nearly.side) < 1e-3);
 		}
-	mobility_wheel_load(&curves, 1000, &wheel);
-	const double slip = mobility_wheel_free_slip(&wheel);
-	assert_true(slip < 0 && fabs(mobility_wheel_straight(&wheel, slip).torque) < 1e-6);
+	trials_wheel_load(&curves, 1000, &wheel);
+	const double slip = trials_wheel_free_slip(&wheel);
+	assert_true(slip < 0 && fabs(trials_wheel_straight(&wheel, slip).torque) < 1e-6);
 }
 
 TEST_PROGRAM(wheel)
@@ -144,5 +144,5 @@ TEST_PROGRAM(wheel)
 		cmocka_unit_test(a_driven_wheel_digs_by_its_own_curve),
 		cmocka_unit_test(without_a_slip_angle_it_is_the_curve),
 	};
-	return cmocka_run_group_tests_name("mobility/wheel", tests, NULL, NULL);
+	return cmocka_run_group_tests_name("trials/wheel", tests, NULL, NULL);
 }

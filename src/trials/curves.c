@@ -3,24 +3,24 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "mobility/mobility.h"
+#include "trials/trials.h"
 
 #define POSTS 10 /* below a wheel's width or radius */
 
-const double mobility_slips[MOBILITY_SLIPS] = {-0.3, -0.1, 0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9};
+const double trials_slips[MOBILITY_SLIPS] = {-0.3, -0.1, 0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9};
 /* Of the mean load. A slope takes from the wheels ahead what it gives to those behind, so that two of these are twice the mean together. */
 static const double shares[MOBILITY_LOADS] = {0.2, 0.6, 1, 1.4, 1.8};
 
-const char *mobility_vehicle_problem(const struct vehicle_outline *vehicle)
+const char *trials_vehicle_problem(const struct trials_vehicle *vehicle)
 {
 	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 	bool driven = false;
 	if (vehicle->wheel_count < 3)
 		return "has fewer than three wheels; only vehicles that stand on wheels can be judged";
-	if (vehicle->wheel_count > VEHICLE_WHEELS_MOST)
+	if (vehicle->wheel_count > TRIALS_WHEELS_MOST)
 		return "has more than 32 wheels; give a model with fewer";
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
+		const struct trials_wheel *wheel = &vehicle->wheels[i];
 		low[0] = fmin(low[0], wheel->x);
 		high[0] = fmax(high[0], wheel->x);
 		low[1] = fmin(low[1], wheel->y);
@@ -34,7 +34,7 @@ const char *mobility_vehicle_problem(const struct vehicle_outline *vehicle)
 	return vehicle->mass > 0 && vehicle->height > 0 ? NULL : "has no mass, or its centre of gravity is below the ground; check the model's masses";
 }
 
-double mobility_length(const struct vehicle_outline *vehicle)
+double trials_vehicle_length(const struct trials_vehicle *vehicle)
 {
 	double low = INFINITY, high = -INFINITY, diameter = 0;
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
@@ -45,12 +45,12 @@ double mobility_length(const struct vehicle_outline *vehicle)
 	return fmax(high - low, diameter);
 }
 
-size_t mobility_pass(const struct vehicle_outline *vehicle, size_t wheel)
+size_t trials_wheel_pass(const struct trials_vehicle *vehicle, size_t wheel)
 {
-	const struct vehicle_wheel *own = &vehicle->wheels[wheel];
+	const struct trials_wheel *own = &vehicle->wheels[wheel];
 	size_t ahead = 0;
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct vehicle_wheel *other = &vehicle->wheels[i];
+		const struct trials_wheel *other = &vehicle->wheels[i];
 		const double apart = fabs(other->y - own->y), both = (other->width + own->width) / 2;
 		/* Wheels side by side are not ahead. */
 		if (other->x > own->x + own->radius && both - apart > fmin(other->width, own->width) / 2)
@@ -60,7 +60,7 @@ size_t mobility_pass(const struct vehicle_outline *vehicle, size_t wheel)
 }
 
 /* Finds the curves of a kind of wheel, or makes an empty one. */
-static size_t kind_of(struct mobility_curves *curves, const struct vehicle_wheel *wheel, size_t pass)
+static size_t kind_of(struct mobility_curves *curves, const struct trials_wheel *wheel, size_t pass)
 {
 	size_t kind = 0;
 	while (kind < curves->kind_count && (curves->of[kind].radius != wheel->radius || curves->of[kind].width != wheel->width || curves->of[kind].pass != pass))
@@ -120,7 +120,7 @@ static enum status measure_size(const struct mobility_rig *rig, double mean, str
 		.loads = loads,
 		.load_count = MOBILITY_LOADS,
 		.leads = leads,
-		.slips = mobility_slips,
+		.slips = trials_slips,
 		.slip_count = MOBILITY_SLIPS,
 		.passes = filling.passes,
 		.spacing = rig->spacing > 0 ? rig->spacing : fmin(radius, width) / POSTS,
@@ -129,37 +129,20 @@ static enum status measure_size(const struct mobility_rig *rig, double mean, str
 		.progress = rig->progress,
 		.user = rig->user,
 	};
-	return rig_run(&params, &found, keep, &filling);
+	return trials_rig_run(&params, &found, keep, &filling);
 }
 
-static enum status friction_of(const char *soil, double *degrees)
+enum status trials_measure_wheels(const struct trials_vehicle *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves)
 {
-	const char *key;
-	double value;
-	struct scene *scene;
-	enum status status = rig_soil_scene(soil, &scene);
-	if (status != STATUS_OK)
-		return status;
-	*degrees = NAN;
-	for (size_t i = 0; scene_soil_number(&scene->soils[0], i, &key, &value); i++)
-		if (strcmp(key, "friction_angle") == 0)
-			*degrees = value;
-	scene_destroy(scene);
-	return STATUS_OK;
-}
-
-enum status mobility_measure(const struct vehicle_outline *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves)
-{
-	const char *problem = mobility_vehicle_problem(vehicle);
+	const char *problem = trials_vehicle_problem(vehicle);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "mobility: the vehicle %s", problem);
-	*curves = (struct mobility_curves){.kind_count = 0};
+	*curves = (struct mobility_curves){.friction_angle = rig->friction_angle};
 	const double mean = vehicle->mass * rig->gravity / (double)vehicle->wheel_count;
-	enum status status = friction_of(rig->soil, &curves->friction_angle);
 	for (size_t i = 0; i < vehicle->wheel_count; i++)
-		curves->kinds[i] = kind_of(curves, &vehicle->wheels[i], mobility_pass(vehicle, i));
-	for (size_t i = 0; i < curves->kind_count && status == STATUS_OK; i++)
+		curves->kinds[i] = kind_of(curves, &vehicle->wheels[i], trials_wheel_pass(vehicle, i));
+	for (size_t i = 0; i < curves->kind_count; i++)
 		if (curves->of[i].loads[0] == 0) /* not with one before */
-			status = measure_size(rig, mean, curves, i);
-	return status;
+			TRY(measure_size(rig, mean, curves, i));
+	return STATUS_OK;
 }

@@ -1,19 +1,19 @@
 /* Verdicts of all slopes and headings, so that a map looks them up. */
 #include <math.h>
 
-#include "mobility/mobility.h"
+#include "trials/trials.h"
 
-void mobility_table_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table)
+void trials_table_make(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table)
 {
 	for (int i = 0; i < MOBILITY_SLOPES; i++)
 		for (int k = 0; k < MOBILITY_HEADINGS; k++)
-			table->verdicts[i][k] = mobility_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, k * MOBILITY_HEADING_STEP);
+			table->verdicts[i][k] = trials_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, k * MOBILITY_HEADING_STEP);
 }
 
-void mobility_column_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_column *column)
+void trials_column_make(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_column *column)
 {
 	for (int i = 0; i < MOBILITY_SLOPES; i++)
-		column->verdicts[i] = mobility_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, 0);
+		column->verdicts[i] = trials_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, 0);
 }
 
 /* Between two slopes of the table the slip is read straight; where only the gentler one goes, the steeper one's verdict holds. */
@@ -27,7 +27,7 @@ static struct mobility_verdict blend(const struct mobility_verdict *low, const s
 					 low->sinkage + (high->sinkage - low->sinkage) * share, low->crab + (high->crab - low->crab) * share};
 }
 
-struct mobility_slope mobility_table_at(const struct mobility_table *table, double slope)
+struct mobility_slope trials_table_at(const struct mobility_table *table, double slope)
 {
 	struct mobility_slope found = {{MOBILITY_NO_GROUND, NAN, NAN, NAN, NAN}, NAN, false};
 	if (isnan(slope))

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "mobility/mobility.h"
+#include "trials/trials.h"
 
 /* A number from 0 to 1, both excluded, of a fixed sequence (Knuth's MMIX). */
 static double uniform(uint64_t *state)
@@ -22,7 +22,7 @@ static double quantile(double share)
 	return (low + high) / 2;
 }
 
-void mobility_spread_factors(const double spread[3], int64_t seed, size_t count, double (*factors)[3])
+void trials_spread_factors(const double spread[3], int64_t seed, size_t count, double (*factors)[3])
 {
 	uint64_t state = (uint64_t)seed * 0x9e3779b97f4a7c15u + 1;
 	for (int number = 0; number < 3; number++) {
@@ -38,7 +38,7 @@ void mobility_spread_factors(const double spread[3], int64_t seed, size_t count,
 	}
 }
 
-double mobility_probability(const struct mobility_column *columns, size_t count, double slope)
+double trials_probability(const struct mobility_column *columns, size_t count, double slope)
 {
 	if (isnan(slope) || count == 0)
 		return NAN;

@@ -10,9 +10,9 @@
 #include <unistd.h>
 
 #include "base/limits.h"
-#include "api/internal.h"
+#include "drive/internal.h"
 
-enum status api_folder_make(const char *path)
+enum status drive_folder_make(const char *path)
 {
 	struct stat found;
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
@@ -24,7 +24,7 @@ enum status api_folder_make(const char *path)
 }
 
 /* The log also shows that a run writes into this folder. Its lock ends with the process. */
-enum status api_folder_commits(const char *directory, FILE **out)
+enum status drive_folder_commits(const char *directory, FILE **out)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/epochs.log", directory);
@@ -86,7 +86,7 @@ static void clear_pictures(const char *path, int level)
 		closedir(folder);
 }
 
-enum status api_folder_clear(const struct world *world, const char *directory)
+enum status drive_folder_clear(const struct world *world, const char *directory)
 {
 	char path[4096];
 	FILE *commit_log = world_commit_log(world);
@@ -117,7 +117,7 @@ static int remove_entry(const char *path, const struct stat *stats, int kind, st
 	return 0;
 }
 
-void api_folder_remove(const char *directory)
+void drive_folder_remove(const char *directory)
 {
 	(void)nftw(directory, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
 }

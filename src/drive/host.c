@@ -12,7 +12,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "api/internal.h"
+#include "drive/internal.h"
 
 #define SLICE 0.03            /* s: after this no further step is begun in a turn; without a pace, as long as a picture takes */
 #define BEHIND 0.25           /* s: a delay behind the clock up to this is caught up; more is dropped */
@@ -24,8 +24,8 @@
 
 struct host {
 	struct drive *drive;
-	const struct api_host *calls;
-	struct api_control control, shown; /* now; of the last picture */
+	const struct drive_host *calls;
+	struct drive_control control, shown; /* now; of the last picture */
 	struct gpu_staging *staging;
 	uint32_t width, height;      /* size of the picture, and of staging */
 	bool software;
@@ -81,17 +81,17 @@ static enum status make_staging(struct host *host, uint32_t width, uint32_t heig
 /* A picture drawn at the old size is never shown. */
 static enum status resize(struct host *host)
 {
-	const struct api_control *control = &host->control;
+	const struct drive_control *control = &host->control;
 	if (control->width == host->width && control->height == host->height)
 		return STATUS_OK;
-	assert(control->width > 0 && control->height > 0 && control->width <= API_PICTURE_MOST && control->height <= API_PICTURE_MOST);
+	assert(control->width > 0 && control->height > 0 && control->width <= DRIVE_PICTURE_MOST && control->height <= DRIVE_PICTURE_MOST);
 	host->drawn = host->read = false;
 	host->stale = true;
-	enum status status = render_view_resize(host->drive->view, control->width, control->height);
-	return status == STATUS_OK ? make_staging(host, control->width, control->height) : status;
+	TRY(render_view_resize(host->drive->view, control->width, control->height));
+	return make_staging(host, control->width, control->height);
 }
 
-static bool same_camera(const struct api_control *a, const struct api_control *b)
+static bool same_camera(const struct drive_control *a, const struct drive_control *b)
 {
 	return a->free == b->free && (!a->free || memcmp(&a->camera, &b->camera, sizeof a->camera) == 0);
 }
@@ -114,9 +114,7 @@ static enum status show(struct host *host)
 	host->read = true;
 	if (!gpu_staging_idle(host->staging))
 		return STATUS_OK;
-	enum status status = gpu_check(world_resident(drive->world)->gpu, "reading the picture back");
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_check(world_resident(drive->world)->gpu, "reading the picture back"));
 	host->drawn = host->read = false;
 	double now = clock_seconds();
 	host->frame_ms = (now - host->began) * 1e3;
@@ -128,7 +126,7 @@ static enum status show(struct host *host)
 static enum status draw(struct host *host)
 {
 	struct drive *drive = host->drive;
-	struct api_control *control = &host->control;
+	struct drive_control *control = &host->control;
 	bool changed = host->stale || control->again || !same_camera(control, &host->shown) || control->layer != host->shown.layer;
 	if (!changed || clock_seconds() - host->began < PICTURES)
 		return STATUS_OK;
@@ -152,15 +150,12 @@ static enum status draw(struct host *host)
 static enum status one_step(struct host *host)
 {
 	struct drive *drive = host->drive;
-	double began = clock_seconds();
-	enum status status = api_one_step(drive);
-	if (status == STATUS_OK)
-		status = page_trace_status(world_resident(drive->world)->trace);
-	host->step_ms = (clock_seconds() - began) * 1e3;
-	if (status == STATUS_OK)
-		times_add(&drive->report.step_ms, host->step_ms);
+	const double began = clock_seconds();
 	host->stale = true;
-	return status;
+	TRY(drive_step(drive));
+	host->step_ms = (clock_seconds() - began) * 1e3;
+	times_add(&drive->report.step_ms, host->step_ms);
+	return STATUS_OK;
 }
 
 /* Adds the simulated time that is due now. Time that a slow machine cannot catch up with is dropped. */
@@ -168,7 +163,7 @@ static void earn(struct host *host)
 {
 	double now = clock_seconds(), step = world_scene(host->drive->world)->time_step, pace = host->control.pace;
 	double most = step + BEHIND * (isinf(pace) ? 0 : pace);
-	host->credit = host->control.go != API_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
+	host->credit = host->control.go != DRIVE_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
 	host->turned = now;
 }
 
@@ -178,21 +173,20 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	struct drive *drive = host->drive;
 	double began = clock_seconds(), step = world_scene(drive->world)->time_step;
 	int64_t first = world_steps_done(drive->world);
-	enum status status = STATUS_OK;
 	earn(host);
 	double slice = isinf(host->credit) ? fmin(fmax(SLICE, host->frame_ms / 1e3), BEHIND) : SLICE;
-	if (host->control.go == API_ONE)
+	if (host->control.go == DRIVE_ONE)
 		host->credit = step;
-	while (status == STATUS_OK && world_steps_done(drive->world) < total && host->credit >= step && !world_stopped(drive->world) &&
-	       !vehicle_stuck(drive->vehicles) && clock_seconds() - began < slice) {
-		status = one_step(host);
+	while (world_steps_done(drive->world) < total && host->credit >= step && !world_stopped(drive->world) && !vehicle_stuck(drive->vehicles) &&
+	       clock_seconds() - began < slice) {
+		TRY(one_step(host));
 		host->credit -= isinf(host->credit) ? 0 : step;
 	}
 	*any = world_steps_done(drive->world) > first;
-	if (*any || status != STATUS_OK)
-		return status;
+	if (*any)
+		return STATUS_OK;
 	/* Work that a step does beside stepping: loads go on, slots become free, and a commit may become due. */
-	TRY(render_view_wish(drive->view));
+	TRY(render_view_prefetch(drive->view));
 	return world_idle(drive->world);
 }
 
@@ -200,42 +194,43 @@ static enum status turn(struct host *host, int64_t total)
 {
 	struct drive *drive = host->drive;
 	bool stepped = false, before = host->drawn;
-	enum status status = host->calls->turn(host->calls->user, drive, &host->control);
+	TRY(host->calls->turn(host->calls->user, drive, &host->control));
 	host->stale = host->stale || world_counts(drive->world)->drops != host->drops; /* while a picture was shown, too */
 	host->drops = world_counts(drive->world)->drops;
-	if (status == STATUS_OK)
-		status = resize(host);
+	TRY(resize(host));
 	render_view_look_from(drive->view, host->control.free ? &host->control.camera : NULL);
-	if (status == STATUS_OK && host->control.go != API_STOP)
-		status = steps(host, total, &stepped);
-	if (status == STATUS_OK && host->drawn)
-		status = show(host);
+	if (host->control.go != DRIVE_STOP)
+		TRY(steps(host, total, &stepped));
+	if (host->drawn)
+		TRY(show(host));
 	bool came = before && !host->drawn;
-	if (status == STATUS_OK && !host->drawn)
-		status = draw(host);
+	if (!host->drawn)
+		TRY(draw(host));
 	bool begun = host->drawn && (came || !before);
 	const struct timespec nap = {0, NAP};
-	if (status == STATUS_OK && !stepped && !came && !begun)
+	if (!stepped && !came && !begun)
 		nanosleep(&nap, NULL);
-	return status;
+	return STATUS_OK;
 }
 
-enum status api_host_steps(struct drive *drive, int64_t total)
+enum status drive_host_steps(struct drive *drive, int64_t total)
 {
 	const struct scene_view *view = &world_scene(drive->world)->view;
 	struct host host = {
 		.drive = drive,
-		.calls = drive->params->host,
-		.control = {.go = API_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
+		.calls = drive->params.host,
+		.control = {.go = DRIVE_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
 		.software = gpu_info(world_resident(drive->world)->gpu)->software,
 		.stale = true,
 		.turned = drive->began,
 		.apart = PICTURES,
 	};
 	drive->host = &host;
-	enum status status = make_staging(&host, (uint32_t)view->width, (uint32_t)view->height);
-	while (status == STATUS_OK && host.control.go != API_STOP)
-		status = world_stopped(drive->world) ? world_interrupted(drive->world) : turn(&host, total);
+	enum status status;
+	TRY_OR(done, make_staging(&host, (uint32_t)view->width, (uint32_t)view->height));
+	while (host.control.go != DRIVE_STOP)
+		TRY_OR(done, world_stopped(drive->world) ? world_interrupted(drive->world) : turn(&host, total));
+done:
 	gpu_staging_destroy(host.staging);
 	drive->host = NULL;
 	return status;
@@ -261,7 +256,7 @@ static void see_queued(void *user, const struct page_image *image)
 	seen->queued++;
 }
 
-void api_figures(struct drive *drive, struct api_figures *figures)
+void drive_figures(struct drive *drive, struct drive_figures *figures)
 {
 	const struct host *host = drive->host;
 	struct pages_seen seen = {0, 0, 0};
@@ -269,7 +264,7 @@ void api_figures(struct drive *drive, struct api_figures *figures)
 	page_cache_each_resident(world_resident(drive->world)->cache, see_resident, &seen);
 	page_cache_each_queued(world_resident(drive->world)->cache, see_queued, &seen);
 	page_cache_stats(world_resident(drive->world)->cache, &stats);
-	*figures = (struct api_figures){
+	*figures = (struct drive_figures){
 		.fps = 1 / host->apart,
 		.frame_ms = host->frame_ms,
 		.step_ms = host->step_ms,
@@ -289,27 +284,27 @@ void api_figures(struct drive *drive, struct api_figures *figures)
 	};
 }
 
-const struct scene *api_scene(const struct drive *drive)
+const struct scene *drive_scene(const struct drive *drive)
 {
 	return world_scene(drive->world);
 }
 
-const struct store_meta *api_store(const struct drive *drive)
+const struct store_meta *drive_store(const struct drive *drive)
 {
 	return world_resident(drive->world)->meta;
 }
 
-void api_scene_camera(const struct drive *drive, struct render_camera *camera)
+void drive_scene_camera(const struct drive *drive, struct render_camera *camera)
 {
 	render_view_scene_camera(drive->view, camera);
 }
 
-void api_place(const struct drive *drive, size_t object, double place[3], double *yaw)
+void drive_place(const struct drive *drive, size_t object, double place[3], double *yaw)
 {
 	world_place(drive->world, object, place, yaw);
 }
 
-enum status api_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
+enum status drive_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
 	return world_drop(drive->world, shape, x, y, yaw, landed);
 }

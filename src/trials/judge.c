@@ -6,17 +6,17 @@
  */
 #include <math.h>
 
-#include "mobility/mobility.h"
+#include "trials/trials.h"
 
 #define RADIANS (3.14159265358979323846 / 180)
 
-const char *const mobility_reason_names[MOBILITY_REASONS] = {
+const char *const trials_reason_names[MOBILITY_REASONS] = {
 	[MOBILITY_GO] = "go", [MOBILITY_NO_PULL] = "too little pull", [MOBILITY_SLIDES] = "slides down", [MOBILITY_NO_TORQUE] = "too little torque", [MOBILITY_TIPS] = "tips over",
 	[MOBILITY_NO_CLEARANCE] = "sinks to its belly", [MOBILITY_DIGS] = "digs itself in", [MOBILITY_OFF_CURVES] = "load beyond the curves",
 	[MOBILITY_TOO_STEEP] = "steeper than the friction angle", [MOBILITY_NO_GROUND] = "no ground",
 };
 
-bool mobility_is_unknown(enum mobility_reason reason)
+bool trials_is_unknown(enum mobility_reason reason)
 {
 	return reason == MOBILITY_OFF_CURVES || reason == MOBILITY_TOO_STEEP || reason == MOBILITY_NO_GROUND;
 }
@@ -28,11 +28,11 @@ bool mobility_is_unknown(enum mobility_reason reason)
  *
  * W_x, W_y: the parts of the weight down the slope, against x and y. Returns false if the wheels lie in one line.
  */
-static bool loads_of(const struct vehicle_outline *vehicle, double normal, const double along[2], double *loads)
+static bool loads_of(const struct trials_vehicle *vehicle, double normal, const double along[2], double *loads)
 {
 	double s = (double)vehicle->wheel_count, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct vehicle_wheel *w = &vehicle->wheels[i];
+		const struct trials_wheel *w = &vehicle->wheels[i];
 		x += w->x;
 		y += w->y;
 		xx += w->x * w->x;
@@ -62,16 +62,16 @@ static bool loads_of(const struct vehicle_outline *vehicle, double normal, const
 
 /* What all of a judgement's trials share. */
 struct trial {
-	const struct vehicle_outline *vehicle;
+	const struct trials_vehicle *vehicle;
 	double along, aside;                   /* N: the parts of the weight against its way, and down across it */
-	double loads[VEHICLE_WHEELS_MOST];     /* N */
-	double free_slips[VEHICLE_WHEELS_MOST];
-	struct mobility_wheel wheels[VEHICLE_WHEELS_MOST];
+	double loads[TRIALS_WHEELS_MOST];     /* N */
+	double free_slips[TRIALS_WHEELS_MOST];
+	struct mobility_wheel wheels[TRIALS_WHEELS_MOST];
 };
 
 static struct mobility_pull wheel_at(const struct trial *trial, size_t wheel, double slip, double crab)
 {
-	return mobility_wheel_at(&trial->wheels[wheel], trial->vehicle->wheels[wheel].driven ? slip : trial->free_slips[wheel], tan(crab));
+	return trials_wheel_at(&trial->wheels[wheel], trial->vehicle->wheels[wheel].driven ? slip : trial->free_slips[wheel], tan(crab));
 }
 
 /* The sums over the wheels, less what the weight asks for along the vehicle and across it. */
@@ -130,7 +130,7 @@ static enum mobility_reason slip_for(const struct trial *trial, double *slip, do
 	enum mobility_reason reason = MOBILITY_SLIDES;
 	size_t i = 0;
 	for (; i < MOBILITY_SLIPS; i++) {
-		const enum mobility_reason now = goes_at(trial, mobility_slips[i], crab);
+		const enum mobility_reason now = goes_at(trial, trials_slips[i], crab);
 		if (now == MOBILITY_GO)
 			break;
 		reason = now == MOBILITY_NO_PULL ? now : reason;
@@ -140,7 +140,7 @@ static enum mobility_reason slip_for(const struct trial *trial, double *slip, do
 	/* Its brakes do not hold it. */
 	if (i == 0)
 		return MOBILITY_SLIDES;
-	double low = mobility_slips[i - 1], high = mobility_slips[i];
+	double low = trials_slips[i - 1], high = trials_slips[i];
 	for (int k = 0; k < 20; k++) {
 		const double middle = (low + high) / 2;
 		*(goes_at(trial, middle, crab) == MOBILITY_GO ? &high : &low) = middle;
@@ -154,7 +154,7 @@ static struct mobility_verdict no(enum mobility_reason reason)
 	return (struct mobility_verdict){reason, NAN, NAN, NAN, NAN};
 }
 
-struct mobility_verdict mobility_judge(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, double slope,
+struct mobility_verdict trials_judge(const struct trials_vehicle *vehicle, const struct mobility_curves *curves, double gravity, double slope,
 				       double heading)
 {
 	const double weight = vehicle->mass * gravity, a = slope * RADIANS, h = heading * RADIANS;
@@ -172,15 +172,15 @@ struct mobility_verdict mobility_judge(const struct vehicle_outline *vehicle, co
 		const struct mobility_wheel_curves *of = &curves->of[curves->kinds[i]];
 		if (trial.loads[i] < of->loads[0] || trial.loads[i] > of->loads[MOBILITY_LOADS - 1])
 			return no(MOBILITY_OFF_CURVES);
-		mobility_wheel_load(of, trial.loads[i], &trial.wheels[i]);
-		trial.free_slips[i] = vehicle->wheels[i].driven ? 0 : mobility_wheel_free_slip(&trial.wheels[i]);
+		trials_wheel_load(of, trial.loads[i], &trial.wheels[i]);
+		trial.free_slips[i] = vehicle->wheels[i].driven ? 0 : trials_wheel_free_slip(&trial.wheels[i]);
 	}
 	const enum mobility_reason reason = slip_for(&trial, &slip, &crab);
 	if (reason != MOBILITY_GO)
 		return no(reason);
 	struct mobility_verdict verdict = {MOBILITY_GO, slip, 0, 0, crab / RADIANS};
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
+		const struct trials_wheel *wheel = &vehicle->wheels[i];
 		const struct mobility_pull pull = wheel_at(&trial, i, slip, crab);
 		if (wheel->driven && pull.torque > wheel->torque_most)
 			return no(MOBILITY_NO_TORQUE);

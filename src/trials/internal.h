@@ -2,7 +2,8 @@
 #ifndef FURROW_RIG_INTERNAL_H
 #define FURROW_RIG_INTERNAL_H
 
-#include "rig/rig.h"
+#include "api/furrow.h"
+#include "trials/trials.h"
 
 /* One run of one object: its load and slip, and what was found. */
 struct rig_lane {
@@ -25,23 +26,25 @@ struct rig {
 };
 
 /* bed.c. Makes the folder of the bed, and names it. Nothing of the user's has that name. */
-enum status rig_bed_begin(struct rig *rig) FURROW_CHECKED;
+enum status trials_bed_begin(struct rig *rig) FURROW_CHECKED;
 /* Makes level ground for so many lanes. */
-enum status rig_bed_make(const struct rig *rig, size_t lanes) FURROW_CHECKED;
-void rig_bed_remove(struct rig *rig); /* and its folder */
+enum status trials_bed_make(const struct rig *rig, size_t lanes) FURROW_CHECKED;
+void trials_bed_remove(struct rig *rig); /* and its folder */
 
+/* rig.c: returns the failure of a call of the library, with its message. STATUS_OK: it was none. */
+enum status trials_told(furrow_status status) FURROW_CHECKED;
 /* rig.c: true if the object has a slip and what drives it. */
-bool rig_is_driven(const struct rig *rig);
+bool trials_rig_is_driven(const struct rig *rig);
 /* rig.c: true if a text is a mapping in braces, and no name. */
-bool rig_in_braces(const char *text);
+bool trials_in_braces(const char *text);
 /* Returns the load of those ahead of the last, N. `load`: index of the last one's. */
-double rig_lead(const struct rig_params *params, size_t load);
+double trials_rig_lead(const struct rig_params *params, size_t load);
 
 /* lanes.c: drives lanes over one soil and fills their rows. */
-enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count) FURROW_CHECKED;
+enum status trials_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count) FURROW_CHECKED;
 #define RIG_LANES_MOST 16 /* of one bed */
 
 /* torque.c: finds slips at which this soil gives the torques, under each load, and gives the rows. */
-enum status rig_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user) FURROW_CHECKED;
+enum status trials_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user) FURROW_CHECKED;
 
 #endif
