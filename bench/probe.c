@@ -65,7 +65,7 @@ static void measure(struct furrow_world *world, furrow_body body, const struct f
 
 static void of_body(struct furrow_world *world, const char *name, const char *shape, double reach, double x, int probes)
 {
-	const double xy[1][2] = {{x, 2.5}};
+	const double xy[2] = {x, 2.5};
 	struct furrow_point ground;
 	struct furrow_contact contact;
 	furrow_body body;

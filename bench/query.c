@@ -114,7 +114,7 @@ struct drive {
 	struct world *world;
 	struct world_made made;
 	struct scene scene;
-	struct body body;
+	struct body body, *bodies[1];
 	struct record *record;
 	FILE *commit_log;
 };
@@ -125,7 +125,8 @@ static void open_drive(struct drive *drive, const char *path)
 	*drive = (struct drive){
 		.scene = {.slots = SLOTS, .hash = "0"},
 		.body = {.object = &object},
-		.made = {.scene = &drive->scene, .bodies = &drive->body, .resident.level = LEVEL},
+		.bodies = {&drive->body},
+		.made = {.scene = &drive->scene, .bodies = drive->bodies, .body_count = 1, .resident.level = LEVEL},
 	};
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &ground->store));
 	bench_must(store_set_working_level(ground->store, LEVEL));

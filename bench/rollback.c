@@ -44,10 +44,10 @@ static void press(struct furrow_world *world, const furrow_body balls[TILES])
 {
 	const double side = CELLS * SPACING;
 	for (int i = 0; i < TILES; i++) {
-		const double xy[1][2] = {{(i % COLUMNS + 0.5) * side, (i / COLUMNS + 0.5) * side}};
+		const double xy[2] = {(i % COLUMNS + 0.5) * side, (i / COLUMNS + 0.5) * side};
 		struct furrow_point ground;
 		must(furrow_points(world, 1, xy, &ground));
-		const struct furrow_pose pose = {{xy[0][0], xy[0][1], ground.height + RADIUS - 0.1}, {1, 0, 0, 0}};
+		const struct furrow_pose pose = {{xy[0], xy[1], ground.height + RADIUS - 0.1}, {1, 0, 0, 0}};
 		must(furrow_place(world, balls[i], &pose));
 	}
 	must(furrow_step(world, 0));

@@ -284,7 +284,7 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
  * A host may leave the turns of a wheel or a sphere out of its poses. If it did so in the last step, the body turns here by `angular`, for as long
  * as its way takes at `linear`.
- * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
+ * FURROW_USAGE and FURROW_INPUT as furrow_set_states. FURROW_FAILED: ground could not be read; some contacts may be filled all the same.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
 				      const struct furrow_state *states, struct furrow_contact *contacts, size_t contact_size);
@@ -410,12 +410,11 @@ struct furrow_point {
 };
 
 /*
- * Fills `count` points. `xy`: `count` pairs in m, local axes. A point outside the terrain or in a hole is nodata and no failure: its
+ * Fills `count` points. `xy`: 2 x `count` numbers, m, local axes: x and y of each point in turn. A point outside the terrain or in a hole is nodata and no failure: its
  * height, offset and normal are NaN.
  * FURROW_USAGE: a NULL or a NaN.
  */
-FURROW_API furrow_status furrow_points(struct furrow_world *world, size_t count, const double (*xy)[2],
-				       struct furrow_point *points);
+FURROW_API furrow_status furrow_points(struct furrow_world *world, size_t count, const double *xy, struct furrow_point *points);
 
 /* Where a ray meets the ground. */
 struct furrow_hit {
@@ -427,10 +426,10 @@ struct furrow_hit {
 
 /*
  * Fills `count` hits: the first place where each ray meets the ground. `origin`: m; `direction`: of any length but 0; local
- * axes, `count` entries each. FURROW_USAGE: a NULL, a NaN, or a direction of length 0.
+ * axes, 3 x `count` numbers each: x, y, z of each ray in turn. FURROW_USAGE: a NULL, a NaN, or a direction of length 0.
  */
-FURROW_API furrow_status furrow_rays(struct furrow_world *world, size_t count, const double (*origin)[3],
-				     const double (*direction)[3], struct furrow_hit *hits);
+FURROW_API furrow_status furrow_rays(struct furrow_world *world, size_t count, const double *origin, const double *direction,
+				     struct furrow_hit *hits);
 
 /* Metres, but for SHEAR: -1 to 1, and DISTURBANCE: 0 to 1. */
 enum furrow_layer {

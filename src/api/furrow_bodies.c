@@ -1,62 +1,11 @@
 /* furrow.h: bodies. Handles are the world's numbers. */
 #include "api/library.h"
 
-#include <stddef.h>
-
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
-_Static_assert((int)FURROW_AIR == (int)WORLD_AIR && (int)FURROW_UNKNOWN == (int)WORLD_UNKNOWN, "the same states in the same order");
-
-/* Both structs have the same numbers in the same order; only the names are furrow.h's. */
-static struct world_pose pose_of(const struct furrow_pose *from)
-{
-	struct world_pose pose;
-	memcpy(pose.position, from->position, sizeof pose.position);
-	memcpy(pose.orientation, from->orientation, sizeof pose.orientation);
-	return pose;
-}
-
-static struct world_state state_of(const struct furrow_state *from)
-{
-	struct world_state state = {.pose = pose_of(&from->pose)};
-	memcpy(state.linear, from->linear, sizeof state.linear);
-	memcpy(state.angular, from->angular, sizeof state.angular);
-	return state;
-}
-
-void api_library_tell_state(const struct world_state *from, struct furrow_state *state)
-{
-	memcpy(state->pose.position, from->pose.position, sizeof state->pose.position);
-	memcpy(state->pose.orientation, from->pose.orientation, sizeof state->pose.orientation);
-	memcpy(state->linear, from->linear, sizeof state->linear);
-	memcpy(state->angular, from->angular, sizeof state->angular);
-}
-
 #define CONTACT_FIRST offsetof(struct furrow_contact, pull) /* bytes of the first version */
-
-/* Fills entry `index` of the host's list, whose entries have `size` bytes. */
-static void tell_contact(const struct world_contact *from, struct furrow_contact *contacts, size_t index, size_t size)
-{
-	struct furrow_contact known, *contact = &known;
-	known = (struct furrow_contact){
-		.time = from->time,
-		.sinkage = from->sinkage,
-		.area = from->area,
-		.slip = from->slip,
-		.normal_force = from->normal_force,
-		.shear_limit = from->shear_limit,
-		.pull = from->pull,
-		.state = (enum furrow_contact_state)from->state,
-	};
-	memcpy(contact->force, from->force, sizeof contact->force);
-	memcpy(contact->moment, from->moment, sizeof contact->moment);
-	memcpy(contact->point, from->point, sizeof contact->point);
-	memcpy(contact->normal, from->normal, sizeof contact->normal);
-	memcpy(contact->stiffness, from->stiffness, sizeof contact->stiffness);
-	memcpy(contact->damping, from->damping, sizeof contact->damping);
-	memcpy((char *)contacts + index * size, contact, size);
-}
 
 /* Checks lists of bodies, and of the data of each: `bytes` a body. */
 static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, size_t bytes,
@@ -75,7 +24,7 @@ static enum status need_lists(const struct furrow_world *world, size_t count, co
 /* Checks that all bodies exist. Call it before telling about the first of them, so that a call tells everything or nothing. */
 static enum status need_bodies(const struct furrow_world *world, size_t count, const furrow_body *bodies)
 {
-	struct world_state state;
+	struct furrow_state state;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = world_body_state(world->world, bodies[i], &state);
@@ -94,16 +43,14 @@ static enum status need_free(const struct furrow_world *world, size_t count, con
 }
 
 /* Where a body is. */
-static enum status state_at(const struct furrow_world *world, furrow_body body, struct world_state *state)
+static enum status state_at(const struct furrow_world *world, furrow_body body, struct furrow_state *state)
 {
-	struct world_contact contact;
-	return vehicle_body(world->vehicles, body, state, &contact) ? STATUS_OK : world_body_state(world->world, body, state);
+	return vehicle_body(world->vehicles, body, state, NULL) ? STATUS_OK : world_body_state(world->world, body, state);
 }
 
-static enum status contact_of(struct furrow_world *world, furrow_body body, struct world_contact *contact)
+static enum status contact_of(struct furrow_world *world, furrow_body body, struct furrow_contact *contact)
 {
-	struct world_state state;
-	return vehicle_body(world->vehicles, body, &state, contact) ? STATUS_OK : world_body_contact(world->world, body, contact);
+	return vehicle_body(world->vehicles, body, NULL, contact) ? STATUS_OK : world_body_contact(world->world, body, contact);
 }
 
 /* Checks lists of bodies and of their contacts, and the caller's size of a contact. */
@@ -206,10 +153,8 @@ furrow_status furrow_place(struct furrow_world *world, furrow_body body, const s
 		status = api_library_need_writable(world, "place");
 	if (status == STATUS_OK)
 		status = need_free(world, 1, &body);
-	if (status == STATUS_OK) {
-		const struct world_pose at = pose_of(pose);
-		status = world_body_place(world->world, body, &at);
-	}
+	if (status == STATUS_OK)
+		status = world_body_place(world->world, body, pose);
 	return api_library_leave(&call, status);
 }
 
@@ -218,20 +163,12 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 	enum status status = api_library_begin();
 	if (status == STATUS_OK)
 		status = need_lists(world, count, bodies, states, sizeof *states, "states");
-	struct world_state *list = NULL;
-	if (status == STATUS_OK && count > 0) {
-		list = mem_alloc(count, sizeof *list);
-		status = list != NULL ? STATUS_OK : fail_memory("states");
-	}
 	if (status == STATUS_OK)
 		status = api_library_need_writable(world, "states");
 	if (status == STATUS_OK)
 		status = need_free(world, count, bodies);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		list[i] = state_of(&states[i]);
 	if (status == STATUS_OK && count > 0)
-		status = world_bodies_set(world->world, count, bodies, list);
-	mem_free(list);
+		status = world_bodies_set(world->world, count, bodies, states, NULL);
 	return api_library_end(status);
 }
 
@@ -240,18 +177,10 @@ furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const f
 	enum status status = api_library_begin();
 	if (status == STATUS_OK)
 		status = need_lists(world, count, bodies, belts, sizeof *belts, "belts");
-	struct world_belt *list = NULL;
-	if (status == STATUS_OK && count > 0) {
-		list = mem_alloc(count, sizeof *list);
-		status = list != NULL ? STATUS_OK : fail_memory("belts");
-	}
 	if (status == STATUS_OK)
 		status = need_free(world, count, bodies);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		list[i] = (struct world_belt){belts[i].travel, belts[i].speed};
 	if (status == STATUS_OK && count > 0)
-		status = world_belts_set(world->world, count, bodies, list);
-	mem_free(list);
+		status = world_belts_set(world->world, count, bodies, belts);
 	return api_library_end(status);
 }
 
@@ -262,12 +191,8 @@ furrow_status furrow_get_states(struct furrow_world *world, size_t count, const 
 		status = need_lists(world, count, bodies, states, sizeof *states, "states");
 	if (status == STATUS_OK)
 		status = need_bodies(world, count, bodies);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		struct world_state state;
-		status = state_at(world, bodies[i], &state);
-		if (status == STATUS_OK)
-			api_library_tell_state(&state, &states[i]);
-	}
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = state_at(world, bodies[i], &states[i]);
 	return api_library_end(status);
 }
 
@@ -281,30 +206,12 @@ furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, cons
 	if (status == STATUS_OK)
 		status = need_bodies(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		struct world_contact contact;
+		struct furrow_contact contact;
 		status = contact_of(world, bodies[i], &contact);
 		if (status == STATUS_OK)
-			tell_contact(&contact, contacts, i, contact_size);
+			memcpy((char *)contacts + i * contact_size, &contact, contact_size);
 	}
 	return api_library_leave(&call, status);
-}
-
-/* Probes, with the lists that the world takes. */
-static enum status probe(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states,
-			 struct furrow_contact *contacts, size_t contact_size)
-{
-	struct world_state *asked = mem_alloc(count, sizeof *asked);
-	struct world_contact *told = mem_alloc(count, sizeof *told);
-	enum status status = asked != NULL && told != NULL ? STATUS_OK : fail_memory("states");
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		asked[i] = state_of(&states[i]);
-	if (status == STATUS_OK)
-		status = world_probe(world->world, count, bodies, asked, told);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		tell_contact(&told[i], contacts, i, contact_size);
-	mem_free(asked);
-	mem_free(told);
-	return status;
 }
 
 furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states,
@@ -322,10 +229,10 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 		return api_library_end(status);
 	/* Only the first probe of a body needs the GL context. */
 	if (!world_probe_reads(world->world, count, bodies))
-		return api_library_end(probe(world, count, bodies, states, contacts, contact_size));
+		return api_library_end(world_probe(world->world, count, bodies, states, NULL, contacts, contact_size));
 	(void)api_library_end(STATUS_OK);
 	status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
-		status = probe(world, count, bodies, states, contacts, contact_size);
+		status = world_probe(world->world, count, bodies, states, NULL, contacts, contact_size);
 	return api_library_leave(&call, status);
 }

@@ -7,12 +7,13 @@
 /* Offsets smaller than this are rounding errors of the base: twice the lattice's 2^-18 m. */
 #define OFFSET_NOISE 0x1p-17
 
-static enum status points_of(size_t count, const double (*xy)[2], struct resident_point *points)
+static enum status points_of(size_t count, const double *xy, struct resident_point *points)
 {
 	for (size_t i = 0; i < count; i++) {
-		if (!isfinite(xy[i][0]) || !isfinite(xy[i][1]))
-			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, xy[i][0], xy[i][1]);
-		points[i] = (struct resident_point){xy[i][0], xy[i][1]};
+		const double x = xy[2 * i], y = xy[2 * i + 1];
+		if (!isfinite(x) || !isfinite(y))
+			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, x, y);
+		points[i] = (struct resident_point){x, y};
 	}
 	return STATUS_OK;
 }
@@ -40,7 +41,7 @@ static enum status tell_point(struct furrow_world *world, const struct resident_
 	return status;
 }
 
-furrow_status furrow_points(struct furrow_world *world, size_t count, const double (*xy)[2], struct furrow_point *points)
+furrow_status furrow_points(struct furrow_world *world, size_t count, const double *xy, struct furrow_point *points)
 {
 	struct library_call call;
 	struct resident_point *at = NULL;
@@ -71,19 +72,19 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 	return api_library_leave(&call, status);
 }
 
-static enum status rays_of(size_t count, const double (*origin)[3], const double (*direction)[3], struct resident_ray *rays)
+static enum status rays_of(size_t count, const double *origin, const double *direction, struct resident_ray *rays)
 {
-	for (size_t i = 0; i < count; i++) {
+	for (size_t i = 0; i < count; i++, origin += 3, direction += 3) {
 		double sum = 0, length = 0;
 		for (int k = 0; k < 3; k++) {
-			sum += fabs(origin[i][k]) + fabs(direction[i][k]);
-			length += fabs(direction[i][k]);
+			sum += fabs(origin[k]) + fabs(direction[k]);
+			length += fabs(direction[k]);
 		}
 		if (!isfinite(sum) || length == 0)
 			return fail_with(STATUS_USAGE, "ray %zu: it is no ray; give finite numbers, and a direction that is not 0", i);
 		rays[i] = (struct resident_ray){.length = INFINITY};
-		memcpy(rays[i].origin, origin[i], sizeof rays[i].origin);
-		memcpy(rays[i].direction, direction[i], sizeof rays[i].direction);
+		memcpy(rays[i].origin, origin, sizeof rays[i].origin);
+		memcpy(rays[i].direction, direction, sizeof rays[i].direction);
 	}
 	return STATUS_OK;
 }
@@ -98,8 +99,7 @@ static void tell_hit(const struct resident_hit *from, struct furrow_hit *hit)
 	hit->distance = from->distance;
 }
 
-furrow_status furrow_rays(struct furrow_world *world, size_t count, const double (*origin)[3], const double (*direction)[3],
-			  struct furrow_hit *hits)
+furrow_status furrow_rays(struct furrow_world *world, size_t count, const double *origin, const double *direction, struct furrow_hit *hits)
 {
 	struct library_call call;
 	struct resident_ray *rays = NULL;

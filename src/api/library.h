@@ -54,8 +54,6 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 void api_library_begin_gl(struct furrow_world *world);
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
-/* furrow_bodies.c: tells a state of the world. */
-void api_library_tell_state(const struct world_state *from, struct furrow_state *state);
 /* furrow_steps.c: makes a checkpoint. */
 enum status api_library_checkpoint(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that the world may be changed. STATUS_USAGE: it is readonly. `what`: the call. */

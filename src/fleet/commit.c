@@ -20,7 +20,7 @@ static enum status put_bodies(struct fleet *fleet)
 	TRY(fleet_put(&fleet->sent, &count, sizeof count));
 	for (size_t i = 0; i < world_scene(world)->object_count; i++) {
 		struct world_moved moved;
-		if (!world_ranked(world, i) || world_object_body(world, i)->elsewhere)
+		if (!world_ranked(world, i) || world_body(world, i)->elsewhere)
 			continue;
 		world_body_pack(world, i, &moved);
 		TRY(fleet_put(&fleet->sent, &moved, sizeof moved));
@@ -138,7 +138,7 @@ enum status fleet_end(void *user, enum status status)
 
 struct probing {
 	struct fleet *fleet;
-	struct world_contact *contacts;
+	struct furrow_contact *contacts;
 	size_t count;
 };
 
@@ -149,7 +149,7 @@ static enum status get_contacts(void *user, int rank, struct fleet_bytes *bytes)
 	TRY(fleet_get(bytes, &count, sizeof count));
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t at;
-		struct world_contact contact;
+		struct furrow_contact contact;
 		TRY(fleet_get(bytes, &at, sizeof at));
 		TRY(fleet_get(bytes, &contact, sizeof contact));
 		if (at >= probing->count)
@@ -162,12 +162,12 @@ static enum status get_contacts(void *user, int rank, struct fleet_bytes *bytes)
 
 static bool is_here(const struct world *world, int32_t number)
 {
-	return number >= 0 && (size_t)number < world_host_count(world) && world_host(world, number) != NULL &&
-	       !world_host(world, number)->body.elsewhere;
+	const struct body *body = world_body(world, (size_t)number);
+	return body != NULL && body->kind != BODY_PATH && !body->elsewhere;
 }
 
 /* Puts the contacts of the bodies that are on this rank. */
-static enum status put_contacts(struct fleet *fleet, size_t count, const int32_t *numbers, const struct world_contact *contacts)
+static enum status put_contacts(struct fleet *fleet, size_t count, const int32_t *numbers, const struct furrow_contact *contacts)
 {
 	uint32_t here = 0;
 	for (size_t i = 0; i < count; i++)
@@ -184,7 +184,7 @@ static enum status put_contacts(struct fleet *fleet, size_t count, const int32_t
 	return STATUS_OK;
 }
 
-enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status)
+enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status)
 {
 	struct fleet *fleet = user;
 	struct probing probing = {fleet, contacts, count};

@@ -124,7 +124,7 @@ enum status fleet_commit(struct fleet *fleet, enum status status) FURROW_CHECKED
 /* Afterwards no commit is in flight, and the world's record is the same on all ranks. */
 enum status fleet_share_record(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_end(void *user, enum status status) FURROW_CHECKED;
-enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status) FURROW_CHECKED;
+enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status) FURROW_CHECKED;
 
 /* --- together.c --- */
 void fleet_together_finish(struct fleet_together *together);

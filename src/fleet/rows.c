@@ -80,7 +80,7 @@ static enum status write_some(struct fleet *fleet, const struct fleet_row *from,
 		};
 		if (!world_ranked(fleet->world, rows[i].body))
 			return fail_with(STATUS_FAILED, "ranks: a row came of a body that there is not; report this");
-		rows[i].object = world_body_of(fleet->world, &(struct event){.body = rows[i].body})->object;
+		rows[i].object = world_body(fleet->world, rows[i].body)->object;
 	}
 	return report_rows_write(fleet->rows, rows, count);
 }

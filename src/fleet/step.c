@@ -103,7 +103,7 @@ static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
 
 static enum status make_owners(struct fleet *fleet)
 {
-	const size_t count = world_ranked_bodies(fleet->world);
+	const size_t count = world_body_count(fleet->world);
 	if (count > fleet->planned_room) {
 		size_t *bodies = mem_realloc(fleet->planned_bodies, count, sizeof *bodies);
 		TRY_MEM(bodies, "the ranks of bodies");
@@ -168,8 +168,8 @@ static int64_t horizon_of(const struct fleet *fleet)
 	if (scene->vehicle_count > 0)
 		return 1;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (world_object_body(world, i)->track != NULL)
-			fastest = fmax(fastest, motion_track_fastest(world_object_body(world, i)->track));
+		if (world_body(world, i)->track != NULL)
+			fastest = fmax(fastest, motion_track_fastest(world_body(world, i)->track));
 	if (fastest > 0)
 		steps = fmin(steps, TILE_SHARE * world_resident(world)->spacing * world_resident(world)->meta->extent.cells / (fastest * scene->time_step));
 	if (deform_conserves(scene->model))

@@ -388,7 +388,7 @@ enum status render_view_resize(struct view *view, uint32_t width, uint32_t heigh
 
 enum status render_view_follow_bodies(struct view *view)
 {
-	if (view->bodies == world_host_count(view->world) || !world_scene(view->world)->hosted)
+	if (view->bodies == world_body_count(view->world) || !world_scene(view->world)->hosted)
 		return STATUS_OK;
 	/* After a failure all is as before: what draws bodies uses the lists. */
 	struct render *render;

@@ -8,7 +8,7 @@
 static enum status list_added(struct view *view)
 {
 	const struct world *world = view->world;
-	const size_t first = world_scene(world)->object_count, count = world_scene(world)->hosted ? world_host_count(world) : 0;
+	const size_t first = world_scene(world)->object_count, count = world_scene(world)->hosted ? world_body_count(world) : 0;
 	mem_free(view->added);
 	view->added = NULL;
 	view->added_count = 0;
@@ -18,7 +18,7 @@ static enum status list_added(struct view *view)
 	view->added = mem_alloc(count - first, sizeof *view->added);
 	TRY_MEM(view->added, "the view");
 	for (size_t number = first; number < count; number++)
-		if (world_host(world, number) != NULL && !world_host(world, number)->quiet) /* a quiet body is a part of a vehicle, and world->figures has that */
+		if (world_body(world, number) != NULL && world_body(world, number)->kind == BODY_HOST) /* the figures have those of vehicles */
 			view->added[view->added_count++] = (int32_t)number;
 	return STATUS_OK;
 }
@@ -40,7 +40,7 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 	if (figures > 0)
 		memcpy(view->drawn + objects, world_figures(world)->list, figures * sizeof *view->drawn);
 	for (size_t i = 0; i < view->added_count; i++)
-		view->drawn[objects + figures + i] = *world_host(world, (int32_t)view->added[i])->body.object;
+		view->drawn[objects + figures + i] = *world_body(world, (size_t)view->added[i])->object;
 	params->objects = view->drawn;
 	params->object_count = objects + figures + view->added_count;
 	return STATUS_OK;
@@ -48,11 +48,11 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 
 bool render_view_body(const struct view *view, size_t number, struct render_object *object)
 {
-	const struct host_body *host = world_host(view->world, (int32_t)number);
-	if (host == NULL || host->removed || !host->placed)
+	const struct body *body = world_body(view->world, number);
+	if (body == NULL || body->host.removed || !body->host.placed)
 		return false;
 	*object = (struct render_object){.posed = true};
-	memcpy(object->at, host->now.pose.position, sizeof object->at);
-	world_axes(host->now.pose.orientation, object->axes);
+	memcpy(object->at, body->host.now.pose.position, sizeof object->at);
+	world_axes(body->host.now.pose.orientation, object->axes);
 	return true;
 }

@@ -29,7 +29,7 @@ double render_view_ground_at(struct view *view, double x, double y, double other
 /* Returns the body that the camera follows; NULL: it does not move. */
 static const struct body *target_of(const struct world *world, const struct scene_aim *aim)
 {
-	return aim->kind != SCENE_FIXED && aim->vehicle == 0 ? world_object_body(world, aim->object) : NULL;
+	return aim->kind != SCENE_FIXED && aim->vehicle == 0 ? world_body(world, aim->object) : NULL;
 }
 
 /* Places of a camera that follows a vehicle: where that is now. Before it was set down, where it starts. */

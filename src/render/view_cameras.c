@@ -91,7 +91,7 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 	}
 	if (now)
 		TRY(render_view_object(view, (size_t)aim->object, &object, &known));
-	stand_later(view, world_object_body(view->world, aim->object), time, stand);
+	stand_later(view, world_body(view->world, aim->object), time, stand);
 	if (!known)
 		return STATUS_OK;
 	memcpy(stand->at, object.at, sizeof object.at);

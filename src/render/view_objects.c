@@ -43,7 +43,7 @@ static enum status height_at(struct world *world, const struct body *body, const
 enum status render_view_object(struct view *view, size_t index, struct render_object *object, bool *known)
 {
 	struct world *world = view->world;
-	const struct body *body = world_object_body(world, index);
+	const struct body *body = world_body(world, index);
 	struct track_point point;
 	int64_t height;
 	motion_track_at(body->track, world_time(world), &point);
@@ -73,12 +73,12 @@ enum status render_view_set_objects(struct view *view)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		bool known;
-		if (world_object_body(world, i)->track == NULL) { /* a host moves it */
+		if (world_body(world, i)->track == NULL) { /* a host moves it */
 			if (render_view_body(view, i, &objects[count]))
 				objects[count++].object = i;
 			continue;
 		}
-		if (world_time(world) < motion_track_sample_time(world_object_body(world, i)->track, 0))
+		if (world_time(world) < motion_track_sample_time(world_body(world, i)->track, 0))
 			continue; /* its path has not begun */
 		TRY_OR(done, render_view_object(view, i, &objects[count], &known));
 		count += known;

@@ -30,7 +30,7 @@ void report_groundless(const struct world *world, scene_advice_fn tell, void *us
 {
 	char text[440], count[60];
 	for (size_t i = 0; world_params(world)->ranks == NULL && i < world_scene(world)->object_count; i++) {
-		const struct body *body = world_object_body(world, i);
+		const struct body *body = world_body(world, i);
 		const bool all = body->skipped == body->next;
 		if (body->track == NULL || (double)body->skipped <= GROUNDLESS_SHARE * (double)body->next)
 			continue;

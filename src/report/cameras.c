@@ -51,7 +51,7 @@ static enum status advise_camera(const struct world *world, struct store_reader 
 {
 	const struct extent *extent = &world_resident(world)->meta->extent;
 	const bool fixed = camera->aim.kind == SCENE_FIXED;
-	const struct body *body = fixed ? NULL : world_object_body(world, camera->aim.object);
+	const struct body *body = fixed ? NULL : world_body(world, camera->aim.object);
 	struct store_sample at;
 	struct track_point start;
 	double eye[3];
@@ -89,7 +89,7 @@ void report_cameras_advise(const struct world *world, scene_advice_fn tell, void
 		return;
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
-		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world_object_body(world, camera->aim.object)->track != NULL;
+		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world_body(world, camera->aim.object)->track != NULL;
 		const bool advised = camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object);
 		if (advised && advise_camera(world, reader, camera, tell, user) != STATUS_OK)
 			break; /* a tile that cannot be read is told when it is drawn */

@@ -86,17 +86,12 @@ static void add_object_units(cJSON *units, const struct report *report)
 {
 	cJSON *windows = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_WINDOW));
 	cJSON *moved = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_MOVED));
-	for (size_t i = 0; i < world_scene(report->world)->object_count; i++) {
-		const struct body *body = world_object_body(report->world, i);
+	for (size_t i = 0; i < world_body_count(report->world); i++) {
+		const struct body *body = world_body(report->world, i);
+		if (body == NULL)
+			continue;
 		json_integer(windows, body->object->name, (int64_t)body->windows);
 		json_integer(moved, body->object->name, (int64_t)body->windows_moved);
-	}
-	for (size_t i = 0; i < world_host_count(report->world); i++) {
-		const struct host_body *host = world_host(report->world, (int32_t)i);
-		if (host == NULL)
-			continue;
-		json_integer(windows, host->body.object->name, (int64_t)host->body.windows);
-		json_integer(moved, host->body.object->name, (int64_t)host->body.windows_moved);
 	}
 }
 

@@ -14,8 +14,8 @@ static const struct body *worst(const struct world *world, bool sunk)
 {
 	const struct body *most = NULL;
 	for (size_t i = 0; i < world_scene(world)->object_count; i++)
-		if (of(world_object_body(world, i), sunk)->steps > (most != NULL ? of(most, sunk)->steps : 0))
-			most = world_object_body(world, i);
+		if (of(world_body(world, i), sunk)->steps > (most != NULL ? of(most, sunk)->steps : 0))
+			most = world_body(world, i);
 	return most;
 }
 

@@ -60,7 +60,7 @@ static enum status take_ways(struct map *map)
 		return fail_memory("a map");
 	for (map->count = 0; map->count < count; map->count++) {
 		struct way *way = &map->ways[map->count];
-		const struct body *body = map->count < objects ? world_object_body(world, map->count) : NULL;
+		const struct body *body = map->count < objects ? world_body(world, map->count) : NULL;
 		way->places = mem_alloc(body != NULL ? motion_track_corners(body->track) : VEHICLE_TRAIL + 1, sizeof *way->places);
 		TRY_MEM(way->places, "a map");
 		if (body != NULL)

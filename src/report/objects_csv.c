@@ -53,7 +53,7 @@ static enum status write_row(const struct report_rows *rows, const struct world_
 		strcpy(work, ",");
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
-	if (row->body > world_scene(rows->world)->object_count) /* of a vehicle */
+	if (world_body(rows->world, row->body)->kind == BODY_VEHICLE)
 		snprintf(work, sizeof work, ",%.9g", force->work);
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g%s\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],

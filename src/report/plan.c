@@ -232,9 +232,9 @@ static enum status advise_holes(const struct world *world, struct notes *notes)
 	for (size_t i = 0; i < scene->object_count; i++) {
 		struct over_holes holes = {.share = 0};
 		char key[240];
-		if (world_object_body(world, i)->track == NULL)
+		if (world_body(world, i)->track == NULL)
 			continue;
-		TRY_OR(done, find_holes(reader, world_object_body(world, i)->track, scene->end_time, most, &holes));
+		TRY_OR(done, find_holes(reader, world_body(world, i)->track, scene->end_time, most, &holes));
 		snprintf(key, sizeof key, "objects.%.200s.path", scene->objects[i].name);
 		tell_holes(world, key, &holes, false, notes);
 	}
@@ -286,7 +286,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->samples = mem_calloc(scene->object_count + 1, sizeof *out->samples);
 	TRY_MEM(out->samples, "the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
-		out->samples[i] = world_samples_until(world_object_body(world, i)->track, scene->end_time);
+		out->samples[i] = world_samples_until(world_body(world, i)->track, scene->end_time);
 	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++)
 		out->rasters[out->raster_count++] = world_raster(world, i);
 	describe_soils(world, out);

@@ -267,7 +267,7 @@ static void add_objects(cJSON *root, const struct report *report)
 {
 	cJSON *objects = cJSON_AddObjectToObject(root, "objects");
 	for (size_t i = 0; i < world_scene(report->world)->object_count; i++) {
-		const struct body *body = world_object_body(report->world, i);
+		const struct body *body = world_body(report->world, i);
 		cJSON *object = cJSON_AddObjectToObject(objects, body->object->name);
 		json_number(object, "distance", body->distance);
 		json_number(object, "sinkage", body->sinkage);

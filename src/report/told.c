@@ -26,7 +26,7 @@ static void tell_untouched(const struct world *world, scene_advice_fn tell, void
 {
 	char text[480];
 	for (size_t i = 0; i < world_scene(world)->object_count; i++) {
-		const struct body *body = world_object_body(world, i);
+		const struct body *body = world_body(world, i);
 		const struct scene_object *object = body->object;
 		const double across = 2 * soil_shape_bound(&object->shape);
 		if (!is_untouched(body))

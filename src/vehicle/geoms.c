@@ -275,7 +275,7 @@ void vehicle_free_geoms(struct vehicle *vehicle)
 
 /* --- where they are --- */
 
-void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state)
+void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct furrow_state *state, struct furrow_belt *belt)
 {
 	double axes[9], velocity[6];
 	mju_mulMatMat(axes, &vehicle->data->geom_xmat[9 * geom->geom], geom->axes, 3, 3, 3);
@@ -287,10 +287,12 @@ void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *g
 		state->angular[i] = velocity[i];
 		state->linear[i] = velocity[3 + i];
 	}
-	state->belt = (struct world_belt){0, 0};
+	if (belt == NULL)
+		return;
+	*belt = (struct furrow_belt){0, 0};
 	if (geom->shape.belt) {
 		const int at = vehicle->model->jnt_qposadr[vehicle->model->dof_jntid[geom->dof]];
-		state->belt = (struct world_belt){geom->sprocket * vehicle->data->qpos[at], geom->sprocket * vehicle->data->qvel[geom->dof]};
+		*belt = (struct furrow_belt){geom->sprocket * vehicle->data->qpos[at], geom->sprocket * vehicle->data->qvel[geom->dof]};
 	}
 }
 

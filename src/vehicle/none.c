@@ -127,10 +127,10 @@ enum status vehicle_find_shares(struct vehicles *vehicles)
 	return STATUS_OK;
 }
 
-void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct world_state *state)
+void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct furrow_state *state)
 {
 	(void)vehicles, (void)vehicle;
-	*state = (struct world_state){.pose = {.position = {0}}};
+	*state = (struct furrow_state){.pose = {.position = {0}}};
 }
 
 void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *values, double *rates)
@@ -154,11 +154,10 @@ const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number)
 	return NULL;
 }
 
-bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact)
+bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow_state *state, struct furrow_contact *contact)
 {
 	(void)vehicles, (void)number;
-	*state = (struct world_state){.pose = {.position = {0}}};
-	*contact = world_contact_unknown();
+	(void)state, (void)contact;
 	return false;
 }
 

@@ -204,7 +204,7 @@ const struct soil_geom *vehicle_sunk(const struct vehicle *vehicle)
 {
 	const struct soil_geom *deepest = NULL;
 	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++)
-		if (geom->contact.state == WORLD_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
+		if (geom->contact.state == FURROW_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
 			deepest = geom;
 	return deepest;
 }
@@ -281,10 +281,11 @@ static enum status place_bodies(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
 			TRY(world_body_place(vehicles->world, geom->number, &geom->now.pose));
-			TRY(world_bodies_set(vehicles->world, 1, &geom->number, &geom->now));
+			TRY(world_bodies_set(vehicles->world, 1, &geom->number, &geom->now, &geom->now_belt));
 			geom->touched = geom->now;
+			geom->touched_belt = geom->now_belt;
 			geom->is_touched = true;
 		}
 	TRY(world_move_hosts(vehicles->world));

@@ -31,9 +31,9 @@ static const double *take(const double *from, double *to, size_t count)
 
 static double *save_geom(const struct world *world, const struct soil_geom *geom, double *to)
 {
-	const struct world_state *touched = &geom->touched;
+	const struct furrow_state *touched = &geom->touched;
 	*to++ = geom->is_touched;
-	*to++ = touched->belt.travel;
+	*to++ = geom->touched_belt.travel;
 	*to++ = geom->work;
 	to = put(to, touched->pose.position, 3);
 	to = put(to, touched->pose.orientation, 4);
@@ -88,9 +88,9 @@ static enum status damaged(const struct vehicles *vehicles, const struct vehicle
 
 static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geom, const double **from)
 {
-	struct world_state *touched = &geom->touched;
+	struct furrow_state *touched = &geom->touched;
 	geom->is_touched = *(*from)++ != 0;
-	touched->belt.travel = *(*from)++;
+	geom->touched_belt.travel = *(*from)++;
 	geom->work = *(*from)++;
 	*from = take(*from, touched->pose.position, 3);
 	*from = take(*from, touched->pose.orientation, 4);

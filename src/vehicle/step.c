@@ -9,7 +9,7 @@
 
 /* --- the ground --- */
 
-static void turn_between(const struct world_pose *a, const struct world_pose *b, double angles[3])
+static void turn_between(const struct furrow_pose *a, const struct furrow_pose *b, double angles[3])
 {
 	double back[4], turn[4];
 	mju_negQuat(back, a->orientation);
@@ -20,7 +20,7 @@ static void turn_between(const struct world_pose *a, const struct world_pose *b,
 /* Places of a geom: where it last changed the ground; where this step started, and where it ends. */
 enum { TOUCHED, START, END, PLACES };
 
-static void find_places(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, double places[PLACES][3])
+static void find_places(const struct vehicles *vehicles, const struct soil_geom *geom, const struct furrow_state *to, double places[PLACES][3])
 {
 	mju_copy3(places[TOUCHED], geom->touched.pose.position);
 	mju_addScl3(places[START], geom->now.pose.position, geom->now.linear, -vehicles->scene->time_step);
@@ -48,10 +48,10 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
  * Tells whether a geom's motion since it last changed the ground is worth a contact. What it does in between is elastic for the soil.
  * So where a motion turns back, the ground must know how far it went: how deep it yielded, and how far it was sheared.
  */
-static enum status find_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, bool *due)
+static enum status find_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct furrow_state *to, const struct furrow_belt *belt, bool *due)
 {
 	const double spacing = world_resident(vehicles->world)->spacing;
-	const struct world_pose *from = &geom->touched.pose;
+	const struct furrow_pose *from = &geom->touched.pose;
 	double way[2], turns[3], places[PLACES][3], heights[PLACES];
 	*due = true;
 	if (!geom->is_touched)
@@ -62,7 +62,7 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	turn_between(from, &to->pose, turns);
 	const double level = hypot(way[0], way[1]), turn = mju_norm3(turns), sank = heights[TOUCHED] - heights[END];
 	const double turned = geom->shape.kind == SOIL_SPHERE ? 0 : turn;
-	if (level >= spacing || fabs(to->belt.travel - geom->touched.belt.travel) >= spacing || fabs(sank) >= WORLD_SINKAGE_SHARE * spacing ||
+	if (level >= spacing || fabs(belt->travel - geom->touched_belt.travel) >= spacing || fabs(sank) >= WORLD_SINKAGE_SHARE * spacing ||
 	    turned >= TURN_MOST || turned * soil_shape_bound(&geom->shape) >= spacing)
 		return STATUS_OK;
 	const double now[2] = {to->angular[0] * vehicles->scene->time_step, to->angular[1] * vehicles->scene->time_step};
@@ -76,7 +76,7 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	};
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
 			     way[0] * geom->now.linear[0] + way[1] * geom->now.linear[1] >= 0;
-	*due = geom->contact.state != WORLD_AIR && (returns || world_leaves_dip(&sinking, DIP_LEAST));
+	*due = geom->contact.state != FURROW_AIR && (returns || world_leaves_dip(&sinking, DIP_LEAST));
 	return STATUS_OK;
 }
 
@@ -97,29 +97,32 @@ static enum status touch(struct vehicles *vehicles)
 		struct vehicle *vehicle = &vehicles->list[v];
 		for (size_t g = 0; g < vehicle->geom_count; g++) {
 			struct soil_geom *geom = &vehicle->geoms[g];
-			struct world_state to;
+			struct furrow_state to;
+			struct furrow_belt belt;
 			bool due;
-			vehicle_geom_state(vehicle, geom, &to);
-			TRY(find_due(vehicles, geom, &to, &due));
+			vehicle_geom_state(vehicle, geom, &to, &belt);
+			TRY(find_due(vehicles, geom, &to, &belt, &due));
 			if (!due)
 				continue;
 			geom->touched = to;
+			geom->touched_belt = belt;
 			geom->is_touched = true;
 			vehicles->numbers[count] = geom->number;
+			vehicles->belts[count] = belt;
 			vehicles->states[count++] = to;
 		}
 	}
-	return count > 0 ? world_bodies_set(vehicles->world, count, vehicles->numbers, vehicles->states) : STATUS_OK;
+	return count > 0 ? world_bodies_set(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->belts) : STATUS_OK;
 }
 
 /* --- contacts --- */
 
 /* Moves a state on as it moves now. */
-static void go_on(struct world_state *state, double seconds)
+static void go_on(struct furrow_state *state, struct furrow_belt *belt, double seconds)
 {
 	double turn[4], axis[3], orientation[4];
 	mju_addToScl3(state->pose.position, state->linear, seconds);
-	state->belt.travel += state->belt.speed * seconds;
+	belt->travel += belt->speed * seconds;
 	mju_copy3(axis, state->angular);
 	const double speed = mju_normalize3(axis); /* a body that does not turn gets some axis, and an angle of 0 */
 	mju_axisAngle2Quat(turn, axis, speed * seconds);
@@ -133,18 +136,19 @@ static enum status ask(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
-			go_on(&geom->now, vehicles->scene->time_step);
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
+			go_on(&geom->now, &geom->now_belt, vehicles->scene->time_step);
 			vehicles->numbers[count] = geom->number;
+			vehicles->belts[count] = geom->now_belt;
 			vehicles->states[count++] = geom->now;
 		}
-	TRY(world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->contacts));
+	TRY(world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, sizeof *vehicles->contacts));
 	count = 0;
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			geom->contact = vehicles->contacts[count++];
-			if (geom->contact.state == WORLD_UNKNOWN && geom->is_touched)
+			if (geom->contact.state == FURROW_UNKNOWN && geom->is_touched)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
 						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));
 		}

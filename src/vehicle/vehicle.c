@@ -21,9 +21,11 @@ static enum status make_lists(struct vehicles *vehicles)
 	}
 	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
 	vehicles->states = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->states);
+	vehicles->belts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->belts);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
 	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
-	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->contacts == NULL || vehicles->record == NULL)
+	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->belts == NULL || vehicles->contacts == NULL ||
+	    vehicles->record == NULL)
 		return fail_memory("the vehicles");
 	return STATUS_OK;
 }
@@ -74,6 +76,7 @@ void vehicle_destroy(struct vehicles *vehicles)
 	mem_free(vehicles->list);
 	mem_free(vehicles->numbers);
 	mem_free(vehicles->states);
+	mem_free(vehicles->belts);
 	mem_free(vehicles->contacts);
 	mem_free(vehicles->record);
 	mem_free(vehicles);
@@ -168,14 +171,14 @@ void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *ro
 	fill_row(&vehicles->list[index], row);
 }
 
-static enum deform_state state_of(enum world_contact_state state)
+static enum deform_state state_of(enum furrow_contact_state state)
 {
 	switch (state) {
-	case WORLD_TOUCHING:
+	case FURROW_TOUCHING:
 		return DEFORM_TOUCHING;
-	case WORLD_SLIDES:
+	case FURROW_SLIDES:
 		return DEFORM_SLIDES;
-	case WORLD_SUNK:
+	case FURROW_SUNK:
 		return DEFORM_SUNK;
 	default:
 		return DEFORM_AIR;
@@ -190,7 +193,7 @@ static enum status tell_forces(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			const struct world_contact *contact = &geom->contact;
+			const struct furrow_contact *contact = &geom->contact;
 			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state)};
 			if (force.state == DEFORM_AIR || !isfinite(force.area) || !isfinite(force.sinkage))
 				force.sinkage = force.area = 0;
@@ -224,7 +227,7 @@ static void watch_sunk(const struct vehicles *vehicles, struct vehicle *vehicle)
 	char text[500];
 	bool long_sunk = false;
 	for (struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
-		geom->sunk = geom->contact.state == WORLD_SUNK ? geom->sunk + vehicles->scene->time_step : 0;
+		geom->sunk = geom->contact.state == FURROW_SUNK ? geom->sunk + vehicles->scene->time_step : 0;
 		long_sunk = long_sunk || geom->sunk > SUNK_LONG;
 	}
 	if (!long_sunk || vehicle->told_sunk[0] != '\0')

@@ -98,7 +98,7 @@ size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*p
 /* --- of a host's world: hosted.c --- */
 
 /* Where its root body is, and how it moves. */
-void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct world_state *state);
+void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct furrow_state *state);
 /* joint_count values in rad or m, and rates in rad/s or m/s. Either may be NULL. */
 void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *values, double *rates);
 /* actuator_count controls, and forces as in a row. Either may be NULL. */
@@ -109,7 +109,7 @@ void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const doubl
 const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number);
 /* Tells where such a body is, and what the soil did to it in the last step. The contact is unknown after a rollback and in a resumed run, until
  * a step. Returns false if the body is no vehicle's. `vehicles` may be NULL. */
-bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact);
+bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow_state *state, struct furrow_contact *contact);
 /* Goes back to the world's last whole step, after vehicle_step failed and left world_is_torn(world) false. Contacts are unknown until the next step. */
 enum status vehicle_step_back(struct vehicles *vehicles) FURROW_CHECKED;
 /* Goes back to the checkpoint, after world_rollback. Controls that the host set stay. */

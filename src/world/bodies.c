@@ -1,4 +1,10 @@
-/* Makes the bodies: each gets its path as path samples in local metres, and a place in the record. */
+/*
+ * The list of bodies, by number. Each of the scene's objects gets its path as path samples in local metres, and a place in the record.
+ *
+ * Invariants:
+ * - A body stays where it is in memory until it is freed.
+ * - A number is given out once. bodies[number] is NULL for a body that was added and that a rollback removed.
+ */
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -125,40 +131,105 @@ static enum status make_track(const struct world *world, struct body *body)
 	return status == STATUS_OK && !world->scene->hosted ? check_samples(world, body) : status;
 }
 
+/* --- the list --- */
+
+const struct body *world_body(const struct world *world, size_t number)
+{
+	return world_body_at(world, number);
+}
+
+struct body *world_body_at(const struct world *world, size_t number)
+{
+	if (number == WORLD_DROPPED)
+		return world->dropping;
+	return number < world->body_count ? world->bodies[number] : NULL;
+}
+
+size_t world_body_count(const struct world *world)
+{
+	return world->body_count;
+}
+
+bool world_follows_path(const struct world *world, size_t number)
+{
+	const struct body *body = world_body(world, number);
+	return body != NULL && body->kind == BODY_PATH;
+}
+
+static enum status make_room(struct world *world)
+{
+	if (world->body_count < world->body_room)
+		return STATUS_OK;
+	if (world->body_count >= INT32_MAX / 2)
+		return fail_with(STATUS_FAILED, "bodies: too many were added; close the world and open it again");
+	const size_t room = world->body_room > 0 ? 2 * world->body_room : 16;
+	struct body **bodies = mem_realloc(world->bodies, room, sizeof *bodies);
+	if (bodies == NULL)
+		return fail_memory("a body");
+	world->bodies = bodies;
+	struct deform_rest *rests = mem_realloc(world->relaxation.rests, room, sizeof *rests);
+	if (rests == NULL)
+		return fail_memory("a body");
+	world->relaxation.rests = rests;
+	world->body_room = room;
+	return STATUS_OK;
+}
+
+enum status world_list_body(struct world *world, enum body_kind kind, const struct scene_object *object, struct scene_object *owned)
+{
+	TRY(make_room(world));
+	struct body *body = mem_calloc(1, sizeof *body);
+	if (body == NULL)
+		return fail_memory("a body");
+	body->kind = kind;
+	body->object = object;
+	body->host.owned = owned;
+	if (world_is_hosted(body)) {
+		body->host.stamped = 1;
+		for (int i = 0; i < 3; i++)
+			body->host.now.pose.position[i] = NAN;
+	}
+	world->bodies[world->body_count++] = body;
+	return STATUS_OK;
+}
+
 enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	world->bodies = mem_calloc(scene->object_count + 1, sizeof *world->bodies);
-	world->relaxation.rests = mem_calloc(scene->object_count + 1, sizeof *world->relaxation.rests);
 	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached));
-	if (world->bodies == NULL || world->relaxation.rests == NULL || world->record == NULL)
+	if (world->record == NULL)
 		return fail_memory("the objects");
 	world->record->attached_count = world->params.attached;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
-		struct body *body = &world->bodies[i];
-		body->object = &scene->objects[i];
-		body->loaded_body = body->object->load > 0 ? ++loaded_bodies : 0;
-		if (body->object->path.count == 0) { /* the host's */
-			enum status fits = soil_shape_check(&body->object->shape, world->resident.spacing);
-			if (fits != STATUS_OK)
-				return fits;
+		const struct scene_object *object = &scene->objects[i];
+		TRY(world_list_body(world, object->path.count == 0 ? BODY_HOST : BODY_PATH, object, NULL));
+		TRY(soil_shape_check(&object->shape, world->resident.spacing));
+		if (object->path.count == 0)
 			continue;
-		}
-		enum status status = soil_shape_check(&body->object->shape, world->resident.spacing);
-		if (status == STATUS_OK)
-			status = make_track(world, body);
-		if (status != STATUS_OK)
-			return status;
+		world->bodies[i]->loaded_body = object->load > 0 ? ++loaded_bodies : 0;
+		TRY(make_track(world, world->bodies[i]));
 	}
-	return world_make_hosts(world);
+	return STATUS_OK;
+}
+
+void world_body_free(struct body *body)
+{
+	if (body == NULL)
+		return;
+	motion_track_destroy(body->track);
+	if (body->host.owned != NULL)
+		scene_object_finish(body->host.owned);
+	mem_free(body->host.owned);
+	mem_free(body);
 }
 
 void world_free_bodies(struct world *world)
 {
-	world_free_hosts(world);
-	for (size_t i = 0; world->bodies != NULL && i < world->scene->object_count; i++)
-		motion_track_destroy(world->bodies[i].track);
+	for (size_t i = 0; i < world->body_count; i++)
+		world_body_free(world->bodies[i]);
+	world->body_count = 0;
+	world_names_free(world);
 	mem_free(world->bodies);
 	mem_free(world->relaxation.rests);
 	mem_free(world->record);
@@ -166,12 +237,12 @@ void world_free_bodies(struct world *world)
 
 void world_place(const struct world *world, size_t body, double place[3], double *yaw)
 {
-	const struct scene_path *path = &world->bodies[body].object->path;
+	const struct scene_path *path = &world->bodies[body]->object->path;
 	struct track_point point;
 	int64_t height;
 	bool any;
 	assert(body < world->scene->object_count);
-	motion_track_at(world->bodies[body].track, world->time, &point);
+	motion_track_at(world->bodies[body]->track, world->time, &point);
 	place[0] = point.x;
 	place[1] = point.y;
 	place[2] = path->has_z ? point.z : world->resident.meta->low;

@@ -5,6 +5,7 @@
 #ifndef FURROW_WORLD_BODY_H
 #define FURROW_WORLD_BODY_H
 
+#include "api/furrow.h"
 #include "deform/deform.h"
 #include "motion/motion.h"
 #include "scene/scene.h"
@@ -22,14 +23,53 @@ struct world_force {
 	enum deform_state state;
 };
 
+enum body_kind {
+	BODY_PATH,    /* it follows its path */
+	BODY_HOST,    /* a host sets its states */
+	BODY_VEHICLE, /* a soil geom of a vehicle, which sets its states and computes its forces with world_probe (world_body_quiet) */
+	BODY_DROPPED  /* a window sets it down once */
+};
 
-/* One body. Its shape, sink, load and slip are in the scene object. */
+/* What only a body of a host or a vehicle has: hosts.c. */
+struct body_hosted {
+	struct scene_object *owned;   /* NULL: the scene owns the object */
+	bool placed, removed;
+	bool fresh;                   /* placed since the last step, so there is no motion from an earlier pose */
+	bool has_next;
+	struct furrow_state now, next; /* now: after the last step. next: after the next step, if has_next */
+	struct furrow_belt belt;      /* as world_belts_set told it; of a vehicle's body that of `now` */
+	struct furrow_belt next_belt; /* of a vehicle's body: that of `next` */
+	bool belt_told;               /* world_belts_set was called for this body */
+	bool posed_linear, posed_angular; /* rates.c: the velocities in `now` are those of the poses */
+	bool unposed;                 /* rates.c: the host leaves the turns of a round body out of its poses */
+	bool rates_told;              /* a note told what is wrong with its velocities */
+	int rates_far;                /* for so many steps on end, velocities and poses differed by far */
+	double since;                 /* s: time of its motion since `last`; of a vehicle's body the time of the last contact */
+	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
+	double rotated[3];            /* other shapes: rad about local axes since `last` */
+	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
+	struct soil_pose felt;        /* the pose for which forces were last computed, */
+	double felt_turned;           /* the value of `turned` then, */
+	bool felt_moving;             /* and true if it moved then */
+	double told;                  /* s: time of `force` and `state` */
+	struct world_force force;
+	enum furrow_contact_state state;
+	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
+	double slip;                  /* of a vehicle's body: what the vehicle told for rows, */
+	struct soil_pose shown;       /* and where */
+};
+
+/*
+ * One body. Its shape, sink, load and slip are in the scene object. It has one number everywhere, and stays where it is in memory. The scene's objects
+ * have 0 .. object_count - 1 in its order. Bodies that are added get the next numbers. A number is never used twice.
+ */
 struct body {
+	enum body_kind kind;      /* who moves it */
 	const struct scene_object *object;
-	struct track *track;
+	struct track *track;      /* its path; NULL: it has none */
 	int64_t next;             /* number of its next path sample */
 	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
-	struct soil_pose last;
+	struct soil_pose last;    /* the pose up to which its motion has changed the ground */
 	double distance, sinkage; /* m */
 	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */
 	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
@@ -45,83 +85,23 @@ struct body {
 		int64_t steps;      /* at whose end it was so */
 		double time, x, y;  /* the first time, s, and the place then, local metres */
 	} sunk, slid;
+	struct body_hosted host;  /* of BODY_HOST and BODY_VEHICLE; of others all 0 */
 };
 
-/* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */
-struct world_pose {
-	double position[3];    /* m */
-	double orientation[4]; /* unit quaternion w, x, y, z, from the body's axes (x forward, y left, z up) to local axes */
-};
-struct world_state {
-	struct world_pose pose;
-	double linear[3];  /* m/s, velocity of the origin. Of a state that a host gives: all NaN: that of the poses (rates.c) */
-	double angular[3]; /* rad/s. All NaN: likewise */
-	struct world_belt {
-		double travel, speed; /* m: how far its belt has run, counted from anywhere, and m/s. 0: it has none */
-	} belt;                       /* world_bodies_set takes it of quiet bodies alone. Of others world_belts_set tells it */
-};
-
-enum world_contact_state { WORLD_AIR, WORLD_TOUCHING, WORLD_SLIDES, WORLD_SUNK, WORLD_UNKNOWN };
-
-/* The contact of a body with the soil. NaN: not known. */
-struct world_contact {
-	double time;                  /* s: time at which the ground and the body were as described here; on a path that of the latest path sample */
-	double force[3], moment[3];   /* on the body, in local axes: N, and N m about the origin */
-	double point[3];              /* m: on the line of the force, the point nearest to the body's lowest point */
-	double normal[3];             /* unit normal of the undisturbed surface under the body */
-	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel or a belt */
-	double stiffness[6][6], damping[6][6]; /* d(force, moment) / d(translation, rotation about local axes), and of their rates */
-	double normal_force, shear_limit; /* N */
-	double pull;                  /* N: of its belt, as in struct deform_forces */
-	enum world_contact_state state;
-};
-
-/* One body of a host: hosts.c. */
-struct host_body {
-	struct body body;             /* its member `last` is the pose up to which the motion has changed the ground */
-	struct scene_object *owned;   /* NULL: the scene owns the object */
-	bool placed, removed;
-	bool fresh;                   /* placed since the last step, so there is no motion from an earlier pose */
-	bool has_next;
-	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
-	bool posed_linear, posed_angular; /* rates.c: the velocities in `now` are those of the poses */
-	bool unposed;                 /* rates.c: the host leaves the turns of a round body out of its poses */
-	bool rates_told;              /* a note told what is wrong with its velocities */
-	int rates_far;                /* for so many steps on end, velocities and poses differed by far */
-	double since;                 /* s: time of its motion since `last` */
-	struct world_belt belt;       /* as world_belts_set told it; of a quiet body now.belt counts */
-	bool belt_told;               /* it was called for this body */
-	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
-	double rotated[3];            /* other shapes: rad about local axes since `last` */
-	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
-	struct soil_pose felt;      /* the pose for which forces were last computed, */
-	double felt_turned;           /* the value of `turned` then, */
-	bool felt_moving;             /* and true if it moved then */
-	double told;                  /* s: time of `force` and `state` */
-	struct world_force force;
-	enum world_contact_state state;
-	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
-	bool quiet;                   /* world_body_quiet; then `since` is the time of the last contact, */
-	double slip;                  /* and these two are what its caller told for rows */
-	struct soil_pose shown;
-};
-
-/* Returns the number of bodies of a host, removed ones included. The scene's objects are among them in a scene that a host steps. */
-size_t world_host_count(const struct world *world);
-/* Returns the body of one of the scene's objects. */
-const struct body *world_object_body(const struct world *world, size_t object);
-/* Returns the host's body with this number. NULL: it follows a path, a rollback removed it, or there is none. */
-const struct host_body *world_host(const struct world *world, int32_t number);
-/* Returns the body of an event: one of the scene, one that a window drops, or one of a host. */
-const struct body *world_body_of(const struct world *world, const struct event *event);
+/* The number of the body that a window drops. It is there while it is dropped. */
+#define WORLD_DROPPED ((size_t)INT32_MAX)
+/* Returns the body with this number: one of the scene's objects, an added one, or the one that a window drops. NULL: there is none, or a rollback
+ * removed it. A negative number, as a size_t, has no body. */
+const struct body *world_body(const struct world *world, size_t number);
+/* Returns how many numbers were given out: those of the scene's objects, of added bodies, and of removed ones. */
+size_t world_body_count(const struct world *world);
 /* Gives the present place of a body on its path. `place`: local metres, on the base. `yaw`: radians from east to north. */
 void world_place(const struct world *world, size_t body, double place[3], double *yaw);
 
 /*
  * --- bodies of a host: bodies without a path, in a scene that was read for a host ---
  *
- * Numbers 0 .. object_count - 1 are the scene's objects in its order. Bodies that are added get the next numbers. A number is
- * never used twice. STATUS_USAGE: there is no body with this number, or it follows a path.
+ * STATUS_USAGE: there is no body with this number, or it follows a path.
  */
 
 /* Adds a body and gives its number. `object` was made by scene_object_parse; the world owns it from now on, unless the call
@@ -132,12 +112,14 @@ enum status world_body_find(struct world *world, const char *name, int32_t *numb
 /* Removes a body. Its weight no longer acts on the soil. */
 enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
 /* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */
-enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose) FURROW_CHECKED;
-/* Sets where bodies will be after the next step. The list names each body at most once. On failure no body is set. */
-enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states) FURROW_CHECKED;
+enum status world_body_place(struct world *world, int32_t number, const struct furrow_pose *pose) FURROW_CHECKED;
+/* Sets where bodies will be after the next step, and the belts of bodies of vehicles then (`belts` NULL: there is no such body). The list names each
+ * body at most once. On failure no body is set. */
+enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts)
+	FURROW_CHECKED;
 /* Sets where the belts of bodies are at the end of the next step, and in probes from now on. The first call for a body says where its
  * belt is now. On failure no belt is set. */
-enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct world_belt *belts)
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_belt *belts)
 	FURROW_CHECKED;
 /* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */
@@ -155,7 +137,7 @@ bool world_leaves_dip(const struct world_sinking *sinking, double least);
 /* Returns how far from its middle the lower side of a body lies that rises and sinks as it turns, m. 0: it does not. */
 double world_turning_reach(const struct soil_shape *shape);
 /* Tells the force on a quiet body for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
-enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
+enum status world_body_tell(struct world *world, int32_t number, const struct furrow_state *state, const struct world_force *force,
 			    double slip) FURROW_CHECKED;
 /* Moves the host's bodies to the states that were set, without a time step. */
 enum status world_move_hosts(struct world *world) FURROW_CHECKED;
@@ -164,22 +146,23 @@ enum status world_move_hosts(struct world *world) FURROW_CHECKED;
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS]);
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS]) FURROW_CHECKED;
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
-enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
+enum status world_body_state(const struct world *world, int32_t number, struct furrow_state *state) FURROW_CHECKED;
 /*
  * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. It reads the ground
  * on the host, and may load tiles.
  * world_probe_reads: returns true if a probe of these bodies would read the ground.
  * The contact is `unknown` off the terrain and for a body with a path. It is so, too, where a state is hundreds of working posts from the body's last
- * contact. So it is
- * for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
+ * contact. So it is for a soil model that probes do not know. No memory is allocated, unless there are more bodies or larger windows than ever before.
+ * belts: of bodies of vehicles; NULL: as world_belts_set told them. contact_size: bytes of an entry of `contacts`; an older host's are shorter.
+ * STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have; no contact is written then. After another failure some may be.
  */
 bool world_probe_reads(const struct world *world, size_t count, const int32_t *numbers);
-enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states,
-			struct world_contact *contacts) FURROW_CHECKED;
+enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts,
+			struct furrow_contact *contacts, size_t contact_size) FURROW_CHECKED;
 /* Returns a contact whose numbers are all NaN (not known). Pure. */
-struct world_contact world_contact_unknown(void);
+struct furrow_contact world_contact_unknown(void);
 /* Gives the contact of any body with the soil. Waits for forces that are being computed. */
-enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
+enum status world_body_contact(struct world *world, int32_t number, struct furrow_contact *contact) FURROW_CHECKED;
 /* Computes the axes of a body (forward, left, up) in local axes. `q`: unit quaternion w, x, y, z. Pure. */
 void world_axes(const double q[4], double axes[3][3]);
 /* Changes the ground up to the present places of the host's bodies. Does nothing if that was already done. */

@@ -17,9 +17,8 @@ struct checkpoint {
 	uint64_t revision;
 	struct deform_tally tally;
 	struct record *record;
-	struct body *bodies;      /* of the scene */
-	struct host_body *hosts;  /* host_count of them; all zero where a number has no body */
-	size_t host_count;
+	struct body *bodies;      /* body_count of them; all zero where a number has no body */
+	size_t body_count;
 	struct forces_saved *forces; /* NULL: nobody asks for any */
 	bool begun; /* as world.begun */
 };
@@ -30,7 +29,6 @@ void world_checkpoint_free(struct checkpoint *saved)
 		return;
 	mem_free(saved->record);
 	mem_free(saved->bodies);
-	mem_free(saved->hosts);
 	world_forces_saved_free(saved->forces);
 	mem_free(saved);
 }
@@ -56,16 +54,15 @@ static enum status save(struct world *world, struct checkpoint **out)
 		.revision = world->changes.revision,
 		.begun = world_has_begun(world),
 		.record = copy_of(world->record, world_record_bytes_with(objects, world->record->attached_count)),
-		.bodies = copy_of(world->bodies, (objects + 1) * sizeof *world->bodies),
-		.hosts = mem_calloc(world->hosts.count + 1, sizeof *saved->hosts),
-		.host_count = world->hosts.count,
+		.bodies = mem_calloc(world->body_count + 1, sizeof *saved->bodies),
+		.body_count = world->body_count,
 	};
 	enum status status = STATUS_OK;
-	if (saved->record == NULL || saved->bodies == NULL || saved->hosts == NULL)
+	if (saved->record == NULL || saved->bodies == NULL)
 		status = fail_memory("a checkpoint");
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++)
-		if (world->hosts.list[i] != NULL)
-			saved->hosts[i] = *world->hosts.list[i];
+	for (size_t i = 0; i < world->body_count && status == STATUS_OK; i++)
+		if (world->bodies[i] != NULL)
+			saved->bodies[i] = *world->bodies[i];
 	if (status == STATUS_OK)
 		status = world_forces_save(world->forces, &saved->forces);
 	if (status == STATUS_OK)
@@ -118,27 +115,27 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 	for (size_t i = 0; i < saved->record->active_count && status == STATUS_OK; i++)
 		status = world_wake_block(world, saved->record->active[i]);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
 	}
 	return status;
 }
 
-static void restore_hosts(struct world *world, const struct checkpoint *saved)
+static void restore_bodies(struct world *world, const struct checkpoint *saved)
 {
 	world_names_forget(world);
-	for (size_t i = 0; i < world->hosts.count; i++) {
-		struct host_body *host = world->hosts.list[i];
-		if (host == NULL)
+	for (size_t i = 0; i < world->body_count; i++) {
+		struct body *body = world->bodies[i];
+		if (body == NULL)
 			continue;
-		if (i < saved->host_count) {
-			const bool told = host->rates_told;
-			*host = saved->hosts[i];
-			host->rates_told = told;
+		if (i < saved->body_count) {
+			const bool told = body->host.rates_told;
+			*body = saved->bodies[i];
+			body->host.rates_told = told;
 			continue;
 		}
-		world_host_free(host);
-		world->hosts.list[i] = NULL;
+		world_body_free(body);
+		world->bodies[i] = NULL;
 	}
 }
 
@@ -150,8 +147,8 @@ static enum status rewind_paths(struct world *world)
 	if (next == NULL)
 		return fail_memory("going back");
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
-			next[count++] = world->bodies[i].next;
+		if (world->bodies[i]->track != NULL)
+			next[count++] = world->bodies[i]->next;
 	resident_look_ahead_rewind(world->ahead, next, world->time);
 	mem_free(next);
 	return STATUS_OK;
@@ -172,8 +169,7 @@ enum status world_rollback(struct world *world)
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;
 	memcpy(world->record, saved->record, world_record_bytes_with(objects, world->record->attached_count));
-	memcpy(world->bodies, saved->bodies, (objects + 1) * sizeof *world->bodies);
-	restore_hosts(world, saved);
+	restore_bodies(world, saved);
 	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
 	world->events.count = world->rows.count = 0;

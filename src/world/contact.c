@@ -174,13 +174,12 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.load = body->object->load,
 		.loaded_body = body->loaded_body,
 	};
-	if (world_is_hosts(world, event->body)) {
-		const struct host_body *host = world_host_body(world, (int32_t)(event->body - world->scene->object_count - 1));
+	if (world_is_hosted(body)) {
 		contact.hosted = true;
 		if (event->seconds > 0) {
-			memcpy(contact.linear, host->now.linear, sizeof contact.linear);
-			memcpy(contact.angular, host->now.angular, sizeof contact.angular);
-			contact.runs = contact.shape->belt ? world_belt_of(host, &host->now)->speed : 0;
+			memcpy(contact.linear, body->host.now.linear, sizeof contact.linear);
+			memcpy(contact.angular, body->host.now.angular, sizeof contact.angular);
+			contact.runs = contact.shape->belt ? body->host.belt.speed : 0;
 		}
 		contact.stamped = event->stamped;
 		contact.seconds = event->seconds;

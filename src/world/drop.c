@@ -63,25 +63,23 @@ static enum status tell_reach(struct world *world, const struct event *event, in
 /* Between steps the drive is consistent; during a drop it is not. */
 static enum status touch(struct world *world, const struct event *event)
 {
-	struct body *body = &world->bodies[event->body];
 	world_tear(world);
 	world->near.stale = true;
 	TRY(world_contact(world, event));
 	TRY(world_meetings_flush(world));
-	TRY(world_let_go(world, body));
+	TRY(world_let_go(world, world->dropping));
 	return world_end_change(world);
 }
 
 enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
-	size_t spare = world->scene->object_count;
 	*landed = false;
-	if (spare == 0)
+	if (world->scene->object_count == 0)
 		return STATUS_OK;
 	const struct scene_object object = world->dropped = dropped(world, shape);
-	struct body *body = &world->bodies[spare];
+	struct body body = {.kind = BODY_DROPPED, .object = &world->dropped};
 	struct event event = {
-		.body = spare,
+		.body = WORLD_DROPPED,
 		.time = world->time,
 		.contact = true,
 		.next_time = INFINITY,
@@ -91,15 +89,15 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 	if (status != STATUS_OK || !*landed)
 		return status;
 	event.pose = (struct soil_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
-	*body = (struct body){.object = &world->dropped};
 	double reach = soil_shape_reach(&object.shape, 0, 0);
 	double sink = object.load > 0 ? soil_sinkage_guess(&object.shape, &world->scene->soils[0], object.load) : object.sink;
 	event.pose.z = height + lattice_offset(reach - sink);
 	event.sinkage = sink;
+	world->dropping = &body;
 	status = tell_reach(world, &event, height, &object.shape);
 	if (status == STATUS_OK)
 		status = touch(world, &event);
-	*body = (struct body){.object = NULL};
+	world->dropping = NULL;
 	world->counts.drops++;
 	return status;
 }

@@ -83,7 +83,7 @@ static enum status list_due(struct world *world, double until, bool agreed)
 	enum status status = STATUS_OK;
 	world->events.count = 0;
 	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
 		if (samples - body->next > WORLD_SAMPLES_MOST && motion_track_sample_time(body->track, body->next + WORLD_SAMPLES_MOST) <= until)
 			status = fail_with(STATUS_USAGE, "%s: more than %d path samples are due in one step; make shorter steps", body->object->name, WORLD_SAMPLES_MOST);
@@ -131,7 +131,7 @@ enum status world_check_events(struct world *world, double until)
 		return fail_memory("the path samples of a plan");
 	events->ahead_count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		struct body *body = &world->bodies[i];
+		struct body *body = world->bodies[i];
 		struct event_run *run = &events->runs[i];
 		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
 		*run = (struct event_run){body->next, events->ahead_count, 0};
@@ -149,7 +149,7 @@ enum status world_check_events(struct world *world, double until)
 /* Places the event of a body's next sample. What was placed before is the same: it depends on the path and the base alone. */
 static enum status place(struct world *world, struct event *event)
 {
-	struct body *body = &world->bodies[event->body];
+	struct body *body = world->bodies[event->body];
 	const struct event_run *run = world->events.runs != NULL ? &world->events.runs[event->body] : NULL;
 	if (run == NULL || body->next < run->sample || body->next >= run->sample + (int64_t)run->count)
 		return world_set_down(world, body, body->next, event);
@@ -169,7 +169,7 @@ enum status world_collect_events(struct world *world, double until, bool agreed)
 		world->events.count = 0; /* none was placed */
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
-		struct body *body = &world->bodies[event->body];
+		struct body *body = world->bodies[event->body];
 		status = !agreed && asked_to_stop(world, (int64_t)i) ? world_interrupted(world) : place(world, event);
 		if (status == STATUS_OK)
 			body->next++;

@@ -9,7 +9,7 @@
 
 /* One path sample that is due in a step, or one pose that a host gave. The body is already placed on the ground. */
 struct event {
-	size_t body;      /* index into world.bodies */
+	size_t body;      /* number of the body */
 	double time;      /* s since the scene's start */
 	bool contact;     /* false: outside the terrain or over nodata; the sample is skipped */
 	double distance;  /* m along the ground since the last sample */

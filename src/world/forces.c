@@ -83,7 +83,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 		if (object->next == 0)
 			continue;
 		struct track_point point;
-		motion_track_sample(world->bodies[i].track, object->next - 1, &point);
+		motion_track_sample(world->bodies[i]->track, object->next - 1, &point);
 		forces->standing[i] = (struct standing){.pose = object->last, .force = object->force, .placed = true, .felt = object->in_contact};
 		forces->standing[i].pose.x = point.qx;
 		forces->standing[i].pose.y = point.qy;
@@ -106,10 +106,10 @@ void world_forces_destroy(struct forces *forces)
 
 /* --- what contacts tell --- */
 
-/* Returns the object's place in `standing`; NULL: the body has none. */
+/* Returns the place in `standing` of a body with a path; NULL: the body has none. */
 static struct standing *standing_of(const struct forces *forces, size_t body)
 {
-	return forces != NULL && body < forces->world->scene->object_count ? &forces->standing[body] : NULL;
+	return forces != NULL && world_follows_path(forces->world, body) ? &forces->standing[body] : NULL;
 }
 
 static struct world_force force_of(const struct deform_forces *from)
@@ -130,7 +130,7 @@ void world_forces_felt(struct forces *forces, size_t body, const struct event *e
 	forces->saturated += from->saturated;
 	if (standing != NULL)
 		*standing = (struct standing){event->pose, force, true, true, true};
-	else if (world_is_hosts(forces->world, body) && !world_is_quiet(forces->world, body))
+	else if (world_body(forces->world, body)->kind == BODY_HOST)
 		world_host_felt(forces->world, body, event->time, &force);
 }
 
@@ -147,7 +147,7 @@ void world_forces_absent(struct forces *forces, size_t body, const struct event 
 {
 	if (forces == NULL)
 		return;
-	if (world_is_hosts(forces->world, body)) {
+	if (world_is_hosted(world_body(forces->world, body))) {
 		world_host_absent(forces->world, body);
 		return;
 	}
@@ -175,7 +175,7 @@ bool world_forces_known(const struct forces *forces, size_t body, struct world_f
 void world_forces_record(const struct forces *forces, size_t body, struct world_force *force)
 {
 	const struct standing *standing = standing_of(forces, body);
-	if (standing != NULL && !forces->world->bodies[body].elsewhere)
+	if (standing != NULL && !forces->world->bodies[body]->elsewhere)
 		*force = standing->force;
 }
 
@@ -195,15 +195,15 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	return STATUS_OK;
 }
 
-/* Adds the rows of quiet bodies. */
-static enum status add_quiet(struct forces *forces, double t)
+/* Adds the rows of bodies of vehicles. */
+static enum status add_vehicles(struct forces *forces, double t)
 {
 	const struct world *world = forces->world;
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
-		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->quiet && host->placed && !host->body.elsewhere)
-			status = add_entry(forces, &(struct entry){t, world->scene->object_count + 1 + i, host->shown, host->slip, host->force});
+	for (size_t i = 0; i < world->body_count && status == STATUS_OK; i++) {
+		const struct body *body = world->bodies[i];
+		if (body != NULL && body->kind == BODY_VEHICLE && body->host.placed && !body->elsewhere)
+			status = add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force});
 	}
 	return status;
 }
@@ -222,11 +222,11 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 		for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
 			const struct standing *at = &forces->standing[i];
 			const struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
-			if (at->placed && !world->bodies[i].elsewhere)
+			if (at->placed && !world->bodies[i]->elsewhere)
 				status = add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, force});
 		}
 		if (status == STATUS_OK)
-			status = add_quiet(forces, t);
+			status = add_vehicles(forces, t);
 		if (status != STATUS_OK)
 			return status;
 	}
@@ -288,7 +288,7 @@ static void count_failed(const struct forces *forces, const struct standing *sta
 static void settle(const struct forces *forces, size_t object)
 {
 	const struct standing *standing = &forces->standing[object];
-	struct body *body = &forces->world->bodies[object];
+	struct body *body = forces->world->bodies[object];
 	body->near += standing->force.area > 0;
 	body->sinkage = standing->force.sinkage;
 	body->equilibrium = standing->force.z;

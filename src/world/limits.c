@@ -49,7 +49,7 @@ static double ground_need(const struct world *world)
 	const double insets = world->resident.store != NULL ? -store_finest_base(world->resident.store) : 0;
 	double need = world->facts.limits.hosts_need, few = (4 + insets) * ((double)scene->object_count + 1);
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct track *track = world->bodies[i].track;
+		const struct track *track = world->bodies[i]->track;
 		need += ground_under(world, &scene->objects[i].shape, track != NULL ? motion_track_fastest(track) : 0);
 	}
 	return fmax(fmin(few, FEW_TILES), 4 * need / 3);
@@ -94,7 +94,7 @@ uint32_t world_work_pages(const struct world *world)
 	const double side = world->resident.spacing * world->resident.meta->extent.cells;
 	double pages = world->facts.limits.hosts_work;
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
+		if (world->bodies[i]->track != NULL)
 			pages += tiles_under(2 * soil_shape_bound(&world->scene->objects[i].shape), side);
 	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
 }

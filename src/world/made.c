@@ -6,6 +6,7 @@ void world_made_set(struct world *world, const struct world_made *made)
 {
 	world->resident = made->resident;
 	world->bodies = made->bodies;
+	world->body_count = made->body_count;
 	world->deform = made->deform;
 	world->ahead = made->ahead;
 	world->time = made->time;
@@ -21,6 +22,7 @@ void world_made_get(const struct world *world, struct world_made *made)
 		.scene = world->scene,
 		.resident = world->resident,
 		.bodies = world->bodies,
+		.body_count = world->body_count,
 		.deform = world->deform,
 		.ahead = world->ahead,
 		.time = world->time,

@@ -13,7 +13,8 @@
 struct world_made {
 	const struct scene *scene;
 	struct resident resident;   /* store and meta must be set */
-	struct body *bodies;        /* the scene's objects in its order */
+	struct body **bodies;       /* by number; they and the list stay the maker's */
+	size_t body_count;
 	struct deform *deform;      /* NULL: nothing computes contacts */
 	struct look_ahead *ahead;   /* NULL: nothing is loaded before it is needed */
 	double time;                /* s since the scene's start */

@@ -43,8 +43,18 @@ struct world {
 	struct deform_params surface; /* of deform or bearing */
 	struct forces *forces;    /* forces.c; NULL: forces are not needed */
 	struct look_ahead *ahead; /* motion: loads tiles before they are needed */
+	struct body **bodies;     /* bodies.c: by number. NULL: a rollback removed it; of the scene's objects none is NULL */
+	size_t body_count, body_room;
+	struct body *dropping;    /* drop.c: the body that a window drops now; NULL: none */
+	struct world_names {      /* names.c: in a scene whose bodies a host moves */
+		struct key_set keys; /* hashes of names */
+		int32_t *numbers;    /* by a key's number: the body that had the name last */
+		size_t room, known;  /* known: bodies with lower numbers are in the table */
+		unsigned taken;      /* names body-1 .. body-TAKEN are taken */
+	} names;
+	uint64_t set_turn;        /* hosts.c: number of calls of world_bodies_set so far */
+	double until;             /* s: the end of the current step */
 	struct scene_object dropped; /* the last body that a window dropped */
-	struct body *bodies;      /* bodies.c: the scene's objects in its order, and one more for drops of a window */
 
 	struct {                  /* happened.c */
 		struct world_happened told;
@@ -101,18 +111,6 @@ struct world {
 	size_t hands;             /* of world->bearing, with a crew */
 	struct meetings *meetings; /* meet.c; NULL: no soil bears */
 	struct batches *batches;  /* batch.c; NULL: every contact is computed alone */
-	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for a body that a rollback removed */
-		struct host_body **list;
-		size_t count, room;
-		struct world_names {  /* names.c */
-			struct key_set keys; /* hashes of names */
-			int32_t *numbers;    /* by a key's number: the body that had the name last */
-			size_t room, known;  /* known: bodies with lower numbers are in the table */
-			unsigned taken;      /* names body-1 .. body-TAKEN are taken */
-		} names;
-		uint64_t turn;        /* number of calls of world_bodies_set so far */
-		double until;         /* s: the end of the current step */
-	} hosts;
 	struct checkpoint *checkpoint; /* checkpoint.c; NULL: none yet */
 	struct world_changes {    /* changes.c: for a host's world */
 		struct key_map places;  /* a tile's index in list */

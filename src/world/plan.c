@@ -118,8 +118,8 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	params->raster_count = world_rasters(world, params->rasters);
-	for (size_t i = 0; i < scene->object_count && world->bodies != NULL; i++)
-		params->loaded_bodies += world->bodies[i].loaded_body > 0;
+	for (size_t i = 0; i < scene->object_count && i < world->body_count; i++)
+		params->loaded_bodies += world->bodies[i]->loaded_body > 0;
 	params->batches = world_batched_bodies(world, params) >= 2;
 }
 
@@ -210,7 +210,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	size_t leaving = 0;
 	char text[560], others[40] = "", hint[160] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		if (body->track == NULL)
 			continue;
 		int64_t sample = motion_track_leaves(body->track, width, height);
@@ -282,7 +282,7 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 	size_t unfinished = 0;
 	char text[400], others[64] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct track *track = world->bodies[i].track;
+		const struct track *track = world->bodies[i]->track;
 		const int64_t samples = track != NULL ? motion_track_samples(track) : INT64_MAX;
 		if (samples == INT64_MAX || motion_track_sample_time(track, 0) > scene->end_time)
 			continue;
@@ -293,7 +293,7 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 		if (end <= needed)
 			continue;
 		needed = end;
-		longest = &world->bodies[i];
+		longest = world->bodies[i];
 	}
 	if (longest == NULL)
 		return;

@@ -5,58 +5,59 @@
 
 void world_body_quiet(struct world *world, int32_t number)
 {
-	world_host_body(world, number)->quiet = true;
+	world_body_hosted(world, (size_t)number)->kind = BODY_VEHICLE;
 }
 
-enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
+enum status world_body_tell(struct world *world, int32_t number, const struct furrow_state *state, const struct world_force *force,
 			    double slip)
 {
-	struct host_body *host = world_host_body(world, number);
-	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &state->pose, &host->shown);
-	host->force = *force;
-	host->force.z = host->shown.z;
-	host->slip = slip;
+	struct body *body = world_body_hosted(world, (size_t)number);
+	enum status status = world_attitude(&body->object->shape, body->object->name, &state->pose, &body->host.shown);
+	body->host.force = *force;
+	body->host.force.z = body->host.shown.z;
+	body->host.slip = slip;
 	return status;
 }
 
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS])
 {
-	const struct host_body *host = world_host_body(world, number);
-	const struct soil_pose *last = &host->body.last;
-	const struct world_state *now = &host->now;
+	const struct body *body = world_body_hosted(world, (size_t)number);
+	const struct soil_pose *last = &body->last;
+	const struct furrow_state *now = &body->host.now;
 	const double all[WORLD_BODY_NUMBERS] = {
-		host->placed, host->body.in_contact, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
-		last->turn, host->since, host->body.distance, host->body.sinkage, host->stamped,
+		body->host.placed, body->in_contact, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
+		last->turn, body->host.since, body->distance, body->sinkage, body->host.stamped,
 		now->pose.position[0], now->pose.position[1], now->pose.position[2],
 		now->pose.orientation[0], now->pose.orientation[1], now->pose.orientation[2], now->pose.orientation[3],
 		now->linear[0], now->linear[1], now->linear[2], now->angular[0], now->angular[1], now->angular[2],
 	};
 	for (int i = 0; i < WORLD_BODY_NUMBERS; i++)
-		numbers[i] = host->placed ? all[i] : 0;
+		numbers[i] = body->host.placed ? all[i] : 0;
 }
 
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS])
 {
-	struct host_body *host = world_host_body(world, number);
+	struct body *body = world_body_hosted(world, (size_t)number);
 	struct soil_pose pose;
 	const double *n = numbers;
 	if (n[0] == 0)
 		return STATUS_OK;
-	struct world_state now = {.pose = {{n[13], n[14], n[15]}, {n[16], n[17], n[18], n[19]}}, .linear = {n[20], n[21], n[22]},
-				  .angular = {n[23], n[24], n[25]}, .belt = {.travel = n[8]}};
-	if (world_attitude(&host->body.object->shape, host->body.object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||
+	struct furrow_state now = {.pose = {{n[13], n[14], n[15]}, {n[16], n[17], n[18], n[19]}}, .linear = {n[20], n[21], n[22]},
+				   .angular = {n[23], n[24], n[25]}};
+	if (world_attitude(&body->object->shape, body->object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||
 	    fabs(n[3]) > 0x1p52 || fabs(n[4]) > 0x1p52)
 		return world_record_damaged(world->facts.path, "where a vehicle is");
-	host->placed = world->unplaced = true;
-	host->body.in_contact = n[1] != 0;
-	host->body.last = (struct soil_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
-	host->since = n[9];
-	host->body.distance = n[10];
-	host->body.sinkage = n[11];
-	host->stamped = n[12];
-	host->now = now;
+	body->host.placed = world->unplaced = true;
+	body->in_contact = n[1] != 0;
+	body->last = (struct soil_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
+	body->host.since = n[9];
+	body->distance = n[10];
+	body->sinkage = n[11];
+	body->host.stamped = n[12];
+	body->host.now = now;
+	body->host.belt = (struct furrow_belt){.travel = n[8]};
 	world->near.stale = true;
-	host->has_next = false;
-	host->fresh = !host->body.in_contact;
+	body->host.has_next = false;
+	body->host.fresh = !body->in_contact;
 	return STATUS_OK;
 }

@@ -29,7 +29,7 @@ struct world_ranks {
 	 * this step, and where soil slides near them. `status`: of this rank so far. A failure of any rank is returned on all. */
 	enum status (*step)(void *user, double until, enum status status);
 	/* Fills the contacts of bodies that are elsewhere. `status`: of this rank's own probes. */
-	enum status (*probed)(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status);
+	enum status (*probed)(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status);
 	/* This rank changes the tile in this step. */
 	enum status (*changes)(void *user, uint64_t key);
 	/* Returns true if this rank may read the tile in this step. */
@@ -46,18 +46,15 @@ struct world_ranks {
 
 /*
  * --- ranks.c: for struct world_ranks ---
- *
- * Bodies are counted as events count them: the scene's objects, one that is no body, then bodies of vehicles.
  */
-size_t world_ranked_bodies(const struct world *world);
-bool world_ranked(const struct world *world, size_t index); /* false: there is no such body, or it is not placed */
+bool world_ranked(const struct world *world, size_t number); /* false: there is no such body, or it is not placed */
 /* Gives the posts that a body may touch in the step that ends at `until`, with those where soil may slide because of it. Empty: none.
  * Gives the same on every rank. */
-struct post_rect world_body_area(const struct world *world, size_t index, double until);
+struct post_rect world_body_area(const struct world *world, size_t number, double until);
 int64_t world_intervals_due(const struct world *world, double until); /* number of relaxation intervals until then */
 /* Gives the posts that so many intervals may read or change because of an active block. */
 struct post_rect world_block_area(const struct world *world, struct soil_block block, int64_t intervals);
-void world_body_here(struct world *world, size_t index, bool here); /* says if this rank computes its contacts */
+void world_body_here(struct world *world, size_t number, bool here); /* says if this rank computes its contacts */
 bool world_meets(const struct world *world);                        /* contacts of bodies near each other are computed together */
 bool world_unplaced(const struct world *world);                     /* a body was placed since world_ranks.step was called last */
 void world_placed(struct world *world);                             /* struct world_ranks.step has seen such bodies */
@@ -70,7 +67,7 @@ void world_forget_events(struct world *world);
 
 /* The state of a body that moves to another rank. Forces must be settled. It has no pointers. */
 struct world_moved {
-	int64_t index, next, skipped, equilibrium;
+	int64_t number, next, skipped, equilibrium;
 	uint64_t windows, windows_moved;
 	struct soil_pose last, shown; /* shown: the pose of its rows */
 	struct world_force force;
@@ -83,7 +80,7 @@ bool world_changes_ground(const struct world *world);
 enum status world_active_blocks(const struct world *world, const struct soil_block **blocks, size_t *count) FURROW_CHECKED;
 enum status world_wake_block(struct world *world, struct soil_block block) FURROW_CHECKED;
 enum status world_tally(const struct world *world, struct deform_tally *tally) FURROW_CHECKED;
-void world_body_pack(const struct world *world, size_t index, struct world_moved *moved);
+void world_body_pack(const struct world *world, size_t number, struct world_moved *moved);
 /* `here`: this rank computes its contacts from now on. STATUS_FAILED: there is no such body. */
 enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here) FURROW_CHECKED;
 /* Keeps only the active blocks for which `keeps` returns true. Waits for the GPU. */

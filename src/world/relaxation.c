@@ -35,11 +35,12 @@ enum status world_wake_all(struct world *world)
 static size_t rests_of(const struct world *world)
 {
 	size_t count = 0;
-	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i].in_contact && !world->bodies[i].elsewhere)
-			world->relaxation.rests[count++] = (struct deform_rest){&world->bodies[i].object->shape, world->bodies[i].last,
-								     world->bodies[i].loaded_body};
-	return count + world_host_rests(world, world->relaxation.rests + count);
+	for (size_t i = 0; i < world->body_count; i++) {
+		const struct body *body = world->bodies[i];
+		if (body != NULL && body->in_contact && !body->host.removed && !body->elsewhere)
+			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
+	}
+	return count;
 }
 
 /* Gathers a region from tiles that are pinned four at a time, however many it reads. hand: of bearing. */

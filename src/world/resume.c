@@ -63,7 +63,7 @@ static enum status check(struct world *world)
 	if (record->active_count > 0 && (!world_deforms(world) || !deform_conserves(world->scene->model)))
 		return world_record_damaged(store, "something is awake that cannot be");
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		TRY(check_object(world, &world->bodies[i], &record->objects[i]));
+		TRY(check_object(world, world->bodies[i], &record->objects[i]));
 	return STATUS_OK;
 }
 
@@ -82,7 +82,9 @@ static void restore(struct world *world)
 	world->facts.resumed.nothing_left = world->step > total || (world->step == total && record->ended);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct record_object *object = &record->objects[i];
-		struct body *body = &world->bodies[i];
+		struct body *body = world->bodies[i];
+		if (body->kind != BODY_PATH)
+			continue;
 		body->next = object->next;
 		body->in_contact = object->in_contact;
 		body->last = object->last;

@@ -23,7 +23,7 @@ void world_advise_samples(const struct world *world, scene_advice_fn tell, void 
 	const struct scene *scene = world->scene;
 	char text[480];
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		const struct scene_path *path = &body->object->path;
 		if (body->track == NULL)
 			continue;

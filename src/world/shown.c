@@ -80,21 +80,6 @@ void world_placed(struct world *world)
 	world->unplaced = false;
 }
 
-size_t world_host_count(const struct world *world)
-{
-	return world->hosts.count;
-}
-
-const struct body *world_object_body(const struct world *world, size_t object)
-{
-	return &world->bodies[object];
-}
-
-const struct host_body *world_host(const struct world *world, int32_t number)
-{
-	return world_host_body(world, number);
-}
-
 /* --- who is told --- */
 
 void world_set_commits(struct world *world, const struct world_commits *commits)

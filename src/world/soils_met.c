@@ -112,9 +112,9 @@ static enum status add_all(const struct world *world, struct world_soils_met *me
 	const struct scene *scene = world->scene;
 	const uint64_t most = SAMPLES / (scene->object_count + scene->vehicle_count) + 2;
 	for (size_t i = 0; i < scene->object_count; i++) {
-		met->partly = met->partly || world->bodies[i].track == NULL;
-		if (world->bodies[i].track != NULL)
-			TRY(add_track(world, world->bodies[i].track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met));
+		met->partly = met->partly || world->bodies[i]->track == NULL;
+		if (world->bodies[i]->track != NULL)
+			TRY(add_track(world, world->bodies[i]->track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met));
 	}
 	for (size_t i = 0; i < scene->vehicle_count; i++)
 		TRY(add_vehicle(world, &scene->vehicles[i], most, met));

@@ -56,7 +56,7 @@ static enum status torn_by_stop(const struct world *world)
 
 static enum status meet(struct world *world, struct event *event)
 {
-	struct body *body = &world->bodies[event->body];
+	struct body *body = world->bodies[event->body];
 	if (!event->contact) {
 		TRY(world_let_go(world, body));
 		body->in_contact = false;
@@ -74,7 +74,7 @@ static enum status meet(struct world *world, struct event *event)
 
 static enum status contact(struct world *world, const struct step *step)
 {
-	world->hosts.until = step->until;
+	world->until = step->until;
 	world_tear(world);
 	world_batches_forget(world);
 	world_meetings_forget(world);
@@ -98,7 +98,7 @@ static enum status contact(struct world *world, const struct step *step)
 
 static enum status hosts(struct world *world, const struct step *step)
 {
-	if (world->hosts.count == 0)
+	if (!scene_moves_bodies(world->scene) || world->body_count == 0)
 		return STATUS_OK;
 	TRY(world_intervals(world, step->until, false));
 	return world_hosts_step(world, step->until - world->time, step->until);

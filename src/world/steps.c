@@ -39,7 +39,9 @@ enum status world_fill_record(struct world *world)
 	record->law = world_law(world);
 	record->ended = false;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
+		if (body->kind != BODY_PATH) /* a host's begins anew */
+			continue;
 		world_forces_record(world->forces, i, &record->objects[i].force);
 		record->objects[i] = (struct record_object){
 			.next = body->next,

@@ -78,7 +78,7 @@ static size_t camera_places(const void *user, double time, double places[2][2])
 {
 	const struct world *world = user;
 	const struct scene_view *view = &world->scene->view;
-	const struct body *target = &world->bodies[view->aim.object];
+	const struct body *target = world->bodies[view->aim.object];
 	return motion_track_camera_places(&view->aim, &target->object->path, target->track, time, places);
 }
 
@@ -90,12 +90,12 @@ static enum status start_look_ahead(struct world *world)
 		return fail_memory("the look-ahead");
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
-			bodies[count++] = (struct look_ahead_body){motion_track_ahead(world->bodies[i].track), &world->bodies[i].object->shape, world->bodies[i].next,
-									&world->bodies[i].elsewhere};
+		if (world->bodies[i]->track != NULL)
+			bodies[count++] = (struct look_ahead_body){motion_track_ahead(world->bodies[i]->track), &world->bodies[i]->object->shape, world->bodies[i]->next,
+									&world->bodies[i]->elsewhere};
 	uint32_t tiles = world->facts.limits.ground;
 	bool follows = scene->view.present && scene->view.aim.kind != SCENE_FIXED && scene->view.aim.vehicle == 0 && scene->object_count > 0 &&
-		       world->bodies[scene->view.aim.object].track != NULL;
+		       world->bodies[scene->view.aim.object]->track != NULL;
 	const struct look_ahead_params params = {
 		.store = world->resident.store,
 		.ground = world->resident.ground,
@@ -105,7 +105,7 @@ static enum status start_look_ahead(struct world *world)
 		.spacing = world->resident.spacing,
 		.camera = follows ? camera_places : NULL,
 		.camera_user = world,
-		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object].track) : 0,
+		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object]->track) : 0,
 		.prefetch = world->facts.limits.prefetch,
 		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
@@ -130,7 +130,7 @@ static enum status go_on_with_ground(struct world *world)
 	for (size_t i = 0; i < record->active_count; i++)
 		TRY(world_wake_block(world, record->active[i]));
 	for (size_t i = 0; i < world->scene->object_count && world->facts.resumed.is; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
 	}
 	return STATUS_OK;

@@ -22,7 +22,7 @@ struct rig {
 	struct scene scene;
 	struct scene_object object;
 	struct scene_waypoint points[2];
-	struct body body;
+	struct body body, *bodies[1];
 };
 
 static enum store_mode rig_mode = STORE_READ;
@@ -136,7 +136,9 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 		support_store(path, extent, rig_heights);
 	must(store_open(path, &(struct store_options){.mode = rig_mode}, &ground->store)); /* nothing is deformed */
 	rig->made.scene = &rig->scene;
-	rig->made.bodies = &rig->body;
+	rig->bodies[0] = &rig->body;
+	rig->made.body_count = 1;
+	rig->made.bodies = rig->bodies;
 	rig->made.slots = slots;
 	rig->made.loaders = 2;
 	rig->made.prefetch = prefetch;
