@@ -249,8 +249,7 @@ void render_objects_destroy(struct render_objects *objects)
 	gpu_list_destroy(objects->instances);
 	gpu_list_destroy(objects->casters);
 	gpu_buffer_destroy(objects->volume);
-	mem_free_all(objects->shapes, objects->shape_of, objects->shown, objects->seen, objects->posed, objects->shadows,
-		     objects);
+	mem_free_all(objects->shapes, objects->shape_of, objects->shown, objects->seen, objects->posed, objects->shadows, objects);
 }
 
 bool render_shows_objects(const struct render *render)

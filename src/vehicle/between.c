@@ -169,6 +169,5 @@ void vehicle_between_destroy(struct vehicles *vehicles)
 		mj_deleteData(between->data);
 	if (between->model != NULL)
 		mj_deleteModel(between->model);
-	mem_free_all(between->parts, between->first, between->movers, between->order, between->meetings, between->rows,
-		     between);
+	mem_free_all(between->parts, between->first, between->movers, between->order, between->meetings, between->rows, between);
 }
