@@ -1,5 +1,5 @@
 /*
- * The scene driven by the product: api_drive over a store made from the function, deformation in an overlay of its own.
+ * The scene driven by the product: drive_run over a store made from the function, deformation in an overlay of its own.
  *
  * The drive is timed alone, to the step in which the wheel comes to its end; then it is resumed, to the same bits as if
  * it had not been broken off, until the ground has come to rest: that is not in the times.
@@ -14,7 +14,7 @@
 
 #include "accuracy.h"
 #include "bench.h"
-#include "api/api.h"
+#include "drive/drive.h"
 #include "store/store.h"
 
 static struct scene *scene_until(const struct accuracy_drive *drive, double end)
@@ -32,7 +32,7 @@ static struct scene *scene_until(const struct accuracy_drive *drive, double end)
 static char *run(const struct accuracy_drive *drive, const char *overlay, double end, bool resume)
 {
 	struct scene *scene = scene_until(drive, end);
-	struct api_params params = {
+	struct drive_params params = {
 		.scene = scene,
 		.store = accuracy_store(drive->spacing, drive->max_error),
 		.overlay = overlay,
@@ -40,8 +40,8 @@ static char *run(const struct accuracy_drive *drive, const char *overlay, double
 		.resume = resume,
 		.durable_full = drive->durable_full,
 	};
-	struct api_result result;
-	bench_must(api_drive(&params, &result));
+	struct drive_result result;
+	bench_must(drive_run(&params, &result));
 	scene_destroy(scene);
 	return result.json;
 }

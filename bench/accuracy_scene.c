@@ -20,7 +20,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "api/intake.h"
+#include "intake/intake.h"
 #include "accuracy.h"
 #include "bench.h"
 
@@ -101,7 +101,7 @@ static void make(const char *path, double spacing, double max_error)
 	struct ground ground = {spacing, max_error == 0};
 	struct store_meta meta = {
 		.extent = {side, side, spacing, 256},
-		.step = api_intake_step(max_error, 0, false),
+		.step = intake_step(max_error, 0, false),
 		.max_error = max_error,
 		.srs = "",
 		.vertical = "",

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "store/store.h"
 
 static char folder[64];
@@ -73,7 +73,7 @@ void bench_store(const char *path, const struct dem_synth *synth, uint32_t cells
 	store_close(store);
 }
 
-static char *drive(const char *text, const char *store, const struct api_host *host)
+static char *drive(const char *text, const char *store, const struct drive_host *host)
 {
 	const char *path = bench_path("scene.yaml");
 	FILE *file = fopen(path, "w");
@@ -81,9 +81,9 @@ static char *drive(const char *text, const char *store, const struct api_host *h
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; free some space", path));
 	struct scene *scene;
 	bench_must(scene_load(path, NULL, 0, &scene));
-	struct api_params params = {.scene = scene, .store = store, .directory = bench_path("out"), .host = host};
-	struct api_result result;
-	bench_must(api_drive(&params, &result));
+	struct drive_params params = {.scene = scene, .store = store, .directory = bench_path("out"), .host = host};
+	struct drive_result result;
+	bench_must(drive_run(&params, &result));
 	scene_destroy(scene);
 	return result.json;
 }
@@ -98,13 +98,13 @@ struct watcher {
 	int64_t pictures, steps;
 };
 
-static enum status turn(void *user, struct drive *drive, struct api_control *wish)
+static enum status turn(void *user, struct drive *drive, struct drive_control *wish)
 {
 	struct watcher *watcher = user;
-	struct api_figures figures;
-	api_figures(drive, &figures);
+	struct drive_figures figures;
+	drive_figures(drive, &figures);
 	bool seen = watcher->pictures > watcher->steps;
-	wish->go = !seen ? API_HOLD : figures.over ? API_STOP : API_ONE;
+	wish->go = !seen ? DRIVE_HOLD : figures.over ? DRIVE_STOP : DRIVE_ONE;
 	watcher->steps += seen;
 	return STATUS_OK;
 }
@@ -119,7 +119,7 @@ static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uin
 char *bench_watch(const char *text, const char *store)
 {
 	struct watcher watcher = {0, 0};
-	const struct api_host host = {&watcher, turn, picture};
+	const struct drive_host host = {&watcher, turn, picture};
 	return drive(text, store, &host);
 }
 

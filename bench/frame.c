@@ -25,7 +25,7 @@
 #include "record.h"
 #include "render/internal.h"
 #include "render/view.h"
-#include "world/internal.h"
+#include "world/made.h"
 
 enum { POSTS = 2049, CELLS = 256, SLOTS = 320, FEW_SLOTS = 20, ROUNDS_MOST = 25, LOOKS_MOST = 32 };
 #define SPACING 0.125
@@ -81,9 +81,10 @@ static const char *scene_text(void)
 
 /* A drive that is stepped from here: nothing of it is committed. `overlay` NULL: nothing of it is changed either. */
 struct rig {
-	struct world world;
+	struct world *world;    /* it is opened and not started: the bench makes slots and pages, since all rigs share one GL context */
+	struct world_made made;
 	struct scene *scene;
-	struct world_watcher watcher;
+	FILE *commit_log;
 };
 
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
@@ -93,7 +94,7 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 
 static void open_rig(struct rig *rig, const char *store, const char *overlay, uint32_t slots)
 {
-	struct world *world = &rig->world;
+	struct resident *ground = &rig->made.resident;
 	const char *path = bench_path("rig.yaml");
 	FILE *file = fopen(path, "w");
 	if (file == NULL || fputs(scene_text(), file) < 0 || fclose(file) != 0)
@@ -104,42 +105,31 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	rig->scene->loaders = 2;
 	rig->scene->view = (struct scene_view){.present = true, .width = sizes[1][0], .height = sizes[1][1], .effects = ALL,
 					       .aim = {SCENE_CHASE, .object = 2, .back = 13, .up = 3.2}, .light = scene_light_default()};
-	world->scene = rig->scene;
-	world->time = MOMENT;
-	const struct store_options write = {.mode = STORE_WRITE}, read = {.mode = STORE_READ};
-	bench_must(overlay != NULL ? store_open_overlay(overlay, store, &write, &world->store) : store_open(store, &read, &world->store));
-	world->meta = store_meta(world->store);
-	world->commit_log = tmpfile();
-	if (world->commit_log == NULL)
+	bench_must(world_open(&(struct world_params){.scene = rig->scene, .store = store, .overlay = overlay, .readonly = overlay == NULL}, &rig->world));
+	world_made_get(rig->world, &rig->made);
+	rig->made.time = MOMENT;
+	rig->commit_log = tmpfile();
+	if (rig->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
-	world_settle_light(world);
-	bench_must(world_settle_level(world));
-	bench_must(world_make_bodies(world));
-	bench_must(world_settle_limits(world));
-	bench_must(resident_ground_create(world->store, world->limits.ground, &world->ground));
-	unsigned planes = world_planes(world);
-	bench_must(gpu_slots_create(gpu, CELLS, slots, planes, &world->slots));
-	world->gpu = gpu;
-	bench_must(resident_pages_create(&(struct pages_params){.gpu = gpu, .store = world->store, .slots = world->slots, .planes = planes,
-						       .level = world->level, .count = slots, .loaders = 2, .step_pages = 16,
-						       .record = world_record_pages(rig->scene), .commit_log = world->commit_log, .commit_age = 1e6,
+	unsigned planes = world_planes(rig->world);
+	ground->gpu = gpu;
+	bench_must(gpu_slots_create(gpu, CELLS, slots, planes, &ground->slots));
+	bench_must(resident_pages_create(&(struct pages_params){.gpu = gpu, .store = ground->store, .slots = ground->slots, .planes = planes,
+						       .level = ground->level, .count = slots, .loaders = 2, .step_pages = 16,
+						       .record = world_record_pages(rig->scene), .commit_log = rig->commit_log, .commit_age = 1e6,
 						       .before_read_back = before_read_back},
-				&world->pages));
-	world->cache = resident_pages_cache(world->pages);
+				&ground->pages));
+	ground->cache = resident_pages_cache(ground->pages);
+	world_made_set(rig->world, &rig->made);
 }
 
+/* The GL context stays. Nothing is committed. */
 static void close_rig(struct rig *rig)
 {
-	struct world *world = &rig->world;
-	resident_pages_destroy(world->pages);
-	resident_pyramid_destroy(world->pyramid);
-	deform_destroy(world->deform);
-	gpu_slots_destroy(world->slots);
-	world_free_bodies(world);
-	mem_free(world->events.list);
-	resident_ground_destroy(world->ground);
-	store_abandon(world->store);
-	fclose(world->commit_log);
+	rig->made.resident.gpu = NULL;
+	world_made_set(rig->world, &rig->made);
+	world_finish(rig->world, STATUS_INTERRUPTED);
+	fclose(rig->commit_log);
 	scene_destroy(rig->scene);
 }
 
@@ -147,8 +137,8 @@ static void aim(struct rig *rig, int view)
 {
 	struct scene_view *wish = &rig->scene->view;
 	wish->aim.kind = view == CHASE ? SCENE_CHASE : SCENE_FIXED;
-	double middle = 0.5 * (POSTS - 1), high = rig->world.meta->high;
-	const double eye[3] = {0.1 * middle, 0.1 * middle, high + 350}, target[3] = {middle, middle, rig->world.meta->low};
+	double middle = 0.5 * (POSTS - 1), high = rig->made.resident.meta->high;
+	const double eye[3] = {0.1 * middle, 0.1 * middle, high + 350}, target[3] = {middle, middle, rig->made.resident.meta->low};
 	memcpy(wish->aim.eye, eye, sizeof eye);
 	memcpy(wish->aim.target, target, sizeof target);
 }
@@ -175,7 +165,7 @@ static void open_look(struct look *look, struct rig *rig, int camera, const int 
 	rig->scene->view.height = size[1];
 	rig->scene->view.pixel_error = budget;
 	rig->scene->view.effects = sets[set].effects;
-	bench_must(render_view_create(&rig->world, false, &look->view));
+	bench_must(render_view_create(rig->world, false, &look->view));
 	bench_must(render_view_warm(look->view));
 }
 
@@ -331,25 +321,29 @@ static void slots_table(struct rig *all, struct rig *few)
 
 /* --- deforming --- */
 
-static void press(struct world *world, double until)
+static void set_time(struct rig *rig, double time)
 {
-	bench_must(world_collect_events(world, until, false));
-	bench_must(page_cache_poll(world->cache));
-	for (size_t i = 0; i < world->events.count; i++)
-		bench_must(world_contact(world, &world->events.list[i]));
-	world->time = until;
+	rig->made.time = time;
+	world_made_set(rig->world, &rig->made);
+}
+
+static void press(struct rig *rig, double until)
+{
+	bench_must(world_made_contacts(rig->world, until));
+	rig->made.time = until;
 }
 
 static void start_pressing(struct rig *rig)
 {
-	struct world *world = &rig->world;
+	struct resident *ground = &rig->made.resident;
 	struct deform_params params;
-	world_deform_params(world, &params);
+	world_made_deform_params(rig->world, &params);
 	params.gpu = gpu;
-	params.slots = world->slots;
-	params.reference = resident_ground_reference(world->store);
-	bench_must(deform_create(&params, &world->deform));
-	bench_must(resident_pyramid_create(&world->meta->extent, world->level, world->slots, NULL, &world->pyramid));
+	params.slots = ground->slots;
+	params.reference = resident_ground_reference(ground->store);
+	bench_must(deform_create(&params, &rig->made.deform));
+	bench_must(resident_pyramid_create(&ground->meta->extent, ground->level, ground->slots, NULL, &ground->pyramid));
+	set_time(rig, 0);
 }
 
 static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar)
@@ -357,23 +351,21 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	static struct look moving, without;
 	double step[ROUNDS_MOST], pyramid[ROUNDS_MOST], frames[ROUNDS_MOST], at_rest[ROUNDS_MOST], both[ROUNDS_MOST], ratio[ROUNDS_MOST];
 	int before = (int)(1.5 / STEP);
-	rig->world.time = untouched->world.time = 0;
 	start_pressing(rig);
+	set_time(untouched, 0);
 	open_look(&moving, rig, CHASE, sizes[1], 0, SETS - 1);
 	open_look(&without, untouched, CHASE, sizes[1], 0, SETS - 1);
-	rig->watcher = render_view_watcher(moving.view);
-	world_watch(&rig->world, &rig->watcher);
 	for (int i = -before; i < rounds; i++) {
 		double until = (i + before + 1) * STEP, times[3];
 		gpu_finish(gpu);
 		times[0] = clock_seconds();
-		press(&rig->world, until);
+		press(rig, until);
 		gpu_finish(gpu);
 		times[1] = clock_seconds();
-		bench_must(resident_pyramid_flush(rig->world.pyramid, rig->world.cache));
+		bench_must(resident_pyramid_flush(rig->made.resident.pyramid, rig->made.resident.cache));
 		gpu_finish(gpu);
 		times[2] = clock_seconds();
-		untouched->world.time = until;
+		set_time(untouched, until);
 		double first = frame(&moving), again = frame(&moving), never = frame(&without);
 		if (i < 0)
 			continue;
@@ -394,7 +386,6 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	bench_record_add("deforming.ratio", "times", ratio, (size_t)rounds);
 	bench_record_add("deforming.pyramid", "ms", pyramid, (size_t)rounds);
 	save(&moving, "deforming");
-	world_watch(&rig->world, NULL);
 	render_view_destroy(moving.view);
 	render_view_destroy(without.view);
 }

@@ -21,8 +21,7 @@
 #include "bench.h"
 #include "render/internal.h"
 #include "render/view.h"
-#include "world/internal.h"
-#include "world/record.h"
+#include "world/made.h"
 
 #define WIDTH 640
 #define HEIGHT 360
@@ -50,8 +49,10 @@ static const struct {
 static const double pixel_errors[] = {0, 0.25, 0.5, 1, 2, 4, 8, 16}; /* 0: by the radii */
 
 struct rig {
-	struct world world;
+	struct world *world;
+	struct world_made made;
 	struct scene scene;
+	FILE *commit_log;
 	struct view *view;
 };
 
@@ -84,7 +85,7 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 /* A drive of no step: its pages, its view, and nothing that presses. */
 static void open_rig(struct rig *rig, const char *store)
 {
-	struct world *world = &rig->world;
+	struct resident *ground = &rig->made.resident;
 	*rig = (struct rig){.scene = {
 		.end_time = 1, .slots = SLOTS, .loaders = 2, .disturbance = true,
 		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .aim = {SCENE_FIXED, .target = {1, 1, 0}},
@@ -92,42 +93,44 @@ static void open_rig(struct rig *rig, const char *store)
 			 .effects = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
 				    EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)},
 	}};
-	bench_must(store_open(store, &(struct store_options){.mode = STORE_READ}, &world->store));
-	world->scene = &rig->scene;
-	world->meta = store_meta(world->store);
-	world->limits.slots = SLOTS;
-	world->limits.loaders = 2;
-	world_settle_light(world);
-	if (!store_has_working_level(world->store, &world->level))
+	bench_must(store_open(store, &(struct store_options){.mode = STORE_READ}, &ground->store));
+	ground->meta = store_meta(ground->store);
+	if (!store_has_working_level(ground->store, &ground->level))
 		bench_must(fail_with(STATUS_FAILED, "%s: no rut was made; look at the drive", store));
-	world->was_deformed = true;
-	world->spacing = extent_spacing(&world->meta->extent, world->level);
-	const unsigned planes = world_planes(world);
-	world->commit_log = tmpfile();
-	if (world->commit_log == NULL)
+	ground->was_deformed = true;
+	ground->spacing = extent_spacing(&ground->meta->extent, ground->level);
+	rig->made.scene = &rig->scene;
+	rig->made.slots = SLOTS;
+	rig->made.loaders = 2;
+	rig->world = world_made(&rig->made);
+	if (rig->world == NULL)
+		bench_must(fail_memory("a world"));
+	const unsigned planes = world_planes(rig->world);
+	rig->commit_log = tmpfile();
+	if (rig->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
-	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &world->gpu));
-	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, planes, &world->slots));
-	bench_must(resident_ground_create(world->store, 64, &world->ground));
-	bench_must(resident_pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots, .planes = planes,
-						       .level = world->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
-						       .record = world_record_pages(&rig->scene), .commit_log = world->commit_log, .commit_age = 1000,
+	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &ground->gpu));
+	bench_must(gpu_slots_create(ground->gpu, CELLS, SLOTS, planes, &ground->slots));
+	bench_must(resident_ground_create(ground->store, 64, &ground->ground));
+	bench_must(resident_pages_create(&(struct pages_params){.gpu = ground->gpu, .store = ground->store, .slots = ground->slots, .planes = planes,
+						       .level = ground->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
+						       .record = world_record_pages(&rig->scene), .commit_log = rig->commit_log, .commit_age = 1000,
 						       .before_read_back = before_read_back},
-				&world->pages));
-	world->cache = resident_pages_cache(world->pages);
-	world->record = mem_calloc(1, world_record_bytes(1));
+				&ground->pages));
+	ground->cache = resident_pages_cache(ground->pages);
+	world_made_set(rig->world, &rig->made);
 }
 
 static void close_rig(struct rig *rig)
 {
-	struct world *world = &rig->world;
-	resident_pages_destroy(world->pages);
-	resident_ground_destroy(world->ground);
-	gpu_slots_destroy(world->slots);
-	gpu_destroy(world->gpu);
-	store_close(world->store);
-	fclose(world->commit_log);
-	mem_free(world->record);
+	const struct resident *ground = &rig->made.resident;
+	world_made_free(rig->world);
+	resident_pages_destroy(ground->pages);
+	resident_ground_destroy(ground->ground);
+	gpu_slots_destroy(ground->slots);
+	gpu_destroy(ground->gpu);
+	store_close(ground->store);
+	fclose(rig->commit_log);
 }
 
 static void place(struct rig *rig, size_t camera)
@@ -137,7 +140,7 @@ static void place(struct rig *rig, size_t camera)
 	for (int i = 0; i < 2; i++) {
 		int64_t height;
 		bool any;
-		bench_must(resident_ground_height(rig->world.ground, lattice_offset(from[i][0]), lattice_offset(from[i][1]), &height, &any));
+		bench_must(resident_ground_height(rig->made.resident.ground, lattice_offset(from[i][0]), lattice_offset(from[i][1]), &height, &any));
 		to[i][0] = from[i][0];
 		to[i][1] = from[i][1];
 		to[i][2] = from[i][2] + lattice_offset_metres(height);
@@ -153,10 +156,10 @@ struct figures {
 
 static double slot_bytes(const struct rig *rig, size_t *deformed)
 {
-	const struct terrain_selection *selection = rig->view->selection;
+	const struct render_selection *selection = rig->view->selection;
 	double posts = (CELLS + 1) * (CELLS + 1), bytes = (double)selection->needed * posts * sizeof(int32_t);
 	for (size_t i = 0; i < selection->draw_count; i++)
-		if (gpu_slots_get(rig->world.slots, selection->draws[i].slot)->target != NULL) {
+		if (gpu_slots_get(rig->made.resident.slots, selection->draws[i].slot)->target != NULL) {
 			bytes += posts * (sizeof(int32_t) + 1); /* offset and dirt */
 			++*deformed;
 		}
@@ -166,23 +169,22 @@ static double slot_bytes(const struct rig *rig, size_t *deformed)
 /* Every camera's picture, into pixels[camera]. */
 static void draw(struct rig *rig, double pixel_error, int repeats, const char *folder, uint8_t *pixels, struct figures *figures)
 {
-	struct world *world = &rig->world;
 	const bool truth = pixel_error == TRUTH;
 	*figures = (struct figures){.tiles = 0};
 	rig->scene.view.pixel_error = pixel_error;
-	bench_must(render_view_create(world, false, &rig->view));
+	bench_must(render_view_create(rig->world, false, &rig->view));
 	struct view *view = rig->view;
 	for (size_t i = 0; i < CAMERAS; i++) {
 		place(rig, i);
 		bench_must(render_view_warm(view));
-		gpu_finish(world->gpu);
+		gpu_finish(rig->made.resident.gpu);
 		for (int k = 0; k < repeats; k++) {
 			double began = clock_seconds();
 			bench_must(render_view_frame(view, NULL, false));
-			gpu_finish(world->gpu);
+			gpu_finish(rig->made.resident.gpu);
 			figures->ms[figures->timed++] = (clock_seconds() - began) * 1e3;
 		}
-		const struct terrain_selection *selection = view->selection;
+		const struct render_selection *selection = view->selection;
 		if (view->coarse || selection->wanted_count > 0)
 			bench_must(fail_with(STATUS_FAILED, "%s: its picture needs %zu tiles and %d are too few; give more SLOTS",
 					     cameras[i].name, selection->needed, SLOTS));
@@ -230,7 +232,7 @@ static void print(const struct rig *rig, double pixel_error, const uint8_t *trut
 	       "\"picture\": {\"psnr\": %.2f, \"worst\": %d}, \"ms_step\": %.3f, \"bytes\": %.0f, \"triangles\": %.0f, \"tiles\": %.1f, "
 	       "\"gl\": \"%s\"}\n",
 	       knob, pixel_error > 0 ? "false" : "true", psnr, worst, bench_median(figures->ms, figures->timed), figures->bytes,
-	       figures->triangles, figures->tiles, gpu_info(rig->world.gpu)->renderer);
+	       figures->triangles, figures->tiles, gpu_info(rig->made.resident.gpu)->renderer);
 	fflush(stdout);
 }
 

@@ -65,7 +65,7 @@ static void measure(struct furrow_world *world, furrow_body body, const struct f
 
 static void of_body(struct furrow_world *world, const char *name, const char *shape, double reach, double x, int probes)
 {
-	const double xy[1][2] = {{x, 2.5}};
+	const double xy[2] = {x, 2.5};
 	struct furrow_point ground;
 	struct furrow_contact contact;
 	furrow_body body;
@@ -98,7 +98,7 @@ static void of_body(struct furrow_world *world, const char *name, const char *sh
 	state.pose.position[0] += 0.006;
 	measure(world, body, &state, name, "moves", probes);
 	printf("{\"bench\": \"probe\", \"body\": \"%s\", \"step_ms\": %.3f, \"way_a_step\": 0.01, \"gl\": \"%s\"}\n", name, ms / steps,
-	       gpu_info(world->world.gpu)->renderer);
+	       gpu_info(world_resident(world->world)->gpu)->renderer);
 	must(furrow_body_remove(world, body));
 }
 
@@ -117,7 +117,7 @@ int main(int argc, char **argv)
 	of_body(world, "wheel", "{wheel: {radius: 0.25, width: 0.2}}", 0.25, 1, probes);
 	of_body(world, "sphere", "{sphere: {radius: 0.25}}", 0.25, 4, probes);
 	of_body(world, "box", "{box: {size: [0.3, 0.2, 0.2]}}", 0.1, 7, probes);
-	bench_record_end(gpu_info(world->world.gpu)->renderer);
+	bench_record_end(gpu_info(world_resident(world->world)->gpu)->renderer);
 	must(furrow_world_close(world));
 	return 0;
 }

@@ -10,15 +10,16 @@
 #include <stdlib.h>
 
 #include "bench.h"
-#include "world/internal.h"
+#include "deform/deform.h"
+#include "world/made.h"
 
 enum { BEAMS = 64, TURN = 1024, RAYS = BEAMS * TURN, POINTS = 1 << 20, SINGLES = 1 << 14, SIDE = 2049, LEVEL = -3, SLOTS = 64, STEPS = 40 };
 #define RANGE 120.0 /* m, of the lidar */
 
-static struct terrain_ray rays[RAYS];
-static struct terrain_hit hits[RAYS];
-static struct terrain_point near_points[POINTS], far_points[POINTS];
-static struct terrain_height heights[POINTS];
+static struct resident_ray rays[RAYS];
+static struct resident_hit hits[RAYS];
+static struct resident_point near_points[POINTS], far_points[POINTS];
+static struct resident_height heights[POINTS];
 
 static double unit(void)
 {
@@ -31,11 +32,11 @@ static void choose(double x, double y, double ground)
 {
 	for (int i = 0; i < RAYS; i++) {
 		double up = (-25 + 40.0 * (i % BEAMS) / (BEAMS - 1)) * M_PI / 180, turn = 2 * M_PI * (i / BEAMS) / TURN;
-		rays[i] = (struct terrain_ray){{x, y, ground + 2}, {cos(up) * cos(turn), cos(up) * sin(turn), sin(up)}, RANGE};
+		rays[i] = (struct resident_ray){{x, y, ground + 2}, {cos(up) * cos(turn), cos(up) * sin(turn), sin(up)}, RANGE};
 	}
 	for (int i = 0; i < POINTS; i++) {
-		near_points[i] = (struct terrain_point){x + (unit() - 0.5) * 100, y + (unit() - 0.5) * 100};
-		far_points[i] = (struct terrain_point){unit() * (SIDE - 1), unit() * (SIDE - 1)};
+		near_points[i] = (struct resident_point){x + (unit() - 0.5) * 100, y + (unit() - 0.5) * 100};
+		far_points[i] = (struct resident_point){unit() * (SIDE - 1), unit() * (SIDE - 1)};
 	}
 }
 
@@ -52,7 +53,7 @@ static void measure_rays(struct newest *newest, const char *over, const char *wh
 	tell(over, "lidar", when, RAYS, clock_seconds() - began, gl);
 }
 
-static void measure_points(struct newest *newest, const char *over, const char *what, const struct terrain_point *points, const char *when,
+static void measure_points(struct newest *newest, const char *over, const char *what, const struct resident_point *points, const char *when,
 			   const char *gl)
 {
 	double began = clock_seconds();
@@ -108,80 +109,97 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 	return STATUS_OK;
 }
 
-static void open_drive(struct world *world, struct scene *scene, struct body *body, const char *path)
+/* A drive that the bench makes and steps itself. */
+struct drive {
+	struct world *world;
+	struct world_made made;
+	struct scene scene;
+	struct body body, *bodies[1];
+	struct record *record;
+	FILE *commit_log;
+};
+
+static void open_drive(struct drive *drive, const char *path)
 {
-	*scene = (struct scene){.slots = SLOTS, .hash = "0"};
-	*body = (struct body){.object = &object};
-	*world = (struct world){.scene = scene, .bodies = body, .level = LEVEL};
-	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &world->store));
-	bench_must(store_set_working_level(world->store, LEVEL));
-	world->meta = store_meta(world->store);
-	const struct extent *extent = &world->meta->extent;
-	world->spacing = extent_spacing(extent, LEVEL);
-	world->commit_log = tmpfile();
-	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &world->gpu));
-	bench_must(gpu_slots_create(world->gpu, extent->cells, SLOTS, 0, &world->slots));
-	bench_must(resident_ground_create(world->store, 8, &world->ground));
-	const struct deform_params deform = {.gpu = world->gpu, .slots = world->slots, .extent = extent, .level = LEVEL,
-					     .reference = resident_ground_reference(world->store), .model = DEFORM_NONE};
-	bench_must(deform_create(&deform, &world->deform));
-	const struct pages_params pages = {.store = world->store, .gpu = world->gpu, .slots = world->slots,
-					   .planes = gpu_slots_planes(world->slots), .level = LEVEL, .count = SLOTS, .loaders = 2,
-					   .step_pages = 16, .record = world_record_pages(scene), .commit_log = world->commit_log, .before_read_back = before_read_back,
-					   .user = world};
-	bench_must(resident_pages_create(&pages, &world->pages));
-	world->cache = resident_pages_cache(world->pages);
-	world->record = mem_calloc(1, world_record_bytes(0));
+	struct resident *ground = &drive->made.resident;
+	*drive = (struct drive){
+		.scene = {.slots = SLOTS, .hash = "0"},
+		.body = {.object = &object},
+		.bodies = {&drive->body},
+		.made = {.scene = &drive->scene, .bodies = drive->bodies, .body_count = 1, .resident.level = LEVEL},
+	};
+	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &ground->store));
+	bench_must(store_set_working_level(ground->store, LEVEL));
+	ground->meta = store_meta(ground->store);
+	const struct extent *extent = &ground->meta->extent;
+	ground->spacing = extent_spacing(extent, LEVEL);
+	drive->commit_log = tmpfile();
+	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &ground->gpu));
+	bench_must(gpu_slots_create(ground->gpu, extent->cells, SLOTS, 0, &ground->slots));
+	bench_must(resident_ground_create(ground->store, 8, &ground->ground));
+	const struct deform_params deform = {.gpu = ground->gpu, .slots = ground->slots, .extent = extent, .level = LEVEL,
+					     .reference = resident_ground_reference(ground->store), .model = DEFORM_NONE};
+	bench_must(deform_create(&deform, &drive->made.deform));
+	const struct pages_params pages = {.store = ground->store, .gpu = ground->gpu, .slots = ground->slots,
+					   .planes = gpu_slots_planes(ground->slots), .level = LEVEL, .count = SLOTS, .loaders = 2,
+					   .step_pages = 16, .record = world_record_pages(&drive->scene), .commit_log = drive->commit_log,
+					   .before_read_back = before_read_back};
+	bench_must(resident_pages_create(&pages, &ground->pages));
+	ground->cache = resident_pages_cache(ground->pages);
+	bench_must(resident_newest_create(ground->store, ground->pages, &ground->newest));
+	drive->record = mem_calloc(1, world_record_bytes(0));
+	drive->world = world_made(&drive->made);
+	if (drive->record == NULL || drive->world == NULL)
+		bench_must(fail_memory("a world"));
 }
 
-static void close_drive(struct world *world)
+static void close_drive(struct drive *drive)
 {
-	resident_newest_destroy(world->newest);
-	resident_pages_destroy(world->pages);
-	deform_destroy(world->deform);
-	resident_ground_destroy(world->ground);
-	gpu_slots_destroy(world->slots);
-	gpu_destroy(world->gpu);
-	store_close(world->store);
-	fclose(world->commit_log);
-	mem_free(world->record);
+	const struct resident *ground = &drive->made.resident;
+	world_made_free(drive->world);
+	resident_newest_destroy(ground->newest);
+	resident_pages_destroy(ground->pages);
+	deform_destroy(drive->made.deform);
+	resident_ground_destroy(ground->ground);
+	gpu_slots_destroy(ground->slots);
+	gpu_destroy(ground->gpu);
+	store_close(ground->store);
+	fclose(drive->commit_log);
+	mem_free(drive->record);
 }
 
 /* One step: 5 cm on, beside the lidar. */
-static void step(struct world *world, double x, double y)
+static void step(struct drive *drive, double x, double y)
 {
 	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	bench_must(resident_ground_height(world->ground, event.pose.x, event.pose.y, &ground, &any));
+	bench_must(resident_ground_height(drive->made.resident.ground, event.pose.x, event.pose.y, &ground, &any));
 	event.pose.z = ground + lattice_offset(wheel.radius - 0.1);
-	bench_must(world_contact(world, &event));
-	bench_must(page_cache_end_step(world->cache, world->record));
+	bench_must(world_made_contact(drive->world, &event));
+	bench_must(page_cache_end_step(drive->made.resident.cache, drive->record));
 }
 
 static void measure_drive(const char *path)
 {
-	struct world world;
-	struct scene scene;
-	struct body body;
+	struct drive drive;
 	double steps[STEPS], asked[STEPS];
-	open_drive(&world, &scene, &body, path);
-	const char *gl = gpu_info(world.gpu)->renderer;
+	open_drive(&drive, path);
+	const char *gl = gpu_info(drive.made.resident.gpu)->renderer;
 	for (int i = 0; i < STEPS; i++)
-		step(&world, 1000 + i * 0.05, 1003);
-	bench_must(world_rays(&world, rays, 0, hits));
-	measure_all(world.newest, "drive", gl);
+		step(&drive, 1000 + i * 0.05, 1003);
+	measure_all(drive.made.resident.newest, "drive", gl);
 	for (int i = 0; i < STEPS; i++) {
 		double began = clock_seconds();
-		step(&world, 1002 + i * 0.05, 1003);
-		gpu_finish(world.gpu);
+		step(&drive, 1002 + i * 0.05, 1003);
+		gpu_finish(drive.made.resident.gpu);
 		steps[i] = clock_seconds() - began;
-		bench_must(world_rays(&world, rays, RAYS, hits));
+		bench_must(world_rays(drive.world, rays, RAYS, hits));
 		asked[i] = clock_seconds() - began - steps[i];
 	}
 	tell("drive", "lidar", "each step", RAYS, bench_median(asked, STEPS), gl);
 	tell("drive", "a step without it", "each step", 1, bench_median(steps, STEPS), gl);
-	close_drive(&world);
+	close_drive(&drive);
 }
 
 static const char ruts[] =
@@ -196,12 +214,12 @@ int main(void)
 	const char *path = bench_path("query.furrow");
 	struct store *store;
 	struct newest *newest;
-	struct terrain_height under;
+	struct resident_height under;
 	bench_store(path, &synth, 256);
 	mem_free(bench_drive(ruts, path));
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	bench_must(resident_newest_create(store, NULL, &newest));
-	bench_must(resident_newest_heights(newest, &(struct terrain_point){1000, 1000}, 1, &under));
+	bench_must(resident_newest_heights(newest, &(struct resident_point){1000, 1000}, 1, &under));
 	resident_newest_destroy(newest);
 	store_close(store);
 	choose(1000, 1000, under.height);

@@ -14,6 +14,7 @@
 
 #include "api/library.h"
 #include "bench.h"
+#include "world/made.h"
 
 enum { CELLS = 256, COLUMNS = 10, ROWS = 5, TILES = COLUMNS * ROWS, FORCED = 2 };
 #define SPACING 0.125 /* m, of the working level, which is that of the store */
@@ -43,10 +44,10 @@ static void press(struct furrow_world *world, const furrow_body balls[TILES])
 {
 	const double side = CELLS * SPACING;
 	for (int i = 0; i < TILES; i++) {
-		const double xy[1][2] = {{(i % COLUMNS + 0.5) * side, (i / COLUMNS + 0.5) * side}};
+		const double xy[2] = {(i % COLUMNS + 0.5) * side, (i / COLUMNS + 0.5) * side};
 		struct furrow_point ground;
 		must(furrow_points(world, 1, xy, &ground));
-		const struct furrow_pose pose = {{xy[0][0], xy[0][1], ground.height + RADIUS - 0.1}, {1, 0, 0, 0}};
+		const struct furrow_pose pose = {{xy[0], xy[1], ground.height + RADIUS - 0.1}, {1, 0, 0, 0}};
 		must(furrow_place(world, balls[i], &pose));
 	}
 	must(furrow_step(world, 0));
@@ -55,7 +56,7 @@ static void press(struct furrow_world *world, const furrow_body balls[TILES])
 /* Commits all changed pages now. In a drive the cache does this when pages are old or its queue is full. */
 static void force_commit(struct furrow_world *world)
 {
-	bench_must(page_cache_flush(world->world.cache, world->world.record));
+	bench_must(page_cache_flush(world_resident(world->world)->cache, world_made_record(world->world)));
 }
 
 static double *read_all(struct furrow_world *world, size_t *count)
@@ -107,10 +108,10 @@ int main(int argc, char **argv)
 	}
 	double *now = read_all(world, &after);
 	const bool same = posts == after && memcmp(before, now, posts * sizeof *now) == 0;
-	page_cache_stats(world->world.cache, &stats);
+	page_cache_stats(world_resident(world->world)->cache, &stats);
 	printf("{\"bench\": \"rollback\", \"rollbacks\": %d, \"tiles\": %d, \"cells\": %d, \"commits\": %llu, \"median_ms\": %.2f, \"worst_ms\": %.2f, "
 	       "\"same\": %s, \"gl\": \"%s\"}\n", rounds, TILES, CELLS, (unsigned long long)stats.commits, bench_median(ms, (size_t)rounds), worst,
-	       same ? "true" : "false", gpu_info(world->world.gpu)->renderer);
+	       same ? "true" : "false", gpu_info(world_resident(world->world)->gpu)->renderer);
 	must(furrow_world_close(world));
 	free(before);
 	free(now);

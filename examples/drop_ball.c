@@ -49,7 +49,7 @@ int main(int argc, char **argv)
 	struct furrow_info info = {0};
 	info.size = sizeof info;
 	must(furrow_info(world, &info));
-	const double middle[1][2] = {{info.extent[0] / 2, info.extent[1] / 2}};
+	const double middle[2] = {info.extent[0] / 2, info.extent[1] / 2};
 	struct furrow_point ground;
 	must(furrow_points(world, 1, middle, &ground));
 
@@ -57,7 +57,7 @@ int main(int argc, char **argv)
 	char object[64];
 	snprintf(object, sizeof object, "{name: ball, shape: {sphere: {radius: %g}}}", RADIUS);
 	must(furrow_body_add(world, object, &ball));
-	struct furrow_state state = {{{middle[0][0], middle[0][1], ground.height + RADIUS + HEIGHT}, {1, 0, 0, 0}}, {0, 0, 0}, {0, 0, 0}};
+	struct furrow_state state = {{{middle[0], middle[1], ground.height + RADIUS + HEIGHT}, {1, 0, 0, 0}}, {0, 0, 0}, {0, 0, 0}};
 	must(furrow_place(world, ball, &state.pose));
 
 	struct furrow_contact contact = {0};

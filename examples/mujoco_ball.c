@@ -81,7 +81,7 @@ int main(int argc, char **argv)
 	struct furrow_point ground;
 	must(furrow_world_open(&open, &world));
 	must(furrow_body_find(world, "ball", &ball));
-	must(furrow_points(world, 1, (const double[1][2]){{30, 30}}, &ground));
+	must(furrow_points(world, 1, (const double[]){30, 30}, &ground));
 
 	/* A free joint: x, y, z and a quaternion; velocities after that. */
 	data->qpos[0] = data->qpos[1] = 30;
@@ -100,7 +100,7 @@ int main(int argc, char **argv)
 		apply(model, data, body, &contact, state.linear[2]);
 		if (data->time >= told * TOLD_EVERY) {
 			told++;
-			must(furrow_points(world, 1, (const double[1][2]){{state.pose.position[0], state.pose.position[1]}}, &ground));
+			must(furrow_points(world, 1, (const double[]){state.pose.position[0], state.pose.position[1]}, &ground));
 			printf("%.2f,%.3f,%.4f,%.3f,%.1f\n", data->time, state.pose.position[0],
 			       state.pose.position[2] - RADIUS - (ground.height - ground.offset), state.linear[0], contact.force[2]);
 		}

@@ -59,7 +59,7 @@ world_ptr open_world(const char *store, const char *overlay)
 
 double height_at(furrow_world *world, double x, double y)
 {
-	const double xy[1][2] = {{x, y}};
+	const double xy[2] = {x, y};
 	furrow_point point;
 	must(furrow_points(world, 1, xy, &point));
 	return point.height;

@@ -2,7 +2,7 @@
 #ifndef FURROW_TESTS_PLANNED_H
 #define FURROW_TESTS_PLANNED_H
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "support.h"
 
 static bool planned_history; /* the drives keep a history */

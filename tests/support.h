@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "dem/dem.h"
-#include "api/api.h"
+#include "drive/drive.h"
 #include "store/store.h"
 #include "support/skip.h"
 
@@ -152,9 +152,9 @@ static inline struct scene *support_scene(const char *path, const char *const *s
 static inline char *support_drive(const char *scene_path, const char *store, const char *const *settings)
 {
 	struct scene *scene = support_scene(scene_path, settings);
-	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out")};
-	struct api_result result;
-	enum status status = api_drive(&params, &result);
+	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out")};
+	struct drive_result result;
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");

@@ -140,32 +140,29 @@ static enum status check_count(const struct arguments *arguments)
 enum status arguments_parse(const struct command *command, int argc, char **argv, struct arguments **out)
 {
 	struct arguments *arguments = mem_calloc(1, sizeof *arguments);
-	if (arguments == NULL)
-		return fail_memory("arguments");
+	TRY_MEM(arguments, "arguments");
 	arguments->command = command;
 	arguments->positional = mem_calloc((size_t)argc + 1, sizeof *arguments->positional);
 	arguments->given = mem_calloc((size_t)argc + 1, sizeof *arguments->given);
-	enum status status = STATUS_OK;
+	enum status status;
 	if (arguments->positional == NULL || arguments->given == NULL)
-		status = fail_memory("arguments");
+		TRY_OR(failed, fail_memory("arguments"));
 	bool only_values = false;
-	for (int i = 0; i < argc && status == STATUS_OK; i++) {
+	for (int i = 0; i < argc; i++) {
 		double number;
 		if (!only_values && strcmp(argv[i], "--") == 0)
 			only_values = true;
 		else if (only_values || argv[i][0] != '-' || argv[i][1] == '\0' || parse_number(argv[i], &number))
 			arguments->positional[arguments->positional_count++] = argv[i];
 		else
-			status = take_option(arguments, argv[i], argc, argv, &i);
+			TRY_OR(failed, take_option(arguments, argv[i], argc, argv, &i));
 	}
-	if (status == STATUS_OK)
-		status = check_count(arguments);
-	if (status != STATUS_OK) {
-		arguments_destroy(arguments);
-		return status;
-	}
+	TRY_OR(failed, check_count(arguments));
 	*out = arguments;
 	return STATUS_OK;
+failed:
+	arguments_destroy(arguments);
+	return status;
 }
 
 void arguments_destroy(struct arguments *arguments)

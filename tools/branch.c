@@ -8,14 +8,13 @@ static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	int64_t revision;
-	enum status status = store_create_overlay(arguments_at(arguments, 1), arguments_at(arguments, 0));
-	if (status == STATUS_OK)
-		status = store_open(arguments_at(arguments, 1), &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK) {
-		(void)store_parent(store, &revision);
-		printf("%s: a branch of %s at revision %lld; drive it as a store; %s keeps what it depends on\n", arguments_at(arguments, 1),
-		       arguments_at(arguments, 0), (long long)revision, arguments_at(arguments, 0));
-	}
+	enum status status;
+	TRY_OR(done, store_create_overlay(arguments_at(arguments, 1), arguments_at(arguments, 0)));
+	TRY_OR(done, store_open(arguments_at(arguments, 1), &(struct store_options){.mode = STORE_READ}, &store));
+	(void)store_parent(store, &revision);
+	printf("%s: a branch of %s at revision %lld; drive it as a store; %s keeps what it depends on\n", arguments_at(arguments, 1),
+	       arguments_at(arguments, 0), (long long)revision, arguments_at(arguments, 0));
+done:
 	store_close(store);
 	return status;
 }

@@ -118,17 +118,17 @@ static enum status check_outputs(const char *trace, const char *const outputs[2]
 
 static enum status simulate(struct cache_curves *curves)
 {
-	enum status status = STATUS_OK;
-	for (int policy = 0; policy < SIM_POLICIES && status == STATUS_OK; policy++) {
+	for (int policy = 0; policy < SIM_POLICIES; policy++) {
 		if (!curves->wanted[policy])
 			continue;
 		struct progress progress;
 		progress_start(&progress, curves->title, "accesses");
-		status = sim_misses(curves->accesses, (enum sim_policy)policy, curves->slots, curves->count, progress_step,
-				  &progress, curves->misses[policy]);
+		enum status status = sim_misses(curves->accesses, (enum sim_policy)policy, curves->slots, curves->count, progress_step, &progress,
+						curves->misses[policy]);
 		progress_end(&progress);
+		TRY(status);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static double ratio(uint64_t part, uint64_t whole)
@@ -215,24 +215,28 @@ static enum status write_csv(const struct sim_accesses *accesses, FILE *file)
 	return STATUS_OK;
 }
 
+static enum status write_output(const struct cache_curves *curves, bool csv, const char *path, struct aside *aside)
+{
+	if (path == NULL)
+		return STATUS_OK;
+	TRY(aside_begin(aside, path));
+	if (csv)
+		TRY(write_csv(curves->accesses, aside->file));
+	else
+		cache_plot_write(curves, aside->file);
+	return aside_whole(aside, true);
+}
+
 static enum status write_outputs(const struct cache_curves *curves, const char *const outputs[2])
 {
 	struct aside asides[2] = {{.path = NULL}, {.path = NULL}};
-	enum status status = STATUS_OK;
-	for (int i = 0; i < 2 && status == STATUS_OK; i++) {
-		if (outputs[i] == NULL)
-			continue;
-		status = aside_begin(&asides[i], outputs[i]);
-		if (status == STATUS_OK && i == 0)
-			status = write_csv(curves->accesses, asides[i].file);
-		else if (status == STATUS_OK)
-			cache_plot_write(curves, asides[i].file);
-		if (status == STATUS_OK)
-			status = aside_whole(&asides[i], true);
-	}
-	for (int i = 0; i < 2 && status == STATUS_OK; i++)
+	enum status status;
+	TRY_OR(done, write_output(curves, true, outputs[0], &asides[0]));
+	TRY_OR(done, write_output(curves, false, outputs[1], &asides[1]));
+	for (int i = 0; i < 2; i++)
 		if (outputs[i] != NULL)
-			status = aside_publish(&asides[i]);
+			TRY_OR(done, aside_publish(&asides[i]));
+done:
 	aside_finish(&asides[0]);
 	aside_finish(&asides[1]);
 	return status;
@@ -243,28 +247,24 @@ static enum status run(const struct arguments *arguments)
 	struct sim_accesses accesses = {.count = 0};
 	struct cache_curves curves = {.title = arguments_at(arguments, 0), .accesses = &accesses};
 	const char *const outputs[2] = {arguments_text(arguments, "csv"), arguments_text(arguments, "plot")};
-	enum status status = read_policies(arguments, curves.wanted);
-	if (status == STATUS_OK)
-		status = read_sizes(arguments, &curves);
-	if (status == STATUS_OK)
-		status = check_outputs(curves.title, outputs);
-	if (status == STATUS_OK)
-		status = sim_accesses_read(curves.title, &accesses);
-	if (status == STATUS_OK) {
-		interrupt_catch();
-		if (curves.count == 0)
-			cache_sizes(&curves);
-		status = simulate(&curves);
-	}
-	if (status == STATUS_OK)
-		status = write_outputs(&curves, outputs);
-	if (status == STATUS_OK && curves.wanted[SIM_S3FIFO] && curves.slots[0] < SIM_S3FIFO_SLOTS_MIN)
+	TRY(read_policies(arguments, curves.wanted));
+	TRY(read_sizes(arguments, &curves));
+	TRY(check_outputs(curves.title, outputs));
+	enum status status;
+	TRY_OR(done, sim_accesses_read(curves.title, &accesses));
+	interrupt_catch();
+	if (curves.count == 0)
+		cache_sizes(&curves);
+	TRY_OR(done, simulate(&curves));
+	TRY_OR(done, write_outputs(&curves, outputs));
+	if (curves.wanted[SIM_S3FIFO] && curves.slots[0] < SIM_S3FIFO_SLOTS_MIN)
 		note("S3-FIFO keeps nothing with fewer than %d slots: a tenth of them, its small queue, must be two",
 		     SIM_S3FIFO_SLOTS_MIN);
-	if (status == STATUS_OK && arguments_flag(arguments, "json"))
-		status = print_json(&curves);
-	else if (status == STATUS_OK)
+	if (arguments_flag(arguments, "json"))
+		TRY_OR(done, print_json(&curves));
+	else
 		print_table(&curves);
+done:
 	sim_accesses_finish(&accesses);
 	return status;
 }

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "command.h"
-#include "api/api.h"
+#include "drive/drive.h"
 #include "base/aside.h"
 #include "fleet/fleet.h"
 #include "settings.h"
@@ -27,7 +27,7 @@ static const struct command_option options[] = {
 	{.name = NULL},
 };
 
-static void print_summary(const struct api_result *result, const struct api_params *params)
+static void print_summary(const struct drive_result *result, const struct drive_params *params)
 {
 	const bool unfinished = strcmp(result->ended, "interrupted") == 0 || strcmp(result->ended, "failed") == 0;
 	printf("%s: %lld steps in %.1f s (%.2f times real time), posts of %s m (level %d), %s%s/run.json%s", result->ended, (long long)result->steps,
@@ -49,7 +49,7 @@ static void print_summary(const struct api_result *result, const struct api_para
 	putchar('\n');
 }
 
-static struct fleet_params fleet_params_of(const struct api_params *params, const char *stage, struct progress *progress)
+static struct fleet_params fleet_params_of(const struct drive_params *params, const char *stage, struct progress *progress)
 {
 	return (struct fleet_params){
 		.scene = params->scene,
@@ -65,7 +65,7 @@ static struct fleet_params fleet_params_of(const struct api_params *params, cons
 }
 
 /* The drive by one process. */
-static enum status drive_alone(struct api_params *params, const char *stage, struct api_result *result)
+static enum status drive_alone(struct drive_params *params, const char *stage, struct drive_result *result)
 {
 	struct store_staged staged = {.original = NULL};
 	struct progress progress;
@@ -77,14 +77,14 @@ static enum status drive_alone(struct api_params *params, const char *stage, str
 	progress_end(&progress);
 	params->staged = stage != NULL ? &staged : NULL;
 	if (status == STATUS_OK)
-		status = api_drive(params, result);
+		status = drive_run(params, result);
 	store_staged_finish(&staged);
 	return status;
 }
 
-static const struct world_rows *share_rows(void *user, const struct world_rows *rows)
+static void share_rows(void *user, const struct report_rows *rows)
 {
-	return fleet_rows(user, rows);
+	fleet_rows(user, rows);
 }
 
 /* Before the drive, whose map comes last. */
@@ -100,7 +100,7 @@ static enum status check_map(const struct arguments *arguments)
 }
 
 /* What many processes cannot do together. */
-static enum status check_many(const struct api_params *params)
+static enum status check_many(const struct drive_params *params)
 {
 	if (params->overlay == NULL)
 		return fail_with(STATUS_USAGE, "drive: many processes need an --overlay, beside which each keeps its part; the store stays as it is");
@@ -120,7 +120,7 @@ static enum status check_many(const struct api_params *params)
 }
 
 /* The drive by one of many processes. */
-static enum status drive_many(struct api_params *params, const char *stage, struct api_result *result)
+static enum status drive_many(struct drive_params *params, const char *stage, struct drive_result *result)
 {
 	struct fleet *fleet = NULL;
 	struct progress progress;
@@ -136,13 +136,13 @@ static enum status drive_many(struct api_params *params, const char *stage, stru
 		params->share_rows = share_rows;
 		params->stop = fleet_stop(fleet);
 		params->progress = params->progress && fleet_speaks();
-		status = api_drive(params, result);
+		status = drive_run(params, result);
 	}
 	fleet_close(fleet);
 	return status;
 }
 
-static enum status drive_with(const struct arguments *arguments, struct api_params *params, struct api_result *result)
+static enum status drive_with(const struct arguments *arguments, struct drive_params *params, struct drive_result *result)
 {
 	bool json = arguments_flag(arguments, "json");
 	const char *stage = arguments_text(arguments, "stage");
@@ -173,7 +173,7 @@ static enum status run(const struct arguments *arguments)
 {
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
-	struct api_result result = {.json = NULL};
+	struct drive_result result = {.json = NULL};
 	int64_t steps = 0;
 	int durability = 0;
 	const char *directory = arguments_text(arguments, "o");
@@ -196,7 +196,7 @@ static enum status run(const struct arguments *arguments)
 	status = join(status);
 	if (status == STATUS_OK) {
 		interrupt_catch();
-		struct api_params params = {
+		struct drive_params params = {
 			.scene = scene,
 			.store = arguments_text(arguments, "store"),
 			.overlay = arguments_text(arguments, "overlay"),

@@ -31,15 +31,15 @@ static enum status run(const struct arguments *arguments)
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
 	struct report_plan plan = {.store = NULL};
-	enum status status = settings_take(arguments, &settings);
-	if (status == STATUS_OK)
-		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
-	if (status == STATUS_OK)
-		status = report_plan(scene, arguments_text(arguments, "store"), arguments_flag(arguments, "keep-history"), &plan);
-	if (status == STATUS_OK && arguments_flag(arguments, "json"))
-		status = explain_json(scene, &plan);
-	else if (status == STATUS_OK)
+	enum status status;
+	TRY_OR(done, settings_take(arguments, &settings));
+	TRY_OR(done, scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene));
+	TRY_OR(done, report_plan(scene, arguments_text(arguments, "store"), arguments_flag(arguments, "keep-history"), &plan));
+	if (arguments_flag(arguments, "json"))
+		TRY_OR(done, explain_json(scene, &plan));
+	else
 		explain_text(scene, &plan, arguments_flag(arguments, "all"));
+done:
 	report_plan_finish(&plan);
 	scene_destroy(scene);
 	settings_finish(&settings);

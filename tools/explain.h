@@ -4,7 +4,7 @@
 
 #include <cJSON.h>
 
-#include "api/api.h"
+#include "drive/drive.h"
 
 /* Why a line is there: what of the scene calls for it, or that every drive has it. */
 void explain_reason(const struct scene *scene, const char *effect, char *text, size_t size);

@@ -62,11 +62,8 @@ enum status export_read_light(const struct arguments *arguments, struct export_r
 {
 	double sun[2] = {315, 45};
 	bool given;
-	enum status status = arguments_numbers(arguments, "sun", 2, sun, &given);
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "exaggerate", 0.01, 1000, &request->exaggerate);
-	if (status != STATUS_OK)
-		return status;
+	TRY(arguments_numbers(arguments, "sun", 2, sun, &given));
+	TRY(arguments_number(arguments, "exaggerate", 0.01, 1000, &request->exaggerate));
 	if (fabs(sun[0]) > 360 || sun[1] < 10 || sun[1] > 90)
 		return fail_with(STATUS_USAGE, "%s: --sun %g,%g: is not in the sky; give degrees from north, and 10 to 90 above "
 					       "the horizon", request->command, sun[0], sun[1]);
@@ -106,21 +103,14 @@ static enum status read_request(const struct arguments *arguments, struct export
 	const char *mesh = arguments_text(arguments, "mesh");
 	request->path = mesh != NULL ? mesh : arguments_text(arguments, "o");
 	request->mesh = mesh != NULL;
-	enum status status = STATUS_OK;
 	if (mesh != NULL)
-		status = check_mesh(arguments, mesh);
-	if (status == STATUS_OK && request->path == NULL)
-		status = fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif, .png or .r16");
-	if (status == STATUS_OK)
-		status = export_read_layer(arguments, &request->layer);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "level", TILE_LEVEL_MIN, TILE_LEVEL_MAX, &request->level);
-	if (status == STATUS_OK)
-		status = export_read_window(arguments, request);
-	if (status == STATUS_OK)
-		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
-	if (status != STATUS_OK)
-		return status;
+		TRY(check_mesh(arguments, mesh));
+	if (request->path == NULL)
+		return fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif, .png or .r16");
+	TRY(export_read_layer(arguments, &request->layer));
+	TRY(arguments_integer(arguments, "level", TILE_LEVEL_MIN, TILE_LEVEL_MAX, &request->level));
+	TRY(export_read_window(arguments, request));
+	TRY(arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range));
 	enum chart_format format;
 	const bool drawn = !request->mesh && chart_path_format(request->path, &format);
 	request->png = drawn && format == CHART_PNG;
@@ -136,8 +126,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 				 request->range[1]);
 	if (request->raw && request->layer != LAYER_SURFACE && request->layer != LAYER_BASE)
 		return fail_with(STATUS_USAGE, "export: a raw heightmap holds surface or base, not %s; write a .tif", layer_names[request->layer]);
-	status = export_read_light(arguments, request, request->layer == LAYER_HILLSHADE || request->map);
-	return status == STATUS_OK && request->map ? export_check_picture(request) : status;
+	TRY(export_read_light(arguments, request, request->layer == LAYER_HILLSHADE || request->map));
+	return request->map ? export_check_picture(request) : STATUS_OK;
 }
 
 enum status export_find_rect(const struct export_request *request, const struct extent *extent, struct post_rect *rect)
@@ -213,37 +203,36 @@ static enum status write_rows(const struct export_request *request, struct store
 	int64_t width = rect.x1 - rect.x0, total = rect.y1 - rect.y0, border = request->layer == LAYER_HILLSHADE;
 	size_t room = (size_t)(width + 2) * (ROWS + 2);
 	double *values = mem_alloc(room, sizeof *values), *slopes = border ? mem_alloc(2 * room, sizeof *slopes) : NULL;
-	enum status status = values != NULL && (!border || slopes != NULL) ? STATUS_OK : fail_memory("rows to export");
 	struct progress progress;
 	progress_start(&progress, request->path, "rows");
 	int64_t holes = 0;
-	for (int64_t y = 0; y < total && status == STATUS_OK; y += ROWS) {
+	enum status status;
+	TRY_OR(done, values != NULL && (!border || slopes != NULL) ? STATUS_OK : fail_memory("rows to export"));
+	for (int64_t y = 0; y < total; y += ROWS) {
 		int64_t rows = total - y < ROWS ? total - y : ROWS;
 		struct post_rect part = {rect.x0 - border, rect.y0 + y - border, rect.x1 + border,
 					 rect.y0 + y + rows + border};
 		double *out = values;
-		status = store_read_posts(reader, export_store_layer(request->layer), (int)request->level, part, values);
-		if (status != STATUS_OK)
-			break;
+		TRY_OR(done, store_read_posts(reader, export_store_layer(request->layer), (int)request->level, part, values));
 		if (request->layer == LAYER_HILLSHADE) {
 			chart_slopes(values, width, rows, extent_spacing(extent, (int)request->level), slopes, slopes + room);
 			shade(request, slopes, slopes + room, width * rows);
 			out = slopes;
 		} else if (request->png || request->raw) {
-			status = to_16_bits(request, out, width * rows, &holes);
+			TRY_OR(done, to_16_bits(request, out, width * rows, &holes));
 		}
-		if (status == STATUS_OK)
-			status = dem_writer_rows(writer, rows, out);
-		if (status == STATUS_OK)
-			status = progress_step(&progress, y + rows, total);
+		TRY_OR(done, dem_writer_rows(writer, rows, out));
+		TRY_OR(done, progress_step(&progress, y + rows, total));
 	}
+done:
 	progress_end(&progress);
-	if (status == STATUS_OK && holes > 0)
-		note("%s: %lld posts have no data; they are 0, which is the height %g m, too", request->path, (long long)holes,
-		     request->has_range ? request->range[0] : 0.0);
 	mem_free(values);
 	mem_free(slopes);
-	return status;
+	TRY(status);
+	if (holes > 0)
+		note("%s: %lld posts have no data; they are 0, which is the height %g m, too", request->path, (long long)holes,
+		     request->has_range ? request->range[0] : 0.0);
+	return STATUS_OK;
 }
 
 /* Unreal's Landscape has components of sections of 7 to 255 quads; these squares fill whole numbers of components. */
@@ -280,12 +269,12 @@ static enum status tell_finer_ruts(const struct export_request *request, struct 
 	bool any;
 	if ((request->layer != LAYER_SURFACE && request->layer != LAYER_HILLSHADE) || working >= request->level)
 		return STATUS_OK;
-	enum status status = ruts_window(store, ruts, &any);
-	if (status == STATUS_OK && any)
+	TRY(ruts_window(store, ruts, &any));
+	if (any)
 		note("%s: at level %d it has one of %lld posts of the ruts, which are %g m apart: for all of them give --level %d --window %s",
 		     request->path, (int)request->level, 1LL << 2 * (request->level - working), extent_spacing(&store_meta(store)->extent, working), working,
 		     number_window(ruts[0], ruts[1], ruts[2], ruts[3]).text);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status write_raster(const struct export_request *request, struct store *store)
@@ -294,11 +283,8 @@ static enum status write_raster(const struct export_request *request, struct sto
 	const struct extent *extent = &meta->extent;
 	double spacing = extent_spacing(extent, (int)request->level);
 	struct post_rect rect;
-	enum status status = export_find_rect(request, extent, &rect);
-	if (status == STATUS_OK)
-		status = check_size(rect);
-	if (status != STATUS_OK)
-		return status;
+	TRY(export_find_rect(request, extent, &rect));
+	TRY(check_size(rect));
 	bool metres = request->layer < LAYER_QUANTA;
 	struct dem_raster raster = {
 		.path = request->path,
@@ -321,22 +307,20 @@ static enum status write_raster(const struct export_request *request, struct sto
 	const bool replaces = access(request->path, F_OK) == 0;
 	struct dem_writer *writer = NULL;
 	struct store_reader *reader = NULL;
-	status = store_reader_create(store, &reader);
 	interrupt_catch();
-	if (status == STATUS_OK)
-		status = dem_writer_create(&raster, &writer);
-	if (status == STATUS_OK)
-		status = write_rows(request, reader, extent, rect, writer);
-	if (status == STATUS_OK)
-		status = dem_writer_publish(writer);
-	if (status == STATUS_OK && request->png && meta->srs[0] != '\0') /* a PNG has no place of its own */
-		status = world_file_write(request->path, meta, &(struct chart_place){.east = spacing, .south = spacing,
-			.west_edge = ((double)rect.x0 - 0.5) * spacing, .north_edge = ((double)rect.y1 - 0.5) * spacing});
-	if (status == STATUS_OK)
-		printf("%s: %s, %lld x %lld posts, %g m apart%s\n", request->path, layer_names[request->layer],
-		       (long long)raster.width, (long long)raster.height, spacing, replaces ? "; the file that was there is replaced" : "");
-	if (status == STATUS_OK && request->raw)
+	enum status status;
+	TRY_OR(done, store_reader_create(store, &reader));
+	TRY_OR(done, dem_writer_create(&raster, &writer));
+	TRY_OR(done, write_rows(request, reader, extent, rect, writer));
+	TRY_OR(done, dem_writer_publish(writer));
+	if (request->png && meta->srs[0] != '\0') /* a PNG has no place of its own */
+		TRY_OR(done, world_file_write(request->path, meta, &(struct chart_place){.east = spacing, .south = spacing,
+			.west_edge = ((double)rect.x0 - 0.5) * spacing, .north_edge = ((double)rect.y1 - 0.5) * spacing}));
+	printf("%s: %s, %lld x %lld posts, %g m apart%s\n", request->path, layer_names[request->layer],
+	       (long long)raster.width, (long long)raster.height, spacing, replaces ? "; the file that was there is replaced" : "");
+	if (request->raw)
 		note_side(request, rect, spacing);
+done:
 	dem_writer_destroy(writer);
 	store_reader_destroy(reader);
 	return status;
@@ -348,23 +332,21 @@ static enum status run(const struct arguments *arguments)
 	struct store *store = NULL;
 	if (arguments_text(arguments, "tiles") != NULL)
 		return export_tiles(arguments);
-	enum status status = read_request(arguments, &request);
+	TRY(read_request(arguments, &request));
 	request.store = arguments_at(arguments, 0);
-	if (status == STATUS_OK)
-		status = store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = export_place_window(&request, store_meta(store));
+	TRY(store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store));
 	int working;
-	if (status == STATUS_OK && !export_is_ruts(&request))
+	enum status status;
+	TRY_OR(done, export_place_window(&request, store_meta(store)));
+	if (!export_is_ruts(&request))
 		relief_tell_missing(request.store, store);
-	if (status == STATUS_OK && export_is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
+	if (export_is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
-	if (status == STATUS_OK)
-		status = export_take_changed(&request, store);
-	if (status == STATUS_OK)
-		status = request.mesh ? export_mesh(&request, store) : request.map ? export_picture(&request, store) : write_raster(&request, store);
-	if (status == STATUS_OK && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
-		status = tell_finer_ruts(&request, store, working);
+	TRY_OR(done, export_take_changed(&request, store));
+	TRY_OR(done, request.mesh ? export_mesh(&request, store) : request.map ? export_picture(&request, store) : write_raster(&request, store));
+	if (!arguments_flag(arguments, "level") && store_has_working_level(store, &working))
+		TRY_OR(done, tell_finer_ruts(&request, store, working));
+done:
 	store_close(store);
 	return status;
 }

@@ -18,20 +18,17 @@ enum status export_mesh(const struct export_request *request, struct store *stor
 	};
 	struct exchange_mesh_result made;
 	struct store_reader *reader = NULL;
-	enum status status = export_find_rect(request, &meta->extent, &params.rect);
-	if (status != STATUS_OK)
-		return status;
+	TRY(export_find_rect(request, &meta->extent, &params.rect));
 	interrupt_catch();
-	status = store_reader_create(store, &reader);
+	TRY(store_reader_create(store, &reader));
 	params.reader = reader;
 	progress_start(&progress, request->path, "rows");
-	if (status == STATUS_OK)
-		status = exchange_mesh(&params, &made);
+	enum status status = exchange_mesh(&params, &made);
 	progress_end(&progress);
-	if (status == STATUS_OK)
-		printf("%s: %llu triangles, %llu vertices, %g m apart; origin %.10g m east, %.10g m north, height %g m; up is %s\n", request->path,
-		       (unsigned long long)made.triangles, (unsigned long long)made.vertices, extent_spacing(&meta->extent, params.level),
-		       made.origin[0], made.origin[1], made.origin[2], dem_path_ends(request->path, ".glb") ? "y" : "z");
 	store_reader_destroy(reader);
-	return status;
+	TRY(status);
+	printf("%s: %llu triangles, %llu vertices, %g m apart; origin %.10g m east, %.10g m north, height %g m; up is %s\n", request->path,
+	       (unsigned long long)made.triangles, (unsigned long long)made.vertices, extent_spacing(&meta->extent, params.level),
+	       made.origin[0], made.origin[1], made.origin[2], dem_path_ends(request->path, ".glb") ? "y" : "z");
+	return STATUS_OK;
 }

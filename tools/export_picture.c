@@ -110,13 +110,12 @@ static enum status draw(const struct export_request *request, const struct store
 		.size = request->size,
 		.pixels = pixels_for(request, raster),
 	};
-	enum status status = chart_map_write(&map, request->path, &written);
-	if (status == STATUS_OK && request->world_file)
-		status = world_file_write(request->path, meta, &written.place);
-	if (status == STATUS_OK)
-		printf("%s: a map of %s, %u x %u %s, of %u x %u posts, %g m apart\n", request->path, layer, written.width,
-		       written.height, request->png ? "pixels" : "points", raster->width, raster->height, raster->spacing);
-	return status;
+	TRY(chart_map_write(&map, request->path, &written));
+	if (request->world_file)
+		TRY(world_file_write(request->path, meta, &written.place));
+	printf("%s: a map of %s, %u x %u %s, of %u x %u posts, %g m apart\n", request->path, layer, written.width,
+	       written.height, request->png ? "pixels" : "points", raster->width, raster->height, raster->spacing);
+	return STATUS_OK;
 }
 
 enum status export_picture(const struct export_request *request, struct store *store)
@@ -133,21 +132,19 @@ enum status export_picture(const struct export_request *request, struct store *s
 		.progress = progress_step,
 		.progress_user = &progress,
 	};
-	enum status status = export_find_rect(request, &meta->extent, &params.rect);
-	if (status != STATUS_OK)
-		return status;
+	TRY(export_find_rect(request, &meta->extent, &params.rect));
 	params.level =
 		chart_level(&meta->extent, (int)request->level, request->pixels > 0 ? request->pixels : SIDE_MOST, &params.rect);
 	params.deformed = store_has_working_level(store, &params.working);
 	interrupt_catch();
-	status = store_reader_create(store, &reader);
+	TRY(store_reader_create(store, &reader));
 	params.reader = reader;
 	progress_start(&progress, request->path, "rows and tiles");
-	if (status == STATUS_OK)
-		status = chart_raster_create(&params, &raster);
+	enum status status = chart_raster_create(&params, &raster);
 	progress_end(&progress);
-	if (status == STATUS_OK)
-		status = draw(request, meta, &raster);
+	TRY_OR(done, status);
+	TRY_OR(done, draw(request, meta, &raster));
+done:
 	chart_raster_finish(&raster);
 	store_reader_destroy(reader);
 	return status;

@@ -12,12 +12,11 @@
 static enum status check_options(const struct arguments *arguments)
 {
 	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window", "window-srs"};
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < sizeof foreign / sizeof *foreign && status == STATUS_OK; i++)
+	for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
 		if (arguments_text(arguments, foreign[i]) != NULL)
-			status = fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",
-					   foreign[i][1] == '\0' ? "-" : "--", foreign[i]);
-	return status;
+			return fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",
+					 foreign[i][1] == '\0' ? "-" : "--", foreign[i]);
+	return STATUS_OK;
 }
 
 static enum status step(void *user, int64_t done, int64_t total)
@@ -79,17 +78,11 @@ enum status export_tiles(const struct arguments *arguments)
 	};
 	struct exchange_tiles_result made;
 	struct store *store = NULL;
-	enum status status = check_options(arguments);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "since", 0, INT64_MAX - 1, &params.since);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "jobs", 1, 64, &params.jobs);
-	if (status == STATUS_OK)
-		status = arguments_numbers(arguments, "height-range", 2, params.range, &params.has_range);
-	if (status == STATUS_OK)
-		status = export_read_light(arguments, &request, true);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_options(arguments));
+	TRY(arguments_integer(arguments, "since", 0, INT64_MAX - 1, &params.since));
+	TRY(arguments_integer(arguments, "jobs", 1, 64, &params.jobs));
+	TRY(arguments_numbers(arguments, "height-range", 2, params.range, &params.has_range));
+	TRY(export_read_light(arguments, &request, true));
 	if (params.has_range && !(params.range[0] < 0 && params.range[1] > 0))
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: ruts have colours for both signs; give MIN below 0 and MAX above",
 				 params.range[0], params.range[1]);
@@ -98,13 +91,11 @@ enum status export_tiles(const struct arguments *arguments)
 	params.sun = request.sun;
 	params.exaggerate = request.exaggerate;
 	interrupt_catch();
-	status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
+	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	params.store = store;
 	progress_start(&progress, params.directory, "tiles");
-	if (status == STATUS_OK)
-		relief_tell_missing(path, store);
-	if (status == STATUS_OK)
-		status = exchange_tiles(&params, &made);
+	relief_tell_missing(path, store);
+	enum status status = exchange_tiles(&params, &made);
 	progress_end(&progress);
 	if (status == STATUS_OK)
 		print_made(params.directory, &made, store_meta(store)->vertical);

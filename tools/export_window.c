@@ -11,12 +11,12 @@
 
 enum status export_read_window(const struct arguments *arguments, struct export_request *request)
 {
-	enum status status = arguments_numbers(arguments, "window", 4, request->window, &request->has_window);
+	TRY(arguments_numbers(arguments, "window", 4, request->window, &request->has_window));
 	request->window_srs = arguments_text(arguments, "window-srs");
-	if (status == STATUS_OK && request->window_srs != NULL && !request->has_window)
+	if (request->window_srs != NULL && !request->has_window)
 		return fail_with(STATUS_USAGE, "%s: --window-srs %.80s: there is no window; give --window, or leave it out", request->command,
 				 request->window_srs);
-	return status;
+	return STATUS_OK;
 }
 
 enum status export_place_window(struct export_request *request, const struct store_meta *meta)
@@ -33,9 +33,7 @@ enum status export_place_window(struct export_request *request, const struct sto
 			double x = given[0] + (given[2] - given[0]) * i / EDGE, y = given[1] + (given[3] - given[1]) * k / EDGE;
 			given_x[points] = x;
 			given_y[points++] = y;
-			enum status status = place_local(meta, request->window_srs, request->command, "--window-srs", &x, &y);
-			if (status != STATUS_OK)
-				return status;
+			TRY(place_local(meta, request->window_srs, request->command, "--window-srs", &x, &y));
 			window[0] = fmin(window[0], x);
 			window[1] = fmin(window[1], y);
 			window[2] = fmax(window[2], x);
@@ -69,9 +67,9 @@ enum status export_take_changed(struct export_request *request, struct store *st
 	bool any;
 	if (!export_is_ruts(request) || request->has_window || (!request->map && gigabytes < LARGE_GIGABYTES))
 		return STATUS_OK;
-	enum status status = ruts_window(store, window, &any);
-	if (status != STATUS_OK || !any || (window[0] <= 0 && window[1] <= 0 && window[2] >= ends[0] && window[3] >= ends[1]))
-		return status;
+	TRY(ruts_window(store, window, &any));
+	if (!any || (window[0] <= 0 && window[1] <= 0 && window[2] >= ends[0] && window[3] >= ends[1]))
+		return STATUS_OK;
 	request->has_window = true;
 	if (!request->map)
 		snprintf(size, sizeof size, " has %.1f GB at this spacing", gigabytes);

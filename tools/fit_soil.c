@@ -32,21 +32,35 @@ static enum status write_file(const struct fit_soil *fit, const char *path, writ
 	struct aside aside = {.path = NULL};
 	if (path == NULL)
 		return STATUS_OK;
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK)
-		status = write(fit, aside.file);
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	TRY_OR(done, write(fit, aside.file));
+done:
 	return aside_end(&aside, true, status);
 }
 
 static enum status fit_all(const struct arguments *arguments, struct fit_soil *fit)
 {
 	fit->has_shear = arguments_count(arguments) > 1;
-	enum status status = fit_table_read(arguments_at(arguments, 0), FIT_PLATE, &fit->plate);
-	if (status == STATUS_OK && fit->has_shear)
-		status = fit_table_read(arguments_at(arguments, 1), FIT_SHEAR, &fit->shear);
-	if (status == STATUS_OK)
-		status = fit_plates(&fit->plate, &fit->plates);
-	return status == STATUS_OK && fit->has_shear ? fit_shear(&fit->shear, &fit->strength) : status;
+	TRY(fit_table_read(arguments_at(arguments, 0), FIT_PLATE, &fit->plate));
+	if (fit->has_shear)
+		TRY(fit_table_read(arguments_at(arguments, 1), FIT_SHEAR, &fit->shear));
+	TRY(fit_plates(&fit->plate, &fit->plates));
+	return fit->has_shear ? fit_shear(&fit->shear, &fit->strength) : STATUS_OK;
+}
+
+static enum status tell(const struct arguments *arguments, const struct fit_soil *fit, const char *path)
+{
+	if (arguments_flag(arguments, "json"))
+		return fit_soil_json(fit);
+	fit_soil_print(fit);
+	if (path == NULL) {
+		putchar('\n');
+		fit_soil_block(fit, stdout);
+	} else {
+		printf("\n%s: a soil, for furrow drive SCENE --set soil=%s, and for --soil of furrow rig and furrow mobility\n", path, path);
+	}
+	return STATUS_OK;
 }
 
 static enum status run(const struct arguments *arguments)
@@ -57,29 +71,18 @@ static enum status run(const struct arguments *arguments)
 	int method = FIT_PLAIN;
 	if (fit.named == NULL)
 		fit.named = "dry_sand";
-	enum status status = arguments_choice(arguments, "method", &method);
-	if (status == STATUS_OK)
-		status = soil_named(fit.named, &soil);
+	TRY(arguments_choice(arguments, "method", &method));
+	TRY(soil_named(fit.named, &soil));
 	fit.method = (enum fit_method)method;
-	if (status == STATUS_OK && isnan(soil.elastic_stiffness))
-		status = fail_with(STATUS_INPUT, "fit-soil: --soil: %s has no numbers of Bekker's and Janosi's soils; name one that docs/SOILS.md has there", fit.named);
-	if (status == STATUS_OK)
-		status = fit_all(arguments, &fit);
-	if (status == STATUS_OK)
-		status = write_file(&fit, path, write_block);
-	if (status == STATUS_OK)
-		status = write_file(&fit, arguments_text(arguments, "page"), fit_soil_page);
-	if (status == STATUS_OK && arguments_flag(arguments, "json")) {
-		status = fit_soil_json(&fit);
-	} else if (status == STATUS_OK) {
-		fit_soil_print(&fit);
-		if (path == NULL) {
-			putchar('\n');
-			fit_soil_block(&fit, stdout);
-		} else {
-			printf("\n%s: a soil, for furrow drive SCENE --set soil=%s, and for --soil of furrow rig and furrow mobility\n", path, path);
-		}
-	}
+	if (isnan(soil.elastic_stiffness))
+		return fail_with(STATUS_INPUT, "fit-soil: --soil: %s has no numbers of Bekker's and Janosi's soils; name one that docs/SOILS.md has "
+					       "there", fit.named);
+	enum status status;
+	TRY_OR(done, fit_all(arguments, &fit));
+	TRY_OR(done, write_file(&fit, path, write_block));
+	TRY_OR(done, write_file(&fit, arguments_text(arguments, "page"), fit_soil_page));
+	TRY_OR(done, tell(arguments, &fit, path));
+done:
 	fit_table_finish(&fit.plate);
 	fit_table_finish(&fit.shear);
 	return status;

@@ -56,8 +56,7 @@ static enum status add_dots(struct page *page, size_t group, bool residuals)
 {
 	struct fit_row *rows = mem_alloc(page->table->count, sizeof *rows);
 	size_t count = 0;
-	if (rows == NULL)
-		return fail_memory("a page");
+	TRY_MEM(rows, "a page");
 	for (size_t i = 0; i < page->table->count; i++)
 		if (fit_table_group(page->table, &page->table->rows[i]) == group)
 			rows[count++] = page->table->rows[i];
@@ -102,14 +101,11 @@ static enum status write_plot(struct page *page, bool residuals)
 	page->count = page->used = 0;
 	for (size_t i = 0; i < page->table->count; i++)
 		most = fmax(most, page->table->rows[i].x);
-	enum status status = STATUS_OK;
-	for (size_t g = 0; g < page->table->group_count && status == STATUS_OK; g++) {
-		status = add_dots(page, g, residuals);
+	for (size_t g = 0; g < page->table->group_count; g++) {
+		TRY(add_dots(page, g, residuals));
 		if (!residuals)
 			add_curve(page, g, most);
 	}
-	if (status != STATUS_OK)
-		return status;
 	struct html_plot filled = plot;
 	filled.lines = page->lines;
 	filled.count = page->count;
@@ -187,7 +183,8 @@ static enum status write_test(const struct fit_soil *fit, enum fit_test test, FI
 	const size_t groups = page.table->group_count;
 	page.lines = mem_alloc(2 * groups, sizeof *page.lines);
 	page.numbers = mem_alloc(4 * (page.table->count + groups) + 2 * CURVE_POINTS * groups, sizeof *page.numbers);
-	enum status status = page.lines != NULL && page.numbers != NULL ? STATUS_OK : fail_memory("a page");
+	enum status status;
+	TRY_OR(done, page.lines != NULL && page.numbers != NULL ? STATUS_OK : fail_memory("a page"));
 	fprintf(file, "<section id=\"%s\"><h2>", test == FIT_PLATE ? "plates" : "shear");
 	svg_text(page.table->path, file);
 	fputs("</h2>\n", file);
@@ -196,13 +193,12 @@ static enum status write_test(const struct fit_soil *fit, enum fit_test test, FI
 	else
 		write_shear_table(&page);
 	fputs("<div class=\"plots\">\n", file);
-	if (status == STATUS_OK)
-		status = write_plot(&page, false);
-	if (status == STATUS_OK)
-		status = write_plot(&page, true);
+	TRY_OR(done, write_plot(&page, false));
+	TRY_OR(done, write_plot(&page, true));
 	fputs("</div>\n", file);
 	write_legend(&page);
 	fputs("</section>\n", file);
+done:
 	mem_free(page.lines);
 	mem_free(page.numbers);
 	return status;
@@ -214,8 +210,7 @@ static enum status write_soil(const struct fit_soil *fit, FILE *file)
 	char *text = NULL;
 	size_t size = 0;
 	FILE *memory = open_memstream(&text, &size);
-	if (memory == NULL)
-		return fail_memory("a page");
+	TRY_MEM(memory, "a page");
 	fit_soil_block(fit, memory);
 	const bool whole = fclose(memory) == 0;
 	fputs("<section id=\"soil\"><h2>soil of a scene</h2>\n<pre>", file);
@@ -238,11 +233,10 @@ enum status fit_soil_page(const struct fit_soil *fit, FILE *file)
 	fprintf(file, "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
 		      "<title>furrow fit-soil</title>\n<style>\n%spre{overflow-x:auto}</style></head><body>\n<h1>A soil from its tests</h1>\n"
 		      "<p class=\"small\">Told by furrow fit-soil " FURROW_VERSION ", method %s</p>\n", html_style, fit_soil_methods[fit->method]);
-	enum status status = write_test(fit, FIT_PLATE, file);
-	if (status == STATUS_OK && fit->has_shear)
-		status = write_test(fit, FIT_SHEAR, file);
-	if (status == STATUS_OK)
-		status = write_soil(fit, file);
+	TRY(write_test(fit, FIT_PLATE, file));
+	if (fit->has_shear)
+		TRY(write_test(fit, FIT_SHEAR, file));
+	TRY(write_soil(fit, file));
 	fputs("</body></html>\n", file);
-	return status;
+	return STATUS_OK;
 }

@@ -15,11 +15,11 @@ static enum status tell(const char *out, const char *path)
 {
 	struct store *store = NULL;
 	struct store_numbers numbers;
-	enum status status = store_open(out, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = store_count(store, &numbers);
-	if (status == STATUS_OK)
-		printf("%s: what %s shows, in one file of %.1f MB; it needs no base\n", out, path, (double)numbers.file_bytes / 1e6);
+	enum status status;
+	TRY_OR(done, store_open(out, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, store_count(store, &numbers));
+	printf("%s: what %s shows, in one file of %.1f MB; it needs no base\n", out, path, (double)numbers.file_bytes / 1e6);
+done:
 	store_close(store);
 	return status;
 }
@@ -28,20 +28,18 @@ static enum status run(const struct arguments *arguments)
 {
 	struct progress progress;
 	const char *out = arguments_text(arguments, "o");
-	enum status status = STATUS_OK;
 	if (out == NULL)
-		status = fail_with(STATUS_USAGE, "flatten: -o is missing; give a file for the new store");
-	if (status != STATUS_OK)
-		return status;
+		return fail_with(STATUS_USAGE, "flatten: -o is missing; give a file for the new store");
 	const char *path = arguments_at(arguments, 0);
 	enum store_overwrite overwrite = arguments_flag(arguments, "overwrite") ? STORE_OVERWRITE : STORE_OVERWRITE_NOT;
 	if (overwrite == STORE_OVERWRITE && arguments_flag(arguments, "force"))
 		overwrite = STORE_OVERWRITE_FORCE;
 	interrupt_catch();
 	progress_start(&progress, out, "tiles");
-	status = store_flatten(path, out, overwrite, progress_step, &progress);
+	enum status status = store_flatten(path, out, overwrite, progress_step, &progress);
 	progress_end(&progress);
-	return status == STATUS_OK ? tell(out, path) : status;
+	TRY(status);
+	return tell(out, path);
 }
 
 const struct command command_flatten = {

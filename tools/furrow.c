@@ -22,11 +22,12 @@ static bool is_help(const char *text)
 	return strcmp(text, "--help") == 0 || strcmp(text, "-h") == 0;
 }
 
+/* Flushes the output however the command ended. Returns the first failure. */
 static enum status close_output(enum status status)
 {
-	if ((fflush(stdout) != 0 || ferror(stdout)) && status == STATUS_OK)
-		return fail_with(STATUS_FAILED, "stdout: cannot be written; check the disk or the pipe");
-	return status;
+	const bool whole = fflush(stdout) == 0 && !ferror(stdout);
+	TRY(status);
+	return whole ? STATUS_OK : fail_with(STATUS_FAILED, "stdout: cannot be written; check the disk or the pipe");
 }
 
 /* furrow --print KIND [COMMAND] */

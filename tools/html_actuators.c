@@ -12,15 +12,13 @@ enum status html_actuators_find(struct html_actuators *actuators, char *const *n
 {
 	actuators->cells = mem_calloc(count + 1, sizeof *actuators->cells);
 	actuators->names = mem_calloc(count + 1, sizeof *actuators->names);
-	if (actuators->cells == NULL || actuators->names == NULL)
-		return fail_memory("the rows of a drive");
+	TRY_MEM(actuators->cells != NULL && actuators->names != NULL, "the rows of a drive");
 	for (size_t i = 0; i < count; i++) {
 		if (strncmp(names[i], "f:", 2) != 0)
 			continue;
 		actuators->cells[actuators->count] = i;
 		actuators->names[actuators->count] = mem_strdup(names[i] + 2);
-		if (actuators->names[actuators->count++] == NULL)
-			return fail_memory("the rows of a drive");
+		TRY_MEM(actuators->names[actuators->count++], "the rows of a drive");
 	}
 	return STATUS_OK;
 }
@@ -45,9 +43,7 @@ static struct html_body *curve_of(struct html_bodies *bodies, const char *vehicl
 
 static enum status add(struct html_body *curve, const struct html_body *vehicle, double force)
 {
-	enum status status = html_body_room(curve);
-	if (status != STATUS_OK)
-		return status;
+	TRY(html_body_room(curve));
 	const size_t from = vehicle->count - 1, to = curve->count++;
 	curve->time[to] = vehicle->time[from];
 	curve->way[to] = vehicle->way[from];
@@ -60,18 +56,16 @@ static enum status add(struct html_body *curve, const struct html_body *vehicle,
 
 enum status html_actuators_take(const struct html_actuators *actuators, char *const *cells, const struct html_body *vehicle, struct html_bodies *bodies)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < actuators->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < actuators->count; i++) {
 		const char *cell = cells[actuators->cells[i]];
 		char *end;
 		const double force = strtod(cell, &end);
 		if (end == cell || *end != '\0') /* the vehicle has no such actuator */
 			continue;
 		struct html_body *curve = curve_of(bodies, vehicle->name, actuators->names[i]);
-		if (curve == NULL)
-			return fail_memory("the rows of a drive");
+		TRY_MEM(curve, "the rows of a drive");
 		bodies->there = true;
-		status = add(curve, vehicle, isfinite(force) ? force : (double)NAN);
+		TRY(add(curve, vehicle, isfinite(force) ? force : (double)NAN));
 	}
-	return status;
+	return STATUS_OK;
 }

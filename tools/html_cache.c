@@ -8,39 +8,48 @@ static enum status go_on(void *user, int64_t done, int64_t total)
 	return STATUS_OK;
 }
 
-static enum status simulate(const struct html_run *run, const char *path, struct html_cache *out)
+/* Takes the curves of a trace that is this drive's own; else says in `out` why there are none. */
+static enum status take_curves(const struct html_run *run, const char *path, const struct sim_accesses *accesses, struct html_cache *out)
 {
 	static const enum sim_policy policies[HTML_POLICIES] = {SIM_LRU, SIM_OPT};
-	struct sim_accesses accesses = {.count = 0};
-	enum status status = sim_accesses_read(path, &accesses);
-	struct cache_curves curves = {.title = path, .accesses = &accesses};
-	if (status == STATUS_INPUT) {
-		snprintf(out->why, sizeof out->why, "No cache curve: %.450s", failure_message());
-		sim_accesses_finish(&accesses);
+	struct cache_curves curves = {.title = path, .accesses = accesses};
+	if ((double)accesses->hits[PAGE_ACCESS_PIN] != html_number(run, "cache.hits") ||
+	    (double)accesses->misses[PAGE_ACCESS_PIN] != html_number(run, "cache.misses")) {
+		snprintf(out->why, sizeof out->why, "No cache curve: %.400s is the trace of another drive", path);
 		return STATUS_OK;
 	}
-	const bool same = (double)accesses.hits[PAGE_ACCESS_PIN] == html_number(run, "cache.hits") &&
-			  (double)accesses.misses[PAGE_ACCESS_PIN] == html_number(run, "cache.misses");
-	if (status == STATUS_OK && !same)
-		snprintf(out->why, sizeof out->why, "No cache curve: %.400s is the trace of another drive", path);
-	if (status == STATUS_OK && same && accesses.count == 0)
+	if (accesses->count == 0) {
 		snprintf(out->why, sizeof out->why, "No cache curve: the drive asked for no tile");
-	if (status == STATUS_OK && same && accesses.count > 0)
-		cache_sizes(&curves);
+		return STATUS_OK;
+	}
+	cache_sizes(&curves);
 	if (curves.count == 1)
-		snprintf(out->why, sizeof out->why, "No cache curve: the drive touched %u tile%s, fewer than the smallest cache has slots", accesses.tile_count,
-			 accesses.tile_count == 1 ? "" : "s");
-	if (curves.count > 1) {
-		for (int policy = 0; policy < HTML_POLICIES && status == STATUS_OK; policy++)
-			status = sim_misses(&accesses, policies[policy], curves.slots, curves.count, go_on, NULL, curves.misses[policies[policy]]);
-		for (size_t i = 0; i < curves.count && status == STATUS_OK; i++) {
-			out->slots[i] = curves.slots[i];
-			for (int policy = 0; policy < HTML_POLICIES; policy++)
-				out->misses[policy][i] = (double)curves.misses[policies[policy]][i];
-		}
-		out->count = status == STATUS_OK ? curves.count : 0;
-		out->accesses = accesses.count;
-		out->tiles = accesses.tile_count;
+		snprintf(out->why, sizeof out->why, "No cache curve: the drive touched %u tile%s, fewer than the smallest cache has slots",
+			 accesses->tile_count, accesses->tile_count == 1 ? "" : "s");
+	if (curves.count <= 1)
+		return STATUS_OK;
+	for (int policy = 0; policy < HTML_POLICIES; policy++)
+		TRY(sim_misses(accesses, policies[policy], curves.slots, curves.count, go_on, NULL, curves.misses[policies[policy]]));
+	for (size_t i = 0; i < curves.count; i++) {
+		out->slots[i] = curves.slots[i];
+		for (int policy = 0; policy < HTML_POLICIES; policy++)
+			out->misses[policy][i] = (double)curves.misses[policies[policy]][i];
+	}
+	out->count = curves.count;
+	out->accesses = accesses->count;
+	out->tiles = accesses->tile_count;
+	return STATUS_OK;
+}
+
+static enum status simulate(const struct html_run *run, const char *path, struct html_cache *out)
+{
+	struct sim_accesses accesses = {.count = 0};
+	enum status status = sim_accesses_read(path, &accesses);
+	if (status == STATUS_OK) {
+		status = take_curves(run, path, &accesses, out);
+	} else if (status == STATUS_INPUT) {
+		snprintf(out->why, sizeof out->why, "No cache curve: %.450s", failure_message());
+		status = STATUS_OK;
 	}
 	sim_accesses_finish(&accesses);
 	return status;

@@ -115,8 +115,7 @@ static enum status write_thumb(const struct html_report *report, const struct ht
 		html_sentence(report, run, failure_message());
 		return STATUS_OK;
 	}
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	fprintf(report->file, "<figure><img width=\"%u\" height=\"%u\" alt=\"The %s picture\" src=\"data:image/png;base64,", picture.width, picture.height, which);
 	html_base64(picture.png, picture.length, report->file);
 	fputs("\"/><figcaption>", report->file);
@@ -143,11 +142,9 @@ static enum status write_pictures(const struct html_report *report, const struct
 		shown++;
 		if (!is_name(camera->string) || !is_name(image))
 			continue;
-		enum status status = write_thumb(report, run, camera, image, "first");
-		if (status == STATUS_OK && number(camera, "frames") > 1)
-			status = write_thumb(report, run, camera, image, "last");
-		if (status != STATUS_OK)
-			return status;
+		TRY(write_thumb(report, run, camera, image, "first"));
+		if (number(camera, "frames") > 1)
+			TRY(write_thumb(report, run, camera, image, "last"));
 	}
 	if (count > CAMERAS_MOST) {
 		snprintf(text, sizeof text, "The page shows the pictures of the first %d of %d cameras", CAMERAS_MOST, count);
@@ -159,7 +156,6 @@ static enum status write_pictures(const struct html_report *report, const struct
 enum status html_cameras_write(const struct html_report *report)
 {
 	bool any = false;
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < report->count; i++)
 		any = any || cJSON_GetArraySize(html_members(&report->runs[i], "cameras")) > 0;
 	if (!any)
@@ -179,9 +175,9 @@ enum status html_cameras_write(const struct html_report *report)
 	html_table_end(report);
 	fputs("<p class=\"small\">Places are east, north and height, in metres of the scene. Directions are degrees clockwise from north, and below or above the horizon.</p>\n"
 	      "<div class=\"thumbs\">\n", report->file);
-	for (size_t i = 0; i < report->count && status == STATUS_OK; i++)
-		status = write_pictures(report, &report->runs[i]);
+	for (size_t i = 0; i < report->count; i++)
+		TRY(write_pictures(report, &report->runs[i]));
 	fputs("</div>\n", report->file);
 	html_section_end(report);
-	return status;
+	return STATUS_OK;
 }

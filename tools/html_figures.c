@@ -103,8 +103,7 @@ enum status html_curves_steps(const struct html_report *report)
 	struct html_line lines[HTML_RUNS];
 	double *room = mem_alloc((size_t)2 * HTML_RUNS * EDGES_MOST, sizeof *room);
 	size_t count = 0;
-	if (room == NULL)
-		return fail_memory("the times of steps");
+	TRY_MEM(room, "the times of steps");
 	html_section(report, "steps", "Step times");
 	steps_table(report);
 	for (size_t i = 0; i < report->count; i++) {

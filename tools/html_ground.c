@@ -71,13 +71,14 @@ static enum status find_raster(const struct html_run *run, struct store *store, 
 	params.level = chart_level(extent, from, pixels, &params.rect);
 	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &params.sun);
 	struct store_reader *reader = NULL;
-	enum status status = store_reader_create(store, &reader);
+	enum status status;
+	TRY_OR(done, store_reader_create(store, &reader));
 	params.reader = reader;
-	if (status == STATUS_OK)
-		status = chart_raster_create(&params, raster);
+	TRY_OR(done, chart_raster_create(&params, raster));
 	/* Ruts of one pixel are widened, so that ways do not hide them. */
-	if (status == STATUS_OK && params.deformed && params.level > params.working)
-		status = chart_raster_widen(raster);
+	if (params.deformed && params.level > params.working)
+		TRY_OR(done, chart_raster_widen(raster));
+done:
 	store_reader_destroy(reader);
 	return status;
 }
@@ -100,13 +101,11 @@ static enum status draw(struct html_map *map, struct chart_range range)
 	free(map->bytes);
 	map->bytes = NULL;
 	FILE *file = open_memstream(&map->bytes, &length);
-	if (file == NULL)
-		return fail_memory("a map");
+	TRY_MEM(file, "a map");
 	enum status status = chart_ground_write(&chart, "a map", file, &told);
 	if (fclose(file) != 0 && status == STATUS_OK)
 		status = fail_memory("a map");
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	map->range = told.range;
 	map->beyond[0] = !isnan(told.beyond[0]);
 	map->beyond[1] = !isnan(told.beyond[1]);
@@ -126,17 +125,15 @@ static enum status read_store(const struct html_run *run, struct store *store, c
 	struct store_run last;
 	const struct store_meta *meta = store_meta(store);
 	const char *hash = html_string(run, "scene.hash");
-	enum status status = store_last_run(store, &last);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_last_run(store, &last));
 	if (last.scene_hash == NULL || hash == NULL || strcmp(last.scene_hash, hash) != 0 || (double)last.step != html_number(run, "steps"))
 		return none(map, "%.300s was changed after this drive: by another drive, a reset or a restore", path);
 	map->pixels = pixels;
 	chart_system_name(meta->srs, map->system, sizeof map->system);
 	for (int k = 0; k < 2; k++)
 		map->origin[k] = meta->origin[k];
-	status = find_raster(run, store, pixels, &map->raster);
-	return status == STATUS_OK ? draw(map, (struct chart_range){0, 0}) : status;
+	TRY(find_raster(run, store, pixels, &map->raster));
+	return draw(map, (struct chart_range){0, 0});
 }
 
 enum status html_map_read(const struct html_run *run, uint32_t pixels, struct html_map *out)
@@ -148,11 +145,11 @@ enum status html_map_read(const struct html_run *run, uint32_t pixels, struct ht
 		return none(out, "run.json does not name the store; an older furrow made it");
 	if (!html_is_file(path))
 		return none(out, "%.300s is not there any more", path);
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK) {
-		status = read_store(run, store, path, pixels, out);
-		store_close(store);
-	}
+	enum status status;
+	TRY_OR(done, store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, read_store(run, store, path, pixels, out));
+done:
+	store_close(store);
 	if (status != STATUS_OK)
 		out->ground.png = NULL;
 	/* A store that cannot be read does not make the report fail: another program may be writing it. */
@@ -162,7 +159,6 @@ enum status html_map_read(const struct html_run *run, uint32_t pixels, struct ht
 enum status html_maps_share(struct html_map *maps, size_t count)
 {
 	struct chart_range range = {0, 0};
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++)
 		if (maps[i].ground.png != NULL) {
 			range.low = fmin(range.low, maps[i].range.low);
@@ -172,12 +168,12 @@ enum status html_maps_share(struct html_map *maps, size_t count)
 		range.high = fmax(range.high, -range.low);
 		range.low = -range.high;
 	}
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		const struct chart_range *own = &maps[i].range;
 		if (maps[i].ground.png != NULL && own->high > own->low && (own->low != range.low || own->high != range.high))
-			status = draw(&maps[i], range);
+			TRY(draw(&maps[i], range));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 void html_map_finish(struct html_map *map)

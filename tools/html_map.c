@@ -46,8 +46,7 @@ static enum status write_picture(const struct html_report *report, const struct 
 		html_sentence(report, run, text);
 		return STATUS_OK;
 	}
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	const unsigned char *head = (const unsigned char *)bytes;
 	if (length < HEAD || memcmp(bytes, "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) != 0 || number(head + 16) - 1 >= 65536 || number(head + 20) - 1 >= 65536) {
 		html_sentence(report, run, "No map: map.png is no PNG");
@@ -141,7 +140,6 @@ static void write_map(const struct html_report *report, size_t index)
 
 enum status html_map_write(const struct html_report *report)
 {
-	enum status status = STATUS_OK;
 	size_t first = report->count;
 	html_section(report, "map", "Map");
 	for (size_t i = report->count; i-- > 0;)
@@ -150,11 +148,11 @@ enum status html_map_write(const struct html_report *report)
 	if (first < report->count)
 		html_legend_ways(report);
 	fprintf(report->file, "<div class=\"plots%s\">\n", report->count > 1 ? "" : " wide");
-	for (size_t i = 0; i < report->count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < report->count; i++)
 		if (report->maps[i].ground.png != NULL)
 			write_map(report, i);
 		else
-			status = write_picture(report, &report->runs[i], report->maps[i].why);
+			TRY(write_picture(report, &report->runs[i], report->maps[i].why));
 	fputs("</div>\n", report->file);
 	if (first < report->count) {
 		fputs("<p class=\"small\">A way begins at its large dot. A dotted line between two small dots shows where the rut profile lies.</p>\n", report->file);
@@ -163,5 +161,5 @@ enum status html_map_write(const struct html_report *report)
 		write_coordinates(report, &report->maps[first]);
 	}
 	html_section_end(report);
-	return status;
+	return STATUS_OK;
 }

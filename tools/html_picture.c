@@ -35,8 +35,7 @@ static enum status write_png(const uint8_t *pixels, const char *path, struct htm
 	if (!png_image_write_to_memory(&image, NULL, &size, 0, pixels, 0, NULL))
 		return no_picture(path, image.message);
 	out->png = mem_alloc(size, 1);
-	if (out->png == NULL)
-		return fail_memory("a picture");
+	TRY_MEM(out->png, "a picture");
 	if (!png_image_write_to_memory(&image, out->png, &size, 0, pixels, 0, NULL))
 		return no_picture(path, image.message);
 	out->length = size;
@@ -54,13 +53,13 @@ static enum status decode(png_image *image, const char *path, uint32_t most, str
 	out->width = image->width / times;
 	out->height = image->height / times;
 	uint8_t *pixels = mem_alloc((size_t)image->width * image->height, 3), *small = mem_alloc((size_t)out->width * out->height, 3);
-	enum status status = pixels != NULL && small != NULL ? STATUS_OK : fail_memory("a picture");
-	if (status == STATUS_OK && !png_image_finish_read(image, NULL, pixels, 0, NULL))
-		status = no_picture(path, image->message);
-	if (status == STATUS_OK) {
-		shrink(pixels, image->width, image->height, times, small);
-		status = write_png(small, path, out);
-	}
+	enum status status;
+	TRY_OR(done, pixels != NULL && small != NULL ? STATUS_OK : fail_memory("a picture"));
+	if (!png_image_finish_read(image, NULL, pixels, 0, NULL))
+		TRY_OR(done, no_picture(path, image->message));
+	shrink(pixels, image->width, image->height, times, small);
+	TRY_OR(done, write_png(small, path, out));
+done:
 	mem_free(pixels);
 	mem_free(small);
 	return status;
@@ -73,14 +72,10 @@ enum status html_picture_read(const char *path, uint32_t most, struct html_pictu
 	*out = (struct html_picture){.png = NULL};
 	if (!html_is_file(path))
 		return fail_with(STATUS_INPUT, "%s: is not there; give a folder that furrow drive left", path);
-	enum status status = scene_file_read(path, path, BYTES, &bytes, &length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_file_read(path, path, BYTES, &bytes, &length));
 	png_image image = {.version = PNG_IMAGE_VERSION};
-	if (png_image_begin_read_from_memory(&image, bytes, length))
-		status = decode(&image, path, most, out);
-	else
-		status = no_picture(path, image.message);
+	const bool begun = png_image_begin_read_from_memory(&image, bytes, length);
+	enum status status = begun ? decode(&image, path, most, out) : no_picture(path, image.message);
 	png_image_free(&image);
 	mem_free(bytes);
 	if (status != STATUS_OK)

@@ -70,21 +70,16 @@ enum status html_report_write(const struct html_report *report)
 	html_tables_run(report);
 	html_tables_differences(report);
 	html_tables_results(report);
-	enum status status = html_map_write(report);
-	if (status == STATUS_OK)
-		status = html_cameras_write(report);
-	if (status == STATUS_OK)
-		status = html_curves_write(report);
-	if (status == STATUS_OK)
-		status = html_curves_rut(report);
+	TRY(html_map_write(report));
+	TRY(html_cameras_write(report));
+	TRY(html_curves_write(report));
+	TRY(html_curves_rut(report));
 	html_tables_volume(report);
-	if (status == STATUS_OK)
-		status = html_curves_steps(report);
-	if (status == STATUS_OK)
-		status = html_curves_cache(report);
+	TRY(html_curves_steps(report));
+	TRY(html_curves_cache(report));
 	html_tables_soils(report);
 	html_tables_notes(report);
 	html_tables_settings(report);
 	fputs("</body></html>\n", report->file);
-	return status;
+	return STATUS_OK;
 }

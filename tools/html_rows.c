@@ -161,9 +161,7 @@ static enum status take_row(struct table *table, const char *name, struct html_r
 	const struct html_row *last = body->last;
 	if (body->count > 0 && row->time < last->time)
 		return wrong(table, "goes back in time");
-	enum status status = html_body_room(body);
-	if (status != STATUS_OK)
-		return status;
+	TRY(html_body_room(body));
 	const size_t at = body->count;
 	const double went = at > 0 ? hypot(row->place[0] - last->place[0], row->place[1] - last->place[1]) : 0;
 	body->time[at] = row->time;
@@ -206,9 +204,9 @@ static enum status take_line(struct table *table, char **cells, size_t count)
 		for (int k = HTML_SOIL; k < HTML_VALUES; k++)
 			row.values[k] = (double)NAN;
 	}
-	enum status status = take_row(table, cells[1], &row);
-	if (status != STATUS_OK || !table->vehicles)
-		return status;
+	TRY(take_row(table, cells[1], &row));
+	if (!table->vehicles)
+		return STATUS_OK;
 	return html_actuators_take(&table->actuators, cells, body_named(table, cells[1]), &table->run->actuators);
 }
 
@@ -217,18 +215,20 @@ static enum status read_rows(struct table *table, FILE *file)
 	char *line = NULL, **cells = mem_alloc(CELLS_MOST, sizeof *cells);
 	size_t size = 0;
 	ssize_t length;
-	enum status status = cells != NULL ? STATUS_OK : fail_memory("the rows of a drive");
-	while (status == STATUS_OK && (length = getline(&line, &size, file)) > 0) {
+	enum status status;
+	TRY_OR(done, cells != NULL ? STATUS_OK : fail_memory("the rows of a drive"));
+	while ((length = getline(&line, &size, file)) > 0) {
 		table->line++;
 		if (line[length - 1] != '\n')
 			break; /* a kill may have torn the last line */
 		if (strlen(line) != (size_t)length)
-			status = wrong(table, "has a byte 0");
+			TRY_OR(done, wrong(table, "has a byte 0"));
 		else
-			status = table->line == 1 ? find_columns(table, cells, cut(line, cells)) : take_line(table, cells, cut(line, cells));
+			TRY_OR(done, table->line == 1 ? find_columns(table, cells, cut(line, cells)) : take_line(table, cells, cut(line, cells)));
 	}
-	if (status == STATUS_OK && ferror(file))
-		status = fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", table->path, strerror(errno));
+	if (ferror(file))
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", table->path, strerror(errno)));
+done:
 	free(line);
 	mem_free(cells);
 	return status;

@@ -18,9 +18,7 @@ static enum status read_json(const char *path, cJSON **out)
 {
 	char *bytes;
 	size_t length;
-	enum status status = scene_file_read(path, path, JSON_BYTES, &bytes, &length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_file_read(path, path, JSON_BYTES, &bytes, &length));
 	*out = cJSON_ParseWithLength(bytes, length);
 	mem_free(bytes);
 	const cJSON *ended = cJSON_GetObjectItemCaseSensitive(*out, "ended"), *steps = cJSON_GetObjectItemCaseSensitive(*out, "steps");
@@ -37,9 +35,7 @@ static enum status take_way(const cJSON *way, struct html_body *body)
 		const cJSON *x = cJSON_GetArrayItem(point, 0), *y = cJSON_GetArrayItem(point, 1);
 		if (!cJSON_IsNumber(x) || !cJSON_IsNumber(y) || !isfinite(x->valuedouble) || !isfinite(y->valuedouble))
 			return STATUS_OK;
-		enum status status = html_body_room(body);
-		if (status != STATUS_OK)
-			return status;
+		TRY(html_body_room(body));
 		const size_t at = body->count++;
 		body->x[at] = x->valuedouble;
 		body->y[at] = y->valuedouble;
@@ -51,20 +47,16 @@ static enum status take_way(const cJSON *way, struct html_body *body)
 static enum status read_ways(struct html_run *run, const char *list)
 {
 	const cJSON *object;
-	enum status status = STATUS_OK;
 	cJSON_ArrayForEach(object, html_members(run, list)) {
 		const cJSON *way = cJSON_GetObjectItemCaseSensitive(object, "way");
 		if (!cJSON_IsArray(cJSON_GetArrayItem(way, 0)))
 			continue;
 		struct html_body *body = html_bodies_add(&run->ways, object->string);
-		if (body == NULL)
-			return fail_memory("the ways of a drive");
-		status = take_way(way, body);
-		if (status != STATUS_OK)
-			return status;
+		TRY_MEM(body, "the ways of a drive");
+		TRY(take_way(way, body));
 	}
 	run->ways.there = run->ways.count > 0;
-	return status;
+	return STATUS_OK;
 }
 
 const struct html_bodies *html_ways(const struct html_run *run)
@@ -82,20 +74,13 @@ enum status html_run_read(const char *folder, struct html_run *out)
 		return fail_with(STATUS_INPUT, "%.80s...: the name is too long; give a shorter one", folder);
 	if (!html_is_file(path))
 		return fail_with(STATUS_INPUT, "%s: there is no run.json in it; give a folder that furrow drive left", folder);
-	enum status status = read_json(path, &out->json);
-	if (status == STATUS_OK)
-		status = html_rows_objects(out);
-	if (status == STATUS_OK)
-		status = html_rows_vehicles(out);
-	if (status == STATUS_OK)
-		status = html_volumes_read(out);
-	if (status == STATUS_OK)
-		html_rows_join(out);
-	if (status == STATUS_OK)
-		status = read_ways(out, "objects");
-	if (status == STATUS_OK)
-		status = read_ways(out, "vehicles");
-	return status;
+	TRY(read_json(path, &out->json));
+	TRY(html_rows_objects(out));
+	TRY(html_rows_vehicles(out));
+	TRY(html_volumes_read(out));
+	html_rows_join(out);
+	TRY(read_ways(out, "objects"));
+	return read_ways(out, "vehicles");
 }
 
 void html_run_finish(struct html_run *run)

@@ -96,11 +96,11 @@ static enum status sample_some(struct store_reader *reader, int level, double sp
 			high[k] = fmax(high[k], at);
 		}
 	const struct post_rect rect = {(int64_t)floor(low[0]), (int64_t)floor(low[1]), (int64_t)floor(high[0]) + 2, (int64_t)floor(high[1]) + 2};
-	enum status status = store_read_posts(reader, STORE_OFFSET, level, rect, room);
-	for (size_t i = from; i < to && status == STATUS_OK; i++)
+	TRY(store_read_posts(reader, STORE_OFFSET, level, rect, room));
+	for (size_t i = from; i < to; i++)
 		rut->change[i] = 1e3 * between(room, rect.x1 - rect.x0, (rut->middle[0] + rut->across[i] * rut->left[0]) / spacing - (double)rect.x0,
 					       (rut->middle[1] + rut->across[i] * rut->left[1]) / spacing - (double)rect.y0);
-	return status;
+	return STATUS_OK;
 }
 
 /* A store reads whole tiles, so the samples are read in parts. */
@@ -108,11 +108,13 @@ static enum status sample(struct store_reader *reader, const struct extent *exte
 {
 	const double spacing = extent_spacing(extent, level);
 	double *room = mem_alloc((size_t)(PART + 3) * (PART + 3), sizeof *room);
-	enum status status = room != NULL ? STATUS_OK : fail_memory("a rut profile");
+	TRY_MEM(room, "a rut profile");
 	for (size_t i = 0; i < rut->count; i++)
 		rut->across[i] = ((double)i - (double)(rut->count / 2)) * spacing;
-	for (size_t from = 0; from < rut->count && status == STATUS_OK; from += PART)
-		status = sample_some(reader, level, spacing, from, from + PART < rut->count ? from + PART : rut->count, room, rut);
+	enum status status = STATUS_OK;
+	for (size_t from = 0; from < rut->count; from += PART)
+		TRY_OR(done, sample_some(reader, level, spacing, from, from + PART < rut->count ? from + PART : rut->count, room, rut));
+done:
 	mem_free(room);
 	return status;
 }
@@ -152,9 +154,7 @@ static enum status read_store(const struct html_run *run, struct store *store, c
 	struct store_reader *reader = NULL;
 	int level;
 	const char *hash = html_string(run, "scene.hash");
-	enum status status = store_last_run(store, &last);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_last_run(store, &last));
 	if (last.scene_hash == NULL || hash == NULL || strcmp(last.scene_hash, hash) != 0 || (double)last.step != html_number(run, "steps"))
 		return none(rut, "No rut profile: %.300s was changed after this drive: by another drive, a reset or a restore", path);
 	if (!store_has_working_level(store, &level) || extent_spacing(&store_meta(store)->extent, level) != spacing)
@@ -163,24 +163,23 @@ static enum status read_store(const struct html_run *run, struct store *store, c
 	for (int k = 0; k < 2; k++)
 		if (!(rut->middle[k] >= 0 && rut->middle[k] <= (double)(k == 0 ? extent->width : extent->height) * extent->spacing))
 			return none(rut, "No rut profile: the middle of the way of %.80s lies off the terrain", rut->body);
-	status = store_reader_create(store, &reader);
-	if (status == STATUS_OK)
-		status = sample(reader, extent, level, rut);
+	TRY(store_reader_create(store, &reader));
+	enum status status = sample(reader, extent, level, rut);
 	store_reader_destroy(reader);
-	if (status == STATUS_OK)
-		cut(rut, spacing);
-	return status;
+	TRY(status);
+	cut(rut, spacing);
+	return STATUS_OK;
 }
 
 /* A store that cannot be read does not make the report fail: another program may be writing it. */
 static enum status from_store(const struct html_run *run, const char *path, double spacing, struct html_rut *rut)
 {
 	struct store *store = NULL;
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK) {
-		status = read_store(run, store, path, spacing, rut);
-		store_close(store);
-	}
+	enum status status;
+	TRY_OR(done, store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, read_store(run, store, path, spacing, rut));
+done:
+	store_close(store);
 	return status == STATUS_INPUT || status == STATUS_FAILED ? none(rut, "No rut profile: %.450s", failure_message()) : status;
 }
 
@@ -206,8 +205,7 @@ enum status html_rut_read(const struct html_run *run, struct html_rut *out)
 	out->count = 2 * (size_t)fmin(half, HALF_MOST) + 1;
 	out->across = mem_alloc(out->count, sizeof *out->across);
 	out->change = mem_alloc(out->count, sizeof *out->change);
-	if (out->across == NULL || out->change == NULL)
-		return fail_memory("a rut profile");
+	TRY_MEM(out->across != NULL && out->change != NULL, "a rut profile");
 	return from_store(run, path, spacing, out);
 }
 

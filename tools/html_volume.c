@@ -56,17 +56,19 @@ static enum status read_rows(FILE *file, const char *path, struct html_volumes *
 	ssize_t length;
 	unsigned long long number = 0;
 	enum status status = STATUS_OK;
-	while (status == STATUS_OK && (length = getline(&line, &size, file)) > 0) {
+	while ((length = getline(&line, &size, file)) > 0) {
 		number++;
 		if (line[length - 1] != '\n')
 			break; /* a kill may have torn the last line */
 		if (number > 1)
-			status = make_room(volumes);
-		if (status == STATUS_OK && (number == 1 ? strcmp(line, HEADER) != 0 : volumes->count == ROWS_MOST || !take(line, volumes)))
-			status = fail_with(STATUS_INPUT, "%s:%llu: is no line of such a file; give a folder that furrow drive left, or remove the file", path, number);
+			TRY_OR(done, make_room(volumes));
+		if (number == 1 ? strcmp(line, HEADER) != 0 : volumes->count == ROWS_MOST || !take(line, volumes))
+			TRY_OR(done, fail_with(STATUS_INPUT, "%s:%llu: is no line of such a file; give a folder that furrow drive left, or remove "
+					       "the file", path, number));
 	}
-	if (status == STATUS_OK && ferror(file))
-		status = fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, input_problem());
+	if (ferror(file))
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, input_problem()));
+done:
 	free(line);
 	return status;
 }

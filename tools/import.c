@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "command.h"
-#include "api/import.h"
+#include "intake/intake.h"
 #include "chart/chart.h"
 #include "errors.h"
 #include "made.h"
@@ -22,16 +22,16 @@ static const struct command_option options[] = {
 	{"t-srs", "SRS", .help = "the store's reference system, in metres, or auto, or source: see below", .preset = "auto"},
 	{"s-vertical", "REF", .help = "above what the sources' heights are, if they do not say or say it wrong: see below"},
 	{"s-unit", "UNIT", .help = "unit of the sources' heights; otherwise what they say, or the vertical reference, or m",
-	 .choices = api_import_units},
+	 .choices = intake_import_units},
 	{"t-vertical", "REF", .help = "convert heights to this vertical reference: ellipsoid, egm96, egm2008 or a vertical SRS"},
 	{"spacing", "M", .help = "distance between posts: resamples; for sources without a place, their own", .unit = "m",
 	 .preset = "1 without a place"},
 	{"window", "W,S,E,N", .help = "import only what lies in this area, in the store's coordinates"},
 	{"window-srs", "SRS", .help = "the SRS in which the window is given; degrees: longitude and latitude on the sources' body"},
-	{"r", "METHOD", .help = "how to resample", .choices = api_import_methods, .preset = "bilinear"},
+	{"r", "METHOD", .help = "how to resample", .choices = intake_import_methods, .preset = "bilinear"},
 	{"nodata", "V", .help = "a value that means nodata though no tag says so", .repeats = true},
 	{"radii", "KIND", .help = "values are distances from the body's middle; auto finds that by their size",
-	 .choices = api_import_radii, .preset = "auto"},
+	 .choices = intake_import_radii, .preset = "auto"},
 	{"fill", .help = "fill holes from their rims"},
 	{"inset", "SOURCE", .help = "finer ground in a part of the terrain, stored at its own spacing there alone",
 	 .files = SOURCES, .repeats = true},
@@ -42,7 +42,7 @@ static const struct command_option options[] = {
 	{"match-heights", .help = "raise or lower each inset by its median difference from what surrounds it"},
 	{"height-range", "MIN,MAX", .help = "heights that a PNG's 0 and full scale mean", .unit = "m",
 	 .preset = "one metre a unit"},
-	{"pack", "KIND", .help = "how tiles are packed: fast to read, or small", .choices = api_import_packs, .preset = "fast"},
+	{"pack", "KIND", .help = "how tiles are packed: fast to read, or small", .choices = intake_import_packs, .preset = "fast"},
 	{"jobs", "N", .help = "threads that pack tiles beside the one that reads; 1: one for everything", .preset = "all cores"},
 	{"resume", .help = "go on with an import that was broken off or killed; the same store, whatever --jobs"},
 	{"overwrite", .help = "replace STORE"},
@@ -113,13 +113,11 @@ static void note_output(const struct import *import, const char *path)
 
 static enum status read_options(const struct arguments *arguments, struct import *import)
 {
-	enum status status = STATUS_OK;
 	const char *value;
-	for (const struct command_option *option = options; option->name != NULL && status == STATUS_OK; option++)
-		for (size_t nth = 0; api_import_has_option(option->name) && status == STATUS_OK &&
-				     (value = arguments_nth(arguments, option->name, nth)) != NULL; nth++)
-			status = api_import_option(import, option->name, value);
-	return status;
+	for (const struct command_option *option = options; option->name != NULL; option++)
+		for (size_t nth = 0; intake_import_has_option(option->name) && (value = arguments_nth(arguments, option->name, nth)) != NULL; nth++)
+			TRY(intake_import_option(import, option->name, value));
+	return STATUS_OK;
 }
 
 /* Also where nothing was made: then errors were not measured. */
@@ -179,7 +177,7 @@ static enum status make(struct import *import, const char *path, struct intake *
 	struct progress progress;
 	interrupt_catch();
 	progress_start(&progress, path, "rows");
-	enum status status = api_import_run(import, path, progress_step, &progress, made);
+	enum status status = intake_import_run(import, path, progress_step, &progress, made);
 	progress_end(&progress);
 	return status;
 }
@@ -191,14 +189,14 @@ static enum status run(const struct arguments *arguments)
 	if (path == NULL)
 		return fail_with(STATUS_USAGE, "import: -o is missing; give the store to make, as in -o world.furrow");
 	const char **sources = mem_calloc(arguments_count(arguments) + 1, sizeof *sources);
-	api_import_init(&import);
+	intake_import_init(&import);
 	enum status status = sources != NULL ? STATUS_OK : fail_memory("sources");
 	for (size_t i = 0; sources != NULL && i < arguments_count(arguments); i++)
 		sources[i] = arguments_at(arguments, i);
 	if (status == STATUS_OK)
 		status = read_options(arguments, &import);
 	if (status == STATUS_OK)
-		status = api_import_open(&import, sources, arguments_count(arguments));
+		status = intake_import_open(&import, sources, arguments_count(arguments));
 	bool dry = arguments_flag(arguments, "dry-run"), json = arguments_flag(arguments, "json");
 	struct intake made = {.meta = import.meta, .low = (double)NAN, .high = (double)NAN};
 	if (status == STATUS_OK && dry)
@@ -218,7 +216,7 @@ static enum status run(const struct arguments *arguments)
 		print_resampling(&import, &made.meta);
 		print_holes(&made.meta, "no data: ");
 	}
-	api_import_finish(&import);
+	intake_import_finish(&import);
 	mem_free(sources);
 	return status;
 }

@@ -316,17 +316,17 @@ static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	struct store_numbers numbers;
-	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
 	double ruts[4];
 	bool any = false;
-	if (status == STATUS_OK)
-		status = store_count(store, &numbers);
-	if (status == STATUS_OK)
-		status = ruts_window(store, ruts, &any);
-	if (status == STATUS_OK && arguments_flag(arguments, "json"))
-		status = print_json(store, &numbers, any ? ruts : NULL);
-	else if (status == STATUS_OK)
+	enum status status;
+	TRY_OR(done, store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, store_count(store, &numbers));
+	TRY_OR(done, ruts_window(store, ruts, &any));
+	if (arguments_flag(arguments, "json"))
+		TRY_OR(done, print_json(store, &numbers, any ? ruts : NULL));
+	else
 		print_text(store, &numbers, any ? ruts : NULL);
+done:
 	store_close(store);
 	return status;
 }

@@ -15,8 +15,7 @@ enum status json_print(cJSON *object)
 {
 	char *text = object != NULL ? json_text(object) : NULL;
 	cJSON_Delete(object);
-	if (text == NULL)
-		return fail_memory("JSON");
+	TRY_MEM(text, "JSON");
 	puts(text);
 	cJSON_free(text);
 	return STATUS_OK;

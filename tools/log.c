@@ -134,37 +134,45 @@ static int by_name(const void *a, const void *b)
 }
 
 /* Calls `fn` for each branch in the folder of the store, by name. What cannot be read is no branch. */
+static enum status list_folder(const char *folder, char ***names, size_t *count)
+{
+	enum status status = STATUS_OK;
+	DIR *directory = opendir(folder);
+	if (directory == NULL)
+		return STATUS_OK;
+	for (struct dirent *entry; (entry = readdir(directory)) != NULL; ++*count) {
+		char **more = mem_realloc(*names, *count + 1, sizeof *more);
+		TRY_OR(done, more != NULL ? STATUS_OK : fail_memory("the branches"));
+		*names = more;
+		more[*count] = mem_strdup(entry->d_name);
+		TRY_OR(done, more[*count] != NULL ? STATUS_OK : fail_memory("the branches"));
+	}
+done:
+	closedir(directory);
+	return status;
+}
+
 static enum status each_branch(const char *store, branch_fn fn, void *user)
 {
 	char real[PATH_MAX], folder[PATH_MAX], path[2 * PATH_MAX];
 	char **names = NULL;
 	size_t count = 0;
-	enum status status = STATUS_OK;
 	if (realpath(store, real) == NULL)
 		return STATUS_OK;
 	snprintf(folder, sizeof folder, "%s", real);
-	DIR *directory = opendir(dirname(folder));
-	for (struct dirent *entry; directory != NULL && status == STATUS_OK && (entry = readdir(directory)) != NULL;) {
-		char **more = mem_realloc(names, count + 1, sizeof *more);
-		char *name = more != NULL ? mem_strdup(entry->d_name) : NULL;
-		names = more != NULL ? more : names;
-		if (name == NULL)
-			status = fail_memory("the branches");
-		else
-			names[count++] = name;
-	}
-	if (directory != NULL)
-		closedir(directory);
+	const char *in = dirname(folder);
+	enum status status;
+	TRY_OR(done, list_folder(in, &names, &count));
 	if (count > 0)
 		qsort(names, count, sizeof *names, by_name);
-	snprintf(folder, sizeof folder, "%s", real);
-	const char *in = dirname(folder);
 	for (size_t i = 0; i < count; i++) {
 		snprintf(path, sizeof path, "%s/%s", in, names[i]);
-		if (status == STATUS_OK && strcmp(path, real) != 0)
+		if (strcmp(path, real) != 0)
 			look_at(path, real, fn, user);
-		mem_free(names[i]);
 	}
+done:
+	for (size_t i = 0; i < count; i++)
+		mem_free(names[i]);
 	mem_free(names);
 	return status;
 }
@@ -208,12 +216,11 @@ static enum status add_pin(void *user, const struct store_pin *pin)
 static enum status print_text(struct store *store, const char *path)
 {
 	struct listing listing = {.file = ""};
-	enum status status = store_log(store, print_revision, &listing);
-	if (status == STATUS_OK && listing.count == 0)
+	TRY(store_log(store, print_revision, &listing));
+	if (listing.count == 0)
 		printf("%s\n* never driven\n", path);
-	if (status == STATUS_OK)
-		status = each_branch(path, print_branch, NULL);
-	return status == STATUS_OK ? store_each_pin(store, print_pin, (void *)(uintptr_t)path) : status;
+	TRY(each_branch(path, print_branch, NULL));
+	return store_each_pin(store, print_pin, (void *)(uintptr_t)path);
 }
 
 static enum status print_json(struct store *store, const char *path)
@@ -221,13 +228,12 @@ static enum status print_json(struct store *store, const char *path)
 	struct listing listing = {.file = ""};
 	cJSON *object = cJSON_CreateObject();
 	listing.revisions = cJSON_AddArrayToObject(object, "revisions");
-	enum status status = store_log(store, add_revision, &listing);
-	if (status == STATUS_OK)
-		status = each_branch(path, add_branch, cJSON_AddArrayToObject(object, "branches"));
-	if (status == STATUS_OK)
-		status = store_each_pin(store, add_pin, cJSON_AddArrayToObject(object, "pins"));
-	if (status == STATUS_OK)
-		return json_print(object);
+	enum status status;
+	TRY_OR(failed, store_log(store, add_revision, &listing));
+	TRY_OR(failed, each_branch(path, add_branch, cJSON_AddArrayToObject(object, "branches")));
+	TRY_OR(failed, store_each_pin(store, add_pin, cJSON_AddArrayToObject(object, "pins")));
+	return json_print(object);
+failed:
 	cJSON_Delete(object);
 	return status;
 }
@@ -235,10 +241,13 @@ static enum status print_json(struct store *store, const char *path)
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
-	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = arguments_flag(arguments, "json") ? print_json(store, arguments_at(arguments, 0))
-							   : print_text(store, arguments_at(arguments, 0));
+	enum status status;
+	TRY_OR(done, store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store));
+	if (arguments_flag(arguments, "json"))
+		TRY_OR(done, print_json(store, arguments_at(arguments, 0)));
+	else
+		TRY_OR(done, print_text(store, arguments_at(arguments, 0)));
+done:
 	store_close(store);
 	return status;
 }

@@ -2,7 +2,7 @@
 #ifndef FURROW_TOOLS_MADE_H
 #define FURROW_TOOLS_MADE_H
 
-#include "api/intake.h"
+#include "intake/intake.h"
 
 void print_made(const struct intake *made); /* on stdout: posts, spacing, bytes, speed */
 

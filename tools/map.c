@@ -41,13 +41,9 @@ static enum status read_page(const struct arguments *arguments, struct export_re
 	double dpi = DPI;
 	int grid = CHART_GRID_METRES;
 	request->size = CHART_SIZE;
-	enum status status = arguments_number(arguments, "size", CHART_SIZE_LEAST, CHART_SIZE_MOST, &request->size);
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "dpi", DPI_LEAST, DPI_MOST, &dpi);
-	if (status == STATUS_OK)
-		status = arguments_choice(arguments, "grid", &grid);
-	if (status != STATUS_OK)
-		return status;
+	TRY(arguments_number(arguments, "size", CHART_SIZE_LEAST, CHART_SIZE_MOST, &request->size));
+	TRY(arguments_number(arguments, "dpi", DPI_LEAST, DPI_MOST, &dpi));
+	TRY(arguments_choice(arguments, "grid", &grid));
 	const double pixels = request->size / 25.4 * dpi;
 	if (pixels > CHART_PIXELS_MOST || pixels < PIXELS_LEAST)
 		return fail_with(STATUS_USAGE,
@@ -64,48 +60,38 @@ static enum status read_request(const struct arguments *arguments, struct export
 	enum chart_format format = CHART_PNG;
 	request->store = arguments_at(arguments, 0);
 	request->path = arguments_text(arguments, "o");
-	enum status status = STATUS_OK;
 	if (request->path == NULL || !chart_path_format(request->path, &format))
-		status = fail_with(STATUS_USAGE, "map: -o is missing or ends in none of .png, .svg and .pdf; give such a file");
+		return fail_with(STATUS_USAGE, "map: -o is missing or ends in none of .png, .svg and .pdf; give such a file");
 	request->png = format == CHART_PNG;
 	request->world_file = arguments_flag(arguments, "world-file");
-	if (status == STATUS_OK && request->world_file && !request->png)
-		status = fail_with(STATUS_USAGE, "map: --world-file: %s is no PNG; leave it out, or write a .png", request->path);
-	if (status == STATUS_OK)
-		status = export_read_layer(arguments, &request->layer);
-	if (status == STATUS_OK)
-		status = export_read_window(arguments, request);
-	if (status == STATUS_OK)
-		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
-	if (status == STATUS_OK && request->has_range && request->range[0] >= request->range[1])
-		status = fail_with(STATUS_USAGE, "map: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
-				   request->range[1]);
-	if (status == STATUS_OK)
-		status = export_read_light(arguments, request, true);
-	if (status == STATUS_OK)
-		status = export_check_picture(request);
-	return status == STATUS_OK ? read_page(arguments, request) : status;
+	if (request->world_file && !request->png)
+		return fail_with(STATUS_USAGE, "map: --world-file: %s is no PNG; leave it out, or write a .png", request->path);
+	TRY(export_read_layer(arguments, &request->layer));
+	TRY(export_read_window(arguments, request));
+	TRY(arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range));
+	if (request->has_range && request->range[0] >= request->range[1])
+		return fail_with(STATUS_USAGE, "map: --height-range %g,%g: is empty; give MIN,MAX", request->range[0], request->range[1]);
+	TRY(export_read_light(arguments, request, true));
+	TRY(export_check_picture(request));
+	return read_page(arguments, request);
 }
 
 static enum status run(const struct arguments *arguments)
 {
 	struct export_request request = {.command = "map", .map = true, .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
-	enum status status = read_request(arguments, &request);
-	if (status == STATUS_OK && chart_missing() != NULL)
-		status = fail_with(STATUS_FAILED, "map: %s", chart_missing());
-	if (status == STATUS_OK)
-		status = store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = export_place_window(&request, store_meta(store));
-	if (status == STATUS_OK && request.layer <= LAYER_BASE)
+	enum status status;
+	TRY_OR(done, read_request(arguments, &request));
+	if (chart_missing() != NULL)
+		TRY_OR(done, fail_with(STATUS_FAILED, "map: %s", chart_missing()));
+	TRY_OR(done, store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, export_place_window(&request, store_meta(store)));
+	if (request.layer <= LAYER_BASE)
 		relief_tell_missing(request.store, store);
-	if (status == STATUS_OK) {
-		request.level = store_finest(store);
-		status = export_take_changed(&request, store);
-	}
-	if (status == STATUS_OK)
-		status = export_picture(&request, store);
+	request.level = store_finest(store);
+	TRY_OR(done, export_take_changed(&request, store));
+	TRY_OR(done, export_picture(&request, store));
+done:
 	store_close(store);
 	return status;
 }

@@ -61,11 +61,10 @@ static enum status print_json(const char *file, const struct store_conflicts *co
 static enum status tell(const char *file, const struct arguments *arguments, const struct store_conflicts *conflicts)
 {
 	struct store *store;
-	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store));
 	double spacing = extent_spacing(&store_meta(store)->extent, conflicts->level);
-	status = arguments_flag(arguments, "json") ? print_json(file, conflicts, spacing) : print_text(file, arguments, conflicts, spacing);
+	enum status status = arguments_flag(arguments, "json") ? print_json(file, conflicts, spacing)
+							       : print_text(file, arguments, conflicts, spacing);
 	store_close(store);
 	return status;
 }
@@ -75,16 +74,14 @@ static enum status run(const struct arguments *arguments)
 	struct store_conflicts conflicts = {0};
 	struct failure failure;
 	const char *out = arguments_text(arguments, "o");
-	enum status status = STATUS_OK;
 	if (out == NULL)
-		status = fail_with(STATUS_USAGE, "merge: -o is missing; give a file for the new overlay");
-	if (status == STATUS_OK)
-		status = store_merge(arguments_at(arguments, 0), arguments_at(arguments, 1), out, &conflicts);
+		return fail_with(STATUS_USAGE, "merge: -o is missing; give a file for the new overlay");
+	enum status status = store_merge(arguments_at(arguments, 0), arguments_at(arguments, 1), out, &conflicts);
 	if (status == STATUS_OK)
 		return tell(out, arguments, &conflicts);
 	failure_capture(&failure, status);
-	if (conflicts.posts > 0 && (status = tell(NULL, arguments, &conflicts)) != STATUS_OK)
-		return status;
+	if (conflicts.posts > 0)
+		TRY(tell(NULL, arguments, &conflicts));
 	return failure_restore(&failure);
 }
 

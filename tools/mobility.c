@@ -11,6 +11,7 @@
 #include "export.h"
 #include "mobility.h"
 #include "soil_given.h"
+#include "vehicle/vehicle.h"
 
 #define ROWS 64
 #define SIDE_MOST 4096 /* cells of a map */
@@ -45,7 +46,8 @@ struct asked {
 	bool json;
 	double gravity, spread[3], spacing; /* spread: of cohesion, friction, stiffness */
 	int64_t samples, seed;
-	struct vehicle_outline vehicle;
+	char name[64];           /* of the vehicle */
+	struct trials_vehicle vehicle;
 	struct mobility_table *table;
 	struct mobility_column *columns; /* of the spread's soils */
 	struct mobility_curves *curves;
@@ -57,11 +59,17 @@ struct asked {
 
 static enum status take_vehicle(const struct scene *scene, struct asked *asked)
 {
-	enum status status = vehicle_outline(scene, 0, &asked->vehicle);
-	if (status != STATUS_OK)
-		return status;
-	const char *problem = mobility_vehicle_problem(&asked->vehicle);
-	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "mobility: %s: %s", asked->vehicle.name, problem);
+	struct vehicle_outline outline;
+	struct trials_vehicle *vehicle = &asked->vehicle;
+	TRY(vehicle_outline(scene, 0, &outline));
+	snprintf(asked->name, sizeof asked->name, "%s", outline.name);
+	*vehicle = (struct trials_vehicle){.mass = outline.mass, .height = outline.height, .clearance = outline.clearance, .wheel_count = outline.wheel_count};
+	for (size_t i = 0; i < outline.wheel_count && i < TRIALS_WHEELS_MOST; i++) {
+		const struct vehicle_wheel *wheel = &outline.wheels[i];
+		vehicle->wheels[i] = (struct trials_wheel){wheel->x, wheel->y, wheel->radius, wheel->width, wheel->driven, wheel->torque_most};
+	}
+	const char *problem = trials_vehicle_problem(vehicle);
+	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "mobility: %s: %s", asked->name, problem);
 }
 
 /* A scene of the model alone. */
@@ -70,8 +78,7 @@ static enum status load_model(const struct asked *asked, struct scene **scene)
 	char *text = NULL;
 	size_t length;
 	FILE *stream = open_memstream(&text, &length);
-	if (stream == NULL)
-		return fail_memory("a scene");
+	TRY_MEM(stream, "a scene");
 	fprintf(stream, "scene: 1\ntime_step: 0.0001\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
 			"vehicles:\n  - {name: vehicle, model: \"%s\", start: {at: [0, 0]}}\n", asked->model);
 	if (fclose(stream) != 0) {
@@ -126,9 +133,7 @@ static void tell(void *user, const char *text)
 static enum status check_units(const struct asked *asked)
 {
 	struct scene *scene;
-	enum status status = rig_soil_scene(asked->soil.text, &scene);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_soil_alone(asked->soil.text, &scene));
 	scene_advise_units(scene, tell, NULL);
 	scene_destroy(scene);
 	return STATUS_OK;
@@ -142,13 +147,27 @@ static enum status progress_rig(void *user, int64_t done, int64_t total)
 	return progress_step(&asked->progress, done, total);
 }
 
+static enum status friction_of(const char *soil, double *degrees)
+{
+	const char *key;
+	double value;
+	struct scene *scene;
+	TRY(scene_soil_alone(soil, &scene));
+	*degrees = NAN;
+	for (size_t i = 0; scene_soil_number(&scene->soils[0], i, &key, &value); i++)
+		if (strcmp(key, "friction_angle") == 0)
+			*degrees = value;
+	scene_destroy(scene);
+	return STATUS_OK;
+}
+
 /* Fills the curves. factor: of the soil's numbers; NULL: the soil as it is. */
 static enum status measure(struct asked *asked, const double *factor)
 {
 	const char *soil = asked->soil.text;
 	char *varied = NULL;
 	if (factor != NULL) {
-		soil = varied = mobility_soil_varied(asked->soil.text, factor);
+		soil = varied = scene_soil_varied(asked->soil.text, factor);
 		if (varied == NULL)
 			return STATUS_INPUT;
 	}
@@ -158,13 +177,15 @@ static enum status measure(struct asked *asked, const double *factor)
 	enum status status = STATUS_OK;
 	if (mkdtemp(folder) == NULL)
 		status = fail_with(STATUS_FAILED, "%s: cannot be made; free some disk space", folder);
-	const struct mobility_rig rig = {.soil = soil, .gravity = asked->gravity, .spacing = asked->spacing, .folder = folder, .stop = &interrupted,
+	double angle = NAN;
+	if (status == STATUS_OK)
+		status = friction_of(soil, &angle);
+	const struct mobility_rig rig = {.soil = soil, .friction_angle = angle, .gravity = asked->gravity, .spacing = asked->spacing, .folder = folder, .stop = &interrupted,
 					 .progress = progress_rig, .user = asked};
 	progress_start(&asked->progress, factor == NULL ? "rig" : "rig, spread", "runs");
-	if (status == STATUS_OK) {
-		status = mobility_measure(&asked->vehicle, &rig, asked->curves);
-		rmdir(folder);
-	}
+	if (status == STATUS_OK)
+		status = trials_measure_wheels(&asked->vehicle, &rig, asked->curves);
+	rmdir(folder); /* where it was made */
 	progress_end(&asked->progress);
 	mem_free(varied);
 	return status;
@@ -173,21 +194,18 @@ static enum status measure(struct asked *asked, const double *factor)
 static enum status make_tables(struct asked *asked)
 {
 	double factors[MOBILITY_SAMPLES_MOST][3];
-	mobility_spread_factors(asked->spread, asked->seed, (size_t)asked->samples, factors);
+	trials_spread_factors(asked->spread, asked->seed, (size_t)asked->samples, factors);
 	asked->table = mem_calloc(1, sizeof *asked->table);
 	asked->columns = mem_calloc((size_t)asked->samples + 1, sizeof *asked->columns);
 	asked->curves = mem_calloc(1, sizeof *asked->curves);
-	if (asked->table == NULL || asked->columns == NULL || asked->curves == NULL)
-		return fail_memory("tables of slopes");
-	enum status status = measure(asked, NULL);
-	if (status == STATUS_OK)
-		mobility_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
-	for (int64_t i = 0; i < asked->samples && status == STATUS_OK; i++) {
-		status = measure(asked, factors[i]);
-		if (status == STATUS_OK)
-			mobility_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
+	TRY_MEM(asked->table != NULL && asked->columns != NULL && asked->curves != NULL, "tables of slopes");
+	TRY(measure(asked, NULL));
+	trials_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
+	for (int64_t i = 0; i < asked->samples; i++) {
+		TRY(measure(asked, factors[i]));
+		trials_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- the command --- */
@@ -204,23 +222,21 @@ static int level_for(const struct extent *extent, double length)
 /* Refuses a terrain of which nothing could be known. The rig would take a minute before that is told. */
 static enum status check_posts(const struct asked *asked, const struct store_meta *meta)
 {
-	const double length = mobility_length(&asked->vehicle);
+	const double length = trials_vehicle_length(&asked->vehicle);
 	if (meta->extent.spacing <= length)
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "mobility: %s: its posts are %g m apart, and %s is %.2g m long, so all would be unknown; give a terrain with posts of "
-				       "at most %s m", asked->store, meta->extent.spacing, asked->vehicle.name, length, number_at_most(length, 2).text);
+				       "at most %s m", asked->store, meta->extent.spacing, asked->name, length, number_at_most(length, 2).text);
 }
 
 /* Finds the posts that are judged, and their level. A picture has at most SIDE_MOST cells on a side. */
 static enum status find_cells(struct asked *asked, const struct store_meta *meta, int *level, struct post_rect *rect)
 {
-	const int own = level_for(&meta->extent, mobility_length(&asked->vehicle));
+	const int own = level_for(&meta->extent, trials_vehicle_length(&asked->vehicle));
 	enum chart_format format;
 	const bool picture = chart_path_format(asked->out, &format);
-	for (asked->window.level = own;; asked->window.level++) {
-		enum status status = export_find_rect(&asked->window, &meta->extent, rect);
-		if (status != STATUS_OK)
-			return status;
+	for (asked->window.level = own; ; asked->window.level++) {
+		TRY(export_find_rect(&asked->window, &meta->extent, rect));
 		if (!picture || (rect->x1 - rect->x0 <= SIDE_MOST && rect->y1 - rect->y0 <= SIDE_MOST))
 			break;
 	}
@@ -234,7 +250,7 @@ static enum status find_cells(struct asked *asked, const struct store_meta *meta
 static enum status draw(struct asked *asked, struct store *store, int level, struct post_rect rect)
 {
 	const struct store_meta *meta = store_meta(store);
-	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->vehicle.name, .soil = asked->soil.label,
+	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->name, .soil = asked->soil.label,
 				   .mass = asked->vehicle.mass, .gravity = asked->gravity, .seed = asked->seed, .table = asked->table,
 				   .columns = asked->columns, .samples = (size_t)asked->samples, .meta = meta, .layer = (enum mobility_layer)asked->layer,
 				   .level = level, .rect = rect};
@@ -269,9 +285,7 @@ static enum status read_layer(const struct arguments *arguments, struct asked *a
 	enum chart_format format;
 	const bool picture = chart_path_format(asked->out, &format), spread = asked->spread[0] > 0 || asked->spread[1] > 0 || asked->spread[2] > 0;
 	asked->layer = !picture ? LAYER_SLIP : spread ? LAYER_PROBABILITY : LAYER_CLASS;
-	enum status status = arguments_choice(arguments, "layer", &asked->layer);
-	if (status != STATUS_OK)
-		return status;
+	TRY(arguments_choice(arguments, "layer", &asked->layer));
 	if (picture && asked->layer != LAYER_CLASS && asked->layer != LAYER_PROBABILITY)
 		return fail_with(STATUS_USAGE, "mobility: --layer %s: is not for a picture; give a .tif, or class or probability", mobility_layers[asked->layer]);
 	if (asked->layer == LAYER_PROBABILITY && !spread)
@@ -287,32 +301,24 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 	asked->model = arguments_text(arguments, "vehicle");
 	asked->scene = arguments_text(arguments, "scene");
 	asked->json = arguments_flag(arguments, "json");
-	enum status status = STATUS_OK;
 	enum chart_format format;
 	if (asked->out == NULL || !(chart_path_format(asked->out, &format) || dem_path_ends(asked->out, ".tif")))
-		status = fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png, .svg, .pdf; give such a file");
-	if (status == STATUS_OK)
-		status = aside_check(asked->out);
-	if (status == STATUS_OK && (asked->model == NULL) == (asked->scene == NULL))
-		status = fail_with(STATUS_USAGE, "mobility: --vehicle and --scene are both given, or neither; give one of them");
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "gravity", 1e-3, 1e3, &asked->gravity);
-	if (status == STATUS_OK)
-		status = read_spread(arguments, asked->spread);
-	for (int i = 0; i < 3 && status == STATUS_OK; i++)
+		return fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png, .svg, .pdf; give such a file");
+	TRY(aside_check(asked->out));
+	if ((asked->model == NULL) == (asked->scene == NULL))
+		return fail_with(STATUS_USAGE, "mobility: --vehicle and --scene are both given, or neither; give one of them");
+	TRY(arguments_number(arguments, "gravity", 1e-3, 1e3, &asked->gravity));
+	TRY(read_spread(arguments, asked->spread));
+	for (int i = 0; i < 3; i++)
 		if (!(asked->spread[i] >= 0 && asked->spread[i] <= 1))
-			status = fail_with(STATUS_USAGE, "mobility: --spread: %g is out of range; give 0 to 1", asked->spread[i]);
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "spacing", 1e-4, 1, &asked->spacing);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "samples", 1, MOBILITY_SAMPLES_MOST, &asked->samples);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "seed", 0, INT64_MAX, &asked->seed);
-	if (status == STATUS_OK)
-		status = export_read_window(arguments, &asked->window);
-	if (status == STATUS_OK && arguments_text(arguments, "soil") != NULL)
-		status = soil_given_take(arguments_text(arguments, "soil"), &asked->soil);
-	return status == STATUS_OK ? read_layer(arguments, asked) : status;
+			return fail_with(STATUS_USAGE, "mobility: --spread: %g is out of range; give 0 to 1", asked->spread[i]);
+	TRY(arguments_number(arguments, "spacing", 1e-4, 1, &asked->spacing));
+	TRY(arguments_integer(arguments, "samples", 1, MOBILITY_SAMPLES_MOST, &asked->samples));
+	TRY(arguments_integer(arguments, "seed", 0, INT64_MAX, &asked->seed));
+	TRY(export_read_window(arguments, &asked->window));
+	if (arguments_text(arguments, "soil") != NULL)
+		TRY(soil_given_take(arguments_text(arguments, "soil"), &asked->soil));
+	return read_layer(arguments, asked);
 }
 
 static enum status run(const struct arguments *arguments)
@@ -321,25 +327,18 @@ static enum status run(const struct arguments *arguments)
 	struct asked asked = {.gravity = NAN, .samples = 12, .seed = 1, .window = {.command = "mobility"}};
 	int level = 0;
 	struct post_rect rect = {0, 0, 0, 0};
-	enum status status = read_arguments(arguments, &asked);
-	if (status == STATUS_OK)
-		status = store_open(asked.store, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = read_vehicle(&asked);
-	if (status == STATUS_OK)
-		status = check_posts(&asked, store_meta(store));
-	if (status == STATUS_OK)
-		status = export_place_window(&asked.window, store_meta(store));
-	if (status == STATUS_OK)
-		status = find_cells(&asked, store_meta(store), &level, &rect);
-	if (status == STATUS_OK)
-		status = check_units(&asked);
-	if (status == STATUS_OK) {
-		interrupt_catch();
-		status = make_tables(&asked);
-	}
-	if (status == STATUS_OK)
-		status = draw(&asked, store, level, rect);
+	enum status status;
+	TRY_OR(done, read_arguments(arguments, &asked));
+	TRY_OR(done, store_open(asked.store, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, read_vehicle(&asked));
+	TRY_OR(done, check_posts(&asked, store_meta(store)));
+	TRY_OR(done, export_place_window(&asked.window, store_meta(store)));
+	TRY_OR(done, find_cells(&asked, store_meta(store), &level, &rect));
+	TRY_OR(done, check_units(&asked));
+	interrupt_catch();
+	TRY_OR(done, make_tables(&asked));
+	TRY_OR(done, draw(&asked, store, level, rect));
+done:
 	store_close(store);
 	mem_free(asked.table);
 	mem_free(asked.columns);

@@ -5,7 +5,7 @@
 #include "chart/chart.h"
 #include "command.h"
 #include "dem/dem.h"
-#include "mobility/mobility.h"
+#include "trials/trials.h"
 #include "store/store.h"
 
 #define MOBILITY_SAMPLES_MOST 64

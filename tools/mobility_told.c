@@ -21,7 +21,7 @@ static const char *ends_by(const struct mobility_table *table, int heading)
 {
 	for (int i = 0; i < MOBILITY_SLOPES; i++)
 		if (table->verdicts[i][heading].reason != MOBILITY_GO)
-			return mobility_reason_names[table->verdicts[i][heading].reason];
+			return trials_reason_names[table->verdicts[i][heading].reason];
 	return "the table's end";
 }
 
@@ -30,7 +30,7 @@ static void print_spread(const struct mobility_map *map)
 {
 	double all = NAN, any = NAN;
 	for (int i = 0; i < MOBILITY_SLOPES; i++) {
-		const double probability = mobility_probability(map->columns, map->samples, i * MOBILITY_SLOPE_STEP);
+		const double probability = trials_probability(map->columns, map->samples, i * MOBILITY_SLOPE_STEP);
 		if (probability == 1)
 			all = i * MOBILITY_SLOPE_STEP;
 		if (probability > 0)
@@ -95,12 +95,12 @@ static cJSON *slope_of(const struct mobility_map *map, int slope)
 {
 	cJSON *row = cJSON_CreateObject(), *verdicts = cJSON_CreateArray();
 	json_number(row, "slope", slope * MOBILITY_SLOPE_STEP);
-	json_number(row, "probability", mobility_probability(map->columns, map->samples, slope * MOBILITY_SLOPE_STEP));
+	json_number(row, "probability", trials_probability(map->columns, map->samples, slope * MOBILITY_SLOPE_STEP));
 	for (int i = 0; i < MOBILITY_HEADINGS; i++) {
 		const struct mobility_verdict *verdict = &map->table->verdicts[slope][i];
 		cJSON *one = cJSON_CreateObject();
 		json_number(one, "heading", 90 - i * MOBILITY_HEADING_STEP);
-		cJSON_AddStringToObject(one, "reason", mobility_reason_names[verdict->reason]);
+		cJSON_AddStringToObject(one, "reason", trials_reason_names[verdict->reason]);
 		json_number(one, "slip", verdict->slip);
 		json_number(one, "crab", verdict->crab);
 		json_number(one, "torque", verdict->torque);

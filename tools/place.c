@@ -16,9 +16,7 @@ enum status place_local(const struct store_meta *meta, const char *srs, const ch
 		if (meta->srs[0] == '\0')
 			return fail_with(STATUS_INPUT, "%s: the store has no reference system; leave %s out and give metres from its south-west post, or import again "
 						       "with --s-srs EPSG:..., if its coordinates are of a system", command, option);
-		enum status status = dem_transform(srs, meta->srs, 1, x, y);
-		if (status != STATUS_OK)
-			return status;
+		TRY(dem_transform(srs, meta->srs, 1, x, y));
 	}
 	*x -= meta->origin[0];
 	*y -= meta->origin[1];

@@ -53,11 +53,8 @@ static enum status run(const struct arguments *arguments)
 	cJSON *object = arguments_flag(arguments, "json") ? cJSON_CreateObject() : NULL;
 	if (object != NULL)
 		pruned.pins = cJSON_AddArrayToObject(object, "pins");
-	enum status status = store_prune(path, tell, &pruned);
-	if (status != STATUS_OK) {
-		cJSON_Delete(object);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, store_prune(path, tell, &pruned));
 	if (object != NULL) {
 		json_integer(object, "dropped", pruned.gone);
 		return json_print(object);
@@ -65,6 +62,9 @@ static enum status run(const struct arguments *arguments)
 	printf("%s: %lld pin%s dropped, %lld stay\n", path, (long long)pruned.gone, pruned.gone == 1 ? "" : "s",
 	       (long long)(pruned.stand + pruned.moved + pruned.found));
 	return STATUS_OK;
+failed:
+	cJSON_Delete(object);
+	return status;
 }
 
 const struct command command_prune = {

@@ -68,11 +68,8 @@ static enum status ask_point(struct asking *asking, double x, double y)
 {
 	struct store_sample sample;
 	double local_x = x, local_y = y;
-	enum status status = to_local(asking, &local_x, &local_y);
-	if (status == STATUS_OK)
-		status = store_sample(asking->reader, local_x, local_y, &sample);
-	if (status != STATUS_OK)
-		return status;
+	TRY(to_local(asking, &local_x, &local_y));
+	TRY(store_sample(asking->reader, local_x, local_y, &sample));
 	bool nodata = sample.nodata || sample.outside;
 	if (sample.outside)
 		tell_outside(asking, x, y);
@@ -84,10 +81,8 @@ static enum status ask_point(struct asking *asking, double x, double y)
 			       sample.base, sample.offset, sample.disturbance);
 		return STATUS_OK;
 	}
-	struct terrain_height surface;
-	status = resident_newest_heights(asking->newest, &(struct terrain_point){local_x, local_y}, 1, &surface);
-	if (status != STATUS_OK)
-		return status;
+	struct resident_height surface;
+	TRY(resident_newest_heights(asking->newest, &(struct resident_point){local_x, local_y}, 1, &surface));
 	cJSON *point = cJSON_CreateObject();
 	json_number(point, "x", x);
 	json_number(point, "y", y);
@@ -120,7 +115,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	return STATUS_OK;
 }
 
-static void print_ray(const double asked[RAY], const struct terrain_hit *hit)
+static void print_ray(const double asked[RAY], const struct resident_hit *hit)
 {
 	for (int i = 0; i < RAY; i++)
 		printf("%.15g ", asked[i]);
@@ -133,20 +128,15 @@ static void print_ray(const double asked[RAY], const struct terrain_hit *hit)
 
 static enum status ask_ray(struct asking *asking, const double asked[RAY])
 {
-	struct terrain_ray ray = {{asked[0], asked[1], asked[2]}, {asked[3], asked[4], asked[5]}, INFINITY};
-	struct terrain_hit hit;
-	enum status status = to_local(asking, &ray.origin[0], &ray.origin[1]);
-	if (status == STATUS_OK)
-		status = resident_newest_rays(asking->newest, &ray, 1, &hit);
-	if (status == STATUS_OK && hit.hit)
-		status = from_local(asking, &hit.point[0], &hit.point[1]);
-	if (status != STATUS_OK)
-		return status;
+	struct resident_ray ray = {{asked[0], asked[1], asked[2]}, {asked[3], asked[4], asked[5]}, INFINITY};
+	struct resident_hit hit;
+	TRY(to_local(asking, &ray.origin[0], &ray.origin[1]));
+	TRY(resident_newest_rays(asking->newest, &ray, 1, &hit));
+	if (hit.hit)
+		TRY(from_local(asking, &hit.point[0], &hit.point[1]));
 	if (!hit.hit && !asking->guessed) {
 		struct store_sample sample;
-		status = store_sample(asking->reader, ray.origin[0], ray.origin[1], &sample);
-		if (status != STATUS_OK)
-			return status;
+		TRY(store_sample(asking->reader, ray.origin[0], ray.origin[1], &sample));
 		if (sample.outside)
 			tell_outside(asking, asked[0], asked[1]);
 	}
@@ -196,52 +186,55 @@ static bool has_direction(const double ray[RAY])
 	return ray[3] != 0 || ray[4] != 0 || ray[5] != 0;
 }
 
+static enum status ask_line(struct asking *asking, const char *line, long number)
+{
+	double values[RAY];
+	if (line[strspn(line, " \t\r\n")] == '\0')
+		return STATUS_OK;
+	size_t count = read_numbers(line, values);
+	if (count == POINT)
+		return ask_point(asking, values[0], values[1]);
+	if (count == RAY && has_direction(values))
+		return ask_ray(asking, values);
+	return fail_with(STATUS_INPUT, "stdin:%ld: not a point; give X and Y, as in 120.5 300, or a ray: X Y Z DX DY DZ", number);
+}
+
 static enum status ask_lines(struct asking *asking)
 {
 	char *line = NULL;
 	size_t room = 0;
 	enum status status = STATUS_OK;
-	for (long number = 1; status == STATUS_OK && getline(&line, &room, stdin) >= 0; number++) {
-		double values[RAY];
-		if (line[strspn(line, " \t\r\n")] == '\0')
-			continue;
-		size_t count = read_numbers(line, values);
-		if (count == POINT)
-			status = ask_point(asking, values[0], values[1]);
-		else if (count == RAY && has_direction(values))
-			status = ask_ray(asking, values);
-		else
-			status = fail_with(STATUS_INPUT, "stdin:%ld: not a point; give X and Y, as in 120.5 300, or a ray: X Y Z DX DY DZ",
-					   number);
-	}
+	for (long number = 1; getline(&line, &room, stdin) >= 0; number++)
+		TRY_OR(done, ask_line(asking, line, number));
+	if (!feof(stdin))
+		TRY_OR(done, fail_with(STATUS_INPUT, "stdin: cannot be read; give lines of X Y"));
+done:
 	free(line);
-	if (status == STATUS_OK && !feof(stdin))
-		status = fail_with(STATUS_INPUT, "stdin: cannot be read; give lines of X Y");
 	return status;
 }
 
 static enum status ask_arguments(struct asking *asking, const struct arguments *arguments)
 {
-	enum status status = STATUS_OK;
 	const char *text;
-	for (size_t i = 1; i + 1 < arguments_count(arguments) && status == STATUS_OK; i += 2) {
+	for (size_t i = 1; i + 1 < arguments_count(arguments); i += 2) {
 		double x, y;
 		if (!parse_number(arguments_at(arguments, i), &x) || !parse_number(arguments_at(arguments, i + 1), &y))
 			return fail_with(STATUS_USAGE, "query: %s %s: not a point; give X and Y as numbers",
 					 arguments_at(arguments, i), arguments_at(arguments, i + 1));
-		status = ask_point(asking, x, y);
+		TRY(ask_point(asking, x, y));
 	}
-	for (size_t i = 0; status == STATUS_OK && (text = arguments_nth(arguments, "ray", i)) != NULL; i++) {
+	for (size_t i = 0; (text = arguments_nth(arguments, "ray", i)) != NULL; i++) {
 		double ray[RAY];
 		if (read_numbers(text, ray) != RAY || !has_direction(ray))
 			return fail_with(STATUS_USAGE, "query: --ray %s: not a ray; give X,Y,Z,DX,DY,DZ, where it begins and where it goes",
 					 text);
-		status = ask_ray(asking, ray);
+		TRY(ask_ray(asking, ray));
 	}
-	return status;
+	return STATUS_OK;
 }
 
-static enum status print_json(const struct asking *asking)
+/* Takes the points and rays. */
+static enum status print_json(struct asking *asking)
 {
 	cJSON *object = cJSON_CreateObject();
 	if (cJSON_GetArraySize(asking->points) + cJSON_GetArraySize(asking->rays) == 1)
@@ -252,6 +245,7 @@ static enum status print_json(const struct asking *asking)
 		cJSON_AddItemToObject(object, "rays", asking->rays);
 	else
 		cJSON_Delete(asking->rays);
+	asking->points = asking->rays = NULL;
 	return json_print(object);
 }
 
@@ -264,37 +258,32 @@ static enum status no_pairs(const struct arguments *arguments)
 	return fail_with(STATUS_USAGE, "query: %.40s: an X without its Y; give pairs, as in query world.furrow 120.5 300", last);
 }
 
+static enum status ask(struct asking *asking, struct store *store, const struct arguments *arguments)
+{
+	const bool told = arguments_count(arguments) > 1 || arguments_flag(arguments, "ray");
+	TRY(store_reader_create(store, &asking->reader));
+	TRY(resident_newest_create(store, NULL, &asking->newest));
+	if (arguments_flag(arguments, "json")) {
+		asking->points = cJSON_CreateArray();
+		asking->rays = cJSON_CreateArray();
+		TRY_MEM(asking->points != NULL && asking->rays != NULL, "JSON");
+	}
+	TRY(told ? ask_arguments(asking, arguments) : ask_lines(asking));
+	return asking->points != NULL ? print_json(asking) : STATUS_OK;
+}
+
 static enum status run(const struct arguments *arguments)
 {
 	struct asking asking = {.srs = arguments_text(arguments, "srs")};
 	struct store *store = NULL;
-	enum status status = STATUS_OK;
 	if (arguments_count(arguments) % 2 == 0)
-		status = no_pairs(arguments);
-	if (status == STATUS_OK)
-		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
-	if (status != STATUS_OK)
-		return status;
+		return no_pairs(arguments);
+	TRY(store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store));
 	asking.meta = store_meta(store);
 	relief_tell_missing(arguments_at(arguments, 0), store);
-	status = store_reader_create(store, &asking.reader);
-	if (status == STATUS_OK)
-		status = resident_newest_create(store, NULL, &asking.newest);
-	if (status == STATUS_OK && arguments_flag(arguments, "json")) {
-		asking.points = cJSON_CreateArray();
-		asking.rays = cJSON_CreateArray();
-		if (asking.points == NULL || asking.rays == NULL)
-			status = fail_memory("JSON");
-	}
-	bool told = arguments_count(arguments) > 1 || arguments_flag(arguments, "ray");
-	if (status == STATUS_OK)
-		status = told ? ask_arguments(&asking, arguments) : ask_lines(&asking);
-	if (status == STATUS_OK && asking.points != NULL) {
-		status = print_json(&asking);
-	} else {
-		cJSON_Delete(asking.points);
-		cJSON_Delete(asking.rays);
-	}
+	enum status status = ask(&asking, store, arguments);
+	cJSON_Delete(asking.points);
+	cJSON_Delete(asking.rays);
 	resident_newest_destroy(asking.newest);
 	store_reader_destroy(asking.reader);
 	store_close(store);

@@ -6,10 +6,9 @@
 
 static enum status run(const struct arguments *arguments)
 {
-	enum status status = store_relink(arguments_at(arguments, 0), arguments_at(arguments, 1));
-	if (status == STATUS_OK)
-		printf("%s: it is over %s\n", arguments_at(arguments, 0), arguments_at(arguments, 1));
-	return status;
+	TRY(store_relink(arguments_at(arguments, 0), arguments_at(arguments, 1)));
+	printf("%s: it is over %s\n", arguments_at(arguments, 0), arguments_at(arguments, 1));
+	return STATUS_OK;
 }
 
 const struct command command_relink = {

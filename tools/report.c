@@ -30,28 +30,24 @@ static enum status check(const struct arguments *arguments, const char *path)
 
 static enum status read_runs(const struct arguments *arguments, struct html_report *report)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < arguments_count(arguments) && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < arguments_count(arguments); i++) {
 		report->count++;
-		status = html_run_read(arguments_at(arguments, i), &report->runs[i]);
-		if (status == STATUS_OK)
-			status = html_rut_read(&report->runs[i], &report->ruts[i]);
-		if (status == STATUS_OK)
-			status = html_map_read(&report->runs[i], arguments_count(arguments) > 1 ? 480 : 720, &report->maps[i]);
-		if (status == STATUS_OK)
-			status = html_cache_read(&report->runs[i], &report->caches[i]);
+		TRY(html_run_read(arguments_at(arguments, i), &report->runs[i]));
+		TRY(html_rut_read(&report->runs[i], &report->ruts[i]));
+		TRY(html_map_read(&report->runs[i], arguments_count(arguments) > 1 ? 480 : 720, &report->maps[i]));
+		TRY(html_cache_read(&report->runs[i], &report->caches[i]));
 	}
-	return status == STATUS_OK ? html_maps_share(report->maps, report->count) : status;
+	return html_maps_share(report->maps, report->count);
 }
 
 static enum status write_page(struct html_report *report, const char *path)
 {
 	struct aside aside;
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		report->file = aside.file;
-		status = html_report_write(report);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	report->file = aside.file;
+	TRY_OR(done, html_report_write(report));
+done:
 	return aside_end(&aside, true, status);
 }
 
@@ -59,13 +55,12 @@ static enum status run(const struct arguments *arguments)
 {
 	struct html_report *report = mem_calloc(1, sizeof *report);
 	const char *path = arguments_text(arguments, "o");
-	enum status status = report != NULL ? check(arguments, path) : fail_memory("a report");
-	if (status == STATUS_OK)
-		status = read_runs(arguments, report);
-	if (status == STATUS_OK)
-		status = write_page(report, path);
-	if (status == STATUS_OK)
-		printf("%s: %zu drive%s\n", path, report->count, report->count == 1 ? "" : "s");
+	enum status status;
+	TRY_OR(done, report != NULL ? check(arguments, path) : fail_memory("a report"));
+	TRY_OR(done, read_runs(arguments, report));
+	TRY_OR(done, write_page(report, path));
+	printf("%s: %zu drive%s\n", path, report->count, report->count == 1 ? "" : "s");
+done:
 	for (size_t i = 0; report != NULL && i < report->count; i++) {
 		html_run_finish(&report->runs[i]);
 		html_rut_finish(&report->ruts[i]);

@@ -14,30 +14,29 @@ static enum status tell_losses(struct store *store, const char *path)
 {
 	char text[1400];
 	int64_t count = 0;
-	enum status status = store_losses(store, false, text, sizeof text, &count);
-	if (status == STATUS_OK && count > 0)
+	TRY(store_losses(store, false, text, sizeof text, &count));
+	if (count > 0)
 		note("%s: %s; that is lost now", path, text);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	struct store_numbers before;
-	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
-	if (status == STATUS_OK)
-		status = store_count(store, &before);
 	const bool force = arguments_flag(arguments, "force");
-	if (status == STATUS_OK && force)
-		status = tell_losses(store, arguments_at(arguments, 0));
 	int64_t soil = 0;
-	for (int plane = PLANE_DISTURBANCE; plane < PLANES && status == STATUS_OK; plane++)
+	enum status status;
+	TRY_OR(done, store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store));
+	TRY_OR(done, store_count(store, &before));
+	if (force)
+		TRY_OR(done, tell_losses(store, arguments_at(arguments, 0)));
+	for (int plane = PLANE_DISTURBANCE; plane < PLANES; plane++)
 		soil += before.plane_tiles[plane];
-	if (status == STATUS_OK)
-		status = store_reset(store, force);
-	if (status == STATUS_OK)
-		printf("%s: %lld offset and %lld soil tiles dropped; the base is as it was imported\n",
-		       arguments_at(arguments, 0), (long long)before.plane_tiles[PLANE_OFFSET], (long long)soil);
+	TRY_OR(done, store_reset(store, force));
+	printf("%s: %lld offset and %lld soil tiles dropped; the base is as it was imported\n",
+	       arguments_at(arguments, 0), (long long)before.plane_tiles[PLANE_OFFSET], (long long)soil);
+done:
 	store_close(store);
 	return status;
 }

@@ -9,18 +9,17 @@ static enum status run(const struct arguments *arguments)
 	struct store *store = NULL;
 	struct store_numbers before, after;
 	int64_t revision;
-	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
-	if (status == STATUS_OK)
-		status = store_count(store, &before);
-	if (status == STATUS_OK)
-		status = store_restore(store, arguments_at(arguments, 1), &revision);
-	if (status == STATUS_OK)
-		status = store_count(store, &after);
-	if (status == STATUS_OK && after.commits == before.commits)
+	enum status status;
+	TRY_OR(done, store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store));
+	TRY_OR(done, store_count(store, &before));
+	TRY_OR(done, store_restore(store, arguments_at(arguments, 1), &revision));
+	TRY_OR(done, store_count(store, &after));
+	if (after.commits == before.commits)
 		printf("%s: it is at revision %lld already\n", arguments_at(arguments, 0), (long long)revision);
-	else if (status == STATUS_OK)
+	else
 		printf("%s: revision %lld is revision %lld again; furrow restore %s %lld undoes that\n", arguments_at(arguments, 0),
 		       (long long)after.commits, (long long)revision, shell_path(arguments_at(arguments, 0)).text, (long long)before.commits);
+done:
 	store_close(store);
 	return status;
 }

@@ -75,13 +75,12 @@ static enum status read_item(const char *option, const char *item, double *list,
 		return fail_with(STATUS_USAGE, "rig: --%s %s: is no number and no range; give one as in 0.2 or 0:0.8:0.1", option, item);
 	if (found == 1)
 		return add(option, numbers[0], list, count);
-	enum status status = STATUS_OK;
 	const double steps = floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9);
-	for (double i = 0; i <= steps && status == STATUS_OK; i++) {
+	for (double i = 0; i <= steps; i++) {
 		const double value = numbers[0] + i * numbers[2];
-		status = add(option, fabs(value) < 1e-9 * numbers[2] ? 0 : value, list, count);
+		TRY(add(option, fabs(value) < 1e-9 * numbers[2] ? 0 : value, list, count));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status read_list(const struct arguments *arguments, const char *option, const char *otherwise, double *list, size_t *count)
@@ -92,11 +91,11 @@ static enum status read_list(const struct arguments *arguments, const char *opti
 	if (given == NULL)
 		return STATUS_OK;
 	char *text = mem_strdup(given), *rest = text, *item;
-	if (text == NULL)
-		return fail_memory("a list");
+	TRY_MEM(text, "a list");
 	enum status status = STATUS_OK;
-	while (status == STATUS_OK && (item = strsep(&rest, ",")) != NULL)
-		status = read_item(option, item, list, count);
+	while ((item = strsep(&rest, ",")) != NULL)
+		TRY_OR(done, read_item(option, item, list, count));
+done:
 	mem_free(text);
 	return status;
 }
@@ -109,16 +108,13 @@ static enum status add_soil(struct asked *asked, const char *given)
 	if (count == SOILS_MOST)
 		return fail_with(STATUS_USAGE, "rig: --soil: are more than %d soils; give fewer", SOILS_MOST);
 	struct soil_given *soil = &asked->given[count];
-	enum status status = soil_given_take(given, soil);
-	if (status != STATUS_OK)
-		return status;
+	TRY(soil_given_take(given, soil));
 	/* Files of one name in two folders. */
 	for (size_t i = 0; i < count; i++)
 		if (strcmp(soil->label, asked->labels[i]) == 0 && strcmp(soil->label, given) != 0) {
 			mem_free(soil->label);
 			soil->label = mem_strdup(given);
-			if (soil->label == NULL)
-				return fail_memory("a soil");
+			TRY_MEM(soil->label, "a soil");
 		}
 	asked->soils[count] = soil->text;
 	asked->labels[count] = soil->label;
@@ -154,12 +150,6 @@ static enum status progress_rig(void *user, int64_t done, int64_t total)
 	return progress_step(&asked->progress, done, total);
 }
 
-static void tell(void *user, const char *text)
-{
-	(void)user;
-	note("%s", text);
-}
-
 static enum status keep(void *user, const struct rig_row *row)
 {
 	struct asked *asked = user;
@@ -169,8 +159,7 @@ static enum status keep(void *user, const struct rig_row *row)
 	if (table->count == asked->room) {
 		const size_t room = asked->room > 0 ? 2 * asked->room : 64;
 		struct rig_row *rows = mem_realloc(table->rows, room, sizeof *rows);
-		if (rows == NULL)
-			return fail_memory("the rig's rows");
+		TRY_MEM(rows, "the rig's rows");
 		table->rows = rows;
 		asked->room = room;
 	}
@@ -211,7 +200,7 @@ static void print_row(const struct rig_table *table, const struct rig_row *row)
 			printf(formats[i], values[i]);
 		else
 			printf("%*s", widths[i], "-");
-	printf("  %s\n", rig_state_names[row->state]);
+	printf("  %s\n", trials_rig_states[row->state]);
 }
 
 static void print_differences(const struct rig_table *table, size_t soil)
@@ -249,10 +238,10 @@ static enum status write_file(const struct rig_table *table, const char *folder,
 	char path[4096];
 	struct aside aside = {.path = NULL};
 	snprintf(path, sizeof path, "%s/%s", folder, name);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		write(table, aside.file);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	write(table, aside.file);
+done:
 	return aside_end(&aside, false, status);
 }
 
@@ -288,6 +277,20 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 	return status;
 }
 
+/* Writes settings as the rig takes them. */
+static enum status join_settings(const struct settings *settings, char **out)
+{
+	size_t room = 1;
+	for (size_t i = 0; i < settings->count; i++)
+		room += strlen(settings->list[i].key) + strlen(settings->list[i].value) + 2;
+	char *at = *out = mem_alloc(room, 1);
+	TRY_MEM(at, "settings");
+	*at = '\0';
+	for (size_t i = 0; i < settings->count; i++)
+		at += sprintf(at, "%s=%s\n", settings->list[i].key, settings->list[i].value);
+	return STATUS_OK;
+}
+
 static enum status make_folder(const char *path)
 {
 	if (mkdir(path, 0777) == 0 || errno == EEXIST)
@@ -299,22 +302,23 @@ static enum status run(const struct arguments *arguments)
 {
 	struct settings settings = {.count = 0};
 	struct asked *asked = mem_calloc(1, sizeof *asked);
-	if (asked == NULL)
-		return fail_memory("the rig");
+	TRY_MEM(asked, "the rig");
 	struct rig_params *params = &asked->params;
 	*params = (struct rig_params){.soils = asked->soils, .loads = asked->loads, .slips = asked->slips, .torques = asked->torques, .stop = &interrupted,
-				      .progress = progress_rig, .tell = tell, .user = asked};
+				      .progress = progress_rig, .advise = true, .user = asked};
 	asked->table.params = params;
 	asked->table.soils = asked->labels;
 	enum status status = read_all(arguments, asked, &settings);
-	params->settings = settings.list;
-	params->setting_count = settings.count;
+	char *joined = NULL;
+	if (status == STATUS_OK)
+		status = join_settings(&settings, &joined);
+	params->settings = joined;
 	if (status == STATUS_OK)
 		status = make_folder(params->folder);
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		progress_start(&asked->progress, "rig", "runs");
-		status = rig_run(params, &asked->table.found, keep, asked);
+		status = trials_rig_run(params, &asked->table.found, keep, asked);
 		progress_end(&asked->progress);
 	}
 	if (status == STATUS_OK)
@@ -327,6 +331,7 @@ static enum status run(const struct arguments *arguments)
 		printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
 	}
 	settings_finish(&settings);
+	mem_free(joined);
 	mem_free(asked->table.rows);
 	mem_free(asked->table.measured);
 	for (size_t i = 0; i < SOILS_MOST; i++)

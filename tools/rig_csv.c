@@ -28,7 +28,7 @@ void rig_csv_write(const struct rig_table *table, FILE *file)
 		fprintf(file, "%s,", quote);
 		for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
 			write_number(numbers[k], ",", file);
-		fprintf(file, "%s\n", rig_state_names[row->state]);
+		fprintf(file, "%s\n", trials_rig_states[row->state]);
 	}
 }
 

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "rig/rig.h"
+#include "trials/trials.h"
 
 #define RIG_MEASURED_MOST 4096
 

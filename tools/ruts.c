@@ -31,9 +31,10 @@ enum status ruts_window(struct store *store, double window[4], bool *any)
 	if (!store_has_working_level(store, &level))
 		return STATUS_OK;
 	struct area area = {.side = extent_spacing(extent, level) * extent->cells};
-	enum status status = store_reader_create(store, &reader);
-	if (status == STATUS_OK)
-		status = store_each_offset(reader, level, add_tile, &area);
+	enum status status;
+	TRY_OR(done, store_reader_create(store, &reader));
+	TRY_OR(done, store_each_offset(reader, level, add_tile, &area));
+done:
 	store_reader_destroy(reader);
 	const double ends[2] = {extent_side(extent, 0), extent_side(extent, 1)};
 	for (int i = 0; i < 4; i++)

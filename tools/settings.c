@@ -9,8 +9,7 @@ static enum status add(struct settings *settings, const char *key, size_t length
 {
 	const size_t room = strlen(value) + 1;
 	char *copy = mem_alloc(length + 1 + room, 1);
-	if (copy == NULL)
-		return fail_memory("settings");
+	TRY_MEM(copy, "settings");
 	memcpy(copy, key, length);
 	copy[length] = '\0';
 	memcpy(copy + length + 1, value, room);
@@ -29,9 +28,10 @@ static bool looks_like_file(const char *value)
 static enum status add_soil(struct settings *settings, const char *path)
 {
 	char *value = NULL;
-	enum status status = soil_given_value(path, &value);
-	if (status == STATUS_OK)
-		status = add(settings, "soil", strlen("soil"), value);
+	enum status status;
+	TRY_OR(done, soil_given_value(path, &value));
+	TRY_OR(done, add(settings, "soil", strlen("soil"), value));
+done:
 	mem_free(value);
 	return status;
 }
@@ -50,9 +50,7 @@ enum status settings_take(const struct arguments *arguments, struct settings *se
 		if (soil && !file && looks_like_file(equals + 1))
 			return fail_with(STATUS_USAGE, "--set %s: not a soil file; give one that ends in .yaml, as furrow fit-soil -o writes it, a name as in "
 						       "--set soil.name=dry_sand, or numbers in braces", text);
-		enum status status = file ? add_soil(settings, equals + 1) : add(settings, text, length, equals + 1);
-		if (status != STATUS_OK)
-			return status;
+		TRY(file ? add_soil(settings, equals + 1) : add(settings, text, length, equals + 1));
 	}
 	return STATUS_OK;
 }

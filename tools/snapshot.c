@@ -8,13 +8,12 @@ static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	struct store_numbers numbers;
-	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
-	if (status == STATUS_OK)
-		status = store_snapshot(store, arguments_at(arguments, 1));
-	if (status == STATUS_OK)
-		status = store_count(store, &numbers);
-	if (status == STATUS_OK)
-		printf("%s: revision %lld is %s\n", arguments_at(arguments, 0), (long long)numbers.commits, arguments_at(arguments, 1));
+	enum status status;
+	TRY_OR(done, store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store));
+	TRY_OR(done, store_snapshot(store, arguments_at(arguments, 1)));
+	TRY_OR(done, store_count(store, &numbers));
+	printf("%s: revision %lld is %s\n", arguments_at(arguments, 0), (long long)numbers.commits, arguments_at(arguments, 1));
+done:
 	store_close(store);
 	return status;
 }

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "dem/dem.h"
-#include "rig/rig.h"
 
 bool soil_given_is_file(const char *given)
 {
@@ -47,8 +46,8 @@ static enum status load_file(const char *path, struct scene **scene)
 {
 	/* The soil is read for the rig's model, whatever the file says of its own. */
 	const struct scene_setting model = {.key = "redistribute", .value = "{model: scm}"};
-	enum status status = scene_load_file(path, &model, 1, SCENE_HOST, scene);
-	return status == STATUS_OK ? check_one(*scene, path) : status;
+	TRY(scene_load_file(path, &model, 1, SCENE_HOST, scene));
+	return check_one(*scene, path);
 }
 
 /* Writes "{name: dry_sand, cohesion: 500}": what the scene gives of its soil. */
@@ -58,8 +57,7 @@ static enum status write_value(const struct scene *scene, char **out)
 	char *text = NULL;
 	size_t size = 0, count = 0;
 	FILE *stream = open_memstream(&text, &size);
-	if (stream == NULL)
-		return fail_memory("a soil");
+	TRY_MEM(stream, "a soil");
 	for (size_t i = 0; i < scene->value_count; i++)
 		if (strncmp(scene->values[i].key, key, strlen(key)) == 0)
 			fprintf(stream, "%s%s: %s", count++ > 0 ? ", " : "{", scene->values[i].key + strlen(key), scene->values[i].text);
@@ -73,9 +71,10 @@ static enum status write_value(const struct scene *scene, char **out)
 enum status soil_given_value(const char *path, char **out)
 {
 	struct scene *scene = NULL;
-	enum status status = load_file(path, &scene);
-	if (status == STATUS_OK)
-		status = write_value(scene, out);
+	enum status status;
+	TRY_OR(done, load_file(path, &scene));
+	TRY_OR(done, write_value(scene, out));
+done:
 	scene_destroy(scene);
 	return status;
 }
@@ -83,13 +82,13 @@ enum status soil_given_value(const char *path, char **out)
 static enum status take_file(const char *path, struct soil_given *soil)
 {
 	struct scene *scene = NULL;
-	enum status status = load_file(path, &scene);
-	if (status == STATUS_OK) {
-		soil->text = rig_soil_text(&scene->soils[0], scene->model);
-		soil->label = label_of(path);
-		if (soil->text == NULL || soil->label == NULL)
-			status = fail_memory("a soil");
-	}
+	enum status status;
+	TRY_OR(done, load_file(path, &scene));
+	soil->text = scene_soil_text(&scene->soils[0], scene->model);
+	soil->label = label_of(path);
+	if (soil->text == NULL || soil->label == NULL)
+		TRY_OR(done, fail_memory("a soil"));
+done:
 	scene_destroy(scene);
 	return status;
 }
@@ -109,15 +108,14 @@ enum status soil_given_of_scene(const struct scene *scene, const char *path, str
 	if (scene->soil_count == 0)
 		return fail_with(STATUS_INPUT, "%s: its model reads no soil; give --soil", path);
 	struct soil_numbers named;
-	soil->text = rig_soil_text(&scene->soils[0], scene->model);
-	char *plain = soil_named(name, &named) == STATUS_OK ? rig_soil_text(&named, scene->model) : NULL;
+	soil->text = scene_soil_text(&scene->soils[0], scene->model);
+	char *plain = soil_named(name, &named) == STATUS_OK ? scene_soil_text(&named, scene->model) : NULL;
 	/* A named soil with numbers of the scene's own is another one. */
 	const bool own = soil->text != NULL && (plain == NULL || strcmp(plain, soil->text) != 0);
 	const size_t room = strlen(name) + strlen(path) + 8;
 	mem_free(plain);
 	soil->label = mem_alloc(room, 1);
-	if (soil->text == NULL || soil->label == NULL)
-		return fail_memory("a soil");
+	TRY_MEM(soil->text != NULL && soil->label != NULL, "a soil");
 	snprintf(soil->label, room, own ? "%s of %s" : "%s", name, path);
 	return STATUS_OK;
 }

@@ -34,8 +34,8 @@ static enum status print_end(const struct study *study)
 
 static enum status collect(struct study *study)
 {
-	enum status status = study_collect(study);
-	return status == STATUS_OK ? print_end(study) : status;
+	TRY(study_collect(study));
+	return print_end(study);
 }
 
 /* Runs what is to do. What there is is collected also when some runs failed. */
@@ -55,16 +55,16 @@ static enum status take_kind(const struct arguments *arguments, int *kind)
 {
 	int given = arguments_flag(arguments, "collect");
 	*kind = -1;
-	enum status status = arguments_choice(arguments, "write", kind);
+	TRY(arguments_choice(arguments, "write", kind));
 	given += *kind >= 0;
 	for (int i = 0; kinds[i] != NULL; i++)
 		if (arguments_flag(arguments, kinds[i])) {
 			*kind = i;
 			given++;
 		}
-	if (status == STATUS_OK && given > 1)
-		status = fail_with(STATUS_USAGE, "study: is to write or collect in two ways; give one of --write and --collect");
-	return status;
+	if (given > 1)
+		return fail_with(STATUS_USAGE, "study: is to write or collect in two ways; give one of --write and --collect");
+	return STATUS_OK;
 }
 
 static enum status run(const struct arguments *arguments)
@@ -74,28 +74,24 @@ static enum status run(const struct arguments *arguments)
 	int kind = -1;
 	const char *directory = arguments_text(arguments, "o"), *first = arguments_at(arguments, 0);
 	const bool again = first != NULL && strcmp(first, "collect") == 0 && arguments_count(arguments) == 2;
-	enum status status = STATUS_OK;
 	if (again != (directory == NULL))
-		status = fail_with(STATUS_USAGE, again ? "study collect: takes no -o; give the folder of the study alone"
-						       : "study: -o is missing; give a folder for the runs");
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "jobs", 1, 1024, &jobs);
-	if (status == STATUS_OK)
-		status = take_kind(arguments, &kind);
-	if (status == STATUS_OK && again)
-		status = study_reopen(&study, arguments_at(arguments, 1));
-	else if (status == STATUS_OK)
-		status = study_read(first, NULL, &study);
-	if (status == STATUS_OK && !again)
-		status = study_prepare(&study, directory, arguments_flag(arguments, "collect"));
-	if (status == STATUS_OK && (again || arguments_flag(arguments, "collect"))) {
-		status = collect(&study);
-	} else if (status == STATUS_OK && kind >= 0) {
-		status = study_write(&study, kind, (int)jobs);
-	} else if (status == STATUS_OK) {
+		return fail_with(STATUS_USAGE, again ? "study collect: takes no -o; give the folder of the study alone"
+						     : "study: -o is missing; give a folder for the runs");
+	TRY(arguments_integer(arguments, "jobs", 1, 1024, &jobs));
+	TRY(take_kind(arguments, &kind));
+	enum status status;
+	TRY_OR(done, again ? study_reopen(&study, arguments_at(arguments, 1)) : study_read(first, NULL, &study));
+	if (!again)
+		TRY_OR(done, study_prepare(&study, directory, arguments_flag(arguments, "collect")));
+	if (again || arguments_flag(arguments, "collect")) {
+		TRY_OR(done, collect(&study));
+	} else if (kind >= 0) {
+		TRY_OR(done, study_write(&study, kind, (int)jobs));
+	} else {
 		const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-		status = work(&study, jobs > 0 ? (int)jobs : cores > 0 ? (int)cores : 1);
+		TRY_OR(done, work(&study, jobs > 0 ? (int)jobs : cores > 0 ? (int)cores : 1));
 	}
+done:
 	study_destroy(&study);
 	return status;
 }

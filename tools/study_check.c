@@ -92,31 +92,38 @@ enum status study_check_sought(const struct study *study, const enum study_found
 	return STATUS_OK;
 }
 
+static enum status check_run(struct study *study, size_t run)
+{
+	struct settings settings = {.count = 0};
+	struct scene *scene = NULL;
+	const char *store;
+	enum status status;
+	TRY_OR(done, study_settings(study, run, &settings, &store));
+	TRY_OR(done, scene_load(study->scene, settings.list, settings.count, &scene));
+	TRY_OR(done, report_check(scene, store));
+done:
+	scene_destroy(scene);
+	return status;
+}
+
 enum status study_check_runs(struct study *study)
 {
 	struct study_refused refused = {.count = 0};
 	struct progress progress;
 	enum status status = STATUS_OK;
 	progress_start(&progress, "study: checking", "runs");
-	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++) {
-		struct settings settings = {.count = 0};
-		struct scene *scene = NULL;
-		const char *store;
+	for (size_t run = 0; run < study->run_count; run++) {
 		if (study->runs[run].state == STUDY_COMPLETE)
 			continue;
-		status = study_settings(study, run, &settings, &store);
-		if (status == STATUS_OK)
-			status = scene_load(study->scene, settings.list, settings.count, &scene);
-		if (status == STATUS_OK)
-			status = report_check(scene, store);
-		scene_destroy(scene);
-		if (status == STATUS_INPUT) {
+		status = check_run(study, run);
+		if (status == STATUS_INPUT)
 			study_refuse(study, &refused, run);
-			status = STATUS_OK;
-		}
-		if (status == STATUS_OK)
-			status = progress_step(&progress, (int64_t)run + 1, (int64_t)study->run_count);
+		else
+			TRY_OR(done, status);
+		TRY_OR(done, progress_step(&progress, (int64_t)run + 1, (int64_t)study->run_count));
 	}
+done:
 	progress_end(&progress);
-	return status == STATUS_OK ? study_tell_refused(study, &refused) : status;
+	TRY(status);
+	return study_tell_refused(study, &refused);
 }

@@ -81,11 +81,13 @@ static enum status take_run(struct study *study, size_t run, struct study_cell *
 	enum status status = STATUS_OK;
 	if (json == NULL)
 		return fail_with(STATUS_FAILED, "runs/%s/run.json: cannot be read; run the study again", study->runs[run].name);
-	for (size_t i = 0; i < study->result_count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < study->result_count; i++)
 		if (study->results[i].source == STUDY_RUN_JSON)
-			status = take_from_json(study, &study->results[i], json, &cells[i]);
+			TRY_OR(done, take_from_json(study, &study->results[i], json, &cells[i]));
+done:
 	cJSON_Delete(json);
-	return status == STATUS_OK ? study_columns(study, run, cells) : status;
+	TRY(status);
+	return study_columns(study, run, cells);
 }
 
 /* --- what is written --- */
@@ -149,10 +151,10 @@ static enum status write_csv(const struct study *study, const struct study_cell 
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	snprintf(path, sizeof path, "%.4000s/study.csv", study->directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		write_rows(study, cells, aside.file);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	write_rows(study, cells, aside.file);
+done:
 	return aside_end(&aside, true, status);
 }
 
@@ -161,9 +163,10 @@ static enum status write_plot(const struct study *study, const struct study_plot
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	plot_path(study, plot, path);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK)
-		status = study_plot_write(study, plot, cells, aside.file);
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	TRY_OR(done, study_plot_write(study, plot, cells, aside.file));
+done:
 	return aside_end(&aside, false, status);
 }
 
@@ -180,17 +183,18 @@ enum status study_collect(struct study *study)
 {
 	const size_t count = study->run_count * study->result_count;
 	struct study_cell *cells = mem_calloc(count, sizeof *cells);
-	enum status status = cells != NULL ? STATUS_OK : fail_memory("results of the study");
-	for (size_t i = 0; i < count && cells != NULL; i++)
+	TRY_MEM(cells, "results of the study");
+	for (size_t i = 0; i < count; i++)
 		cells[i].number = NAN;
-	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++)
+	enum status status;
+	for (size_t run = 0; run < study->run_count; run++)
 		if (study->runs[run].state == STUDY_COMPLETE && study->result_count > 0)
-			status = take_run(study, run, &cells[run * study->result_count]);
-	if (status == STATUS_OK)
-		status = write_csv(study, cells);
-	for (size_t i = 0; i < study->plot_count && status == STATUS_OK; i++)
-		status = write_plot(study, &study->plots[i], cells);
-	for (size_t i = 0; i < count && cells != NULL; i++)
+			TRY_OR(done, take_run(study, run, &cells[run * study->result_count]));
+	TRY_OR(done, write_csv(study, cells));
+	for (size_t i = 0; i < study->plot_count; i++)
+		TRY_OR(done, write_plot(study, &study->plots[i], cells));
+done:
+	for (size_t i = 0; i < count; i++)
 		mem_free(cells[i].text);
 	mem_free(cells);
 	return status;

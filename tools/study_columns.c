@@ -71,18 +71,19 @@ static enum status read_rows(const struct study *study, enum study_source source
 	char *line = NULL, *cells[COLUMNS_MOST];
 	size_t size = 0;
 	enum status status = STATUS_OK;
-	for (uint64_t number = 0; status == STATUS_OK && getline(&line, &size, file) >= 0; number++) {
+	for (uint64_t number = 0; getline(&line, &size, file) >= 0; number++) {
 		const size_t count = cut(line, cells);
-		for (size_t i = 0; i < study->result_count && status == STATUS_OK; i++) {
+		for (size_t i = 0; i < study->result_count; i++) {
 			const struct study_result *result = &study->results[i];
 			if (result->source != source)
 				continue;
 			if (number == 0)
-				status = find_column(study, result, cells, count, &figures[i].column);
+				TRY_OR(done, find_column(study, result, cells, count, &figures[i].column));
 			else if (count > NAME_COLUMN && strcmp(cells[NAME_COLUMN], result->of) == 0)
-				status = take_row(study, result, cells, count, &figures[i]);
+				TRY_OR(done, take_row(study, result, cells, count, &figures[i]));
 		}
 	}
+done:
 	free(line);
 	return status;
 }
@@ -129,9 +130,11 @@ static enum status read_file(const struct study *study, size_t run, enum study_s
 	if (file == NULL)
 		return scene_error(study->file, wanted->node, "%s: %s; allowed: with output.%s in the scene", path, input_problem(),
 				   source == STUDY_OBJECTS ? "forces" : "vehicles");
-	enum status status = read_rows(study, source, file, figures);
-	if (status == STATUS_OK && ferror(file))
-		status = fail_with(STATUS_FAILED, "%s: cannot be read; check the disk", path);
+	enum status status;
+	TRY_OR(done, read_rows(study, source, file, figures));
+	if (ferror(file))
+		TRY_OR(done, fail_with(STATUS_FAILED, "%s: cannot be read; check the disk", path));
+done:
 	fclose(file);
 	return status;
 }
@@ -141,11 +144,10 @@ enum status study_columns(const struct study *study, size_t run, struct study_ce
 	struct figure figures[STUDY_RESULTS];
 	for (size_t i = 0; i < study->result_count; i++)
 		figures[i] = (struct figure){.column = SIZE_MAX, .max = -INFINITY, .min = INFINITY};
-	enum status status = read_file(study, run, STUDY_OBJECTS, figures);
-	if (status == STATUS_OK)
-		status = read_file(study, run, STUDY_VEHICLES, figures);
-	for (size_t i = 0; i < study->result_count && status == STATUS_OK; i++)
+	TRY(read_file(study, run, STUDY_OBJECTS, figures));
+	TRY(read_file(study, run, STUDY_VEHICLES, figures));
+	for (size_t i = 0; i < study->result_count; i++)
 		if (study->results[i].source != STUDY_RUN_JSON)
-			status = give(study, run, &study->results[i], &figures[i], &cells[i]);
-	return status;
+			TRY(give(study, run, &study->results[i], &figures[i], &cells[i]));
+	return STATUS_OK;
 }

@@ -46,13 +46,11 @@ static enum status expand_ranges(struct study *study)
 		if (parameter->values != NULL)
 			continue;
 		parameter->values = mem_calloc(parameter->value_count, sizeof *parameter->values);
-		if (parameter->values == NULL)
-			return fail_memory("values of the study");
+		TRY_MEM(parameter->values, "values of the study");
 		for (size_t k = 0; k < parameter->value_count; k++) {
 			parameter->values[k] =
 				number_text(study, range_at(parameter, (double)k / (double)(parameter->value_count - 1)));
-			if (parameter->values[k] == NULL)
-				return fail_memory("values of the study");
+			TRY_MEM(parameter->values[k], "values of the study");
 		}
 	}
 	return STATUS_OK;
@@ -107,8 +105,9 @@ static enum status fill_hypercube(struct study *study)
 {
 	const size_t runs = study->run_count;
 	size_t *part = mem_calloc(runs, sizeof *part);
-	enum status status = part != NULL ? STATUS_OK : fail_memory("the hypercube");
-	for (size_t i = 0; i < study->parameter_count && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, part != NULL ? STATUS_OK : fail_memory("the hypercube"));
+	for (size_t i = 0; i < study->parameter_count; i++) {
 		const struct study_parameter *parameter = &study->parameters[i];
 		uint64_t state = random_of(study->seed, parameter->name);
 		for (size_t run = 0; run < runs; run++)
@@ -118,7 +117,7 @@ static enum status fill_hypercube(struct study *study)
 			part[left - 1] = part[other];
 			part[other] = held;
 		}
-		for (size_t run = 0; run < runs && status == STATUS_OK; run++) {
+		for (size_t run = 0; run < runs; run++) {
 			const double within = (double)(next_random(&state) >> 11) * 0x1p-53;
 			const double share = ((double)part[run] + within) / (double)runs;
 			const char *value;
@@ -129,28 +128,25 @@ static enum status fill_hypercube(struct study *study)
 				value = number_text(study, range_at(parameter, share));
 			}
 			put_value(study, run, i, value);
-			status = value != NULL ? STATUS_OK : fail_memory("the hypercube");
+			TRY_OR(done, value != NULL ? STATUS_OK : fail_memory("the hypercube"));
 		}
 	}
+done:
 	mem_free(part);
 	return status;
 }
 
 enum status study_expand(struct study *study)
 {
-	enum status status = STATUS_OK;
-	if (study->design == STUDY_GRID)
-		status = expand_ranges(study);
-	if (status == STATUS_OK && study->design == STUDY_GRID)
-		status = count_grid(study);
+	if (study->design == STUDY_GRID) {
+		TRY(expand_ranges(study));
+		TRY(count_grid(study));
+	}
 	if (study->design == STUDY_LIST)
 		study->run_count = study->parameters[0].value_count;
-	if (status != STATUS_OK)
-		return status;
 	study->values = mem_calloc(study->run_count * study->parameter_count, sizeof *study->values);
 	study->runs = mem_calloc(study->run_count, sizeof *study->runs);
-	if (study->values == NULL || study->runs == NULL)
-		return fail_memory("runs of the study");
+	TRY_MEM(study->values != NULL && study->runs != NULL, "runs of the study");
 	if (study->design == STUDY_HYPERCUBE)
 		return fill_hypercube(study);
 	if (study->design == STUDY_GRID)

@@ -278,12 +278,9 @@ enum status study_plot_check(const struct study *study, const struct study_plot 
 enum status study_plot_write(const struct study *study, const struct study_plot *wanted, const struct study_cell *cells, FILE *file)
 {
 	struct plot plot;
-	enum status status = group(study, wanted, study->root, &plot);
-	if (status != STATUS_OK)
-		return status;
+	TRY(group(study, wanted, study->root, &plot));
 	plot.dots = mem_calloc(study->run_count, sizeof *plot.dots);
-	if (plot.dots == NULL)
-		return fail_memory("a plot of the study");
+	TRY_MEM(plot.dots, "a plot of the study");
 	take_dots(&plot, cells);
 	make_axes(&plot);
 	write_all(&plot, file);

@@ -32,12 +32,9 @@ static enum status take_list(struct study *study, const struct scene_node *node,
 	if (node->count == 0 || node->count > STUDY_VALUES)
 		return scene_error(study->file, node, "has %zu values; allowed: 1 to %d", node->count, STUDY_VALUES);
 	parameter->values = mem_calloc(node->count, sizeof *parameter->values);
-	if (parameter->values == NULL)
-		return fail_memory("values of the study");
+	TRY_MEM(parameter->values, "values of the study");
 	for (const struct scene_node *value = node->first; value != NULL; value = value->next) {
-		enum status status = study_yaml(study, value, &parameter->values[parameter->value_count]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(study_yaml(study, value, &parameter->values[parameter->value_count]));
 		for (size_t i = 0; i < parameter->value_count && study->design == STUDY_GRID; i++)
 			if (strcmp(parameter->values[i], parameter->values[parameter->value_count]) == 0)
 				return scene_error(study->file, value, "is written twice; allowed: each value once");
@@ -55,27 +52,19 @@ static enum status take_range(struct study *study, const struct scene_node *node
 	double count = 0;
 	int scale = 0, whole = 0;
 	parameter->from = parameter->to = NAN;
-	enum status status = study_only(study, node, grid ? of_grid : of_cube);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "from", -1e300, 1e300, &parameter->from);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "to", -1e300, 1e300, &parameter->to);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "count", 2, STUDY_VALUES, &count);
-	if (status == STATUS_OK)
-		status = study_choice(study, node, "scale", scales, &scale);
-	if (status == STATUS_OK)
-		status = study_choice(study, node, "whole", truths, &whole);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_only(study, node, grid ? of_grid : of_cube));
+	TRY(study_number(study, node, "from", -1e300, 1e300, &parameter->from));
+	TRY(study_number(study, node, "to", -1e300, 1e300, &parameter->to));
+	TRY(study_number(study, node, "count", 2, STUDY_VALUES, &count));
+	TRY(study_choice(study, node, "scale", scales, &scale));
+	TRY(study_choice(study, node, "whole", truths, &whole));
 	parameter->logarithmic = scale == 1;
 	parameter->whole = whole == 1;
 	if (!(parameter->from < parameter->to))
 		return scene_error(study->file, node, "is no range; allowed: from and to, with from below to");
 	if (parameter->logarithmic && !(parameter->from > 0))
 		return scene_error(study->file, node, "has a logarithmic scale from %g; allowed: from above 0", parameter->from);
-	if (parameter->whole &&
-	    (parameter->logarithmic || parameter->from != floor(parameter->from) || parameter->to != floor(parameter->to)))
+	if (parameter->whole && (parameter->logarithmic || parameter->from != floor(parameter->from) || parameter->to != floor(parameter->to)))
 		return scene_error(study->file, node, "is no range of whole numbers; allowed: whole from and to, linear");
 	if (grid && (count < 2 || count != floor(count)))
 		return scene_error(study->file, node, "says no whole count; allowed: count: 2 to %d", STUDY_VALUES);
@@ -99,17 +88,11 @@ static enum status take_parameters(struct study *study, const struct scene_node 
 		return scene_error(study->file, node, "has no parameters; allowed: a mapping of keys to values");
 	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
 		struct study_parameter *parameter;
-		enum status status = add_parameter(study, child, &parameter);
-		if (status == STATUS_OK && child->kind == SCENE_SCALAR)
-			status = scene_error(study->file, child,
-					     "is a single value; allowed: a list, or a range "
-					     "{from, to, ...}; what all "
-					     "runs have is under `set`");
-		else if (status == STATUS_OK)
-			status = child->kind == SCENE_SEQUENCE ? take_list(study, child, parameter)
-							       : take_range(study, child, parameter);
-		if (status != STATUS_OK)
-			return status;
+		TRY(add_parameter(study, child, &parameter));
+		if (child->kind == SCENE_SCALAR)
+			return scene_error(study->file, child,
+					   "is a single value; allowed: a list, or a range {from, to, ...}; what all runs have is under `set`");
+		TRY(child->kind == SCENE_SEQUENCE ? take_list(study, child, parameter) : take_range(study, child, parameter));
 	}
 	return STATUS_OK;
 }
@@ -127,17 +110,15 @@ static enum status take_runs(struct study *study, const struct scene_node *node)
 					   "same in all");
 	for (const struct scene_node *child = first->first; child != NULL; child = child->next) {
 		struct study_parameter *parameter;
-		enum status status = add_parameter(study, child, &parameter);
-		if (status == STATUS_OK && (parameter->values = mem_calloc(node->count, sizeof *parameter->values)) == NULL)
-			status = fail_memory("values of the study");
-		for (const struct scene_node *run = first; run != NULL && status == STATUS_OK; run = run->next) {
+		TRY(add_parameter(study, child, &parameter));
+		if ((parameter->values = mem_calloc(node->count, sizeof *parameter->values)) == NULL)
+			return fail_memory("values of the study");
+		for (const struct scene_node *run = first; run != NULL; run = run->next) {
 			const struct scene_node *value = scene_node_child(run, child->key);
-			status = value == NULL
-					 ? scene_error(study->file, run, "lacks %s; allowed: the same keys in all runs", child->key)
-					 : study_yaml(study, value, &parameter->values[parameter->value_count++]);
+			if (value == NULL)
+				return scene_error(study->file, run, "lacks %s; allowed: the same keys in all runs", child->key);
+			TRY(study_yaml(study, value, &parameter->values[parameter->value_count++]));
 		}
-		if (status != STATUS_OK)
-			return status;
 	}
 	return STATUS_OK;
 }
@@ -146,13 +127,9 @@ static enum status take_hypercube(struct study *study, const struct scene_node *
 {
 	static const char *const keys[] = {"count", "seed", "parameters", NULL};
 	double count = 0, seed = 0;
-	enum status status = study_only(study, node, keys);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "count", 1, STUDY_RUNS, &count);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "seed", 0, 9007199254740991.0, &seed);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_only(study, node, keys));
+	TRY(study_number(study, node, "count", 1, STUDY_RUNS, &count));
+	TRY(study_number(study, node, "seed", 0, 9007199254740991.0, &seed));
 	const struct scene_node *parameters = scene_node_child(node, "parameters");
 	if (count < 1 || count != floor(count) || seed != floor(seed) || parameters == NULL)
 		return scene_error(study->file, node,
@@ -234,9 +211,7 @@ static enum status take_set(struct study *study)
 					   "`store` beside `scene`",
 					   SETTINGS_MAX);
 		study->set[study->set_count].key = child->key;
-		enum status status = study_yaml(study, child, &study->set[study->set_count++].value);
-		if (status != STATUS_OK)
-			return status;
+		TRY(study_yaml(study, child, &study->set[study->set_count++].value));
 	}
 	return STATUS_OK;
 }
@@ -244,11 +219,8 @@ static enum status take_set(struct study *study)
 static enum status take_paths(struct study *study)
 {
 	const char *scene, *store;
-	enum status status = study_text(study, study->root, "scene", &scene);
-	if (status == STATUS_OK)
-		status = study_text(study, study->root, "store", &store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_text(study, study->root, "scene", &scene));
+	TRY(study_text(study, study->root, "store", &store));
 	if (scene == NULL)
 		return scene_error(study->file, study->root, "names no scene; allowed: scene: FILE");
 	study->scene = study_keep(study, scene_file_beside(study->folder, scene));
@@ -262,31 +234,22 @@ enum status study_read(const char *path, const char *beside, struct study *study
 					   "list",  "hypercube", "results", "plots", NULL};
 	double version = 0;
 	*study = (struct study){.file = path};
-	enum status status = scene_file_read(path, path, SCENE_BYTES, &study->text, &study->length);
-	if (status == STATUS_OK)
-		status = scene_folder_of(beside != NULL ? beside : path, true, &study->folder);
-	if (status == STATUS_OK)
-		status = scene_tree_parse(path, NULL, study->text, study->length, &study->root);
-	if (status == STATUS_OK)
-		status = study_only(study, study->root, keys);
-	if (status == STATUS_OK)
-		status = study_number(study, study->root, "study", 1, 1, &version);
-	if (status == STATUS_OK && version != 1)
-		status = scene_error(path, study->root, "says no version; allowed: study: 1");
-	const struct scene_node *names = status == STATUS_OK ? scene_node_child(study->root, "names") : NULL;
+	TRY(scene_file_read(path, path, SCENE_BYTES, &study->text, &study->length));
+	TRY(scene_folder_of(beside != NULL ? beside : path, true, &study->folder));
+	TRY(scene_tree_parse(path, NULL, study->text, study->length, &study->root));
+	TRY(study_only(study, study->root, keys));
+	TRY(study_number(study, study->root, "study", 1, 1, &version));
+	if (version != 1)
+		return scene_error(path, study->root, "says no version; allowed: study: 1");
+	const struct scene_node *names = scene_node_child(study->root, "names");
 	if (names != NULL && names->kind != SCENE_MAPPING)
-		status = scene_error(path, names, "is no mapping; allowed: a name, and the keys of the scene that it sets");
-	if (status == STATUS_OK && (study->parameters = mem_calloc(STUDY_PARAMETERS, sizeof *study->parameters)) == NULL)
-		status = fail_memory("parameters of the study");
-	if (status == STATUS_OK)
-		status = take_paths(study);
-	if (status == STATUS_OK)
-		status = take_set(study);
-	if (status == STATUS_OK)
-		status = take_design(study);
-	if (status == STATUS_OK)
-		status = check_keys(study);
-	if (status == STATUS_OK)
-		status = study_expand(study);
-	return status == STATUS_OK ? study_read_results(study) : status;
+		return scene_error(path, names, "is no mapping; allowed: a name, and the keys of the scene that it sets");
+	if ((study->parameters = mem_calloc(STUDY_PARAMETERS, sizeof *study->parameters)) == NULL)
+		return fail_memory("parameters of the study");
+	TRY(take_paths(study));
+	TRY(take_set(study));
+	TRY(take_design(study));
+	TRY(check_keys(study));
+	TRY(study_expand(study));
+	return study_read_results(study);
 }

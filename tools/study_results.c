@@ -12,26 +12,21 @@ static enum status take_result(const struct study *study, const struct scene_nod
 	static const char *const sources[] = {"run", "objects", "vehicles"};
 	int given = 0, take = -1;
 	*result = (struct study_result){.name = node->key, .node = node, .after = -INFINITY};
-	enum status status = study_only(study, node, keys);
-	for (int i = 0; i < 3 && status == STATUS_OK; i++) {
+	TRY(study_only(study, node, keys));
+	for (int i = 0; i < 3; i++) {
 		const char *what;
-		status = study_text(study, node, sources[i], &what);
+		TRY(study_text(study, node, sources[i], &what));
 		if (what != NULL) {
 			result->source = (enum study_source)i;
 			result->what = what;
 			given++;
 		}
 	}
-	if (status == STATUS_OK && given != 1)
-		status = scene_error(study->file, node, "says not where it is; allowed: one of run, objects, vehicles");
-	if (status == STATUS_OK)
-		status = study_text(study, node, "of", &result->of);
-	if (status == STATUS_OK)
-		status = study_choice(study, node, "take", takes, &take);
-	if (status == STATUS_OK)
-		status = study_number(study, node, "after", 0, 1e12, &result->after);
-	if (status != STATUS_OK)
-		return status;
+	if (given != 1)
+		return scene_error(study->file, node, "says not where it is; allowed: one of run, objects, vehicles");
+	TRY(study_text(study, node, "of", &result->of));
+	TRY(study_choice(study, node, "take", takes, &take));
+	TRY(study_number(study, node, "after", 0, 1e12, &result->after));
 	result->take = (enum study_take)(take >= 0 ? take : 0);
 	if (result->source == STUDY_RUN_JSON && (result->of != NULL || take >= 0 || isfinite(result->after)))
 		return scene_error(study->file, node,
@@ -58,9 +53,9 @@ static size_t parameter_named(const struct study *study, const char *name)
 static enum status take_parameter(const struct study *study, const struct scene_node *node, const char *key, size_t *out)
 {
 	const char *name;
-	enum status status = study_text(study, node, key, &name);
-	if (status != STATUS_OK || name == NULL)
-		return status;
+	TRY(study_text(study, node, key, &name));
+	if (name == NULL)
+		return STATUS_OK;
 	struct scene_list list = {.length = 0};
 	for (size_t i = 0; i < study->parameter_count; i++)
 		scene_list_add(&list, study->parameters[i].name);
@@ -75,15 +70,10 @@ static enum status take_plot(const struct study *study, const struct scene_node 
 	static const char *const keys[] = {"x", "y", "by", NULL};
 	const char *y = NULL;
 	*plot = (struct study_plot){.x = SIZE_MAX, .by = SIZE_MAX, .y = 0};
-	enum status status = study_only(study, node, keys);
-	if (status == STATUS_OK)
-		status = take_parameter(study, node, "x", &plot->x);
-	if (status == STATUS_OK)
-		status = take_parameter(study, node, "by", &plot->by);
-	if (status == STATUS_OK)
-		status = study_text(study, node, "y", &y);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_only(study, node, keys));
+	TRY(take_parameter(study, node, "x", &plot->x));
+	TRY(take_parameter(study, node, "by", &plot->by));
+	TRY(study_text(study, node, "y", &y));
 	if (y == NULL || plot->x == SIZE_MAX || plot->x == plot->by)
 		return scene_error(study->file, node,
 				   "is no plot; allowed: x (a parameter), y (a result), by "
@@ -117,15 +107,12 @@ enum status study_read_results(struct study *study)
 				*plots = scene_node_child(study->root, "plots");
 	study->results = mem_calloc(STUDY_RESULTS, sizeof *study->results);
 	study->plots = mem_calloc(STUDY_PLOTS, sizeof *study->plots);
-	if (study->results == NULL || study->plots == NULL)
-		return fail_memory("results of the study");
+	TRY_MEM(study->results != NULL && study->plots != NULL, "results of the study");
 	if (results != NULL && (results->kind != SCENE_MAPPING || results->count > STUDY_RESULTS))
 		return scene_error(study->file, results, "is no mapping; allowed: up to %d names, with what each is",
 				   STUDY_RESULTS);
 	for (const struct scene_node *node = results != NULL ? results->first : NULL; node != NULL; node = node->next) {
-		enum status status = take_result(study, node, &study->results[study->result_count]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(take_result(study, node, &study->results[study->result_count]));
 		study->result_count++;
 	}
 	if (plots == NULL) {
@@ -135,11 +122,8 @@ enum status study_read_results(struct study *study)
 	if (plots->kind != SCENE_SEQUENCE || plots->count > STUDY_PLOTS)
 		return scene_error(study->file, plots, "is no list; allowed: up to %d plots", STUDY_PLOTS);
 	for (const struct scene_node *node = plots->first; node != NULL; node = node->next) {
-		enum status status = take_plot(study, node, &study->plots[study->plot_count]);
-		if (status == STATUS_OK)
-			status = study_plot_check(study, &study->plots[study->plot_count], node);
-		if (status != STATUS_OK)
-			return status;
+		TRY(take_plot(study, node, &study->plots[study->plot_count]));
+		TRY(study_plot_check(study, &study->plots[study->plot_count], node));
 		study->plot_count++;
 	}
 	return STATUS_OK;

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "base/aside.h"
 #include "scene/scene_file.h"
 #include "study.h"
@@ -26,9 +26,8 @@ const char *study_path(const struct study *study, size_t run, const char *file, 
 static enum status store_of(struct study *study, const char *value, const char **store)
 {
 	struct scene_node *node;
-	enum status status = scene_tree_parse(study->file, "store", value, strlen(value), &node);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_tree_parse(study->file, "store", value, strlen(value), &node));
+	enum status status = STATUS_OK;
 	if (node->kind != SCENE_SCALAR)
 		status = fail_with(STATUS_INPUT, "%s: store: %s is no path; allowed: the name of a file", study->file, value);
 	else if ((*store = study_keep(study, scene_file_beside(study->folder, node->text))) == NULL)
@@ -39,20 +38,19 @@ static enum status store_of(struct study *study, const char *value, const char *
 
 enum status study_settings(struct study *study, size_t run, struct settings *settings, const char **store)
 {
-	enum status status = STATUS_OK;
 	*store = study->store;
 	settings->count = 0;
 	for (size_t i = 0; i < study->set_count; i++)
 		settings->list[settings->count++] = study->set[i];
 	for (size_t i = 0; i < study->parameter_count; i++)
-		for (size_t k = 0; k < study->parameters[i].key_count && status == STATUS_OK; k++) {
+		for (size_t k = 0; k < study->parameters[i].key_count; k++) {
 			const char *key = study->parameters[i].keys[k], *value = study_value(study, run, i);
 			if (strcmp(key, "store") == 0)
-				status = store_of(study, value, store);
+				TRY(store_of(study, value, store));
 			else
 				settings->list[settings->count++] = (struct scene_setting){key, value};
 		}
-	return status;
+	return STATUS_OK;
 }
 
 enum status study_arguments(struct study *study, size_t run, const char ***out)
@@ -60,12 +58,9 @@ enum status study_arguments(struct study *study, size_t run, const char ***out)
 	struct settings settings = {.count = 0};
 	const char *store;
 	char folder[PATH_MAX], overlay[PATH_MAX];
-	enum status status = study_settings(study, run, &settings, &store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_settings(study, run, &settings, &store));
 	const char **list = mem_calloc(12 + 2 * settings.count, sizeof *list);
-	if (list == NULL)
-		return fail_memory("arguments of a run");
+	TRY_MEM(list, "arguments of a run");
 	size_t count = 0;
 	const char *first[] = {study->program,
 			       "drive",
@@ -75,23 +70,24 @@ enum status study_arguments(struct study *study, size_t run, const char ***out)
 			       "--overlay",
 			       study_print(study, "%s", study_path(study, run, "overlay.furrow", overlay)),
 			       "--resume"};
-	for (size_t i = 0; i < sizeof first / sizeof *first && status == STATUS_OK; i++) {
+	enum status status;
+	for (size_t i = 0; i < sizeof first / sizeof *first; i++) {
 		list[count++] = first[i];
-		status = first[i] != NULL ? STATUS_OK : fail_memory("arguments of a run");
+		TRY_OR(failed, first[i] != NULL ? STATUS_OK : fail_memory("arguments of a run"));
 	}
 	if (store != NULL) {
 		list[count++] = "--store";
 		list[count++] = store;
 	}
-	for (size_t i = 0; i < settings.count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < settings.count; i++) {
 		list[count++] = "--set";
 		list[count++] = study_print(study, "%s=%s", settings.list[i].key, settings.list[i].value);
-		status = list[count - 1] != NULL ? STATUS_OK : fail_memory("arguments of a run");
+		TRY_OR(failed, list[count - 1] != NULL ? STATUS_OK : fail_memory("arguments of a run"));
 	}
-	if (status != STATUS_OK)
-		mem_free(list);
-	else
-		*out = list;
+	*out = list;
+	return STATUS_OK;
+failed:
+	mem_free(list);
 	return status;
 }
 
@@ -111,18 +107,14 @@ static enum status name_run(struct study *study, size_t run, uint64_t hash, enum
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
 	const char *store;
-	enum status status = study_settings(study, run, &settings, &store);
-	if (status == STATUS_OK)
-		status = scene_load(study->scene, settings.list, settings.count, &scene);
-	const char *terrain = store != NULL ? store : scene != NULL ? scene->store : NULL;
-	if (status == STATUS_OK && terrain == NULL)
-		status = fail_with(STATUS_INPUT, "%s: no terrain; name it with store", study->file);
-	if (status == STATUS_OK && access(terrain, R_OK) != 0)
-		status = fail_with(STATUS_INPUT, "%s: %s; give a store that can be read", terrain, strerror(errno));
-	if (status != STATUS_OK) {
-		scene_destroy(scene);
-		return status;
-	}
+	enum status status;
+	TRY_OR(done, study_settings(study, run, &settings, &store));
+	TRY_OR(done, scene_load(study->scene, settings.list, settings.count, &scene));
+	const char *terrain = store != NULL ? store : scene->store;
+	if (terrain == NULL)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: no terrain; name it with store", study->file));
+	if (access(terrain, R_OK) != 0)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: %s; give a store that can be read", terrain, strerror(errno)));
 	study_seek_results(study, scene, found);
 	const struct scene_node *named = scene_node_child(study->root, "store");
 	hash = add_text(add_text(hash, scene->hash), named != NULL ? named->text : "");
@@ -130,10 +122,11 @@ static enum status name_run(struct study *study, size_t run, uint64_t hash, enum
 		hash = add_text(add_text(hash, study->parameters[i].name), study_value(study, run, i));
 	for (size_t i = 0; i < settings.count; i++)
 		hash = add_text(add_text(hash, settings.list[i].key), settings.list[i].value);
-	scene_destroy(scene);
 	snprintf(study->runs[run].name, sizeof study->runs[run].name, "%04zu-%0*llx", run + 1, HASH_DIGITS,
 		 (unsigned long long)(hash >> (64 - 4 * HASH_DIGITS)));
-	return STATUS_OK;
+done:
+	scene_destroy(scene);
+	return status;
 }
 
 static const char *hash_of(const char *name)
@@ -149,24 +142,31 @@ static int by_hash(const void *a, const void *b)
 }
 
 /* A run that has a folder keeps it, also when a changed study file numbers it otherwise. */
+/* `sorted`: the runs in the order of their hashes. */
+static enum status check_differ(const struct study *study, struct study_run *const *sorted)
+{
+	for (size_t i = 1; i < study->run_count; i++)
+		if (by_hash(&sorted[i - 1], &sorted[i]) == 0) {
+			const size_t a = (size_t)(sorted[i - 1] - study->runs), b = (size_t)(sorted[i] - study->runs);
+			return fail_with(STATUS_INPUT, "%s: runs %zu and %zu have the same settings; write each once", study->file,
+					 (a < b ? a : b) + 1, (a < b ? b : a) + 1);
+		}
+	return STATUS_OK;
+}
+
 static enum status keep_folders(const struct study *study, const char *runs)
 {
 	struct study_run **sorted = mem_calloc(study->run_count, sizeof *sorted);
-	enum status status = sorted != NULL ? STATUS_OK : fail_memory("names of runs");
-	for (size_t i = 0; i < study->run_count && sorted != NULL; i++)
+	TRY_MEM(sorted, "names of runs");
+	for (size_t i = 0; i < study->run_count; i++)
 		sorted[i] = &study->runs[i];
-	if (status == STATUS_OK)
-		qsort(sorted, study->run_count, sizeof *sorted, by_hash);
-	for (size_t i = 1; i < study->run_count && status == STATUS_OK; i++)
-		if (by_hash(&sorted[i - 1], &sorted[i]) == 0) {
-			const size_t a = (size_t)(sorted[i - 1] - study->runs), b = (size_t)(sorted[i] - study->runs);
-			status = fail_with(STATUS_INPUT, "%s: runs %zu and %zu have the same settings; write each once",
-					   study->file, (a < b ? a : b) + 1, (a < b ? b : a) + 1);
-		}
-	DIR *folder = status == STATUS_OK ? opendir(runs) : NULL;
-	if (status == STATUS_OK && folder == NULL)
-		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be read", runs, strerror(errno));
-	for (struct dirent *entry; folder != NULL && (entry = readdir(folder)) != NULL;) {
+	qsort(sorted, study->run_count, sizeof *sorted, by_hash);
+	enum status status;
+	TRY_OR(done, check_differ(study, sorted));
+	DIR *folder = opendir(runs);
+	if (folder == NULL)
+		TRY_OR(done, fail_with(STATUS_FAILED, "%s: %s; give a folder that can be read", runs, strerror(errno)));
+	for (struct dirent *entry; (entry = readdir(folder)) != NULL;) {
 		struct study_run key, *wanted = &key;
 		if (hash_of(entry->d_name) == NULL || strlen(entry->d_name) >= sizeof key.name)
 			continue;
@@ -175,8 +175,8 @@ static enum status keep_folders(const struct study *study, const char *runs)
 		if (found != NULL)
 			memcpy((*found)->name, key.name, sizeof key.name);
 	}
-	if (folder != NULL)
-		closedir(folder);
+	closedir(folder);
+done:
 	mem_free(sorted);
 	return status;
 }
@@ -187,23 +187,20 @@ static enum status name_runs(struct study *study, const char *runs, bool collect
 	enum study_found found[STUDY_RESULTS] = {STUDY_NOTHING};
 	char *text;
 	size_t length;
-	enum status status = scene_file_read(study->scene, study->scene, SCENE_BYTES, &text, &length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_file_read(study->scene, study->scene, SCENE_BYTES, &text, &length));
 	const uint64_t hash = add_text(HASH_START, text);
 	mem_free(text);
-	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++) {
-		status = name_run(study, run, hash, found);
-		if (status == STATUS_INPUT) {
+	for (size_t run = 0; run < study->run_count; run++) {
+		enum status status = name_run(study, run, hash, found);
+		if (status == STATUS_INPUT)
 			study_refuse(study, &refused, run);
-			status = STATUS_OK;
-		}
+		else
+			TRY(status);
 	}
-	if (status == STATUS_OK)
-		status = study_tell_refused(study, &refused);
-	if (status == STATUS_OK && !collects)
-		status = study_check_sought(study, found);
-	return status == STATUS_OK ? keep_folders(study, runs) : status;
+	TRY(study_tell_refused(study, &refused));
+	if (!collects)
+		TRY(study_check_sought(study, found));
+	return keep_folders(study, runs);
 }
 
 /* --- folders --- */
@@ -225,26 +222,25 @@ static enum status write_script(struct study *study, size_t run)
 	char path[PATH_MAX], log[PATH_MAX], json[PATH_MAX];
 	const char **list = NULL;
 	struct aside aside = {.path = NULL};
-	enum status status = study_arguments(study, run, &list);
-	if (status == STATUS_OK)
-		status = aside_begin(&aside, study_path(study, run, "run.sh", path));
-	if (status == STATUS_OK) {
-		fputs("#!/bin/sh\n# One run of a study. It is not run again when it is complete; "
-		      "it goes on when it was killed.\n"
-		      "grep -q '\"ended\":[[:space:]]*\"complete\"' ",
-		      aside.file);
-		study_quote(study_path(study, run, "run.json", json), aside.file);
-		fputs(" 2>/dev/null && exit 0\nfurrow=${FURROW:-", aside.file);
-		study_quote(list[0], aside.file);
-		fputs("}\nexec \"$furrow\"", aside.file);
-		for (const char **argument = list + 1; *argument != NULL; argument++) {
-			fputc(' ', aside.file);
-			study_quote(*argument, aside.file);
-		}
-		fputs(" >>", aside.file);
-		study_quote(study_path(study, run, "log.txt", log), aside.file);
-		fputs(" 2>&1\n", aside.file);
+	enum status status;
+	TRY_OR(done, study_arguments(study, run, &list));
+	TRY_OR(done, aside_begin(&aside, study_path(study, run, "run.sh", path)));
+	fputs("#!/bin/sh\n# One run of a study. It is not run again when it is complete; "
+	      "it goes on when it was killed.\n"
+	      "grep -q '\"ended\":[[:space:]]*\"complete\"' ",
+	      aside.file);
+	study_quote(study_path(study, run, "run.json", json), aside.file);
+	fputs(" 2>/dev/null && exit 0\nfurrow=${FURROW:-", aside.file);
+	study_quote(list[0], aside.file);
+	fputs("}\nexec \"$furrow\"", aside.file);
+	for (const char **argument = list + 1; *argument != NULL; argument++) {
+		fputc(' ', aside.file);
+		study_quote(*argument, aside.file);
 	}
+	fputs(" >>", aside.file);
+	study_quote(study_path(study, run, "log.txt", log), aside.file);
+	fputs(" 2>&1\n", aside.file);
+done:
 	status = aside_end(&aside, false, status);
 	mem_free(list);
 	return status;
@@ -256,10 +252,10 @@ static enum status write_copy(const struct study *study)
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	snprintf(path, sizeof path, "%.4000s/study.yaml", study->directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		fwrite(study->text, 1, study->length, aside.file);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	fwrite(study->text, 1, study->length, aside.file);
+done:
 	return aside_end(&aside, false, status);
 }
 
@@ -279,34 +275,36 @@ static enum status find_paths(struct study *study, const char *directory)
 	return study->program != NULL && study->directory != NULL ? STATUS_OK : fail_memory("paths of the study");
 }
 
+/* Makes the folder of runs, names them and looks which are there. */
+static enum status find_runs(struct study *study, const char *directory, bool collects)
+{
+	char path[PATH_MAX];
+	TRY(drive_folder_make(directory));
+	TRY(find_paths(study, directory));
+	snprintf(path, sizeof path, "%.4000s/runs", study->directory);
+	TRY(drive_folder_make(path));
+	TRY(name_runs(study, path, collects));
+	for (size_t run = 0; run < study->run_count; run++)
+		study_look(study, run);
+	return collects ? STATUS_OK : study_check_runs(study);
+}
+
 enum status study_prepare(struct study *study, const char *directory, bool collects)
 {
 	char path[PATH_MAX];
 	struct stat found;
 	const bool there = stat(directory, &found) == 0;
-	enum status status = api_folder_make(directory);
-	if (status == STATUS_OK)
-		status = find_paths(study, directory);
-	const char *runs = study->directory != NULL ? study->directory : "";
-	snprintf(path, sizeof path, "%.4000s/runs", runs);
-	if (status == STATUS_OK)
-		status = api_folder_make(path);
-	if (status == STATUS_OK)
-		status = name_runs(study, path, collects);
-	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++)
-		study_look(study, run);
-	if (status == STATUS_OK && !collects)
-		status = study_check_runs(study);
+	enum status status = find_runs(study, directory, collects);
 	if (status != STATUS_OK && !there && study->directory != NULL) { /* a refused study leaves nothing */
+		snprintf(path, sizeof path, "%.4000s/runs", study->directory);
 		(void)rmdir(path);
 		(void)rmdir(study->directory);
 	}
-	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++) {
-		status = api_folder_make(study_path(study, run, "", path));
-		if (status == STATUS_OK)
-			status = write_script(study, run);
+	TRY(status);
+	for (size_t run = 0; run < study->run_count; run++) {
+		TRY(drive_folder_make(study_path(study, run, "", path)));
+		TRY(write_script(study, run));
 	}
-	if (status == STATUS_OK)
-		status = write_copy(study);
-	return status == STATUS_OK ? study_manifest(study) : status;
+	TRY(write_copy(study));
+	return study_manifest(study);
 }

@@ -101,13 +101,12 @@ enum status study_manifest(const struct study *study)
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	char *text = manifest_text(study);
-	if (text == NULL)
-		return fail_memory("study.json");
+	TRY_MEM(text, "study.json");
 	snprintf(path, sizeof path, "%.4000s/study.json", study->directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		fprintf(aside.file, "%s\n", text);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	fprintf(aside.file, "%s\n", text);
+done:
 	status = aside_end(&aside, true, status);
 	cJSON_free(text);
 	return status;
@@ -132,6 +131,19 @@ static enum status take_names(struct study *study, const cJSON *json, const char
 	return STATUS_OK;
 }
 
+/* Reads the copy of the study that is in its folder. `file`: the path it was read from at first. */
+static enum status read_copy(struct study *study, const char *directory, const char *file)
+{
+	const size_t room = strlen(directory) + sizeof "/study.yaml";
+	char *copy = mem_alloc(room, 1);
+	TRY_MEM(copy, "paths of the study");
+	snprintf(copy, room, "%s/study.yaml", directory);
+	enum status status = study_read(copy, file, study);
+	const bool kept = study_keep(study, copy) != NULL;
+	TRY(status);
+	return kept ? STATUS_OK : fail_memory("paths of the study");
+}
+
 enum status study_reopen(struct study *study, const char *directory)
 {
 	char manifest[PATH_MAX];
@@ -139,21 +151,14 @@ enum status study_reopen(struct study *study, const char *directory)
 	snprintf(manifest, sizeof manifest, "%.4000s/study.json", directory);
 	cJSON *json = json_read(manifest);
 	const char *file = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "file"));
-	if (file == NULL) {
-		cJSON_Delete(json);
-		return fail_with(STATUS_INPUT, "%s: is no study's; give the folder that furrow study was given with -o", directory);
-	}
-	const size_t room = strlen(directory) + sizeof "/study.yaml";
-	char *copy = mem_alloc(room, 1);
-	if (copy != NULL)
-		snprintf(copy, room, "%s/study.yaml", directory);
-	enum status status = copy != NULL ? study_read(copy, file, study) : fail_memory("paths of the study");
-	if (study_keep(study, copy) == NULL && status == STATUS_OK)
-		status = fail_memory("paths of the study");
-	if (status == STATUS_OK && (study->directory = realpath(directory, NULL)) == NULL)
-		status = fail_with(STATUS_FAILED, "%s: cannot be found; give a folder that can be read", directory);
-	if (status == STATUS_OK)
-		status = take_names(study, json, manifest);
+	enum status status;
+	if (file == NULL)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: is no study's; give the folder that furrow study was given with -o", directory));
+	TRY_OR(done, read_copy(study, directory, file));
+	if ((study->directory = realpath(directory, NULL)) == NULL)
+		TRY_OR(done, fail_with(STATUS_FAILED, "%s: cannot be found; give a folder that can be read", directory));
+	TRY_OR(done, take_names(study, json, manifest));
+done:
 	cJSON_Delete(json);
 	return status;
 }

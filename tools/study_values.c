@@ -123,8 +123,7 @@ enum status study_yaml(struct study *study, const struct scene_node *node, const
 	char *text = NULL;
 	size_t size;
 	FILE *file = open_memstream(&text, &size);
-	if (file == NULL)
-		return fail_memory("a value of the study");
+	TRY_MEM(file, "a value of the study");
 	scene_node_write(node, file);
 	bool whole = !ferror(file);
 	whole = fclose(file) == 0 && whole;

@@ -56,30 +56,33 @@ static void become_drive(const char *const *arguments, int log, pid_t parent)
 	_exit(1);
 }
 
+static enum status fork_drive(struct job *job, size_t run, const char **arguments, int log)
+{
+	const pid_t parent = getpid();
+	fflush(NULL);
+	const pid_t pid = fork();
+	if (pid == 0)
+		become_drive(arguments, log, parent);
+	if (pid < 0)
+		return fail_with(STATUS_FAILED, "fork: %s; use fewer --jobs", strerror(errno));
+	*job = (struct job){.pid = pid, .run = run};
+	return STATUS_OK;
+}
+
 static enum status start(struct work *work, struct job *job, size_t run)
 {
 	char path[PATH_MAX];
 	const char **arguments = NULL;
-	enum status status = study_arguments(work->study, run, &arguments);
-	if (status != STATUS_OK)
-		return status;
+	TRY(study_arguments(work->study, run, &arguments));
+	enum status status;
 	const int log = output_create(study_path(work->study, run, "log.txt", path), O_WRONLY | O_APPEND);
-	if (log < 0) {
-		status = fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written"));
-	} else {
-		const pid_t parent = getpid();
-		fflush(NULL);
-		const pid_t pid = fork();
-		if (pid == 0)
-			become_drive(arguments, log, parent);
-		if (pid < 0)
-			status = fail_with(STATUS_FAILED, "fork: %s; use fewer --jobs", strerror(errno));
-		else
-			*job = (struct job){.pid = pid, .run = run};
-		close(log);
-	}
-	if (status == STATUS_OK)
-		work->study->runs[run].state = STUDY_BEGUN;
+	if (log < 0)
+		TRY_OR(done, fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written")));
+	status = fork_drive(job, run, arguments, log);
+	close(log);
+	TRY_OR(done, status);
+	work->study->runs[run].state = STUDY_BEGUN;
+done:
 	mem_free(arguments);
 	return status;
 }
@@ -164,9 +167,7 @@ static enum status start_some(struct work *work)
 			work->next++;
 		if (work->next == work->study->run_count)
 			return STATUS_OK;
-		enum status status = start(work, job, work->next++);
-		if (status != STATUS_OK)
-			return status;
+		TRY(start(work, job, work->next++));
 	}
 	return STATUS_OK;
 }
@@ -216,6 +217,21 @@ static enum status tell(const struct work *work)
 			 work->total, run->name, run->error != NULL ? run->error : "no error is in its log");
 }
 
+static enum status check_and_run(struct work *work, int jobs)
+{
+	struct study *study = work->study;
+	work->jobs = mem_calloc((size_t)jobs, sizeof *work->jobs);
+	TRY_MEM(work->jobs, "jobs of the study");
+	interrupt_catch();
+	progress_start(&work->progress, "study", "runs");
+	for (size_t run = 0; run < study->run_count && !work->checked; run++)
+		if (study->runs[run].state == STUDY_COMPLETE) {
+			TRY(study_check_run(study, run));
+			work->checked = true;
+		}
+	return run_all(work);
+}
+
 enum status study_work(struct study *study, int jobs)
 {
 	struct work work = {.study = study, .job_count = jobs, .written = clock_seconds()};
@@ -230,23 +246,12 @@ enum status study_work(struct study *study, int jobs)
 	}
 	for (size_t run = 0; run < study->run_count; run++)
 		work.total += study->runs[run].state != STUDY_COMPLETE;
-	enum status status = STATUS_OK;
-	if ((work.jobs = mem_calloc((size_t)jobs, sizeof *work.jobs)) == NULL)
-		status = fail_memory("jobs of the study");
-	interrupt_catch();
-	progress_start(&work.progress, "study", "runs");
-	for (size_t run = 0; run < study->run_count && status == STATUS_OK && !work.checked; run++)
-		if (study->runs[run].state == STUDY_COMPLETE) {
-			status = study_check_run(study, run);
-			work.checked = true;
-		}
-	if (status == STATUS_OK)
-		status = run_all(&work);
+	enum status status = check_and_run(&work, jobs);
 	const enum status written = study_manifest(study);
-	if (status == STATUS_OK)
-		status = written;
-	if (status == STATUS_OK)
-		status = tell(&work);
+	TRY_OR(done, status);
+	TRY_OR(done, written);
+	TRY_OR(done, tell(&work));
+done:
 	mem_free(work.jobs);
 	close(folder);
 	return status;

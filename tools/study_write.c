@@ -73,20 +73,18 @@ enum status study_write(struct study *study, int kind, int jobs)
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
 	snprintf(path, sizeof path, "%.4000s/%s", study->directory, names[kind]);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		if (kind == 0)
-			write_slurm(study, jobs, aside.file);
-		else if (kind == 1)
-			write_parallel(study, aside.file);
-		else
-			write_snakemake(study, aside.file);
-		status = aside_whole(&aside, false);
-	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	if (status == STATUS_OK)
-		printf("%zu runs: %s\n", study->run_count, path);
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	if (kind == 0)
+		write_slurm(study, jobs, aside.file);
+	else if (kind == 1)
+		write_parallel(study, aside.file);
+	else
+		write_snakemake(study, aside.file);
+	TRY_OR(done, aside_whole(&aside, false));
+	TRY_OR(done, aside_publish(&aside));
+	printf("%zu runs: %s\n", study->run_count, path);
+done:
 	aside_finish(&aside);
 	return status;
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "command.h"
-#include "api/intake.h"
+#include "intake/intake.h"
 #include "made.h"
 
 static const char *const kinds[] = {"ridged", "dunes", "plain", NULL};
@@ -56,25 +56,46 @@ static enum status make_posts(void *user, struct post_rect rect, double *heights
 	int64_t rows = rect.y1 - rect.y0, width = rect.x1 - rect.x0;
 	int64_t count = rows < making->jobs ? rows : making->jobs;
 	enum status status = STATUS_OK;
-	for (int64_t i = count - 1; i >= 0 && status == STATUS_OK; i--) {
+	for (int64_t i = count - 1; i >= 0; i--) {
 		int64_t first = rows * i / count, end = rows * (i + 1) / count;
 		jobs[i].synth = &making->synth;
 		jobs[i].rect = (struct post_rect){rect.x0, rect.y0 + first, rect.x1, rect.y0 + end};
 		jobs[i].heights = heights + first * width;
 		if (i > 0)
-			status = thread_start(&jobs[i].thread, job_run, &jobs[i], "furrow-synth");
+			TRY_OR(done, thread_start(&jobs[i].thread, job_run, &jobs[i], "furrow-synth"));
 		else
 			job_run(&jobs[i]);
 	}
+done:
 	for (int64_t i = 1; i < count; i++)
 		thread_join(&jobs[i].thread);
+	return status;
+}
+
+static enum status write_rows(struct making *making, const char *path, struct dem_writer *writer)
+{
+	const struct dem_synth *synth = &making->synth;
+	const int64_t most = ((int64_t)1 << 20) / synth->width, band = most < 1 ? 1 : most > 64 ? 64 : most; /* rows */
+	double *heights = mem_alloc((size_t)synth->width * (size_t)band, sizeof *heights);
+	TRY_MEM(heights, "synthetic rows");
+	struct progress progress;
+	progress_start(&progress, path, "rows");
+	enum status status = STATUS_OK;
+	for (int64_t y = 0; y < synth->height; y += band) {
+		int64_t rows = synth->height - y < band ? synth->height - y : band;
+		TRY_OR(done, make_posts(making, (struct post_rect){0, y, synth->width, y + rows}, heights));
+		TRY_OR(done, dem_writer_rows(writer, rows, heights));
+		TRY_OR(done, progress_step(&progress, y + rows, synth->height));
+	}
+done:
+	progress_end(&progress);
+	mem_free(heights);
 	return status;
 }
 
 static enum status write_raster(struct making *making, const char *path, bool png)
 {
 	const struct dem_synth *synth = &making->synth;
-	const int64_t most = ((int64_t)1 << 20) / synth->width, band = most < 1 ? 1 : most > 64 ? 64 : most; /* rows */
 	struct dem_raster raster = {
 		.path = path,
 		.width = synth->width,
@@ -84,32 +105,14 @@ static enum status write_raster(struct making *making, const char *path, bool pn
 		.spacing = synth->spacing,
 	};
 	struct dem_writer *writer = NULL;
-	double *heights = NULL;
 	interrupt_catch();
-	enum status status = dem_writer_create(&raster, &writer);
-	if (status != STATUS_OK)
-		return status;
-	struct progress progress;
-	progress_start(&progress, path, "rows");
-	heights = mem_alloc((size_t)synth->width * (size_t)band, sizeof *heights);
-	if (heights == NULL)
-		status = fail_memory("synthetic rows");
-	for (int64_t y = 0; y < synth->height && status == STATUS_OK; y += band) {
-		int64_t rows = synth->height - y < band ? synth->height - y : band;
-		status = make_posts(making, (struct post_rect){0, y, synth->width, y + rows}, heights);
-		if (status == STATUS_OK)
-			status = dem_writer_rows(writer, rows, heights);
-		if (status == STATUS_OK)
-			status = progress_step(&progress, y + rows, synth->height);
-	}
-	progress_end(&progress);
-	if (status == STATUS_OK)
-		status = dem_writer_publish(writer);
+	enum status status;
+	TRY_OR(done, dem_writer_create(&raster, &writer));
+	TRY_OR(done, write_rows(making, path, writer));
+	TRY_OR(done, dem_writer_publish(writer));
+	printf("%s: %lld x %lld posts, %g m apart\n", path, (long long)synth->width, (long long)synth->height, synth->spacing);
+done:
 	dem_writer_destroy(writer);
-	mem_free(heights);
-	if (status == STATUS_OK)
-		printf("%s: %lld x %lld posts, %g m apart\n", path, (long long)synth->width,
-		       (long long)synth->height, synth->spacing);
 	return status;
 }
 
@@ -135,26 +138,17 @@ static enum status run(const struct arguments *arguments)
 	struct dem_synth *synth = &making.synth;
 	int kind = 0;
 	int64_t seed = 1;
-	enum status status = STATUS_OK;
 	if (path == NULL)
-		status = fail_with(STATUS_USAGE, "synth: -o is missing; give a file ending in .tif, .png or .furrow");
-	if (status == STATUS_OK)
-		status = parse_posts(arguments_text(arguments, "posts"), synth);
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "spacing", 1e-4, 1e5, &synth->spacing);
-	if (status == STATUS_OK && synth->spacing == 0)
-		status = fail_with(STATUS_USAGE, "synth: --spacing is missing; give metres between posts");
-	if (status == STATUS_OK)
-		status = arguments_choice(arguments, "kind", &kind);
+		return fail_with(STATUS_USAGE, "synth: -o is missing; give a file ending in .tif, .png or .furrow");
+	TRY(parse_posts(arguments_text(arguments, "posts"), synth));
+	TRY(arguments_number(arguments, "spacing", 1e-4, 1e5, &synth->spacing));
+	if (synth->spacing == 0)
+		return fail_with(STATUS_USAGE, "synth: --spacing is missing; give metres between posts");
+	TRY(arguments_choice(arguments, "kind", &kind));
 	synth->relief = reliefs[kind];
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "relief", 0, 15000, &synth->relief);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "seed", 0, INT64_MAX, &seed);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "jobs", 1, JOBS_MOST, &making.jobs);
-	if (status != STATUS_OK)
-		return status;
+	TRY(arguments_number(arguments, "relief", 0, 15000, &synth->relief));
+	TRY(arguments_integer(arguments, "seed", 0, INT64_MAX, &seed));
+	TRY(arguments_integer(arguments, "jobs", 1, JOBS_MOST, &making.jobs));
 	synth->kind = (enum dem_synth_kind)kind;
 	synth->seed = (uint64_t)seed;
 	bool png = dem_path_ends(path, ".png");
@@ -176,8 +170,8 @@ static enum status run(const struct arguments *arguments)
 		.posts_user = &making,
 		.meta = {
 			.extent = {synth->width, synth->height, synth->spacing, 256},
-			.max_error = api_intake_default_error(0),
-			.step = api_intake_step(api_intake_default_error(0), 0, false),
+			.max_error = intake_default_error(0),
+			.step = intake_step(intake_default_error(0), 0, false),
 			.srs = "",
 			.vertical = "",
 			.sources = sources,
@@ -188,11 +182,11 @@ static enum status run(const struct arguments *arguments)
 	progress_start(&progress, path, "rows");
 	intake.progress = progress_step;
 	intake.progress_user = &progress;
-	enum status status_made = api_intake_run(&intake);
+	enum status status = intake_run(&intake);
 	progress_end(&progress);
-	if (status_made == STATUS_OK)
-		print_made(&intake);
-	return status_made;
+	TRY(status);
+	print_made(&intake);
+	return STATUS_OK;
 }
 
 const struct command command_synth = {

@@ -17,7 +17,7 @@ sh tools/packages.sh
 build=${BUILD:-build-test}
 asan=${BUILD:-build}-asan
 tsan=${BUILD:-build}-tsan
-threaded='page/pin page/write_back page/hazards page/prefetch page/faults page/newest page/random resident/ground resident/homes motion/prefetcher base/crew laws/batches laws/threads api/threads'
+threaded='page/pin page/write_back page/hazards page/prefetch page/faults page/newest page/random resident/ground resident/homes resident/prefetcher base/crew laws/batches laws/threads api/threads'
 
 export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0"
 export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"

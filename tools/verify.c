@@ -55,28 +55,26 @@ static enum status run(const struct arguments *arguments)
 	struct store_check check;
 	struct listing listing = {.problems = NULL};
 	const char *path = arguments_at(arguments, 0);
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	if (json && (listing.problems = cJSON_CreateArray()) == NULL) {
 		store_close(store);
 		return fail_memory("JSON");
 	}
 	interrupt_catch();
 	progress_start(&listing.progress, path, "tiles");
-	status = store_verify(store, on_problem, on_progress, &listing, &check);
+	enum status status = store_verify(store, on_problem, on_progress, &listing, &check);
 	progress_end(&listing.progress);
-	if (status == STATUS_OK && json)
-		status = print_json(listing.problems, &check);
-	else
-		cJSON_Delete(listing.problems);
-	if (status == STATUS_OK && !json && check.problems == 0)
-		printf("%s: %lld tiles, all well\n", path, (long long)check.tiles);
-	if (status == STATUS_OK && check.problems > 0)
-		status = fail_with(STATUS_INPUT, "%s: %lld problem%s; restore it from a copy, or import it again", path,
-				   (long long)check.problems, check.problems == 1 ? "" : "s");
 	store_close(store);
-	return status;
+	if (status != STATUS_OK)
+		cJSON_Delete(listing.problems);
+	TRY(status);
+	if (json)
+		TRY(print_json(listing.problems, &check));
+	else if (check.problems == 0)
+		printf("%s: %lld tiles, all well\n", path, (long long)check.tiles);
+	return check.problems == 0 ? STATUS_OK
+				   : fail_with(STATUS_INPUT, "%s: %lld problem%s; restore it from a copy, or import it again", path,
+					       (long long)check.problems, check.problems == 1 ? "" : "s");
 }
 
 const struct command command_verify = {

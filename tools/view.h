@@ -3,7 +3,7 @@
 #define FURROW_TOOLS_VIEW_H
 
 #include "command.h"
-#include "api/api.h"
+#include "drive/drive.h"
 #include "settings.h"
 #include "window.h"
 
@@ -69,12 +69,12 @@ struct viewer {
 #define VIEW_PACE_LEAST (-6)
 #define VIEW_PACE_MOST 7
 void viewer_init(struct viewer *viewer, struct window *window, const struct scene *scene);
-struct api_host viewer_host(struct viewer *viewer);
+struct drive_host viewer_host(struct viewer *viewer);
 
 /* --- view_picture.c: what is drawn over the picture --- */
-void view_figures_text(const struct viewer *viewer, const struct api_figures *figures, char *text, size_t size);
+void view_figures_text(const struct viewer *viewer, const struct drive_figures *figures, char *text, size_t size);
 /* The line of figures, the legend of a layer, the help. Rows from the lowest. Without a pen nothing. */
-enum status view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
+enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
 	FURROW_CHECKED;
 
 /* --- view_scene.c: the scene as it is viewed --- */

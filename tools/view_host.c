@@ -44,10 +44,10 @@ static void tell(struct viewer *viewer, const char *format, ...)
 
 static enum status ground_below(struct drive *drive, const double eye[3], double *ground)
 {
-	const struct store_meta *meta = api_store(drive);
-	const struct terrain_point point = {eye[0], eye[1]};
-	struct terrain_height found = {.height = NAN};
-	enum status status = api_heights(drive, &point, 1, &found);
+	const struct store_meta *meta = drive_store(drive);
+	const struct resident_point point = {eye[0], eye[1]};
+	struct resident_height found = {.height = NAN};
+	enum status status = drive_heights(drive, &point, 1, &found);
 	*ground = !isnan(found.height) ? found.height : isnan(meta->low) ? 0 : meta->low;
 	return status;
 }
@@ -73,13 +73,13 @@ static enum status place_eye(struct viewer *viewer, struct drive *drive, double 
 	else
 		memset(way, 0, sizeof way);
 	if (eye->mode == VIEW_MODE_SCENE) {
-		api_scene_camera(drive, &camera);
+		drive_scene_camera(drive, &camera);
 		view_eye_take(eye, &camera);
 		return STATUS_OK;
 	}
 	bool follows = eye->mode == VIEW_MODE_FOLLOW;
 	if (follows) {
-		api_place(drive, eye->object, place, &yaw);
+		drive_place(drive, eye->object, place, &yaw);
 		view_eye_follow(eye, place, yaw, seconds);
 	}
 	enum status status = ground_below(drive, eye->eye, &ground);
@@ -114,26 +114,26 @@ static enum status drop_at(struct viewer *viewer, struct drive *drive, double x,
 {
 	struct render_camera camera;
 	int width, height;
-	struct terrain_ray ray = {.length = INFINITY};
-	struct terrain_hit hit = {.hit = false};
+	struct resident_ray ray = {.length = INFINITY};
+	struct resident_hit hit = {.hit = false};
 	bool pressed = false;
 	window_size(viewer->window, &width, &height);
 	if (viewer->eye.mode == VIEW_MODE_SCENE)
-		api_scene_camera(drive, &camera);
+		drive_scene_camera(drive, &camera);
 	else
 		view_eye_camera(&viewer->eye, &camera);
 	view_ray(&camera, width, height, x, y, ray.direction);
 	memcpy(ray.origin, camera.eye, sizeof ray.origin);
-	enum status status = api_rays(drive, &ray, 1, &hit);
+	enum status status = drive_rays(drive, &ray, 1, &hit);
 	if (status == STATUS_OK && hit.hit)
-		status = api_drop(drive, viewer->shape, hit.point[0], hit.point[1], viewer->eye.yaw, &pressed);
+		status = drive_drop(drive, viewer->shape, hit.point[0], hit.point[1], viewer->eye.yaw, &pressed);
 	if (status != STATUS_OK)
 		return status;
 	viewer->drops += pressed;
 	if (pressed)
 		tell(viewer, "dropped at %.2f, %.2f", hit.point[0], hit.point[1]);
 	else
-		tell(viewer, api_scene(drive)->object_count == 0 ? "the scene has no object: its ground does not give" :
+		tell(viewer, drive_scene(drive)->object_count == 0 ? "the scene has no object: its ground does not give" :
 								   "there is no ground");
 	return STATUS_OK;
 }
@@ -170,7 +170,7 @@ static enum status key_down(struct viewer *viewer, struct drive *drive, int key)
 	int which = 0;
 	switch (view_action_of(key, &which)) {
 	case VIEW_FOLLOW:
-		follow_next(viewer, api_scene(drive));
+		follow_next(viewer, drive_scene(drive));
 		break;
 	case VIEW_RESET:
 		viewer->eye.mode = VIEW_MODE_SCENE;
@@ -196,7 +196,7 @@ static enum status key_down(struct viewer *viewer, struct drive *drive, int key)
 		tell(viewer, viewer->shape == WORLD_DROP_BALL ? "drops a ball" : "drops the first object's shape");
 		break;
 	case VIEW_LAYER:
-		show_layer(viewer, api_scene(drive), which);
+		show_layer(viewer, drive_scene(drive), which);
 		break;
 	case VIEW_SNAPSHOT:
 		viewer->snapshot = viewer->again = true;
@@ -246,11 +246,11 @@ static enum status take_events(struct viewer *viewer, struct drive *drive)
 
 static void write_title(struct viewer *viewer, struct drive *drive, double now)
 {
-	struct api_figures figures;
+	struct drive_figures figures;
 	char figured[256], title[320];
 	if (now - viewer->titled < TITLE_EVERY)
 		return;
-	api_figures(drive, &figures);
+	drive_figures(drive, &figures);
 	viewer->steps = figures.steps;
 	viewer->titled = now;
 	view_figures_text(viewer, &figures, figured, sizeof figured);
@@ -260,14 +260,14 @@ static void write_title(struct viewer *viewer, struct drive *drive, double now)
 
 static uint32_t side_of(int pixels)
 {
-	return pixels < 1 ? 1 : (uint32_t)pixels > API_PICTURE_MOST ? API_PICTURE_MOST : (uint32_t)pixels;
+	return pixels < 1 ? 1 : (uint32_t)pixels > DRIVE_PICTURE_MOST ? DRIVE_PICTURE_MOST : (uint32_t)pixels;
 }
 
-static void fill_wish(struct viewer *viewer, struct api_control *wish)
+static void fill_wish(struct viewer *viewer, struct drive_control *wish)
 {
 	int width, height;
 	window_size(viewer->window, &width, &height);
-	wish->go = viewer->ended ? API_STOP : viewer->one ? API_ONE : viewer->paused ? API_HOLD : API_ON;
+	wish->go = viewer->ended ? DRIVE_STOP : viewer->one ? DRIVE_ONE : viewer->paused ? DRIVE_HOLD : DRIVE_ON;
 	wish->pace = viewer->pace == VIEW_PACE_MOST ? INFINITY : ldexp(1, viewer->pace);
 	wish->free = viewer->eye.mode != VIEW_MODE_SCENE;
 	view_eye_camera(&viewer->eye, &wish->camera);
@@ -278,7 +278,7 @@ static void fill_wish(struct viewer *viewer, struct api_control *wish)
 	viewer->one = viewer->again = false;
 }
 
-static enum status turn(void *user, struct drive *drive, struct api_control *wish)
+static enum status turn(void *user, struct drive *drive, struct drive_control *wish)
 {
 	struct viewer *viewer = user;
 	double now = clock_seconds(), seconds = fmin(now - viewer->fly_before, TURN_MOST);
@@ -315,8 +315,8 @@ static void write_snapshot(struct viewer *viewer, const uint8_t *pixels, uint32_
 static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
 {
 	struct viewer *viewer = user;
-	struct api_figures figures;
-	api_figures(drive, &figures);
+	struct drive_figures figures;
+	drive_figures(drive, &figures);
 	viewer->pictures++;
 	enum status status = view_draw_over(viewer, &figures, pixels, width, height);
 	if (status != STATUS_OK)
@@ -326,7 +326,7 @@ static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uin
 	return window_show(viewer->window, pixels, (int)width, (int)height);
 }
 
-struct api_host viewer_host(struct viewer *viewer)
+struct drive_host viewer_host(struct viewer *viewer)
 {
-	return (struct api_host){viewer, turn, picture};
+	return (struct drive_host){viewer, turn, picture};
 }

@@ -11,7 +11,7 @@
 
 static const struct chart_colour white = {255, 255, 255, 255}, black = {0, 0, 0, 200}, shadow = {0, 0, 0, 150};
 
-void view_figures_text(const struct viewer *viewer, const struct api_figures *figures, char *text, size_t size)
+void view_figures_text(const struct viewer *viewer, const struct drive_figures *figures, char *text, size_t size)
 {
 	char pace[24];
 	if (viewer->pace == VIEW_PACE_MOST)
@@ -142,7 +142,7 @@ static enum status draw_legend(const struct over *over, const struct render_laye
 	return status;
 }
 
-enum status view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width,
+enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, uint8_t *pixels, uint32_t width,
 			   uint32_t height)
 {
 	const struct over over = {viewer->pen, {pixels, width, height}, width > LARGE ? 2 : 1};

@@ -27,8 +27,7 @@ static void default_view(const struct scene *scene, char *text, size_t size)
 static enum status put_first(struct settings *settings, const char *key, const char *value)
 {
 	char *copy = mem_strdup(value);
-	if (copy == NULL)
-		return fail_memory("settings");
+	TRY_MEM(copy, "settings");
 	if (settings->count == SETTINGS_MAX) {
 		mem_free(copy);
 		return fail_with(STATUS_USAGE, "--set: is given too often; %d times at most", SETTINGS_MAX - 1);

@@ -29,40 +29,40 @@ static bool is_unseen(const char *driver)
 	       (strcmp(driver, "offscreen") == 0 || strcmp(driver, "dummy") == 0);
 }
 
+static enum status open_sdl(const char *title, int width, int height, struct window *window)
+{
+	if (sdl.InitSubSystem(SDL_INIT_VIDEO) != 0)
+		return sdl_failed("no display");
+	if (is_unseen(sdl.GetCurrentVideoDriver()))
+		return fail_with(STATUS_FAILED, "window: no display: none is named or there; give a display (DISPLAY or WAYLAND_DISPLAY), or "
+						"furrow drive the scene and look at its pictures");
+	window->sdl = sdl.CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
+	if (window->sdl == NULL)
+		return sdl_failed("cannot be opened");
+	if (sdl.GetWindowSurface(window->sdl) == NULL)
+		return fail_with(STATUS_FAILED, "window: SDL's video driver %s cannot show what the CPU draws: %s; try SDL_VIDEODRIVER=x11",
+				 sdl.GetCurrentVideoDriver(), sdl.GetError());
+	sdl.SetWindowMinimumSize(window->sdl, LEAST_WIDTH, LEAST_HEIGHT);
+	return STATUS_OK;
+}
+
 enum status window_open(const char *title, int width, int height, struct window **out)
 {
-	enum status status = sdl_load();
-	if (status != STATUS_OK)
-		return status;
+	TRY(sdl_load());
 	struct window *window = mem_calloc(1, sizeof *window);
-	if (window == NULL)
-		return fail_memory("a window");
+	TRY_MEM(window, "a window");
 	sdl.SetMainReady();
 	sdl.SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1"); /* Ctrl-C is the command's own */
 	/* The environment may ask for a renderer, even one that does not exist. The window needs none. */
 	sdl.SetHintWithPriority(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0", SDL_HINT_OVERRIDE);
 	sdl.SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-	if (sdl.InitSubSystem(SDL_INIT_VIDEO) != 0)
-		status = sdl_failed("no display");
-	else if (is_unseen(sdl.GetCurrentVideoDriver()))
-		status = fail_with(STATUS_FAILED, "window: no display: none is named or there; give a display (DISPLAY or WAYLAND_DISPLAY), or "
-						  "furrow drive the scene and look at its pictures");
-	if (status == STATUS_OK) {
-		window->sdl = sdl.CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
-		if (window->sdl == NULL)
-			status = sdl_failed("cannot be opened");
-		else if (sdl.GetWindowSurface(window->sdl) == NULL)
-			status = fail_with(STATUS_FAILED, "window: SDL's video driver %s cannot show what the CPU draws: %s; try "
-							  "SDL_VIDEODRIVER=x11", sdl.GetCurrentVideoDriver(), sdl.GetError());
-		else
-			sdl.SetWindowMinimumSize(window->sdl, LEAST_WIDTH, LEAST_HEIGHT);
-	}
-	if (status != STATUS_OK) {
-		window_close(window);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, open_sdl(title, width, height, window));
 	*out = window;
 	return STATUS_OK;
+failed:
+	window_close(window);
+	return status;
 }
 
 void window_close(struct window *window)

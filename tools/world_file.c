@@ -26,25 +26,21 @@ enum status world_file_write(const char *picture, const struct store_meta *meta,
 	const size_t length = strlen(picture), stem = length - strlen(".png");
 	struct aside lines = {.path = NULL}, system = {.path = NULL};
 	char *names = mem_alloc(2, length + sizeof ".aux.xml");
-	if (names == NULL)
-		return fail_memory("a world file");
+	TRY_MEM(names, "a world file");
 	char *lines_name = names, *system_name = names + length + sizeof ".aux.xml";
 	snprintf(lines_name, length + 1, "%.*s.pgw", (int)stem, picture);
 	snprintf(system_name, length + sizeof ".aux.xml", "%s.aux.xml", picture);
-	enum status status = aside_begin(&lines, lines_name);
-	if (status == STATUS_OK) {
-		put_lines(lines.file, meta, place);
-		status = aside_whole(&lines, false);
+	enum status status;
+	TRY_OR(done, aside_begin(&lines, lines_name));
+	put_lines(lines.file, meta, place);
+	TRY_OR(done, aside_whole(&lines, false));
+	if (meta->srs[0] != '\0') {
+		TRY_OR(done, aside_begin(&system, system_name));
+		put_system(system.file, meta);
+		TRY_OR(done, aside_end(&system, false, STATUS_OK));
 	}
-	if (status == STATUS_OK && meta->srs[0] != '\0') {
-		status = aside_begin(&system, system_name);
-		if (status == STATUS_OK) {
-			put_system(system.file, meta);
-			status = aside_end(&system, false, STATUS_OK);
-		}
-	}
-	if (status == STATUS_OK)
-		status = aside_publish(&lines);
+	TRY_OR(done, aside_publish(&lines));
+done:
 	aside_finish(&lines);
 	aside_finish(&system);
 	mem_free(names);

@@ -125,6 +125,8 @@ struct furrow_open {
 				   may write the store meanwhile: each query then tells the ground of its last commit. furrow_step,
 				   furrow_checkpoint, furrow_place and furrow_set_states are FURROW_USAGE. It goes with no `output` */
 	size_t reserved;        /* 0. Hosts that were built before `readonly` have a smaller struct */
+	const char *settings;   /* KEY=VALUE, one a line: each sets a key of the scene before it is read, as the command's --set; NULL: none */
+	bool advise;            /* the log gets what looks wrong with the scene on this store, or has no effect, as the command tells it */
 };
 
 /*
@@ -240,7 +242,23 @@ struct furrow_contact {
 	double normal_force;    /* N: the part of `force` along `normal`; by furrow_probe the soil's pressure, summed over the patch */
 	double shear_limit;     /* N: the most that its shear can hold */
 	enum furrow_contact_state state; /* whether the soil carries the body */
+	double pull;            /* N: that its belt needs; NaN: it has no belt. Hosts that were built without it have a smaller struct */
 };
+
+/* What a body's shape is like. Filled by furrow_measure. */
+struct furrow_shape {
+	size_t size;          /* sizeof(struct furrow_shape) */
+	double radius, width; /* m: of a wheel; NaN: it is none */
+	double bound;         /* m: no part of it is farther from its origin */
+	bool belt;            /* a belt runs over it */
+};
+
+/*
+ * Fills *shape, whose `size` the caller has set. `object`: as furrow_body_add takes it. Needs no world and no GL, so a host can choose spacing and
+ * terrain by the size of its bodies. Paths of meshes count from the working folder. FURROW_INPUT: the text is no such entry.
+ * FURROW_USAGE: `size` is off. Any thread.
+ */
+FURROW_API furrow_status furrow_measure(const char *object, struct furrow_shape *shape);
 
 /*
  * Adds a body. `object`: YAML of one entry of the scene's `objects`, as in "{shape: {sphere: {radius: 0.2}}}". `name` may be
@@ -266,7 +284,7 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
  * A host may leave the turns of a wheel or a sphere out of its poses. If it did so in the last step, the body turns here by `angular`, for as long
  * as its way takes at `linear`.
- * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
+ * FURROW_USAGE and FURROW_INPUT as furrow_set_states. FURROW_FAILED: ground could not be read; some contacts may be filled all the same.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
 				      const struct furrow_state *states, struct furrow_contact *contacts, size_t contact_size);
@@ -392,12 +410,11 @@ struct furrow_point {
 };
 
 /*
- * Fills `count` points. `xy`: `count` pairs in m, local axes. A point outside the terrain or in a hole is nodata and no failure: its
+ * Fills `count` points. `xy`: 2 x `count` numbers, m, local axes: x and y of each point in turn. A point outside the terrain or in a hole is nodata and no failure: its
  * height, offset and normal are NaN.
  * FURROW_USAGE: a NULL or a NaN.
  */
-FURROW_API furrow_status furrow_points(struct furrow_world *world, size_t count, const double (*xy)[2],
-				       struct furrow_point *points);
+FURROW_API furrow_status furrow_points(struct furrow_world *world, size_t count, const double *xy, struct furrow_point *points);
 
 /* Where a ray meets the ground. */
 struct furrow_hit {
@@ -409,10 +426,10 @@ struct furrow_hit {
 
 /*
  * Fills `count` hits: the first place where each ray meets the ground. `origin`: m; `direction`: of any length but 0; local
- * axes, `count` entries each. FURROW_USAGE: a NULL, a NaN, or a direction of length 0.
+ * axes, 3 x `count` numbers each: x, y, z of each ray in turn. FURROW_USAGE: a NULL, a NaN, or a direction of length 0.
  */
-FURROW_API furrow_status furrow_rays(struct furrow_world *world, size_t count, const double (*origin)[3],
-				     const double (*direction)[3], struct furrow_hit *hits);
+FURROW_API furrow_status furrow_rays(struct furrow_world *world, size_t count, const double *origin, const double *direction,
+				     struct furrow_hit *hits);
 
 /* Metres, but for SHEAR: -1 to 1, and DISTURBANCE: 0 to 1. */
 enum furrow_layer {

@@ -7,17 +7,18 @@
 /* Offsets smaller than this are rounding errors of the base: twice the lattice's 2^-18 m. */
 #define OFFSET_NOISE 0x1p-17
 
-static enum status points_of(size_t count, const double (*xy)[2], struct terrain_point *points)
+static enum status points_of(size_t count, const double *xy, struct resident_point *points)
 {
 	for (size_t i = 0; i < count; i++) {
-		if (!isfinite(xy[i][0]) || !isfinite(xy[i][1]))
-			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, xy[i][0], xy[i][1]);
-		points[i] = (struct terrain_point){xy[i][0], xy[i][1]};
+		const double x = xy[2 * i], y = xy[2 * i + 1];
+		if (!isfinite(x) || !isfinite(y))
+			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, x, y);
+		points[i] = (struct resident_point){x, y};
 	}
 	return STATUS_OK;
 }
 
-static enum status tell_point(struct furrow_world *world, const struct terrain_point *at, const struct terrain_height *height,
+static enum status tell_point(struct furrow_world *world, const struct resident_point *at, const struct resident_height *height,
 			      struct furrow_point *point)
 {
 	*point = (struct furrow_point){.height = height->bilinear, .offset = NAN, .nodata = isnan(height->bilinear)};
@@ -28,23 +29,23 @@ static enum status tell_point(struct furrow_world *world, const struct terrain_p
 	}
 	int64_t base;
 	bool any;
-	enum status status = resident_ground_height(world->world.ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
+	enum status status = resident_ground_height(world_resident(world->world)->ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
 	if (status == STATUS_OK && any) {
 		point->offset = height->bilinear - lattice_offset_metres(base);
 		point->offset = fabs(point->offset) <= OFFSET_NOISE ? 0 : point->offset;
 	}
 	int soil = 0;
 	if (status == STATUS_OK)
-		status = world_soil_at(&world->world, at->x, at->y, &soil);
+		status = world_soil_at(world->world, at->x, at->y, &soil);
 	point->soil = soil;
 	return status;
 }
 
-furrow_status furrow_points(struct furrow_world *world, size_t count, const double (*xy)[2], struct furrow_point *points)
+furrow_status furrow_points(struct furrow_world *world, size_t count, const double *xy, struct furrow_point *points)
 {
 	struct library_call call;
-	struct terrain_point *at = NULL;
-	struct terrain_height *heights = NULL;
+	struct resident_point *at = NULL;
+	struct resident_height *heights = NULL;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = api_library_need_count(count, sizeof *points);
@@ -62,7 +63,7 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 		if (status == STATUS_OK)
 			status = api_library_settle(world);
 		if (status == STATUS_OK)
-			status = world_heights(&world->world, at, count, heights);
+			status = world_heights(world->world, at, count, heights);
 		for (size_t i = 0; i < count && status == STATUS_OK; i++)
 			status = tell_point(world, &at[i], &heights[i], &points[i]);
 	} while (api_library_again(world, ++tries, &status));
@@ -71,24 +72,24 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 	return api_library_leave(&call, status);
 }
 
-static enum status rays_of(size_t count, const double (*origin)[3], const double (*direction)[3], struct terrain_ray *rays)
+static enum status rays_of(size_t count, const double *origin, const double *direction, struct resident_ray *rays)
 {
-	for (size_t i = 0; i < count; i++) {
+	for (size_t i = 0; i < count; i++, origin += 3, direction += 3) {
 		double sum = 0, length = 0;
 		for (int k = 0; k < 3; k++) {
-			sum += fabs(origin[i][k]) + fabs(direction[i][k]);
-			length += fabs(direction[i][k]);
+			sum += fabs(origin[k]) + fabs(direction[k]);
+			length += fabs(direction[k]);
 		}
 		if (!isfinite(sum) || length == 0)
 			return fail_with(STATUS_USAGE, "ray %zu: it is no ray; give finite numbers, and a direction that is not 0", i);
-		rays[i] = (struct terrain_ray){.length = INFINITY};
-		memcpy(rays[i].origin, origin[i], sizeof rays[i].origin);
-		memcpy(rays[i].direction, direction[i], sizeof rays[i].direction);
+		rays[i] = (struct resident_ray){.length = INFINITY};
+		memcpy(rays[i].origin, origin, sizeof rays[i].origin);
+		memcpy(rays[i].direction, direction, sizeof rays[i].direction);
 	}
 	return STATUS_OK;
 }
 
-static void tell_hit(const struct terrain_hit *from, struct furrow_hit *hit)
+static void tell_hit(const struct resident_hit *from, struct furrow_hit *hit)
 {
 	*hit = (struct furrow_hit){{NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, from->hit};
 	if (!from->hit)
@@ -98,12 +99,11 @@ static void tell_hit(const struct terrain_hit *from, struct furrow_hit *hit)
 	hit->distance = from->distance;
 }
 
-furrow_status furrow_rays(struct furrow_world *world, size_t count, const double (*origin)[3], const double (*direction)[3],
-			  struct furrow_hit *hits)
+furrow_status furrow_rays(struct furrow_world *world, size_t count, const double *origin, const double *direction, struct furrow_hit *hits)
 {
 	struct library_call call;
-	struct terrain_ray *rays = NULL;
-	struct terrain_hit *found = NULL;
+	struct resident_ray *rays = NULL;
+	struct resident_hit *found = NULL;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = api_library_need_count(count, sizeof *hits);
@@ -123,7 +123,7 @@ furrow_status furrow_rays(struct furrow_world *world, size_t count, const double
 		if (status == STATUS_OK)
 			status = api_library_settle(world);
 		if (status == STATUS_OK)
-			status = world_rays(&world->world, rays, count, found);
+			status = world_rays(world->world, rays, count, found);
 	} while (api_library_again(world, ++tries, &status));
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		tell_hit(&found[i], &hits[i]);
@@ -162,14 +162,12 @@ static enum store_layer layer_of(enum furrow_layer layer)
 static enum status check_read(const struct furrow_world *world, enum furrow_layer layer, int level, uint32_t columns, uint32_t rows,
 			      const double *posts, size_t row_stride)
 {
-	const int coarsest = extent_coarsest(&world->world.meta->extent);
-	enum status status = api_library_need(posts, "posts");
-	if (status != STATUS_OK)
-		return status;
+	const int coarsest = extent_coarsest(&world_resident(world->world)->meta->extent);
+	TRY(api_library_need(posts, "posts"));
 	if ((int)layer < 0 || (int)layer > (int)FURROW_DISTURBANCE)
 		return fail_with(STATUS_USAGE, "layer: %d is none; give one of enum furrow_layer", (int)layer);
-	if (level < world->world.level || level > coarsest)
-		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world->world.level, coarsest);
+	if (level < world_resident(world->world)->level || level > coarsest)
+		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world_resident(world->world)->level, coarsest);
 	if (row_stride < columns)
 		return fail_with(STATUS_USAGE, "row_stride: %zu posts are less than the %u of a row; give at least as many", row_stride, columns);
 	if (row_stride > PTRDIFF_MAX / sizeof *posts / rows)
@@ -191,16 +189,18 @@ static enum status read_rows(struct furrow_world *world, enum store_layer layer,
 	const int64_t at_once = columns < 65536 ? 65536 / (int64_t)columns + 1 : 1; /* rows: a block of memory of about half a MB */
 	const int64_t all = rect.y1 - rect.y0;
 	double *values = mem_alloc((size_t)(at_once < all ? at_once : all) * columns, sizeof *values);
-	enum status status = values != NULL ? STATUS_OK : fail_memory("posts");
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += at_once) {
+	enum status status;
+	TRY_OR(done, values != NULL ? STATUS_OK : fail_memory("posts"));
+	for (int64_t y = rect.y0; y < rect.y1; y += at_once) {
 		const int64_t end = y + at_once < rect.y1 ? y + at_once : rect.y1;
-		status = world_read_posts(&world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values);
-		for (int64_t r = y; r < end && status == STATUS_OK; r++)
+		TRY_OR(done, world_read_posts(world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values));
+		for (int64_t r = y; r < end; r++)
 			for (size_t c = 0; c < columns; c++) {
 				const double value = values[(size_t)(r - y) * columns + c];
 				posts[(size_t)(r - rect.y0) * stride + c] = layer == STORE_SOIL ? value / DISTURBANCE_MOST : value;
 			}
 	}
+done:
 	mem_free(values);
 	return status;
 }
@@ -217,7 +217,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	if (status != STATUS_OK)
 		return api_library_leave(&call, status);
 	const enum store_layer kept = layer_of(layer);
-	const struct extent *extent = &world->world.meta->extent;
+	const struct extent *extent = &world_resident(world->world)->meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
 	const bool soil = kept >= STORE_DEPOSITED;
 	struct post_rect rect = {column, row, column, row};
@@ -228,7 +228,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	int tries = 0;
 	do {
 		status = api_library_settle(world);
-		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world->world.level))
+		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world_resident(world->world)->level))
 			status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
 					   row_stride);
 	} while (api_library_again(world, ++tries, &status));
@@ -254,7 +254,7 @@ furrow_status furrow_changes(struct furrow_world *world, uint64_t since, struct 
 		status = found != NULL ? STATUS_OK : fail_memory("rectangles");
 	}
 	if (status == STATUS_OK) {
-		status = world_changes_since(&world->world, since, found, count, &revision);
+		status = world_changes_since(world->world, since, found, count, &revision);
 		if (now != NULL)
 			*now = revision;
 		for (size_t i = 0; status == STATUS_OK && i < *count; i++)

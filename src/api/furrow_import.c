@@ -4,7 +4,7 @@
 #include <string.h>
 #include <yaml.h>
 
-#include "api/import.h"
+#include "intake/intake.h"
 
 struct telling {
 	bool (*progress)(double share, void *user);
@@ -37,27 +37,26 @@ static enum status take(struct import *import, const char *name, const yaml_node
 {
 	if (value == NULL || value->type != YAML_SCALAR_NODE)
 		return off(value, "a value is no number, word or text");
-	return api_import_option(import, name, (const char *)value->data.scalar.value);
+	return intake_import_option(import, name, (const char *)value->data.scalar.value);
 }
 
 static enum status take_list(struct import *import, yaml_document_t *document, const char *name, const yaml_node_t *list)
 {
-	const enum import_list kind = api_import_list(name);
+	const enum import_list kind = intake_import_list(name);
 	char joined[128] = "";
-	enum status status = STATUS_OK;
-	if (kind == IMPORT_NO_LIST && api_import_has_option(name))
+	if (kind == IMPORT_NO_LIST && intake_import_has_option(name))
 		return fail_with(STATUS_USAGE, "options: line %zu: %s is a list; give one value", list->start_mark.line + 1, name);
-	for (const yaml_node_item_t *item = list->data.sequence.items.start; item < list->data.sequence.items.top && status == STATUS_OK; item++) {
+	for (const yaml_node_item_t *item = list->data.sequence.items.start; item < list->data.sequence.items.top; item++) {
 		const yaml_node_t *one = yaml_document_get_node(document, *item);
 		const size_t used = strlen(joined);
 		if (kind == IMPORT_EACH)
-			status = take(import, name, one);
+			TRY(take(import, name, one));
 		else if (one == NULL || one->type != YAML_SCALAR_NODE)
-			status = off(one, "a value is no number");
+			return off(one, "a value is no number");
 		else
 			snprintf(joined + used, sizeof joined - used, "%s%s", used > 0 ? "," : "", (const char *)one->data.scalar.value);
 	}
-	return status == STATUS_OK && kind != IMPORT_EACH ? api_import_option(import, name, joined) : status;
+	return kind != IMPORT_EACH ? intake_import_option(import, name, joined) : STATUS_OK;
 }
 
 static enum status take_pair(struct import *import, yaml_document_t *document, const yaml_node_pair_t *pair)
@@ -74,14 +73,13 @@ static enum status take_pair(struct import *import, yaml_document_t *document, c
 static enum status take_document(struct import *import, yaml_document_t *document)
 {
 	const yaml_node_t *root = yaml_document_get_root_node(document);
-	enum status status = STATUS_OK;
 	if (root == NULL)
 		return STATUS_OK;
 	if (root->type != YAML_MAPPING_NODE)
 		return off(root, "it is no mapping");
-	for (const yaml_node_pair_t *pair = root->data.mapping.pairs.start; pair < root->data.mapping.pairs.top && status == STATUS_OK; pair++)
-		status = take_pair(import, document, pair);
-	return status;
+	for (const yaml_node_pair_t *pair = root->data.mapping.pairs.start; pair < root->data.mapping.pairs.top; pair++)
+		TRY(take_pair(import, document, pair));
+	return STATUS_OK;
 }
 
 static enum status read_options(struct import *import, const char *text)
@@ -105,6 +103,18 @@ static enum status read_options(struct import *import, const char *text)
 	return status;
 }
 
+static enum status check(const char *const *sources, size_t count, const char *store)
+{
+	TRY(api_library_need(sources, "sources"));
+	if (count == 0)
+		return fail_with(STATUS_USAGE, "sources: there are none; give at least one path");
+	TRY(api_library_need_count(count, sizeof *sources));
+	for (size_t i = 0; i < count; i++)
+		TRY(api_library_need(sources[i], "a source"));
+	TRY(api_library_need(store, "store"));
+	return store[0] != '\0' ? STATUS_OK : fail_with(STATUS_USAGE, "store: its path is empty; give the file to make, as in world.furrow");
+}
+
 furrow_status furrow_import(const char *const *sources, size_t count, const char *store, const char *options,
 			    bool (*progress)(double share, void *user), void *user)
 {
@@ -112,25 +122,13 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 	struct intake made;
 	struct telling telling = {progress, user, store};
 	enum status status = api_library_begin();
-	api_import_init(&import);
-	if (status == STATUS_OK)
-		status = api_library_need(sources, "sources");
-	if (status == STATUS_OK && count == 0)
-		status = fail_with(STATUS_USAGE, "sources: there are none; give at least one path");
-	if (status == STATUS_OK)
-		status = api_library_need_count(count, sizeof *sources);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = api_library_need(sources[i], "a source");
-	if (status == STATUS_OK)
-		status = api_library_need(store, "store");
-	if (status == STATUS_OK && store[0] == '\0')
-		status = fail_with(STATUS_USAGE, "store: its path is empty; give the file to make, as in world.furrow");
-	if (status == STATUS_OK)
-		status = read_options(&import, options);
-	if (status == STATUS_OK)
-		status = api_import_open(&import, sources, count);
-	if (status == STATUS_OK)
-		status = api_import_run(&import, store, tell, &telling, &made);
-	api_import_finish(&import);
+	intake_import_init(&import);
+	TRY_OR(done, status);
+	TRY_OR(done, check(sources, count, store));
+	TRY_OR(done, read_options(&import, options));
+	TRY_OR(done, intake_import_open(&import, sources, count));
+	TRY_OR(done, intake_import_run(&import, store, tell, &telling, &made));
+done:
+	intake_import_finish(&import);
 	return api_library_end(status);
 }

@@ -7,33 +7,22 @@
 /* The view of a scene without one: what `furrow view` and cameras of drives draw, too. */
 static const char default_view[] = "view: {size: [640, 480], effects: [texture, detail, fog, sky, geomorph, skirts, objects, shadow]}\n";
 
-enum status api_library_start_view(struct furrow_world *host)
-{
-	enum status status = render_view_create(&host->world, true, &host->view);
-	if (status != STATUS_OK)
-		return status;
-	host->watcher = render_view_watcher(host->view);
-	world_watch(&host->world, &host->watcher);
-	return STATUS_OK;
-}
-
 /* Makes the view before the first picture of a scene without one. */
 static enum status need_view(struct furrow_world *host)
 {
 	struct scene *defaults;
-	if (host->view != NULL)
+	enum status status;
+	if (drive_view(host->drive) != NULL)
 		return STATUS_OK;
-	enum status status = scene_load_text(default_view, NULL, NULL, 0, SCENE_HOST, &defaults);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_load_text(default_view, NULL, NULL, 0, SCENE_HOST, &defaults));
 	host->scene->view = defaults->view;
 	scene_destroy(defaults);
 	api_library_begin_gl(host);
-	status = world_start_drawing(&host->world);
-	if (status == STATUS_OK)
-		status = api_library_start_view(host);
-	if (status != STATUS_OK)
-		host->scene->view.present = false;
+	TRY_OR(failed, world_start_drawing(host->world));
+	TRY_OR(failed, drive_start_view(host->drive));
+	return STATUS_OK;
+failed:
+	host->scene->view.present = false;
 	return status;
 }
 
@@ -49,8 +38,8 @@ static enum status camera_of(const struct furrow_camera *from, struct render_cam
 		return fail_with(STATUS_USAGE, "camera: its pose is none; give a place in m and a unit quaternion w, x, y, z");
 	if (!(from->fovy > 0 && from->fovy < M_PI))
 		return fail_with(STATUS_USAGE, "camera.fovy: %g is no angle of view; give radians above 0 and below pi", from->fovy);
-	if (from->width < 1 || from->height < 1 || from->width > API_PICTURE_MOST || from->height > API_PICTURE_MOST)
-		return fail_with(STATUS_USAGE, "camera: %u x %u pixels; give 1 to %u each", from->width, from->height, API_PICTURE_MOST);
+	if (from->width < 1 || from->height < 1 || from->width > DRIVE_PICTURE_MOST || from->height > DRIVE_PICTURE_MOST)
+		return fail_with(STATUS_USAGE, "camera: %u x %u pixels; give 1 to %u each", from->width, from->height, DRIVE_PICTURE_MOST);
 	for (int i = 0; i < 4; i++)
 		q[i] = from->pose.orientation[i] / length;
 	world_axes(q, axes);
@@ -85,43 +74,44 @@ static void turn_rows(float *values, uint32_t width, uint32_t height)
 static enum status picture(struct furrow_world *host, const struct furrow_camera *from, uint8_t *rgb, float *depth)
 {
 	struct render_camera camera;
-	enum status status = camera_of(from, &camera);
-	if (status == STATUS_OK && depth != NULL && host->scene->view.present && host->scene->view.samples > 1)
-		status = fail_with(STATUS_INPUT, "depth: pictures of this scene have %d samples a pixel, and depth has one; set view.samples: 1",
-				   host->scene->view.samples);
-	if (status == STATUS_OK)
-		status = api_library_settle(host);
-	if (status == STATUS_OK)
-		status = need_view(host);
-	if (status == STATUS_OK)
-		status = render_view_follow_bodies(host->view);
-	if (status == STATUS_OK)
-		status = render_view_resize(host->view, from->width, from->height);
-	if (status != STATUS_OK)
-		return status;
+	const struct scene_view *asked = &host->scene->view;
+	TRY(camera_of(from, &camera));
+	if (depth != NULL && asked->present && asked->samples > 1)
+		return fail_with(STATUS_INPUT, "depth: pictures of this scene have %d samples a pixel, and depth has one; set view.samples: 1", asked->samples);
+	TRY(api_library_settle(host));
+	TRY(need_view(host));
+	struct view *view = drive_view(host->drive);
+	TRY(render_view_follow_bodies(view));
+	TRY(render_view_resize(view, from->width, from->height));
 	uint8_t *pixels = rgb != NULL ? mem_alloc((size_t)from->width * from->height, 4) : NULL;
 	if (rgb != NULL && pixels == NULL)
 		return fail_memory("a picture");
-	render_view_look_from(host->view, &camera);
+	render_view_look_from(view, &camera);
 	const double began = clock_seconds();
-	status = render_view_picture(host->view, pixels, depth);
-	if (status == STATUS_OK)
-		times_add(&host->report.picture_ms, (clock_seconds() - began) * 1e3);
-	if (status == STATUS_OK && rgb != NULL)
-		tell_colours(pixels, from->width, from->height, rgb);
-	if (status == STATUS_OK && depth != NULL)
-		turn_rows(depth, from->width, from->height);
+	const enum status status = render_view_picture(view, pixels, depth);
+	if (status == STATUS_OK) {
+		times_add(&drive_report(host->drive)->picture_ms, (clock_seconds() - began) * 1e3);
+		if (rgb != NULL)
+			tell_colours(pixels, from->width, from->height, rgb);
+		if (depth != NULL)
+			turn_rows(depth, from->width, from->height);
+	}
 	mem_free(pixels);
 	return status;
+}
+
+static enum status check_camera(const struct furrow_camera *camera)
+{
+	TRY(api_library_need(camera, "camera"));
+	return api_library_need_size(camera->size, sizeof *camera, sizeof *camera, "camera");
 }
 
 furrow_status furrow_render(struct furrow_world *world, const struct furrow_camera *camera, uint8_t *rgb, float *depth)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need(camera, "camera");
-	if (status == STATUS_OK)
-		status = api_library_need_size(camera->size, sizeof *camera, sizeof *camera, "camera");
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, check_camera(camera));
+done:
 	return api_library_leave(&call, status == STATUS_OK ? picture(world, camera, rgb, depth) : status);
 }

@@ -7,47 +7,47 @@
 
 enum status api_library_checkpoint(struct furrow_world *host)
 {
-	struct library_mark mark = {host->origin, host->steps, 0};
-	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.rows_end);
-	if (status == STATUS_OK)
-		status = world_checkpoint(&host->world);
-	if (status == STATUS_OK)
-		host->mark = mark;
-	return status;
+	TRY(drive_checkpoint(host->drive));
+	host->mark = (struct library_mark){host->origin, host->steps};
+	return STATUS_OK;
 }
 
 /* Vehicles take whole steps of time_step. Those before one that failed stay. */
 static enum status step_vehicles(struct furrow_world *host, double seconds)
 {
-	struct world *world = &host->world;
+	struct world *world = host->world;
 	const double time_step = host->scene->time_step, count = seconds == 0 ? 1 : round(seconds / time_step);
 	if (count < 1 || (seconds != 0 && fabs(seconds - count * time_step) > 1e-9 * seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no whole number of time_steps of %g s, which vehicles need; give a multiple, or 0 for one", seconds,
 				 time_step);
-	enum status status = STATUS_OK;
-	for (double i = 0; i < count && status == STATUS_OK; i++)
-		status = vehicle_step(host->vehicles);
-	if (status == STATUS_OK || world->torn)
-		return status;
-	struct failure failure;
-	failure_capture(&failure, status);
-	world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
-	return failure_restore(&failure);
+	enum status status;
+	for (double i = 0; i < count; i++)
+		TRY_OR(failed, drive_step(host->drive));
+	return STATUS_OK;
+failed:
+	if (!world_is_torn(world)) {
+		struct failure failure;
+		failure_capture(&failure, status);
+		if (vehicle_step_back(host->vehicles) != STATUS_OK)
+			world_tear(world);
+		return failure_restore(&failure);
+	}
+	return status;
 }
 
 static enum status step(struct furrow_world *host, double seconds)
 {
-	struct world *world = &host->world;
+	struct world *world = host->world;
 	if (!(seconds >= 0) || !isfinite(seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
-	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
+	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world_time(world) + seconds;
 	if (until > TIME_MOST)
 		return fail_with(STATUS_USAGE, "step: %g s from %g s on lead beyond %g s, where time does not tell steps of a microsecond apart; give %g s or less",
-				 until - world->time, world->time, TIME_MOST, fmax(TIME_MOST - world->time, 0));
-	if (world->torn)
+				 until - world_time(world), world_time(world), TIME_MOST, fmax(TIME_MOST - world_time(world), 0));
+	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
 	const double began = clock_seconds();
-	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
+	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : drive_step_to(host->drive, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
 	host->failed = status != STATUS_OK && status != STATUS_USAGE;
@@ -55,37 +55,38 @@ static enum status step(struct furrow_world *host, double seconds)
 		return status;
 	host->steps++;
 	if (host->vehicles != NULL) {
-		host->steps = world->step;
+		host->steps = world_steps_done(world);
 	} else if (seconds != 0) {
 		host->origin = until;
 		host->steps = 0;
 	}
-	times_add(&host->report.step_ms, took * 1e3);
+	times_add(&drive_report(host->drive)->step_ms, took * 1e3);
 	return STATUS_OK;
 }
 
 furrow_status furrow_step(struct furrow_world *world, double seconds)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need_writable(world, "step");
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, api_library_need_writable(world, "step"));
+done:
 	return api_library_leave(&call, status == STATUS_OK ? step(world, seconds) : status);
 }
 
 double furrow_time(const struct furrow_world *world)
 {
-	return world != NULL ? world->world.time : (double)NAN;
+	return world != NULL ? world_time(world->world) : (double)NAN;
 }
 
 furrow_status furrow_checkpoint(struct furrow_world *world)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need_writable(world, "checkpoint");
-	if (status == STATUS_OK)
-		status = api_library_checkpoint(world);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, api_library_need_writable(world, "checkpoint"));
+	TRY_OR(done, api_library_checkpoint(world));
+done:
 	return api_library_leave(&call, status);
 }
 
@@ -94,13 +95,7 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	struct library_call call;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
-		status = world_rollback(&world->world);
-	if (status == STATUS_OK && world->vehicles != NULL) {
-		status = vehicle_rollback(world->vehicles);
-		if (status == STATUS_OK)
-			status = report_vehicles_rollback(world->vehicle_rows, world->mark.rows_end);
-		world->world.torn = status != STATUS_OK;
-	}
+		status = drive_rollback(world->drive);
 	if (status == STATUS_OK) {
 		world->origin = world->mark.origin;
 		world->steps = world->mark.steps;

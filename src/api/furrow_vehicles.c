@@ -60,7 +60,7 @@ const char *furrow_vehicle_part(const struct furrow_world *world, furrow_vehicle
 	case FURROW_SOIL_GEOM:
 		if (index >= info.geom_count)
 			return NULL;
-		vehicle_geom(world->vehicles, (size_t)vehicle, index, world->world.spacing, &geom);
+		vehicle_geom(world->vehicles, (size_t)vehicle, index, world_resident(world->world)->spacing, &geom);
 		return geom.name;
 	}
 	return NULL;
@@ -69,7 +69,6 @@ const char *furrow_vehicle_part(const struct furrow_world *world, furrow_vehicle
 furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehicle, struct furrow_vehicle_state *state)
 {
 	struct vehicle_info info;
-	struct world_state now;
 	enum status status = api_library_begin();
 	if (status == STATUS_OK)
 		status = need_vehicle(world, vehicle);
@@ -80,7 +79,6 @@ furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehi
 	if (status != STATUS_OK)
 		return api_library_end(status);
 	vehicle_info(world->vehicles, (size_t)vehicle, &info);
-	vehicle_state(world->vehicles, (size_t)vehicle, &now);
 	const size_t size = state->size < sizeof *state ? state->size : sizeof *state;
 	struct furrow_vehicle_state all = {
 		.size = state->size,
@@ -93,7 +91,7 @@ furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehi
 		.soil_geoms = info.geom_count,
 		.arrived = info.arrived,
 	};
-	api_library_tell_state(&now, &all.state);
+	vehicle_state(world->vehicles, (size_t)vehicle, &all.state);
 	memcpy(state, &all, size);
 	return api_library_end(STATUS_OK);
 }

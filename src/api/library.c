@@ -101,20 +101,17 @@ furrow_status api_library_end(enum status status)
 
 enum status api_library_enter(struct library_call *call, struct furrow_world *world)
 {
-	enum status status = api_library_begin();
+	TRY(api_library_begin());
 	*call = (struct library_call){.world = NULL};
-	if (status == STATUS_OK)
-		status = api_library_need_world(world);
-	if (status != STATUS_OK)
-		return status;
+	TRY(api_library_need_world(world));
 	call->world = world;
 	world->call = call;
-	page_cache_adopt(world->world.cache); /* another thread may have used the world before */
-	if (world->world.gpu == NULL)
+	page_cache_adopt(world_resident(world->world)->cache); /* another thread may have used the world before */
+	if (world_resident(world->world)->gpu == NULL)
 		return STATUS_OK;
 	call->gl = true;
-	gpu_keep(world->world.gpu, &call->kept);
-	return gpu_take(world->world.gpu);
+	gpu_keep(world_resident(world->world)->gpu, &call->kept);
+	return gpu_take(world_resident(world->world)->gpu);
 }
 
 void api_library_begin_gl(struct furrow_world *world)
@@ -150,7 +147,7 @@ enum status api_library_need_world(const struct furrow_world *world)
 	/* The struct is the child's own copy, in memory that this library has allocated. */
 	bool *forked = (bool *)(uintptr_t)&world->forked;
 	if (!*forked)
-		world_forked(&world->world);
+		world_forked(world->world);
 	*forked = true;
 	return fail_with(STATUS_USAGE, "world: process %lld opened it, and this is a child of that process, without its threads; use it there, or start the "
 				       "child as a program of its own (exec, or spawn in Python)", (long long)world->process);
@@ -166,17 +163,17 @@ enum status api_library_need_size(size_t size, size_t least, size_t known, const
 
 enum status api_library_need_writable(const struct furrow_world *world, const char *what)
 {
-	return !world->world.params.readonly
+	return !world_params(world->world)->readonly
 		       ? STATUS_OK
 		       : fail_with(STATUS_USAGE, "%s: the world is readonly, and this would change it; open it without readonly to change it", what);
 }
 
 enum status api_library_settle(struct furrow_world *world)
 {
-	if (world->world.torn)
+	if (world_is_torn(world->world))
 		return fail_with(STATUS_FAILED, "world: its last step failed half-way; roll back first, or close it");
-	const enum status status = world_follow(&world->world);
-	return status == STATUS_OK ? world_hosts_commit(&world->world) : status;
+	const enum status status = world_follow(world->world);
+	return status == STATUS_OK ? world_hosts_commit(world->world) : status;
 }
 
 bool api_library_again(struct furrow_world *world, int tries, enum status *status)
@@ -184,10 +181,10 @@ bool api_library_again(struct furrow_world *world, int tries, enum status *statu
 	bool moved = false;
 	if (*status != STATUS_OK)
 		return false;
-	*status = world_has_moved(&world->world, &moved);
+	*status = world_has_moved(world->world, &moved);
 	if (*status != STATUS_OK || !moved)
 		return false;
 	if (tries >= TRIES_MOST)
-		*status = fail_with(STATUS_FAILED, "%s: another process commits to it more often than it can be read; ask for less at a time", world->world.path);
+		*status = fail_with(STATUS_FAILED, "%s: another process commits to it more often than it can be read; ask for less at a time", world_facts(world->world)->path);
 	return *status == STATUS_OK;
 }

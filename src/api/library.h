@@ -4,7 +4,7 @@
 #ifndef FURROW_API_LIBRARY_H
 #define FURROW_API_LIBRARY_H
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "api/furrow.h"
 #include "base/base.h"
 #include "gpu/gpu.h"
@@ -15,27 +15,22 @@
 #include "world/world.h"
 
 struct furrow_world {
-	struct world world;
-	int64_t process;          /* number of the process that opened it */
-	bool forked;              /* this is a child of that process, and has let go of the world's locks */
+	struct drive *drive;
+	struct world *world;       /* the drive's */
+	struct vehicles *vehicles; /* the drive's; NULL: the scene has none */
+	int64_t process;           /* number of the process that opened it */
+	bool forked;               /* this is a child of that process, and has let go of the world's locks */
 	struct scene *scene;
-	char *output;             /* NULL: nothing is written */
-	struct vehicles *vehicles; /* NULL: the scene has none */
-	struct report_rows *rows; /* NULL: no objects.csv */
-	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
-	struct report report;
-	struct view *view;        /* NULL until the first picture, if the scene has no view */
+	char *output;              /* NULL: nothing is written */
 	struct library_call *call; /* the last one that entered */
-	struct world_watcher watcher;
-	double origin;            /* s: time from which steps of time_step are counted */
-	int64_t steps;            /* steps since then */
-	struct library_mark {     /* values of `origin` and `steps` at the last checkpoint, and the end of vehicle_rows */
+	double origin;             /* s: time from which steps of time_step are counted */
+	int64_t steps;             /* steps since then */
+	struct library_mark {      /* values of `origin` and `steps` at the last checkpoint */
 		double origin;
-		int64_t steps, rows_end;
+		int64_t steps;
 	} mark;
-	bool failed;              /* the last step failed, and nothing was rolled back since */
-	double began;             /* s, by the clock */
-	double busy;              /* s, by the clock, in furrow_step */
+	bool failed;               /* the last step failed, and nothing was rolled back since */
+	double busy;               /* s, by the clock, in furrow_step */
 };
 
 /* State of one call of the library by its host. It keeps the host's GL context, which is restored when the call ends. */
@@ -59,14 +54,10 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 void api_library_begin_gl(struct furrow_world *world);
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
-/* furrow_bodies.c: tells a state of the world. */
-void api_library_tell_state(const struct world_state *from, struct furrow_state *state);
 /* furrow_steps.c: makes a checkpoint. */
 enum status api_library_checkpoint(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that the world may be changed. STATUS_USAGE: it is readonly. `what`: the call. */
 enum status api_library_need_writable(const struct furrow_world *world, const char *what) FURROW_CHECKED;
-/* furrow_render.c: makes the view of the scene, which draws pictures. */
-enum status api_library_start_view(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that a world is not NULL, and is of this process. STATUS_USAGE: it is not. In a child of the world's process lets go of its locks. */
 enum status api_library_need_world(const struct furrow_world *world) FURROW_CHECKED;
 /* Checks that an argument is not NULL. If it is: STATUS_USAGE, with a message that has `name`. */

@@ -14,8 +14,7 @@ enum status aside_name(struct aside *aside, const char *path)
 {
 	size_t room = strlen(path) + sizeof ".part";
 	*aside = (struct aside){.path = path, .part = mem_alloc(room, 1)};
-	if (aside->part == NULL)
-		return fail_memory(path);
+	TRY_MEM(aside->part, path);
 	snprintf(aside->part, room, "%s.part", path);
 	return STATUS_OK;
 }
@@ -54,17 +53,16 @@ enum status aside_check(const char *path)
 
 enum status aside_begin(struct aside *aside, const char *path)
 {
-	enum status status = aside_name(aside, path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(aside_name(aside, path));
 	const int file = output_create(aside->part, O_WRONLY | O_TRUNC);
 	aside->file = file >= 0 ? fdopen(file, "w") : NULL;
 	aside->begun = aside->file != NULL;
 	if (aside->begun)
 		return STATUS_OK;
-	status = fail_open(STATUS_FAILED, aside->path, aside->part, errno);
+	const enum status status = fail_open(STATUS_FAILED, aside->path, aside->part, errno);
 	if (file >= 0)
 		close(file);
+	aside_finish(aside);
 	return status;
 }
 
@@ -104,10 +102,10 @@ void aside_finish(struct aside *aside)
 
 enum status aside_end(struct aside *aside, bool synced, enum status status)
 {
-	if (status == STATUS_OK)
-		status = aside_whole(aside, synced);
-	if (status == STATUS_OK)
-		status = aside_publish(aside);
+	TRY_OR(done, status);
+	TRY_OR(done, aside_whole(aside, synced));
+	TRY_OR(done, aside_publish(aside));
+done:
 	aside_finish(aside);
 	return status;
 }

@@ -26,7 +26,7 @@ enum status aside_name(struct aside *aside, const char *path) FURROW_CHECKED;
 /* Checks before long work that aside_begin can make this file. Makes no file. STATUS_INPUT: its folder is not there or may not be written to, or
  * PATH is a folder. */
 enum status aside_check(const char *path) FURROW_CHECKED;
-/* Sets the name, and opens a new PATH.part as `file`. Returns a failure if it cannot be made. */
+/* Sets the name, and opens a new PATH.part as `file`. Returns a failure if it cannot be made; then there is nothing to finish. */
 enum status aside_begin(struct aside *aside, const char *path) FURROW_CHECKED;
 /* Closes the file; it is then whole. Returns the failure if a write failed. `synced`: also syncs the file to the disk. */
 enum status aside_whole(struct aside *aside, bool synced) FURROW_CHECKED;

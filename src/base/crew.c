@@ -91,27 +91,26 @@ static void *live(void *argument)
 enum status crew_create(size_t members, const char *name, crew_hook_fn enter, crew_hook_fn leave, struct crew **out)
 {
 	struct crew *crew = mem_calloc(1, sizeof *crew);
-	if (crew == NULL)
-		return fail_memory("threads");
+	TRY_MEM(crew, "threads");
 	crew->enter = enter;
 	crew->leave = leave;
 	mutex_init(&crew->mutex);
 	condition_init(&crew->changed);
 	crew->members = mem_calloc(members, sizeof *crew->members);
 	crew->ranges = mem_calloc(members, sizeof *crew->ranges);
-	enum status status = crew->members != NULL && crew->ranges != NULL ? STATUS_OK : fail_memory("threads");
-	for (; status == STATUS_OK && crew->count < members; crew->count++) {
+	enum status status;
+	TRY_OR(failed, crew->members != NULL && crew->ranges != NULL ? STATUS_OK : fail_memory("threads"));
+	for (; crew->count < members; crew->count++) {
 		struct member *member = &crew->members[crew->count];
 		*member = (struct member){.crew = crew, .number = crew->count};
 		if (crew->count > 0)
-			status = thread_start(&member->thread, live, member, name);
-	}
-	if (status != STATUS_OK) {
-		crew_destroy(crew);
-		return status;
+			TRY_OR(failed, thread_start(&member->thread, live, member, name));
 	}
 	*out = crew;
 	return STATUS_OK;
+failed:
+	crew_destroy(crew);
+	return status;
 }
 
 void crew_destroy(struct crew *crew)
@@ -134,10 +133,9 @@ void crew_destroy(struct crew *crew)
 enum status crew_run(struct crew *crew, size_t count, crew_task_fn task, void *user)
 {
 	if (count == 1 || crew->count == 1) { /* nobody need be woken */
-		enum status status = STATUS_OK;
-		for (size_t i = 0; i < count && status == STATUS_OK; i++)
-			status = task(user, 0, i);
-		return status;
+		for (size_t i = 0; i < count; i++)
+			TRY(task(user, 0, i));
+		return STATUS_OK;
 	}
 	mutex_lock(&crew->mutex);
 	crew->task = task;

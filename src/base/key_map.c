@@ -23,17 +23,15 @@ enum status key_map_put(struct key_map *map, uint64_t key, double a, double b)
 	if (map->keys.count == map->room) {
 		const size_t room = map->room != 0 ? 2 * map->room : 128;
 		struct key_pair *pairs = mem_realloc(map->pairs, room, sizeof *pairs);
-		if (pairs == NULL)
-			return fail_memory("a table of tiles");
+		TRY_MEM(pairs, "a table of tiles");
 		map->pairs = pairs;
 		map->room = room;
 	}
 	uint32_t number;
 	bool fresh;
-	enum status status = key_set_number(&map->keys, key, &number, &fresh);
-	if (status == STATUS_OK)
-		map->pairs[number] = (struct key_pair){key, a, b};
-	return status;
+	TRY(key_set_number(&map->keys, key, &number, &fresh));
+	map->pairs[number] = (struct key_pair){key, a, b};
+	return STATUS_OK;
 }
 
 void key_cache_finish(struct key_cache *cache)

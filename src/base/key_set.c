@@ -84,10 +84,9 @@ static uint32_t put(struct key_set *set, uint64_t key, bool *fresh)
 
 enum status key_set_number(struct key_set *set, uint64_t key, uint32_t *number, bool *fresh)
 {
-	enum status status = key_set_reserve(set, 1);
-	if (status == STATUS_OK)
-		*number = put(set, key, fresh);
-	return status;
+	TRY(key_set_reserve(set, 1));
+	*number = put(set, key, fresh);
+	return STATUS_OK;
 }
 
 void key_set_put(struct key_set *set, uint64_t key)

@@ -221,19 +221,18 @@ static int find_bands(const struct relief *relief, int level, int from, struct p
 /* Reads the classes of all bands, one after the other. */
 static enum status read_classes(const struct relief *relief, int level, struct post_rect rect, struct band *bands, int count, uint8_t *classes)
 {
-	enum status status = STATUS_OK;
-	for (int i = 0; i < count && status == STATUS_OK; i++) {
+	for (int i = 0; i < count; i++) {
 		struct band *band = &bands[i];
 		const int64_t cells_y = ((rect.y1 - 1) >> (band->depth + 1)) - band->first_y + 1;
 		const struct post_rect posts = {2 * band->first_x, 2 * band->first_y, 2 * (band->first_x + band->cells_x) + 1,
 						2 * (band->first_y + cells_y) + 1};
 		band->classes = classes;
-		status = relief->map->read(relief->map->user, level + band->depth, posts, classes);
-		for (int64_t k = 0; k < (posts.x1 - posts.x0) * (posts.y1 - posts.y0) && status == STATUS_OK; k++)
+		TRY(relief->map->read(relief->map->user, level + band->depth, posts, classes));
+		for (int64_t k = 0; k < (posts.x1 - posts.x0) * (posts.y1 - posts.y0); k++)
 			assert(classes[k] < relief->classes);
 		classes += (posts.x1 - posts.x0) * (posts.y1 - posts.y0);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status relief_heights(const struct relief *relief, int level, int from, struct post_rect rect, int32_t *heights)
@@ -247,19 +246,16 @@ enum status relief_heights(const struct relief *relief, int level, int from, str
 		return STATUS_OK;
 	}
 	uint8_t *classes = NULL;
+	enum status status = STATUS_OK;
 	if (relief->classes > 1) {
 		classes = mem_alloc(bytes, 1);
-		if (classes == NULL)
-			return fail_memory("relief");
-		enum status status = read_classes(relief, level, rect, bands, count, classes);
-		if (status != STATUS_OK) {
-			mem_free(classes);
-			return status;
-		}
+		TRY_MEM(classes, "relief");
+		TRY_OR(done, read_classes(relief, level, rect, bands, count, classes));
 	}
 	fill_rows(bands, count, bands[0].depth, rect, heights);
+done:
 	mem_free(classes);
-	return STATUS_OK;
+	return status;
 }
 
 int relief_parts(const struct relief *relief, int level, int from, int64_t x, int64_t y, struct relief_part parts[RELIEF_BANDS], int *down)

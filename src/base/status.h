@@ -26,14 +26,20 @@ enum status {
  * Early return. A function that fails returns at once, so that what follows reads as what is done, not as what is done unless.
  *
  * TRY: the function holds nothing. A failure of `call` is returned.
- * TRY_OR: the function holds something. A failure of `call` goes to `label`, where the function lets go of all it holds, and returns `status`, which is
- * the function's variable of that name.
+ * TRY_MEM: the same where an allocation gave NULL. `got`: the pointer, or that all of several are there. `what`: of which it is memory.
+ * TRY_OR: the function holds something. A failure of `call` goes to `label`. There the function lets go of all it holds, and returns its variable
+ * `status`.
  */
 #define TRY(call) \
 	do { \
 		const enum status tried_ = (call); \
 		if (tried_ != STATUS_OK) \
 			return tried_; \
+	} while (0)
+#define TRY_MEM(got, what) \
+	do { \
+		if (!(got)) \
+			return fail_memory(what); \
 	} while (0)
 #define TRY_OR(label, call) \
 	do { \

@@ -93,9 +93,7 @@ enum status thread_start(struct thread *thread, void *(*body)(void *), void *arg
 {
 	sigset_t all, before;
 	thread->started = false;
-	enum status status = c_locale(&thread->locale);
-	if (status != STATUS_OK)
-		return status;
+	TRY(c_locale(&thread->locale));
 	thread->body = body;
 	thread->argument = argument;
 	sigfillset(&all);

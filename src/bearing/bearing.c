@@ -55,8 +55,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 {
 	struct bearing *bearing = mem_calloc(1, sizeof *bearing);
 	*out = bearing;
-	if (bearing == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(bearing, "bearing soil");
 	const struct extent *extent = params->extent;
 	bearing->main = bearing;
 	bearing->params = *params;
@@ -71,12 +70,13 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	if (!bearing->bears)
 		prepare_kinematic(bearing);
 	bearing->around = bearing->conserves ? params->iterations + 2 : bearing->kinematic.radius;
-	enum status status = bearing->bears ? bearing_members_need(bearing, 1) : STATUS_OK;
-	if (status == STATUS_OK && params->loaded_bodies > 0) {
+	if (bearing->bears)
+		TRY(bearing_members_need(bearing, 1));
+	if (params->loaded_bodies > 0) {
 		bearing->standing = mem_calloc(params->loaded_bodies, sizeof *bearing->standing);
-		status = bearing->standing != NULL ? STATUS_OK : fail_memory("bearing soil");
+		TRY_MEM(bearing->standing, "bearing soil");
 	}
-	return status;
+	return STATUS_OK;
 }
 
 void bearing_destroy(struct bearing *bearing)

@@ -12,12 +12,12 @@ enum status bearing_area(const struct bearing *bearing, const struct deform_cont
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count;
 	*area = (struct bearing_area){{0, 0, 0, 0}, {0, 0, 0, 0}};
-	enum status status = deform_cut(&bearing->params, contact, windows, &count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(deform_cut(&bearing->params, contact, windows, &count));
+	for (size_t i = 0; i < count; i++) {
 		area->read = post_rect_joined(area->read, windows[i].read);
 		area->write = post_rect_joined(area->write, windows[i].write);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 bool bearing_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest)
@@ -44,20 +44,18 @@ static size_t window_posts(const struct bearing *bearing)
 /* Makes the window, whose posts no contact has touched. All of them are gathered later. */
 static enum status open_window(struct bearing *bearing, struct post_rect rect)
 {
-	enum status status = bearing_window_need(bearing, rect);
-	if (status == STATUS_OK)
-		memset(bearing->window.planes.contact, 0, window_posts(bearing));
-	return status;
+	TRY(bearing_window_need(bearing, rect));
+	memset(bearing->window.planes.contact, 0, window_posts(bearing));
+	return STATUS_OK;
 }
 
 enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, bool whole)
 {
-	const struct post_rect reads = bearing_meeting_reads(contacts, count);
-	enum status status = open_window(bearing, reads);
-	if (status == STATUS_OK && !whole)
-		bearing_window_clear(bearing); /* posts of no tile are beyond the world */
 	bearing->whole = whole;
-	return status;
+	TRY(open_window(bearing, bearing_meeting_reads(contacts, count)));
+	if (!whole)
+		bearing_window_clear(bearing); /* posts of no tile are beyond the world */
+	return STATUS_OK;
 }
 
 void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
@@ -70,15 +68,14 @@ void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *hel
 
 enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, const struct tile_slot *held, size_t held_count)
 {
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++)
-		for (size_t k = 0; k < held_count && status == STATUS_OK; k++)
+		for (size_t k = 0; k < held_count; k++)
 			if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[k].tile), contacts[i].changed)))
-				status = resident_host_write(bearing->slots, held[k].slot, bearing->planes);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+				TRY(resident_host_write(bearing->slots, held[k].slot, bearing->planes));
+	for (size_t i = 0; i < count; i++)
 		if (!post_rect_empty(contacts[i].changed))
 			resident_host_scatter(bearing->slots, held, held_count, &bearing->window.planes, contacts[i].changed, bearing->planes);
-	return status;
+	return STATUS_OK;
 }
 
 /* --- into the ground --- */
@@ -91,9 +88,8 @@ static int32_t *standing_of(struct bearing *bearing, const struct deform_contact
 /* Begins those beside the first `count` members that may be over the same ground, and lists them in bearing->others. Adds their number to *all. */
 static enum status begin_rests(struct bearing *bearing, size_t count, const struct deform_rest *beside, size_t beside_count, size_t *all)
 {
-	enum status status = STATUS_OK;
 	bearing->rest_count = 0;
-	for (size_t i = 0; i < beside_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < beside_count; i++) {
 		struct bearing_member *member = &bearing->members[*all];
 		bool overlaps = false;
 		if (!bearing_rest_is_near(bearing, &beside[i], &member->motion))
@@ -104,16 +100,15 @@ static enum status begin_rests(struct bearing *bearing, size_t count, const stru
 		if (!overlaps)
 			continue;
 		bearing->others[(*all)++ - count] = member->work;
-		status = soil_sink_begin(&bearing->law, NULL, &member->motion, 0, member->work);
+		TRY(soil_sink_begin(&bearing->law, NULL, &member->motion, 0, member->work));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Begins the bodies that meet the ground. */
 static enum status begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &bearing->members[i];
 		const struct deform_contact *contact = contacts[i].contact;
 		const int32_t *standing = standing_of(bearing, contact);
@@ -126,28 +121,27 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		member->party = i;
 		member->widened = false;
 		member->feels = contacts[i].feels;
-		status = soil_sink_begin(&bearing->law, &member->planes, &member->motion, standing != NULL ? *standing : 0, member->work);
+		TRY(soil_sink_begin(&bearing->law, &member->planes, &member->motion, standing != NULL ? *standing : 0, member->work));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Finds heights and forces. The height of a body with a load depends on the others. So heights are found anew while they change. */
 static enum status find(struct bearing *bearing, size_t count, size_t all)
 {
-	enum status status = STATUS_OK;
 	bool again = true;
-	for (int round = 0; round < ROUNDS && again && status == STATUS_OK; round++) {
+	for (int round = 0; round < ROUNDS && again; round++) {
 		again = false;
-		for (size_t i = 0; i < count && all > 1 && status == STATUS_OK; i++)
-			status = bearing_member_meet(bearing, i, count, all);
-		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		for (size_t i = 0; i < count && all > 1; i++)
+			TRY(bearing_member_meet(bearing, i, count, all));
+		for (size_t i = 0; i < count; i++) {
 			struct bearing_member *member = &bearing->members[i];
 			const int32_t before = member->imprint.raised;
 			soil_sink_find(member->work, &member->imprint);
 			again |= member->motion.load > 0 && all > 1 && soil_sink_shares(member->work) && (round == 0 || member->imprint.raised != before);
 		}
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Decides which body changes a post, where several touch it. */
@@ -163,8 +157,7 @@ static enum status claim(struct bearing *bearing, const struct bearing_contact *
 		mem_free(bearing->claims);
 		bearing->claim_room = 0;
 		bearing->claims = mem_alloc(posts, sizeof *bearing->claims);
-		if (bearing->claims == NULL)
-			return fail_memory("bearing soil");
+		TRY_MEM(bearing->claims, "bearing soil");
 		bearing->claim_room = posts;
 	}
 	memset(bearing->claims, 0, posts * sizeof *bearing->claims);
@@ -323,17 +316,11 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 				    size_t beside_count)
 {
 	size_t all = count;
-	enum status status = bearing_members_need(bearing, count + beside_count);
-	if (status == STATUS_OK)
-		status = begin(bearing, contacts, count);
-	if (status == STATUS_OK)
-		status = begin_rests(bearing, count, beside, beside_count, &all);
-	if (status == STATUS_OK)
-		status = find(bearing, count, all);
-	if (status == STATUS_OK)
-		status = claim(bearing, contacts, count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(bearing_members_need(bearing, count + beside_count));
+	TRY(begin(bearing, contacts, count));
+	TRY(begin_rests(bearing, count, beside, beside_count, &all));
+	TRY(find(bearing, count, all));
+	TRY(claim(bearing, contacts, count));
 	for (size_t i = 0; i < count; i++) {
 		const struct bearing_member *member = &bearing->members[i];
 		contacts[i].changed = (struct post_rect){0, 0, 0, 0};
@@ -343,14 +330,12 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 	}
 	const bool alone = count == 1 && bearing->rest_count == 0;
 	commit(bearing, count, alone);
-	status = bearing_hold(bearing, bearing->rests, bearing->rest_count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(bearing_hold(bearing, bearing->rests, bearing->rest_count));
 	const bool deposits = lay(bearing, count, alone);
 	put_clusters(bearing, count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = slide(bearing, contacts, count, i, deposits);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++)
+		TRY(slide(bearing, contacts, count, i, deposits));
+	for (size_t i = 0; i < count; i++) {
 		int32_t *standing = standing_of(bearing, contacts[i].contact);
 		if (contacts[i].feels)
 			continue;
@@ -358,17 +343,15 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 		if (standing != NULL)
 			*standing = bearing->members[i].imprint.raised;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status bearing_contact_alone(struct bearing *bearing, struct bearing_contact *contact, const struct tile_slot *held, size_t count)
 {
-	enum status status = bearing_meeting_begin(bearing, contact, 1, true);
-	if (status == STATUS_OK)
-		bearing_meeting_gather(bearing, held, count);
-	if (status == STATUS_OK)
-		status = bearing_meeting_compute(bearing, contact, 1, NULL, 0);
-	return status == STATUS_OK ? bearing_meeting_scatter(bearing, contact, 1, held, count) : status;
+	TRY(bearing_meeting_begin(bearing, contact, 1, true));
+	bearing_meeting_gather(bearing, held, count);
+	TRY(bearing_meeting_compute(bearing, contact, 1, NULL, 0));
+	return bearing_meeting_scatter(bearing, contact, 1, held, count);
 }
 
 /* --- probes --- */
@@ -387,16 +370,12 @@ static enum status sink_before(struct bearing *bearing, const struct soil_motion
 	const struct soil_sink sink = {.laying = &laying, .soils = bearing->laid};
 	size_t all = 1;
 	member->motion = *motion;
-	enum status status = begin_rests(bearing, 1, beside, beside_count, &all);
-	if (status == STATUS_OK)
-		status = soil_sink_begin(&bearing->law, &bearing->window.planes, &member->motion, 0, member->work);
-	if (status == STATUS_OK)
-		status = soil_sink_meet(member->work, bearing->others, all - 1);
-	if (status != STATUS_OK)
-		return status;
+	TRY(begin_rests(bearing, 1, beside, beside_count, &all));
+	TRY(soil_sink_begin(&bearing->law, &bearing->window.planes, &member->motion, 0, member->work));
+	TRY(soil_sink_meet(member->work, bearing->others, all - 1));
 	soil_sink_find(member->work, &member->imprint);
 	soil_sink_commit(member->work, &sink, NULL, &member->imprint);
-	return status;
+	return STATUS_OK;
 }
 
 enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, const struct deform_rest *beside,
@@ -408,18 +387,13 @@ enum status bearing_probe(struct bearing *bearing, const struct soil_motion *bef
 		return STATUS_OK;
 	if (before != NULL)
 		read = post_rect_joined(read, bearing_probe_posts(bearing, before));
-	enum status status = bearing_members_need(bearing, 1 + beside_count);
-	if (status == STATUS_OK)
-		status = open_window(bearing, read);
-	if (status == STATUS_OK)
-		resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
-	if (status == STATUS_OK && before != NULL)
-		status = sink_before(bearing, before, beside, beside_count);
+	TRY(bearing_members_need(bearing, 1 + beside_count));
+	TRY(open_window(bearing, read));
+	resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
+	if (before != NULL)
+		TRY(sink_before(bearing, before, beside, beside_count));
 	size_t all = 1;
 	bearing->members[0].motion = *motion;
-	if (status == STATUS_OK)
-		status = begin_rests(bearing, 1, beside, beside_count, &all);
-	if (status != STATUS_OK)
-		return status;
+	TRY(begin_rests(bearing, 1, beside, beside_count, &all));
 	return soil_probe_among(&bearing->law, &bearing->window.planes, motion, bearing->others, all - 1, bearing->members[0].work, out);
 }

@@ -33,13 +33,11 @@ enum status bearing_hands_need(struct bearing *bearing, size_t count)
 	if (count <= bearing->hand_count + 1)
 		return STATUS_OK;
 	struct bearing **hands = mem_realloc(bearing->hands, count - 1, sizeof *hands);
-	if (hands == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(hands, "bearing soil");
 	bearing->hands = hands;
 	while (bearing->hand_count + 1 < count) {
 		struct bearing *hand = hand_of(bearing);
-		if (hand == NULL)
-			return fail_memory("bearing soil");
+		TRY_MEM(hand, "bearing soil");
 		bearing->hands[bearing->hand_count++] = hand;
 	}
 	return STATUS_OK;
@@ -52,17 +50,15 @@ struct bearing *bearing_hand(struct bearing *bearing, size_t number)
 
 static enum status join_set(struct soil_block_set *set, struct post_rect world, struct soil_block_set *from)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < from->count && status == STATUS_OK; i++)
-		status = soil_active_add(set, world, from->blocks[i]);
+	for (size_t i = 0; i < from->count; i++)
+		TRY(soil_active_add(set, world, from->blocks[i]));
 	soil_block_set_clear(from);
-	return status;
+	return STATUS_OK;
 }
 
 enum status bearing_hands_join(struct bearing *bearing)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < bearing->hand_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < bearing->hand_count; i++) {
 		struct bearing *hand = bearing->hands[i];
 		struct deform_tally *to = &bearing->tally, *from = &hand->tally;
 		to->compacted += from->compacted;
@@ -76,12 +72,11 @@ enum status bearing_hands_join(struct bearing *bearing)
 		bearing->slid += hand->slid;
 		bearing->results += hand->results;
 		hand->contacts = hand->feels = hand->slid = hand->results = 0;
-		status = join_set(&bearing->active, bearing->world, &hand->active);
-		if (status == STATUS_OK)
-			status = join_set(&bearing->next, bearing->world, &hand->next);
+		TRY(join_set(&bearing->active, bearing->world, &hand->active));
+		TRY(join_set(&bearing->next, bearing->world, &hand->next));
 	}
 	bearing->results_most = bearing->results > bearing->results_most ? bearing->results : bearing->results_most;
-	return status;
+	return STATUS_OK;
 }
 
 void bearing_hands_finish(struct bearing *bearing)

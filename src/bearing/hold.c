@@ -25,19 +25,17 @@ static enum status hold(struct bearing *bearing, const struct deform_rest *rest)
 	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
 	const struct soil_pose pose = pose_of(bearing, rest);
 	const struct soil_kinematic_contact contact = {.shape = rest->shape};
-	enum status status = bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &contact, planes->width, (size_t)(planes->rect.y1 - planes->rect.y0)));
-	if (status == STATUS_OK)
-		soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);
-	return status;
+	TRY(bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &contact, planes->width, (size_t)(planes->rect.y1 - planes->rect.y0))));
+	soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);
+	return STATUS_OK;
 }
 
 enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < count; i++)
 		if (!post_rect_empty(post_rect_intersect(shadow_of(bearing, &objects[i]), bearing->window.planes.rect)))
-			status = hold(bearing, &objects[i]);
-	return status;
+			TRY(hold(bearing, &objects[i]));
+	return STATUS_OK;
 }
 
 static int from_south(const void *a, const void *b)
@@ -52,8 +50,7 @@ enum status bearing_hold_begin(struct bearing *bearing, const struct deform_rest
 	bearing->held_tallest = 0;
 	if (count > bearing->held_room) {
 		struct bearing_held *held = mem_realloc(bearing->held, count, sizeof *held);
-		if (held == NULL)
-			return fail_memory("relaxation");
+		TRY_MEM(held, "relaxation");
 		bearing->held = held;
 		bearing->held_room = count;
 	}
@@ -87,13 +84,12 @@ enum status bearing_hold_near(struct bearing *bearing)
 {
 	const struct bearing *main = bearing->main;
 	const struct post_rect rect = bearing->window.planes.rect;
-	enum status status = STATUS_OK;
-	for (size_t i = first_from(main, rect.y0 - main->held_tallest + 1); i < main->held_count && status == STATUS_OK; i++) {
+	for (size_t i = first_from(main, rect.y0 - main->held_tallest + 1); i < main->held_count; i++) {
 		const struct bearing_held *held = &main->held[i];
 		if (held->shadow.y0 >= rect.y1)
 			break;
 		if (!post_rect_empty(post_rect_intersect(held->shadow, rect)))
-			status = hold(bearing, held->rest);
+			TRY(hold(bearing, held->rest));
 	}
-	return status;
+	return STATUS_OK;
 }

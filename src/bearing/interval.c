@@ -37,8 +37,7 @@ static enum status add_region(struct bearing *bearing, struct post_rect blocks)
 	if (bearing->region_count == bearing->region_room) {
 		const size_t room = bearing->region_room > 0 ? 2 * bearing->region_room : 16;
 		struct bearing_region *regions = mem_realloc(bearing->regions, room, sizeof *regions);
-		if (regions == NULL)
-			return fail_memory("relaxation");
+		TRY_MEM(regions, "relaxation");
 		bearing->regions = regions;
 		bearing->region_room = room;
 	}
@@ -63,16 +62,16 @@ static enum status cut(struct bearing *bearing)
 	const int64_t cells = bearing->params.extent->cells;
 	struct soil_block *blocks = mem_alloc(count, sizeof *blocks);
 	enum status status = STATUS_OK;
-	if (blocks == NULL)
-		return fail_memory("relaxation");
+	TRY_MEM(blocks, "relaxation");
 	memcpy(blocks, bearing->active.blocks, count * sizeof *blocks);
 	qsort(blocks, count, sizeof *blocks, by_row);
-	for (size_t first = 0, last; first < count && status == STATUS_OK; first = last) {
+	for (size_t first = 0, last; first < count; first = last) {
 		for (last = first + 1; last < count && last - first < REGION_BLOCKS && blocks[last].y == blocks[first].y && blocks[last].x == blocks[last - 1].x + 1 &&
 				       blocks[last].x * SOIL_BLOCK / cells == blocks[first].x * SOIL_BLOCK / cells;)
 			last++;
-		status = add_region(bearing, (struct post_rect){blocks[first].x, blocks[first].y, blocks[last - 1].x + 1, blocks[first].y + 1});
+		TRY_OR(done, add_region(bearing, (struct post_rect){blocks[first].x, blocks[first].y, blocks[last - 1].x + 1, blocks[first].y + 1}));
 	}
+done:
 	mem_free(blocks);
 	return status;
 }
@@ -91,8 +90,7 @@ static enum status need_results(struct bearing *bearing)
 	mem_free(bearing->memory);
 	bearing->memory_room = 0;
 	bearing->memory = mem_alloc(numbers, sizeof *bearing->memory);
-	if (bearing->memory == NULL)
-		return fail_memory("relaxation");
+	TRY_MEM(bearing->memory, "relaxation");
 	bearing->memory_room = numbers;
 	return STATUS_OK;
 }
@@ -102,17 +100,16 @@ enum status bearing_interval_begin(struct bearing *bearing, const struct deform_
 	const struct soil_block *blocks;
 	size_t block_count;
 	finish_regions(bearing);
-	enum status status = bearing_active_blocks(bearing, &blocks, &block_count);
-	*interval = (struct bearing_interval){block_count, 0};
-	if (status == STATUS_OK && block_count > 0)
-		status = bearing_hold_begin(bearing, objects, count);
-	if (status == STATUS_OK && block_count > 0)
-		status = cut(bearing);
-	if (status == STATUS_OK && block_count > 0)
-		status = need_results(bearing);
-	interval->regions = bearing->region_count;
+	*interval = (struct bearing_interval){bearing->active.count, 0};
 	soil_block_set_clear(&bearing->next);
-	return status;
+	TRY(bearing_active_blocks(bearing, &blocks, &block_count));
+	if (block_count == 0)
+		return STATUS_OK;
+	TRY(bearing_hold_begin(bearing, objects, count));
+	TRY(cut(bearing));
+	TRY(need_results(bearing));
+	interval->regions = bearing->region_count;
+	return STATUS_OK;
 }
 
 struct post_rect bearing_interval_reads(const struct bearing *bearing, size_t region)
@@ -128,9 +125,7 @@ struct post_rect bearing_interval_writes(const struct bearing *bearing, size_t r
 enum status bearing_interval_start(struct bearing *bearing, size_t region)
 {
 	const struct post_rect reads = bearing->main->regions[region].reads;
-	enum status status = bearing_window_need(bearing, reads);
-	if (status != STATUS_OK)
-		return status;
+	TRY(bearing_window_need(bearing, reads));
 	bearing_window_clear(bearing); /* posts of no tile are beyond the world */
 	return STATUS_OK;
 }
@@ -145,15 +140,11 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	struct bearing_region *region = &bearing->main->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
-	enum status status = bearing_hold_near(bearing);
-	if (status != STATUS_OK)
-		return status;
+	TRY(bearing_hold_near(bearing));
 	soil_active_close(&bearing->main->active, planes);
 	bearing->slid++;
 	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);
-	status = soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words);
-	if (status != STATUS_OK)
-		return status;
+	TRY(soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words));
 	region->offset = bearing->main->memory + region->at;
 	region->deposited = planes->deposited != NULL ? region->offset + width * height : NULL;
 	bearing->results += posts_in(region->writes);
@@ -172,10 +163,10 @@ enum status bearing_interval_scatter(struct bearing *bearing, size_t number, con
 	struct bearing_region *region = &bearing->regions[number];
 	const struct soil_planes from = {.rect = region->writes, .width = (size_t)(region->writes.x1 - region->writes.x0), .offset = region->offset, .deposited = region->deposited};
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = resident_host_write(bearing->slots, held[i].slot, planes);
-	if (status == STATUS_OK)
-		resident_host_scatter(bearing->slots, held, count, &from, region->writes, planes);
+	for (size_t i = 0; i < count; i++)
+		TRY_OR(done, resident_host_write(bearing->slots, held[i].slot, planes));
+	resident_host_scatter(bearing->slots, held, count, &from, region->writes, planes);
+done:
 	finish_region(bearing, region);
 	return status;
 }

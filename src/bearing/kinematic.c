@@ -23,12 +23,11 @@ enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform
 	const struct soil_kinematic_contact own = contact_of(contact);
 	const struct post_rect read = area->read, world = bearing->world;
 	const size_t width = (size_t)(read.x1 - read.x0), height = (size_t)(read.y1 - read.y0);
-	enum status status = bearing_window_need(bearing, read);
-	if (status == STATUS_OK)
-		status = bearing_scratch_need(bearing, soil_kinematic_room(&bearing->kinematic, &own, width, height));
-	if (status == STATUS_OK && (read.x0 < world.x0 || read.y0 < world.y0 || read.x1 > world.x1 || read.y1 > world.y1))
+	TRY(bearing_window_need(bearing, read));
+	TRY(bearing_scratch_need(bearing, soil_kinematic_room(&bearing->kinematic, &own, width, height)));
+	if (read.x0 < world.x0 || read.y0 < world.y0 || read.x1 > world.x1 || read.y1 > world.y1)
 		bearing_window_clear(bearing);
-	return status;
+	return STATUS_OK;
 }
 
 void bearing_kinematic_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
@@ -131,11 +130,9 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 
 enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect changed, const struct tile_slot *held, size_t count)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < count; i++)
 		if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[i].tile), changed)))
-			status = resident_host_write(bearing->slots, held[i].slot, bearing->planes);
-	if (status == STATUS_OK)
-		resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, changed, bearing->planes);
-	return status;
+			TRY(resident_host_write(bearing->slots, held[i].slot, bearing->planes));
+	resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, changed, bearing->planes);
+	return STATUS_OK;
 }

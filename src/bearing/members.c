@@ -22,23 +22,18 @@ enum status bearing_members_need(struct bearing *bearing, size_t count)
 	if (count <= bearing->member_room)
 		return STATUS_OK;
 	struct bearing_member *members = mem_realloc(bearing->members, count, sizeof *members);
-	if (members == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(members, "bearing soil");
 	bearing->members = members;
 	const struct soil_work **others = mem_realloc(bearing->others, count, sizeof *others);
-	if (others == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(others, "bearing soil");
 	bearing->others = others;
 	struct deform_rest *rests = mem_realloc(bearing->rests, count, sizeof *rests);
-	if (rests == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(rests, "bearing soil");
 	bearing->rests = rests;
 	for (; bearing->member_room < count; bearing->member_room++) {
 		struct bearing_member *member = &members[bearing->member_room];
 		*member = (struct bearing_member){.at = 0};
-		enum status status = soil_work_create(&member->work);
-		if (status != STATUS_OK)
-			return status;
+		TRY(soil_work_create(&member->work));
 	}
 	return STATUS_OK;
 }
@@ -118,8 +113,9 @@ enum status bearing_member_meet(struct bearing *bearing, size_t number, size_t c
 		if (i != number && bearing_members_overlap(bearing, &member->motion, &bearing->members[i].motion))
 			bearing->others[met++] = bearing->members[i].work;
 	member->crosses = met > 0;
-	enum status status = met > 0 ? soil_sink_meet(member->work, bearing->others, met) : STATUS_OK;
-	for (size_t i = 0, k = 0; i < count && status == STATUS_OK && !member->feels; i++) {
+	if (met > 0)
+		TRY(soil_sink_meet(member->work, bearing->others, met));
+	for (size_t i = 0, k = 0; i < count && !member->feels; i++) {
 		const struct bearing_member *other = &bearing->members[i];
 		if (i == number || !bearing_members_overlap(bearing, &member->motion, &other->motion))
 			continue;
@@ -127,5 +123,5 @@ enum status bearing_member_meet(struct bearing *bearing, size_t number, size_t c
 			join(bearing, number, i, count);
 		k++;
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -55,8 +55,7 @@ enum status bearing_scratch_need(struct bearing *bearing, size_t bytes)
 		mem_free(window->scratch);
 		window->scratch_bytes = 0;
 		window->scratch = mem_alloc(bytes, 1);
-		if (window->scratch == NULL)
-			return fail_memory("the soil around a body");
+		TRY_MEM(window->scratch, "the soil around a body");
 		window->scratch_bytes = bytes;
 	}
 	return STATUS_OK;
@@ -69,8 +68,7 @@ static enum status need_words(struct bearing *bearing, size_t words)
 		mem_free(window->words);
 		window->word_count = 0;
 		window->words = mem_alloc(words, sizeof *window->words);
-		if (window->words == NULL)
-			return fail_memory("the soil around a body");
+		TRY_MEM(window->words, "the soil around a body");
 		window->word_count = words;
 	}
 	return STATUS_OK;
@@ -85,8 +83,7 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 		window->posts = window->bytes = 0;
 		const size_t bytes = place(bearing, posts, NULL);
 		window->memory = mem_alloc(bytes, 1);
-		if (window->memory == NULL)
-			return fail_memory("the soil around a body");
+		TRY_MEM(window->memory, "the soil around a body");
 		window->posts = posts;
 		window->bytes = bytes;
 		place(bearing, posts, window->memory);
@@ -96,8 +93,8 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 	if (!bearing->conserves)
 		return STATUS_OK;
 	const size_t laying = soil_lay_scratch(width, height), sliding = soil_sliding_scratch(&bearing->rule, &window->planes);
-	enum status status = bearing_scratch_need(bearing, laying > sliding ? laying : sliding);
-	return status == STATUS_OK ? need_words(bearing, (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2)) : status;
+	TRY(bearing_scratch_need(bearing, laying > sliding ? laying : sliding));
+	return need_words(bearing, (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2));
 }
 
 void bearing_window_clear(struct bearing *bearing)

@@ -217,9 +217,8 @@ enum status chart_grid_find(const struct chart_map *map, const struct chart_fram
 		finding.origin[k] = map->meta->origin[k];
 	*out = (struct chart_lines){NULL, 0, ""};
 	if (map->grid == CHART_GRID_DEGREES) {
-		enum status status = map->meta->srs[0] != '\0' ? dem_globe_create(map->meta->srs, &finding.globe) : STATUS_OK;
-		if (status != STATUS_OK)
-			return status;
+		if (map->meta->srs[0] != '\0')
+			TRY(dem_globe_create(map->meta->srs, &finding.globe));
 		if (finding.globe == NULL)
 			note("the store has local metres, and no place on a globe: the map's grid is in metres");
 	}

@@ -28,15 +28,13 @@ enum status chart_ground_write(const struct chart_map *map, const char *name, FI
 	};
 	frame.rect = (struct chart_rect){0, 0, frame.width / 2.0, frame.height / 2.0}; /* two pixels a point, as on a screen */
 	*out = (struct chart_ground){.holes = chart_relief_has_holes(map)};
-	enum status status = chart_relief_range(map, &out->range, out->beyond);
-	uint32_t *pixels = status == STATUS_OK ? mem_alloc((size_t)frame.width * frame.height, sizeof *pixels) : NULL;
-	if (status == STATUS_OK && pixels == NULL)
-		status = fail_memory("a map");
-	if (status == STATUS_OK) {
-		const struct picture picture = {pixels, frame.width, frame.height};
-		chart_relief_fill(map, &out->range, &frame, pixels, frame.width);
-		status = chart_png_file(file, name, &(struct chart_png){frame.width, frame.height, 8, 3, put, &picture, .srgb = true, .small = true});
-	}
+	TRY(chart_relief_range(map, &out->range, out->beyond));
+	uint32_t *pixels = mem_alloc((size_t)frame.width * frame.height, sizeof *pixels);
+	TRY_MEM(pixels, "a map");
+	const struct picture picture = {pixels, frame.width, frame.height};
+	const struct chart_png png = {frame.width, frame.height, 8, 3, put, &picture, .srgb = true, .small = true};
+	chart_relief_fill(map, &out->range, &frame, pixels, frame.width);
+	const enum status status = chart_png_file(file, name, &png);
 	mem_free(pixels);
 	return status;
 }

@@ -73,12 +73,14 @@ enum status chart_ways_join(const struct chart_way *ways, size_t count, struct c
 {
 	bool *taken = mem_calloc(count + 1, sizeof *taken);
 	*out = (struct chart_joined){mem_calloc(count + 1, sizeof *out->ways), mem_calloc(count + 1, sizeof *out->names), 0};
-	enum status status = taken != NULL && out->ways != NULL && out->names != NULL ? STATUS_OK : fail_memory("a map's names");
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+	enum status status;
+	TRY_OR(done, taken != NULL && out->ways != NULL && out->names != NULL ? STATUS_OK : fail_memory("a map's names"));
+	for (size_t i = 0; i < count; i++)
 		if (!taken[i]) {
-			status = join(ways, count, i, taken, &out->ways[out->count], &out->names[out->count]);
+			TRY_OR(done, join(ways, count, i, taken, &out->ways[out->count], &out->names[out->count]));
 			out->count++;
 		}
+done:
 	mem_free(taken);
 	if (status != STATUS_OK)
 		chart_joined_finish(out);

@@ -280,8 +280,7 @@ static enum status draw_ground(struct chart_page *page, const struct layout *lay
 {
 	const struct chart_frame *frame = &layout->frame;
 	uint32_t *pixels = mem_alloc((size_t)frame->width * frame->height, sizeof *pixels);
-	if (pixels == NULL)
-		return fail_memory("a map");
+	TRY_MEM(pixels, "a map");
 	chart_relief_fill(layout->map, &layout->legend.range, frame, pixels, frame->width);
 	enum status status = chart_page_image(page, pixels, frame->width, frame->height, &frame->rect);
 	mem_free(pixels);
@@ -291,11 +290,9 @@ static enum status draw_ground(struct chart_page *page, const struct layout *lay
 static enum status draw(struct chart_page *page, struct layout *layout, struct chart_written *written)
 {
 	const struct chart_rect *rect = &layout->frame.rect;
-	enum status status = draw_ground(page, layout);
-	if (status != STATUS_OK)
-		return status;
+	TRY(draw_ground(page, layout));
 	draw_lines(page, layout);
-	status = chart_ways_draw(page, layout->map, &layout->frame, written);
+	TRY(chart_ways_draw(page, layout->map, &layout->frame, written));
 	chart_page_colour(page, chart_ink);
 	cairo_set_line_width(page->cairo, 0.8);
 	cairo_rectangle(page->cairo, rect->x0 - 0.4, rect->y0 - 0.4, rect->x1 - rect->x0 + 0.8, rect->y1 - rect->y0 + 0.8);
@@ -307,7 +304,7 @@ static enum status draw(struct chart_page *page, struct layout *layout, struct c
 		draw_tall_panel(page, layout);
 	else
 		draw_broad_panel(page, layout);
-	return status;
+	return STATUS_OK;
 }
 
 /* A post is in the middle of its pixels. `dots`: pixels a point. */
@@ -332,27 +329,22 @@ static enum status write_page(const struct chart_map *map, const char *path, str
 	*written = (struct chart_written){.width = 0};
 	if (!chart_path_format(path, &format))
 		return fail_with(STATUS_USAGE, "%s: is no map's name; give one that ends in .png, .svg or .pdf", path);
-	enum status status = chart_page_create(page);
-	if (status == STATUS_OK)
-		status = chart_relief_range(map, &layout.legend.range, layout.legend.beyond);
-	if (status != STATUS_OK)
-		return status;
+	TRY(chart_page_create(page));
+	TRY(chart_relief_range(map, &layout.legend.range, layout.legend.beyond));
 	layout.legend.holes = chart_relief_has_holes(map);
 	size_frame(&layout);
 	const double dots = layout.frame.width / layout.frame.rect.x1;
-	status = chart_grid_find(map, &layout.frame, APART, &layout.grid);
-	if (status == STATUS_OK) {
-		write_notes(&layout);
-		arrange(page, &layout);
-	}
-	if (status == STATUS_OK)
-		status = chart_page_open(page, path, format, layout.width, layout.height, dots, map->title);
-	if (status == STATUS_OK)
-		status = draw(page, &layout, written);
+	enum status status;
+	TRY_OR(done, chart_grid_find(map, &layout.frame, APART, &layout.grid));
+	write_notes(&layout);
+	arrange(page, &layout);
+	TRY_OR(done, chart_page_open(page, path, format, layout.width, layout.height, dots, map->title));
+	TRY_OR(done, draw(page, &layout, written));
 	*frame = layout.frame;
 	written->width = format == CHART_PNG ? page->columns : (uint32_t)layout.width;
 	written->height = format == CHART_PNG ? page->rows : (uint32_t)layout.height;
 	written->place = place_of(map->raster, &layout.frame, dots);
+done:
 	chart_grid_finish(&layout.grid);
 	return status;
 }
@@ -363,12 +355,10 @@ enum status chart_map_page(const struct chart_map *map, const char *path, struct
 	struct chart_joined joined;
 	struct chart_map drawn = *map;
 	*written = (struct chart_written){.width = 0};
-	enum status status = chart_ways_join(map->ways, map->way_count, &joined);
-	if (status != STATUS_OK)
-		return status;
+	TRY(chart_ways_join(map->ways, map->way_count, &joined));
 	drawn.ways = joined.ways;
 	drawn.way_count = joined.count;
-	status = write_page(&drawn, path, page, frame, written);
+	const enum status status = write_page(&drawn, path, page, frame, written);
 	chart_joined_finish(&joined);
 	return status;
 }
@@ -378,11 +368,11 @@ enum status chart_map_write(const struct chart_map *map, const char *path, struc
 	struct chart_page page = {.fonts = NULL};
 	struct chart_frame frame;
 	struct chart_written unasked;
-	enum status status = chart_map_page(map, path, &page, &frame, written != NULL ? written : &unasked);
-	if (status == STATUS_OK)
-		status = chart_page_write(&page, path);
-	if (status == STATUS_OK)
-		chart_unknown_tell(&page.unknown, path);
+	enum status status;
+	TRY_OR(done, chart_map_page(map, path, &page, &frame, written != NULL ? written : &unasked));
+	TRY_OR(done, chart_page_write(&page, path));
+	chart_unknown_tell(&page.unknown, path);
+done:
 	chart_page_finish(&page);
 	return status;
 }

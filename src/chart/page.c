@@ -102,8 +102,7 @@ static enum status open_picture(struct chart_page *page)
 {
 	const int stride = cairo_format_stride_for_width(CAIRO_FORMAT_RGB24, (int)page->columns);
 	page->pixels = mem_calloc(page->rows, (size_t)stride);
-	if (page->pixels == NULL)
-		return fail_memory("a map");
+	TRY_MEM(page->pixels, "a map");
 	page->surface =
 		cairo_image_surface_create_for_data(page->pixels, CAIRO_FORMAT_RGB24, (int)page->columns, (int)page->rows, stride);
 	return STATUS_OK;
@@ -111,9 +110,7 @@ static enum status open_picture(struct chart_page *page)
 
 static enum status open_file(struct chart_page *page, const char *path)
 {
-	enum status status = aside_begin(&page->aside, path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(aside_begin(&page->aside, path));
 	if (page->format == CHART_SVG) {
 		page->surface = cairo_svg_surface_create_for_stream(take, page, page->width, page->height);
 		cairo_svg_surface_set_document_unit(page->surface, CAIRO_SVG_UNIT_PT);
@@ -139,9 +136,7 @@ enum status chart_page_open(struct chart_page *page, const char *path, enum char
 	page->title = title;
 	page->columns = (uint32_t)ceil(width * dots - 1e-6);
 	page->rows = (uint32_t)ceil(height * dots - 1e-6);
-	enum status status = format == CHART_PNG ? open_picture(page) : open_file(page, path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(format == CHART_PNG ? open_picture(page) : open_file(page, path));
 	page->cairo = cairo_create(page->surface);
 	if (format == CHART_PNG)
 		cairo_scale(page->cairo, dots, dots);
@@ -229,8 +224,8 @@ enum status chart_page_write(struct chart_page *page, const char *path)
 		return chart_png_write_for_print(path, page->pixels, page->columns, page->rows,
 						 (uint32_t)lround(page->dots * 72 / 0.0254));
 	}
-	enum status status = aside_whole(&page->aside, false);
-	return status == STATUS_OK ? aside_publish(&page->aside) : status;
+	TRY(aside_whole(&page->aside, false));
+	return aside_publish(&page->aside);
 }
 
 void chart_page_finish(struct chart_page *page)

@@ -13,8 +13,7 @@ struct chart_pen {
 enum status chart_pen_create(struct chart_pen **out)
 {
 	struct chart_pen *pen = mem_calloc(1, sizeof *pen);
-	if (pen == NULL)
-		return fail_memory("a pen");
+	TRY_MEM(pen, "a pen");
 	enum status status = chart_page_create(&pen->page);
 	if (status != STATUS_OK) {
 		mem_free(pen);
@@ -73,8 +72,7 @@ enum status chart_pen_write(struct chart_pen *pen, const struct chart_pixels *pi
 		return STATUS_OK;
 	const int stride = cairo_format_stride_for_width(CAIRO_FORMAT_A8, width);
 	uint8_t *cover = mem_calloc((size_t)height, (size_t)stride);
-	if (cover == NULL)
-		return fail_memory("letters");
+	TRY_MEM(cover, "letters");
 	cairo_surface_t *surface = cairo_image_surface_create_for_data(cover, CAIRO_FORMAT_A8, width, height, stride);
 	cairo_t *cairo = cairo_create(surface);
 	const size_t before = pen->page.unknown.count;

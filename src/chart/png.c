@@ -75,10 +75,8 @@ enum status chart_png_file(FILE *file, const char *path, const struct chart_png 
 enum status chart_png_rows(const char *path, const struct chart_png *picture)
 {
 	struct aside aside;
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK)
-		status = chart_png_file(aside.file, path, picture);
-	return aside_end(&aside, false, status);
+	TRY(aside_begin(&aside, path));
+	return aside_end(&aside, false, chart_png_file(aside.file, path, picture));
 }
 
 struct colours {

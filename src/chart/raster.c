@@ -21,8 +21,7 @@ static enum status add_key(struct key_list *list, uint64_t key)
 	if (list->count == list->room) {
 		size_t room = list->room > 0 ? 2 * list->room : 256;
 		uint64_t *more = mem_realloc(list->keys, room, sizeof *more);
-		if (more == NULL)
-			return fail_memory("a map's tiles");
+		TRY_MEM(more, "a map's tiles");
 		list->keys = more;
 		list->room = room;
 	}
@@ -58,8 +57,8 @@ static enum status look_at(struct rasterizing *s, struct tile tile, struct key_l
 	struct post_rect rect = post_rect_intersect(tile_post_rect(s->extent, tile), fine_rect(s, tile.level));
 	if (!extent_has(s->extent, tile) || post_rect_empty(rect))
 		return STATUS_OK;
-	enum status status = store_read_offset_range(s->params->reader, tile, &low, &high, &found);
-	return status == STATUS_OK && found ? add_key(list, tile_key(tile)) : status;
+	TRY(store_read_offset_range(s->params->reader, tile, &low, &high, &found));
+	return found ? add_key(list, tile_key(tile)) : STATUS_OK;
 }
 
 /* Only the working level has the soil's state. There may be soil state where there is no offset. */
@@ -77,6 +76,16 @@ static enum status take_key(void *user, uint64_t key)
 	return outside ? STATUS_OK : add_key(finding->list, key);
 }
 
+/* Adds the children of the listed tiles that have an offset in the map, until there are more than `most`. 0: all. */
+static enum status find_finer(struct rasterizing *s, const struct key_list *list, int level, uint64_t most, struct key_list *finer)
+{
+	for (size_t i = 0; i < 4 * list->count && (most == 0 || finer->count <= most); i++) {
+		struct tile above = tile_from_key(list->keys[i / 4]);
+		TRY(look_at(s, (struct tile){level, 2 * above.x + (i & 1), 2 * above.y + (i >> 1 & 1)}, finer));
+	}
+	return STATUS_OK;
+}
+
 /* Lists the tiles with offsets in the map, of the finest level that has at most `tiles_most` of them. Begins at the map's own
  * level. Looks only below tiles that have offsets. */
 static enum status find_tiles(struct rasterizing *s, struct key_list *list)
@@ -84,26 +93,22 @@ static enum status find_tiles(struct rasterizing *s, struct key_list *list)
 	struct tile first, last;
 	int level = s->params->level;
 	uint64_t most = s->params->tiles_most;
-	enum status status = STATUS_OK;
 	if (!tile_range_of(s->extent, level, s->raster->rect, &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y; y++)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++)
-			status = look_at(s, (struct tile){level, x, y}, list);
-	while (status == STATUS_OK && level > s->working) {
+		for (uint32_t x = first.x; x <= last.x; x++)
+			TRY(look_at(s, (struct tile){level, x, y}, list));
+	while (level > s->working) {
 		struct key_list finer = {NULL, 0, 0};
-		level--;
-		for (size_t i = 0; i < 4 * list->count && status == STATUS_OK && (most == 0 || finer.count <= most); i++) {
-			struct tile above = tile_from_key(list->keys[i / 4]);
-			status = look_at(s, (struct tile){level, 2 * above.x + (i & 1), 2 * above.y + (i >> 1 & 1)}, &finer);
+		const enum status status = find_finer(s, list, --level, most, &finer);
+		if (status != STATUS_OK || (most > 0 && finer.count > most)) {
+			mem_free(finer.keys);
+			return status;
 		}
-		bool take = status == STATUS_OK && (most == 0 || finer.count <= most);
-		mem_free(take ? list->keys : finer.keys);
-		if (!take)
-			break;
+		mem_free(list->keys);
 		*list = finer;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static float value_of(enum store_layer layer, int32_t post)
@@ -142,28 +147,33 @@ static void splat(const struct rasterizing *s, struct tile tile, enum store_laye
 	}
 }
 
+static enum status list_tiles(struct rasterizing *s, enum plane plane, struct key_list *list)
+{
+	if (plane == PLANE_OFFSET)
+		return find_tiles(s, list);
+	return store_each_plane(s->params->reader, plane, s->working, take_key, &(struct finding){s, list});
+}
+
 static enum status read_tiles(struct rasterizing *s, enum store_layer layer, enum plane plane, float *into)
 {
 	struct key_list list = {NULL, 0, 0};
 	size_t side = tile_posts(s->extent);
 	int32_t *posts = mem_alloc(side * side, sizeof *posts);
 	void *planes[PLANES] = {NULL};
+	enum status status;
+	TRY_MEM(posts, "a tile");
 	planes[plane] = posts;
-	enum status status = posts != NULL ? STATUS_OK : fail_memory("a tile");
-	if (status == STATUS_OK && plane == PLANE_OFFSET)
-		status = find_tiles(s, &list);
-	else if (status == STATUS_OK)
-		status = store_each_plane(s->params->reader, plane, s->working, take_key, &(struct finding){s, &list});
+	TRY_OR(done, list_tiles(s, plane, &list));
 	s->total += (int64_t)list.count;
-	for (size_t i = 0; i < list.count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < list.count; i++) {
 		struct tile tile = tile_from_key(list.keys[i]);
 		unsigned present;
-		status = store_read_deformed(s->params->reader, tile, PLANE_BIT(plane), planes, &present);
-		if (status == STATUS_OK && present != 0)
+		TRY_OR(done, store_read_deformed(s->params->reader, tile, PLANE_BIT(plane), planes, &present));
+		if (present != 0)
 			splat(s, tile, layer, posts, into);
-		if (status == STATUS_OK)
-			status = chart_raster_tell(s, 1);
+		TRY_OR(done, chart_raster_tell(s, 1));
 	}
+done:
 	mem_free(list.keys);
 	mem_free(posts);
 	return status;
@@ -179,16 +189,18 @@ static enum status read_posts(struct rasterizing *s, enum store_layer layer, flo
 {
 	const struct chart_raster *raster = s->raster;
 	double *values = mem_alloc((size_t)raster->width * RASTER_STRIP, sizeof *values);
-	enum status status = values != NULL ? STATUS_OK : fail_memory("rows of a map");
+	TRY_MEM(values, "rows of a map");
+	enum status status = STATUS_OK;
 	struct post_rect rect = raster->rect;
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += RASTER_STRIP) {
+	for (int64_t y = rect.y0; y < rect.y1; y += RASTER_STRIP) {
 		struct post_rect part = {rect.x0, y, rect.x1, y + RASTER_STRIP < rect.y1 ? y + RASTER_STRIP : rect.y1};
-		status = store_read_posts(s->params->reader, layer, s->params->level, part, values);
+		TRY_OR(done, store_read_posts(s->params->reader, layer, s->params->level, part, values));
 		size_t count = (size_t)(part.y1 - part.y0) * raster->width;
 		float *to = into + (size_t)(y - rect.y0) * raster->width;
-		for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		for (size_t i = 0; i < count; i++)
 			to[i] = isnan(values[i]) && !is_heights(layer) ? 0 : (float)values[i];
 	}
+done:
 	mem_free(values);
 	return status;
 }
@@ -217,6 +229,18 @@ static enum status allocate(struct rasterizing *s)
 												 : fail_memory("a map");
 }
 
+static enum status fill(struct rasterizing *s)
+{
+	const enum store_layer layer = s->params->layer;
+	TRY(allocate(s));
+	float *values = s->raster->values;
+	if (s->deformed || is_heights(layer))
+		TRY(read_layer(s, layer, values));
+	if (s->offset != NULL && s->offset != values)
+		TRY(read_layer(s, STORE_OFFSET, s->offset));
+	return chart_raster_shade(s);
+}
+
 enum status chart_raster_create(const struct chart_raster_params *params, struct chart_raster *out)
 {
 	*out = (struct chart_raster){
@@ -229,15 +253,9 @@ enum status chart_raster_create(const struct chart_raster_params *params, struct
 	};
 	struct rasterizing s = {.params = params, .extent = &params->meta->extent, .raster = out, .working = params->working,
 			      .deformed = params->deformed, .total = out->height};
-	enum status status = allocate(&s);
-	if (status == STATUS_OK && (s.deformed || is_heights(params->layer)))
-		status = read_layer(&s, params->layer, out->values);
 	if (s.deformed && !is_heights(params->layer) && params->level > params->working)
 		out->rut = out->spacing;
-	if (status == STATUS_OK && s.offset != NULL && s.offset != out->values)
-		status = read_layer(&s, STORE_OFFSET, s.offset);
-	if (status == STATUS_OK)
-		status = chart_raster_shade(&s);
+	const enum status status = fill(&s);
 	if (s.offset != out->values)
 		mem_free(s.offset);
 	if (status != STATUS_OK)
@@ -256,8 +274,7 @@ enum status chart_raster_widen(struct chart_raster *raster)
 {
 	uint32_t width = raster->width, height = raster->height;
 	float *wide = mem_alloc((size_t)width * height, sizeof *wide);
-	if (wide == NULL)
-		return fail_memory("a map");
+	TRY_MEM(wide, "a map");
 	for (uint32_t y = 0; y < height; y++)
 		for (uint32_t x = 0; x < width; x++) {
 			float shown = 0;
@@ -287,8 +304,7 @@ enum status chart_raster_spread(const struct chart_raster *raster, double share,
 	size_t pixels = (size_t)raster->width * raster->height;
 	uint32_t *classes = mem_calloc((size_t)1 << 16, sizeof *classes);
 	uint64_t count = 0;
-	if (classes == NULL)
-		return fail_memory("a map's values");
+	TRY_MEM(classes, "a map's values");
 	*size = *low = *high = 0;
 	for (size_t i = 0; i < pixels; i++) {
 		float value = raster->values[i];

@@ -21,11 +21,10 @@ struct strip {
 static enum status read_slopes(struct rasterizing *s, struct strip *strip)
 {
 	struct post_rect r = strip->rect, wide = post_rect_grown(r, 1);
-	enum status status = store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights);
-	if (status == STATUS_OK)
-		chart_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, extent_spacing(s->extent, strip->level), strip->east,
-			      strip->north);
-	return status;
+	TRY(store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights));
+	chart_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, extent_spacing(s->extent, strip->level), strip->east,
+		      strip->north);
+	return STATUS_OK;
 }
 
 /* Finds the base's slope at a post of the map; NaN: nodata. */
@@ -100,18 +99,18 @@ static enum status shade(struct rasterizing *s, int level, struct post_rect rect
 		.north = mem_alloc(width * high, sizeof(double)),
 		.level = level,
 	};
-	enum status status = strip.heights != NULL && strip.east != NULL && strip.north != NULL ? STATUS_OK
-												: fail_memory("rows of a map");
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += rows) {
+	enum status status;
+	TRY_OR(done, strip.heights != NULL && strip.east != NULL && strip.north != NULL ? STATUS_OK
+												: fail_memory("rows of a map"));
+	for (int64_t y = rect.y0; y < rect.y1; y += rows) {
 		struct post_rect part = {rect.x0, y, rect.x1, y + rows < rect.y1 ? y + rows : rect.y1};
 		strip.rect = (struct post_rect){rect.x0 >> shift, y >> shift, ((rect.x1 - 1) >> shift) + 2,
 						((part.y1 - 1) >> shift) + 2};
-		status = read_slopes(s, &strip);
-		if (status == STATUS_OK)
-			shade_strip(s, &strip, part);
-		if (status == STATUS_OK)
-			status = chart_raster_tell(s, part.y1 - part.y0);
+		TRY_OR(done, read_slopes(s, &strip));
+		shade_strip(s, &strip, part);
+		TRY_OR(done, chart_raster_tell(s, part.y1 - part.y0));
 	}
+done:
 	mem_free(strip.heights);
 	mem_free(strip.east);
 	mem_free(strip.north);
@@ -136,24 +135,23 @@ static enum status shade_insets(struct rasterizing *s, int level)
 	const int own = s->params->level;
 	const char *text = s->params->meta->insets != NULL ? s->params->meta->insets : "";
 	struct store_inset inset;
-	enum status status = STATUS_OK;
-	while (status == STATUS_OK && store_inset_next(&text, s->extent, &inset)) {
+	while (store_inset_next(&text, s->extent, &inset)) {
 		const struct post_rect rect = inset_rect(s, &inset);
 		if (inset.level != level || post_rect_empty(rect))
 			continue;
 		s->raster->inset = extent_spacing(s->extent, level);
 		s->total += rect.y1 - rect.y0;
-		status = shade(s, level > own ? level : own, rect);
+		TRY(shade(s, level > own ? level : own, rect));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status chart_raster_shade(struct rasterizing *s)
 {
 	const int own = s->params->level;
 	/* Below level 0 the base is bilinear between posts. Slopes that are interpolated show no cells there, but no inset either. */
-	enum status status = shade(s, own > 0 ? own : 0, s->raster->rect);
-	for (int level = -1; own < 0 && level >= TILE_LEVEL_MIN && status == STATUS_OK; level--)
-		status = shade_insets(s, level);
-	return status;
+	TRY(shade(s, own > 0 ? own : 0, s->raster->rect));
+	for (int level = -1; own < 0 && level >= TILE_LEVEL_MIN; level--)
+		TRY(shade_insets(s, level));
+	return STATUS_OK;
 }

@@ -54,9 +54,7 @@ enum status chart_relief_range(const struct chart_map *map, struct chart_range *
 		beyond[1] = found.high > range->high ? found.high : (double)NAN;
 		return STATUS_OK;
 	}
-	enum status status = chart_raster_spread(map->raster, SHARE, &size, &low, &high);
-	if (status != STATUS_OK)
-		return status;
+	TRY(chart_raster_spread(map->raster, SHARE, &size, &low, &high));
 	if (range->low == 0 && range->high == 0 && size > 0)
 		value_range(map->ramp, size, low, high, range);
 	beyond[0] = low < range->low * (1 + 1e-9) ? low : (double)NAN;

@@ -215,8 +215,9 @@ static enum status name_ways(struct chart_page *page, const struct chart_map *ma
 	const size_t room = map->way_count < NAMES_MOST ? map->way_count : NAMES_MOST;
 	struct chart_label *labels = mem_calloc(room, sizeof *labels);
 	size_t *which = mem_calloc(room, sizeof *which), count = 0;
-	enum status status = room == 0 || (labels != NULL && which != NULL) ? STATUS_OK : fail_memory("a map's names");
-	for (size_t i = 0; i < map->way_count && count < room && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, room == 0 || (labels != NULL && which != NULL) ? STATUS_OK : fail_memory("a map's names"));
+	for (size_t i = 0; i < map->way_count && count < room; i++) {
 		double at[2];
 		if (!begins_in(frame, &map->ways[i], at))
 			continue;
@@ -224,10 +225,9 @@ static enum status name_ways(struct chart_page *page, const struct chart_map *ma
 		chart_text_size(page, &name_style, map->ways[i].name, &labels[count].width, &labels[count].height);
 		which[count++] = i;
 	}
-	if (status == STATUS_OK) {
-		chart_labels_place(labels, count, &inside, cover);
-		draw_names(page, map, labels, which, count, written);
-	}
+	chart_labels_place(labels, count, &inside, cover);
+	draw_names(page, map, labels, which, count, written);
+done:
 	mem_free(labels);
 	mem_free(which);
 	return status;
@@ -237,9 +237,7 @@ enum status chart_ways_draw(struct chart_page *page, const struct chart_map *map
 			    struct chart_written *written)
 {
 	struct chart_cover cover;
-	enum status status = chart_cover_create(&frame->rect, &cover);
-	if (status != STATUS_OK)
-		return status;
+	TRY(chart_cover_create(&frame->rect, &cover));
 	cairo_t *cairo = page->cairo;
 	cairo_save(cairo);
 	cairo_rectangle(cairo, frame->rect.x0, frame->rect.y0, frame->rect.x1 - frame->rect.x0, frame->rect.y1 - frame->rect.y0);
@@ -261,7 +259,7 @@ enum status chart_ways_draw(struct chart_page *page, const struct chart_map *map
 			mark(page, &pattern, at[0], at[1]);
 	}
 	written->unlabelled = written->names;
-	status = name_ways(page, map, frame, &cover, written);
+	const enum status status = name_ways(page, map, frame, &cover, written);
 	cairo_restore(cairo);
 	chart_cover_finish(&cover);
 	return status;

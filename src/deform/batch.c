@@ -21,8 +21,7 @@
 enum status deform_batch_create(struct deform *deform)
 {
 	deform->batch = mem_calloc(1, sizeof *deform->batch);
-	if (deform->batch == NULL)
-		return fail_memory("a batch of windows");
+	TRY_MEM(deform->batch, "a batch of windows");
 	return gpu_list_create(deform->params.gpu, sizeof deform->batch->records, &deform->batch->list);
 }
 
@@ -94,9 +93,9 @@ static enum status place(struct deform *deform, uint32_t width, uint32_t height,
 	*found = batch->y + aligned(height) <= deform->side;
 	if (*found || deform->side >= SIDE_MOST)
 		return STATUS_OK;
-	enum status status = deform_need_layers(deform, 1, 2 * deform->side);
-	*found = status == STATUS_OK;
-	return status;
+	TRY(deform_need_layers(deform, 1, 2 * deform->side));
+	*found = true;
+	return STATUS_OK;
 }
 
 enum status deform_batch_add(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
@@ -109,9 +108,9 @@ enum status deform_batch_add(struct deform *deform, const struct deform_contact 
 	assert(width <= SIDE && height <= SIDE);
 	if (batch->count == DEFORM_BATCH_MOST || batch->part_count + DEFORM_BATCH_TILES + 1 > PARTS_MOST)
 		return STATUS_OK;
-	enum status status = place(deform, width, height, added);
-	if (status != STATUS_OK || !*added)
-		return status;
+	TRY(place(deform, width, height, added));
+	if (!*added)
+		return STATUS_OK;
 	struct batched *batched = &batch->windows[batch->count++];
 	*batched = (struct batched){.contact = *contact, .window = *window, .posts = {batch->x, batch->y, width, height}};
 	for (size_t i = 0; i < count; i++)
@@ -170,8 +169,7 @@ static void fill_numbers(const struct deform *deform, const struct under_params 
 static enum status prepare(struct deform *deform)
 {
 	struct batch *batch = deform->batch;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < batch->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < batch->count; i++) {
 		struct batched *batched = &batch->windows[i];
 		const struct post_rect read = batched->window.read;
 		struct under_params under;
@@ -179,14 +177,11 @@ static enum status prepare(struct deform *deform)
 		batched->group = group_of(&under);
 		fill_numbers(deform, &under, batched);
 		if (batched->group == OTHERS) {
-			status = deform_under_run(deform, &under, batched->posts, 0);
 			deform->figures.batch_envelopes++;
+			TRY(deform_under_run(deform, &under, batched->posts, 0));
 		}
 	}
-	if (status == STATUS_OK)
-		status = deform_batch_cut(deform);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_batch_cut(deform));
 	deform_batch_record(deform);
 	gpu_list_write(batch->list, (batch->gather_count + batch->store_count) * sizeof *batch->records, batch->records);
 	return STATUS_OK;
@@ -199,9 +194,7 @@ static enum status run(struct deform *deform, enum deform_batch_pass which, stru
 	const int32_t params[4] = {(int32_t)first, (int32_t)deform->side};
 	struct deform_request request;
 	deform_programs_batch(&deform->params, which, &request);
-	enum status status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	pass->program = *program;
 	pass->viewport = (struct gpu_rect){0, 0, deform->side, deform->side};
 	pass->lists[4] = deform->batch->list;
@@ -224,34 +217,32 @@ static enum status draw_contacts(struct deform *deform, bool gathers)
 		[WHEELS] = BATCH_WHEELS, [SIDEWAYS_WHEELS] = BATCH_SIDEWAYS_WHEELS, [SPHERES] = BATCH_SPHERES, [OTHERS] = BATCH_OTHERS,
 	};
 	struct batch *batch = deform->batch;
-	enum status status = STATUS_OK;
 	size_t count;
-	for (size_t first = 0; first < batch->gather_count && status == STATUS_OK; first += count) {
+	for (size_t first = 0; first < batch->gather_count; first += count) {
 		const struct part *part = &batch->gathers[first];
 		const enum group group = part->of->group;
 		const bool drawn = group == OTHERS && !gathers;
 		count = deform_batch_run(batch->gathers, first, batch->gather_count, gathers ? PARTS_GATHER : PARTS_CONTACT);
 		struct gpu_program **program = gathers ? &batch->gather : &batch->contact[group];
-		status = run(deform, gathers ? BATCH_GATHER : passes[group], program, first, count, &(struct gpu_pass){
+		deform->figures.batch_draws++;
+		TRY(run(deform, gathers ? BATCH_GATHER : passes[group], program, first, count, &(struct gpu_pass){
 			.stage = GPU_CONTACT,
 			.target = deform->scratch[0].to[TO_CONTACT],
 			.images = {either(part->base, deform->bases), either(part->offset, deform->planes_of[0][PLANE_OFFSET]),
 				   drawn ? deform->under : NULL, drawn ? deform->rest : NULL},
 			.storage = {gathers ? NULL : deform->tally},
 			.beside = first > 0 || !gathers,
-		});
-		deform->figures.batch_draws++;
+		}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status deform_batch_contact(struct deform *deform)
 {
-	enum status status = draw_contacts(deform, true);
-	if (status == STATUS_OK)
-		status = draw_contacts(deform, false);
+	TRY(draw_contacts(deform, true));
+	TRY(draw_contacts(deform, false));
 	deform->scratch[0].now[PLANE_OFFSET] = 1;
-	return status;
+	return STATUS_OK;
 }
 
 /* Runs the last pass, which writes the tiles. */
@@ -260,20 +251,19 @@ static enum status store(struct deform *deform, enum deform_batch_pass which, en
 	struct batch *batch = deform->batch;
 	struct layer *scratch = &deform->scratch[0];
 	const int now = scratch->now[PLANE_OFFSET];
-	enum status status = STATUS_OK;
 	size_t count;
-	for (size_t first = 0; first < batch->store_count && status == STATUS_OK; first += count) {
+	for (size_t first = 0; first < batch->store_count; first += count) {
 		count = deform_batch_run(batch->stores, first, batch->store_count, PARTS_STORE);
-		status = run(deform, which, program, batch->gather_count + first, count, &(struct gpu_pass){
+		deform->figures.batch_stores++;
+		TRY(run(deform, which, program, batch->gather_count + first, count, &(struct gpu_pass){
 			.stage = stage,
 			.target = scratch->to[TO_BARE],
 			.images = {deform->planes_of[now][PLANE_OFFSET], deform->contacts,
 				   either(batch->stores[first].offset, deform->planes_of[1 - now][PLANE_OFFSET])},
 			.beside = first > 0,
-		});
-		deform->figures.batch_stores++;
+		}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status deform_batch_store(struct deform *deform)
@@ -284,36 +274,34 @@ enum status deform_batch_store(struct deform *deform)
 enum status deform_batch_smooth(struct deform *deform)
 {
 	struct layer *scratch = &deform->scratch[0];
-	enum status status = STATUS_OK;
-	for (int i = 1; i < deform->params.box_repetitions && status == STATUS_OK; i++) {
+	for (int i = 1; i < deform->params.box_repetitions; i++) {
 		int now = scratch->now[PLANE_OFFSET];
-		status = run(deform, BATCH_BOX, &deform->batch->smooth, 0, deform->batch->gather_count, &(struct gpu_pass){
+		TRY(run(deform, BATCH_BOX, &deform->batch->smooth, 0, deform->batch->gather_count, &(struct gpu_pass){
 			.stage = GPU_SMOOTH,
 			.target = scratch->to[now == 0 ? TO_SECOND : TO_FIRST],
 			.images = {deform->planes_of[now][PLANE_OFFSET], deform->contacts},
-		});
+		}));
 		scratch->now[PLANE_OFFSET] = 1 - now;
 	}
-	return status == STATUS_OK ? store(deform, BATCH_BOX_STORE, GPU_SMOOTH, &deform->batch->store) : status;
+	return store(deform, BATCH_BOX_STORE, GPU_SMOOTH, &deform->batch->store);
 }
 
 static enum status disturb(struct deform *deform)
 {
 	struct batch *batch = deform->batch;
-	enum status status = STATUS_OK;
 	size_t count;
-	for (size_t first = 0; first < batch->store_count && status == STATUS_OK; first += count) {
+	for (size_t first = 0; first < batch->store_count; first += count) {
 		const struct part *part = &batch->stores[first];
 		count = deform_batch_run(batch->stores, first, batch->store_count, PARTS_STORE);
-		status = run(deform, BATCH_DISTURBANCE, &batch->disturb, batch->gather_count + first, count, &(struct gpu_pass){
+		TRY(run(deform, BATCH_DISTURBANCE, &batch->disturb, batch->gather_count + first, count, &(struct gpu_pass){
 			.stage = GPU_DISTURBANCE,
 			.target = deform->scratch[0].to[TO_BARE],
 			.images = {either(part->offset, deform->planes_of[0][PLANE_OFFSET]), deform->contacts,
 				   either(part->disturbance, deform->planes_of[1][PLANE_DISTURBANCE])},
 			.beside = first > 0,
-		});
+		}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* A window without others is gathered, computed and scattered as a window that is alone. One beyond the world wakes nothing: warm.c. */
@@ -322,28 +310,32 @@ static enum status compute_one(struct deform *deform)
 	const struct batched *batched = &deform->batch->windows[0];
 	const struct deform_window *window = &batched->window;
 	deform_gather(deform, window->read, 0, 0, 0, false, deform->planes, batched->tiles, batched->tile_count);
-	enum status status = deform_run_stages(deform, &batched->contact, window, 0);
-	if (status == STATUS_OK)
-		status = deform_scatter(deform, window, 0, batched->tiles, batched->tile_count);
-	return status == STATUS_OK && batched->tile_count > 0 ? deform_wake_swept(deform, window, 0) : status;
+	TRY(deform_run_stages(deform, &batched->contact, window, 0));
+	TRY(deform_scatter(deform, window, 0, batched->tiles, batched->tile_count));
+	return batched->tile_count > 0 ? deform_wake_swept(deform, window, 0) : STATUS_OK;
+}
+
+static enum status run_passes(struct deform *deform)
+{
+	memset(deform->scratch[0].now, 0, sizeof deform->scratch[0].now);
+	deform->figures.batches++;
+	TRY(prepare(deform));
+	TRY(deform_model_row(deform->params.model)->batch(deform));
+	return deform->params.disturbance ? disturb(deform) : STATUS_OK;
+}
+
+/* Computes the windows together. The GPU starts on them even if a pass failed. */
+static enum status compute_all(struct deform *deform)
+{
+	enum status status = run_passes(deform);
+	gpu_start(deform->params.gpu);
+	return status;
 }
 
 enum status deform_batch_compute(struct deform *deform)
 {
-	enum status status;
 	if (deform->batch->count == 0)
 		return STATUS_OK;
-	if (deform->batch->count == 1) {
-		status = compute_one(deform);
-	} else {
-		memset(deform->scratch[0].now, 0, sizeof deform->scratch[0].now);
-		deform->figures.batches++;
-		status = prepare(deform);
-		if (status == STATUS_OK)
-			status = deform_model_row(deform->params.model)->batch(deform);
-		if (status == STATUS_OK && deform->params.disturbance)
-			status = disturb(deform);
-		gpu_start(deform->params.gpu);
-	}
-	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
+	TRY(deform->batch->count == 1 ? compute_one(deform) : compute_all(deform));
+	return gpu_check(deform->params.gpu, "deformation");
 }

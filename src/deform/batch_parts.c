@@ -96,16 +96,13 @@ static int compare_stores(const void *a, const void *b)
 enum status deform_batch_cut(struct deform *deform)
 {
 	struct batch *batch = deform->batch;
-	enum status status = STATUS_OK;
 	batch->gather_count = batch->store_count = 0;
-	for (size_t i = 0; i < batch->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < batch->count; i++) {
 		const struct batched *batched = &batch->windows[i];
-		for (size_t k = 0; k < batched->tile_count && status == STATUS_OK; k++)
+		for (size_t k = 0; k < batched->tile_count; k++)
 			if (!post_rect_empty(post_rect_intersect(tile_post_rect(deform->params.extent, batched->tiles[k].tile), batched->window.write)))
-				status = gpu_slots_deform(deform->params.slots, batched->tiles[k].slot);
+				TRY(gpu_slots_deform(deform->params.slots, batched->tiles[k].slot));
 	}
-	if (status != STATUS_OK)
-		return status;
 	for (size_t i = 0; i < batch->count; i++)
 		cut(deform, &batch->windows[i]);
 	/* Without a tile nothing is stored, but the pass runs: warm.c. */

@@ -10,11 +10,25 @@
 
 #include "deform/internal.h"
 
+/* Makes buffers, layers and what the model needs. */
+static enum status make(struct deform *deform)
+{
+	const bool conserves = deform_conserves(deform->params.model);
+	TRY(gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally));
+	TRY(deform_need_layers(deform, 1, SIDE));
+	if (deform->params.batches)
+		TRY(deform_batch_create(deform));
+	if (!conserves)
+		return STATUS_OK;
+	TRY(deform_spread_create(deform));
+	TRY(deform_active_create(deform));
+	return deform_interval_create(deform);
+}
+
 enum status deform_create(const struct deform_params *params, struct deform **out)
 {
 	struct deform *deform = mem_calloc(1, sizeof *deform);
-	if (deform == NULL)
-		return fail_memory("deformation");
+	TRY_MEM(deform, "deformation");
 	assert(!deform_model_row(params->model)->bears);
 	deform->params = *params;
 	deform->params.batches = params->batches && deform_model_row(params->model)->batch != NULL && gpu_info(params->gpu)->vertices_pass;
@@ -24,17 +38,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	deform->border = deform_border(params);
 	if (deform_conserves(params->model))
 		deform_slide_prepare(deform);
-	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
-	if (status == STATUS_OK)
-		status = deform_need_layers(deform, 1, SIDE);
-	if (status == STATUS_OK && deform->params.batches)
-		status = deform_batch_create(deform);
-	if (status == STATUS_OK && deform_conserves(params->model))
-		status = deform_spread_create(deform);
-	if (status == STATUS_OK && deform_conserves(params->model))
-		status = deform_active_create(deform);
-	if (status == STATUS_OK && deform_conserves(params->model))
-		status = deform_interval_create(deform);
+	enum status status = make(deform);
 	if (status != STATUS_OK) {
 		deform_destroy(deform);
 		return status;
@@ -146,8 +150,8 @@ enum status deform_compute(struct deform *deform, const struct deform_contact *c
 	if (!gather(deform, window, layer_of(window, layer), tiles, count))
 		return STATUS_OK;
 	const struct deform_window whole = deform_whole(deform, window);
-	enum status status = deform_run_stages(deform, contact, &whole, layer_of(window, layer));
-	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
+	TRY(deform_run_stages(deform, contact, &whole, layer_of(window, layer)));
+	return gpu_check(deform->params.gpu, "deformation");
 }
 
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,
@@ -157,9 +161,7 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 		struct gpu_rect to, from;
 		if (!shared(deform, tiles[i].tile, write, write, &to, &from))
 			continue;
-		enum status status = gpu_slots_deform(deform->params.slots, tiles[i].slot);
-		if (status != STATUS_OK)
-			return status;
+		TRY(gpu_slots_deform(deform->params.slots, tiles[i].slot));
 		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
 		for (int plane = 0; plane < PLANES; plane++)
 			if (scatter->planes[plane] != NULL)
@@ -188,9 +190,10 @@ enum status deform_tally(struct deform *deform, struct deform_tally *tally)
 
 enum status deform_restore(struct deform *deform, const struct deform_tally *tally)
 {
-	enum status status = deform->active != NULL ? deform_active_forget(deform) : STATUS_OK;
+	enum status status = deform_forget_active(deform);
 	gpu_buffer_write(deform->tally, 0, sizeof *tally, tally);
-	return status == STATUS_OK ? gpu_check(deform->params.gpu, "going back") : status;
+	TRY(status);
+	return gpu_check(deform->params.gpu, "going back");
 }
 
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset)

@@ -116,12 +116,10 @@ void deform_drop_layers(struct deform *deform)
 static enum status make_textures(struct deform *deform, uint32_t layers)
 {
 	struct rows rows;
-	enum status status = STATUS_OK;
 	rows_of(&deform->params, &rows);
-	for (size_t i = 0; i < rows.count && status == STATUS_OK; i++)
-		status = gpu_texture_create(deform->params.gpu, rows.list[i].format, deform->side, deform->side, layers,
-					    place_of(deform, &rows.list[i]));
-	return status;
+	for (size_t i = 0; i < rows.count; i++)
+		TRY(gpu_texture_create(deform->params.gpu, rows.list[i].format, deform->side, deform->side, layers, place_of(deform, &rows.list[i])));
+	return STATUS_OK;
 }
 
 struct attachments {
@@ -165,14 +163,19 @@ static enum status make_targets(struct deform *deform, uint32_t number, bool atl
 		}
 	}
 	attach(&of[TO_DISTURBANCE], deform->planes_of[1][PLANE_DISTURBANCE], number);
-	enum status status = STATUS_OK;
-	for (int k = 0; k < SCRATCH_TARGETS && status == STATUS_OK; k++)
+	for (int k = 0; k < SCRATCH_TARGETS; k++)
 		if (of[k].count > 0)
-			status = gpu_target_create(gpu, of[k].list, of[k].count, (struct gpu_attachment){NULL, 0},
-						   &deform->scratch[number].to[k]);
-	if (status == STATUS_OK)
-		status = gpu_target_create_bare(gpu, deform->side, deform->side, &deform->scratch[number].to[TO_BARE]);
-	return status;
+			TRY(gpu_target_create(gpu, of[k].list, of[k].count, (struct gpu_attachment){NULL, 0}, &deform->scratch[number].to[k]));
+	return gpu_target_create_bare(gpu, deform->side, deform->side, &deform->scratch[number].to[TO_BARE]);
+}
+
+/* Makes the textures with `layers` layers, and the targets of each layer. Layer `atlas` is the atlas, if it is below `layers`. */
+static enum status make_layers(struct deform *deform, uint32_t layers, uint32_t atlas)
+{
+	TRY(make_textures(deform, layers));
+	for (uint32_t i = 0; i < layers; i++)
+		TRY(make_targets(deform, i, i == atlas));
+	return STATUS_OK;
 }
 
 enum status deform_need_layers(struct deform *deform, uint32_t layers, uint32_t side)
@@ -182,16 +185,14 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers, uint32_t 
 	/* Growing loses the content of the layers. So a contact grows them before its first window. */
 	layers = layers > deform->layers ? layers : deform->layers;
 	deform_drop_layers(deform);
-	uint32_t all = layers + beside_windows(&deform->params);
 	deform->side = side > deform->side ? side : deform->side;
-	enum status status = make_textures(deform, all);
-	for (uint32_t i = 0; i < all && status == STATUS_OK; i++)
-		status = make_targets(deform, i, i == layers);
-	if (status == STATUS_OK)
-		deform->layers = layers;
-	else
+	enum status status = make_layers(deform, layers + beside_windows(&deform->params), layers);
+	if (status != STATUS_OK) {
 		deform_drop_layers(deform);
-	return status;
+		return status;
+	}
+	deform->layers = layers;
+	return STATUS_OK;
 }
 
 uint64_t deform_scratch_layers(const struct deform *deform)

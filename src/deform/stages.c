@@ -59,9 +59,7 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 {
 	struct deform_request request;
 	deform_programs_contact(&deform->params, &request);
-	enum status status = deform_program(deform, &request, &deform->contact);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, &deform->contact));
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_CONTACT,
 		.program = deform->contact,
@@ -88,9 +86,7 @@ enum status deform_disturb(struct deform *deform, struct post_rect read, uint32_
 {
 	struct deform_request request;
 	deform_programs_disturbance(&request);
-	enum status status = deform_program(deform, &request, &deform->disturbance);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, &deform->disturbance));
 	struct layer *scratch = &deform->scratch[layer];
 	struct window_params params = deform_window_params(read, layer);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
@@ -121,10 +117,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_contact
 			      const struct deform_window *window, uint32_t layer)
 {
 	deform_begin_layer(deform, contact, window, layer);
-	enum status status = deform_envelope(deform, contact, window, layer);
-	if (status == STATUS_OK)
-		status = deform_model_row(deform->params.model)->contact(deform, contact, window, layer);
-	if (status == STATUS_OK && deform->params.disturbance)
-		status = deform_disturb(deform, window->read, layer);
-	return status;
+	TRY(deform_envelope(deform, contact, window, layer));
+	TRY(deform_model_row(deform->params.model)->contact(deform, contact, window, layer));
+	return deform->params.disturbance ? deform_disturb(deform, window->read, layer) : STATUS_OK;
 }

@@ -25,15 +25,14 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 	const struct deform_window window = {.read = beyond, .write = beyond};
 	const struct soil_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
 	int ways = !object->moves ? 1 : object->shape->kind == SOIL_WHEEL ? 3 : 2;
-	enum status status = STATUS_OK;
-	for (int i = 0; i < ways * (1 + object->leans) && status == STATUS_OK; i++) {
+	for (int i = 0; i < ways * (1 + object->leans); i++) {
 		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle};
 		contact.to.roll = i / ways * 0.1;
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
-		status = deform_compute(deform, &contact, &window, 0, NULL, 0);
+		TRY(deform_compute(deform, &contact, &window, 0, NULL, 0));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Runs batches of contacts as above: two windows each. They lie beyond the world. */
@@ -42,22 +41,20 @@ static enum status batch_all(struct deform *deform, const struct deform_planned 
 	const struct deform_window window = {.read = {-64, -64, -48, -48}, .write = {-64, -64, -48, -48}};
 	const struct soil_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
 	int ways = !object->moves ? 1 : object->shape->kind == SOIL_WHEEL ? 3 : 2;
-	enum status status = STATUS_OK;
 	if (!deform_batches(&deform->params, object))
 		return STATUS_OK;
-	for (int i = 0; i < ways * (1 + object->leans) && status == STATUS_OK; i++) {
+	for (int i = 0; i < ways * (1 + object->leans); i++) {
 		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle};
 		contact.to.roll = i / ways * 0.1;
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
 		deform_batch_begin(deform);
 		bool added = deform_is_batched(deform, &contact, &window, 1);
-		for (int k = 0; k < 2 && added && status == STATUS_OK; k++)
-			status = deform_batch_add(deform, &contact, &window, NULL, 0, &added);
-		if (status == STATUS_OK)
-			status = deform_batch_compute(deform);
+		for (int k = 0; k < 2 && added; k++)
+			TRY(deform_batch_add(deform, &contact, &window, NULL, 0, &added));
+		TRY(deform_batch_compute(deform));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns the kind of an object, below WARM_KINDS. Objects of one kind need the same programs. */
@@ -71,23 +68,25 @@ static int kind_of(const struct deform_planned *object)
 	return kind;
 }
 
+/* Links all programs that an object needs, and runs each. */
+static enum status run_all(struct deform *deform, const struct deform_planned *object)
+{
+	struct linking linking = {.gpu = deform->params.gpu};
+	deform_programs_each(&deform->params, object, link_program, &linking);
+	TRY(linking.status);
+	TRY(contact_all(deform, object));
+	TRY(batch_all(deform, object));
+	return deform->interval != NULL ? deform_interval_warm(deform, object->shape) : STATUS_OK;
+}
+
 enum status deform_warm(struct deform *deform, const struct deform_planned *object)
 {
-	const struct deform_params *params = &deform->params;
 	bool *warmed = &deform->warmed[kind_of(object)];
 	if (*warmed)
 		return STATUS_OK;
 	*warmed = true;
 	const struct deform_figures before = deform->figures;
-	struct linking linking = {.gpu = params->gpu};
-	deform_programs_each(params, object, link_program, &linking);
-	enum status status = linking.status;
-	if (status == STATUS_OK)
-		status = contact_all(deform, object);
-	if (status == STATUS_OK)
-		status = batch_all(deform, object);
-	if (status == STATUS_OK && deform->interval != NULL)
-		status = deform_interval_warm(deform, object->shape);
+	enum status status = run_all(deform, object);
 	deform->figures = before;
 	return status;
 }

@@ -155,9 +155,9 @@ enum status deform_cut(const struct deform_params *params, const struct deform_c
 enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count)
 {
-	enum status status = cut(deform, contact, windows, count);
-	if (status != STATUS_OK || *count == 0)
-		return status;
+	TRY(cut(deform, contact, windows, count));
+	if (*count == 0)
+		return STATUS_OK;
 	if (windows[0].parts == 0)
 		return deform_need_layers(deform, (uint32_t)*count, SIDE);
 	struct post_rect read = deform_whole(deform, &windows[0]).read;

@@ -52,19 +52,18 @@ enum status dem_crop_create(const struct dem_params *params, struct dem_grid *gr
 	crop->grid.height = posts_within(window[1] - grid->origin[1], window[3] - grid->origin[1], s, grid->height, &crop->y0);
 	crop->grid.origin[0] += (double)crop->x0 * s;
 	crop->grid.origin[1] += (double)crop->y0 * s;
-	enum status status = STATUS_OK;
+	enum status status;
 	if (params->window_srs != NULL)
-		status = fail_with(STATUS_INPUT, "window SRS \"%.80s\": the source has no place on a planet; give the window in metres "
-				   "from its south-west post", params->window_srs);
-	else if (crop->grid.width < 2 || crop->grid.height < 2)
-		status = fail_with(STATUS_INPUT, "window %.10g,%.10g,%.10g,%.10g: holds %lld x %lld posts of the source, which go from "
-				   "0,0 to %.10g,%.10g; give another window", window[0], window[1], window[2], window[3],
-				   (long long)crop->grid.width, (long long)crop->grid.height, (double)(grid->width - 1) * s,
-				   (double)(grid->height - 1) * s);
-	if (status != STATUS_OK) {
-		dem_grid_destroy(&crop->grid);
-		return status;
-	}
+		TRY_OR(failed, fail_with(STATUS_INPUT, "window SRS \"%.80s\": the source has no place on a planet; give the window in metres "
+					 "from its south-west post", params->window_srs));
+	if (crop->grid.width < 2 || crop->grid.height < 2)
+		TRY_OR(failed, fail_with(STATUS_INPUT, "window %.10g,%.10g,%.10g,%.10g: holds %lld x %lld posts of the source, which go from "
+					 "0,0 to %.10g,%.10g; give another window", window[0], window[1], window[2], window[3],
+					 (long long)crop->grid.width, (long long)crop->grid.height, (double)(grid->width - 1) * s,
+					 (double)(grid->height - 1) * s));
 	*out = &crop->grid;
 	return STATUS_OK;
+failed:
+	dem_grid_destroy(&crop->grid);
+	return status;
 }

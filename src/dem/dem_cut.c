@@ -99,15 +99,11 @@ static enum status hold(struct cutting *cutting, int level, struct open *open)
 	struct open *before = cutting->held[level];
 	if (level <= cutting->panel_level || before == open)
 		return STATUS_OK;
-	enum status status = STATUS_OK;
 	if (before != NULL && before->begun) {
 		if (cutting->scratch.file < 0)
-			status = dem_scratch_open(&cutting->scratch, "cutting tiles");
-		if (status == STATUS_OK)
-			status = move_codes(cutting, level, before, true);
+			TRY(dem_scratch_open(&cutting->scratch, "cutting tiles"));
+		TRY(move_codes(cutting, level, before, true));
 	}
-	if (status != STATUS_OK)
-		return status;
 	if (before != NULL) {
 		open->codes = before->codes;
 		before->codes = NULL;
@@ -120,8 +116,7 @@ static enum status begin_tile(const struct cutting *cutting, struct open *open)
 {
 	if (open->codes == NULL)
 		open->codes = mem_alloc(cutting->posts, sizeof *open->codes);
-	if (open->codes == NULL)
-		return fail_memory("cutting tiles");
+	TRY_MEM(open->codes, "cutting tiles");
 	codes_clear(open->codes, (int64_t)cutting->posts);
 	open->begun = true;
 	open->low = open->high = (double)NAN;
@@ -142,16 +137,14 @@ static void widen(struct open *open, double low, double high, double error)
  * metres. If the tile above is complete now, it is emitted too. */
 static enum status finish_tile(struct cutting *cutting, const struct dem_tile *tile, double loss)
 {
-	enum status status = cutting->cut->emit(cutting->cut->emit_user, tile);
-	if (status != STATUS_OK || tile->tile.level == cutting->coarsest)
-		return status;
+	TRY(cutting->cut->emit(cutting->cut->emit_user, tile));
+	if (tile->tile.level == cutting->coarsest)
+		return STATUS_OK;
 	struct tile at = tile->tile, above = tile_ancestor(at, at.level + 1);
 	struct open *open = open_at(cutting, above);
-	status = hold(cutting, above.level, open);
-	if (status == STATUS_OK && !open->begun)
-		status = begin_tile(cutting, open);
-	if (status != STATUS_OK)
-		return status;
+	TRY(hold(cutting, above.level, open));
+	if (!open->begun)
+		TRY(begin_tile(cutting, open));
 	const struct extent *extent = cutting->extent;
 	lattice_decimate_i32(tile->codes, extent->cells, at.x & 1, at.y & 1, open->codes);
 	widen(open, tile->low, tile->high, tile->error + loss);
@@ -194,23 +187,19 @@ static enum status band_full(struct cutting *cutting)
 		const struct dem_cut *cut = cutting->cut;
 		struct dem_tile tile = {
 			.tile = band_tile_at(cutting, i), .codes = cutting->tile, .low = (double)NAN, .high = (double)NAN};
-		enum status status = STATUS_OK;
 		band_tile(cutting, i, cutting->tile);
 		tile.misfit = cutting->misfits[i];
 		tile.source = tile.misfit;
 		if (cut->measure != NULL) {
 			tile.source = (struct misfit){0};
-			status = cut->measure(cut->measure_user, &tile, &tile.source);
+			TRY(cut->measure(cut->measure_user, &tile, &tile.source));
 		}
-		if (cut->finer != NULL && status == STATUS_OK)
-			status = cut->finer(cut->finer_user, tile.tile, cutting->tile, &tile.low, &tile.high, &tile.error);
+		if (cut->finer != NULL)
+			TRY(cut->finer(cut->finer_user, tile.tile, cutting->tile, &tile.low, &tile.high, &tile.error));
 		struct dem_measure measure = dem_measure(cutting->tile, cells, cut->step);
 		tile.low = fmin(tile.low, measure.low); /* fmin ignores NaN */
 		tile.high = fmax(tile.high, measure.high);
-		if (status == STATUS_OK)
-			status = finish_tile(cutting, &tile, measure.loss);
-		if (status != STATUS_OK)
-			return status;
+		TRY(finish_tile(cutting, &tile, measure.loss));
 	}
 	memcpy(cutting->band, cutting->band + cells * cutting->stride,
 	       (size_t)cutting->stride * sizeof *cutting->band);
@@ -272,9 +261,9 @@ static enum status take_known(struct cutting *cutting, bool *known)
 		return STATUS_OK;
 	/* Tiles are stored in the order in which they are emitted. So if the last tile of the band is known, all are. */
 	for (int64_t i = tiles - 1; i >= 0; i--) {
-		enum status status = cut->known(cut->known_user, band_tile_at(cutting, i), cutting->tile, known);
-		if (status != STATUS_OK || !*known)
-			return status;
+		TRY(cut->known(cut->known_user, band_tile_at(cutting, i), cutting->tile, known));
+		if (!*known)
+			return STATUS_OK;
 		for (size_t y = 0; y < side; y++)
 			memcpy(cutting->band + (int64_t)y * cutting->stride + i * cutting->extent->cells,
 			       cutting->tile + y * side, side * sizeof *cutting->tile);
@@ -298,10 +287,10 @@ static enum status take_strip(struct cutting *cutting, int64_t y, int64_t rows)
 {
 	const struct dem_cut *cut = cutting->cut;
 	struct post_rect rect = {cutting->x0, y, cutting->x0 + cutting->width, y + rows};
-	enum status status = cut->posts(cut->posts_user, rect, cutting->heights);
-	for (int64_t row = 0; status == STATUS_OK && row < rows; row++)
-		status = take_row(cutting, cutting->heights + row * cutting->width, y + row);
-	return status;
+	TRY(cut->posts(cut->posts_user, rect, cutting->heights));
+	for (int64_t row = 0; row < rows; row++)
+		TRY(take_row(cutting, cutting->heights + row * cutting->width, y + row));
+	return STATUS_OK;
 }
 
 static enum status cut_panel(struct cutting *cutting, int64_t panels)
@@ -310,27 +299,24 @@ static enum status cut_panel(struct cutting *cutting, int64_t panels)
 	int64_t cells = extent->cells, y = 0;
 	cutting->filled = 0;
 	cutting->tile_y = 0;
-	enum status status = STATUS_OK;
-	while (status == STATUS_OK && y < extent->height) {
+	while (y < extent->height) {
 		bool known = false;
 		int64_t band_end = smaller(cutting->tile_y * cells + cells + 1, extent->height);
 		if (cutting->filled == (cutting->tile_y > 0)) /* a new band begins */
-			status = take_known(cutting, &known);
+			TRY(take_known(cutting, &known));
 		int64_t rows = known ? band_end - y : smaller(band_end - y, cutting->strip);
-		if (status == STATUS_OK)
-			status = known ? band_full(cutting) : take_strip(cutting, y, rows);
+		TRY(known ? band_full(cutting) : take_strip(cutting, y, rows));
 		y += rows;
-		if (status == STATUS_OK)
-			status = progress(cutting, rows, panels);
+		TRY(progress(cutting, rows, panels));
 	}
 	/* Fill the last band with nodata, from the terrain's north edge to the north edge of the last tiles. */
-	while (status == STATUS_OK && cutting->tile_y < extent_tiles_y(extent, 0)) {
+	while (cutting->tile_y < extent_tiles_y(extent, 0)) {
 		int64_t left = cells + 1 - cutting->filled;
 		codes_clear(cutting->band + (int64_t)cutting->filled * cutting->stride, left * cutting->stride);
 		cutting->filled += (uint32_t)left;
-		status = band_full(cutting);
+		TRY(band_full(cutting));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status cutting_init(struct cutting *cutting)
@@ -384,16 +370,18 @@ enum status dem_cut(const struct dem_cut *cut)
 		return fail_with(STATUS_INPUT, "terrain of %lld x %lld posts: %s; import another size",
 				 (long long)extent->width, (long long)extent->height, problem);
 	struct cutting cutting = {.cut = cut, .extent = extent, .scratch = {.file = -1}};
-	enum status status = cutting_init(&cutting);
+	enum status status;
+	TRY_OR(done, cutting_init(&cutting));
 	int64_t span = (int64_t)extent->cells << cutting.panel_level, tiles_x = extent_tiles_x(extent, 0);
 	int64_t panels = (tiles_x * extent->cells + span - 1) / span;
-	for (int64_t panel = 0; status == STATUS_OK && panel < panels; panel++) {
+	for (int64_t panel = 0; panel < panels; panel++) {
 		cutting.panel = panel;
 		cutting.x0 = panel * span;
 		cutting.width = smaller(span + 1, extent->width - cutting.x0);
 		cutting.stride = smaller(span, tiles_x * extent->cells - cutting.x0) + 1;
-		status = cut_panel(&cutting, panels);
+		TRY_OR(done, cut_panel(&cutting, panels));
 	}
+done:
 	cutting_finish(&cutting);
 	return status;
 }

@@ -58,26 +58,25 @@ static enum status put_row(struct fill *fill, int level, int64_t y, float *row)
 {
 	for (int64_t x = 0; x < fill->level[level].width; x++)
 		fill->known[x] = !isnan(row[x]);
-	enum status status = row_move(fill, true, level, y, row);
-	return status == STATUS_OK ? known_move(fill, true, level, y) : status;
+	TRY(row_move(fill, true, level, y, row));
+	return known_move(fill, true, level, y);
 }
 
 static enum status load_posts(struct fill *fill, bool *any, bool *holes)
 {
 	double *heights = mem_alloc((size_t)fill->grid.width, sizeof *heights);
-	if (heights == NULL)
-		return fail_memory("filling holes");
+	TRY_MEM(heights, "filling holes");
 	enum status status = STATUS_OK;
-	for (int64_t y = 0; status == STATUS_OK && y < fill->grid.height; y++) {
-		status = fill->source->read(fill->source, (struct post_rect){0, y, fill->grid.width, y + 1}, heights);
-		for (int64_t x = 0; status == STATUS_OK && x < fill->grid.width; x++) {
+	for (int64_t y = 0; y < fill->grid.height; y++) {
+		TRY_OR(done, fill->source->read(fill->source, (struct post_rect){0, y, fill->grid.width, y + 1}, heights));
+		for (int64_t x = 0; x < fill->grid.width; x++) {
 			fill->rows[0][x] = (float)heights[x];
 			*any = *any || !isnan(heights[x]);
 			*holes = *holes || isnan(heights[x]);
 		}
-		if (status == STATUS_OK)
-			status = put_row(fill, 0, y, fill->rows[0]);
+		TRY_OR(done, put_row(fill, 0, y, fill->rows[0]));
 	}
+done:
 	mem_free(heights);
 	return status;
 }
@@ -88,11 +87,8 @@ static enum status coarsen(struct fill *fill, int level)
 	const struct level *fine = &fill->level[level - 1], *here = &fill->level[level];
 	for (int64_t y = 0; y < here->height; y++) {
 		int64_t count = 2 * y + 1 < fine->height ? 2 : 1;
-		for (int64_t i = 0; i < count; i++) {
-			enum status status = row_move(fill, false, level - 1, 2 * y + i, fill->rows[i]);
-			if (status != STATUS_OK)
-				return status;
-		}
+		for (int64_t i = 0; i < count; i++)
+			TRY(row_move(fill, false, level - 1, 2 * y + i, fill->rows[i]));
 		for (int64_t x = 0; x < here->width; x++) {
 			double sum = 0;
 			int known = 0;
@@ -104,9 +100,7 @@ static enum status coarsen(struct fill *fill, int level)
 					}
 			fill->rows[2][x] = known > 0 ? (float)(sum / known) : NAN;
 		}
-		enum status status = put_row(fill, level, y, fill->rows[2]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(put_row(fill, level, y, fill->rows[2]));
 	}
 	return STATUS_OK;
 }
@@ -129,12 +123,10 @@ static enum status refine(struct fill *fill, int level)
 		int64_t low, high, west, east;
 		double v, u;
 		between(y, above->height, &low, &high, &v);
-		enum status status = row_move(fill, false, level, y, fill->rows[2]);
-		if (status == STATUS_OK)
-			status = row_move(fill, false, level + 1, low, fill->rows[0]);
-		if (status == STATUS_OK)
-			status = row_move(fill, false, level + 1, high, fill->rows[1]);
-		for (int64_t x = 0; status == STATUS_OK && x < here->width; x++) {
+		TRY(row_move(fill, false, level, y, fill->rows[2]));
+		TRY(row_move(fill, false, level + 1, low, fill->rows[0]));
+		TRY(row_move(fill, false, level + 1, high, fill->rows[1]));
+		for (int64_t x = 0; x < here->width; x++) {
 			if (!isnan(fill->rows[2][x]))
 				continue;
 			between(x, above->width, &west, &east, &u);
@@ -142,10 +134,7 @@ static enum status refine(struct fill *fill, int level)
 			double north = (double)fill->rows[1][west] * (1 - u) + (double)fill->rows[1][east] * u;
 			fill->rows[2][x] = (float)(south * (1 - v) + north * v);
 		}
-		if (status == STATUS_OK)
-			status = row_move(fill, true, level, y, fill->rows[2]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(row_move(fill, true, level, y, fill->rows[2]));
 	}
 	return STATUS_OK;
 }
@@ -185,57 +174,52 @@ static enum status relax(struct fill *fill, int level, bool from_north)
 	const struct level *here = &fill->level[level];
 	float *behind = fill->rows[0], *row = fill->rows[1], *ahead = fill->rows[2];
 	int64_t step = from_north ? -1 : 1, y = from_north ? here->height - 1 : 0;
-	enum status status = row_move(fill, false, level, y, row);
-	for (int64_t i = 0; status == STATUS_OK && i < here->height; i++, y += step) {
+	TRY(row_move(fill, false, level, y, row));
+	for (int64_t i = 0; i < here->height; i++, y += step) {
 		bool first = i == 0, last = i + 1 == here->height;
 		if (!last)
-			status = row_move(fill, false, level, y + step, ahead);
-		if (status == STATUS_OK)
-			status = known_move(fill, false, level, y);
-		if (status != STATUS_OK)
-			break;
+			TRY(row_move(fill, false, level, y + step, ahead));
+		TRY(known_move(fill, false, level, y));
 		if (memchr(fill->known, 0, (size_t)here->width) != NULL) {
 			relax_row(row, first ? NULL : behind, last ? NULL : ahead, fill->known, here->width);
-			status = row_move(fill, true, level, y, row);
+			TRY(row_move(fill, true, level, y, row));
 		}
 		float *spare = behind;
 		behind = row;
 		row = ahead;
 		ahead = spare;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status solve(struct fill *fill)
 {
 	bool any = false, holes = false;
-	enum status status = load_posts(fill, &any, &holes);
-	if (status != STATUS_OK)
-		return status;
+	TRY(load_posts(fill, &any, &holes));
 	if (!any)
 		return fail_with(STATUS_INPUT, "filling holes: the sources hold no data at all; give others");
-	for (int level = 1; holes && status == STATUS_OK && level < fill->levels; level++)
-		status = coarsen(fill, level);
-	for (int level = fill->levels - 2; holes && status == STATUS_OK && level >= 0; level--) {
-		status = refine(fill, level);
-		for (int pass = 0; status == STATUS_OK && pass < PASSES; pass++)
-			status = relax(fill, level, pass % 2 != 0);
+	for (int level = 1; holes && level < fill->levels; level++)
+		TRY(coarsen(fill, level));
+	for (int level = fill->levels - 2; holes && level >= 0; level--) {
+		TRY(refine(fill, level));
+		for (int pass = 0; pass < PASSES; pass++)
+			TRY(relax(fill, level, pass % 2 != 0));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status fill_read(struct dem_grid *grid, struct post_rect rect, double *heights)
 {
 	struct fill *fill = (struct fill *)grid;
 	int64_t width = rect.x1 - rect.x0;
-	enum status status = fill->source->read(fill->source, rect, heights);
-	for (int64_t y = rect.y0; status == STATUS_OK && y < rect.y1; y++, heights += width) {
-		status = row_move(fill, false, 0, y, fill->rows[0]);
-		for (int64_t x = 0; status == STATUS_OK && x < width; x++)
+	TRY(fill->source->read(fill->source, rect, heights));
+	for (int64_t y = rect.y0; y < rect.y1; y++, heights += width) {
+		TRY(row_move(fill, false, 0, y, fill->rows[0]));
+		for (int64_t x = 0; x < width; x++)
 			if (isnan(heights[x]))
 				heights[x] = (double)fill->rows[0][rect.x0 + x];
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status fill_misfit(struct dem_grid *grid, const struct dem_part *surface, const int64_t ends[2], struct misfit *misfit)
@@ -281,19 +265,18 @@ enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
 		width = (width + 1) / 2;
 		height = (height + 1) / 2;
 	}
-	enum status status = dem_scratch_open(&fill->scratch, "filling holes");
+	enum status status;
+	TRY_OR(failed, dem_scratch_open(&fill->scratch, "filling holes"));
 	fill->known = mem_alloc((size_t)grid->width, 1);
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < 3; i++) {
 		fill->rows[i] = mem_alloc((size_t)grid->width, sizeof *fill->rows[i]);
-	for (int i = 0; status == STATUS_OK && i < 3; i++)
 		if (fill->rows[i] == NULL || fill->known == NULL)
-			status = fail_memory("filling holes");
-	if (status == STATUS_OK)
-		status = solve(fill);
-	if (status != STATUS_OK) {
-		dem_grid_destroy(&fill->grid);
-		return status;
+			TRY_OR(failed, fail_memory("filling holes"));
 	}
+	TRY_OR(failed, solve(fill));
 	*out = &fill->grid;
 	return STATUS_OK;
+failed:
+	dem_grid_destroy(&fill->grid);
+	return status;
 }

@@ -57,15 +57,13 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 			return STATUS_INPUT;
 	}
 	enum status status = STATUS_OK;
-	for (size_t i = 0; status == STATUS_OK && i < list->count; i++) {
+	for (size_t i = 0; i < list->count; i++) {
 		gdal->source_count = i + 1;
-		status = dem_source_init(&gdal->sources[i], params, list->paths[i], override, (int)i,
-					 &gdal->grid.files);
-		if (status == STATUS_OK)
-			dem_grid_find_system(gdal->sources, i);
+		TRY_OR(done, dem_source_init(&gdal->sources[i], params, list->paths[i], override, (int)i, &gdal->grid.files));
+		dem_grid_find_system(gdal->sources, i);
 	}
-	if (status == STATUS_OK)
-		note_remarks(gdal, params);
+	note_remarks(gdal, params);
+done:
 	if (override != NULL)
 		OSRDestroySpatialReference(override);
 	return status;
@@ -179,8 +177,7 @@ static enum status find_lone(const struct gdal_grid *gdal, const struct gdal_sou
 	const size_t count = gdal->source_count;
 	size_t *chain = mem_alloc(count, sizeof *chain), known = 1; /* numbers of sources: first those that are reached */
 	*lone = NULL;
-	if (chain == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(chain, "opening the sources");
 	for (size_t i = 0; i < count; i++)
 		chain[i] = i;
 	for (size_t i = 0; i < known; i++)
@@ -214,9 +211,10 @@ static enum status check_cover(struct gdal_grid *gdal)
 	}
 	gdal->grid.covered = fmin(covered, 1);
 	const struct gdal_source *one = &gdal->sources[0], *other = NULL;
-	enum status status = covered < LEAST_COVERED ? find_lone(gdal, &other) : STATUS_OK;
-	if (status != STATUS_OK || other == NULL)
-		return status;
+	if (covered < LEAST_COVERED)
+		TRY(find_lone(gdal, &other));
+	if (other == NULL)
+		return STATUS_OK;
 	char told[512];
 	snprintf(told, sizeof told, "%.160s: lies %.4g km from %.160s, and the sources cover %.2g %% of %.3g posts", one->path,
 		 apart(one, other) / 1000, other->path, 100 * covered, posts);
@@ -289,29 +287,22 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 	skip_placeless(params, list);
 	gdal->sources = mem_calloc(list->count, sizeof *gdal->sources);
 	gdal->name = mem_strdup(list->paths[0]);
-	enum status status = gdal->sources != NULL && gdal->name != NULL ? open_sources(gdal, params, list)
-									 : fail_memory("opening the sources");
-	if (status == STATUS_OK)
-		status = several_agree(gdal);
-	if (status == STATUS_OK)
-		status = dem_groups_init(&gdal->groups, gdal->sources, gdal->source_count);
-	if (status == STATUS_OK && params->apart)
-		status = dem_split(gdal, params, list);
-	if (status == STATUS_OK)
-		status = dem_target_choose(params, &gdal->groups, &gdal->target);
-	for (size_t i = 0; status == STATUS_OK && i < gdal->groups.count; i++)
-		status = dem_grid_sampler(gdal, &gdal->groups.groups[i]);
+	TRY_MEM(gdal->sources != NULL && gdal->name != NULL, "opening the sources");
+	TRY(open_sources(gdal, params, list));
+	TRY(several_agree(gdal));
+	TRY(dem_groups_init(&gdal->groups, gdal->sources, gdal->source_count));
+	if (params->apart)
+		TRY(dem_split(gdal, params, list));
+	TRY(dem_target_choose(params, &gdal->groups, &gdal->target));
+	for (size_t i = 0; i < gdal->groups.count; i++)
+		TRY(dem_grid_sampler(gdal, &gdal->groups.groups[i]));
 	struct dem_lattice lattice;
 	dem_target_lattice(&gdal->target, &lattice);
-	if (status == STATUS_OK && gdal->source_count > 1)
-		status = dem_overlap(gdal->sources, gdal->source_count, &lattice, &gdal->grid);
-	if (status == STATUS_OK && gdal->source_count > 1)
-		status = check_cover(gdal);
-	if (status != STATUS_OK)
-		return status;
-	status = describe(gdal, params);
-	if (status != STATUS_OK)
-		return status;
+	if (gdal->source_count > 1) {
+		TRY(dem_overlap(gdal->sources, gdal->source_count, &lattice, &gdal->grid));
+		TRY(check_cover(gdal));
+	}
+	TRY(describe(gdal, params));
 	note_scale(gdal);
 	note_resampled(gdal, params);
 	note_vertical(gdal);
@@ -320,17 +311,14 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 
 enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list, struct dem_grid **out)
 {
-	enum status status = dem_gdal_init(list->paths[0]);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_gdal_init(list->paths[0]));
 	struct gdal_grid *gdal = mem_calloc(1, sizeof *gdal);
-	if (gdal == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(gdal, "opening the sources");
 	gdal->grid.destroy = gdal_destroy;
 	gdal->grid.read = dem_grid_read;
 	gdal->method = params->resample;
 	gdal->jobs = params->jobs;
-	status = open_grid(gdal, params, list);
+	const enum status status = open_grid(gdal, params, list);
 	if (status != STATUS_OK) {
 		dem_grid_destroy(&gdal->grid);
 		return status;

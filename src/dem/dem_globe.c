@@ -34,9 +34,7 @@ static enum status fill(struct dem_globe *globe, OGRSpatialReferenceH srs)
 enum status dem_globe_create(const char *wkt, struct dem_globe **out)
 {
 	*out = NULL;
-	enum status status = dem_gdal_init("degrees of a store with an SRS");
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_gdal_init("degrees of a store with an SRS"));
 	OGRSpatialReferenceH srs = dem_srs_parse(wkt);
 	if (srs == NULL)
 		return STATUS_INPUT;
@@ -45,7 +43,7 @@ enum status dem_globe_create(const char *wkt, struct dem_globe **out)
 		return STATUS_OK;
 	}
 	struct dem_globe *globe = mem_calloc(1, sizeof *globe);
-	status = globe != NULL ? fill(globe, srs) : fail_memory("an SRS");
+	const enum status status = globe != NULL ? fill(globe, srs) : fail_memory("an SRS");
 	OSRDestroySpatialReference(srs);
 	if (status != STATUS_OK) {
 		dem_globe_destroy(globe);

@@ -58,8 +58,7 @@ static struct dem_group *group_for(struct dem_groups *groups, const struct gdal_
 enum status dem_groups_init(struct dem_groups *groups, const struct gdal_source *sources, size_t count)
 {
 	*groups = (struct dem_groups){.groups = mem_calloc(count, sizeof *groups->groups)};
-	if (groups->groups == NULL)
-		return fail_memory("opening the sources");
+	TRY_MEM(groups->groups, "opening the sources");
 	for (size_t i = 0; i < count; i++) {
 		struct dem_group *group = group_for(groups, &sources[i]);
 		if (group == NULL)
@@ -67,16 +66,14 @@ enum status dem_groups_init(struct dem_groups *groups, const struct gdal_source 
 		size_t room = group->count + 1;
 		if ((room & (room - 1)) == 0 || group->sources == NULL) { /* grows by doubling */
 			const struct gdal_source **more = mem_realloc(group->sources, 2 * room, sizeof(struct gdal_source *));
-			if (more == NULL)
-				return fail_memory("opening the sources");
+			TRY_MEM(more, "opening the sources");
 			group->sources = more;
 		}
 		group->sources[group->count++] = &sources[i];
 	}
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++)
-		status = dem_layers_create(groups->groups[i].sources, groups->groups[i].count, &groups->groups[i].layers);
-	return status;
+	for (size_t i = 0; i < groups->count; i++)
+		TRY(dem_layers_create(groups->groups[i].sources, groups->groups[i].count, &groups->groups[i].layers));
+	return STATUS_OK;
 }
 
 void dem_groups_finish(struct dem_groups *groups)

@@ -39,14 +39,12 @@ static enum status country_posts(struct dem_insets *insets, struct post_rect rec
 	if (insets->posts != NULL && same_rect(rect, insets->held))
 		return STATUS_OK;
 	double *room = mem_realloc(insets->posts, dem_inset_posts(rect), sizeof *room);
-	if (room == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(room, "an inset");
 	insets->posts = room;
 	insets->held = (struct post_rect){0, 0, 0, 0};
-	enum status status = dem_read(insets->country, rect, room);
-	if (status == STATUS_OK)
-		insets->held = rect;
-	return status;
+	TRY(dem_read(insets->country, rect, room));
+	insets->held = rect;
+	return STATUS_OK;
 }
 
 /* Interpolates post (x, y) between posts `shift` levels coarser, of which `coarse` has those of `from`. */
@@ -62,11 +60,11 @@ static double between(const double *coarse, struct post_rect from, int shift, in
 static enum status country_heights(struct dem_insets *insets, int level, struct post_rect rect, double *heights)
 {
 	const struct post_rect from = dem_inset_around(rect, -level);
-	enum status status = country_posts(insets, from);
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y++)
+	TRY(country_posts(insets, from));
+	for (int64_t y = rect.y0; y < rect.y1; y++)
 		for (int64_t x = rect.x0; x < rect.x1; x++)
 			*heights++ = between(insets->posts, from, -level, x, y);
-	return status;
+	return STATUS_OK;
 }
 
 /* Lays an inset over the heights of its own level. */
@@ -76,11 +74,11 @@ static enum status blend(const struct inset *inset, struct post_rect rect, doubl
 	if (post_rect_empty(part))
 		return STATUS_OK;
 	double *own = mem_alloc(dem_inset_posts(part), sizeof *own), *from = own;
-	if (own == NULL)
-		return fail_memory("an inset");
-	enum status status = dem_read(inset->dem, (struct post_rect){part.x0 - inset->x, part.y0 - inset->y, part.x1 - inset->x,
-								     part.y1 - inset->y}, own);
-	for (int64_t y = part.y0; y < part.y1 && status == STATUS_OK; y++) {
+	TRY_MEM(own, "an inset");
+	enum status status;
+	const struct post_rect inside = {part.x0 - inset->x, part.y0 - inset->y, part.x1 - inset->x, part.y1 - inset->y};
+	TRY_OR(done, dem_read(inset->dem, inside, own));
+	for (int64_t y = part.y0; y < part.y1; y++) {
 		double *to = heights + (y - rect.y0) * dem_inset_width(rect) - rect.x0;
 		for (int64_t x = part.x0; x < part.x1; x++, from++) {
 			const double weight = dem_inset_rim_weight(&inset->rim, x - inset->rect.x0, y - inset->rect.y0), height = *from - inset->lowered;
@@ -89,6 +87,7 @@ static enum status blend(const struct inset *inset, struct post_rect rect, doubl
 			to[x] = weight == 1 || isnan(to[x]) ? height : to[x] + weight * (height - to[x]);
 		}
 	}
+done:
 	mem_free(own);
 	return status;
 }
@@ -102,11 +101,14 @@ static enum status divide(struct dem_insets *insets, size_t depth, int level, st
 	if (post_rect_empty(part))
 		return STATUS_OK;
 	double *coarse = mem_alloc(dem_inset_posts(from), sizeof *coarse);
-	enum status status = coarse != NULL ? dem_inset_heights(insets, depth, inset->info.level, from, coarse) : fail_memory("an inset");
-	for (int64_t y = part.y0; y < part.y1 && status == STATUS_OK; y++)
+	TRY_MEM(coarse, "an inset");
+	enum status status;
+	TRY_OR(done, dem_inset_heights(insets, depth, inset->info.level, from, coarse));
+	for (int64_t y = part.y0; y < part.y1; y++)
 		for (int64_t x = part.x0; x < part.x1; x++)
 			if (dem_inset_covers(inset, level, x, y))
 				heights[(y - rect.y0) * dem_inset_width(rect) + x - rect.x0] = between(coarse, from, shift, x, y);
+done:
 	mem_free(coarse);
 	return status;
 }
@@ -115,9 +117,7 @@ enum status dem_inset_heights(struct dem_insets *insets, size_t depth, int level
 {
 	if (depth == 0)
 		return country_heights(insets, level, rect, heights);
-	enum status status = dem_inset_heights(insets, depth - 1, level, rect, heights);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_inset_heights(insets, depth - 1, level, rect, heights));
 	const struct inset *inset = &insets->list[depth - 1];
 	return inset->info.level == level ? blend(inset, rect, heights) : divide(insets, depth, level, rect, heights);
 }

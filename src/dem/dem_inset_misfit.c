@@ -51,34 +51,32 @@ static enum status measure(struct piece *piece, struct post_rect tile, const int
 	const struct inset *inset = &piece->insets->list[piece->number];
 	const struct post_rect own = {piece->rect.x0 - inset->x, piece->rect.y0 - inset->y, piece->rect.x1 - inset->x, piece->rect.y1 - inset->y};
 	struct misfit posts = {0};
-	enum status status = dem_read(inset->dem, own, piece->own);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_read(inset->dem, own, piece->own));
 	compare(piece, tile, codes, step, &posts);
 	misfit_add(resampled, &posts);
 	if (!dem_info(inset->dem)->resampled)
 		misfit_add(source, &posts);
 	else if (posts.posts > 0)
-		status = dem_misfit_heights(inset->dem, own, piece->surface, (int64_t[]){tile.x1 - 1 - inset->x, tile.y1 - 1 - inset->y}, source);
-	return status;
+		return dem_misfit_heights(inset->dem, own, piece->surface, (int64_t[]){tile.x1 - 1 - inset->x, tile.y1 - 1 - inset->y}, source);
+	return STATUS_OK;
 }
 
 enum status dem_inset_misfit(const struct dem_insets *insets, struct tile tile, const int32_t *codes, double step, struct misfit *resampled,
 			     struct misfit *source)
 {
 	const struct post_rect rect = tile_post_rect(&insets->extent, tile);
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < insets->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < insets->count; i++) {
 		struct piece piece = {.insets = insets, .number = i, .rect = post_rect_intersect(rect, insets->list[i].rect)};
 		if (insets->list[i].info.level != tile.level || post_rect_empty(piece.rect))
 			continue;
 		const size_t posts = (size_t)((piece.rect.x1 - piece.rect.x0) * (piece.rect.y1 - piece.rect.y0));
 		piece.own = mem_alloc(posts, sizeof *piece.own);
 		piece.surface = mem_alloc(posts, sizeof *piece.surface);
-		status = piece.own != NULL && piece.surface != NULL ? measure(&piece, rect, codes, step, resampled, source)
-								    : fail_memory("comparing with an inset");
+		const enum status status = piece.own != NULL && piece.surface != NULL ? measure(&piece, rect, codes, step, resampled, source)
+										      : fail_memory("comparing with an inset");
 		mem_free(piece.own);
 		mem_free(piece.surface);
+		TRY(status);
 	}
-	return status;
+	return STATUS_OK;
 }

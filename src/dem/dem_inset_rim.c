@@ -37,13 +37,15 @@ static enum status mark_holes(const struct inset_rim *rim, inset_rows_fn rows, v
 {
 	const int64_t most = STRIP_POSTS / rim->width > 0 ? STRIP_POSTS / rim->width : 1;
 	double *heights = mem_alloc((size_t)(most * rim->width), sizeof *heights);
-	enum status status = heights != NULL ? STATUS_OK : fail_memory("an inset");
-	for (int64_t y = 0; y < rim->height && status == STATUS_OK; y += most) {
+	TRY_MEM(heights, "an inset");
+	enum status status = STATUS_OK;
+	for (int64_t y = 0; y < rim->height; y += most) {
 		const int64_t count = rim->height - y < most ? rim->height - y : most;
-		status = rows(user, y, count, heights);
-		for (int64_t row = 0; row < count && status == STATUS_OK; row++)
+		TRY_OR(done, rows(user, y, count, heights));
+		for (int64_t row = 0; row < count; row++)
 			mark_row(rim, y + row, heights + row * rim->width, kinds);
 	}
+done:
 	mem_free(heights);
 	return status;
 }
@@ -53,8 +55,7 @@ static enum status mark_outside(const struct inset_rim *rim, uint8_t *kinds)
 {
 	const int64_t posts[2] = {rim->width, rim->height};
 	int64_t *open = mem_alloc((size_t)(rim->nodes[0] * rim->nodes[1]), sizeof *open), count = 0;
-	if (open == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(open, "an inset");
 	for (int64_t y = 0; y < rim->nodes[1]; y++)
 		for (int64_t x = 0; x < rim->nodes[0]; x++) {
 			const int64_t at[2] = {x, y};
@@ -150,8 +151,8 @@ static enum status take_distances(struct inset_rim *rim, const uint8_t *kinds)
 		if (holes)
 			rim->deep[i] = kinds[i] == NODE_HOLE ? INFINITY : 0;
 	}
-	enum status status = distances(rim, rim->far);
-	return status == STATUS_OK && holes ? distances(rim, rim->deep) : status;
+	TRY(distances(rim, rim->far));
+	return holes ? distances(rim, rim->deep) : STATUS_OK;
 }
 
 enum status dem_inset_rim_init(struct inset_rim *rim, inset_rows_fn rows, void *user)
@@ -163,13 +164,12 @@ enum status dem_inset_rim_init(struct inset_rim *rim, inset_rows_fn rows, void *
 			break;
 	}
 	uint8_t *kinds = mem_calloc((size_t)(rim->nodes[0] * rim->nodes[1]), 1);
-	if (kinds == NULL)
-		return fail_memory("an inset");
-	enum status status = mark_holes(rim, rows, user, kinds);
-	if (status == STATUS_OK)
-		status = mark_outside(rim, kinds);
-	if (status == STATUS_OK)
-		status = take_distances(rim, kinds);
+	TRY_MEM(kinds, "an inset");
+	enum status status;
+	TRY_OR(done, mark_holes(rim, rows, user, kinds));
+	TRY_OR(done, mark_outside(rim, kinds));
+	TRY_OR(done, take_distances(rim, kinds));
+done:
 	mem_free(kinds);
 	return status;
 }

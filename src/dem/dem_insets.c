@@ -41,9 +41,7 @@ static enum status choose_level(const struct dem_insets_params *params, struct i
 	const char *source = inset->info.source;
 	const struct dem_info *country = dem_info(params->country);
 	const double coarse = params->extent->spacing;
-	enum status status = open_at(params, inset, 0, false, &own);
-	if (status != STATUS_OK)
-		return status;
+	TRY(open_at(params, inset, 0, false, &own));
 	const double spacing = dem_info(own)->spacing;
 	const bool placed = (dem_info(own)->srs[0] != '\0') == (country->srs[0] != '\0');
 	(void)dem_vertical_note(source, dem_info(own)->vertical, country->sources[0], country->vertical);
@@ -141,8 +139,7 @@ static enum status cover(struct inset *inset)
 	const struct post_rect corners = dem_inset_around(inset->rect, shift);
 	inset->cells = (struct post_rect){corners.x0, corners.y0, corners.x1 - 1, corners.y1 - 1};
 	inset->covered = mem_calloc(dem_inset_posts(inset->cells), 1);
-	if (inset->covered == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(inset->covered, "an inset");
 	for (int64_t ny = 0; ny < rim->nodes[1]; ny++)
 		for (int64_t nx = 0; nx < rim->nodes[0]; nx++) {
 			if (rim->far[ny * rim->nodes[0] + nx] == 0)
@@ -166,15 +163,14 @@ static int compare(const void *a, const void *b)
 static enum status rim_row(struct dem_insets *insets, struct inset *inset, int64_t row, double *own, double *under, double *apart)
 {
 	const int64_t y = inset->rect.y0 + row;
-	enum status status = read_rows(inset, row, 1, own);
-	if (status == STATUS_OK)
-		status = dem_inset_heights(insets, insets->count, inset->info.level, (struct post_rect){inset->rect.x0, y, inset->rect.x1, y + 1}, under);
-	for (int64_t x = 0; x < inset->rim.width && status == STATUS_OK; x++) {
+	TRY(read_rows(inset, row, 1, own));
+	TRY(dem_inset_heights(insets, insets->count, inset->info.level, (struct post_rect){inset->rect.x0, y, inset->rect.x1, y + 1}, under));
+	for (int64_t x = 0; x < inset->rim.width; x++) {
 		const double far = dem_inset_rim_far(&inset->rim, x, row);
 		if (far > 0 && far <= inset->info.feather && !isnan(own[x] - under[x]))
 			apart[inset->info.rim_posts++] = own[x] - under[x];
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Finds the median of how much higher it is than what surrounds it, over posts of its rim. */
@@ -183,13 +179,15 @@ static enum status find_offset(struct dem_insets *insets, struct inset *inset)
 	const int64_t width = inset->rim.width, height = inset->rim.height;
 	const int64_t step = height / RIM_ROWS > 0 ? height / RIM_ROWS : 1, rows = (height + step - 1) / step;
 	double *apart = mem_alloc((size_t)(rows * width), sizeof *apart), *own = mem_alloc((size_t)(2 * width), sizeof *own);
-	enum status status = apart != NULL && own != NULL ? STATUS_OK : fail_memory("an inset");
-	for (int64_t row = 0; row < height && status == STATUS_OK; row += step)
-		status = rim_row(insets, inset, row, own, own + width, apart);
-	if (status == STATUS_OK && inset->info.rim_posts > 0) {
+	enum status status;
+	TRY_OR(done, apart != NULL && own != NULL ? STATUS_OK : fail_memory("an inset"));
+	for (int64_t row = 0; row < height; row += step)
+		TRY_OR(done, rim_row(insets, inset, row, own, own + width, apart));
+	if (inset->info.rim_posts > 0) {
 		qsort(apart, (size_t)inset->info.rim_posts, sizeof *apart, compare);
 		inset->info.offset = apart[inset->info.rim_posts / 2];
 	}
+done:
 	mem_free(apart);
 	mem_free(own);
 	return status;
@@ -207,22 +205,17 @@ static void inset_finish(struct inset *inset)
 /* Prepares an inset. Those before it in the list are complete; they count for what surrounds it. */
 static enum status prepare(struct dem_insets *insets, const struct dem_insets_params *params, struct inset *inset)
 {
-	enum status status = open_at(params, inset, inset->info.spacing, false, &inset->dem);
-	if (status == STATUS_OK)
-		status = place(params, inset);
-	if (status != STATUS_OK || inset->missing)
-		return status;
+	TRY(open_at(params, inset, inset->info.spacing, false, &inset->dem));
+	TRY(place(params, inset));
+	if (inset->missing)
+		return STATUS_OK;
 	find_around(insets, inset);
 	choose_feather(params, inset);
 	inset->rim = (struct inset_rim){.width = inset->info.width, .height = inset->info.height, .spacing = inset->info.spacing,
 					.feather = inset->info.feather};
-	status = dem_inset_rim_init(&inset->rim, read_rows, inset);
-	if (status == STATUS_OK)
-		status = cover(inset);
-	if (status == STATUS_OK)
-		status = find_offset(insets, inset);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_inset_rim_init(&inset->rim, read_rows, inset));
+	TRY(cover(inset));
+	TRY(find_offset(insets, inset));
 	inset->info.matched = params->match && inset->info.rim_posts > 0;
 	inset->lowered = inset->info.matched ? inset->info.offset : 0;
 	if (inset->rim.deep == NULL)
@@ -255,40 +248,40 @@ static void number(struct dem_insets *insets)
 enum status dem_insets_open(const struct dem_insets_params *params, struct dem_insets **out)
 {
 	struct dem_insets *insets = mem_calloc(1, sizeof *insets);
-	if (insets == NULL)
-		return fail_memory("insets");
+	TRY_MEM(insets, "insets");
 	insets->country = params->country;
 	insets->extent = *params->extent;
 	insets->list = mem_calloc(params->count, sizeof *insets->list);
-	enum status status = insets->list != NULL ? STATUS_OK : fail_memory("insets");
-	for (size_t i = 0; i < params->count && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(failed, insets->list != NULL ? STATUS_OK : fail_memory("insets"));
+	for (size_t i = 0; i < params->count; i++) {
 		struct inset *inset = &insets->list[i];
 		inset->named = i;
 		inset->from = &params->sources[i];
 		inset->info.source = params->sources[i].paths[0];
 		inset->info.paths = params->sources[i].count;
 		inset->info.found = params->sources[i].found;
-		status = choose_level(params, inset);
+		TRY_OR(failed, choose_level(params, inset));
 	}
-	if (status == STATUS_OK && params->count > 1)
+	if (params->count > 1)
 		qsort(insets->list, params->count, sizeof *insets->list, compare_insets);
-	for (size_t i = 0; i < params->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < params->count; i++) {
 		struct inset *inset = &insets->list[insets->count];
 		if (insets->count != i)
 			*inset = insets->list[i];
 		status = prepare(insets, params, inset);
-		insets->count += status == STATUS_OK && !inset->missing;
 		if (status != STATUS_OK || inset->missing)
 			inset_finish(inset);
+		else
+			insets->count++;
+		TRY_OR(failed, status);
 	}
-	if (status == STATUS_OK)
-		number(insets);
-	if (status != STATUS_OK) {
-		dem_insets_close(insets);
-		return status;
-	}
+	number(insets);
 	*out = insets;
 	return STATUS_OK;
+failed:
+	dem_insets_close(insets);
+	return status;
 }
 
 void dem_insets_close(struct dem_insets *insets)

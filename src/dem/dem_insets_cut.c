@@ -54,14 +54,13 @@ static enum status lay_below(const struct dem_insets_cut *cut, struct tile tile,
 {
 	const struct extent *extent = &cut->insets->extent;
 	const size_t side = tile_posts(extent);
-	enum status status = STATUS_OK;
-	for (unsigned i = 0; i < 4 && status == STATUS_OK; i++) {
+	for (unsigned i = 0; i < 4; i++) {
 		const struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
 		double its_low, its_high, its_error;
 		bool found = false;
 		if (extent_has(extent, child) && may_cover(cut->insets, child))
-			status = cut->get(cut->get_user, child, below, &its_low, &its_high, &its_error, &found);
-		if (status != STATUS_OK || !found)
+			TRY(cut->get(cut->get_user, child, below, &its_low, &its_high, &its_error, &found));
+		if (!found)
 			continue;
 		const size_t half = extent->cells / 2;
 		int32_t *quarter = codes + (i >> 1) * half * side + (i & 1) * half;
@@ -77,7 +76,7 @@ static enum status lay_below(const struct dem_insets_cut *cut, struct tile tile,
 		*high = fmax(*high, its_high);
 		*error = fmax(*error, its_error + dem_measure(below, extent->cells, cut->step).loss);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status dem_insets_finer(void *user, struct tile tile, int32_t *codes, double *low, double *high, double *error)
@@ -87,8 +86,7 @@ enum status dem_insets_finer(void *user, struct tile tile, int32_t *codes, doubl
 	if (!may_cover(cut->insets, tile))
 		return STATUS_OK;
 	int32_t *below = mem_alloc(side * side, sizeof *below);
-	if (below == NULL)
-		return fail_memory("an inset");
+	TRY_MEM(below, "an inset");
 	enum status status = lay_below(cut, tile, below, codes, low, high, error);
 	mem_free(below);
 	return status;
@@ -98,11 +96,8 @@ static enum status put_tile(struct cutting *cutting, struct tile tile)
 {
 	const struct dem_insets_cut *cut = cutting->cut;
 	struct dem_tile out = {.tile = tile, .codes = cutting->tile, .low = (double)NAN, .high = (double)NAN};
-	enum status status = dem_inset_misfit(cut->insets, tile, cutting->tile, cut->step, &out.misfit, &out.source);
-	if (status == STATUS_OK)
-		status = lay_below(cut, tile, cutting->below, cutting->tile, &out.low, &out.high, &out.error);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_inset_misfit(cut->insets, tile, cutting->tile, cut->step, &out.misfit, &out.source));
+	TRY(lay_below(cut, tile, cutting->below, cutting->tile, &out.low, &out.high, &out.error));
 	const struct dem_measure measure = dem_measure(cutting->tile, cutting->extent->cells, cut->step);
 	if (isnan(measure.low))
 		return STATUS_OK;
@@ -151,15 +146,14 @@ static enum status fill_band(struct cutting *cutting, struct post_rect rect)
 		cutting->band[i] = HEIGHT_CODE_NODATA;
 	if (cutting->depth == 0 || cutting->cut->insets->list[cutting->depth - 1].info.level != cutting->level)
 		return STATUS_OK;
-	enum status status = STATUS_OK;
-	for (int64_t y = in.y0; y < in.y1 && status == STATUS_OK; y += strip) {
+	for (int64_t y = in.y0; y < in.y1; y += strip) {
 		const struct post_rect part = {in.x0, y, in.x1, y + strip < in.y1 ? y + strip : in.y1};
-		status = dem_inset_heights(cutting->cut->insets, cutting->depth, cutting->level, part, cutting->heights);
-		for (int64_t row = part.y0; row < part.y1 && status == STATUS_OK; row++)
-			status = take_row(cutting, in.x0, row, cutting->heights + (row - y) * (in.x1 - in.x0), in.x1 - in.x0,
-					  cutting->band + (row - rect.y0) * width + in.x0 - rect.x0);
+		TRY(dem_inset_heights(cutting->cut->insets, cutting->depth, cutting->level, part, cutting->heights));
+		for (int64_t row = part.y0; row < part.y1; row++)
+			TRY(take_row(cutting, in.x0, row, cutting->heights + (row - y) * (in.x1 - in.x0), in.x1 - in.x0,
+				     cutting->band + (row - rect.y0) * width + in.x0 - rect.x0));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status cut_run(struct cutting *cutting, uint32_t y, uint32_t first, uint32_t last)
@@ -167,19 +161,18 @@ static enum status cut_run(struct cutting *cutting, uint32_t y, uint32_t first, 
 	const int64_t cells = cutting->extent->cells;
 	const struct post_rect rect = {first * cells, y * cells, (last + 1) * cells + 1, y * cells + cells + 1};
 	const size_t width = (size_t)(rect.x1 - rect.x0), at = (size_t)(first - cutting->first) * (size_t)cells;
-	enum status status = fill_band(cutting, rect);
-	for (size_t x = 0; x < width && status == STATUS_OK; x++)
+	TRY(fill_band(cutting, rect));
+	for (size_t x = 0; x < width; x++)
 		if (cutting->edges[0][at + x] != UNKNOWN)
 			cutting->band[x] = cutting->edges[0][at + x];
-	if (status == STATUS_OK)
-		memcpy(cutting->edges[1] + at, cutting->band + (size_t)cells * width, width * sizeof *cutting->band);
-	for (uint32_t x = first; x <= last && status == STATUS_OK; x++) {
+	memcpy(cutting->edges[1] + at, cutting->band + (size_t)cells * width, width * sizeof *cutting->band);
+	for (uint32_t x = first; x <= last; x++) {
 		for (size_t row = 0; row < cutting->side; row++)
 			memcpy(cutting->tile + row * cutting->side, cutting->band + row * width + (size_t)(x - first) * (size_t)cells,
 			       cutting->side * sizeof *cutting->tile);
-		status = put_tile(cutting, (struct tile){cutting->level, x, y});
+		TRY(put_tile(cutting, (struct tile){cutting->level, x, y}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- a level --- */
@@ -194,20 +187,19 @@ static void forget_edge(const struct cutting *cutting, int32_t *edge)
 /* Cuts a row of tiles, in runs of those that an inset may have. */
 static enum status cut_row(struct cutting *cutting, uint32_t y)
 {
-	enum status status = STATUS_OK;
-	for (uint32_t x = cutting->first; x <= cutting->last && status == STATUS_OK;) {
+	for (uint32_t x = cutting->first; x <= cutting->last;) {
 		uint32_t end = x;
 		while (end <= cutting->last && may_cover(cutting->cut->insets, (struct tile){cutting->level, end, y}))
 			end++;
 		if (end > x)
-			status = cut_run(cutting, y, x, end - 1);
+			TRY(cut_run(cutting, y, x, end - 1));
 		x = end + 1;
 	}
 	int32_t *before = cutting->edges[0];
 	cutting->edges[0] = cutting->edges[1];
 	cutting->edges[1] = before;
 	forget_edge(cutting, before);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status make_room(struct cutting *cutting)
@@ -256,17 +248,16 @@ static enum status cut_level(const struct dem_insets_cut *cut, int level)
 		return STATUS_OK;
 	cutting.first = first.x;
 	cutting.last = last.x;
-	enum status status = make_room(&cutting);
-	if (status == STATUS_OK)
-		forget_edge(&cutting, cutting.edges[0]);
-	if (status == STATUS_OK)
-		forget_edge(&cutting, cutting.edges[1]);
-	for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++) {
+	enum status status;
+	TRY_OR(done, make_room(&cutting));
+	forget_edge(&cutting, cutting.edges[0]);
+	forget_edge(&cutting, cutting.edges[1]);
+	for (uint32_t y = first.y; y <= last.y; y++) {
 		if (cut->progress != NULL)
-			status = cut->progress(cut->progress_user, 0, insets->extent.height);
-		if (status == STATUS_OK)
-			status = cut_row(&cutting, y);
+			TRY_OR(done, cut->progress(cut->progress_user, 0, insets->extent.height));
+		TRY_OR(done, cut_row(&cutting, y));
 	}
+done:
 	free_room(&cutting);
 	return status;
 }
@@ -274,13 +265,12 @@ static enum status cut_level(const struct dem_insets_cut *cut, int level)
 enum status dem_insets_cut(const struct dem_insets_cut *cut)
 {
 	int finest = 0;
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < cut->insets->count; i++)
 		finest = cut->insets->list[i].info.level < finest ? cut->insets->list[i].info.level : finest;
-	for (int level = finest; level < 0 && status == STATUS_OK; level++) {
-		status = cut_level(cut, level);
-		if (status == STATUS_OK && cut->settle != NULL)
-			status = cut->settle(cut->get_user);
+	for (int level = finest; level < 0; level++) {
+		TRY(cut_level(cut, level));
+		if (cut->settle != NULL)
+			TRY(cut->settle(cut->get_user));
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -172,8 +172,7 @@ static enum status read_all(struct dem_layers *layers, struct post_rect rect, do
 		mem_free(layers->posts);
 		layers->posts = mem_alloc(count, sizeof *layers->posts);
 		layers->room = layers->posts != NULL ? count : 0;
-		if (layers->posts == NULL)
-			return fail_memory("reading the sources");
+		TRY_MEM(layers->posts, "reading the sources");
 	}
 	for (size_t i = 0; i < count; i++)
 		heights[i] = (double)NAN;
@@ -184,6 +183,6 @@ static enum status read_all(struct dem_layers *layers, struct post_rect rect, do
 
 enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
 {
-	enum status status = read_all(layers, rect, heights, done);
-	return status == STATUS_OK && *done && layers->lift != NULL ? dem_lift_run(layers->lift, rect, layers->single, heights) : status;
+	TRY(read_all(layers, rect, heights, done));
+	return *done && layers->lift != NULL ? dem_lift_run(layers->lift, rect, layers->single, heights) : STATUS_OK;
 }

@@ -120,8 +120,7 @@ static enum status choose(struct dem_lift *lift, const struct dem_lift_params *p
 {
 	PJ_CONTEXT *context = lift->context;
 	PJ_OPERATION_FACTORY_CONTEXT *factory = P.proj_create_operation_factory_context(context, NULL);
-	if (factory == NULL)
-		return fail_memory(params->name);
+	TRY_MEM(factory, params->name);
 	P.proj_operation_factory_context_set_allow_ballpark_transformations(context, factory, 0); /* they leave heights as they are */
 	P.proj_operation_factory_context_set_spatial_criterion(context, factory, PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
 	P.proj_operation_factory_context_set_grid_availability_use(context, factory, PROJ_GRID_AVAILABILITY_IGNORED);
@@ -147,10 +146,8 @@ static enum status choose(struct dem_lift *lift, const struct dem_lift_params *p
 static enum status find_operation(struct dem_lift *lift, const struct dem_lift_params *params)
 {
 	struct dem_vertical from, to;
-	enum status status = dem_vertical_init(lift->context, params->from, &from);
-	if (status != STATUS_OK)
-		return status;
-	status = dem_vertical_init(lift->context, params->to, &to);
+	TRY(dem_vertical_init(lift->context, params->from, &from));
+	enum status status = dem_vertical_init(lift->context, params->to, &to);
 	if (status != STATUS_OK) {
 		dem_vertical_finish(&from);
 		return status;
@@ -168,8 +165,7 @@ static enum status find_operation(struct dem_lift *lift, const struct dem_lift_p
 enum status dem_lift_create(const struct dem_lift_params *params, struct dem_lift **out)
 {
 	struct dem_lift *lift = mem_calloc(1, sizeof *lift);
-	if (lift == NULL)
-		return fail_memory(params->name);
+	TRY_MEM(lift, params->name);
 	const double *at = params->lattice->at;
 	lift->lattice = *params->lattice;
 	for (int i = 0; i < 2 && at[2] == 0 && at[4] == 0; i++) {
@@ -243,17 +239,16 @@ static enum status run_cell(const struct dem_lift *lift, const struct cells *cel
 	const double middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
 	const bool smooth = fabs(middle - cells->middle[i]) <= OFF_MOST; /* false for NaN */
 	const int64_t x0 = (cells->first + i) * SIDE - lift->phase[0], y0 = cells->row * SIDE - lift->phase[1];
-	enum status status = STATUS_OK;
 	for (int64_t y = rect.y0; y < rect.y1; y++, heights += stride) {
 		const double v = (double)(y - y0) / SIDE, west = corners[0] + (corners[2] - corners[0]) * v,
 			     east = corners[1] + (corners[3] - corners[1]) * v;
-		for (int64_t x = rect.x0; x < rect.x1 && status == STATUS_OK; x++) {
+		for (int64_t x = rect.x0; x < rect.x1; x++) {
 			const double here = smooth ? west + (east - west) * ((double)(x - x0) / SIDE)
 						   : isnan(heights[x - rect.x0]) ? 0 : difference(lift, (double)x, (double)y);
-			status = add(lift, x, y, here, single, &heights[x - rect.x0]);
+			TRY(add(lift, x, y, here, single, &heights[x - rect.x0]));
 		}
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status dem_lift_run(struct dem_lift *lift, struct post_rect rect, bool single, double *heights)
@@ -266,18 +261,16 @@ enum status dem_lift_run(struct dem_lift *lift, struct post_rect rect, bool sing
 		mem_free(lift->nodes);
 		lift->nodes = mem_alloc(nodes, sizeof *lift->nodes);
 		lift->room = lift->nodes != NULL ? nodes : 0;
-		if (lift->nodes == NULL)
-			return fail_memory(lift->name);
+		TRY_MEM(lift->nodes, lift->name);
 	}
-	enum status status = STATUS_OK;
-	for (int64_t row = (rect.y0 + lift->phase[1]) / SIDE; row <= (rect.y1 - 1 + lift->phase[1]) / SIDE && status == STATUS_OK; row++) {
+	for (int64_t row = (rect.y0 + lift->phase[1]) / SIDE; row <= (rect.y1 - 1 + lift->phase[1]) / SIDE; row++) {
 		struct cells cells = {.first = first, .row = row, .count = last - first + 1};
 		fill_cells(lift, &cells);
-		for (int64_t i = 0; i < cells.count && status == STATUS_OK; i++) {
+		for (int64_t i = 0; i < cells.count; i++) {
 			const int64_t x = (first + i) * SIDE - lift->phase[0], y = row * SIDE - lift->phase[1];
 			const struct post_rect part = post_rect_intersect(rect, (struct post_rect){x, y, x + SIDE, y + SIDE});
-			status = run_cell(lift, &cells, i, part, single, width, heights + (part.y0 - rect.y0) * width + part.x0 - rect.x0);
+			TRY(run_cell(lift, &cells, i, part, single, width, heights + (part.y0 - rect.y0) * width + part.x0 - rect.x0));
 		}
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -34,12 +34,10 @@ static enum status add_point(struct reading *reading, double x, double y, double
 	if (line->count == reading->room) {
 		const size_t room = reading->room == 0 ? 256 : 2 * reading->room;
 		double(*points)[2] = mem_realloc(line->points, room, sizeof *points);
-		if (points == NULL)
-			return fail_memory("reading a line");
+		TRY_MEM(points, "reading a line");
 		line->points = points;
 		double *times = mem_realloc(line->times, room, sizeof *times);
-		if (times == NULL)
-			return fail_memory("reading a line");
+		TRY_MEM(times, "reading a line");
 		line->times = times;
 		reading->room = room;
 	}
@@ -55,33 +53,31 @@ static enum status add_point(struct reading *reading, double x, double y, double
 static enum status add_geometry(struct reading *reading, OGRGeometryH geometry)
 {
 	const OGRwkbGeometryType type = OGR_GT_Flatten(OGR_G_GetGeometryType(geometry));
-	enum status status = STATUS_OK;
 	if (type == wkbLineString) {
 		const int count = OGR_G_GetPointCount(geometry);
 		reading->lines += count > 0;
-		for (int i = 0; i < count && status == STATUS_OK; i++)
-			status = add_point(reading, OGR_G_GetX(geometry, i), OGR_G_GetY(geometry, i), (double)NAN);
-		return status;
+		for (int i = 0; i < count; i++)
+			TRY(add_point(reading, OGR_G_GetX(geometry, i), OGR_G_GetY(geometry, i), (double)NAN));
+		return STATUS_OK;
 	}
 	if (type != wkbMultiLineString && type != wkbGeometryCollection)
 		return STATUS_OK;
-	for (int i = 0; i < OGR_G_GetGeometryCount(geometry) && status == STATUS_OK; i++)
-		status = add_geometry(reading, OGR_G_GetGeometryRef(geometry, i));
-	return status;
+	for (int i = 0; i < OGR_G_GetGeometryCount(geometry); i++)
+		TRY(add_geometry(reading, OGR_G_GetGeometryRef(geometry, i)));
+	return STATUS_OK;
 }
 
 static enum status add_layer(struct reading *reading, OGRLayerH layer)
 {
-	enum status status = STATUS_OK;
 	OGRFeatureH feature;
 	OGR_L_ResetReading(layer);
-	while (status == STATUS_OK && (feature = OGR_L_GetNextFeature(layer)) != NULL) {
+	while ((feature = OGR_L_GetNextFeature(layer)) != NULL) {
 		OGRGeometryH geometry = OGR_F_GetGeometryRef(feature);
-		if (geometry != NULL)
-			status = add_geometry(reading, geometry);
+		const enum status status = geometry != NULL ? add_geometry(reading, geometry) : STATUS_OK;
 		OGR_F_Destroy(feature);
+		TRY(status);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- GPX: points know their track or route --- */
@@ -108,13 +104,13 @@ static double time_of(OGRFeatureH feature, int field)
 
 static enum status add_points(struct reading *reading, OGRLayerH layer, const char *key)
 {
-	enum status status = STATUS_OK;
 	OGRFeatureH feature;
 	int before = -1;
 	OGR_L_ResetReading(layer);
-	while (status == STATUS_OK && (feature = OGR_L_GetNextFeature(layer)) != NULL) {
+	while ((feature = OGR_L_GetNextFeature(layer)) != NULL) {
 		OGRGeometryH point = OGR_F_GetGeometryRef(feature);
 		const int number = OGR_F_GetFieldAsInteger(feature, OGR_F_GetFieldIndex(feature, key));
+		enum status status = STATUS_OK;
 		if (point != NULL) {
 			reading->lines += number != before;
 			before = number;
@@ -122,16 +118,18 @@ static enum status add_points(struct reading *reading, OGRLayerH layer, const ch
 					   time_of(feature, OGR_F_GetFieldIndex(feature, "time")));
 		}
 		OGR_F_Destroy(feature);
+		TRY(status);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status read_gpx(struct reading *reading, GDALDatasetH set)
 {
 	reading->gpx = true;
 	OGRLayerH tracks = GDALDatasetGetLayerByName(set, "track_points"), routes = GDALDatasetGetLayerByName(set, "route_points");
-	enum status status = tracks != NULL ? add_points(reading, tracks, "track_fid") : STATUS_OK;
-	return status == STATUS_OK && reading->lines == 0 && routes != NULL ? add_points(reading, routes, "route_fid") : status;
+	if (tracks != NULL)
+		TRY(add_points(reading, tracks, "track_fid"));
+	return reading->lines == 0 && routes != NULL ? add_points(reading, routes, "route_fid") : STATUS_OK;
 }
 
 /* --- a file --- */
@@ -167,30 +165,35 @@ void dem_line_finish(struct dem_line *line)
 	*line = (struct dem_line){.count = 0};
 }
 
+static enum status read_set(struct reading *reading, GDALDatasetH set)
+{
+	TRY(GDALDatasetGetLayerByName(set, "track_points") != NULL ? read_gpx(reading, set) : read_geojson(reading, set));
+	/* Reading ends at a damaged place as at the end of the file. */
+	if (CPLGetLastErrorType() >= CE_Failure)
+		return fail_with(STATUS_INPUT, "%s: it is damaged%s; check the file", reading->told, dem_gdal_because());
+	return STATUS_OK;
+}
+
 enum status dem_line_read(const char *path, const char *told, size_t number, struct dem_line *line)
 {
 	static const char *const drivers[] = {"GPX", "GeoJSON", NULL};
 	struct reading reading = {.told = told, .number = number, .line = line};
 	*line = (struct dem_line){.count = 0};
-	enum status status = dem_gdal_init(told);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_gdal_init(told));
 	CPLErrorReset();
 	GDALDatasetH set = GDALOpenEx(path, GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, NULL, NULL);
 	if (set == NULL)
 		return fail_with(STATUS_INPUT, "%s: neither GPX nor GeoJSON%s; check the file", told, dem_gdal_because());
-	status = GDALDatasetGetLayerByName(set, "track_points") != NULL ? read_gpx(&reading, set) : read_geojson(&reading, set);
-	/* Reading ends at a damaged place as at the end of the file. */
-	if (status == STATUS_OK && CPLGetLastErrorType() >= CE_Failure)
-		status = fail_with(STATUS_INPUT, "%s: it is damaged%s; check the file", told, dem_gdal_because());
+	enum status status = read_set(&reading, set);
 	GDALClose(set);
-	if (status == STATUS_OK)
-		status = check_number(&reading);
-	if (reading.timeless || status != STATUS_OK) {
+	TRY_OR(failed, status);
+	TRY_OR(failed, check_number(&reading));
+	if (reading.timeless) {
 		mem_free(line->times);
 		line->times = NULL;
 	}
-	if (status != STATUS_OK)
-		dem_line_finish(line);
+	return STATUS_OK;
+failed:
+	dem_line_finish(line);
 	return status;
 }

@@ -24,18 +24,15 @@ enum status dem_list_add(struct dem_list *list, const char *path)
 	if (list->count == list->room) {
 		size_t room = list->room > 0 ? 2 * list->room : 16;
 		char **paths = mem_realloc(list->paths, room, sizeof *paths);
-		if (paths == NULL)
-			return fail_memory("the list of sources");
+		TRY_MEM(paths, "the list of sources");
 		list->paths = paths;
 		bool *found = mem_realloc(list->found, room, sizeof *found);
-		if (found == NULL)
-			return fail_memory("the list of sources");
+		TRY_MEM(found, "the list of sources");
 		list->found = found;
 		list->room = room;
 	}
 	char *copy = mem_strdup(path);
-	if (copy == NULL)
-		return fail_memory("the list of sources");
+	TRY_MEM(copy, "the list of sources");
 	list->found[list->count] = false;
 	list->paths[list->count++] = copy;
 	return STATUS_OK;
@@ -105,8 +102,7 @@ static enum status add_gzip(struct dem_list *list, const char *path)
 {
 	size_t bytes = strlen(path) + sizeof "/vsigzip/";
 	char *through = mem_alloc(bytes, 1);
-	if (through == NULL)
-		return fail_memory("the list of sources");
+	TRY_MEM(through, "the list of sources");
 	snprintf(through, bytes, "/vsigzip/%s", path);
 	enum status status = dem_list_add(list, through);
 	mem_free(through);
@@ -161,6 +157,24 @@ static void drop_labelled(struct dem_list *list, size_t first)
 	}
 }
 
+static enum status add_entries(struct dem_list *list, const char *path, DIR *directory)
+{
+	for (struct dirent *entry; (entry = readdir(directory)) != NULL;) {
+		if (is_sidecar(entry->d_name))
+			continue;
+		size_t bytes = strlen(path) + strlen(entry->d_name) + 2;
+		char *full = mem_alloc(bytes, 1);
+		TRY_MEM(full, "the list of sources");
+		size_t length = strlen(path);
+		snprintf(full, bytes, "%s%s%s", path, length > 0 && path[length - 1] == '/' ? "" : "/",
+			 entry->d_name);
+		const enum status status = is_raster(full) ? add_file(list, full) : STATUS_OK;
+		mem_free(full);
+		TRY(status);
+	}
+	return STATUS_OK;
+}
+
 static enum status add_directory(struct dem_list *list, const char *path)
 {
 	DIR *directory = opendir(path);
@@ -168,34 +182,17 @@ static enum status add_directory(struct dem_list *list, const char *path)
 		return fail_with(STATUS_INPUT, "%s: cannot read this directory: %s; check its permissions",
 				 path, strerror(errno));
 	size_t first = list->count;
-	enum status status = STATUS_OK;
-	struct dirent *entry;
-	while (status == STATUS_OK && (entry = readdir(directory)) != NULL) {
-		if (is_sidecar(entry->d_name))
-			continue;
-		size_t bytes = strlen(path) + strlen(entry->d_name) + 2;
-		char *full = mem_alloc(bytes, 1);
-		if (full == NULL) {
-			status = fail_memory("the list of sources");
-			break;
-		}
-		size_t length = strlen(path);
-		snprintf(full, bytes, "%s%s%s", path, length > 0 && path[length - 1] == '/' ? "" : "/",
-			 entry->d_name);
-		if (is_raster(full))
-			status = add_file(list, full);
-		mem_free(full);
-	}
+	const enum status status = add_entries(list, path, directory);
 	closedir(directory);
-	if (status == STATUS_OK && list->count == first)
+	TRY(status);
+	if (list->count == first)
 		return fail_with(STATUS_INPUT, "%s: no raster in this directory; name the files themselves",
 				 path);
 	for (size_t i = first; i < list->count; i++)
 		list->found[i] = true;
-	if (list->count > first)
-		qsort(list->paths + first, list->count - first, sizeof *list->paths, by_name);
+	qsort(list->paths + first, list->count - first, sizeof *list->paths, by_name);
 	drop_labelled(list, first);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status add_one(struct dem_list *list, const char *path)
@@ -225,13 +222,33 @@ static enum status add_line(struct dem_list *list, const char *list_path, const 
 		return add_one(list, line);
 	size_t bytes = (size_t)(slash - list_path) + strlen(line) + 2;
 	char *full = mem_alloc(bytes, 1);
-	if (full == NULL)
-		return fail_memory("the list of sources");
+	TRY_MEM(full, "the list of sources");
 	snprintf(full, bytes, "%.*s/%s", (int)(slash - list_path), list_path, line);
 	struct stat file;
 	enum status status = add_one(list, stat(full, &file) == 0 ? full : line);
 	mem_free(full);
 	return status;
+}
+
+/* *line: room for a line, which the caller frees. */
+static enum status add_lines(struct dem_list *list, const char *path, FILE *lines, char **line)
+{
+	size_t room = 0;
+	while (getline(line, &room, lines) >= 0) {
+		char *start = *line;
+		if (strncmp(start, "\xef\xbb\xbf", 3) == 0)
+			start += 3;
+		start += strspn(start, " \t");
+		size_t end = strlen(start);
+		while (end > 0 && strchr(" \t\r\n", start[end - 1]) != NULL)
+			start[--end] = '\0';
+		if (end > 0 && start[0] != '#')
+			TRY(add_line(list, path, start));
+	}
+	if (ferror(lines))
+		return fail_with(STATUS_INPUT, "@%s: reading this list failed: %s; check the disk", path,
+				 strerror(errno));
+	return STATUS_OK;
 }
 
 static enum status add_list(struct dem_list *list, const char *path)
@@ -244,28 +261,14 @@ static enum status add_list(struct dem_list *list, const char *path)
 		return fail_with(STATUS_INPUT, "@%s: cannot open this list: %s; check the name", path,
 				 input_problem());
 	char *line = NULL;
-	size_t room = 0, first = list->count;
-	ssize_t length;
-	enum status status = STATUS_OK;
-	while (status == STATUS_OK && (length = getline(&line, &room, lines)) >= 0) {
-		char *start = line;
-		if (strncmp(start, "\xef\xbb\xbf", 3) == 0)
-			start += 3;
-		start += strspn(start, " \t");
-		size_t end = strlen(start);
-		while (end > 0 && strchr(" \t\r\n", start[end - 1]) != NULL)
-			start[--end] = '\0';
-		if (end > 0 && start[0] != '#')
-			status = add_line(list, path, start);
-	}
-	if (status == STATUS_OK && ferror(lines))
-		status = fail_with(STATUS_INPUT, "@%s: reading this list failed: %s; check the disk", path,
-				   strerror(errno));
+	size_t first = list->count;
+	const enum status status = add_lines(list, path, lines, &line);
 	free(line);
 	fclose(lines);
-	if (status == STATUS_OK && list->count == first)
+	TRY(status);
+	if (list->count == first)
 		return fail_with(STATUS_INPUT, "@%s: this list names no source; put one on each line", path);
-	return status;
+	return STATUS_OK;
 }
 
 enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count)

@@ -117,24 +117,19 @@ static int64_t choose_side(const struct dem_map *map)
 enum status dem_map_create(const struct dem_lattice *from, const struct dem_lattice *to, const char *name, struct dem_map **out)
 {
 	struct dem_map *map = mem_calloc(1, sizeof *map);
-	if (map == NULL)
-		return fail_memory(name);
+	TRY_MEM(map, name);
 	map->from = *from;
 	map->side = 1;
 	enum status status = STATUS_OK;
 	if (!dem_lattice_invert(to, map->inverse))
-		status = fail_with(STATUS_INPUT, "%s: its geotransform is singular; give it a proper one with gdal_translate -a_ullr",
-				   name);
-	if (status == STATUS_OK && from->srs != NULL && to->srs != NULL && !OSRIsSame(from->srs, to->srs)) {
+		TRY_OR(failed, fail_with(STATUS_INPUT, "%s: its geotransform is singular; give it a proper one with gdal_translate -a_ullr",
+					 name));
+	if (from->srs != NULL && to->srs != NULL && !OSRIsSame(from->srs, to->srs)) {
 		CPLErrorReset();
 		map->move = OCTNewCoordinateTransformation(from->srs, to->srs);
 		if (map->move == NULL)
-			status = fail_with(STATUS_INPUT, "%s: no way to project it%s; name another target with --t-srs", name,
-					   dem_gdal_because());
-	}
-	if (status != STATUS_OK) {
-		dem_map_destroy(map);
-		return status;
+			TRY_OR(failed, fail_with(STATUS_INPUT, "%s: no way to project it%s; name another target with --t-srs", name,
+						 dem_gdal_because()));
 	}
 	if (map->move != NULL) {
 		double x, y;
@@ -150,6 +145,9 @@ enum status dem_map_create(const struct dem_lattice *from, const struct dem_latt
 	}
 	*out = map;
 	return STATUS_OK;
+failed:
+	dem_map_destroy(map);
+	return status;
 }
 
 void dem_map_destroy(struct dem_map *map)

@@ -105,9 +105,9 @@ enum status dem_misfit_part(const struct dem_groups *groups, const struct dem_mi
 {
 	const struct dem_group *group = &groups->groups[part->group];
 	const struct post_rect *rect = &part->posts;
-	enum status status = dem_layers_read(group->layers, *rect, room->posts, done);
-	if (status != STATUS_OK || !*done)
-		return status;
+	TRY(dem_layers_read(group->layers, *rect, room->posts, done));
+	if (!*done)
+		return STATUS_OK;
 	dem_map_rect(group->back, *rect, room->columns, room->rows);
 	compare_chunk(surface, (uint16_t)part->group, room->posts, room->columns, room->rows, (rect->x1 - rect->x0) * (rect->y1 - rect->y0),
 		      misfit);

@@ -70,9 +70,7 @@ enum status dem_numbers_extremes(struct dem_pixels *pixels, const struct dem_num
 			struct post_rect window = {x, y, x + columns < raster->width ? x + columns : raster->width,
 						   y + rows < raster->height ? y + rows : raster->height};
 			int64_t width = window.x1 - window.x0;
-			enum status status = raster->window(raster, window, pixels->values);
-			if (status != STATUS_OK)
-				return status;
+			TRY(raster->window(raster, window, pixels->values));
 			for (int64_t i = 0; i < width * (window.y1 - window.y0); i++) {
 				double value = pixels->values[i];
 				if (value < range->low || value > range->high || (range->above && value == range->low))

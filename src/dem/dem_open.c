@@ -124,9 +124,8 @@ static enum status grid_open(const struct dem_params *params, struct dem_list *l
 				 "the target SRS out", list->paths[0]);
 	if (!plain)
 		return dem_gdal_open(params, list, out);
-	enum status status = is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out)
-						    : dem_png_open(params, list->paths[0], out);
-	return status == STATUS_OK && params->has_window ? crop(params, out) : status;
+	TRY(is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out) : dem_png_open(params, list->paths[0], out));
+	return params->has_window ? crop(params, out) : STATUS_OK;
 }
 
 /* Tells that a heightmap's spacing is taken as 1 m. A world file beside it says another, but is not read: it has no reference system. */
@@ -149,29 +148,21 @@ static void tell_spacing(const char *path)
 
 enum status dem_open(const struct dem_params *params, struct dem **out)
 {
-	enum status status = params_check(params);
-	if (status != STATUS_OK)
-		return status;
+	TRY(params_check(params));
 	struct dem *dem = mem_calloc(1, sizeof *dem);
-	if (dem == NULL)
-		return fail_memory("opening the sources");
-	status = dem_list_init(&dem->list, params->sources, params->source_count);
-	if (status == STATUS_OK)
-		status = grid_open(params, &dem->list, &dem->grid);
-	if (status == STATUS_OK && !dem->grid->placed && params->spacing == 0 && params->anchor == NULL)
+	TRY_MEM(dem, "opening the sources");
+	enum status status;
+	TRY_OR(failed, dem_list_init(&dem->list, params->sources, params->source_count));
+	TRY_OR(failed, grid_open(params, &dem->list, &dem->grid));
+	if (!dem->grid->placed && params->spacing == 0 && params->anchor == NULL)
 		tell_spacing(dem->list.paths[0]);
-	if (status == STATUS_OK && (dem->grid->width < 2 || dem->grid->height < 2))
-		status = fail_with(STATUS_INPUT, "%s: %lld x %lld posts are no terrain; it needs at least 2 x 2",
-				   dem->list.paths[0], (long long)dem->grid->width,
-				   (long long)dem->grid->height);
-	if (status == STATUS_OK && params->fill) {
+	if (dem->grid->width < 2 || dem->grid->height < 2)
+		TRY_OR(failed, fail_with(STATUS_INPUT, "%s: %lld x %lld posts are no terrain; it needs at least 2 x 2",
+					 dem->list.paths[0], (long long)dem->grid->width, (long long)dem->grid->height));
+	if (params->fill) {
 		struct dem_grid *holed = dem->grid;
 		dem->grid = NULL;
-		status = dem_fill_create(holed, &dem->grid);
-	}
-	if (status != STATUS_OK) {
-		dem_close(dem);
-		return status;
+		TRY_OR(failed, dem_fill_create(holed, &dem->grid));
 	}
 	const struct dem_grid *grid = dem->grid;
 	dem->info = (struct dem_info){
@@ -203,6 +194,9 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 	};
 	*out = dem;
 	return STATUS_OK;
+failed:
+	dem_close(dem);
+	return status;
 }
 
 void dem_close(struct dem *dem)
@@ -256,11 +250,8 @@ enum status dem_read(struct dem *dem, struct post_rect rect, double *heights)
 	for (int64_t y = rect.y0; width > 0 && y < rect.y1; y += strip, heights += strip * width) {
 		int64_t end = rect.y1 - y < strip ? rect.y1 : y + strip;
 		struct post_rect part = {rect.x0, y, rect.x1, end};
-		enum status status = grid->read(grid, part, heights);
-		if (status == STATUS_OK)
-			status = check_heights(part, heights);
-		if (status != STATUS_OK)
-			return status;
+		TRY(grid->read(grid, part, heights));
+		TRY(check_heights(part, heights));
 	}
 	return STATUS_OK;
 }
@@ -275,8 +266,7 @@ enum status dem_misfit(struct dem *dem, const struct extent *extent, const struc
 		mem_free(dem->surface);
 		dem->surface = mem_alloc(posts, sizeof *dem->surface);
 		dem->room = dem->surface != NULL ? posts : 0;
-		if (dem->surface == NULL)
-			return fail_memory("comparing with the sources");
+		TRY_MEM(dem->surface, "comparing with the sources");
 	}
 	for (int64_t y = 0; y < rows; y++)
 		for (int64_t x = 0; x < width; x++)

@@ -33,14 +33,15 @@ static enum status check_beside(const char *path)
 	const bool there = directory != NULL && stat(folder, &found) == 0, known = there && is_known(&found);
 	bool plain = there;
 	enum status status = STATUS_OK;
-	for (struct dirent *entry; there && !known && status == STATUS_OK && (entry = readdir(directory)) != NULL;) {
+	for (struct dirent *entry; there && !known && (entry = readdir(directory)) != NULL;) {
 		if (entry->d_type == DT_REG || entry->d_type == DT_DIR)
 			continue;
 		plain = false;
 		snprintf(full, sizeof full, "%s%s", folder, entry->d_name);
 		if (strncasecmp(entry->d_name, last, stem) == 0 && dem_outside_is_special(full))
-			status = fail_with(STATUS_INPUT, "%s: %s lies beside it and is not a file; remove that", path, full);
+			TRY_OR(done, fail_with(STATUS_INPUT, "%s: %s lies beside it and is not a file; remove that", path, full));
 	}
+done:
 	if (plain)
 		plain_folder = found;
 	if (directory != NULL)
@@ -81,13 +82,12 @@ static bool may_be_text(const char *path)
 enum status dem_outside_file(const char *path, const char *vrt_folder, int depth)
 {
 	char aux[PATH_MAX + 16];
-	enum status status = may_be_text(path) ? check_driver(path) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = check_beside(path);
+	if (may_be_text(path))
+		TRY(check_driver(path));
+	TRY(check_beside(path));
 	snprintf(aux, sizeof aux, "%s.aux.xml", path); /* it may name another raster as the overview of this one */
-	if (status == STATUS_OK)
-		status = dem_outside_xml(aux, vrt_folder, depth);
-	return status == STATUS_OK ? dem_outside_xml(path, vrt_folder, depth) : status;
+	TRY(dem_outside_xml(aux, vrt_folder, depth));
+	return dem_outside_xml(path, vrt_folder, depth);
 }
 
 enum status dem_outside_check(const char *name, const char *vrt_folder)
@@ -105,11 +105,8 @@ enum status dem_outside_check(const char *name, const char *vrt_folder)
 		snprintf(file, sizeof file, "%s", name);
 	if (dem_outside_is_special(file))
 		return fail_with(STATUS_INPUT, "%s: not a file; give a raster", name);
-	if (strncmp(name, "/vsi", 4) == 0) {
-		enum status status = dem_outside_packed(name);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (strncmp(name, "/vsi", 4) == 0)
+		TRY(dem_outside_packed(name));
 	if (input_is_file(file))
 		return dem_outside_file(file, vrt_folder, 1);
 	return check_driver(name); /* a folder, or nothing: GDAL tells */
@@ -129,10 +126,11 @@ enum status dem_outside_opened(const char *name, const char *vrt_folder, GDALDat
 				 name, overview);
 	char **names = GDALGetFileList(dataset);
 	enum status status = STATUS_OK;
-	for (char **other = names; status == STATUS_OK && other != NULL && *other != NULL; other++)
+	for (char **other = names; other != NULL && *other != NULL; other++)
 		if (!dem_outside_file_of(*other, part, sizeof part) || !dem_outside_is_within(part, file, vrt_folder))
-			status = fail_with(STATUS_INPUT, "%s: it names \"%.120s\": that is not in its own folder; name the folder with --vrt-folder, or make one "
-					   "raster of it with gdal_translate", name, *other);
+			TRY_OR(done, fail_with(STATUS_INPUT, "%s: it names \"%.120s\": that is not in its own folder; name the folder with --vrt-folder, "
+					       "or make one raster of it with gdal_translate", name, *other));
+done:
 	CSLDestroy(names);
 	return status;
 }

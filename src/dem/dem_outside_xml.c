@@ -99,31 +99,33 @@ static enum status check_text(const struct reading *reading, const CPLXMLNode *p
 			beside = atoi(value_of(at)) != 0;
 	if (!source && (is_text(name) || strpbrk(text, "/:\\") == NULL))
 		return STATUS_OK;
-	enum status status = check_name(reading, text, beside);
-	return status == STATUS_OK && !source ? check_name(reading, text, !beside) : status;
+	TRY(check_name(reading, text, beside));
+	return source ? STATUS_OK : check_name(reading, text, !beside);
+}
+
+static enum status check_number_or_name(const struct reading *reading, const char *text)
+{
+	const bool names = strpbrk(text, "/:\\.") != NULL && strspn(text, "0123456789.+-eE ") != strlen(text);
+	return names ? check_name(reading, text, true) : STATUS_OK;
 }
 
 static enum status check_node(const struct reading *reading, const CPLXMLNode *node, const CPLXMLNode *parent, bool leading, int depth)
 {
-	enum status status = STATUS_OK;
 	if (depth > DEPTH_MOST)
 		return refuse(reading, "elements", "they lie more than 64 deep in each other; make one raster of it with gdal_translate");
-	for (; node != NULL && status == STATUS_OK; node = node->psNext) {
+	for (; node != NULL; node = node->psNext) {
 		bool leads = leading;
 		if (node->eType == CXT_Text && parent != NULL)
-			status = leading && strcasecmp(parent->pszValue, "MDI") == 0
-					 ? (strpbrk(node->pszValue, "/:\\.") != NULL && strspn(node->pszValue, "0123456789.+-eE ") != strlen(node->pszValue)
-						    ? check_name(reading, node->pszValue, true)
-						    : STATUS_OK)
-					 : check_text(reading, parent, node->pszValue);
+			TRY(leading && strcasecmp(parent->pszValue, "MDI") == 0 ? check_number_or_name(reading, node->pszValue)
+									       : check_text(reading, parent, node->pszValue));
 		if (node->eType == CXT_Element && strcasecmp(node->pszValue, "Metadata") == 0)
 			for (const CPLXMLNode *at = node->psChild; at != NULL; at = at->psNext)
 				if (at->eType == CXT_Attribute && strcasecmp(at->pszValue, "domain") == 0)
 					leads = leads_on(value_of(at));
-		if (status == STATUS_OK && (node->eType == CXT_Element || node->eType == CXT_Attribute))
-			status = check_node(reading, node->psChild, node, leads, depth + 1);
+		if (node->eType == CXT_Element || node->eType == CXT_Attribute)
+			TRY(check_node(reading, node->psChild, node, leads, depth + 1));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns true if a file begins as XML that names files. */

@@ -26,17 +26,13 @@ static void pair_finish(struct pair *pair)
 
 static enum status pair_init(struct pair *pair)
 {
-	enum status status = dem_layers_create(&pair->first, 1, &pair->one);
-	if (status == STATUS_OK)
-		status = dem_layers_create(&pair->second, 1, &pair->other);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_layers_create(&pair->first, 1, &pair->one));
+	TRY(dem_layers_create(&pair->second, 1, &pair->other));
 	size_t posts = (size_t)dem_layers_lattice(pair->other)->width + STRIP_POSTS;
 	pair->own = mem_alloc(posts, sizeof *pair->own);
 	pair->heights = mem_alloc(posts, sizeof *pair->heights);
 	pair->sampled = mem_alloc(posts, 1);
-	if (pair->own == NULL || pair->heights == NULL || pair->sampled == NULL)
-		return fail_memory("comparing overlaps");
+	TRY_MEM(pair->own != NULL && pair->heights != NULL && pair->sampled != NULL, "comparing overlaps");
 	const struct dem_sampling sampling = {
 		.layers = pair->one,
 		.raster = dem_layers_lattice(pair->one),
@@ -52,9 +48,7 @@ static enum status pair_init(struct pair *pair)
 static enum status cut_to(const struct dem_lattice *area, const struct dem_lattice *raster, const char *name, struct post_rect *rect)
 {
 	struct dem_map *map;
-	enum status status = dem_map_create(area, raster, name, &map);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_map_create(area, raster, name, &map));
 	double low[2] = {(double)INFINITY, (double)INFINITY}, high[2] = {-(double)INFINITY, -(double)INFINITY};
 	for (int i = 0; i < PROBES * PROBES; i++) {
 		int64_t x = (area->width - 1) * (i % PROBES) / (PROBES - 1), y = (area->height - 1) * (i / PROBES) / (PROBES - 1);
@@ -100,15 +94,14 @@ static enum status compare_rows(struct pair *pair, struct post_rect strip, struc
 	bool done;
 	memset(pair->sampled, DEM_SAMPLED_NONE, posts);
 	struct dem_samples samples = {.rect = strip, .heights = pair->heights, .sampled = pair->sampled};
-	enum status status = dem_layers_read(pair->other, strip, pair->own, &done);
-	if (status == STATUS_OK && done)
-		status = dem_sampler_read(pair->sampler, &samples, strip, &done);
-	if (status == STATUS_OK && !done)
-		status = fail_with(STATUS_INPUT, "%s: reading where it overlaps %s failed%s; check that both are whole",
-				   pair->second->path, pair->first->path, dem_gdal_because());
-	if (status == STATUS_OK)
-		count_strip(pair, posts, grid);
-	return status;
+	TRY(dem_layers_read(pair->other, strip, pair->own, &done));
+	if (done)
+		TRY(dem_sampler_read(pair->sampler, &samples, strip, &done));
+	if (!done)
+		return fail_with(STATUS_INPUT, "%s: reading where it overlaps %s failed%s; check that both are whole",
+				 pair->second->path, pair->first->path, dem_gdal_because());
+	count_strip(pair, posts, grid);
+	return STATUS_OK;
 }
 
 static enum status compare(const struct gdal_source *first, const struct gdal_source *second, const struct dem_lattice *target,
@@ -116,14 +109,14 @@ static enum status compare(const struct gdal_source *first, const struct gdal_so
 {
 	struct pair pair = {.first = first, .second = second};
 	struct post_rect rect = {0, 0, second->width, second->height};
-	enum status status = pair_init(&pair);
-	if (status == STATUS_OK)
-		status = cut_to(dem_layers_lattice(pair.one), dem_layers_lattice(pair.other), first->path, &rect);
-	if (status == STATUS_OK)
-		status = cut_to(target, dem_layers_lattice(pair.other), first->path, &rect);
+	enum status status;
+	TRY_OR(done, pair_init(&pair));
+	TRY_OR(done, cut_to(dem_layers_lattice(pair.one), dem_layers_lattice(pair.other), first->path, &rect));
+	TRY_OR(done, cut_to(target, dem_layers_lattice(pair.other), first->path, &rect));
 	int64_t width = rect.x1 - rect.x0, rows = width > 0 && STRIP_POSTS / width > 0 ? STRIP_POSTS / width : 1;
-	for (int64_t y = rect.y0; status == STATUS_OK && !post_rect_empty(rect) && y < rect.y1; y += rows)
-		status = compare_rows(&pair, (struct post_rect){rect.x0, y, rect.x1, y + rows < rect.y1 ? y + rows : rect.y1}, grid);
+	for (int64_t y = rect.y0; !post_rect_empty(rect) && y < rect.y1; y += rows)
+		TRY_OR(done, compare_rows(&pair, (struct post_rect){rect.x0, y, rect.x1, y + rows < rect.y1 ? y + rows : rect.y1}, grid));
+done:
 	pair_finish(&pair);
 	return status;
 }
@@ -163,12 +156,11 @@ static bool areas_meet(const struct gdal_source *a, const struct gdal_source *b)
 
 enum status dem_overlap(struct gdal_source *sources, size_t count, const struct dem_lattice *target, struct dem_grid *grid)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = find_area(&sources[i], target->srs);
-	for (size_t j = 1; j < count && status == STATUS_OK; j++)
-		for (size_t i = 0; i < j && status == STATUS_OK; i++)
+	for (size_t i = 0; i < count; i++)
+		TRY(find_area(&sources[i], target->srs));
+	for (size_t j = 1; j < count; j++)
+		for (size_t i = 0; i < j; i++)
 			if (areas_meet(&sources[i], &sources[j]))
-				status = compare(&sources[i], &sources[j], target, grid);
-	return status;
+				TRY(compare(&sources[i], &sources[j], target, grid));
+	return STATUS_OK;
 }

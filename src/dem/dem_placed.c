@@ -35,8 +35,7 @@ static enum status open(struct dem_pixels *pixels, const struct dem_placed_param
 	pixels->x = mem_alloc((size_t)pixels->most_posts, sizeof *pixels->x);
 	pixels->y = mem_alloc((size_t)pixels->most_posts, sizeof *pixels->y);
 	pixels->values = mem_alloc((size_t)pixels->most_pixels, sizeof *pixels->values);
-	if (pixels->path == NULL || pixels->srs == NULL || pixels->x == NULL || pixels->y == NULL || pixels->values == NULL)
-		return fail_memory(opening[pixels->kind]);
+	TRY_MEM(pixels->path != NULL && pixels->srs != NULL && pixels->x != NULL && pixels->y != NULL && pixels->values != NULL, opening[pixels->kind]);
 	if (dem_path_ends(pixels->path, ".png"))
 		return dem_placed_png_open(&pixels->params, pixels->kind, &pixels->raster);
 	return dem_placed_gdal_open(&pixels->params, pixels->kind, pixels->most_pixels, &pixels->raster);
@@ -46,8 +45,7 @@ enum status dem_pixels_open(const struct dem_placed_params *params, enum dem_pla
 {
 	*out = NULL;
 	struct dem_pixels *pixels = mem_calloc(1, sizeof *pixels);
-	if (pixels == NULL)
-		return fail_memory(opening[kind]);
+	TRY_MEM(pixels, opening[kind]);
 	pixels->kind = kind;
 	enum status status = open(pixels, params);
 	if (status != STATUS_OK) {
@@ -129,20 +127,19 @@ static enum status fill_halved(struct dem_pixels *pixels, struct dem_pixels_part
 {
 	struct dem_pixels_part first = part, second = part;
 	int64_t width = part.posts.x1 - part.posts.x0, height = part.posts.y1 - part.posts.y0;
-	enum status status = STATUS_OK;
 	part.window = window_of(&part);
 	bool empty = post_rect_empty(part.window);
 	if (empty || part.window.x1 - part.window.x0 <= pixels->most_pixels / (part.window.y1 - part.window.y0)) {
 		if (!empty)
-			status = pixels->raster->window(pixels->raster, part.window, pixels->values);
-		return status == STATUS_OK ? fill(user, &part) : status;
+			TRY(pixels->raster->window(pixels->raster, part.window, pixels->values));
+		return fill(user, &part);
 	}
 	if (height >= width)
 		first.posts.y1 = second.posts.y0 = part.posts.y0 + height / 2;
 	else
 		first.posts.x1 = second.posts.x0 = part.posts.x0 + width / 2;
-	status = fill_halved(pixels, first, fill, user);
-	return status == STATUS_OK ? fill_halved(pixels, second, fill, user) : status;
+	TRY(fill_halved(pixels, first, fill, user));
+	return fill_halved(pixels, second, fill, user);
 }
 
 enum status dem_pixels_read(struct dem_pixels *pixels, enum dem_placed_kind kind, int level, struct post_rect rect, dem_pixels_fn fill,
@@ -150,10 +147,9 @@ enum status dem_pixels_read(struct dem_pixels *pixels, enum dem_placed_kind kind
 {
 	assert(pixels->kind == kind);
 	int64_t width = rect.x1 - rect.x0;
-	enum status status = STATUS_OK;
 	assert(width <= pixels->most_posts);
 	int64_t rows = width > 0 ? pixels->most_posts / width : 0;
-	for (int64_t y = rect.y0; width > 0 && y < rect.y1 && status == STATUS_OK; y += rows) {
+	for (int64_t y = rect.y0; width > 0 && y < rect.y1; y += rows) {
 		struct post_rect posts = {rect.x0, y, rect.x1, y + rows < rect.y1 ? y + rows : rect.y1};
 		const struct dem_pixels_part part = {
 			.pixels = pixels,
@@ -162,7 +158,7 @@ enum status dem_pixels_read(struct dem_pixels *pixels, enum dem_placed_kind kind
 			.first = (y - rect.y0) * width,
 		};
 		locate(pixels, level, posts);
-		status = fill_halved(pixels, part, fill, user);
+		TRY(fill_halved(pixels, part, fill, user));
 	}
-	return status;
+	return STATUS_OK;
 }

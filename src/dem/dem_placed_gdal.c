@@ -125,8 +125,7 @@ static enum status take_band(struct gdal_of_values *gdal)
 	if ((GDALGetMaskFlags(gdal->band) & GMF_ALL_VALID) == 0) {
 		gdal->mask = GDALGetMaskBand(gdal->band);
 		gdal->masked = mem_alloc((size_t)gdal->most, 1);
-		if (gdal->masked == NULL)
-			return fail_memory(path);
+		TRY_MEM(gdal->masked, path);
 	}
 	return STATUS_OK;
 }
@@ -138,12 +137,11 @@ static enum status take_way(struct gdal_of_values *gdal, OGRSpatialReferenceH sr
 	if (params->srs[0] == '\0')
 		return fail_with(STATUS_INPUT, "%s: lies on a planet, and the store is local metres; give one without "
 				 "an SRS, in metres from the south-west post, or a PNG", params->path);
-	enum status status = dem_srs_check(params->path, srs);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_srs_check(params->path, srs));
 	OGRSpatialReferenceH store = dem_srs_parse(params->srs);
 	if (store == NULL)
 		return STATUS_INPUT;
+	enum status status = STATUS_OK;
 	if (!OSRIsSame(store, srs)) {
 		gdal->move = OCTNewCoordinateTransformation(store, srs);
 		if (gdal->move == NULL)
@@ -206,16 +204,11 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 {
 	/* A scene is a stranger's: no format that names further files, or places on the net. */
 	static const char *const drivers[] = {"GTiff", NULL};
-	enum status status = refuse_vector(params->path, kind);
-	if (status == STATUS_OK)
-		status = dem_gdal_init(params->path);
-	if (status == STATUS_OK)
-		status = dem_outside_check(params->path, NULL);
-	if (status != STATUS_OK)
-		return status;
+	TRY(refuse_vector(params->path, kind));
+	TRY(dem_gdal_init(params->path));
+	TRY(dem_outside_check(params->path, NULL));
 	struct gdal_of_values *gdal = mem_calloc(1, sizeof *gdal);
-	if (gdal == NULL)
-		return fail_memory(params->path);
+	TRY_MEM(gdal, params->path);
 	gdal->params = params;
 	gdal->kind = kind;
 	gdal->most = most;
@@ -224,19 +217,16 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 	gdal->raster.destroy = gdal_destroy;
 	gdal->dataset = GDALOpenEx(params->path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers,
 				   NULL, NULL);
+	enum status status;
 	if (gdal->dataset == NULL)
-		status = fail_with(STATUS_INPUT, "%s: cannot be opened as %s%s; give a whole GeoTIFF or a grey PNG",
-				   params->path, names[kind], dem_gdal_because());
-	if (status == STATUS_OK)
-		status = dem_outside_opened(params->path, NULL, gdal->dataset);
-	if (status == STATUS_OK)
-		status = take_band(gdal);
-	if (status == STATUS_OK)
-		status = take_place(gdal);
-	if (status != STATUS_OK) {
-		gdal_destroy(&gdal->raster);
-		return status;
-	}
+		TRY_OR(failed, fail_with(STATUS_INPUT, "%s: cannot be opened as %s%s; give a whole GeoTIFF or a grey PNG",
+					 params->path, names[kind], dem_gdal_because()));
+	TRY_OR(failed, dem_outside_opened(params->path, NULL, gdal->dataset));
+	TRY_OR(failed, take_band(gdal));
+	TRY_OR(failed, take_place(gdal));
 	*out = &gdal->raster;
 	return STATUS_OK;
+failed:
+	gdal_destroy(&gdal->raster);
+	return status;
 }

@@ -39,10 +39,7 @@ static enum status png_window(struct dem_placed *raster, struct post_rect pixels
 	int64_t width = pixels.x1 - pixels.x0;
 	for (int64_t row = pixels.y0; row < pixels.y1; row++, values += width) {
 		int64_t y = raster->height - 1 - row; /* the grid's are from the south */
-		enum status status =
-			png->grid->read(png->grid, (struct post_rect){pixels.x0, y, pixels.x1, y + 1}, values);
-		if (status != STATUS_OK)
-			return status;
+		TRY(png->grid->read(png->grid, (struct post_rect){pixels.x0, y, pixels.x1, y + 1}, values));
 	}
 	return STATUS_OK;
 }
@@ -81,14 +78,11 @@ enum status dem_placed_png_open(const struct dem_placed_params *params, enum dem
 				struct dem_placed **out)
 {
 	const struct dem_params plain = {.source_count = 1};
-	enum status status = png_check(params->path, kind);
-	if (status != STATUS_OK)
-		return status;
+	TRY(png_check(params->path, kind));
 	struct png_of_values *png = mem_calloc(1, sizeof *png);
-	if (png == NULL)
-		return fail_memory(params->path);
+	TRY_MEM(png, params->path);
 	png->params = params;
-	status = dem_png_open(&plain, params->path, &png->grid);
+	const enum status status = dem_png_open(&plain, params->path, &png->grid);
 	if (status != STATUS_OK) {
 		png_destroy(&png->raster);
 		return status;

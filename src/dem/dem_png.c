@@ -44,9 +44,7 @@ static enum status png_read(struct dem_grid *grid, struct post_rect rect, double
 	int64_t width = rect.x1 - rect.x0;
 	for (int64_t y = rect.y0; y < rect.y1; y++, heights += width) {
 		int64_t from = (grid->height - 1 - y) * grid->width + rect.x0;
-		enum status status = dem_scratch_move(&png->scratch, false, png->posts, 2 * (size_t)width, 2 * from);
-		if (status != STATUS_OK)
-			return status;
+		TRY(dem_scratch_move(&png->scratch, false, png->posts, 2 * (size_t)width, 2 * from));
 		for (int64_t x = 0; x < width; x++)
 			heights[x] = png->posts[x];
 		dem_metres(&png->meaning, heights, width, heights);
@@ -158,19 +156,15 @@ static enum status load(const char *path, struct png *png, int *full)
 enum status dem_png_open(const struct dem_params *params, const char *path, struct dem_grid **out)
 {
 	struct png *png = mem_calloc(1, sizeof *png);
-	if (png == NULL)
-		return fail_memory(path);
+	TRY_MEM(png, path);
 	png->grid.destroy = png_destroy;
 	png->scratch.file = -1;
 	int full = 0;
-	enum status status = load(path, png, &full);
-	if (status != STATUS_OK)
-		goto error;
+	enum status status;
+	TRY_OR(failed, load(path, png, &full));
 	png->nodata = mem_alloc(params->nodata_count, sizeof *png->nodata);
-	if (png->nodata == NULL) {
-		status = fail_memory(path);
-		goto error;
-	}
+	if (png->nodata == NULL)
+		TRY_OR(failed, fail_memory(path));
 	for (size_t i = 0; i < params->nodata_count; i++)
 		png->nodata[i] = params->nodata[i];
 	double span = params->has_height_range ? params->height_max - params->height_min : full;
@@ -187,7 +181,7 @@ enum status dem_png_open(const struct dem_params *params, const char *path, stru
 	png->grid.whole = dem_unit_exact(png->grid.unit) && fmod(png->meaning.offset, png->grid.unit) == 0;
 	*out = &png->grid;
 	return STATUS_OK;
-error:
+failed:
 	dem_grid_destroy(&png->grid);
 	return status;
 }

@@ -30,8 +30,7 @@ static enum status sample(const struct gdal_source *source, double sphere, struc
 {
 	const int width = source->width < SAMPLED ? source->width : SAMPLED, height = source->height < SAMPLED ? source->height : SAMPLED;
 	double *taken = mem_alloc((size_t)width * (size_t)height, sizeof *taken);
-	if (taken == NULL)
-		return fail_memory(source->path);
+	TRY_MEM(taken, source->path);
 	CPLErrorReset();
 	GDALDatasetH dataset = GDALOpen(source->vrt, GA_ReadOnly);
 	bool done = dataset != NULL && GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, 0, source->width, source->height, taken, width,
@@ -65,9 +64,7 @@ enum status dem_radii_find(const struct gdal_source *source, enum dem_radii radi
 				 source->path);
 	struct guess guesses[2] = {{1, (double)INFINITY, 0, 0}, {1000, (double)INFINITY, 0, 0}};
 	size_t values = 0;
-	enum status status = sample(source, axis, guesses, &values);
-	if (status != STATUS_OK)
-		return status;
+	TRY(sample(source, axis, guesses, &values));
 	const struct guess *found = said || guesses[0].near > guesses[1].near ? &guesses[0] : &guesses[1];
 	const bool most = 2 * found->near > values;
 	if (!most && radii == DEM_RADII_AUTO)

@@ -46,31 +46,24 @@ static enum status raw_read(struct dem_grid *grid, struct post_rect rect, double
 enum status dem_raw_open(const struct dem_params *params, const char *path, struct dem_grid **out)
 {
 	struct raw *raw = mem_calloc(1, sizeof *raw);
-	if (raw == NULL)
-		return fail_memory(path);
+	TRY_MEM(raw, path);
 	raw->grid.destroy = raw_destroy;
 	enum status status;
 	raw->file = input_open(path);
 	struct stat file;
-	if (raw->file == NULL || fstat(fileno(raw->file), &file) != 0) {
-		status = fail_with(STATUS_INPUT, "%s: cannot be opened: %s; check its permissions", path,
-				   input_problem());
-		goto error;
-	}
+	if (raw->file == NULL || fstat(fileno(raw->file), &file) != 0)
+		TRY_OR(failed, fail_with(STATUS_INPUT, "%s: cannot be opened: %s; check its permissions", path,
+					 input_problem()));
 	int64_t posts = file.st_size / 2, side = (int64_t)llround(sqrt((double)posts));
-	if (file.st_size % 2 != 0 || side * side != posts) {
-		status = fail_with(STATUS_INPUT, "%s: %lld bytes are no square of 16-bit heights; give a square "
-				   "one, or a GeoTIFF", path, (long long)file.st_size);
-		goto error;
-	}
+	if (file.st_size % 2 != 0 || side * side != posts)
+		TRY_OR(failed, fail_with(STATUS_INPUT, "%s: %lld bytes are no square of 16-bit heights; give a square "
+					 "one, or a GeoTIFF", path, (long long)file.st_size));
 	double span = params->has_height_range ? params->height_max - params->height_min : 65535;
 	raw->path = mem_strdup(path);
 	raw->row = mem_alloc((size_t)side, 2);
 	raw->nodata = mem_alloc(params->nodata_count, sizeof *raw->nodata);
-	if (raw->path == NULL || raw->row == NULL || raw->nodata == NULL) {
-		status = fail_memory(path);
-		goto error;
-	}
+	if (raw->path == NULL || raw->row == NULL || raw->nodata == NULL)
+		TRY_OR(failed, fail_memory(path));
 	for (size_t i = 0; i < params->nodata_count; i++)
 		raw->nodata[i] = params->nodata[i];
 	raw->meaning = (struct dem_meaning){
@@ -87,7 +80,7 @@ enum status dem_raw_open(const struct dem_params *params, const char *path, stru
 	raw->grid.whole = dem_unit_exact(raw->grid.unit) && fmod(raw->meaning.offset, raw->grid.unit) == 0;
 	*out = &raw->grid;
 	return STATUS_OK;
-error:
+failed:
 	dem_grid_destroy(&raw->grid);
 	return status;
 }

@@ -72,8 +72,8 @@ enum status dem_grid_sampler(const struct gdal_grid *gdal, struct dem_group *gro
 		.single = !doubles,
 		.name = group->sources[0]->path,
 	};
-	enum status status = dem_sampler_create(&sampling, &group->sampler);
-	return status == STATUS_OK ? dem_map_create(sampling.raster, &posts, sampling.name, &group->back) : status;
+	TRY(dem_sampler_create(&sampling, &group->sampler));
+	return dem_map_create(sampling.raster, &posts, sampling.name, &group->back);
 }
 
 void dem_reader_finish(struct dem_reader *reader, bool owns_groups)
@@ -86,15 +86,15 @@ void dem_reader_finish(struct dem_reader *reader, bool owns_groups)
 /* Opens the sources once more, for another thread. */
 static enum status open_again(const struct gdal_grid *gdal, struct dem_groups *groups)
 {
-	enum status status = dem_groups_init(groups, gdal->sources, gdal->source_count);
-	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++) {
+	TRY(dem_groups_init(groups, gdal->sources, gdal->source_count));
+	for (size_t i = 0; i < groups->count; i++) {
 		const struct dem_group *first = &gdal->groups.groups[i];
 		struct dem_group *group = &groups->groups[i];
 		memcpy(group->step, first->step, sizeof group->step);
 		group->projected = first->projected;
-		status = dem_grid_sampler(gdal, group);
+		TRY(dem_grid_sampler(gdal, group));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status make_readers(struct gdal_grid *gdal)
@@ -104,15 +104,13 @@ static enum status make_readers(struct gdal_grid *gdal)
 	const size_t count = gdal->jobs < 1 ? 1 : gdal->jobs > READERS_MOST ? READERS_MOST : (size_t)gdal->jobs;
 	if (gdal->readers == NULL) {
 		gdal->readers = mem_calloc(count, sizeof *gdal->readers);
-		if (gdal->readers == NULL)
-			return fail_memory("reading the sources");
+		TRY_MEM(gdal->readers, "reading the sources");
 		gdal->readers[0].groups = gdal->groups;
 		gdal->reader_count = 1;
 	}
-	enum status status = STATUS_OK;
-	while (gdal->reader_count < count && status == STATUS_OK)
-		status = open_again(gdal, &gdal->readers[gdal->reader_count++].groups);
-	return status == STATUS_OK ? crew_create(count, "furrow-read", dem_quiet_begin, dem_quiet_end, &gdal->crew) : status;
+	while (gdal->reader_count < count)
+		TRY(open_again(gdal, &gdal->readers[gdal->reader_count++].groups));
+	return crew_create(count, "furrow-read", dem_quiet_begin, dem_quiet_end, &gdal->crew);
 }
 
 /* --- heights --- */
@@ -143,11 +141,10 @@ static enum status sample_part(void *user, size_t member, size_t task)
 			samples.heights[at + (int64_t)x] = (double)NAN;
 	}
 	bool done = true;
-	enum status status = STATUS_OK;
 	CPLErrorReset();
-	for (size_t i = 0; i < groups->count && status == STATUS_OK && done; i++, samples.owner++)
-		status = dem_sampler_read(groups->groups[i].sampler, &samples, part, &done);
-	return status != STATUS_OK || done ? status : refuse_rows(sampling->gdal, all);
+	for (size_t i = 0; i < groups->count && done; i++, samples.owner++)
+		TRY(dem_sampler_read(groups->groups[i].sampler, &samples, part, &done));
+	return done ? STATUS_OK : refuse_rows(sampling->gdal, all);
 }
 
 /* owners: NULL, or for each post the number of the group that it was taken from. */
@@ -158,13 +155,12 @@ static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double 
 		mem_free(gdal->sampled);
 		gdal->sampled = mem_alloc(posts, 1);
 		gdal->room = gdal->sampled != NULL ? posts : 0;
-		if (gdal->sampled == NULL)
-			return fail_memory("reading the sources");
+		TRY_MEM(gdal->sampled, "reading the sources");
 	}
 	struct sampling sampling = {gdal, {rect, heights, gdal->sampled, owners, 0}};
-	enum status status = make_readers(gdal);
+	TRY(make_readers(gdal));
 	const int64_t columns = (rect.x1 - 1) / DEM_BLOCK_SIDE - rect.x0 / DEM_BLOCK_SIDE + 1;
-	return status == STATUS_OK ? crew_run(gdal->crew, (size_t)columns, sample_part, &sampling) : status;
+	return crew_run(gdal->crew, (size_t)columns, sample_part, &sampling);
 }
 
 enum status dem_grid_read(struct dem_grid *grid, struct post_rect rect, double *heights)
@@ -176,8 +172,8 @@ enum status dem_grid_read(struct dem_grid *grid, struct post_rect rect, double *
 	if (groups->count > 1 || !dem_sampler_copied(groups->groups[0].sampler, rect, &from))
 		return sample(gdal, rect, heights, NULL);
 	CPLErrorReset();
-	enum status status = dem_layers_read(groups->groups[0].layers, from, heights, &done);
-	return status != STATUS_OK || done ? status : refuse_rows(gdal, rect);
+	TRY(dem_layers_read(groups->groups[0].layers, from, heights, &done));
+	return done ? STATUS_OK : refuse_rows(gdal, rect);
 }
 
 /* --- misfits --- */
@@ -205,21 +201,21 @@ static enum status measure_part(void *user, size_t member, size_t task)
 	bool done = true;
 	if (reader->room == NULL)
 		reader->room = dem_misfit_room_create();
-	if (reader->room == NULL)
-		return fail_memory("comparing with the sources");
+	TRY_MEM(reader->room, "comparing with the sources");
 	CPLErrorReset();
-	enum status status = dem_misfit_part(&reader->groups, &measuring->parts[task], &measuring->surface, reader->room,
-					     &measuring->misfits[task], &done);
-	return status != STATUS_OK || done ? status : refuse_rows(measuring->gdal, measuring->surface.part.rect);
+	TRY(dem_misfit_part(&reader->groups, &measuring->parts[task], &measuring->surface, reader->room, &measuring->misfits[task], &done));
+	return done ? STATUS_OK : refuse_rows(measuring->gdal, measuring->surface.part.rect);
 }
 
 static enum status measure(struct measuring *measuring, size_t count, struct misfit *misfit)
 {
 	measuring->misfits = mem_calloc(count + 1, sizeof *measuring->misfits);
-	enum status status = measuring->misfits != NULL ? crew_run(measuring->gdal->crew, count, measure_part, measuring)
-							: fail_memory("comparing with the sources");
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+	TRY_MEM(measuring->misfits, "comparing with the sources");
+	enum status status;
+	TRY_OR(done, crew_run(measuring->gdal->crew, count, measure_part, measuring));
+	for (size_t i = 0; i < count; i++)
 		misfit_add(misfit, &measuring->misfits[i]);
+done:
 	mem_free(measuring->misfits);
 	return status;
 }
@@ -250,15 +246,15 @@ enum status dem_grid_misfit(struct dem_grid *grid, const struct dem_part *part, 
 	uint16_t *owners = NULL;
 	size_t count = 0;
 	limit_surface(gdal, ends, &measuring.surface);
-	enum status status = make_readers(gdal);
-	if (status == STATUS_OK)
-		status = dem_misfit_parts(&gdal->groups, &measuring.surface, &parts, &count);
-	if (status == STATUS_OK && !of_one_group(parts, count))
-		status = find_owners(gdal, part->rect, &owners);
+	enum status status;
+	TRY_OR(done, make_readers(gdal));
+	TRY_OR(done, dem_misfit_parts(&gdal->groups, &measuring.surface, &parts, &count));
+	if (!of_one_group(parts, count))
+		TRY_OR(done, find_owners(gdal, part->rect, &owners));
 	measuring.surface.owners = owners;
 	measuring.parts = parts;
-	if (status == STATUS_OK)
-		status = measure(&measuring, count, misfit);
+	TRY_OR(done, measure(&measuring, count, misfit));
+done:
 	mem_free(owners);
 	mem_free(parts);
 	return status;

@@ -36,8 +36,7 @@ void dem_sampler_destroy(struct dem_sampler *sampler)
 enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_sampler **out)
 {
 	struct dem_sampler *sampler = mem_calloc(1, sizeof *sampler);
-	if (sampler == NULL)
-		return fail_memory(sampling->name);
+	TRY_MEM(sampler, sampling->name);
 	sampler->layers = sampling->layers;
 	sampler->width = sampling->raster->width;
 	sampler->height = sampling->raster->height;
@@ -46,13 +45,9 @@ enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_s
 	size_t posts = (size_t)DEM_BLOCK_SIDE * BLOCK_ROWS;
 	sampler->columns = mem_alloc(posts, sizeof *sampler->columns);
 	sampler->rows = mem_alloc(posts, sizeof *sampler->rows);
-	enum status status = sampler->columns != NULL && sampler->rows != NULL ? STATUS_OK : fail_memory(sampling->name);
-	if (status == STATUS_OK)
-		status = dem_map_create(sampling->posts, sampling->raster, sampling->name, &sampler->map);
-	if (status != STATUS_OK) {
-		dem_sampler_destroy(sampler);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, sampler->columns != NULL && sampler->rows != NULL ? STATUS_OK : fail_memory(sampling->name));
+	TRY_OR(failed, dem_map_create(sampling->posts, sampling->raster, sampling->name, &sampler->map));
 	double shift[2];
 	sampler->shifted = sampling->span[0] <= 1 && sampling->span[1] <= 1 && dem_map_shift(sampler->map, &shift[0], &shift[1]) &&
 			   fabs(shift[0]) < 1e15 && fabs(shift[1]) < 1e15;
@@ -60,6 +55,9 @@ enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_s
 		sampler->shift[i] = (int64_t)shift[i];
 	*out = sampler;
 	return STATUS_OK;
+failed:
+	dem_sampler_destroy(sampler);
+	return status;
 }
 
 bool dem_sampler_copies(const struct dem_sampler *sampler)
@@ -87,8 +85,7 @@ static enum status read_part(struct dem_sampler *sampler, struct post_rect rect,
 		mem_free(sampler->part);
 		sampler->part = mem_alloc(posts, sizeof *sampler->part);
 		sampler->room = sampler->part != NULL ? posts : 0;
-		if (sampler->part == NULL)
-			return fail_memory("reading the sources");
+		TRY_MEM(sampler->part, "reading the sources");
 	}
 	return dem_layers_read(sampler->layers, rect, sampler->part, done);
 }
@@ -131,13 +128,13 @@ static enum status copy_block(struct dem_sampler *sampler, struct post_rect bloc
 	rect = post_rect_intersect(rect, (struct post_rect){0, 0, sampler->width, sampler->height});
 	if (post_rect_empty(rect))
 		return STATUS_OK;
-	enum status status = read_part(sampler, rect, done);
+	TRY(read_part(sampler, rect, done));
 	const double *from = sampler->part;
-	for (int64_t y = rect.y0; status == STATUS_OK && *done && y < rect.y1; y++)
+	for (int64_t y = rect.y0; *done && y < rect.y1; y++)
 		for (int64_t x = rect.x0; x < rect.x1; x++, from++)
 			if (!isnan(*from))
 				put(samples, index_of(samples, x - dx, y - dy), DEM_SAMPLED_WHOLE, *from);
-	return status;
+	return STATUS_OK;
 }
 
 #define LANES 8 /* extremes of their own, so that the compiler makes vector code of them */
@@ -210,12 +207,12 @@ static enum status sample_block(struct dem_sampler *sampler, struct post_rect bl
 			first.x1 = second.x0 = block.x0 + width / 2;
 		else
 			first.y1 = second.y0 = block.y0 + rows / 2;
-		enum status status = sample_block(sampler, first, samples, done);
-		return status == STATUS_OK && *done ? sample_block(sampler, second, samples, done) : status;
+		TRY(sample_block(sampler, first, samples, done));
+		return *done ? sample_block(sampler, second, samples, done) : STATUS_OK;
 	}
-	enum status status = read_part(sampler, rect, done);
-	if (status != STATUS_OK || !*done)
-		return status;
+	TRY(read_part(sampler, rect, done));
+	if (!*done)
+		return STATUS_OK;
 	const struct dem_part part = {sampler->part, rect};
 	const double *columns = sampler->columns, *of_rows = sampler->rows;
 	for (int64_t y = block.y0; y < block.y1; y++, columns += width, of_rows += width) {
@@ -237,12 +234,11 @@ static int64_t next_multiple(int64_t value, int64_t step, int64_t most)
 
 enum status dem_sampler_read(struct dem_sampler *sampler, struct dem_samples *samples, struct post_rect part, bool *done)
 {
-	enum status status = STATUS_OK;
 	*done = true;
 	for (int64_t y = part.y0; y < part.y1; y = next_multiple(y, BLOCK_ROWS, part.y1))
-		for (int64_t x = part.x0; x < part.x1 && status == STATUS_OK && *done; x = next_multiple(x, DEM_BLOCK_SIDE, part.x1)) {
+		for (int64_t x = part.x0; x < part.x1 && *done; x = next_multiple(x, DEM_BLOCK_SIDE, part.x1)) {
 			struct post_rect block = {x, y, next_multiple(x, DEM_BLOCK_SIDE, part.x1), next_multiple(y, BLOCK_ROWS, part.y1)};
-			status = sample_block(sampler, block, samples, done);
+			TRY(sample_block(sampler, block, samples, done));
 		}
-	return status;
+	return STATUS_OK;
 }

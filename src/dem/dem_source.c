@@ -92,12 +92,9 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	if (OSRIsGeocentric(own))
 		return fail_with(STATUS_INPUT, "%s: geocentric coordinates are no map; project it first",
 				 source->path);
-	enum status status = dem_srs_check(source->path, own);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_srs_check(source->path, own));
 	source->srs = OSRClone(own);
-	if (source->srs == NULL)
-		return fail_memory(source->path);
+	TRY_MEM(source->srs, source->path);
 	OSRSetAxisMappingStrategy(source->srs, OAMS_TRADITIONAL_GIS_ORDER);
 	if (OSRIsLocal(source->srs)) {
 		/* Metres of its own, on no planet. */
@@ -122,9 +119,9 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 	double axis = 0;
 	if (source->srs != NULL && OSRIsCompound(source->srs))
 		axis = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
-	enum status status = dem_vertical_part(source);
-	if (status == STATUS_OK && params->s_vertical != NULL)
-		status = dem_vertical_unit(params->s_vertical, &axis);
+	TRY(dem_vertical_part(source));
+	if (params->s_vertical != NULL)
+		TRY(dem_vertical_unit(params->s_vertical, &axis));
 	*said = source->own != NULL || tagged || params->s_unit != NULL;
 	*metres = unit != NULL && unit[0] != '\0' ? dem_unit_metres(unit) : axis > 0 ? axis : 1;
 	if (!*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5)
@@ -135,7 +132,7 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / *metres - 1) > 1e-9)
 		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; that is used, not the %.10g m of %.80s. --s-unit names another", tag, axis,
 		       params->s_vertical != NULL ? params->s_vertical : source->vertical);
-	return status;
+	return STATUS_OK;
 }
 
 static void describe_unit(struct gdal_source *source, double metres)
@@ -265,11 +262,57 @@ static enum status add_files(GDALDatasetH dataset, const struct gdal_source *sou
 		return STATUS_OK;
 	char **names = GDALGetFileList(dataset);
 	enum status status = STATUS_OK;
-	for (char **name = names; status == STATUS_OK && name != NULL && *name != NULL; name++)
+	for (char **name = names; name != NULL && *name != NULL; name++)
 		if (strcmp(*name, source->path) != 0)
-			status = dem_list_add(files, *name);
+			TRY_OR(done, dem_list_add(files, *name));
+done:
 	CSLDestroy(names);
 	return status;
+}
+
+/* Reads what an open raster is and where it lies. */
+static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset, const struct dem_params *params,
+				OGRSpatialReferenceH override, int number, struct dem_list *files)
+{
+	const char *path = source->path;
+	double unit;
+	bool said;
+	struct dem_radius radius;
+	TRY(dem_outside_opened(source->name, params->vrt_folder, dataset));
+	TRY(add_files(dataset, source, files));
+	if (GDALGetRasterCount(dataset) < 1)
+		return fail_with(STATUS_INPUT, "%s: no raster band in it; name one of its subdatasets "
+				 "(gdalinfo lists them)", path);
+	if (GDALGetRasterCount(dataset) > 1)
+		note("%s: has %d bands; its first is taken for heights", path, GDALGetRasterCount(dataset));
+	source->width = GDALGetRasterXSize(dataset);
+	source->height = GDALGetRasterYSize(dataset);
+	GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
+	if (GDALDataTypeIsComplex(GDALGetRasterDataType(band)) || GDALGetRasterColorTable(band) != NULL)
+		return fail_with(STATUS_INPUT, "%s: its first band is %s, not heights; give an elevation "
+				 "raster", path,
+				 GDALGetRasterColorTable(band) != NULL ? "a palette of colours" : "complex");
+	TRY(place_source(source, dataset, params, override));
+	TRY(vertical_unit(source, params, band, &unit, &said));
+	const char *metadata = GDALGetMetadataItem(dataset, "VERTICAL_REFERENCE", NULL);
+	if (metadata == NULL) /* DEMs of planets name their geoid or areoid so */
+		metadata = GDALGetMetadataItem(dataset, "GEOID", NULL);
+	if (source->own == NULL && metadata != NULL)
+		TRY(dem_vertical_metadata(source, metadata));
+	TRY(write_vrt(source, params, band, unit, 0, number));
+	if (source->remarks[SOURCE_DEGREES] != NULL)
+		TRY(refuse_degrees(source));
+	TRY(dem_radii_find(source, params->radii, unit, said, &radius));
+	if (radius.sphere > 0) {
+		mem_free(source->own);
+		source->own = mem_strdup(DEM_ELLIPSOID);
+		TRY_MEM(source->own, path);
+		snprintf(source->vertical, sizeof source->vertical, "sphere of %.10g m, from radii", radius.sphere);
+		TRY(write_vrt(source, params, band, radius.unit, radius.sphere, number));
+	}
+	TRY(dem_vertical_plan(source, params));
+	describe_unit(source, unit);
+	return STATUS_OK;
 }
 
 enum status dem_source_init(struct gdal_source *source, const struct dem_params *params, const char *path,
@@ -277,72 +320,16 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 {
 	*source = (struct gdal_source){.path = path, .name = path, .unpacked = {.scratch = {.file = -1}}};
 	if (dem_unpack_is_packed(path)) {
-		enum status unpacked = dem_unpack_init(&source->unpacked, path);
-		if (unpacked != STATUS_OK)
-			return unpacked;
+		TRY(dem_unpack_init(&source->unpacked, path));
 		source->name = source->unpacked.name;
 	}
-	enum status status = dem_outside_check(source->name, params->vrt_folder);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_outside_check(source->name, params->vrt_folder));
 	CPLErrorReset();
 	GDALDatasetH dataset = GDALOpenEx(source->name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, dem_gdal_drivers(), NULL, NULL);
 	if (dataset == NULL)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster%s; give a whole raster that "
 				 "GDAL reads", path, dem_gdal_because());
-	double unit;
-	bool said;
-	struct dem_radius radius;
-	status = dem_outside_opened(source->name, params->vrt_folder, dataset);
-	if (status == STATUS_OK)
-		status = add_files(dataset, source, files);
-	if (status != STATUS_OK)
-		goto close;
-	if (GDALGetRasterCount(dataset) < 1) {
-		status = fail_with(STATUS_INPUT, "%s: no raster band in it; name one of its subdatasets "
-				   "(gdalinfo lists them)", path);
-		goto close;
-	}
-	if (GDALGetRasterCount(dataset) > 1)
-		note("%s: has %d bands; its first is taken for heights", path, GDALGetRasterCount(dataset));
-	source->width = GDALGetRasterXSize(dataset);
-	source->height = GDALGetRasterYSize(dataset);
-	GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
-	if (GDALDataTypeIsComplex(GDALGetRasterDataType(band)) || GDALGetRasterColorTable(band) != NULL) {
-		status = fail_with(STATUS_INPUT, "%s: its first band is %s, not heights; give an elevation "
-				   "raster", path,
-				   GDALGetRasterColorTable(band) != NULL ? "a palette of colours" : "complex");
-		goto close;
-	}
-	status = place_source(source, dataset, params, override);
-	if (status != STATUS_OK)
-		goto close;
-	status = vertical_unit(source, params, band, &unit, &said);
-	const char *metadata = GDALGetMetadataItem(dataset, "VERTICAL_REFERENCE", NULL);
-	if (metadata == NULL) /* DEMs of planets name their geoid or areoid so */
-		metadata = GDALGetMetadataItem(dataset, "GEOID", NULL);
-	if (status == STATUS_OK && source->own == NULL && metadata != NULL)
-		status = dem_vertical_metadata(source, metadata);
-	if (status == STATUS_OK)
-		status = write_vrt(source, params, band, unit, 0, number);
-	if (status == STATUS_OK && source->remarks[SOURCE_DEGREES] != NULL)
-		status = refuse_degrees(source);
-	if (status == STATUS_OK)
-		status = dem_radii_find(source, params->radii, unit, said, &radius);
-	if (status == STATUS_OK && radius.sphere > 0) {
-		mem_free(source->own);
-		source->own = mem_strdup(DEM_ELLIPSOID);
-		if (source->own == NULL) {
-			status = fail_memory(path);
-			goto close;
-		}
-		snprintf(source->vertical, sizeof source->vertical, "sphere of %.10g m, from radii", radius.sphere);
-		status = write_vrt(source, params, band, radius.unit, radius.sphere, number);
-	}
-	if (status == STATUS_OK)
-		status = dem_vertical_plan(source, params);
-	describe_unit(source, unit);
-close:
+	const enum status status = take_dataset(source, dataset, params, override, number, files);
 	GDALClose(dataset);
 	return status;
 }

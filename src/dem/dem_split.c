@@ -48,12 +48,12 @@ static void widen(struct dem_area *area, const struct dem_area *more)
 
 static enum status measure(struct gdal_grid *gdal, const struct dem_params *params, struct part *parts)
 {
-	enum status status = dem_target_measure(params, &gdal->groups, &gdal->target);
-	for (size_t i = 0; i < gdal->groups.count && status == STATUS_OK; i++) {
+	TRY(dem_target_measure(params, &gdal->groups, &gdal->target));
+	for (size_t i = 0; i < gdal->groups.count; i++) {
 		parts[i].spacing = dem_target_own_spacing(&gdal->groups.groups[i]);
-		status = dem_target_area(&gdal->target, &gdal->groups.groups[i], &parts[i].area);
+		TRY(dem_target_area(&gdal->target, &gdal->groups.groups[i], &parts[i].area));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static bool side_by_side(const struct part *a, const struct part *b, double margin)
@@ -138,16 +138,16 @@ static enum status name_finer(struct gdal_grid *gdal, const struct part *parts, 
 {
 	struct dem_grid *grid = &gdal->grid;
 	grid->finer_sets = mem_alloc(gdal->source_count, sizeof *grid->finer_sets);
-	enum status status = grid->finer_sets != NULL ? STATUS_OK : fail_memory("opening the sources");
-	for (size_t i = 0; i < gdal->source_count && status == STATUS_OK; i++) {
+	TRY_MEM(grid->finer_sets, "opening the sources");
+	for (size_t i = 0; i < gdal->source_count; i++) {
 		const struct part *part = part_of(gdal, parts, &gdal->sources[i]);
 		gone[i] = part->finer;
 		if (!gone[i])
 			continue;
 		grid->finer_sets[grid->finer.count] = part->set;
-		status = dem_list_add(&grid->finer, gdal->sources[i].path);
+		TRY(dem_list_add(&grid->finer, gdal->sources[i].path));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status take_out(struct gdal_grid *gdal, struct dem_list *list, const bool *gone)
@@ -176,18 +176,18 @@ enum status dem_split(struct gdal_grid *gdal, const struct dem_params *params, s
 		return STATUS_OK;
 	struct part *parts = mem_calloc(count, sizeof *parts);
 	bool *gone = mem_calloc(gdal->source_count, sizeof *gone);
-	enum status status = parts != NULL && gone != NULL ? measure(gdal, params, parts) : fail_memory("opening the sources");
-	if (status == STATUS_OK)
-		join(parts, count, decide(gdal, parts));
+	enum status status;
+	TRY_OR(done, parts != NULL && gone != NULL ? measure(gdal, params, parts) : fail_memory("opening the sources"));
+	join(parts, count, decide(gdal, parts));
 	/* `source` keeps the posts of the first source. */
 	bool any = false;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < count; i++)
 		any = any || parts[i].finer;
-	if (status == STATUS_OK && any && !(gdal->target.keep && parts[0].finer)) {
-		status = name_finer(gdal, parts, gone);
-		if (status == STATUS_OK)
-			status = take_out(gdal, list, gone);
+	if (any && !(gdal->target.keep && parts[0].finer)) {
+		TRY_OR(done, name_finer(gdal, parts, gone));
+		TRY_OR(done, take_out(gdal, list, gone));
 	}
+done:
 	mem_free(parts);
 	mem_free(gone);
 	return status;

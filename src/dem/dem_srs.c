@@ -337,9 +337,7 @@ static const char *why_nowhere(bool degrees, const double at[2])
 
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 {
-	enum status status = dem_gdal_init(from_srs);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_gdal_init(from_srs));
 	if (to_wkt[0] == '\0')
 		return fail_with(STATUS_INPUT, "coordinates in \"%.80s\": the store is local metres and lies on "
 				 "no planet; give local coordinates", from_srs);
@@ -349,15 +347,16 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 	snprintf(told, sizeof told, "coordinates in \"%.80s\"", back ? to_wkt : from_srs);
 	OGRSpatialReferenceH known = dem_srs_parse(back ? from_srs : to_wkt), other = NULL;
 	OGRCoordinateTransformationH move = NULL;
-	status = STATUS_INPUT;
+	enum status status = STATUS_INPUT;
 	if (known == NULL || (other = dem_srs_parse_beside(back ? to_wkt : from_srs, known)) == NULL)
 		goto done;
 	OGRSpatialReferenceH from = back ? known : other, to = back ? other : known;
-	status = dem_srs_move(told, from, to, "the store's", &move);
-	for (size_t i = 0; status == STATUS_OK && i < count; i++) {
+	TRY_OR(done, dem_srs_move(told, from, to, "the store's", &move));
+	for (size_t i = 0; i < count; i++) {
 		double at[2] = {x[i], y[i]};
 		if (!OCTTransform(move, 1, &x[i], &y[i], NULL) || !isfinite(x[i]) || !isfinite(y[i]))
-			status = fail_with(STATUS_INPUT, "point %.10g, %.10g: %s", at[0], at[1], why_nowhere(!back && strcmp(from_srs, DEM_SRS_DEGREES) == 0, at));
+			TRY_OR(done, fail_with(STATUS_INPUT, "point %.10g, %.10g: %s", at[0], at[1],
+					       why_nowhere(!back && strcmp(from_srs, DEM_SRS_DEGREES) == 0, at)));
 	}
 done:
 	if (move != NULL)

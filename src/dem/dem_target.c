@@ -69,11 +69,10 @@ static enum status bounds_add_raster(struct bounds *bounds, const struct dem_lat
 
 static enum status bounds_of(const struct dem_groups *groups, OGRSpatialReferenceH srs, struct bounds *bounds)
 {
-	enum status status = STATUS_OK;
 	*bounds = nowhere;
-	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++)
-		status = bounds_add_raster(bounds, dem_layers_lattice(groups->groups[i].layers), srs, groups->groups[i].sources[0]->path);
-	return status;
+	for (size_t i = 0; i < groups->count; i++)
+		TRY(bounds_add_raster(bounds, dem_layers_lattice(groups->groups[i].layers), srs, groups->groups[i].sources[0]->path));
+	return STATUS_OK;
 }
 
 #define WINDOW_PROBES 33 /* points along each side of the window that are projected */
@@ -250,12 +249,10 @@ static enum status choose_srs(struct dem_target *target, const struct dem_params
 	if (first->srs == NULL)
 		return STATUS_OK;
 	struct bounds bounds;
-	enum status status = bounds_of(groups, first->srs, &bounds);
+	TRY(bounds_of(groups, first->srs, &bounds));
 	/* Without an SRS of its own the window is in the target's, which is not known yet. */
-	if (status == STATUS_OK && params->has_window && params->window_srs != NULL)
-		status = bounds_cut(&bounds, params, first->srs);
-	if (status != STATUS_OK)
-		return status;
+	if (params->has_window && params->window_srs != NULL)
+		TRY(bounds_cut(&bounds, params, first->srs));
 	double x = (bounds.low[0] + bounds.high[0]) / 2, y = (bounds.low[1] + bounds.high[1]) / 2;
 	const bool fits = is_true_at(first->srs, x, y, fabs(first->place[1])) && !lies_a_turn_away(first->srs, x);
 	target->srs = fits ? OSRClone(first->srs) : dem_srs_metric(first->srs, x, y);
@@ -301,12 +298,10 @@ static enum status lay_out(struct dem_target *target, const struct dem_params *p
 {
 	const char *name = groups->groups[0].sources[0]->path;
 	struct bounds bounds;
-	enum status status = bounds_of(groups, target->srs, &bounds);
+	TRY(bounds_of(groups, target->srs, &bounds));
 	struct bounds whole = bounds;
-	if (status == STATUS_OK && params->has_window)
-		status = bounds_cut(&bounds, params, target->srs);
-	if (status != STATUS_OK)
-		return status;
+	if (params->has_window)
+		TRY(bounds_cut(&bounds, params, target->srs));
 	double s = target->spacing, start[2] = {0, 0}, count[2];
 	bool anchored = false, projected = false;
 	for (int i = 0; i < 2 && params->anchor != NULL; i++) {
@@ -349,20 +344,18 @@ void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lat
 enum status dem_target_measure(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target)
 {
 	target->keep = params->t_srs != NULL && strcmp(params->t_srs, "source") == 0;
-	enum status status = systems_agree(groups);
-	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++)
-		status = measure(dem_layers_lattice(groups->groups[i].layers), groups->groups[i].sources[0], groups->groups[i].step);
-	if (status == STATUS_OK)
-		status = choose_srs(target, params, groups);
-	if (status == STATUS_OK)
-		measure_groups(target, params, groups);
-	return status;
+	TRY(systems_agree(groups));
+	for (size_t i = 0; i < groups->count; i++)
+		TRY(measure(dem_layers_lattice(groups->groups[i].layers), groups->groups[i].sources[0], groups->groups[i].step));
+	TRY(choose_srs(target, params, groups));
+	measure_groups(target, params, groups);
+	return STATUS_OK;
 }
 
 enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target)
 {
-	enum status status = dem_target_measure(params, groups, target);
-	return status == STATUS_OK ? lay_out(target, params, groups) : status;
+	TRY(dem_target_measure(params, groups, target));
+	return lay_out(target, params, groups);
 }
 
 double dem_target_own_spacing(const struct dem_group *group)

@@ -44,9 +44,8 @@ static enum status unpack(lzma_stream *stream, FILE *file, const char *path, con
 {
 	const int64_t most = dem_path_ends(path, ".hgt.xz") ? DEM_UNPACK_MOST_HGT : DEM_UNPACK_MOST;
 	lzma_ret result = LZMA_OK;
-	enum status status = STATUS_OK;
 	*bytes = 0;
-	while (result == LZMA_OK && status == STATUS_OK) {
+	while (result == LZMA_OK) {
 		if (stream->avail_in == 0) {
 			stream->next_in = in;
 			stream->avail_in = fread(in, 1, room, file);
@@ -61,11 +60,11 @@ static enum status unpack(lzma_stream *stream, FILE *file, const char *path, con
 			return fail_with(STATUS_INPUT, "%s: unpacks to more than %lld MB; unpack it with xz -dk and name what comes out", path,
 					 (long long)(most >> 20));
 		if (made > 0)
-			status = dem_scratch_move(scratch, true, out, made, *bytes);
+			TRY(dem_scratch_move(scratch, true, out, made, *bytes));
 		*bytes += (int64_t)made;
 	}
-	if (status != STATUS_OK || result == LZMA_STREAM_END)
-		return status;
+	if (result == LZMA_STREAM_END)
+		return STATUS_OK;
 	if (result == LZMA_MEM_ERROR)
 		return fail_memory(path);
 	return fail_with(STATUS_INPUT, "%s: cannot be unpacked: %s; fetch it again", path, problem_of(result));
@@ -79,15 +78,14 @@ static enum status unpack_file(struct dem_unpacked *unpacked, const char *path, 
 	FILE *file = in != NULL && out != NULL ? input_open(path) : NULL;
 	enum status status = STATUS_OK;
 	if (in == NULL || out == NULL)
-		status = fail_memory(path);
-	else if (file == NULL)
-		status = fail_with(STATUS_INPUT, "%s: cannot be read: %s; check its permissions", path, input_problem());
-	else if (lzma_stream_decoder(&stream, MEMORY_MOST, LZMA_CONCATENATED) != LZMA_OK)
-		status = fail_memory(path);
-	if (status == STATUS_OK)
-		status = dem_scratch_open(&unpacked->scratch, path);
-	if (status == STATUS_OK)
-		status = unpack(&stream, file, path, &unpacked->scratch, in, out, room, bytes);
+		TRY_OR(done, fail_memory(path));
+	if (file == NULL)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: cannot be read: %s; check its permissions", path, input_problem()));
+	if (lzma_stream_decoder(&stream, MEMORY_MOST, LZMA_CONCATENATED) != LZMA_OK)
+		TRY_OR(done, fail_memory(path));
+	TRY_OR(done, dem_scratch_open(&unpacked->scratch, path));
+	TRY_OR(done, unpack(&stream, file, path, &unpacked->scratch, in, out, room, bytes));
+done:
 	lzma_end(&stream);
 	if (file != NULL)
 		fclose(file);
@@ -104,8 +102,7 @@ static enum status name_it(struct dem_unpacked *unpacked, const char *path, int6
 	const char *slash = strrchr(path, '/'), *last = slash != NULL ? slash + 1 : path;
 	const size_t room = strlen(last) + 80;
 	unpacked->name = mem_alloc(room, 1);
-	if (unpacked->name == NULL)
-		return fail_memory(path);
+	TRY_MEM(unpacked->name, path);
 	snprintf(unpacked->name, room, "%s/vsimem/furrow/xz%llu/%.*s", prefix, (unsigned long long)atomic_fetch_add(&made, 1),
 		 (int)(strlen(last) - strlen(".xz")), last);
 	char xml[400];
@@ -124,8 +121,8 @@ enum status dem_unpack_init(struct dem_unpacked *unpacked, const char *path)
 {
 	*unpacked = (struct dem_unpacked){.scratch = {.file = -1}};
 	int64_t bytes = 0;
-	enum status status = unpack_file(unpacked, path, &bytes);
-	return status == STATUS_OK ? name_it(unpacked, path, bytes) : status;
+	TRY(unpack_file(unpacked, path, &bytes));
+	return name_it(unpacked, path, bytes);
 }
 #else
 enum status dem_unpack_init(struct dem_unpacked *unpacked, const char *path)

@@ -80,11 +80,11 @@ enum status dem_vertical_unit(const char *text, double *metres)
 	PJ_CONTEXT *context = dem_vertical_context();
 	if (context == NULL)
 		return STATUS_FAILED;
-	enum status status = dem_vertical_init(context, text, &vertical);
-	if (status == STATUS_OK) {
-		*metres = vertical.metres;
-		dem_vertical_finish(&vertical);
-	}
+	enum status status;
+	TRY_OR(done, dem_vertical_init(context, text, &vertical));
+	*metres = vertical.metres;
+	dem_vertical_finish(&vertical);
+done:
 	P.proj_context_destroy(context);
 	return status;
 }
@@ -145,9 +145,7 @@ static bool same(PJ_CONTEXT *context, const struct dem_vertical *a, const struct
 static enum status plan(struct gdal_source *source, const struct dem_params *params, PJ_CONTEXT *context, const char *said)
 {
 	struct dem_vertical from, to, own;
-	enum status status = dem_vertical_init(context, said, &from);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_vertical_init(context, said, &from));
 	if (said != source->own && source->own != NULL && dem_vertical_init(context, source->own, &own) == STATUS_OK) {
 		if (!same(context, &from, &own))
 			dem_source_remark(source, SOURCE_VERTICAL, "the file says heights above %s; --s-vertical %.80s is used", source->vertical, said);
@@ -158,15 +156,16 @@ static enum status plan(struct gdal_source *source, const struct dem_params *par
 		dem_vertical_finish(&from);
 		return STATUS_OK;
 	}
-	status = dem_vertical_init(context, params->t_vertical, &to);
-	if (status == STATUS_OK && !same(context, &from, &to)) {
+	enum status status;
+	TRY_OR(done, dem_vertical_init(context, params->t_vertical, &to));
+	if (!same(context, &from, &to)) {
 		source->from = mem_strdup(said);
 		source->to = mem_strdup(params->t_vertical);
 		source->whole = false;
-		status = source->from != NULL && source->to != NULL ? STATUS_OK : fail_memory(source->path);
+		TRY_OR(done, source->from != NULL && source->to != NULL ? STATUS_OK : fail_memory(source->path));
 	}
-	if (status == STATUS_OK)
-		describe(source, &to);
+	describe(source, &to);
+done:
 	dem_vertical_finish(&from);
 	dem_vertical_finish(&to);
 	return status;

@@ -66,30 +66,23 @@ enum status dem_writer_create(const struct dem_raster *raster, struct dem_writer
 		return fail_with(STATUS_INPUT, "%s: %lld x %lld posts make no raster; ask for another size",
 				 raster->path, (long long)raster->width, (long long)raster->height);
 	struct dem_writer *writer = mem_calloc(1, sizeof *writer);
-	if (writer == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(writer, raster->path);
 	writer->raster = *raster;
 	writer->path = mem_strdup(raster->path);
 	writer->srs = mem_strdup(raster->srs != NULL ? raster->srs : "");
 	enum status status;
-	if (writer->path == NULL || writer->srs == NULL) {
-		status = fail_memory(raster->path);
-		goto error;
-	}
-	status = aside_name(&writer->aside, writer->path);
-	if (status != STATUS_OK)
-		goto error;
+	if (writer->path == NULL || writer->srs == NULL)
+		TRY_OR(failed, fail_memory(raster->path));
+	TRY_OR(failed, aside_name(&writer->aside, writer->path));
 	writer->raster.path = writer->path;
 	writer->raster.srs = writer->srs;
 	writer->aside.begun = true;
-	status = png   ? dem_png_sink(&writer->raster, writer->aside.part, &writer->sink)
-		 : raw ? dem_raw_sink(&writer->raster, writer->aside.part, &writer->sink)
-		       : dem_gdal_sink(&writer->raster, writer->aside.part, &writer->sink);
-	if (status != STATUS_OK)
-		goto error;
+	TRY_OR(failed, png   ? dem_png_sink(&writer->raster, writer->aside.part, &writer->sink)
+		       : raw ? dem_raw_sink(&writer->raster, writer->aside.part, &writer->sink)
+			     : dem_gdal_sink(&writer->raster, writer->aside.part, &writer->sink));
 	*out = writer;
 	return STATUS_OK;
-error:
+failed:
 	dem_writer_destroy(writer);
 	return status;
 }
@@ -99,10 +92,7 @@ enum status dem_writer_rows(struct dem_writer *writer, int64_t rows, const doubl
 	if (rows < 0 || rows > writer->raster.height - writer->next)
 		return fail_with(STATUS_FAILED, "%s: more rows than it has; this is a bug", writer->path);
 	for (int64_t row = 0; row < rows; row++) {
-		enum status status =
-			writer->sink->row(writer->sink, writer->next, values + row * writer->raster.width);
-		if (status != STATUS_OK)
-			return status;
+		TRY(writer->sink->row(writer->sink, writer->next, values + row * writer->raster.width));
 		writer->next++;
 	}
 	return STATUS_OK;
@@ -131,10 +121,9 @@ enum status dem_writer_publish(struct dem_writer *writer)
 	if (writer->next != writer->raster.height)
 		return fail_with(STATUS_FAILED, "%s: %lld rows are missing; this is a bug", writer->path,
 				 (long long)(writer->raster.height - writer->next));
-	enum status status = writer->sink->finish(writer->sink);
-	if (status == STATUS_OK)
-		status = sync_part(writer);
-	return status == STATUS_OK ? aside_publish(&writer->aside) : status;
+	TRY(writer->sink->finish(writer->sink));
+	TRY(sync_part(writer));
+	return aside_publish(&writer->aside);
 }
 
 void dem_writer_destroy(struct dem_writer *writer)

@@ -118,43 +118,34 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 {
 	static const GDALDataType types[] = {[DEM_FLOAT32] = GDT_Float32, [DEM_FLOAT64] = GDT_Float64, [DEM_INT32] = GDT_Int32,
 					     [DEM_UINT8] = GDT_Byte, [DEM_UINT16] = GDT_UInt16};
-	enum status status = dem_gdal_init(raster->path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(dem_gdal_init(raster->path));
 	struct gdal_sink *gdal = mem_calloc(1, sizeof *gdal);
-	if (gdal == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(gdal, raster->path);
 	gdal->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
 	gdal->raster = raster;
 	gdal->row = mem_alloc((size_t)raster->width, sizeof *gdal->row);
-	status = gdal->row != NULL ? STATUS_OK : fail_memory(raster->path);
-	if (status == STATUS_OK) { /* GDAL would write where a link leads to */
-		FILE *made = dem_part_open(part);
-		if (made == NULL)
-			status = fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions", raster->path,
-					   input_problem());
-		else
-			fclose(made);
-	}
+	enum status status;
+	TRY_OR(failed, gdal->row != NULL ? STATUS_OK : fail_memory(raster->path));
+	FILE *made = dem_part_open(part); /* GDAL would write where a link leads to */
+	if (made == NULL)
+		TRY_OR(failed, fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions", raster->path,
+					 input_problem()));
+	fclose(made);
 	GDALDriverH driver = GDALGetDriverByName("GTiff");
-	if (status == STATUS_OK) {
-		char **options = CSLSetNameValue(NULL, "BIGTIFF", "IF_SAFER");
-		options = CSLSetNameValue(options, "BLOCKYSIZE", "1");
-		options = CSLSetNameValue(options, "COMPRESS", "DEFLATE");
-		options = CSLSetNameValue(options, "PREDICTOR", raster->type == DEM_FLOAT32 || raster->type == DEM_FLOAT64 ? "3" : "2");
-		gdal->dataset = driver != NULL ? GDALCreate(driver, part, (int)raster->width, (int)raster->height,
-							    1, types[raster->type], options) : NULL;
-		CSLDestroy(options);
-		status = gdal->dataset != NULL
-				 ? set_meaning(gdal)
-				 : fail_with(STATUS_FAILED, "%s: cannot be created%s%s; check the folder and its "
-					     "permissions", raster->path, errno != 0 ? ": " : "",
-					     errno != 0 ? strerror(errno) : dem_gdal_because());
-	}
-	if (status != STATUS_OK) {
-		sink_destroy(&gdal->sink);
-		return status;
-	}
+	char **options = CSLSetNameValue(NULL, "BIGTIFF", "IF_SAFER");
+	options = CSLSetNameValue(options, "BLOCKYSIZE", "1");
+	options = CSLSetNameValue(options, "COMPRESS", "DEFLATE");
+	options = CSLSetNameValue(options, "PREDICTOR", raster->type == DEM_FLOAT32 || raster->type == DEM_FLOAT64 ? "3" : "2");
+	gdal->dataset = driver != NULL ? GDALCreate(driver, part, (int)raster->width, (int)raster->height,
+						    1, types[raster->type], options) : NULL;
+	CSLDestroy(options);
+	if (gdal->dataset == NULL)
+		TRY_OR(failed, fail_with(STATUS_FAILED, "%s: cannot be created%s%s; check the folder and its permissions", raster->path,
+					 errno != 0 ? ": " : "", errno != 0 ? strerror(errno) : dem_gdal_because()));
+	TRY_OR(failed, set_meaning(gdal));
 	*out = &gdal->sink;
 	return STATUS_OK;
+failed:
+	sink_destroy(&gdal->sink);
+	return status;
 }

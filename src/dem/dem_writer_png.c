@@ -105,20 +105,19 @@ enum status dem_png_sink(const struct dem_raster *raster, const char *part, stru
 		return fail_with(STATUS_INPUT, "%s: %lld x %lld posts are too many for a PNG; name a .tif",
 				 raster->path, (long long)raster->width, (long long)raster->height);
 	struct png_sink *png = mem_calloc(1, sizeof *png);
-	if (png == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(png, raster->path);
 	png->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
 	png->raster = raster;
 	png->row_bytes = (size_t)row_bytes;
 	png->rows = mem_alloc((size_t)raster->height, png->row_bytes);
-	enum status status = png->rows != NULL ? STATUS_OK : fail_memory(raster->path);
-	if (status == STATUS_OK && (png->file = dem_part_open(part)) == NULL)
-		status = fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions",
-				   raster->path, input_problem());
-	if (status != STATUS_OK) {
-		sink_destroy(&png->sink);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, png->rows != NULL ? STATUS_OK : fail_memory(raster->path));
+	if ((png->file = dem_part_open(part)) == NULL)
+		TRY_OR(failed, fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions",
+					 raster->path, input_problem()));
 	*out = &png->sink;
 	return STATUS_OK;
+failed:
+	sink_destroy(&png->sink);
+	return status;
 }

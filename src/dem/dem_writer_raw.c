@@ -52,19 +52,18 @@ static void sink_destroy(struct dem_sink *sink)
 enum status dem_raw_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 {
 	struct raw_sink *raw = mem_calloc(1, sizeof *raw);
-	if (raw == NULL)
-		return fail_memory(raster->path);
+	TRY_MEM(raw, raster->path);
 	raw->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
 	raw->raster = raster;
 	raw->row = mem_alloc((size_t)raster->width, 2);
-	enum status status = raw->row != NULL ? STATUS_OK : fail_memory(raster->path);
-	if (status == STATUS_OK && (raw->file = dem_part_open(part)) == NULL)
-		status = fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions", raster->path,
-				   input_problem());
-	if (status != STATUS_OK) {
-		sink_destroy(&raw->sink);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, raw->row != NULL ? STATUS_OK : fail_memory(raster->path));
+	if ((raw->file = dem_part_open(part)) == NULL)
+		TRY_OR(failed, fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions", raster->path,
+					 input_problem()));
 	*out = &raw->sink;
 	return STATUS_OK;
+failed:
+	sink_destroy(&raw->sink);
+	return status;
 }

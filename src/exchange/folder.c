@@ -22,11 +22,6 @@ static const struct {
 	[EXCHANGE_MESH] = {"mesh", "terrain"},
 };
 
-const char *exchange_set_name(enum exchange_set set)
-{
-	return sets[set].folder;
-}
-
 enum status exchange_tile_path(const char *directory, enum exchange_set set, struct tile tile, char path[EXCHANGE_PATH])
 {
 	int length = snprintf(path, EXCHANGE_PATH, "%s/%s/%d/%u/%u.%s", directory, sets[set].folder, tile.level, tile.x, tile.y, sets[set].ending);
@@ -45,12 +40,13 @@ enum status exchange_file_get(const char *path, size_t most, struct exchange_byt
 	uint8_t block[16384];
 	size_t size;
 	enum status status = STATUS_OK;
-	while (status == STATUS_OK && out->size <= most && (size = fread(block, 1, sizeof block, file)) > 0)
-		status = exchange_bytes_add(out, block, size);
-	if (status == STATUS_OK && ferror(file))
-		status = fail_with(STATUS_FAILED, "%s: cannot be read: %s; check the disk", path, strerror(errno));
+	while (out->size <= most && (size = fread(block, 1, sizeof block, file)) > 0)
+		TRY_OR(done, exchange_bytes_add(out, block, size));
+	if (ferror(file))
+		TRY_OR(done, fail_with(STATUS_FAILED, "%s: cannot be read: %s; check the disk", path, strerror(errno)));
+	*found = out->size <= most;
+done:
 	fclose(file);
-	*found = status == STATUS_OK && out->size <= most;
 	return status;
 }
 
@@ -95,27 +91,32 @@ enum status exchange_file_folder(const char *directory)
 	return make_folders(path);
 }
 
+/* Opens a file aside, and makes the folders above it if they are not there. */
+static enum status begin_file(struct aside *aside, const char *path)
+{
+	errno = 0;
+	enum status status = aside_begin(aside, path);
+	if (status == STATUS_OK || errno != ENOENT)
+		return status;
+	aside_finish(aside);
+	TRY(make_folders(path));
+	return aside_begin(aside, path);
+}
+
 enum status exchange_file_put(const char *path, const struct exchange_bytes *bytes, bool *written)
 {
 	*written = false;
 	if (same(path, bytes))
 		return STATUS_OK;
 	struct aside aside;
-	errno = 0;
-	enum status status = aside_begin(&aside, path);
-	if (status != STATUS_OK && errno == ENOENT) {
-		aside_finish(&aside);
-		status = make_folders(path);
-		if (status != STATUS_OK)
-			return status;
-		status = aside_begin(&aside, path);
-	}
-	if (status == STATUS_OK && bytes->size > 0) {
+	enum status status;
+	TRY_OR(done, begin_file(&aside, path));
+	if (bytes->size > 0)
 		(void)fwrite(bytes->data, 1, bytes->size, aside.file); /* aside_whole tells a failure */
-	}
-	status = aside_end(&aside, false, status);
-	*written = status == STATUS_OK;
-	return status;
+done:
+	TRY(aside_end(&aside, false, status));
+	*written = true;
+	return STATUS_OK;
 }
 
 enum status exchange_file_remove(const char *path, bool *removed)
@@ -158,18 +159,19 @@ static enum status walk(struct walk *walked, const char *path, int depth)
 			       : fail_with(STATUS_FAILED, "%s: cannot be listed: %s; check its permissions", path, strerror(errno));
 	enum status status = STATUS_OK;
 	const struct dirent *entry;
-	while (status == STATUS_OK && (entry = readdir(folder)) != NULL) {
+	while ((entry = readdir(folder)) != NULL) {
 		if (!number_of(entry->d_name, depth == 2 ? sets[walked->set].ending : NULL, &walked->numbers[depth]))
 			continue;
 		char below[EXCHANGE_PATH];
 		if (depth == 2) {
 			const uint32_t *n = walked->numbers;
 			if (n[0] <= EXCHANGE_ZOOM_MOST)
-				status = walked->fn(walked->user, (struct tile){(int)n[0], n[1], n[2]});
+				TRY_OR(done, walked->fn(walked->user, (struct tile){(int)n[0], n[1], n[2]}));
 		} else if (snprintf(below, sizeof below, "%s/%s", path, entry->d_name) < (int)sizeof below) {
-			status = walk(walked, below, depth + 1);
+			TRY_OR(done, walk(walked, below, depth + 1));
 		}
 	}
+done:
 	closedir(folder);
 	return status;
 }

@@ -118,11 +118,8 @@ enum status exchange_frame_init(struct exchange_frame *frame, const struct store
 	frame->side = EXCHANGE_PIXELS * extent->spacing;
 	while (frame->side < (double)posts * extent->spacing)
 		frame->side *= 2;
-	if (meta->srs[0] != '\0') {
-		enum status status = dem_globe_create(meta->srs, &frame->globe);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (meta->srs[0] != '\0')
+		TRY(dem_globe_create(meta->srs, &frame->globe));
 	if (frame->globe != NULL) {
 		const struct dem_globe_info *info = dem_globe_info(frame->globe);
 		frame->semi_major = info->semi_major;

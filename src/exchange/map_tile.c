@@ -23,13 +23,13 @@ enum status exchange_maker_init(struct exchange_maker *maker, const struct excha
 	for (int i = 1; i < 256; i++)
 		maker->greys[i] = (struct chart_colour){(uint8_t)i, (uint8_t)i, (uint8_t)i, 255};
 	exchange_rut_palette(maker->colours);
-	enum status status = STATUS_OK;
+	enum status status;
 	if (maker->heights == NULL || maker->slopes == NULL || maker->pixels == NULL || maker->indices == NULL || maker->mesh == NULL)
-		status = fail_memory("a tile");
-	if (status == STATUS_OK)
-		status = exchange_sampler_init(&maker->sampler, params->store);
-	if (status != STATUS_OK)
-		exchange_maker_finish(maker);
+		TRY_OR(failed, fail_memory("a tile"));
+	TRY_OR(failed, exchange_sampler_init(&maker->sampler, params->store));
+	return STATUS_OK;
+failed:
+	exchange_maker_finish(maker);
 	return status;
 }
 
@@ -51,18 +51,16 @@ enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set s
 {
 	char path[EXCHANGE_PATH];
 	bool done;
-	enum status status = exchange_tile_path(maker->params->directory, set, tile, path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(exchange_tile_path(maker->params->directory, set, tile, path));
 	if (maker->bytes.size == 0) {
-		status = exchange_file_remove(path, &done);
+		TRY(exchange_file_remove(path, &done));
 		maker->removed += done;
-		return status;
+		return STATUS_OK;
 	}
 	maker->made[set]++;
-	status = exchange_file_put(path, &maker->bytes, &done);
+	TRY(exchange_file_put(path, &maker->bytes, &done));
 	maker->written[set] += done;
-	return status;
+	return STATUS_OK;
 }
 
 /* --- heights --- */
@@ -82,8 +80,8 @@ static enum status put_terrain(struct exchange_maker *maker, struct tile tile)
 			to[2] = (uint8_t)units;
 		}
 	maker->bytes.size = 0;
-	enum status status = exchange_png_encode(maker->pixels, NULL, &maker->bytes);
-	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_TERRAIN, tile) : status;
+	TRY(exchange_png_encode(maker->pixels, NULL, &maker->bytes));
+	return exchange_maker_put(maker, EXCHANGE_TERRAIN, tile);
 }
 
 static enum status put_hillshade(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
@@ -102,8 +100,8 @@ static enum status put_hillshade(struct exchange_maker *maker, const struct exch
 		}
 	}
 	maker->bytes.size = 0;
-	enum status status = exchange_png_encode(maker->indices, maker->greys, &maker->bytes);
-	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_HILLSHADE, tile) : status;
+	TRY(exchange_png_encode(maker->indices, maker->greys, &maker->bytes));
+	return exchange_maker_put(maker, EXCHANGE_HILLSHADE, tile);
 }
 
 /* --- ruts --- */
@@ -152,66 +150,56 @@ static enum status gather_ruts(struct exchange_maker *maker, struct tile tile)
 		struct tile child = {tile.level + 1, 2 * tile.x + i % 2, 2 * tile.y + i / 2};
 		char path[EXCHANGE_PATH];
 		bool found;
-		enum status status = exchange_tile_path(maker->params->directory, EXCHANGE_RUTS, child, path);
-		if (status == STATUS_OK)
-			status = exchange_file_get(path, (size_t)1 << 20, &maker->bytes, &found);
-		if (status == STATUS_OK && found)
-			status = exchange_png_decode(&maker->bytes, path, fine);
-		if (status != STATUS_OK)
-			return status;
-		if (found)
-			shrink(fine, maker->indices + (i / 2) * (EXCHANGE_PIXELS / 2) * EXCHANGE_PIXELS + (i % 2) * (EXCHANGE_PIXELS / 2));
+		TRY(exchange_tile_path(maker->params->directory, EXCHANGE_RUTS, child, path));
+		TRY(exchange_file_get(path, (size_t)1 << 20, &maker->bytes, &found));
+		if (!found)
+			continue;
+		TRY(exchange_png_decode(&maker->bytes, path, fine));
+		shrink(fine, maker->indices + (i / 2) * (EXCHANGE_PIXELS / 2) * EXCHANGE_PIXELS + (i % 2) * (EXCHANGE_PIXELS / 2));
 	}
 	return STATUS_OK;
 }
 
 static enum status sample_ruts(struct exchange_maker *maker)
 {
-	enum status status = exchange_sampler_read(&maker->sampler, STORE_OFFSET, maker->heights);
-	for (size_t y = 0; y < EXCHANGE_PIXELS && status == STATUS_OK; y++)
+	TRY(exchange_sampler_read(&maker->sampler, STORE_OFFSET, maker->heights));
+	for (size_t y = 0; y < EXCHANGE_PIXELS; y++)
 		for (size_t x = 0; x < EXCHANGE_PIXELS; x++)
 			maker->indices[y * EXCHANGE_PIXELS + x] = exchange_rut_index(maker->range, maker->heights[(y + 1) * BORDER + x + 1]);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status put_ruts(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
 {
 	bool sampled = zoom->z >= maker->zooms->ruts, any = false;
-	enum status status = STATUS_OK;
 	maker->bytes.size = 0;
 	if (!maker->zooms->deformed || (sampled && !key_set_has(&zoom->deformed, exchange_zoom_key(zoom, tile.x, tile.y))))
 		return exchange_maker_put(maker, EXCHANGE_RUTS, tile);
-	status = sampled ? sample_ruts(maker) : gather_ruts(maker, tile);
-	if (status != STATUS_OK)
-		return status;
+	TRY(sampled ? sample_ruts(maker) : gather_ruts(maker, tile));
 	maker->bytes.size = 0;
 	for (size_t i = 0; i < (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS && !any; i++)
 		any = maker->indices[i] != 0;
 	if (any)
-		status = exchange_png_encode(maker->indices, maker->colours, &maker->bytes);
-	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_RUTS, tile) : status;
+		TRY(exchange_png_encode(maker->indices, maker->colours, &maker->bytes));
+	return exchange_maker_put(maker, EXCHANGE_RUTS, tile);
 }
 
 enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
 {
 	int64_t i0 = (int64_t)tile.x * EXCHANGE_PIXELS - 1, j0 = (int64_t)tile.y * EXCHANGE_PIXELS - 1;
-	enum status status = exchange_sampler_place(&maker->sampler, zoom, i0, j0, BORDER, BORDER);
-	if (status == STATUS_OK)
-		status = exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights);
-	if (status != STATUS_OK)
-		return status;
+	TRY(exchange_sampler_place(&maker->sampler, zoom, i0, j0, BORDER, BORDER));
+	TRY(exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights));
 	bool any = false;
 	for (size_t y = 1; y <= EXCHANGE_PIXELS && !any; y++)
 		for (size_t x = 1; x <= EXCHANGE_PIXELS && !any; x++)
 			any = !isnan(maker->heights[y * BORDER + x]);
 	maker->bytes.size = 0;
 	if (any) {
-		status = put_terrain(maker, tile);
-		if (status == STATUS_OK)
-			status = put_hillshade(maker, zoom, tile);
-		return status == STATUS_OK ? put_ruts(maker, zoom, tile) : status;
+		TRY(put_terrain(maker, tile));
+		TRY(put_hillshade(maker, zoom, tile));
+		return put_ruts(maker, zoom, tile);
 	}
-	for (int set = EXCHANGE_TERRAIN; set <= EXCHANGE_RUTS && status == STATUS_OK; set++)
-		status = exchange_maker_put(maker, (enum exchange_set)set, tile);
-	return status;
+	for (int set = EXCHANGE_TERRAIN; set <= EXCHANGE_RUTS; set++)
+		TRY(exchange_maker_put(maker, (enum exchange_set)set, tile));
+	return STATUS_OK;
 }

@@ -81,21 +81,23 @@ enum status exchange_surface_each(struct exchange_surface *surface, exchange_row
 	const struct exchange_mesh_params *params = surface->params;
 	int64_t stride = surface->width + 2;
 	double *posts = mem_alloc((size_t)stride * (STRIP + 3), sizeof *posts);
-	enum status status = posts != NULL ? STATUS_OK : fail_memory("rows of a mesh");
-	for (int64_t y = 0; y < surface->rows && status == STATUS_OK; y += STRIP) {
+	enum status status;
+	TRY_OR(done, posts != NULL ? STATUS_OK : fail_memory("rows of a mesh"));
+	for (int64_t y = 0; y < surface->rows; y += STRIP) {
 		int64_t rows = surface->rows - y < STRIP ? surface->rows - y : STRIP;
 		struct post_rect rect = {params->rect.x0 - 1, params->rect.y0 + y - 1, params->rect.x1 + 1, params->rect.y0 + y + rows + 2};
-		status = store_read_posts(params->reader, STORE_SURFACE, params->level, rect, posts);
-		for (int64_t i = 0; i < rows && status == STATUS_OK; i++) {
+		TRY_OR(done, store_read_posts(params->reader, STORE_SURFACE, params->level, rect, posts));
+		for (int64_t i = 0; i < rows; i++) {
 			struct exchange_row row = {.y = y + i, .width = surface->width, .rows = surface->rows};
 			for (int k = 0; k < 4; k++)
 				row.heights[k] = posts + (i + k) * stride;
-			status = fn(user, &row);
+			TRY_OR(done, fn(user, &row));
 		}
 		surface->done += rows;
-		if (status == STATUS_OK && params->progress != NULL)
-			status = params->progress(params->progress_user, surface->done, surface->total);
+		if (params->progress != NULL)
+			TRY_OR(done, params->progress(params->progress_user, surface->done, surface->total));
 	}
+done:
 	mem_free(posts);
 	return status;
 }
@@ -148,19 +150,18 @@ static enum status row_triangles(void *user, const struct exchange_row *row)
 {
 	const struct triangles *all = user;
 	uint64_t here = all->surface->first[row->y], above = all->surface->first[row->y + 1];
-	enum status status = STATUS_OK;
-	for (int64_t x = 0; x + 1 < row->width && row->y + 1 < row->rows && status == STATUS_OK; x++) {
+	for (int64_t x = 0; x + 1 < row->width && row->y + 1 < row->rows; x++) {
 		int corners[2][3], count = exchange_row_triangles(row, x, corners);
 		bool here_used = exchange_row_used(row, x, 0), above_used = exchange_row_used(row, x, 1);
 		const uint64_t numbers[] = {here, here + here_used, above, above + above_used};
-		for (int k = 0; k < count && status == STATUS_OK; k++) {
+		for (int k = 0; k < count; k++) {
 			const uint64_t vertices[] = {numbers[corners[k][0]], numbers[corners[k][1]], numbers[corners[k][2]]};
-			status = all->fn(all->user, row, x, corners[k], vertices);
+			TRY(all->fn(all->user, row, x, corners[k], vertices));
 		}
 		here += here_used;
 		above += above_used;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status exchange_surface_triangles(struct exchange_surface *surface, exchange_triangle_fn fn, void *user)
@@ -193,11 +194,36 @@ static enum status check_size(const struct exchange_surface *surface, const stru
 static enum status write_file(struct exchange_surface *surface, const struct exchange_mesh_format *format)
 {
 	struct aside aside;
-	enum status status = aside_begin(&aside, surface->params->path);
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, surface->params->path));
 	surface->file = aside.file;
-	if (status == STATUS_OK)
-		status = format->write(surface);
+	TRY_OR(done, format->write(surface));
+done:
 	return aside_end(&aside, true, status);
+}
+
+static enum status count_and_write(struct exchange_surface *surface, const struct exchange_mesh_format *format)
+{
+	const struct exchange_mesh_params *params = surface->params;
+	TRY(exchange_surface_each(surface, count_row, surface));
+	if (surface->triangles == 0)
+		return fail_with(STATUS_INPUT, "%s: no cell of the window has three posts with a height; give another --window", params->path);
+	surface->origin[0] = (double)params->rect.x0 * surface->spacing;
+	surface->origin[1] = (double)params->rect.y0 * surface->spacing;
+	surface->origin[2] = floor(surface->low[2]);
+	surface->low[2] -= surface->origin[2];
+	surface->high[2] -= surface->origin[2];
+	return write_file(surface, format);
+}
+
+static void tell(const struct exchange_surface *surface, struct exchange_mesh_result *result)
+{
+	*result = (struct exchange_mesh_result){.triangles = surface->triangles, .vertices = surface->first[surface->rows]};
+	for (int c = 0; c < 3; c++) {
+		result->origin[c] = surface->origin[c];
+		result->low[c] = (float)surface->low[c];
+		result->high[c] = (float)surface->high[c];
+	}
 }
 
 enum status exchange_mesh(const struct exchange_mesh_params *params, struct exchange_mesh_result *result)
@@ -216,31 +242,13 @@ enum status exchange_mesh(const struct exchange_mesh_params *params, struct exch
 		.low = {INFINITY, INFINITY, INFINITY},
 		.high = {-INFINITY, -INFINITY, -INFINITY},
 	};
-	enum status status = check_size(&surface, format);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_size(&surface, format));
 	surface.total = surface.rows * (1 + format->passes);
 	surface.first = mem_calloc((size_t)surface.rows + 1, sizeof *surface.first);
-	status = surface.first != NULL ? exchange_surface_each(&surface, count_row, &surface) : fail_memory("rows of a mesh");
-	if (status == STATUS_OK && surface.triangles == 0)
-		status = fail_with(STATUS_INPUT, "%s: no cell of the window has three posts with a height; give another --window", params->path);
-	if (status == STATUS_OK) {
-		surface.origin[0] = (double)params->rect.x0 * surface.spacing;
-		surface.origin[1] = (double)params->rect.y0 * surface.spacing;
-		surface.origin[2] = floor(surface.low[2]);
-		surface.low[2] -= surface.origin[2];
-		surface.high[2] -= surface.origin[2];
-		status = write_file(&surface, format);
-	}
-	*result = (struct exchange_mesh_result){.triangles = surface.triangles};
-	if (status == STATUS_OK) {
-		result->vertices = surface.first[surface.rows];
-		for (int c = 0; c < 3; c++) {
-			result->origin[c] = surface.origin[c];
-			result->low[c] = (float)surface.low[c];
-			result->high[c] = (float)surface.high[c];
-		}
-	}
+	TRY_MEM(surface.first, "rows of a mesh");
+	enum status status = count_and_write(&surface, format);
+	if (status == STATUS_OK)
+		tell(&surface, result);
 	mem_free(surface.first);
 	return status;
 }

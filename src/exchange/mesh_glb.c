@@ -127,8 +127,7 @@ static char *describe(const struct exchange_surface *surface)
 static enum status put_vertices(void *user, const struct exchange_row *row)
 {
 	struct exchange_surface *surface = user;
-	enum status status = STATUS_OK;
-	for (int64_t x = 0; x < row->width && status == STATUS_OK; x++) {
+	for (int64_t x = 0; x < row->width; x++) {
 		if (!exchange_row_used(row, x, 0))
 			continue;
 		double at[3], normal[3], turned[2][3];
@@ -139,9 +138,9 @@ static enum status put_vertices(void *user, const struct exchange_row *row)
 		y_up(normal, turned[1]);
 		for (int c = 0; c < 6; c++)
 			numbers[c] = (float)turned[c / 3][c % 3];
-		status = exchange_surface_put(surface, numbers, sizeof numbers);
+		TRY(exchange_surface_put(surface, numbers, sizeof numbers));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status put_triangle(void *user, const struct exchange_row *row, int64_t x, const int corners[3], const uint64_t vertices[3])
@@ -151,25 +150,26 @@ static enum status put_triangle(void *user, const struct exchange_row *row, int6
 	return exchange_surface_put(user, numbers, sizeof numbers);
 }
 
-static enum status write_glb(struct exchange_surface *surface)
+static enum status write_json(struct exchange_surface *surface, const char *json)
 {
-	char *json = describe(surface);
-	if (json == NULL)
-		return fail_memory(surface->params->path);
 	uint32_t text = (uint32_t)strlen(json), padded = (text + 3) / 4 * 4, body = (uint32_t)body_bytes(surface);
 	const uint32_t header[] = {0x46546c67 /* glTF */, 2, 12 + 8 + padded + 8 + body, padded, 0x4e4f534a /* JSON */};
 	const uint32_t second[] = {body, 0x004e4942 /* BIN */};
-	enum status status = exchange_surface_put(surface, header, sizeof header);
-	if (status == STATUS_OK)
-		status = exchange_surface_put(surface, json, text);
-	if (status == STATUS_OK)
-		status = exchange_surface_put(surface, "   ", padded - text);
-	if (status == STATUS_OK)
-		status = exchange_surface_put(surface, second, sizeof second);
+	TRY(exchange_surface_put(surface, header, sizeof header));
+	TRY(exchange_surface_put(surface, json, text));
+	TRY(exchange_surface_put(surface, "   ", padded - text));
+	return exchange_surface_put(surface, second, sizeof second);
+}
+
+static enum status write_glb(struct exchange_surface *surface)
+{
+	char *json = describe(surface);
+	TRY_MEM(json, surface->params->path);
+	enum status status = write_json(surface, json);
 	cJSON_free(json);
-	if (status == STATUS_OK)
-		status = exchange_surface_each(surface, put_vertices, surface);
-	return status == STATUS_OK ? exchange_surface_triangles(surface, put_triangle, surface) : status;
+	TRY(status);
+	TRY(exchange_surface_each(surface, put_vertices, surface));
+	return exchange_surface_triangles(surface, put_triangle, surface);
 }
 
 const struct exchange_mesh_format exchange_glb = {".glb", 2, bytes_of, write_glb};

@@ -20,16 +20,16 @@ static enum status told(const struct exchange_surface *surface, int written)
 static enum status put_vertices(void *user, const struct exchange_row *row)
 {
 	struct exchange_surface *surface = user;
-	enum status status = STATUS_OK;
-	for (int64_t x = 0; x < row->width && status == STATUS_OK; x++) {
+	for (int64_t x = 0; x < row->width; x++) {
 		if (!exchange_row_used(row, x, 0))
 			continue;
 		double at[3], normal[3];
 		exchange_surface_position(surface, row, x, at);
 		exchange_row_normal(row, x, surface->spacing, normal);
-		status = told(surface, fprintf(surface->file, "v %.9g %.9g %.9g\nvn %.6f %.6f %.6f\n", at[0], at[1], at[2], normal[0], normal[1], normal[2]));
+		TRY(told(surface, fprintf(surface->file, "v %.9g %.9g %.9g\nvn %.6f %.6f %.6f\n", at[0], at[1], at[2], normal[0], normal[1],
+					  normal[2])));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status put_triangle(void *user, const struct exchange_row *row, int64_t x, const int corners[3], const uint64_t vertices[3])
@@ -43,11 +43,10 @@ static enum status put_triangle(void *user, const struct exchange_row *row, int6
 static enum status write_obj(struct exchange_surface *surface)
 {
 	const double *o = surface->origin;
-	enum status status = told(surface, fprintf(surface->file, "# furrow: metres, x east, y north, z up\n# origin: %.17g m east and %.17g m north of the "
-						   "terrain's south-west post, height %.17g m\n", o[0], o[1], o[2]));
-	if (status == STATUS_OK)
-		status = exchange_surface_each(surface, put_vertices, surface);
-	return status == STATUS_OK ? exchange_surface_triangles(surface, put_triangle, surface) : status;
+	TRY(told(surface, fprintf(surface->file, "# furrow: metres, x east, y north, z up\n# origin: %.17g m east and %.17g m north of the terrain's "
+				  "south-west post, height %.17g m\n", o[0], o[1], o[2])));
+	TRY(exchange_surface_each(surface, put_vertices, surface));
+	return exchange_surface_triangles(surface, put_triangle, surface);
 }
 
 const struct exchange_mesh_format exchange_obj = {".obj", 2, bytes_of, write_obj};

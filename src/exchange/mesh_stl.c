@@ -46,10 +46,9 @@ static enum status write_stl(struct exchange_surface *surface)
 	const double *o = surface->origin;
 	int length = snprintf(text, sizeof text, "furrow, metres, z up, origin %.10g %.10g %.10g", o[0], o[1], o[2]);
 	memset(text + length, ' ', sizeof text - (size_t)length); /* three numbers leave room */
-	enum status status = exchange_surface_put(surface, text, 80);
-	if (status == STATUS_OK)
-		status = exchange_surface_put(surface, &count, sizeof count);
-	return status == STATUS_OK ? exchange_surface_triangles(surface, put_triangle, surface) : status;
+	TRY(exchange_surface_put(surface, text, 80));
+	TRY(exchange_surface_put(surface, &count, sizeof count));
+	return exchange_surface_triangles(surface, put_triangle, surface);
 }
 
 const struct exchange_mesh_format exchange_stl = {".stl", 1, bytes_of, write_stl};

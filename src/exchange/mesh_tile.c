@@ -24,8 +24,7 @@ enum status exchange_steps_create(struct exchange_steps **out)
 {
 	struct exchange_steps *steps = mem_calloc(1, sizeof *steps);
 	*out = steps;
-	if (steps == NULL)
-		return fail_memory("heights of tiles");
+	TRY_MEM(steps, "heights of tiles");
 	mutex_init(&steps->mutex);
 	return STATUS_OK;
 }
@@ -60,8 +59,8 @@ enum status exchange_steps_put(struct exchange_steps *steps, uint64_t key, int e
 /* Reads the heights of a tile with one more sample on each side. Rows from the south; NaN: no terrain. */
 static enum status read_heights(struct exchange_maker *maker, const struct exchange_zoom *zoom, int64_t x, int64_t y)
 {
-	enum status status = exchange_sampler_place(&maker->sampler, zoom, x * EXCHANGE_CELLS - 1, y * EXCHANGE_CELLS - 1, BORDER, BORDER);
-	return status == STATUS_OK ? exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights) : status;
+	TRY(exchange_sampler_place(&maker->sampler, zoom, x * EXCHANGE_CELLS - 1, y * EXCHANGE_CELLS - 1, BORDER, BORDER));
+	return exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights);
 }
 
 /* The height of a tile's own sample. Where there is no terrain it is 0: that of the ellipsoid. */
@@ -89,22 +88,19 @@ static int own_exponent(const struct exchange_maker *maker)
 /* Finds the exponents of the 3 x 3 tiles around one; those that are not there have the least. Leaves the heights of the middle one. */
 static enum status find_exponents(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile, int exponents[3][3])
 {
-	enum status status = STATUS_OK;
 	bool middle = false; /* its heights are in the maker */
-	for (int k = 0; k < 9 && status == STATUS_OK; k++) {
+	for (int k = 0; k < 9; k++) {
 		int64_t x = (int64_t)tile.x + (k + 4) % 9 % 3 - 1, y = (int64_t)tile.y + (k + 4) % 9 / 3 - 1;
 		int *exponent = &exponents[(k + 4) % 9 / 3][(k + 4) % 9 % 3];
 		*exponent = UNIT_LEAST;
 		if (!exchange_zoom_has(zoom, x, y) || exchange_steps_find(maker->steps, exchange_zoom_key(zoom, x, y), exponent))
 			continue;
-		status = read_heights(maker, zoom, x, y);
+		TRY(read_heights(maker, zoom, x, y));
 		middle = k == 0;
-		if (status != STATUS_OK)
-			break;
 		*exponent = own_exponent(maker);
-		status = exchange_steps_put(maker->steps, exchange_zoom_key(zoom, x, y), *exponent);
+		TRY(exchange_steps_put(maker->steps, exchange_zoom_key(zoom, x, y), *exponent));
 	}
-	return status == STATUS_OK && !middle ? read_heights(maker, zoom, tile.x, tile.y) : status;
+	return middle ? STATUS_OK : read_heights(maker, zoom, tile.x, tile.y);
 }
 
 /* The exponent of a sample: the greatest of the tiles that share it. */
@@ -142,9 +138,7 @@ enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchan
 	struct exchange_quantized *mesh = maker->mesh;
 	const struct exchange_frame *frame = &maker->sampler.frame;
 	int exponents[3][3];
-	enum status status = find_exponents(maker, zoom, tile, exponents);
-	if (status != STATUS_OK)
-		return status;
+	TRY(find_exponents(maker, zoom, tile, exponents));
 	fill_heights(maker, exponents, mesh);
 	double *east = maker->slopes, *north = maker->slopes + (size_t)EXCHANGE_SIDE * EXCHANGE_SIDE, j0 = (double)tile.y * EXCHANGE_CELLS;
 	chart_slopes(maker->heights, EXCHANGE_SIDE, EXCHANGE_SIDE, 1, east, north);
@@ -164,6 +158,6 @@ enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchan
 		mesh->bounds[2 * k + 1] = ((double)tile.y + k) * degree - 90;
 	}
 	maker->bytes.size = 0;
-	status = exchange_quantized_write(mesh, frame, &maker->bytes);
-	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_MESH, tile) : status;
+	TRY(exchange_quantized_write(mesh, frame, &maker->bytes));
+	return exchange_maker_put(maker, EXCHANGE_MESH, tile);
 }

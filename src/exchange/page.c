@@ -19,19 +19,20 @@ static enum status read_leaflet(const struct exchange_tiles_params *params, cons
 	char path[EXCHANGE_PATH];
 	bool found = false;
 	snprintf(path, sizeof path, "%s/%s", params->leaflet, name);
-	enum status status = exchange_file_get(path, (size_t)16 << 20, out, &found);
-	if (status == STATUS_OK && !found)
-		status = fail_with(STATUS_FAILED, "%s: Leaflet, which the page needs, is not there; install libjs-leaflet, or give its folder with "
-				   "--leaflet", path);
-	return status;
+	TRY(exchange_file_get(path, (size_t)16 << 20, out, &found));
+	if (!found)
+		return fail_with(STATUS_FAILED, "%s: Leaflet, which the page needs, is not there; install libjs-leaflet, or give its folder with "
+				 "--leaflet", path);
+	return STATUS_OK;
 }
 
 enum status exchange_page_check(const struct exchange_tiles_params *params)
 {
 	struct exchange_bytes bytes = {.data = NULL};
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < 2 && status == STATUS_OK; i++)
-		status = read_leaflet(params, leaflet_files[i], &bytes);
+	for (size_t i = 0; i < 2; i++)
+		TRY_OR(done, read_leaflet(params, leaflet_files[i], &bytes));
+done:
 	exchange_bytes_finish(&bytes);
 	return status;
 }
@@ -64,6 +65,14 @@ static void FURROW_PRINTF(2, 3) add(struct text *text, const char *format, ...)
 		text->status = exchange_bytes_add(&text->bytes, part, (size_t)length);
 }
 
+/* Writes a text to a file, and frees it. Returns the text's own failure if it has one. */
+static enum status put_text(const struct exchange_tiles_params *params, const char *name, struct text *text)
+{
+	enum status status = text->status != STATUS_OK ? text->status : put(params, name, &text->bytes);
+	exchange_bytes_finish(&text->bytes);
+	return status;
+}
+
 /* A JSON string, which is also one of JavaScript within a file. */
 static void add_string(struct text *text, const char *string)
 {
@@ -92,8 +101,7 @@ static enum status list_tile(void *user, struct tile tile)
 	if (list->count == list->room) {
 		size_t room = list->room != 0 ? 2 * list->room : 256;
 		struct tile *grown = mem_realloc(list->tiles, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("a list of tiles");
+		TRY_MEM(grown, "a list of tiles");
 		list->tiles = grown;
 		list->room = room;
 	}
@@ -114,14 +122,13 @@ static int compare_tiles(const void *a, const void *b)
 
 static enum status list_sparse(const struct exchange_zooms *zooms, struct listed *list)
 {
-	enum status status = STATUS_OK;
 	for (size_t k = 0; k < zooms->count; k++) {
 		const struct exchange_zoom *zoom = &zooms->zooms[k];
-		for (size_t i = 0; i < zoom->tiles.room && zoom->sparse && zoom->globe && status == STATUS_OK; i++)
+		for (size_t i = 0; i < zoom->tiles.room && zoom->sparse && zoom->globe; i++)
 			if (zoom->tiles.keys[i] != UINT64_MAX)
-				status = list_tile(list, tile_from_key(zoom->tiles.keys[i]));
+				TRY(list_tile(list, tile_from_key(zoom->tiles.keys[i])));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static void sort_tiles(struct listed *list)
@@ -175,15 +182,18 @@ static void add_ramp(struct text *text)
 static enum status write_page(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
 			      const struct exchange_tiles_result *result)
 {
+	/* The array is only read. */
+	const struct exchange_bytes page = {.data = (uint8_t *)(uintptr_t)exchange_page, .size = exchange_page_size};
+	const struct extent *extent = &frame->meta->extent;
+	const double metres[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
+	const double *bounds = result->local ? metres : frame->bounds;
 	struct listed shades = {NULL, 0, 0}, ruts = {NULL, 0, 0};
-	struct text text = {.status = exchange_folder_each(params->directory, EXCHANGE_HILLSHADE, list_tile, &shades)};
-	if (text.status == STATUS_OK)
-		text.status = exchange_folder_each(params->directory, EXCHANGE_RUTS, list_tile, &ruts);
+	struct text text = {.status = STATUS_OK};
+	enum status status;
+	TRY_OR(done, exchange_folder_each(params->directory, EXCHANGE_HILLSHADE, list_tile, &shades));
+	TRY_OR(done, exchange_folder_each(params->directory, EXCHANGE_RUTS, list_tile, &ruts));
 	sort_tiles(&shades);
 	sort_tiles(&ruts);
-	const struct extent *extent = &frame->meta->extent;
-	double metres[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
-	const double *bounds = result->local ? metres : frame->bounds;
 	add(&text, "// What the folder has. Written by furrow export --tiles.\nconst FURROW_TILES = {\n  title: ");
 	add_string(&text, params->title);
 	add(&text, ",\n  revision: %lld,\n  local: %s,\n", (long long)result->revision, result->local ? "true" : "false");
@@ -197,14 +207,9 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	add(&text, ",\n  ruts: ");
 	add_rows(&text, &ruts);
 	add(&text, ",\n};\n");
-	enum status status = text.status;
-	if (status == STATUS_OK)
-		status = put(params, "tiles.js", &text.bytes);
-	/* The array is only read. */
-	const struct exchange_bytes page = {.data = (uint8_t *)(uintptr_t)exchange_page, .size = exchange_page_size};
-	if (status == STATUS_OK)
-		status = put(params, "index.html", &page);
-	exchange_bytes_finish(&text.bytes);
+	TRY_OR(done, put_text(params, "tiles.js", &text));
+	TRY_OR(done, put(params, "index.html", &page));
+done:
 	mem_free(shades.tiles);
 	mem_free(ruts.tiles);
 	return status;
@@ -250,24 +255,28 @@ static enum status write_layer(const struct exchange_tiles_params *params, const
 	add(&text, "  \"bounds\": [%.12g, %.12g, %.12g, %.12g],\n", frame->bounds[0], frame->bounds[1], frame->bounds[2], frame->bounds[3]);
 	add_available(&text, zooms, &sparse);
 	add(&text, "}\n");
-	enum status status = text.status;
-	if (status == STATUS_OK)
-		status = put(params, "mesh/layer.json", &text.bytes);
-	exchange_bytes_finish(&text.bytes);
+	enum status status = put_text(params, "mesh/layer.json", &text);
 	mem_free(sparse.tiles);
+	return status;
+}
+
+static enum status copy_leaflet(const struct exchange_tiles_params *params)
+{
+	struct exchange_bytes bytes = {.data = NULL};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < 2; i++) {
+		TRY_OR(done, read_leaflet(params, leaflet_files[i], &bytes));
+		TRY_OR(done, put(params, leaflet_files[i], &bytes));
+	}
+done:
+	exchange_bytes_finish(&bytes);
 	return status;
 }
 
 enum status exchange_page_write(const struct exchange_tiles_params *params, const struct exchange_frame *frame,
 				const struct exchange_zooms *zooms, const struct exchange_tiles_result *result)
 {
-	enum status status = write_layer(params, frame, zooms, result);
-	struct exchange_bytes bytes = {.data = NULL};
-	for (size_t i = 0; i < 2 && status == STATUS_OK; i++) {
-		status = read_leaflet(params, leaflet_files[i], &bytes);
-		if (status == STATUS_OK)
-			status = put(params, leaflet_files[i], &bytes);
-	}
-	exchange_bytes_finish(&bytes);
-	return status == STATUS_OK ? write_page(params, frame, zooms, result) : status;
+	TRY(write_layer(params, frame, zooms, result));
+	TRY(copy_leaflet(params));
+	return write_page(params, frame, zooms, result);
 }

@@ -12,8 +12,7 @@ enum status exchange_bytes_add(struct exchange_bytes *bytes, const void *data, s
 		while (room - bytes->size < size)
 			room *= 2;
 		uint8_t *grown = mem_realloc(bytes->data, room, 1);
-		if (grown == NULL)
-			return fail_memory("a tile");
+		TRY_MEM(grown, "a tile");
 		bytes->data = grown;
 		bytes->room = room;
 	}

@@ -136,16 +136,12 @@ static enum status add_header(const struct exchange_quantized *tile, const struc
 {
 	struct header header;
 	fill_header(tile, frame, &header);
-	enum status status = exchange_bytes_add(out, header.centre, sizeof header.centre);
-	if (status == STATUS_OK)
-		status = exchange_bytes_add(out, &header.minimum, sizeof header.minimum);
-	if (status == STATUS_OK)
-		status = exchange_bytes_add(out, &header.maximum, sizeof header.maximum);
-	if (status == STATUS_OK)
-		status = exchange_bytes_add(out, header.sphere, sizeof header.sphere);
-	if (status == STATUS_OK)
-		status = exchange_bytes_add(out, &header.radius, sizeof header.radius);
-	return status == STATUS_OK ? exchange_bytes_add(out, header.horizon, sizeof header.horizon) : status;
+	TRY(exchange_bytes_add(out, header.centre, sizeof header.centre));
+	TRY(exchange_bytes_add(out, &header.minimum, sizeof header.minimum));
+	TRY(exchange_bytes_add(out, &header.maximum, sizeof header.maximum));
+	TRY(exchange_bytes_add(out, header.sphere, sizeof header.sphere));
+	TRY(exchange_bytes_add(out, &header.radius, sizeof header.radius));
+	return exchange_bytes_add(out, header.horizon, sizeof header.horizon);
 }
 
 static enum status add_count(struct exchange_bytes *out, uint32_t count)
@@ -176,8 +172,8 @@ static enum status add_vertices(const struct exchange_quantized *tile, const str
 			last[c] = now[c];
 		}
 	}
-	enum status status = add_count(out, VERTICES);
-	return status == STATUS_OK ? exchange_bytes_add(out, parts, sizeof parts) : status;
+	TRY(add_count(out, VERTICES));
+	return exchange_bytes_add(out, parts, sizeof parts);
 }
 
 static enum status add_triangles(const struct layout *layout, struct exchange_bytes *out)
@@ -187,25 +183,23 @@ static enum status add_triangles(const struct layout *layout, struct exchange_by
 		codes[k] = (uint16_t)(next - layout->indices[k]);
 		next += codes[k] == 0;
 	}
-	enum status status = add_count(out, TRIANGLES);
-	return status == STATUS_OK ? exchange_bytes_add(out, codes, sizeof codes) : status;
+	TRY(add_count(out, TRIANGLES));
+	return exchange_bytes_add(out, codes, sizeof codes);
 }
 
 /* West and east from the south, south and north from the west. */
 static enum status add_edges(const struct layout *layout, struct exchange_bytes *out)
 {
-	enum status status = STATUS_OK;
-	for (int edge = 0; edge < 4 && status == STATUS_OK; edge++) {
+	for (int edge = 0; edge < 4; edge++) {
 		uint16_t vertices[EXCHANGE_SIDE];
 		for (size_t k = 0; k < EXCHANGE_SIDE; k++) {
 			const size_t places[] = {k * EXCHANGE_SIDE, k, k * EXCHANGE_SIDE + EXCHANGE_CELLS, EXCHANGE_CELLS * EXCHANGE_SIDE + k};
 			vertices[k] = layout->number[places[edge]];
 		}
-		status = add_count(out, EXCHANGE_SIDE);
-		if (status == STATUS_OK)
-			status = exchange_bytes_add(out, vertices, sizeof vertices);
+		TRY(add_count(out, EXCHANGE_SIDE));
+		TRY(exchange_bytes_add(out, vertices, sizeof vertices));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static uint8_t to_byte(double value)
@@ -246,22 +240,18 @@ static enum status add_normals(const struct exchange_quantized *tile, const stru
 					 (sine[1][j] + u * cosine[1][j]) / size};
 		oct_encode(normal, normals[n]);
 	}
-	enum status status = exchange_bytes_add(out, &id, 1);
-	if (status == STATUS_OK)
-		status = add_count(out, sizeof normals);
-	return status == STATUS_OK ? exchange_bytes_add(out, normals, sizeof normals) : status;
+	TRY(exchange_bytes_add(out, &id, 1));
+	TRY(add_count(out, sizeof normals));
+	return exchange_bytes_add(out, normals, sizeof normals);
 }
 
 enum status exchange_quantized_write(const struct exchange_quantized *tile, const struct exchange_frame *frame, struct exchange_bytes *out)
 {
 	struct layout layout;
 	make_layout(&layout);
-	enum status status = add_header(tile, frame, out);
-	if (status == STATUS_OK)
-		status = add_vertices(tile, &layout, out);
-	if (status == STATUS_OK)
-		status = add_triangles(&layout, out);
-	if (status == STATUS_OK)
-		status = add_edges(&layout, out);
-	return status == STATUS_OK ? add_normals(tile, &layout, out) : status;
+	TRY(add_header(tile, frame, out));
+	TRY(add_vertices(tile, &layout, out));
+	TRY(add_triangles(&layout, out));
+	TRY(add_edges(&layout, out));
+	return add_normals(tile, &layout, out);
 }

@@ -7,11 +7,12 @@ enum status exchange_sampler_init(struct exchange_sampler *sampler, struct store
 {
 	const struct store_meta *meta = store_meta(store);
 	*sampler = (struct exchange_sampler){.extent = &meta->extent};
-	enum status status = store_reader_create(store, &sampler->reader);
-	if (status == STATUS_OK)
-		status = exchange_frame_init(&sampler->frame, meta);
-	if (status != STATUS_OK)
-		exchange_sampler_finish(sampler);
+	enum status status;
+	TRY_OR(failed, store_reader_create(store, &sampler->reader));
+	TRY_OR(failed, exchange_frame_init(&sampler->frame, meta));
+	return STATUS_OK;
+failed:
+	exchange_sampler_finish(sampler);
 	return status;
 }
 
@@ -90,9 +91,7 @@ enum status exchange_sampler_place(struct exchange_sampler *sampler, const struc
 	int64_t control = zoom->control;
 	int64_t ci0 = floor_div(i0, control), cj0 = floor_div(j0, control);
 	int64_t cnx = floor_div(i0 + nx - 1, control) - ci0 + 2, cny = floor_div(j0 + ny - 1, control) - cj0 + 2;
-	enum status status = reserve(sampler, (size_t)(nx * ny), (size_t)(cnx * cny));
-	if (status != STATUS_OK)
-		return status;
+	TRY(reserve(sampler, (size_t)(nx * ny), (size_t)(cnx * cny)));
 	sampler->zoom = zoom;
 	sampler->nx = nx;
 	sampler->ny = ny;
@@ -146,8 +145,8 @@ enum status exchange_sampler_read(struct exchange_sampler *sampler, enum store_l
 			return fail_memory("posts of a tile");
 		sampler->posts_room = posts;
 	}
-	enum status status = store_read_posts(sampler->reader, layer, sampler->zoom->level, rect, sampler->posts);
-	for (size_t k = 0; k < count && status == STATUS_OK; k++) {
+	TRY(store_read_posts(sampler->reader, layer, sampler->zoom->level, rect, sampler->posts));
+	for (size_t k = 0; k < count; k++) {
 		double x = sampler->x[k] - (double)rect.x0, y = sampler->y[k] - (double)rect.y0;
 		values[k] = (double)NAN;
 		if (!(x >= -BESIDE && y >= -BESIDE && x <= (double)(width - 1) + BESIDE && y <= (double)(height - 1) + BESIDE))
@@ -163,5 +162,5 @@ enum status exchange_sampler_read(struct exchange_sampler *sampler, enum store_l
 		if (isnan(values[k]))
 			values[k] = lattice_bilinear(corners, u, v, BESIDE);
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -31,31 +31,35 @@ static enum status path_in(const char *directory, const char *name, char path[EX
 	return length < EXCHANGE_PATH - 64 ? STATUS_OK : fail_with(STATUS_INPUT, "%.80s...: the path is too long; give a shorter one", directory);
 }
 
+static enum status parse(const struct exchange_bytes *bytes, const char *path, struct exchange_stamp *stamp)
+{
+	cJSON *root = cJSON_ParseWithLength((const char *)bytes->data, bytes->size);
+	const cJSON *format = cJSON_GetObjectItem(root, "format"), *terrain = cJSON_GetObjectItem(root, "terrain");
+	const cJSON *revision = cJSON_GetObjectItem(root, "revision"), *range = cJSON_GetObjectItem(root, "ruts_range");
+	const cJSON *look = cJSON_GetObjectItem(root, "look"), *low = cJSON_GetArrayItem(range, 0), *high = cJSON_GetArrayItem(range, 1);
+	const bool whole = cJSON_IsNumber(format) && format->valuedouble == FORMAT && cJSON_IsString(terrain) && cJSON_IsNumber(revision) &&
+			   cJSON_IsNumber(low) && cJSON_IsNumber(high) && cJSON_IsString(look) && low->valuedouble < 0 && high->valuedouble > 0;
+	if (whole) {
+		snprintf(stamp->terrain, sizeof stamp->terrain, "%s", terrain->valuestring);
+		stamp->revision = (int64_t)revision->valuedouble;
+		stamp->range[0] = low->valuedouble;
+		stamp->range[1] = high->valuedouble;
+		stamp->look = strtoull(look->valuestring, NULL, 16);
+	}
+	cJSON_Delete(root);
+	return whole ? STATUS_OK
+		     : fail_with(STATUS_INPUT, "%s: is not the record of a folder of tiles; remove the folder, or give another", path);
+}
+
 enum status exchange_stamp_read(const char *directory, struct exchange_stamp *stamp, bool *found)
 {
 	char path[EXCHANGE_PATH];
 	struct exchange_bytes bytes = {.data = NULL};
-	enum status status = path_in(directory, STAMP, path);
 	*stamp = (struct exchange_stamp){.revision = 0};
-	if (status == STATUS_OK)
-		status = exchange_file_get(path, 1 << 20, &bytes, found);
-	if (status == STATUS_OK && *found) {
-		cJSON *root = cJSON_ParseWithLength((const char *)bytes.data, bytes.size);
-		const cJSON *format = cJSON_GetObjectItem(root, "format"), *terrain = cJSON_GetObjectItem(root, "terrain");
-		const cJSON *revision = cJSON_GetObjectItem(root, "revision"), *range = cJSON_GetObjectItem(root, "ruts_range");
-		const cJSON *look = cJSON_GetObjectItem(root, "look"), *low = cJSON_GetArrayItem(range, 0), *high = cJSON_GetArrayItem(range, 1);
-		if (!cJSON_IsNumber(format) || format->valuedouble != FORMAT || !cJSON_IsString(terrain) || !cJSON_IsNumber(revision) ||
-		    !cJSON_IsNumber(low) || !cJSON_IsNumber(high) || !cJSON_IsString(look) || !(low->valuedouble < 0 && high->valuedouble > 0)) {
-			status = fail_with(STATUS_INPUT, "%s: is not the record of a folder of tiles; remove the folder, or give another", path);
-		} else {
-			snprintf(stamp->terrain, sizeof stamp->terrain, "%s", terrain->valuestring);
-			stamp->revision = (int64_t)revision->valuedouble;
-			stamp->range[0] = low->valuedouble;
-			stamp->range[1] = high->valuedouble;
-			stamp->look = strtoull(look->valuestring, NULL, 16);
-		}
-		cJSON_Delete(root);
-	}
+	TRY(path_in(directory, STAMP, path));
+	enum status status = exchange_file_get(path, 1 << 20, &bytes, found);
+	if (status == STATUS_OK && *found)
+		status = parse(&bytes, path, stamp);
 	exchange_bytes_finish(&bytes);
 	return status;
 }
@@ -64,16 +68,14 @@ enum status exchange_stamp_remove(const char *directory)
 {
 	char path[EXCHANGE_PATH];
 	bool removed;
-	enum status status = path_in(directory, STAMP, path);
-	return status == STATUS_OK ? exchange_file_remove(path, &removed) : status;
+	TRY(path_in(directory, STAMP, path));
+	return exchange_file_remove(path, &removed);
 }
 
 enum status exchange_stamp_write(const char *directory, const struct exchange_stamp *stamp)
 {
 	char path[EXCHANGE_PATH], look[20];
-	enum status status = path_in(directory, STAMP, path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(path_in(directory, STAMP, path));
 	cJSON *root = cJSON_CreateObject();
 	snprintf(look, sizeof look, "%016llx", (unsigned long long)stamp->look);
 	json_integer(root, "format", FORMAT);
@@ -83,11 +85,10 @@ enum status exchange_stamp_write(const char *directory, const struct exchange_st
 	cJSON_AddStringToObject(root, "look", look);
 	char *text = cJSON_Print(root);
 	cJSON_Delete(root);
-	if (text == NULL)
-		return fail_memory(path);
+	TRY_MEM(text, path);
 	bool written;
 	const struct exchange_bytes bytes = {.data = (uint8_t *)text, .size = strlen(text)};
-	status = exchange_file_put(path, &bytes, &written);
+	enum status status = exchange_file_put(path, &bytes, &written);
 	cJSON_free(text);
 	return status;
 }
@@ -113,12 +114,9 @@ static bool read_done(struct exchange_journal *journal, const char *request)
 enum status exchange_journal_begin(struct exchange_journal *journal, const char *directory, const char *request, int64_t units)
 {
 	*journal = (struct exchange_journal){.units = units};
-	enum status status = path_in(directory, JOURNAL, journal->path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(path_in(directory, JOURNAL, journal->path));
 	journal->done = mem_calloc((size_t)units + 1, 1);
-	if (journal->done == NULL)
-		return fail_memory("the journal of tiles");
+	TRY_MEM(journal->done, "the journal of tiles");
 	journal->file = output_open(journal->path, "a+");
 	if (journal->file == NULL)
 		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", journal->path, input_problem(),

@@ -70,15 +70,21 @@ static bool take_unit(struct work *all, const struct exchange_zoom **zoom, int64
 	return found;
 }
 
+/* Keeps the first failure of all threads, and stops them. Under the mutex. */
+static void fail_locked(struct work *all, enum status status)
+{
+	if (status == STATUS_OK || all->stop)
+		return;
+	failure_capture(&all->failure, status);
+	all->stop = true;
+}
+
 static void end_unit(struct work *all, int64_t number, size_t tiles, enum status status)
 {
 	mutex_lock(&all->mutex);
 	if (status == STATUS_OK)
 		status = exchange_journal_add(&all->journal, number);
-	if (status != STATUS_OK && !all->stop) {
-		failure_capture(&all->failure, status);
-		all->stop = true;
-	}
+	fail_locked(all, status);
 	all->running--;
 	all->done += (int64_t)tiles;
 	condition_wake_all(&all->changed);
@@ -88,44 +94,78 @@ static void end_unit(struct work *all, int64_t number, size_t tiles, enum status
 static enum status make_unit(struct exchange_maker *maker, const struct exchange_zoom *zoom, int64_t unit, size_t *count)
 {
 	struct tile tiles[EXCHANGE_UNIT];
-	enum status status = STATUS_OK;
 	*count = exchange_zoom_unit(zoom, unit, tiles);
-	for (size_t i = 0; i < *count && status == STATUS_OK; i++)
-		status = zoom->globe ? exchange_mesh_tile(maker, zoom, tiles[i]) : exchange_map_tile(maker, zoom, tiles[i]);
-	return status;
+	for (size_t i = 0; i < *count; i++)
+		TRY(zoom->globe ? exchange_mesh_tile(maker, zoom, tiles[i]) : exchange_map_tile(maker, zoom, tiles[i]));
+	return STATUS_OK;
+}
+
+/* Makes units until there are none, and adds up what was made. */
+static enum status make_units(struct work *all)
+{
+	struct exchange_maker maker;
+	TRY(exchange_maker_init(&maker, all->params, &all->zooms, all->steps, all->stamp.range));
+	const struct exchange_zoom *zoom;
+	int64_t unit, number;
+	while (take_unit(all, &zoom, &unit, &number)) {
+		size_t tiles;
+		enum status status = make_unit(&maker, zoom, unit, &tiles);
+		end_unit(all, number, tiles, status); /* if it failed, take_unit has no more */
+	}
+	mutex_lock(&all->mutex);
+	for (int set = 0; set < EXCHANGE_SETS; set++) {
+		all->result->made[set] += maker.made[set];
+		all->result->written[set] += maker.written[set];
+	}
+	all->result->removed += maker.removed;
+	mutex_unlock(&all->mutex);
+	exchange_maker_finish(&maker);
+	return STATUS_OK;
 }
 
 static void *make_tiles(void *argument)
 {
 	struct work *all = argument;
-	struct exchange_maker maker;
 	dem_quiet_begin();
-	enum status status = exchange_maker_init(&maker, all->params, &all->zooms, all->steps, all->stamp.range);
-	const struct exchange_zoom *zoom;
-	int64_t unit, number;
-	while (status == STATUS_OK && take_unit(all, &zoom, &unit, &number)) {
-		size_t tiles;
-		status = make_unit(&maker, zoom, unit, &tiles);
-		end_unit(all, number, tiles, status);
-		status = STATUS_OK; /* if it failed, take_unit has no more */
-	}
+	enum status status = make_units(all);
 	dem_quiet_end();
 	mutex_lock(&all->mutex);
-	if (status != STATUS_OK && !all->stop) {
-		failure_capture(&all->failure, status);
-		all->stop = true;
-	}
-	for (int set = 0; set < EXCHANGE_SETS && status == STATUS_OK; set++) {
-		all->result->made[set] += maker.made[set];
-		all->result->written[set] += maker.written[set];
-	}
-	all->result->removed += status == STATUS_OK ? maker.removed : 0;
+	fail_locked(all, status);
 	all->threads--;
 	condition_wake_all(&all->changed);
 	mutex_unlock(&all->mutex);
-	if (status == STATUS_OK)
-		exchange_maker_finish(&maker);
 	return NULL;
+}
+
+/* Waits until all threads have ended, and tells the progress. `status`: a failure stops them. Returns it, or that of the progress. */
+static enum status wait_for_threads(struct work *all, enum status status)
+{
+	mutex_lock(&all->mutex);
+	all->stop = all->stop || status != STATUS_OK;
+	while (all->threads > 0) {
+		condition_wait_for(&all->changed, &all->mutex, 0.1);
+		int64_t done = all->done;
+		if (all->stop || all->params->progress == NULL)
+			continue;
+		mutex_unlock(&all->mutex);
+		status = all->params->progress(all->params->progress_user, done, all->total);
+		mutex_lock(&all->mutex);
+		all->stop = all->stop || status != STATUS_OK;
+	}
+	mutex_unlock(&all->mutex);
+	return status;
+}
+
+static enum status start_thread(struct work *all, struct thread *thread)
+{
+	mutex_lock(&all->mutex);
+	all->threads++;
+	mutex_unlock(&all->mutex);
+	enum status status = thread_start(thread, make_tiles, all, "furrow-tiles");
+	mutex_lock(&all->mutex);
+	all->threads -= status != STATUS_OK;
+	mutex_unlock(&all->mutex);
+	return status;
 }
 
 static enum status run_threads(struct work *all)
@@ -135,35 +175,15 @@ static enum status run_threads(struct work *all)
 	int64_t wanted = all->params->jobs > 0 ? all->params->jobs : thread_cores();
 	int count = (int)(wanted < MOST ? wanted : MOST), started = 0;
 	enum status status = STATUS_OK;
-	for (; started < count && status == STATUS_OK; started++) {
-		threads[started].started = false;
-		mutex_lock(&all->mutex);
-		all->threads++;
-		mutex_unlock(&all->mutex);
-		status = thread_start(&threads[started], make_tiles, all, "furrow-tiles");
-	}
-	mutex_lock(&all->mutex);
-	if (status != STATUS_OK) {
-		all->threads--;
-		all->stop = true;
-	}
-	while (all->threads > 0) {
-		condition_wait_for(&all->changed, &all->mutex, 0.1);
-		int64_t done = all->done;
-		if (status != STATUS_OK || all->stop || all->params->progress == NULL)
-			continue;
-		mutex_unlock(&all->mutex);
-		status = all->params->progress(all->params->progress_user, done, all->total);
-		mutex_lock(&all->mutex);
-		all->stop = all->stop || status != STATUS_OK;
-	}
-	mutex_unlock(&all->mutex);
+	for (; started < count; started++)
+		TRY_OR(wait, start_thread(all, &threads[started]));
+wait:
+	status = wait_for_threads(all, status);
 	for (int i = 0; i < started; i++)
 		thread_join(&threads[i]);
 	all->result->threads = started;
-	if (status == STATUS_OK && all->failure.status != STATUS_OK)
-		status = failure_restore(&all->failure);
-	return status;
+	TRY(status);
+	return all->failure.status != STATUS_OK ? failure_restore(&all->failure) : STATUS_OK;
 }
 
 /* --- before and after --- */
@@ -207,12 +227,11 @@ static enum status choose_range(struct work *all, const struct exchange_stamp *o
 	range[1] = params->has_range ? params->range[1] : old->range[1];
 	if (params->has_range || (has_old && params->since >= 0))
 		return STATUS_OK;
-	enum status status = STATUS_OK;
 	if (all->zooms.deformed)
-		status = store_read_offset_range(all->reader, (struct tile){extent_coarsest(extent), 0, 0}, &low, &high, &found);
+		TRY(store_read_offset_range(all->reader, (struct tile){extent_coarsest(extent), 0, 0}, &low, &high, &found));
 	range[0] = -(found && low < 0 ? chart_round_range(-low) : 0.1);
 	range[1] = found && high > 0 ? chart_round_range(high) : 0.1;
-	return status;
+	return STATUS_OK;
 }
 
 static enum status check_stamp(struct work *all, const struct exchange_stamp *old, bool found)
@@ -249,29 +268,22 @@ static enum status begin(struct work *all)
 	bool found = false;
 	char request[256];
 	int64_t units = 0;
-	enum status status = exchange_stamp_read(params->directory, &old, &found);
+	TRY(exchange_stamp_read(params->directory, &old, &found));
 	snprintf(all->stamp.terrain, sizeof all->stamp.terrain, "%016llx", (unsigned long long)store_base_hash(params->store));
-	if (status == STATUS_OK)
-		status = choose_range(all, &old, found);
-	if (status != STATUS_OK)
-		return status;
+	TRY(choose_range(all, &old, found));
 	all->stamp.look = look_of(params, all->stamp.range);
 	all->stamp.revision = all->zooms.revision;
-	status = check_stamp(all, &old, found);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_stamp(all, &old, found));
 	for (size_t k = 0; k < all->zooms.count; k++) {
 		units += all->zooms.zooms[k].units;
 		all->total += tile_count(&all->zooms.zooms[k]);
 	}
 	snprintf(request, sizeof request, "furrow tiles 1, terrain %s, revision %lld, since %lld, look %016llx, units %lld", all->stamp.terrain,
 		 (long long)all->stamp.revision, (long long)params->since, (unsigned long long)all->stamp.look, (long long)units);
-	status = exchange_journal_begin(&all->journal, params->directory, request, units);
-	/* While tiles of another look are written, the folder is not one that --since could go on with. */
-	if (status == STATUS_OK && found && old.look != all->stamp.look)
-		status = exchange_stamp_remove(params->directory);
+	TRY(exchange_journal_begin(&all->journal, params->directory, request, units));
 	all->result->kept = all->journal.kept;
-	return status;
+	/* While tiles of another look are written, the folder is not one that --since could go on with. */
+	return found && old.look != all->stamp.look ? exchange_stamp_remove(params->directory) : STATUS_OK;
 }
 
 struct tidying {
@@ -291,21 +303,19 @@ static enum status tidy_tile(void *user, struct tile tile)
 	}
 	char path[EXCHANGE_PATH];
 	bool removed;
-	enum status status = exchange_tile_path(tidying->all->params->directory, tidying->set, tile, path);
-	if (status == STATUS_OK)
-		status = exchange_file_remove(path, &removed);
-	tidying->all->result->removed += status == STATUS_OK && removed;
-	return status;
+	TRY(exchange_tile_path(tidying->all->params->directory, tidying->set, tile, path));
+	TRY(exchange_file_remove(path, &removed));
+	tidying->all->result->removed += removed;
+	return STATUS_OK;
 }
 
 static enum status tidy(struct work *all)
 {
-	enum status status = STATUS_OK;
-	for (int set = 0; set < EXCHANGE_SETS && status == STATUS_OK; set++) {
+	for (int set = 0; set < EXCHANGE_SETS; set++) {
 		struct tidying tidying = {all, (enum exchange_set)set};
-		status = exchange_folder_each(all->params->directory, (enum exchange_set)set, tidy_tile, &tidying);
+		TRY(exchange_folder_each(all->params->directory, (enum exchange_set)set, tidy_tile, &tidying));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static void tell(struct work *all)
@@ -332,35 +342,23 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 	mutex_init(&all.mutex);
 	condition_init(&all.changed);
 	dem_quiet_begin();
-	enum status status = exchange_page_check(params);
-	if (status == STATUS_OK)
-		status = check_heights(meta);
-	if (status == STATUS_OK)
-		status = check_folder(params->directory);
-	if (status == STATUS_OK)
-		status = exchange_file_folder(params->directory);
-	if (status == STATUS_OK)
-		status = store_reader_create(params->store, &all.reader);
-	if (status == STATUS_OK)
-		status = exchange_frame_init(&all.frame, meta);
-	if (status == STATUS_OK)
-		status = exchange_zooms_init(&all.zooms, &all.frame, all.reader, params->store, params->since);
-	if (status == STATUS_OK)
-		status = exchange_steps_create(&all.steps);
-	if (status == STATUS_OK)
-		status = begin(&all);
-	if (status == STATUS_OK)
-		tell(&all);
-	if (status == STATUS_OK)
-		status = run_threads(&all);
-	if (status == STATUS_OK)
-		status = tidy(&all);
-	if (status == STATUS_OK)
-		status = exchange_page_write(params, &all.frame, &all.zooms, result);
-	if (status == STATUS_OK)
-		status = exchange_stamp_write(params->directory, &all.stamp);
-	if (status == STATUS_OK)
-		status = exchange_journal_end(&all.journal);
+	enum status status;
+	TRY_OR(done, exchange_page_check(params));
+	TRY_OR(done, check_heights(meta));
+	TRY_OR(done, check_folder(params->directory));
+	TRY_OR(done, exchange_file_folder(params->directory));
+	TRY_OR(done, store_reader_create(params->store, &all.reader));
+	TRY_OR(done, exchange_frame_init(&all.frame, meta));
+	TRY_OR(done, exchange_zooms_init(&all.zooms, &all.frame, all.reader, params->store, params->since));
+	TRY_OR(done, exchange_steps_create(&all.steps));
+	TRY_OR(done, begin(&all));
+	tell(&all);
+	TRY_OR(done, run_threads(&all));
+	TRY_OR(done, tidy(&all));
+	TRY_OR(done, exchange_page_write(params, &all.frame, &all.zooms, result));
+	TRY_OR(done, exchange_stamp_write(params->directory, &all.stamp));
+	TRY_OR(done, exchange_journal_end(&all.journal));
+done:
 	result->seconds = clock_seconds() - started;
 	exchange_journal_finish(&all.journal);
 	exchange_steps_destroy(all.steps);

@@ -48,8 +48,7 @@ static enum status add_tile(void *user, uint64_t key)
 	if (list->count == list->room) {
 		size_t room = list->room != 0 ? 2 * list->room : 64;
 		struct rect *grown = mem_realloc(list->rects, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("the tiles of a level");
+		TRY_MEM(grown, "the tiles of a level");
 		list->rects = grown;
 		list->room = room;
 	}
@@ -121,11 +120,8 @@ static enum status add_tiles(const struct exchange_frame *frame, const struct ex
 		for (int64_t y = range[1] - ring; y < range[3] + ring; y++)
 			for (int64_t x = range[0] - ring; x < range[2] + ring; x++) {
 				bool here = x >= zoom->x0 && y >= zoom->y0 && x < zoom->x1 && y < zoom->y1;
-				if (here && (out == &zoom->tiles || exchange_zoom_has(zoom, x, y))) {
-					enum status status = key_set_add(out, exchange_zoom_key(zoom, x, y));
-					if (status != STATUS_OK)
-						return status;
-				}
+				if (here && (out == &zoom->tiles || exchange_zoom_has(zoom, x, y)))
+					TRY(key_set_add(out, exchange_zoom_key(zoom, x, y)));
 			}
 	}
 	return STATUS_OK;
@@ -148,8 +144,7 @@ static int compare_keys(const void *a, const void *b)
 static enum status sort_keys(const struct key_set *set, struct exchange_zoom *zoom)
 {
 	zoom->order = mem_alloc(set->count + 1, sizeof *zoom->order);
-	if (zoom->order == NULL)
-		return fail_memory("the tiles of a zoom level");
+	TRY_MEM(zoom->order, "the tiles of a zoom level");
 	for (size_t i = 0; i < set->room; i++)
 		if (set->keys[i] != UINT64_MAX)
 			zoom->order[zoom->count++] = set->keys[i];
@@ -222,6 +217,7 @@ struct planning {
 	struct exchange_zooms *zooms;
 	const struct exchange_frame *frame;
 	const struct extent *extent;
+	struct store *store;
 	struct store_reader *reader;
 	int finest_base;                 /* level of the finest inset; 0: there is none */
 	struct rects deformed, changed;  /* tiles of the working level */
@@ -242,9 +238,9 @@ static enum status add_insets(const struct planning *planning, struct exchange_z
 		level--;
 	enum status status = STATUS_OK;
 	if (level >= planning->finest_base)
-		status = store_each_base(planning->reader, level, add_tile, &insets);
-	if (status == STATUS_OK)
-		status = add_tiles(planning->frame, zoom, &insets, 0, 0, &zoom->tiles);
+		TRY_OR(done, store_each_base(planning->reader, level, add_tile, &insets));
+	TRY_OR(done, add_tiles(planning->frame, zoom, &insets, 0, 0, &zoom->tiles));
+done:
 	mem_free(insets.rects);
 	return status;
 }
@@ -253,18 +249,17 @@ static enum status plan_tiles(const struct planning *planning, struct exchange_z
 {
 	const struct exchange_zooms *zooms = planning->zooms;
 	const struct exchange_frame *frame = planning->frame;
-	enum status status = STATUS_OK;
 	if (zoom->sparse && zooms->deformed && zoom->z <= zoom_of(planning, zoom->globe, zooms->working))
-		status = add_tiles(frame, zoom, &planning->deformed, 0, 0, &zoom->tiles);
-	if (status == STATUS_OK && zoom->sparse)
-		status = add_insets(planning, zoom);
-	if (status == STATUS_OK && !zoom->globe && zoom->z >= zooms->ruts)
-		status = add_tiles(frame, zoom, &planning->deformed, 0, 0, &zoom->deformed);
+		TRY(add_tiles(frame, zoom, &planning->deformed, 0, 0, &zoom->tiles));
+	if (zoom->sparse)
+		TRY(add_insets(planning, zoom));
+	if (!zoom->globe && zoom->z >= zooms->ruts)
+		TRY(add_tiles(frame, zoom, &planning->deformed, 0, 0, &zoom->deformed));
 	/* A change shows in the cells around it, and in the slopes of the next samples. */
 	double more = 2 * fmax(zoom->step, extent_spacing(planning->extent, zoom->level));
-	if (status == STATUS_OK && zoom->some)
-		status = add_tiles(frame, zoom, &planning->changed, more, zoom->globe ? 1 : 0, &zoom->due);
-	return status;
+	if (zoom->some)
+		TRY(add_tiles(frame, zoom, &planning->changed, more, zoom->globe ? 1 : 0, &zoom->due));
+	return STATUS_OK;
 }
 
 static enum status plan_zoom(const struct planning *planning, bool globe, int z, int dense, bool some)
@@ -287,11 +282,11 @@ static enum status plan_zoom(const struct planning *planning, bool globe, int z,
 	}
 	zoom->x0 = range[0], zoom->y0 = range[1], zoom->x1 = range[2], zoom->y1 = range[3];
 	zoom->control = exchange_place_control(frame, zoom);
-	enum status status = plan_tiles(planning, zoom);
-	if (status == STATUS_OK && (zoom->some || zoom->sparse))
+	TRY(plan_tiles(planning, zoom));
+	if (zoom->some || zoom->sparse)
 		return sort_keys(zoom->some ? &zoom->due : &zoom->tiles, zoom);
 	zoom->units = blocks(zoom->x0, zoom->x1) * blocks(zoom->y0, zoom->y1);
-	return status;
+	return STATUS_OK;
 }
 
 static enum status plan(const struct planning *planning, bool some)
@@ -306,12 +301,26 @@ static enum status plan(const struct planning *planning, bool some)
 	zooms->map[0] = first_map(planning->frame, planning->extent);
 	zooms->map[0] = zooms->map[0] < dense ? zooms->map[0] : dense;
 	zooms->mesh[0] = 0;
-	enum status status = STATUS_OK;
-	for (int z = zooms->map[1]; z >= zooms->map[0] && status == STATUS_OK; z--)
-		status = plan_zoom(planning, false, z, dense, some);
-	for (int z = zooms->mesh[1]; z >= 0 && status == STATUS_OK; z--)
-		status = plan_zoom(planning, true, z, mesh, some);
-	return status;
+	for (int z = zooms->map[1]; z >= zooms->map[0]; z--)
+		TRY(plan_zoom(planning, false, z, dense, some));
+	for (int z = zooms->mesh[1]; z >= 0; z--)
+		TRY(plan_zoom(planning, true, z, mesh, some));
+	return STATUS_OK;
+}
+
+/* Lists the tiles that hold a deformation, and those that changed after revision `since`; then plans all zoom levels. */
+static enum status list_and_plan(struct planning *planning, int64_t since)
+{
+	struct exchange_zooms *zooms = planning->zooms;
+	zooms->deformed = store_has_working_level(planning->store, &zooms->working);
+	if (zooms->deformed)
+		TRY(store_each_offset(planning->reader, zooms->working, add_tile, &planning->deformed));
+	/* Revisions begin at 1; those after INT64_MAX are none. */
+	TRY(store_each_changed(planning->reader, since >= 0 ? since : INT64_MAX, add_tile, &planning->changed, &zooms->revision));
+	if (since > zooms->revision)
+		return fail_with(STATUS_INPUT, "--since %lld: the store's last revision is %lld; give that, or export all tiles again if the store "
+				 "was reset", (long long)since, (long long)zooms->revision);
+	return plan(planning, since >= 0);
 }
 
 enum status exchange_zooms_init(struct exchange_zooms *zooms, const struct exchange_frame *frame, struct store_reader *reader,
@@ -321,24 +330,14 @@ enum status exchange_zooms_init(struct exchange_zooms *zooms, const struct excha
 		.zooms = zooms,
 		.frame = frame,
 		.extent = &frame->meta->extent,
+		.store = store,
 		.reader = reader,
 		.finest_base = store_finest_base(store),
 		.deformed = {frame, NULL, 0, 0},
 		.changed = {frame, NULL, 0, 0},
 	};
 	*zooms = (struct exchange_zooms){.count = 0};
-	zooms->deformed = store_has_working_level(store, &zooms->working);
-	enum status status = STATUS_OK;
-	if (zooms->deformed)
-		status = store_each_offset(reader, zooms->working, add_tile, &planning.deformed);
-	/* Revisions begin at 1; those after INT64_MAX are none. */
-	if (status == STATUS_OK)
-		status = store_each_changed(reader, since >= 0 ? since : INT64_MAX, add_tile, &planning.changed, &zooms->revision);
-	if (status == STATUS_OK && since > zooms->revision)
-		status = fail_with(STATUS_INPUT, "--since %lld: the store's last revision is %lld; give that, or export all tiles again if the store "
-				   "was reset", (long long)since, (long long)zooms->revision);
-	if (status == STATUS_OK)
-		status = plan(&planning, since >= 0);
+	enum status status = list_and_plan(&planning, since);
 	mem_free(planning.deformed.rects);
 	mem_free(planning.changed.rects);
 	if (status != STATUS_OK)

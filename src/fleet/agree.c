@@ -16,9 +16,7 @@ struct common {
 static enum status compare(void *user, int rank, struct fleet_bytes *bytes)
 {
 	struct common *first = user, other;
-	enum status status = fleet_get(bytes, &other, sizeof other);
-	if (status != STATUS_OK)
-		return status;
+	TRY(fleet_get(bytes, &other, sizeof other));
 	if (rank == 0)
 		*first = other;
 	if (strncmp(other.version, first->version, sizeof other.version) != 0)
@@ -43,16 +41,16 @@ static enum status put_common(struct fleet *fleet, const struct world *world)
 	struct common mine;
 	memset(&mine, 0, sizeof mine); /* its padding, too */
 	snprintf(mine.version, sizeof mine.version, "%s", FURROW_VERSION);
-	snprintf(mine.scene, sizeof mine.scene, "%s", world->scene->hash);
-	mine.base = store_base_hash(world->store);
-	mine.spacing = world->spacing;
-	mine.end_time = world->scene->end_time;
-	mine.steps = world->params.steps;
-	mine.forces = world->scene->forces;
-	mine.step = world->step;
-	mine.resumed = world->resumed.is;
-	enum status status = world->resumed.is && fleet->rank == 0 ? fleet_note_resumed(fleet) : STATUS_OK;
-	return status == STATUS_OK ? fleet_put(&fleet->sent, &mine, sizeof mine) : status;
+	snprintf(mine.scene, sizeof mine.scene, "%s", world_scene(world)->hash);
+	mine.base = store_base_hash(world_resident(world)->store);
+	mine.spacing = world_resident(world)->spacing;
+	mine.end_time = world_scene(world)->end_time;
+	mine.steps = world_params(world)->steps;
+	mine.forces = world_scene(world)->forces;
+	mine.step = world_steps_done(world);
+	mine.resumed = world_facts(world)->resumed.is;
+	TRY(world_facts(world)->resumed.is && fleet->rank == 0 ? fleet_note_resumed(fleet) : STATUS_OK);
+	return fleet_put(&fleet->sent, &mine, sizeof mine);
 }
 
 /* The first call comes when the files are open. Each later one tells only the status. */

@@ -118,8 +118,7 @@ enum status fleet_comm_start(int *rank, int *ranks)
 	at.places = mem_calloc(count, sizeof *at.places);
 	*rank = at.rank;
 	*ranks = at.ranks;
-	if (at.firsts == NULL || at.all == NULL || at.sizes == NULL || at.counts == NULL || at.places == NULL)
-		return fail_memory("ranks");
+	TRY_MEM(at.firsts != NULL && at.all != NULL && at.sizes != NULL && at.counts != NULL && at.places != NULL, "ranks");
 	return STATUS_OK;
 }
 

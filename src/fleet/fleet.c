@@ -28,10 +28,10 @@ bool fleet_is_launched(void)
 
 enum status fleet_join(void)
 {
-	enum status status = fleet_comm_start(&joined.rank, &joined.ranks);
-	if (status == STATUS_OK && joined.rank > 0)
+	TRY(fleet_comm_start(&joined.rank, &joined.ranks));
+	if (joined.rank > 0)
 		note_to(say_nothing);
-	return status;
+	return STATUS_OK;
 }
 
 void fleet_leave(void)
@@ -53,8 +53,7 @@ enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size)
 	if (size > bytes->room - bytes->size) {
 		const size_t room = 2 * bytes->room > bytes->size + size ? 2 * bytes->room : bytes->size + size;
 		char *more = mem_realloc(bytes->bytes, room, 1);
-		if (more == NULL)
-			return fail_memory("a message to ranks");
+		TRY_MEM(more, "a message to ranks");
 		bytes->bytes = more;
 		bytes->room = room;
 	}
@@ -136,14 +135,31 @@ void fleet_meet(void)
 	fleet_comm_exchange(&head, sizeof head, &all, &sizes);
 }
 
+/* Before the world is opened, and when it is freed, there is none. */
+static int64_t step_of(const struct fleet *fleet)
+{
+	return fleet->world != NULL ? world_steps_done(fleet->world) : 0;
+}
+
+static bool is_torn(const struct fleet *fleet)
+{
+	return fleet->world != NULL && world_is_torn(fleet->world);
+}
+
+static bool is_due(const struct fleet *fleet)
+{
+	struct page_cache *cache = fleet->world != NULL ? world_resident(fleet->world)->cache : NULL;
+	return cache != NULL && page_cache_commit_due(cache);
+}
+
 enum status fleet_begin(struct fleet *fleet, enum fleet_kind kind, enum status status)
 {
 	struct head head;
 	fill_head(&head, kind, status);
 	head.stop = fleet->params.stop != NULL && *fleet->params.stop;
-	head.due = status == STATUS_OK && fleet->world->cache != NULL && page_cache_commit_due(fleet->world->cache);
-	head.torn = fleet->world->torn;
-	head.step = fleet->world->step;
+	head.due = status == STATUS_OK && is_due(fleet);
+	head.torn = is_torn(fleet);
+	head.step = step_of(fleet);
 	head.leaves = kind == FLEET_STEP && fleet->leaves;
 	fleet->sent.size = fleet->sent.at = 0;
 	return fleet_put(&fleet->sent, &head, sizeof head);
@@ -156,8 +172,8 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 	const size_t *sizes;
 	if (status != STATUS_OK) { /* the others wait, so tell them */
 		fill_head(&head, kind, status);
-		head.torn = fleet->world->torn;
-		head.step = fleet->world->step;
+		head.torn = is_torn(fleet);
+		head.step = step_of(fleet);
 		fleet->sent.size = 0;
 		if (fleet_put(&fleet->sent, &head, sizeof head) != STATUS_OK)
 			assert(fleet->sent.room >= sizeof head); /* made in fleet_open */
@@ -167,7 +183,7 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 	fleet_wait_end(fleet, wait);
 	fleet->exchanges++;
 	*told = (struct fleet_told){false, false, false};
-	const int64_t at_step = fleet->world->step;
+	const int64_t at_step = step_of(fleet);
 	const enum status any = worst(all, sizes, fleet->ranks, kind);
 	for (int i = 0; i < fleet->ranks && sizes[i] >= sizeof head; i++) {
 		memcpy(&head, all[i], sizeof head);
@@ -175,7 +191,8 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 		told->due = told->due || head.due;
 		told->leaves = told->leaves || head.leaves;
 		/* A step that only some ranks have made must not be committed. */
-		fleet->world->torn = fleet->world->torn || (any != STATUS_OK && (head.torn || head.kind != (int32_t)kind || head.step != at_step));
+		if (fleet->world != NULL && any != STATUS_OK && (head.torn || head.kind != (int32_t)kind || head.step != at_step))
+			world_tear(fleet->world);
 	}
 	fleet->failed = fleet->failed || any != STATUS_OK;
 	enum status status_each = any;
@@ -202,6 +219,7 @@ const struct world_ranks *fleet_ranks(struct fleet *fleet)
 		.part = fleet->part,
 		.step = fleet_step,
 		.probed = fleet_probed,
+		.rows = fleet_rows_take,
 		.changes = fleet_changes,
 		.has = fleet_has,
 		.end = fleet_end,

@@ -19,6 +19,7 @@
 #include <stdbool.h>
 
 #include "base/base.h"
+#include "report/report.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
@@ -55,8 +56,8 @@ const struct store_staged *fleet_staged(const struct fleet *fleet);
 const struct world_ranks *fleet_ranks(struct fleet *fleet);
 /* Becomes non-zero on all ranks after the same step, if any rank is to stop. */
 const volatile sig_atomic_t *fleet_stop(const struct fleet *fleet);
-/* Rows of objects.csv of all ranks go to `rows` of rank 0, in the order of one process. NULL: there are none. Returns what the world takes. */
-const struct world_rows *fleet_rows(struct fleet *fleet, const struct world_rows *rows);
+/* Rows of objects.csv of all ranks go to `rows` of rank 0, in the order of one process. NULL: there are none. */
+void fleet_rows(struct fleet *fleet, const struct report_rows *rows);
 /* Closes it, after the world is closed. Removes the parts if they are gathered, and an overlay that the run made and left empty. */
 void fleet_close(struct fleet *fleet); /* takes NULL */
 

@@ -36,8 +36,7 @@ void *fleet_grown(void *list, size_t *room, size_t count, size_t size)
 enum status fleet_groups_add(struct fleet_groups *groups, const struct fleet_item *item)
 {
 	struct fleet_item *items = fleet_grown(groups->items, &groups->item_room, groups->item_count + 1, sizeof *items);
-	if (items == NULL)
-		return fail_memory("groups of bodies");
+	TRY_MEM(items, "groups of bodies");
 	groups->items = items;
 	items[groups->item_count++] = *item;
 	return STATUS_OK;
@@ -66,22 +65,19 @@ static void join(uint32_t *parent, uint32_t a, uint32_t b)
 static enum status number_of(struct fleet_groups *groups, uint64_t key, uint32_t *number)
 {
 	bool fresh;
-	enum status status = key_set_number(&groups->tiles, key, number, &fresh);
-	if (status != STATUS_OK || !fresh)
-		return status;
+	TRY(key_set_number(&groups->tiles, key, number, &fresh));
+	if (!fresh)
+		return STATUS_OK;
 	if (*number >= groups->tile_room) {
 		const size_t room = groups->tile_room > 0 ? 2 * groups->tile_room : 1024;
 		uint32_t *parent = mem_realloc(groups->parent, room, sizeof *parent);
-		if (parent == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(parent, "groups of bodies");
 		groups->parent = parent;
 		uint32_t *group = mem_realloc(groups->tile_group, room, sizeof *group);
-		if (group == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(group, "groups of bodies");
 		groups->tile_group = group;
 		uint64_t *keys = mem_realloc(groups->tile_key, room, sizeof *keys);
-		if (keys == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(keys, "groups of bodies");
 		groups->tile_key = keys;
 		groups->tile_room = room;
 	}
@@ -93,18 +89,17 @@ static enum status number_of(struct fleet_groups *groups, uint64_t key, uint32_t
 /* Joins the tiles of an item. Its `group` becomes the number of its first tile. */
 static enum status join_item(struct fleet_groups *groups, struct fleet_item *item, int level)
 {
-	enum status status = STATUS_OK;
 	uint32_t first = 0, number = 0;
 	for (uint32_t y = item->y0; y <= item->y1; y++)
-		for (uint32_t x = item->x0; x <= item->x1 && status == STATUS_OK; x++) {
-			status = number_of(groups, tile_key((struct tile){level, x, y}), &number);
+		for (uint32_t x = item->x0; x <= item->x1; x++) {
+			TRY(number_of(groups, tile_key((struct tile){level, x, y}), &number));
 			if (x == item->x0 && y == item->y0)
 				first = number;
-			else if (status == STATUS_OK)
+			else
 				join(groups->parent, first, number);
 		}
 	item->group = first;
-	return status;
+	return STATUS_OK;
 }
 
 /* Numbers the groups in the order of their first tiles, and sets that of each tile and item. */
@@ -117,8 +112,7 @@ static enum status number_groups(struct fleet_groups *groups)
 			continue;
 		}
 		struct fleet_group *list = fleet_grown(groups->groups, &groups->group_room, groups->group_count + 1, sizeof *list);
-		if (list == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(list, "groups of bodies");
 		groups->groups = list;
 		groups->tile_group[i] = (uint32_t)groups->group_count;
 		groups->groups[groups->group_count++] = (struct fleet_group){0, FLEET_NONE};
@@ -138,8 +132,7 @@ static enum status follow_owners(struct fleet_groups *groups, int ranks)
 {
 	const size_t count = groups->group_count * (size_t)ranks;
 	uint64_t *shares = fleet_grown(groups->shares, &groups->share_room, count, sizeof *shares);
-	if (shares == NULL)
-		return fail_memory("groups of bodies");
+	TRY_MEM(shares, "groups of bodies");
 	groups->shares = shares;
 	memset(shares, 0, count * sizeof *shares);
 	for (size_t i = 0; i < groups->item_count; i++) {
@@ -207,21 +200,15 @@ static void balance(struct fleet_groups *groups, int ranks)
 
 enum status fleet_groups_make(struct fleet_groups *groups, int level, int ranks, bool balances)
 {
-	enum status status = STATUS_OK;
 	groups->group_count = 0;
 	if (groups->loads == NULL) {
 		groups->loads = mem_calloc((size_t)ranks, sizeof *groups->loads);
-		if (groups->loads == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(groups->loads, "groups of bodies");
 	}
-	for (size_t i = 0; i < groups->item_count && status == STATUS_OK; i++)
-		status = join_item(groups, &groups->items[i], level);
-	if (status == STATUS_OK)
-		status = number_groups(groups);
-	if (status == STATUS_OK)
-		status = follow_owners(groups, ranks);
-	if (status != STATUS_OK)
-		return status;
+	for (size_t i = 0; i < groups->item_count; i++)
+		TRY(join_item(groups, &groups->items[i], level));
+	TRY(number_groups(groups));
+	TRY(follow_owners(groups, ranks));
 	give_new(groups, ranks);
 	add_loads(groups, ranks);
 	if (balances)
@@ -236,12 +223,9 @@ enum status fleet_groups_settle(struct fleet_groups *groups)
 	for (size_t i = 0; i < groups->tiles.count; i++) {
 		uint32_t number;
 		bool fresh;
-		enum status status = key_set_number(&groups->known, groups->tile_key[i], &number, &fresh);
-		if (status != STATUS_OK)
-			return status;
+		TRY(key_set_number(&groups->known, groups->tile_key[i], &number, &fresh));
 		int32_t *owner = fleet_grown(groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *owner);
-		if (owner == NULL)
-			return fail_memory("groups of bodies");
+		TRY_MEM(owner, "groups of bodies");
 		groups->owner = owner;
 		owner[number] = groups->groups[groups->tile_group[i]].rank;
 	}

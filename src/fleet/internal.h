@@ -69,8 +69,7 @@ struct fleet {
 	volatile sig_atomic_t stop;
 	struct fleet_bytes sent;   /* of an exchange */
 	/* rows.c */
-	const struct world_rows *rows;
-	struct world_rows sink;
+	const struct report_rows *rows; /* of rank 0; NULL: there are none */
 	struct fleet_row_list given, waiting; /* given: by this rank since the last exchange; waiting: on rank 0, of all */
 	/* figures */
 	int64_t tiles_moved, bodies_moved, blocks_moved, bytes_moved, exchanges;
@@ -125,7 +124,7 @@ enum status fleet_commit(struct fleet *fleet, enum status status) FURROW_CHECKED
 /* Afterwards no commit is in flight, and the world's record is the same on all ranks. */
 enum status fleet_share_record(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_end(void *user, enum status status) FURROW_CHECKED;
-enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status) FURROW_CHECKED;
+enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status) FURROW_CHECKED;
 
 /* --- together.c --- */
 void fleet_together_finish(struct fleet_together *together);
@@ -134,6 +133,7 @@ enum status fleet_together_need(struct fleet_together *together, size_t count) F
 enum status fleet_together_join(struct fleet_together *together, size_t count) FURROW_CHECKED;
 
 /* --- rows.c --- */
+enum status fleet_rows_take(void *user, const struct world_row *rows, size_t count) FURROW_CHECKED;
 enum status fleet_rows_put(struct fleet *fleet) FURROW_CHECKED; /* appends the given rows to fleet->sent */
 enum status fleet_rows_get(struct fleet *fleet, struct fleet_bytes *bytes) FURROW_CHECKED;
 /* On rank 0: writes the rows until `until`, in order. */

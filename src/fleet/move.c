@@ -65,8 +65,7 @@ static enum status list_tiles(struct moving *moving)
 		    !fleet_is_changed(moving->fleet, key))
 			continue;
 		uint64_t *keys = fleet_grown(moving->keys, &moving->room, moving->count + 1, sizeof *keys);
-		if (keys == NULL)
-			return fail_memory("tiles that move");
+		TRY_MEM(keys, "tiles that move");
 		moving->keys = keys;
 		keys[moving->count++] = key;
 	}
@@ -77,7 +76,7 @@ static enum status put_tile(void *user, struct tile tile, unsigned planes, const
 {
 	struct moving *moving = user;
 	struct fleet_bytes *out = &moving->out[moving->to];
-	const size_t size = resident_pages_moved_bytes(moving->fleet->world->pages);
+	const size_t size = resident_pages_moved_bytes(world_resident(moving->fleet->world)->pages);
 	const uint64_t key = tile_key(tile);
 	int32_t packed = 0;
 	if (planes != 0) {
@@ -86,44 +85,34 @@ static enum status put_tile(void *user, struct tile tile, unsigned planes, const
 			return fail_with(STATUS_FAILED, "ranks: a tile cannot be packed; report this");
 	}
 	const uint32_t mask = planes;
-	enum status status = fleet_put(out, &key, sizeof key);
-	if (status == STATUS_OK)
-		status = fleet_put(out, &mask, sizeof mask);
-	if (status == STATUS_OK)
-		status = fleet_put(out, &packed, sizeof packed);
-	if (status == STATUS_OK)
-		status = fleet_put(out, moving->packed, (size_t)packed);
-	if (status == STATUS_OK)
-		status = fleet_note_changed(moving->fleet, key, false);
 	moving->fleet->tiles_moved++;
-	return status;
+	TRY(fleet_put(out, &key, sizeof key));
+	TRY(fleet_put(out, &mask, sizeof mask));
+	TRY(fleet_put(out, &packed, sizeof packed));
+	TRY(fleet_put(out, moving->packed, (size_t)packed));
+	return fleet_note_changed(moving->fleet, key, false);
 }
 
 static enum status take_tiles(struct fleet *fleet, struct fleet_bytes *in, char *planes)
 {
-	const size_t size = resident_pages_moved_bytes(fleet->world->pages);
+	const size_t size = resident_pages_moved_bytes(world_resident(fleet->world)->pages);
 	uint32_t count;
-	enum status status = fleet_get(in, &count, sizeof count);
-	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(fleet_get(in, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++) {
 		uint64_t key;
 		uint32_t mask;
 		int32_t packed;
-		status = fleet_get(in, &key, sizeof key);
-		if (status == STATUS_OK)
-			status = fleet_get(in, &mask, sizeof mask);
-		if (status == STATUS_OK)
-			status = fleet_get(in, &packed, sizeof packed);
-		if (status != STATUS_OK)
-			return status;
+		TRY(fleet_get(in, &key, sizeof key));
+		TRY(fleet_get(in, &mask, sizeof mask));
+		TRY(fleet_get(in, &packed, sizeof packed));
 		if (packed < 0 || (size_t)packed > in->size - in->at ||
 		    (mask != 0 && LZ4_decompress_safe(in->bytes + in->at, planes, packed, (int)size) != (int)size))
 			return fail_with(STATUS_FAILED, "ranks: a tile that another rank sent is damaged; start all ranks with the same version of furrow");
 		in->at += (size_t)packed;
-		status = world_tile_came(fleet->world, tile_from_key(key), mask, planes);
-		if (status == STATUS_OK)
-			status = fleet_note_changed(fleet, key, true);
+		TRY(world_tile_came(fleet->world, tile_from_key(key), mask, planes));
+		TRY(fleet_note_changed(fleet, key, true));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- bodies --- */
@@ -136,33 +125,31 @@ static enum status put_bodies(struct moving *moving)
 	struct fleet_bytes *out = &moving->out[moving->to];
 	uint32_t count = 0;
 	const size_t at = out->size;
-	enum status status = fleet_put(out, &count, sizeof count);
-	for (size_t i = 0; i < fleet->owner_count && status == STATUS_OK; i++) {
+	TRY(fleet_put(out, &count, sizeof count));
+	for (size_t i = 0; i < fleet->owner_count; i++) {
 		struct world_moved moved;
 		if (fleet->next[i] != moving->to || fleet->owners[i] != fleet->rank || !world_ranked(world, i))
 			continue;
 		world_body_pack(world, i, &moved);
 		world_body_here(world, i, false);
-		status = fleet_put(out, &moved, sizeof moved);
+		fleet->bodies_moved++;
+		TRY(fleet_put(out, &moved, sizeof moved));
 		count++;
 	}
-	if (status == STATUS_OK)
-		memcpy(out->bytes + at, &count, sizeof count);
-	fleet->bodies_moved += count;
-	return status;
+	memcpy(out->bytes + at, &count, sizeof count);
+	return STATUS_OK;
 }
 
 static enum status take_bodies(struct fleet *fleet, struct fleet_bytes *in)
 {
 	uint32_t count;
-	enum status status = fleet_get(in, &count, sizeof count);
-	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(fleet_get(in, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++) {
 		struct world_moved moved;
-		status = fleet_get(in, &moved, sizeof moved);
-		if (status == STATUS_OK)
-			status = world_body_unpack(fleet->world, &moved, true);
+		TRY(fleet_get(in, &moved, sizeof moved));
+		TRY(world_body_unpack(fleet->world, &moved, true));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- blocks --- */
@@ -172,53 +159,62 @@ static bool block_stays(void *user, struct soil_block block)
 	struct moving *moving = user;
 	const struct fleet *fleet = moving->fleet;
 	const struct fleet_item item = fleet_block_item(fleet, block, fleet->intervals);
-	return fleet_groups_rank(&fleet->groups, tile_key((struct tile){fleet->world->level, item.x0, item.y0})) == fleet->rank;
+	return fleet_groups_rank(&fleet->groups, tile_key((struct tile){world_resident(fleet->world)->level, item.x0, item.y0})) == fleet->rank;
 }
 
 /* Appends the blocks that go to each rank to the messages. */
-static enum status put_blocks(struct moving *moving)
+static enum status put_each_block(struct moving *moving, const struct soil_block *blocks, size_t count, uint32_t *counts)
 {
 	struct fleet *fleet = moving->fleet;
-	const struct soil_block *blocks = NULL;
-	size_t count = 0;
-	uint32_t *counts = mem_calloc((size_t)fleet->ranks, sizeof *counts);
-	if (counts == NULL)
-		return fail_memory("blocks that move");
-	enum status status = world_active_blocks(fleet->world, &blocks, &count);
-	for (int pass = 0; pass < 2 && status == STATUS_OK; pass++) {
-		for (int r = 0; r < fleet->ranks && pass == 1 && status == STATUS_OK; r++)
+	for (int pass = 0; pass < 2; pass++) {
+		for (int r = 0; r < fleet->ranks && pass == 1; r++)
 			if (moving->out[r].size > 0)
-				status = fleet_put(&moving->out[r], &counts[r], sizeof counts[r]);
-		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+				TRY(fleet_put(&moving->out[r], &counts[r], sizeof counts[r]));
+		for (size_t i = 0; i < count; i++) {
 			const struct fleet_item item = fleet_block_item(fleet, blocks[i], fleet->intervals);
-			const int32_t rank = fleet_groups_rank(&fleet->groups, tile_key((struct tile){fleet->world->level, item.x0, item.y0}));
+			const int32_t rank = fleet_groups_rank(&fleet->groups, tile_key((struct tile){world_resident(fleet->world)->level, item.x0, item.y0}));
 			if (rank == fleet->rank || rank == FLEET_NONE)
 				continue;
 			fleet->blocks_moved += pass;
 			if (pass == 0)
 				counts[rank]++;
 			else
-				status = fleet_put(&moving->out[rank], &blocks[i], sizeof blocks[i]);
+				TRY(fleet_put(&moving->out[rank], &blocks[i], sizeof blocks[i]));
 		}
 	}
+	return STATUS_OK;
+}
+
+static enum status put_blocks(struct moving *moving)
+{
+	struct fleet *fleet = moving->fleet;
+	const struct soil_block *blocks = NULL;
+	size_t count = 0;
 	bool any = false;
+	uint32_t *counts = mem_calloc((size_t)fleet->ranks, sizeof *counts);
+	TRY_MEM(counts, "blocks that move");
+	enum status status;
+	TRY_OR(done, world_active_blocks(fleet->world, &blocks, &count));
+	TRY_OR(done, put_each_block(moving, blocks, count, counts));
 	for (int r = 0; r < fleet->ranks; r++)
 		any = any || counts[r] > 0;
+	if (any)
+		TRY_OR(done, world_active_keep(fleet->world, block_stays, moving));
+done:
 	mem_free(counts);
-	return status == STATUS_OK && any ? world_active_keep(fleet->world, block_stays, moving) : status;
+	return status;
 }
 
 static enum status take_blocks(struct fleet *fleet, struct fleet_bytes *in)
 {
 	uint32_t count;
-	enum status status = fleet_get(in, &count, sizeof count);
-	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(fleet_get(in, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++) {
 		struct soil_block block;
-		status = fleet_get(in, &block, sizeof block);
-		if (status == STATUS_OK)
-			status = world_wake_block(fleet->world, block);
+		TRY(fleet_get(in, &block, sizeof block));
+		TRY(world_wake_block(fleet->world, block));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- all of it --- */
@@ -226,42 +222,36 @@ static enum status take_blocks(struct fleet *fleet, struct fleet_bytes *in)
 static enum status pack(struct moving *moving, const bool *goes)
 {
 	struct fleet *fleet = moving->fleet;
-	enum status status = STATUS_OK;
 	bool any = false;
 	for (int r = 0; r < fleet->ranks; r++)
 		any = any || goes[r];
 	if (!any)
 		return STATUS_OK;
-	moving->packed = mem_alloc((size_t)LZ4_compressBound((int)resident_pages_moved_bytes(fleet->world->pages)) + 1, 1);
-	if (moving->packed == NULL)
-		return fail_memory("tiles that move");
-	for (int r = 0; r < fleet->ranks && status == STATUS_OK; r++) {
+	moving->packed = mem_alloc((size_t)LZ4_compressBound((int)resident_pages_moved_bytes(world_resident(fleet->world)->pages)) + 1, 1);
+	TRY_MEM(moving->packed, "tiles that move");
+	for (int r = 0; r < fleet->ranks; r++) {
 		if (!goes[r])
 			continue;
 		moving->to = r;
-		status = list_tiles(moving);
+		TRY(list_tiles(moving));
 		const uint32_t count = (uint32_t)moving->count;
-		if (status == STATUS_OK)
-			status = fleet_put(&moving->out[r], &count, sizeof count);
-		if (status == STATUS_OK)
-			status = resident_pages_take(fleet->world->pages, moving->keys, moving->count, put_tile, moving);
-		if (status == STATUS_OK)
-			status = put_bodies(moving);
+		TRY(fleet_put(&moving->out[r], &count, sizeof count));
+		TRY(resident_pages_take(world_resident(fleet->world)->pages, moving->keys, moving->count, put_tile, moving));
+		TRY(put_bodies(moving));
 	}
-	return status == STATUS_OK ? put_blocks(moving) : status;
+	return put_blocks(moving);
 }
 
 static enum status unpack(struct fleet *fleet, const struct fleet_message *message, char *planes)
 {
 	struct fleet_bytes in = {.bytes = message->bytes, .size = message->size};
 	if (message->size == 0) {
-		fleet->world->torn = true;
+		world_tear(fleet->world);
 		return fail_with(STATUS_FAILED, "rank %d: it could not send its ground; look at what that rank says", message->rank);
 	}
-	enum status status = take_tiles(fleet, &in, planes);
-	if (status == STATUS_OK)
-		status = take_bodies(fleet, &in);
-	return status == STATUS_OK ? take_blocks(fleet, &in) : status;
+	TRY(take_tiles(fleet, &in, planes));
+	TRY(take_bodies(fleet, &in));
+	return take_blocks(fleet, &in);
 }
 
 /* Sets where each body is from now on. Bodies that nobody had yet begin here, or elsewhere. */
@@ -296,7 +286,7 @@ static void find_next(struct fleet *fleet)
 static enum status exchange(struct moving *moving, const bool *goes, enum status status)
 {
 	struct fleet *fleet = moving->fleet;
-	const size_t ranks = (size_t)fleet->ranks, size = resident_pages_moved_bytes(fleet->world->pages);
+	const size_t ranks = (size_t)fleet->ranks, size = resident_pages_moved_bytes(world_resident(fleet->world)->pages);
 	struct fleet_message *out = mem_calloc(ranks, sizeof *out), *in = mem_calloc(ranks, sizeof *in);
 	char *planes = mem_alloc(size > 0 ? size : 1, 1);
 	size_t out_count = 0, in_count = 0;
@@ -347,12 +337,10 @@ enum status fleet_move(struct fleet *fleet, enum status status)
 	bool any = false;
 	for (int r = 0; r < fleet->ranks; r++)
 		any = any || goes[r] || moving.comes[r];
-	if (any)
-		status = exchange(&moving, goes, status);
-	if (status == STATUS_OK) {
-		settle_bodies(fleet);
-		status = fleet_groups_settle(&fleet->groups);
-	}
+	TRY_OR(done, any ? exchange(&moving, goes, status) : status);
+	settle_bodies(fleet);
+	TRY_OR(done, fleet_groups_settle(&fleet->groups));
+done:
 	for (int r = 0; r < fleet->ranks; r++)
 		mem_free(moving.out[r].bytes);
 	mem_free(moving.out);

@@ -65,23 +65,24 @@ static void finish_list(struct part_list *list)
 static enum status list_parts(const char *folder, struct part_list *list)
 {
 	struct dirent **entries = NULL;
-	enum status status = STATUS_OK;
 	const int count = scandir(folder, &entries, is_part, by_name);
 	if (count < 0)
 		return fail_with(STATUS_FAILED, "%s: %s; remove it, if it is no folder of a drive, or make it readable", folder, strerror(errno));
+	enum status status;
 	list->paths = mem_calloc((size_t)count + 1, sizeof *list->paths);
+	TRY_OR(done, list->paths != NULL ? STATUS_OK : fail_memory("parts"));
 	for (int i = 0; i < count; i++) {
 		char path[PATH_MOST];
 		snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
-		if (list->paths != NULL && status == STATUS_OK) {
-			list->paths[list->count] = mem_strdup(path);
-			status = list->paths[list->count] != NULL ? STATUS_OK : fail_memory("parts");
-			list->count += status == STATUS_OK;
-		}
-		free(entries[i]);
+		list->paths[i] = mem_strdup(path);
+		TRY_OR(done, list->paths[i] != NULL ? STATUS_OK : fail_memory("parts"));
+		list->count++;
 	}
+done:
+	for (int i = 0; i < count; i++)
+		free(entries[i]);
 	free(entries);
-	return list->paths != NULL ? status : fail_memory("parts");
+	return status;
 }
 
 static void remove_store(const char *path)
@@ -166,12 +167,13 @@ static enum status read_before(const char *over, const char *folder, struct gath
 	snprintf(path, sizeof path, "%s/" RESUMED, folder);
 	if (access(path, F_OK) != 0)
 		return STATUS_OK;
-	enum status status = store_open(over, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status != STATUS_OK)
-		return status;
-	status = store_last_run(store, &run);
-	if (status == STATUS_OK && run.scene_hash != NULL && !read_sums(run.state, gathering->before, NULL))
-		status = fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged; drive without --resume, or furrow reset %s", over, shell_path(over).text);
+	TRY(store_open(over, &(struct store_options){.mode = STORE_READ}, &store));
+	enum status status;
+	TRY_OR(done, store_last_run(store, &run));
+	if (run.scene_hash != NULL && !read_sums(run.state, gathering->before, NULL))
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged; drive without --resume, or furrow "
+						     "reset %s", over, shell_path(over).text));
+done:
 	store_close(store);
 	return status;
 }
@@ -183,12 +185,14 @@ static enum status gather_folder(const char *over, const char *folder, struct ga
 	struct store_commit_result result = {0};
 	const struct store_gathering calls = {.user = gathering, .describe = describe};
 	*any = false;
-	enum status status = list_parts(folder, &list);
-	if (status == STATUS_OK && list.count > 0)
-		status = read_before(over, folder, gathering);
-	if (status == STATUS_OK && list.count > 0)
-		status = store_gather(over, (const char *const *)list.paths, list.count, &calls, &result);
-	*any = status == STATUS_OK && result.commit > 0;
+	enum status status;
+	TRY_OR(done, list_parts(folder, &list));
+	if (list.count > 0) {
+		TRY_OR(done, read_before(over, folder, gathering));
+		TRY_OR(done, store_gather(over, (const char *const *)list.paths, list.count, &calls, &result));
+	}
+	*any = result.commit > 0;
+done:
 	if (status != STATUS_OK && gathering->damaged)
 		status = fail_with(STATUS_INPUT, "%s: the record of a part is damaged; remove the folder, and drive anew", folder);
 	cJSON_free(gathering->text);
@@ -240,8 +244,7 @@ static enum status gather_left(const char *over, const char *folder, bool resume
 	enum status status = gather_folder(over, folder, &gathering, &any);
 	if (status == STATUS_INPUT && strncmp(failure_message(), folder, strlen(folder)) == 0)
 		return advise_to_give_up(folder);
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	if (any)
 		note("%s: gathered what an earlier drive by several processes had committed", over);
 	remove_folder(folder);
@@ -253,8 +256,7 @@ enum status fleet_gather_left(const char *overlay, bool resume)
 	if (overlay == NULL)
 		return STATUS_OK;
 	char *folder = joined_path(overlay, ".parts");
-	if (folder == NULL)
-		return fail_memory("a path");
+	TRY_MEM(folder, "a path");
 	enum status status = gather_left(overlay, folder, resume);
 	mem_free(folder);
 	return status;
@@ -271,15 +273,10 @@ static enum status make_files(struct fleet *fleet)
 	struct store *store;
 	if (base == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", params->scene->file);
-	enum status status = gather_left(fleet->over, fleet->parts, params->resume);
-	if (status != STATUS_OK)
-		return status;
-	fleet->made = access(fleet->over, F_OK) != 0;
-	status = store_open_overlay(fleet->over, base, &options, &store);
-	if (status != STATUS_OK) {
-		fleet->made = false;
-		return status;
-	}
+	TRY(gather_left(fleet->over, fleet->parts, params->resume));
+	const bool makes = access(fleet->over, F_OK) != 0;
+	TRY(store_open_overlay(fleet->over, base, &options, &store));
+	fleet->made = makes;
 	store_close(store);
 	fleet->founded = mkdir(fleet->parts, 0777) == 0;
 	if (!fleet->founded && errno == EEXIST)
@@ -288,6 +285,27 @@ static enum status make_files(struct fleet *fleet)
 		return fail_with(STATUS_FAILED, "%s: %s; %s", fleet->parts, strerror(errno),
 				 limits_advice(errno, "give an --overlay in a folder that can be written"));
 	return STATUS_OK;
+}
+
+static enum status name_files(struct fleet *fleet)
+{
+	static const char head[1024];
+	char name[64];
+	snprintf(name, sizeof name, "/" PREFIX "%05d" SUFFIX, fleet->rank);
+	fleet->over = mem_strdup(fleet->params.overlay);
+	fleet->parts = joined_path(fleet->params.overlay, ".parts");
+	fleet->part = fleet->parts != NULL ? joined_path(fleet->parts, name) : NULL;
+	TRY_MEM(fleet->over != NULL && fleet->part != NULL, "ranks");
+	return fleet_put(&fleet->sent, head, sizeof head); /* a head always has room */
+}
+
+/* On rank 0: makes the files of the run, and its number. */
+static enum status begin_run(struct fleet *fleet, uint64_t *run)
+{
+	if (fleet->rank != 0)
+		return STATUS_OK;
+	TRY(make_files(fleet));
+	return store_part_run(run);
 }
 
 /* Compares what names the run's files on each rank, before anything is made. All ranks return the same. */
@@ -308,37 +326,17 @@ static enum status same_files(const struct fleet *fleet)
 
 enum status fleet_open(const struct fleet_params *params, struct fleet **out)
 {
-	char name[64];
+	uint64_t run = 0;
 	struct fleet *fleet = mem_calloc(1, sizeof *fleet);
 	if (fleet == NULL)
 		fleet_comm_give_up("out of memory");
 	*out = fleet;
 	fleet->params = *params;
 	fleet->ranks = fleet_joined(&fleet->rank);
-	snprintf(name, sizeof name, "/" PREFIX "%05d" SUFFIX, fleet->rank);
-	fleet->over = mem_strdup(params->overlay);
-	fleet->parts = joined_path(params->overlay, ".parts");
-	fleet->part = fleet->parts != NULL ? joined_path(fleet->parts, name) : NULL;
-	enum status status = fleet->over != NULL && fleet->part != NULL ? STATUS_OK : fail_memory("ranks");
-	if (status == STATUS_OK) { /* a head always has room */
-		static const char head[1024];
-		status = fleet_put(&fleet->sent, head, sizeof head);
-	}
-	uint64_t run = 0;
-	status = fleet_agree(status);
-	if (status == STATUS_OK)
-		status = same_files(fleet);
-	if (status != STATUS_OK)
-		return status;
-	if (fleet->rank == 0)
-		status = make_files(fleet);
-	if (status == STATUS_OK && fleet->rank == 0)
-		status = store_part_run(&run);
-	status = fleet_agree(status);
-	if (status == STATUS_OK)
-		status = fleet_stage(params, &fleet->staged);
-	if (status != STATUS_OK)
-		return status;
+	TRY(fleet_agree(name_files(fleet)));
+	TRY(same_files(fleet));
+	TRY(fleet_agree(begin_run(fleet, &run)));
+	TRY(fleet_stage(params, &fleet->staged));
 	const void *const *all;
 	const size_t *sizes;
 	fleet_comm_exchange(&run, sizeof run, &all, &sizes);
@@ -365,10 +363,8 @@ static enum status add_figures(void *user, int rank, struct fleet_bytes *bytes)
 {
 	struct summing *summing = user;
 	struct world_ranked other;
-	enum status status = fleet_get(bytes, &other, sizeof other);
+	TRY(fleet_get(bytes, &other, sizeof other));
 	struct world_ranked *all = summing->figures;
-	if (status != STATUS_OK)
-		return status;
 	if (rank == 0) {
 		all->sums = other.sums;
 		all->balance = other.balance;
@@ -393,9 +389,10 @@ enum status fleet_gather(void *user, struct world_ranked *figures)
 	struct fleet_told told;
 	bool any = false;
 	fleet->ran = true;
+	fleet->world = NULL; /* it is freed */
 	memset(figures, 0, sizeof *figures);
 	fleet_meet(); /* nobody has the ground open any more */
-	enum status gathered = fleet->rank == 0 ? gather_folder(fleet->over, fleet->parts, &gathering, &any) : STATUS_OK;
+	enum status status = fleet->rank == 0 ? gather_folder(fleet->over, fleet->parts, &gathering, &any) : STATUS_OK;
 	memset(&mine, 0, sizeof mine);
 	mine.sums = (struct pages_sums){gathering.all[0], gathering.all[1], gathering.all[2], gathering.all[3], gathering.all[4]};
 	mine.tiles_moved = fleet->tiles_moved;
@@ -409,13 +406,13 @@ enum status fleet_gather(void *user, struct world_ranked *figures)
 	mine.moving = fleet->moving;
 	mine.balance = fleet->steps > 0 ? fleet->balance / (double)fleet->steps : 1;
 	struct summing summing = {figures, fleet->ranks};
-	if (gathered == STATUS_OK)
-		gathered = fleet_begin(fleet, FLEET_FIGURES, STATUS_OK);
-	if (gathered == STATUS_OK)
-		gathered = fleet_put(&fleet->sent, &mine, sizeof mine);
-	gathered = fleet_tell(fleet, FLEET_FIGURES, gathered, &told, add_figures, &summing);
-	fleet->gathered = gathered == STATUS_OK;
-	return gathered;
+	TRY_OR(tell, status);
+	TRY_OR(tell, fleet_begin(fleet, FLEET_FIGURES, STATUS_OK));
+	TRY_OR(tell, fleet_put(&fleet->sent, &mine, sizeof mine));
+tell: /* the others wait for it, also after a failure */
+	TRY(fleet_tell(fleet, FLEET_FIGURES, status, &told, add_figures, &summing));
+	fleet->gathered = true;
+	return STATUS_OK;
 }
 
 void fleet_close(struct fleet *fleet)

@@ -6,63 +6,56 @@
 
 #include <stdlib.h>
 
+#define ROWS_AT_ONCE 64 /* that are written together */
+
 static enum status add(struct fleet_row_list *list, const struct fleet_row *row)
 {
 	struct fleet_row *rows = fleet_grown(list->rows, &list->room, list->count + 1, sizeof *rows);
-	if (rows == NULL)
-		return fail_memory("rows");
+	TRY_MEM(rows, "rows");
 	list->rows = rows;
 	list->rows[list->count++] = *row;
 	return STATUS_OK;
 }
 
-static enum status take_row(void *user, const struct world_row *row)
+enum status fleet_rows_take(void *user, const struct world_row *rows, size_t count)
 {
 	struct fleet *fleet = user;
-	return add(&fleet->given, &(struct fleet_row){
-		.time = row->time,
-		.slip = row->slip,
-		.position = {row->position[0], row->position[1], row->position[2]},
-		.body = (int64_t)row->body,
-		.force = row->force,
-		.soil = row->soil,
-	});
-}
-
-static enum status flush(void *user)
-{
-	(void)user; /* fleet_rows_write does */
+	for (const struct world_row *row = rows; row < rows + count; row++)
+		TRY(add(&fleet->given, &(struct fleet_row){
+			.time = row->time,
+			.slip = row->slip,
+			.position = {row->position[0], row->position[1], row->position[2]},
+			.body = (int64_t)row->body,
+			.force = row->force,
+			.soil = row->soil,
+		}));
 	return STATUS_OK;
 }
 
-const struct world_rows *fleet_rows(struct fleet *fleet, const struct world_rows *rows)
+void fleet_rows(struct fleet *fleet, const struct report_rows *rows)
 {
 	fleet->rows = rows;
-	fleet->sink = (struct world_rows){.user = fleet, .row = take_row, .flush = flush};
-	return &fleet->sink;
 }
 
 enum status fleet_rows_put(struct fleet *fleet)
 {
 	const uint32_t count = (uint32_t)fleet->given.count;
-	enum status status = fleet_put(&fleet->sent, &count, sizeof count);
-	if (status == STATUS_OK)
-		status = fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 	fleet->given.count = 0;
-	return status;
+	TRY(fleet_put(&fleet->sent, &count, sizeof count));
+	return fleet_put(&fleet->sent, fleet->given.rows, count * sizeof *fleet->given.rows);
 }
 
 enum status fleet_rows_get(struct fleet *fleet, struct fleet_bytes *bytes)
 {
 	uint32_t count;
-	enum status status = fleet_get(bytes, &count, sizeof count);
-	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(fleet_get(bytes, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++) {
 		struct fleet_row row;
-		status = fleet_get(bytes, &row, sizeof row);
-		if (status == STATUS_OK && fleet->rank == 0)
-			status = add(&fleet->waiting, &row);
+		TRY(fleet_get(bytes, &row, sizeof row));
+		if (fleet->rank == 0)
+			TRY(add(&fleet->waiting, &row));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static int before(const void *a, const void *b)
@@ -73,33 +66,44 @@ static int before(const void *a, const void *b)
 	return (x->body > y->body) - (x->body < y->body);
 }
 
+static enum status write_some(struct fleet *fleet, const struct fleet_row *from, size_t count)
+{
+	struct world_row rows[ROWS_AT_ONCE];
+	for (size_t i = 0; i < count; i++) {
+		rows[i] = (struct world_row){
+			.time = from[i].time,
+			.body = (size_t)from[i].body,
+			.slip = from[i].slip,
+			.position = {from[i].position[0], from[i].position[1], from[i].position[2]},
+			.soil = from[i].soil,
+			.force = from[i].force,
+		};
+		if (!world_ranked(fleet->world, rows[i].body))
+			return fail_with(STATUS_FAILED, "ranks: a row came of a body that there is not; report this");
+		rows[i].object = world_body(fleet->world, rows[i].body)->object;
+	}
+	return report_rows_write(fleet->rows, rows, count);
+}
+
 enum status fleet_rows_write(struct fleet *fleet, double until)
 {
 	struct fleet_row_list *waiting = &fleet->waiting;
-	enum status status = STATUS_OK;
-	size_t written = 0;
+	size_t written = 0, due = 0;
 	if (fleet->rows == NULL || waiting->count == 0)
 		return STATUS_OK;
 	qsort(waiting->rows, waiting->count, sizeof *waiting->rows, before);
-	for (; written < waiting->count && waiting->rows[written].time <= until && status == STATUS_OK; written++) {
-		const struct fleet_row *from = &waiting->rows[written];
-		struct world_row row = {
-			.time = from->time,
-			.body = (size_t)from->body,
-			.slip = from->slip,
-			.position = {from->position[0], from->position[1], from->position[2]},
-			.soil = from->soil,
-			.force = from->force,
-		};
-		if (!world_ranked(fleet->world, row.body))
-			return fail_with(STATUS_FAILED, "ranks: a row came of a body that there is not; report this");
-		row.object = world_body_of(fleet->world, &(struct event){.body = row.body})->object;
-		status = fleet->rows->row(fleet->rows->user, &row);
+	while (due < waiting->count && waiting->rows[due].time <= until)
+		due++;
+	enum status status = STATUS_OK;
+	while (written < due && status == STATUS_OK) { /* rows are not written a second time, also if this fails */
+		const size_t count = due - written < ROWS_AT_ONCE ? due - written : ROWS_AT_ONCE;
+		status = write_some(fleet, waiting->rows + written, count);
+		written += count;
 	}
 	for (size_t i = written; i < waiting->count; i++)
 		waiting->rows[i - written] = waiting->rows[i];
 	waiting->count -= written;
-	return status == STATUS_OK ? fleet->rows->flush(fleet->rows->user) : status;
+	return status;
 }
 
 void fleet_rows_finish(struct fleet *fleet)

@@ -31,7 +31,7 @@ static bool tiles_of(const struct fleet *fleet, struct post_rect posts, struct f
 {
 	const struct world *world = fleet->world;
 	struct tile first, last;
-	if (!tile_range_of(&world->meta->extent, world->level, posts, &first, &last))
+	if (!tile_range_of(&world_resident(world)->meta->extent, world_resident(world)->level, posts, &first, &last))
 		return false;
 	item->x0 = first.x;
 	item->y0 = first.y;
@@ -59,12 +59,11 @@ static enum status put_links(struct fleet *fleet, double until)
 	uint32_t links = 0;
 	if (!world_changes_ground(world))
 		return fleet_put(&fleet->sent, &links, sizeof links);
-	enum status status = world_active_blocks(world, &blocks, &count);
+	TRY(world_active_blocks(world, &blocks, &count));
 	const size_t at = fleet->sent.size;
 	struct link last = {0};
-	if (status == STATUS_OK)
-		status = fleet_put(&fleet->sent, &links, sizeof links);
-	for (size_t i = 0; i <= count && status == STATUS_OK; i++) {
+	TRY(fleet_put(&fleet->sent, &links, sizeof links));
+	for (size_t i = 0; i <= count; i++) {
 		struct link link = {0};
 		if (i < count) {
 			const struct fleet_item item = fleet_block_item(fleet, blocks[i], intervals);
@@ -76,14 +75,13 @@ static enum status put_links(struct fleet *fleet, double until)
 			continue;
 		}
 		if (last.weight > 0) {
-			status = fleet_put(&fleet->sent, &last, sizeof last);
+			TRY(fleet_put(&fleet->sent, &last, sizeof last));
 			links++;
 		}
 		last = link;
 	}
-	if (status == STATUS_OK)
-		memcpy(fleet->sent.bytes + at, &links, sizeof links);
-	return status;
+	memcpy(fleet->sent.bytes + at, &links, sizeof links);
+	return STATUS_OK;
 }
 
 static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
@@ -91,27 +89,24 @@ static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
 	const struct planning *planning = user;
 	struct fleet *fleet = planning->fleet;
 	uint32_t links;
-	enum status status = fleet_rows_get(fleet, bytes);
-	if (status == STATUS_OK)
-		status = fleet_get(bytes, &links, sizeof links);
-	for (uint32_t i = 0; status == STATUS_OK && i < links; i++) {
+	TRY(fleet_rows_get(fleet, bytes));
+	TRY(fleet_get(bytes, &links, sizeof links));
+	for (uint32_t i = 0; i < links; i++) {
 		struct link link;
-		status = fleet_get(bytes, &link, sizeof link);
-		if (status == STATUS_OK)
-			status = fleet_groups_add(&fleet->groups, &(struct fleet_item){link.x0, link.y0, link.x1, link.y1, rank, link.weight, 0});
+		TRY(fleet_get(bytes, &link, sizeof link));
+		TRY(fleet_groups_add(&fleet->groups, &(struct fleet_item){link.x0, link.y0, link.x1, link.y1, rank, link.weight, 0}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- planning --- */
 
 static enum status make_owners(struct fleet *fleet)
 {
-	const size_t count = world_ranked_bodies(fleet->world);
+	const size_t count = world_body_count(fleet->world);
 	if (count > fleet->planned_room) {
 		size_t *bodies = mem_realloc(fleet->planned_bodies, count, sizeof *bodies);
-		if (bodies == NULL)
-			return fail_memory("the ranks of bodies");
+		TRY_MEM(bodies, "the ranks of bodies");
 		fleet->planned_bodies = bodies;
 		fleet->planned_room = count;
 	}
@@ -119,8 +114,7 @@ static enum status make_owners(struct fleet *fleet)
 	if (count <= fleet->owner_count)
 		return STATUS_OK;
 	int32_t *owners = mem_realloc(fleet->owners, count, sizeof *owners);
-	if (owners == NULL)
-		return fail_memory("the ranks of bodies");
+	TRY_MEM(owners, "the ranks of bodies");
 	fleet->owners = owners;
 	while (fleet->owner_count < count)
 		fleet->owners[fleet->owner_count++] = FLEET_NONE;
@@ -133,11 +127,8 @@ static enum status add_bodies(struct fleet *fleet, double until)
 	const struct world *world = fleet->world;
 	struct post_rect *areas;
 	struct fleet_item item;
-	enum status status = make_owners(fleet);
-	if (status == STATUS_OK)
-		status = fleet_together_need(&fleet->together, fleet->owner_count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(make_owners(fleet));
+	TRY(fleet_together_need(&fleet->together, fleet->owner_count));
 	areas = fleet->together.areas;
 	for (size_t i = 0; i < fleet->owner_count; i++) {
 		if (!world_ranked(world, i))
@@ -148,14 +139,14 @@ static enum status add_bodies(struct fleet *fleet, double until)
 		else if (fleet->owners[i] == FLEET_NONE)
 			fleet->owners[i] = 0;
 	}
-	if (world->meetings != NULL)
-		status = fleet_together_join(&fleet->together, fleet->planned_count);
-	for (size_t i = 0; i < fleet->planned_count && status == STATUS_OK; i++) {
+	if (world_meets(world))
+		TRY(fleet_together_join(&fleet->together, fleet->planned_count));
+	for (size_t i = 0; i < fleet->planned_count; i++) {
 		item = (struct fleet_item){.owner = fleet->owners[fleet->planned_bodies[i]], .weight = 1};
 		(void)tiles_of(fleet, areas[i], &item); /* it has some */
-		status = fleet_groups_add(&fleet->groups, &item);
+		TRY(fleet_groups_add(&fleet->groups, &item));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static void note_balance(struct fleet *fleet)
@@ -172,15 +163,15 @@ static void note_balance(struct fleet *fleet)
 static int64_t horizon_of(const struct fleet *fleet)
 {
 	const struct world *world = fleet->world;
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	double fastest = 0, steps = HORIZON_MOST;
 	if (scene->vehicle_count > 0)
 		return 1;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
-			fastest = fmax(fastest, motion_track_fastest(world->bodies[i].track));
+		if (world_body(world, i)->track != NULL)
+			fastest = fmax(fastest, motion_track_fastest(world_body(world, i)->track));
 	if (fastest > 0)
-		steps = fmin(steps, TILE_SHARE * world->spacing * world->meta->extent.cells / (fastest * scene->time_step));
+		steps = fmin(steps, TILE_SHARE * world_resident(world)->spacing * world_resident(world)->meta->extent.cells / (fastest * scene->time_step));
 	if (deform_conserves(scene->model))
 		steps = fmin(steps, INTERVALS_MOST * scene->interval / scene->time_step);
 	return steps >= 2 ? (int64_t)steps : 1;
@@ -190,9 +181,17 @@ static int64_t horizon_of(const struct fleet *fleet)
 static bool leaves(struct fleet *fleet, double until)
 {
 	struct world *world = fleet->world;
-	if (world->scene->outside != SCENE_STOP)
+	if (world_scene(world)->outside != SCENE_STOP)
 		return false;
 	return world_check_events(world, until) != STATUS_OK;
+}
+
+static enum status put_plan(struct fleet *fleet, double until)
+{
+	TRY(fleet_begin(fleet, FLEET_STEP, STATUS_OK));
+	TRY(fleet_rows_put(fleet));
+	TRY(put_links(fleet, until));
+	return add_bodies(fleet, until); /* bodies are items before links */
 }
 
 /* A failure of any rank is returned on all. *mine: a failure of this rank alone, after which the others go on to move what the plan moves. */
@@ -207,29 +206,21 @@ static enum status plan(struct fleet *fleet, double until, enum status status, e
 		fleet->horizon = horizon_of(fleet);
 	fleet->ahead = fleet->horizon;
 	if (fleet->horizon > 1)
-		until = world_step_time(world->scene, world->step + fleet->horizon);
+		until = world_step_time(world_scene(world), world_steps_done(world) + fleet->horizon);
 	fleet->intervals = world_intervals_due(world, until);
 	fleet->leaves = fleet->horizon > 1 && status == STATUS_OK && leaves(fleet, until);
 	if (status == STATUS_OK)
-		status = fleet_begin(fleet, FLEET_STEP, status);
-	if (status == STATUS_OK)
-		status = fleet_rows_put(fleet);
-	if (status == STATUS_OK)
-		status = put_links(fleet, until);
-	if (status == STATUS_OK) /* bodies are items before links */
-		status = add_bodies(fleet, until);
-	status = fleet_tell(fleet, FLEET_STEP, status, &told, take_links, &planning);
-	if (status != STATUS_OK)
-		return status;
+		status = put_plan(fleet, until);
+	TRY(fleet_tell(fleet, FLEET_STEP, status, &told, take_links, &planning));
 	fleet->stop = fleet->stop || told.stop;
 	if (told.leaves)
 		fleet->ahead = 1; /* the areas are larger than they need be */
-	*mine = world->step > 0 ? fleet_rows_write(fleet, world_step_time(world->scene, world->step)) : STATUS_OK;
+	*mine = world_steps_done(world) > 0 ? fleet_rows_write(fleet, world_step_time(world_scene(world), world_steps_done(world))) : STATUS_OK;
 	if (told.due)
 		*mine = fleet_commit(fleet, *mine);
 	if (fleet->failed)
 		return *mine;
-	if (fleet_groups_make(&fleet->groups, world->level, fleet->ranks, fleet->plans % BALANCE_PLANS == BALANCE_PLANS - 1) != STATUS_OK)
+	if (fleet_groups_make(&fleet->groups, world_resident(world)->level, fleet->ranks, fleet->plans % BALANCE_PLANS == BALANCE_PLANS - 1) != STATUS_OK)
 		fleet_comm_give_up(failure_message());
 	return STATUS_OK;
 }
@@ -238,7 +229,7 @@ enum status fleet_step(void *user, double until, enum status status)
 {
 	struct fleet *fleet = user;
 	struct world *world = fleet->world;
-	if (fleet->plans > 0 && fleet->ahead > 1 && world->step < fleet->planned_until && !world->unplaced) {
+	if (fleet->plans > 0 && fleet->ahead > 1 && world_steps_done(world) < fleet->planned_until && !world_unplaced(world)) {
 		fleet->steps++;
 		note_balance(fleet);
 		return status;
@@ -252,21 +243,20 @@ enum status fleet_step(void *user, double until, enum status status)
 	status = plan(fleet, until, status, &mine);
 	const double planned = clock_thread_seconds();
 	fleet->planning += planned - began - (fleet->spun - spun);
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
 	note_balance(fleet);
 	fleet->plans++;
 	fleet->steps++;
-	fleet->planned_until = world->step + fleet->ahead;
-	world->unplaced = false;
+	fleet->planned_until = world_steps_done(world) + fleet->ahead;
+	world_placed(world);
 	/* From here on this rank's ground is not whole until the end of the step. */
-	world->torn = true;
+	world_tear(world);
 	const double waited = fleet->spun;
 	status = fleet_move(fleet, mine);
 	fleet->moving += clock_thread_seconds() - planned - (fleet->spun - waited);
-	if (status == STATUS_OK)
-		world->torn = false;
-	return status;
+	TRY(status);
+	world_mend(world);
+	return STATUS_OK;
 }
 
 /* --- tiles of this rank --- */
@@ -288,12 +278,9 @@ enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine)
 {
 	uint32_t number;
 	bool fresh;
-	enum status status = key_set_number(&fleet->changed, key, &number, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_set_number(&fleet->changed, key, &number, &fresh));
 	bool *more = fleet_grown(fleet->mine, &fleet->mine_room, (size_t)number + 1, sizeof *more);
-	if (more == NULL)
-		return fail_memory("the tiles of a rank");
+	TRY_MEM(more, "the tiles of a rank");
 	fleet->mine = more;
 	more[number] = mine;
 	return STATUS_OK;

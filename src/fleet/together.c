@@ -22,8 +22,7 @@ enum status fleet_together_need(struct fleet_together *together, size_t count)
 	together->areas = areas != NULL ? areas : together->areas;
 	size_t *first = mem_realloc(together->first, count, sizeof *first);
 	together->first = first != NULL ? first : together->first;
-	if (areas == NULL || first == NULL)
-		return fail_memory("the ranks of bodies");
+	TRY_MEM(areas != NULL && first != NULL, "the ranks of bodies");
 	together->room = count;
 	return STATUS_OK;
 }
@@ -48,19 +47,18 @@ static enum status join_block(struct fleet_together *together, uint64_t key, siz
 enum status fleet_together_join(struct fleet_together *together, size_t count)
 {
 	struct post_rect *areas = together->areas;
-	enum status status = STATUS_OK;
 	key_map_clear(&together->blocks);
 	for (size_t i = 0; i < count; i++)
 		together->first[i] = i;
 	for (size_t i = 0; i < count; i++)
 		for (int64_t y = areas[i].y0 > 0 ? areas[i].y0 / BLOCK : 0; y * BLOCK < areas[i].y1; y++)
-			for (int64_t x = areas[i].x0 > 0 ? areas[i].x0 / BLOCK : 0; x * BLOCK < areas[i].x1 && status == STATUS_OK; x++)
-				status = join_block(together, (uint64_t)y << 32 | (uint64_t)x, i);
+			for (int64_t x = areas[i].x0 > 0 ? areas[i].x0 / BLOCK : 0; x * BLOCK < areas[i].x1; x++)
+				TRY(join_block(together, (uint64_t)y << 32 | (uint64_t)x, i));
 	for (size_t i = 0; i < count; i++) {
 		const size_t first = first_of(together->first, i);
 		areas[first] = post_rect_joined(areas[first], areas[i]);
 	}
 	for (size_t i = 0; i < count; i++)
 		areas[i] = areas[first_of(together->first, i)];
-	return status;
+	return STATUS_OK;
 }

@@ -13,8 +13,7 @@ enum status gpu_buffer_create(struct gpu *gpu, enum gpu_buffer_use use, size_t b
 		return failure_restore(&gpu->failure);
 	assert(bytes > 0 && bytes <= INT32_MAX);
 	struct gpu_buffer *buffer = mem_alloc(1, sizeof *buffer);
-	if (buffer == NULL)
-		return fail_memory("GPU buffer");
+	TRY_MEM(buffer, "GPU buffer");
 	*buffer = (struct gpu_buffer){.gpu = gpu, .use = use, .bytes = bytes};
 	glCreateBuffers(1, &buffer->name);
 	glNamedBufferStorage(buffer->name, (GLsizeiptr)bytes, data_or_null, GL_DYNAMIC_STORAGE_BIT);

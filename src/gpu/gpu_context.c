@@ -86,8 +86,7 @@ enum status gpu_create(const struct gpu_params *params, struct gpu **out)
 {
 	enum status status;
 	struct gpu *gpu = mem_calloc(1, sizeof *gpu);
-	if (gpu == NULL)
-		return fail_memory("GL context");
+	TRY_MEM(gpu, "GL context");
 	gpu->owner = pthread_self();
 	status = gpu_egl_open(params->draws, &gpu->egl);
 	if (status != STATUS_OK) {

@@ -30,23 +30,23 @@ enum status gpu_list_create(struct gpu *gpu, size_t bytes, struct gpu_list **out
 		return failure_restore(&gpu->failure);
 	assert(bytes > 0 && all <= INT32_MAX);
 	struct gpu_list *list = mem_alloc(1, sizeof *list);
-	if (list == NULL)
-		return fail_memory("GPU list");
+	TRY_MEM(list, "GPU list");
 	*list = (struct gpu_list){.gpu = gpu, .bytes = copy_bytes(bytes)};
 	glCreateBuffers(1, &list->name);
 	glNamedBufferStorage(list->name, (GLsizeiptr)all, NULL, MAP_FLAGS);
 	list->map = glMapNamedBufferRange(list->name, 0, (GLsizeiptr)all, MAP_FLAGS);
-	enum status status = gpu_check(gpu, "GPU list");
-	if (status == STATUS_OK && list->map == NULL)
-		status = gpu_fail(gpu, fail_with(STATUS_FAILED, "GPU list: it cannot be mapped; try another GL driver than %s", gpu->info.renderer));
-	if (status != STATUS_OK) {
-		glDeleteBuffers(1, &list->name);
-		mem_free(list);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, gpu_check(gpu, "GPU list"));
+	if (list->map == NULL)
+		TRY_OR(failed, gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"GPU list: it cannot be mapped; try another GL driver than %s", gpu->info.renderer)));
 	gpu->stats.bytes += all;
 	*out = list;
 	return STATUS_OK;
+failed:
+	glDeleteBuffers(1, &list->name);
+	mem_free(list);
+	return status;
 }
 
 void gpu_list_destroy(struct gpu_list *list)

@@ -59,9 +59,7 @@ static enum status grow(struct gpu_pool *pool)
 	const uint32_t left = pool->most - pool->layers, next = least(pool->layers > begin ? pool->layers : begin, LAYERS_MOST);
 	assert(pool->taken == pool->layers && left > 0);
 	const uint32_t layers = least(next, left);
-	enum status status = gpu_texture_create(pool->gpu, pool->format, pool->side, pool->side, layers, &pool->arrays[pool->count]);
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_texture_create(pool->gpu, pool->format, pool->side, pool->side, layers, &pool->arrays[pool->count]));
 	pool->count++;
 	pool->layers += layers;
 	return STATUS_OK;
@@ -69,14 +67,12 @@ static enum status grow(struct gpu_pool *pool)
 
 enum status gpu_pool_take(struct gpu_pool *pool, struct gpu_texture **out)
 {
-	enum status status = pool->taken == pool->layers ? grow(pool) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	if (pool->taken == pool->layers)
+		TRY(grow(pool));
 	struct gpu_texture *last = pool->arrays[pool->count - 1];
-	status = gpu_texture_create_view(last, pool->taken - (pool->layers - last->layers), out);
-	if (status == STATUS_OK)
-		pool->taken++;
-	return status;
+	TRY(gpu_texture_create_view(last, pool->taken - (pool->layers - last->layers), out));
+	pool->taken++;
+	return STATUS_OK;
 }
 
 void gpu_pool_return(struct gpu_pool *pool, struct gpu_texture *last)

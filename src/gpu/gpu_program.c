@@ -68,23 +68,22 @@ static enum status compile(struct gpu *gpu, const struct shader_text *table, GLe
 	struct gpu_shader shader;
 	GLint ok = GL_FALSE;
 	GLuint name = 0;
-	enum status status = gpu_shader_assemble(table, path, request->defines, &shader);
-	if (status != STATUS_OK)
-		goto done;
+	enum status status;
+	TRY_OR(done, gpu_shader_assemble(table, path, request->defines, &shader));
 	name = glCreateShader(kind);
 	const char *text = shader.text;
 	GLint length = (GLint)shader.length;
 	glShaderSource(name, 1, &text, &length);
 	glCompileShader(name);
 	glGetShaderiv(name, GL_COMPILE_STATUS, &ok);
-	if (!ok) {
+	if (ok) {
+		*out = name;
+	} else {
 		char log[LOG_BYTES] = "";
 		glGetShaderInfoLog(name, sizeof log, NULL, log);
 		status = fail_compile(gpu, &shader, log, request);
 		glDeleteShader(name);
-		goto done;
 	}
-	*out = name;
 done:
 	gpu_shader_finish(&shader);
 	return status;
@@ -101,10 +100,8 @@ static enum status link_program(struct gpu *gpu, const struct shader_text *table
 	GLuint shaders[PARTS] = {0}, name = 0;
 	GLint ok = GL_FALSE;
 	enum status status = STATUS_OK;
-	for (int i = 0; i < PARTS && status == STATUS_OK; i++)
-		status = compile(gpu, table, parts[i].kind, parts[i].path, request, &shaders[i]);
-	if (status != STATUS_OK)
-		goto done;
+	for (int i = 0; i < PARTS; i++)
+		TRY_OR(done, compile(gpu, table, parts[i].kind, parts[i].path, request, &shaders[i]));
 	name = glCreateProgram();
 	for (int i = 0; i < PARTS; i++)
 		glAttachShader(name, shaders[i]);
@@ -160,8 +157,7 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 	if (!gpu_usable(gpu))
 		return failure_restore(&gpu->failure);
 	char *key = request_key(request);
-	if (key == NULL)
-		return fail_memory("GL program");
+	TRY_MEM(key, "GL program");
 	for (struct gpu_program *program = gpu->programs; program != NULL; program = program->next) {
 		if (program->table == table && strcmp(program->key, key) == 0) {
 			mem_free(key);

@@ -19,8 +19,7 @@ struct gpu_counter {
 enum status gpu_counter_create(struct gpu *gpu, struct gpu_counter **out)
 {
 	struct gpu_counter *counter = mem_calloc(1, sizeof *counter);
-	if (counter == NULL)
-		return fail_memory("a counter of samples");
+	TRY_MEM(counter, "a counter of samples");
 	counter->gpu = gpu;
 	if (gpu_usable(gpu))
 		glCreateQueries(GL_SAMPLES_PASSED, QUERIES, counter->queries);

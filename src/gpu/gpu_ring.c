@@ -19,17 +19,17 @@ static enum status segment_create(struct gpu *gpu, struct gpu_ring_segment *segm
 	glCreateBuffers(1, &segment->buffer);
 	glNamedBufferStorage(segment->buffer, (GLsizeiptr)GPU_RING_BYTES, NULL, flags);
 	segment->map = glMapNamedBufferRange(segment->buffer, 0, (GLsizeiptr)GPU_RING_BYTES, flags);
-	enum status status = gpu_check(gpu, "GPU parameter buffer");
-	if (status == STATUS_OK && segment->map == NULL)
-		status = gpu_fail(gpu, fail_with(STATUS_FAILED,
-			"GPU parameter buffer: it cannot be mapped; try another GL driver than %s", gpu->info.renderer));
-	if (status != STATUS_OK) {
-		glDeleteBuffers(1, &segment->buffer);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, gpu_check(gpu, "GPU parameter buffer"));
+	if (segment->map == NULL)
+		TRY_OR(failed, gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"GPU parameter buffer: it cannot be mapped; try another GL driver than %s", gpu->info.renderer)));
 	gpu->stats.bytes += GPU_RING_BYTES;
 	gpu->stats.ring_segments++;
 	return STATUS_OK;
+failed:
+	glDeleteBuffers(1, &segment->buffer);
+	return status;
 }
 
 static void segment_unfence(struct gpu_ring_segment *segment)
@@ -74,9 +74,7 @@ static enum status advance(struct gpu *gpu)
 	}
 	uint32_t at = ring->count > 0 ? ring->current + 1 : 0;
 	struct gpu_ring_segment segment;
-	enum status status = segment_create(gpu, &segment);
-	if (status != STATUS_OK)
-		return status;
+	TRY(segment_create(gpu, &segment));
 	memmove(&ring->segments[at + 1], &ring->segments[at], (ring->count - at) * sizeof segment);
 	ring->segments[at] = segment;
 	ring->count++;
@@ -90,11 +88,8 @@ enum status gpu_ring_bind(struct gpu *gpu, const void *params, size_t bytes)
 	struct gpu_ring *ring = &gpu->ring;
 	size_t padded = (bytes + 15) / 16 * 16; /* a std140 block's size is a multiple of 16 */
 	assert(bytes > 0 && bytes <= 16384);
-	if (ring->count == 0 || ring->used + padded > GPU_RING_BYTES) {
-		enum status status = advance(gpu);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (ring->count == 0 || ring->used + padded > GPU_RING_BYTES)
+		TRY(advance(gpu));
 	struct gpu_ring_segment *segment = &ring->segments[ring->current];
 	memcpy(segment->map + ring->used, params, bytes);
 	memset(segment->map + ring->used + bytes, 0, padded - bytes);

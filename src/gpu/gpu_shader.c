@@ -19,8 +19,7 @@ static enum status append(struct gpu_shader *shader, const char *text, size_t le
 	if (shader->capacity - shader->length <= length) {
 		size_t capacity = (shader->length + length + 1) * 2;
 		char *grown = mem_realloc(shader->text, capacity, 1);
-		if (grown == NULL)
-			return fail_memory("shader");
+		TRY_MEM(grown, "shader");
 		shader->text = grown;
 		shader->capacity = capacity;
 	}
@@ -81,15 +80,15 @@ static enum status append_file(const struct shader_text *table, const struct sha
 	if (number == GPU_SHADER_FILES)
 		return fail_with(STATUS_FAILED, "shader %s: it includes too many files; " ADVICE, file->path);
 	shader->files[shader->file_count++] = file->path;
-	enum status status = append_line_number(shader, line, number);
-	for (const char *end; status == STATUS_OK && *text != '\0'; text = end, line++) {
+	TRY(append_line_number(shader, line, number));
+	for (const char *end; *text != '\0'; text = end, line++) {
 		const char *path;
 		size_t length;
 		end = line_end(text);
 		if (!parse_include(text, end, &path, &length)) {
-			status = append(shader, text, (size_t)(end - text));
-			if (status == STATUS_OK && end[-1] != '\n')
-				status = append(shader, "\n", 1);
+			TRY(append(shader, text, (size_t)(end - text)));
+			if (end[-1] != '\n')
+				TRY(append(shader, "\n", 1));
 			continue;
 		}
 		const struct shader_text *other = find(table, path, length);
@@ -97,11 +96,10 @@ static enum status append_file(const struct shader_text *table, const struct sha
 			return fail_with(STATUS_FAILED, "shader %s:%d: there is no file \"%.*s\"; " ADVICE, file->path, line,
 					 (int)length, path);
 		if (!included(shader, other->path))
-			status = append_file(table, other, other->text, 1, shader);
-		if (status == STATUS_OK)
-			status = append_line_number(shader, line + 1, number);
+			TRY(append_file(table, other, other->text, 1, shader));
+		TRY(append_line_number(shader, line + 1, number));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status gpu_shader_assemble(const struct shader_text *table, const char *path,
@@ -114,14 +112,14 @@ enum status gpu_shader_assemble(const struct shader_text *table, const char *pat
 	if (strncmp(file->text, "#version ", 9) != 0)
 		return fail_with(STATUS_FAILED, "shader %s:1: it does not begin with #version; " ADVICE, path);
 	const char *rest = line_end(file->text);
-	enum status status = append(shader, file->text, (size_t)(rest - file->text));
-	for (size_t i = 0; status == STATUS_OK && i < GPU_DEFINES_MAX && defines[i] != NULL; i++) {
+	TRY(append(shader, file->text, (size_t)(rest - file->text)));
+	for (size_t i = 0; i < GPU_DEFINES_MAX && defines[i] != NULL; i++) {
 		char line[128];
 		int length = snprintf(line, sizeof line, "#define %s\n", defines[i]);
 		assert(length > 0 && (size_t)length < sizeof line);
-		status = append(shader, line, (size_t)length);
+		TRY(append(shader, line, (size_t)length));
 	}
-	return status == STATUS_OK ? append_file(table, file, rest, 2, shader) : status;
+	return append_file(table, file, rest, 2, shader);
 }
 
 void gpu_shader_finish(struct gpu_shader *shader)

@@ -123,9 +123,7 @@ enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct
 				  size_t posts)
 {
 	struct slot_entry *entry = slots_entry(slots, slot);
-	enum status status = need_base(slots, entry);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_base(slots, entry));
 	gpu_texture_upload_from(entry->slot.base, 0, slots_whole(slots), staging, posts);
 	return gpu_check(slots->gpu, "upload of a tile");
 }
@@ -133,9 +131,7 @@ enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct
 enum status gpu_slots_put_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts)
 {
 	struct slot_entry *entry = slots_entry(slots, slot);
-	enum status status = need_base(slots, entry);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_base(slots, entry));
 	gpu_texture_upload(entry->slot.base, 0, slots_whole(slots), posts);
 	return gpu_check(slots->gpu, "upload of a tile");
 }
@@ -147,9 +143,7 @@ static enum status upload_patch(struct gpu_slots *slots, struct gpu_staging *sta
 	struct gpu_texture **scratch = &slots->scratch[slots->next_scratch];
 	if (*scratch == NULL) {
 		uint32_t side = slots->cells / 2 + 1;
-		enum status status = gpu_texture_create(slots->gpu, GPU_R32I, side, side, 0, scratch);
-		if (status != STATUS_OK)
-			return status;
+		TRY(gpu_texture_create(slots->gpu, GPU_R32I, side, side, 0, scratch));
 	}
 	slots->next_scratch = (slots->next_scratch + 1) % SCRATCH_COUNT;
 	gpu_texture_upload_from(*scratch, 0, (struct gpu_rect){0, 0, stride, stride}, staging, patch);
@@ -165,17 +159,12 @@ static enum status subdivide(struct gpu_slots *slots, uint32_t slot, struct gpu_
 	struct slot_entry *entry = slots_entry(slots, slot);
 	struct gpu_program *program;
 	struct gpu_texture *scratch;
-	enum status status =
-		gpu_program_get(slots->gpu, gpu_slots_subdivide_request(relief), &program);
-	if (status == STATUS_OK)
-		status = need_base(slots, entry);
-	if (status == STATUS_OK && entry->base_target == NULL)
-		status = gpu_target_create(slots->gpu, &(struct gpu_attachment){entry->slot.base, 0}, 1,
-					   (struct gpu_attachment){NULL, 0}, &entry->base_target);
-	if (status == STATUS_OK)
-		status = upload_patch(slots, staging, patch, stride, &scratch);
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_program_get(slots->gpu, gpu_slots_subdivide_request(relief), &program));
+	TRY(need_base(slots, entry));
+	if (entry->base_target == NULL)
+		TRY(gpu_target_create(slots->gpu, &(struct gpu_attachment){entry->slot.base, 0}, 1,
+				      (struct gpu_attachment){NULL, 0}, &entry->base_target));
+	TRY(upload_patch(slots, staging, patch, stride, &scratch));
 	slots->subdivided++;
 	gpu_pass_run(slots->gpu, &(struct gpu_pass){
 		.stage = GPU_SUBDIVIDE,
@@ -234,9 +223,7 @@ enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, str
 				     size_t classes)
 {
 	struct slot_entry *entry = slots_entry(slots, slot);
-	enum status status = need_classes(slots, &entry->slot.classes);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_classes(slots, &entry->slot.classes));
 	gpu_texture_upload_from(entry->slot.classes, 0, slots_whole(slots), staging, classes);
 	return gpu_check(slots->gpu, "upload of classes");
 }
@@ -244,9 +231,7 @@ enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, str
 enum status gpu_slots_put_classes(struct gpu_slots *slots, uint32_t slot, const uint8_t *classes)
 {
 	struct slot_entry *entry = slots_entry(slots, slot);
-	enum status status = need_classes(slots, &entry->slot.classes);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_classes(slots, &entry->slot.classes));
 	gpu_texture_upload(entry->slot.classes, 0, slots_whole(slots), classes);
 	return gpu_check(slots->gpu, "upload of classes");
 }

@@ -11,13 +11,14 @@ static const enum gpu_format formats[PLANES] = {
 enum status gpu_slots_in_arrays(struct gpu_slots *slots)
 {
 	const uint32_t posts = slots->cells + 1;
-	enum status status = slots->bases == NULL ? gpu_pool_create(slots->gpu, GPU_R32I, posts, slots->count, &slots->bases) : STATUS_OK;
+	if (slots->bases == NULL)
+		TRY(gpu_pool_create(slots->gpu, GPU_R32I, posts, slots->count, &slots->bases));
 	for (uint32_t i = 0; i < slots->count; i++)
 		assert(slots->entries[i].slot.base == NULL && slots->all == NULL);
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+	for (int plane = 0; plane < PLANES; plane++)
 		if ((slots->planes & GPU_DRAWN_PLANES & PLANE_BIT(plane)) && slots->drawn[plane] == NULL)
-			status = gpu_pool_create(slots->gpu, formats[plane], posts, slots->count, &slots->drawn[plane]);
-	return status;
+			TRY(gpu_pool_create(slots->gpu, formats[plane], posts, slots->count, &slots->drawn[plane]));
+	return STATUS_OK;
 }
 
 static enum status plane_create(struct gpu_slots *slots, struct deform_slot *home, int plane)
@@ -39,32 +40,29 @@ void gpu_deform_slot_destroy(struct deform_slot *home)
 static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slot **out)
 {
 	struct deform_slot *home = mem_calloc(1, sizeof *home);
-	if (home == NULL)
-		return fail_memory("deform slot");
+	TRY_MEM(home, "deform slot");
 	struct gpu_attachment drawn[PLANES];
 	uint32_t count = 0;
 	enum status status = STATUS_OK;
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+	for (int plane = 0; plane < PLANES; plane++)
 		if (slots->planes & GPU_DRAWN_PLANES & PLANE_BIT(plane)) {
-			status = plane_create(slots, home, plane);
+			TRY_OR(failed, plane_create(slots, home, plane));
 			drawn[count++] = (struct gpu_attachment){home->planes[plane], 0};
 		}
-	if (status == STATUS_OK)
-		status = gpu_target_create(slots->gpu, drawn, count, (struct gpu_attachment){NULL, 0}, &home->target);
-	if (status != STATUS_OK) {
-		/* Drawn planes of a deform slot have the same layer of their arrays. */
-		for (int plane = 0; plane < PLANES; plane++)
-			if (home->planes[plane] != NULL && slots->drawn[plane] != NULL) {
-				gpu_pool_return(slots->drawn[plane], home->planes[plane]);
-				home->planes[plane] = NULL;
-			}
-		gpu_deform_slot_destroy(home);
-		return status;
-	}
+	TRY_OR(failed, gpu_target_create(slots->gpu, drawn, count, (struct gpu_attachment){NULL, 0}, &home->target));
 	home->next = slots->all;
 	slots->all = home;
 	*out = home;
 	return STATUS_OK;
+failed:
+	/* Drawn planes of a deform slot have the same layer of their arrays. */
+	for (int plane = 0; plane < PLANES; plane++)
+		if (home->planes[plane] != NULL && slots->drawn[plane] != NULL) {
+			gpu_pool_return(slots->drawn[plane], home->planes[plane]);
+			home->planes[plane] = NULL;
+		}
+	gpu_deform_slot_destroy(home);
+	return status;
 }
 
 /* Takes a deform slot from a free list, if possible from the list that `state` names. Returns NULL if both lists are empty. */
@@ -82,11 +80,8 @@ static struct deform_slot *take_free(struct gpu_slots *slots, bool state)
 static enum status hold(struct gpu_slots *slots, struct slot_entry *entry, bool state)
 {
 	struct deform_slot *home = take_free(slots, state);
-	if (home == NULL) {
-		enum status status = deform_slot_create(slots, &home);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (home == NULL)
+		TRY(deform_slot_create(slots, &home));
 	entry->home = home;
 	entry->slot.target = home->target;
 	return STATUS_OK;
@@ -119,17 +114,17 @@ static enum status need_planes(struct gpu_slots *slots, struct slot_entry *entry
 	*fresh = 0;
 	bool had = entry->home != NULL;
 	if (!had)
-		status = hold(slots, entry, state);
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
+		TRY_OR(failed, hold(slots, entry, state));
+	for (int plane = 0; plane < PLANES; plane++) {
 		if (!(planes & PLANE_BIT(plane)) || entry->slot.planes[plane] != NULL)
 			continue;
 		if (entry->home->planes[plane] == NULL)
-			status = plane_create(slots, entry->home, plane);
+			TRY_OR(failed, plane_create(slots, entry->home, plane));
 		entry->slot.planes[plane] = entry->home->planes[plane];
 		*fresh |= PLANE_BIT(plane);
 	}
-	if (status == STATUS_OK)
-		return STATUS_OK;
+	return STATUS_OK;
+failed:
 	for (int plane = 0; plane < PLANES; plane++)
 		if (*fresh & PLANE_BIT(plane))
 			entry->slot.planes[plane] = NULL;
@@ -141,9 +136,7 @@ static enum status need_planes(struct gpu_slots *slots, struct slot_entry *entry
 static enum status deform_with(struct gpu_slots *slots, struct slot_entry *entry, unsigned planes)
 {
 	unsigned fresh;
-	enum status status = need_planes(slots, entry, planes, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_planes(slots, entry, planes, &fresh));
 	clear_planes(entry, fresh, slots_whole(slots));
 	return gpu_check(slots->gpu, "deform slot");
 }
@@ -169,9 +162,7 @@ enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, stru
 		given |= places[plane] != GPU_NO_PLANE ? PLANE_BIT(plane) : 0;
 	if (entry->home != NULL) /* of the tile before; this tile may have fewer planes */
 		release(slots, entry);
-	enum status status = need_planes(slots, entry, given, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_planes(slots, entry, given, &fresh));
 	for (int plane = 0; plane < PLANES; plane++)
 		if (entry->slot.planes[plane] != NULL && places[plane] != GPU_NO_PLANE)
 			gpu_texture_upload_from(entry->slot.planes[plane], 0, slots_whole(slots), staging, places[plane]);
@@ -199,9 +190,7 @@ enum status gpu_slots_put_drawn(struct gpu_slots *slots, uint32_t slot, struct g
 {
 	struct slot_entry *entry = slots_entry(slots, slot);
 	unsigned fresh;
-	enum status status = need_planes(slots, entry, GPU_DRAWN_PLANES, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_planes(slots, entry, GPU_DRAWN_PLANES, &fresh));
 	for (int plane = 0; plane < PLANES; plane++) {
 		if (!(GPU_DRAWN_PLANES & PLANE_BIT(plane)) || entry->slot.planes[plane] == NULL)
 			continue;
@@ -241,16 +230,12 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 	assert(to_y <= slots->cells && into.height <= slots->cells + 1 - to_y);
 	if (from->home == NULL && to->home == NULL)
 		return STATUS_OK; /* both tiles have no offsets, so nothing changes */
-	enum status status = deform_with(slots, to, GPU_DRAWN_PLANES);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_with(slots, to, GPU_DRAWN_PLANES));
 	if (from->home == NULL) {
 		clear_planes(to, GPU_DRAWN_PLANES, into);
 		return gpu_check(slots->gpu, "decimation");
 	}
-	status = gpu_program_get(slots->gpu, gpu_slots_decimate_request(slots->planes), &program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_program_get(slots->gpu, gpu_slots_decimate_request(slots->planes), &program));
 	struct {
 		int32_t from[2], to[2], steps, unused[3];
 	} params = {

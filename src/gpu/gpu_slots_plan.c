@@ -103,11 +103,9 @@ enum status gpu_slots_warm(struct gpu_slots *slots, enum gpu_division division, 
 {
 	struct gpu *gpu = gpu_slots_gpu(slots);
 	struct gpu_program *program;
-	enum status status = STATUS_OK;
 	if (division != GPU_UNDIVIDED)
-		status = gpu_program_get(
-			gpu, gpu_slots_subdivide_request(division == GPU_DIVIDED_RELIEF), &program);
-	if (status == STATUS_OK && decimates)
-		status = gpu_program_get(gpu, gpu_slots_decimate_request(gpu_slots_planes(slots)), &program);
-	return status;
+		TRY(gpu_program_get(gpu, gpu_slots_subdivide_request(division == GPU_DIVIDED_RELIEF), &program));
+	if (decimates)
+		TRY(gpu_program_get(gpu, gpu_slots_decimate_request(gpu_slots_planes(slots)), &program));
+	return STATUS_OK;
 }

@@ -42,24 +42,23 @@ enum status gpu_staging_create(struct gpu *gpu, size_t bytes, struct gpu_staging
 		return failure_restore(&gpu->failure);
 	assert(bytes > 0 && bytes <= INT32_MAX);
 	struct gpu_staging *staging = mem_alloc(1, sizeof *staging);
-	if (staging == NULL)
-		return fail_memory("GPU staging memory");
+	TRY_MEM(staging, "GPU staging memory");
 	*staging = (struct gpu_staging){.gpu = gpu, .bytes = bytes, .direct = gpu->info.software};
 	glCreateBuffers(1, &staging->name);
 	glNamedBufferStorage(staging->name, (GLsizeiptr)bytes, NULL, MAP_FLAGS | GL_CLIENT_STORAGE_BIT);
 	staging->map = glMapNamedBufferRange(staging->name, 0, (GLsizeiptr)bytes, MAP_FLAGS);
-	enum status status = gpu_check(gpu, "GPU staging memory");
-	if (status == STATUS_OK && staging->map == NULL)
-		status = gpu_fail(gpu, fail_with(STATUS_FAILED,
-			"GPU staging memory: it cannot be mapped; try another GL driver than %s", gpu->info.renderer));
-	if (status != STATUS_OK) {
-		glDeleteBuffers(1, &staging->name);
-		mem_free(staging);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, gpu_check(gpu, "GPU staging memory"));
+	if (staging->map == NULL)
+		TRY_OR(failed, gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"GPU staging memory: it cannot be mapped; try another GL driver than %s", gpu->info.renderer)));
 	gpu->stats.bytes += bytes;
 	*out = staging;
 	return STATUS_OK;
+failed:
+	glDeleteBuffers(1, &staging->name);
+	mem_free(staging);
+	return status;
 }
 
 /* Returns true if the transfer's fence has passed, or never will. The flush bit makes sure that the GPU reaches the fence. */

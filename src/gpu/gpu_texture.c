@@ -76,8 +76,7 @@ static enum status create(struct gpu *gpu, enum gpu_format format, uint32_t widt
 		return failure_restore(&gpu->failure);
 	assert(width > 0 && height > 0);
 	struct gpu_texture *texture = mem_alloc(1, sizeof *texture);
-	if (texture == NULL)
-		return fail_memory("texture");
+	TRY_MEM(texture, "texture");
 	*texture = (struct gpu_texture){
 		.gpu = gpu,
 		.kind = samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE : layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D,
@@ -112,8 +111,7 @@ enum status gpu_texture_create_view(struct gpu_texture *array, uint32_t layer, s
 	if (!gpu_usable(gpu))
 		return failure_restore(&gpu->failure);
 	struct gpu_texture *texture = mem_alloc(1, sizeof *texture);
-	if (texture == NULL)
-		return fail_memory("texture");
+	TRY_MEM(texture, "texture");
 	*texture = (struct gpu_texture){.gpu = gpu, .kind = GL_TEXTURE_2D, .format = array->format, .width = array->width, .height = array->height,
 					.layers = 1, .levels = 1, .array = array, .array_layer = layer};
 	glGenTextures(1, &texture->name);
@@ -325,17 +323,17 @@ static void attach(struct gpu_target *target, GLenum point, struct gpu_attachmen
 /* Complete: the caller's. Otherwise it is destroyed. */
 static enum status seal(struct gpu *gpu, struct gpu_target *target, struct gpu_target **out)
 {
-	enum status status = gpu_check(gpu, "render target");
-	if (status == STATUS_OK && glCheckNamedFramebufferStatus(target->name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-		status = gpu_fail(gpu, fail_with(STATUS_FAILED,
-			"render target: %s does not support it; use another GL driver", gpu->info.renderer));
-	if (status != STATUS_OK) {
-		glDeleteFramebuffers(1, &target->name);
-		mem_free(target);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, gpu_check(gpu, "render target"));
+	if (glCheckNamedFramebufferStatus(target->name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+		TRY_OR(failed, gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"render target: %s does not support it; use another GL driver", gpu->info.renderer)));
 	*out = target;
 	return STATUS_OK;
+failed:
+	glDeleteFramebuffers(1, &target->name);
+	mem_free(target);
+	return status;
 }
 
 enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,
@@ -348,8 +346,7 @@ enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colo
 		return failure_restore(&gpu->failure);
 	assert(count <= 8 && (count > 0 || depth.texture != NULL));
 	struct gpu_target *target = mem_calloc(1, sizeof *target);
-	if (target == NULL)
-		return fail_memory("render target");
+	TRY_MEM(target, "render target");
 	target->gpu = gpu;
 	target->colours = count;
 	glCreateFramebuffers(1, &target->name);
@@ -373,8 +370,7 @@ enum status gpu_target_create_bare(struct gpu *gpu, uint32_t width, uint32_t hei
 		return failure_restore(&gpu->failure);
 	assert(width > 0 && height > 0);
 	struct gpu_target *target = mem_calloc(1, sizeof *target);
-	if (target == NULL)
-		return fail_memory("render target");
+	TRY_MEM(target, "render target");
 	*target = (struct gpu_target){.gpu = gpu, .width = width, .height = height};
 	glCreateFramebuffers(1, &target->name);
 	glNamedFramebufferParameteri(target->name, GL_FRAMEBUFFER_DEFAULT_WIDTH, (GLint)width);

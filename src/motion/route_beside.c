@@ -49,23 +49,22 @@ static enum status add_fixed(struct route *route, const double beside[2], struct
 /* Between two poses of the path the turn is even, so the point goes along an arc: more poses are put between. */
 static enum status add_all_fixed(const struct scene_path *path, struct route *route)
 {
-	enum status status = add_fixed(route, path->beside, path->points[0]);
-	for (size_t i = 1; i < path->count && status == STATUS_OK; i++) {
+	TRY(add_fixed(route, path->beside, path->points[0]));
+	for (size_t i = 1; i < path->count; i++) {
 		const struct scene_waypoint *a = &path->points[i - 1], *b = &path->points[i];
 		const double yaw = turn(a->yaw, b->yaw), pitch = turn(a->pitch, b->pitch), roll = turn(a->roll, b->roll);
 		const double most = fmax(fabs(yaw), fmax(fabs(pitch), fabs(roll)));
 		const int pieces = (int)fmax(ceil(most / TURN), 1);
-		for (int k = 1; k < pieces && status == STATUS_OK; k++) {
+		for (int k = 1; k < pieces; k++) {
 			const double share = (double)k / pieces;
 			struct scene_waypoint pose = {a->t + share * (b->t - a->t), a->x + share * (b->x - a->x), a->y + share * (b->y - a->y),
 						      a->z + share * (b->z - a->z), a->yaw + share * yaw, a->pitch + share * pitch, a->roll + share * roll};
 			if (pose.t > route->path.points[route->path.count - 1].t && pose.t < b->t)
-				status = add_fixed(route, path->beside, pose);
+				TRY(add_fixed(route, path->beside, pose));
 		}
-		if (status == STATUS_OK)
-			status = add_fixed(route, path->beside, *b);
+		TRY(add_fixed(route, path->beside, *b));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- the corners of a path, and of the way beside it --- */
@@ -83,8 +82,7 @@ static enum status take_corners(struct beside *beside)
 	const struct scene_path *path = beside->path;
 	beside->corners = mem_alloc(path->count + 3, sizeof *beside->corners);
 	beside->lengths = mem_alloc(path->count, sizeof *beside->lengths);
-	if (beside->corners == NULL || beside->lengths == NULL)
-		return fail_memory("a path");
+	TRY_MEM(beside->corners != NULL && beside->lengths != NULL, "a path");
 	for (size_t i = 0; i < path->count; i++) {
 		add_corner(beside, path->points[i].x, path->points[i].y);
 		beside->lengths[i] = beside->corners[beside->count - 1].s;
@@ -173,14 +171,13 @@ static enum status add_at(const struct beside *beside, double s, double t, doubl
 static enum status add_stretch(const struct beside *beside, const double s[2], const double t[2], const double z[2], size_t *from)
 {
 	const double ahead = beside->path->beside[0];
-	enum status status = STATUS_OK;
-	for (size_t i = *from; i < beside->count && beside->corners[i].s < s[1] + ahead && status == STATUS_OK; i++) {
+	for (size_t i = *from; i < beside->count && beside->corners[i].s < s[1] + ahead; i++) {
 		if (beside->corners[i].s <= s[0] + ahead)
 			continue;
 		const double share = (beside->corners[i].s - ahead - s[0]) / (s[1] - s[0]);
-		status = add_at(beside, beside->corners[i].s, t[0] + share * (t[1] - t[0]), z[0] + share * (z[1] - z[0]), from);
+		TRY(add_at(beside, beside->corners[i].s, t[0] + share * (t[1] - t[0]), z[0] + share * (z[1] - z[0]), from));
 	}
-	return status == STATUS_OK ? add_at(beside, s[1] + ahead, t[1], z[1], from) : status;
+	return add_at(beside, s[1] + ahead, t[1], z[1], from);
 }
 
 /* With the path's own times. */
@@ -189,13 +186,13 @@ static enum status add_timed(const struct beside *beside)
 	const struct scene_path *path = beside->path;
 	const double ahead = path->beside[0];
 	size_t from = 0;
-	enum status status = add_at(beside, ahead, path->points[0].t, path->points[0].z, &from);
-	for (size_t i = 1; i < path->count && status == STATUS_OK; i++) {
+	TRY(add_at(beside, ahead, path->points[0].t, path->points[0].z, &from));
+	for (size_t i = 1; i < path->count; i++) {
 		const struct scene_waypoint *a = &path->points[i - 1], *b = &path->points[i];
-		status = add_stretch(beside, (const double[]){beside->lengths[i - 1], beside->lengths[i]}, (const double[]){a->t, b->t},
-				     (const double[]){a->z, b->z}, &from);
+		TRY(add_stretch(beside, (const double[]){beside->lengths[i - 1], beside->lengths[i]}, (const double[]){a->t, b->t},
+				(const double[]){a->z, b->z}, &from));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* The path has one speed. Beside it the speed differs from turn to turn, so the way gets times. */
@@ -205,9 +202,8 @@ static enum status add_evenly(const struct beside *beside)
 	const double zero[2] = {0};
 	size_t from = 0;
 	beside->route->path.timed = beside->route->path.cornered = path->beside[1] != 0;
-	enum status status = add_at(beside, path->beside[0], 0, 0, &from);
-	return status == STATUS_OK ? add_stretch(beside, (const double[]){0, beside->length}, (const double[]){0, beside->length / path->speed}, zero, &from)
-				   : status;
+	TRY(add_at(beside, path->beside[0], 0, 0, &from));
+	return add_stretch(beside, (const double[]){0, beside->length}, (const double[]){0, beside->length / path->speed}, zero, &from);
 }
 
 /* One lap from the place that is `ahead` of the first point. Laps take as long as the path's, at one speed. */
@@ -236,14 +232,13 @@ static enum status add_lap(const struct beside *beside)
 /* A path that stays at its place looks east. */
 static enum status add_standing(const struct beside *beside)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < beside->path->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < beside->path->count; i++) {
 		struct scene_waypoint point = beside->path->points[i];
 		point.x += beside->path->beside[0];
 		point.y += beside->path->beside[1];
-		status = motion_route_add(beside->route, point);
+		TRY(motion_route_add(beside->route, point));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status motion_route_beside(const struct scene_path *path, const char *name, const double origin[2], struct route *route)

@@ -63,8 +63,8 @@ static enum status divide(const struct curve *curve, double low, double high, co
 	double m[2];
 	at(stretch, middle, m);
 	if (halvings < HALVINGS && (halvings == 0 || !is_straight(stretch, low, high, a, m, b))) {
-		enum status status = divide(curve, low, middle, a, m, halvings + 1);
-		return status == STATUS_OK ? divide(curve, middle, high, m, b, halvings + 1) : status;
+		TRY(divide(curve, low, middle, a, m, halvings + 1));
+		return divide(curve, middle, high, m, b, halvings + 1);
 	}
 	return motion_route_add(curve->route, (struct scene_waypoint){.x = b[0], .y = b[1]});
 }
@@ -112,10 +112,10 @@ static enum status add_stretch(const struct scene_path *path, const struct scene
 	for (int i = 1; i < 4; i++)
 		stretch->knots[i] = stretch->knots[i - 1] + gap(stretch->points[i - 1], stretch->points[i]);
 	const size_t first = route->path.count;
-	enum status status = divide(&curve, stretch->knots[1], stretch->knots[2], stretch->points[1], stretch->points[2], 0);
-	if (status == STATUS_OK && (path->timed || path->has_z))
+	TRY(divide(&curve, stretch->knots[1], stretch->knots[2], stretch->points[1], stretch->points[2], 0));
+	if (path->timed || path->has_z)
 		spread(&route->path, first, around[1], around[2]);
-	return status;
+	return STATUS_OK;
 }
 
 static bool is_at(const struct scene_waypoint *a, const struct scene_waypoint *b)
@@ -140,19 +140,21 @@ static const struct scene_waypoint *other(const struct scene_path *path, size_t 
 enum status motion_route_curve(const struct scene_path *path, struct route *route)
 {
 	motion_route_begin(route, path);
-	enum status status = motion_route_add(route, path->points[0]);
+	enum status status;
+	TRY_OR(done, motion_route_add(route, path->points[0]));
 	const size_t stretches = path->count - (path->loop ? 0 : 1);
-	for (size_t i = 0; i < stretches && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < stretches; i++) {
 		const size_t next = (i + 1) % path->count;
 		const struct scene_waypoint *const around[4] = {other(path, i, -1), &path->points[i], &path->points[next], other(path, next, 1)};
 		if (is_at(around[1], around[2])) /* a pause, or a point twice */
-			status = motion_route_add(route, *around[2]);
+			TRY_OR(done, motion_route_add(route, *around[2]));
 		else
-			status = add_stretch(path, around, route);
+			TRY_OR(done, add_stretch(path, around, route));
 	}
 	/* A loop closes itself. */
-	if (status == STATUS_OK && path->loop && route->path.count > 1)
+	if (path->loop && route->path.count > 1)
 		route->path.count--;
+done:
 	route->path.smooth = false;
 	return status;
 }

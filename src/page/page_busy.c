@@ -38,23 +38,27 @@ static void settle_first_locked(struct page_cache *cache)
 	condition_wake_all(&cache->work);
 }
 
+enum status page_executor_failed(struct page_cache *cache, enum status status)
+{
+	mutex_lock(&cache->mutex);
+	failure_capture(&cache->failure, status);
+	mutex_unlock(&cache->mutex);
+	return status;
+}
+
 enum status page_settle(struct page_cache *cache)
 {
 	const struct page_executor *executor = &cache->params.executor;
 	while (cache->busy.first != NULL) {
 		bool settled = false;
-		enum status status =
-			executor->settled(executor->user, &cache->busy.first->image, &settled);
-		if (status == STATUS_OK && !settled)
+		const enum status status = executor->settled(executor->user, &cache->busy.first->image, &settled);
+		if (status != STATUS_OK)
+			return page_executor_failed(cache, status);
+		if (!settled)
 			return STATUS_OK;
 		mutex_lock(&cache->mutex);
-		if (status == STATUS_OK)
-			settle_first_locked(cache);
-		else
-			failure_capture(&cache->failure, status);
+		settle_first_locked(cache);
 		mutex_unlock(&cache->mutex);
-		if (status != STATUS_OK)
-			return status;
 	}
 	return STATUS_OK;
 }
@@ -67,12 +71,13 @@ enum status page_wait_locked(struct page_cache *cache)
 		return page_sticky_locked(cache);
 	}
 	mutex_unlock(&cache->mutex);
-	enum status status = page_settle(cache);
+	const enum status settled = page_settle(cache);
 	mutex_lock(&cache->mutex);
+	TRY(settled);
 	/* A thread may have signalled meanwhile: never sleep long. */
-	if (status == STATUS_OK && cache->busy.first == first)
+	if (cache->busy.first == first)
 		condition_wait_for(&cache->done, &cache->mutex, NAP);
-	return status == STATUS_OK ? page_sticky_locked(cache) : status;
+	return page_sticky_locked(cache);
 }
 
 enum status page_stall_locked(struct page_cache *cache, bool *stalled)

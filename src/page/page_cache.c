@@ -17,20 +17,18 @@
 
 static enum status start_threads(struct page_cache *cache)
 {
-	enum status status = thread_start(&cache->writer, page_writer_body, cache, PAGE_WRITER_THREAD);
-	for (uint32_t i = 0; i < cache->params.loaders && status == STATUS_OK; i++) {
+	TRY(thread_start(&cache->writer, page_writer_body, cache, PAGE_WRITER_THREAD));
+	for (uint32_t i = 0; i < cache->params.loaders; i++) {
 		struct page_loader *loader = &cache->loaders[i];
 		*loader = (struct page_loader){.cache = cache, .number = i};
-		status = thread_start(&loader->thread, page_loader_body, loader, PAGE_LOADER_THREAD);
+		TRY(thread_start(&loader->thread, page_loader_body, loader, PAGE_LOADER_THREAD));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status make_snapshot(struct page_cache *cache)
 {
-	enum status status = page_host_make(cache, PAGE_SNAPSHOT_IMAGE);
-	if (status != STATUS_OK)
-		return status;
+	TRY(page_host_make(cache, PAGE_SNAPSHOT_IMAGE));
 	mutex_lock(&cache->mutex);
 	cache->commit_snapshot = page_host_acquire_locked(cache, PAGE_SNAPSHOT_IMAGE, 0);
 	mutex_unlock(&cache->mutex);
@@ -41,37 +39,31 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 {
 	assert(params->slots >= 1);
 	struct page_cache *cache = mem_calloc(1, sizeof *cache);
-	if (cache == NULL)
-		return fail_memory("the page cache");
+	TRY_MEM(cache, "the page cache");
 	cache->params = *params;
 	cache->owner = pthread_self();
 	cache->step = 1;
 	mutex_init(&cache->mutex);
 	condition_init(&cache->work);
 	condition_init(&cache->done);
-	enum status status = page_table_init(&cache->table, params);
-	if (status == STATUS_OK)
-		status = page_queue_init(&cache->queue, params);
-	if (status == STATUS_OK) {
-		cache->loaders = mem_calloc(params->loaders > 0 ? params->loaders : 1, sizeof *cache->loaders);
-		cache->commit_images = mem_calloc(params->queue_most, sizeof *cache->commit_images);
-		cache->commit_record = mem_calloc(1, params->record_bytes);
-		if (cache->loaders == NULL || cache->commit_images == NULL ||
-		    cache->commit_record == NULL)
-			status = fail_memory("the page cache");
-	}
-	for (uint32_t i = 0; i < page_load_images(params->loaders) && status == STATUS_OK; i++)
-		status = page_host_make(cache, PAGE_LOADED_IMAGE);
-	if (status == STATUS_OK && params->executor.snapshot != NULL)
-		status = make_snapshot(cache);
-	if (status == STATUS_OK)
-		status = start_threads(cache);
-	if (status != STATUS_OK) {
-		page_cache_destroy(cache);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, page_table_init(&cache->table, params));
+	TRY_OR(failed, page_queue_init(&cache->queue, params));
+	cache->loaders = mem_calloc(params->loaders > 0 ? params->loaders : 1, sizeof *cache->loaders);
+	cache->commit_images = mem_calloc(params->queue_most, sizeof *cache->commit_images);
+	cache->commit_record = mem_calloc(1, params->record_bytes);
+	if (cache->loaders == NULL || cache->commit_images == NULL || cache->commit_record == NULL)
+		TRY_OR(failed, fail_memory("the page cache"));
+	for (uint32_t i = 0; i < page_load_images(params->loaders); i++)
+		TRY_OR(failed, page_host_make(cache, PAGE_LOADED_IMAGE));
+	if (params->executor.snapshot != NULL)
+		TRY_OR(failed, make_snapshot(cache));
+	TRY_OR(failed, start_threads(cache));
 	*out = cache;
 	return STATUS_OK;
+failed:
+	page_cache_destroy(cache);
+	return status;
 }
 
 void page_cache_stop(struct page_cache *cache)
@@ -126,12 +118,10 @@ void page_cache_destroy(struct page_cache *cache)
 
 static enum status read_back_dirty(struct page_cache *cache)
 {
-	enum status status = STATUS_OK;
-	for (struct page *page = cache->table.resident.first; page != NULL && status == STATUS_OK;
-	     page = page->next)
+	for (struct page *page = cache->table.resident.first; page != NULL; page = page->next)
 		if (page->dirty)
-			status = page_read_back(cache, page, false);
-	return status;
+			TRY(page_read_back(cache, page, false));
+	return STATUS_OK;
 }
 
 /* After the read-backs, so that a wait for the first of them is not longer than it must be. */
@@ -140,40 +130,42 @@ static enum status take_snapshot(struct page_cache *cache)
 	const struct page_executor *executor = &cache->params.executor;
 	if (executor->snapshot == NULL)
 		return STATUS_OK;
-	enum status status = executor->snapshot(executor->user, &cache->commit_snapshot->image);
+	const enum status status = executor->snapshot(executor->user, &cache->commit_snapshot->image);
+	if (status != STATUS_OK)
+		return page_executor_failed(cache, status);
 	mutex_lock(&cache->mutex);
-	if (status == STATUS_OK)
-		page_busy_add_locked(cache, cache->commit_snapshot, true);
-	else
-		failure_capture(&cache->failure, status);
+	page_busy_add_locked(cache, cache->commit_snapshot, true);
 	mutex_unlock(&cache->mutex);
-	return status;
+	return STATUS_OK;
 }
 
 enum status page_wait_for_commit_locked(struct page_cache *cache, bool stall)
 {
-	enum status status = page_sticky_locked(cache);
+	TRY(page_sticky_locked(cache));
 	bool stalled = false;
-	while (cache->commit != PAGE_COMMIT_NONE && status == STATUS_OK)
-		status = stall ? page_stall_locked(cache, &stalled) : page_wait_locked(cache);
+	while (cache->commit != PAGE_COMMIT_NONE)
+		TRY(stall ? page_stall_locked(cache, &stalled) : page_wait_locked(cache));
+	return STATUS_OK;
+}
+
+static enum status wait_for_last_commit(struct page_cache *cache, bool stall)
+{
+	enum status status;
+	mutex_lock(&cache->mutex);
+	TRY_OR(unlock, page_wait_for_commit_locked(cache, stall));
+	page_loads_abandon_late_locked(cache);
+unlock:
+	mutex_unlock(&cache->mutex);
 	return status;
 }
 
 enum status page_start_commit(struct page_cache *cache, const void *record, bool stall)
 {
-	mutex_lock(&cache->mutex);
-	enum status status = page_wait_for_commit_locked(cache, stall);
-	if (status == STATUS_OK)
-		page_loads_abandon_late_locked(cache);
-	mutex_unlock(&cache->mutex);
-	if (status == STATUS_OK)
-		status = read_back_dirty(cache);
-	if (status == STATUS_OK && cache->params.begin_commit != NULL)
-		status = cache->params.begin_commit(cache->params.begin_commit_user);
-	if (status == STATUS_OK)
-		status = take_snapshot(cache);
-	if (status != STATUS_OK)
-		return status;
+	TRY(wait_for_last_commit(cache, stall));
+	TRY(read_back_dirty(cache));
+	if (cache->params.begin_commit != NULL)
+		TRY(cache->params.begin_commit(cache->params.begin_commit_user));
+	TRY(take_snapshot(cache));
 	mutex_lock(&cache->mutex);
 	page_queue_begin_commit_locked(cache);
 	memcpy(cache->commit_record, record, cache->params.record_bytes);
@@ -199,16 +191,16 @@ bool page_commit_is_due_locked(const struct page_cache *cache)
 enum status page_cache_end_step(struct page_cache *cache, const void *record)
 {
 	assert(page_owner(cache));
-	enum status status = page_settle(cache);
+	const enum status settled = page_settle(cache);
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
 	cache->step++;
 	cache->table.used = 0;
-	if (status == STATUS_OK)
-		status = page_sticky_locked(cache);
-	bool due = status == STATUS_OK && !cache->params.commits_begun && !cache->held && page_commit_is_due_locked(cache);
+	const enum status status = settled != STATUS_OK ? settled : page_sticky_locked(cache);
+	const bool due = !cache->params.commits_begun && !cache->held && page_commit_is_due_locked(cache);
 	mutex_unlock(&cache->mutex);
-	return due ? page_start_commit(cache, record, true) : status;
+	TRY(status);
+	return due ? page_start_commit(cache, record, true) : STATUS_OK;
 }
 
 void page_cache_hold(struct page_cache *cache, bool held)
@@ -220,11 +212,9 @@ void page_cache_hold(struct page_cache *cache, bool held)
 enum status page_cache_flush(struct page_cache *cache, const void *record)
 {
 	assert(page_owner(cache));
-	enum status status = page_start_commit(cache, record, false);
-	if (status != STATUS_OK)
-		return status;
+	TRY(page_start_commit(cache, record, false));
 	mutex_lock(&cache->mutex);
-	status = page_wait_for_commit_locked(cache, false);
+	const enum status status = page_wait_for_commit_locked(cache, false);
 	mutex_unlock(&cache->mutex);
 	return status;
 }

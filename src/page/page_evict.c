@@ -15,10 +15,11 @@
 static enum status wait_for_images(struct page_cache *cache)
 {
 	mutex_lock(&cache->mutex);
-	enum status status = page_wait_for_commit_locked(cache, true);
+	const enum status status = page_wait_for_commit_locked(cache, true);
 	page_loads_abandon_late_locked(cache);
 	mutex_unlock(&cache->mutex);
-	return status == STATUS_OK ? page_settle(cache) : status;
+	TRY(status);
+	return page_settle(cache);
 }
 
 /* Tells whether so few images are left that loads on their way need them all, each to replace a page. */
@@ -38,16 +39,14 @@ static enum status take_image(struct page_cache *cache, uint64_t key, bool ahead
 {
 	const struct page_queue *queue = &cache->queue;
 	*out = NULL;
-	enum status status = page_settle(cache);
-	if (status != STATUS_OK)
-		return status;
+	TRY(page_settle(cache));
 	mutex_lock(&cache->mutex);
 	const bool few = are_few_locked(cache), wait = few && (cache->commit != PAGE_COMMIT_NONE || queue->kept.count > 0);
 	mutex_unlock(&cache->mutex);
 	if (few && ahead)
 		return STATUS_OK;
-	if (wait && (status = wait_for_images(cache)) != STATUS_OK)
-		return status;
+	if (wait)
+		TRY(wait_for_images(cache));
 	mutex_lock(&cache->mutex);
 	*out = page_host_acquire_locked(cache, PAGE_CHANGED_IMAGE, key);
 	const bool make = *out == NULL && queue->made[PAGE_CHANGED_IMAGE] < cache->params.queue_most;
@@ -59,9 +58,7 @@ static enum status take_image(struct page_cache *cache, uint64_t key, bool ahead
 		return ahead ? STATUS_OK
 			     : fail_with(STATUS_FAILED, "page cache: the queue is full, %u changed pages "
 					 "wait for the step's end; raise cache.slots", waiting);
-	status = page_host_make(cache, PAGE_CHANGED_IMAGE);
-	if (status != STATUS_OK)
-		return status;
+	TRY(page_host_make(cache, PAGE_CHANGED_IMAGE));
 	mutex_lock(&cache->mutex);
 	*out = page_host_acquire_locked(cache, PAGE_CHANGED_IMAGE, key);
 	mutex_unlock(&cache->mutex);
@@ -78,10 +75,10 @@ enum status page_read_back(struct page_cache *cache, struct page *page, bool ahe
 	assert(page->state == PAGE_RESIDENT && page->dirty); /* 3 */
 	const struct page_executor *executor = &cache->params.executor;
 	struct page_host *host;
-	enum status status = take_image(cache, page->key, ahead, &host);
-	if (status != STATUS_OK || host == NULL)
-		return status;
-	status = executor->read_back(executor->user, page->slot, &host->image);
+	TRY(take_image(cache, page->key, ahead, &host));
+	if (host == NULL)
+		return STATUS_OK;
+	const enum status status = executor->read_back(executor->user, page->slot, &host->image);
 	mutex_lock(&cache->mutex);
 	if (status == STATUS_OK) {
 		page_busy_add_locked(cache, host, true);
@@ -127,9 +124,9 @@ static enum status take_slot(struct page_cache *cache, bool ahead, uint32_t *slo
 	if (page == NULL)
 		return STATUS_OK;
 	if (page->dirty) {
-		enum status status = page_read_back(cache, page, ahead);
-		if (status != STATUS_OK || page->dirty)
-			return status;
+		TRY(page_read_back(cache, page, ahead));
+		if (page->dirty)
+			return STATUS_OK;
 	}
 	mutex_lock(&cache->mutex);
 	*slot = page->slot;
@@ -148,45 +145,55 @@ static enum status wait_for_fills(struct page_cache *cache, const struct page_ho
 	enum status status = STATUS_OK;
 	bool stalled = false;
 	mutex_lock(&cache->mutex);
-	while (status == STATUS_OK && host->image.overlays && cache->queue.filling > 0 && !ahead)
-		status = page_stall_locked(cache, &stalled);
+	while (host->image.overlays && cache->queue.filling > 0 && !ahead)
+		TRY_OR(done, page_stall_locked(cache, &stalled));
+done:
 	*ready = !host->image.overlays || cache->queue.filling == 0;
 	mutex_unlock(&cache->mutex);
 	return status;
 }
 
+/* Takes a slot and uploads the page's image into it. *slot: PAGE_NO_SLOT if there is none yet. *begun: whether the executor was
+ * asked to upload. */
+static enum status upload(struct page_cache *cache, struct page_host *host, bool ahead, uint32_t *slot, bool *begun)
+{
+	const struct page_executor *executor = &cache->params.executor;
+	bool ready;
+	TRY(take_slot(cache, ahead, slot));
+	if (*slot == PAGE_NO_SLOT) /* the page that it replaces is being read back */
+		return STATUS_OK;
+	TRY(wait_for_fills(cache, host, ahead, &ready));
+	if (!ready)
+		return STATUS_OK;
+	*begun = true;
+	return executor->upload(executor->user, *slot, &host->image);
+}
+
 enum status page_install(struct page_cache *cache, struct page *page, bool *later)
 {
 	assert(page->state == PAGE_LOADED);
-	const struct page_executor *executor = &cache->params.executor;
 	struct page_host *host = page->host;
+	const bool unloaded = host->failure.status != STATUS_OK;
 	uint32_t slot = PAGE_NO_SLOT;
-	enum status loaded = STATUS_OK, status = STATUS_OK;
+	bool begun = false;
 	mutex_lock(&cache->mutex);
-	bool ahead = !page->urgent, ready = true;
+	const bool ahead = !page->urgent;
 	mutex_unlock(&cache->mutex);
-	if (host->failure.status != STATUS_OK)
-		loaded = failure_restore(&host->failure);
-	else
-		status = take_slot(cache, ahead, &slot);
-	if (status == STATUS_OK && slot != PAGE_NO_SLOT) /* the page that it replaces is being read back */
-		status = wait_for_fills(cache, host, ahead, &ready);
-	*later = loaded == STATUS_OK && status == STATUS_OK && (slot == PAGE_NO_SLOT || !ready);
-	bool upload = slot != PAGE_NO_SLOT && status == STATUS_OK && ready;
-	if (upload)
-		status = executor->upload(executor->user, slot, &host->image);
-	bool uploaded = upload && status == STATUS_OK;
+	const enum status status = unloaded ? failure_restore(&host->failure) : upload(cache, host, ahead, &slot, &begun);
+	const bool uploaded = begun && status == STATUS_OK;
+	*later = !begun && status == STATUS_OK;
 	mutex_lock(&cache->mutex);
 	if (slot != PAGE_NO_SLOT && !uploaded)
 		cache->table.free_slots[cache->table.free_count++] = slot;
 	if (!*later) {
-		if (upload) /* also after a failure, since the executor may still read the image */
+		if (begun) /* also after a failure, since the executor may still read the image */
 			page_busy_add_locked(cache, host, false);
 		cache->requests_kept = cache->requests_kept && uploaded;
 		page_loads_land_locked(cache, page, uploaded ? slot : PAGE_NO_SLOT);
 	}
 	mutex_unlock(&cache->mutex);
-	if (loaded != STATUS_OK)
-		return ahead ? STATUS_OK : loaded;
-	return status == STATUS_OK ? page_settle(cache) : status;
+	if (unloaded && ahead)
+		return STATUS_OK;
+	TRY(status);
+	return page_settle(cache);
 }

@@ -220,12 +220,20 @@ void page_queue_release_kept_locked(struct page_cache *cache);
 /* --- page_busy.c: transfers that the executor has begun and that are not settled --- */
 
 void page_busy_add_locked(struct page_cache *cache, struct page_host *host, bool filling);
+/* Keeps a failure of the executor, so that it is sticky, and returns it. Call without the mutex. */
+enum status page_executor_failed(struct page_cache *cache, enum status status) FURROW_CHECKED;
 /* Releases images whose transfers are settled. Does not wait. Failures are sticky. */
 enum status page_settle(struct page_cache *cache) FURROW_CHECKED;
 /* Waits on the owner's thread until a thread or the executor may have made progress. Returns early with a sticky failure. */
 enum status page_wait_locked(struct page_cache *cache) FURROW_CHECKED;
 /* As page_wait_locked, but counts as a stall. `*stalled`: this stall was counted before, so only its time is added. */
 enum status page_stall_locked(struct page_cache *cache, bool *stalled) FURROW_CHECKED;
+
+/* --- page_newest.c --- */
+
+/* Finds the newest queued image of a page, waits until it is filled, and adds a reference to it. *host is NULL if nothing is queued. The
+ * caller releases it. */
+enum status page_hold_newest(struct page_cache *cache, uint64_t key, struct page_host **host) FURROW_CHECKED;
 
 /* --- page_loader.c --- */
 

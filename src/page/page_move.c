@@ -22,11 +22,8 @@ static enum status leave_slot(struct page_cache *cache, uint64_t key)
 	mutex_unlock(&cache->mutex);
 	if (page == NULL)
 		return STATUS_OK;
-	if (page->dirty) {
-		enum status status = page_read_back(cache, page, false);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (page->dirty)
+		TRY(page_read_back(cache, page, false));
 	mutex_lock(&cache->mutex);
 	page_drop_locked(cache, page);
 	mutex_unlock(&cache->mutex);
@@ -35,16 +32,9 @@ static enum status leave_slot(struct page_cache *cache, uint64_t key)
 
 static enum status give(struct page_cache *cache, uint64_t key, page_taken_fn fn, void *user)
 {
-	enum status status = STATUS_OK;
 	struct page_host *host;
-	mutex_lock(&cache->mutex);
-	while ((host = page_queue_newest_locked(&cache->queue, key)) != NULL && host->filling && status == STATUS_OK)
-		status = page_wait_locked(cache);
-	if (host != NULL)
-		host->refs++;
-	mutex_unlock(&cache->mutex);
-	if (status == STATUS_OK)
-		status = fn(user, key, host != NULL ? &host->image : NULL);
+	TRY(page_hold_newest(cache, key, &host));
+	const enum status status = fn(user, key, host != NULL ? &host->image : NULL);
 	if (host == NULL)
 		return status;
 	mutex_lock(&cache->mutex);
@@ -58,12 +48,11 @@ static enum status give(struct page_cache *cache, uint64_t key, page_taken_fn fn
 enum status page_cache_take(struct page_cache *cache, const uint64_t *keys, size_t count, page_taken_fn fn, void *user)
 {
 	assert(page_owner(cache));
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = leave_slot(cache, keys[i]);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = give(cache, keys[i], fn, user);
-	return status;
+	for (size_t i = 0; i < count; i++)
+		TRY(leave_slot(cache, keys[i]));
+	for (size_t i = 0; i < count; i++)
+		TRY(give(cache, keys[i], fn, user));
+	return STATUS_OK;
 }
 
 enum status page_cache_put(struct page_cache *cache, uint64_t key, page_fill_fn fn, void *user)
@@ -78,17 +67,18 @@ enum status page_cache_put(struct page_cache *cache, uint64_t key, page_fill_fn 
 	else if (page != NULL && !page->stale)
 		page_loads_abandon_locked(cache, page);
 	mutex_unlock(&cache->mutex);
-	enum status status = page_take_changed_image(cache, key, &host);
-	if (status != STATUS_OK)
-		return status;
-	status = fn(user, &host->image);
+	TRY(page_take_changed_image(cache, key, &host));
+	enum status status;
+	TRY_OR(failed, fn(user, &host->image));
 	mutex_lock(&cache->mutex);
-	if (status == STATUS_OK)
-		page_queue_wait_locked(cache, host);
-	else
-		page_host_release_locked(cache, host);
-	if (status == STATUS_OK && cache->dirty_since == 0)
+	page_queue_wait_locked(cache, host);
+	if (cache->dirty_since == 0)
 		cache->dirty_since = clock_seconds();
+	mutex_unlock(&cache->mutex);
+	return STATUS_OK;
+failed:
+	mutex_lock(&cache->mutex);
+	page_host_release_locked(cache, host);
 	mutex_unlock(&cache->mutex);
 	return status;
 }

@@ -6,30 +6,38 @@
 
 #include <assert.h>
 
+enum status page_hold_newest(struct page_cache *cache, uint64_t key, struct page_host **host)
+{
+	enum status status = STATUS_OK;
+	mutex_lock(&cache->mutex);
+	/* An image that is being filled is in busy, so there is something to wait for. */
+	while ((*host = page_queue_newest_locked(&cache->queue, key)) != NULL && (*host)->filling)
+		TRY_OR(unlock, page_wait_locked(cache));
+	if (*host != NULL)
+		(*host)->refs++;
+unlock:
+	mutex_unlock(&cache->mutex);
+	return status;
+}
+
 enum status page_cache_newest(struct page_cache *cache, uint64_t key, page_image_fn fn, void *user, enum page_newest *newest,
 			      uint32_t *slot)
 {
 	assert(page_owner(cache));
-	enum status status = STATUS_OK;
 	struct page_host *host;
 	mutex_lock(&cache->mutex);
 	const struct page *page = page_table_find_locked(&cache->table, key);
-	if (page != NULL && page->dirty) {
-		*newest = PAGE_NEWEST_SLOT;
+	const bool dirty = page != NULL && page->dirty;
+	if (dirty)
 		*slot = page->slot;
-		mutex_unlock(&cache->mutex);
-		return STATUS_OK;
-	}
-	/* An image that is being filled is in busy, so there is something to wait for. */
-	while ((host = page_queue_newest_locked(&cache->queue, key)) != NULL && host->filling && status == STATUS_OK)
-		status = page_wait_locked(cache);
-	*newest = host != NULL ? PAGE_NEWEST_QUEUED : PAGE_NEWEST_STORED;
-	if (host == NULL || status != STATUS_OK) {
-		mutex_unlock(&cache->mutex);
-		return status;
-	}
-	host->refs++;
 	mutex_unlock(&cache->mutex);
+	*newest = PAGE_NEWEST_SLOT;
+	if (dirty)
+		return STATUS_OK;
+	TRY(page_hold_newest(cache, key, &host));
+	*newest = host != NULL ? PAGE_NEWEST_QUEUED : PAGE_NEWEST_STORED;
+	if (host == NULL)
+		return STATUS_OK;
 	fn(user, &host->image);
 	mutex_lock(&cache->mutex);
 	page_host_release_locked(cache, host);

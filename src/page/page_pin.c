@@ -108,9 +108,30 @@ static enum status next_loaded_locked(struct page_cache *cache, struct request *
 			request->stalled = true;
 			continue;
 		}
-		enum status status = page_stall_locked(cache, &request->stalled);
-		if (status != STATUS_OK)
-			return status;
+		TRY(page_stall_locked(cache, &request->stalled));
+	}
+}
+
+/* Releases the mutex while the page is installed. */
+static enum status install_locked(struct page_cache *cache, struct page *page)
+{
+	bool later;
+	mutex_unlock(&cache->mutex);
+	const enum status status = page_install(cache, page, &later);
+	mutex_lock(&cache->mutex);
+	return status;
+}
+
+/* Returns when all pages of the request are held. */
+static enum status hold_all_locked(struct page_cache *cache, struct request *request)
+{
+	for (;;) {
+		struct page *page;
+		TRY(next_loaded_locked(cache, request, &page));
+		if (page == NULL)
+			return STATUS_OK;
+		page_loads_make_urgent_locked(cache, page);
+		TRY(install_locked(cache, page));
 	}
 }
 
@@ -132,25 +153,13 @@ enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, s
 	struct request request = {.keys = keys, .slots = slots, .count = count};
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
-	enum status status = page_sticky_locked(cache);
-	if (status == STATUS_OK)
-		status = check_room_locked(cache, &request);
-	if (status == STATUS_OK)
-		status = key_set_reserve(&cache->touched, count);
-	if (status != STATUS_OK)
-		goto unlock;
+	enum status status;
+	TRY_OR(unlock, page_sticky_locked(cache));
+	TRY_OR(unlock, check_room_locked(cache, &request));
+	TRY_OR(unlock, key_set_reserve(&cache->touched, count));
 	for (size_t i = 0; i < count; i++)
 		ask_locked(cache, &request, i);
-	struct page *page;
-	while ((status = next_loaded_locked(cache, &request, &page)) == STATUS_OK && page != NULL) {
-		bool later;
-		page_loads_make_urgent_locked(cache, page);
-		mutex_unlock(&cache->mutex);
-		status = page_install(cache, page, &later);
-		mutex_lock(&cache->mutex);
-		if (status != STATUS_OK)
-			break;
-	}
+	status = hold_all_locked(cache, &request);
 	if (status != STATUS_OK)
 		undo_locked(cache, &request);
 	assert(page_cache_sane_locked(cache));
@@ -223,17 +232,14 @@ enum status page_cache_poll(struct page_cache *cache)
 	enum status status = page_settle(cache);
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
-	if (status == STATUS_OK)
-		status = page_sticky_locked(cache);
 	cache->polls++;
-	struct page *page;
-	while (status == STATUS_OK && (page = first_loaded_locked(cache)) != NULL) {
-		bool later;
+	TRY_OR(unlock, status);
+	TRY_OR(unlock, page_sticky_locked(cache));
+	for (struct page *page; (page = first_loaded_locked(cache)) != NULL;) {
 		page->polled = cache->polls;
-		mutex_unlock(&cache->mutex);
-		status = page_install(cache, page, &later);
-		mutex_lock(&cache->mutex);
+		TRY_OR(unlock, install_locked(cache, page));
 	}
+unlock:
 	mutex_unlock(&cache->mutex);
 	return status;
 }

@@ -21,8 +21,7 @@ enum status page_queue_init(struct page_queue *queue, const struct page_params *
 	while (buckets < params->queue_most)
 		buckets *= 2;
 	queue->buckets = mem_calloc(buckets, sizeof *queue->buckets);
-	if (queue->buckets == NULL)
-		return fail_memory("the page queue");
+	TRY_MEM(queue->buckets, "the page queue");
 	queue->mask = buckets - 1;
 	return STATUS_OK;
 }
@@ -62,8 +61,7 @@ enum status page_host_make(struct page_cache *cache, enum page_image_kind kind)
 {
 	const struct page_executor *executor = &cache->params.executor;
 	struct page_host *host = mem_calloc(1, sizeof *host);
-	if (host == NULL)
-		return fail_memory("an image of a page");
+	TRY_MEM(host, "an image of a page");
 	host->kind = kind;
 	enum status status = executor->create(executor->user, kind, &host->image);
 	if (status != STATUS_OK) {

@@ -80,15 +80,13 @@ enum status page_cache_rollback(struct page_cache *cache, const struct page_roll
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
 	cache->giving_up = true;
-	enum status status = page_wait_for_commit_locked(cache, false);
+	const enum status status = page_wait_for_commit_locked(cache, false);
 	cache->giving_up = false;
 	if (status == STATUS_OK)
 		give_up_loads_locked(cache);
 	mutex_unlock(&cache->mutex);
-	if (status == STATUS_OK)
-		status = rollback->back(rollback->user);
-	if (status != STATUS_OK)
-		return status;
+	TRY(status);
+	TRY(rollback->back(rollback->user));
 	drop_pages(cache, rollback);
 	mutex_lock(&cache->mutex);
 	page_queue_drop_waiting_locked(cache);

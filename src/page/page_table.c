@@ -23,8 +23,7 @@ enum status page_table_init(struct page_table *table, const struct page_params *
 	table->buckets = mem_calloc(buckets, sizeof *table->buckets);
 	table->pages = mem_calloc(most, sizeof *table->pages);
 	table->free_slots = mem_calloc(params->slots, sizeof *table->free_slots);
-	if (table->buckets == NULL || table->pages == NULL || table->free_slots == NULL)
-		return fail_memory("the page table");
+	TRY_MEM(table->buckets != NULL && table->pages != NULL && table->free_slots != NULL, "the page table");
 	table->mask = buckets - 1;
 	for (size_t i = most; i-- > 0;) {
 		table->pages[i].hash_next = table->unused;

@@ -120,34 +120,27 @@ static enum status begin(struct page_trace *trace)
 
 enum status page_trace_create(const char *path, struct page_trace **out)
 {
-	enum status status = check_replaceable(path);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_replaceable(path));
 	struct page_trace *trace = mem_calloc(1, sizeof *trace);
-	if (trace == NULL)
-		return fail_memory("a trace");
+	TRY_MEM(trace, "a trace");
 	trace->file = -1;
 	trace->path = mem_strdup(path);
 	trace->buffer = mem_alloc(BUFFER_BYTES, 1);
 	trace->hash = XXH3_createState();
+	enum status status;
 	if (trace->path == NULL || trace->buffer == NULL || trace->hash == NULL)
-		status = fail_memory("a trace");
-	else
-		status = aside_name(&trace->aside, trace->path);
-	if (status == STATUS_OK) {
-		XXH3_64bits_reset(trace->hash);
-		struct stat found; /* a device may be given for it; a file that is no trace keeps what it has */
-		if (stat(trace->aside.part, &found) == 0 && S_ISREG(found.st_mode))
-			status = check_replaceable(trace->aside.part);
-		if (status == STATUS_OK)
-			status = begin(trace);
-	}
-	if (status != STATUS_OK) {
-		page_trace_destroy(trace);
-		return status;
-	}
+		TRY_OR(failed, fail_memory("a trace"));
+	TRY_OR(failed, aside_name(&trace->aside, trace->path));
+	XXH3_64bits_reset(trace->hash);
+	struct stat found; /* a device may be given for it; a file that is no trace keeps what it has */
+	if (stat(trace->aside.part, &found) == 0 && S_ISREG(found.st_mode))
+		TRY_OR(failed, check_replaceable(trace->aside.part));
+	TRY_OR(failed, begin(trace));
 	*out = trace;
 	return STATUS_OK;
+failed:
+	page_trace_destroy(trace);
+	return status;
 }
 
 void page_trace_destroy(struct page_trace *trace)
@@ -171,11 +164,9 @@ static enum status note_access(struct page_trace *trace, uint64_t step, uint64_t
 {
 	uint32_t number;
 	bool fresh;
-	enum status status = key_set_number(&trace->index, key, &number, &fresh);
-	if (status == STATUS_OK && BUFFER_BYTES - trace->used < RECORDS_MOST)
-		status = flush(trace);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_set_number(&trace->index, key, &number, &fresh));
+	if (BUFFER_BYTES - trace->used < RECORDS_MOST)
+		TRY(flush(trace));
 	if (step > trace->step)
 		put_number(trace, (step - trace->step) << 1 | 1);
 	put_number(trace, (uint64_t)number << 3 | (uint64_t)resident << 2 | (uint64_t)kind << 1);
@@ -207,23 +198,25 @@ const char *page_trace_path(const struct page_trace *trace)
 	return trace != NULL ? trace->path : NULL;
 }
 
-enum status page_trace_publish(struct page_trace *trace)
+static enum status publish(struct page_trace *trace)
 {
-	enum status status = page_trace_status(trace);
-	if (trace == NULL || status != STATUS_OK)
-		return status;
 	put_number(trace, 1);
 	put_bytes(trace, trace->accesses, 8);
 	put_bytes(trace, trace->index.count, 8);
-	status = flush(trace);
-	if (status == STATUS_OK) {
-		put_bytes(trace, XXH3_64bits_digest(trace->hash), 8);
-		status = flush(trace);
-	}
-	if (status == STATUS_OK && fsync(trace->file) != 0)
-		status = cannot_write(trace);
-	if (status == STATUS_OK)
-		status = aside_publish(&trace->aside);
+	TRY(flush(trace));
+	put_bytes(trace, XXH3_64bits_digest(trace->hash), 8);
+	TRY(flush(trace));
+	if (fsync(trace->file) != 0)
+		return cannot_write(trace);
+	return aside_publish(&trace->aside);
+}
+
+enum status page_trace_publish(struct page_trace *trace)
+{
+	TRY(page_trace_status(trace));
+	if (trace == NULL)
+		return STATUS_OK;
+	const enum status status = publish(trace);
 	if (status != STATUS_OK)
 		failure_capture(&trace->failure, status);
 	return status;

@@ -10,15 +10,14 @@
 
 struct splitter {
 	struct render_blocks *blocks;
-	const struct terrain_view *view;
-	const struct terrain_draw *draw;
+	const struct render_view *view;
+	const struct render_draw *draw;
 	const double *reaches;
 	double spacing;
 	double west, south;  /* metres, of the tile */
 	double limit[2];     /* the world's last post */
 	uint32_t side, cells; /* along a block, and the tile */
 	size_t first;        /* of this tile's blocks */
-	enum status status;
 };
 
 uint32_t render_block_cells(const struct extent *extent)
@@ -32,8 +31,7 @@ static enum status append(struct render_blocks *blocks, uint32_t block)
 	if (blocks->count == blocks->capacity) {
 		size_t capacity = blocks->capacity ? 2 * blocks->capacity : 1024;
 		uint32_t *grown = mem_realloc(blocks->blocks, capacity, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("the picture's blocks");
+		TRY_MEM(grown, "the picture's blocks");
 		blocks->blocks = grown;
 		blocks->capacity = capacity;
 	}
@@ -61,26 +59,25 @@ static void slide_west_and_south(const struct splitter *s, const double low[3], 
 	out[2] = low[2];
 }
 
-static void split(struct splitter *s, uint32_t x, uint32_t y, int stride)
+static enum status split(struct splitter *s, uint32_t x, uint32_t y, int stride)
 {
 	double size = s->side * s->spacing * (1 << stride);
 	double low[3] = {s->west + x * size, s->south + y * size, s->draw->low};
 	double high[3] = {fmin(low[0] + size, s->limit[0]), fmin(low[1] + size, s->limit[1]), s->draw->high};
 	double slid[3];
 	slide_west_and_south(s, low, high, slid);
-	if (s->status != STATUS_OK || low[0] >= s->limit[0] || low[1] >= s->limit[1] ||
-	    !terrain_box_visible(s->view->planes, slid, high))
-		return;
-	double distance = terrain_box_distance(s->view->eye, low, high);
+	if (low[0] >= s->limit[0] || low[1] >= s->limit[1] || !render_box_visible(s->view->planes, slid, high))
+		return STATUS_OK;
+	double distance = render_box_distance(s->view->eye, low, high);
 	if (stride > 0 && distance < s->reaches[stride]) {
 		/* The nearest first, since they hide what is behind. */
 		uint32_t nearest = (s->view->eye[0] >= low[0] + size / 2 ? 1u : 0u) |
 				   (s->view->eye[1] >= low[1] + size / 2 ? 2u : 0u);
 		for (uint32_t i = 0; i < 4; i++)
-			split(s, 2 * x + ((i ^ nearest) & 1), 2 * y + ((i ^ nearest) >> 1), stride - 1);
-		return;
+			TRY(split(s, 2 * x + ((i ^ nearest) & 1), 2 * y + ((i ^ nearest) >> 1), stride - 1));
+		return STATUS_OK;
 	}
-	s->status = append(s->blocks, x | y << 10 | (uint32_t)stride << 20);
+	return append(s->blocks, x | y << 10 | (uint32_t)stride << 20);
 }
 
 /* Marks edges that need a skirt. An edge needs none if the neighbouring block is of the same tile and has the same stride. */
@@ -112,8 +109,8 @@ static void add_skirts(struct splitter *s, uint32_t *edge_strides, uint32_t acro
 	}
 }
 
-enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct terrain_view *view,
-			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw)
+enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct render_view *view,
+			      const double reaches[RENDER_STRIDES], const struct render_draw *draw)
 {
 	uint32_t side = render_block_cells(extent), across = extent->cells / side;
 	double spacing = extent_spacing(extent, draw->tile.level);
@@ -128,12 +125,11 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct extent 
 		stride++;
 	for (uint32_t i = 0; i < 4; i++)
 		if (draw->quadrants >> i & 1)
-			split(&s, i & 1, i >> 1, stride);
-	if (s.status != STATUS_OK || blocks->count == s.first)
-		return s.status;
+			TRY(split(&s, i & 1, i >> 1, stride));
+	if (blocks->count == s.first)
+		return STATUS_OK;
 	uint32_t *strides = mem_alloc((size_t)across * across, sizeof *strides);
-	if (strides == NULL)
-		return fail_memory("the picture's blocks");
+	TRY_MEM(strides, "the picture's blocks");
 	add_skirts(&s, strides, across);
 	mem_free(strides);
 	return STATUS_OK;

@@ -1,5 +1,5 @@
 /*
- * Computes a camera's axes, the view that terrain_select needs, and how coarse a mesh may be at which distance. All in doubles.
+ * Computes a camera's axes, the view that render_select needs, and how coarse a mesh may be at which distance. All in doubles.
  *
  * Without a pixel error, the distance of posts on the screen decides. A tile is divided while its posts are more than 6 pixels
  * apart. The mesh is drawn in cells of up to 32 pixels. Flat ground is cut as finely as a cliff, and the error is not bounded.
@@ -63,11 +63,11 @@ double render_mesh_reach(const struct render_axes *axes)
 	return fmax(axes->focal / PIXELS_A_CELL, REACH_LEAST);
 }
 
-void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
-		    double reaches[TERRAIN_STRIDES])
+void render_reaches(const struct render *render, const struct render_axes *axes, const struct render_draw *draw,
+		    double reaches[RENDER_STRIDES])
 {
 	double spacing = extent_spacing(&render->extent, draw->tile.level);
-	for (int k = 0; k < TERRAIN_STRIDES; k++) {
+	for (int k = 0; k < RENDER_STRIDES; k++) {
 		double apart = spacing * (1 << k);
 		if (render->pixel_error <= 0) {
 			reaches[k] = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RENDER_RUT_REACH : 1);
@@ -83,12 +83,12 @@ void render_reaches(const struct render *render, const struct render_axes *axes,
 	}
 }
 
-void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view)
+void render_view(const struct render *render, const struct render_camera *camera, struct render_view *view)
 {
 	struct render_axes axes;
 	render_axes(render, camera, &axes);
 	memcpy(view->eye, camera->eye, sizeof view->eye);
-	terrain_frustum(camera->eye, axes.forward, axes.right, axes.up, camera->fov,
+	render_frustum(camera->eye, axes.forward, axes.right, axes.up, camera->fov,
 			(double)render->screen->width / render->screen->height, RENDER_FAR, view->planes);
 	view->by_error = render->pixel_error > 0;
 	view->radius = view->by_error ? axes.focal / render->pixel_error :

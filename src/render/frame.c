@@ -62,11 +62,11 @@ static void fill_frame(const struct render *render, const struct render_camera *
 
 /* Tells whether some tile is coarser than it should be: a finer one is not resident, or the budget does not allow it. Its edges
  * may then be off by more than in a complete picture. */
-static bool is_patched(const struct render *render, const struct render_axes *axes, const struct terrain_selection *selection)
+static bool is_patched(const struct render *render, const struct render_axes *axes, const struct render_selection *selection)
 {
 	for (size_t i = 0; i < selection->draw_count; i++) {
-		const struct terrain_draw *draw = &selection->draws[i];
-		double reaches[TERRAIN_STRIDES];
+		const struct render_draw *draw = &selection->draws[i];
+		double reaches[RENDER_STRIDES];
 		render_reaches(render, axes, draw, reaches);
 		if (draw->standing != 0 || (!draw->finest && !draw->divided && draw->distance < reaches[0]))
 			return true;
@@ -75,10 +75,10 @@ static bool is_patched(const struct render *render, const struct render_axes *ax
 }
 
 static void fill_tile(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-		      const struct terrain_draw *draw, uint32_t first, bool patched, double lowest,
+		      const struct render_draw *draw, uint32_t first, bool patched, double lowest,
 		      struct picture_params *params)
 {
-	double reaches[TERRAIN_STRIDES];
+	double reaches[RENDER_STRIDES];
 	render_reaches(render, axes, draw, reaches);
 	uint32_t cells = render->extent.cells;
 	double spacing = extent_spacing(&render->extent, draw->tile.level);
@@ -92,7 +92,7 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	to_floats(params->corner_squares, near_x - floor(near_x), near_y - floor(near_y), fmod(far_x, 16), fmod(far_y, 16));
 	to_floats(params->detail, render_mesh_reach(axes), patched ? draw->high - lowest : 0, RENDER_RUT_REACH * render_mesh_reach(axes),
 		  fmax(render->pixel_error, 1) / axes->focal);
-	for (int k = 0; k < TERRAIN_STRIDES; k++)
+	for (int k = 0; k < RENDER_STRIDES; k++)
 		params->reaches[k] = (float)reaches[k];
 	params->tile[0] = (int32_t)cells;
 	params->tile[1] = (int32_t)first;
@@ -113,19 +113,17 @@ struct drawn {
 };
 
 /* Collects blocks of draws, beginning with the first, until the GPU's buffer is full. *end: the first draw that did not fit. */
-static enum status collect_blocks(struct render *render, const struct terrain_view *view, const struct render_axes *axes,
-				  const struct terrain_selection *selection, size_t first, size_t *end, struct drawn *drawn)
+static enum status collect_blocks(struct render *render, const struct render_view *view, const struct render_axes *axes,
+				  const struct render_selection *selection, size_t first, size_t *end, struct drawn *drawn)
 {
 	struct render_blocks *blocks = &render->blocks;
 	blocks->count = 0;
 	for (*end = first; *end < selection->draw_count; ++*end) {
-		const struct terrain_draw *draw = &selection->draws[*end];
+		const struct render_draw *draw = &selection->draws[*end];
 		size_t before = blocks->count;
-		double reaches[TERRAIN_STRIDES];
+		double reaches[RENDER_STRIDES];
 		render_reaches(render, axes, draw, reaches);
-		enum status status = render_blocks_add(blocks, &render->extent, view, reaches, draw);
-		if (status != STATUS_OK)
-			return status;
+		TRY(render_blocks_add(blocks, &render->extent, view, reaches, draw));
 		if (blocks->count > RENDER_BLOCKS_ROOM) {
 			blocks->count = before;
 			break;
@@ -181,25 +179,21 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 		pass.images[2] = slot->planes[PLANE_DISTURBANCE];
 	const bool smooth = ground != NULL && render->shading == NULL && !render->measuring;
 	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? (smooth ? RENDER_SMOOTH : RENDER_PLAIN) : smooth ? RENDER_LEVEL0 : RENDER_OFFSET;
-	enum status status = render_tile_program(render, variant, &pass.program);
-	if (status == STATUS_OK)
-		gpu_pass_run(render->gpu, &pass);
-	return status;
+	TRY(render_tile_program(render, variant, &pass.program));
+	gpu_pass_run(render->gpu, &pass);
+	return STATUS_OK;
 }
 
-static enum status draw_tile(struct render *render, const struct terrain_draw *draw, const struct drawn *drawn,
+static enum status draw_tile(struct render *render, const struct render_draw *draw, const struct drawn *drawn,
 			     const struct picture_params *params)
 {
-	bool interpolated = draw->ground_level != draw->tile.level && draw->ground != TERRAIN_NO_SLOT;
-	enum status status = render->show != NULL ? render->show(render->user, draw->slot, true) : STATUS_OK;
-	if (status == STATUS_OK && render->show != NULL && interpolated)
-		status = render->show(render->user, draw->ground, false);
-	if (status != STATUS_OK)
-		return status;
+	bool interpolated = draw->ground_level != draw->tile.level && draw->ground != RENDER_NO_SLOT;
+	if (render->show != NULL)
+		TRY(render->show(render->user, draw->slot, true));
+	if (render->show != NULL && interpolated)
+		TRY(render->show(render->user, draw->ground, false));
 	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
-	status = run_tile(render, slot, interpolated ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params);
-	if (status != STATUS_OK)
-		return status;
+	TRY(run_tile(render, slot, interpolated ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params));
 	render->tiles.drawn++;
 	render->tiles.deformed += slot->target != NULL;
 	return STATUS_OK;
@@ -215,19 +209,17 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 		.params_bytes = sizeof *params,
 		.depth_test = true,
 	};
-	enum status status = render_sky_program(render, &pass.program);
-	if (status == STATUS_OK)
-		gpu_pass_run(render->gpu, &pass);
-	return status;
+	TRY(render_sky_program(render, &pass.program));
+	gpu_pass_run(render->gpu, &pass);
+	return STATUS_OK;
 }
 
 /* Draws the blocks of the selected tiles that `view` sees. */
-static enum status draw_ground(struct render *render, const struct render_camera *camera, const struct render_axes *axes, const struct terrain_view *view,
-			       const struct terrain_selection *selection, struct picture_params *params)
+static enum status draw_ground(struct render *render, const struct render_camera *camera, const struct render_axes *axes, const struct render_view *view,
+			       const struct render_selection *selection, struct picture_params *params)
 {
 	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
-	if (drawn == NULL)
-		return fail_memory("the picture's draws");
+	TRY_MEM(drawn, "the picture's draws");
 	enum status status = STATUS_OK;
 	bool patched = is_patched(render, axes, selection);
 	double lowest = INFINITY;
@@ -235,29 +227,28 @@ static enum status draw_ground(struct render *render, const struct render_camera
 		lowest = fmin(lowest, selection->draws[i].low);
 	render->triangles = 0;
 	render->tiles = (struct render_tiles){.drawn = 0};
-	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
-		status = collect_blocks(render, view, axes, selection, i, &end, drawn);
-		if (status != STATUS_OK)
-			break;
+	for (size_t i = 0, end; i < selection->draw_count; i = end) {
+		TRY_OR(done, collect_blocks(render, view, axes, selection, i, &end, drawn));
 		count_triangles(render);
-		for (size_t k = i; k < end && status == STATUS_OK; k++) {
+		for (size_t k = i; k < end; k++) {
 			if (drawn[k].count == 0)
 				continue;
-			const struct terrain_draw *draw = &selection->draws[k];
+			const struct render_draw *draw = &selection->draws[k];
 			fill_tile(render, camera, axes, draw, drawn[k].first, patched, lowest, params);
-			status = draw_tile(render, draw, &drawn[k], params);
+			TRY_OR(done, draw_tile(render, draw, &drawn[k], params));
 		}
 	}
+done:
 	mem_free(drawn);
 	return status;
 }
 
 /* Draws the ground and the objects. */
-static enum status draw_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection,
+static enum status draw_frame(struct render *render, const struct render_camera *camera, const struct render_selection *selection,
 			      struct picture_params *params)
 {
 	struct render_axes axes;
-	struct terrain_view view;
+	struct render_view view;
 	render_axes(render, camera, &axes);
 	render_view(render, camera, &view);
 	fill_frame(render, camera, &axes, params);
@@ -267,13 +258,12 @@ static enum status draw_frame(struct render *render, const struct render_camera 
 	enum status status = draw_ground(render, camera, &axes, &view, selection, params);
 	if (counted)
 		gpu_counter_end(render->ground_samples);
-	if (status == STATUS_OK && render->objects != NULL)
-		status = render_objects_draw(render, camera, &axes, &view, params);
-	return status;
+	TRY(status);
+	return render->objects != NULL ? render_objects_draw(render, camera, &axes, &view, params) : STATUS_OK;
 }
 
-enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct terrain_view *view,
-			      const struct terrain_selection *selection)
+enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct render_view *view,
+			      const struct render_selection *selection)
 {
 	struct picture_params params = {0};
 	struct render_axes axes;
@@ -285,24 +275,25 @@ enum status render_shade_draw(struct render *render, const struct render_camera 
 	gpu_target_clear(render->shading, nothing);
 	enum status status = draw_ground(render, camera, &axes, view, selection, &params);
 	render->shading = NULL;
-	return status == STATUS_OK ? gpu_check(render->gpu, "drawing shadows") : status;
+	TRY(status);
+	return gpu_check(render->gpu, "drawing shadows");
 }
 
-enum status render_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
+enum status render_frame(struct render *render, const struct render_camera *camera, const struct render_selection *selection)
 {
 	float background[4];
 	struct picture_params params = {0};
 	render_body_background(&render->light, background);
 	gpu_target_clear(target_of(render), background);
-	enum status status = draw_frame(render, camera, selection, &params);
-	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
-		status = draw_sky(render, &params);
-	if (status == STATUS_OK && render->screen->resolved != NULL)
+	TRY(draw_frame(render, camera, selection, &params));
+	if (render->effects >> EFFECT_SKY & 1)
+		TRY(draw_sky(render, &params));
+	if (render->screen->resolved != NULL)
 		gpu_target_resolve(render->screen->target, render->screen->resolved);
-	return status == STATUS_OK ? gpu_check(render->gpu, "drawing the picture") : status;
+	return gpu_check(render->gpu, "drawing the picture");
 }
 
-enum status render_measure(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
+enum status render_measure(struct render *render, const struct render_camera *camera, const struct render_selection *selection)
 {
 	static const float nothing[4] = {0, 0, 0, 0};
 	struct picture_params params = {0};
@@ -311,7 +302,8 @@ enum status render_measure(struct render *render, const struct render_camera *ca
 	render->measuring = true;
 	enum status status = draw_frame(render, camera, selection, &params);
 	render->measuring = false;
-	return status == STATUS_OK ? gpu_check(render->gpu, "drawing numbers") : status;
+	TRY(status);
+	return gpu_check(render->gpu, "drawing numbers");
 }
 
 /* --- before the first frame --- */
@@ -326,32 +318,51 @@ static enum status draw_kinds(struct render *render, const struct gpu_slot *defo
 {
 	const struct gpu_slot plain = {.base = deformed->base};
 	const bool shown = render->shading == NULL && !render->measuring;
-	enum status status = run_tile(render, &plain, NULL, 1, params);
-	if (status == STATUS_OK && kinds->smooth && shown)
-		status = run_tile(render, &plain, deformed->base, 1, params);
-	if (status == STATUS_OK && kinds->deformed)
-		status = run_tile(render, deformed, NULL, 1, params);
-	if (status == STATUS_OK && kinds->deformed && kinds->divided && shown)
-		status = run_tile(render, deformed, deformed->base, 1, params);
-	return status;
+	TRY(run_tile(render, &plain, NULL, 1, params));
+	if (kinds->smooth && shown)
+		TRY(run_tile(render, &plain, deformed->base, 1, params));
+	if (kinds->deformed)
+		TRY(run_tile(render, deformed, NULL, 1, params));
+	return kinds->deformed && kinds->divided && shown ? run_tile(render, deformed, deformed->base, 1, params) : STATUS_OK;
 }
 
 /* The screen that numbers are drawn into may be another's, so this makes one of a pixel. */
 static enum status measure_unseen(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
 {
 	struct render_screen *shown = render->screen, small;
-	enum status status = render_screen_init(render, 1, 1, 1, &small);
-	if (status == STATUS_OK)
-		status = render_screen_measures(render, &small);
+	enum status status;
+	TRY_OR(done, render_screen_init(render, 1, 1, 1, &small));
+	TRY_OR(done, render_screen_measures(render, &small));
 	render->screen = &small;
 	render->measuring = true;
-	if (status == STATUS_OK)
-		status = draw_kinds(render, slot, kinds, params);
-	if (status == STATUS_OK && render->objects != NULL)
-		status = render_objects_draw_unseen(render, params);
+	TRY_OR(done, draw_kinds(render, slot, kinds, params));
+	if (render->objects != NULL)
+		TRY_OR(done, render_objects_draw_unseen(render, params));
+done:
 	render->measuring = false;
 	render->screen = shown;
 	render_screen_finish(&small);
+	return status;
+}
+
+/* Draws natural ground, and any layer. */
+static enum status draw_layers(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
+{
+	const struct render_layer shown = render->layer;
+	TRY(draw_kinds(render, slot, kinds, params));
+	if (!render->layers)
+		return STATUS_OK;
+	render->layer.kind = RENDER_TILES;
+	enum status status = draw_kinds(render, slot, kinds, params);
+	render->layer = shown;
+	return status;
+}
+
+static enum status draw_shade(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
+{
+	render->shading = render_shade_target(render->shade, 0);
+	enum status status = draw_kinds(render, slot, kinds, params);
+	render->shading = NULL;
 	return status;
 }
 
@@ -365,24 +376,16 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 	gpu_list_write(render->instances, sizeof none, &none);
 	/* Count samples as in any frame, since llvmpipe compiles a program again for that. */
 	gpu_counter_begin(render->ground_samples);
-	enum status status = draw_kinds(render, slot, kinds, &params);
-	if (status == STATUS_OK && render->layers) {
-		const struct render_layer shown = render->layer;
-		render->layer.kind = RENDER_TILES;
-		status = draw_kinds(render, slot, kinds, &params);
-		render->layer = shown;
-	}
+	enum status status = draw_layers(render, slot, kinds, &params);
 	gpu_counter_end(render->ground_samples);
-	if (status == STATUS_OK && render->shade != NULL) {
-		render->shading = render_shade_target(render->shade, 0);
-		status = draw_kinds(render, slot, kinds, &params);
-		render->shading = NULL;
-	}
-	if (status == STATUS_OK && render->measures)
-		status = measure_unseen(render, slot, kinds, &params);
-	if (status == STATUS_OK && render->objects != NULL)
-		status = render_objects_draw_unseen(render, &params);
-	return status == STATUS_OK && (render->effects >> EFFECT_SKY & 1) ? draw_sky(render, &params) : status;
+	TRY(status);
+	if (render->shade != NULL)
+		TRY(draw_shade(render, slot, kinds, &params));
+	if (render->measures)
+		TRY(measure_unseen(render, slot, kinds, &params));
+	if (render->objects != NULL)
+		TRY(render_objects_draw_unseen(render, &params));
+	return render->effects >> EFFECT_SKY & 1 ? draw_sky(render, &params) : STATUS_OK;
 }
 
 enum status render_draw_unseen(struct render *render, bool deformed, bool divided, bool smooth)
@@ -391,15 +394,15 @@ enum status render_draw_unseen(struct render *render, bool deformed, bool divide
 	const uint32_t side = render->extent.cells + 1;
 	struct gpu_slot slot = {.base = NULL};
 	/* Textures like those of a slot, since a driver may compile again for others. */
-	enum status status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base);
-	if (status == STATUS_OK && deformed)
-		status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]);
-	if (status == STATUS_OK && deformed && render->disturbance)
-		status = gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]);
-	if (status == STATUS_OK)
-		status = draw_unseen(render, &slot, &(struct kinds){deformed, divided, smooth});
-	if (status == STATUS_OK)
-		status = gpu_check(gpu, "drawing before the first picture");
+	enum status status;
+	TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base));
+	if (deformed)
+		TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]));
+	if (deformed && render->disturbance)
+		TRY_OR(done, gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]));
+	TRY_OR(done, draw_unseen(render, &slot, &(struct kinds){deformed, divided, smooth}));
+	TRY_OR(done, gpu_check(gpu, "drawing before the first picture"));
+done:
 	gpu_texture_destroy(slot.planes[PLANE_DISTURBANCE]);
 	gpu_texture_destroy(slot.planes[PLANE_OFFSET]);
 	gpu_texture_destroy(slot.base);

@@ -34,7 +34,7 @@ struct picture_params {
 	float soils[SOIL_CLASSES][4];
 	int32_t tile[4];
 	float layer[4]; /* only for programs with the define LAYER */
-	float reaches[TERRAIN_STRIDES]; /* only for programs with the define REACHES */
+	float reaches[RENDER_STRIDES]; /* only for programs with the define REACHES */
 	float shade_across[4], shade_along[4];
 	float shade_middle[RENDER_SHADES][4], shade_scale[RENDER_SHADES][4];
 };
@@ -51,8 +51,8 @@ double render_mesh_reach(const struct render_axes *axes);
 #define RENDER_RUT_REACH 1.5 /* up to this factor times that distance, vertices are dense enough to show ruts: camera.c */
 /* Fills the distance from the eye, in metres, from which on each stride of a tile (2^0 to 2^11) is fine enough. The distances
  * never decrease with the stride. */
-void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
-		    double reaches[TERRAIN_STRIDES]);
+void render_reaches(const struct render *render, const struct render_axes *axes, const struct render_draw *draw,
+		    double reaches[RENDER_STRIDES]);
 
 /* --- blocks.c: which parts (blocks) of a tile are drawn, and at which stride --- */
 #define RENDER_BLOCK_CELLS 8
@@ -76,8 +76,8 @@ uint32_t render_index_count(uint32_t cells, bool skirts);
 static_assert(RENDER_BLOCKS_ROOM >= (size_t)(TILE_CELLS_MAX / RENDER_BLOCK_CELLS) * (TILE_CELLS_MAX / RENDER_BLOCK_CELLS),
 	      "a tile's blocks fit");
 /* Adds the visible blocks of a draw. Each block gets the coarsest stride that is fine enough at the block's distance. */
-enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct terrain_view *view,
-			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw) FURROW_CHECKED;
+enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct render_view *view,
+			      const double reaches[RENDER_STRIDES], const struct render_draw *draw) FURROW_CHECKED;
 
 /* --- programs.c --- */
 /* Returns the effects of params, without those that would show nothing. */
@@ -103,7 +103,7 @@ enum status render_objects_warm(struct render *render) FURROW_CHECKED;
 enum status render_objects_draw_unseen(struct render *render, const struct picture_params *params) FURROW_CHECKED;
 /* Call this after the ground was drawn and before the sky. `params`: those of the frame; values for a tile are overwritten. */
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-				const struct terrain_view *view, struct picture_params *params) FURROW_CHECKED;
+				const struct render_view *view, struct picture_params *params) FURROW_CHECKED;
 
 /* --- shade_map.c: maps of the shadows that the terrain casts on itself --- */
 struct render_shade;

@@ -27,19 +27,26 @@ static size_t make_header(const struct render_array *array, char header[128])
 	return 128;
 }
 
+static enum status write_array(const char *path, const struct render_array *array, FILE *file)
+{
+	char header[128];
+	const size_t row = (size_t)array->width * array->channels * array->bytes, head = make_header(array, header);
+	errno = 0;
+	bool whole = fwrite(header, 1, head, file) == head;
+	/* the rows come from the lowest up, and go from the highest down */
+	for (uint32_t y = array->height; whole && y-- > 0;)
+		whole = fwrite((const char *)array->values + y * row, 1, row, file) == row;
+	if (!whole)
+		return fail_with(STATUS_FAILED, "%s: cannot write the numbers: %s; check space and permissions of its folder", path, strerror(errno));
+	return STATUS_OK;
+}
+
 enum status render_npy_write(const char *path, const struct render_array *array)
 {
 	struct aside aside;
-	char header[128];
-	const size_t row = (size_t)array->width * array->channels * array->bytes, head = make_header(array, header);
-	enum status status = aside_begin(&aside, path);
-	errno = 0;
-	bool whole = status == STATUS_OK && fwrite(header, 1, head, aside.file) == head;
-	/* the rows come from the lowest up, and go from the highest down */
-	for (uint32_t y = array->height; whole && y-- > 0;)
-		whole = fwrite((const char *)array->values + y * row, 1, row, aside.file) == row;
-	if (status == STATUS_OK && !whole)
-		status = fail_with(STATUS_FAILED, "%s: cannot write the numbers: %s; check space and permissions of its folder", path,
-				   strerror(errno));
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	TRY_OR(done, write_array(path, array, aside.file));
+done:
 	return aside_end(&aside, false, status);
 }

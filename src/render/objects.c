@@ -97,14 +97,14 @@ enum status render_objects_warm(struct render *render)
 	struct gpu_program *program;
 	if (render->objects == NULL)
 		return STATUS_OK;
-	enum status status = program_of(render, false, &program);
-	if (status == STATUS_OK && render->measures)
-		status = gpu_program_get(render->gpu, &measure_request, &program);
-	if (status != STATUS_OK || !render->objects->casts)
-		return status;
+	TRY(program_of(render, false, &program));
+	if (render->measures)
+		TRY(gpu_program_get(render->gpu, &measure_request, &program));
+	if (!render->objects->casts)
+		return STATUS_OK;
 	const struct gpu_program_request umbra = umbra_of((int)render->screen->samples);
-	status = program_of(render, true, &program);
-	return status == STATUS_OK ? gpu_program_get(render->gpu, &umbra, &program) : status;
+	TRY(program_of(render, true, &program));
+	return gpu_program_get(render->gpu, &umbra, &program);
 }
 
 static void add(struct plan *plan, enum plan_kind kind, enum plan_unit unit, enum scene_effect effect, uint64_t bytes, const char *name)
@@ -170,14 +170,13 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 static enum status make_shape(struct render *render, const struct soil_shape *shape, struct object_shape *out)
 {
 	struct object_mesh mesh;
-	enum status status = render_object_mesh_make(shape, &mesh);
-	if (status != STATUS_OK)
-		return status;
+	enum status status;
+	TRY(render_object_mesh_make(shape, &mesh));
 	*out = (struct object_shape){.shape = shape, .bound = soil_shape_bound(shape), .closed = mesh.closed};
 	memcpy(out->first, mesh.first, sizeof out->first);
-	status = gpu_buffer_create(render->gpu, GPU_STORAGE, mesh.corner_count * sizeof *mesh.corners, mesh.corners, &out->corners);
-	if (status == STATUS_OK)
-		status = gpu_buffer_create(render->gpu, GPU_INDICES, mesh.index_count * sizeof *mesh.indices, mesh.indices, &out->indices);
+	TRY_OR(done, gpu_buffer_create(render->gpu, GPU_STORAGE, mesh.corner_count * sizeof *mesh.corners, mesh.corners, &out->corners));
+	TRY_OR(done, gpu_buffer_create(render->gpu, GPU_INDICES, mesh.index_count * sizeof *mesh.indices, mesh.indices, &out->indices));
+done:
 	render_object_mesh_finish(&mesh);
 	return status;
 }
@@ -185,17 +184,16 @@ static enum status make_shape(struct render *render, const struct soil_shape *sh
 static enum status make_shapes(struct render *render, struct render_objects *objects)
 {
 	uint32_t shapes = 0;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < objects->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < objects->count; i++) {
 		size_t first;
 		if (!is_first(objects->objects, i, &first)) {
 			objects->shape_of[i] = objects->shape_of[first];
 			continue;
 		}
 		objects->shape_of[i] = shapes;
-		status = make_shape(render, &objects->objects[i].shape, &objects->shapes[shapes++]);
+		TRY(make_shape(render, &objects->objects[i].shape, &objects->shapes[shapes++]));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 bool render_objects_are_cast(const struct render_params *params)
@@ -212,10 +210,9 @@ static enum status make_shadows(struct render *render, struct render_objects *ob
 {
 	struct gpu *gpu = render->gpu;
 	objects->shadows = mem_alloc(objects->count, sizeof *objects->shadows);
-	if (objects->shadows == NULL)
-		return fail_memory("the picture's shadows");
-	enum status status = gpu_list_create(gpu, objects->count * sizeof *objects->shadows, &objects->casters);
-	return status == STATUS_OK ? gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume) : status;
+	TRY_MEM(objects->shadows, "the picture's shadows");
+	TRY(gpu_list_create(gpu, objects->count * sizeof *objects->shadows, &objects->casters));
+	return gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
 }
 
 enum status render_objects_create(struct render *render, const struct render_params *params)
@@ -224,8 +221,7 @@ enum status render_objects_create(struct render *render, const struct render_par
 	if (!shows(params->effects, count))
 		return STATUS_OK;
 	struct render_objects *objects = mem_calloc(1, sizeof *objects);
-	if (objects == NULL)
-		return fail_memory("the picture's objects");
+	TRY_MEM(objects, "the picture's objects");
 	render->objects = objects; /* from here on render_destroy frees it */
 	objects->objects = params->objects;
 	objects->count = count;
@@ -238,10 +234,9 @@ enum status render_objects_create(struct render *render, const struct render_par
 	if (objects->shapes == NULL || objects->shape_of == NULL || objects->shown == NULL || objects->seen == NULL ||
 	    objects->posed == NULL)
 		return fail_memory("the picture's objects");
-	enum status status = gpu_list_create(render->gpu, count * sizeof *objects->posed, &objects->instances);
-	if (status == STATUS_OK)
-		status = make_shapes(render, objects);
-	return status == STATUS_OK && objects->casts ? make_shadows(render, objects) : status;
+	TRY(gpu_list_create(render->gpu, count * sizeof *objects->posed, &objects->instances));
+	TRY(make_shapes(render, objects));
+	return objects->casts ? make_shadows(render, objects) : STATUS_OK;
 }
 
 void render_objects_destroy(struct render_objects *objects)
@@ -282,7 +277,7 @@ void render_set_objects(struct render *render, const struct render_object *list,
 
 /* --- a picture --- */
 
-static bool ball_visible(const struct terrain_view *view, const double eye[3], const double at[3], double radius)
+static bool ball_visible(const struct render_view *view, const double eye[3], const double at[3], double radius)
 {
 	for (int p = 0; p < 5; p++) {
 		const double *plane = view->planes[p];
@@ -306,7 +301,7 @@ static int in_order(const void *a, const void *b)
 
 /* Lists the objects in the picture, by shape and detail. Also lists the shadows in the picture: their objects may be outside. */
 static void look(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-		 const struct terrain_view *view, const double sun[3], size_t *seen_count, size_t *shadow_count)
+		 const struct render_view *view, const double sun[3], size_t *seen_count, size_t *shadow_count)
 {
 	struct render_objects *objects = render->objects;
 	*seen_count = *shadow_count = 0;
@@ -371,15 +366,12 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 		.fill = true,
 	};
 	const struct gpu_program_request request = umbra_of((int)render->screen->samples);
-	enum status status = program_of(render, true, &pass.program);
-	if (status == STATUS_OK)
-		status = gpu_program_get(render->gpu, &request, &umbra.program);
-	if (status == STATUS_OK) {
-		gpu_pass_run(render->gpu, &pass);
-		gpu_pass_run(render->gpu, &umbra);
-	}
 	render->tiles.shadowed = 1;
-	return status;
+	TRY(program_of(render, true, &pass.program));
+	TRY(gpu_program_get(render->gpu, &request, &umbra.program));
+	gpu_pass_run(render->gpu, &pass);
+	gpu_pass_run(render->gpu, &umbra);
+	return STATUS_OK;
 }
 
 static void run_objects(struct render *render, const struct picture_params *params, struct gpu_program *program,
@@ -421,30 +413,28 @@ enum status render_objects_draw_unseen(struct render *render, const struct pictu
 {
 	struct render_objects *objects = render->objects;
 	struct gpu_program *program;
-	enum status status = program_of(render, false, &program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(program_of(render, false, &program));
 	run_objects(render, params, program, &objects->shapes[0], 0, 3, 1);
 	if (objects->casts && !render->measuring) {
 		objects->shadows[0] = (struct object_shadow){.kind = {0}};
-		status = draw_shadows(render, params, 1);
+		TRY(draw_shadows(render, params, 1));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-				const struct terrain_view *view, struct picture_params *params)
+				const struct render_view *view, struct picture_params *params)
 {
 	struct render_objects *objects = render->objects;
 	const double sun[3] = {params->sun[0], params->sun[1], params->sun[2]};
 	struct gpu_program *program;
 	size_t seen, shadows;
 	look(render, camera, axes, view, sun, &seen, &shadows);
-	enum status status = shadows > 0 && !render->measuring ? draw_shadows(render, params, shadows) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = program_of(render, false, &program);
-	if (status != STATUS_OK || seen == 0)
-		return status;
+	if (shadows > 0 && !render->measuring)
+		TRY(draw_shadows(render, params, shadows));
+	TRY(program_of(render, false, &program));
+	if (seen == 0)
+		return STATUS_OK;
 	for (size_t i = 0; i < seen; i++)
 		objects->posed[i] = objects->seen[i].posed;
 	gpu_list_write(objects->instances, seen * sizeof *objects->posed, objects->posed);
@@ -453,5 +443,5 @@ enum status render_objects_draw(struct render *render, const struct render_camer
 			end++;
 		draw_alike(render, params, program, i, end - i);
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -52,8 +52,8 @@ static enum status write_depth(const char *path, const struct render_picture *pi
 {
 	render_depths(depth, (size_t)picture->width * picture->height);
 	const struct greys greys = {depth, picture->width, picture->unit};
-	enum status status = write_png(path, picture, 16, 1, put_greys, &greys);
-	return status == STATUS_OK ? write_npy(path, picture, depth, 1, sizeof *depth) : status;
+	TRY(write_png(path, picture, 16, 1, put_greys, &greys));
+	return write_npy(path, picture, depth, 1, sizeof *depth);
 }
 
 /* --- numbers of render_measure --- */
@@ -73,8 +73,7 @@ static enum status write_normals(const char *path, const struct render_picture *
 {
 	const size_t count = (size_t)picture->width * picture->height;
 	float *normals = mem_alloc(count, 3 * sizeof *normals);
-	if (normals == NULL)
-		return fail_memory("a picture of normals");
+	TRY_MEM(normals, "a picture of normals");
 	for (size_t i = 0; i < count; i++) {
 		const float *from = &numbers[4 * i];
 		const float up = sqrtf(fmaxf(1 - from[0] * from[0] - from[1] * from[1], 0));
@@ -83,9 +82,10 @@ static enum status write_normals(const char *path, const struct render_picture *
 			normals[3 * i + k] = from[CODE] == 0 ? NAN : normal[k];
 	}
 	const struct greys rows = {normals, picture->width, 1};
-	enum status status = write_png(path, picture, 8, 3, put_normals, &rows);
-	if (status == STATUS_OK)
-		status = write_npy(path, picture, normals, 3, sizeof *normals);
+	enum status status;
+	TRY_OR(done, write_png(path, picture, 8, 3, put_normals, &rows));
+	TRY_OR(done, write_npy(path, picture, normals, 3, sizeof *normals));
+done:
 	mem_free(normals);
 	return status;
 }
@@ -120,14 +120,14 @@ static enum status write_heights(const char *path, const struct render_picture *
 {
 	const size_t count = (size_t)picture->width * picture->height;
 	double *values = mem_alloc(count, sizeof *values);
-	if (values == NULL)
-		return fail_memory("a picture of heights");
+	TRY_MEM(values, "a picture of heights");
 	for (size_t i = 0; i < count; i++)
 		values[i] = numbers[4 * i + CODE] == 0 ? (double)NAN : picture->eye + (double)numbers[4 * i + 2];
 	const struct heights heights = {values, picture};
-	enum status status = write_png(path, picture, 16, 1, put_heights, &heights);
-	if (status == STATUS_OK)
-		status = write_npy(path, picture, values, 1, sizeof *values);
+	enum status status;
+	TRY_OR(done, write_png(path, picture, 16, 1, put_heights, &heights));
+	TRY_OR(done, write_npy(path, picture, values, 1, sizeof *values));
+done:
 	mem_free(values);
 	return status;
 }
@@ -143,17 +143,16 @@ static void put_classes(const void *user, uint32_t y, uint8_t *row)
 static enum status write_numbers(const char *directory, const struct render_picture *picture, const float *numbers)
 {
 	char path[RENDER_PATH];
-	enum status status = STATUS_OK;
 	if (picture->images >> SCENE_IMAGE_NORMALS & 1) {
 		path_of(directory, picture, SCENE_IMAGE_NORMALS, path);
-		status = write_normals(path, picture, numbers);
+		TRY(write_normals(path, picture, numbers));
 	}
-	if (status == STATUS_OK && (picture->images >> SCENE_IMAGE_HEIGHT & 1)) {
+	if (picture->images >> SCENE_IMAGE_HEIGHT & 1) {
 		path_of(directory, picture, SCENE_IMAGE_HEIGHT, path);
-		status = write_heights(path, picture, numbers);
+		TRY(write_heights(path, picture, numbers));
 	}
-	if (status != STATUS_OK || !(picture->images >> SCENE_IMAGE_CLASS & 1))
-		return status;
+	if (!(picture->images >> SCENE_IMAGE_CLASS & 1))
+		return STATUS_OK;
 	const struct greys rows = {numbers, picture->width, 1};
 	path_of(directory, picture, SCENE_IMAGE_CLASS, path);
 	return write_png(path, picture, 8, 1, put_classes, &rows);

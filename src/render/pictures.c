@@ -192,9 +192,7 @@ enum status render_pictures_add(struct pictures *pictures, struct render *render
 		return STATUS_OK;
 	assert(bytes_of(picture->width, picture->height, picture->images != 0) <= pictures->bytes);
 	wait_for_room(pictures);
-	enum status status = sticky(pictures);
-	if (status != STATUS_OK)
-		return status;
+	TRY(sticky(pictures));
 	uint64_t place = pictures->begun % PICTURES_ROOM;
 	pictures->pictures[place] = *picture;
 	render_read_into(render, picture->image, pictures->places[place]);
@@ -267,21 +265,23 @@ void render_pictures_plan(size_t bytes, enum scene_effect by, struct plan *plan)
 					   .bytes = PICTURES_ROOM * bytes}, "pictures: colour");
 }
 
+static enum status start(struct pictures *pictures)
+{
+	for (int i = 0; i < PICTURES_ROOM; i++)
+		TRY(gpu_staging_create(pictures->gpu, pictures->bytes, &pictures->places[i]));
+	return thread_start(&pictures->thread, write_body, pictures, PICTURES_THREAD);
+}
+
 enum status render_pictures_create(struct gpu *gpu, const char *directory, size_t bytes, struct pictures **out)
 {
 	struct pictures *pictures = mem_calloc(1, sizeof *pictures);
-	if (pictures == NULL)
-		return fail_memory("the pictures");
+	TRY_MEM(pictures, "the pictures");
 	pictures->gpu = gpu;
 	pictures->directory = directory;
 	pictures->bytes = bytes;
 	mutex_init(&pictures->mutex);
 	condition_init(&pictures->changed);
-	enum status status = STATUS_OK;
-	for (int i = 0; i < PICTURES_ROOM && status == STATUS_OK; i++)
-		status = gpu_staging_create(gpu, bytes, &pictures->places[i]);
-	if (status == STATUS_OK)
-		status = thread_start(&pictures->thread, write_body, pictures, PICTURES_THREAD);
+	enum status status = start(pictures);
 	if (status != STATUS_OK) {
 		render_pictures_destroy(pictures);
 		return status;

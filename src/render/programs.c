@@ -106,26 +106,24 @@ static bool has_variant(unsigned variant, bool deformed, bool divided, bool smoo
 static enum status measure_program(struct render *render, unsigned variant, struct gpu_program **out)
 {
 	struct gpu_program **program = &render->measure_programs[variant];
-	enum status status = STATUS_OK;
 	if (*program == NULL) {
 		const struct gpu_program_request request =
 			measure_request_of(render->effects, render->classes, render->pixel_error > 0, variant);
-		status = gpu_program_get(render->gpu, &request, program);
+		TRY(gpu_program_get(render->gpu, &request, program));
 	}
 	*out = *program;
-	return status;
+	return STATUS_OK;
 }
 
 static enum status shade_program(struct render *render, unsigned variant, struct gpu_program **out)
 {
 	struct gpu_program **program = &render->shade_programs[variant];
-	enum status status = STATUS_OK;
 	if (*program == NULL) {
 		const struct gpu_program_request request = shade_request_of(render->effects, render->pixel_error > 0, variant);
-		status = gpu_program_get(render->gpu, &request, program);
+		TRY(gpu_program_get(render->gpu, &request, program));
 	}
 	*out = *program;
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out)
@@ -136,15 +134,14 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 		return measure_program(render, variant, out);
 	bool natural = render->layer.kind == RENDER_NATURAL;
 	struct gpu_program **program = natural ? &render->tile_programs[variant] : &render->layer_programs[variant];
-	enum status status = STATUS_OK;
 	if (*program == NULL) {
 		const char *body = render_body_define(&render->light);
 		struct gpu_program_request request = natural ? request_of(render->effects, body, render->disturbance, render->pixel_error > 0, variant) :
 							       layer_request_of(render, variant);
-		status = gpu_program_get(render->gpu, &request, program);
+		TRY(gpu_program_get(render->gpu, &request, program));
 	}
 	*out = *program;
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_sky_program(struct render *render, struct gpu_program **out)
@@ -156,16 +153,16 @@ enum status render_sky_program(struct render *render, struct gpu_program **out)
 static enum status warm_variant(struct render *render, unsigned variant)
 {
 	struct gpu_program *program;
-	enum status status = render_tile_program(render, variant, &program);
-	if (status == STATUS_OK && render->measures && !is_interpolated(variant))
-		status = measure_program(render, variant, &program);
-	if (status == STATUS_OK && render->shade != NULL && !is_interpolated(variant))
-		status = shade_program(render, variant, &program);
-	if (status != STATUS_OK || !render->layers)
-		return status;
+	TRY(render_tile_program(render, variant, &program));
+	if (render->measures && !is_interpolated(variant))
+		TRY(measure_program(render, variant, &program));
+	if (render->shade != NULL && !is_interpolated(variant))
+		TRY(shade_program(render, variant, &program));
+	if (!render->layers)
+		return STATUS_OK;
 	const struct render_layer shown = render->layer;
 	render->layer.kind = RENDER_TILES; /* any: they share a program */
-	status = render_tile_program(render, variant, &program);
+	enum status status = render_tile_program(render, variant, &program);
 	render->layer = shown;
 	return status;
 }
@@ -173,13 +170,12 @@ static enum status warm_variant(struct render *render, unsigned variant)
 enum status render_warm(struct render *render, bool deformed, bool divided, bool smooth)
 {
 	struct gpu_program *program;
-	enum status status = STATUS_OK;
-	for (unsigned variant = 0; variant < RENDER_VARIANTS && status == STATUS_OK; variant++)
+	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided, smooth))
-			status = warm_variant(render, variant);
-	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
-		status = render_sky_program(render, &program);
-	return status == STATUS_OK ? render_objects_warm(render) : status;
+			TRY(warm_variant(render, variant));
+	if (render->effects >> EFFECT_SKY & 1)
+		TRY(render_sky_program(render, &program));
+	return render_objects_warm(render);
 }
 
 /* --- the plan --- */

@@ -43,8 +43,7 @@ static enum status create_mesh(struct render *render)
 	uint32_t cells = render_block_cells(&render->extent);
 	bool skirts = render->effects >> EFFECT_SKIRTS & 1;
 	uint16_t *indices = mem_alloc(render_index_count(cells, true), sizeof *indices);
-	if (indices == NULL)
-		return fail_memory("the picture's mesh");
+	TRY_MEM(indices, "the picture's mesh");
 	render->index_count = fill_indices(indices, cells, skirts);
 	assert(render->index_count == render_index_count(cells, skirts));
 	enum status status = gpu_buffer_create(render->gpu, GPU_INDICES, render->index_count * sizeof *indices,
@@ -58,17 +57,17 @@ static enum status create_ground(struct render *render)
 	const uint32_t size = RENDER_GROUND_SIZE;
 	enum render_ground kinds[RENDER_GROUND_LAYERS];
 	uint8_t *texels = mem_alloc((size_t)size * size * RENDER_GROUND_LAYERS, 4);
-	if (texels == NULL)
-		return fail_memory("the ground's textures");
+	TRY_MEM(texels, "the ground's textures");
 	render_body_textures(&render->light, kinds);
-	enum status status = render_textures_fill(kinds, RENDER_GROUND_LAYERS, texels);
-	if (status == STATUS_OK)
-		status = gpu_texture_create_mipmapped(render->gpu, GPU_RGBA8, size, RENDER_GROUND_LAYERS, &render->ground);
-	for (uint32_t level = 0; status == STATUS_OK && level < gpu_mipmap_levels(size); level++) {
+	enum status status;
+	TRY_OR(done, render_textures_fill(kinds, RENDER_GROUND_LAYERS, texels));
+	TRY_OR(done, gpu_texture_create_mipmapped(render->gpu, GPU_RGBA8, size, RENDER_GROUND_LAYERS, &render->ground));
+	for (uint32_t level = 0; level < gpu_mipmap_levels(size); level++) {
 		if (level > 0)
 			render_textures_halve(texels, size >> (level - 1), RENDER_GROUND_LAYERS);
 		gpu_texture_upload_level(render->ground, level, texels);
 	}
+done:
 	mem_free(texels);
 	return status;
 }
@@ -89,11 +88,24 @@ enum status render_check_samples(const struct gpu *gpu, int samples)
 			 info->renderer, info->samples_most);
 }
 
+static enum status make(struct render *render, const struct render_params *params)
+{
+	TRY(render_check_samples(render->gpu, params->samples));
+	TRY(create_mesh(render));
+	TRY(gpu_list_create(render->gpu, RENDER_BLOCKS_ROOM * sizeof(uint32_t), &render->instances));
+	if (render->effects >> EFFECT_TEXTURE & 1)
+		TRY(create_ground(render));
+	TRY(gpu_counter_create(render->gpu, &render->ground_samples));
+	TRY(render_shade_create(render));
+	TRY(render_objects_create(render, params));
+	return render_screen_init(render, (uint32_t)params->width, (uint32_t)params->height, params->samples > 1 ? (uint32_t)params->samples : 1,
+				  &render->own);
+}
+
 enum status render_create(const struct render_params *params, struct render **out)
 {
 	struct render *render = mem_calloc(1, sizeof *render);
-	if (render == NULL)
-		return fail_memory("the picture");
+	TRY_MEM(render, "the picture");
 	*render = (struct render){
 		.gpu = params->gpu,
 		.slots = params->slots,
@@ -114,22 +126,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 	render->screen = &render->own;
 	render->light = params->light != NULL ? *params->light : scene_light_default();
 	render->soils = params->soils;
-	enum status status = render_check_samples(render->gpu, params->samples);
-	if (status == STATUS_OK)
-		status = create_mesh(render);
-	if (status == STATUS_OK)
-		status = gpu_list_create(render->gpu, RENDER_BLOCKS_ROOM * sizeof(uint32_t), &render->instances);
-	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
-		status = create_ground(render);
-	if (status == STATUS_OK)
-		status = gpu_counter_create(render->gpu, &render->ground_samples);
-	if (status == STATUS_OK)
-		status = render_shade_create(render);
-	if (status == STATUS_OK)
-		status = render_objects_create(render, params);
-	if (status == STATUS_OK)
-		status = render_screen_init(render, (uint32_t)params->width, (uint32_t)params->height,
-					    params->samples > 1 ? (uint32_t)params->samples : 1, &render->own);
+	enum status status = make(render, params);
 	if (status != STATUS_OK) {
 		render_destroy(render);
 		return status;
@@ -214,12 +211,12 @@ enum status render_read(struct render *render, uint8_t *pixels, float *depth)
 enum status render_write_png(struct render *render, const char *path)
 {
 	uint8_t *pixels = mem_alloc((size_t)render->screen->width * render->screen->height, 4);
-	if (pixels == NULL)
-		return fail_memory("the picture's pixels");
+	TRY_MEM(pixels, "the picture's pixels");
 	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, pixels);
-	enum status status = gpu_check(render->gpu, "reading the picture back");
-	if (status == STATUS_OK)
-		status = chart_png_write(path, pixels, render->screen->width, render->screen->height);
+	enum status status;
+	TRY_OR(done, gpu_check(render->gpu, "reading the picture back"));
+	TRY_OR(done, chart_png_write(path, pixels, render->screen->width, render->screen->height));
+done:
 	mem_free(pixels);
 	return status;
 }

@@ -14,8 +14,8 @@
 #include "chart/chart.h"
 #include "gpu/gpu.h"
 #include "scene/scene.h"
+#include "render/select.h"
 #include "store/store.h"
-#include "terrain/terrain.h"
 #include "world/world.h"
 
 struct render_camera {
@@ -93,14 +93,14 @@ enum status render_warm(struct render *render, bool deformed, bool divided, bool
 /* Draws once with each of these programs, because drivers finish compiling at the first draw. The picture is undefined until
  * the next frame. This counts as passes, and as a frame of overdraw. Arguments as for render_warm. */
 enum status render_draw_unseen(struct render *render, bool deformed, bool divided, bool smooth) FURROW_CHECKED;
-/* Fills the view that terrain_select needs for this camera. */
-void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view);
+/* Fills the view that render_select needs for this camera. */
+void render_view(const struct render *render, const struct render_camera *camera, struct render_view *view);
 /* render_set_objects copies the objects that pictures show from now on, each at most once. Before the first call there are
  * none. Without EFFECT_OBJECTS none is shown: render_shows_objects returns false, and their places need not be computed. */
 bool render_shows_objects(const struct render *render);
 void render_set_objects(struct render *render, const struct render_object *objects, size_t count);
 enum status render_frame(struct render *render, const struct render_camera *camera,
-			 const struct terrain_selection *selection) FURROW_CHECKED;
+			 const struct render_selection *selection) FURROW_CHECKED;
 /* Sets the layer that pictures show from the next frame on. At the start it is RENDER_NATURAL. Other layers have light and
  * shade, but no haze and no texture. */
 void render_show_layer(struct render *render, const struct render_layer *layer);
@@ -111,13 +111,13 @@ void render_show_layer(struct render *render, const struct render_layer *layer);
  */
 #define RENDER_SHADE_MAPS 4
 void render_shade_begin(struct render *render);
-bool render_shade_view(const struct render *render, const struct render_camera *camera, double ground, int map, struct terrain_view *view);
-enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct terrain_view *view,
-			      const struct terrain_selection *selection) FURROW_CHECKED;
+bool render_shade_view(const struct render *render, const struct render_camera *camera, double ground, int map, struct render_view *view);
+enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct render_view *view,
+			      const struct render_selection *selection) FURROW_CHECKED;
 /* Draws the last frame again as numbers. A pixel has four floats: the normal east and north, the height above the eye (m), and a code.
  * Codes: 0 sky; 1 + class of the soil; -1 an object; -2 an object whose normal points down. Of slots without classes the class is 0. The depth
  * texture becomes the same again. Counts as a frame in render_tiles. */
-enum status render_measure(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection) FURROW_CHECKED;
+enum status render_measure(struct render *render, const struct render_camera *camera, const struct render_selection *selection) FURROW_CHECKED;
 uint64_t render_triangles(const struct render *render); /* returns the triangles of the last frame */
 /* Returns the number of frames whose overdraw became known since the last call. *overdraw: sum over these frames of the samples
  * of ground that passed the depth test, divided by the samples of the picture. 1 for a frame: ground fills the picture and is
@@ -195,7 +195,6 @@ struct render_poses {
 /* Draws the frames that the scene's cameras write after the present step, and begins to write them: DIR/cameras/NAME/IMAGE/NNNNNN.png.
  * Waits for the tiles of each. Does nothing if no camera has a frame now. `poses` may be NULL. */
 enum status render_view_cameras(struct view *view, struct pictures *pictures, const struct render_poses *poses) FURROW_CHECKED;
-uint64_t render_view_camera_frames(const struct view *view, size_t camera); /* frames that the camera has drawn */
 #define RENDER_CAMERAS "cameras" /* folder of the cameras' folders */
 /* STATUS_INPUT if the pictures of the scene's cameras take more than `memory` bytes. 0: not known. */
 enum status render_cameras_fit(const struct scene *scene, uint64_t memory) FURROW_CHECKED;
@@ -205,10 +204,13 @@ enum status render_cameras_folders(const struct scene *scene, const char *direct
 void render_cameras_plan(const struct scene *scene, struct plan *plan);
 /* Call this after the last step. Waits for results that the GPU is still counting. */
 void render_view_settle(struct view *view);
-/* Returns the view as a watcher of its world, for world_watch. */
-struct world_watcher render_view_watcher(struct view *view);
+/* Takes what happened in the world since the last call. Call it before a commit takes the record. Pictures call it themselves. */
+enum status render_view_update(struct view *view) FURROW_CHECKED;
+/* Tells the world, before a step, which tiles pictures will need: world_prefetch. */
+enum status render_view_prefetch(struct view *view) FURROW_CHECKED;
 enum status render_view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
-enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
+/* The next tiles that deform belong to this contact; NULL: to relaxation. */
+enum status render_view_contact(struct view *view, const struct world_touch *touch) FURROW_CHECKED;
 enum status render_view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
 void render_view_reach_at_least(struct view *view, double metres);
 struct render_view_figures {

@@ -5,46 +5,38 @@ static enum status create_target(struct render *render, struct render_screen *sc
 {
 	struct gpu *gpu = render->gpu;
 	uint32_t width = screen->width, height = screen->height, samples = screen->samples;
-	enum status status = gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->colour);
-	if (status == STATUS_OK && samples > 1)
-		status = gpu_texture_create_sampled(gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->drawn);
-	if (status == STATUS_OK)
-		status = samples > 1 ? gpu_texture_create_sampled(gpu, GPU_DEPTH32F, width, height, samples, &screen->depth)
-				     : gpu_texture_create(gpu, GPU_DEPTH32F, width, height, 0, &screen->depth);
-	if (status == STATUS_OK)
-		status = gpu_target_create(gpu, &(struct gpu_attachment){samples > 1 ? screen->drawn : screen->colour, 0}, 1,
-					   (struct gpu_attachment){screen->depth, 0}, &screen->target);
-	if (status == STATUS_OK && samples > 1)
-		status = gpu_target_create(gpu, &(struct gpu_attachment){screen->colour, 0}, 1, (struct gpu_attachment){NULL, 0},
-					   &screen->resolved);
-	return status;
+	TRY(gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->colour));
+	if (samples > 1)
+		TRY(gpu_texture_create_sampled(gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->drawn));
+	TRY(samples > 1 ? gpu_texture_create_sampled(gpu, GPU_DEPTH32F, width, height, samples, &screen->depth)
+			: gpu_texture_create(gpu, GPU_DEPTH32F, width, height, 0, &screen->depth));
+	TRY(gpu_target_create(gpu, &(struct gpu_attachment){samples > 1 ? screen->drawn : screen->colour, 0}, 1,
+			      (struct gpu_attachment){screen->depth, 0}, &screen->target));
+	if (samples <= 1)
+		return STATUS_OK;
+	return gpu_target_create(gpu, &(struct gpu_attachment){screen->colour, 0}, 1, (struct gpu_attachment){NULL, 0}, &screen->resolved);
 }
 
 enum status render_screen_init(struct render *render, uint32_t width, uint32_t height, uint32_t samples, struct render_screen *screen)
 {
 	*screen = (struct render_screen){.width = width, .height = height, .samples = samples};
-	enum status status = create_target(render, screen);
-	if (status != STATUS_OK || !render_objects_cast(render->objects))
-		return status;
-	status = samples > 1 ? gpu_texture_create_sampled(render->gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->umbra)
-			     : gpu_texture_create(render->gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->umbra);
+	TRY(create_target(render, screen));
+	if (!render_objects_cast(render->objects))
+		return STATUS_OK;
+	TRY(samples > 1 ? gpu_texture_create_sampled(render->gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->umbra)
+			: gpu_texture_create(render->gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->umbra));
 	const struct gpu_attachment colours[2] = {{screen->drawn != NULL ? screen->drawn : screen->colour, 0}, {screen->umbra, 0}};
-	if (status == STATUS_OK)
-		status = gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){screen->depth, 0}, &screen->ground);
-	if (status == STATUS_OK)
-		status = gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){NULL, 0}, &screen->over);
-	return status;
+	TRY(gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){screen->depth, 0}, &screen->ground));
+	return gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){NULL, 0}, &screen->over);
 }
 
 enum status render_screen_measures(struct render *render, struct render_screen *screen)
 {
 	if (screen->numbers != NULL)
 		return STATUS_OK;
-	enum status status = gpu_texture_create(render->gpu, GPU_RGBA32F, screen->width, screen->height, 0, &screen->numbers);
-	if (status == STATUS_OK && screen->samples > 1)
-		status = gpu_texture_create(render->gpu, GPU_DEPTH32F, screen->width, screen->height, 0, &screen->single);
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_texture_create(render->gpu, GPU_RGBA32F, screen->width, screen->height, 0, &screen->numbers));
+	if (screen->samples > 1)
+		TRY(gpu_texture_create(render->gpu, GPU_DEPTH32F, screen->width, screen->height, 0, &screen->single));
 	return gpu_target_create(render->gpu, &(struct gpu_attachment){screen->numbers, 0}, 1,
 				 (struct gpu_attachment){screen->single != NULL ? screen->single : screen->depth, 0}, &screen->measure);
 }

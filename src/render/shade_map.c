@@ -35,13 +35,12 @@ enum status render_shade_create(struct render *render)
 	if (!(render->effects >> EFFECT_TERRAIN_SHADOW & 1))
 		return STATUS_OK;
 	struct render_shade *shade = mem_calloc(1, sizeof *shade);
-	if (shade == NULL)
-		return fail_memory("the terrain's shadows");
+	TRY_MEM(shade, "the terrain's shadows");
 	render->shade = shade; /* from here on render_destroy frees it */
-	enum status status = gpu_texture_create(render->gpu, GPU_DEPTH32F, RENDER_SHADE_SIZE, RENDER_SHADE_SIZE, RENDER_SHADES, &shade->map);
-	for (uint32_t i = 0; i < RENDER_SHADES && status == STATUS_OK; i++)
-		status = gpu_target_create(render->gpu, NULL, 0, (struct gpu_attachment){shade->map, i}, &shade->targets[i]);
-	return status;
+	TRY(gpu_texture_create(render->gpu, GPU_DEPTH32F, RENDER_SHADE_SIZE, RENDER_SHADE_SIZE, RENDER_SHADES, &shade->map));
+	for (uint32_t i = 0; i < RENDER_SHADES; i++)
+		TRY(gpu_target_create(render->gpu, NULL, 0, (struct gpu_attachment){shade->map, i}, &shade->targets[i]));
+	return STATUS_OK;
 }
 
 void render_shade_destroy(struct render_shade *shade)
@@ -82,7 +81,7 @@ void render_shade_begin(struct render *render)
 	shade->along[2] = cos(light->height);
 }
 
-bool render_shade_view(const struct render *render, const struct render_camera *camera, double ground, int index, struct terrain_view *view)
+bool render_shade_view(const struct render *render, const struct render_camera *camera, double ground, int index, struct render_view *view)
 {
 	struct render_shade *shade = render->shade;
 	struct render_axes axes;

@@ -325,8 +325,7 @@ enum status render_textures_fill(const enum render_ground *kinds, uint32_t layer
 		[RENDER_SAND] = {make_sand, 60, 0.55f},	  [RENDER_SNOW] = {make_snow, 60, 0.6f}, [RENDER_WIDE] = {make_far, 48, 0.3f},
 	};
 	float *room = mem_alloc(4 * TEXELS, sizeof *room);
-	if (room == NULL)
-		return fail_memory("the ground's textures");
+	TRY_MEM(room, "the ground's textures");
 	for (uint32_t layer = 0; layer < layers; layer++) {
 		enum render_ground kind = kinds[layer];
 		struct ground ground = {room, room + TEXELS, room + 2 * TEXELS, room + 3 * TEXELS, (uint32_t)kind << 20};

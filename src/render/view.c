@@ -14,32 +14,29 @@
 /* Requests all tiles that the selection wants, and no other, while a picture waits. */
 static void ask(struct view *view)
 {
-	page_cache_want(view->world->cache, view->selection->wanted, view->selection->wanted_count);
+	page_cache_want(world_resident(view->world)->cache, view->selection->wanted, view->selection->wanted_count);
 }
 
 /* Waits for the coarsest tile that is missing. If it cannot be read, this says why; a prefetch would not. */
-static enum status load_first(struct view *view, const struct terrain_view *whole)
+static enum status load_first(struct view *view, const struct render_view *whole)
 {
 	uint32_t slot;
 	uint64_t key = view->selection->wanted[0];
-	enum status status = page_cache_pin(view->world->cache, key, &slot);
-	if (status != STATUS_OK)
-		return status;
-	page_cache_unpin(view->world->cache, key);
+	TRY(page_cache_pin(world_resident(view->world)->cache, key, &slot));
+	page_cache_unpin(world_resident(view->world)->cache, key);
 	return render_view_select_seen(view, whole, false);
 }
 
 /* Waits for all tiles of a picture that is kept, however long. They fit into the slots, so the wait ends. If nothing arrives, or
  * there is no loader, it pins a tile. That says why, if the tile cannot be read. */
-static enum status load_wanted(struct view *view, const struct terrain_view *whole)
+static enum status load_wanted(struct view *view, const struct render_view *whole)
 {
 	const struct world *world = view->world;
-	const volatile sig_atomic_t *stop = world->params.stop;
+	const volatile sig_atomic_t *stop = world_params(world)->stop;
 	const struct timespec nap = {0, 500000};
 	double progressed = clock_seconds();
 	size_t least = SIZE_MAX;
-	enum status status = STATUS_OK;
-	while (view->selection->wanted_count > 0 && status == STATUS_OK) {
+	while (view->selection->wanted_count > 0) {
 		double now = clock_seconds();
 		if (view->selection->wanted_count < least) {
 			least = view->selection->wanted_count;
@@ -50,16 +47,15 @@ static enum status load_wanted(struct view *view, const struct terrain_view *who
 		/* Coarser tiles that are drawn meanwhile must not take slots from the tiles that they replace. */
 		render_view_mark_used(view, false);
 		ask(view);
-		if (world->limits.loaders == 0 || now - progressed > 1) {
-			status = load_first(view, whole);
+		if (world_facts(world)->limits.loaders == 0 || now - progressed > 1) {
+			TRY(load_first(view, whole));
 			continue;
 		}
 		nanosleep(&nap, NULL);
-		status = page_cache_poll(world->cache);
-		if (status == STATUS_OK)
-			status = render_view_select_seen(view, whole, false);
+		TRY(page_cache_poll(world_resident(world)->cache));
+		TRY(render_view_select_seen(view, whole, false));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns how long the world's thread has waited for the store so far, ms. */
@@ -71,7 +67,7 @@ static double waited(const struct world *world)
 	return stalls.ms + ranges.ms;
 }
 
-static enum status wait_for_wanted(struct view *view, const struct terrain_view *whole)
+static enum status wait_for_wanted(struct view *view, const struct render_view *whole)
 {
 	if (view->selection->wanted_count == 0)
 		return STATUS_OK;
@@ -85,69 +81,67 @@ static enum status wait_for_wanted(struct view *view, const struct terrain_view 
 static bool has_ground(const struct view *view)
 {
 	uint32_t slot;
-	struct tile coarsest = {extent_coarsest(&view->world->meta->extent), 0, 0};
+	struct tile coarsest = {extent_coarsest(&world_resident(view->world)->meta->extent), 0, 0};
 	return view->selection->wanted_count == 0 ||
-	       page_cache_peek(view->world->cache, tile_key(coarsest), false, &slot);
+	       page_cache_peek(world_resident(view->world)->cache, tile_key(coarsest), false, &slot);
 }
 
-static enum status find_tiles(struct view *view, const struct terrain_view *whole, bool complete)
+static enum status select_and_load(struct view *view, const struct render_view *whole, bool complete)
 {
-	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
-	enum status status = render_view_select_seen(view, whole, false);
-	if (status == STATUS_OK && complete)
-		status = wait_for_wanted(view, whole);
+	TRY(render_view_select_seen(view, whole, false));
+	if (complete)
+		TRY(wait_for_wanted(view, whole));
 	/* If the step pinned every slot, not even the coarsest tile is resident. A picture needs it. */
-	if (status == STATUS_OK && !has_ground(view))
-		status = load_first(view, whole);
+	return has_ground(view) ? STATUS_OK : load_first(view, whole);
+}
+
+static enum status find_tiles(struct view *view, const struct render_view *whole, bool complete)
+{
+	view->exact = complete || !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
+	enum status status = select_and_load(view, whole, complete);
 	view->exact = true;
-	if (status == STATUS_OK)
-		render_view_mark_used(view, true);
-	return status;
+	TRY(status);
+	render_view_mark_used(view, true);
+	return STATUS_OK;
 }
 
 enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete)
 {
-	struct terrain_view whole;
+	struct render_view whole;
 	render_view(view->render, camera, &whole);
 	return find_tiles(view, &whole, complete);
 }
 
 enum status render_view_shade(struct view *view, const struct render_camera *camera, bool complete)
 {
-	enum status status = STATUS_OK;
 	render_view_move_sun(view);
 	render_shade_begin(view->render);
-	if (!(view->world->scene->view.effects >> EFFECT_TERRAIN_SHADOW & 1))
+	if (!(world_scene(view->world)->view.effects >> EFFECT_TERRAIN_SHADOW & 1))
 		return STATUS_OK;
-	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
-	const double ground = render_view_ground_at(view, camera->eye[0], camera->eye[1], isnan(view->world->meta->low) ? 0 : view->world->meta->low);
+	view->exact = complete || !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
+	const double ground = render_view_ground_at(view, camera->eye[0], camera->eye[1], isnan(world_resident(view->world)->meta->low) ? 0 : world_resident(view->world)->meta->low);
 	view->exact = true;
-	for (int map = 0; map < RENDER_SHADE_MAPS && status == STATUS_OK; map++) {
-		struct terrain_view whole;
+	for (int map = 0; map < RENDER_SHADE_MAPS; map++) {
+		struct render_view whole;
 		if (!render_shade_view(view->render, camera, ground, map, &whole))
 			continue;
-		status = find_tiles(view, &whole, complete);
-		if (status == STATUS_OK)
-			status = render_shade_draw(view->render, camera, map, &whole, view->selection);
+		TRY(find_tiles(view, &whole, complete));
+		TRY(render_shade_draw(view->render, camera, map, &whole, view->selection));
 		render_view_count_tiles(view);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status draw(struct view *view, bool complete)
 {
 	struct render_camera camera;
-	render_view_place_camera(view, view->world->time, &camera);
-	enum status status = render_view_shade(view, &camera, complete);
-	if (status == STATUS_OK)
-		status = render_view_find_tiles(view, &camera, complete);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_update(view));
+	render_view_place_camera(view, world_time(view->world), &camera);
+	TRY(render_view_shade(view, &camera, complete));
+	TRY(render_view_find_tiles(view, &camera, complete));
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
-	status = render_view_set_objects(view);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_set_objects(view));
 	return render_frame(view->render, &camera, view->selection);
 }
 
@@ -155,19 +149,20 @@ enum status render_view_warm(struct view *view)
 {
 	const struct world *world = view->world;
 	bool deformed = world_planes(world) != 0;
-	const bool divided = world->level < 0, smooth = render_view_smooths(world);
-	enum status status = render_warm(view->render, deformed, divided, smooth);
-	if (status == STATUS_OK)
-		status = render_draw_unseen(view->render, deformed, divided, smooth);
-	if (status == STATUS_OK && !view->at_steps)
-		status = draw(view, !view->watched); /* a watched picture may be drawn before its tiles are there */
-	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
-		status = render_view_look_ahead(view);
+	const bool divided = world_resident(world)->level < 0, smooth = render_view_smooths(world);
+	enum status status;
+	TRY_OR(done, render_warm(view->render, deformed, divided, smooth));
+	TRY_OR(done, render_draw_unseen(view->render, deformed, divided, smooth));
+	if (!view->at_steps)
+		TRY_OR(done, draw(view, !view->watched)); /* a watched picture may be drawn before its tiles are there */
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		TRY_OR(done, render_view_look_ahead(view));
+done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	/* This picture is not one of the drive's. */
 	double overdraw;
-	gpu_finish(world->gpu);
+	gpu_finish(world_resident(world)->gpu);
 	render_take_overdraw(view->render, &overdraw);
 	return status;
 }
@@ -181,15 +176,17 @@ static void take_overdraw(struct view *view)
 
 void render_view_settle(struct view *view)
 {
-	gpu_finish(view->world->gpu);
+	gpu_finish(world_resident(view->world)->gpu);
 	take_overdraw(view);
 }
 
 enum status render_view_between(struct view *view, struct pictures *pictures)
 {
-	enum status status = render_pictures_poll(pictures);
-	if (status == STATUS_OK)
-		status = render_view_look_ahead(view);
+	TRY(render_view_update(view));
+	enum status status;
+	TRY_OR(done, render_pictures_poll(pictures));
+	TRY_OR(done, render_view_look_ahead(view));
+done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	return status;
@@ -215,30 +212,26 @@ void render_view_count(struct view *view)
 
 enum status render_view_frame(struct view *view, struct pictures *pictures, bool image)
 {
-	enum status status = render_pictures_poll(pictures);
-	if (status == STATUS_OK)
-		status = draw(view, image);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_pictures_poll(pictures));
+	TRY(draw(view, image));
 	render_view_count(view);
 	take_overdraw(view);
 	view->lacks = view->selection->wanted_count > 0 || view->guessed;
 	view->starved += view->coarse || view->lacks;
-	status = render_view_look_ahead(view);
+	enum status status = render_view_look_ahead(view);
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
-	if (!image || status != STATUS_OK)
-		return status;
-	return render_pictures_begin(pictures, view->render, view->world->step);
+	TRY(status);
+	return image ? render_pictures_begin(pictures, view->render, world_steps_done(view->world)) : STATUS_OK;
 }
 
 /* --- life --- */
 
 void render_view_params(const struct world *world, struct render_params *params)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	*params = (struct render_params){
-		.extent = &world->meta->extent,
+		.extent = &world_resident(world)->meta->extent,
 		.width = scene->view.width,
 		.height = scene->view.height,
 		.effects = scene->view.effects,
@@ -247,7 +240,7 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.samples = scene->view.samples,
 		.objects = scene->objects,
 		.object_count = scene->object_count,
-		.light = &world->light,
+		.light = &world_facts(world)->light,
 		.measures = scene_measures(scene),
 		.classes = scene_draws_classes(scene),
 		.soils = scene_draws_classes(scene) ? scene : NULL,
@@ -258,7 +251,7 @@ void render_view_params(const struct world *world, struct render_params *params)
 static enum status show(void *user, uint32_t slot, bool planes)
 {
 	const struct world *world = user;
-	return resident_pages_show(world->pages, slot, planes);
+	return resident_pages_show(world_resident(world)->pages, slot, planes);
 }
 
 static enum status make_render(struct view *view, bool watched, struct render **out)
@@ -266,16 +259,14 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	struct world *world = view->world;
 	struct render_params params;
 	render_view_params(world, &params);
-	enum status status = render_view_list_drawn(view, &params);
-	if (status != STATUS_OK)
-		return status;
-	params.gpu = world->gpu;
-	params.slots = world->slots;
+	TRY(render_view_list_drawn(view, &params));
+	params.gpu = world_resident(world)->gpu;
+	params.slots = world_resident(world)->slots;
 	params.show = show;
 	params.user = world;
-	params.reference = resident_ground_reference(world->store);
-	params.low = isnan(world->meta->low) ? 0 : world->meta->low;
-	params.high = isnan(world->meta->high) ? 0 : world->meta->high;
+	params.reference = resident_ground_reference(world_resident(world)->store);
+	params.low = isnan(world_resident(world)->meta->low) ? 0 : world_resident(world)->meta->low;
+	params.high = isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high;
 	params.layers = watched;
 	params.measures = params.measures && !watched;
 	return render_create(&params, out);
@@ -287,45 +278,46 @@ static enum status deformed_key(void *user, uint64_t key)
 	return render_view_add_chain(view, &view->deformed, tile_from_key(key));
 }
 
+static enum status make(struct view *view)
+{
+	struct world *world = view->world;
+	const struct scene *scene = world_scene(world);
+	TRY_MEM(view->selection != NULL && view->now != NULL && view->ahead != NULL && view->missing != NULL, "the view");
+	view->reach = render_view_find_reach(world);
+	TRY(make_render(view, view->watched, &view->render));
+	TRY(render_sun_find(&world_facts(world)->light, world_resident(world)->meta, &view->sun));
+	if (!view->watched)
+		TRY(render_view_make_cameras(view));
+	if (scene->view.pixel_error > 0)
+		TRY(render_view_errors_create(world, &view->errors));
+	if (world_resident(world)->was_deformed || scene->hosted) /* a host may make its view late */
+		TRY(store_each_offset(resident_ground_reader(world_resident(world)->ground), world_resident(world)->level, deformed_key, view));
+	return render_view_contact(view, NULL);
+}
+
 enum status render_view_create(struct world *world, bool watched, struct view **out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct view *view = mem_calloc(1, sizeof *view);
-	if (view == NULL)
-		return fail_memory("the view");
+	TRY_MEM(view, "the view");
 	view->world = world;
 	view->watched = watched;
 	view->at_steps = !watched && (scene->view.images > 0 || scene->camera_count > 0);
 	view->ranges.most = RANGES;
-	view->bounds.extent = &world->meta->extent;
+	view->bounds.extent = &world_resident(world)->meta->extent;
 	view->selection = mem_alloc(1, sizeof *view->selection);
 	view->now = mem_calloc(1, sizeof *view->now);
 	view->missing = mem_calloc(VIEW_MISSING, sizeof *view->missing);
 	view->exact = true;
 	view->ahead = mem_calloc(VIEW_LOOKS, sizeof *view->ahead);
 	render_view_find_room(view);
-	resident_ground_forget_offsets(world->ground); /* they may be older than a view that is made late */
-	enum status status = STATUS_OK;
-	if (view->selection == NULL || view->now == NULL || view->ahead == NULL || view->missing == NULL)
-		status = fail_memory("the view");
-	if (status == STATUS_OK)
-		view->reach = render_view_find_reach(world);
-	if (status == STATUS_OK)
-		status = make_render(view, watched, &view->render);
-	if (status == STATUS_OK)
-		status = render_sun_find(&world->light, world->meta, &view->sun);
-	if (status == STATUS_OK && !watched)
-		status = render_view_make_cameras(view);
-	if (status == STATUS_OK && scene->view.pixel_error > 0)
-		status = render_view_errors_create(world, &view->errors);
-	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host may make its view late */
-		status = store_each_offset(resident_ground_reader(world->ground), world->level, deformed_key, view);
-	if (status == STATUS_OK)
-		status = render_view_contact(view, NULL, NULL);
+	resident_ground_forget_offsets(world_resident(world)->ground); /* they may be older than a view that is made late */
+	enum status status = make(view);
 	if (status != STATUS_OK) {
 		render_view_destroy(view);
 		return status;
 	}
+	world_watch(world);
 	*out = view;
 	return STATUS_OK;
 }
@@ -396,7 +388,7 @@ enum status render_view_resize(struct view *view, uint32_t width, uint32_t heigh
 
 enum status render_view_follow_bodies(struct view *view)
 {
-	if (view->bodies == view->world->hosts.count || !view->world->scene->hosted)
+	if (view->bodies == world_body_count(view->world) || !world_scene(view->world)->hosted)
 		return STATUS_OK;
 	/* After a failure all is as before: what draws bodies uses the lists. */
 	struct render *render;
@@ -439,37 +431,38 @@ void render_view_read_into(struct view *view, struct gpu_staging *staging)
 
 enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth)
 {
-	enum status status = draw(view, true);
-	if (status != STATUS_OK)
-		return status;
+	TRY(draw(view, true));
 	take_overdraw(view);
 	view->frames++;
 	return render_read(view->render, pixels, depth);
 }
 
-/* --- watching the world --- */
+/* --- what happened in the world --- */
 
-static enum status on_contact(void *user, const struct event *event, const struct contact_area *area)
+enum status render_view_update(struct view *view)
 {
-	return render_view_contact(user, event, area);
+	const struct world_happened *happened = world_happened(view->world);
+	size_t touch = SIZE_MAX;
+	if (happened->reach > 0)
+		render_view_reach_at_least(view, happened->reach);
+	for (size_t i = 0; i < happened->change_count; i++) {
+		const struct world_change *change = &happened->changes[i];
+		if (change->touch != touch) {
+			touch = change->touch;
+			TRY(render_view_contact(view, touch != SIZE_MAX ? &happened->touches[touch] : NULL));
+		}
+		TRY(render_view_deformed(view, change->tile));
+	}
+	if (touch != SIZE_MAX)
+		TRY(render_view_contact(view, NULL));
+	world_happened_clear(view->world);
+	return STATUS_OK;
 }
 
-static enum status on_changed(void *user, struct tile tile)
+enum status render_view_prefetch(struct view *view)
 {
-	return render_view_deformed(user, tile);
-}
-
-static enum status on_requests(void *user, struct requests *requests)
-{
-	return render_view_requests(user, requests);
-}
-
-static void on_reach(void *user, double metres)
-{
-	render_view_reach_at_least(user, metres);
-}
-
-struct world_watcher render_view_watcher(struct view *view)
-{
-	return (struct world_watcher){view, on_contact, on_changed, on_requests, on_reach};
+	struct requests *asked = world_prefetch(view->world);
+	resident_requests_clear(asked);
+	TRY(render_view_update(view));
+	return render_view_requests(view, asked);
 }

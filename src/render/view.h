@@ -5,7 +5,6 @@
 #include "render/render.h"
 #include "base/key_map.h"
 #include "base/key_set.h"
-#include "terrain/terrain.h"
 
 /* The tiles that the picture of one moment needs, most needed first. */
 struct view_look {
@@ -14,7 +13,7 @@ struct view_look {
 	bool guessed; /* ranges were missing, so others were used in their place */
 	uint64_t done; /* number of ranges that the look-ahead had loaded by then */
 	size_t count;
-	uint64_t keys[2 * TERRAIN_DRAWS_MAX];
+	uint64_t keys[2 * RENDER_DRAWS_MAX];
 };
 
 #define VIEW_LOOKS 4 /* number of future moments that are looked at */
@@ -68,7 +67,7 @@ struct view {
 	struct render_camera camera;
 	struct render_sun sun;
 	bool lacks;               /* the last picture lacked tiles that were not resident */
-	struct terrain_selection *selection;
+	struct render_selection *selection;
 	struct view_look *now;    /* the last picture */
 	struct view_look *ahead;  /* VIEW_LOOKS of them, replaced in turn */
 	unsigned turn;
@@ -149,7 +148,7 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
  * the whole picture. No tile counts as used. */
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
 /* The same for any view. */
-enum status render_view_select_seen(struct view *view, const struct terrain_view *whole, bool everything) FURROW_CHECKED;
+enum status render_view_select_seen(struct view *view, const struct render_view *whole, bool everything) FURROW_CHECKED;
 /* Marks the selected tiles as used. `stand_ins`: also those that are drawn in place of tiles that are not resident. */
 void render_view_mark_used(struct view *view, bool stand_ins);
 
@@ -171,10 +170,10 @@ enum status render_view_offsets(struct view *view, struct tile tile, bool expect
 enum status render_view_errors_create(const struct world *world, struct view_errors **out) FURROW_CHECKED;
 void render_view_errors_destroy(struct view_errors *errors); /* errors may be NULL */
 /* Called by render_view_contact. */
-enum status render_view_errors_contact(struct view *view, const struct event *event) FURROW_CHECKED;
+enum status render_view_errors_contact(struct view *view, const struct world_touch *touch) FURROW_CHECKED;
 /* Notes that the current contact changes this tile of the working level. */
 enum status render_view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
-/* Gives the error in metres, for terrain_source.error. `expected`: the tile will be deformed by the future moment that is
+/* Gives the error in metres, for render_source.error. `expected`: the tile will be deformed by the future moment that is
  * looked at. */
 enum status render_view_error(struct view *view, struct tile tile, bool expected, double *error) FURROW_CHECKED;
 

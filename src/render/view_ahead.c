@@ -16,9 +16,9 @@
 
 void render_view_keep_now(struct view *view)
 {
-	const struct terrain_selection *selection = view->selection;
+	const struct render_selection *selection = view->selection;
 	struct view_look *now = view->now;
-	now->time = view->world->time;
+	now->time = world_time(view->world);
 	memcpy(now->keys, selection->wanted, selection->wanted_count * sizeof *now->keys);
 	now->count = selection->wanted_count;
 	for (size_t i = 0; i < selection->draw_count; i++)
@@ -28,24 +28,23 @@ void render_view_keep_now(struct view *view)
 /* Adds the tiles where objects will be by then. The step's requests name them. */
 static enum status expect_tracks(struct view *view, double time)
 {
-	const struct requests *requests = motion_look_ahead_requests(view->world->ahead);
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < requests->count && status == STATUS_OK; i++) {
+	const struct requests *requests = resident_look_ahead_requests(world_look_ahead(view->world));
+	for (size_t i = 0; i < requests->count; i++) {
 		struct tile tile = tile_from_key(requests->requests[i].key);
-		if (tile.level == view->world->level && requests->requests[i].time <= time)
-			status = render_view_add_chain(view, &view->expected, tile);
+		if (tile.level == world_resident(view->world)->level && requests->requests[i].time <= time)
+			TRY(render_view_add_chain(view, &view->expected, tile));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns the time of the n-th picture from now, n from 0, in simulated seconds. INFINITY: the drive ends before. */
 static double picture_time(const struct world *world, int64_t n)
 {
-	int64_t every = world->scene->view.images;
+	int64_t every = world_scene(world)->view.images;
 	if (every == 0)
 		return INFINITY;
-	int64_t step = (world->step / every + 1 + n) * every;
-	return step <= world_step_count(world) ? world_step_time(world->scene, step) : INFINITY;
+	int64_t step = (world_steps_done(world) / every + 1 + n) * every;
+	return step <= world_step_count(world) ? world_step_time(world_scene(world), step) : INFINITY;
 }
 
 /* Returns the time of the picture that turn 0 to VIEW_LOOKS - 1 looks at; INFINITY: there is none to look at. More pictures
@@ -53,15 +52,15 @@ static double picture_time(const struct world *world, int64_t n)
  * bodies load ahead. */
 static double choose_picture(const struct world *world, unsigned turn)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	if (scene->view.images == 0)
 		return INFINITY;
-	double steps = fmin(floor((world->time + world->limits.prefetch) / scene->time_step + 1e-9), (double)world_step_count(world));
-	int64_t within = (int64_t)steps / scene->view.images - world->step / scene->view.images;
+	double steps = fmin(floor((world_time(world) + world_facts(world)->limits.prefetch) / scene->time_step + 1e-9), (double)world_step_count(world));
+	int64_t within = (int64_t)steps / scene->view.images - world_steps_done(world) / scene->view.images;
 	if (within > VIEW_LOOKS)
 		return picture_time(world, within * (turn + 1) / VIEW_LOOKS - 1);
 	double time = picture_time(world, turn);
-	return time <= world->time + motion_look_ahead_reach(world->ahead, world->time) ? time : INFINITY;
+	return time <= world_time(world) + resident_look_ahead_reach(world_look_ahead(world), world_time(world)) ? time : INFINITY;
 }
 
 /* Returns the look that was made at this time, or NULL. */
@@ -92,15 +91,15 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 	for (int i = 0; i < VIEW_LOOKS; i++) {
 		unsigned turn = view->turn++ % VIEW_LOOKS;
 		*look = &view->ahead[turn];
-		*time = world->time + world->limits.prefetch * (turn + 1) / VIEW_LOOKS;
+		*time = world_time(world) + world_facts(world)->limits.prefetch * (turn + 1) / VIEW_LOOKS;
 		if (!view->at_steps)
 			return true;
 		*time = choose_picture(world, turn);
 		if (isinf(*time))
 			continue;
 		*look = find_look(view, *time);
-		bool come = *look != NULL && (*look)->guessed && (*look)->done != motion_look_ahead_ranges_done(world->ahead);
-		if (*look != NULL && !come && *time - world->time > (*time - (*look)->made) / 2)
+		bool come = *look != NULL && (*look)->guessed && (*look)->done != resident_look_ahead_ranges_done(world_look_ahead(world));
+		if (*look != NULL && !come && *time - world_time(world) > (*time - (*look)->made) / 2)
 			continue;
 		if (*look == NULL)
 			*look = earliest_look(view);
@@ -112,39 +111,35 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 enum status render_view_look(struct view *view, const struct render_camera *camera, double time, struct view_look *look)
 {
 	bool coarse = view->coarse;
-	uint64_t done = motion_look_ahead_ranges_done(view->world->ahead);
+	uint64_t done = resident_look_ahead_ranges_done(world_look_ahead(view->world));
 	look->time = time;
-	look->made = view->world->time;
-	enum status status = expect_tracks(view, time);
-	if (status == STATUS_OK)
-		status = render_view_select(view, camera, true);
+	look->made = world_time(view->world);
+	enum status status;
+	TRY_OR(done, expect_tracks(view, time));
+	TRY_OR(done, render_view_select(view, camera, true));
+	look->count = view->selection->wanted_count;
+	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
+done:
 	look->guessed = view->guessed;
 	look->done = done;
 	key_set_clear(&view->expected);
 	view->coarse = coarse;
-	if (status != STATUS_OK)
-		return status;
-	look->count = view->selection->wanted_count;
-	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
-	return STATUS_OK;
+	return status;
 }
 
 enum status render_view_look_ahead(struct view *view)
 {
-	const struct scene *scene = view->world->scene;
-	if (view->world->limits.prefetch > 0 && view->camera_count > 0) {
-		enum status status = render_view_look_camera(view);
-		if (status != STATUS_OK)
-			return status;
-	}
-	if (view->world->limits.prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
+	const struct scene *scene = world_scene(view->world);
+	if (world_facts(view->world)->limits.prefetch > 0 && view->camera_count > 0)
+		TRY(render_view_look_camera(view));
+	if (world_facts(view->world)->limits.prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
 		return STATUS_OK;
 	struct view_look *look;
 	struct render_camera camera;
 	double time;
 	if (!choose_time(view, &look, &time))
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(view->world->ahead);
+	view->exact = !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
 	render_view_place_camera(view, time, &camera);
 	enum status status = render_view_look(view, &camera, time, look);
 	view->exact = true;
@@ -157,7 +152,7 @@ static size_t order_ahead(const struct view *view, const struct view_look *order
 	size_t count = 0;
 	for (size_t i = 0; i < VIEW_LOOKS + view->camera_count; i++) {
 		const struct view_look *look = i < VIEW_LOOKS ? &view->ahead[i] : &view->cameras[i - VIEW_LOOKS].ahead;
-		if (look->time <= view->world->time)
+		if (look->time <= world_time(view->world))
 			continue;
 		size_t at = count++;
 		for (; at > 0 && look->time < order[at - 1]->time; at--)
@@ -172,16 +167,15 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 			    struct requests *requests)
 {
 	uint32_t slot;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < look->count && view->seen.count < room && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < look->count && view->seen.count < room; i++) {
 		uint64_t key = look->keys[i];
 		if (key_set_has(&view->seen, key))
 			continue;
-		status = key_set_add(&view->seen, key);
-		if (status == STATUS_OK && !page_cache_peek(view->world->cache, key, false, &slot))
-			status = motion_requests_add(requests, key, time);
+		TRY(key_set_add(&view->seen, key));
+		if (!page_cache_peek(world_resident(view->world)->cache, key, false, &slot))
+			TRY(resident_requests_add(requests, key, time));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_view_requests(struct view *view, struct requests *requests)
@@ -189,8 +183,8 @@ enum status render_view_requests(struct view *view, struct requests *requests)
 	const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS];
 	size_t count = order_ahead(view, order);
 	key_set_clear(&view->seen);
-	enum status status = add_look(view, view->now, view->world->time, SIZE_MAX, requests);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = add_look(view, order[i], order[i]->time, view->room, requests);
-	return status;
+	TRY(add_look(view, view->now, world_time(view->world), SIZE_MAX, requests));
+	for (size_t i = 0; i < count; i++)
+		TRY(add_look(view, order[i], order[i]->time, view->room, requests));
+	return STATUS_OK;
 }

@@ -8,7 +8,7 @@
 static enum status list_added(struct view *view)
 {
 	const struct world *world = view->world;
-	const size_t first = world->scene->object_count, count = world->scene->hosted ? world->hosts.count : 0;
+	const size_t first = world_scene(world)->object_count, count = world_scene(world)->hosted ? world_body_count(world) : 0;
 	mem_free(view->added);
 	view->added = NULL;
 	view->added_count = 0;
@@ -16,10 +16,9 @@ static enum status list_added(struct view *view)
 	if (count <= first)
 		return STATUS_OK;
 	view->added = mem_alloc(count - first, sizeof *view->added);
-	if (view->added == NULL)
-		return fail_memory("the view");
+	TRY_MEM(view->added, "the view");
 	for (size_t number = first; number < count; number++)
-		if (world->hosts.list[number] != NULL && !world->hosts.list[number]->quiet) /* a quiet body is a part of a vehicle, and world->figures has that */
+		if (world_body(world, number) != NULL && world_body(world, number)->kind == BODY_HOST) /* the figures have those of vehicles */
 			view->added[view->added_count++] = (int32_t)number;
 	return STATUS_OK;
 }
@@ -27,22 +26,21 @@ static enum status list_added(struct view *view)
 enum status render_view_list_drawn(struct view *view, struct render_params *params)
 {
 	const struct world *world = view->world;
-	const size_t objects = world->scene->object_count, figures = world->figures.count;
+	const size_t objects = world_scene(world)->object_count, figures = world_figures(world)->count;
 	mem_free(view->drawn);
 	view->drawn = NULL;
-	enum status status = list_added(view);
-	if (status != STATUS_OK || figures + view->added_count == 0)
-		return status;
+	TRY(list_added(view));
+	if (figures + view->added_count == 0)
+		return STATUS_OK;
 	/* They share the memory of the scene's objects, of the figures and of the bodies. */
 	view->drawn = mem_calloc(objects + figures + view->added_count, sizeof *view->drawn);
-	if (view->drawn == NULL)
-		return fail_memory("the view");
+	TRY_MEM(view->drawn, "the view");
 	if (objects > 0)
-		memcpy(view->drawn, world->scene->objects, objects * sizeof *view->drawn);
+		memcpy(view->drawn, world_scene(world)->objects, objects * sizeof *view->drawn);
 	if (figures > 0)
-		memcpy(view->drawn + objects, world->figures.list, figures * sizeof *view->drawn);
+		memcpy(view->drawn + objects, world_figures(world)->list, figures * sizeof *view->drawn);
 	for (size_t i = 0; i < view->added_count; i++)
-		view->drawn[objects + figures + i] = *world->hosts.list[view->added[i]]->body.object;
+		view->drawn[objects + figures + i] = *world_body(world, (size_t)view->added[i])->object;
 	params->objects = view->drawn;
 	params->object_count = objects + figures + view->added_count;
 	return STATUS_OK;
@@ -50,12 +48,11 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 
 bool render_view_body(const struct view *view, size_t number, struct render_object *object)
 {
-	const struct world_hosts *hosts = &view->world->hosts;
-	const struct host_body *host = number < hosts->count ? hosts->list[number] : NULL;
-	if (host == NULL || host->removed || !host->placed)
+	const struct body *body = world_body(view->world, number);
+	if (body == NULL || body->host.removed || !body->host.placed)
 		return false;
 	*object = (struct render_object){.posed = true};
-	memcpy(object->at, host->now.pose.position, sizeof object->at);
-	world_axes(host->now.pose.orientation, object->axes);
+	memcpy(object->at, body->host.now.pose.position, sizeof object->at);
+	world_axes(body->host.now.pose.orientation, object->axes);
 	return true;
 }

@@ -13,15 +13,15 @@ static double about(struct view *view, struct tile tile, double otherwise)
 
 double render_view_ground_at(struct view *view, double x, double y, double otherwise)
 {
-	const struct extent *extent = &view->world->meta->extent;
+	const struct extent *extent = &world_resident(view->world)->meta->extent;
 	double px = x / extent->spacing, py = y / extent->spacing;
 	int64_t height;
 	bool any, inside = px >= 0 && py >= 0 && px <= (double)(extent->width - 1) && py <= (double)(extent->height - 1);
 	if (!inside)
 		return otherwise;
-	if (!view->exact && !resident_ground_touch(view->world->ground, resident_ground_tile(extent, px, py)))
+	if (!view->exact && !resident_ground_touch(world_resident(view->world)->ground, resident_ground_tile(extent, px, py)))
 		return about(view, resident_ground_tile(extent, px, py), otherwise);
-	if (resident_ground_height(view->world->ground, lattice_offset(x), lattice_offset(y), &height, &any) != STATUS_OK || !any)
+	if (resident_ground_height(world_resident(view->world)->ground, lattice_offset(x), lattice_offset(y), &height, &any) != STATUS_OK || !any)
 		return otherwise;
 	return lattice_offset_metres(height);
 }
@@ -29,22 +29,18 @@ double render_view_ground_at(struct view *view, double x, double y, double other
 /* Returns the body that the camera follows; NULL: it does not move. */
 static const struct body *target_of(const struct world *world, const struct scene_aim *aim)
 {
-	return aim->kind != SCENE_FIXED && aim->vehicle == 0 ? &world->bodies[aim->object] : NULL;
+	return aim->kind != SCENE_FIXED && aim->vehicle == 0 ? world_body(world, aim->object) : NULL;
 }
 
 /* Places of a camera that follows a vehicle: where that is now. Before it was set down, where it starts. */
 static size_t vehicle_places(const struct world *world, const struct scene_aim *aim, double places[2][2])
 {
-	const struct world_figures *figures = &world->figures;
-	const struct scene_vehicle *vehicle = &world->scene->vehicles[aim->vehicle - 1];
-	double place[3], axes[3][3], yaw = vehicle->yaw;
-	if (figures->vehicle != NULL && figures->vehicle(figures->user, (size_t)aim->vehicle - 1, NULL, place, axes))
-		yaw = atan2(axes[0][1], axes[0][0]);
-	else
-		memcpy(place, vehicle->at, sizeof vehicle->at);
-	memcpy(places[0], place, sizeof places[0]);
-	places[1][0] = place[0] - aim->back * cos(yaw);
-	places[1][1] = place[1] - aim->back * sin(yaw);
+	const struct world_place *place = world_frame_of(world, (size_t)aim->vehicle - 1, NULL);
+	const struct scene_vehicle *vehicle = &world_scene(world)->vehicles[aim->vehicle - 1];
+	const double yaw = place != NULL ? atan2(place->axes[0][1], place->axes[0][0]) : vehicle->yaw;
+	memcpy(places[0], place != NULL ? place->at : vehicle->at, sizeof places[0]);
+	places[1][0] = places[0][0] - aim->back * cos(yaw);
+	places[1][1] = places[0][1] - aim->back * sin(yaw);
 	return 2;
 }
 
@@ -53,7 +49,7 @@ void render_view_place_camera(struct view *view, double time, struct render_came
 	if (view->free)
 		*camera = view->camera;
 	else
-		render_view_aim(view, &view->world->scene->view.aim, time, camera);
+		render_view_aim(view, &world_scene(view->world)->view.aim, time, camera);
 }
 
 void render_view_aim(struct view *view, const struct scene_aim *given, double time, struct render_camera *camera)
@@ -73,7 +69,7 @@ void render_view_aim(struct view *view, const struct scene_aim *given, double ti
 		memcpy(camera->target, given->target, sizeof camera->target);
 		return;
 	}
-	double middle = (world->meta->low + world->meta->high) / 2;
+	double middle = (world_resident(world)->meta->low + world_resident(world)->meta->high) / 2;
 	double ground = render_view_ground_at(view, places[0][0], places[0][1], isnan(middle) ? 0 : middle);
 	camera->target[0] = places[0][0];
 	camera->target[1] = places[0][1];
@@ -95,6 +91,6 @@ void render_view_scene_camera(struct view *view, struct render_camera *camera)
 {
 	bool free = view->free;
 	view->free = false;
-	render_view_place_camera(view, view->world->time, camera);
+	render_view_place_camera(view, world_time(view->world), camera);
 	view->free = free;
 }

@@ -46,7 +46,7 @@ static void stand_at(const struct scene_path *poses, double time, struct stand *
 
 static double middle_height(const struct world *world)
 {
-	const double middle = (world->meta->low + world->meta->high) / 2;
+	const double middle = (world_resident(world)->meta->low + world_resident(world)->meta->high) / 2;
 	return isnan(middle) ? 0 : middle;
 }
 
@@ -67,10 +67,13 @@ static void stand_later(struct view *view, const struct body *body, double time,
 /* Where a vehicle, or a body of its model, is. Before the vehicle was set down, where it starts. */
 static void stand_on_vehicle(struct view *view, size_t index, const char *body, struct stand *stand)
 {
-	const struct world_figures *figures = &view->world->figures;
-	const struct scene_vehicle *vehicle = &view->world->scene->vehicles[index];
-	if (figures->vehicle != NULL && figures->vehicle(figures->user, index, body, stand->at, stand->axes))
+	const struct world_place *place = world_frame_of(view->world, index, body);
+	const struct scene_vehicle *vehicle = &world_scene(view->world)->vehicles[index];
+	if (place != NULL) {
+		memcpy(stand->at, place->at, sizeof stand->at);
+		memcpy(stand->axes, place->axes, sizeof stand->axes);
 		return;
+	}
 	memcpy(stand->at, vehicle->at, sizeof vehicle->at);
 	stand->at[2] = render_view_ground_at(view, vehicle->at[0], vehicle->at[1], middle_height(view->world));
 	soil_axes(vehicle->yaw, 0, 0, 0, stand->axes);
@@ -86,10 +89,9 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 		stand_on_vehicle(view, (size_t)aim->vehicle - 1, given->body, stand);
 		return STATUS_OK;
 	}
-	enum status status = now ? render_view_object(view, (size_t)aim->object, &object, &known) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
-	stand_later(view, &view->world->bodies[aim->object], time, stand);
+	if (now)
+		TRY(render_view_object(view, (size_t)aim->object, &object, &known));
+	stand_later(view, world_body(view->world, aim->object), time, stand);
 	if (!known)
 		return STATUS_OK;
 	memcpy(stand->at, object.at, sizeof object.at);
@@ -122,7 +124,6 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 	static const struct stand world = {.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 	const struct scene_camera *given = this->camera;
 	struct stand on, stand;
-	enum status status = STATUS_OK;
 	switch (given->aim.kind) {
 	case SCENE_CHASE:
 	case SCENE_OVERHEAD:
@@ -133,9 +134,7 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 		mount(given, &world, &stand);
 		break;
 	case SCENE_MOUNTED:
-		status = stand_on(view, given, time, now, &on);
-		if (status != STATUS_OK)
-			return status;
+		TRY(stand_on(view, given, time, now, &on));
 		mount(given, &on, &stand);
 		break;
 	case SCENE_BY_POSES:
@@ -155,9 +154,9 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 static enum status place(struct view *view, const struct view_camera *this, double time, bool now, struct render_camera *camera)
 {
 	struct render_axes axes;
-	enum status status = place_left(view, this, time, now, camera);
-	if (status != STATUS_OK || this->camera->baseline == 0)
-		return status;
+	TRY(place_left(view, this, time, now, camera));
+	if (this->camera->baseline == 0)
+		return STATUS_OK;
 	render_axes(view->render, camera, &axes);
 	for (int i = 0; i < 3; i++) {
 		camera->eye[i] += this->camera->baseline * axes.right[i];
@@ -171,12 +170,12 @@ static enum status place(struct view *view, const struct view_camera *this, doub
 /* Returns when the camera's next frame comes, s; INFINITY: the drive ends before. */
 static double next_time(const struct world *world, const struct scene_camera *camera)
 {
-	const double step = world->scene->time_step;
-	int64_t frame = (int64_t)floor((double)world->step * camera->rate * step + 1e-9);
-	while (scene_camera_step(camera, step, frame) <= world->step)
+	const double step = world_scene(world)->time_step;
+	int64_t frame = (int64_t)floor((double)world_steps_done(world) * camera->rate * step + 1e-9);
+	while (scene_camera_step(camera, step, frame) <= world_steps_done(world))
 		frame++;
 	const int64_t at = scene_camera_step(camera, step, frame);
-	return at <= world_step_count(world) ? world_step_time(world->scene, at) : INFINITY;
+	return at <= world_step_count(world) ? world_step_time(world_scene(world), at) : INFINITY;
 }
 
 enum status render_view_look_camera(struct view *view)
@@ -185,17 +184,18 @@ enum status render_view_look_camera(struct view *view)
 	struct view_camera *this = &view->cameras[view->camera_turn++ % view->camera_count];
 	struct view_look *look = &this->ahead;
 	const double time = next_time(world, this->camera);
-	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world->ahead);
+	const bool come = look->guessed && look->done != resident_look_ahead_ranges_done(world_look_ahead(world));
 	struct render_camera camera;
-	if (time > world->time + motion_look_ahead_reach(world->ahead, world->time))
+	if (time > world_time(world) + resident_look_ahead_reach(world_look_ahead(world), world_time(world)))
 		return STATUS_OK;
-	if (look->time == time && !come && time - world->time > (time - look->made) / 2)
+	if (look->time == time && !come && time - world_time(world) > (time - look->made) / 2)
 		return STATUS_OK;
-	view->exact = !motion_look_ahead_brings_ranges(world->ahead);
+	view->exact = !resident_look_ahead_brings_ranges(world_look_ahead(world));
 	view->render->screen = this->screen;
-	enum status status = place(view, this, time, false, &camera);
-	if (status == STATUS_OK)
-		status = render_view_look(view, &camera, time, look);
+	enum status status;
+	TRY_OR(done, place(view, this, time, false, &camera));
+	TRY_OR(done, render_view_look(view, &camera, time, look));
+done:
 	view->render->screen = &view->render->own;
 	view->exact = true;
 	return status;
@@ -222,17 +222,16 @@ static enum status write_all(struct view *view, const struct view_camera *this, 
 			     int64_t frame)
 {
 	const unsigned images = this->camera->images;
-	const bool measures = scene_camera_measures(view->world->scene, this->camera);
-	enum status status = STATUS_OK;
+	const bool measures = scene_camera_measures(world_scene(view->world), this->camera);
 	if (images >> SCENE_IMAGE_COLOUR & 1)
-		status = write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR);
-	if (status == STATUS_OK && measures) {
-		status = render_measure(view->render, at, view->selection);
+		TRY(write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR));
+	if (measures) {
+		TRY(render_measure(view->render, at, view->selection));
 		render_view_count_tiles(view);
 	}
-	if (status == STATUS_OK && (images >> SCENE_IMAGE_DEPTH & 1))
-		status = write(view, this, at, pictures, frame, SCENE_IMAGE_DEPTH);
-	return status == STATUS_OK && (images & SCENE_IMAGES_MEASURED) ? write(view, this, at, pictures, frame, SCENE_IMAGE_NORMALS) : status;
+	if (images >> SCENE_IMAGE_DEPTH & 1)
+		TRY(write(view, this, at, pictures, frame, SCENE_IMAGE_DEPTH));
+	return images & SCENE_IMAGES_MEASURED ? write(view, this, at, pictures, frame, SCENE_IMAGE_NORMALS) : STATUS_OK;
 }
 
 static enum status tell_pose(struct view *view, const struct view_camera *this, const struct render_camera *camera, const struct render_poses *poses,
@@ -263,19 +262,13 @@ static void tell_below(struct view *view, const struct scene_camera *camera, con
 static enum status draw(struct view *view, struct view_camera *this, struct pictures *pictures, const struct render_poses *poses, int64_t frame)
 {
 	struct render_camera camera;
-	enum status status = place(view, this, view->world->time, true, &camera);
-	if (status == STATUS_OK && frame == 0)
+	TRY(place(view, this, world_time(view->world), true, &camera));
+	if (frame == 0)
 		tell_below(view, this->camera, camera.eye);
-	if (status == STATUS_OK)
-		status = render_view_shade(view, &camera, true);
-	if (status == STATUS_OK)
-		status = render_view_find_tiles(view, &camera, true);
-	if (status == STATUS_OK)
-		status = render_frame(view->render, &camera, view->selection);
-	if (status == STATUS_OK)
-		status = tell_pose(view, this, &camera, poses, frame);
-	if (status != STATUS_OK)
-		return status;
+	TRY(render_view_shade(view, &camera, true));
+	TRY(render_view_find_tiles(view, &camera, true));
+	TRY(render_frame(view->render, &camera, view->selection));
+	TRY(tell_pose(view, this, &camera, poses, frame));
 	render_view_count(view);
 	view->starved += view->coarse;
 	this->frames++;
@@ -286,25 +279,19 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 {
 	const struct world *world = view->world;
 	bool set = false;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < view->camera_count && status == STATUS_OK; i++) {
-		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world->scene->time_step, world->step);
+	for (size_t i = 0; i < view->camera_count; i++) {
+		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world_scene(world)->time_step, world_steps_done(world));
 		if (frame < 0)
 			continue;
 		if (!set)
-			status = render_view_set_objects(view);
+			TRY(render_view_set_objects(view));
 		set = true;
 		view->render->screen = view->cameras[i].screen;
-		if (status == STATUS_OK)
-			status = draw(view, &view->cameras[i], pictures, poses, frame);
+		enum status status = draw(view, &view->cameras[i], pictures, poses, frame);
 		view->render->screen = &view->render->own;
+		TRY(status);
 	}
-	return status;
-}
-
-uint64_t render_view_camera_frames(const struct view *view, size_t camera)
-{
-	return view->cameras[camera].frames;
+	return STATUS_OK;
 }
 
 /* --- life --- */
@@ -330,23 +317,21 @@ static enum status find_screen(struct view *view, struct view_camera *this)
 
 enum status render_view_make_cameras(struct view *view)
 {
-	const struct scene *scene = view->world->scene;
+	const struct scene *scene = world_scene(view->world);
 	const size_t count = scene->camera_count;
 	if (count == 0)
 		return STATUS_OK;
 	view->cameras = mem_calloc(count, sizeof *view->cameras);
 	view->screens = mem_calloc(count, sizeof *view->screens);
-	if (view->cameras == NULL || view->screens == NULL)
-		return fail_memory("the cameras");
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY_MEM(view->cameras != NULL && view->screens != NULL, "the cameras");
+	for (size_t i = 0; i < count; i++) {
 		view->cameras[i] = (struct view_camera){.camera = &scene->cameras[i], .ahead = {.time = -INFINITY}};
-		status = find_screen(view, &view->cameras[i]);
-		if (status == STATUS_OK && scene_camera_measures(scene, &scene->cameras[i]))
-			status = render_screen_measures(view->render, view->cameras[i].screen);
+		TRY(find_screen(view, &view->cameras[i]));
+		if (scene_camera_measures(scene, &scene->cameras[i]))
+			TRY(render_screen_measures(view->render, view->cameras[i].screen));
 	}
-	view->camera_count = status == STATUS_OK ? count : 0;
-	return status;
+	view->camera_count = count;
+	return STATUS_OK;
 }
 
 void render_view_free_cameras(struct view *view)
@@ -370,19 +355,20 @@ enum status render_cameras_folders(const struct scene *scene, const char *direct
 {
 	char path[RENDER_PATH];
 	snprintf(path, sizeof path, "%s/" RENDER_CAMERAS, directory);
-	enum status status = scene->camera_count > 0 ? make_folder(path) : STATUS_OK;
-	for (size_t i = 0; i < scene->camera_count && status == STATUS_OK; i++) {
+	if (scene->camera_count > 0)
+		TRY(make_folder(path));
+	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
 		snprintf(path, sizeof path, "%s/" RENDER_CAMERAS "/%s", directory, camera->name);
-		status = make_folder(path);
-		for (int image = 0; image < SCENE_IMAGES && status == STATUS_OK; image++) {
+		TRY(make_folder(path));
+		for (int image = 0; image < SCENE_IMAGES; image++) {
 			if (!(camera->images >> image & 1))
 				continue;
 			snprintf(path, sizeof path, "%s/" RENDER_CAMERAS "/%s/%s", directory, camera->name, scene_image_name((enum scene_image)image));
-			status = make_folder(path);
+			TRY(make_folder(path));
 		}
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- the plan --- */

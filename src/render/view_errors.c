@@ -28,12 +28,11 @@ struct view_errors {
 
 enum status render_view_errors_create(const struct world *world, struct view_errors **out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct view_errors *errors = mem_calloc(1, sizeof *errors);
-	if (errors == NULL)
-		return fail_memory("the view");
+	TRY_MEM(errors, "the view");
 	errors->bases.most = BASES;
-	errors->bounds.extent = &world->meta->extent;
+	errors->bounds.extent = &world_resident(world)->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		double deep = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
@@ -96,22 +95,20 @@ static void sides(const struct soil_shape *shape, double far[2], double lift[2])
 }
 
 /* Finds how much deeper an object on a slope digs beside its middle than at the middle, metres. */
-static enum status rise_beside(struct view *view, const struct event *event, double *rise)
+static enum status rise_beside(struct view *view, const struct world_touch *touch, double *rise)
 {
-	const struct soil_pose *pose = &event->pose;
+	const struct soil_pose *pose = &touch->pose;
 	double far[2], lift[2], c = cos(pose->yaw), s = sin(pose->yaw);
 	int64_t middle = 0;
-	sides(&world_body_of(view->world, event)->object->shape, far, lift);
+	sides(touch->shape, far, lift);
 	*rise = 0;
 	for (int i = 0; i < 9; i++) {
 		int x = (i + 4) % 9 % 3 - 1, y = (i + 4) % 9 / 3 - 1; /* the middle first */
 		double ahead = far[0] * x, aside = far[1] * y;
 		int64_t height;
 		bool any;
-		enum status status = resident_ground_height(view->world->ground, pose->x + lattice_offset(ahead * c - aside * s),
-						   pose->y + lattice_offset(ahead * s + aside * c), &height, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_height(world_resident(view->world)->ground, pose->x + lattice_offset(ahead * c - aside * s),
+					   pose->y + lattice_offset(ahead * s + aside * c), &height, &any));
 		if (i == 0)
 			middle = height;
 		else if (any)
@@ -120,25 +117,19 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	return STATUS_OK;
 }
 
-enum status render_view_errors_contact(struct view *view, const struct event *event)
+enum status render_view_errors_contact(struct view *view, const struct world_touch *touch)
 {
 	struct view_errors *errors = view->errors;
-	if (event == NULL) {
+	if (touch == NULL) {
 		errors->low = errors->lowest;
 		errors->high = errors->highest;
 		return STATUS_OK;
 	}
 	double rise;
-	enum status status = rise_beside(view, event, &rise);
-	if (status != STATUS_OK)
-		return status;
-	const struct body *body = world_body_of(view->world, event);
-	double deep = event->sinkage;
-	if (body->object->load > 0) /* as the soil was found to carry it in the last step */
-		deep = fmax(deep, body->sinkage);
-	deep = fmax(deep + rise, 0);
+	TRY(rise_beside(view, touch, &rise));
+	const double deep = fmax(touch->depth + rise, 0); /* with a load: as the soil was found to carry it in the step before */
 	errors->low = -deep;
-	errors->high = deform_conserves(view->world->scene->model) ? deep : 0;
+	errors->high = deform_conserves(world_scene(view->world)->model) ? deep : 0;
 	errors->lowest = fmin(errors->lowest, errors->low);
 	errors->highest = fmax(errors->highest, errors->high);
 	return STATUS_OK;
@@ -152,19 +143,19 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 	struct store_range range;
 	bool found;
 	uint64_t key = tile_key(tile);
-	enum status status = key_cache_find(&view->errors->bases, key, &known, &found);
-	*error = status == STATUS_OK && found ? known.a : 0;
-	if (status != STATUS_OK || found)
-		return status;
+	*error = 0;
+	TRY(key_cache_find(&view->errors->bases, key, &known, &found));
+	if (found) {
+		*error = known.a;
+		return STATUS_OK;
+	}
 	if (render_view_lacks_range(view, GROUND_BASE, tile)) {
 		/* Errors about halve from level to level. This guess avoids that all is divided until the error is known. */
-		status = base_error(view, tile_ancestor(tile, tile.level + 1), error);
+		TRY(base_error(view, tile_ancestor(tile, tile.level + 1), error));
 		*error /= 2;
-		return status;
+		return STATUS_OK;
 	}
-	status = resident_ground_base_range(view->world->ground, tile, &range);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_base_range(world_resident(view->world)->ground, tile, &range));
 	*error = range.error;
 	return key_cache_put(&view->errors->bases, key, range.error, 0);
 }
@@ -174,20 +165,19 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	const struct view_errors *errors = view->errors;
 	*error = 0;
 	/* No tile is drawn finer than the working level if it has offsets. */
-	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= view->world->level)
+	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= world_resident(view->world)->level)
 		return STATUS_OK;
 	double low, high;
-	enum status status = render_view_stored_offsets(view, tile, &low, &high);
+	TRY(render_view_stored_offsets(view, tile, &low, &high));
 	resident_bounds_widen(&errors->bounds, tile, &low, &high);
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	if (status == STATUS_OK && (tile.level > store_finest_base(view->world->store) ||
-				    world_relief(view->world) != NULL))
-		status = base_error(view, tile, error);
+	if (tile.level > store_finest_base(world_resident(view->world)->store) || world_relief(view->world) != NULL)
+		TRY(base_error(view, tile, error));
 	double bend = 0;
-	if (status == STATUS_OK && tile.level <= 0 && tile.level > view->world->level)
-		status = render_view_bend(view, tile, &bend);
+	if (tile.level <= 0 && tile.level > world_resident(view->world)->level)
+		TRY(render_view_bend(view, tile, &bend));
 	*error += apart + bend;
-	return status;
+	return STATUS_OK;
 }

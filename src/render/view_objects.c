@@ -4,6 +4,7 @@
  * A wheel and a ball have rolled on since the last path sample.
  */
 #include <math.h>
+#include <string.h>
 
 #include "render/view.h"
 
@@ -31,10 +32,8 @@ static enum status height_at(struct world *world, const struct body *body, const
 	*height = lattice_offset(point->z);
 	if (object->path.has_z)
 		return STATUS_OK;
-	enum status status = resident_ground_height(world->ground, point->qx, point->qy, &ground, known);
-	if (status != STATUS_OK)
-		return status;
-	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world->scene->soils[0], object->load) : object->sink;
+	TRY(resident_ground_height(world_resident(world)->ground, point->qx, point->qy, &ground, known));
+	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world_scene(world)->soils[0], object->load) : object->sink;
 	*height = *known ? ground + lattice_offset(soil_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
 			   body->last.z + body->raised;
 	*known = *known || body->in_contact || body->distance > 0;
@@ -44,58 +43,59 @@ static enum status height_at(struct world *world, const struct body *body, const
 enum status render_view_object(struct view *view, size_t index, struct render_object *object, bool *known)
 {
 	struct world *world = view->world;
-	const struct body *body = &world->bodies[index];
+	const struct body *body = world_body(world, index);
 	struct track_point point;
 	int64_t height;
-	motion_track_at(body->track, world->time, &point);
-	enum status status = height_at(world, body, &point, &height, known);
+	motion_track_at(body->track, world_time(world), &point);
+	TRY(height_at(world, body, &point, &height, known));
 	const bool attitude = body->object->shape.kind != SOIL_WHEEL; /* the pitch of a wheel only turns it */
-	if (status == STATUS_OK)
-		*object = (struct render_object){
-			.object = index,
-			.at = {point.x, point.y, lattice_offset_metres(height)},
-			.yaw = point.yaw,
-			.pitch = attitude ? point.pitch : 0,
-			.roll = point.roll,
-			.turned = turned_at(body, &point),
-		};
-	return status;
+	*object = (struct render_object){
+		.object = index,
+		.at = {point.x, point.y, lattice_offset_metres(height)},
+		.yaw = point.yaw,
+		.pitch = attitude ? point.pitch : 0,
+		.roll = point.roll,
+		.turned = turned_at(body, &point),
+	};
+	return STATUS_OK;
 }
 
 enum status render_view_set_objects(struct view *view)
 {
 	struct world *world = view->world;
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	if (!render_shows_objects(view->render))
 		return STATUS_OK;
-	const struct world_figures *figures = &world->figures;
+	const struct world_figures *figures = world_figures(world);
 	struct render_object *objects = mem_alloc(scene->object_count + figures->count + view->added_count, sizeof *objects);
-	if (objects == NULL)
-		return fail_memory("the picture's objects");
+	TRY_MEM(objects, "the picture's objects");
 	size_t count = 0;
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->object_count; i++) {
 		bool known;
-		if (world->bodies[i].track == NULL) { /* a host moves it */
+		if (world_body(world, i)->track == NULL) { /* a host moves it */
 			if (render_view_body(view, i, &objects[count]))
 				objects[count++].object = i;
 			continue;
 		}
-		if (world->time < motion_track_sample_time(world->bodies[i].track, 0))
+		if (world_time(world) < motion_track_sample_time(world_body(world, i)->track, 0))
 			continue; /* its path has not begun */
-		status = render_view_object(view, i, &objects[count], &known);
-		count += status == STATUS_OK && known;
+		TRY_OR(done, render_view_object(view, i, &objects[count], &known));
+		count += known;
 	}
-	for (size_t i = 0; i < figures->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < figures->count; i++) {
 		struct render_object figure = {.object = scene->object_count + i, .posed = true};
-		if (figures->place(figures->user, i, figure.at, figure.axes))
-			objects[count++] = figure;
+		if (!figures->places[i].there)
+			continue;
+		memcpy(figure.at, figures->places[i].at, sizeof figure.at);
+		memcpy(figure.axes, figures->places[i].axes, sizeof figure.axes);
+		objects[count++] = figure;
 	}
-	for (size_t i = 0; i < view->added_count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < view->added_count; i++)
 		if (render_view_body(view, (size_t)view->added[i], &objects[count]))
 			objects[count++].object = scene->object_count + figures->count + i;
-	if (status == STATUS_OK)
-		render_set_objects(view->render, objects, count);
+	render_set_objects(view->render, objects, count);
+done:
 	mem_free(objects);
 	return status;
 }

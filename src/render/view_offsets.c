@@ -35,14 +35,14 @@ enum status render_view_stored_offsets(struct view *view, struct tile tile, doub
 		return STATUS_OK;
 	while (render_view_lacks_range(view, GROUND_OFFSETS, tile))
 		tile = tile_ancestor(tile, tile.level + 1);
-	return resident_ground_offset_range(view->world->ground, tile, low, high, &found);
+	return resident_ground_offset_range(world_resident(view->world)->ground, tile, low, high, &found);
 }
 
 /* --- in this drive --- */
 
 double render_view_find_reach(const struct world *world)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	double reach = 0, deepest = 0, raised = relief_bound(world_relief(world), 0);
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
@@ -52,11 +52,11 @@ double render_view_find_reach(const struct world *world)
 		/* If a path gives heights, the object may dig as deep as the path is below the ground. */
 		for (size_t k = 0; object->path.has_z && k < object->path.count; k++)
 			deepest = fmax(deepest,
-				       world->meta->high + raised - object->path.points[k].z);
+				       world_resident(world)->meta->high + raised - object->path.points[k].z);
 	}
 	bool all_slides = deform_conserves(scene->model) && scene->undisturbed == SCENE_SLIDES;
-	double relief = all_slides && !isnan(world->meta->low)
-				? world->meta->high - world->meta->low + 2 * raised
+	double relief = all_slides && !isnan(world_resident(world)->meta->low)
+				? world_resident(world)->meta->high - world_resident(world)->meta->low + 2 * raised
 				: 0;
 	return reach + deepest + relief;
 }
@@ -64,46 +64,43 @@ double render_view_find_reach(const struct world *world)
 /* Returns how far moved soil may rise above what was there, metres. */
 static double deposit(const struct view *view)
 {
-	return deform_conserves(view->world->scene->model) ? 2 * view->reach : 0;
+	return deform_conserves(world_scene(view->world)->model) ? 2 * view->reach : 0;
 }
 
 /* Finds the range of the offsets around, metres. Soil that is moved or smoothed may become like them. */
 static enum status around(struct view *view, struct post_rect rect, double *low, double *high)
 {
 	struct tile first, last;
-	enum status status = STATUS_OK;
 	*low = *high = 0;
-	if (!tile_range_of(&view->world->meta->extent, view->world->level, rect, &first, &last))
+	if (!tile_range_of(&world_resident(view->world)->meta->extent, world_resident(view->world)->level, rect, &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y; y++)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
-			const struct tile tile = {view->world->level, x, y};
+		for (uint32_t x = first.x; x <= last.x; x++) {
+			const struct tile tile = {world_resident(view->world)->level, x, y};
 			double lowest, highest;
-			status = render_view_stored_offsets(view, tile, &lowest, &highest);
+			TRY(render_view_stored_offsets(view, tile, &lowest, &highest));
 			if (view->contact.known)
 				resident_bounds_widen(&view->bounds, tile, &lowest, &highest);
 			*low = fmin(*low, lowest);
 			*high = fmax(*high, highest);
 		}
-	return status;
+	return STATUS_OK;
 }
 
 enum status render_view_offsets_contact(struct view *view, const struct contact_area *area)
 {
 	const struct world *world = view->world;
-	const bool raises = deform_conserves(world->scene->model);
+	const bool raises = deform_conserves(world_scene(world)->model);
 	struct view_contact *contact = &view->contact;
 	*contact = (struct view_contact){.low = -view->reach, .high = deposit(view)};
 	if (area == NULL)
 		return STATUS_OK;
 	contact->known = area->lowest != INT64_MIN && !raises;
 	double low = 0, high = 0, depth = 0;
-	enum status status = around(view, area->read, &low, &high);
+	TRY(around(view, area->read, &low, &high));
 	int64_t base = INT64_MIN;
-	if (status == STATUS_OK && area->lowest != INT64_MIN)
-		status = resident_ground_highest(world->ground, world->level, area->changed, &base);
-	if (status != STATUS_OK)
-		return status;
+	if (area->lowest != INT64_MIN)
+		TRY(resident_ground_highest(world_resident(world)->ground, world_resident(world)->level, area->changed, &base));
 	if (base != INT64_MIN)
 		depth = fmax(lattice_offset_metres(base - area->lowest), 0);
 	if (contact->known)
@@ -116,18 +113,16 @@ enum status render_view_offsets_contact(struct view *view, const struct contact_
 enum status render_view_offsets_touch(struct view *view, struct tile tile)
 {
 	double low, high;
-	enum status status = render_view_stored_offsets(view, tile, &low, &high);
+	TRY(render_view_stored_offsets(view, tile, &low, &high));
 	/* Read the store's ranges of all tiles above, too, before this change is committed. */
-	for (int level = tile.level; level <= extent_coarsest(&view->world->meta->extent) && status == STATUS_OK; level++) {
+	for (int level = tile.level; level <= extent_coarsest(&world_resident(view->world)->meta->extent); level++) {
 		const struct tile above = tile_ancestor(tile, level);
 		double above_low, above_high;
 		if (key_map_find(&view->bounds.added, tile_key(above)) != NULL)
 			break;
 		if (level > tile.level)
-			status = render_view_stored_offsets(view, above, &above_low, &above_high);
+			TRY(render_view_stored_offsets(view, above, &above_low, &above_high));
 	}
-	if (status != STATUS_OK)
-		return status;
 	const struct view_contact *contact = &view->contact;
 	low -= contact->known ? 0 : view->reach;
 	high += contact->known ? 0 : deposit(view);

@@ -31,12 +31,11 @@ enum status render_sun_find(const struct scene_light *light, const struct store_
 	*out = (struct render_sun){.light = *light};
 	if (!light->timed || light->placed)
 		return STATUS_OK;
-	enum status status = meta->srs[0] != '\0' ? dem_globe_create(meta->srs, &globe) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	if (meta->srs[0] != '\0')
+		TRY(dem_globe_create(meta->srs, &globe));
 	if (globe == NULL)
 		return fail_with(STATUS_INPUT, "view.sun.time: the store has no reference system, so where it is is not known; give view.sun.at");
-	status = place_in(meta, globe, out);
+	enum status status = place_in(meta, globe, out);
 	dem_globe_destroy(globe);
 	return status;
 }
@@ -57,6 +56,6 @@ void render_view_move_sun(struct view *view)
 	double azimuth, height;
 	if (!view->sun.light.timed)
 		return;
-	render_sun_at(&view->sun, view->world->time, &azimuth, &height);
+	render_sun_at(&view->sun, world_time(view->world), &azimuth, &height);
 	render_move_sun(view->render, azimuth, height);
 }

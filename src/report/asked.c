@@ -29,8 +29,8 @@ static void add_note(void *user, const char *text)
 void report_groundless(const struct world *world, scene_advice_fn tell, void *user)
 {
 	char text[440], count[60];
-	for (size_t i = 0; world->ranks == NULL && i < world->scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+	for (size_t i = 0; world_params(world)->ranks == NULL && i < world_scene(world)->object_count; i++) {
+		const struct body *body = world_body(world, i);
 		const bool all = body->skipped == body->next;
 		if (body->track == NULL || (double)body->skipped <= GROUNDLESS_SHARE * (double)body->next)
 			continue;
@@ -47,7 +47,7 @@ void report_groundless(const struct world *world, scene_advice_fn tell, void *us
 void report_asked(cJSON *root, const struct report *report)
 {
 	const struct world *world = report->world;
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	char hash[20];
 	cJSON_AddStringToObject(root, "version", FURROW_VERSION);
 	cJSON *told = cJSON_AddObjectToObject(root, "scene");
@@ -57,18 +57,18 @@ void report_asked(cJSON *root, const struct report *report)
 	for (size_t i = 0; i < scene->value_count; i++)
 		cJSON_AddStringToObject(values, scene->values[i].key, scene->values[i].text);
 	cJSON *store = cJSON_AddObjectToObject(root, "store");
-	add_path(store, "file", world->ranks != NULL ? world->ranks->over : world->path);
-	add_path(store, "base", store_base_path(world->store));
-	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(world->store));
+	add_path(store, "file", world_params(world)->ranks != NULL ? world_params(world)->ranks->over : world_facts(world)->path);
+	add_path(store, "base", store_base_path(world_resident(world)->store));
+	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(world_resident(world)->store));
 	cJSON_AddStringToObject(store, "base_hash", hash);
-	if (world->began.low < 0 || world->began.high > 0) {
+	if (world_facts(world)->began.low < 0 || world_facts(world)->began.high > 0) {
 		cJSON *began = cJSON_AddObjectToObject(store, "began_on");
-		json_number(began, "deepest", -world->began.low);
-		json_number(began, "highest", world->began.high);
+		json_number(began, "deepest", -world_facts(world)->began.low);
+		json_number(began, "highest", world_facts(world)->began.high);
 	}
-	if (store_copy_path(world->store) != NULL)
-		add_path(store, "staged", store_copy_path(world->store));
-	add_path(root, "trace", page_trace_path(world->trace));
+	if (store_copy_path(world_resident(world)->store) != NULL)
+		add_path(store, "staged", store_copy_path(world_resident(world)->store));
+	add_path(root, "trace", page_trace_path(world_resident(world)->trace));
 	cJSON *notes = cJSON_AddArrayToObject(root, "notes");
 	if (report->advised) {
 		world_advise(world, add_note, notes);

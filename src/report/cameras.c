@@ -25,11 +25,9 @@ static enum status publish(const struct report_poses *poses, size_t index, const
 	char path[POSES_PATH];
 	struct aside aside;
 	report_poses_path(poses, index, name, path);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		print(poses, index, aside.file); /* a failure returns when the file is completed */
-	}
-	return aside_end(&aside, false, status);
+	TRY(aside_begin(&aside, path));
+	print(poses, index, aside.file); /* a failure returns when the file is completed */
+	return aside_end(&aside, false, STATUS_OK);
 }
 
 /* --- notes --- */
@@ -51,25 +49,22 @@ static void eye_on(const struct body *body, const struct track_point *start, dou
 static enum status advise_camera(const struct world *world, struct store_reader *reader, const struct scene_camera *camera, scene_advice_fn tell,
 				 void *user)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world_resident(world)->meta->extent;
 	const bool fixed = camera->aim.kind == SCENE_FIXED;
-	const struct body *body = fixed ? NULL : &world->bodies[camera->aim.object];
+	const struct body *body = fixed ? NULL : world_body(world, camera->aim.object);
 	struct store_sample at;
 	struct track_point start;
 	double eye[3];
 	char text[400];
-	enum status status = STATUS_OK;
 	memcpy(eye, camera->aim.eye, sizeof eye);
 	if (!fixed) {
 		motion_track_sample(body->track, 0, &start);
-		status = store_sample(reader, start.x, start.y, &at);
-		if (status != STATUS_OK || at.nodata || at.outside)
-			return status; /* told of the path */
+		TRY(store_sample(reader, start.x, start.y, &at));
+		if (at.nodata || at.outside)
+			return STATUS_OK; /* told of the path */
 		eye_on(body, &start, at.base, camera->aim.eye, eye);
 	}
-	status = store_sample(reader, eye[0], eye[1], &at);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sample(reader, eye[0], eye[1], &at));
 	if (fixed && at.outside)
 		snprintf(text, sizeof text, "cameras.%s.pose.at: %.9g, %.9g m is off the terrain, which is 0 to %g, 0 to %g m: the place of a camera is in local "
 					    "metres, and coordinates does not hold for it", camera->name, eye[0], eye[1],
@@ -88,16 +83,16 @@ static enum status advise_camera(const struct world *world, struct store_reader 
 
 void report_cameras_advise(const struct world *world, scene_advice_fn tell, void *user)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	struct store_reader *reader = NULL;
-	if (scene->camera_count == 0 || world->store == NULL || world->ranks != NULL || store_reader_create(world->store, &reader) != STATUS_OK)
+	if (scene->camera_count == 0 || world_resident(world)->store == NULL || world_params(world)->ranks != NULL || store_reader_create(world_resident(world)->store, &reader) != STATUS_OK)
 		return;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->camera_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
-		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world->bodies[camera->aim.object].track != NULL;
-		if (camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object))
-			status = advise_camera(world, reader, camera, tell, user); /* a tile that cannot be read is told when it is drawn */
+		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world_body(world, camera->aim.object)->track != NULL;
+		const bool advised = camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object);
+		if (advised && advise_camera(world, reader, camera, tell, user) != STATUS_OK)
+			break; /* a tile that cannot be read is told when it is drawn */
 	}
 	store_reader_destroy(reader);
 }
@@ -106,7 +101,7 @@ void report_cameras_advise(const struct world *world, scene_advice_fn tell, void
 
 static void print_model(const struct report_poses *poses, size_t index, FILE *file)
 {
-	const struct scene_camera *camera = &poses->world->scene->cameras[index];
+	const struct scene_camera *camera = &world_scene(poses->world)->cameras[index];
 	const double focal = focal_of(camera);
 	fprintf(file, "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n1 PINHOLE %d %d %.9f %.9f %.9f %.9f\n", camera->width, camera->height, focal, focal,
 		camera->width / 2.0, camera->height / 2.0);
@@ -122,7 +117,7 @@ static enum scene_image first_image(const struct scene_camera *camera)
 
 static void print_images(const struct report_poses *poses, size_t index, FILE *file)
 {
-	const struct scene_camera *camera = &poses->world->scene->cameras[index];
+	const struct scene_camera *camera = &world_scene(poses->world)->cameras[index];
 	const struct poses_of *of = &poses->cameras[index];
 	fputs("# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points, which is empty\n", file);
 	for (size_t i = 0; i < of->count; i++) {
@@ -193,7 +188,7 @@ static void add_measured(cJSON *images, const struct world *world, const struct 
 	}
 	if (camera->images >> SCENE_IMAGE_HEIGHT & 1) {
 		cJSON *height = cJSON_AddObjectToObject(images, "height");
-		render_height_scale(isnan(world->meta->low) ? 0 : world->meta->low, isnan(world->meta->high) ? 0 : world->meta->high, &unit, &zero);
+		render_height_scale(isnan(world_resident(world)->meta->low) ? 0 : world_resident(world)->meta->low, isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high, &unit, &zero);
 		cJSON_AddStringToObject(height, "png", "16-bit: (height - png_zero) / png_unit; 0: sky");
 		json_number(height, "png_unit", unit);
 		json_number(height, "png_zero", zero);
@@ -202,7 +197,7 @@ static void add_measured(cJSON *images, const struct world *world, const struct 
 	if (camera->images >> SCENE_IMAGE_CLASS & 1) {
 		cJSON *class = cJSON_AddObjectToObject(images, "class");
 		cJSON_AddStringToObject(class, "png", "8-bit: index of the soil; 255: sky, or an object");
-		add_soils(class, world->scene);
+		add_soils(class, world_scene(world));
 	}
 }
 
@@ -262,7 +257,7 @@ static void add_frames(cJSON *root, const struct poses_of *of, const struct repo
 
 static void print_json(const struct report_poses *poses, size_t index, FILE *file)
 {
-	const struct scene *scene = poses->world->scene;
+	const struct scene *scene = world_scene(poses->world);
 	const struct scene_camera *camera = &scene->cameras[index];
 	const double focal = focal_of(camera);
 	cJSON *root = cJSON_CreateObject();
@@ -334,15 +329,11 @@ void report_cameras_add(cJSON *root, const struct scene *scene, const struct rep
 
 enum status report_cameras(const struct report_poses *poses)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; poses != NULL && i < poses->world->scene->camera_count && status == STATUS_OK; i++) {
-		status = publish(poses, i, "camera.json", print_json);
-		if (status == STATUS_OK)
-			status = publish(poses, i, "cameras.txt", print_model);
-		if (status == STATUS_OK)
-			status = publish(poses, i, "images.txt", print_images);
-		if (status == STATUS_OK)
-			status = publish(poses, i, "points3D.txt", print_points);
+	for (size_t i = 0; poses != NULL && i < world_scene(poses->world)->camera_count; i++) {
+		TRY(publish(poses, i, "camera.json", print_json));
+		TRY(publish(poses, i, "cameras.txt", print_model));
+		TRY(publish(poses, i, "images.txt", print_images));
+		TRY(publish(poses, i, "points3D.txt", print_points));
 	}
-	return status;
+	return STATUS_OK;
 }

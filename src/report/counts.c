@@ -19,7 +19,7 @@ static void add_program(void *user, const char *name, uint64_t passes)
 static void add_statements(cJSON *counts, const struct report *report)
 {
 	struct store_statements statements;
-	store_statements(report->world->store, &statements);
+	store_statements(world_resident(report->world)->store, &statements);
 	cJSON *tables = cJSON_AddObjectToObject(counts, "statements");
 	for (int table = 0; table < STORE_TABLES; table++) {
 		if (statements.read[table] == 0 && statements.written[table] == 0)
@@ -40,10 +40,10 @@ static void add_host_units(cJSON *units, const struct report *report)
 {
 	struct resident_host_figures host = {.bases = 0};
 	struct bearing_figures bearing = {.window_posts = 0};
-	if (report->world->host != NULL)
-		resident_host_figures(report->world->host, &host);
-	if (report->world->bearing != NULL)
-		bearing_figures(report->world->bearing, &bearing);
+	if (world_resident(report->world)->host != NULL)
+		resident_host_figures(world_resident(report->world)->host, &host);
+	if (world_bearing(report->world) != NULL)
+		bearing_figures(world_bearing(report->world), &bearing);
 	add_unit(units, PLAN_HOST_BASE, host.bases);
 	add_unit(units, PLAN_HOST_CLASSES, host.classes);
 	add_unit(units, PLAN_HOST_NUMBERS, host.levels);
@@ -58,9 +58,9 @@ static void add_host_units(cJSON *units, const struct report *report)
 static uint64_t all_bytes(const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)
 {
 	struct bearing_figures bearing = {.bytes = 0};
-	if (report->world->bearing != NULL)
-		bearing_figures(report->world->bearing, &bearing);
-	return gpu->bytes + bearing.bytes + (report->world->host != NULL ? io->host_bytes : 0);
+	if (world_bearing(report->world) != NULL)
+		bearing_figures(world_bearing(report->world), &bearing);
+	return gpu->bytes + bearing.bytes + (world_resident(report->world)->host != NULL ? io->host_bytes : 0);
 }
 
 static void add_memory_units(cJSON *units, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io,
@@ -86,17 +86,12 @@ static void add_object_units(cJSON *units, const struct report *report)
 {
 	cJSON *windows = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_WINDOW));
 	cJSON *moved = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_MOVED));
-	for (size_t i = 0; i < report->world->scene->object_count; i++) {
-		const struct body *body = &report->world->bodies[i];
+	for (size_t i = 0; i < world_body_count(report->world); i++) {
+		const struct body *body = world_body(report->world, i);
+		if (body == NULL)
+			continue;
 		json_integer(windows, body->object->name, (int64_t)body->windows);
 		json_integer(moved, body->object->name, (int64_t)body->windows_moved);
-	}
-	for (size_t i = 0; i < report->world->hosts.count; i++) {
-		const struct host_body *host = report->world->hosts.list[i];
-		if (host == NULL)
-			continue;
-		json_integer(windows, host->body.object->name, (int64_t)host->body.windows);
-		json_integer(moved, host->body.object->name, (int64_t)host->body.windows_moved);
 	}
 }
 
@@ -112,7 +107,7 @@ static void add_table_units(cJSON *units, const struct report *report, const str
 	}
 	json_integer(changed, store_table_name(STORE_META_TABLE), pages->header);
 	struct store_statements statements;
-	store_statements(report->world->store, &statements);
+	store_statements(world_resident(report->world)->store, &statements);
 	cJSON *inherited = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_INHERITED));
 	cJSON *kept = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_KEPT));
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -132,10 +127,10 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 	struct render_view_figures view = {.frames = 0};
 	if (report->view != NULL)
 		render_view_figures(report->view, &view);
-	gpu_slots_figures(report->world->slots, &slots);
-	if (report->world->deform != NULL)
-		deform_figures(report->world->deform, &deform);
-	resident_ground_figures(report->world->ground, &ground);
+	gpu_slots_figures(world_resident(report->world)->slots, &slots);
+	if (world_deform(report->world) != NULL)
+		deform_figures(world_deform(report->world), &deform);
+	resident_ground_figures(world_resident(report->world)->ground, &ground);
 	cJSON *units = cJSON_AddObjectToObject(counts, "units");
 	add_memory_units(units, report, gpu, io, &slots, &deform);
 	add_object_units(units, report);
@@ -147,8 +142,8 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 	add_unit(units, PLAN_HELD, deform.held);
 	add_unit(units, PLAN_RESTING, deform.resting);
 	add_unit(units, PLAN_ATLAS, deform.atlases);
-	add_unit(units, PLAN_DECIMATED, slots.decimated - report->world->warmed.slots.decimated);
-	add_unit(units, PLAN_SUBDIVIDED, slots.subdivided - report->world->warmed.slots.subdivided);
+	add_unit(units, PLAN_DECIMATED, slots.decimated - world_counts(report->world)->warmed.slots.decimated);
+	add_unit(units, PLAN_SUBDIVIDED, slots.subdivided - world_counts(report->world)->warmed.slots.subdivided);
 	add_unit(units, PLAN_DRAWN, view.tiles.drawn);
 	add_unit(units, PLAN_OBJECTS, view.tiles.objects);
 	add_unit(units, PLAN_SHADOWED, view.tiles.shadowed);
@@ -167,7 +162,7 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 void report_counts(cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)
 {
 	cJSON *counts = cJSON_AddObjectToObject(root, "counts");
-	gpu_programs_each(report->world->gpu, add_program, cJSON_AddArrayToObject(counts, "programs"));
+	gpu_programs_each(world_resident(report->world)->gpu, add_program, cJSON_AddArrayToObject(counts, "programs"));
 	json_integer(counts, "unplanned", gpu->unplanned);
 	json_integer(counts, "textures", gpu->textures);
 	json_integer(counts, "bytes", (int64_t)all_bytes(report, gpu, io));

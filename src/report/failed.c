@@ -13,17 +13,17 @@ static const struct body_failed *of(const struct body *body, bool sunk)
 static const struct body *worst(const struct world *world, bool sunk)
 {
 	const struct body *most = NULL;
-	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (of(&world->bodies[i], sunk)->steps > (most != NULL ? of(most, sunk)->steps : 0))
-			most = &world->bodies[i];
+	for (size_t i = 0; i < world_scene(world)->object_count; i++)
+		if (of(world_body(world, i), sunk)->steps > (most != NULL ? of(most, sunk)->steps : 0))
+			most = world_body(world, i);
 	return most;
 }
 
 /* Returns the name of the soil there; NULL: it is not known. */
 static const char *soil_at(const struct world *world, const struct body_failed *failed)
 {
-	const int soil = world->scene->hosted ? -1 : world_soil_index(world, failed->x, failed->y);
-	return soil >= 0 ? world->scene->soil_names[soil] : NULL;
+	const int soil = world_scene(world)->hosted ? -1 : world_soil_index(world, failed->x, failed->y);
+	return soil >= 0 ? world_scene(world)->soil_names[soil] : NULL;
 }
 
 static void tell(const struct world *world, int64_t times, bool sunk, const char *why, const char *state)
@@ -36,7 +36,7 @@ static void tell(const struct world *world, int64_t times, bool sunk, const char
 		snprintf(text, sizeof text, "; most often %.100s (%.6g N), first after %.4g s at %.2f, %.2f m%s%.64s", body->object->name, body->object->load, failed->time,
 			 failed->x, failed->y, soil != NULL ? ", on " : "", soil != NULL ? soil : "");
 	}
-	if (world->rows != NULL && world->scene->forces > 0)
+	if (world_params(world)->rows && world_scene(world)->forces > 0)
 		snprintf(rows, sizeof rows, "state %s of objects.csv", state);
 	else
 		snprintf(rows, sizeof rows, "output.forces: 10 in the scene writes objects.csv, whose rows then have the state %s", state);

@@ -53,19 +53,18 @@ static void take_vehicle(const struct map *map, size_t vehicle, struct way *way)
 static enum status take_ways(struct map *map)
 {
 	const struct world *world = map->world;
-	const size_t objects = world->scene->object_count, count = objects + vehicle_count(map->vehicles);
+	const size_t objects = world_scene(world)->object_count, count = objects + vehicle_count(map->vehicles);
 	map->objects = objects;
 	map->ways = mem_calloc(count, sizeof *map->ways);
 	if (map->ways == NULL && count > 0)
 		return fail_memory("a map");
 	for (map->count = 0; map->count < count; map->count++) {
 		struct way *way = &map->ways[map->count];
-		const struct body *body = map->count < objects ? &world->bodies[map->count] : NULL;
+		const struct body *body = map->count < objects ? world_body(world, map->count) : NULL;
 		way->places = mem_alloc(body != NULL ? motion_track_corners(body->track) : VEHICLE_TRAIL + 1, sizeof *way->places);
-		if (way->places == NULL)
-			return fail_memory("a map");
+		TRY_MEM(way->places, "a map");
 		if (body != NULL)
-			take_object(body, world->time, way);
+			take_object(body, world_time(world), way);
 		else
 			take_vehicle(map, map->count - objects, way);
 	}
@@ -91,7 +90,7 @@ static void find_extent(const struct map *map, const double size[2], double low[
 				high[axis] = fmax(high[axis], place);
 			}
 	}
-	double side = fmax(high[0] - low[0], high[1] - low[1]), most = POSTS_LEAST * world->spacing;
+	double side = fmax(high[0] - low[0], high[1] - low[1]), most = POSTS_LEAST * world_resident(world)->spacing;
 	double margin = fmax(0.08 * side, 2 * reach), least = fmax(most, 0.4 * (side + 2 * margin));
 	for (int axis = 0; axis < 2; axis++) {
 		if (!(high[axis] >= low[axis])) { /* no object */
@@ -108,13 +107,13 @@ static void find_extent(const struct map *map, const double size[2], double low[
 static struct post_rect find_rect(const struct map *map, int *level)
 {
 	const struct world *world = map->world;
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world_resident(world)->meta->extent;
 	const double size[2] = {extent_side(extent, 0), extent_side(extent, 1)};
 	double low[2], high[2];
 	find_extent(map, size, low, high);
 	int coarsest = extent_coarsest(extent);
 	struct post_rect rect;
-	for (*level = world->level < 0 ? world->level : 0;; ++*level) {
+	for (*level = world_resident(world)->level < 0 ? world_resident(world)->level : 0;; ++*level) {
 		double spacing = extent_spacing(extent, *level);
 		const struct post_rect all = {0, 0, extent_posts(extent->width, *level), extent_posts(extent->height, *level)};
 		rect = (struct post_rect){(int64_t)floor(low[0] / spacing), (int64_t)floor(low[1] / spacing),
@@ -130,21 +129,22 @@ static enum status raster(struct map *map)
 	const struct world *world = map->world;
 	struct store_reader *reader = NULL;
 	struct chart_raster_params params = {
-		.meta = world->meta,
+		.meta = world_resident(world)->meta,
 		.layer = STORE_OFFSET,
 		.exaggerate = 1,
 		.tiles_most = TILES_MOST,
 	};
 	params.rect = find_rect(map, &params.level);
-	params.deformed = store_has_working_level(world->store, &params.working);
+	params.deformed = store_has_working_level(world_resident(world)->store, &params.working);
 	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &params.sun);
-	enum status status = store_reader_create(world->store, &reader);
+	enum status status;
+	TRY_OR(done, store_reader_create(world_resident(world)->store, &reader));
 	params.reader = reader;
-	if (status == STATUS_OK)
-		status = chart_raster_create(&params, &map->raster);
+	TRY_OR(done, chart_raster_create(&params, &map->raster));
 	/* Widen ruts of one pixel. Otherwise the line of the way would hide them. */
-	if (status == STATUS_OK && params.deformed && params.level > params.working)
-		status = chart_raster_widen(&map->raster);
+	if (params.deformed && params.level > params.working)
+		TRY_OR(done, chart_raster_widen(&map->raster));
+done:
 	store_reader_destroy(reader);
 	return status;
 }
@@ -154,9 +154,9 @@ static enum status raster(struct map *map)
 static void write_titles(const struct map *map, const char *ended, char *title, size_t title_room, char *subtitle, size_t subtitle_room)
 {
 	const struct world *world = map->world;
-	const char *slash = strrchr(world->scene->file, '/'), *path = store_file_path(world->store), *store = strrchr(path, '/');
-	snprintf(title, title_room, "%s", slash != NULL ? slash + 1 : world->scene->file);
-	snprintf(subtitle, subtitle_room, "%s: %g s%s%s", store != NULL ? store + 1 : path, world->time, strcmp(ended, "complete") == 0 ? "" : ", ",
+	const char *slash = strrchr(world_scene(world)->file, '/'), *path = store_file_path(world_resident(world)->store), *store = strrchr(path, '/');
+	snprintf(title, title_room, "%s", slash != NULL ? slash + 1 : world_scene(world)->file);
+	snprintf(subtitle, subtitle_room, "%s: %g s%s%s", store != NULL ? store + 1 : path, world_time(world), strcmp(ended, "complete") == 0 ? "" : ", ",
 		 strcmp(ended, "complete") == 0 ? "" : ended);
 }
 
@@ -184,14 +184,14 @@ static enum status draw(const struct map *map, const char *path, const char *end
 	write_titles(map, ended, title, sizeof title, subtitle, sizeof subtitle);
 	const struct chart_map chart = {
 		.raster = &map->raster,
-		.meta = map->world->meta,
+		.meta = world_resident(map->world)->meta,
 		.title = title,
 		.subtitle = subtitle,
 		.layer = "Offset",
 		.ramp = CHART_RAMP_SIGNED,
 		.ways = ways,
 		.way_count = map->count,
-		.grid = is_local(map->world->scene) ? CHART_GRID_LOCAL : CHART_GRID_METRES,
+		.grid = is_local(world_scene(map->world)) ? CHART_GRID_LOCAL : CHART_GRID_METRES,
 		.pixels = PIXELS,
 	};
 	enum status status = chart_map_write(&chart, path, NULL);
@@ -208,11 +208,11 @@ enum status report_map_check(const struct scene *scene)
 enum status report_map(const struct world *world, const struct vehicles *vehicles, const char *path, const char *ended)
 {
 	struct map map = {.world = world, .vehicles = vehicles};
-	enum status status = take_ways(&map);
-	if (status == STATUS_OK)
-		status = raster(&map);
-	if (status == STATUS_OK)
-		status = draw(&map, path, ended);
+	enum status status;
+	TRY_OR(done, take_ways(&map));
+	TRY_OR(done, raster(&map));
+	TRY_OR(done, draw(&map, path, ended));
+done:
 	for (size_t i = 0; i < map.count; i++)
 		mem_free(map.ways[i].places);
 	mem_free(map.ways);

@@ -33,7 +33,6 @@ struct report_rows {
 	const struct world *world;
 	const char *directory;
 	FILE *file;
-	struct world_rows sink;
 };
 
 static enum status failed(const struct report_rows *rows)
@@ -41,21 +40,20 @@ static enum status failed(const struct report_rows *rows)
 	return fail_with(STATUS_FAILED, "%s/objects.csv: %s; free some disk space", rows->directory, strerror(errno));
 }
 
-static enum status write_row(void *user, const struct world_row *row)
+static enum status write_row(const struct report_rows *rows, const struct world_row *row)
 {
-	const struct report_rows *rows = user;
 	const struct scene_object *object = row->object;
 	const struct world_force *force = &row->force;
 	static const char *const states[DEFORM_STATES] = {
 		[DEFORM_TOUCHING] = "touching", [DEFORM_SLIDES] = "slides", [DEFORM_SUNK] = "sunk", [DEFORM_AIR] = "air",
 	};
-	const char *soil = row->soil >= 0 ? rows->world->scene->soil_names[row->soil] : "";
+	const char *soil = row->soil >= 0 ? world_scene(rows->world)->soil_names[row->soil] : "";
 	char load[32] = "", work[32] = "";
-	if (rows->world->scene->vehicle_count > 0)
+	if (world_scene(rows->world)->vehicle_count > 0)
 		strcpy(work, ",");
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
-	if (row->body > rows->world->scene->object_count) /* of a vehicle */
+	if (world_body(rows->world, row->body)->kind == BODY_VEHICLE)
 		snprintf(work, sizeof work, ",%.9g", force->work);
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g%s\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
@@ -64,22 +62,23 @@ static enum status write_row(void *user, const struct world_row *row)
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status flush(void *user)
+enum status report_rows_write(const struct report_rows *rows, const struct world_row *list, size_t count)
 {
-	const struct report_rows *rows = user;
+	if (rows == NULL)
+		return STATUS_OK;
+	for (size_t i = 0; i < count; i++)
+		TRY(write_row(rows, &list[i]));
 	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status mark(void *user, int64_t *end)
+enum status report_rows_mark(const struct report_rows *rows, int64_t *end)
 {
-	const struct report_rows *rows = user;
-	return report_rows_file_end(rows->file, end) ? STATUS_OK : failed(rows);
+	return rows == NULL || report_rows_file_end(rows->file, end) ? STATUS_OK : failed(rows);
 }
 
-static enum status rollback(void *user, int64_t end)
+enum status report_rows_rollback(const struct report_rows *rows, int64_t end)
 {
-	const struct report_rows *rows = user;
-	return report_rows_file_cut(rows->file, end) ? STATUS_OK : failed(rows);
+	return rows == NULL || report_rows_file_cut(rows->file, end) ? STATUS_OK : failed(rows);
 }
 
 enum status report_rows_open(const struct world *world, const char *directory, struct report_rows **out)
@@ -87,25 +86,24 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	char path[4096];
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/objects.csv", directory);
-	if (world->scene->object_count + world->scene->vehicle_count == 0 || world->scene->forces == 0) {
+	if (world_scene(world)->object_count + world_scene(world)->vehicle_count == 0 || world_scene(world)->forces == 0) {
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}
 	struct report_rows *rows = mem_calloc(1, sizeof *rows);
-	if (rows == NULL)
-		return fail_memory("objects.csv");
-	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush, mark, rollback}};
+	TRY_MEM(rows, "objects.csv");
+	*rows = (struct report_rows){.world = world, .directory = directory};
 	bool begins;
-	const char *header = world->scene->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
-	enum status status = report_rows_file_open(world, path, header, &rows->file, &begins);
-	if (status == STATUS_OK && begins && fputs(header, rows->file) < 0)
-		status = report_rows_file_failed(path);
-	if (status != STATUS_OK) {
-		report_rows_close(rows);
-		return status;
-	}
+	const char *header = world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
+	enum status status;
+	TRY_OR(failed, report_rows_file_open(world, path, header, &rows->file, &begins));
+	if (begins && fputs(header, rows->file) < 0)
+		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;
 	return STATUS_OK;
+failed:
+	report_rows_close(rows);
+	return status;
 }
 
 void report_rows_close(struct report_rows *rows)
@@ -115,9 +113,4 @@ void report_rows_close(struct report_rows *rows)
 	if (rows->file != NULL)
 		fclose(rows->file);
 	mem_free(rows);
-}
-
-const struct world_rows *report_rows_sink(const struct report_rows *rows)
-{
-	return rows != NULL ? &rows->sink : NULL;
 }

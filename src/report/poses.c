@@ -53,8 +53,7 @@ static enum status add(struct poses_of *poses, const struct poses_row *row)
 	if (poses->count == poses->room) {
 		const size_t room = poses->room > 0 ? 2 * poses->room : 64;
 		struct poses_row *grown = mem_realloc(poses->rows, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("the cameras' poses");
+		TRY_MEM(grown, "the cameras' poses");
 		poses->rows = grown;
 		poses->room = room;
 	}
@@ -80,19 +79,15 @@ static bool parse_row(const char *text, struct poses_row *row)
 static enum status begin_file(struct poses_of *poses, const char *path)
 {
 	struct aside aside;
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		/* A failure here returns when the file is completed. */
-		(void)fputs(HEADER, aside.file);
-		for (size_t i = 0; i < poses->count; i++) {
-			char text[ROW];
-			print_row(&poses->rows[i], text);
-			(void)fputs(text, aside.file);
-		}
+	TRY(aside_begin(&aside, path));
+	/* A failure here returns when the file is completed. */
+	(void)fputs(HEADER, aside.file);
+	for (size_t i = 0; i < poses->count; i++) {
+		char text[ROW];
+		print_row(&poses->rows[i], text);
+		(void)fputs(text, aside.file);
 	}
-	status = aside_end(&aside, false, status);
-	if (status != STATUS_OK)
-		return status;
+	TRY(aside_end(&aside, false, STATUS_OK));
 	poses->file = output_open(path, "a");
 	return poses->file != NULL ? STATUS_OK : failed(path);
 }
@@ -107,15 +102,16 @@ static enum status read_rows(struct poses_of *poses, const struct scene_camera *
 	enum status status = STATUS_OK;
 	if (file == NULL)
 		return STATUS_OK;
-	while (status == STATUS_OK && (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n') {
+	while ((length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n') {
 		struct poses_row row;
 		if (line[0] == '#')
 			continue;
 		if (!parse_row(line, &row) || row.time > time * (1 + 1e-8))
 			break;
 		row.frame = (int64_t)floor(row.time * camera->rate + 1e-6);
-		status = add(poses, &row);
+		TRY_OR(done, add(poses, &row));
 	}
+done:
 	free(line);
 	fclose(file);
 	return status;
@@ -125,7 +121,7 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 {
 	struct report_poses *all = user;
 	struct poses_of *poses = &all->cameras[index];
-	struct poses_row row = {.frame = frame, .time = all->world->time, .at = {pose->eye[0], pose->eye[1], pose->eye[2]}};
+	struct poses_row row = {.frame = frame, .time = world_time(all->world), .at = {pose->eye[0], pose->eye[1], pose->eye[2]}};
 	double columns[3][3];
 	char path[POSES_PATH], text[ROW];
 	for (int i = 0; i < 3; i++) {
@@ -140,11 +136,9 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 	/* All files tell what this row tells, so that a resumed drive leaves the same. */
 	print_row(&row, text);
 	(void)parse_row(text, &row);
-	enum status status = poses->file == NULL ? begin_file(poses, path) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = add(poses, &row);
-	if (status != STATUS_OK)
-		return status;
+	if (poses->file == NULL)
+		TRY(begin_file(poses, path));
+	TRY(add(poses, &row));
 	return fputs(text, poses->file) >= 0 && fflush(poses->file) == 0 ? STATUS_OK : failed(path);
 }
 
@@ -152,32 +146,31 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 
 void report_poses_path(const struct report_poses *poses, size_t camera, const char *name, char path[POSES_PATH])
 {
-	snprintf(path, POSES_PATH, "%s/" RENDER_CAMERAS "/%s/%s", poses->directory, poses->world->scene->cameras[camera].name, name);
+	snprintf(path, POSES_PATH, "%s/" RENDER_CAMERAS "/%s/%s", poses->directory, world_scene(poses->world)->cameras[camera].name, name);
 }
 
 enum status report_poses_open(const struct world *world, const char *directory, struct report_poses **out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	*out = NULL;
 	if (scene->camera_count == 0)
 		return STATUS_OK;
 	struct report_poses *poses = mem_calloc(1, sizeof *poses);
-	if (poses == NULL)
-		return fail_memory("the cameras' poses");
+	TRY_MEM(poses, "the cameras' poses");
 	*poses = (struct report_poses){.world = world, .directory = directory, .count = scene->camera_count};
 	poses->cameras = mem_calloc(scene->camera_count, sizeof *poses->cameras);
-	enum status status = poses->cameras != NULL ? STATUS_OK : fail_memory("the cameras' poses");
-	for (size_t i = 0; i < scene->camera_count && world->resumed.is && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(failed, poses->cameras != NULL ? STATUS_OK : fail_memory("the cameras' poses"));
+	for (size_t i = 0; i < scene->camera_count && world_facts(world)->resumed.is; i++) {
 		char path[POSES_PATH];
 		report_poses_path(poses, i, "poses.tum", path);
-		status = read_rows(&poses->cameras[i], &scene->cameras[i], path, world->resumed.time);
+		TRY_OR(failed, read_rows(&poses->cameras[i], &scene->cameras[i], path, world_facts(world)->resumed.time));
 	}
 	poses->sink = (struct render_poses){poses, take};
 	*out = poses;
-	if (status != STATUS_OK) {
-		report_poses_close(poses);
-		*out = NULL;
-	}
+	return STATUS_OK;
+failed:
+	report_poses_close(poses);
 	return status;
 }
 

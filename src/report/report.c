@@ -64,9 +64,9 @@ static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct re
 static void add_cache(cJSON *root, const struct report *report, const struct page_stats *stats)
 {
 	cJSON *cache = cJSON_AddObjectToObject(root, "cache");
-	json_integer(cache, "slots", report->world->limits.slots);
-	json_integer(cache, "loaders", report->world->limits.loaders);
-	cJSON_AddBoolToObject(cache, "holds_all", report->world->limits.all);
+	json_integer(cache, "slots", world_facts(report->world)->limits.slots);
+	json_integer(cache, "loaders", world_facts(report->world)->limits.loaders);
+	cJSON_AddBoolToObject(cache, "holds_all", world_facts(report->world)->limits.all);
 	json_integer(cache, "touched", (int64_t)stats->touched);
 	json_integer(cache, "hits", (int64_t)stats->hits);
 	json_integer(cache, "misses", (int64_t)stats->misses);
@@ -90,7 +90,7 @@ static void add_cache(cJSON *root, const struct report *report, const struct pag
 /* Before the first step: the whole time, and the waits for the store within it. */
 static void add_warm_up(cJSON *root, const struct report *report)
 {
-	const struct world_warmed *warmed = &report->world->warmed;
+	const struct world_warmed *warmed = &world_counts(report->world)->warmed;
 	cJSON *warm = cJSON_AddObjectToObject(root, "warm_up");
 	json_number(warm, "seconds", report->warm_seconds);
 	json_number(warm, "load_ms", warmed->load_ms);
@@ -103,18 +103,18 @@ static void add_gpu(cJSON *root, const struct report *report, const struct gpu_s
 	for (int group = 0; group < GPU_GROUPS; group++)
 		json_integer(passes, group_names[group], (int64_t)gpu_group_passes(stats, (enum gpu_group)group));
 	struct bearing_figures bearing = {.contacts = 0};
-	if (report->world->bearing != NULL)
-		bearing_figures(report->world->bearing, &bearing);
+	if (world_bearing(report->world) != NULL)
+		bearing_figures(world_bearing(report->world), &bearing);
 	cJSON *computed = cJSON_AddObjectToObject(root, "computed"); /* what computes the ground, and how much the CPU did */
 	if (world_changes_ground(report->world))
-		cJSON_AddStringToObject(computed, "by", report->world->bearing != NULL ? "cpu" : "gpu");
+		cJSON_AddStringToObject(computed, "by", world_bearing(report->world) != NULL ? "cpu" : "gpu");
 	else
 		cJSON_AddNullToObject(computed, "by");
 	json_integer(computed, "contacts", (int64_t)bearing.contacts);
 	json_integer(computed, "feels", (int64_t)bearing.feels);
 	json_integer(computed, "regions", (int64_t)bearing.regions);
-	json_integer(root, "tiles_per_window", (int64_t)report->world->windows.tiles_most);
-	const struct gpu_info *info = gpu_info(report->world->gpu);
+	json_integer(root, "tiles_per_window", (int64_t)world_counts(report->world)->windows.tiles_most);
+	const struct gpu_info *info = gpu_info(world_resident(report->world)->gpu);
 	cJSON *gl = cJSON_AddObjectToObject(root, "gl");
 	cJSON_AddStringToObject(gl, "vendor", info->vendor);
 	cJSON_AddStringToObject(gl, "renderer", info->renderer);
@@ -136,7 +136,7 @@ void report_most(cJSON *memory, const char *name, const struct resident_pages_bu
 
 struct report_tiles report_tiles_of(const struct world *world, const struct resident_pages_budget *most)
 {
-	return (struct report_tiles){world->limits.slots, most->images_few, world->limits.ground, world->limits.queries};
+	return (struct report_tiles){world_facts(world)->limits.slots, most->images_few, world_facts(world)->limits.ground, world_facts(world)->limits.queries};
 }
 
 void report_tile_counts(cJSON *memory, const struct report_tiles *tiles)
@@ -161,11 +161,11 @@ static struct resident_host_in_slots slot_bytes(const struct world *world)
 {
 	struct resident_host_in_slots in = {.base_bytes = 0};
 	struct gpu_slots_bytes bytes;
-	if (world->host != NULL) {
-		resident_host_in_slots(world->host, &in);
+	if (world_resident(world)->host != NULL) {
+		resident_host_in_slots(world_resident(world)->host, &in);
 		return in;
 	}
-	gpu_slots_bytes(world->slots, &bytes);
+	gpu_slots_bytes(world_resident(world)->slots, &bytes);
 	in.base_bytes = bytes.base;
 	in.class_bytes = bytes.classes;
 	for (int plane = 0; plane < PLANES; plane++)
@@ -175,7 +175,7 @@ static struct resident_host_in_slots slot_bytes(const struct world *world)
 
 static unsigned slot_planes(const struct world *world)
 {
-	return world->host != NULL ? resident_host_planes(world->host) : gpu_slots_planes(world->slots);
+	return world_resident(world)->host != NULL ? resident_host_planes(world_resident(world)->host) : gpu_slots_planes(world_resident(world)->slots);
 }
 
 static void add_memory(cJSON *root, const struct report *report, const struct gpu_stats *gpu,
@@ -192,7 +192,7 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	report_most(memory, "budget", &most);
 	const struct report_tiles tiles = report_tiles_of(report->world, &most);
 	report_tile_counts(memory, &tiles);
-	report_usable(memory, &report->world->limits.usable);
+	report_usable(memory, &world_facts(report->world)->limits.usable);
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
 	json_integer(bytes, "base", (int64_t)slots.base_bytes);
 	if (slots.class_bytes > 0)
@@ -208,7 +208,7 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 static void add_io(cJSON *root, const struct report *report, const struct resident_pages_io *io,
 		   const struct resident_ground_figures *ground)
 {
-	int64_t side = tile_posts(&report->world->meta->extent), reads = (int64_t)ground->reads;
+	int64_t side = tile_posts(&world_resident(report->world)->meta->extent), reads = (int64_t)ground->reads;
 	cJSON *object = cJSON_AddObjectToObject(root, "io");
 	json_integer(object, "tiles_read", io->tiles_read + reads);
 	json_integer(object, "tiles_written", io->tiles_written);
@@ -266,8 +266,8 @@ static void add_way(cJSON *object, const struct body *body, double time)
 static void add_objects(cJSON *root, const struct report *report)
 {
 	cJSON *objects = cJSON_AddObjectToObject(root, "objects");
-	for (size_t i = 0; i < report->world->scene->object_count; i++) {
-		const struct body *body = &report->world->bodies[i];
+	for (size_t i = 0; i < world_scene(report->world)->object_count; i++) {
+		const struct body *body = world_body(report->world, i);
 		cJSON *object = cJSON_AddObjectToObject(objects, body->object->name);
 		json_number(object, "distance", body->distance);
 		json_number(object, "sinkage", body->sinkage);
@@ -277,7 +277,7 @@ static void add_objects(cJSON *root, const struct report *report)
 		if (body->object->load > 0 && body->in_contact)
 			json_number(object, "z", lattice_offset_metres(body->equilibrium));
 		json_integer(object, "skipped", body->skipped);
-		add_way(object, body, report->world->time);
+		add_way(object, body, world_time(report->world));
 	}
 }
 
@@ -309,7 +309,7 @@ static void add_vehicles(cJSON *root, const struct report *report)
 /* Every number of the soils, in the scene's units. None if no model reads a soil. */
 static void add_soils(cJSON *root, const struct report *report)
 {
-	const struct scene *scene = report->world->scene;
+	const struct scene *scene = world_scene(report->world);
 	cJSON *soils = cJSON_AddArrayToObject(root, "soils");
 	for (int i = 0; deform_conserves(scene->model) && i < scene->soil_count; i++) {
 		cJSON *soil = cJSON_CreateObject();
@@ -333,11 +333,11 @@ static void add_soils(cJSON *root, const struct report *report)
 /* With a map: along what share of the paths each of the soils lies, in their order. */
 static void add_soil_shares(cJSON *root, const struct report *report)
 {
-	const struct world_soils_met *met = report->world->met;
-	if (met == NULL || report->world->soil_map == NULL)
+	const struct world_soils_met *met = world_facts(report->world)->met;
+	if (met == NULL || world_resident(report->world)->soil_map == NULL)
 		return;
 	cJSON *shares = cJSON_AddArrayToObject(root, "soil_shares");
-	for (int i = 0; i < report->world->scene->soil_count; i++)
+	for (int i = 0; i < world_scene(report->world)->soil_count; i++)
 		cJSON_AddItemToArray(shares, cJSON_CreateNumber(met->soils[i] / met->all));
 }
 
@@ -345,10 +345,10 @@ static void add_soil_shares(cJSON *root, const struct report *report)
 static void add_rasters(cJSON *root, const struct report *report)
 {
 	const struct world *world = report->world;
-	if (world->soil_rasters == NULL)
+	if (world_resident(world)->soil_rasters == NULL)
 		return;
 	cJSON *rasters = cJSON_AddObjectToObject(root, "rasters");
-	for (int i = 0; i < world->scene->raster_count; i++) {
+	for (int i = 0; i < world_scene(world)->raster_count; i++) {
 		const struct world_raster told = world_raster(world, i);
 		cJSON *raster = cJSON_AddObjectToObject(rasters, told.key);
 		cJSON_AddStringToObject(raster, "file", told.path);
@@ -364,15 +364,16 @@ static void add_slide(cJSON *root, const struct report *report)
 	world_recorded(report->world, &recorded);
 	cJSON *slide = cJSON_AddObjectToObject(root, "slide");
 	json_integer(slide, "awake", (int64_t)recorded.active);
-	json_integer(slide, "visited", (int64_t)report->world->relaxation.visited);
-	json_integer(slide, "possible", (int64_t)report->world->relaxation.possible);
+	json_integer(slide, "visited", (int64_t)world_counts(report->world)->visited);
+	json_integer(slide, "possible", (int64_t)world_counts(report->world)->possible);
 }
 
 /* `sums`: of the whole drive, also before it was resumed. */
 static void add_forces(cJSON *root, const struct report *report, const struct pages_sums *sums)
 {
 	struct world_forces_figures figures;
-	world_forces_figures(report->world->forces, &figures);
+	if (!world_forces_figures(report->world, &figures))
+		return;
 	if (figures.saturated > 0)
 		note("%llu times a post bore more than can be summed (134 MPa): it counts as that", (unsigned long long)figures.saturated);
 	cJSON *forces = cJSON_AddObjectToObject(root, "forces");
@@ -410,21 +411,21 @@ static void add_process(cJSON *root, const struct report *report, const struct r
 	struct gpu_stats gpu;
 	struct page_stats pages;
 	struct deform_tally tally = {.refused = 0};
-	gpu_stats(report->world->gpu, &gpu);
+	gpu_stats(world_resident(report->world)->gpu, &gpu);
 	for (int i = 0; i < GPU_STAGES; i++) {
-		gpu.passes[i] -= report->world->warmed.gpu.passes[i];
-		gpu.stage_ms[i] -= report->world->warmed.gpu.stage_ms[i];
+		gpu.passes[i] -= world_counts(report->world)->warmed.gpu.passes[i];
+		gpu.stage_ms[i] -= world_counts(report->world)->warmed.gpu.stage_ms[i];
 	}
-	page_cache_stats(report->world->cache, &pages);
+	page_cache_stats(world_resident(report->world)->cache, &pages);
 	struct resident_ground_figures ground;
-	resident_ground_figures(report->world->ground, &ground);
+	resident_ground_figures(world_resident(report->world)->ground, &ground);
 	bool known = world_tally(report->world, &tally) == STATUS_OK;
 	if (known && tally.refused > 0)
 		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
 		     (unsigned long long)tally.refused);
 	json_number(root, "seconds", report->seconds);
 	json_number(root, "processor_seconds", report->processor);
-	json_number(root, "rtf", report->seconds > 0 ? (report->world->time - report->world->resumed.time) / report->seconds : 0);
+	json_number(root, "rtf", report->seconds > 0 ? (world_time(report->world) - world_facts(report->world)->resumed.time) / report->seconds : 0);
 	add_warm_up(root, report);
 	add_times(root, report);
 	add_stages(root, &gpu, io);
@@ -434,10 +435,9 @@ static void add_process(cJSON *root, const struct report *report, const struct r
 	add_io(root, report, io, &ground);
 	report_where(root, report, &gpu);
 	json_number(root, "refused_posts", known ? (double)tally.refused : (double)NAN);
-	if (deform_conserves(report->world->scene->model))
+	if (deform_conserves(world_scene(report->world)->model))
 		add_slide(root, report);
-	if (report->world->forces != NULL)
-		add_forces(root, report, &io->sums);
+	add_forces(root, report, &io->sums);
 	if (report->view != NULL)
 		add_view(root, report);
 	report_counts(root, report, &gpu, io);
@@ -459,32 +459,32 @@ char *report_json(const struct report *report, const char *ended)
 	struct world_recorded recorded;
 	world_recorded(report->world, &recorded);
 	struct resident_pages_io io = {.sums = recorded.sums};
-	if (report->world->pages != NULL)
-		resident_pages_io(report->world->pages, &io);
+	if (world_resident(report->world)->pages != NULL)
+		resident_pages_io(world_resident(report->world)->pages, &io);
 	cJSON *root = cJSON_CreateObject();
 	cJSON_AddStringToObject(root, "ended", ended);
-	json_integer(root, "steps", report->world->step);
-	json_number(root, "simulated", report->world->time);
-	if (report->world->resumed.is)
-		json_integer(root, "resumed_from", report->world->resumed.from);
+	json_integer(root, "steps", world_steps_done(report->world));
+	json_number(root, "simulated", world_time(report->world));
+	if (world_facts(report->world)->resumed.is)
+		json_integer(root, "resumed_from", world_facts(report->world)->resumed.from);
 	else
 		cJSON_AddNullToObject(root, "resumed_from");
 	report_asked(root, report);
 	struct report_sun sun;
 	if (report_sun_find(report->world, &sun) == STATUS_OK)
 		report_sun_add(root, &sun);
-	report_cameras_add(root, report->world->scene, report->poses);
-	json_number(root, "spacing", report->world->spacing);
-	json_integer(root, "working_level", report->world->level);
+	report_cameras_add(root, world_scene(report->world), report->poses);
+	json_number(root, "spacing", world_resident(report->world)->spacing);
+	json_integer(root, "working_level", world_resident(report->world)->level);
 	if (world_relief(report->world) != NULL)
-		cJSON_AddRawToObject(root, "relief", store_relief_text(report->world->store));
-	add_volume(root, report->world->spacing, &io.sums);
+		cJSON_AddRawToObject(root, "relief", store_relief_text(world_resident(report->world)->store));
+	add_volume(root, world_resident(report->world)->spacing, &io.sums);
 	add_objects(root, report);
 	add_vehicles(root, report);
 	add_soils(root, report);
 	add_soil_shares(root, report);
 	add_rasters(root, report);
-	if (report->world->pages != NULL)
+	if (world_resident(report->world)->pages != NULL)
 		add_process(root, report, &io);
 	return print(root);
 }
@@ -492,8 +492,7 @@ char *report_json(const struct report *report, const char *ended)
 enum status report_gathered(char **json, const struct world_ranked *ranked, int ranks)
 {
 	cJSON *root = cJSON_Parse(*json);
-	if (root == NULL)
-		return fail_memory("run.json");
+	TRY_MEM(root, "run.json");
 	cJSON *forces = cJSON_GetObjectItemCaseSensitive(root, "forces");
 	cJSON_DeleteItemFromObjectCaseSensitive(root, "volume");
 	add_volume(root, cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(root, "spacing")), &ranked->sums);
@@ -525,11 +524,9 @@ enum status report_write(const char *directory, const char *json)
 	char path[4096];
 	struct aside aside;
 	snprintf(path, sizeof path, "%s/run.json", directory);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		/* A failure here returns when the file is completed. */
-		(void)fputs(json, aside.file);
-		(void)fputc('\n', aside.file);
-	}
-	return aside_end(&aside, true, status);
+	TRY(aside_begin(&aside, path));
+	/* A failure here returns when the file is completed. */
+	(void)fputs(json, aside.file);
+	(void)fputc('\n', aside.file);
+	return aside_end(&aside, true, STATUS_OK);
 }

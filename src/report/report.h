@@ -104,17 +104,21 @@ struct report_rows;
  * the scene asks for no rows; then the file of another run is removed. `directory` must outlive the rows. */
 enum status report_rows_open(const struct world *world, const char *directory, struct report_rows **out) FURROW_CHECKED;
 void report_rows_close(struct report_rows *rows); /* takes NULL */
-/* Returns what world.rows takes, valid until the rows are closed. NULL for NULL. */
-const struct world_rows *report_rows_sink(const struct report_rows *rows);
+/* Writes rows of the world, in their order. Does nothing for NULL, as the next two. */
+enum status report_rows_write(const struct report_rows *rows, const struct world_row *list, size_t count) FURROW_CHECKED;
+/* Tells the end of the file, to which report_rows_rollback cuts it. */
+enum status report_rows_mark(const struct report_rows *rows, int64_t *end) FURROW_CHECKED;
+enum status report_rows_rollback(const struct report_rows *rows, int64_t end) FURROW_CHECKED;
 
 /* --- vehicles.csv --- */
 
 struct report_vehicles;
 /* Opens DIRECTORY/vehicles.csv, as report_rows_open opens objects.csv. */
-enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
+enum status report_vehicles_open(const struct world *world, struct vehicles *vehicles, const char *directory,
 				 struct report_vehicles **out) FURROW_CHECKED;
 void report_vehicles_close(struct report_vehicles *rows); /* takes NULL */
-const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows); /* NULL for NULL */
+/* Writes the rows that are due at the present time. Does nothing for NULL. */
+enum status report_vehicles_write(const struct report_vehicles *rows) FURROW_CHECKED;
 /* Tells the end of the file, to which report_vehicles_rollback cuts it. Both do nothing for NULL. */
 enum status report_vehicles_mark(const struct report_vehicles *rows, int64_t *end) FURROW_CHECKED;
 enum status report_vehicles_rollback(const struct report_vehicles *rows, int64_t end) FURROW_CHECKED;

@@ -32,8 +32,8 @@ enum status report_rows_file_open(const struct world *world, const char *path, c
 {
 	long end = 0;
 	struct world_recorded recorded = {.step = 0};
-	*file = output_open(path, world->resumed.is ? "a+" : "w+");
-	if (*file != NULL && world->resumed.is) {
+	*file = output_open(path, world_facts(world)->resumed.is ? "a+" : "w+");
+	if (*file != NULL && world_facts(world)->resumed.is) {
 		world_recorded(world, &recorded);
 		rewind(*file);
 		end = whole_until(*file, header, recorded.step > 0 ? recorded.time : -1); /* the first step gives the rows of time 0 */

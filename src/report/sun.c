@@ -19,16 +19,14 @@ struct report_sun_place report_sun_at(const struct report_sun *sun, double time)
 
 enum status report_sun_find(const struct world *world, struct report_sun *out)
 {
-	const struct scene *scene = world->scene;
+	const struct scene *scene = world_scene(world);
 	*out = (struct report_sun){.drawn = scene->view.present};
 	if (!out->drawn)
 		return STATUS_OK;
-	enum status status = render_sun_find(&world->light, world->meta, &out->sun);
-	if (status == STATUS_OK) {
-		out->begins = report_sun_at(out, 0);
-		out->ends = report_sun_at(out, scene->end_time);
-	}
-	return status;
+	TRY(render_sun_find(&world_facts(world)->light, world_resident(world)->meta, &out->sun));
+	out->begins = report_sun_at(out, 0);
+	out->ends = report_sun_at(out, scene->end_time);
+	return STATUS_OK;
 }
 
 void report_sun_add(cJSON *root, const struct report_sun *sun)
@@ -68,7 +66,7 @@ void report_sun_advise(const struct world *world, scene_advice_fn tell, void *us
 	if (report_sun_find(world, &sun) != STATUS_OK || !sun.drawn || !sun.sun.light.timed)
 		return; /* where the place is not known, the view refuses the scene */
 	for (int i = 0; i <= STEPS; i++)
-		below += report_sun_at(&sun, world->scene->end_time * i / STEPS).height <= 0;
+		below += report_sun_at(&sun, world_scene(world)->end_time * i / STEPS).height <= 0;
 	if (below == 0)
 		return;
 	say_when_it_rises(&sun, rises, sizeof rises);

@@ -25,15 +25,15 @@ static bool is_untouched(const struct body *body)
 static void tell_untouched(const struct world *world, scene_advice_fn tell, void *user)
 {
 	char text[480];
-	for (size_t i = 0; i < world->scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+	for (size_t i = 0; i < world_scene(world)->object_count; i++) {
+		const struct body *body = world_body(world, i);
 		const struct scene_object *object = body->object;
 		const double across = 2 * soil_shape_bound(&object->shape);
 		if (!is_untouched(body))
 			continue;
 		if (object->load > 0)
 			snprintf(text, sizeof text, "objects.%.200s: no post was below it in any of its %lld path samples, so nothing bore its load, and it left nothing: it is %.3g m "
-						    "large, and posts are %.3g m apart; give a finer spacing%s", object->name, (long long)samples_on_ground(body), across, world->spacing,
+						    "large, and posts are %.3g m apart; give a finer spacing%s", object->name, (long long)samples_on_ground(body), across, world_resident(world)->spacing,
 				 object->mesh != NULL ? ", or another shape.mesh.scale if the mesh is not in metres" : "");
 		else
 			snprintf(text, sizeof text, "objects.%.200s: it touched the ground in none of its %lld path samples, and left nothing; %s", object->name,
@@ -52,7 +52,7 @@ static void say_why_black(const struct report *report, char *text, size_t size)
 		snprintf(text, size, "look at view.sun and at where the camera is");
 		return;
 	}
-	const struct report_sun_place now = report_sun_at(&sun, world->time);
+	const struct report_sun_place now = report_sun_at(&sun, world_time(world));
 	const double height = fmin(sun.begins.height, now.height);
 	struct scene_light light = sun.sun.light;
 	light.height = height / DEGREES;
@@ -117,9 +117,9 @@ void report_end_notes(const struct report *report, scene_advice_fn tell, void *u
 {
 	const struct world *world = report->world;
 	report_groundless(world, tell, user);
-	if (world->ranks == NULL && !world->resumed.is)
+	if (world_params(world)->ranks == NULL && !world_facts(world)->resumed.is)
 		tell_untouched(world, tell, user);
 	tell_black(report, tell, user);
 	if (report->advised)
-		report_slow_pictures(world->scene, &report->step_ms, &report->picture_ms, tell, user);
+		report_slow_pictures(world_scene(world), &report->step_ms, &report->picture_ms, tell, user);
 }

@@ -21,13 +21,12 @@ struct column {
 };
 
 struct report_vehicles {
-	const struct vehicles *vehicles;
+	struct vehicles *vehicles;
 	const char *directory;
 	FILE *file;
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
-	struct vehicle_rows sink;
 };
 
 static enum status failed(const struct report_vehicles *rows)
@@ -40,9 +39,8 @@ static double value_of(const struct vehicle_row *row, enum kind kind, int index)
 	return (kind == JOINT ? row->joints : kind == CONTROL ? row->controls : row->forces)[index];
 }
 
-static enum status write_row(void *user, const struct vehicle_row *row)
+static enum status write_row(const struct report_vehicles *rows, const struct vehicle_row *row)
 {
-	const struct report_vehicles *rows = user;
 	struct vehicle_info info;
 	vehicle_info(rows->vehicles, row->vehicle, &info);
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", row->time, info.name, row->position[0],
@@ -59,9 +57,15 @@ static enum status write_row(void *user, const struct vehicle_row *row)
 	return printed > 0 && fputs("\n", rows->file) >= 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status flush(void *user)
+enum status report_vehicles_write(const struct report_vehicles *rows)
 {
-	const struct report_vehicles *rows = user;
+	if (rows == NULL || !vehicle_rows_due(rows->vehicles))
+		return STATUS_OK;
+	for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
+		struct vehicle_row row;
+		vehicle_row(rows->vehicles, v, &row);
+		TRY(write_row(rows, &row));
+	}
 	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
 }
 
@@ -84,13 +88,11 @@ static enum status add_column(struct report_vehicles *rows, size_t vehicle, size
 	struct column *column = find_column(rows, name, kind);
 	if (column == NULL) {
 		struct column *grown = mem_realloc(rows->columns, rows->count + 1, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("vehicles.csv");
+		TRY_MEM(grown, "vehicles.csv");
 		rows->columns = grown;
 		column = &grown[rows->count];
 		*column = (struct column){name, kind, mem_alloc(vehicles, sizeof *column->index)};
-		if (column->index == NULL)
-			return fail_memory("vehicles.csv");
+		TRY_MEM(column->index, "vehicles.csv");
 		rows->count++;
 		for (size_t i = 0; i < vehicles; i++)
 			column->index[i] = -1;
@@ -101,24 +103,22 @@ static enum status add_column(struct report_vehicles *rows, size_t vehicle, size
 
 static enum status find_columns(struct report_vehicles *rows)
 {
-	enum status status = STATUS_OK;
 	for (enum kind kind = JOINT; kind < KINDS; kind++)
 		for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
 			struct vehicle_info info;
 			vehicle_info(rows->vehicles, v, &info);
 			const size_t count = kind == JOINT ? info.joint_count : info.actuator_count;
-			for (size_t i = 0; i < count && status == STATUS_OK; i++)
-				status = add_column(rows, v, i, kind);
+			for (size_t i = 0; i < count; i++)
+				TRY(add_column(rows, v, i, kind));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status make_header(struct report_vehicles *rows)
 {
 	size_t size = 0;
 	FILE *stream = open_memstream(&rows->header, &size);
-	if (stream == NULL)
-		return fail_memory("vehicles.csv");
+	TRY_MEM(stream, "vehicles.csv");
 	fputs(fixed, stream);
 	for (size_t i = 0; i < rows->count; i++)
 		fprintf(stream, ",%c:%s", letters[rows->columns[i].kind], rows->columns[i].name);
@@ -127,34 +127,31 @@ static enum status make_header(struct report_vehicles *rows)
 	return fclose(stream) == 0 && whole ? STATUS_OK : fail_memory("vehicles.csv");
 }
 
-enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
+enum status report_vehicles_open(const struct world *world, struct vehicles *vehicles, const char *directory,
 				 struct report_vehicles **out)
 {
 	char path[4096];
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/vehicles.csv", directory);
-	if (vehicles == NULL || world->scene->vehicle_rows == 0) {
+	if (vehicles == NULL || world_scene(world)->vehicle_rows == 0) {
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
-	if (rows == NULL)
-		return fail_memory("vehicles.csv");
-	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .sink = {rows, write_row, flush}};
-	enum status status = find_columns(rows);
+	TRY_MEM(rows, "vehicles.csv");
+	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory};
+	enum status status;
+	TRY_OR(failed, find_columns(rows));
 	bool begins = false;
-	if (status == STATUS_OK)
-		status = make_header(rows);
-	if (status == STATUS_OK)
-		status = report_rows_file_open(world, path, rows->header, &rows->file, &begins);
-	if (status == STATUS_OK && begins && fputs(rows->header, rows->file) < 0)
-		status = report_rows_file_failed(path);
-	if (status != STATUS_OK) {
-		report_vehicles_close(rows);
-		return status;
-	}
+	TRY_OR(failed, make_header(rows));
+	TRY_OR(failed, report_rows_file_open(world, path, rows->header, &rows->file, &begins));
+	if (begins && fputs(rows->header, rows->file) < 0)
+		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;
 	return STATUS_OK;
+failed:
+	report_vehicles_close(rows);
+	return status;
 }
 
 void report_vehicles_close(struct report_vehicles *rows)
@@ -168,11 +165,6 @@ void report_vehicles_close(struct report_vehicles *rows)
 	mem_free(rows->columns);
 	free(rows->header);
 	mem_free(rows);
-}
-
-const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows)
-{
-	return rows != NULL ? &rows->sink : NULL;
 }
 
 enum status report_vehicles_mark(const struct report_vehicles *rows, int64_t *end)

@@ -44,7 +44,7 @@ static int run(const char *folder, double rate)
 
 static void make(const struct report_poses *poses, size_t index)
 {
-	const struct scene_camera *camera = &poses->world->scene->cameras[index];
+	const struct scene_camera *camera = &world_scene(poses->world)->cameras[index];
 	char folder[POSES_PATH], part[POSES_PATH], whole[POSES_PATH];
 	report_poses_path(poses, index, ".", folder);
 	report_poses_path(poses, index, PART, part);
@@ -64,6 +64,6 @@ static void make(const struct report_poses *poses, size_t index)
 void report_videos(const struct report_poses *poses)
 {
 	for (size_t i = 0; poses != NULL && i < poses->count; i++)
-		if (poses->world->scene->cameras[i].video && poses->cameras[i].count > 0)
+		if (world_scene(poses->world)->cameras[i].video && poses->cameras[i].count > 0)
 			make(poses, i);
 }

@@ -13,14 +13,13 @@ enum status report_volume_open(const struct world *world, const char *directory,
 	bool begins = false;
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/volume.csv", directory);
-	if (world->pages == NULL || world->scene->object_count + world->scene->vehicle_count == 0 || world->ranks != NULL) { /* of ranks each has a part of the ground */
+	if (world_resident(world)->pages == NULL || world_scene(world)->object_count + world_scene(world)->vehicle_count == 0 || world_params(world)->ranks != NULL) { /* of ranks each has a part of the ground */
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}
-	enum status status = report_rows_file_open(world, path, header, out, &begins);
-	if (status == STATUS_OK && begins && (fputs(header, *out) < 0 || fflush(*out) != 0))
-		status = report_rows_file_failed(path);
-	if (status == STATUS_OK)
-		resident_pages_volume(world->pages, *out, lattice_offset_metres(1) * world->spacing * world->spacing);
-	return status;
+	TRY(report_rows_file_open(world, path, header, out, &begins));
+	if (begins && (fputs(header, *out) < 0 || fflush(*out) != 0))
+		return report_rows_file_failed(path);
+	resident_pages_volume(world_resident(world)->pages, *out, lattice_offset_metres(1) * world_resident(world)->spacing * world_resident(world)->spacing);
+	return STATUS_OK;
 }

@@ -12,9 +12,7 @@ enum status resident_bounds_add(struct offset_bounds *bounds, struct tile tile, 
 			return STATUS_OK; /* and so have all tiles above it */
 		low = had != NULL ? fmin(had->a, low) : low;
 		high = had != NULL ? fmax(had->b, high) : high;
-		enum status status = key_map_put(&bounds->added, key, low, high);
-		if (status != STATUS_OK)
-			return status;
+		TRY(key_map_put(&bounds->added, key, low, high));
 	}
 	return STATUS_OK;
 }

@@ -27,8 +27,7 @@ int32_t resident_ground_reference(const struct store *store)
 enum status resident_ground_create(struct store *store, uint32_t tiles, struct ground **out)
 {
 	struct ground *ground = mem_calloc(1, sizeof *ground);
-	if (ground == NULL)
-		return fail_memory("the ground");
+	TRY_MEM(ground, "the ground");
 	assert(tiles >= 1);
 	mutex_init(&ground->mutex);
 	ground->bases.most = ground->errors.most = ground->stored.most = ground->bends.most = RANGES;
@@ -119,9 +118,7 @@ enum status resident_ground_posts_locked(struct ground *ground, struct tile tile
 		if (ground->posts[place] == NULL && (ground->posts[place] = alloc_posts(ground)) == NULL)
 			return fail_memory("a base tile");
 		recent_empty(&ground->recent, place); /* has no tile until the read is complete */
-		enum status status = read_posts(ground, ground->reader, tile, ground->posts[place]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(read_posts(ground, ground->reader, tile, ground->posts[place]));
 		ground->figures.reads++;
 		ground->figures.waits++;
 		ground->figures.wait_ms += (clock_seconds() - began) * 1e3;

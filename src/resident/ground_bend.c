@@ -35,11 +35,11 @@ static enum status bend_by(struct ground *ground, struct tile tile, int level, d
 	const size_t stride = extent->cells + 1;
 	const int32_t *posts;
 	mutex_lock(&ground->mutex);
-	enum status status = resident_ground_posts_locked(ground, tile_ancestor(tile, level), &posts);
-	if (status == STATUS_OK) {
-		const int64_t twist = twist_of(posts + y * stride + x, lattice_patch_posts(extent->cells, shift), stride, whole);
-		*bend = fmax(*bend, ldexp(lattice_base_metres(twist) / 4, -2 * shift));
-	}
+	enum status status;
+	TRY_OR(done, resident_ground_posts_locked(ground, tile_ancestor(tile, level), &posts));
+	const int64_t twist = twist_of(posts + y * stride + x, lattice_patch_posts(extent->cells, shift), stride, whole);
+	*bend = fmax(*bend, ldexp(lattice_base_metres(twist) / 4, -2 * shift));
+done:
 	mutex_unlock(&ground->mutex);
 	return status;
 }

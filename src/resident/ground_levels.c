@@ -186,9 +186,10 @@ enum status resident_ground_highest(struct ground *ground, int level, struct pos
 	if (post_rect_empty(rect))
 		return STATUS_OK;
 	if (level >= 0)
-		status = widen_by_level(ground, level, rect, &lowest, &most, &whole);
-	for (int from = ground->finest > level ? ground->finest : level; from <= 0 && level < 0 && !whole && status == STATUS_OK; from++)
-		status = widen_by_level(ground, from, around(rect, from - level), &lowest, &most, &whole);
+		TRY_OR(done, widen_by_level(ground, level, rect, &lowest, &most, &whole));
+	for (int from = ground->finest > level ? ground->finest : level; from <= 0 && level < 0 && !whole; from++)
+		TRY_OR(done, widen_by_level(ground, from, around(rect, from - level), &lowest, &most, &whole));
+done:
 	if (lowest <= most)
 		*highest = (int64_t)most * (1 << (OFFSET_BITS - BASE_BITS)) +
 			   (int64_t)ground->reference * (1 << OFFSET_BITS) +
@@ -272,10 +273,7 @@ static enum status height_of_relief(struct ground *ground, double x, double y, d
 	cell_of(&ground->meta->extent, level, px, py, cell);
 	for (int i = 0; i < 4; i++) {
 		int32_t post;
-		enum status status =
-			post_at(ground, level, cell[0] + i % 2, cell[1] + i / 2, &post);
-		if (status != STATUS_OK)
-			return status;
+		TRY(post_at(ground, level, cell[0] + i % 2, cell[1] + i / 2, &post));
 		corners[i] = post == BASE_NODATA ? (double)NAN : post;
 	}
 	*sum = lattice_bilinear(corners, px - (double)cell[0], py - (double)cell[1], 0);

@@ -31,9 +31,10 @@ static bool kept_base(struct ground *ground, struct tile tile, struct store_rang
 static enum status keep_base(struct ground *ground, struct tile tile, const struct store_range *range)
 {
 	mutex_lock(&ground->mutex);
-	enum status status = key_cache_put(&ground->bases, tile_key(tile), range->low, range->high);
-	if (status == STATUS_OK)
-		status = key_cache_put(&ground->errors, tile_key(tile), range->error, 0);
+	enum status status;
+	TRY_OR(done, key_cache_put(&ground->bases, tile_key(tile), range->low, range->high));
+	TRY_OR(done, key_cache_put(&ground->errors, tile_key(tile), range->error, 0));
+done:
 	mutex_unlock(&ground->mutex);
 	return status;
 }
@@ -54,8 +55,8 @@ static enum status read_base_range(struct ground *ground, struct store_reader *r
 	mutex_lock(&ground->mutex);
 	ground->figures.ranges++;
 	mutex_unlock(&ground->mutex);
-	enum status status = store_read_base_range(reader, tile, range);
-	return status == STATUS_OK ? keep_base(ground, tile, range) : status;
+	TRY(store_read_base_range(reader, tile, range));
+	return keep_base(ground, tile, range);
 }
 
 static enum status read_offset_range(struct ground *ground, struct store_reader *reader, struct tile tile, struct key_pair *range)
@@ -192,9 +193,7 @@ enum status resident_ground_base_range(struct ground *ground, struct tile tile,
 enum status resident_ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)
 {
 	struct store_range range;
-	enum status status = resident_ground_base_range(ground, tile, &range);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_base_range(ground, tile, &range));
 	*low = range.low;
 	*high = range.high;
 	*any = !isnan(range.low);

@@ -72,8 +72,7 @@ static enum status write_plane(struct host_slots *slots, struct host_tile *tile,
 	if (had != NULL && is_alone(had))
 		return STATUS_OK;
 	struct host_plane *made = take(slots, plane, !copies);
-	if (made == NULL)
-		return fail_memory("a plane of a tile");
+	TRY_MEM(made, "a plane of a tile");
 	if (copies)
 		memcpy(made->posts, had->posts, slots->posts * plane_bytes((enum plane)plane));
 	tile->planes[plane] = made;
@@ -84,11 +83,10 @@ static enum status write_plane(struct host_slots *slots, struct host_tile *tile,
 
 enum status resident_host_tile_write(struct host_slots *slots, struct host_tile *tile, unsigned planes)
 {
-	enum status status = STATUS_OK;
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & slots->planes & PLANE_BIT(plane))
-			status = write_plane(slots, tile, plane);
-	return status;
+			TRY(write_plane(slots, tile, plane));
+	return STATUS_OK;
 }
 
 void resident_host_tile_drop(struct host_slots *slots, struct host_tile *tile, unsigned planes)

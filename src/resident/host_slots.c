@@ -190,9 +190,7 @@ enum status resident_host_decimate(struct host_slots *slots, uint32_t fine, stru
 		any = any || ((drawn & PLANE_BIT(plane)) && (from->planes[plane] != NULL || to->planes[plane] != NULL));
 	if (into.width == 0 || into.height == 0 || !any)
 		return STATUS_OK;
-	enum status status = resident_host_tile_write(slots, to, drawn);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_host_tile_write(slots, to, drawn));
 	const int32_t *offset = host_tile_plane(slots, from, PLANE_OFFSET);
 	const uint8_t *disturbance = host_tile_plane(slots, from, PLANE_DISTURBANCE);
 	decimate_i32(offset != NULL ? offset + first : NULL, shift, into, stride, (int32_t *)(void *)to->planes[PLANE_OFFSET]->posts + at);

@@ -69,9 +69,7 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 {
 	struct newest *newest = user;
 	struct key_pair base;
-	enum status status = base_range(newest, tile, &base);
-	if (status != STATUS_OK)
-		return status;
+	TRY(base_range(newest, tile, &base));
 	*any = !isnan(base.a);
 	*low = base.a;
 	*high = base.b;
@@ -82,10 +80,10 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 		return STATUS_OK;
 	double lowest, highest;
 	bool found;
-	status = resident_ground_offset_range(newest->base, held, &lowest, &highest, &found);
+	TRY(resident_ground_offset_range(newest->base, held, &lowest, &highest, &found));
 	*low += lowest;
 	*high += highest;
-	return status;
+	return STATUS_OK;
 }
 
 /* --- which tiles exist --- */
@@ -119,13 +117,12 @@ static enum status present(void *user, struct tile tile, bool *out)
 	return status;
 }
 
-static enum status posts(void *user, struct tile tile, struct terrain_posts *out)
+static enum status posts(void *user, struct tile tile, struct resident_posts *out)
 {
 	const struct resident_newest_tile *held;
-	enum status status = resident_newest_tile(user, tile, &held);
-	if (status == STATUS_OK)
-		*out = (struct terrain_posts){held->heights, (const double(*)[2])held->blocks};
-	return status;
+	TRY(resident_newest_tile(user, tile, &held));
+	*out = (struct resident_posts){held->heights, (const double(*)[2])held->blocks};
+	return STATUS_OK;
 }
 
 /* --- life --- */
@@ -134,8 +131,7 @@ enum status resident_newest_create(struct store *store, struct pages *pages, str
 {
 	const struct store_meta *meta = store_meta(store);
 	struct newest *newest = mem_calloc(1, sizeof *newest);
-	if (newest == NULL)
-		return fail_memory("queries");
+	TRY_MEM(newest, "queries");
 	*newest = (struct newest){
 		.store = store,
 		.pages = pages,
@@ -153,7 +149,7 @@ enum status resident_newest_create(struct store *store, struct pages *pages, str
 		mem_free(newest);
 		return refused;
 	}
-	newest->ground = (struct terrain_ground){
+	newest->ground = (struct resident_source){
 		.user = newest,
 		.extent = newest->extent,
 		.finest = newest->fits ? store_finest(store) : 0,
@@ -184,14 +180,14 @@ void resident_newest_destroy(struct newest *newest)
 	mem_free(newest);
 }
 
-enum status resident_newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status resident_newest_heights(struct newest *newest, const struct resident_point *points, size_t count, struct resident_height *heights)
 {
-	enum status status = resident_newest_settle(newest);
-	return status == STATUS_OK ? terrain_heights(&newest->ground, points, count, heights) : status;
+	TRY(resident_newest_settle(newest));
+	return resident_heights(&newest->ground, points, count, heights);
 }
 
-enum status resident_newest_rays(struct newest *newest, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status resident_newest_rays(struct newest *newest, const struct resident_ray *rays, size_t count, struct resident_hit *hits)
 {
-	enum status status = resident_newest_settle(newest);
-	return status == STATUS_OK ? terrain_rays(&newest->ground, rays, count, hits) : status;
+	TRY(resident_newest_settle(newest));
+	return resident_rays(&newest->ground, rays, count, hits);
 }

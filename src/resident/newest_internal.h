@@ -15,7 +15,7 @@ struct newest {
 	struct store *store;
 	struct pages *pages;       /* NULL: only the store is read */
 	const struct extent *extent;
-	struct terrain_ground ground;
+	struct resident_source ground;
 	struct ground *base;
 	bool fits;                 /* the level is on the lattice */
 	bool deformed;             /* there is a level with offsets, namely `level` */

@@ -70,8 +70,7 @@ static enum status need_base(struct patch *patch)
 	if (patch->layer != STORE_SURFACE || patch->base != NULL)
 		return STATUS_OK;
 	patch->base = mem_alloc((size_t)(rect->x1 - rect->x0) * (size_t)(rect->y1 - rect->y0), sizeof *patch->base);
-	if (patch->base == NULL)
-		return fail_memory("posts");
+	TRY_MEM(patch->base, "posts");
 	return store_read_posts(resident_ground_reader(patch->newest->base), STORE_BASE, patch->level, *rect, patch->base);
 }
 
@@ -83,11 +82,8 @@ static enum status take_changed(struct patch *patch, struct tile tile)
 	const size_t side = tile_posts(newest->extent);
 	if (post_rect_empty(part))
 		return STATUS_OK;
-	enum status status = need_base(patch);
-	if (status == STATUS_OK)
-		status = resident_newest_plane(newest, tile, planes[patch->layer], patch->posts);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_base(patch));
+	TRY(resident_newest_plane(newest, tile, planes[patch->layer], patch->posts));
 	widen(patch->layer, side * side, patch->posts);
 	for (int64_t y = part.y0; y < part.y1; y++)
 		for (int64_t x = part.x0; x < part.x1; x++) {
@@ -115,8 +111,7 @@ enum status resident_read_posts(struct newest *newest, enum store_layer layer, i
 	const size_t side = tile_posts(newest->extent);
 	struct patch patch = {.newest = newest, .layer = layer, .level = level, .rect = rect, .values = values};
 	patch.posts = mem_alloc(side * side, sizeof(int32_t));
-	if (patch.posts == NULL)
-		return fail_memory("a tile for queries");
+	TRY_MEM(patch.posts, "a tile for queries");
 	for (size_t i = 0; i < changed->keys.count && status == STATUS_OK; i++) {
 		const struct tile tile = tile_from_key(changed->pairs[i].key);
 		if (tile.level == newest->level)

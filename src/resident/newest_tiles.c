@@ -21,7 +21,7 @@ uint32_t resident_newest_tiles(uint32_t cells)
 
 uint64_t resident_newest_tile_bytes(uint32_t cells)
 {
-	const uint64_t posts = (uint64_t)(cells + 1) * (cells + 1), side = cells / TERRAIN_BLOCK;
+	const uint64_t posts = (uint64_t)(cells + 1) * (cells + 1), side = cells / RESIDENT_BLOCK;
 	return sizeof(double) * (posts + 2 * side * side);
 }
 
@@ -49,9 +49,7 @@ enum status resident_newest_keep(struct newest *newest, uint32_t tiles)
 {
 	if (tiles < newest->recent.count) {
 		struct recent fewer;
-		enum status status = recent_create(&fewer, tiles);
-		if (status != STATUS_OK)
-			return status;
+		TRY(recent_create(&fewer, tiles));
 		free_heights(newest);
 		recent_finish(&newest->recent);
 		newest->recent = fewer;
@@ -61,8 +59,7 @@ enum status resident_newest_keep(struct newest *newest, uint32_t tiles)
 	if (tiles == count)
 		return STATUS_OK;
 	struct resident_newest_tile *grown = mem_realloc(newest->tiles, tiles, sizeof *grown);
-	if (grown == NULL)
-		return fail_memory("tiles for queries");
+	TRY_MEM(grown, "tiles for queries");
 	newest->tiles = grown;
 	for (uint32_t i = count; i < tiles; i++)
 		grown[i] = (struct resident_newest_tile){.heights = NULL};
@@ -169,8 +166,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 	enum status status = resident_newest_plane(newest, tile_ancestor(tile, newest->level), PLANE_OFFSET, offsets);
 	if (status == STATUS_OK && shift > 0) {
 		fine = mem_alloc(count, sizeof *fine);
-		if (fine == NULL)
-			return fail_memory("a tile for queries");
+		TRY_MEM(fine, "a tile for queries");
 		divide(newest, tile, shift, offsets, fine);
 		offsets = fine;
 	}
@@ -185,7 +181,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 
 static enum status make_room(const struct newest *newest, struct resident_newest_tile *tile)
 {
-	const size_t side = newest->extent->cells / TERRAIN_BLOCK;
+	const size_t side = newest->extent->cells / RESIDENT_BLOCK;
 	if (tile->heights == NULL)
 		tile->heights = mem_alloc(posts_of(newest), sizeof *tile->heights);
 	if (tile->blocks == NULL)
@@ -202,14 +198,11 @@ enum status resident_newest_tile(struct newest *newest, struct tile tile, const 
 		recent_empty(&newest->recent, place); /* until it is whole */
 		struct resident_newest_tile *found = &newest->tiles[place];
 		found->offsets = false;
-		enum status status = make_room(newest, found);
-		if (status == STATUS_OK)
-			status = fill_base(newest, tile, found->heights);
-		if (status == STATUS_OK && takes_offsets(newest, tile))
-			status = add_offsets(newest, tile, found);
-		if (status != STATUS_OK)
-			return status;
-		terrain_fill_blocks(newest->extent->cells, found->heights, found->blocks);
+		TRY(make_room(newest, found));
+		TRY(fill_base(newest, tile, found->heights));
+		if (takes_offsets(newest, tile))
+			TRY(add_offsets(newest, tile, found));
+		resident_fill_blocks(newest->extent->cells, found->heights, found->blocks);
 	}
 	recent_use(&newest->recent, place, key);
 	*out = &newest->tiles[place];

@@ -91,8 +91,7 @@ static uint32_t reader_count(const struct pages_params *params)
 enum status resident_pages_create(const struct pages_params *params, struct pages **out)
 {
 	struct pages *pages = mem_calloc(1, sizeof *pages);
-	if (pages == NULL)
-		return fail_memory("the page cache");
+	TRY_MEM(pages, "the page cache");
 	assert(params->loaders <= sizeof pages->grounds / sizeof *pages->grounds);
 	assert(params->host == NULL || (params->planes & ~resident_host_planes(params->host)) == 0);
 	pages->params = *params;

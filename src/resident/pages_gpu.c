@@ -27,9 +27,7 @@ static enum status create(struct pages *pages, enum page_image_kind kind, struct
 		[PAGE_SNAPSHOT_IMAGE] = PAGES_TALLY_BYTES,
 	};
 	struct gpu_staging *staging;
-	enum status status = gpu_staging_create(pages->params.gpu, sizes[kind], &staging);
-	if (status != STATUS_OK)
-		return status;
+	TRY(gpu_staging_create(pages->params.gpu, sizes[kind], &staging));
 	image->memory = staging;
 	image->bytes = gpu_staging_bytes(staging);
 	pages->host_bytes += sizes[kind];
@@ -124,11 +122,9 @@ static enum status upload(struct pages *pages, uint32_t slot, struct page_image 
 	const struct pages_layout *layout = &pages->layout;
 	const struct tile tile = tile_from_key(image->key);
 	size_t places[PLANES];
-	enum status status = upload_base(pages, slot, image);
-	if (status == STATUS_OK && pages_have_classes(pages, tile))
-		status = gpu_slots_upload_classes(slots, slot, image->memory, layout->classes);
-	if (status != STATUS_OK)
-		return status;
+	TRY(upload_base(pages, slot, image));
+	if (pages_have_classes(pages, tile))
+		TRY(gpu_slots_upload_classes(slots, slot, image->memory, layout->classes));
 	places_of(pages, image->flags, layout->planes, places);
 	if (image->flags != 0)
 		return gpu_slots_upload_deform(slots, slot, image->memory, places);

@@ -41,26 +41,23 @@ static void drop(struct pages *pages, struct page_image *image)
 static enum status base(struct pages *pages, struct ground *ground, struct page_image *image)
 {
 	int32_t *posts;
-	enum status status = resident_host_tile_base(pages->params.host, tile_of(image), &posts);
-	return status == STATUS_OK ? resident_ground_posts(ground, tile_from_key(image->key), posts) : status;
+	TRY(resident_host_tile_base(pages->params.host, tile_of(image), &posts));
+	return resident_ground_posts(ground, tile_from_key(image->key), posts);
 }
 
 static enum status room(struct pages *pages, struct page_image *image, uint8_t **classes, uint8_t **numbers)
 {
-	enum status status = STATUS_OK;
 	if (classes != NULL)
-		status = resident_host_tile_classes(pages->params.host, tile_of(image), classes);
-	if (numbers != NULL && status == STATUS_OK)
-		status = resident_host_tile_levels(pages->params.host, tile_of(image), numbers);
-	return status;
+		TRY(resident_host_tile_classes(pages->params.host, tile_of(image), classes));
+	if (numbers != NULL)
+		TRY(resident_host_tile_levels(pages->params.host, tile_of(image), numbers));
+	return STATUS_OK;
 }
 
 static enum status planes(struct pages *pages, struct page_image *image, unsigned mask, bool zeros, void *into[PLANES])
 {
 	struct host_tile *tile = tile_of(image);
-	enum status status = resident_host_tile_write(pages->params.host, tile, mask);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_host_tile_write(pages->params.host, tile, mask));
 	for (int plane = 0; plane < PLANES; plane++)
 		if (mask & PLANE_BIT(plane))
 			into[plane] = tile->planes[plane]->posts;
@@ -89,12 +86,12 @@ static enum status fill(struct pages *pages, struct page_image *image, const voi
 		resident_host_tile_share(slots, &none, tile, pages->planes);
 		return STATUS_OK;
 	}
-	enum status status = resident_host_tile_write(slots, tile, pages->planes);
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+	TRY(resident_host_tile_write(slots, tile, pages->planes));
+	for (int plane = 0; plane < PLANES; plane++)
 		if (pages->planes & PLANE_BIT(plane))
 			memcpy(tile->planes[plane]->posts, (const char *)bytes + pages->layout.places[plane],
 			       pages->layout.posts * plane_bytes((enum plane)plane));
-	return status;
+	return STATUS_OK;
 }
 
 static const void *plane_of(const struct pages *pages, const struct page_image *changed, enum plane plane)

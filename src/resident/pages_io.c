@@ -20,11 +20,11 @@ static enum status load_planes(struct pages *pages, struct ground *ground, struc
 		return STATUS_OK;
 	unsigned wanted = tile.level == pages->params.level ? pages->planes : pages->planes & GPU_DRAWN_PLANES, present;
 	void *into[PLANES] = {NULL};
-	enum status status = pages->home->planes(pages, image, wanted, false, into);
-	if (status == STATUS_OK)
-		status = store_read_deformed(resident_ground_reader(ground), tile, wanted, into, &present);
-	if (status == STATUS_OK)
-		pages->home->keep(pages, image, present);
+	enum status status;
+	TRY_OR(done, pages->home->planes(pages, image, wanted, false, into));
+	TRY_OR(done, store_read_deformed(resident_ground_reader(ground), tile, wanted, into, &present));
+	pages->home->keep(pages, image, present);
+done:
 	mutex_lock(&pages->mutex);
 	pages->io.counts.loaded += tile.level == pages->params.level;
 	pages->io.counts.loaded_coarser += tile.level > pages->params.level;
@@ -37,12 +37,12 @@ static enum status load_soils(struct pages *pages, unsigned loader, struct tile 
 	const struct pages_params *params = &pages->params;
 	const bool classed = pages_have_classes(pages, tile), numbered = pages_have_numbers(pages, tile);
 	uint8_t *classes, *numbers;
-	enum status status = pages->home->room(pages, image, classed ? &classes : NULL, numbered ? &numbers : NULL);
-	if (status == STATUS_OK && classed)
-		status = params->classes(params->user, loader, tile, classes);
-	if (status == STATUS_OK && numbered)
-		status = params->numbers(params->user, loader, tile, numbers);
-	return status;
+	TRY(pages->home->room(pages, image, classed ? &classes : NULL, numbered ? &numbers : NULL));
+	if (classed)
+		TRY(params->classes(params->user, loader, tile, classes));
+	if (numbered)
+		TRY(params->numbers(params->user, loader, tile, numbers));
+	return STATUS_OK;
 }
 
 static enum status load(void *user, unsigned loader, struct page_image *image, const struct page_image *queued)
@@ -166,8 +166,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	double started = clock_seconds();
 	if (count > pages->commit_room) {
 		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
-		if (room == NULL)
-			return fail_memory("a commit");
+		TRY_MEM(room, "a commit");
 		pages->commit_pages = room;
 		pages->commit_room = count;
 	}

@@ -30,22 +30,20 @@ static enum status taken(void *user, uint64_t key, const struct page_image *imag
 	struct tile tile = tile_from_key(key);
 	void *into[PLANES] = {NULL};
 	unsigned present;
-	enum status status = make_reader(pages);
-	if (status == STATUS_OK && image != NULL) {
+	TRY(make_reader(pages));
+	if (image != NULL) {
 		for (int plane = 0; plane < PLANES; plane++)
 			if (image->flags & PLANE_BIT(plane))
 				memcpy(pages_plane(pages, pages->moved.bytes, (enum plane)plane), pages->home->plane(pages, image, (enum plane)plane),
 				       pages->layout.posts * plane_bytes((enum plane)plane));
 		return taking->fn(taking->user, tile, image->flags, pages->moved.bytes);
 	}
-	if (status != STATUS_OK)
-		return status;
 	memset(pages->moved.bytes, 0, pages->layout.changed);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (pages->planes & PLANE_BIT(plane))
 			into[plane] = pages_plane(pages, pages->moved.bytes, (enum plane)plane);
-	status = store_read_deformed(pages->moved.reader, tile, pages->planes, into, &present);
-	return status == STATUS_OK ? taking->fn(taking->user, tile, present, pages->moved.bytes) : status;
+	TRY(store_read_deformed(pages->moved.reader, tile, pages->planes, into, &present));
+	return taking->fn(taking->user, tile, present, pages->moved.bytes);
 }
 
 enum status resident_pages_take(struct pages *pages, const uint64_t *keys, size_t count, pages_taken_fn fn, void *user)

@@ -22,16 +22,12 @@ enum status resident_pages_mark(struct pages *pages)
 {
 	int64_t revision;
 	struct pages_marked *marked = &pages->marked;
-	enum status status = STATUS_OK;
 	if (marked->reader == NULL)
-		status = store_reader_create(pages->params.store, &marked->reader);
-	if (status == STATUS_OK)
-		status = store_each_changed(marked->reader, INT64_MAX - 1, nothing, NULL, &revision);
-	if (status == STATUS_OK)
-		status = store_mark(pages->params.store);
-	if (status == STATUS_OK)
-		*marked = (struct pages_marked){true, marked->reader, revision, pages->io.step, pages->tallied, pages->io.sums};
-	return status;
+		TRY(store_reader_create(pages->params.store, &marked->reader));
+	TRY(store_each_changed(marked->reader, INT64_MAX - 1, nothing, NULL, &revision));
+	TRY(store_mark(pages->params.store));
+	*marked = (struct pages_marked){true, marked->reader, revision, pages->io.step, pages->tallied, pages->io.sums};
+	return STATUS_OK;
 }
 
 static enum status add(void *user, uint64_t key)

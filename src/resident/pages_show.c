@@ -18,9 +18,11 @@ void resident_pages_mirror(struct pages *pages, struct gpu *gpu, struct gpu_slot
 static enum status show_base(struct pages *pages, uint32_t slot, struct host_entry *entry)
 {
 	struct gpu_slots *slots = pages->params.slots;
-	enum status status = gpu_slots_put_base(slots, slot, entry->tile.base);
-	if (status == STATUS_OK && entry->classed && pages->params.classes_drawn)
-		status = gpu_slots_put_classes(slots, slot, entry->tile.classes);
+	enum status status;
+	TRY_OR(done, gpu_slots_put_base(slots, slot, entry->tile.base));
+	if (entry->classed && pages->params.classes_drawn)
+		TRY_OR(done, gpu_slots_put_classes(slots, slot, entry->tile.classes));
+done:
 	entry->shown_base = status == STATUS_OK;
 	return status;
 }
@@ -52,10 +54,10 @@ enum status resident_pages_show(struct pages *pages, uint32_t slot, bool planes)
 		return STATUS_OK;
 	assert(pages->params.slots != NULL);
 	struct host_entry *entry = host_entry(pages->params.host, slot);
-	enum status status = entry->shown_base ? STATUS_OK : show_base(pages, slot, entry);
-	if (status == STATUS_OK && planes && (!entry->shown_planes || entry->changed.width > 0))
-		status = show_planes(pages, slot, entry);
-	return status;
+	TRY(entry->shown_base ? STATUS_OK : show_base(pages, slot, entry));
+	if (planes && (!entry->shown_planes || entry->changed.width > 0))
+		TRY(show_planes(pages, slot, entry));
+	return STATUS_OK;
 }
 
 bool resident_pages_is_deformed(const struct pages *pages, uint32_t slot)

@@ -43,9 +43,7 @@ static enum status copy_posts(struct pages *pages, const struct page_image *fine
 {
 	const size_t stride = pages->layout.cells + 1, step = (size_t)1 << steps;
 	void *into[PLANES];
-	enum status status = pages->home->planes(pages, coarse, pages->planes & GPU_DRAWN_PLANES, true, into);
-	if (status != STATUS_OK)
-		return status;
+	TRY(pages->home->planes(pages, coarse, pages->planes & GPU_DRAWN_PLANES, true, into));
 	const int32_t *offset = pages->home->plane(pages, fine, PLANE_OFFSET);
 	const bool disturbed = pages->planes & PLANE_BIT(PLANE_DISTURBANCE);
 	const uint8_t *disturbance = disturbed ? pages->home->plane(pages, fine, PLANE_DISTURBANCE) : NULL;
@@ -99,10 +97,10 @@ static enum status read_back(void *user, uint32_t slot, struct page_image *image
 {
 	struct pages *pages = user;
 	double started = clock_seconds();
-	enum status status =
-		pages->params.before_read_back(pages->params.user, tile_from_key(image->key), slot);
-	if (status == STATUS_OK)
-		status = pages->home->read_back(pages, slot, image);
+	enum status status;
+	TRY_OR(done, pages->params.before_read_back(pages->params.user, tile_from_key(image->key), slot));
+	TRY_OR(done, pages->home->read_back(pages, slot, image));
+done:
 	image->flags = pages->planes;
 	pages->readback_ms += (clock_seconds() - started) * 1e3;
 	return status;
@@ -123,10 +121,9 @@ static enum status settled(void *user, const struct page_image *image, bool *set
 static enum status create_image(void *user, enum page_image_kind kind, struct page_image *image)
 {
 	struct pages *pages = user;
-	enum status status = pages->home->create(pages, kind, image);
-	if (status == STATUS_OK)
-		pages->changed_images += kind == PAGE_CHANGED_IMAGE;
-	return status;
+	TRY(pages->home->create(pages, kind, image));
+	pages->changed_images += kind == PAGE_CHANGED_IMAGE;
+	return STATUS_OK;
 }
 
 static void destroy_image(void *user, struct page_image *image)

@@ -22,8 +22,7 @@ enum status resident_pyramid_create(const struct extent *extent, int level, stru
 				    struct pyramid **out)
 {
 	struct pyramid *pyramid = mem_calloc(1, sizeof *pyramid);
-	if (pyramid == NULL)
-		return fail_memory("the pyramid");
+	TRY_MEM(pyramid, "the pyramid");
 	*pyramid = (struct pyramid){.extent = extent, .level = level, .coarsest = extent_coarsest(extent), .slots = slots, .host = host};
 	*out = pyramid;
 	return STATUS_OK;
@@ -49,8 +48,7 @@ enum status resident_pyramid_changed(struct pyramid *pyramid, struct tile tile, 
 	if (pyramid->count == pyramid->room) {
 		size_t room = pyramid->room != 0 ? 2 * pyramid->room : 64;
 		struct change *changes = mem_realloc(pyramid->changes, room, sizeof *changes);
-		if (changes == NULL)
-			return fail_memory("the pyramid");
+		TRY_MEM(changes, "the pyramid");
 		pyramid->changes = changes;
 		pyramid->room = room;
 	}
@@ -78,13 +76,9 @@ static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, c
 		int64_t cells = pyramid->extent->cells;
 		struct gpu_rect rect = {(uint32_t)(x0 - own.x0), (uint32_t)(y0 - own.y0),
 					(uint32_t)(change->rect.x1 - x0), (uint32_t)(change->rect.y1 - y0)};
-		enum status status = host_or_gpu_decimate(pyramid->host, pyramid->slots, slot, rect, steps, coarse,
-							  (uint32_t)((x0 >> steps) - above.x * cells),
-							  (uint32_t)((y0 >> steps) - above.y * cells));
-		if (status == STATUS_OK)
-			status = key_set_add(&pyramid->updated, tile_key(above));
-		if (status != STATUS_OK)
-			return status;
+		TRY(host_or_gpu_decimate(pyramid->host, pyramid->slots, slot, rect, steps, coarse, (uint32_t)((x0 >> steps) - above.x * cells),
+					 (uint32_t)((y0 >> steps) - above.y * cells)));
+		TRY(key_set_add(&pyramid->updated, tile_key(above)));
 	}
 	return STATUS_OK;
 }
@@ -113,13 +107,14 @@ static void count_coarser(void *user, uint64_t key, uint32_t slot, bool dirty)
 enum status resident_pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
 {
 	enum status status = STATUS_OK;
-	while (pyramid->count > 0 && status == STATUS_OK) {
+	while (pyramid->count > 0) {
 		struct change change = pyramid->changes[--pyramid->count];
 		uint32_t slot;
 		/* A page that left its slot was updated before it was read back. */
 		if (page_cache_peek(cache, tile_key(change.tile), false, &slot))
-			status = decimate(pyramid, cache, &change, slot);
+			TRY_OR(done, decimate(pyramid, cache, &change, slot));
 	}
+done:
 	page_cache_each_resident(cache, count_coarser, pyramid);
 	key_set_clear(&pyramid->updated);
 	return status;

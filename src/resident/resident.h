@@ -14,9 +14,10 @@
 #include "base/plan.h"
 #include "gpu/gpu.h"
 #include "page/page.h"
+#include "resident/heights.h"
+#include "resident/look_ahead.h"
 #include "soil/soil.h"
 #include "store/store.h"
-#include "terrain/terrain.h"
 
 /*
  * --- base heights ---
@@ -471,7 +472,7 @@ void resident_pyramid_figures(const struct pyramid *pyramid, struct resident_pyr
 /*
  * --- newest values ---
  *
- * Queries of the present ground (terrain/terrain.h): the base, and the newest planes of each tile. The newest planes may be in
+ * Queries of the present ground (resident/heights.h): the base, and the newest planes of each tile. The newest planes may be in
  * a slot, in the queue for the next commit, or in the store.
  *
  * For a running drive: call it on the drive's thread, between two steps. A query only reads. It pins, loads and uses no page of
@@ -495,9 +496,9 @@ uint64_t resident_newest_tile_bytes(uint32_t cells);
 enum status resident_newest_keep(struct newest *newest, uint32_t tiles) FURROW_CHECKED;
 /* Notes that the ground has changed since the last query. May be called inside a step. newest may be NULL. */
 void resident_newest_changed(struct newest *newest);
-enum status resident_newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status resident_newest_heights(struct newest *newest, const struct resident_point *points, size_t count, struct resident_height *heights)
 	FURROW_CHECKED;
-enum status resident_newest_rays(struct newest *newest, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+enum status resident_newest_rays(struct newest *newest, const struct resident_ray *rays, size_t count, struct resident_hit *hits) FURROW_CHECKED;
 /*
  * Reads the posts of a rectangle of any level, row by row from the south-west. Units are those of store_read_posts. So are the
  * values at levels finer or coarser than those that the layer has. NaN: nodata, or outside the terrain. Keeps nothing in
@@ -505,5 +506,28 @@ enum status resident_newest_rays(struct newest *newest, const struct terrain_ray
  */
 enum status resident_read_posts(struct newest *newest, enum store_layer layer, int level, struct post_rect rect, double *values)
 	FURROW_CHECKED;
+
+/*
+ * The ground of one terrain in memory: the store and all that is between it and who reads or changes the ground. world makes the parts one after
+ * the other, and frees them. Pictures, reports and queries reach them here. A part that a run has no use for is NULL.
+ */
+struct resident {
+	struct store *store;
+	const struct store_meta *meta;
+	int level;                         /* the working level */
+	double spacing;                    /* m, of the working level */
+	bool was_deformed;                 /* the store was deformed before it was opened */
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct host_slots *host;           /* where the CPU computes: the home of pages */
+	struct ground *ground;
+	struct soil_map *soil_map;         /* NULL: one soil */
+	struct soil_rasters *soil_rasters; /* NULL: every number is that of a post's soil */
+	struct pages *pages;
+	struct page_cache *cache;
+	struct page_trace *trace;          /* NULL: no trace was asked for */
+	struct pyramid *pyramid;           /* NULL: coarser levels are not used */
+	struct newest *newest;             /* NULL until the first query */
+};
 
 #endif

@@ -16,8 +16,7 @@ enum status resident_soil_map_open(const struct soil_map_params *params, struct 
 	const struct store_meta *meta = params->meta;
 	unsigned count = params->loaders > 0 ? params->loaders : 1;
 	struct soil_map *map = mem_calloc(1, sizeof *map + count * sizeof map->rasters[0]);
-	if (map == NULL)
-		return fail_memory("the map of soils");
+	TRY_MEM(map, "the map of soils");
 	map->params = *params;
 	const struct dem_placed_params raster = {
 		.path = params->path,
@@ -81,9 +80,11 @@ enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, 
 		any[i] = 1;
 	}
 	dem_quiet_begin();
-	enum status status = dem_classes_read(map->rasters[0], level, post, same, 0, &read);
-	if (status == STATUS_OK && read == 0)
-		status = dem_classes_read(map->rasters[0], level, post, any, 0, &has);
+	enum status status;
+	TRY_OR(done, dem_classes_read(map->rasters[0], level, post, same, 0, &read));
+	if (read == 0)
+		TRY_OR(done, dem_classes_read(map->rasters[0], level, post, any, 0, &has));
+done:
 	dem_quiet_end();
 	*value = read > 0 || has > 0 ? read : -1;
 	return status;

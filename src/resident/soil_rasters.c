@@ -30,36 +30,30 @@ static size_t strip_posts(const struct soil_rasters *rasters)
 static enum status open_reader(struct soil_rasters *rasters, struct reader *reader)
 {
 	const struct store_meta *meta = rasters->params.meta;
-	enum status status = STATUS_OK;
 	reader->values = mem_alloc(strip_posts(rasters), sizeof *reader->values);
-	if (reader->values == NULL)
-		return fail_memory("the rasters of the soil");
-	for (int i = 0; i < rasters->params.count && status == STATUS_OK; i++)
-		status = dem_pixels_open(&(struct dem_placed_params){.path = rasters->params.rasters[i].path,
-								     .extent = &meta->extent,
-								     .srs = meta->srs,
-								     .origin = {meta->origin[0], meta->origin[1]}},
-					 DEM_PLACED_NUMBERS, &reader->rasters[i]);
-	return status;
+	TRY_MEM(reader->values, "the rasters of the soil");
+	for (int i = 0; i < rasters->params.count; i++)
+		TRY(dem_pixels_open(&(struct dem_placed_params){.path = rasters->params.rasters[i].path, .extent = &meta->extent, .srs = meta->srs,
+								.origin = {meta->origin[0],
+									   meta->origin[1]}}, DEM_PLACED_NUMBERS, &reader->rasters[i]));
+	return STATUS_OK;
 }
 
 static enum status find_ranges(struct soil_rasters *rasters)
 {
-	enum status status = STATUS_OK;
-	for (int i = 0; i < rasters->params.count && status == STATUS_OK; i++) {
+	for (int i = 0; i < rasters->params.count; i++) {
 		const struct soil_raster_params *params = &rasters->params.rasters[i];
 		const struct dem_numbers_range range = {params->name, params->unit, params->low, params->high, params->above};
-		status = dem_numbers_extremes(rasters->list[0].rasters[i], &range, &rasters->rasters[i].low, &rasters->rasters[i].high);
+		TRY(dem_numbers_extremes(rasters->list[0].rasters[i], &range, &rasters->rasters[i].low, &rasters->rasters[i].high));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status resident_soil_rasters_open(const struct soil_rasters_params *params, struct soil_rasters **out)
 {
 	unsigned readers = (params->loaders > 0 ? params->loaders : 1) + (params->places ? 1 : 0);
 	struct soil_rasters *rasters = mem_calloc(1, sizeof *rasters + readers * sizeof rasters->list[0]);
-	if (rasters == NULL)
-		return fail_memory("the rasters of the soil");
+	TRY_MEM(rasters, "the rasters of the soil");
 	rasters->params = *params;
 	rasters->readers = readers;
 	enum status status = STATUS_OK;

@@ -329,6 +329,14 @@ void scene_destroy(struct scene *scene);
  * if `index` is beyond the last number.
  */
 bool scene_soil_number(const struct soil_numbers *soil, size_t index, const char **key, double *value);
+/* Makes a scene that has this soil and nothing else: its soils[0] has the numbers that scm reads. `soil`: its name, or YAML of a scene's `soil` in
+ * braces. STATUS_INPUT: there is no such soil, or the text is wrong. */
+enum status scene_soil_alone(const char *soil, struct scene **out) FURROW_CHECKED;
+/* Writes a soil as YAML in braces, with those of its numbers that the model reads. NULL: out of memory. Free it with mem_free. */
+char *scene_soil_text(const struct soil_numbers *soil, enum deform_model model) FURROW_CHECKED;
+/* Gives YAML of a soil whose strength and stiffness are multiplied: `factor` of cohesion, friction (its tangent), k_c and k_phi. Free it with
+ * mem_free. NULL: out of memory, or there is no such soil; the message tells. */
+char *scene_soil_varied(const char *soil, const double factor[3]);
 /* Returns true if the scene gives the number itself. Returns false if the number is that of a named soil, or a default. */
 bool scene_soil_given(const struct scene *scene, int soil, const char *key);
 /* Soils have more than these, but for the last. A smaller number is probably in a wrong unit. */

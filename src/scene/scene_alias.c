@@ -56,8 +56,7 @@ const char *scene_alias_key(const struct scene_node *parent, const char *key)
 static enum status rename_text(char **text, const char *name)
 {
 	char *copy = mem_strdup(name);
-	if (copy == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(copy, "reading the scene");
 	mem_free(*text);
 	*text = copy;
 	return STATUS_OK;
@@ -66,26 +65,23 @@ static enum status rename_text(char **text, const char *name)
 static enum status rename_node(const struct scene_tree *tree, struct scene_node *node)
 {
 	const char *name = node->key != NULL ? name_at(node->parent, node->key) : NULL;
-	enum status status = STATUS_OK;
 	if (name != NULL && scene_node_child(node->parent, name) != NULL)
 		return scene_error(tree->file, node, "is the former name of %s, and both are given; allowed: %s alone", name, name);
 	if (name != NULL)
-		status = rename_text(&node->key, name);
-	if (status != STATUS_OK || node->kind != SCENE_SCALAR)
-		return status;
+		TRY(rename_text(&node->key, name));
+	if (node->kind != SCENE_SCALAR)
+		return STATUS_OK;
 	name = name_at(node, node->text);
 	return name != NULL ? rename_text(&node->text, name) : STATUS_OK;
 }
 
 static enum status rename_below(const struct scene_tree *tree, struct scene_node *parent)
 {
-	enum status status = STATUS_OK;
-	for (struct scene_node *node = parent->first; node != NULL && status == STATUS_OK; node = node->next) {
-		status = rename_node(tree, node);
-		if (status == STATUS_OK)
-			status = rename_below(tree, node);
+	for (struct scene_node *node = parent->first; node != NULL; node = node->next) {
+		TRY(rename_node(tree, node));
+		TRY(rename_below(tree, node));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status scene_alias(const struct scene_tree *tree)

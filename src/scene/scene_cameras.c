@@ -105,13 +105,13 @@ static enum status read_poses(const struct entry *entry)
 	struct scene_path *poses = &entry->camera->poses;
 	const struct scene_node *node = node_of(entry, "file");
 	char *file = scene_file_beside(entry->tree->folder, entry->raw->file);
-	if (file == NULL)
-		return fail_memory("reading poses");
-	enum status status = scene_path_read(file, scene_told(entry->tree->file, node, entry->raw->file).text, poses);
+	TRY_MEM(file, "reading poses");
+	const enum status status = scene_path_read(file, scene_told(entry->tree->file, node, entry->raw->file).text, poses);
 	mem_free(file);
-	if (status == STATUS_OK && !poses->has_attitude)
-		status = scene_error(entry->tree->file, node, "its rows say no attitude; allowed: t,x,y,z,yaw,pitch,roll");
-	return status;
+	TRY(status);
+	if (!poses->has_attitude)
+		return scene_error(entry->tree->file, node, "its rows say no attitude; allowed: t,x,y,z,yaw,pitch,roll");
+	return STATUS_OK;
 }
 
 /* The models are not read yet: vehicle_load looks for the body. */
@@ -133,24 +133,22 @@ static enum status check_place(const struct entry *entry)
 	struct scene_aim *aim = &entry->camera->aim;
 	char key[64];
 	aim->kind = (enum scene_camera_kind)raw->kind;
-	enum status status = check_keys(entry);
-	if (status == STATUS_OK && raw->on != NULL) {
+	TRY(check_keys(entry));
+	if (raw->on != NULL) {
 		snprintf(key, sizeof key, "cameras[%zu].on", entry->index);
-		status = scene_find_target(entry->tree, entry->scene, raw->on, key, aim);
+		TRY(scene_find_target(entry->tree, entry->scene, raw->on, key, aim));
 	}
-	if (status == STATUS_OK)
-		status = check_body(entry);
+	TRY(check_body(entry));
 	if (aim->kind == SCENE_CHASE) {
 		aim->back = raw->back != NULL ? *raw->back : scene_absent("cameras[].back");
 		aim->up = raw->up != NULL ? *raw->up : scene_absent("cameras[].up");
-		if (status == STATUS_OK && aim->back == 0 && aim->up == 0)
-			status = scene_error(entry->tree->file, node_of(entry, ""), "stands in its object; allowed: back or up above 0");
+		if (aim->back == 0 && aim->up == 0)
+			return scene_error(entry->tree->file, node_of(entry, ""), "stands in its object; allowed: back or up above 0");
 	}
 	if (raw->height != NULL)
 		aim->over_height = *raw->height;
-	if (status == STATUS_OK)
-		status = check_pose(entry);
-	return status == STATUS_OK && raw->file != NULL ? read_poses(entry) : status;
+	TRY(check_pose(entry));
+	return raw->file != NULL ? read_poses(entry) : STATUS_OK;
 }
 
 /* --- what it writes --- */
@@ -201,10 +199,9 @@ static enum status check_camera(const struct entry *entry)
 		return scene_error(entry->tree->file, node_of(entry, "rate"), "%g a second are more than there are steps, %g a second; allowed: at "
 				   "most that, or a smaller time_step", raw->rate, steps);
 	camera->pair = -1;
-	enum status status = check_name(entry, raw->name);
-	if (status == STATUS_OK)
-		status = check_place(entry);
-	return status == STATUS_OK ? check_images(entry) : status;
+	TRY(check_name(entry, raw->name));
+	TRY(check_place(entry));
+	return check_images(entry);
 }
 
 /* Makes the right camera of a pair: NAME_right. It is like the left one, but for its place. */
@@ -220,14 +217,12 @@ static enum status add_right(const struct entry *left, struct scene *scene)
 	camera->baseline = *left->raw->stereo;
 	left->camera->pair = (int)scene->camera_count++;
 	snprintf(name, sizeof name, "%s_right", left->raw->name);
-	enum status status = check_name(&right, name);
-	if (status == STATUS_OK)
-		status = check_body(&right);
-	if (status != STATUS_OK || left->camera->poses.points == NULL)
-		return status;
+	TRY(check_name(&right, name));
+	TRY(check_body(&right));
+	if (left->camera->poses.points == NULL)
+		return STATUS_OK;
 	camera->poses.points = mem_alloc(camera->poses.count, sizeof *camera->poses.points);
-	if (camera->poses.points == NULL)
-		return fail_memory("reading poses");
+	TRY_MEM(camera->poses.points, "reading poses");
 	memcpy(camera->poses.points, left->camera->poses.points, camera->poses.count * sizeof *camera->poses.points);
 	return STATUS_OK;
 }
@@ -253,18 +248,16 @@ enum status scene_check_cameras(const struct scene_tree *tree, const struct raw_
 	if (scene->hosted)
 		return scene_tell_unused(scene, "cameras: write pictures of drives by the command, and a host draws its own; take them away");
 	scene->cameras = mem_calloc((size_t)2 * raw->cameras_count, sizeof *scene->cameras);
-	if (scene->cameras == NULL)
-		return fail_memory("reading the cameras");
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < raw->cameras_count && status == STATUS_OK; i++) {
+	TRY_MEM(scene->cameras, "reading the cameras");
+	for (size_t i = 0; i < raw->cameras_count; i++) {
 		const struct entry entry = {tree, &raw->cameras[i], i, scene, &scene->cameras[scene->camera_count++]};
-		status = check_camera(&entry);
-		if (status == STATUS_OK && raw->cameras[i].stereo != NULL)
-			status = add_right(&entry, scene);
+		TRY(check_camera(&entry));
+		if (raw->cameras[i].stereo != NULL)
+			TRY(add_right(&entry, scene));
 	}
-	if (status == STATUS_OK && !scene->view.present)
+	if (!scene->view.present)
 		imply_view(scene);
-	return status;
+	return STATUS_OK;
 }
 
 void scene_camera_finish(struct scene_camera *camera)

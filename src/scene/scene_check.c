@@ -174,12 +174,9 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 {
 	const struct raw_cache none = {.slots = NULL};
 	const struct raw_cache *cache = raw->cache != NULL ? raw->cache : &none;
-	enum status status;
-
 	if (raw->store != NULL) {
 		scene->store = scene_file_beside(tree->folder, raw->store);
-		if (scene->store == NULL)
-			return fail_memory("reading the scene");
+		TRY_MEM(scene->store, "reading the scene");
 	}
 	scene->time_step = number(raw->time_step, "time_step");
 	scene->end_time = raw->end_time != NULL ? *raw->end_time : (double)INFINITY;
@@ -190,19 +187,18 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	scene->loaders = (uint32_t)whole(cache->loaders, "cache.loaders");
 	scene->prefetch = number(cache->prefetch, "cache.prefetch");
 
-	if ((status = check_memory(tree, cache, scene)) != STATUS_OK ||
-	    (status = check_coordinates(raw, scene)) != STATUS_OK ||
-	    (status = check_redistribute(tree, raw->redistribute, scene)) != STATUS_OK ||
-	    (status = check_compute(tree, raw->compute, scene)) != STATUS_OK ||
-	    (status = check_attributes(tree, raw, scene)) != STATUS_OK ||
-	    (status = check_output(tree, raw->output, scene)) != STATUS_OK ||
-	    (status = scene_check_objects(tree, raw, scene)) != STATUS_OK ||
-	    (status = scene_check_vehicles(tree, raw, scene)) != STATUS_OK ||
-	    (status = scene_check_view(tree, raw, scene)) != STATUS_OK ||
-	    (status = scene_check_cameras(tree, raw, scene)) != STATUS_OK ||
-	    (status = scene_check_soil(tree, raw, scene)) != STATUS_OK ||
-	    (status = scene_check_relief(tree, raw, scene)) != STATUS_OK ||
-	    (status = scene_check_units(tree, raw, scene)) != STATUS_OK)
-		return status;
+	TRY(check_memory(tree, cache, scene));
+	TRY(check_coordinates(raw, scene));
+	TRY(check_redistribute(tree, raw->redistribute, scene));
+	TRY(check_compute(tree, raw->compute, scene));
+	TRY(check_attributes(tree, raw, scene));
+	TRY(check_output(tree, raw->output, scene));
+	TRY(scene_check_objects(tree, raw, scene));
+	TRY(scene_check_vehicles(tree, raw, scene));
+	TRY(scene_check_view(tree, raw, scene));
+	TRY(scene_check_cameras(tree, raw, scene));
+	TRY(scene_check_soil(tree, raw, scene));
+	TRY(scene_check_relief(tree, raw, scene));
+	TRY(scene_check_units(tree, raw, scene));
 	return scene_hash(scene);
 }

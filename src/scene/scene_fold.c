@@ -18,8 +18,7 @@ static enum status fold_camera(struct scene_node *camera, const char *name,
 			continue;
 		if (inner == NULL) {
 			inner = scene_node_create(SCENE_MAPPING, name);
-			if (inner == NULL)
-				return fail_memory("reading the scene");
+			TRY_MEM(inner, "reading the scene");
 			inner->line = child->line;
 			inner->setting = child->setting;
 			scene_node_append(camera, inner);
@@ -37,8 +36,8 @@ static enum status fold_cameras(const struct scene_tree *tree)
 	struct scene_node *camera = view != NULL ? scene_node_child(view, "camera") : NULL;
 	if (camera == NULL || camera->kind != SCENE_MAPPING)
 		return STATUS_OK;
-	enum status status = fold_camera(camera, "overhead", overhead);
-	return status != STATUS_OK ? status : fold_camera(camera, "fixed", fixed);
+	TRY(fold_camera(camera, "overhead", overhead));
+	return fold_camera(camera, "fixed", fixed);
 }
 
 /* --set view.images=0 for a scene without a view: there is nothing to draw, and nothing changes. */
@@ -85,9 +84,9 @@ static enum status fold_value(struct scene_node *soil, const char *key)
 static enum status fold_class(const struct scene_tree *tree, struct scene_node *soil,
 			      const char *key_of_scalar)
 {
-	enum status status = fold_value(soil, key_of_scalar);
-	if (status != STATUS_OK || soil->kind != SCENE_MAPPING)
-		return status;
+	TRY(fold_value(soil, key_of_scalar));
+	if (soil->kind != SCENE_MAPPING)
+		return STATUS_OK;
 	const struct scene_node *value = scene_node_child(soil, "value");
 	if (value != NULL)
 		return scene_error(tree->file, value, "is said by the key; allowed: each value once");
@@ -101,13 +100,14 @@ static enum status fold_soil(const struct scene_tree *tree)
 	struct scene_node *soil = scene_node_child(tree->root, "soil");
 	struct scene_node *elsewhere = soil != NULL ? scene_node_child(soil, "default") : NULL;
 	struct scene_node *classes = soil != NULL ? scene_node_child(soil, "classes") : NULL;
-	enum status status = elsewhere != NULL ? fold_value(elsewhere, "name") : STATUS_OK;
+	if (elsewhere != NULL)
+		TRY(fold_value(elsewhere, "name"));
 	if (classes == NULL || classes->kind != SCENE_MAPPING)
-		return status;
-	for (struct scene_node *node = classes->first; node != NULL && status == STATUS_OK; node = node->next)
-		status = fold_class(tree, node, "name");
+		return STATUS_OK;
+	for (struct scene_node *node = classes->first; node != NULL; node = node->next)
+		TRY(fold_class(tree, node, "name"));
 	classes->kind = SCENE_SEQUENCE;
-	return status;
+	return STATUS_OK;
 }
 
 /* `1: 0.05` is `{value: 1, roughness: 0.05}`. */
@@ -117,14 +117,12 @@ static enum status fold_relief(const struct scene_tree *tree)
 	struct scene_node *classes = relief != NULL && relief->kind == SCENE_MAPPING
 					     ? scene_node_child(relief, "classes")
 					     : NULL;
-	enum status status = STATUS_OK;
 	if (classes == NULL || classes->kind != SCENE_MAPPING)
 		return STATUS_OK;
-	for (struct scene_node *node = classes->first; node != NULL && status == STATUS_OK;
-	     node = node->next)
-		status = fold_class(tree, node, "roughness");
+	for (struct scene_node *node = classes->first; node != NULL; node = node->next)
+		TRY(fold_class(tree, node, "roughness"));
 	classes->kind = SCENE_SEQUENCE;
-	return status;
+	return STATUS_OK;
 }
 
 /* `drive_1: 2.5` is `{actuator: drive_1, value: 2.5}`. */
@@ -136,9 +134,10 @@ static enum status fold_control(struct scene_node *control)
 	control->text = NULL;
 	control->key = NULL; /* in a list */
 	control->kind = SCENE_MAPPING;
-	enum status status = add_text(control, "actuator", key, true);
-	if (status == STATUS_OK)
-		return add_text(control, "value", text, control->plain);
+	enum status status;
+	TRY_OR(failed, add_text(control, "actuator", key, true));
+	return add_text(control, "value", text, control->plain);
+failed:
 	mem_free(text);
 	return status;
 }
@@ -146,28 +145,25 @@ static enum status fold_control(struct scene_node *control)
 static enum status fold_vehicles(const struct scene_tree *tree)
 {
 	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
-	enum status status = STATUS_OK;
 	if (vehicles == NULL || vehicles->kind != SCENE_SEQUENCE)
 		return STATUS_OK;
-	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL && status == STATUS_OK; vehicle = vehicle->next) {
+	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL; vehicle = vehicle->next) {
 		struct scene_node *driver = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "driver") : NULL;
 		struct scene_node *hold = driver != NULL && driver->kind == SCENE_MAPPING ? scene_node_child(driver, "hold") : NULL;
 		if (hold == NULL || hold->kind != SCENE_MAPPING)
 			continue;
-		for (struct scene_node *node = hold->first; node != NULL && status == STATUS_OK; node = node->next)
-			status = fold_control(node);
+		for (struct scene_node *node = hold->first; node != NULL; node = node->next)
+			TRY(fold_control(node));
 		hold->kind = SCENE_SEQUENCE;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status scene_fold(struct scene_tree *tree)
 {
 	drop_view(tree);
-	enum status status = fold_cameras(tree);
-	if (status == STATUS_OK)
-		status = fold_soil(tree);
-	if (status == STATUS_OK)
-		status = fold_relief(tree);
-	return status == STATUS_OK ? fold_vehicles(tree) : status;
+	TRY(fold_cameras(tree));
+	TRY(fold_soil(tree));
+	TRY(fold_relief(tree));
+	return fold_vehicles(tree);
 }

@@ -49,8 +49,7 @@ static enum status take_base64(const struct scene_gltf *gltf, const char *text, 
 	uint32_t bits = 0;
 	int held = 0;
 	out->owned = mem_alloc(length / 4 * 3 + 4, 1);
-	if (out->owned == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(out->owned, "a mesh");
 	for (size_t i = 0; i < length && text[i] != '='; i++) {
 		const int digit = digit_of(text[i]);
 		if (digit < 0)
@@ -88,57 +87,48 @@ static enum status take_file(struct scene_gltf *gltf, const char *uri, struct sc
 	if (!is_beside(uri, name, sizeof name))
 		return scene_gltf_bad(gltf, "a buffer is not in its folder: %.100s", uri);
 	char *path = scene_file_beside(gltf->path, name);
-	if (path == NULL)
-		return fail_memory("a mesh");
-	enum status status = scene_file_read(path, gltf->told, gltf->left, &out->owned, &out->length);
+	TRY_MEM(path, "a mesh");
+	const enum status status = scene_file_read(path, gltf->told, gltf->left, &out->owned, &out->length);
 	mem_free(path);
-	gltf->left -= status == STATUS_OK ? out->length : 0;
-	return status;
+	TRY(status);
+	gltf->left -= out->length;
+	return STATUS_OK;
 }
 
 static enum status take_buffer(struct scene_gltf *gltf, size_t number, struct scene_gltf_bytes *out)
 {
 	const cJSON *buffer = gltf->lists[SCENE_GLTF_BUFFERS][number], *uri = cJSON_GetObjectItemCaseSensitive(buffer, "uri");
 	size_t length;
-	enum status status = scene_gltf_whole(gltf, buffer, "byteLength", 0, SCENE_MESH_BYTES + 1, &length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_gltf_whole(gltf, buffer, "byteLength", 0, SCENE_MESH_BYTES + 1, &length));
 	if (uri == NULL && number == 0 && gltf->chunk.at != NULL) {
 		*out = gltf->chunk;
 	} else if (!cJSON_IsString(uri)) {
 		return scene_gltf_bad(gltf, "a buffer has no bytes");
 	} else if (strncasecmp(uri->valuestring, "data:", 5) == 0) {
 		const char *text = strstr(uri->valuestring, ";base64,");
-		status = text != NULL ? take_base64(gltf, text + strlen(";base64,"), out) : scene_gltf_bad(gltf, "a buffer is not in base64");
+		TRY(text != NULL ? take_base64(gltf, text + strlen(";base64,"), out) : scene_gltf_bad(gltf, "a buffer is not in base64"));
 	} else {
-		status = take_file(gltf, uri->valuestring, out);
+		TRY(take_file(gltf, uri->valuestring, out));
 	}
 	out->at = out->owned != NULL ? (const uint8_t *)out->owned : out->at;
-	if (status == STATUS_OK && out->length < length)
-		status = scene_gltf_bad(gltf, "a buffer has %zu bytes and says %zu", out->length, length);
-	return status;
+	if (out->length < length)
+		return scene_gltf_bad(gltf, "a buffer has %zu bytes and says %zu", out->length, length);
+	return STATUS_OK;
 }
 
 enum status scene_gltf_view(struct scene_gltf *gltf, size_t view, size_t offset, size_t count, size_t element, const uint8_t **at, size_t *stride)
 {
 	const cJSON *object = gltf->lists[SCENE_GLTF_VIEWS][view];
 	size_t number, begin, length;
-	enum status status = scene_gltf_whole(gltf, object, "buffer", gltf->counts[SCENE_GLTF_BUFFERS], gltf->counts[SCENE_GLTF_BUFFERS], &number);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, object, "byteOffset", 0, SCENE_MESH_BYTES + 1, &begin);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, object, "byteLength", 0, SCENE_MESH_BYTES + 1, &length);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, object, "byteStride", element, 256, stride);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_gltf_whole(gltf, object, "buffer", gltf->counts[SCENE_GLTF_BUFFERS], gltf->counts[SCENE_GLTF_BUFFERS], &number));
+	TRY(scene_gltf_whole(gltf, object, "byteOffset", 0, SCENE_MESH_BYTES + 1, &begin));
+	TRY(scene_gltf_whole(gltf, object, "byteLength", 0, SCENE_MESH_BYTES + 1, &length));
+	TRY(scene_gltf_whole(gltf, object, "byteStride", element, 256, stride));
 	if (number == gltf->counts[SCENE_GLTF_BUFFERS])
 		return scene_gltf_bad(gltf, "a buffer view names no buffer");
 	struct scene_gltf_bytes *bytes = &gltf->buffers[number];
 	if (bytes->at == NULL)
-		status = take_buffer(gltf, number, bytes);
-	if (status != STATUS_OK)
-		return status;
+		TRY(take_buffer(gltf, number, bytes));
 	if (begin > bytes->length || length > bytes->length - begin)
 		return scene_gltf_bad(gltf, "a buffer view is longer than its buffer");
 	if (count > 0 && (offset > length || element > length - offset || *stride < element || count - 1 > (length - offset - element) / *stride))
@@ -200,8 +190,7 @@ static enum status find_list(struct scene_gltf *gltf, enum scene_gltf_list list)
 	const cJSON *array = cJSON_GetObjectItemCaseSensitive(gltf->root, names[list]), *item;
 	const size_t room = cJSON_IsArray(array) ? (size_t)cJSON_GetArraySize(array) : 0;
 	gltf->lists[list] = mem_calloc(room + 1, sizeof *gltf->lists[list]);
-	if (gltf->lists[list] == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(gltf->lists[list], "a mesh");
 	if (room > 0)
 		cJSON_ArrayForEach(item, array)
 			gltf->lists[list][gltf->counts[list]++] = item;
@@ -211,13 +200,11 @@ static enum status find_list(struct scene_gltf *gltf, enum scene_gltf_list list)
 enum status scene_gltf_open(struct scene_gltf *gltf, const char *path, const char *told, bool packed, const char *bytes, size_t length)
 {
 	*gltf = (struct scene_gltf){.path = path, .told = told, .left = SCENE_MESH_BYTES - length};
-	enum status status = packed ? unpack(gltf, &bytes, &length) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = parse(gltf, bytes, length);
-	for (int list = 0; list < SCENE_GLTF_LISTS && status == STATUS_OK; list++)
-		status = find_list(gltf, (enum scene_gltf_list)list);
-	if (status != STATUS_OK)
-		return status;
+	if (packed)
+		TRY(unpack(gltf, &bytes, &length));
+	TRY(parse(gltf, bytes, length));
+	for (int list = 0; list < SCENE_GLTF_LISTS; list++)
+		TRY(find_list(gltf, (enum scene_gltf_list)list));
 	gltf->buffers = mem_calloc(gltf->counts[SCENE_GLTF_BUFFERS] + 1, sizeof *gltf->buffers);
 	return gltf->buffers != NULL ? STATUS_OK : fail_memory("a mesh");
 }

@@ -79,27 +79,22 @@ static enum status take_changes(struct scene_gltf *gltf, const cJSON *sparse, si
 	const cJSON *indices = cJSON_GetObjectItemCaseSensitive(sparse, "indices"), *values = cJSON_GetObjectItemCaseSensitive(sparse, "values");
 	const size_t views = gltf->counts[SCENE_GLTF_VIEWS];
 	size_t view[2], offset[2], type, stride;
-	enum status status = scene_gltf_whole(gltf, sparse, "count", 0, out->count + 1, &out->changed_count);
-	for (int i = 0; i < 2 && status == STATUS_OK; i++) {
-		status = scene_gltf_whole(gltf, i == 0 ? indices : values, "bufferView", views, views, &view[i]);
-		if (status == STATUS_OK)
-			status = scene_gltf_whole(gltf, i == 0 ? indices : values, "byteOffset", 0, SCENE_MESH_BYTES, &offset[i]);
-		if (status == STATUS_OK && view[i] == views)
-			status = scene_gltf_bad(gltf, "a sparse accessor names no buffer view");
+	TRY(scene_gltf_whole(gltf, sparse, "count", 0, out->count + 1, &out->changed_count));
+	for (int i = 0; i < 2; i++) {
+		TRY(scene_gltf_whole(gltf, i == 0 ? indices : values, "bufferView", views, views, &view[i]));
+		TRY(scene_gltf_whole(gltf, i == 0 ? indices : values, "byteOffset", 0, SCENE_MESH_BYTES, &offset[i]));
+		if (view[i] == views)
+			return scene_gltf_bad(gltf, "a sparse accessor names no buffer view");
 	}
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, indices, "componentType", 0, FLOAT, &type);
-	if (status == STATUS_OK && (component_bytes(type) == 0 || type == BYTE || type == SHORT))
-		status = scene_gltf_bad(gltf, "a sparse accessor counts in no whole numbers");
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_gltf_whole(gltf, indices, "componentType", 0, FLOAT, &type));
+	if (component_bytes(type) == 0 || type == BYTE || type == SHORT)
+		return scene_gltf_bad(gltf, "a sparse accessor counts in no whole numbers");
 	out->changed_type = (int)type;
-	status = scene_gltf_view(gltf, view[0], offset[0], out->changed_count, component_bytes(type), &out->changed, &stride);
-	if (status == STATUS_OK && stride != component_bytes(type))
-		status = scene_gltf_bad(gltf, "a sparse accessor has a stride");
-	if (status == STATUS_OK)
-		status = scene_gltf_view(gltf, view[1], offset[1], out->changed_count, element, &out->values, &stride);
-	return status != STATUS_OK || stride == element ? status : scene_gltf_bad(gltf, "a sparse accessor has a stride");
+	TRY(scene_gltf_view(gltf, view[0], offset[0], out->changed_count, component_bytes(type), &out->changed, &stride));
+	if (stride != component_bytes(type))
+		return scene_gltf_bad(gltf, "a sparse accessor has a stride");
+	TRY(scene_gltf_view(gltf, view[1], offset[1], out->changed_count, element, &out->values, &stride));
+	return stride == element ? STATUS_OK : scene_gltf_bad(gltf, "a sparse accessor has a stride");
 }
 
 static enum status take_accessor(struct scene_gltf *gltf, size_t number, const char *wanted, struct accessor *out)
@@ -111,22 +106,17 @@ static enum status take_accessor(struct scene_gltf *gltf, size_t number, const c
 	*out = (struct accessor){.normalized = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(object, "normalized"))};
 	if (!cJSON_IsString(type) || strcmp(type->valuestring, wanted) != 0)
 		return scene_gltf_bad(gltf, "an accessor is no %s", wanted);
-	enum status status = scene_gltf_whole(gltf, object, "componentType", 0, FLOAT + 1, &component);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, object, "count", 0, SCENE_MESH_BYTES, &out->count);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, object, "bufferView", views, views, &view);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, object, "byteOffset", 0, SCENE_MESH_BYTES, &offset);
-	if (status == STATUS_OK && component_bytes(component) == 0)
-		status = scene_gltf_bad(gltf, "an accessor has numbers of no known kind");
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_gltf_whole(gltf, object, "componentType", 0, FLOAT + 1, &component));
+	TRY(scene_gltf_whole(gltf, object, "count", 0, SCENE_MESH_BYTES, &out->count));
+	TRY(scene_gltf_whole(gltf, object, "bufferView", views, views, &view));
+	TRY(scene_gltf_whole(gltf, object, "byteOffset", 0, SCENE_MESH_BYTES, &offset));
+	if (component_bytes(component) == 0)
+		return scene_gltf_bad(gltf, "an accessor has numbers of no known kind");
 	out->type = (int)component;
 	const size_t element = component_bytes(component) * (strcmp(wanted, "VEC3") == 0 ? 3 : 1);
 	if (view < views)
-		status = scene_gltf_view(gltf, view, offset, out->count, element, &out->at, &out->stride);
-	return status == STATUS_OK && sparse != NULL ? take_changes(gltf, sparse, element, out) : status;
+		TRY(scene_gltf_view(gltf, view, offset, out->count, element, &out->at, &out->stride));
+	return sparse != NULL ? take_changes(gltf, sparse, element, out) : STATUS_OK;
 }
 
 /* Gives an element of `parts` numbers. */
@@ -153,23 +143,19 @@ static enum status take_surface(struct scene_gltf *gltf, const cJSON *primitive,
 {
 	const size_t accessors = gltf->counts[SCENE_GLTF_ACCESSORS];
 	size_t position, numbers;
-	enum status status = scene_gltf_whole(gltf, cJSON_GetObjectItemCaseSensitive(primitive, "attributes"), "POSITION", accessors, accessors, &position);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, primitive, "indices", accessors, accessors, &numbers);
-	if (status == STATUS_OK)
-		status = scene_gltf_whole(gltf, primitive, "mode", 4, 7, &out->mode);
-	if (status != STATUS_OK || position == accessors || out->mode < 4) /* points and lines */
-		return status;
-	status = take_accessor(gltf, position, "VEC3", &out->corners);
-	if (status == STATUS_OK && numbers < accessors)
-		status = take_accessor(gltf, numbers, "SCALAR", &out->numbers);
-	if (status == STATUS_OK && out->corners.type == UNSIGNED_INT)
-		status = scene_gltf_bad(gltf, "its corners are whole numbers");
-	if (status == STATUS_OK && numbers < accessors &&
+	TRY(scene_gltf_whole(gltf, cJSON_GetObjectItemCaseSensitive(primitive, "attributes"), "POSITION", accessors, accessors, &position));
+	TRY(scene_gltf_whole(gltf, primitive, "indices", accessors, accessors, &numbers));
+	TRY(scene_gltf_whole(gltf, primitive, "mode", 4, 7, &out->mode));
+	if (position == accessors || out->mode < 4) /* points and lines */
+		return STATUS_OK;
+	TRY(take_accessor(gltf, position, "VEC3", &out->corners));
+	if (numbers < accessors)
+		TRY(take_accessor(gltf, numbers, "SCALAR", &out->numbers));
+	if (out->corners.type == UNSIGNED_INT)
+		return scene_gltf_bad(gltf, "its corners are whole numbers");
+	if (numbers < accessors &&
 	    (out->numbers.normalized || (out->numbers.type != UNSIGNED_BYTE && out->numbers.type != UNSIGNED_SHORT && out->numbers.type != UNSIGNED_INT)))
-		status = scene_gltf_bad(gltf, "its corners are not counted in whole numbers");
-	if (status != STATUS_OK)
-		return status;
+		return scene_gltf_bad(gltf, "its corners are not counted in whole numbers");
 	const size_t count = numbers < accessors ? out->numbers.count : out->corners.count;
 	out->triangles = out->mode == 4 ? count / 3 : count > 2 ? count - 2 : 0;
 	if (numbers < accessors && out->numbers.count == 0)
@@ -186,16 +172,13 @@ static enum status take_surfaces(struct shapes *shapes)
 	for (size_t i = 0; i < meshes; i++)
 		room += (size_t)cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(gltf->lists[SCENE_GLTF_MESHES][i], "primitives"));
 	shapes->surfaces = mem_calloc(room + 1, sizeof *shapes->surfaces);
-	if (shapes->firsts == NULL || shapes->surfaces == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(shapes->firsts != NULL && shapes->surfaces != NULL, "a mesh");
 	for (size_t i = 0; i < meshes; i++) {
 		const cJSON *primitive;
 		cJSON_ArrayForEach(primitive, cJSON_GetObjectItemCaseSensitive(gltf->lists[SCENE_GLTF_MESHES][i], "primitives")) {
 			struct surface *surface = &shapes->surfaces[shapes->surface_count];
 			*surface = (struct surface){.triangles = 0};
-			enum status status = take_surface(gltf, primitive, surface);
-			if (status != STATUS_OK)
-				return status;
+			TRY(take_surface(gltf, primitive, surface));
 			shapes->surface_count += surface->triangles > 0;
 		}
 		shapes->firsts[i + 1] = shapes->surface_count;
@@ -227,15 +210,10 @@ static enum status take_place(const struct scene_gltf *gltf, const cJSON *node, 
 {
 	double matrix[16], move[3] = {0, 0, 0}, scale[3] = {1, 1, 1}, q[4] = {0, 0, 0, 1};
 	bool whole, some;
-	enum status status = take_numbers(gltf, node, "matrix", 16, matrix, &whole);
-	if (status == STATUS_OK)
-		status = take_numbers(gltf, node, "translation", 3, move, &some);
-	if (status == STATUS_OK)
-		status = take_numbers(gltf, node, "scale", 3, scale, &some);
-	if (status == STATUS_OK)
-		status = take_numbers(gltf, node, "rotation", 4, q, &some);
-	if (status != STATUS_OK)
-		return status;
+	TRY(take_numbers(gltf, node, "matrix", 16, matrix, &whole));
+	TRY(take_numbers(gltf, node, "translation", 3, move, &some));
+	TRY(take_numbers(gltf, node, "scale", 3, scale, &some));
+	TRY(take_numbers(gltf, node, "rotation", 4, q, &some));
 	const double x = q[0], y = q[1], z = q[2], w = q[3];
 	const double turn[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
 				   {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
@@ -250,18 +228,15 @@ static enum status take_parts(struct shapes *shapes)
 {
 	struct scene_gltf *gltf = shapes->gltf;
 	const size_t nodes = gltf->counts[SCENE_GLTF_NODES], meshes = gltf->counts[SCENE_GLTF_MESHES];
-	enum status status = STATUS_OK;
 	shapes->parts = mem_calloc(nodes + 1, sizeof *shapes->parts);
-	if (shapes->parts == NULL)
-		return fail_memory("a mesh");
-	for (size_t i = 0; i < nodes && status == STATUS_OK; i++) {
+	TRY_MEM(shapes->parts, "a mesh");
+	for (size_t i = 0; i < nodes; i++) {
 		const cJSON *node = gltf->lists[SCENE_GLTF_NODES][i];
 		shapes->parts[i].children = cJSON_GetObjectItemCaseSensitive(node, "children");
-		status = scene_gltf_whole(gltf, node, "mesh", meshes, meshes, &shapes->parts[i].mesh);
-		if (status == STATUS_OK)
-			status = take_place(gltf, node, shapes->parts[i].place);
+		TRY(scene_gltf_whole(gltf, node, "mesh", meshes, meshes, &shapes->parts[i].mesh));
+		TRY(take_place(gltf, node, shapes->parts[i].place));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status take_corner(const struct shapes *shapes, const struct surface *surface, size_t number, const double place[3][4], double out[3])
@@ -287,15 +262,14 @@ static void corners_of(size_t mode, size_t t, size_t corners[3])
 
 static enum status take_triangles(struct shapes *shapes, const struct surface *surface, const double place[3][4])
 {
-	enum status status = STATUS_OK;
-	for (size_t t = 0; t < surface->triangles && status == STATUS_OK; t++) {
+	for (size_t t = 0; t < surface->triangles; t++) {
 		size_t corners[3];
 		corners_of(surface->mode, t, corners);
-		for (int c = 0; c < 3 && status == STATUS_OK; c++)
-			status = take_corner(shapes, surface, corners[c], place, shapes->corners->at[3 * shapes->corners->triangles + (size_t)c]);
+		for (int c = 0; c < 3; c++)
+			TRY(take_corner(shapes, surface, corners[c], place, shapes->corners->at[3 * shapes->corners->triangles + (size_t)c]));
 		shapes->corners->triangles++;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status visit(struct shapes *shapes, const cJSON *number, const double above[3][4], int depth)
@@ -313,24 +287,19 @@ static enum status visit(struct shapes *shapes, const cJSON *number, const doubl
 		for (int k = 0; k < 4; k++)
 			place[i][k] = above[i][0] * part->place[0][k] + above[i][1] * part->place[1][k] + above[i][2] * part->place[2][k] +
 				      (k == 3 ? above[i][3] : 0);
-	enum status status = STATUS_OK;
 	if (part->mesh < shapes->gltf->counts[SCENE_GLTF_MESHES])
-		for (size_t i = shapes->firsts[part->mesh]; i < shapes->firsts[part->mesh + 1] && status == STATUS_OK; i++) {
+		for (size_t i = shapes->firsts[part->mesh]; i < shapes->firsts[part->mesh + 1]; i++) {
 			shapes->triangles += shapes->surfaces[i].triangles;
 			if (shapes->triangles > SCENE_MESH_TRIANGLES)
 				return fail_with(STATUS_INPUT, "%s: it has more than %u triangles; give a coarser mesh", shapes->gltf->told,
 						 SCENE_MESH_TRIANGLES);
 			if (shapes->corners != NULL)
-				status = take_triangles(shapes, &shapes->surfaces[i], (const double(*)[4])place);
+				TRY(take_triangles(shapes, &shapes->surfaces[i], (const double(*)[4])place));
 		}
 	const cJSON *child;
-	cJSON_ArrayForEach(child, part->children) {
-		if (status == STATUS_OK)
-			status = visit(shapes, child, (const double(*)[4])place, depth + 1);
-		if (status != STATUS_OK)
-			break;
-	}
-	return status;
+	cJSON_ArrayForEach(child, part->children)
+		TRY(visit(shapes, child, (const double(*)[4])place, depth + 1));
+	return STATUS_OK;
 }
 
 static enum status visit_all(struct shapes *shapes, struct mesh_corners *corners)
@@ -341,34 +310,27 @@ static enum status visit_all(struct shapes *shapes, struct mesh_corners *corners
 	size_t scene;
 	if (scenes == 0)
 		return scene_gltf_bad(gltf, "it has no scene");
-	enum status status = scene_gltf_whole(gltf, gltf->root, "scene", 0, scenes, &scene);
+	TRY(scene_gltf_whole(gltf, gltf->root, "scene", 0, scenes, &scene));
 	shapes->visited = shapes->triangles = 0;
 	shapes->corners = corners;
-	if (status != STATUS_OK)
-		return status;
 	const cJSON *node;
-	cJSON_ArrayForEach(node, cJSON_GetObjectItemCaseSensitive(gltf->lists[SCENE_GLTF_SCENES][scene], "nodes")) {
-		status = visit(shapes, node, as_it_is, 0);
-		if (status != STATUS_OK)
-			return status;
-	}
+	cJSON_ArrayForEach(node, cJSON_GetObjectItemCaseSensitive(gltf->lists[SCENE_GLTF_SCENES][scene], "nodes"))
+		TRY(visit(shapes, node, as_it_is, 0));
 	return STATUS_OK;
 }
 
 enum status scene_gltf_triangles(struct scene_gltf *gltf, struct mesh_corners *corners)
 {
 	struct shapes shapes = {.gltf = gltf};
-	enum status status = take_surfaces(&shapes);
-	if (status == STATUS_OK)
-		status = take_parts(&shapes);
-	if (status == STATUS_OK)
-		status = visit_all(&shapes, NULL);
-	if (status == STATUS_OK) {
-		corners->at = mem_alloc(3 * shapes.triangles + 1, sizeof *corners->at);
-		status = corners->at != NULL ? visit_all(&shapes, corners) : fail_memory("a mesh");
-	}
-	if (status == STATUS_OK && corners->triangles == 0)
-		status = fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", gltf->told);
+	enum status status;
+	TRY_OR(done, take_surfaces(&shapes));
+	TRY_OR(done, take_parts(&shapes));
+	TRY_OR(done, visit_all(&shapes, NULL));
+	corners->at = mem_alloc(3 * shapes.triangles + 1, sizeof *corners->at);
+	TRY_OR(done, corners->at != NULL ? visit_all(&shapes, corners) : fail_memory("a mesh"));
+	if (corners->triangles == 0)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", gltf->told));
+done:
 	mem_free(shapes.surfaces);
 	mem_free(shapes.firsts);
 	mem_free(shapes.parts);

@@ -271,8 +271,7 @@ static void add_relief(XXH3_state_t *state, const struct scene *scene)
 enum status scene_hash(struct scene *scene)
 {
 	XXH3_state_t *state = XXH3_createState();
-	if (state == NULL)
-		return fail_memory("hashing the scene");
+	TRY_MEM(state, "hashing the scene");
 	XXH3_128bits_reset(state);
 	add_text(state, "furrow scene 1");
 	add_number(state, scene->time_step);

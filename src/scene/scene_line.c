@@ -53,17 +53,17 @@ enum status scene_path_read_line(const char *file, const char *told, size_t numb
 		return fail_with(STATUS_INPUT, "%s: there is no such file; name a GPX or GeoJSON file", told);
 	if (stats.st_size > SCENE_POSES_BYTES)
 		return fail_with(STATUS_INPUT, "%s: it is too large; allowed: %u bytes", told, SCENE_POSES_BYTES);
-	enum status status = dem_line_read(file, told, number, &line);
-	if (status == STATUS_OK) {
-		path->points = mem_calloc(line.count, sizeof *path->points);
-		status = path->points != NULL ? STATUS_OK : fail_memory("reading a path");
-	}
-	for (size_t i = 0; status == STATUS_OK && i < line.count; i++)
+	enum status status;
+	TRY_OR(done, dem_line_read(file, told, number, &line));
+	path->points = mem_calloc(line.count, sizeof *path->points);
+	TRY_OR(done, path->points != NULL ? STATUS_OK : fail_memory("reading a path"));
+	for (size_t i = 0; i < line.count; i++)
 		path->points[i] = (struct scene_waypoint){.x = line.points[i][0], .y = line.points[i][1]};
-	path->count = status == STATUS_OK ? line.count : 0;
+	path->count = line.count;
 	path->degrees = true;
-	if (status == STATUS_OK && !has_speed)
-		status = take_times(&line, told, path);
+	if (!has_speed)
+		TRY_OR(done, take_times(&line, told, path));
+done:
 	dem_line_finish(&line);
 	return status;
 }

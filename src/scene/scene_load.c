@@ -19,20 +19,17 @@
 static enum status read_tree(struct scene_tree *tree, const char *text, size_t length,
 			     const struct scene_setting *settings, size_t count)
 {
-	enum status status = scene_tree_parse(tree->file, NULL, text, length, &tree->root);
-	if (status == STATUS_OK && tree->root->kind != SCENE_MAPPING)
+	TRY(scene_tree_parse(tree->file, NULL, text, length, &tree->root));
+	if (tree->root->kind != SCENE_MAPPING)
 		return scene_error(tree->file, tree->root, "not a scene; allowed: a mapping of keys");
-	if (status == STATUS_OK)
-		status = scene_alias(tree);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = scene_set(tree, &settings[i]);
-	if (status == STATUS_OK && count > 0)
-		status = scene_alias(tree); /* the values of the settings may have old names, too */
-	if (status == STATUS_OK)
-		status = scene_template(tree);
-	if (status == STATUS_OK)
-		status = scene_fold(tree);
-	return status == STATUS_OK ? scene_tree_list(tree) : status;
+	TRY(scene_alias(tree));
+	for (size_t i = 0; i < count; i++)
+		TRY(scene_set(tree, &settings[i]));
+	if (count > 0)
+		TRY(scene_alias(tree)); /* the values of the settings may have old names, too */
+	TRY(scene_template(tree));
+	TRY(scene_fold(tree));
+	return scene_tree_list(tree);
 }
 
 /* Fills the scene from `text`. The caller has already set the members file, folder and hosted. */
@@ -41,15 +38,13 @@ static enum status fill(struct scene *scene, const char *text, size_t length,
 {
 	struct scene_tree tree = {.file = scene->file, .folder = scene->folder, .hosted = scene->hosted};
 	struct raw_scene *raw = NULL;
-	enum status status = read_tree(&tree, text, length, settings, count);
-	if (status == STATUS_OK)
-		status = scene_match(&tree);
-	if (status == STATUS_OK)
-		status = scene_typed_load(&tree, &raw);
-	if (status == STATUS_OK)
-		status = scene_check(&tree, raw, scene);
-	if (status == STATUS_OK)
-		status = scene_values_take(&tree, scene);
+	enum status status;
+	TRY_OR(done, read_tree(&tree, text, length, settings, count));
+	TRY_OR(done, scene_match(&tree));
+	TRY_OR(done, scene_typed_load(&tree, &raw));
+	TRY_OR(done, scene_check(&tree, raw, scene));
+	TRY_OR(done, scene_values_take(&tree, scene));
+done:
 	scene_typed_destroy(raw);
 	scene_tree_finish(&tree);
 	return status;
@@ -62,19 +57,16 @@ static enum status load(const char *name, const char *beside, const char *text, 
 			struct scene **out)
 {
 	struct scene *scene = mem_calloc(1, sizeof *scene);
-	enum status status = STATUS_OK;
+	enum status status;
 	if (scene == NULL || (scene->file = mem_strdup(name)) == NULL)
-		status = fail_memory("reading the scene");
-	if (status == STATUS_OK) {
-		scene->hosted = reader == SCENE_HOST;
-		status = scene_folder_of(beside, scene->hosted, &scene->folder);
-	}
-	if (status == STATUS_OK)
-		status = fill(scene, text, length, settings, count);
-	if (status == STATUS_OK)
-		*out = scene;
-	else
-		scene_destroy(scene);
+		TRY_OR(failed, fail_memory("reading the scene"));
+	scene->hosted = reader == SCENE_HOST;
+	TRY_OR(failed, scene_folder_of(beside, scene->hosted, &scene->folder));
+	TRY_OR(failed, fill(scene, text, length, settings, count));
+	*out = scene;
+	return STATUS_OK;
+failed:
+	scene_destroy(scene);
 	return status;
 }
 
@@ -84,10 +76,8 @@ enum status scene_load_file(const char *path, const struct scene_setting *settin
 	char *text;
 	size_t length;
 	*out = NULL;
-	enum status status = scene_file_read(path, path, SCENE_BYTES, &text, &length);
-	if (status != STATUS_OK)
-		return status;
-	status = load(path, path, text, length, settings, count, reader, out);
+	TRY(scene_file_read(path, path, SCENE_BYTES, &text, &length));
+	const enum status status = load(path, path, text, length, settings, count, reader, out);
 	mem_free(text);
 	return status;
 }
@@ -119,8 +109,7 @@ enum status scene_load_text(const char *text, const char *folder, const struct s
 	if (length > SCENE_BYTES)
 		return fail_with(STATUS_INPUT, "%s: it is too large; allowed: %u bytes", name, SCENE_BYTES);
 	char *beside = mem_alloc(folder_length + 2, 1);
-	if (beside == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(beside, "reading the scene");
 	snprintf(beside, folder_length + 2, "%s%s", folder_length > 0 ? folder : "", folder_length > 0 ? "/" : "");
 	enum status status = load(name, beside, text, length, settings, count, reader, out);
 	mem_free(beside);

@@ -190,9 +190,7 @@ static enum status match_mapping(const struct scene_tree *tree, const cyaml_sche
 		const cyaml_schema_field_t *field = field_of(fields, child->key);
 		if (field == NULL)
 			return unknown_key(tree, fields, child, keys.text);
-		enum status status = match_value(tree, &field->value, child);
-		if (status != STATUS_OK)
-			return status;
+		TRY(match_value(tree, &field->value, child));
 	}
 	for (const cyaml_schema_field_t *field = fields; field->key != NULL; field++) {
 		struct scene_node here = *node;
@@ -223,11 +221,8 @@ static enum status match_sequence(const struct scene_tree *tree, const cyaml_sch
 		return scene_error(tree->file, node, "%s; allowed: %s", kind_name(node), size);
 	if (node->count < min || node->count > max)
 		return scene_error(tree->file, node, "holds %zu; allowed: %s", node->count, size);
-	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
-		enum status status = match_value(tree, schema->sequence.entry, child);
-		if (status != STATUS_OK)
-			return status;
-	}
+	for (const struct scene_node *child = node->first; child != NULL; child = child->next)
+		TRY(match_value(tree, schema->sequence.entry, child));
 	return STATUS_OK;
 }
 

@@ -112,12 +112,10 @@ static void fill(struct soil_mesh *mesh, struct places *places, const struct mes
 static enum status trim(struct soil_mesh *mesh)
 {
 	void *vertices = mem_realloc(mesh->vertices, mesh->vertex_count, sizeof *mesh->vertices);
-	if (vertices == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(vertices, "a mesh");
 	mesh->vertices = vertices;
 	void *triangles = mem_realloc(mesh->triangles, mesh->triangle_count, sizeof *mesh->triangles);
-	if (triangles == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(triangles, "a mesh");
 	mesh->triangles = triangles;
 	return STATUS_OK;
 }
@@ -125,38 +123,33 @@ static enum status trim(struct soil_mesh *mesh)
 static enum status mesh_of(const struct mesh_corners *corners, const char *told, double scale, struct soil_mesh *mesh)
 {
 	struct places places = {NULL, 0};
-	enum status status = check_places(corners, told, scale);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_places(corners, told, scale));
 	mesh->vertices = mem_alloc(3 * corners->triangles, sizeof *mesh->vertices);
 	mesh->triangles = mem_alloc(corners->triangles, sizeof *mesh->triangles);
-	if (mesh->vertices == NULL || mesh->triangles == NULL)
-		return fail_memory("a mesh");
-	status = places_create(&places, 3 * corners->triangles);
-	if (status == STATUS_OK)
-		fill(mesh, &places, corners, scale);
+	TRY_MEM(mesh->vertices != NULL && mesh->triangles != NULL, "a mesh");
+	TRY(places_create(&places, 3 * corners->triangles));
+	fill(mesh, &places, corners, scale);
 	mem_free(places.vertex);
-	if (status == STATUS_OK && mesh->triangle_count == 0)
-		status = fail_with(STATUS_INPUT, "%s: none of its triangles has an area; needed: a surface", told);
-	return status == STATUS_OK ? trim(mesh) : status;
+	if (mesh->triangle_count == 0)
+		return fail_with(STATUS_INPUT, "%s: none of its triangles has an area; needed: a surface", told);
+	return trim(mesh);
 }
 
 enum status scene_mesh_load(const char *path, const char *told, double scale, struct soil_mesh **out)
 {
 	struct mesh_corners corners = {NULL, 0};
 	struct soil_mesh *mesh = mem_calloc(1, sizeof *mesh);
-	if (mesh == NULL)
-		return fail_memory("a mesh");
-	enum status status = scene_mesh_import(path, told, &corners);
-	if (status == STATUS_OK)
-		status = mesh_of(&corners, told, scale, mesh);
+	TRY_MEM(mesh, "a mesh");
+	enum status status;
+	TRY_OR(failed, scene_mesh_import(path, told, &corners));
+	TRY_OR(failed, mesh_of(&corners, told, scale, mesh));
 	mem_free(corners.at);
-	if (status != STATUS_OK) {
-		scene_mesh_destroy(mesh);
-		return status;
-	}
 	*out = mesh;
 	return STATUS_OK;
+failed:
+	mem_free(corners.at);
+	scene_mesh_destroy(mesh);
+	return status;
 }
 
 void scene_mesh_destroy(struct soil_mesh *mesh)

@@ -47,9 +47,8 @@ static size_t words_of(const char *at, const char *end, const char **next)
 enum status scene_mesh_count_obj(const char *bytes, size_t length, const char *told)
 {
 	struct counts counts = {0, 0, 0};
-	enum status status = STATUS_OK;
 	const char *end = bytes + length;
-	for (const char *at = bytes, *next; at < end && status == STATUS_OK; at = next) {
+	for (const char *at = bytes, *next; at < end; at = next) {
 		while (at < end && (*at == ' ' || *at == '\t'))
 			at++;
 		const char first = at < end ? *at : '\0';
@@ -59,9 +58,9 @@ enum status scene_mesh_count_obj(const char *bytes, size_t length, const char *t
 		counts.triangles += first == 'f' && words > 3 ? words - 3 : 0;
 		counts.others += first == 'l' || first == 'p' || (first == 'f' && words <= 3) ? words : 0;
 		counts.groups += first == 'o' || first == 'g' || first == 'u' || first == 'm';
-		status = check(told, &counts);
+		TRY(check(told, &counts));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static size_t count_of(const char *bytes, size_t length, const char *word)

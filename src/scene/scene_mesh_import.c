@@ -125,10 +125,9 @@ static enum status count_node(const struct aiScene *scene, const struct aiNode *
 		if (*triangles > SCENE_MESH_TRIANGLES)
 			return too_many(told);
 	}
-	enum status status = STATUS_OK;
-	for (unsigned i = 0; i < node->mNumChildren && status == STATUS_OK; i++)
-		status = count_node(scene, node->mChildren[i], depth + 1, told, triangles, nodes);
-	return status;
+	for (unsigned i = 0; i < node->mNumChildren; i++)
+		TRY(count_node(scene, node->mChildren[i], depth + 1, told, triangles, nodes));
+	return STATUS_OK;
 }
 
 /* Computes the product of two transformations; rows of 4. */
@@ -167,30 +166,26 @@ static enum status take_mesh(const struct aiMesh *mesh, const double place[3][4]
 static enum status take_node(const struct aiScene *scene, const struct aiNode *node, const double above[3][4],
 			     const char *told, struct mesh_corners *corners)
 {
-	enum status status = STATUS_OK;
 	double place[3][4];
 	product(above, &node->mTransformation, place);
-	for (unsigned i = 0; i < node->mNumMeshes && status == STATUS_OK; i++)
-		status = take_mesh(scene->mMeshes[node->mMeshes[i]], (const double(*)[4])place, told, corners);
-	for (unsigned i = 0; i < node->mNumChildren && status == STATUS_OK; i++)
-		status = take_node(scene, node->mChildren[i], (const double(*)[4])place, told, corners);
-	return status;
+	for (unsigned i = 0; i < node->mNumMeshes; i++)
+		TRY(take_mesh(scene->mMeshes[node->mMeshes[i]], (const double(*)[4])place, told, corners));
+	for (unsigned i = 0; i < node->mNumChildren; i++)
+		TRY(take_node(scene, node->mChildren[i], (const double(*)[4])place, told, corners));
+	return STATUS_OK;
 }
 
 static enum status take_scene(const struct aiScene *scene, const char *told, struct mesh_corners *corners)
 {
 	static const double as_it_is[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 	size_t triangles = 0, nodes = 0;
-	enum status status = count_node(scene, scene->mRootNode, 0, told, &triangles, &nodes);
-	if (status != STATUS_OK)
-		return status;
+	TRY(count_node(scene, scene->mRootNode, 0, told, &triangles, &nodes));
 	corners->at = mem_alloc(3 * triangles + 1, sizeof *corners->at);
-	if (corners->at == NULL)
-		return fail_memory("a mesh");
-	status = take_node(scene, scene->mRootNode, as_it_is, told, corners);
-	if (status == STATUS_OK && corners->triangles == 0)
-		status = fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", told);
-	return status;
+	TRY_MEM(corners->at, "a mesh");
+	TRY(take_node(scene, scene->mRootNode, as_it_is, told, corners));
+	if (corners->triangles == 0)
+		return fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", told);
+	return STATUS_OK;
 }
 
 /* Fails with one line of assimp's message. The message may contain text of the file, so it is made printable. */
@@ -221,12 +216,11 @@ static enum status import(struct given *given, const char *told, struct mesh_cor
 		given->name, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_ValidateDataStructure, &io,
 		properties);
 	aiReleasePropertyStore(properties);
-	enum status status = STATUS_OK;
-	if (scene == NULL || scene->mRootNode == NULL)
-		status = not_a_mesh(told);
+	enum status status = scene == NULL || scene->mRootNode == NULL ? not_a_mesh(told) : STATUS_OK;
 	pthread_mutex_unlock(&assimp);
-	if (status == STATUS_OK)
-		status = take_scene(scene, told, corners);
+	TRY_OR(done, status);
+	TRY_OR(done, take_scene(scene, told, corners));
+done:
 	if (scene != NULL)
 		aiReleaseImport(scene);
 	return status;
@@ -236,9 +230,10 @@ static enum status import(struct given *given, const char *told, struct mesh_cor
 static enum status import_gltf(const char *path, const char *told, bool packed, const char *bytes, size_t length, struct mesh_corners *corners)
 {
 	struct scene_gltf gltf;
-	enum status status = scene_gltf_open(&gltf, path, told, packed, bytes, length);
-	if (status == STATUS_OK)
-		status = scene_gltf_triangles(&gltf, corners);
+	enum status status;
+	TRY_OR(done, scene_gltf_open(&gltf, path, told, packed, bytes, length));
+	TRY_OR(done, scene_gltf_triangles(&gltf, corners));
+done:
 	scene_gltf_close(&gltf);
 	for (size_t i = 0; i < 3 * corners->triangles; i++) {
 		const double corner[3] = {corners->at[i][2], corners->at[i][0], corners->at[i][1]};
@@ -259,15 +254,14 @@ enum status scene_mesh_import(const char *path, const char *told, struct mesh_co
 		ending++;
 	if (ending == 4)
 		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .gltf, .glb", told);
-	enum status status = scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length));
 	snprintf(given.name, sizeof given.name, "mesh%s", endings[ending]);
 	given.bytes = bytes;
+	enum status status;
 	if (ending < 2)
-		status = ending == 0 ? scene_mesh_count_obj(bytes, given.length, told) : scene_mesh_count_stl(bytes, given.length, told);
-	if (status == STATUS_OK)
-		status = ending < 2 ? import(&given, told, corners) : import_gltf(path, told, ending == 3, bytes, given.length, corners);
+		TRY_OR(done, ending == 0 ? scene_mesh_count_obj(bytes, given.length, told) : scene_mesh_count_stl(bytes, given.length, told));
+	TRY_OR(done, ending < 2 ? import(&given, told, corners) : import_gltf(path, told, ending == 3, bytes, given.length, corners));
+done:
 	mem_free(bytes);
 	return status;
 }

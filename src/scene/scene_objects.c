@@ -111,12 +111,10 @@ static enum status take_object(const struct scene_tree *tree, const struct raw_o
 	object->load = raw->load != NULL ? *raw->load : 0;
 	object->slip = raw->slip != NULL ? *raw->slip : 0;
 	object->interface = interface_of(raw->interface);
-	enum status status = raw->name != NULL ? take_name(tree, scene, index, raw->name, object) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = scene_check_shape(tree, &raw->shape, index, object);
-	if (status == STATUS_OK)
-		status = raw->path != NULL ? scene_way_take(tree, raw->path, where, &object->path) : check_hosted(tree, raw, index);
-	return status;
+	if (raw->name != NULL)
+		TRY(take_name(tree, scene, index, raw->name, object));
+	TRY(scene_check_shape(tree, &raw->shape, index, object));
+	return raw->path != NULL ? scene_way_take(tree, raw->path, where, &object->path) : check_hosted(tree, raw, index);
 }
 
 /* Checks what can be checked only when every path is known. */
@@ -138,35 +136,30 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 				   "no object and no view or vehicle; needed: objects, vehicles or a view");
 	}
 	scene->objects = mem_calloc(count, sizeof *scene->objects);
-	if (scene->objects == NULL)
-		return fail_memory("reading the objects");
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY_MEM(scene->objects, "reading the objects");
+	for (size_t i = 0; i < count; i++) {
 		scene->object_count = i + 1;
-		status = take_object(tree, &raw->objects[i], i, scene, &scene->objects[i]);
+		TRY(take_object(tree, &raw->objects[i], i, scene, &scene->objects[i]));
 	}
 	/* Names are made only after all given names are known. So a made name never takes a name that the scene gives later. */
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < count; i++)
 		if (scene->objects[i].name == NULL)
-			status = make_name(scene, &scene->objects[i]);
-	if (status == STATUS_OK)
-		status = scene_way_follow(tree, raw, scene);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+			TRY(make_name(scene, &scene->objects[i]));
+	TRY(scene_way_follow(tree, raw, scene));
+	for (size_t i = 0; i < count; i++) {
 		struct scene_object *object = &scene->objects[i];
-		status = check_taken(tree, &raw->objects[i], i, scene, object);
-		if (status == STATUS_OK && object->path.has_z && raw->objects[i].sink != NULL)
-			status = scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away", object->name);
+		TRY(check_taken(tree, &raw->objects[i], i, scene, object));
+		if (object->path.has_z && raw->objects[i].sink != NULL)
+			TRY(scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away", object->name));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Makes the tree of a scene that has only the object `text`. */
 static enum status plant(struct scene_tree *tree, const char *text)
 {
 	struct scene_node *list = NULL, *object = NULL;
-	enum status status = scene_tree_parse(tree->file, NULL, text, strlen(text), &object);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_tree_parse(tree->file, NULL, text, strlen(text), &object));
 	tree->root = scene_node_create(SCENE_MAPPING, NULL);
 	list = scene_node_create(SCENE_SEQUENCE, "objects");
 	if (tree->root == NULL || list == NULL) {
@@ -184,28 +177,24 @@ static enum status parse(const struct scene *scene, const char *text, struct sce
 {
 	struct scene_tree tree = {.file = "object text", .folder = scene->folder, .hosted = true};
 	struct raw_scene *raw = NULL;
-	enum status status = plant(&tree, text);
-	if (status == STATUS_OK)
-		status = scene_alias(&tree);
-	if (status == STATUS_OK)
-		status = scene_match(&tree);
-	if (status == STATUS_OK)
-		status = scene_typed_load(&tree, &raw);
-	if (status == STATUS_OK)
-		status = take_object(&tree, &raw->objects[0], 0, scene, object);
-	if (status == STATUS_OK && raw->objects[0].path != NULL && raw->objects[0].path->relative_to != NULL)
-		status = scene_error(tree.file, scene_tree_find(&tree, "objects[0].path.relative_to"),
-				     "is of objects that a scene lists; allowed: points, or a file");
-	if (status == STATUS_OK)
-		status = check_taken(&tree, &raw->objects[0], 0, scene, object);
+	enum status status;
+	TRY_OR(done, plant(&tree, text));
+	TRY_OR(done, scene_alias(&tree));
+	TRY_OR(done, scene_match(&tree));
+	TRY_OR(done, scene_typed_load(&tree, &raw));
+	TRY_OR(done, take_object(&tree, &raw->objects[0], 0, scene, object));
+	if (raw->objects[0].path != NULL && raw->objects[0].path->relative_to != NULL)
+		TRY_OR(done, scene_error(tree.file, scene_tree_find(&tree, "objects[0].path.relative_to"),
+					 "is of objects that a scene lists; allowed: points, or a file"));
+	TRY_OR(done, check_taken(&tree, &raw->objects[0], 0, scene, object));
 	/* In a scene file this is a note, and `sink` is not used. A single object has no place for notes, so it is refused. */
-	if (status == STATUS_OK && object->path.has_z && raw->objects[0].sink != NULL)
-		status = scene_error(tree.file, scene_tree_find(&tree, "objects[0].sink"),
-				     "its poses say z already; allowed with: poses t,x,y, or points");
-	if (status == STATUS_OK && object->name == NULL)
-		status = make_name(scene, object);
-	if (status == STATUS_OK)
-		status = scene_check_bearing(&tree, scene, object);
+	if (object->path.has_z && raw->objects[0].sink != NULL)
+		TRY_OR(done, scene_error(tree.file, scene_tree_find(&tree, "objects[0].sink"),
+					 "its poses say z already; allowed with: poses t,x,y, or points"));
+	if (object->name == NULL)
+		TRY_OR(done, make_name(scene, object));
+	TRY_OR(done, scene_check_bearing(&tree, scene, object));
+done:
 	scene_typed_destroy(raw);
 	scene_tree_finish(&tree);
 	return status;

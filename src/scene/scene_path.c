@@ -74,8 +74,7 @@ static enum status take_row(struct reader *reader, char *const fields[COLUMNS])
 	if (path->count == reader->room) {
 		size_t room = reader->room == 0 ? 256 : reader->room * 2;
 		struct scene_waypoint *grown = mem_realloc(path->points, room, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("reading poses");
+		TRY_MEM(grown, "reading poses");
 		path->points = grown;
 		reader->room = room;
 	}
@@ -119,27 +118,26 @@ enum status scene_path_read(const char *file, const char *told, struct scene_pat
 	struct reader reader = {.file = file, .path = path};
 	char *bytes;
 	size_t length;
-	enum status status = scene_file_read(file, told, SCENE_POSES_BYTES, &bytes, &length);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_file_read(file, told, SCENE_POSES_BYTES, &bytes, &length));
+	enum status status = STATUS_OK;
 	path->timed = true;
 	char *line = bytes, *end = bytes + length;
 	if (length >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0)
 		line += 3;
-	while (line < end && status == STATUS_OK) {
+	while (line < end) {
 		char *stop = memchr(line, '\n', (size_t)(end - line));
 		if (stop == NULL)
 			stop = end;
 		*stop = '\0';
 		reader.line++;
 		if (strlen(line) != (size_t)(stop - line))
-			status = refuse(&reader, "a NUL byte; allowed: text");
-		else
-			status = take_line(&reader, line);
+			TRY_OR(done, refuse(&reader, "a NUL byte; allowed: text"));
+		TRY_OR(done, take_line(&reader, line));
 		line = stop + 1;
 	}
-	if (status == STATUS_OK && path->count == 0)
-		status = fail_with(STATUS_INPUT, "%s: no pose; allowed: at least one row of t,x,y", file);
+	if (path->count == 0)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: no pose; allowed: at least one row of t,x,y", file));
+done:
 	mem_free(bytes);
 	return status;
 }

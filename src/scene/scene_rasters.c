@@ -37,8 +37,7 @@ static enum status take(const struct scene_tree *tree, const char *path, enum so
 	struct scene_raster *raster = &scene->rasters[scene->raster_count];
 	raster->number = number;
 	raster->path = scene_file_beside(tree->folder, path);
-	if (raster->path == NULL)
-		return fail_memory("reading a raster of the soil");
+	TRY_MEM(raster->path, "reading a raster of the soil");
 	scene->raster_count++;
 	return scene_file_hash(raster->path, scene_told(tree->file, node, path).text, SCENE_RASTER_BYTES, raster->hash);
 }
@@ -46,19 +45,18 @@ static enum status take(const struct scene_tree *tree, const char *path, enum so
 enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_rasters *raw, struct scene *scene)
 {
 	const struct soil_model *model = deform_model_row(scene->model);
-	enum status status = STATUS_OK;
 	if (raw == NULL)
 		return STATUS_OK;
 	if (!model->bears && model->numbers != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "soil.rasters"),
 				   "model %s reads a soil's numbers by class alone; allowed with: %s; or give soil.map", model->name,
 				   models_with_rasters().text);
-	for (int number = 0; model->bears && number < SOIL_NUMBERS && status == STATUS_OK; number++) {
+	for (int number = 0; model->bears && number < SOIL_NUMBERS; number++) {
 		const char *path = path_of(raw, (enum soil_number)number);
 		if (path != NULL)
-			status = take(tree, path, (enum soil_number)number, scene);
+			TRY(take(tree, path, (enum soil_number)number, scene));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 double scene_raster_unit(enum soil_number number)

@@ -105,7 +105,7 @@ void scene_rebound_advise(const struct scene *scene, const struct scene_rebound 
 void scene_advise_rebound(const struct scene *scene, scene_advice_fn tell, void *user)
 {
 	struct scene_rebound worst = {.less = 0};
-	if (scene->forces == 0 || scene->hosted)
+	if (scene->forces == 0)
 		return;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		char key[160];

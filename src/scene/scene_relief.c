@@ -40,7 +40,6 @@ enum status scene_check_relief(const struct scene_tree *tree, const struct raw_s
 {
 	const struct raw_relief *relief = raw->relief;
 	bool given[RELIEF_CLASSES] = {false}, any = false;
-	enum status status = STATUS_OK;
 	if (relief == NULL)
 		return STATUS_OK;
 	struct relief_spec *spec = &scene->relief;
@@ -55,12 +54,12 @@ enum status scene_check_relief(const struct scene_tree *tree, const struct raw_s
 	}
 	for (int i = 0; i < spec->classes; i++)
 		spec->waves[i] = (struct relief_waves){relief->roughness, relief->wavelength};
-	for (uint32_t i = 0; i < relief->classes_count && status == STATUS_OK; i++)
-		status = check_class(tree, relief, i, given, scene);
+	for (uint32_t i = 0; i < relief->classes_count; i++)
+		TRY(check_class(tree, relief, i, given, scene));
 	for (int i = 0; i < spec->classes; i++)
 		any |= spec->waves[i].roughness > 0;
-	if (status != STATUS_OK || any)
-		return status;
+	if (any)
+		return STATUS_OK;
 	*spec = (struct relief_spec){0};
 	return scene_tell_unused(scene, "relief: a roughness of 0 raises nothing; take it away, or give more");
 }

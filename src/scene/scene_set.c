@@ -71,8 +71,7 @@ static enum status step(const struct scene_tree *tree, const struct scene_settin
 	if (at->count >= SCENE_KEYS)
 		return refuse(tree, setting, segment, "is one key too many; allowed: 64");
 	struct scene_node *made = scene_node_create(SCENE_MAPPING, segment);
-	if (made == NULL)
-		return fail_memory("setting a key of the scene");
+	TRY_MEM(made, "setting a key of the scene");
 	made->setting = setting->key;
 	made->line = at->line;
 	scene_node_append(at, made);
@@ -102,30 +101,22 @@ enum status scene_set(struct scene_tree *tree, const struct scene_setting *setti
 {
 	struct scene_node *value = NULL, *at = tree->root;
 	size_t length = strlen(setting->key);
-	enum status status;
 	int segments = 0;
 
 	if (length > KEY_MAX)
 		return fail_with(STATUS_INPUT, "%s: --set %s: the key has %zu bytes; allowed: at most %d", tree->file,
 				 scene_quote(setting->key).text, length, KEY_MAX);
 	char *key = mem_strdup(setting->key);
-	if (key == NULL)
-		return fail_memory("setting a key of the scene");
-	status = scene_tree_parse(tree->file, setting->key, setting->value, strlen(setting->value),
-				  &value);
-	if (status != STATUS_OK)
-		goto out;
+	TRY_MEM(key, "setting a key of the scene");
+	enum status status;
+	TRY_OR(done, scene_tree_parse(tree->file, setting->key, setting->value, strlen(setting->value), &value));
 	for (char *segment = key, *dot; segment != NULL; segment = dot) {
 		dot = strchr(segment, '.');
 		if (dot != NULL)
 			*dot++ = '\0';
-		if (++segments > SEGMENTS_MAX) {
-			status = refuse(tree, setting, segment, "is too deep; allowed: 8 keys");
-			goto out;
-		}
-		status = step(tree, setting, at, segment, &at);
-		if (status != STATUS_OK)
-			goto out;
+		if (++segments > SEGMENTS_MAX)
+			TRY_OR(done, refuse(tree, setting, segment, "is too deep; allowed: 8 keys"));
+		TRY_OR(done, step(tree, setting, at, segment, &at));
 	}
 	if (value->plain && (strcmp(value->text, "null") == 0 || strcmp(value->text, "~") == 0)) {
 		scene_node_remove(at);
@@ -133,7 +124,7 @@ enum status scene_set(struct scene_tree *tree, const struct scene_setting *setti
 	} else {
 		replace(at, value);
 	}
-out:
+done:
 	scene_node_destroy(value);
 	mem_free(key);
 	return status;

@@ -38,8 +38,7 @@ static enum status check_mesh(const struct scene_tree *tree, const struct raw_me
 {
 	const struct scene_node *node = scene_tree_find(tree, "objects[%zu].shape.mesh.file", index);
 	char *file = scene_file_beside(tree->folder, raw->file);
-	if (file == NULL)
-		return fail_memory("reading a mesh");
+	TRY_MEM(file, "reading a mesh");
 	object->shape.kind = SOIL_MESH;
 	object->shape.belt = raw->belt != NULL && *raw->belt;
 	enum status status = scene_mesh_load(file, scene_told(tree->file, node, raw->file).text,

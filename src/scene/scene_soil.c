@@ -147,18 +147,15 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 	const enum deform_model model = scene->model;
 	struct soil_numbers *soil = &scene->soils[index];
 	soil_clear(soil);
-	enum status status = raw->name != NULL ? take_name(tree, raw->name, where, soil) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	if (raw->name != NULL)
+		TRY(take_name(tree, raw->name, where, soil));
 	for (size_t i = 0; i < PARAMETERS; i++) {
 		const double *value = given(raw, &parameters[i]);
 		if (value != NULL)
 			*number_of(soil, &parameters[i]) = *value * parameters[i].unit;
 		scene->soil_given[index] |= (unsigned)(value != NULL) << i;
 	}
-	status = check_whole(tree, raw->name, where, model, soil);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_whole(tree, raw->name, where, model, soil));
 	if (isnan(soil->repose))
 		soil->repose = soil->friction_angle;
 	if (deform_model_reads(model, "elastic_stiffness") && isnan(soil->elastic_stiffness))
@@ -283,8 +280,7 @@ static enum status check_map(const struct scene_tree *tree, const struct raw_soi
 	if (!read)
 		return STATUS_OK;
 	scene->soil_map = scene_file_beside(tree->folder, raw->map);
-	if (scene->soil_map == NULL)
-		return fail_memory("reading the map of soils");
+	TRY_MEM(scene->soil_map, "reading the map of soils");
 	return scene_file_hash(scene->soil_map, scene_told(tree->file, node, raw->map).text, SCENE_RASTER_BYTES,
 			       scene->soil_map_hash);
 }
@@ -298,13 +294,11 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 		if (scene->soil_class[class->value] != 0)
 			return scene_error(tree->file, scene_tree_find(tree, "%s.value", where),
 					   "%d is another class; allowed: each value once", (int)class->value);
-		enum status status = check_class(tree, class, where, scene, i + 1);
-		if (status == STATUS_OK && reads_soil(scene))
-			status = check_unread(class, where, scene);
-		if (status == STATUS_OK && reads_soil(scene))
-			status = check_replaced(tree, class, where, scene);
-		if (status != STATUS_OK)
-			return status;
+		TRY(check_class(tree, class, where, scene, i + 1));
+		if (reads_soil(scene)) {
+			TRY(check_unread(class, where, scene));
+			TRY(check_replaced(tree, class, where, scene));
+		}
 		scene->soil_class[class->value] = (uint8_t)(i + 1);
 		keep_name(scene, i + 1, class->name, (int)class->value);
 	}
@@ -314,14 +308,12 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 
 static enum status check_bearings(const struct scene_tree *tree, const struct scene *scene, bool mapped)
 {
-	enum status status = STATUS_OK;
-	for (int i = 0; i < scene->soil_count && status == STATUS_OK; i++) {
+	for (int i = 0; i < scene->soil_count; i++) {
 		char where[40];
 		snprintf(where, sizeof where, "soil.classes[%d]", i - 1);
-		status = check_bearing(tree, scene, i > 0 ? where : mapped ? "soil.default" : "soil",
-				       &scene->soils[i]);
+		TRY(check_bearing(tree, scene, i > 0 ? where : mapped ? "soil.default" : "soil", &scene->soils[i]));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
@@ -340,27 +332,25 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 				   scene_tree_find(tree, soil->classes != NULL ? "soil.classes" : "soil.default"),
 				   "is of a map, and there is none; allowed with: map");
 	bool drawn = mapped && (draws_soil(raw) || raises_by_class(raw));
-	enum status status = mapped ? check_map(tree, soil, read || drawn, scene->hosted || raw->vehicles_count > 0, scene) : STATUS_OK;
-	const bool first = mapped && soil->elsewhere == NULL && status == STATUS_OK; /* the first class is the default, too */
+	if (mapped)
+		TRY(check_map(tree, soil, read || drawn, scene->hosted || raw->vehicles_count > 0, scene));
+	const bool first = mapped && soil->elsewhere == NULL; /* the first class is the default, too */
 	const struct raw_class *elsewhere = !mapped ? &soil->all : first ? &soil->classes[0] : soil->elsewhere;
 	const char *where = !mapped ? "soil" : first ? "soil.classes[0]" : "soil.default";
 	scene->soil_default = !first;
-	if (status == STATUS_OK)
-		status = check_class(tree, elsewhere, where, scene, 0);
+	TRY(check_class(tree, elsewhere, where, scene, 0));
 	scene->soil_count = 1;
-	keep_name(scene, 0, elsewhere != NULL ? elsewhere->name : soil->all.name, first ? (int)elsewhere->value : -1);
-	if (status == STATUS_OK && read && !first)
-		status = check_unread(elsewhere, where, scene);
-	if (status == STATUS_OK && read && !first)
-		status = check_replaced(tree, elsewhere, where, scene);
-	if (status == STATUS_OK)
-		status = check_classes(tree, soil, scene);
-	if (status == STATUS_OK && deform_model_reads(scene->model, "bekker_kc"))
-		status = check_bearings(tree, scene, mapped);
-	if (status == STATUS_OK)
-		status = scene_check_rasters(tree, soil->rasters, scene);
-	if (read || status != STATUS_OK)
-		return status;
+	keep_name(scene, 0, elsewhere->name, first ? (int)elsewhere->value : -1);
+	if (read && !first) {
+		TRY(check_unread(elsewhere, where, scene));
+		TRY(check_replaced(tree, elsewhere, where, scene));
+	}
+	TRY(check_classes(tree, soil, scene));
+	if (deform_model_reads(scene->model, "bekker_kc"))
+		TRY(check_bearings(tree, scene, mapped));
+	TRY(scene_check_rasters(tree, soil->rasters, scene));
+	if (read)
+		return STATUS_OK;
 	memset(scene->soils, 0, sizeof scene->soils);
 	if (drawn && soil->rasters != NULL)
 		return scene_tell_unused(scene, "soil.rasters: model %s does not depend on them; take them away, or name model scm",

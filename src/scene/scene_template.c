@@ -118,13 +118,12 @@ static enum status add_to_offset(struct scene_node *path, const double more[2])
 		scene_node_destroy(node);
 	}
 	node = scene_node_create(SCENE_SEQUENCE, "offset");
-	if (node == NULL)
-		return fail_memory("reading the objects");
+	TRY_MEM(node, "reading the objects");
 	node->line = path->line;
 	node->setting = path->setting;
 	scene_node_append(path, node);
-	enum status status = put_number(node, NULL, numbers[0] + more[0]);
-	return status == STATUS_OK ? put_number(node, NULL, numbers[1] + more[1]) : status;
+	TRY(put_number(node, NULL, numbers[0] + more[0]));
+	return put_number(node, NULL, numbers[1] + more[1]);
 }
 
 /* Adds the copy's number to a name. */
@@ -156,39 +155,36 @@ static enum status move_path(const struct template *template, struct scene_node 
 	const struct scene_node *leader = scene_node_child(path, "relative_to");
 	if (leader != NULL && leader->kind == SCENE_SCALAR && is_within(template, leader->text))
 		return number_name(path, "relative_to", place->number);
-	enum status status = add_to_offset(path, place->offset);
-	if (status == STATUS_OK)
-		status = add_to_number(path, "rotate", place->rotate);
-	return status == STATUS_OK ? add_to_number(path, "delay", template->every * (double)(place->number - 1)) : status;
+	TRY(add_to_offset(path, place->offset));
+	TRY(add_to_number(path, "rotate", place->rotate));
+	return add_to_number(path, "delay", template->every * (double)(place->number - 1));
 }
 
 /* Adds a copy of one object of the template to `list`. */
 static enum status add_copy(const struct template *template, const struct scene_node *object, const struct place *place, struct scene_node *list)
 {
 	struct scene_node *copy = copy_node(object);
-	if (copy == NULL)
-		return fail_memory("reading the objects");
+	TRY_MEM(copy, "reading the objects");
 	mem_free(copy->key);
 	copy->key = NULL; /* in a list */
 	scene_node_append(list, copy);
 	if (copy->kind != SCENE_MAPPING)
 		return STATUS_OK;
 	struct scene_node *path = scene_node_child(copy, "path");
-	enum status status = number_name(copy, "name", place->number);
-	return status == STATUS_OK && path != NULL && path->kind == SCENE_MAPPING ? move_path(template, path, place) : status;
+	TRY(number_name(copy, "name", place->number));
+	return path != NULL && path->kind == SCENE_MAPPING ? move_path(template, path, place) : STATUS_OK;
 }
 
 static enum status add_copies(const struct template *template, const struct place *place, struct scene_node *list)
 {
 	const struct scene_node *objects = template->objects;
-	enum status status = STATUS_OK;
 	if (list->count >= SCENE_OBJECTS)
 		return scene_error(template->tree->file, template->node, "makes too many objects; allowed: %d in all", SCENE_OBJECTS);
 	if (objects->kind != SCENE_SEQUENCE)
 		return add_copy(template, objects, place, list);
-	for (const struct scene_node *object = objects->first; object != NULL && status == STATUS_OK; object = object->next)
-		status = add_copy(template, object, place, list);
-	return status;
+	for (const struct scene_node *object = objects->first; object != NULL; object = object->next)
+		TRY(add_copy(template, object, place, list));
+	return STATUS_OK;
 }
 
 /* --- where copies are --- */
@@ -211,29 +207,27 @@ static enum status add_grid(const struct template *template, const struct scene_
 	if (!stepped)
 		return is_wrong(template, at, allowed);
 	struct place place = {.number = 0};
-	enum status status = STATUS_OK;
 	for (double row = 0; row < counts[0]; row++)
-		for (double column = 0; column < counts[1] && status == STATUS_OK; column++) {
+		for (double column = 0; column < counts[1]; column++) {
 			place.number++;
 			place.offset[0] = from[0] + column * step[0];
 			place.offset[1] = from[1] + row * step[1];
-			status = add_copies(template, &place, list);
+			TRY(add_copies(template, &place, list));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status add_places(const struct template *template, const struct scene_node *at, struct scene_node *list)
 {
-	enum status status = STATUS_OK;
 	struct place place = {.number = 0};
-	for (const struct scene_node *node = at->first; node != NULL && status == STATUS_OK; node = node->next) {
+	for (const struct scene_node *node = at->first; node != NULL; node = node->next) {
 		double numbers[3] = {0};
 		if (!read_list(node, 2, 3, numbers))
 			return is_wrong(template, node, "is no place; allowed: [east, north] in m, or [east, north, degrees]");
 		place = (struct place){place.number + 1, {numbers[0], numbers[1]}, numbers[2]};
-		status = add_copies(template, &place, list);
+		TRY(add_copies(template, &place, list));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status expand(const struct scene_tree *tree, const struct scene_node *node, struct scene_node *list)
@@ -262,8 +256,7 @@ static bool is_template(const struct scene_node *node)
 static enum status fold_alone(struct scene_node *objects)
 {
 	struct scene_node *inner = scene_node_create(SCENE_MAPPING, NULL);
-	if (inner == NULL)
-		return fail_memory("reading the objects");
+	TRY_MEM(inner, "reading the objects");
 	inner->line = objects->line;
 	inner->setting = objects->setting;
 	for (struct scene_node *child = objects->first, *next; child != NULL; child = next) {
@@ -282,9 +275,9 @@ enum status scene_template(const struct scene_tree *tree)
 	struct scene_node *objects = scene_node_child(tree->root, "objects");
 	enum status status = STATUS_OK;
 	if (objects != NULL && is_template(objects))
-		status = fold_alone(objects);
-	if (status != STATUS_OK || objects == NULL || objects->kind != SCENE_SEQUENCE)
-		return status;
+		TRY(fold_alone(objects));
+	if (objects == NULL || objects->kind != SCENE_SEQUENCE)
+		return STATUS_OK;
 	struct scene_node *all = objects->first;
 	/* Children move to the end of the list that they began, one by one; templates are replaced on the way. */
 	objects->first = objects->last = NULL;

@@ -78,18 +78,16 @@ void scene_node_destroy(struct scene_node *node)
 
 static enum status list_items(struct scene_node *node)
 {
-	enum status status = STATUS_OK;
 	if (node->kind == SCENE_SEQUENCE && node->count > 0) {
 		node->items = mem_alloc(node->count, sizeof *node->items);
-		if (node->items == NULL)
-			return fail_memory("reading the scene");
+		TRY_MEM(node->items, "reading the scene");
 	}
-	for (struct scene_node *child = node->first; child != NULL && status == STATUS_OK; child = child->next) {
+	for (struct scene_node *child = node->first; child != NULL; child = child->next) {
 		if (node->items != NULL)
 			node->items[child->index] = child;
-		status = list_items(child);
+		TRY(list_items(child));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status scene_tree_list(struct scene_tree *tree)
@@ -207,8 +205,7 @@ static enum status add(struct builder *builder, enum scene_kind kind, const char
 		       int line)
 {
 	struct scene_node *node = scene_node_create(kind, NULL);
-	if (node == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(node, "reading the scene");
 	node->line = builder->key != NULL ? builder->key_line : line;
 	node->setting = builder->setting;
 	node->plain = plain;
@@ -302,13 +299,27 @@ static enum status parser_failed(const struct builder *builder, const yaml_parse
 	return refuse(builder, (int)line + 1, why);
 }
 
+static enum status take_events(struct builder *builder, yaml_parser_t *parser)
+{
+	for (bool ended = false; !ended;) {
+		yaml_event_t event;
+		if (!yaml_parser_parse(parser, &event))
+			return parser_failed(builder, parser);
+		ended = event.type == YAML_STREAM_END_EVENT;
+		const enum status status = take_event(builder, &event);
+		yaml_event_delete(&event);
+		TRY(status);
+	}
+	if (builder->root == NULL)
+		return refuse(builder, 1, "nothing is written here; allowed: keys and values, as in scene: 1");
+	return STATUS_OK;
+}
+
 enum status scene_tree_parse(const char *file, const char *setting, const char *text, size_t length,
 			     struct scene_node **out)
 {
 	struct builder builder = {.file = file, .setting = setting};
 	yaml_parser_t parser;
-	enum status status = STATUS_OK;
-	bool ended = false;
 
 	*out = NULL;
 	if (length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) { /* an editor's byte order mark */
@@ -323,20 +334,9 @@ enum status scene_tree_parse(const char *file, const char *setting, const char *
 		return fail_memory("reading the scene");
 	yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
 	yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
-	while (!ended && status == STATUS_OK) {
-		yaml_event_t event;
-		if (!yaml_parser_parse(&parser, &event)) {
-			status = parser_failed(&builder, &parser);
-			break;
-		}
-		ended = event.type == YAML_STREAM_END_EVENT;
-		status = take_event(&builder, &event);
-		yaml_event_delete(&event);
-	}
+	const enum status status = take_events(&builder, &parser);
 	yaml_parser_delete(&parser);
 	mem_free(builder.key);
-	if (status == STATUS_OK && builder.root == NULL)
-		status = refuse(&builder, 1, "nothing is written here; allowed: keys and values, as in scene: 1");
 	if (status != STATUS_OK)
 		scene_node_destroy(builder.root);
 	else

@@ -37,8 +37,7 @@ static enum status doubt(const struct units *units, const struct scene_node *nod
 	else
 		snprintf(text, sizeof text, "%.200s:%d: %s: %s", units->tree->file, node->line, key, why);
 	char **doubts = mem_realloc(scene->doubts, scene->doubt_count + 1, sizeof *doubts);
-	if (doubts == NULL)
-		return fail_memory("reading the scene");
+	TRY_MEM(doubts, "reading the scene");
 	scene->doubts = doubts;
 	doubts[scene->doubt_count] = mem_strdup(text);
 	return doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
@@ -111,49 +110,45 @@ static enum status doubt_shear(const struct units *units, const char *where, con
 static enum status doubt_class(const struct units *units, const char *where, const struct raw_class *class)
 {
 	const bool bears = deform_model_reads(units->scene->model, "bekker_kphi");
-	enum status status = bears ? doubt_moduli(units, where, class) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = doubt_cohesion(units, where, "cohesion", class->cohesion);
-	if (status == STATUS_OK)
-		status = doubt_angle(units, where, "friction_angle", class->friction_angle);
-	if (status == STATUS_OK && bears)
-		status = doubt_shear(units, where, class->janosi_shear);
-	return status == STATUS_OK ? doubt_angle(units, where, "repose", class->repose) : status;
+	if (bears)
+		TRY(doubt_moduli(units, where, class));
+	TRY(doubt_cohesion(units, where, "cohesion", class->cohesion));
+	TRY(doubt_angle(units, where, "friction_angle", class->friction_angle));
+	if (bears)
+		TRY(doubt_shear(units, where, class->janosi_shear));
+	return doubt_angle(units, where, "repose", class->repose);
 }
 
 static enum status doubt_interfaces(const struct units *units)
 {
-	enum status status = STATUS_OK;
-	for (uint32_t i = 0; i < units->raw->objects_count && status == STATUS_OK; i++) {
+	for (uint32_t i = 0; i < units->raw->objects_count; i++) {
 		const struct raw_interface *interface = units->raw->objects[i].interface;
 		char where[48];
 		if (interface == NULL)
 			continue;
 		snprintf(where, sizeof where, "objects[%u].interface", i);
-		status = doubt_angle(units, where, "friction_angle", interface->friction_angle);
-		if (status == STATUS_OK)
-			status = doubt_cohesion(units, where, "adhesion", interface->adhesion);
+		TRY(doubt_angle(units, where, "friction_angle", interface->friction_angle));
+		TRY(doubt_cohesion(units, where, "adhesion", interface->adhesion));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Soils of models that read these keys. */
 static enum status doubt_soils(const struct units *units)
 {
 	const struct raw_soil *soil = units->raw->soil;
-	enum status status = STATUS_OK;
 	if (soil == NULL || !deform_model_reads(units->scene->model, "friction_angle"))
 		return STATUS_OK;
 	if (soil->map == NULL)
 		return doubt_class(units, "soil", &soil->all);
 	if (soil->elsewhere != NULL)
-		status = doubt_class(units, "soil.default", soil->elsewhere);
-	for (uint32_t i = 0; i < soil->classes_count && status == STATUS_OK; i++) {
+		TRY(doubt_class(units, "soil.default", soil->elsewhere));
+	for (uint32_t i = 0; i < soil->classes_count; i++) {
 		char where[40];
 		snprintf(where, sizeof where, "soil.classes[%u]", i);
-		status = doubt_class(units, where, &soil->classes[i]);
+		TRY(doubt_class(units, where, &soil->classes[i]));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static bool is_light(const struct scene_object *object)
@@ -167,25 +162,23 @@ static enum status doubt_radii(const struct units *units)
 {
 	static const char *const names[SOIL_SHAPES] = {[SOIL_WHEEL] = "wheel", [SOIL_SPHERE] = "sphere", [SOIL_CYLINDER] = "cylinder", [SOIL_CAPSULE] = "capsule"};
 	const struct scene_object *objects = units->scene->objects;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < units->scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < units->scene->object_count; i++) {
 		const struct soil_shape *shape = &objects[i].shape;
 		char where[80], why[120];
 		if (names[shape->kind] == NULL || shape->radius <= LARGEST_RADIUS)
 			continue;
 		snprintf(where, sizeof where, "objects[%zu].shape.%s.radius", i, names[shape->kind]);
 		snprintf(why, sizeof why, "%g m is large, and perhaps in mm; the unit is m: if it is in mm give %.6g", shape->radius, shape->radius / 1e3);
-		status = doubt(units, scene_tree_find(units->tree, "%s", where), why);
+		TRY(doubt(units, scene_tree_find(units->tree, "%s", where), why));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Wheels with one load and radius get one note. */
 static enum status doubt_loads(const struct units *units)
 {
 	const struct scene_object *objects = units->scene->objects;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < units->scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < units->scene->object_count; i++) {
 		char why[400], others[48] = "";
 		size_t before = 0, alike = 0;
 		if (!is_light(&objects[i]))
@@ -205,9 +198,9 @@ static enum status doubt_loads(const struct units *units)
 		snprintf(why, sizeof why, "%g N on a wheel of %g m radius%s is less than the wheel's own weight; the unit is N: %s%s%s",
 			 objects[i].load, objects[i].shape.radius, others, kilonewtons.text, kilograms.text,
 			 kilonewtons.text[0] != '\0' || kilograms.text[0] != '\0' ? "" : "give more");
-		status = doubt(units, scene_tree_find(units->tree, "objects[%zu].load", i), why);
+		TRY(doubt(units, scene_tree_find(units->tree, "objects[%zu].load", i), why));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Doubts the sun's height. A sun near the horizon leaves level ground black, unless its colour makes up for that. */
@@ -234,8 +227,7 @@ static enum status doubt_sun(const struct units *units)
 
 static enum status doubt_cameras(const struct units *units)
 {
-	enum status status = STATUS_OK;
-	for (uint32_t i = 0; i < units->raw->cameras_count && status == STATUS_OK; i++) {
+	for (uint32_t i = 0; i < units->raw->cameras_count; i++) {
 		const double *fov = units->raw->cameras[i].fov;
 		char why[200];
 		if (fov == NULL || *fov >= LEAST_FOV)
@@ -245,24 +237,20 @@ static enum status doubt_cameras(const struct units *units)
 		else
 			snprintf(why, sizeof why, "%g degrees is narrow, and probably in radians; the unit is degrees: if it is in radians give %.3g", *fov,
 				 fmin(*fov * DEGREES, 170));
-		status = doubt(units, scene_tree_find(units->tree, "cameras[%u].fov", i), why);
+		TRY(doubt(units, scene_tree_find(units->tree, "cameras[%u].fov", i), why));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status scene_check_units(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const struct units units = {tree, raw, scene};
-	enum status status = doubt_soils(&units);
-	if (status == STATUS_OK)
-		status = doubt_interfaces(&units);
-	if (status == STATUS_OK)
-		status = doubt_radii(&units);
-	if (status == STATUS_OK)
-		status = doubt_loads(&units);
-	if (status == STATUS_OK)
-		status = doubt_sun(&units);
-	return status == STATUS_OK ? doubt_cameras(&units) : status;
+	TRY(doubt_soils(&units));
+	TRY(doubt_interfaces(&units));
+	TRY(doubt_radii(&units));
+	TRY(doubt_loads(&units));
+	TRY(doubt_sun(&units));
+	return doubt_cameras(&units);
 }
 
 void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user)

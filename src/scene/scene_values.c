@@ -134,8 +134,7 @@ static enum status add(const struct step *step, struct scene *scene)
 	if ((scene->value_count & (scene->value_count - 1)) == 0) {
 		struct scene_value *grown =
 			mem_realloc(scene->values, scene->value_count == 0 ? 1 : scene->value_count * 2, sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("reading the scene");
+		TRY_MEM(grown, "reading the scene");
 		scene->values = grown;
 	}
 	struct scene_value *value = &scene->values[scene->value_count++];
@@ -154,13 +153,12 @@ static bool has_parts(const struct scene_node *node)
 /* No deeper than a tree is: SCENE_DEPTH. */
 static enum status take(const struct step *step, struct scene *scene)
 {
-	enum status status = STATUS_OK;
 	if (!has_parts(step->node))
 		return add(step, scene);
-	for (const struct scene_node *child = step->node->first; child != NULL && status == STATUS_OK; child = child->next)
+	for (const struct scene_node *child = step->node->first; child != NULL; child = child->next)
 		if (child != name_of(step->node))
-			status = take(&(struct step){step, child}, scene);
-	return status;
+			TRY(take(&(struct step){step, child}, scene));
+	return STATUS_OK;
 }
 
 enum status scene_values_take(const struct scene_tree *tree, struct scene *scene)

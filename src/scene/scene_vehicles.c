@@ -29,8 +29,7 @@ static enum status take_name(const struct scene_tree *tree, const struct scene *
 static enum status take_texts(char *const *from, uint32_t count, struct scene_texts *texts)
 {
 	texts->list = mem_calloc(count + 1, sizeof *texts->list);
-	if (texts->list == NULL)
-		return fail_memory("reading the vehicles");
+	TRY_MEM(texts->list, "reading the vehicles");
 	for (; texts->count < count; texts->count++)
 		if ((texts->list[texts->count] = mem_strdup(from[texts->count])) == NULL)
 			return fail_memory("reading the vehicles");
@@ -55,13 +54,12 @@ static enum status check_follow(const struct scene_tree *tree, const struct raw_
 				   "has a path and no actuators that drive; needed with path: drive");
 	vehicle->driver = SCENE_FOLLOW;
 	snprintf(where, sizeof where, "vehicles[%zu].driver.path", index);
-	enum status status = scene_way_take(tree, raw->path, where, &vehicle->way);
-	if (status == STATUS_OK && vehicle->way.timed)
-		status = scene_error(tree->file, scene_tree_find(tree, "%s.file", where), "has times, and a driver has a speed; allowed: points, or "
+	TRY(scene_way_take(tree, raw->path, where, &vehicle->way));
+	if (vehicle->way.timed)
+		return scene_error(tree->file, scene_tree_find(tree, "%s.file", where), "has times, and a driver has a speed; allowed: points, or "
 							     "a file that ends in .gpx or .geojson");
-	if (status == STATUS_OK)
-		status = take_texts(raw->steer, raw->steer_count, &vehicle->steer);
-	return status == STATUS_OK ? take_texts(raw->drive, raw->drive_count, &vehicle->drive) : status;
+	TRY(take_texts(raw->steer, raw->steer_count, &vehicle->steer));
+	return take_texts(raw->drive, raw->drive_count, &vehicle->drive);
 }
 
 static enum status check_hold(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
@@ -69,8 +67,7 @@ static enum status check_hold(const struct scene_tree *tree, const struct raw_dr
 	vehicle->driver = SCENE_HOLD;
 	vehicle->values = mem_calloc(raw->hold_count + 1, sizeof *vehicle->values);
 	vehicle->held.list = mem_calloc(raw->hold_count + 1, sizeof *vehicle->held.list);
-	if (vehicle->values == NULL || vehicle->held.list == NULL)
-		return fail_memory("reading the vehicles");
+	TRY_MEM(vehicle->values != NULL && vehicle->held.list != NULL, "reading the vehicles");
 	for (size_t i = 0; i < raw->hold_count; i++) {
 		for (size_t k = 0; k < i; k++)
 			if (strcmp(raw->hold[i].actuator, raw->hold[k].actuator) == 0)
@@ -78,8 +75,7 @@ static enum status check_hold(const struct scene_tree *tree, const struct raw_dr
 						   "%s is named twice; allowed: once", scene_quote(raw->hold[i].actuator).text);
 		vehicle->values[i] = raw->hold[i].value;
 		vehicle->held.list[i] = mem_strdup(raw->hold[i].actuator);
-		if (vehicle->held.list[i] == NULL)
-			return fail_memory("reading the vehicles");
+		TRY_MEM(vehicle->held.list[i], "reading the vehicles");
 		vehicle->held.count = i + 1;
 	}
 	return STATUS_OK;
@@ -106,17 +102,14 @@ static enum status check_driver(const struct scene_tree *tree, const struct raw_
 static enum status check_vehicle(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, const struct scene *scene,
 				 struct scene_vehicle *vehicle)
 {
-	enum status status = take_name(tree, scene, index, raw->name, &vehicle->name);
-	if (status == STATUS_OK)
-		status = take_file(tree, scene_tree_find(tree, "vehicles[%zu].model", index), raw->model, MODEL_BYTES, &vehicle->model,
-				   vehicle->model_hash);
-	if (status == STATUS_OK)
-		status = take_texts(raw->soil, raw->soil_count, &vehicle->soil);
+	TRY(take_name(tree, scene, index, raw->name, &vehicle->name));
+	TRY(take_file(tree, scene_tree_find(tree, "vehicles[%zu].model", index), raw->model, MODEL_BYTES, &vehicle->model, vehicle->model_hash));
+	TRY(take_texts(raw->soil, raw->soil_count, &vehicle->soil));
 	const struct scene_node *at = scene_tree_find(tree, "vehicles[%zu].start.at", index);
 	vehicle->line = at->setting == NULL ? at->line : 0;
 	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
 	vehicle->yaw = (raw->start.yaw != NULL ? *raw->start.yaw : scene_absent("vehicles[].start.yaw")) * M_PI / 180;
-	return status == STATUS_OK && raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : status;
+	return raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : STATUS_OK;
 }
 
 enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
@@ -135,14 +128,12 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 		scene->stuck_below = raw->stuck->below;
 	}
 	scene->vehicles = mem_calloc(count, sizeof *scene->vehicles);
-	if (scene->vehicles == NULL)
-		return fail_memory("reading the vehicles");
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY_MEM(scene->vehicles, "reading the vehicles");
+	for (size_t i = 0; i < count; i++) {
 		scene->vehicle_count = i + 1;
-		status = check_vehicle(tree, &raw->vehicles[i], i, scene, &scene->vehicles[i]);
+		TRY(check_vehicle(tree, &raw->vehicles[i], i, scene, &scene->vehicles[i]));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static void finish_texts(struct scene_texts *texts)

@@ -177,12 +177,10 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
 	view->light = light_of(raw->view);
 	view->aim = (struct scene_aim){.kind = SCENE_FIXED, .target = {1, 0, 0}}; /* of a host, which gives a camera with each picture */
-	enum status status = STATUS_OK;
 	if (raw->view->camera != NULL)
-		status = check_camera(tree, raw->view->camera, scene);
-	if (status == STATUS_OK)
-		status = check_samples(tree, raw->view, view);
-	if (status == STATUS_OK && raw->view->sun != NULL)
-		status = check_time(tree, raw->view->sun, &view->light);
-	return status != STATUS_OK ? status : check_effects(tree, raw->view, view);
+		TRY(check_camera(tree, raw->view->camera, scene));
+	TRY(check_samples(tree, raw->view, view));
+	if (raw->view->sun != NULL)
+		TRY(check_time(tree, raw->view->sun, &view->light));
+	return check_effects(tree, raw->view, view);
 }

@@ -47,33 +47,32 @@ static enum status take_points(const struct way *way)
 	if (raw->speed == NULL)
 		return scene_error(way->tree->file, node_of(way, NULL), "has no speed; allowed: points with a speed in m/s");
 	path->points = mem_calloc(raw->points_count, sizeof *path->points);
-	if (path->points == NULL)
-		return fail_memory("reading the points of a path");
+	TRY_MEM(path->points, "reading the points of a path");
 	path->count = raw->points_count;
 	for (uint32_t i = 0; i < raw->points_count; i++)
 		path->points[i] = (struct scene_waypoint){.x = raw->points[i][0], .y = raw->points[i][1]};
 	return refuse_keys(way, (const char *const[]){"line", NULL}, "does not go with points; allowed with: a file that ends in .gpx or .geojson");
 }
 
-static enum status take_file(const struct way *way)
+static enum status read_file(const struct way *way, const char *file)
 {
 	const struct raw_path *raw = way->raw;
 	const struct scene_told told = scene_told(way->tree->file, node_of(way, "file"), raw->file);
-	char *file = scene_file_beside(way->tree->folder, raw->file);
-	enum status status;
-	if (file == NULL)
-		return fail_memory("reading a path");
-	if (scene_path_is_other_line(file)) {
-		status = fail_with(STATUS_INPUT, "%s: lines are read from .gpx and .geojson; convert it: ogr2ogr -t_srs EPSG:4326 LINE.geojson FILE (Mars: "
-				   "IAU_2015:49900, the Moon: IAU_2015:30100)", told.text);
-	} else if (scene_path_is_line(file)) {
-		status = scene_path_read_line(file, told.text, raw->line != NULL ? (size_t)*raw->line : 0, raw->speed != NULL, way->path);
-	} else {
-		status = refuse_keys(way, (const char *const[]){"speed", "loop", "line", NULL},
-				     "does not go with a file of poses, which has times; allowed with: points, or a file that ends in .gpx or .geojson");
-		if (status == STATUS_OK)
-			status = scene_path_read(file, told.text, way->path);
-	}
+	if (scene_path_is_other_line(file))
+		return fail_with(STATUS_INPUT, "%s: lines are read from .gpx and .geojson; convert it: ogr2ogr -t_srs EPSG:4326 LINE.geojson FILE (Mars: "
+				 "IAU_2015:49900, the Moon: IAU_2015:30100)", told.text);
+	if (scene_path_is_line(file))
+		return scene_path_read_line(file, told.text, raw->line != NULL ? (size_t)*raw->line : 0, raw->speed != NULL, way->path);
+	TRY(refuse_keys(way, (const char *const[]){"speed", "loop", "line", NULL},
+			"does not go with a file of poses, which has times; allowed with: points, or a file that ends in .gpx or .geojson"));
+	return scene_path_read(file, told.text, way->path);
+}
+
+static enum status take_file(const struct way *way)
+{
+	char *file = scene_file_beside(way->tree->folder, way->raw->file);
+	TRY_MEM(file, "reading a path");
+	const enum status status = read_file(way, file);
 	mem_free(file);
 	return status;
 }
@@ -99,9 +98,7 @@ enum status scene_way_take(const struct scene_tree *tree, const struct raw_path 
 		return refuse_keys(&way, (const char *const[]){"speed", "loop", "line", "smooth", "rotate", NULL},
 				   "does not go with relative_to: the way is the other object's; allowed: offset, delay");
 	}
-	enum status status = raw->points != NULL ? take_points(&way) : take_file(&way);
-	if (status != STATUS_OK)
-		return status;
+	TRY(raw->points != NULL ? take_points(&way) : take_file(&way));
 	const struct scene_node *node = node_of(&way, raw->points != NULL ? "points" : "file");
 	path->line = node->setting == NULL ? node->line : 0;
 	path->speed = raw->speed != NULL ? *raw->speed : 0;
@@ -166,16 +163,15 @@ static enum status refuse_leader(const struct following *following, size_t index
 static enum status find_leaders(const struct following *following, const struct named *names)
 {
 	const struct scene *scene = following->scene;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->object_count; i++) {
 		const char *leader = leader_of(following, i);
 		const struct named *found = leader != NULL ? bsearch(&(struct named){leader, 0}, names, scene->object_count, sizeof *names, by_name) : NULL;
 		if (found != NULL)
 			following->leaders[i] = found->index;
 		if (leader != NULL && (found == NULL || (leader_of(following, found->index) == NULL && scene->objects[found->index].path.count == 0)))
-			status = refuse_leader(following, i, leader, found != NULL);
+			return refuse_leader(following, i, leader, found != NULL);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Copies the path at the end of the chain of leaders. Offsets and delays of the chain add up, from this object on. */
@@ -213,18 +209,18 @@ enum status scene_way_follow(const struct scene_tree *tree, const struct raw_sce
 {
 	struct following following = {tree, raw, scene, mem_calloc(scene->object_count + 1, sizeof *following.leaders)};
 	struct named *names = mem_calloc(scene->object_count + 1, sizeof *names);
-	enum status status = following.leaders != NULL && names != NULL ? STATUS_OK : fail_memory("reading a path");
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
+	enum status status;
+	TRY_OR(done, following.leaders != NULL && names != NULL ? STATUS_OK : fail_memory("reading a path"));
+	for (size_t i = 0; i < scene->object_count; i++)
 		names[i] = (struct named){scene->objects[i].name, i};
-	if (status == STATUS_OK) {
-		qsort(names, scene->object_count, sizeof *names, by_name);
-		status = find_leaders(&following, names);
-	}
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+	qsort(names, scene->object_count, sizeof *names, by_name);
+	TRY_OR(done, find_leaders(&following, names));
+	for (size_t i = 0; i < scene->object_count; i++) {
 		if (leader_of(&following, i) == NULL)
 			continue;
-		status = follow(&following, i);
+		TRY_OR(done, follow(&following, i));
 	}
+done:
 	mem_free(names);
 	mem_free(following.leaders);
 	return status;

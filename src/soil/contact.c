@@ -32,13 +32,12 @@ size_t soil_work_bytes(const struct soil_work *work)
 static enum status need(struct soil_work *work, struct post_rect below)
 {
 	const size_t count = (size_t)(below.x1 - below.x0) * (size_t)(below.y1 - below.y0);
-	enum status status = soil_posts_need(&work->posts, count);
-	if (status != STATUS_OK || work->kept_room >= work->posts.capacity)
-		return status;
+	TRY(soil_posts_need(&work->posts, count));
+	if (work->kept_room >= work->posts.capacity)
+		return STATUS_OK;
 	const size_t room = work->posts.capacity;
 	float *memory = mem_realloc(work->kept.more, 3 * room, sizeof *memory);
-	if (memory == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(memory, "bearing soil");
 	work->kept = (struct soil_kept){memory, memory + room, memory + 2 * room};
 	work->kept_room = room;
 	return STATUS_OK;
@@ -97,9 +96,7 @@ static float touched_width(const struct soil_posts *posts, const struct soil_for
 /* A mesh of a drum rolls as a cylinder does. */
 static enum status begin_mesh(const struct soil_motion *motion, struct soil_work *work, struct soil_contact *b)
 {
-	enum status status = soil_fine_draw(&b->body, &b->form, &work->fine);
-	if (status != STATUS_OK)
-		return status;
+	TRY(soil_fine_draw(&b->body, &b->form, &work->fine));
 	const struct soil_surface *surface = work->fine.surface;
 	double own[3][3], axis[3];
 	soil_axes(motion->to.yaw, motion->to.pitch, motion->to.roll, 0, own);
@@ -118,9 +115,7 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 			       double above, struct soil_contact *b)
 {
 	const struct post_rect below = soil_posts_below(law, motion);
-	enum status status = need(work, below);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need(work, below));
 	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .wider = 1, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
@@ -151,8 +146,7 @@ static enum status need_met(struct soil_work *work, size_t count)
 	work->seen = seen != NULL ? seen : work->seen;
 	bool *abuts = mem_realloc(work->abuts, count, sizeof *abuts);
 	work->abuts = abuts != NULL ? abuts : work->abuts;
-	if (met == NULL || seen == NULL || abuts == NULL)
-		return fail_memory("bearing soil");
+	TRY_MEM(met != NULL && seen != NULL && abuts != NULL, "bearing soil");
 	work->met_room = count;
 	return STATUS_OK;
 }
@@ -165,9 +159,7 @@ enum status soil_contact_meet(struct soil_contact *b, struct soil_work *work, co
 	const struct soil_met self = {&b->body, &b->form, raised};
 	const struct soil_body rolls = rolling_frame(b);
 	const struct soil_met whole_of = {b->round ? &rolls : &b->body, &b->form, raised};
-	enum status status = need_met(work, count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_met(work, count));
 	for (size_t i = 0; i < count; i++)
 		work->met[i] = (struct soil_met){&others[i]->contact.body, &others[i]->contact.form, others[i]->raised};
 	soil_meet_see(&self, work->met, count, work->seen);

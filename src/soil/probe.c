@@ -80,11 +80,11 @@ enum status soil_probe_among(const struct soil_law *law, const struct soil_plane
 	struct soil_sums sums = {.deepest = 0};
 	struct soil_changes changes = {.normal_force = 0};
 	*out = (struct soil_probed){.known = false};
-	enum status status = soil_contact_begin(law, planes, motion, work, 0, b);
-	if (status == STATUS_OK && count > 0)
-		status = soil_contact_meet(b, work, others, count, 0);
-	if (status != STATUS_OK || !has_all(planes, b->below))
-		return status;
+	TRY(soil_contact_begin(law, planes, motion, work, 0, b));
+	if (count > 0)
+		TRY(soil_contact_meet(b, work, others, count, 0));
+	if (!has_all(planes, b->below))
+		return STATUS_OK;
 	out->known = true;
 	b->form.rates = 1; /* its velocity is known: soil below a body at rest springs back */
 	soil_contact_gather(b, 0);

@@ -189,9 +189,7 @@ void soil_sink_find(struct soil_work *work, struct soil_imprint *out)
 enum status soil_sink_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_sink *sink,
 			    struct soil_work *work, struct soil_imprint *out)
 {
-	enum status status = soil_sink_begin(law, planes, motion, sink->start, work);
-	if (status != STATUS_OK)
-		return status;
+	TRY(soil_sink_begin(law, planes, motion, sink->start, work));
 	soil_sink_find(work, out);
 	soil_sink_commit(work, sink, NULL, out);
 	return STATUS_OK;

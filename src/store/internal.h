@@ -217,8 +217,8 @@ enum status store_history_open(struct store *store) FURROW_CHECKED;
 void store_history_finish(struct store *store);
 /* Call this when a transaction that changes rows has begun. `always`: keeps the present revision, even without keep_history. */
 enum status store_history_begin(struct store *store, bool always) FURROW_CHECKED;
-/* Call this when the transaction is over. */
-void store_history_end(struct store *store, bool committed);
+/* Call this when the transaction is over. `status`: how it went; after a failure the transaction is undone. Returns `status`. */
+enum status store_history_end(struct store *store, enum status status) FURROW_CHECKED;
 /* Call these before and after a row is changed. `posts`: the new ones; NULL: none, all zero. */
 enum status store_history_before(struct store *store, enum row_table table, struct tile tile) FURROW_CHECKED;
 enum status store_history_after(struct store *store, enum row_table table, struct tile tile, const int32_t *posts) FURROW_CHECKED;

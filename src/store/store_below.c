@@ -30,9 +30,7 @@ static enum status take_quarter(struct rows *rows, struct tile tile, unsigned i,
 	const struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
 	const size_t cells = rows->extent->cells, side = cells + 1;
 	struct row row;
-	enum status status = store_rows_take(rows, ROW_BASE, child, statement, &row);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_rows_take(rows, ROW_BASE, child, statement, &row));
 	int32_t *quarter = posts + (i >> 1) * (cells / 2) * side + (i & 1) * (cells / 2);
 	if (!store_codec_decode_half(&rows->codec, row.codec, row.bytes, row.size, quarter, side, rows->wide))
 		return store_rows_bad(rows, ROW_BASE, child, "it cannot be decoded");
@@ -45,22 +43,19 @@ static enum status take_quarters(struct rows *rows, struct tile tile, sqlite3_st
 	const uint8_t children = store_below_children(rows->extent, tile);
 	const size_t side = tile_posts(rows->extent);
 	const uint64_t first = tile_key((struct tile){tile.level - 1, 2 * tile.x, 2 * tile.y});
-	enum status status = STATUS_OK;
 	unsigned seen = 0;
 	int code;
 	if (row->size != 1 || *(const uint8_t *)row->bytes != children)
 		return store_rows_bad(rows, ROW_BASE, tile, "it cannot be decoded");
 	for (size_t i = 0; i < side * side && children != 15; i++)
 		posts[i] = CODEC_NODATA;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+	while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
 		unsigned i = (unsigned)((uint64_t)sqlite3_column_int64(statement, KEY_COLUMN) - first);
 		if (i > 3 || (children >> i & 1) == 0)
 			return store_rows_bad(rows, ROW_BASE, tile, "below it is a tile outside the terrain");
 		seen |= 1u << i;
-		status = take_quarter(rows, tile, i, statement, posts);
+		TRY(take_quarter(rows, tile, i, statement, posts));
 	}
-	if (status != STATUS_OK)
-		return status;
 	if (code != SQLITE_DONE)
 		return store_sql_fail(rows->db, code, rows->path, "reading a tile");
 	return seen == children ? STATUS_OK : store_rows_bad(rows, ROW_BASE, tile, "a tile below it is missing");
@@ -81,9 +76,7 @@ static enum status read_row(struct rows *rows, struct tile tile, sqlite3_stmt *s
 	*found = code == SQLITE_ROW && (uint64_t)sqlite3_column_int64(statement, KEY_COLUMN) == key;
 	if (!*found)
 		return STATUS_OK;
-	enum status status = store_rows_take(rows, ROW_BASE, tile, statement, row);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_rows_take(rows, ROW_BASE, tile, statement, row));
 	if (row->codec == CODEC_BELOW)
 		return take_quarters(rows, tile, statement, row, posts);
 	if (!store_codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
@@ -94,12 +87,10 @@ static enum status read_row(struct rows *rows, struct tile tile, sqlite3_stmt *s
 enum status store_below_read(struct rows *rows, struct tile tile, int32_t *posts, struct row *row, bool *found)
 {
 	*found = false;
-	enum status status = store_sql_prepare(rows->db, rows->path, &rows->below,
-					       "SELECT " COLUMNS " FROM base WHERE key = ?1 "
-					       "UNION ALL SELECT " COLUMNS " FROM base WHERE key BETWEEN ?2 AND ?3");
-	if (status != STATUS_OK)
-		return status;
-	status = read_row(rows, tile, rows->below, posts, row, found);
+	TRY(store_sql_prepare(rows->db, rows->path, &rows->below,
+			      "SELECT " COLUMNS " FROM base WHERE key = ?1 "
+			      "UNION ALL SELECT " COLUMNS " FROM base WHERE key BETWEEN ?2 AND ?3"));
+	enum status status = read_row(rows, tile, rows->below, posts, row, found);
 	sqlite3_reset(rows->below);
 	if (*found)
 		row->bytes = NULL;

@@ -39,8 +39,7 @@ enum status store_changes_note(struct changes *changes, uint64_t key)
 	if (changes->pending_count == changes->pending_room) {
 		size_t room = changes->pending_room != 0 ? 2 * changes->pending_room : LEAST_ROOM;
 		uint64_t *pending = mem_realloc(changes->pending, room, sizeof *pending);
-		if (pending == NULL)
-			return fail_memory("the changed tiles");
+		TRY_MEM(pending, "the changed tiles");
 		changes->pending = pending;
 		changes->pending_room = room;
 	}
@@ -69,8 +68,7 @@ static enum status reserve_locked(struct changes *changes, size_t more)
 	if (room == old.room)
 		return STATUS_OK;
 	struct changes_entry *entries = mem_calloc(room, sizeof *entries);
-	if (entries == NULL)
-		return fail_memory("the changed tiles");
+	TRY_MEM(entries, "the changed tiles");
 	changes->entries = entries;
 	changes->room = room;
 	changes->count = 0;
@@ -124,25 +122,23 @@ static enum status take_row_locked(void *user, const struct row_entry *entry)
 	if (!extent_has(rows->extent, tile_from_key(entry->key)))
 		return fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is damaged, restore it",
 				 rows->path, store_rows_name(reaching->table));
-	enum status status = reserve_locked(changes, 1);
-	if (status == STATUS_OK)
-		put(changes, entry->key, entry->revision);
-	return status;
+	TRY(reserve_locked(changes, 1));
+	put(changes, entry->key, entry->revision);
+	return STATUS_OK;
 }
 
 static enum status reach_back_locked(struct store_reader *reader, int64_t since)
 {
 	struct reaching reaching = {.reader = reader, .since = since};
 	uint64_t first, last;
-	enum status status = store_reader_begin(reader);
+	TRY(store_reader_begin(reader));
 	level_keys(reader->store->working, &first, &last);
-	for (int table = ROW_OFFSET; table < ROW_TABLES && reader->store->has_working && status == STATUS_OK; table++) {
+	for (int table = ROW_OFFSET; table < ROW_TABLES && reader->store->has_working; table++) {
 		reaching.table = (enum row_table)table;
-		status = store_rows_each(&reader->rows, reaching.table, first, last, take_row_locked, &reaching);
+		TRY(store_rows_each(&reader->rows, reaching.table, first, last, take_row_locked, &reaching));
 	}
-	if (status == STATUS_OK)
-		reader->store->changes.from = since;
-	return status;
+	reader->store->changes.from = since;
+	return STATUS_OK;
 }
 
 enum status store_each_changed(struct store_reader *reader, int64_t since, store_key_fn fn, void *user, int64_t *now)
@@ -152,11 +148,12 @@ enum status store_each_changed(struct store_reader *reader, int64_t since, store
 	assert(since >= 0);
 	mutex_lock(&changes->mutex);
 	if (since < changes->from)
-		status = reach_back_locked(reader, since);
-	for (size_t i = 0; i < changes->room && status == STATUS_OK; i++)
+		TRY_OR(done, reach_back_locked(reader, since));
+	for (size_t i = 0; i < changes->room; i++)
 		if (changes->entries[i].revision > since)
-			status = fn(user, changes->entries[i].key);
+			TRY_OR(done, fn(user, changes->entries[i].key));
 	*now = changes->now;
+done:
 	mutex_unlock(&changes->mutex);
 	return status;
 }

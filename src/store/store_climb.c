@@ -70,13 +70,9 @@ static enum status put_item(struct climb *climb, const struct climb_item *item, 
 	int32_t *scratch;
 	struct row old, row = {.tile = tile};
 	bool had;
-	enum status status = plane_at(climb, tile.level, &scratch);
-	if (status == STATUS_OK)
-		status = climb->source->posts(climb->source->user, climb->table, item, scratch, posts);
-	if (status == STATUS_OK)
-		status = store_rows_head(&climb->store->rows, climb->table, tile, &old, &had);
-	if (status != STATUS_OK)
-		return status;
+	TRY(plane_at(climb, tile.level, &scratch));
+	TRY(climb->source->posts(climb->source->user, climb->table, item, scratch, posts));
+	TRY(store_rows_head(&climb->store->rows, climb->table, tile, &old, &had));
 	store_rows_range(climb->table, *posts, count, 0, &row.low, &row.high);
 	return put_row(climb, &row, *posts, !store_rows_all_zero(*posts, count), had ? &old : NULL);
 }
@@ -86,9 +82,7 @@ static enum status put_parent(struct climb *climb, struct tile tile, const int32
 	double low, high;
 	int children;
 	struct row row = {.tile = tile};
-	enum status status = store_rows_under(&climb->store->rows, climb->table, tile, &low, &high, &children);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_rows_under(&climb->store->rows, climb->table, tile, &low, &high, &children));
 	store_rows_range(climb->table, posts, plane_posts(climb->store), 0, &row.low, &row.high);
 	if (children > 0) {
 		row.low = low < row.low ? low : row.low;
@@ -115,11 +109,8 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 	int32_t *mine;
 	struct row old;
 	bool had;
-	enum status status = plane_at(climb, level, &mine);
-	if (status == STATUS_OK)
-		status = store_rows_read(&climb->store->rows, climb->table, tile, mine, &old, &had);
-	if (status != STATUS_OK)
-		return status;
+	TRY(plane_at(climb, level, &mine));
+	TRY(store_rows_read(&climb->store->rows, climb->table, tile, mine, &old, &had));
 	if (!had)
 		memset(mine, 0, plane_posts(climb->store) * sizeof *mine);
 	for (size_t i = first, next; i < last; i = next) {
@@ -128,9 +119,7 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 			if (!tile_equal(tile_ancestor(tile_from_key(climb->items[next].key), level - 1), child))
 				break;
 		const int32_t *fine;
-		status = climb_tile(climb, level - 1, i, next, &fine);
-		if (status != STATUS_OK)
-			return status;
+		TRY(climb_tile(climb, level - 1, i, next, &fine));
 		lattice_decimate_i32(fine, extent->cells, child.x & 1, child.y & 1, mine);
 	}
 	*posts = mine;

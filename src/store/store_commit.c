@@ -38,8 +38,7 @@ static enum status climb_table(struct store *store, enum row_table table, const 
 	const struct climb_source source = {(void *)(uintptr_t)pages, page_posts};
 	size_t side = tile_posts(&store->meta.extent), with = 0;
 	struct climb_item *items = mem_alloc(count, sizeof *items);
-	if (items == NULL)
-		return fail_memory("a commit");
+	TRY_MEM(items, "a commit");
 	for (size_t i = 0; i < count; i++)
 		if (pages[i].planes[row_plane(table)] != NULL)
 			items[with++] = (struct climb_item){tile_key(pages[i].tile), i, side * side};
@@ -52,37 +51,29 @@ static enum status put_run(struct store *store, const struct store_run *run,
 			   const struct store_commit_result *result)
 {
 	const char *state = run->describe != NULL ? run->describe(run->user, result) : run->state;
-	if (state == NULL)
-		return fail_memory("the run's record");
+	TRY_MEM(state, "the run's record");
 	return store_run_put(store, run, state);
 }
 
 static enum status put_all(struct store *store, const struct store_page *pages, size_t count,
 			   const struct store_run *run, struct store_commit_result *result)
 {
-	enum status status = STATUS_OK;
+	TRY(store_history_begin(store, false));
 	if (!store->working_stored && count > 0) {
-		status = store_meta_put_working(store, store->working, store->relief_text);
+		TRY(store_meta_put_working(store, store->working, store->relief_text));
 		result->header += store->relief_text != NULL ? 2 : 1;
 	}
-	if (status == STATUS_OK)
-		status = climb_table(store, ROW_OFFSET, pages, count, run, result);
-	if (status == STATUS_OK)
-		status = climb_table(store, ROW_DISTURBANCE, pages, count, run, result);
-	for (int table = ROW_DEPOSITED; table < ROW_TABLES && status == STATUS_OK; table++)
-		status = store_state_put(store, (enum row_table)table, pages, count, run, result);
-	if (status == STATUS_OK && store->part.count > 0)
-		status = store_part_claim(store, pages, count);
-	if (status == STATUS_OK)
-		status = store_meta_add_compacted(store, run->compacted);
+	TRY(climb_table(store, ROW_OFFSET, pages, count, run, result));
+	TRY(climb_table(store, ROW_DISTURBANCE, pages, count, run, result));
+	for (int table = ROW_DEPOSITED; table < ROW_TABLES; table++)
+		TRY(store_state_put(store, (enum row_table)table, pages, count, run, result));
+	if (store->part.count > 0)
+		TRY(store_part_claim(store, pages, count));
+	TRY(store_meta_add_compacted(store, run->compacted));
 	result->header += run->compacted != 0;
-	if (status == STATUS_OK)
-		status = put_run(store, run, result);
-	if (status == STATUS_OK)
-		status = store_changes_reserve(&store->changes);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "committing", "COMMIT");
-	return status;
+	TRY(put_run(store, run, result));
+	TRY(store_changes_reserve(&store->changes));
+	return store_sql_exec(store->db, store->path, "committing", "COMMIT");
 }
 
 enum status store_commit(struct store *store, const struct store_page *pages, size_t count,
@@ -93,22 +84,10 @@ enum status store_commit(struct store *store, const struct store_page *pages, si
 		assert(pages[i].tile.level == store->working && extent_has(&store->meta.extent, pages[i].tile) &&
 		       pages[i].planes[PLANE_OFFSET] != NULL);
 	*result = (struct store_commit_result){.commit = store->commit + 1};
-	enum status status = store_begin(store);
-	if (status == STATUS_OK)
-		status = store_place_check(store);
-	if (status == STATUS_OK)
-		status = store_sql_begin(store->db, store->path, "beginning a commit");
-	if (status != STATUS_OK)
-		return status;
-	status = store_history_begin(store, false);
-	if (status == STATUS_OK)
-		status = put_all(store, pages, count, run, result);
-	store_history_end(store, status == STATUS_OK);
-	if (status != STATUS_OK) {
-		store_sql_undo(store->db);
-		store_changes_drop(&store->changes);
-		return status;
-	}
+	TRY(store_begin(store));
+	TRY(store_place_check(store));
+	TRY(store_sql_begin(store->db, store->path, "beginning a commit"));
+	TRY(store_history_end(store, put_all(store, pages, count, run, result)));
 	if (count > 0 && !store->working_stored) {
 		store->working_stored = true;
 		store->relief_stored = store->relief_text != NULL;

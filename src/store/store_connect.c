@@ -45,39 +45,44 @@ static enum status check_beside(const char *path, const char *named)
 	return STATUS_OK;
 }
 
-static enum status connect_as(const char *path, const char *named, bool writing, enum store_way way, sqlite3 **db)
+/* Sets what an untrusted file needs. */
+static enum status settle(sqlite3 *db, const char *named, enum store_way way)
 {
-	*db = NULL;
-	enum status status = check_beside(path, named);
-	if (status != STATUS_OK)
-		return status;
-	char *uri = way == STORE_IMMUTABLE ? uri_of(path) : mem_strdup(path);
-	if (uri == NULL)
-		return fail_memory("opening a store");
-	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (way == STORE_IMMUTABLE ? SQLITE_OPEN_URI : 0) |
-		    (writing ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
-	int code = sqlite3_open_v2(uri, db, flags, way == STORE_ASIDE ? store_frozen_vfs() : NULL);
-	mem_free(uri);
-	if (code != SQLITE_OK)
-		status = store_sql_fail(*db, code, named, "opening it");
-	if (status == STATUS_OK) {
-		sqlite3_busy_timeout(*db, STORE_BUSY_MS);
-		sqlite3_db_config(*db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, (int *)NULL);
-		sqlite3_db_config(*db, SQLITE_DBCONFIG_DEFENSIVE, 1, (int *)NULL);
-		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, (int *)NULL);
-		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, (int *)NULL);
-		sqlite3_db_config(*db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, way == STORE_ASIDE, (int *)NULL);
-		sqlite3_limit(*db, SQLITE_LIMIT_LENGTH, VALUE_BYTES);
-		status = store_sql_exec(*db, named, "opening it", "PRAGMA cell_size_check=ON");
-	}
+	sqlite3_busy_timeout(db, STORE_BUSY_MS);
+	sqlite3_db_config(db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, (int *)NULL);
+	sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, (int *)NULL);
+	sqlite3_db_config(db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, (int *)NULL);
+	sqlite3_db_config(db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, (int *)NULL);
+	sqlite3_db_config(db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, way == STORE_ASIDE, (int *)NULL);
+	sqlite3_limit(db, SQLITE_LIMIT_LENGTH, VALUE_BYTES);
+	TRY(store_sql_exec(db, named, "opening it", "PRAGMA cell_size_check=ON"));
+	if (way != STORE_ASIDE)
+		return STATUS_OK;
 	/* Only so does SQLite keep the index of the WAL in memory. */
-	if (status == STATUS_OK && way == STORE_ASIDE)
-		status = store_sql_exec(*db, named, "opening it", "PRAGMA locking_mode=EXCLUSIVE");
+	return store_sql_exec(db, named, "opening it", "PRAGMA locking_mode=EXCLUSIVE");
+}
+
+/* Closes the connection if `status` is a failure. Returns `status`. */
+static enum status close_if_failed(sqlite3 **db, enum status status)
+{
 	if (status != STATUS_OK) {
 		sqlite3_close(*db);
 		*db = NULL;
 	}
 	return status;
+}
+
+static enum status connect_as(const char *path, const char *named, bool writing, enum store_way way, sqlite3 **db)
+{
+	*db = NULL;
+	TRY(check_beside(path, named));
+	char *uri = way == STORE_IMMUTABLE ? uri_of(path) : mem_strdup(path);
+	TRY_MEM(uri, "opening a store");
+	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (way == STORE_IMMUTABLE ? SQLITE_OPEN_URI : 0) |
+		    (writing ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
+	int code = sqlite3_open_v2(uri, db, flags, way == STORE_ASIDE ? store_frozen_vfs() : NULL);
+	mem_free(uri);
+	return close_if_failed(db, code == SQLITE_OK ? settle(*db, named, way) : store_sql_fail(*db, code, named, "opening it"));
 }
 
 enum status store_connect_file(const char *path, const char *named, bool writing, sqlite3 **db)
@@ -116,9 +121,8 @@ static bool may_write(const char *path)
 static enum status roll_back(const char *path, const char *named)
 {
 	sqlite3 *db;
-	enum status status = store_connect_file(path, named, true, &db);
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, named, "undoing what a power cut left", "SELECT count(*) FROM sqlite_schema");
+	TRY(store_connect_file(path, named, true, &db));
+	enum status status = store_sql_exec(db, named, "undoing what a power cut left", "SELECT count(*) FROM sqlite_schema");
 	sqlite3_close(db);
 	return status;
 }
@@ -126,12 +130,7 @@ static enum status roll_back(const char *path, const char *named)
 /* Limits the page cache of a reader's connection. A reader rarely reads a tile twice, and there are many readers. */
 static enum status keep_little(sqlite3 **db, const char *named)
 {
-	enum status status = store_sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512");
-	if (status != STATUS_OK) {
-		sqlite3_close(*db);
-		*db = NULL;
-	}
-	return status;
+	return close_if_failed(db, store_sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512"));
 }
 
 /* Connects in the way that fits what is beside the file: nobody may have to make a file there. A journal has to be undone first, and may
@@ -139,9 +138,9 @@ static enum status keep_little(sqlite3 **db, const char *named)
 static enum status connect_quietly(const char *path, const char *named, struct store_frozen *frozen, sqlite3 **db)
 {
 	const enum store_way way = store_frozen_way(path, frozen);
-	enum status status = connect_as(path, named, false, STORE_PLAIN, db);
-	if (status != STATUS_OK || way == STORE_PLAIN || store_connect_has_journal(path) || !store_frozen_says_wal(*db))
-		return status;
+	TRY(connect_as(path, named, false, STORE_PLAIN, db));
+	if (way == STORE_PLAIN || store_connect_has_journal(path) || !store_frozen_says_wal(*db))
+		return STATUS_OK;
 	sqlite3_close(*db);
 	frozen->is = true;
 	return connect_as(path, named, false, way, db);
@@ -150,9 +149,7 @@ static enum status connect_quietly(const char *path, const char *named, struct s
 enum status store_connect_reader(const char *path, const char *named, struct store_frozen *frozen, sqlite3 **db)
 {
 	for (bool undone = false;; undone = true) {
-		enum status status = connect_quietly(path, named, frozen, db);
-		if (status != STATUS_OK)
-			return status;
+		TRY(connect_quietly(path, named, frozen, db));
 		int code = sqlite3_exec(*db, "SELECT count(*) FROM sqlite_schema", NULL, NULL, NULL);
 		if (code == SQLITE_OK)
 			return keep_little(db, named);
@@ -160,17 +157,15 @@ enum status store_connect_reader(const char *path, const char *named, struct sto
 		bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
 		bool journal = store_connect_has_journal(path);
 		if (frozen->is || !beside || (journal && undone) || (!journal && may_write(path)))
-			status = store_sql_fail(*db, code, named, "opening it");
+			return close_if_failed(db, store_sql_fail(*db, code, named, "opening it"));
 		sqlite3_close(*db);
 		*db = NULL;
-		if (status == STATUS_OK && journal)
-			status = roll_back(path, named);
-		if (status != STATUS_OK)
-			return status;
-		if (journal)
+		if (journal) {
+			TRY(roll_back(path, named));
 			continue;
+		}
 		frozen->is = true;
-		status = connect_as(path, named, false, store_connect_has_wal(path) ? STORE_ASIDE : STORE_IMMUTABLE, db);
-		return status == STATUS_OK ? keep_little(db, named) : status;
+		TRY(connect_as(path, named, false, store_connect_has_wal(path) ? STORE_ASIDE : STORE_IMMUTABLE, db));
+		return keep_little(db, named);
 	}
 }

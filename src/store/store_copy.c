@@ -28,27 +28,26 @@ static enum status copy_row(void *user, const struct row_entry *entry)
 	struct tile tile = tile_from_key(entry->key);
 	if (!extent_has(from->extent, tile) || tile_key(tile) != entry->key)
 		return fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, restore it", from->path);
-	enum status status = store_rows_copy(from, &copying->to->rows, copying->table, tile, entry->revision);
+	TRY(store_rows_copy(from, &copying->to->rows, copying->table, tile, entry->revision));
 	copying->done++;
-	if (status == STATUS_OK && copying->progress != NULL)
-		status = copying->progress(copying->user, copying->done, copying->total);
-	return status;
+	if (copying->progress != NULL)
+		TRY(copying->progress(copying->user, copying->done, copying->total));
+	return STATUS_OK;
 }
 
 static enum status copy_rows(struct copying *copying)
 {
 	struct store *from = copying->from;
-	enum status status = STATUS_OK;
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+	for (int table = 0; table < ROW_TABLES; table++) {
 		int64_t rows = 0, bytes;
-		status = store_rows_count(store_table(from, (enum row_table)table), (enum row_table)table, &rows, &bytes);
+		TRY(store_rows_count(store_table(from, (enum row_table)table), (enum row_table)table, &rows, &bytes));
 		copying->total += rows;
 	}
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+	for (int table = 0; table < ROW_TABLES; table++) {
 		copying->table = (enum row_table)table;
-		status = store_rows_each(store_table(from, copying->table), copying->table, 0, INT64_MAX, copy_row, copying);
+		TRY(store_rows_each(store_table(from, copying->table), copying->table, 0, INT64_MAX, copy_row, copying));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Headers name the base by a hash. Checks that its rows have that hash, before anything is published. */
@@ -58,20 +57,21 @@ static enum status check_base(struct copying *copying)
 	uint64_t hash;
 	to->meta.low = copying->from->meta.low;
 	to->meta.high = copying->from->meta.high;
-	enum status status = store_identity_compute(to, &hash);
-	if (status == STATUS_OK && hash != copying->from->base_hash)
-		status = fail_with(STATUS_INPUT, "%s: its base rows are not those that its header names (base_hash %016llx, not %016llx); restore it, "
-				   "or import it again", copying->from->base->path, (unsigned long long)hash,
-				   (unsigned long long)copying->from->base_hash);
-	return status;
+	TRY(store_identity_compute(to, &hash));
+	if (hash != copying->from->base_hash)
+		return fail_with(STATUS_INPUT, "%s: its base rows are not those that its header names (base_hash %016llx, not %016llx); restore it, "
+				 "or import it again", copying->from->base->path, (unsigned long long)hash,
+				 (unsigned long long)copying->from->base_hash);
+	return STATUS_OK;
 }
 
 static enum status copy_run(struct copying *copying)
 {
 	struct store_run_copy run = {0};
-	enum status status = store_run_copy(copying->from, &run);
-	if (status == STATUS_OK)
-		status = store_overlay_begin_as(copying->to, copying->from, &run, copying->what);
+	enum status status;
+	TRY_OR(done, store_run_copy(copying->from, &run));
+	TRY_OR(done, store_overlay_begin_as(copying->to, copying->from, &run, copying->what));
+done:
 	store_run_copy_finish(&run);
 	return status;
 }
@@ -79,17 +79,14 @@ static enum status copy_run(struct copying *copying)
 enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, store_progress_fn progress, void *user)
 {
 	struct copying copying = {.from = from, .what = what, .progress = progress, .user = user};
-	enum status status = store_overlay_hold(from, from->db);
-	if (status == STATUS_OK)
-		status = store_create(out, &from->meta, overwrite, &copying.to);
-	if (status == STATUS_OK)
-		status = copy_rows(&copying);
-	if (status == STATUS_OK)
-		status = check_base(&copying);
-	if (status == STATUS_OK)
-		status = copy_run(&copying);
-	if (status == STATUS_OK)
-		status = store_publish(copying.to);
+	enum status status;
+	TRY_OR(done, store_overlay_hold(from, from->db));
+	TRY_OR(done, store_create(out, &from->meta, overwrite, &copying.to));
+	TRY_OR(done, copy_rows(&copying));
+	TRY_OR(done, check_base(&copying));
+	TRY_OR(done, copy_run(&copying));
+	TRY_OR(done, store_publish(copying.to));
+done:
 	store_close(copying.to);
 	return status;
 }

@@ -16,10 +16,9 @@ static enum status count_history(struct store *store, struct store_numbers *numb
 		{"SELECT count(*) FROM history WHERE plane > 0", &numbers->history_rows},
 		{"SELECT coalesce(sum(length(blob)), 0) FROM history WHERE plane > 0", &numbers->history_bytes},
 	};
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < sizeof sums / sizeof *sums && status == STATUS_OK; i++)
-		status = store_sql_integer(store->db, store->path, sums[i].sql, sums[i].to);
-	return status;
+	for (size_t i = 0; i < sizeof sums / sizeof *sums; i++)
+		TRY(store_sql_integer(store->db, store->path, sums[i].sql, sums[i].to));
+	return STATUS_OK;
 }
 
 enum status store_count(struct store *store, struct store_numbers *numbers)
@@ -29,16 +28,12 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 	if (stat(store->real_path, &file) != 0)
 		return fail_with(STATUS_FAILED, "%s: %s; check the path", store->path, strerror(errno));
 	numbers->file_bytes = file.st_size;
-	enum status status = store_rows_count(store->base, ROW_BASE, &numbers->base_tiles, &numbers->base_bytes);
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
-		status = store_rows_count(&store->rows, row_table_of((enum plane)plane), &numbers->plane_tiles[plane],
-				     &numbers->plane_bytes[plane]);
-	if (status == STATUS_OK)
-		status = store_meta_compacted(store->db, store->path, &numbers->compacted);
-	if (status == STATUS_OK)
-		status = count_history(store, numbers);
-	if (status == STATUS_OK)
-		status = store_last_run(store, &numbers->last_run);
+	TRY(store_rows_count(store->base, ROW_BASE, &numbers->base_tiles, &numbers->base_bytes));
+	for (int plane = 0; plane < PLANES; plane++)
+		TRY(store_rows_count(&store->rows, row_table_of((enum plane)plane), &numbers->plane_tiles[plane], &numbers->plane_bytes[plane]));
+	TRY(store_meta_compacted(store->db, store->path, &numbers->compacted));
+	TRY(count_history(store, numbers));
+	TRY(store_last_run(store, &numbers->last_run));
 	numbers->commits = store->last_run.commit;
-	return status;
+	return STATUS_OK;
 }

@@ -91,14 +91,16 @@ static enum status refuse_losses(const struct store *store)
 	char text[1400];
 	int64_t count = 0;
 	enum status status = store_open(store->path, &(struct store_options){.mode = STORE_READ}, &there);
-	if (status != STATUS_OK)
-		return status == STATUS_INPUT ? STATUS_OK : status;
+	if (status == STATUS_INPUT)
+		return STATUS_OK;
+	TRY(status);
 	if (store->overwrite != STORE_OVERWRITE_FORCE)
-		status = store_losses_refuse(there, true);
+		TRY_OR(done, store_losses_refuse(there, true));
 	else if (store->part_path == NULL) /* at first, before anything is done */
-		status = store_losses(there, true, text, sizeof text, &count);
-	if (status == STATUS_OK && count > 0)
+		TRY_OR(done, store_losses(there, true, text, sizeof text, &count));
+	if (count > 0)
 		note("%s: %s; that is lost when the new store is there", store->path, text);
+done:
 	store_close(there);
 	return status;
 }
@@ -115,11 +117,10 @@ static enum status refuse_existing(const struct store *store)
 		return fail_with(STATUS_INPUT, "%s: it exists; give --overwrite to replace it, or another name",
 				 store->path);
 	bool looks = false;
-	enum status status = S_ISREG(file.st_mode) ? looks_like_a_store(store, &looks) : STATUS_OK;
-	if (status == STATUS_OK && looks)
+	if (S_ISREG(file.st_mode))
+		TRY(looks_like_a_store(store, &looks));
+	if (looks)
 		return refuse_losses(store);
-	if (status != STATUS_OK)
-		return status;
 	return fail_with(STATUS_INPUT, "%s: it is no Furrow store, and --overwrite replaces nothing else; give another "
 			 "name, or remove it", store->path);
 }
@@ -134,12 +135,11 @@ bool store_create_remove_part(const struct store *store)
 
 static enum status connect_part(struct store *store)
 {
-	enum status status = store_connect_file(store->part_path, store->path, true, &store->db);
-	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "making the store",
-					      "PRAGMA page_size=8192; PRAGMA auto_vacuum=INCREMENTAL; "
-					      "PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL; "
-					      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-16000")
-				   : status;
+	TRY(store_connect_file(store->part_path, store->path, true, &store->db));
+	return store_sql_exec(store->db, store->path, "making the store",
+			      "PRAGMA page_size=8192; PRAGMA auto_vacuum=INCREMENTAL; "
+			      "PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL; "
+			      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-16000");
 }
 
 static enum status begin_part(struct store *store)
@@ -153,12 +153,10 @@ static enum status begin_part(struct store *store)
 		return fail_with(STATUS_FAILED, "%s: cannot be made: %s; make its folder writable", store->path,
 				 strerror(errno));
 	close(file);
-	enum status status = connect_part(store);
-	if (status == STATUS_OK)
-		status = store_put_begin(store);
-	if (status == STATUS_OK)
-		status = store_schema_create(store->db, store->path);
-	return status == STATUS_OK && store->meta.request[0] != '\0' ? store_meta_put_request(store) : status;
+	TRY(connect_part(store));
+	TRY(store_put_begin(store));
+	TRY(store_schema_create(store->db, store->path));
+	return store->meta.request[0] != '\0' ? store_meta_put_request(store) : STATUS_OK;
 }
 
 /* Opens an existing PATH.part to continue with it. *resumed is false if there is none, or if it has no commit yet. */
@@ -169,29 +167,25 @@ static enum status resume_part(struct store *store, bool *resumed)
 	if (lstat(store->part_path, &file) != 0 || !S_ISREG(file.st_mode) || file.st_size == 0)
 		return STATUS_OK;
 	int64_t tables;
-	enum status status = connect_part(store);
-	if (status == STATUS_OK)
-		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM sqlite_schema", &tables);
-	if (status == STATUS_OK && tables == 0) { /* it was killed before its first commit, and SQLite has undone the rest */
+	TRY(connect_part(store));
+	TRY(store_sql_integer(store->db, store->path, "SELECT count(*) FROM sqlite_schema", &tables));
+	if (tables == 0) { /* it was killed before its first commit, and SQLite has undone the rest */
 		sqlite3_close(store->db);
 		store->db = NULL;
 		return STATUS_OK;
 	}
 	bool same = false;
 	int version = STORE_VERSION;
-	if (status == STATUS_OK)
-		status = store_schema_check(store->db, store->path, &version);
-	if (status == STATUS_OK && version < STORE_VERSION)
-		status = store_schema_raise(store->db, store->path, version);
-	if (status == STATUS_OK)
-		status = store_meta_same_request(store, &same);
-	if (status == STATUS_OK && same)
-		status = store_misfit_read(store);
-	*resumed = status == STATUS_OK;
-	if (status == STATUS_OK && !same)
-		status = fail_with(STATUS_INPUT, "%s: what was broken off was another import (sources that have changed, "
-				   "other options, another furrow); give the same again, or leave out --resume to begin anew", store->path);
-	return status == STATUS_OK ? store_put_begin(store) : status;
+	TRY(store_schema_check(store->db, store->path, &version));
+	if (version < STORE_VERSION)
+		TRY(store_schema_raise(store->db, store->path, version));
+	TRY(store_meta_same_request(store, &same));
+	if (!same)
+		return fail_with(STATUS_INPUT, "%s: what was broken off was another import (sources that have changed, "
+				 "other options, another furrow); give the same again, or leave out --resume to begin anew", store->path);
+	TRY(store_misfit_read(store));
+	*resumed = true;
+	return store_put_begin(store);
 }
 
 static enum status open_part(struct store *store, bool resume)
@@ -199,21 +193,33 @@ static enum status open_part(struct store *store, bool resume)
 	bool resumed = false;
 	store->keeps_part = resume;
 	store->part_path = store_path_with(store->real_path, ".part");
-	enum status status = store->part_path != NULL ? STATUS_OK : fail_memory("a store");
-	if (status == STATUS_OK && resume)
-		status = resume_part(store, &resumed);
-	return status != STATUS_OK || resumed ? status : begin_part(store);
+	TRY_MEM(store->part_path, "a store");
+	if (resume)
+		TRY(resume_part(store, &resumed));
+	return resumed ? STATUS_OK : begin_part(store);
+}
+
+/* Takes the lock, and begins PATH.part or goes on with it. */
+static enum status begin(struct store *store, const char *path, const struct store_meta *meta, bool resume)
+{
+	store->path = mem_strdup(path);
+	TRY_MEM(store->path, "a store");
+	TRY(store_meta_copy(&store->meta, meta));
+	TRY(resolve(path, &store->real_path));
+	TRY(refuse_existing(store));
+	store->lock_path = store_path_with(store->real_path, "-lock");
+	TRY_MEM(store->lock_path, "a store");
+	TRY(store_lock_take(store->lock_path, path, &store->lock));
+	TRY(open_part(store, resume));
+	return store_rows_init(&store->rows, store->db, store->path, &store->meta.extent, meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 }
 
 static enum status make(const char *path, const struct store_meta *meta, enum store_overwrite overwrite, bool resume,
 			struct store **out)
 {
-	enum status status = check_meta(path, meta);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_meta(path, meta));
 	struct store *store = mem_calloc(1, sizeof *store);
-	if (store == NULL)
-		return fail_memory("a store");
+	TRY_MEM(store, "a store");
 	store->lock = -1;
 	store->base = &store->rows;
 	store_changes_begin(&store->changes);
@@ -223,28 +229,12 @@ static enum status make(const char *path, const struct store_meta *meta, enum st
 	store->version = STORE_VERSION;
 	store_who(store->who, sizeof store->who);
 	store->commit_bytes = COMMIT_BYTES;
-	store->path = mem_strdup(path);
-	status = store->path != NULL ? store_meta_copy(&store->meta, meta) : fail_memory("a store");
-	if (status == STATUS_OK)
-		status = resolve(path, &store->real_path);
-	if (status == STATUS_OK)
-		status = refuse_existing(store);
-	if (status == STATUS_OK) {
-		store->lock_path = store_path_with(store->real_path, "-lock");
-		status = store->lock_path != NULL ? store_lock_take(store->lock_path, path, &store->lock)
-						  : fail_memory("a store");
-	}
-	if (status == STATUS_OK)
-		status = open_part(store, resume);
-	if (status == STATUS_OK)
-		status = store_rows_init(&store->rows, store->db, store->path, &store->meta.extent,
-				   meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
-	if (status != STATUS_OK) {
+	enum status status = begin(store, path, meta, resume);
+	if (status != STATUS_OK)
 		store_close(store);
-		return status;
-	}
-	*out = store;
-	return STATUS_OK;
+	else
+		*out = store;
+	return status;
 }
 
 enum status store_create(const char *path, const struct store_meta *meta, enum store_overwrite overwrite, struct store **out)
@@ -255,10 +245,8 @@ enum status store_create(const char *path, const struct store_meta *meta, enum s
 enum status store_resume(const char *path, const struct store_meta *meta, enum store_overwrite overwrite, struct store **out,
 			 int64_t *tiles)
 {
-	enum status status = make(path, meta, overwrite, true, out);
-	if (status != STATUS_OK)
-		return status;
-	status = store_sql_integer((*out)->db, path, "SELECT count(*) FROM base", tiles);
+	TRY(make(path, meta, overwrite, true, out));
+	enum status status = store_sql_integer((*out)->db, path, "SELECT count(*) FROM base", tiles);
 	if (status != STATUS_OK) {
 		store_close(*out);
 		*out = NULL;
@@ -278,11 +266,10 @@ static enum status check_whole(struct store *store)
 	uint64_t first, last;
 	level_keys(0, &first, &last); /* tiles of insets may be any */
 	snprintf(sql, sizeof sql, "SELECT count(*) FROM base WHERE key >= %llu", (unsigned long long)first);
-	enum status status = store_sql_integer(store->db, store->path, sql, &have);
-	if (status == STATUS_OK && have != want)
-		status = fail_with(STATUS_FAILED, "%s: %lld of %lld tiles were made; import it again", store->path,
-				   (long long)have, (long long)want);
-	return status;
+	TRY(store_sql_integer(store->db, store->path, sql, &have));
+	if (have != want)
+		return fail_with(STATUS_FAILED, "%s: %lld of %lld tiles were made; import it again", store->path, (long long)have, (long long)want);
+	return STATUS_OK;
 }
 
 static enum status take_range(struct store *store)
@@ -290,9 +277,7 @@ static enum status take_range(struct store *store)
 	struct row top;
 	bool found;
 	struct tile tile = {extent_coarsest(&store->meta.extent), 0, 0};
-	enum status status = store_rows_head(&store->rows, ROW_BASE, tile, &top, &found);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_rows_head(&store->rows, ROW_BASE, tile, &top, &found));
 	assert(found);
 	store->meta.low = top.low;
 	store->meta.high = top.high;
@@ -301,10 +286,9 @@ static enum status take_range(struct store *store)
 
 static enum status take_base(struct store *store)
 {
-	enum status status = check_whole(store);
-	if (status == STATUS_OK)
-		status = take_range(store);
-	return status == STATUS_OK ? store_identity_compute(store, &store->base_hash) : status;
+	TRY(check_whole(store));
+	TRY(take_range(store));
+	return store_identity_compute(store, &store->base_hash);
 }
 
 static enum status sync_part(const struct store *store)
@@ -323,17 +307,17 @@ static enum status sync_part(const struct store *store)
 static enum status remove_beside(const struct store *store)
 {
 	static const char *const suffixes[] = {"-wal", "-shm", "-journal", PINS_SUFFIX, PINS_SUFFIX "-journal"};
-	enum status status = store_replace_settle(store->real_path, store->path);
-	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes && status == STATUS_OK; i++) {
+	TRY(store_replace_settle(store->real_path, store->path));
+	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
 		char *beside = store_path_with(store->real_path, suffixes[i]);
-		if (beside == NULL)
-			return fail_memory("a store");
-		if (unlink(beside) != 0 && errno != ENOENT)
-			status = fail_with(STATUS_FAILED, "%s: its %s file cannot be removed: %s; remove it",
-					   store->path, suffixes[i], strerror(errno));
+		TRY_MEM(beside, "a store");
+		bool removed = unlink(beside) == 0 || errno == ENOENT;
+		int error = errno;
 		mem_free(beside);
+		if (!removed)
+			return fail_with(STATUS_FAILED, "%s: its %s file cannot be removed: %s; remove it", store->path, suffixes[i], strerror(error));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Renames PATH.part to PATH. base/aside is not used, since a suspended or resumed PATH.part must stay, and since removing it also
@@ -343,11 +327,8 @@ static enum status remove_beside(const struct store *store)
  * rename. Once the rename is done, only this last sync can fail. */
 static enum status rename_part(struct store *store, int folder)
 {
-	enum status status = refuse_existing(store);
-	if (status == STATUS_OK)
-		status = remove_beside(store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(refuse_existing(store));
+	TRY(remove_beside(store));
 	if (fsync(folder) != 0)
 		return fail_with(STATUS_FAILED, "%s: its folder cannot be synced: %s; check the disk", store->path,
 				 strerror(errno));
@@ -366,8 +347,7 @@ static enum status rename_part(struct store *store, int folder)
 static enum status put_in_place(struct store *store)
 {
 	char *path = mem_strdup(store->real_path);
-	if (path == NULL)
-		return fail_memory("a store");
+	TRY_MEM(path, "a store");
 	int folder = open(dirname(path), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 	int error = errno;
 	mem_free(path);
@@ -383,13 +363,10 @@ enum status store_publish(struct store *store)
 {
 	assert(store->part_path != NULL);
 	/* The description of an overlay's base was written when the overlay was made. */
-	enum status status = store->base_path == NULL ? take_base(store) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = store_meta_write(store);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "writing it", "COMMIT");
-	if (status != STATUS_OK)
-		return status;
+	if (store->base_path == NULL)
+		TRY(take_base(store));
+	TRY(store_meta_write(store));
+	TRY(store_sql_exec(store->db, store->path, "writing it", "COMMIT"));
 	store_rows_finish(&store->rows);
 	sqlite3_finalize(store->meta_statement);
 	sqlite3_finalize(store->run_statement);
@@ -398,6 +375,6 @@ enum status store_publish(struct store *store)
 	store->db = NULL;
 	assert(code == SQLITE_OK);
 	(void)code;
-	status = sync_part(store);
-	return status == STATUS_OK ? put_in_place(store) : status;
+	TRY(sync_part(store));
+	return put_in_place(store);
 }

@@ -26,11 +26,11 @@ static enum status check_out(const struct store *from, const char *out)
 enum status store_flatten(const char *path, const char *out, enum store_overwrite overwrite, store_progress_fn progress, void *user)
 {
 	struct store *from = NULL;
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &from);
-	if (status == STATUS_OK)
-		status = check_out(from, out);
-	if (status == STATUS_OK)
-		status = store_copy(from, out, overwrite, "flatten", progress, user);
+	enum status status;
+	TRY_OR(done, store_open(path, &(struct store_options){.mode = STORE_READ}, &from));
+	TRY_OR(done, check_out(from, out));
+	TRY_OR(done, store_copy(from, out, overwrite, "flatten", progress, user));
+done:
 	store_close(from);
 	return status;
 }

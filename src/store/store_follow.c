@@ -4,13 +4,16 @@
 #include <assert.h>
 
 /* Each connection sees the last commit in its next statement. So only what is kept in memory is old. */
+static enum status read_latest(struct store_reader *reader, int64_t *commit, bool *deformed, int *working)
+{
+	TRY(store_reader_begin(reader));
+	TRY(store_sql_integer(reader->db, reader->rows.path, "SELECT coalesce(max(epoch), 0) FROM run", commit));
+	return store_meta_working(reader->db, reader->rows.path, &reader->store->meta.extent, deformed, working);
+}
+
 static enum status latest(struct store_reader *reader, int64_t *commit, bool *deformed, int *working)
 {
-	enum status status = store_reader_begin(reader);
-	if (status == STATUS_OK)
-		status = store_sql_integer(reader->db, reader->rows.path, "SELECT coalesce(max(epoch), 0) FROM run", commit);
-	if (status == STATUS_OK)
-		status = store_meta_working(reader->db, reader->rows.path, &reader->store->meta.extent, deformed, working);
+	enum status status = read_latest(reader, commit, deformed, working);
 	return store_reader_outdated(reader) ? latest(reader, commit, deformed, working) : status;
 }
 
@@ -24,9 +27,7 @@ static enum status first(struct store_reader *reader, int working)
 {
 	struct store *store = reader->store;
 	int64_t relief = 0;
-	enum status status = store_sql_integer(reader->db, reader->rows.path, "SELECT count(*) FROM meta WHERE key = 'relief'", &relief);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_integer(reader->db, reader->rows.path, "SELECT count(*) FROM meta WHERE key = 'relief'", &relief));
 	if (!store->has_working || working != store->working || relief != 0 || store->relief_text != NULL)
 		return open_again(store, "it was driven for the first time, at another spacing or over relief");
 	store->working_stored = true;
@@ -41,17 +42,15 @@ enum status store_follow(struct store_reader *reader, store_key_fn fn, void *use
 	int working = 0;
 	assert(!store->writing);
 	*moved = false;
-	enum status status = latest(reader, &commit, &deformed, &working);
-	if (status != STATUS_OK || commit == since)
-		return status;
+	TRY(latest(reader, &commit, &deformed, &working));
+	if (commit == since)
+		return STATUS_OK;
 	if (commit < since || (!deformed && store->working_stored))
 		return open_again(store, "it was reset");
 	if (deformed && store->working_stored && working != store->working)
 		return open_again(store, "it was reset, and driven at another spacing");
 	if (deformed && !store->working_stored)
-		status = first(reader, working);
-	if (status != STATUS_OK)
-		return status;
+		TRY(first(reader, working));
 	*moved = true;
 	store->commit = commit;
 	store_changes_restart(&store->changes, commit);

@@ -23,27 +23,26 @@ static enum status part_posts(void *user, enum row_table table, const struct cli
 	struct gather *gather = user;
 	bool found;
 	struct tile tile = tile_from_key(item->key);
-	enum status status = store_part_posts(gather->part, table, tile, gather->commit, scratch, &found);
+	TRY(store_part_posts(gather->part, table, tile, gather->commit, scratch, &found));
 	*posts = scratch;
-	return status == STATUS_OK && !found ? store_rows_bad(&gather->part->rows, table, tile, "it was there and cannot be found") : status;
+	return found ? STATUS_OK : store_rows_bad(&gather->part->rows, table, tile, "it was there and cannot be found");
 }
 
 /* Lists the tiles of which the open part has the last page and a row of its own. */
 static enum status list_items(struct gather *gather, size_t *count)
 {
-	enum status status = STATUS_OK;
 	size_t side = tile_posts(&gather->store->meta.extent);
 	*count = 0;
-	for (size_t i = 0; i < gather->claim_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < gather->claim_count; i++) {
 		bool found = false;
 		const struct claim *claim = &gather->claims[i];
 		if (claim->part != gather->reading)
 			continue;
-		status = store_part_posts(gather->part, gather->table, tile_from_key(claim->key), gather->commit, NULL, &found);
+		TRY(store_part_posts(gather->part, gather->table, tile_from_key(claim->key), gather->commit, NULL, &found));
 		if (found)
 			gather->items[(*count)++] = (struct climb_item){.key = claim->key, .posts = side * side};
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Sets to zero the posts of a tile that no part committed where this part has set them to zero. */
@@ -56,11 +55,10 @@ static enum status trim(void *user, uint64_t key)
 	bool found, had;
 	if (store_gather_claimed(gather, key))
 		return STATUS_OK;
-	enum status status = store_part_posts(gather->part, gather->table, tile, gather->commit, gather->posts, &found);
-	if (status == STATUS_OK)
-		status = store_rows_read(&gather->store->rows, gather->table, tile, gather->scratch, &row, &had);
-	if (status != STATUS_OK || !found || !had)
-		return status;
+	TRY(store_part_posts(gather->part, gather->table, tile, gather->commit, gather->posts, &found));
+	TRY(store_rows_read(&gather->store->rows, gather->table, tile, gather->scratch, &row, &had));
+	if (!found || !had)
+		return STATUS_OK;
 	for (size_t i = 0; i < side * side; i++)
 		gather->scratch[i] = gather->posts[i] != 0 ? gather->scratch[i] : 0;
 	return store_state_put_tile(gather->store, gather->table, tile, gather->scratch, gather->result);
@@ -69,13 +67,11 @@ static enum status trim(void *user, uint64_t key)
 static enum status put_state(struct gather *gather, size_t count)
 {
 	const int32_t *posts;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = part_posts(gather, gather->table, &gather->items[i], gather->posts, &posts);
-		if (status == STATUS_OK)
-			status = store_state_put_tile(gather->store, gather->table, tile_from_key(gather->items[i].key), posts, gather->result);
+	for (size_t i = 0; i < count; i++) {
+		TRY(part_posts(gather, gather->table, &gather->items[i], gather->posts, &posts));
+		TRY(store_state_put_tile(gather->store, gather->table, tile_from_key(gather->items[i].key), posts, gather->result));
 	}
-	return status == STATUS_OK ? store_part_each(gather->part, gather->table, gather->commit, trim, gather) : status;
+	return store_part_each(gather->part, gather->table, gather->commit, trim, gather);
 }
 
 static enum status put_part(struct gather *gather, uint32_t index)
@@ -83,16 +79,17 @@ static enum status put_part(struct gather *gather, uint32_t index)
 	const struct climb_source source = {gather, part_posts};
 	const struct store_run run = {0}; /* asks nobody whether to go on */
 	size_t count;
-	enum status status = store_gather_open(gather, index);
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+	TRY(store_gather_open(gather, index));
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
 		gather->table = (enum row_table)table;
-		status = list_items(gather, &count);
-		if (status == STATUS_OK && row_is_state(gather->table))
-			status = put_state(gather, count);
-		else if (status == STATUS_OK)
-			status = store_climb(gather->store, gather->table, gather->items, count, &source, &run, gather->result);
+		TRY(list_items(gather, &count));
+		if (row_is_state(gather->table))
+			TRY(put_state(gather, count));
+		else
+			TRY(store_climb(gather->store, gather->table, gather->items, count, &source, &run, gather->result));
 	}
-	return status;
+	store_gather_close(gather);
+	return STATUS_OK;
 }
 
 static enum status put_record(struct gather *gather)
@@ -100,8 +97,7 @@ static enum status put_record(struct gather *gather)
 	const struct store_gathering *gathering = gather->gathering;
 	const struct store_run_copy *first = &gather->heads[0].run;
 	struct store_run *runs = mem_calloc(gather->count, sizeof *runs);
-	if (runs == NULL)
-		return fail_memory("parts");
+	TRY_MEM(runs, "parts");
 	for (uint32_t i = 0; i < gather->count; i++) {
 		const struct head *head = &gather->heads[i];
 		runs[i] = (struct store_run){
@@ -119,36 +115,36 @@ static enum status put_record(struct gather *gather)
 static enum status put_header(struct gather *gather)
 {
 	struct store *store = gather->store;
-	enum status status = STATUS_OK;
 	int64_t compacted = 0;
 	if (gather->has_level && !store->working_stored) {
-		status = store_meta_put_working(store, gather->level, gather->relief);
+		TRY(store_meta_put_working(store, gather->level, gather->relief));
 		gather->result->header += gather->relief != NULL ? 2 : 1;
 	}
-	for (uint32_t i = 0; i < gather->count && status == STATUS_OK; i++)
+	for (uint32_t i = 0; i < gather->count; i++)
 		if (__builtin_add_overflow(compacted, gather->heads[i].header.compacted - store->compacted, &compacted))
-			status = fail_with(STATUS_INPUT, "%s: more soil was compacted than can be counted; it is damaged, restore it", gather->heads[i].path);
-	if (status == STATUS_OK)
-		status = store_meta_add_compacted(store, compacted);
-	if (status == STATUS_OK)
-		status = store_meta_put_integer(store, "gathered", (int64_t)gather->first->part.run);
+			return fail_with(STATUS_INPUT, "%s: more soil was compacted than can be counted; it is damaged, restore it", gather->heads[i].path);
+	TRY(store_meta_add_compacted(store, compacted));
+	TRY(store_meta_put_integer(store, "gathered", (int64_t)gather->first->part.run));
 	gather->result->header += 1 + (compacted != 0);
-	return status == STATUS_OK ? put_record(gather) : status;
+	return put_record(gather);
 }
 
 static enum status put_all(struct gather *gather)
 {
 	struct store *store = gather->store;
-	enum status status = store_history_begin(store, false);
-	for (uint32_t i = 0; i < gather->count && status == STATUS_OK; i++) {
-		status = put_part(gather, i);
-		store_gather_close(gather);
-	}
-	if (status == STATUS_OK)
-		status = put_header(gather);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "committing what was gathered", "COMMIT");
-	store_history_end(store, status == STATUS_OK);
+	TRY(store_history_begin(store, false));
+	for (uint32_t i = 0; i < gather->count; i++)
+		TRY(put_part(gather, i));
+	TRY(put_header(gather));
+	return store_sql_exec(store->db, store->path, "committing what was gathered", "COMMIT");
+}
+
+/* Ends the transaction. `status`: how it went; it is returned. */
+static enum status end(struct gather *gather, enum status status)
+{
+	store_gather_close(gather); /* if it failed in a part */
+	status = store_history_end(gather->store, status);
+	store_changes_drop(&gather->store->changes); /* nobody asks this connection */
 	return status;
 }
 
@@ -159,19 +155,13 @@ static enum status commit(struct gather *gather)
 	gather->posts = mem_alloc(side * side, sizeof *gather->posts);
 	gather->scratch = mem_alloc(side * side, sizeof *gather->scratch);
 	gather->items = mem_alloc(gather->claim_count + 1, sizeof *gather->items);
-	if (gather->posts == NULL || gather->scratch == NULL || gather->items == NULL)
-		return fail_memory("parts");
+	TRY_MEM(gather->posts != NULL && gather->scratch != NULL && gather->items != NULL, "parts");
 	if (gather->has_level) {
 		store->has_working = true;
 		store->working = gather->level;
 	}
-	enum status status = store_sql_begin(store->db, store->path, "gathering its parts");
-	if (status == STATUS_OK)
-		status = put_all(gather);
-	if (status != STATUS_OK)
-		store_sql_undo(store->db);
-	store_changes_drop(&store->changes); /* nobody asks this connection */
-	return status;
+	TRY(store_sql_begin(store->db, store->path, "gathering its parts"));
+	return end(gather, put_all(gather));
 }
 
 /* --- the whole --- */
@@ -181,47 +171,39 @@ static enum status was_gathered(struct gather *gather, bool *was)
 	int64_t count;
 	char sql[112];
 	snprintf(sql, sizeof sql, "SELECT count(*) FROM meta WHERE key = 'gathered' AND value = %lld", (long long)gather->first->part.run);
-	enum status status = store_sql_integer(gather->store->db, gather->store->path, sql, &count);
-	*was = status == STATUS_OK && count > 0;
-	return status;
+	TRY(store_sql_integer(gather->store->db, gather->store->path, sql, &count));
+	*was = count > 0;
+	return STATUS_OK;
 }
 
 /* The parts are over this store, and it is as it was when they were made. */
 static enum status check_parent(struct gather *gather)
 {
 	struct store *store = gather->store;
-	struct lineage lineage = {0};
 	uint64_t hash = 0;
-	enum status status = store_lineage_make(store, store->commit, &lineage);
-	if (status == STATUS_OK)
-		status = store_lineage_hash(store, &lineage, &hash);
-	store_lineage_finish(&lineage);
-	if (status == STATUS_OK && hash != gather->first->parent_hash)
-		status = fail_with(STATUS_INPUT, "%s: it is not over %s, or that has changed since: it was at revision %lld, and is at %lld; restore it "
-				   "to that revision, or remove the parts and drive again", gather->first->path, store->path,
-				   (long long)gather->first->parent_revision, (long long)store->commit);
-	return status;
+	TRY(store_lineage_state(store, &hash));
+	if (hash != gather->first->parent_hash)
+		return fail_with(STATUS_INPUT, "%s: it is not over %s, or that has changed since: it was at revision %lld, and is at %lld; restore it "
+				 "to that revision, or remove the parts and drive again", gather->first->path, store->path,
+				 (long long)gather->first->parent_revision, (long long)store->commit);
+	return STATUS_OK;
 }
 
 static enum status gather_all(struct gather *gather)
 {
 	bool was;
-	enum status status = was_gathered(gather, &was);
-	if (status != STATUS_OK || was) {
-		gather->result->commit = was ? gather->store->commit : 0;
-		return status;
+	TRY(was_gathered(gather, &was));
+	if (was) {
+		gather->result->commit = gather->store->commit;
+		return STATUS_OK;
 	}
-	status = store_gather_settle(gather);
-	if (status != STATUS_OK || gather->commit == gather->first->parent_revision)
-		return status;
-	status = check_parent(gather);
-	if (status == STATUS_OK)
-		status = store_gather_read(gather);
-	if (status == STATUS_OK) {
-		gather->result->commit = gather->store->commit + 1;
-		status = commit(gather);
-	}
-	return status;
+	TRY(store_gather_settle(gather));
+	if (gather->commit == gather->first->parent_revision)
+		return STATUS_OK;
+	TRY(check_parent(gather));
+	TRY(store_gather_read(gather));
+	gather->result->commit = gather->store->commit + 1;
+	return commit(gather);
 }
 
 enum status store_gather(const char *path, const char *const *parts, size_t count, const struct store_gathering *gathering,
@@ -233,11 +215,11 @@ enum status store_gather(const char *path, const char *const *parts, size_t coun
 	*result = (struct store_commit_result){0};
 	if (count == 0)
 		return STATUS_OK;
-	enum status status = store_gather_heads(&gather, parts, count);
-	if (status == STATUS_OK)
-		status = store_open(path, &options, &gather.store);
-	if (status == STATUS_OK)
-		status = gather_all(&gather);
+	enum status status;
+	TRY_OR(done, store_gather_heads(&gather, parts, count));
+	TRY_OR(done, store_open(path, &options, &gather.store));
+	TRY_OR(done, gather_all(&gather));
+done:
 	for (uint32_t i = 0; i < gather.count; i++)
 		store_run_copy_finish(&gather.heads[i].run);
 	store_gather_close(&gather);

@@ -17,8 +17,7 @@ static enum status take_head(struct gather *gather, const char *path, const stru
 	const struct store_part *id = &part->part;
 	if (gather->heads == NULL) {
 		gather->heads = mem_calloc(id->count, sizeof *gather->heads);
-		if (gather->heads == NULL)
-			return fail_memory("parts");
+		TRY_MEM(gather->heads, "parts");
 		gather->count = id->count;
 		gather->first = &gather->heads[id->index];
 	}
@@ -37,24 +36,21 @@ static enum status take_head(struct gather *gather, const char *path, const stru
 
 enum status store_gather_heads(struct gather *gather, const char *const *paths, size_t count)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		struct store *part = NULL;
-		status = store_part_open(paths[i], &part);
-		if (status == STATUS_OK)
-			status = take_head(gather, paths[i], part);
+		TRY(store_part_open(paths[i], &part));
+		enum status status = take_head(gather, paths[i], part);
 		store_close(part);
+		TRY(status);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status store_gather_open(struct gather *gather, uint32_t index)
 {
 	const struct head *head = &gather->heads[index];
-	enum status status = store_part_open(head->path, &gather->part);
+	TRY(store_part_open(head->path, &gather->part));
 	gather->reading = index;
-	if (status != STATUS_OK)
-		return status;
 	if (gather->part->part.run != head->part.run || gather->part->commit != head->commit)
 		return fail_with(STATUS_FAILED, "%s: it changed while it was gathered; wait until its run has ended", head->path);
 	if (gather->part->base_hash != gather->store->base_hash ||
@@ -102,8 +98,7 @@ static enum status take_claim(void *user, uint64_t key, int64_t commit)
 	if (gather->claim_count == gather->claim_room) {
 		size_t room = gather->claim_room != 0 ? 2 * gather->claim_room : 256;
 		struct claim *claims = mem_realloc(gather->claims, room, sizeof *claims);
-		if (claims == NULL)
-			return fail_memory("parts");
+		TRY_MEM(claims, "parts");
 		gather->claims = claims;
 		gather->claim_room = room;
 	}
@@ -181,22 +176,19 @@ static enum status take_level(struct gather *gather, size_t claims_before)
 static enum status read_part(struct gather *gather, uint32_t index)
 {
 	struct head *head = &gather->heads[index];
-	enum status status = store_gather_open(gather, index);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_gather_open(gather, index));
 	struct store *part = gather->part;
 	size_t before = gather->claim_count;
 	if (part->commit > gather->commit) {
-		status = store_run_copy_kept(part, gather->commit, &head->run, &head->header);
+		TRY(store_run_copy_kept(part, gather->commit, &head->run, &head->header));
 	} else {
-		status = store_run_copy(part, &head->run);
+		TRY(store_run_copy(part, &head->run));
 		head->header = (struct store_run_header){part->working_stored, part->compacted};
 	}
-	if (status == STATUS_OK && (head->header.compacted > COMPACTED_MOST || head->header.compacted < -COMPACTED_MOST))
-		status = fail_with(STATUS_INPUT, "%s: it compacted more soil than can be counted; it is damaged, restore it", part->path);
-	if (status == STATUS_OK)
-		status = store_part_claims(part, gather->commit, take_claim, gather);
-	return status == STATUS_OK ? take_level(gather, before) : status;
+	if (head->header.compacted > COMPACTED_MOST || head->header.compacted < -COMPACTED_MOST)
+		return fail_with(STATUS_INPUT, "%s: it compacted more soil than can be counted; it is damaged, restore it", part->path);
+	TRY(store_part_claims(part, gather->commit, take_claim, gather));
+	return take_level(gather, before);
 }
 
 /* All records are of one step of one scene. */
@@ -219,12 +211,11 @@ static enum status compare_runs(const struct gather *gather)
 
 enum status store_gather_read(struct gather *gather)
 {
-	enum status status = STATUS_OK;
-	for (uint32_t i = 0; i < gather->count && status == STATUS_OK; i++) {
-		status = read_part(gather, i);
+	for (uint32_t i = 0; i < gather->count; i++) {
+		enum status status = read_part(gather, i);
 		store_gather_close(gather);
+		TRY(status);
 	}
-	if (status == STATUS_OK)
-		status = compare_runs(gather);
-	return status == STATUS_OK ? settle_claims(gather) : status;
+	TRY(compare_runs(gather));
+	return settle_claims(gather);
 }

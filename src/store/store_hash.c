@@ -73,15 +73,12 @@ static enum status add_row(void *user, const struct row_entry *entry)
 	if (!extent_has(rows->extent, tile) || tile_key(tile) != key)
 		return fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, "
 				 "restore it", rows->path);
-	enum status status = store_rows_read(rows, table, tile, hashing->posts, &row, &found);
-	if (status == STATUS_OK && !found) { /* its keys are out of order: one way leads to it, another does not */
+	TRY(store_rows_read(rows, table, tile, hashing->posts, &row, &found));
+	if (!found) { /* its keys are out of order: one way leads to it, another does not */
 		char text[256];
 		store_rows_text(rows, table, tile, text, sizeof text);
-		status = fail_with(STATUS_INPUT, "%s: it is listed and cannot be found; the store is damaged, restore or "
-				   "import it again", text);
+		return fail_with(STATUS_INPUT, "%s: it is listed and cannot be found; the store is damaged, restore or import it again", text);
 	}
-	if (status != STATUS_OK)
-		return status;
 	const uint64_t words[] = {(uint64_t)table, key, store_hash_real(row.low), store_hash_real(row.high),
 				  store_hash_real(row.error), (uint64_t)row.below, (uint64_t)row.above};
 	store_hash_words(hashing->state, words, sizeof words / sizeof *words);
@@ -98,18 +95,17 @@ enum status store_content_hash(struct store *store, uint64_t *hash)
 	size_t side = tile_posts(&store->meta.extent);
 	struct hashing hashing = {.store = store, .state = XXH3_createState()};
 	hashing.posts = mem_alloc(side * side, sizeof *hashing.posts);
-	enum status status = hashing.posts != NULL && hashing.state != NULL ? STATUS_OK
-									     : fail_memory("a content hash");
-	if (status == STATUS_OK) {
-		XXH3_64bits_reset(hashing.state);
-		add_meta(&hashing);
-	}
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+	enum status status = STATUS_OK;
+	if (hashing.posts == NULL || hashing.state == NULL)
+		TRY_OR(done, fail_memory("a content hash"));
+	XXH3_64bits_reset(hashing.state);
+	add_meta(&hashing);
+	for (int table = 0; table < ROW_TABLES; table++) {
 		hashing.table = (enum row_table)table;
-		status = store_rows_each(store_table(store, hashing.table), hashing.table, 0, INT64_MAX, add_row, &hashing);
+		TRY_OR(done, store_rows_each(store_table(store, hashing.table), hashing.table, 0, INT64_MAX, add_row, &hashing));
 	}
-	if (status == STATUS_OK)
-		*hash = XXH3_64bits_digest(hashing.state);
+	*hash = XXH3_64bits_digest(hashing.state);
+done:
 	mem_free(hashing.posts);
 	XXH3_freeState(hashing.state);
 	return status;

@@ -50,11 +50,8 @@ enum status store_history_open(struct store *store)
 	struct history *history = &store->history;
 	int64_t key;
 	history->label = -1;
-	enum status status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(revision), -1) FROM revision", &history->kept);
-	if (status == STATUS_OK)
-		status = store_sql_integer(store->db, store->path, "SELECT coalesce((SELECT key FROM history LIMIT 1), -1)", &key);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_integer(store->db, store->path, "SELECT coalesce(max(revision), -1) FROM revision", &history->kept));
+	TRY(store_sql_integer(store->db, store->path, "SELECT coalesce((SELECT key FROM history LIMIT 1), -1)", &key));
 	history->has_level = key >= 0;
 	history->level = tile_from_key((uint64_t)key).level;
 	if (history->kept > store->commit || (history->has_level && store->has_working && history->level != store->working))
@@ -84,25 +81,42 @@ void store_history_finish(struct store *store)
 static enum status prepare(struct store *store)
 {
 	struct history *history = &store->history;
+	enum status status;
 	if (history->after != NULL)
 		return STATUS_OK;
 	store_history_finish(store);
 	history->before = mem_alloc(tile_count(store), sizeof *history->before);
 	history->after = mem_alloc(tile_count(store), sizeof *history->after);
-	enum status status = history->before != NULL && history->after != NULL ? STATUS_OK : fail_memory("a history");
-	if (status == STATUS_OK)
-		status = store_rows_init(&history->rows, store->db, store->path, &store->meta.extent, CODEC_SMALL);
-	if (status != STATUS_OK) {
-		store_history_finish(store);
-		return status;
-	}
+	if (history->before == NULL || history->after == NULL)
+		TRY_OR(failed, fail_memory("a history"));
+	TRY_OR(failed, store_rows_init(&history->rows, store->db, store->path, &store->meta.extent, CODEC_SMALL));
 	history->rows.lineage = store->rows.lineage;
 	history->rows.layers = store->rows.layers;
 	history->rows.statements = &store->statements;
 	return STATUS_OK;
+failed:
+	store_history_finish(store);
+	return status;
 }
 
 /* --- a transaction --- */
+
+/* *written: the rows that the statement wrote. */
+static enum status keep_by(struct store *store, const char *text, int *written)
+{
+	sqlite3_stmt *statement = NULL;
+	TRY(store_sql_prepare(store->db, store->path, &statement, text));
+	if (store->working_stored)
+		sqlite3_bind_int(statement, 1, store->working);
+	sqlite3_bind_int64(statement, 2, store->compacted);
+	sqlite3_bind_int64(statement, 3, store->commit); /* the first text has no such parameter: no harm */
+	atomic_fetch_add_explicit(&store->statements.revisions, 1, memory_order_relaxed);
+	int code = sqlite3_step(statement);
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(store->db, code, store->path, "keeping a revision");
+	*written = sqlite3_changes(store->db);
+	sqlite3_finalize(statement);
+	return status;
+}
 
 enum status store_history_keep(struct store *store)
 {
@@ -113,25 +127,10 @@ enum status store_history_keep(struct store *store)
 		/* a store without a run: as it was imported, or an overlay as it was made */
 		"INSERT INTO revision VALUES(?3, '', 0, 0, '', 0, '', '', ?1, ?2)",
 	};
-	enum status status = STATUS_OK;
 	int written = 0;
-	for (int i = 0; i < 2 && status == STATUS_OK && written == 0; i++) {
-		sqlite3_stmt *statement = NULL;
-		status = store_sql_prepare(store->db, store->path, &statement, texts[i]);
-		if (status != STATUS_OK)
-			return status;
-		if (store->working_stored)
-			sqlite3_bind_int(statement, 1, store->working);
-		sqlite3_bind_int64(statement, 2, store->compacted);
-		sqlite3_bind_int64(statement, 3, store->commit); /* the first has no such parameter: no harm */
-		atomic_fetch_add_explicit(&store->statements.revisions, 1, memory_order_relaxed);
-		int code = sqlite3_step(statement);
-		if (code != SQLITE_DONE)
-			status = store_sql_fail(store->db, code, store->path, "keeping a revision");
-		written = sqlite3_changes(store->db);
-		sqlite3_finalize(statement);
-	}
-	return status;
+	for (int i = 0; i < 2 && written == 0; i++)
+		TRY(keep_by(store, texts[i], &written));
+	return STATUS_OK;
 }
 
 /* What no commit needs that keeps only the last revision. Claims of a part stay. */
@@ -150,22 +149,28 @@ enum status store_history_begin(struct store *store, bool always)
 	history->copies = history->last && !always;
 	history->label = history->deltas || history->copies ? store->commit : history->kept;
 	history->before_read = false;
-	enum status status = store_pinned_begin(store);
-	if (status != STATUS_OK || history->label < 0)
-		return status;
-	status = prepare(store);
-	if (status == STATUS_OK && (history->deltas || history->copies))
-		status = store_history_keep(store);
-	return status == STATUS_OK && history->copies ? drop_older(store) : status;
+	TRY(store_pinned_begin(store));
+	if (history->label < 0)
+		return STATUS_OK;
+	TRY(prepare(store));
+	if (history->deltas || history->copies)
+		TRY(store_history_keep(store));
+	return history->copies ? drop_older(store) : STATUS_OK;
 }
 
-void store_history_end(struct store *store, bool committed)
+enum status store_history_end(struct store *store, enum status status)
 {
 	struct history *history = &store->history;
+	const bool committed = status == STATUS_OK;
 	if (committed && history->label > history->kept)
 		history->kept = history->label;
 	history->label = -1;
 	store_pinned_end(store, committed);
+	if (!committed) {
+		store_sql_undo(store->db);
+		store_changes_drop(&store->changes);
+	}
+	return status;
 }
 
 /* --- rows --- */
@@ -201,10 +206,8 @@ static enum status find_kept(struct store *store, const struct history_row *row,
 {
 	sqlite3_stmt **find = &store->history.find;
 	*found = false;
-	enum status status = store_sql_prepare(store->db, store->path, find,
-					 "SELECT form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND revision = ?3");
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(store->db, store->path, find,
+			      "SELECT form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND revision = ?3"));
 	sqlite3_bind_int(*find, 1, (int)row->table);
 	sqlite3_bind_int64(*find, 2, (sqlite3_int64)row->key);
 	sqlite3_bind_int64(*find, 3, row->revision);
@@ -216,13 +219,14 @@ static enum status find_kept(struct store *store, const struct history_row *row,
 enum status store_history_kept(struct store *store, enum row_table table, struct tile tile, int64_t revision, int32_t *posts, bool *found)
 {
 	struct history_row row = {.table = table, .key = tile_key(tile), .revision = revision};
-	enum status status = prepare(store);
-	if (status == STATUS_OK)
-		status = find_kept(store, &row, found);
-	if (status == STATUS_OK && *found && sqlite3_column_int(store->history.find, 0) != WHOLE)
-		status = bad(store, &row, "it is not whole");
-	if (status == STATUS_OK && *found && posts != NULL)
-		status = apply(store, &row, store->history.find, 0, posts);
+	enum status status;
+	TRY_OR(done, prepare(store));
+	TRY_OR(done, find_kept(store, &row, found));
+	if (*found && sqlite3_column_int(store->history.find, 0) != WHOLE)
+		TRY_OR(done, bad(store, &row, "it is not whole"));
+	if (*found && posts != NULL)
+		TRY_OR(done, apply(store, &row, store->history.find, 0, posts));
+done:
 	sqlite3_reset(store->history.find);
 	return status;
 }
@@ -231,34 +235,32 @@ static enum status present_posts(struct store *store, enum row_table table, stru
 {
 	struct row row;
 	bool found;
-	enum status status = store_rows_read(&store->history.rows, table, tile, posts, &row, &found);
-	if (status == STATUS_OK && !found)
+	TRY(store_rows_read(&store->history.rows, table, tile, posts, &row, &found));
+	if (!found)
 		memset(posts, 0, tile_count(store) * sizeof *posts);
-	return status;
+	return STATUS_OK;
 }
 
 enum status store_history_posts(struct store *store, enum row_table table, struct tile tile, int64_t revision, int32_t *posts)
 {
 	sqlite3_stmt *statement = NULL;
 	struct history_row row = {.table = table, .key = tile_key(tile)};
-	enum status status = prepare(store);
-	if (status == STATUS_OK)
-		status = present_posts(store, table, tile, posts);
-	if (status == STATUS_OK)
-		status = store_sql_prepare(store->db, store->path, &statement,
-					   "SELECT revision, form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND "
-					   "revision >= ?3 ORDER BY revision DESC");
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
+	int code;
+	TRY(prepare(store));
+	TRY(present_posts(store, table, tile, posts));
+	TRY(store_sql_prepare(store->db, store->path, &statement,
+			      "SELECT revision, form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND "
+			      "revision >= ?3 ORDER BY revision DESC"));
 	sqlite3_bind_int(statement, 1, (int)table);
 	sqlite3_bind_int64(statement, 2, (sqlite3_int64)row.key);
 	sqlite3_bind_int64(statement, 3, revision);
-	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE) {
 		row.revision = sqlite3_column_int64(statement, 0);
-		status = code == SQLITE_ROW ? apply(store, &row, statement, 1, posts)
-					    : store_sql_fail(store->db, code, store->path, "reading its history");
+		TRY_OR(done, code == SQLITE_ROW ? apply(store, &row, statement, 1, posts)
+						: store_sql_fail(store->db, code, store->path, "reading its history"));
 	}
+done:
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -269,9 +271,7 @@ enum status store_history_put(struct store *store, const struct history_row *row
 #define VALUES " INTO history(plane, key, revision, form, codec, hash, blob) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7)"
 	struct history *history = &store->history;
 	sqlite3_stmt **to = history->copies ? &history->put_first : &history->put;
-	enum status status = store_sql_prepare(store->db, store->path, to, history->copies ? "INSERT OR IGNORE" VALUES : "INSERT OR REPLACE" VALUES);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(store->db, store->path, to, history->copies ? "INSERT OR IGNORE" VALUES : "INSERT OR REPLACE" VALUES));
 	sqlite3_bind_int(*to, 1, (int)row->table);
 	sqlite3_bind_int64(*to, 2, (sqlite3_int64)row->key);
 	sqlite3_bind_int64(*to, 3, row->revision);
@@ -280,15 +280,13 @@ enum status store_history_put(struct store *store, const struct history_row *row
 	sqlite3_bind_int64(*to, 6, (sqlite3_int64)store_history_hash(row));
 	sqlite3_bind_blob64(*to, 7, row->bytes, row->size, SQLITE_STATIC);
 	int code = sqlite3_step(*to);
-	if (code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "writing its history");
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(store->db, code, store->path, "writing its history");
 	sqlite3_reset(*to);
 	sqlite3_bind_null(*to, 7);
-	if (status == STATUS_OK) {
-		history->has_level = true;
-		history->level = store->working;
-	}
-	return status;
+	TRY(status);
+	history->has_level = true;
+	history->level = store->working;
+	return STATUS_OK;
 }
 
 /* Encodes `posts` and writes them. */
@@ -321,24 +319,27 @@ enum status store_history_before(struct store *store, enum row_table table, stru
 {
 	struct history *history = &store->history;
 	struct history_row row = {.table = table, .key = tile_key(tile), .revision = history->label};
+	bool found = false, whole = false;
+	enum status status;
 	history->before_read = false;
 	if (history->label < 0 || tile.level != store->working)
 		return STATUS_OK;
 	if (history->copies)
 		return store_rows_bytes(&store->rows, table, tile, put_copy, &(struct copying){store, row});
-	bool found;
-	enum status status = find_kept(store, &row, &found);
 	atomic_fetch_add_explicit(&store->statements.sought, 1, memory_order_relaxed);
-	bool whole = found && sqlite3_column_int(history->find, 0) == WHOLE;
-	if (status == STATUS_OK && !whole)
-		status = present_posts(store, table, tile, history->before);
-	if (status == STATUS_OK && found && !whole)
-		status = apply(store, &row, history->find, 0, history->before);
+	TRY_OR(done, find_kept(store, &row, &found));
+	whole = found && sqlite3_column_int(history->find, 0) == WHOLE;
+	if (!whole)
+		TRY_OR(done, present_posts(store, table, tile, history->before));
+	if (found && !whole)
+		TRY_OR(done, apply(store, &row, history->find, 0, history->before));
+done:
 	sqlite3_reset(history->find);
-	if (status == STATUS_OK && !found && !history->deltas)
+	TRY(status);
+	if (!found && !history->deltas)
 		return put_posts(store, table, tile, WHOLE, history->before);
-	history->before_read = status == STATUS_OK && !whole;
-	return status;
+	history->before_read = !whole;
+	return STATUS_OK;
 }
 
 enum status store_history_after(struct store *store, enum row_table table, struct tile tile, const int32_t *posts)
@@ -358,6 +359,6 @@ enum status store_history_after_read(struct store *store, enum row_table table, 
 	struct history *history = &store->history;
 	if (!history->before_read)
 		return STATUS_OK;
-	enum status status = present_posts(store, table, tile, history->after);
-	return status == STATUS_OK ? store_history_after(store, table, tile, history->after) : status;
+	TRY(present_posts(store, table, tile, history->after));
+	return store_history_after(store, table, tile, history->after);
 }

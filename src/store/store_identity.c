@@ -21,15 +21,17 @@ static void add_meta(XXH3_state_t *state, const struct store_meta *meta)
 static enum status add_rows(XXH3_state_t *state, sqlite3 *db, const char *path)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = store_sql_prepare(db, path, &statement, "SELECT key, hash FROM base ORDER BY key");
+	enum status status;
+	TRY_OR(done, store_sql_prepare(db, path, &statement, "SELECT key, hash FROM base ORDER BY key"));
 	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE) {
 		if (code == SQLITE_ROW)
 			store_hash_words(state, (uint64_t[]){(uint64_t)sqlite3_column_int64(statement, 0),
 						       (uint64_t)sqlite3_column_int64(statement, 1)}, 2);
 		else
-			status = store_sql_fail(db, code, path, "reading its tiles");
+			TRY_OR(done, store_sql_fail(db, code, path, "reading its tiles"));
 	}
+done:
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -37,13 +39,13 @@ static enum status add_rows(XXH3_state_t *state, sqlite3 *db, const char *path)
 enum status store_identity_compute(struct store *store, uint64_t *hash)
 {
 	XXH3_state_t *state = XXH3_createState();
-	if (state == NULL)
-		return fail_memory("a base's hash");
+	TRY_MEM(state, "a base's hash");
 	XXH3_64bits_reset(state);
 	add_meta(state, &store->meta);
-	enum status status = add_rows(state, store->base->db, store->base->path);
-	if (status == STATUS_OK)
-		*hash = XXH3_64bits_digest(state);
+	enum status status;
+	TRY_OR(done, add_rows(state, store->base->db, store->base->path));
+	*hash = XXH3_64bits_digest(state);
+done:
 	XXH3_freeState(state);
 	return status;
 }

@@ -71,8 +71,7 @@ static enum status gather(void *user, const struct row_entry *row)
 	if (count == gathering->room) {
 		size_t room = gathering->room != 0 ? 2 * gathering->room : 64;
 		struct lineage_entry *more = mem_realloc(lineage->entries[gathering->table], room, sizeof *more);
-		if (more == NULL)
-			return fail_memory("an overlay");
+		TRY_MEM(more, "an overlay");
 		lineage->entries[gathering->table] = more;
 		gathering->room = room;
 	}
@@ -91,23 +90,23 @@ static enum status gather(void *user, const struct row_entry *row)
 enum status store_lineage_make(struct store *under, int64_t newest, struct lineage *out)
 {
 	struct gathering gathering = {.lineage = out, .layer = (uint32_t)under->depth, .newest = newest};
-	enum status status = STATUS_OK;
+	enum status status;
 	*out = (struct lineage){0};
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
 		gathering.table = (enum row_table)table;
 		gathering.room = 0;
-		status = store_rows_each(&under->rows, gathering.table, 0, INT64_MAX, gather, &gathering);
+		TRY_OR(failed, store_rows_each(&under->rows, gathering.table, 0, INT64_MAX, gather, &gathering));
 	}
-	if (status != STATUS_OK)
-		store_lineage_finish(out);
+	return STATUS_OK;
+failed:
+	store_lineage_finish(out);
 	return status;
 }
 
 enum status store_lineage_hash(const struct store *under, const struct lineage *lineage, uint64_t *hash)
 {
 	XXH3_state_t *state = XXH3_createState();
-	if (state == NULL)
-		return fail_memory("an overlay");
+	TRY_MEM(state, "an overlay");
 	XXH3_64bits_reset(state);
 	const uint64_t head[] = {under->base_hash, under->working_stored, under->working_stored ? (uint64_t)(int64_t)under->working : 0,
 				 (uint64_t)under->compacted};
@@ -128,9 +127,10 @@ enum status store_lineage_hash(const struct store *under, const struct lineage *
 enum status store_lineage_state(struct store *store, uint64_t *hash)
 {
 	struct lineage lineage = {0};
-	enum status status = store_lineage_make(store, store->commit, &lineage);
-	if (status == STATUS_OK)
-		status = store_lineage_hash(store, &lineage, hash);
+	enum status status;
+	TRY_OR(done, store_lineage_make(store, store->commit, &lineage));
+	TRY_OR(done, store_lineage_hash(store, &lineage, hash));
+done:
 	store_lineage_finish(&lineage);
 	return status;
 }

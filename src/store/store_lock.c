@@ -44,8 +44,7 @@ static enum status note_held(int lock)
 	if (fstat(lock, &file) != 0)
 		return STATUS_OK; /* then only a message is less exact */
 	struct held *held = mem_calloc(1, sizeof *held);
-	if (held == NULL)
-		return fail_memory("a store's lock");
+	TRY_MEM(held, "a store's lock");
 	*held = (struct held){.device = file.st_dev, .file = file.st_ino, .process = getpid()};
 	pthread_mutex_lock(&mutex);
 	held->next = all;
@@ -123,9 +122,9 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 enum status store_lock_take(const char *lock_path, const char *named, int *descriptor)
 {
 	bool taken;
-	enum status status = store_lock_try(lock_path, named, descriptor, &taken);
-	if (status != STATUS_OK || taken)
-		return status;
+	TRY(store_lock_try(lock_path, named, descriptor, &taken));
+	if (taken)
+		return STATUS_OK;
 	if (is_own(lock_path))
 		return fail_with(STATUS_FAILED, "%s: this process has it open for writing already; close that world or end that import first, or open it "
 						"readonly", named);

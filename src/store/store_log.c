@@ -20,9 +20,8 @@ static bool name_fits(const char *name)
 static enum status put_name(struct store *store, const char *name)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, "INSERT INTO snapshot VALUES(?1, ?2, ?3, ?4)");
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
+	TRY(store_sql_prepare(store->db, store->path, &statement, "INSERT INTO snapshot VALUES(?1, ?2, ?3, ?4)"));
 	sqlite3_bind_text(statement, 1, name, -1, SQLITE_STATIC);
 	sqlite3_bind_int64(statement, 2, store->commit);
 	sqlite3_bind_int64(statement, 3, (int64_t)time(NULL));
@@ -42,17 +41,15 @@ enum status store_snapshot(struct store *store, const char *name)
 	if (!name_fits(name))
 		return fail_with(STATUS_INPUT, "%s: '%.80s' names no snapshot; give 1 to %d characters without blanks and commas, not all digits",
 				 store->path, name, NAME_MOST);
-	enum status status = store_sql_begin(store->db, store->path, "naming a revision");
-	if (status == STATUS_OK)
-		status = store_history_keep(store);
-	if (status == STATUS_OK)
-		status = put_name(store, name);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "naming a revision", "COMMIT");
-	if (status != STATUS_OK)
-		store_sql_undo(store->db);
-	else
-		store->history.kept = store->commit;
+	enum status status;
+	TRY_OR(failed, store_sql_begin(store->db, store->path, "naming a revision"));
+	TRY_OR(failed, store_history_keep(store));
+	TRY_OR(failed, put_name(store, name));
+	TRY_OR(failed, store_sql_exec(store->db, store->path, "naming a revision", "COMMIT"));
+	store->history.kept = store->commit;
+	return STATUS_OK;
+failed:
+	store_sql_undo(store->db);
 	return status;
 }
 
@@ -76,16 +73,13 @@ static const char *column_text(sqlite3_stmt *statement, int column)
 static enum status log_file(const struct store *store, int64_t newest, bool present, store_log_fn fn, void *user)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, text);
-	if (status != STATUS_OK)
-		return status;
-	sqlite3_bind_int64(statement, 1, newest);
+	enum status status = STATUS_OK;
 	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
-		if (code != SQLITE_ROW) {
-			status = store_sql_fail(store->db, code, store->path, "reading its history");
-			break;
-		}
+	TRY(store_sql_prepare(store->db, store->path, &statement, text));
+	sqlite3_bind_int64(statement, 1, newest);
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE) {
+		if (code != SQLITE_ROW)
+			TRY_OR(done, store_sql_fail(store->db, code, store->path, "reading its history"));
 		const struct store_revision revision = {
 			.file = store->path,
 			.revision = sqlite3_column_int64(statement, 0),
@@ -98,8 +92,9 @@ static enum status log_file(const struct store *store, int64_t newest, bool pres
 			.names = column_text(statement, 7),
 			.present = present && sqlite3_column_int64(statement, 0) == store->commit,
 		};
-		status = fn(user, &revision);
+		TRY_OR(done, fn(user, &revision));
 	}
+done:
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -107,10 +102,9 @@ static enum status log_file(const struct store *store, int64_t newest, bool pres
 enum status store_log(const struct store *store, store_log_fn fn, void *user)
 {
 	int64_t newest = INT64_MAX;
-	enum status status = STATUS_OK;
-	for (const struct store *file = store; file != NULL && status == STATUS_OK; file = file->inherits ? file->under : NULL) {
-		status = log_file(file, newest, file == store, fn, user);
+	for (const struct store *file = store; file != NULL; file = file->inherits ? file->under : NULL) {
+		TRY(log_file(file, newest, file == store, fn, user));
 		newest = file->parent_revision;
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -44,11 +44,8 @@ enum status store_losses(struct store *store, bool whole, char *text, size_t roo
 {
 	struct losses losses = {.whole = whole};
 	int64_t names = 0;
-	enum status status = store_each_pin(store, count_loss, &losses);
-	if (status == STATUS_OK)
-		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM snapshot", &names);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_each_pin(store, count_loss, &losses));
+	TRY(store_sql_integer(store->db, store->path, "SELECT count(*) FROM snapshot", &names));
 	*count = losses.count + names;
 	int used = losses.count == 0 ? 0
 				     : snprintf(text, room, "%lld overlay%s depend%s on it: %s%s", (long long)losses.count, losses.count == 1 ? "" : "s",
@@ -62,9 +59,9 @@ enum status store_losses_refuse(struct store *store, bool whole)
 {
 	char text[1400];
 	int64_t count = 0;
-	enum status status = store_losses(store, whole, text, sizeof text, &count);
-	if (status == STATUS_OK && count > 0)
-		status = fail_with(STATUS_INPUT, "%s: %s, which would be lost; furrow log tells them, furrow flatten makes an overlay a store of its own, furrow "
+	TRY(store_losses(store, whole, text, sizeof text, &count));
+	if (count > 0)
+		return fail_with(STATUS_INPUT, "%s: %s, which would be lost; furrow log tells them, furrow flatten makes an overlay a store of its own, furrow "
 				   "prune drops those that are gone, and --force loses them", store->path, text);
-	return status;
+	return STATUS_OK;
 }

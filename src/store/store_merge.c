@@ -42,20 +42,18 @@ static enum status find_base(struct store *ours, struct store *theirs, struct st
 	*found = NULL;
 	for (struct store *a = ours; a != NULL; a = shown(a)) {
 		uint64_t mine, other;
-		enum status status = store_lineage_state(a, &mine);
-		for (struct store *b = theirs; b != NULL && status == STATUS_OK; b = shown(b)) {
-			status = store_lineage_state(b, &other);
-			if (status == STATUS_OK && mine == other) {
+		TRY(store_lineage_state(a, &mine));
+		for (struct store *b = theirs; b != NULL; b = shown(b)) {
+			TRY(store_lineage_state(b, &other));
+			if (mine == other) {
 				*found = a;
 				return STATUS_OK;
 			}
-			if (status == STATUS_OK && strcmp(a->real_path, b->real_path) == 0) {
+			if (strcmp(a->real_path, b->real_path) == 0) {
 				*found = a->commit < b->commit ? a : b;
 				return STATUS_OK;
 			}
 		}
-		if (status != STATUS_OK)
-			return status;
 	}
 	return STATUS_OK;
 }
@@ -74,8 +72,7 @@ static enum status list_tiles(struct merging *merging, enum row_table table)
 	if (room == 0)
 		return STATUS_OK;
 	merging->items = mem_alloc(room, sizeof *merging->items);
-	if (merging->items == NULL)
-		return fail_memory("a merge");
+	TRY_MEM(merging->items, "a merge");
 	for (;;) {
 		uint64_t key = UINT64_MAX, hashes[SIDES] = {0};
 		for (int side = 0; side < SIDES; side++)
@@ -101,10 +98,11 @@ static enum status read_side(struct merging *merging, int side, enum row_table t
 	struct row row;
 	bool found = false;
 	struct store *store = merging->sides[side];
-	enum status status = store != NULL ? store_rows_read(&store->rows, table, tile, merging->posts[side], &row, &found) : STATUS_OK;
-	if (status == STATUS_OK && !found)
+	if (store != NULL)
+		TRY(store_rows_read(&store->rows, table, tile, merging->posts[side], &row, &found));
+	if (!found)
 		memset(merging->posts[side], 0, count * sizeof *merging->posts[side]);
-	return status;
+	return STATUS_OK;
 }
 
 static void note_conflict(struct store_conflicts *conflicts, struct post_rect rect, int64_t posts)
@@ -132,11 +130,8 @@ static enum status join(void *user, enum row_table table, const struct climb_ite
 	struct tile tile = tile_from_key(item->key);
 	const struct extent *extent = &merging->sides[OURS]->meta.extent;
 	size_t side = tile_posts(extent);
-	enum status status = STATUS_OK;
-	for (int i = 0; i < SIDES && status == STATUS_OK; i++)
-		status = read_side(merging, i, table, tile, side * side);
-	if (status != STATUS_OK)
-		return status;
+	for (int i = 0; i < SIDES; i++)
+		TRY(read_side(merging, i, table, tile, side * side));
 	const struct post_rect own = tile_post_rect(extent, tile);
 	struct post_rect rect = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
 	int64_t posts = 0;
@@ -161,18 +156,17 @@ static enum status join(void *user, enum row_table table, const struct climb_ite
 static enum status seek_conflicts(struct merging *merging, struct store_conflicts *conflicts, int32_t *scratch)
 {
 	const int32_t *posts;
-	enum status status = STATUS_OK;
 	merging->conflicts = conflicts;
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
-		status = list_tiles(merging, (enum row_table)table);
-		for (size_t i = 0; i < merging->count && status == STATUS_OK; i++)
-			status = join(merging, (enum row_table)table, &merging->items[i], scratch, &posts);
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
+		TRY(list_tiles(merging, (enum row_table)table));
+		for (size_t i = 0; i < merging->count; i++)
+			TRY(join(merging, (enum row_table)table, &merging->items[i], scratch, &posts));
 	}
 	merging->conflicts = NULL;
-	if (status == STATUS_OK && conflicts->posts > 0)
-		status = fail_with(STATUS_INPUT, "%s: %s changed the same ground otherwise, at %lld places; drive them apart, or go on from one of "
-				   "them", merging->sides[OURS]->path, merging->sides[THEIRS]->path, (long long)conflicts->places);
-	return status;
+	if (conflicts->posts > 0)
+		return fail_with(STATUS_INPUT, "%s: %s changed the same ground otherwise, at %lld places; drive them apart, or go on from one of "
+				 "them", merging->sides[OURS]->path, merging->sides[THEIRS]->path, (long long)conflicts->places);
+	return STATUS_OK;
 }
 
 /* --- the new overlay --- */
@@ -182,37 +176,43 @@ static enum status put_header(struct merging *merging, struct store *out)
 	const struct store_run run = {.scene_hash = "", .what = "merge"};
 	const struct store *base = merging->sides[BASE];
 	int64_t compacted = merging->sides[OURS]->compacted + merging->sides[THEIRS]->compacted - (base != NULL ? base->compacted : 0);
-	enum status status = store_meta_put_working(out, merging->level, merging->relief);
-	if (status == STATUS_OK && compacted != 0)
-		status = store_meta_put_integer(out, "compacted", compacted);
-	return status == STATUS_OK ? store_run_put(out, &run, "") : status;
+	TRY(store_meta_put_working(out, merging->level, merging->relief));
+	if (compacted != 0)
+		TRY(store_meta_put_integer(out, "compacted", compacted));
+	return store_run_put(out, &run, "");
+}
+
+static enum status put_rows(struct merging *merging, struct store *out, int32_t *scratch)
+{
+	const struct climb_source source = {merging, join};
+	const struct store_run run = {0};
+	struct store_commit_result result = {0};
+	const int32_t *posts;
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
+		TRY(list_tiles(merging, (enum row_table)table));
+		if (!row_is_state((enum row_table)table))
+			TRY(store_climb(out, (enum row_table)table, merging->items, merging->count, &source, &run, &result));
+		for (size_t i = 0; i < merging->count && row_is_state((enum row_table)table); i++) {
+			TRY(join(merging, (enum row_table)table, &merging->items[i], scratch, &posts));
+			TRY(store_state_put_tile(out, (enum row_table)table, tile_from_key(merging->items[i].key), posts, &result));
+		}
+	}
+	return STATUS_OK;
 }
 
 static enum status fill(struct store *out, void *user)
 {
 	struct merging *merging = user;
-	const struct climb_source source = {merging, join};
-	const struct store_run run = {0};
-	struct store_commit_result result = {0};
 	size_t side = tile_posts(&out->meta.extent);
-	const int32_t *posts;
 	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
-	enum status status = scratch != NULL ? STATUS_OK : fail_memory("a merge");
+	TRY_MEM(scratch, "a merge");
 	out->has_working = true;
 	out->working = merging->level;
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
-		status = list_tiles(merging, (enum row_table)table);
-		if (status == STATUS_OK && !row_is_state((enum row_table)table))
-			status = store_climb(out, (enum row_table)table, merging->items, merging->count, &source, &run, &result);
-		for (size_t i = 0; i < merging->count && row_is_state((enum row_table)table) && status == STATUS_OK; i++) {
-			status = join(merging, (enum row_table)table, &merging->items[i], scratch, &posts);
-			if (status == STATUS_OK)
-				status = store_state_put_tile(out, (enum row_table)table, tile_from_key(merging->items[i].key), posts, &result);
-		}
-	}
+	enum status status = put_rows(merging, out, scratch);
 	mem_free(scratch);
 	store_changes_drop(&out->changes);
-	return status == STATUS_OK ? put_header(merging, out) : status;
+	TRY(status);
+	return put_header(merging, out);
 }
 
 static enum status settle_level(struct merging *merging)
@@ -240,31 +240,36 @@ static enum status settle_level(struct merging *merging)
 	return STATUS_OK;
 }
 
-static enum status merge(struct merging *merging, const char *path, struct store_conflicts *conflicts)
+/* Fails if there are conflicts, which are told in *conflicts. */
+static enum status compare(struct merging *merging, struct store_conflicts *conflicts)
 {
 	struct store *ours = merging->sides[OURS];
 	size_t side = tile_posts(&ours->meta.extent);
-	int32_t *scratch = NULL;
-	enum status status = settle_level(merging);
-	if (status == STATUS_OK)
-		status = find_base(ours, merging->sides[THEIRS], &merging->sides[BASE]);
-	for (int i = 0; i < SIDES && status == STATUS_OK; i++) {
+	TRY(settle_level(merging));
+	TRY(find_base(ours, merging->sides[THEIRS], &merging->sides[BASE]));
+	for (int i = 0; i < SIDES; i++) {
 		merging->posts[i] = mem_alloc(side * side, sizeof *merging->posts[i]);
-		status = merging->posts[i] != NULL ? STATUS_OK : fail_memory("a merge");
-		if (status == STATUS_OK && merging->sides[i] != NULL)
-			status = store_lineage_make(merging->sides[i], merging->sides[i]->commit, &merging->rows[i]);
+		TRY_MEM(merging->posts[i], "a merge");
+		if (merging->sides[i] != NULL)
+			TRY(store_lineage_make(merging->sides[i], merging->sides[i]->commit, &merging->rows[i]));
 	}
-	if (status == STATUS_OK && (scratch = mem_alloc(side * side, sizeof *scratch)) == NULL)
-		status = fail_memory("a merge");
-	if (status == STATUS_OK)
-		status = seek_conflicts(merging, conflicts, scratch);
+	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
+	TRY_MEM(scratch, "a merge");
+	enum status status = seek_conflicts(merging, conflicts, scratch);
 	mem_free(scratch);
-	const char *parent = merging->sides[BASE] != NULL ? merging->sides[BASE]->real_path : store_base_path(ours);
+	return status;
+}
+
+static enum status merge(struct merging *merging, const char *path, struct store_conflicts *conflicts)
+{
+	TRY(compare(merging, conflicts));
+	struct store *base = merging->sides[BASE];
+	const char *parent = base != NULL ? base->real_path : store_base_path(merging->sides[OURS]);
 	uint64_t state = 0;
-	bool earlier = merging->sides[BASE] != NULL && merging->sides[BASE]->shown >= 0;
-	if (status == STATUS_OK && earlier)
-		status = store_lineage_state(merging->sides[BASE], &state);
-	return status == STATUS_OK ? store_overlay_make(path, parent, earlier ? &state : NULL, NULL, fill, merging) : status;
+	bool earlier = base != NULL && base->shown >= 0;
+	if (earlier)
+		TRY(store_lineage_state(base, &state));
+	return store_overlay_make(path, parent, earlier ? &state : NULL, NULL, fill, merging);
 }
 
 enum status store_merge(const char *ours, const char *theirs, const char *path, struct store_conflicts *conflicts)
@@ -272,11 +277,11 @@ enum status store_merge(const char *ours, const char *theirs, const char *path, 
 	struct merging merging = {0};
 	const struct store_options reading = {.mode = STORE_READ};
 	*conflicts = (struct store_conflicts){0};
-	enum status status = store_open(ours, &reading, &merging.sides[OURS]);
-	if (status == STATUS_OK)
-		status = store_open(theirs, &reading, &merging.sides[THEIRS]);
-	if (status == STATUS_OK)
-		status = merge(&merging, path, conflicts);
+	enum status status;
+	TRY_OR(done, store_open(ours, &reading, &merging.sides[OURS]));
+	TRY_OR(done, store_open(theirs, &reading, &merging.sides[THEIRS]));
+	TRY_OR(done, merge(&merging, path, conflicts));
+done:
 	conflicts->level = merging.level;
 	mem_free(merging.items);
 	for (int i = 0; i < SIDES; i++) {

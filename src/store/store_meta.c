@@ -36,20 +36,16 @@ void store_meta_finish(struct store_meta *meta)
 
 static enum status begin_put(struct store *store, const char *key, sqlite3_stmt **statement)
 {
-	enum status status = store_sql_prepare(store->db, store->path, &store->meta_statement,
-					 "INSERT OR REPLACE INTO meta(key, value) VALUES(?1, ?2)");
+	TRY(store_sql_prepare(store->db, store->path, &store->meta_statement, "INSERT OR REPLACE INTO meta(key, value) VALUES(?1, ?2)"));
 	*statement = store->meta_statement;
-	if (status == STATUS_OK)
-		sqlite3_bind_text(*statement, 1, key, -1, SQLITE_STATIC);
-	return status;
+	sqlite3_bind_text(*statement, 1, key, -1, SQLITE_STATIC);
+	return STATUS_OK;
 }
 
 static enum status end_put(struct store *store)
 {
-	enum status status = STATUS_OK;
 	int code = sqlite3_step(store->meta_statement);
-	if (code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "writing it");
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(store->db, code, store->path, "writing it");
 	sqlite3_reset(store->meta_statement);
 	sqlite3_clear_bindings(store->meta_statement);
 	return status;
@@ -58,9 +54,7 @@ static enum status end_put(struct store *store)
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value)
 {
 	sqlite3_stmt *statement;
-	enum status status = begin_put(store, key, &statement);
-	if (status != STATUS_OK)
-		return status;
+	TRY(begin_put(store, key, &statement));
 	sqlite3_bind_int64(statement, 2, value);
 	return end_put(store);
 }
@@ -68,9 +62,7 @@ enum status store_meta_put_integer(struct store *store, const char *key, int64_t
 enum status store_meta_put_real(struct store *store, const char *key, double value)
 {
 	sqlite3_stmt *statement;
-	enum status status = begin_put(store, key, &statement);
-	if (status != STATUS_OK)
-		return status;
+	TRY(begin_put(store, key, &statement));
 	if (isnan(value))
 		sqlite3_bind_null(statement, 2);
 	else
@@ -81,9 +73,7 @@ enum status store_meta_put_real(struct store *store, const char *key, double val
 enum status store_meta_put_text(struct store *store, const char *key, const char *value)
 {
 	sqlite3_stmt *statement;
-	enum status status = begin_put(store, key, &statement);
-	if (status != STATUS_OK)
-		return status;
+	TRY(begin_put(store, key, &statement));
 	sqlite3_bind_text(statement, 2, value, -1, SQLITE_STATIC);
 	return end_put(store);
 }
@@ -109,33 +99,31 @@ enum status store_meta_write(struct store *store)
 	const struct { const char *key, *value; } texts[] = {
 		{"srs", meta->srs}, {"vertical", meta->vertical}, {"sources", meta->sources},
 	};
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < sizeof integers / sizeof *integers && status == STATUS_OK; i++)
-		status = store_meta_put_integer(store, integers[i].key, integers[i].value);
-	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
-		status = store_meta_put_real(store, reals[i].key, reals[i].value);
-	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
-		status = store_meta_put_text(store, texts[i].key, texts[i].value);
-	if (status == STATUS_OK && !isnan(meta->ground_off))
-		status = store_meta_put_real(store, "ground_off", meta->ground_off);
-	if (status == STATUS_OK && !isnan(meta->holes))
-		status = store_meta_put_real(store, "holes", meta->holes);
-	if (status == STATUS_OK && meta->insets != NULL && meta->insets[0] != '\0')
-		status = store_meta_put_text(store, "insets", meta->insets);
-	if (status == STATUS_OK)
-		status = store_misfit_write(store);
-	if (status == STATUS_OK && store->base_path != NULL)
-		status = store_meta_put_base_path(store);
-	if (status == STATUS_OK && store->inherits)
-		status = store_meta_put_integer(store, "parent_hash", (int64_t)store->parent_hash);
-	if (status == STATUS_OK && store->inherits)
-		status = store_meta_put_integer(store, "parent_revision", store->parent_revision);
+	for (size_t i = 0; i < sizeof integers / sizeof *integers; i++)
+		TRY(store_meta_put_integer(store, integers[i].key, integers[i].value));
+	for (size_t i = 0; i < sizeof reals / sizeof *reals; i++)
+		TRY(store_meta_put_real(store, reals[i].key, reals[i].value));
+	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+		TRY(store_meta_put_text(store, texts[i].key, texts[i].value));
+	if (!isnan(meta->ground_off))
+		TRY(store_meta_put_real(store, "ground_off", meta->ground_off));
+	if (!isnan(meta->holes))
+		TRY(store_meta_put_real(store, "holes", meta->holes));
+	if (meta->insets != NULL && meta->insets[0] != '\0')
+		TRY(store_meta_put_text(store, "insets", meta->insets));
+	TRY(store_misfit_write(store));
+	if (store->base_path != NULL)
+		TRY(store_meta_put_base_path(store));
+	if (store->inherits)
+		TRY(store_meta_put_integer(store, "parent_hash", (int64_t)store->parent_hash));
+	if (store->inherits)
+		TRY(store_meta_put_integer(store, "parent_revision", store->parent_revision));
 	const struct { const char *key; int64_t value; } part[] = {
 		{"part_run", (int64_t)store->part.run}, {"part_index", store->part.index}, {"part_count", store->part.count},
 	};
-	for (size_t i = 0; i < sizeof part / sizeof *part && store->part.count > 0 && status == STATUS_OK; i++)
-		status = store_meta_put_integer(store, part[i].key, part[i].value);
-	return status;
+	for (size_t i = 0; i < sizeof part / sizeof *part && store->part.count > 0; i++)
+		TRY(store_meta_put_integer(store, part[i].key, part[i].value));
+	return STATUS_OK;
 }
 
 enum status store_meta_put_request(struct store *store)
@@ -146,13 +134,10 @@ enum status store_meta_put_request(struct store *store)
 enum status store_meta_drop(struct store *store, const char *key)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, "DELETE FROM meta WHERE key = ?1");
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(store->db, store->path, &statement, "DELETE FROM meta WHERE key = ?1"));
 	sqlite3_bind_text(statement, 1, key, -1, SQLITE_STATIC);
 	int code = sqlite3_step(statement);
-	if (code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "writing it");
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(store->db, code, store->path, "writing it");
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -174,10 +159,7 @@ static enum status bad_key(const struct lookup *lookup, const char *key)
 /* *found false without that key. */
 static enum status look_up(struct lookup *lookup, const char *key, bool *found)
 {
-	enum status status = store_sql_prepare(lookup->db, lookup->path, &lookup->statement,
-					 "SELECT value FROM meta WHERE key = ?1");
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(lookup->db, lookup->path, &lookup->statement, "SELECT value FROM meta WHERE key = ?1"));
 	sqlite3_reset(lookup->statement);
 	sqlite3_bind_text(lookup->statement, 1, key, -1, SQLITE_STATIC);
 	int code = sqlite3_step(lookup->statement);
@@ -191,9 +173,7 @@ static enum status get_integer(struct lookup *lookup, const char *key, int64_t l
 			       int64_t *value)
 {
 	bool found;
-	enum status status = look_up(lookup, key, &found);
-	if (status != STATUS_OK)
-		return status;
+	TRY(look_up(lookup, key, &found));
 	if (!found || sqlite3_column_type(lookup->statement, 0) != SQLITE_INTEGER)
 		return bad_key(lookup, key);
 	*value = sqlite3_column_int64(lookup->statement, 0);
@@ -204,9 +184,7 @@ static enum status get_integer(struct lookup *lookup, const char *key, int64_t l
 static enum status get_real(struct lookup *lookup, const char *key, bool may_lack, double *value)
 {
 	bool found;
-	enum status status = look_up(lookup, key, &found);
-	if (status != STATUS_OK)
-		return status;
+	TRY(look_up(lookup, key, &found));
 	int type = found ? sqlite3_column_type(lookup->statement, 0) : 0;
 	*value = type == SQLITE_FLOAT ? sqlite3_column_double(lookup->statement, 0) : (double)NAN;
 	bool good = type == SQLITE_FLOAT ? isfinite(*value) : may_lack && type == SQLITE_NULL;
@@ -217,10 +195,10 @@ static enum status get_real(struct lookup *lookup, const char *key, bool may_lac
 static enum status get_optional(struct lookup *lookup, const char *key, double *value)
 {
 	bool found;
-	enum status status = look_up(lookup, key, &found);
+	TRY(look_up(lookup, key, &found));
 	*value = (double)NAN;
-	if (status != STATUS_OK || !found)
-		return status;
+	if (!found)
+		return STATUS_OK;
 	return get_real(lookup, key, false, value);
 }
 
@@ -228,9 +206,7 @@ static enum status get_optional(struct lookup *lookup, const char *key, double *
 static enum status get_text(struct lookup *lookup, const char *key, const char *lacking, const char **value)
 {
 	bool found;
-	enum status status = look_up(lookup, key, &found);
-	if (status != STATUS_OK)
-		return status;
+	TRY(look_up(lookup, key, &found));
 	if (!found && lacking != NULL) {
 		*value = mem_strdup(lacking);
 		return *value != NULL ? STATUS_OK : fail_memory("a store's header");
@@ -245,11 +221,13 @@ static enum status get_text(struct lookup *lookup, const char *key, const char *
 enum status store_meta_same_request(struct store *store, bool *same)
 {
 	struct lookup lookup = {.db = store->db, .path = store->path};
-	enum status status = look_up(&lookup, "request", same);
-	if (status == STATUS_OK && *same) {
+	enum status status;
+	TRY_OR(done, look_up(&lookup, "request", same));
+	if (*same) {
 		const char *text = (const char *)sqlite3_column_text(lookup.statement, 0);
 		*same = text != NULL && strcmp(text, store->meta.request) == 0;
 	}
+done:
 	sqlite3_finalize(lookup.statement);
 	return status;
 }
@@ -258,22 +236,15 @@ static enum status get_world(struct lookup *lookup, struct extent *extent)
 {
 	int64_t cells;
 	bool begun, whole = false;
-	enum status status = look_up(lookup, "request", &begun);
-	if (status == STATUS_OK)
-		status = look_up(lookup, "width", &whole);
-	if (status == STATUS_OK && begun && !whole)
+	TRY(look_up(lookup, "request", &begun));
+	TRY(look_up(lookup, "width", &whole));
+	if (begun && !whole)
 		return fail_with(STATUS_INPUT, "%s: an import that is not done; the same furrow import with --resume goes on "
 				 "with it", lookup->path);
-	if (status == STATUS_OK)
-		status = get_integer(lookup, "width", 0, INT64_MAX, &extent->width);
-	if (status == STATUS_OK)
-		status = get_integer(lookup, "height", 0, INT64_MAX, &extent->height);
-	if (status == STATUS_OK)
-		status = get_integer(lookup, "cells", 0, TILE_CELLS_MAX, &cells);
-	if (status == STATUS_OK)
-		status = get_real(lookup, "spacing", false, &extent->spacing);
-	if (status != STATUS_OK)
-		return status;
+	TRY(get_integer(lookup, "width", 0, INT64_MAX, &extent->width));
+	TRY(get_integer(lookup, "height", 0, INT64_MAX, &extent->height));
+	TRY(get_integer(lookup, "cells", 0, TILE_CELLS_MAX, &cells));
+	TRY(get_real(lookup, "spacing", false, &extent->spacing));
 	extent->cells = (uint32_t)cells;
 	const char *problem = extent_problem(extent);
 	if (problem != NULL)
@@ -284,13 +255,13 @@ static enum status get_world(struct lookup *lookup, struct extent *extent)
 
 static enum status get_working(struct lookup *lookup, const struct extent *extent, bool *has, int *level)
 {
-	enum status status = look_up(lookup, "working", has);
-	if (status != STATUS_OK || !*has)
-		return status;
+	TRY(look_up(lookup, "working", has));
+	if (!*has)
+		return STATUS_OK;
 	int64_t value = 0;
-	status = get_integer(lookup, "working", TILE_LEVEL_MIN, extent_coarsest(extent), &value);
+	TRY(get_integer(lookup, "working", TILE_LEVEL_MIN, extent_coarsest(extent), &value));
 	*level = (int)value;
-	return status;
+	return STATUS_OK;
 }
 
 enum status store_meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)
@@ -305,10 +276,10 @@ enum status store_meta_working(sqlite3 *db, const char *path, const struct exten
 static enum status get_compacted(struct lookup *lookup, int64_t *compacted)
 {
 	bool found;
-	enum status status = look_up(lookup, "compacted", &found);
+	TRY(look_up(lookup, "compacted", &found));
 	*compacted = 0;
-	if (status != STATUS_OK || !found)
-		return status;
+	if (!found)
+		return STATUS_OK;
 	return get_integer(lookup, "compacted", -COMPACTED_MAX, COMPACTED_MAX, compacted);
 }
 
@@ -331,22 +302,26 @@ enum status store_meta_add_compacted(struct store *store, int64_t more)
 }
 
 /* Without these keys nothing was measured. */
-enum status store_meta_misfit(struct store *store, const char *posts, const char *greatest, const char *squares, struct misfit *misfit)
+static enum status get_misfit(struct lookup *lookup, const char *posts, const char *greatest, const char *squares, struct misfit *misfit)
+{
+	bool found;
+	TRY(look_up(lookup, posts, &found));
+	if (!found)
+		return STATUS_OK;
+	TRY(get_integer(lookup, posts, 1, INT64_MAX, &misfit->posts));
+	TRY(get_real(lookup, greatest, false, &misfit->greatest));
+	TRY(get_real(lookup, squares, false, &misfit->squares));
+	if (!(misfit->greatest >= 0))
+		return bad_key(lookup, greatest);
+	return misfit->squares >= 0 ? STATUS_OK : bad_key(lookup, squares);
+}
+
+enum status store_meta_misfit(struct store *store, const char *posts, const char *greatest, const char *squares,
+			      struct misfit *misfit)
 {
 	struct lookup lookup = {.db = store->db, .path = store->path};
-	bool found;
 	*misfit = (struct misfit){0};
-	enum status status = look_up(&lookup, posts, &found);
-	if (status == STATUS_OK && found)
-		status = get_integer(&lookup, posts, 1, INT64_MAX, &misfit->posts);
-	if (status == STATUS_OK && found)
-		status = get_real(&lookup, greatest, false, &misfit->greatest);
-	if (status == STATUS_OK && found)
-		status = get_real(&lookup, squares, false, &misfit->squares);
-	if (status == STATUS_OK && !(misfit->greatest >= 0))
-		status = bad_key(&lookup, greatest);
-	if (status == STATUS_OK && !(misfit->squares >= 0))
-		status = bad_key(&lookup, squares);
+	enum status status = get_misfit(&lookup, posts, greatest, squares, misfit);
 	sqlite3_finalize(lookup.statement);
 	return status;
 }
@@ -371,9 +346,9 @@ enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash)
 static enum status get_base_path(struct lookup *lookup, char **path)
 {
 	bool found;
-	enum status status = look_up(lookup, "base_path", &found);
-	if (status != STATUS_OK || !found)
-		return status;
+	TRY(look_up(lookup, "base_path", &found));
+	if (!found)
+		return STATUS_OK;
 	const char *text = NULL;
 	if (sqlite3_column_type(lookup->statement, 0) == SQLITE_TEXT)
 		text = (const char *)sqlite3_column_text(lookup->statement, 0);
@@ -387,14 +362,14 @@ static enum status get_base_path(struct lookup *lookup, char **path)
 static enum status get_parent(struct lookup *lookup, struct store *store)
 {
 	int64_t hash = 0;
-	enum status status = look_up(lookup, "parent_hash", &store->inherits);
-	if (status != STATUS_OK || !store->inherits)
-		return status;
+	TRY(look_up(lookup, "parent_hash", &store->inherits));
+	if (!store->inherits)
+		return STATUS_OK;
 	if (store->base_path == NULL)
 		return bad_key(lookup, "parent_hash");
-	status = get_integer(lookup, "parent_hash", INT64_MIN, INT64_MAX, &hash);
+	TRY(get_integer(lookup, "parent_hash", INT64_MIN, INT64_MAX, &hash));
 	store->parent_hash = (uint64_t)hash;
-	return status == STATUS_OK ? get_integer(lookup, "parent_revision", 0, COMMITS_MOST, &store->parent_revision) : status;
+	return get_integer(lookup, "parent_revision", 0, COMMITS_MOST, &store->parent_revision);
 }
 
 /* Only a part of a run has them. */
@@ -402,30 +377,26 @@ static enum status get_part(struct lookup *lookup, struct store *store)
 {
 	int64_t run = 0, index = 0, count = 0;
 	bool found;
-	enum status status = look_up(lookup, "part_run", &found);
-	if (status != STATUS_OK || !found)
-		return status;
+	TRY(look_up(lookup, "part_run", &found));
+	if (!found)
+		return STATUS_OK;
 	if (!store->inherits)
 		return bad_key(lookup, "part_run");
-	status = get_integer(lookup, "part_run", INT64_MIN, INT64_MAX, &run);
-	if (status == STATUS_OK)
-		status = get_integer(lookup, "part_count", 1, STORE_PARTS_MOST, &count);
-	if (status == STATUS_OK)
-		status = get_integer(lookup, "part_index", 0, count - 1, &index);
+	TRY(get_integer(lookup, "part_run", INT64_MIN, INT64_MAX, &run));
+	TRY(get_integer(lookup, "part_count", 1, STORE_PARTS_MOST, &count));
+	TRY(get_integer(lookup, "part_index", 0, count - 1, &index));
 	store->part = (struct store_part){(uint64_t)run, (uint32_t)index, (uint32_t)count};
-	return status;
+	return STATUS_OK;
 }
 
 static enum status get_relief(struct lookup *lookup, struct store *store)
 {
 	const char *text;
 	bool found;
-	enum status status = look_up(lookup, "relief", &found);
-	if (status != STATUS_OK || !found)
-		return status;
-	status = get_text(lookup, "relief", NULL, &text);
-	if (status != STATUS_OK)
-		return status;
+	TRY(look_up(lookup, "relief", &found));
+	if (!found)
+		return STATUS_OK;
+	TRY(get_text(lookup, "relief", NULL, &text));
 	store->relief_text = (char *)(uintptr_t)text;
 	store->relief_stored = true;
 	return store_relief_settle(store);
@@ -434,47 +405,30 @@ static enum status get_relief(struct lookup *lookup, struct store *store)
 static enum status get_all(struct lookup *lookup, struct store *store)
 {
 	struct store_meta *meta = &store->meta;
-	enum status status = get_world(lookup, &meta->extent);
+	TRY(get_world(lookup, &meta->extent));
 	int64_t pack;
-	if (status == STATUS_OK)
-		status = get_integer(lookup, "pack", STORE_PACK_FAST, STORE_PACK_SMALL, &pack);
-	if (status == STATUS_OK)
-		meta->pack = (enum store_pack)pack;
+	TRY(get_integer(lookup, "pack", STORE_PACK_FAST, STORE_PACK_SMALL, &pack));
+	meta->pack = (enum store_pack)pack;
 	const struct { const char *key; bool may_lack; double *value; } reals[] = {
 		{"step", false, &meta->step},          {"max_error", false, &meta->max_error},
 		{"origin_x", false, &meta->origin[0]}, {"origin_y", false, &meta->origin[1]},
 		{"low", true, &meta->low},             {"high", true, &meta->high},
 	};
-	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
-		status = get_real(lookup, reals[i].key, reals[i].may_lack, reals[i].value);
-	if (status == STATUS_OK)
-		status = get_optional(lookup, "ground_off", &meta->ground_off);
-	if (status == STATUS_OK)
-		status = get_optional(lookup, "holes", &meta->holes);
-	if (status == STATUS_OK)
-		status = get_text(lookup, "srs", NULL, &meta->srs);
-	if (status == STATUS_OK)
-		status = get_text(lookup, "vertical", NULL, &meta->vertical);
-	if (status == STATUS_OK)
-		status = get_text(lookup, "sources", NULL, &meta->sources);
-	if (status == STATUS_OK)
-		status = get_text(lookup, "insets", "", &meta->insets);
-	if (status == STATUS_OK)
-		status = get_base_hash(lookup, &store->base_hash);
-	if (status == STATUS_OK)
-		status = get_base_path(lookup, &store->base_path);
-	if (status == STATUS_OK)
-		status = get_parent(lookup, store);
-	if (status == STATUS_OK)
-		status = get_part(lookup, store);
-	if (status == STATUS_OK)
-		status = get_working(lookup, &meta->extent, &store->has_working, &store->working);
-	if (status == STATUS_OK)
-		status = get_compacted(lookup, &store->compacted);
-	if (status == STATUS_OK)
-		status = get_relief(lookup, store);
-	if (status != STATUS_OK)
-		return status;
+	for (size_t i = 0; i < sizeof reals / sizeof *reals; i++)
+		TRY(get_real(lookup, reals[i].key, reals[i].may_lack, reals[i].value));
+	TRY(get_optional(lookup, "ground_off", &meta->ground_off));
+	TRY(get_optional(lookup, "holes", &meta->holes));
+	TRY(get_text(lookup, "srs", NULL, &meta->srs));
+	TRY(get_text(lookup, "vertical", NULL, &meta->vertical));
+	TRY(get_text(lookup, "sources", NULL, &meta->sources));
+	TRY(get_text(lookup, "insets", "", &meta->insets));
+	TRY(get_base_hash(lookup, &store->base_hash));
+	TRY(get_base_path(lookup, &store->base_path));
+	TRY(get_parent(lookup, store));
+	TRY(get_part(lookup, store));
+	TRY(get_working(lookup, &meta->extent, &store->has_working, &store->working));
+	TRY(get_compacted(lookup, &store->compacted));
+	TRY(get_relief(lookup, store));
 	store->working_stored = store->has_working;
 	if (meta->step < 0)
 		return bad_key(lookup, "step");
@@ -495,12 +449,8 @@ enum status store_meta_read(struct store *store)
 	struct lookup lookup = {.db = store->db, .path = store->path};
 	enum status status = get_all(&lookup, store);
 	sqlite3_finalize(lookup.statement);
-	if (status == STATUS_OK)
-		status = store_misfit_read(store);
-	if (status != STATUS_OK)
-		return status;
-	status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->commit);
-	if (status == STATUS_OK && (store->commit < 0 || store->commit > COMMITS_MOST))
-		return bad_key(&lookup, "epoch");
-	return status;
+	TRY(status);
+	TRY(store_misfit_read(store));
+	TRY(store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->commit));
+	return store->commit >= 0 && store->commit <= COMMITS_MOST ? STATUS_OK : bad_key(&lookup, "epoch");
 }

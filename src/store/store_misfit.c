@@ -13,35 +13,31 @@ static void key_of(int which, const char *part, char key[48])
 enum status store_misfit_write(struct store *store)
 {
 	const struct misfit *const both[] = {&store->meta.off_resampled, &store->meta.off_source};
-	enum status status = STATUS_OK;
-	for (int i = 0; i < 2 && status == STATUS_OK; i++) {
+	for (int i = 0; i < 2; i++) {
 		char key[48];
 		if (both[i]->posts == 0)
 			continue;
 		key_of(i, "posts", key);
-		status = store_meta_put_integer(store, key, both[i]->posts);
+		TRY(store_meta_put_integer(store, key, both[i]->posts));
 		key_of(i, "greatest", key);
-		if (status == STATUS_OK)
-			status = store_meta_put_real(store, key, both[i]->greatest);
+		TRY(store_meta_put_real(store, key, both[i]->greatest));
 		key_of(i, "squares", key);
-		if (status == STATUS_OK)
-			status = store_meta_put_real(store, key, both[i]->squares);
+		TRY(store_meta_put_real(store, key, both[i]->squares));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status store_misfit_read(struct store *store)
 {
 	struct misfit *const both[] = {&store->meta.off_resampled, &store->meta.off_source};
-	enum status status = STATUS_OK;
-	for (int i = 0; i < 2 && status == STATUS_OK; i++) {
+	for (int i = 0; i < 2; i++) {
 		char keys[3][48];
 		key_of(i, "posts", keys[0]);
 		key_of(i, "greatest", keys[1]);
 		key_of(i, "squares", keys[2]);
-		status = store_meta_misfit(store, keys[0], keys[1], keys[2], both[i]);
+		TRY(store_meta_misfit(store, keys[0], keys[1], keys[2], both[i]));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 void store_put_holes(struct store *store, double share)

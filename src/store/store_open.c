@@ -69,16 +69,15 @@ static enum status check_length(struct store *store)
 {
 	int64_t pages, size;
 	struct stat file = {0};
-	enum status status = store_sql_exec(store->db, store->path, "opening it", "BEGIN");
-	if (status != STATUS_OK)
-		return status;
-	status = store_sql_integer(store->db, store->path, "PRAGMA page_count", &pages);
-	if (status == STATUS_OK)
-		status = store_sql_integer(store->db, store->path, "PRAGMA page_size", &size);
+	TRY(store_sql_exec(store->db, store->path, "opening it", "BEGIN"));
+	enum status status;
+	TRY_OR(done, store_sql_integer(store->db, store->path, "PRAGMA page_count", &pages));
+	TRY_OR(done, store_sql_integer(store->db, store->path, "PRAGMA page_size", &size));
 	const char *path = store_file_read(store);
-	if (status == STATUS_OK && !store_connect_has_wal(path) && (stat(path, &file) != 0 || file.st_size < pages * size))
-		status = fail_with(STATUS_INPUT, "%s: it was cut short: %lld bytes of %lld; restore or import it again",
-				   store->path, (long long)file.st_size, (long long)(pages * size));
+	if (!store_connect_has_wal(path) && (stat(path, &file) != 0 || file.st_size < pages * size))
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: it was cut short: %lld bytes of %lld; restore or import it again",
+				       store->path, (long long)file.st_size, (long long)(pages * size)));
+done:
 	sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
 	return status;
 }
@@ -87,16 +86,14 @@ static enum status check_length(struct store *store)
 static enum status adapt(struct store *store, bool writing, int version)
 {
 	int64_t any = 0;
-	enum status status = STATUS_OK;
 	if (version < STORE_VERSION_SHEAR)
-		status = store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM shear)", &any);
-	if (status == STATUS_OK)
-		status = writing ? store_schema_raise(store->db, store->path, version) : store_schema_hide(store->db, store->path, version);
-	if (status == STATUS_OK && any != 0 && (store->over == NULL || store->over->inherits))
+		TRY(store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM shear)", &any));
+	TRY(writing ? store_schema_raise(store->db, store->path, version) : store_schema_hide(store->db, store->path, version));
+	if (any != 0 && (store->over == NULL || store->over->inherits))
 		note("%s: an older furrow drove there; its ruts stay, its shear counts as none%s", store->path,
 		     writing ? ", and older furrows cannot read the store any more" : "");
 	store->older = !writing;
-	return status;
+	return STATUS_OK;
 }
 
 /* Makes this process the only writer. */
@@ -117,10 +114,10 @@ static enum status find_finest_base(struct store *store)
 		store->finest_base = store->under->finest_base;
 		return STATUS_OK;
 	}
-	enum status status = store_sql_integer(store->db, store->path, "SELECT coalesce(min(key), 0) FROM base", &key);
-	const int level = status == STATUS_OK && key > 0 ? tile_from_key((uint64_t)key).level : 0;
+	TRY(store_sql_integer(store->db, store->path, "SELECT coalesce(min(key), 0) FROM base", &key));
+	const int level = key > 0 ? tile_from_key((uint64_t)key).level : 0;
 	store->finest_base = level > 0 ? 0 : level < TILE_LEVEL_MIN ? TILE_LEVEL_MIN : level;
-	return status;
+	return STATUS_OK;
 }
 
 /* What an overlay depends on is shown, if the store has gone on since and keeps it. */
@@ -134,11 +131,10 @@ static enum status show_pinned(struct store *store)
 	}
 	if (wanted == NULL)
 		return STATUS_OK;
-	enum status status = store_pinned_find(store, *wanted, &store->shown);
-	if (status == STATUS_OK && store->shown >= 0)
-		status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM main.run", &present);
-	if (status != STATUS_OK || store->shown < 0)
-		return status;
+	TRY(store_pinned_find(store, *wanted, &store->shown));
+	if (store->shown < 0)
+		return STATUS_OK;
+	TRY(store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM main.run", &present));
 	if (store->shown == present || commit == present) {
 		store->shown = -1;
 		return STATUS_OK;
@@ -149,23 +145,19 @@ static enum status show_pinned(struct store *store)
 /* Connects the file, and reads what it says of itself. */
 static enum status connect(struct store *store, const struct store_options *options, int *version)
 {
-	enum status status = find_file(store);
-	if (status == STATUS_OK)
-		status = find_copy(store);
-	if (status == STATUS_OK && options->mode == STORE_WRITE)
-		status = lock(store);
-	if (status == STATUS_OK && options->mode == STORE_WRITE && !options->late)
-		status = store_connect_file(store->real_path, store->path, true, &store->db);
-	else if (status == STATUS_OK)
-		status = store_connect_reader(store_file_read(store), store->path, &(struct store_frozen){.is = false}, &store->db);
-	if (status == STATUS_OK)
-		status = store_schema_check(store->db, store->path, version);
+	TRY(find_file(store));
+	TRY(find_copy(store));
+	if (options->mode == STORE_WRITE)
+		TRY(lock(store));
+	if (options->mode == STORE_WRITE && !options->late)
+		TRY(store_connect_file(store->real_path, store->path, true, &store->db));
+	else
+		TRY(store_connect_reader(store_file_read(store), store->path, &(struct store_frozen){.is = false}, &store->db));
+	TRY(store_schema_check(store->db, store->path, version));
 	store->version = *version;
-	if (status == STATUS_OK)
-		status = check_length(store);
-	if (status == STATUS_OK)
-		status = show_pinned(store);
-	return status == STATUS_OK ? store_meta_read(store) : status;
+	TRY(check_length(store));
+	TRY(show_pinned(store));
+	return store_meta_read(store);
 }
 
 /* Tells whether what these options keep fits together, and what a part keeps in any case. */
@@ -178,21 +170,51 @@ static enum status settle_history(struct store *store, const struct store_option
 		return STATUS_OK;
 	if (store->history.each)
 		return fail_with(STATUS_USAGE, "%s: it cannot keep every revision and only the last one; leave out one of them", store->path);
-	enum status status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM snapshot", &named);
-	if (status == STATUS_OK && named > 0)
-		status = fail_with(STATUS_INPUT, "%s: it keeps revisions that have names, and a commit that keeps only the last one would drop "
-				   "them; drive an overlay of it", store->path);
-	return status;
+	TRY(store_sql_integer(store->db, store->path, "SELECT count(*) FROM snapshot", &named));
+	if (named > 0)
+		return fail_with(STATUS_INPUT, "%s: it keeps revisions that have names, and a commit that keeps only the last one would drop "
+				 "them; drive an overlay of it", store->path);
+	return STATUS_OK;
+}
+
+/* Connects the file and those under it, and reads what is kept of them in memory. */
+static enum status take_all(struct store *store, const struct store_options *options)
+{
+	const bool begins = options->mode == STORE_WRITE && !options->late;
+	int version = STORE_VERSION;
+	if (store->path == NULL || (options->scene != NULL && store->scene == NULL))
+		return fail_memory("a store");
+	TRY(connect(store, options, &version));
+	if (store->parent_given != NULL && store->base_path == NULL)
+		return fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay, so it has no base to name; name an overlay", store->path);
+	if (store->base_path != NULL && !store->alone)
+		TRY(store_overlay_connect(store));
+	if (version < STORE_VERSION)
+		TRY(adapt(store, begins, version));
+	TRY(find_finest_base(store));
+	if (begins)
+		TRY(store_wal_begin(store));
+	store->writing = options->mode == STORE_WRITE;
+	store->late = store->writing && options->late;
+	TRY(store_rows_init(&store->rows, store->db, store->path, &store->meta.extent, store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST));
+	if (!store->alone)
+		store_overlay_inherit(store);
+	TRY(store_history_open(store));
+	TRY(store_pinned_open(store));
+	TRY(settle_history(store, options));
+	/* What an opening reads is not counted, in the files under it neither. */
+	for (struct store *under = store->under; under != NULL; under = under->under)
+		store_statements_restart(&under->statements);
+	store_statements_count(&store->statements, store->db);
+	store_changes_restart(&store->changes, store->commit);
+	return STATUS_OK;
 }
 
 static enum status open_it(const char *path, const struct store_options *options, struct store *over, const char *parent, bool alone,
 			   const uint64_t *wanted, struct store **out)
 {
 	struct store *store = mem_calloc(1, sizeof *store);
-	if (store == NULL)
-		return fail_memory("a store");
-	const bool begins = options->mode == STORE_WRITE && !options->late;
-	int version = STORE_VERSION;
+	TRY_MEM(store, "a store");
 	store->lock = -1;
 	store->base = &store->rows;
 	store->over = over;
@@ -206,47 +228,14 @@ static enum status open_it(const char *path, const struct store_options *options
 	store_who(store->who, sizeof store->who);
 	store->path = mem_strdup(path);
 	store->scene = options->scene != NULL ? mem_strdup(options->scene) : NULL;
-	bool copied = store->path != NULL && (options->scene == NULL || store->scene != NULL);
-	enum status status = copied ? connect(store, options, &version) : fail_memory("a store");
-	if (status == STATUS_OK && parent != NULL && store->base_path == NULL)
-		status = fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay, so it has no base to name; name an overlay", path);
-	if (status == STATUS_OK && store->base_path != NULL && !alone)
-		status = store_overlay_connect(store);
-	if (status == STATUS_OK && version < STORE_VERSION)
-		status = adapt(store, begins, version);
-	if (status == STATUS_OK)
-		status = find_finest_base(store);
-	if (status == STATUS_OK && begins)
-		status = store_wal_begin(store);
-	if (status == STATUS_OK) {
-		store->writing = options->mode == STORE_WRITE;
-		store->late = store->writing && options->late;
-		status = store_rows_init(&store->rows, store->db, store->path, &store->meta.extent,
-				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
-	}
-	if (status == STATUS_OK) {
-		if (!alone)
-			store_overlay_inherit(store);
-		status = store_history_open(store);
-	}
-	if (status == STATUS_OK)
-		status = store_pinned_open(store);
-	if (status == STATUS_OK)
-		status = settle_history(store, options);
-	/* What an opening reads is not counted, in the files under it neither. */
-	for (struct store *under = store->under; under != NULL && status == STATUS_OK; under = under->under)
-		store_statements_restart(&under->statements);
-	if (status == STATUS_OK)
-		store_statements_count(&store->statements, store->db);
-	store_changes_restart(&store->changes, store->commit);
+	enum status status = take_all(store, options);
 	store->staged = NULL;
 	store->wanted = NULL;
-	if (status != STATUS_OK) {
+	if (status != STATUS_OK)
 		store_close(store);
-		return status;
-	}
-	*out = store;
-	return STATUS_OK;
+	else
+		*out = store;
+	return status;
 }
 
 enum status store_open_as(const char *path, const struct store_options *options, struct store *over, const char *parent,
@@ -276,45 +265,32 @@ enum status store_open(const char *path, const struct store_options *options, st
 static enum status connect_begun(struct store *store, sqlite3 **db)
 {
 	int version = STORE_VERSION;
-	enum status status = store_connect_file(store->real_path, store->path, true, db);
-	if (status == STATUS_OK)
-		status = store_schema_check(*db, store->path, &version);
-	if (status == STATUS_OK)
-		store->version = version;
-	if (status == STATUS_OK && version < STORE_VERSION) {
-		status = store_schema_raise(*db, store->path, version);
-		atomic_store(&store->raised, status == STATUS_OK);
-		if (status == STATUS_OK && store->working_stored)
-			note("%s: it is a store of this version from now on; older furrows cannot read it any more", store->path);
-	}
-	return status;
+	TRY(store_connect_file(store->real_path, store->path, true, db));
+	TRY(store_schema_check(*db, store->path, &version));
+	store->version = version;
+	if (version >= STORE_VERSION)
+		return STATUS_OK;
+	TRY(store_schema_raise(*db, store->path, version));
+	atomic_store(&store->raised, true);
+	if (store->working_stored)
+		note("%s: it is a store of this version from now on; older furrows cannot read it any more", store->path);
+	return STATUS_OK;
 }
 
 enum status store_begin(struct store *store)
 {
-	struct rows rows;
+	struct rows rows = {0};
 	sqlite3 *db = NULL, *reading = store->db;
+	enum status status;
 	if (!store->late)
 		return STATUS_OK;
 	assert(store->writing);
 	/* The name may be another file's by now. */
-	enum status status = store_place_check(store);
-	if (status == STATUS_OK)
-		status = connect_begun(store, &db);
-	if (status == STATUS_OK)
-		status = store_rows_init(&rows, db, store->path, &store->meta.extent, store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
-	if (status != STATUS_OK) {
-		sqlite3_close(db);
-		return status;
-	}
+	TRY(store_place_check(store));
+	TRY_OR(failed, connect_begun(store, &db));
+	TRY_OR(failed, store_rows_init(&rows, db, store->path, &store->meta.extent, store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST));
 	store->db = db;
-	status = store_wal_begin(store);
-	if (status != STATUS_OK) {
-		store->db = reading;
-		store_rows_finish(&rows);
-		sqlite3_close(db);
-		return status;
-	}
+	TRY_OR(failed, store_wal_begin(store));
 	store_rows_finish(&store->rows);
 	store_history_finish(store);
 	sqlite3_finalize(store->run_statement);
@@ -327,6 +303,11 @@ enum status store_begin(struct store *store)
 	store_statements_count(&store->statements, db);
 	store->late = false;
 	return STATUS_OK;
+failed:
+	store->db = reading;
+	store_rows_finish(&rows);
+	sqlite3_close(db);
+	return status;
 }
 
 /* --- closing --- */

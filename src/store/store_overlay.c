@@ -129,20 +129,18 @@ static enum status check_parent(struct store *store)
 {
 	struct store *under = store->under;
 	uint64_t hash;
-	enum status status = store_overlay_hold(under, under->db);
-	if (status == STATUS_OK)
-		status = store_lineage_make(under, store->parent_revision, &store->lineage);
-	if (status == STATUS_OK)
-		status = store_lineage_hash(under, &store->lineage, &hash);
-	if (status == STATUS_OK && hash != store->parent_hash && store->parent_given != NULL)
-		status = fail_with(STATUS_INPUT, "%s: it is not over %s, whose ruts are others: it was made at revision %lld of its parent, and "
-				   "this file is at %lld; name the file that it was made from, at that revision", store->path, under->path,
-				   (long long)store->parent_revision, (long long)under->commit);
-	else if (status == STATUS_OK && hash != store->parent_hash)
-		status = fail_with(STATUS_INPUT, "%s: its parent %s has changed since: it was at revision %lld, and is at %lld; restore the "
-				   "parent to that revision, or make another branch of it", store->path, under->path,
-				   (long long)store->parent_revision, (long long)under->commit);
-	return status;
+	TRY(store_overlay_hold(under, under->db));
+	TRY(store_lineage_make(under, store->parent_revision, &store->lineage));
+	TRY(store_lineage_hash(under, &store->lineage, &hash));
+	if (hash == store->parent_hash)
+		return STATUS_OK;
+	if (store->parent_given != NULL)
+		return fail_with(STATUS_INPUT, "%s: it is not over %s, whose ruts are others: it was made at revision %lld of its parent, and "
+				 "this file is at %lld; name the file that it was made from, at that revision", store->path, under->path,
+				 (long long)store->parent_revision, (long long)under->commit);
+	return fail_with(STATUS_INPUT, "%s: its parent %s has changed since: it was at revision %lld, and is at %lld; restore the "
+			 "parent to that revision, or make another branch of it", store->path, under->path,
+			 (long long)store->parent_revision, (long long)under->commit);
 }
 
 static enum status connect_parent(struct store *store)
@@ -150,13 +148,10 @@ static enum status connect_parent(struct store *store)
 	if (store->over != NULL && !store->over->inherits)
 		return fail_with(STATUS_INPUT, "%s: it is an overlay itself, and %s was not made from one; name the store that it is over",
 				 store->path, store->over->path);
-	enum status status = check_chain(store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_chain(store));
 	char *path = store_overlay_parent_file(store);
-	if (path == NULL)
-		return fail_memory("an overlay");
-	status = store_open_as(path, &(struct store_options){.mode = STORE_READ, .staged = store->staged}, store, NULL, &store->under);
+	TRY_MEM(path, "an overlay");
+	enum status status = store_open_as(path, &(struct store_options){.mode = STORE_READ, .staged = store->staged}, store, NULL, &store->under);
 	mem_free(path);
 	if (status != STATUS_OK)
 		return parent_unusable(store, status);
@@ -199,13 +194,12 @@ void store_overlay_inherit(struct store *store)
 enum status store_overlay_hold(const struct store *store, sqlite3 *db)
 {
 	int64_t commit;
-	enum status status = store_sql_exec(db, store->path, "opening it", "BEGIN");
-	if (status == STATUS_OK)
-		status = store_sql_integer(db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit);
-	if (status == STATUS_OK && commit != store->commit)
-		status = fail_with(STATUS_INPUT, "%s: it is driven while an overlay of it is open; wait for the drive to end, or branch "
-				   "again", store->path);
-	return status;
+	TRY(store_sql_exec(db, store->path, "opening it", "BEGIN"));
+	TRY(store_sql_integer(db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit));
+	if (commit != store->commit)
+		return fail_with(STATUS_INPUT, "%s: it is driven while an overlay of it is open; wait for the drive to end, or branch "
+				 "again", store->path);
+	return STATUS_OK;
 }
 
 const char *store_file_path(const struct store *store)
@@ -259,8 +253,7 @@ enum status store_overlay_name_parent(struct store *store, const struct store *p
 	if (folder != NULL)
 		store->base_path = store_overlay_path_between(dirname(folder), parent->real_path);
 	mem_free(folder);
-	if (store->base_path == NULL)
-		return fail_memory("an overlay");
+	TRY_MEM(store->base_path, "an overlay");
 	return store_overlay_path_fits(store->base_path, strlen(store->base_path))
 		       ? STATUS_OK
 		       : fail_with(STATUS_INPUT, "%s: its path has control characters; rename it", parent->path);
@@ -268,44 +261,39 @@ enum status store_overlay_name_parent(struct store *store, const struct store *p
 
 enum status store_overlay_begin_as(struct store *store, const struct store *parent, const struct store_run_copy *run, const char *what)
 {
-	enum status status = STATUS_OK;
 	if (parent->working_stored)
-		status = store_meta_put_working(store, parent->working, parent->relief_text);
-	if (status == STATUS_OK && parent->compacted != 0)
-		status = store_meta_put_integer(store, "compacted", parent->compacted);
+		TRY(store_meta_put_working(store, parent->working, parent->relief_text));
+	if (parent->compacted != 0)
+		TRY(store_meta_put_integer(store, "compacted", parent->compacted));
 	store->commit = run->commit - 1;
-	return status == STATUS_OK ? store_run_put_back(store, run, what) : status;
+	return store_run_put_back(store, run, what);
 }
 
 enum status store_overlay_begin(struct store *store)
 {
 	struct store_run_copy run = {0};
-	enum status status = store_run_copy(store->under, &run);
+	enum status status;
+	TRY_OR(done, store_run_copy(store->under, &run));
 	run.commit = store->parent_revision;
-	if (status == STATUS_OK)
-		status = store_overlay_begin_as(store, store->under, &run, "branch");
+	TRY_OR(done, store_overlay_begin_as(store, store->under, &run, "branch"));
+done:
 	store_run_copy_finish(&run);
 	return status;
 }
 
 static enum status inherit_from(struct store *store, struct store *parent)
 {
-	struct lineage lineage = {0};
 	struct store_run_copy run = {0};
 	store->inherits = true;
 	enum status status = store_overlay_hold(parent, parent->db);
 	parent->moved_on = status == STATUS_INPUT;
-	if (status == STATUS_OK)
-		status = store_lineage_make(parent, parent->commit, &lineage);
-	if (status == STATUS_OK)
-		status = store_lineage_hash(parent, &lineage, &store->parent_hash);
+	TRY(status);
+	TRY(store_lineage_state(parent, &store->parent_hash));
 	store->parent_revision = parent->commit;
-	if (status == STATUS_OK)
-		status = store_run_copy(parent, &run);
-	if (status == STATUS_OK)
-		status = store_overlay_begin_as(store, parent, &run, "branch");
+	TRY_OR(done, store_run_copy(parent, &run));
+	TRY_OR(done, store_overlay_begin_as(store, parent, &run, "branch"));
+done:
 	store_run_copy_finish(&run);
-	store_lineage_finish(&lineage);
 	return status;
 }
 
@@ -316,10 +304,10 @@ static enum status go_over(struct store *store, struct store *parent)
 	store->depth = parent->depth + 1;
 	store->base = parent->base;
 	store->commit = store->parent_revision;
-	enum status status = store->inherits ? store_lineage_make(parent, parent->commit, &store->lineage) : STATUS_OK;
-	if (status == STATUS_OK)
-		store_overlay_inherit(store);
-	return status;
+	if (store->inherits)
+		TRY(store_lineage_make(parent, parent->commit, &store->lineage));
+	store_overlay_inherit(store);
+	return STATUS_OK;
 }
 
 /* The parent knows of the overlay before that is there. A part ends with its run. */
@@ -334,39 +322,43 @@ static enum status pin_parent(struct store *store, struct store *parent)
 }
 
 /* *again: the parent was committed to meanwhile. */
+static enum status publish(struct store *store, const struct store *parent)
+{
+	enum status status = store_publish(store);
+	if (status != STATUS_OK && store->part_path != NULL && store->part.count == 0)
+		store_pins_withdraw_from(store, parent);
+	return status;
+}
+
+/* *again: the parent was committed to meanwhile. */
 static enum status make_once(const char *path, const char *parent_path, const uint64_t *state, const struct store_part *part,
 			     enum status (*fill)(struct store *store, void *user), void *user, bool *again)
 {
 	struct store *parent = NULL, *store = NULL;
-	enum status status = state != NULL ? store_open_state(parent_path, *state, &parent) : store_open(parent_path, &reading, &parent);
-	if (status == STATUS_OK && parent->depth == STORE_DEPTH_MOST)
-		status = fail_with(STATUS_INPUT, "%s: %d overlays lie one over another already, and no more can; drive it, or branch one further down",
-				   parent_path, STORE_DEPTH_MOST);
-	if (status == STATUS_OK)
-		status = store_create(path, &parent->meta, false, &store);
-	if (status == STATUS_OK)
-		status = store_overlay_name_parent(store, parent);
-	if (status == STATUS_OK && part != NULL)
+	struct store *own = NULL; /* the parent, until the overlay owns it */
+	enum status status;
+	TRY_OR(done, state != NULL ? store_open_state(parent_path, *state, &parent) : store_open(parent_path, &reading, &parent));
+	own = parent;
+	if (parent->depth == STORE_DEPTH_MOST)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: %d overlays lie one over another already, and no more can; drive it, or branch one further down",
+				       parent_path, STORE_DEPTH_MOST));
+	TRY_OR(done, store_create(path, &parent->meta, false, &store));
+	TRY_OR(done, store_overlay_name_parent(store, parent));
+	if (part != NULL)
 		store->part = *part;
-	if (status == STATUS_OK && (parent->under != NULL || parent->working_stored || part != NULL))
-		status = inherit_from(store, parent);
-	struct store *const over = parent;
-	if (status == STATUS_OK && fill != NULL) {
-		status = go_over(store, parent);
-		parent = NULL;
-		if (status == STATUS_OK)
-			status = fill(store, user);
+	if (parent->under != NULL || parent->working_stored || part != NULL)
+		TRY_OR(done, inherit_from(store, parent));
+	if (fill != NULL) {
+		own = NULL;
+		TRY_OR(done, go_over(store, parent));
+		TRY_OR(done, fill(store, user));
 	}
-	if (status == STATUS_OK)
-		status = pin_parent(store, over);
-	if (status == STATUS_OK) {
-		status = store_publish(store);
-		if (status != STATUS_OK && store->part_path != NULL && store->part.count == 0)
-			store_pins_withdraw_from(store, over);
-	}
-	*again = status != STATUS_OK && over != NULL && over->moved_on;
+	TRY_OR(done, pin_parent(store, parent));
+	TRY_OR(done, publish(store, parent));
+done:
+	*again = status != STATUS_OK && parent != NULL && parent->moved_on;
 	store_close(store);
-	store_close(parent);
+	store_close(own);
 	return status;
 }
 
@@ -400,16 +392,12 @@ static bool is_over(struct store *overlay, const struct store *base, uint64_t st
 
 static enum status check_same(struct store *overlay, struct store *base)
 {
-	struct lineage lineage = {0};
 	uint64_t state = 0;
-	enum status status = store_lineage_make(base, base->commit, &lineage);
-	if (status == STATUS_OK)
-		status = store_lineage_hash(base, &lineage, &state);
-	store_lineage_finish(&lineage);
-	if (status == STATUS_OK && !is_over(overlay, base, state))
-		status = fail_with(STATUS_INPUT, "%s: it is an overlay of %s, not of %s; give another name", overlay->path,
-				   overlay->under->path, base->path);
-	return status;
+	TRY(store_lineage_state(base, &state));
+	if (!is_over(overlay, base, state))
+		return fail_with(STATUS_INPUT, "%s: it is an overlay of %s, not of %s; give another name", overlay->path,
+				 overlay->under->path, base->path);
+	return STATUS_OK;
 }
 
 /* A file of another kind, or a folder, has the name. The advice differs from that for a store. */
@@ -434,16 +422,15 @@ static enum status check_kind(const char *path)
 static enum status check_overlay(const char *path, const char *base_path)
 {
 	struct store *store = NULL, *base = NULL;
-	enum status status = check_kind(path);
-	if (status == STATUS_OK)
-		status = store_open(path, &reading, &store);
-	if (status == STATUS_OK && store->under == NULL)
-		status = fail_with(STATUS_INPUT, "%s: it is a whole store, not an overlay; name a file that is not there yet%s", path,
-				   strcmp(path, base_path) == 0 ? ", or leave --overlay out to keep the ruts in the store" : "");
-	if (status == STATUS_OK)
-		status = store_open(base_path, &reading, &base);
-	if (status == STATUS_OK)
-		status = check_same(store, base);
+	enum status status;
+	TRY_OR(done, check_kind(path));
+	TRY_OR(done, store_open(path, &reading, &store));
+	if (store->under == NULL)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: it is a whole store, not an overlay; name a file that is not there yet%s", path,
+				       strcmp(path, base_path) == 0 ? ", or leave --overlay out to keep the ruts in the store" : ""));
+	TRY_OR(done, store_open(base_path, &reading, &base));
+	TRY_OR(done, check_same(store, base));
+done:
 	store_close(base);
 	store_close(store);
 	return status;
@@ -456,10 +443,8 @@ enum status store_open_overlay(const char *path, const char *base_path, const st
 	bool absent = stat(path, &file) != 0 && errno == ENOENT;
 	if (absent && options->mode == STORE_READ)
 		return fail_with(STATUS_INPUT, "%s: there is no such overlay, and none is made where everything is only read; check the path", path);
-	enum status status = absent ? store_create_overlay(path, base_path) : check_overlay(path, base_path);
-	if (status == STATUS_OK)
-		status = store_open(path, options, out);
-	if (status == STATUS_OK)
-		(*out)->made = absent;
-	return status;
+	TRY(absent ? store_create_overlay(path, base_path) : check_overlay(path, base_path));
+	TRY(store_open(path, options, out));
+	(*out)->made = absent;
+	return STATUS_OK;
 }

@@ -59,20 +59,21 @@ enum status store_part_claim(struct store *store, const struct store_page *pages
 	static const int32_t nothing = 0;
 	sqlite3_stmt *drop = NULL;
 	/* Earlier claims, but for the last of them. */
-	enum status status = store_sql_prepare(store->db, store->path, &drop,
-					       "DELETE FROM history WHERE plane = ?1 AND key = ?2 AND revision < "
-					       "(SELECT max(revision) FROM history WHERE plane = ?1 AND key = ?2)");
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, store_sql_prepare(store->db, store->path, &drop,
+				       "DELETE FROM history WHERE plane = ?1 AND key = ?2 AND revision < "
+				       "(SELECT max(revision) FROM history WHERE plane = ?1 AND key = ?2)"));
+	for (size_t i = 0; i < count; i++) {
 		const struct history_row row = {
 			.table = PART_CLAIM, .key = tile_key(pages[i].tile), .revision = store->commit + 1,
 			.codec = CODEC_CONSTANT, .bytes = &nothing, .size = sizeof nothing,
 		};
 		sqlite3_bind_int(drop, 1, PART_CLAIM);
 		sqlite3_bind_int64(drop, 2, (sqlite3_int64)row.key);
-		status = step(store, drop, "claiming its tiles");
-		if (status == STATUS_OK)
-			status = store_history_put(store, &row);
+		TRY_OR(done, step(store, drop, "claiming its tiles"));
+		TRY_OR(done, store_history_put(store, &row));
 	}
+done:
 	sqlite3_finalize(drop);
 	return status;
 }
@@ -103,24 +104,25 @@ enum status store_part_claims(struct store *part, int64_t commit, part_claim_fn 
 	sqlite3_stmt *statement = NULL;
 	uint64_t key = 0;
 	int64_t last = -1; /* of `key` */
-	enum status status = store_sql_prepare(part->db, part->path, &statement,
-					       "SELECT key, revision, form, codec, hash, blob FROM history WHERE plane = ?1 ORDER BY key, revision");
-	if (status != STATUS_OK)
-		return status;
-	sqlite3_bind_int(statement, 1, PART_CLAIM);
+	enum status status = STATUS_OK;
 	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
-		status = code == SQLITE_ROW ? check_claim(part, statement) : store_sql_fail(part->db, code, part->path, "reading its history");
-		if (status != STATUS_OK || sqlite3_column_int64(statement, 1) > commit)
+	TRY(store_sql_prepare(part->db, part->path, &statement,
+			      "SELECT key, revision, form, codec, hash, blob FROM history WHERE plane = ?1 ORDER BY key, revision"));
+	sqlite3_bind_int(statement, 1, PART_CLAIM);
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE) {
+		TRY_OR(done, code == SQLITE_ROW ? check_claim(part, statement) : store_sql_fail(part->db, code, part->path, "reading its history"));
+		if (sqlite3_column_int64(statement, 1) > commit)
 			continue;
 		uint64_t next = (uint64_t)sqlite3_column_int64(statement, 0);
 		if (last >= 0 && next != key)
-			status = fn(user, key, last);
+			TRY_OR(done, fn(user, key, last));
 		key = next;
 		last = sqlite3_column_int64(statement, 1);
 	}
+done:
 	sqlite3_finalize(statement);
-	return status == STATUS_OK && last >= 0 ? fn(user, key, last) : status;
+	TRY(status);
+	return last >= 0 ? fn(user, key, last) : STATUS_OK;
 }
 
 /* --- what it has --- */
@@ -128,15 +130,15 @@ enum status store_part_claims(struct store *part, int64_t commit, part_claim_fn 
 enum status store_part_open(const char *path, struct store **out)
 {
 	struct store *part = NULL;
-	enum status status = store_open_alone(path, &part);
-	if (status == STATUS_OK && part->part.count == 0)
-		status = fail_with(STATUS_INPUT, "%s: it is not a part of a run; name the files that a run of several processes made", path);
-	if (status == STATUS_OK)
-		status = store_overlay_hold(part, part->db); /* all that is read of it is of one commit */
-	if (status != STATUS_OK)
-		store_close(part);
-	else
-		*out = part;
+	enum status status;
+	TRY(store_open_alone(path, &part));
+	if (part->part.count == 0)
+		TRY_OR(failed, fail_with(STATUS_INPUT, "%s: it is not a part of a run; name the files that a run of several processes made", path));
+	TRY_OR(failed, store_overlay_hold(part, part->db)); /* all that is read of it is of one commit */
+	*out = part;
+	return STATUS_OK;
+failed:
+	store_close(part);
 	return status;
 }
 
@@ -145,9 +147,9 @@ enum status store_part_posts(struct store *part, enum row_table table, struct ti
 	struct row row;
 	*found = false;
 	if (commit < part->commit) {
-		enum status status = store_history_kept(part, table, tile, commit, posts, found);
-		if (status != STATUS_OK || *found)
-			return status;
+		TRY(store_history_kept(part, table, tile, commit, posts, found));
+		if (*found)
+			return STATUS_OK;
 	}
 	return posts != NULL ? store_rows_read(&part->rows, table, tile, posts, &row, found)
 			     : store_rows_head(&part->rows, table, tile, &row, found);
@@ -156,25 +158,24 @@ enum status store_part_posts(struct store *part, enum row_table table, struct ti
 enum status store_part_each(struct store *part, enum row_table table, int64_t commit, store_key_fn fn, void *user)
 {
 	sqlite3_stmt *statement = NULL;
+	enum status status = STATUS_OK;
+	int code;
 	char sql[160];
 	snprintf(sql, sizeof sql, "SELECT key FROM %s UNION SELECT key FROM history WHERE plane = ?1 AND revision = ?2 ORDER BY key",
 		 store_rows_sql_name(table));
-	enum status status = store_sql_prepare(part->db, part->path, &statement, sql);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(part->db, part->path, &statement, sql));
 	sqlite3_bind_int(statement, 1, (int)table);
 	sqlite3_bind_int64(statement, 2, commit);
-	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE) {
 		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
 		struct tile tile = tile_from_key(key);
 		if (code != SQLITE_ROW)
-			status = store_sql_fail(part->db, code, part->path, "reading its tiles");
-		else if (tile_key(tile) != key || tile.level != part->working || !extent_has(&part->meta.extent, tile))
-			status = fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, restore it", part->path);
-		else
-			status = fn(user, key);
+			TRY_OR(done, store_sql_fail(part->db, code, part->path, "reading its tiles"));
+		if (tile_key(tile) != key || tile.level != part->working || !extent_has(&part->meta.extent, tile))
+			TRY_OR(done, fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, restore it", part->path));
+		TRY_OR(done, fn(user, key));
 	}
+done:
 	sqlite3_finalize(statement);
 	return status;
 }

@@ -34,10 +34,10 @@ enum status store_pinned_open(struct store *store)
 	store->pins.newest = store->pins.label = -1;
 	if (store->version < STORE_VERSION_PINS)
 		return STATUS_OK;
-	enum status status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(revision), -1) FROM main.pinned", &store->pins.newest);
-	if (status == STATUS_OK && store->shown < 0 && store->pins.newest > store->commit)
-		status = fail_with(STATUS_INPUT, "%s: what it keeps for overlays is not its own; the store is damaged, restore it", store->path);
-	return status;
+	TRY(store_sql_integer(store->db, store->path, "SELECT coalesce(max(revision), -1) FROM main.pinned", &store->pins.newest));
+	if (store->shown < 0 && store->pins.newest > store->commit)
+		return fail_with(STATUS_INPUT, "%s: what it keeps for overlays is not its own; the store is damaged, restore it", store->path);
+	return STATUS_OK;
 }
 
 void store_pinned_finish(struct store *store)
@@ -72,6 +72,25 @@ static enum status match(void *user, const struct pin *pin)
 	return STATUS_OK;
 }
 
+/* *written: the rows that the statement wrote. */
+static enum status put_by(struct store *store, const char *text, uint64_t hash, int *written)
+{
+	sqlite3_stmt *statement = NULL;
+	TRY(store_sql_prepare(store->db, store->path, &statement, text));
+	sqlite3_bind_int64(statement, 1, (sqlite3_int64)hash);
+	if (store->working_stored)
+		sqlite3_bind_int(statement, 2, store->working);
+	sqlite3_bind_int64(statement, 3, store->compacted);
+	if (store->working_stored && store->relief_text != NULL)
+		sqlite3_bind_text(statement, 4, store->relief_text, -1, SQLITE_STATIC);
+	sqlite3_bind_int64(statement, 5, store->commit); /* the first text has no such parameter: no harm */
+	int code = sqlite3_step(statement);
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(store->db, code, store->path, keeping);
+	*written = sqlite3_changes(store->db);
+	sqlite3_finalize(statement);
+	return status;
+}
+
 static enum status put_revision(struct store *store, uint64_t hash)
 {
 	static const char *const texts[] = {
@@ -79,60 +98,41 @@ static enum status put_revision(struct store *store, uint64_t hash)
 		/* a store without a run */
 		"INSERT INTO pinned VALUES(?5, ?1, NULL, NULL, NULL, NULL, NULL, NULL, NULL, ?2, ?3, ?4)",
 	};
-	enum status status = STATUS_OK;
 	int written = 0;
-	for (int i = 0; i < 2 && status == STATUS_OK && written == 0; i++) {
-		sqlite3_stmt *statement = NULL;
-		status = store_sql_prepare(store->db, store->path, &statement, texts[i]);
-		if (status != STATUS_OK)
-			return status;
-		sqlite3_bind_int64(statement, 1, (sqlite3_int64)hash);
-		if (store->working_stored)
-			sqlite3_bind_int(statement, 2, store->working);
-		sqlite3_bind_int64(statement, 3, store->compacted);
-		if (store->working_stored && store->relief_text != NULL)
-			sqlite3_bind_text(statement, 4, store->relief_text, -1, SQLITE_STATIC);
-		sqlite3_bind_int64(statement, 5, store->commit); /* the first has no such parameter: no harm */
-		int code = sqlite3_step(statement);
-		if (code != SQLITE_DONE)
-			status = store_sql_fail(store->db, code, store->path, keeping);
-		written = sqlite3_changes(store->db);
-		sqlite3_finalize(statement);
-	}
-	return status;
+	for (int i = 0; i < 2 && written == 0; i++)
+		TRY(put_by(store, texts[i], hash, &written));
+	return STATUS_OK;
 }
 
 /* An older list, of before a reset, may have the same number for another state. So the hash decides. */
 static enum status pin_present(struct store *store)
 {
 	struct matching matching = {.store = store};
-	enum status status = store_lineage_state(store, &matching.hash);
-	if (status == STATUS_OK)
-		status = store_pins_each(store->real_path, match, &matching);
-	if (status != STATUS_OK || !matching.found) {
+	TRY(store_lineage_state(store, &matching.hash));
+	TRY(store_pins_each(store->real_path, match, &matching));
+	if (!matching.found) {
 		store->pins.label = store->pins.newest;
-		return status;
+		return STATUS_OK;
 	}
 	store->pins.raised = store->version < STORE_VERSION_PINS;
 	if (store->pins.raised)
-		status = store_schema_raise_pins(store->db, store->path);
-	return status == STATUS_OK ? put_revision(store, matching.hash) : status;
+		TRY(store_schema_raise_pins(store->db, store->path));
+	return put_revision(store, matching.hash);
 }
 
 enum status store_pinned_begin(struct store *store)
 {
 	struct pins *pins = &store->pins;
-	enum status status = STATUS_OK;
 	pins->label = pins->newest;
 	pins->raised = false;
 	if (store->part.count > 0)
 		return STATUS_OK; /* a part ends with its run */
 	if (store->under != NULL && !pins->told)
-		status = store_pins_tell_parent(store);
-	pins->told |= status == STATUS_OK;
-	if (status == STATUS_OK && pins->newest != store->commit)
-		status = store_pins_each(store->real_path, is_present, store);
-	return status == STATUS_OK && pins->label > pins->newest ? pin_present(store) : status;
+		TRY(store_pins_tell_parent(store));
+	pins->told = true;
+	if (pins->newest != store->commit)
+		TRY(store_pins_each(store->real_path, is_present, store));
+	return pins->label > pins->newest ? pin_present(store) : STATUS_OK;
 }
 
 void store_pinned_end(struct store *store, bool committed)
@@ -155,12 +155,12 @@ static enum status prepare(struct store *store, enum row_table table)
 	snprintf(text, sizeof text,
 		 "INSERT INTO replaced SELECT ?1, key, ?3, low, high, %s, codec, revision, hash, blob FROM %s WHERE key = ?2 AND "
 		 "NOT EXISTS (SELECT 1 FROM replaced WHERE plane = ?1 AND key = ?2 AND pinned >= ?3)", sums, from);
-	enum status status = store_sql_prepare(store->db, store->path, &store->pins.keep[table], text);
+	TRY(store_sql_prepare(store->db, store->path, &store->pins.keep[table], text));
 	/* There was no row: one without content says so. */
 	snprintf(text, sizeof text,
 		 "INSERT INTO replaced(plane, key, pinned) SELECT ?1, ?2, ?3 WHERE NOT EXISTS (SELECT 1 FROM %s WHERE key = ?2) AND "
 		 "NOT EXISTS (SELECT 1 FROM replaced WHERE plane = ?1 AND key = ?2 AND pinned >= ?3)", from);
-	return status == STATUS_OK ? store_sql_prepare(store->db, store->path, &store->pins.none[table], text) : status;
+	return store_sql_prepare(store->db, store->path, &store->pins.none[table], text);
 }
 
 enum status store_pinned_keep(struct store *store, int table, uint64_t key)
@@ -168,20 +168,20 @@ enum status store_pinned_keep(struct store *store, int table, uint64_t key)
 	struct pins *pins = &store->pins;
 	if (pins->label < 0)
 		return STATUS_OK;
-	enum status status = prepare(store, (enum row_table)table);
+	TRY(prepare(store, (enum row_table)table));
 	sqlite3_stmt *const statements[] = {pins->keep[table], pins->none[table]};
-	for (int i = 0; i < 2 && status == STATUS_OK; i++) {
+	for (int i = 0; i < 2; i++) {
 		sqlite3_bind_int(statements[i], 1, table);
 		sqlite3_bind_int64(statements[i], 2, (sqlite3_int64)key);
 		sqlite3_bind_int64(statements[i], 3, pins->label);
 		int code = sqlite3_step(statements[i]);
-		if (code != SQLITE_DONE)
-			status = store_sql_fail(store->db, code, store->path, keeping);
+		enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(store->db, code, store->path, keeping);
 		sqlite3_reset(statements[i]);
+		TRY(status);
 		if (sqlite3_changes(store->db) > 0)
 			break;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- a pinned revision is shown --- */
@@ -192,9 +192,8 @@ enum status store_pinned_find(const struct store *store, uint64_t hash, int64_t 
 	*revision = -1;
 	if (store->version < STORE_VERSION_PINS)
 		return STATUS_OK;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, "SELECT revision FROM main.pinned WHERE hash = ?1");
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
+	TRY(store_sql_prepare(store->db, store->path, &statement, "SELECT revision FROM main.pinned WHERE hash = ?1"));
 	sqlite3_bind_int64(statement, 1, (sqlite3_int64)hash);
 	int code = sqlite3_step(statement);
 	if (code == SQLITE_ROW)
@@ -210,8 +209,8 @@ enum status store_pinned_show(sqlite3 *db, const char *path, int64_t revision)
 	static const char doing[] = "showing what an overlay depends on";
 	char sql[1024];
 	const long long at = revision;
-	enum status status = store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY");
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+	TRY(store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY"));
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
 		const char *name = store_rows_sql_name((enum row_table)table), *sums = table == ROW_OFFSET ? "below, above, " : "";
 		snprintf(sql, sizeof sql,
 			 "CREATE TEMP VIEW %s AS SELECT key, low, high, %scodec, revision, hash, blob FROM main.replaced AS kept "
@@ -220,22 +219,20 @@ enum status store_pinned_show(sqlite3 *db, const char *path, int64_t revision)
 			 "SELECT key, low, high, %scodec, revision, hash, blob FROM main.%s AS present WHERE NOT EXISTS (SELECT 1 FROM "
 			 "main.replaced AS other WHERE other.plane = %d AND other.key = present.key AND other.pinned >= %lld)",
 			 name, sums, table, at, table, at, sums, name, table, at);
-		status = store_sql_exec(db, path, doing, sql);
+		TRY(store_sql_exec(db, path, doing, sql));
 	}
 	snprintf(sql, sizeof sql,
 		 "CREATE TEMP VIEW run AS SELECT 1 AS id, revision AS epoch, scene_hash, step, time, state, made, who, what FROM main.pinned "
 		 "WHERE revision = %lld AND state IS NOT NULL", at);
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, doing, sql);
+	TRY(store_sql_exec(db, path, doing, sql));
 	snprintf(sql, sizeof sql,
 		 "CREATE TEMP VIEW meta AS SELECT key, value FROM main.meta WHERE key NOT IN ('working', 'compacted', 'relief') "
 		 "UNION ALL SELECT 'working', working FROM main.pinned WHERE revision = %lld AND working IS NOT NULL "
 		 "UNION ALL SELECT 'compacted', compacted FROM main.pinned WHERE revision = %lld AND compacted <> 0 "
 		 "UNION ALL SELECT 'relief', relief FROM main.pinned WHERE revision = %lld AND relief IS NOT NULL", at, at, at);
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, doing, sql);
+	TRY(store_sql_exec(db, path, doing, sql));
 	snprintf(sql, sizeof sql, "CREATE TEMP VIEW revision AS SELECT * FROM main.revision WHERE revision <= %lld", at);
-	return status == STATUS_OK ? store_sql_exec(db, path, doing, sql) : status;
+	return store_sql_exec(db, path, doing, sql);
 }
 
 /* --- dropping --- */
@@ -252,24 +249,27 @@ static enum status drop_rows(struct store *store)
 enum status store_pinned_drop(struct store *store, bool (*wanted)(void *user, int64_t revision, uint64_t hash), void *user, int64_t *dropped)
 {
 	sqlite3_stmt *statement = NULL;
-	int code = SQLITE_ROW;
+	int code;
+	enum status status;
 	*dropped = 0;
 	if (store->version < STORE_VERSION_PINS)
 		return STATUS_OK;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, "SELECT revision, hash FROM pinned");
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+	TRY_OR(done, store_sql_prepare(store->db, store->path, &statement, "SELECT revision, hash FROM pinned"));
+	while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
 		char sql[80];
 		const int64_t revision = sqlite3_column_int64(statement, 0);
 		if (wanted(user, revision, (uint64_t)sqlite3_column_int64(statement, 1)))
 			continue;
 		snprintf(sql, sizeof sql, "DELETE FROM pinned WHERE revision = %lld", (long long)revision);
-		status = store_sql_exec(store->db, store->path, "dropping what no overlay needs", sql);
+		TRY_OR(done, store_sql_exec(store->db, store->path, "dropping what no overlay needs", sql));
 		++*dropped;
 	}
-	if (status == STATUS_OK && code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "reading what overlays depend on");
+	if (code != SQLITE_DONE)
+		TRY_OR(done, store_sql_fail(store->db, code, store->path, "reading what overlays depend on"));
+done:
 	sqlite3_finalize(statement);
-	return status == STATUS_OK && *dropped > 0 ? drop_rows(store) : status;
+	TRY(status);
+	return *dropped > 0 ? drop_rows(store) : STATUS_OK;
 }
 
 enum status store_pinned_clear(struct store *store)

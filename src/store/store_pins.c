@@ -47,15 +47,14 @@ static enum status check_list(struct list *list, bool *empty)
 {
 	sqlite3_stmt *statement = NULL;
 	int64_t id = 0, objects = 0;
-	enum status status = store_sql_integer(list->db, list->path, "SELECT count(*) FROM sqlite_schema", &objects);
-	if (status == STATUS_OK)
-		status = store_sql_integer(list->db, list->path, "PRAGMA application_id", &id);
-	*empty = status == STATUS_OK && objects == 0 && id == 0;
-	if (status != STATUS_OK || *empty)
-		return status;
-	status = store_sql_prepare(list->db, list->path, &statement, "SELECT sql FROM sqlite_schema");
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
+	*empty = false;
+	TRY(store_sql_integer(list->db, list->path, "SELECT count(*) FROM sqlite_schema", &objects));
+	TRY(store_sql_integer(list->db, list->path, "PRAGMA application_id", &id));
+	*empty = objects == 0 && id == 0;
+	if (*empty)
+		return STATUS_OK;
+	TRY(store_sql_prepare(list->db, list->path, &statement, "SELECT sql FROM sqlite_schema"));
 	int code = sqlite3_step(statement);
 	const char *sql = code == SQLITE_ROW ? (const char *)sqlite3_column_text(statement, 0) : NULL;
 	if (code != SQLITE_ROW && code != SQLITE_DONE)
@@ -79,20 +78,18 @@ static enum status list_open(const char *real_path, struct list *list)
 	struct stat file;
 	bool empty = false;
 	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
-	if (list->path == NULL)
-		return fail_memory("a list of overlays");
+	TRY_MEM(list->path, "a list of overlays");
 	if (lstat(list->path, &file) != 0)
 		return STATUS_OK;
 	if (!S_ISREG(file.st_mode))
 		return damaged(list);
-	enum status status = store_connect_reader(list->path, list->path, &(struct store_frozen){.is = false}, &list->db);
-	if (status == STATUS_OK)
-		status = check_list(list, &empty);
-	if (status == STATUS_OK && empty) {
+	TRY(store_connect_reader(list->path, list->path, &(struct store_frozen){.is = false}, &list->db));
+	TRY(check_list(list, &empty));
+	if (empty) {
 		sqlite3_close(list->db);
 		list->db = NULL;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static bool is_there(const struct list *list)
@@ -119,35 +116,30 @@ static enum status find_or_make(struct list *list)
 static enum status list_begin(const char *real_path, struct list *list)
 {
 	bool empty = false, same = false;
-	enum status status = STATUS_OK;
 	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
-	if (list->path == NULL)
-		return fail_memory("a list of overlays");
-	while (status == STATUS_OK && !same) {
+	TRY_MEM(list->path, "a list of overlays");
+	while (!same) {
 		sqlite3_close(list->db);
 		list->db = NULL;
-		status = find_or_make(list);
-		if (status == STATUS_OK)
-			status = store_connect_file(list->path, list->path, true, &list->db);
-		if (status == STATUS_OK)
-			status = store_sql_exec(list->db, list->path, "opening it", "PRAGMA synchronous=EXTRA");
-		if (status == STATUS_OK)
-			status = store_sql_begin(list->db, list->path, "writing it");
+		TRY(find_or_make(list));
+		TRY(store_connect_file(list->path, list->path, true, &list->db));
+		TRY(store_sql_exec(list->db, list->path, "opening it", "PRAGMA synchronous=EXTRA"));
+		TRY(store_sql_begin(list->db, list->path, "writing it"));
 		/* Who dropped the last line has removed the list meanwhile (list_remove). */
 		same = is_there(list);
 	}
-	if (status == STATUS_OK)
-		status = check_list(list, &empty);
-	return status == STATUS_OK && empty ? make_list(list) : status;
+	TRY(check_list(list, &empty));
+	return empty ? make_list(list) : STATUS_OK;
 }
 
-/* The same, but makes no list; without one, list->db is NULL. */
+/* As list_begin(), but makes no list; without one, list->db is NULL. */
 static enum status list_begin_if_there(const char *real_path, struct list *list)
 {
 	enum status status = list_open(real_path, list);
 	const bool there = list->db != NULL;
 	list_close(list);
-	return status == STATUS_OK && there ? list_begin(real_path, list) : status;
+	TRY(status);
+	return there ? list_begin(real_path, list) : STATUS_OK;
 }
 
 /* Removes a list that would have no line. Who waits for it finds that out. */
@@ -170,12 +162,18 @@ static void give_up(struct list *list)
 		unlink(list->path);
 }
 
+static enum status commit(struct list *list)
+{
+	TRY(store_sql_exec(list->db, list->path, "writing it", "COMMIT"));
+	return is_there(list) ? STATUS_OK : fail_with(STATUS_FAILED, "%s: it was removed while it was written; try again", list->path);
+}
+
+/* Commits what was written to a list, and closes it. `status`: how the writing went; after a failure nothing is committed. A list that is
+ * closed already stays as it is. Returns the first failure. */
 static enum status list_end(struct list *list, enum status status)
 {
-	if (status == STATUS_OK)
-		status = store_sql_exec(list->db, list->path, "writing it", "COMMIT");
-	if (status == STATUS_OK && !is_there(list))
-		status = fail_with(STATUS_FAILED, "%s: it was removed while it was written; try again", list->path);
+	if (status == STATUS_OK && list->db != NULL)
+		status = commit(list);
 	if (status != STATUS_OK && list->db != NULL)
 		give_up(list);
 	list_close(list);
@@ -189,10 +187,11 @@ enum status store_pins_each(const char *real_path, pin_fn fn, void *user)
 	struct list list;
 	sqlite3_stmt *statement = NULL;
 	int code = SQLITE_DONE;
-	enum status status = list_open(real_path, &list);
-	if (status == STATUS_OK && list.db != NULL)
-		status = store_sql_prepare(list.db, list.path, &statement, "SELECT path, revision, hash, base, made FROM pin ORDER BY path");
-	while (status == STATUS_OK && statement != NULL && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+	enum status status;
+	TRY_OR(done, list_open(real_path, &list));
+	if (list.db != NULL)
+		TRY_OR(done, store_sql_prepare(list.db, list.path, &statement, "SELECT path, revision, hash, base, made FROM pin ORDER BY path"));
+	while (statement != NULL && (code = sqlite3_step(statement)) == SQLITE_ROW) {
 		const char *path = (const char *)sqlite3_column_text(statement, 0);
 		const struct pin pin = {
 			.path = (char *)(uintptr_t)path,
@@ -202,10 +201,11 @@ enum status store_pins_each(const char *real_path, pin_fn fn, void *user)
 			.made = sqlite3_column_int64(statement, 4),
 		};
 		bool fits = path != NULL && store_overlay_path_fits(path, (size_t)sqlite3_column_bytes(statement, 0)) && pin.revision >= 0;
-		status = fits ? fn(user, &pin) : damaged(&list);
+		TRY_OR(done, fits ? fn(user, &pin) : damaged(&list));
 	}
-	if (status == STATUS_OK && code != SQLITE_DONE)
-		status = store_sql_fail(list.db, code, list.path, "reading it");
+	if (code != SQLITE_DONE)
+		TRY_OR(done, store_sql_fail(list.db, code, list.path, "reading it"));
+done:
 	sqlite3_finalize(statement);
 	list_close(&list);
 	return status;
@@ -219,66 +219,74 @@ static enum status step(struct list *list, sqlite3_stmt *statement)
 	return status;
 }
 
+static enum status write_line(const char *real_path, const struct pin *pin, struct list *list)
+{
+	sqlite3_stmt *statement = NULL;
+	TRY(list_begin(real_path, list));
+	TRY(store_sql_prepare(list->db, list->path, &statement, "INSERT OR REPLACE INTO pin VALUES(?1, ?2, ?3, ?4, ?5)"));
+	sqlite3_bind_text(statement, 1, pin->path, -1, SQLITE_STATIC);
+	sqlite3_bind_int64(statement, 2, pin->revision);
+	sqlite3_bind_int64(statement, 3, (sqlite3_int64)pin->hash);
+	sqlite3_bind_int(statement, 4, pin->base);
+	sqlite3_bind_int64(statement, 5, pin->made);
+	return step(list, statement);
+}
+
 enum status store_pins_put(const char *real_path, const struct pin *pin)
 {
 	struct list list;
+	return list_end(&list, write_line(real_path, pin, &list));
+}
+
+/* *others: the lines of other paths. */
+static enum status count_others(struct list *list, const char *path, int64_t *others)
+{
 	sqlite3_stmt *statement = NULL;
-	enum status status = list_begin(real_path, &list);
-	if (status == STATUS_OK)
-		status = store_sql_prepare(list.db, list.path, &statement, "INSERT OR REPLACE INTO pin VALUES(?1, ?2, ?3, ?4, ?5)");
-	if (status == STATUS_OK) {
-		sqlite3_bind_text(statement, 1, pin->path, -1, SQLITE_STATIC);
-		sqlite3_bind_int64(statement, 2, pin->revision);
-		sqlite3_bind_int64(statement, 3, (sqlite3_int64)pin->hash);
-		sqlite3_bind_int(statement, 4, pin->base);
-		sqlite3_bind_int64(statement, 5, pin->made);
-		status = step(&list, statement);
-	}
-	return list_end(&list, status);
+	TRY(store_sql_prepare(list->db, list->path, &statement, "SELECT count(*) FROM pin WHERE path <> ?1"));
+	sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
+	int code = sqlite3_step(statement);
+	enum status status = code == SQLITE_ROW ? STATUS_OK : store_sql_fail(list->db, code, list->path, "reading it");
+	*others = code == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : -1;
+	sqlite3_finalize(statement);
+	return status;
+}
+
+static enum status drop_line(const char *real_path, const char *path, struct list *list)
+{
+	sqlite3_stmt *statement = NULL;
+	int64_t others = 0;
+	TRY(list_begin_if_there(real_path, list));
+	if (list->db == NULL)
+		return STATUS_OK;
+	TRY(count_others(list, path, &others));
+	if (others == 0)
+		return list_remove(list);
+	TRY(store_sql_prepare(list->db, list->path, &statement, "DELETE FROM pin WHERE path = ?1"));
+	sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
+	return step(list, statement);
 }
 
 enum status store_pins_drop(const char *real_path, const char *path)
 {
 	struct list list;
-	sqlite3_stmt *statement = NULL;
+	return list_end(&list, drop_line(real_path, path, &list));
+}
+
+/* What depends on the base alone stays. */
+static enum status clear(const char *real_path, struct list *list)
+{
 	int64_t others = 0;
-	enum status status = list_begin_if_there(real_path, &list);
-	if (status == STATUS_OK && list.db == NULL)
+	TRY(list_begin_if_there(real_path, list));
+	if (list->db == NULL)
 		return STATUS_OK;
-	if (status == STATUS_OK)
-		status = store_sql_prepare(list.db, list.path, &statement, "SELECT count(*) FROM pin WHERE path <> ?1");
-	if (status == STATUS_OK) {
-		sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
-		int code = sqlite3_step(statement);
-		others = code == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : -1;
-		if (code != SQLITE_ROW)
-			status = store_sql_fail(list.db, code, list.path, "reading it");
-		sqlite3_finalize(statement);
-		statement = NULL;
-	}
-	if (status == STATUS_OK && others == 0)
-		return list_remove(&list);
-	if (status == STATUS_OK)
-		status = store_sql_prepare(list.db, list.path, &statement, "DELETE FROM pin WHERE path = ?1");
-	if (status == STATUS_OK) {
-		sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
-		status = step(&list, statement);
-	}
-	return list_end(&list, status);
+	TRY(store_sql_integer(list->db, list->path, "SELECT count(*) FROM pin WHERE base <> 0", &others));
+	if (others == 0)
+		return list_remove(list);
+	return store_sql_exec(list->db, list->path, "writing it", "DELETE FROM pin WHERE base = 0");
 }
 
 enum status store_pins_clear(const char *real_path)
 {
 	struct list list;
-	int64_t others = 0;
-	enum status status = list_begin_if_there(real_path, &list);
-	if (status == STATUS_OK && list.db == NULL)
-		return STATUS_OK;
-	if (status == STATUS_OK)
-		status = store_sql_integer(list.db, list.path, "SELECT count(*) FROM pin WHERE base <> 0", &others);
-	if (status == STATUS_OK && others == 0)
-		return list_remove(&list);
-	if (status == STATUS_OK)
-		status = store_sql_exec(list.db, list.path, "writing it", "DELETE FROM pin WHERE base = 0");
-	return list_end(&list, status);
+	return list_end(&list, clear(real_path, &list));
 }

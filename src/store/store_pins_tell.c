@@ -47,24 +47,40 @@ static enum status hold(struct store *parent, sqlite3 **db)
 	*db = NULL;
 	if (access(parent->real_path, W_OK) != 0)
 		return STATUS_OK;
-	enum status status = store_connect_file(parent->real_path, parent->path, true, db);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_connect_file(parent->real_path, parent->path, true, db));
 	sqlite3_db_config(*db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, (int *)NULL);
-	status = store_sql_begin(*db, parent->path, "noting an overlay of it");
-	if (status == STATUS_OK)
-		status = store_sql_integer(*db, parent->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit);
+	parent->moved_on = false;
+	TRY(store_sql_begin(*db, parent->path, "noting an overlay of it"));
+	TRY(store_sql_integer(*db, parent->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit));
 	/* A pinned revision stays. */
-	parent->moved_on = status == STATUS_OK && parent->shown < 0 && commit != parent->commit;
+	parent->moved_on = parent->shown < 0 && commit != parent->commit;
 	if (parent->moved_on)
-		status = fail_with(STATUS_FAILED, "%s: it was driven on while an overlay of it was made; try again", parent->path);
-	return status;
+		return fail_with(STATUS_FAILED, "%s: it was driven on while an overlay of it was made; try again", parent->path);
+	return STATUS_OK;
 }
 
 /* What lies beside the store and depends on its base alone is found without a list. */
 static bool needs_no_list(const struct pin *pin, const char *from)
 {
 	return pin->base && strchr(from, '/') == NULL;
+}
+
+/* Puts the line, while the parent is held. *db: that which holds it, also after a failure; NULL: none. */
+static enum status add_line(struct store *parent, const char *real_path, const struct pin *pin, sqlite3 **db)
+{
+	if (!store_overlay_path_fits(pin->path, strlen(pin->path)))
+		return fail_with(STATUS_INPUT, "%s: its list of overlays takes no path with control characters; give the overlay another name", parent->path);
+	if (!may_list(parent->real_path)) {
+		if (!pin->base)
+			note("%s: it cannot be told of %s, since its list of overlays cannot be written; whoever drives it makes that overlay unusable",
+			     parent->path, real_path);
+		return STATUS_OK;
+	}
+	if (!pin->base) {
+		TRY(hold(parent, db));
+		TRY(sync_wal(parent));
+	}
+	return store_pins_put(parent->real_path, pin);
 }
 
 enum status store_pins_add(struct store *parent, const char *real_path, const struct pin *pin)
@@ -74,29 +90,11 @@ enum status store_pins_add(struct store *parent, const char *real_path, const st
 	if (folder != NULL)
 		from = store_overlay_path_between(dirname(folder), real_path);
 	mem_free(folder);
-	if (from == NULL)
-		return fail_memory("a list of overlays");
+	TRY_MEM(from, "a list of overlays");
 	struct pin named = *pin;
 	named.path = from;
 	named.made = (int64_t)time(NULL);
-	enum status status = STATUS_OK;
-	if (needs_no_list(pin, from)) {
-		mem_free(from);
-		return STATUS_OK;
-	}
-	if (!store_overlay_path_fits(from, strlen(from))) {
-		status = fail_with(STATUS_INPUT, "%s: its list of overlays takes no path with control characters; give the overlay another name", parent->path);
-	} else if (!may_list(parent->real_path)) {
-		if (!pin->base)
-			note("%s: it cannot be told of %s, since its list of overlays cannot be written; whoever drives it makes that overlay unusable",
-			     parent->path, real_path);
-	} else {
-		status = pin->base ? STATUS_OK : hold(parent, &db);
-		if (status == STATUS_OK && !pin->base)
-			status = sync_wal(parent);
-		if (status == STATUS_OK)
-			status = store_pins_put(parent->real_path, &named);
-	}
+	enum status status = needs_no_list(pin, from) ? STATUS_OK : add_line(parent, real_path, &named, &db);
 	if (db != NULL)
 		store_sql_undo(db);
 	sqlite3_close(db);
@@ -129,15 +127,13 @@ enum status store_pins_tell_parent(struct store *store)
 	char *from = folder != NULL ? store_overlay_path_between(dirname(folder), store->real_path) : NULL;
 	struct seeking seeking = {.path = from, .pin = &pin};
 	mem_free(folder);
-	if (from == NULL)
-		return fail_memory("a list of overlays");
-	enum status status = STATUS_OK;
+	TRY_MEM(from, "a list of overlays");
 	seeking.found = needs_no_list(&pin, from);
-	if (!seeking.found)
-		status = store_pins_each(parent->real_path, seek, &seeking);
+	enum status status = seeking.found ? STATUS_OK : store_pins_each(parent->real_path, seek, &seeking);
 	mem_free(from);
-	if (status != STATUS_OK || seeking.found || !may_list(parent->real_path))
-		return status;
+	TRY(status);
+	if (seeking.found || !may_list(parent->real_path))
+		return STATUS_OK;
 	return store_pins_add(parent, store->real_path, &pin);
 }
 

@@ -101,13 +101,11 @@ static enum status take_tile(const struct reading *reading, struct tile tile, in
 	if (relief != NULL &&
 	    (raised = mem_alloc((size_t)(part.x1 - part.x0), sizeof *raised)) == NULL)
 		return fail_memory("relief");
-	for (int64_t y = part.y0; y < part.y1 && status == STATUS_OK; y++) {
+	for (int64_t y = part.y0; y < part.y1; y++) {
 		double *row = reading->values + (y - reading->rect.y0) * width - reading->rect.x0;
 		if (relief != NULL)
-			status = relief_heights(relief, reading->level, tile.level,
-						(struct post_rect){part.x0, y, part.x1, y + 1},
-						raised);
-		for (int64_t x = part.x0; x < part.x1 && status == STATUS_OK; x++) {
+			TRY_OR(done, relief_heights(relief, reading->level, tile.level, (struct post_rect){part.x0, y, part.x1, y + 1}, raised));
+		for (int64_t x = part.x0; x < part.x1; x++) {
 			int32_t post = lattice_finer(reading->posts, side, shift,
 						     (uint64_t)x - west, (uint64_t)y - south);
 			if (relief != NULL && post != BASE_NODATA)
@@ -115,6 +113,7 @@ static enum status take_tile(const struct reading *reading, struct tile tile, in
 			row[x] = meaning(reading, row[x], post);
 		}
 	}
+done:
 	mem_free(raised);
 	return status;
 }
@@ -126,14 +125,14 @@ static enum status load_tile(struct reading *reading, enum row_table table, stru
 	const size_t side = tile_posts(rows->extent);
 	struct row row;
 	if (table != ROW_BASE) {
-		enum status read = store_rows_read(rows, table, tile, reading->posts, &row, found);
+		TRY(store_rows_read(rows, table, tile, reading->posts, &row, found));
 		for (size_t i = 0; i < side * side && table == ROW_SHEAR && *found; i++)
 			reading->posts[i] = plane_shear(reading->posts[i], store_shear_part(reading->layer));
-		return read;
+		return STATUS_OK;
 	}
-	enum status status = store_find_base(reading->reader, tile, reading->posts, NULL, found);
-	if (status != STATUS_OK || !*found || reading->level == tile.level)
-		return status;
+	TRY(store_find_base(reading->reader, tile, reading->posts, NULL, found));
+	if (!*found || reading->level == tile.level)
+		return STATUS_OK;
 	const struct store_meta *meta = &reading->reader->store->meta;
 	for (size_t i = 0; i < side * side; i++)
 		reading->posts[i] = lattice_base_relative(height_code_metres(reading->posts[i], meta->step),
@@ -166,13 +165,9 @@ static enum status take_level(struct reading *reading, enum row_table table, int
 			bool found;
 			if (post_rect_empty(part))
 				continue;
-			enum status status = load_tile(reading, table, tile, &found);
-			if (status != STATUS_OK)
-				return status;
+			TRY(load_tile(reading, table, tile, &found));
 			if (found)
-				status = take_tile(reading, tile, shift, part, relief, meaning);
-			if (status != STATUS_OK)
-				return status;
+				TRY(take_tile(reading, tile, shift, part, relief, meaning));
 		}
 	return STATUS_OK;
 }
@@ -192,13 +187,12 @@ static enum status take_base(struct reading *reading, struct post_rect rect)
 	const int level = reading->level, finest = store_finest_base(reading->reader->store);
 	if (level >= 0)
 		return take_level(reading, ROW_BASE, level, rect, base_code);
-	enum status status = STATUS_OK;
-	for (int from = level > finest ? level : finest; from <= 0 && status == STATUS_OK; from++) {
-		status = take_level(reading, ROW_BASE, from, rect, from == level ? base_code_if_none : base_lattice_if_none);
+	for (int from = level > finest ? level : finest; from <= 0; from++) {
+		TRY(take_level(reading, ROW_BASE, from, rect, from == level ? base_code_if_none : base_lattice_if_none));
 		if (is_full(reading, rect))
 			break;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* `rect` is the part of the rectangle within the terrain. */
@@ -209,11 +203,10 @@ static enum status read_layer(struct reading *reading, struct post_rect rect)
 	const enum store_layer layer = reading->layer;
 	int level = reading->level, working = 0;
 	bool deformed;
-	enum status status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
-	if (status == STATUS_OK)
-		status = take_base(reading, rect);
-	if (status != STATUS_OK || layer == STORE_BASE)
-		return status;
+	TRY(store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working));
+	TRY(take_base(reading, rect));
+	if (layer == STORE_BASE)
+		return STATUS_OK;
 	size_t count = (size_t)(reading->rect.x1 - reading->rect.x0) *
 		       (size_t)(reading->rect.y1 - reading->rect.y0);
 	for (size_t i = 0; i < count && layer != STORE_SURFACE; i++)
@@ -231,10 +224,23 @@ static enum status read_stored(struct reading *reading, struct post_rect rect)
 	return take_level(reading, ROW_BASE, reading->level, rect, base_code);
 }
 
-static enum status read_in_transaction(struct reading *reading, enum status (*read)(struct reading *reading, struct post_rect rect))
+typedef enum status (*read_fn)(struct reading *reading, struct post_rect rect);
+
+static enum status begin_and_read(struct reading *reading, read_fn read, struct post_rect within)
 {
 	struct store_reader *reader = reading->reader;
-	const struct extent *extent = &reader->store->meta.extent;
+	TRY(store_reader_begin(reader));
+	if (sqlite3_get_autocommit(reader->db) == 0) /* store_sample() began a transaction already */
+		return read(reading, within);
+	TRY(store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN"));
+	enum status status = read(reading, within);
+	sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+	return status;
+}
+
+static enum status read_in_transaction(struct reading *reading, read_fn read)
+{
+	const struct extent *extent = &reading->reader->store->meta.extent;
 	const struct post_rect *rect = &reading->rect;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, reading->level), extent_posts(extent->height, reading->level)};
 	const struct post_rect within = post_rect_intersect(*rect, all);
@@ -244,19 +250,10 @@ static enum status read_in_transaction(struct reading *reading, enum status (*re
 	if (post_rect_empty(within))
 		return STATUS_OK;
 	reading->posts = mem_alloc(side * side, sizeof *reading->posts);
-	if (reading->posts == NULL)
-		return fail_memory("a tile");
-	enum status status = store_reader_begin(reader);
-	bool outermost = reader->db != NULL && sqlite3_get_autocommit(reader->db) != 0; /* store_sample() began one already */
-	if (outermost)
-		status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
-	if (status == STATUS_OK) {
-		status = read(reading, within);
-		if (outermost)
-			sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
-	}
+	TRY_MEM(reading->posts, "a tile");
+	enum status status = begin_and_read(reading, read, within);
 	mem_free(reading->posts);
-	return store_reader_outdated(reader) ? read_in_transaction(reading, read) : status;
+	return store_reader_outdated(reading->reader) ? read_in_transaction(reading, read) : status;
 }
 
 enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,

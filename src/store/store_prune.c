@@ -58,8 +58,7 @@ static char *path_in(const char *folder, const char *name)
 static enum status add(struct finding *finding, const struct store_pin *pin, const char *line)
 {
 	struct standing *more = mem_realloc(finding->all, finding->count + 1, sizeof *more);
-	if (more == NULL)
-		return fail_memory("the overlays of a store");
+	TRY_MEM(more, "the overlays of a store");
 	finding->all = more;
 	struct standing *standing = &finding->all[finding->count++];
 	*standing = (struct standing){.pin = *pin};
@@ -95,19 +94,19 @@ static enum status open_overlay(const struct finding *finding, const char *path,
 	if (in != NULL)
 		fclose(in);
 	enum status status = may ? store_open_alone(path, &overlay) : STATUS_INPUT;
-	if (status != STATUS_OK)
-		return status == STATUS_INPUT ? STATUS_OK : status; /* it is no store, or damaged */
+	if (status == STATUS_INPUT) /* it is no store, or damaged */
+		return STATUS_OK;
+	TRY(status);
 	bool names = overlay->base_path != NULL && overlay->part.count == 0 && overlay->base_hash == finding->store->base_hash;
 	char *parent = names ? store_overlay_parent_file(overlay) : NULL;
-	if (names && parent == NULL)
-		status = fail_memory("the overlays of a store");
+	bool lacks = names && parent == NULL;
 	bool there = parent != NULL && (strcmp(parent, finding->store->real_path) == 0 || access(parent, F_OK) != 0);
 	mem_free(parent);
 	if (there)
 		*out = overlay;
 	else
 		store_close(overlay);
-	return status;
+	return lacks ? fail_memory("the overlays of a store") : STATUS_OK;
 }
 
 static bool depends_on(const struct store *overlay, const struct store_pin *pin)
@@ -139,17 +138,15 @@ static bool is_known(const struct finding *finding, const char *path)
 static enum status is_kept(struct finding *finding, const struct store *overlay, bool *kept)
 {
 	int64_t revision = -1;
-	enum status status = STATUS_OK;
 	*kept = !overlay->inherits;
 	if (*kept)
 		return STATUS_OK;
 	if (!finding->has_state)
-		status = store_lineage_state(finding->store, &finding->state);
-	finding->has_state = status == STATUS_OK;
-	if (status == STATUS_OK)
-		status = store_pinned_find(finding->store, overlay->parent_hash, &revision);
-	*kept = status == STATUS_OK && (revision >= 0 || finding->state == overlay->parent_hash);
-	return status;
+		TRY(store_lineage_state(finding->store, &finding->state));
+	finding->has_state = true;
+	TRY(store_pinned_find(finding->store, overlay->parent_hash, &revision));
+	*kept = revision >= 0 || finding->state == overlay->parent_hash;
+	return STATUS_OK;
 }
 
 static bool same_folder(const char *a, const char *b)
@@ -171,9 +168,9 @@ static enum status take(struct finding *finding, const struct store *overlay, co
 		standing->pin.state = STORE_PIN_MOVED;
 		return standing->found != NULL ? STATUS_OK : fail_memory("the overlays of a store");
 	}
-	enum status status = is_kept(finding, overlay, &kept);
-	if (status != STATUS_OK || !kept)
-		return status;
+	TRY(is_kept(finding, overlay, &kept));
+	if (!kept)
+		return STATUS_OK;
 	const struct store_pin pin = {
 		.revision = overlay->parent_revision,
 		.hash = overlay->inherits ? overlay->parent_hash : overlay->base_hash,
@@ -183,41 +180,49 @@ static enum status take(struct finding *finding, const struct store *overlay, co
 	return add(finding, &pin, path);
 }
 
+static enum status look_into(struct finding *finding, const char *path)
+{
+	struct store *overlay = NULL;
+	if (is_known(finding, path))
+		return STATUS_OK;
+	TRY(open_overlay(finding, path, &overlay));
+	if (overlay == NULL)
+		return STATUS_OK;
+	enum status status = take(finding, overlay, path);
+	store_close(overlay);
+	return status;
+}
+
 static enum status search(struct finding *finding, const char *folder)
 {
 	enum status status = STATUS_OK;
 	DIR *directory = opendir(folder);
-	for (struct dirent *entry; directory != NULL && status == STATUS_OK && (entry = readdir(directory)) != NULL;) {
+	if (directory == NULL)
+		return STATUS_OK;
+	for (struct dirent *entry; (entry = readdir(directory)) != NULL;) {
 		char path[PATH_MAX + 256];
 		snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-		struct store *overlay = NULL;
-		if (!is_known(finding, path))
-			status = open_overlay(finding, path, &overlay);
-		if (overlay != NULL)
-			status = take(finding, overlay, path);
-		store_close(overlay);
+		TRY_OR(done, look_into(finding, path));
 	}
-	if (directory != NULL)
-		closedir(directory);
+done:
+	closedir(directory);
 	return status;
 }
 
 /* Where the folder of a file that is gone is another one. */
 static enum status search_elsewhere(struct finding *finding)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0, count = finding->count; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0, count = finding->count; i < count; i++) {
 		if (finding->all[i].pin.state != STORE_PIN_GONE || finding->all[i].path == NULL)
 			continue;
 		char *path = mem_strdup(finding->all[i].path);
-		if (path == NULL)
-			return fail_memory("the overlays of a store");
+		TRY_MEM(path, "the overlays of a store");
 		const char *folder = dirname(path);
-		if (strcmp(folder, finding->folder) != 0)
-			status = search(finding, folder);
+		enum status status = strcmp(folder, finding->folder) != 0 ? search(finding, folder) : STATUS_OK;
 		mem_free(path);
+		TRY(status);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- all --- */
@@ -230,8 +235,9 @@ static enum status add_unlisted(struct finding *finding)
 	struct store *store = finding->store;
 	if (store->version < STORE_VERSION_PINS)
 		return STATUS_OK;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, "SELECT revision, hash FROM main.pinned ORDER BY revision");
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+	enum status status;
+	TRY_OR(done, store_sql_prepare(store->db, store->path, &statement, "SELECT revision, hash FROM main.pinned ORDER BY revision"));
+	while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
 		const struct store_pin pin = {
 			.revision = sqlite3_column_int64(statement, 0), .hash = (uint64_t)sqlite3_column_int64(statement, 1), .state = STORE_PIN_GONE,
 		};
@@ -239,10 +245,11 @@ static enum status add_unlisted(struct finding *finding)
 		for (size_t i = 0; i < finding->count; i++)
 			listed |= !finding->all[i].pin.base && finding->all[i].pin.hash == pin.hash;
 		if (!listed)
-			status = add(finding, &pin, NULL);
+			TRY_OR(done, add(finding, &pin, NULL));
 	}
-	if (status == STATUS_OK && code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "reading what overlays depend on");
+	if (code != SQLITE_DONE)
+		TRY_OR(done, store_sql_fail(store->db, code, store->path, "reading what overlays depend on"));
+done:
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -253,30 +260,28 @@ static enum status finding_make(struct store *store, struct finding *finding)
 	*finding = (struct finding){.store = store};
 	finding->folder = path != NULL ? mem_strdup(dirname(path)) : NULL;
 	mem_free(path);
-	if (finding->folder == NULL)
-		return fail_memory("the overlays of a store");
-	enum status status = store_pins_each(store->real_path, add_line, finding);
-	for (size_t i = 0; i < finding->count && status == STATUS_OK; i++)
-		status = look_at(finding, &finding->all[i]);
-	if (status == STATUS_OK)
-		status = add_unlisted(finding);
-	if (status == STATUS_OK)
-		status = search(finding, finding->folder);
-	if (status == STATUS_OK)
-		status = search_elsewhere(finding);
+	TRY_MEM(finding->folder, "the overlays of a store");
+	TRY(store_pins_each(store->real_path, add_line, finding));
+	for (size_t i = 0; i < finding->count; i++)
+		TRY(look_at(finding, &finding->all[i]));
+	TRY(add_unlisted(finding));
+	TRY(search(finding, finding->folder));
+	TRY(search_elsewhere(finding));
 	for (size_t i = 0; i < finding->count; i++) {
 		finding->all[i].pin.path = finding->all[i].path;
 		finding->all[i].pin.found = finding->all[i].found;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status store_each_pin(struct store *store, store_pin_fn fn, void *user)
 {
 	struct finding finding;
-	enum status status = finding_make(store, &finding);
-	for (size_t i = 0; i < finding.count && status == STATUS_OK; i++)
-		status = fn(user, &finding.all[i].pin);
+	enum status status;
+	TRY_OR(done, finding_make(store, &finding));
+	for (size_t i = 0; i < finding.count; i++)
+		TRY_OR(done, fn(user, &finding.all[i].pin));
+done:
 	finding_finish(&finding);
 	return status;
 }
@@ -296,8 +301,7 @@ static enum status put_line(struct finding *finding, const struct standing *stan
 {
 	const char *at = standing->found != NULL ? standing->found : standing->path;
 	char *line = store_overlay_path_between(finding->folder, at);
-	if (line == NULL)
-		return fail_memory("the overlays of a store");
+	TRY_MEM(line, "the overlays of a store");
 	const struct pin pin = {.path = line, .revision = standing->pin.revision, .hash = standing->pin.hash, .base = standing->pin.base, .made = standing->pin.made};
 	enum status status = store_overlay_path_fits(line, strlen(line)) ? store_pins_put(finding->store->real_path, &pin) : STATUS_OK;
 	mem_free(line);
@@ -306,14 +310,27 @@ static enum status put_line(struct finding *finding, const struct standing *stan
 
 static enum status prune_list(struct finding *finding)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < finding->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < finding->count; i++) {
 		const struct standing *standing = &finding->all[i];
 		if (standing->pin.state == STORE_PIN_MOVED || standing->pin.state == STORE_PIN_FOUND)
-			status = put_line(finding, standing);
-		if (status == STATUS_OK && standing->line != NULL && (standing->pin.state == STORE_PIN_MOVED || standing->pin.state == STORE_PIN_GONE))
-			status = store_pins_drop(finding->store->real_path, standing->line);
+			TRY(put_line(finding, standing));
+		if (standing->line != NULL && (standing->pin.state == STORE_PIN_MOVED || standing->pin.state == STORE_PIN_GONE))
+			TRY(store_pins_drop(finding->store->real_path, standing->line));
 	}
+	return STATUS_OK;
+}
+
+static enum status prune_all(struct store *store, struct finding *finding, int64_t *dropped)
+{
+	enum status status;
+	TRY_OR(failed, store_sql_begin(store->db, store->path, "pruning it"));
+	TRY_OR(failed, finding_make(store, finding));
+	TRY_OR(failed, prune_list(finding));
+	TRY_OR(failed, store_pinned_drop(store, is_wanted, finding, dropped));
+	TRY_OR(failed, store_sql_exec(store->db, store->path, "pruning it", "COMMIT"));
+	return STATUS_OK;
+failed:
+	store_sql_undo(store->db);
 	return status;
 }
 
@@ -321,45 +338,45 @@ static enum status prune(struct store *store, store_pin_fn fn, void *user)
 {
 	struct finding finding = {0};
 	int64_t dropped = 0;
-	enum status status = store_sql_begin(store->db, store->path, "pruning it");
-	if (status == STATUS_OK)
-		status = finding_make(store, &finding);
-	if (status == STATUS_OK)
-		status = prune_list(&finding);
-	if (status == STATUS_OK)
-		status = store_pinned_drop(store, is_wanted, &finding, &dropped);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "pruning it", "COMMIT");
-	if (status != STATUS_OK)
-		store_sql_undo(store->db);
-	if (status == STATUS_OK && dropped > 0)
-		status = store_sql_exec(store->db, store->path, "pruning it", "PRAGMA incremental_vacuum");
-	for (size_t i = 0; i < finding.count && status == STATUS_OK; i++)
-		status = fn(user, &finding.all[i].pin);
+	enum status status;
+	TRY_OR(done, prune_all(store, &finding, &dropped));
+	if (dropped > 0)
+		TRY_OR(done, store_sql_exec(store->db, store->path, "pruning it", "PRAGMA incremental_vacuum"));
+	for (size_t i = 0; i < finding.count; i++)
+		TRY_OR(done, fn(user, &finding.all[i].pin));
+done:
 	finding_finish(&finding);
+	return status;
+}
+
+/* Tells the overlays, if all of them are *there: then nothing needs to be written. */
+static enum status tell_if_there(const char *path, store_pin_fn fn, void *user, bool *there)
+{
+	struct store *store = NULL;
+	struct finding finding = {0};
+	enum status status;
+	*there = true;
+	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, finding_make(store, &finding));
+	for (size_t i = 0; i < finding.count; i++)
+		*there &= finding.all[i].pin.state == STORE_PIN_THERE;
+	for (size_t i = 0; i < finding.count && *there; i++)
+		TRY_OR(done, fn(user, &finding.all[i].pin));
+done:
+	finding_finish(&finding);
+	store_close(store);
 	return status;
 }
 
 enum status store_prune(const char *path, store_pin_fn fn, void *user)
 {
 	struct store *store = NULL;
-	struct finding finding = {0};
-	bool there = true;
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = finding_make(store, &finding);
-	for (size_t i = 0; i < finding.count; i++)
-		there &= finding.all[i].pin.state == STORE_PIN_THERE;
-	for (size_t i = 0; i < finding.count && there && status == STATUS_OK; i++)
-		status = fn(user, &finding.all[i].pin);
-	finding_finish(&finding);
-	store_close(store);
-	if (status != STATUS_OK || there)
-		return status; /* nothing is written */
-	status = store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store);
-	if (status != STATUS_OK)
-		return status;
-	status = prune(store, fn, user);
+	bool there;
+	TRY(tell_if_there(path, fn, user, &there));
+	if (there)
+		return STATUS_OK;
+	TRY(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store));
+	enum status status = prune(store, fn, user);
 	store_close(store);
 	return status;
 }

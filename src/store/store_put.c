@@ -20,19 +20,18 @@ struct store_packer {
 enum status store_packer_create(const struct store_meta *meta, struct store_packer **out)
 {
 	struct store_packer *packer = mem_calloc(1, sizeof *packer);
-	if (packer == NULL)
-		return fail_memory("packing tiles");
+	TRY_MEM(packer, "packing tiles");
 	packer->extent = meta->extent;
 	packer->is_small = meta->pack == STORE_PACK_SMALL;
-	enum status status = store_codec_init(&packer->ground, tile_posts(&meta->extent), CODEC_GROUND);
-	if (status == STATUS_OK && packer->is_small)
-		status = store_codec_init(&packer->small, tile_posts(&meta->extent), CODEC_SMALL);
-	if (status != STATUS_OK) {
-		store_packer_destroy(packer);
-		return status;
-	}
+	enum status status;
+	TRY_OR(failed, store_codec_init(&packer->ground, tile_posts(&meta->extent), CODEC_GROUND));
+	if (packer->is_small)
+		TRY_OR(failed, store_codec_init(&packer->small, tile_posts(&meta->extent), CODEC_SMALL));
 	*out = packer;
 	return STATUS_OK;
+failed:
+	store_packer_destroy(packer);
+	return status;
 }
 
 void store_packer_destroy(struct store_packer *packer)
@@ -74,9 +73,7 @@ enum status store_put_begin(struct store *store)
 
 static enum status commit(struct store *store)
 {
-	enum status status = store_misfit_write(store);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_misfit_write(store));
 	return store_sql_exec(store->db, store->path, "writing it", "COMMIT");
 }
 
@@ -94,12 +91,13 @@ enum status store_put_packed(struct store *store, struct tile tile, const struct
 		.size = packed->size,
 	};
 	row.hash = store_rows_hash(ROW_BASE, &row);
-	enum status status = store_rows_put(&store->rows, ROW_BASE, &row);
+	TRY(store_rows_put(&store->rows, ROW_BASE, &row));
 	store->uncommitted += (int64_t)packed->size;
 	bool due = store->uncommitted >= store->commit_bytes || clock_seconds() - store->committed >= COMMIT_SECONDS;
-	if (status == STATUS_OK && due)
-		status = commit(store);
-	return status == STATUS_OK && due ? store_put_begin(store) : status;
+	if (!due)
+		return STATUS_OK;
+	TRY(commit(store));
+	return store_put_begin(store);
 }
 
 enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
@@ -113,10 +111,10 @@ enum status store_put_base(struct store *store, struct tile tile, const int32_t 
 enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
 {
 	struct row row;
-	enum status status = store_rows_read(&store->rows, ROW_BASE, tile, codes, &row, found);
-	if (status == STATUS_OK && *found && range != NULL)
+	TRY(store_rows_read(&store->rows, ROW_BASE, tile, codes, &row, found));
+	if (*found && range != NULL)
 		*range = (struct store_range){row.low, row.high, row.error};
-	return status;
+	return STATUS_OK;
 }
 
 enum status store_suspend(struct store *store)

@@ -14,36 +14,31 @@ static enum status connect_rows(struct store *store, struct store_frozen *frozen
 {
 	int version = STORE_VERSION;
 	uint64_t hash = 0;
-	enum status status = store_connect_reader(store_file_read(store), store->path, frozen, db);
+	TRY(store_connect_reader(store_file_read(store), store->path, frozen, db));
 	/* The name may meanwhile be another file's. */
-	if (status == STATUS_OK)
-		status = store_schema_check(*db, store->path, &version);
-	if (status == STATUS_OK && version < STORE_VERSION)
-		status = store_schema_hide(*db, store->path, version);
-	if (status == STATUS_OK && store->shown >= 0)
-		status = store_pinned_show(*db, store->path, store->shown);
-	if (status == STATUS_OK)
-		status = store_meta_base_hash(*db, store->path, &hash);
-	if (status == STATUS_OK && hash != store->base_hash)
-		status = fail_with(STATUS_INPUT, "%s: another store took its place since it was opened; begin again",
-				   store->path);
-	return status == STATUS_OK ? store_rows_init(rows, *db, store->path, &store->meta.extent, CODEC_FAST) : status;
+	TRY(store_schema_check(*db, store->path, &version));
+	if (version < STORE_VERSION)
+		TRY(store_schema_hide(*db, store->path, version));
+	if (store->shown >= 0)
+		TRY(store_pinned_show(*db, store->path, store->shown));
+	TRY(store_meta_base_hash(*db, store->path, &hash));
+	if (hash != store->base_hash)
+		return fail_with(STATUS_INPUT, "%s: another store took its place since it was opened; begin again", store->path);
+	return store_rows_init(rows, *db, store->path, &store->meta.extent, CODEC_FAST);
 }
 
 /* Connects to each file under an overlay that has rows for it. The plain store always has: the base. */
 static enum status connect_layers(struct store_reader *reader)
 {
 	struct store *store = reader->store;
-	enum status status = STATUS_OK;
-	for (struct store *layer = store->under; layer != NULL && status == STATUS_OK; layer = layer->under) {
+	for (struct store *layer = store->under; layer != NULL; layer = layer->under) {
 		int at = layer->depth;
 		if (at > 0 && !store_lineage_uses(&store->lineage, (uint32_t)at))
 			continue;
-		status = connect_rows(layer, &reader->layer_frozen[at], &reader->layer_db[at], &reader->layer_rows[at]);
-		if (status == STATUS_OK && store->inherits)
-			status = store_overlay_hold(layer, reader->layer_db[at]);
-		if (status == STATUS_OK)
-			store_statements_count(&layer->statements, reader->layer_db[at]);
+		TRY(connect_rows(layer, &reader->layer_frozen[at], &reader->layer_db[at], &reader->layer_rows[at]));
+		if (store->inherits)
+			TRY(store_overlay_hold(layer, reader->layer_db[at]));
+		store_statements_count(&layer->statements, reader->layer_db[at]);
 		reader->layers[at] = &reader->layer_rows[at];
 	}
 	if (store->inherits) {
@@ -51,7 +46,7 @@ static enum status connect_layers(struct store_reader *reader)
 		reader->rows.statements = &store->statements;
 		reader->rows.layers = reader->layers;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static void disconnect(struct store_reader *reader)
@@ -68,15 +63,15 @@ static void disconnect(struct store_reader *reader)
 static enum status connect(struct store_reader *reader)
 {
 	struct store *store = reader->store;
+	enum status status;
 	reader->base = store->under != NULL ? &reader->layer_rows[0] : &reader->rows;
 	reader->older = store->older && !atomic_load(&store->raised);
-	enum status status = connect_rows(store, &reader->frozen, &reader->db, &reader->rows);
-	if (status == STATUS_OK)
-		store_statements_count(&store->statements, reader->db);
-	if (status == STATUS_OK)
-		status = connect_layers(reader);
-	if (status != STATUS_OK)
-		disconnect(reader);
+	TRY_OR(failed, connect_rows(store, &reader->frozen, &reader->db, &reader->rows));
+	store_statements_count(&store->statements, reader->db);
+	TRY_OR(failed, connect_layers(reader));
+	return STATUS_OK;
+failed:
+	disconnect(reader);
 	return status;
 }
 
@@ -84,8 +79,7 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 {
 	assert(store->part_path == NULL);
 	struct store_reader *reader = mem_calloc(1, sizeof *reader);
-	if (reader == NULL)
-		return fail_memory("a reader");
+	TRY_MEM(reader, "a reader");
 	reader->store = store;
 	enum status status = connect(reader);
 	if (status != STATUS_OK) {
@@ -159,14 +153,13 @@ static bool may_be_missing(const struct store_reader *reader, struct tile tile, 
 static enum status find_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
 {
 	struct row row;
+	TRY(store_reader_begin(reader));
 	bool may = may_be_missing(reader, tile, found);
 	if (!*found)
 		return STATUS_OK;
-	enum status status = store_rows_read(reader->base, ROW_BASE, tile, codes, &row, found);
-	if (status == STATUS_OK && !*found && !may)
-		status = missing(reader, tile);
-	if (status != STATUS_OK || !*found)
-		return status;
+	TRY(store_rows_read(reader->base, ROW_BASE, tile, codes, &row, found));
+	if (!*found)
+		return may ? STATUS_OK : missing(reader, tile);
 	size_t side = tile_posts(reader->rows.extent);
 	if (!codes_fit(reader->store, codes, side * side)) {
 		char text[256];
@@ -181,9 +174,7 @@ static enum status find_base(struct store_reader *reader, struct tile tile, int3
 
 enum status store_find_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
 {
-	enum status status = store_reader_begin(reader);
-	if (status == STATUS_OK)
-		status = find_base(reader, tile, codes, range, found);
+	enum status status = find_base(reader, tile, codes, range, found);
 	return store_reader_outdated(reader) ? store_find_base(reader, tile, codes, range, found) : status;
 }
 
@@ -197,22 +188,20 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 static enum status find_base_range(struct store_reader *reader, struct tile tile, struct store_range *range, bool *found)
 {
 	struct row row;
+	TRY(store_reader_begin(reader));
 	bool may = may_be_missing(reader, tile, found);
 	if (!*found)
 		return STATUS_OK;
-	enum status status = store_rows_head(reader->base, ROW_BASE, tile, &row, found);
-	if (status == STATUS_OK && !*found && !may)
-		status = missing(reader, tile);
-	if (status == STATUS_OK && *found)
-		range_of(&row, range);
-	return status;
+	TRY(store_rows_head(reader->base, ROW_BASE, tile, &row, found));
+	if (!*found)
+		return may ? STATUS_OK : missing(reader, tile);
+	range_of(&row, range);
+	return STATUS_OK;
 }
 
 enum status store_find_base_range(struct store_reader *reader, struct tile tile, struct store_range *range, bool *found)
 {
-	enum status status = store_reader_begin(reader);
-	if (status == STATUS_OK)
-		status = find_base_range(reader, tile, range, found);
+	enum status status = find_base_range(reader, tile, range, found);
 	return store_reader_outdated(reader) ? store_find_base_range(reader, tile, range, found) : status;
 }
 
@@ -236,9 +225,7 @@ static enum status read_plane(struct store_reader *reader, struct tile tile, enu
 {
 	struct row row;
 	int32_t *wide = plane_bytes(plane) == sizeof *wide ? texels : reader->rows.wide;
-	enum status status = store_rows_read(&reader->rows, row_table_of(plane), tile, wide, &row, found);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_rows_read(&reader->rows, row_table_of(plane), tile, wide, &row, found));
 	if (*found)
 		narrow(plane, wide, count, texels);
 	else
@@ -246,34 +233,45 @@ static enum status read_plane(struct store_reader *reader, struct tile tile, enu
 	return STATUS_OK;
 }
 
-enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned wanted,
-				void *const planes[PLANES], unsigned *present)
+static enum status read_planes(struct store_reader *reader, struct tile tile, unsigned wanted, void *const planes[PLANES], unsigned *present)
 {
-	enum status status = store_reader_begin(reader);
 	size_t side = tile_posts(&reader->store->meta.extent);
 	*present = 0;
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
+	TRY(store_reader_begin(reader));
+	for (int plane = 0; plane < PLANES; plane++) {
 		bool found = false;
 		if (!(wanted & PLANE_BIT(plane)))
 			continue;
-		status = read_plane(reader, tile, (enum plane)plane, side * side, planes[plane], &found);
+		TRY(read_plane(reader, tile, (enum plane)plane, side * side, planes[plane], &found));
 		if (found)
 			*present |= PLANE_BIT(plane);
 	}
+	return STATUS_OK;
+}
+
+enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned wanted,
+				void *const planes[PLANES], unsigned *present)
+{
+	enum status status = read_planes(reader, tile, wanted, planes, present);
 	return store_reader_outdated(reader) ? store_read_deformed(reader, tile, wanted, planes, present) : status;
+}
+
+static enum status read_offset_range(struct store_reader *reader, struct tile tile, double *low, double *high, bool *found)
+{
+	struct row row;
+	TRY(store_reader_begin(reader));
+	TRY(store_rows_head(&reader->rows, ROW_OFFSET, tile, &row, found));
+	if (*found) {
+		*low = row.low;
+		*high = row.high;
+	}
+	return STATUS_OK;
 }
 
 enum status store_read_offset_range(struct store_reader *reader, struct tile tile, double *low,
 				    double *high, bool *found)
 {
-	struct row row;
-	enum status status = store_reader_begin(reader);
-	if (status == STATUS_OK)
-		status = store_rows_head(&reader->rows, ROW_OFFSET, tile, &row, found);
-	if (status == STATUS_OK && *found) {
-		*low = row.low;
-		*high = row.high;
-	}
+	enum status status = read_offset_range(reader, tile, low, high, found);
 	return store_reader_outdated(reader) ? store_read_offset_range(reader, tile, low, high, found) : status;
 }
 
@@ -296,17 +294,15 @@ static enum status pass_key(void *user, const struct row_entry *entry)
 /* `of_base`: the rows of the base's file. Rows that were already passed on are not passed on again, so an outdated reader fails. */
 static enum status each_key(struct store_reader *reader, bool of_base, enum row_table table, int level, store_key_fn fn, void *user)
 {
-	enum status status = store_reader_begin(reader);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_reader_begin(reader));
 	struct rows *rows = of_base ? reader->base : &reader->rows;
 	struct keys keys = {rows, table, fn, user};
 	uint64_t first, last;
 	level_keys(level, &first, &last);
-	status = store_rows_each(rows, table, first, last, pass_key, &keys);
-	if (status == STATUS_OK && store_reader_outdated(reader))
-		status = fail_with(STATUS_FAILED, "%s: another process began to write it while it was read; read it again", reader->store->path);
-	return status;
+	TRY(store_rows_each(rows, table, first, last, pass_key, &keys));
+	if (store_reader_outdated(reader))
+		return fail_with(STATUS_FAILED, "%s: another process began to write it while it was read; read it again", reader->store->path);
+	return STATUS_OK;
 }
 
 enum status store_each_base(struct store_reader *reader, int level, store_key_fn fn, void *user)

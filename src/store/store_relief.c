@@ -25,9 +25,7 @@ bool store_relief_equal(const char *one, const char *other)
 
 enum status store_meta_put_working(struct store *store, int level, const char *relief)
 {
-	enum status status = store_meta_put_integer(store, "working", level);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_meta_put_integer(store, "working", level));
 	if (relief != NULL)
 		return store_meta_put_text(store, "relief", relief);
 	return store->relief_stored ? store_meta_drop(store, "relief") : STATUS_OK;

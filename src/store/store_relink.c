@@ -10,13 +10,13 @@
 
 static enum status put_path(struct store *store)
 {
-	enum status status = store_sql_begin(store->db, store->path, "naming its base");
-	if (status == STATUS_OK)
-		status = store_meta_put_base_path(store);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "naming its base", "COMMIT");
-	if (status != STATUS_OK)
-		store_sql_undo(store->db);
+	enum status status;
+	TRY_OR(failed, store_sql_begin(store->db, store->path, "naming its base"));
+	TRY_OR(failed, store_meta_put_base_path(store));
+	TRY_OR(failed, store_sql_exec(store->db, store->path, "naming its base", "COMMIT"));
+	return STATUS_OK;
+failed:
+	store_sql_undo(store->db);
 	return status;
 }
 
@@ -24,13 +24,12 @@ enum status store_relink(const char *path, const char *parent_path)
 {
 	struct store *store = NULL;
 	const struct store_options options = {.mode = STORE_WRITE, .durable_full = true};
-	enum status status = store_open_as(path, &options, NULL, parent_path, &store);
-	if (status == STATUS_OK)
-		status = store_overlay_name_parent(store, store->under);
-	if (status == STATUS_OK)
-		status = store_pins_tell_parent(store); /* before it is named: a kill leaves a line too many, not one too few */
-	if (status == STATUS_OK)
-		status = put_path(store);
+	enum status status;
+	TRY_OR(done, store_open_as(path, &options, NULL, parent_path, &store));
+	TRY_OR(done, store_overlay_name_parent(store, store->under));
+	TRY_OR(done, store_pins_tell_parent(store)); /* before it is named: a kill leaves a line too many, not one too few */
+	TRY_OR(done, put_path(store));
+done:
 	store_close(store);
 	return status;
 }

@@ -15,9 +15,8 @@ enum status store_replace_settle(const char *path, const char *named)
 	if ((!store_connect_has_wal(path) && !store_connect_has_journal(path)) || stat(path, &file) != 0)
 		return STATUS_OK;
 	sqlite3 *db;
-	enum status status = store_connect_file(path, named, true, &db);
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
+	TRY(store_connect_file(path, named, true, &db));
 	int code = sqlite3_exec(db, "PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
 	/* What is no store, or a damaged one, is simply replaced. */
 	if (code != SQLITE_OK && (code & 0xff) != SQLITE_CORRUPT && (code & 0xff) != SQLITE_NOTADB)

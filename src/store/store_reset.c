@@ -3,21 +3,22 @@
 
 #include <assert.h>
 
-static enum status remove_all(struct store *store)
+static enum status remove_all(struct store *store, bool force)
 {
-	enum status status =
-		store_sql_exec(store->db, store->path, "resetting it",
-			       "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
-			       "DELETE FROM pressed; "
-			       "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; DELETE FROM "
-			       "history; DELETE FROM revision; "
-			       "DELETE FROM snapshot; "
-			       "DELETE FROM meta WHERE key IN ('working', 'compacted', 'relief')");
-	if (status == STATUS_OK)
-		status = store_pinned_clear(store);
-	if (status == STATUS_OK && store->inherits)
-		status = store_overlay_begin(store);
-	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "resetting it", "COMMIT") : status;
+	TRY(store_sql_begin(store->db, store->path, "resetting it"));
+	if (!force)
+		TRY(store_losses_refuse(store, false));
+	TRY(store_sql_exec(store->db, store->path, "resetting it",
+			   "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
+			   "DELETE FROM pressed; "
+			   "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; DELETE FROM "
+			   "history; DELETE FROM revision; "
+			   "DELETE FROM snapshot; "
+			   "DELETE FROM meta WHERE key IN ('working', 'compacted', 'relief')"));
+	TRY(store_pinned_clear(store));
+	if (store->inherits)
+		TRY(store_overlay_begin(store));
+	return store_sql_exec(store->db, store->path, "resetting it", "COMMIT");
 }
 
 enum status store_reset(struct store *store, bool force)
@@ -25,11 +26,7 @@ enum status store_reset(struct store *store, bool force)
 	assert(store->writing);
 	const struct store *parent = store->inherits ? store->under : NULL;
 	int64_t commit = store->commit;
-	enum status status = store_sql_begin(store->db, store->path, "resetting it");
-	if (status == STATUS_OK && !force)
-		status = store_losses_refuse(store, false);
-	if (status == STATUS_OK)
-		status = remove_all(store);
+	enum status status = remove_all(store, force);
 	if (status != STATUS_OK) {
 		store_sql_undo(store->db);
 		store->commit = commit;
@@ -42,11 +39,8 @@ enum status store_reset(struct store *store, bool force)
 	store->relief_text = NULL;
 	if (parent != NULL && parent->relief_text != NULL &&
 	    (store->relief_text = mem_strdup(parent->relief_text)) == NULL)
-		status = fail_memory("relief");
-	if (status == STATUS_OK)
-		status = store_relief_settle(store);
-	if (status != STATUS_OK)
-		return status;
+		return fail_memory("relief");
+	TRY(store_relief_settle(store));
 	for (int table = 0; table < ROW_TABLES; table++)
 		store->state_rows[table] = STATE_UNKNOWN;
 	store->commit = parent != NULL ? store->parent_revision : 0;
@@ -54,8 +48,7 @@ enum status store_reset(struct store *store, bool force)
 	store->history.kept = store->pins.newest = -1;
 	store_changes_restart(&store->changes, store->commit);
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
-	status = store_sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");
-	if (status == STATUS_OK)
-		status = store_pins_clear(store->real_path);
-	return status == STATUS_OK ? store_checkpoint(store) : status;
+	TRY(store_sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum"));
+	TRY(store_pins_clear(store->real_path));
+	return store_checkpoint(store);
 }

@@ -49,10 +49,9 @@ static enum status find_revision(struct store *store, const char *text, int64_t 
 	*revision = strtoll(text, &end, 10);
 	bool number = *text >= '0' && *text <= '9' && *end == '\0';
 	sqlite3_stmt *statement = NULL;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, number ? "SELECT revision FROM revision WHERE revision = ?1"
-											  : "SELECT revision FROM snapshot WHERE name = ?2");
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
+	TRY(store_sql_prepare(store->db, store->path, &statement, number ? "SELECT revision FROM revision WHERE revision = ?1"
+									 : "SELECT revision FROM snapshot WHERE name = ?2"));
 	if (number)
 		sqlite3_bind_int64(statement, 1, *revision);
 	else
@@ -82,8 +81,7 @@ static enum status add(struct restoring *restoring, uint64_t key)
 	if (restoring->count == restoring->room) {
 		size_t room = restoring->room != 0 ? 2 * restoring->room : 64;
 		struct climb_item *items = mem_realloc(restoring->items, room, sizeof *items);
-		if (items == NULL)
-			return fail_memory("a restore");
+		TRY_MEM(items, "a restore");
 		restoring->items = items;
 		restoring->room = room;
 	}
@@ -99,12 +97,11 @@ static enum status find_tiles(struct restoring *restoring, enum row_table table)
 	int64_t key = -1;
 	int code = SQLITE_ROW;
 	restoring->count = 0;
-	enum status status = store_sql_prepare(store->db, store->path, &next,
-					 "SELECT key FROM history WHERE plane = ?1 AND key > ?2 ORDER BY key LIMIT 1");
-	if (status == STATUS_OK)
-		status = store_sql_prepare(store->db, store->path, &any,
-					   "SELECT 1 FROM history WHERE plane = ?1 AND key = ?2 AND revision >= ?3 LIMIT 1");
-	while (status == STATUS_OK && code == SQLITE_ROW) {
+	enum status status;
+	TRY_OR(done, store_sql_prepare(store->db, store->path, &next, "SELECT key FROM history WHERE plane = ?1 AND key > ?2 ORDER BY key LIMIT 1"));
+	TRY_OR(done, store_sql_prepare(store->db, store->path, &any,
+				       "SELECT 1 FROM history WHERE plane = ?1 AND key = ?2 AND revision >= ?3 LIMIT 1"));
+	while (code == SQLITE_ROW) {
 		sqlite3_reset(next);
 		sqlite3_bind_int(next, 1, (int)table);
 		sqlite3_bind_int64(next, 2, key);
@@ -118,11 +115,12 @@ static enum status find_tiles(struct restoring *restoring, enum row_table table)
 		sqlite3_bind_int64(any, 3, restoring->revision);
 		code = sqlite3_step(any);
 		if (code == SQLITE_ROW)
-			status = add(restoring, (uint64_t)key);
+			TRY_OR(done, add(restoring, (uint64_t)key));
 		code = code == SQLITE_DONE ? SQLITE_ROW : code;
 	}
-	if (status == STATUS_OK && code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "reading its history");
+	if (code != SQLITE_DONE)
+		TRY_OR(done, store_sql_fail(store->db, code, store->path, "reading its history"));
+done:
 	sqlite3_finalize(next);
 	sqlite3_finalize(any);
 	return status;
@@ -142,12 +140,13 @@ static enum status put_state(struct restoring *restoring, enum row_table table, 
 	size_t side = tile_posts(&restoring->store->meta.extent);
 	const int32_t *posts;
 	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
-	enum status status = scratch != NULL ? STATUS_OK : fail_memory("a restore");
-	for (size_t i = 0; i < restoring->count && status == STATUS_OK; i++) {
-		status = posts_then(restoring, table, &restoring->items[i], scratch, &posts);
-		if (status == STATUS_OK)
-			status = store_state_put_tile(restoring->store, table, tile_from_key(restoring->items[i].key), posts, result);
+	enum status status = STATUS_OK;
+	TRY_MEM(scratch, "a restore");
+	for (size_t i = 0; i < restoring->count; i++) {
+		TRY_OR(done, posts_then(restoring, table, &restoring->items[i], scratch, &posts));
+		TRY_OR(done, store_state_put_tile(restoring->store, table, tile_from_key(restoring->items[i].key), posts, result));
 	}
+done:
 	mem_free(scratch);
 	return status;
 }
@@ -158,86 +157,88 @@ static enum status put_tiles(struct restoring *restoring)
 	const struct store_run run = {0};
 	struct store_commit_result result = {0};
 	struct store *store = restoring->store;
-	enum status status = STATUS_OK;
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
-		status = find_tiles(restoring, (enum row_table)table);
-		if (status == STATUS_OK && row_is_state((enum row_table)table))
-			status = put_state(restoring, (enum row_table)table, &result);
-		else if (status == STATUS_OK)
-			status = store_climb(store, (enum row_table)table, restoring->items, restoring->count, &source, &run, &result);
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
+		TRY(find_tiles(restoring, (enum row_table)table));
+		if (row_is_state((enum row_table)table))
+			TRY(put_state(restoring, (enum row_table)table, &result));
+		else
+			TRY(store_climb(store, (enum row_table)table, restoring->items, restoring->count, &source, &run, &result));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status put_header(struct store *store, struct kept *kept)
 {
 	char what[48];
-	enum status status = STATUS_OK;
 	snprintf(what, sizeof what, "restore %lld", (long long)kept->run.commit);
 	if (kept->header.has_working)
-		status = store_meta_put_working(store, store->working, store->relief_text);
+		TRY(store_meta_put_working(store, store->working, store->relief_text));
 	else
-		status = store_meta_drop(store, "working");
-	if (status == STATUS_OK)
-		status = kept->header.compacted != 0 ? store_meta_put_integer(store, "compacted", kept->header.compacted) : store_meta_drop(store, "compacted");
+		TRY(store_meta_drop(store, "working"));
+	TRY(kept->header.compacted != 0 ? store_meta_put_integer(store, "compacted", kept->header.compacted) : store_meta_drop(store, "compacted"));
 	const struct store_run run = {.scene_hash = kept->run.scene_hash, .step = kept->run.step, .time = kept->run.time, .what = what};
-	return status == STATUS_OK ? store_run_put(store, &run, kept->run.state) : status;
+	return store_run_put(store, &run, kept->run.state);
+}
+
+static enum status put_all(struct restoring *restoring, struct kept *kept)
+{
+	struct store *store = restoring->store;
+	TRY(store_history_begin(store, true));
+	TRY(put_tiles(restoring));
+	TRY(put_header(store, kept));
+	TRY(store_changes_reserve(&store->changes));
+	return store_sql_exec(store->db, store->path, "restoring it", "COMMIT");
 }
 
 static enum status restore(struct store *store, struct kept *kept)
 {
 	struct restoring restoring = {.store = store, .revision = kept->run.commit};
-	enum status status = store_history_begin(store, true);
-	if (status == STATUS_OK)
-		status = put_tiles(&restoring);
-	if (status == STATUS_OK)
-		status = put_header(store, kept);
-	if (status == STATUS_OK)
-		status = store_changes_reserve(&store->changes);
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "restoring it", "COMMIT");
-	store_history_end(store, status == STATUS_OK);
+	const bool had_working = store->has_working;
+	const int working = store->working;
+	enum status status;
+	if (store->history.has_level) { /* the present revision may be of ground that was never deformed */
+		store->has_working = true;
+		store->working = store->history.level;
+	}
+	TRY_OR(failed, store_sql_begin(store->db, store->path, "restoring it"));
+	TRY_OR(failed, store_history_end(store, put_all(&restoring, kept)));
 	mem_free(restoring.items);
+	return STATUS_OK;
+failed:
+	mem_free(restoring.items);
+	store->has_working = had_working;
+	store->working = working;
 	return status;
+}
+
+/* After the commit: sets what is kept in memory to what was restored. */
+static enum status take_restored(struct store *store, const struct kept *kept)
+{
+	store->commit++;
+	store_changes_commit(&store->changes, store->commit);
+	store->has_working = store->working_stored = kept->header.has_working;
+	store->compacted = kept->header.compacted;
+	store->marked = false;
+	for (int table = 0; table < ROW_TABLES; table++)
+		store->state_rows[table] = STATE_UNKNOWN;
+	return store_relief_settle(store);
 }
 
 enum status store_restore(struct store *store, const char *text, int64_t *revision)
 {
 	struct kept kept = {0};
 	assert(store->writing);
-	enum status status = store_part_refuse(store, "restored");
-	if (status == STATUS_OK)
-		status = find_revision(store, text, revision);
-	if (status != STATUS_OK || *revision == store->commit)
-		return status;
-	status = store_run_copy_kept(store, *revision, &kept.run, &kept.header);
-	bool had_working = store->has_working;
-	int working = store->working;
+	TRY(store_part_refuse(store, "restored"));
+	TRY(find_revision(store, text, revision));
+	if (*revision == store->commit)
+		return STATUS_OK;
+	enum status status;
+	TRY_OR(done, store_run_copy_kept(store, *revision, &kept.run, &kept.header));
 	/* Where nothing has a row, no drive left a rut, and nothing tells which level it had. */
-	kept.header.has_working = kept.header.has_working && (had_working || store->history.has_level);
-	if (status == STATUS_OK && store->history.has_level) { /* the present revision may be of ground that was never deformed */
-		store->has_working = true;
-		store->working = store->history.level;
-	}
-	if (status == STATUS_OK)
-		status = store_sql_begin(store->db, store->path, "restoring it");
-	if (status == STATUS_OK)
-		status = restore(store, &kept);
-	if (status != STATUS_OK) {
-		store_sql_undo(store->db);
-		store_changes_drop(&store->changes);
-		store->has_working = had_working;
-		store->working = working;
-	} else {
-		store->commit++;
-		store_changes_commit(&store->changes, store->commit);
-		store->has_working = store->working_stored = kept.header.has_working;
-		store->compacted = kept.header.compacted;
-		status = store_relief_settle(store);
-		store->marked = false;
-		for (int table = 0; table < ROW_TABLES; table++)
-			store->state_rows[table] = STATE_UNKNOWN;
-	}
+	kept.header.has_working = kept.header.has_working && (store->has_working || store->history.has_level);
+	TRY_OR(done, restore(store, &kept));
+	TRY_OR(done, take_restored(store, &kept));
+done:
 	store_run_copy_finish(&kept.run);
 	return status;
 }

@@ -54,8 +54,7 @@ enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, co
 	*rows = (struct rows){.db = db, .path = path, .extent = extent};
 	size_t side = tile_posts(extent);
 	rows->wide = mem_alloc(side * side, sizeof *rows->wide);
-	if (rows->wide == NULL)
-		return fail_memory("a tile");
+	TRY_MEM(rows->wide, "a tile");
 	enum status status = store_codec_init(&rows->codec, (uint32_t)side, effort);
 	if (status != STATUS_OK)
 		store_rows_finish(rows);
@@ -155,10 +154,7 @@ static enum status find_own(struct rows *rows, enum row_table table, struct tile
 	assert(extent_has(rows->extent, tile));
 	*found = false;
 	sqlite3_stmt **statement = whole ? &rows->find[table] : &rows->head[table];
-	enum status status = store_sql_prepare(rows->db, rows->path, statement,
-					 whole ? tables[table].find : tables[table].head);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(rows->db, rows->path, statement, whole ? tables[table].find : tables[table].head));
 	*out = *statement;
 	sqlite3_bind_int64(*out, 1, (sqlite3_int64)tile_key(tile));
 	int code = sqlite3_step(*out);
@@ -185,10 +181,10 @@ static void count_further(const struct rows *rows, enum row_table table, uint64_
 static enum status find_row(struct rows *rows, enum row_table table, struct tile tile, bool whole,
 			    struct row *row, bool *found, sqlite3_stmt **out, struct rows **at)
 {
-	enum status status = find_own(rows, table, tile, whole, row, found, out);
+	TRY(find_own(rows, table, tile, whole, row, found, out));
 	*at = rows;
-	if (status != STATUS_OK || rows->lineage == NULL || table == ROW_BASE)
-		return status;
+	if (rows->lineage == NULL || table == ROW_BASE)
+		return STATUS_OK;
 	if (*found) {
 		*found = !row_is_none(row);
 		return STATUS_OK;
@@ -199,10 +195,10 @@ static enum status find_row(struct rows *rows, enum row_table table, struct tile
 	sqlite3_reset(*out);
 	*at = rows->layers[entry->layer];
 	count_further(rows, table, 1);
-	status = find_own(*at, table, tile, whole, row, found, out);
-	if (status == STATUS_OK && !*found)
-		status = store_rows_bad(*at, table, tile, "it is listed and cannot be found");
-	return status;
+	TRY(find_own(*at, table, tile, whole, row, found, out));
+	if (!*found)
+		return store_rows_bad(*at, table, tile, "it is listed and cannot be found");
+	return STATUS_OK;
 }
 
 enum status store_rows_head(struct rows *rows, enum row_table table, struct tile tile, struct row *row,
@@ -252,9 +248,7 @@ enum status store_rows_take(const struct rows *rows, enum row_table table, struc
 static enum status take_blob(struct rows *rows, const struct rows *at, enum row_table table, sqlite3_stmt *statement,
 			     struct row *row, int32_t *posts)
 {
-	enum status status = take_bytes(at, table, statement, row);
-	if (status != STATUS_OK)
-		return status;
+	TRY(take_bytes(at, table, statement, row));
 	if (!store_codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
 		return store_rows_bad(at, table, row->tile, "it cannot be decoded");
 	size_t side = tile_posts(rows->extent);
@@ -268,11 +262,13 @@ enum status store_rows_read(struct rows *rows, enum row_table table, struct tile
 {
 	sqlite3_stmt *statement = NULL;
 	struct rows *at;
+	enum status status;
 	if (table == ROW_BASE && store_below_has(tile))
 		return store_below_read(rows, tile, posts, row, found);
-	enum status status = find_row(rows, table, tile, true, row, found, &statement, &at);
-	if (status == STATUS_OK && *found)
-		status = take_blob(rows, at, table, statement, row, posts);
+	TRY_OR(done, find_row(rows, table, tile, true, row, found, &statement, &at));
+	if (*found)
+		TRY_OR(done, take_blob(rows, at, table, statement, row, posts));
+done:
 	sqlite3_reset(statement);
 	if (*found)
 		row->bytes = NULL;
@@ -296,9 +292,7 @@ void store_rows_encode(struct rows *rows, enum row_table table, const int32_t *p
 /* Writes a row into this file. */
 static enum status put_own(struct rows *rows, enum row_table table, const struct row *row)
 {
-	enum status status = store_sql_prepare(rows->db, rows->path, &rows->write[table], tables[table].write);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(rows->db, rows->path, &rows->write[table], tables[table].write));
 	sqlite3_stmt *statement = rows->write[table];
 	sqlite3_bind_int64(statement, 1, (sqlite3_int64)tile_key(row->tile));
 	bind_real(statement, 2, row->low);
@@ -314,8 +308,7 @@ static enum status put_own(struct rows *rows, enum row_table table, const struct
 		sqlite3_bind_int64(statement, 9, row->above);
 	}
 	int code = sqlite3_step(statement);
-	if (code != SQLITE_DONE)
-		status = store_sql_fail(rows->db, code, rows->path, "writing a tile");
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(rows->db, code, rows->path, "writing a tile");
 	sqlite3_reset(statement);
 	sqlite3_bind_null(statement, 7);
 	return status;
@@ -324,13 +317,10 @@ static enum status put_own(struct rows *rows, enum row_table table, const struct
 /* Removes a row from this file. */
 static enum status drop_own(struct rows *rows, enum row_table table, struct tile tile)
 {
-	enum status status = store_sql_prepare(rows->db, rows->path, &rows->drop[table], tables[table].drop);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(rows->db, rows->path, &rows->drop[table], tables[table].drop));
 	sqlite3_bind_int64(rows->drop[table], 1, (sqlite3_int64)tile_key(tile));
 	int code = sqlite3_step(rows->drop[table]);
-	if (code != SQLITE_DONE)
-		status = store_sql_fail(rows->db, code, rows->path, "removing a tile");
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(rows->db, code, rows->path, "removing a tile");
 	sqlite3_reset(rows->drop[table]);
 	return status;
 }
@@ -357,11 +347,12 @@ enum status store_rows_bytes(struct rows *rows, enum row_table table, struct til
 	struct row row;
 	struct rows *at;
 	bool found;
-	enum status status = find_row(rows, table, tile, true, &row, &found, &statement, &at);
-	if (status == STATUS_OK && found)
-		status = take_bytes(at, table, statement, &row);
-	if (status == STATUS_OK)
-		status = fn(user, found ? &row : NULL);
+	enum status status;
+	TRY_OR(done, find_row(rows, table, tile, true, &row, &found, &statement, &at));
+	if (found)
+		TRY_OR(done, take_bytes(at, table, statement, &row));
+	TRY_OR(done, fn(user, found ? &row : NULL));
+done:
 	sqlite3_reset(statement);
 	return status;
 }
@@ -372,14 +363,14 @@ enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table t
 	struct row row;
 	struct rows *at;
 	bool found;
-	enum status status = find_row(from, table, tile, true, &row, &found, &statement, &at);
-	if (status == STATUS_OK && !found)
-		status = store_rows_bad(at, table, tile, "it is listed and cannot be found");
-	if (status == STATUS_OK)
-		status = take_bytes(at, table, statement, &row);
+	enum status status;
+	TRY_OR(done, find_row(from, table, tile, true, &row, &found, &statement, &at));
+	if (!found)
+		TRY_OR(done, store_rows_bad(at, table, tile, "it is listed and cannot be found"));
+	TRY_OR(done, take_bytes(at, table, statement, &row));
 	row.revision = revision;
-	if (status == STATUS_OK)
-		status = store_rows_put(to, table, &row);
+	TRY_OR(done, store_rows_put(to, table, &row));
+done:
 	sqlite3_reset(statement);
 	return status;
 }
@@ -392,20 +383,21 @@ static enum status under_inherited(struct rows *rows, enum row_table table, stru
 	uint64_t looked_up = 0;
 	*high = -(double)INFINITY;
 	*count = 0;
-	for (unsigned i = 0; i < 4 && status == STATUS_OK; i++) {
+	for (unsigned i = 0; i < 4; i++) {
 		struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
 		struct row row;
 		bool found = false;
-		if (extent_has(rows->extent, child)) {
-			status = store_rows_head(rows, table, child, &row, &found);
-			looked_up++;
-		}
-		if (status != STATUS_OK || !found)
+		if (!extent_has(rows->extent, child))
+			continue;
+		looked_up++;
+		TRY_OR(done, store_rows_head(rows, table, child, &row, &found));
+		if (!found)
 			continue;
 		*low = fmin(*low, row.low);
 		*high = fmax(*high, row.high);
 		++*count;
 	}
+done:
 	/* In a plain store one statement finds all of them. */
 	count_further(rows, table, looked_up - 1);
 	return status;
@@ -421,19 +413,16 @@ enum status store_rows_under(struct rows *rows, enum row_table table, struct til
 		if (at < rows->lineage->count[table] && rows->lineage->entries[table][at].key <= last)
 			return under_inherited(rows, table, tile, low, high, count);
 	}
-	enum status status = store_sql_prepare(rows->db, rows->path, &rows->under[table], tables[table].under);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(rows->db, rows->path, &rows->under[table], tables[table].under));
 	sqlite3_stmt *statement = rows->under[table];
 	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
 	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
 	int code = sqlite3_step(statement);
+	enum status status = code == SQLITE_ROW ? STATUS_OK : store_sql_fail(rows->db, code, rows->path, "reading a tile");
 	if (code == SQLITE_ROW) {
 		*low = column_real(statement, 0);
 		*high = column_real(statement, 1);
 		*count = sqlite3_column_int(statement, 2);
-	} else {
-		status = store_sql_fail(rows->db, code, rows->path, "reading a tile");
 	}
 	sqlite3_reset(statement);
 	return status;

@@ -15,14 +15,13 @@ struct listing {
 static enum status before(struct listing *listing, uint64_t key)
 {
 	const struct lineage *lineage = listing->rows->lineage;
-	enum status status = STATUS_OK;
-	for (; listing->at < listing->end && status == STATUS_OK; listing->at++) {
+	for (; listing->at < listing->end; listing->at++) {
 		const struct lineage_entry *entry = &lineage->entries[listing->table][listing->at];
 		if (entry->key >= key)
 			break;
-		status = listing->fn(listing->user, &(struct row_entry){entry->key, entry->hash, entry->revision, entry->size, entry});
+		TRY(listing->fn(listing->user, &(struct row_entry){entry->key, entry->hash, entry->revision, entry->size, entry}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status own(struct listing *listing, sqlite3_stmt *statement)
@@ -33,9 +32,7 @@ static enum status own(struct listing *listing, sqlite3_stmt *statement)
 		.revision = sqlite3_column_int64(statement, 2),
 		.size = (uint32_t)sqlite3_column_int64(statement, 3),
 	};
-	enum status status = before(listing, entry.key);
-	if (status != STATUS_OK)
-		return status;
+	TRY(before(listing, entry.key));
 	if (listing->at < listing->end && listing->rows->lineage->entries[listing->table][listing->at].key == entry.key)
 		listing->at++; /* this file's row counts */
 	bool none = listing->rows->lineage != NULL && sqlite3_column_int(statement, 4) != 0;
@@ -49,21 +46,21 @@ enum status store_rows_each(struct rows *rows, enum row_table table, uint64_t fi
 	char sql[192];
 	snprintf(sql, sizeof sql, "SELECT key, hash, revision, length(blob), low = 0 AND high = 0 FROM %s "
 		 "WHERE key BETWEEN ?1 AND ?2 ORDER BY key", store_rows_sql_name(table));
-	enum status status = store_sql_prepare(rows->db, rows->path, &statement, sql);
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
+	int code;
+	TRY(store_sql_prepare(rows->db, rows->path, &statement, sql));
 	if (rows->lineage != NULL) {
 		listing.at = store_lineage_from(rows->lineage, table, first);
 		listing.end = store_lineage_from(rows->lineage, table, last + 1);
 	}
 	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
 	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
-	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
-		status = code == SQLITE_ROW ? own(&listing, statement)
-					    : store_sql_fail(rows->db, code, rows->path, "reading its tiles");
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE)
+		TRY_OR(done, code == SQLITE_ROW ? own(&listing, statement) : store_sql_fail(rows->db, code, rows->path, "reading its tiles"));
+done:
 	sqlite3_finalize(statement);
-	return status == STATUS_OK ? before(&listing, UINT64_MAX) : status;
+	TRY(status);
+	return before(&listing, UINT64_MAX);
 }
 
 struct counting {

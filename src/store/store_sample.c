@@ -34,15 +34,14 @@ static struct post_rect cell_at(const struct extent *extent, int level, double x
 /* Finds the finest level at which an inset has all posts with weight around (x, y); 0: none has. */
 static enum status base_level_at(struct store_reader *reader, double x, double y, int *level)
 {
-	enum status status = STATUS_OK;
-	for (*level = store_finest_base(reader->store); *level < 0 && status == STATUS_OK; ++*level) {
+	for (*level = store_finest_base(reader->store); *level < 0; ++*level) {
 		double u, v, corners[4];
 		struct post_rect cell = cell_at(reader->rows.extent, *level, x, y, &u, &v);
-		status = store_read_stored(reader, *level, cell, corners);
-		if (status == STATUS_OK && !isnan(lattice_bilinear(corners, u, v, 0)))
+		TRY(store_read_stored(reader, *level, cell, corners));
+		if (!isnan(lattice_bilinear(corners, u, v, 0)))
 			break;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Finds the finest level stored at the cell that holds (x, y); cells are of level 0 or finer. Also finds the planes that the tile
@@ -54,26 +53,25 @@ static enum status level_at(struct store_reader *reader, double x, double y, int
 	int working;
 	*planes = 0;
 	const struct relief *relief = store_relief(reader->store);
-	enum status status = base_level_at(reader, x, y, level);
+	TRY(base_level_at(reader, x, y, level));
 	if (relief_any(relief) && relief->finest < *level)
 		*level = relief->finest;
-	if (status == STATUS_OK)
-		status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
-	if (status != STATUS_OK || !deformed)
-		return status;
+	TRY(store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working));
+	if (!deformed)
+		return STATUS_OK;
 	double side = extent_spacing(extent, working) * extent->cells;
 	uint32_t tx = (uint32_t)(x / side), ty = (uint32_t)(y / side);
 	uint32_t tiles_x = extent_tiles_x(extent, working), tiles_y = extent_tiles_y(extent, working);
 	struct tile tile = {working, tx < tiles_x ? tx : tiles_x - 1, ty < tiles_y ? ty : tiles_y - 1};
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
+	for (int plane = 0; plane < PLANES; plane++) {
 		struct row row;
 		bool found;
-		status = store_rows_head(&reader->rows, row_table_of((enum plane)plane), tile, &row, &found);
+		TRY(store_rows_head(&reader->rows, row_table_of((enum plane)plane), tile, &row, &found));
 		*planes |= found ? PLANE_BIT(plane) : 0;
 	}
 	if (*planes != 0 && working < *level)
 		*level = working;
-	return status;
+	return STATUS_OK;
 }
 
 /* Reads a layer at the nearest post; 0 in a hole. */
@@ -81,27 +79,22 @@ static enum status nearest(struct store_reader *reader, enum store_layer layer, 
 			   double u, double v, double *value)
 {
 	double posts[4];
-	enum status status = store_read_posts(reader, layer, level, cell, posts);
-	if (status == STATUS_OK)
-		*value = posts[(v >= 0.5) * 2 + (u >= 0.5)];
-	if (status == STATUS_OK && isnan(*value))
+	TRY(store_read_posts(reader, layer, level, cell, posts));
+	*value = posts[(v >= 0.5) * 2 + (u >= 0.5)];
+	if (isnan(*value))
 		*value = 0;
-	return status;
+	return STATUS_OK;
 }
 
 static enum status sample_inside(struct store_reader *reader, double x, double y, struct store_sample *sample)
 {
 	int level;
-	enum status status = level_at(reader, x, y, &level, &sample->planes);
-	if (status != STATUS_OK)
-		return status;
+	TRY(level_at(reader, x, y, &level, &sample->planes));
 	double u, v, base[4], offset[4], disturbance = 0;
 	struct post_rect cell = cell_at(reader->rows.extent, level, x, y, &u, &v);
-	status = store_read_posts(reader, STORE_BASE, level, cell, base);
-	if (status == STATUS_OK)
-		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
-	if (status == STATUS_OK)
-		status = nearest(reader, STORE_SOIL, level, cell, u, v, &disturbance);
+	TRY(store_read_posts(reader, STORE_BASE, level, cell, base));
+	TRY(store_read_posts(reader, STORE_OFFSET, level, cell, offset));
+	TRY(nearest(reader, STORE_SOIL, level, cell, u, v, &disturbance));
 	const struct {
 		enum plane plane;
 		enum store_layer layer;
@@ -112,11 +105,9 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 		{PLANE_SHEAR, STORE_SHEAR_EAST, &sample->shear[0]},
 		{PLANE_SHEAR, STORE_SHEAR_NORTH, &sample->shear[1]},
 	};
-	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)
+	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample->planes & PLANE_BIT(state[i].plane))
-			status = nearest(reader, state[i].layer, level, cell, u, v, state[i].value);
-	if (status != STATUS_OK)
-		return status;
+			TRY(nearest(reader, state[i].layer, level, cell, u, v, state[i].value));
 	sample->base = lattice_bilinear(base, u, v, 0);
 	sample->nodata = isnan(sample->base);
 	if (sample->nodata)
@@ -144,12 +135,9 @@ enum status store_sample(struct store_reader *reader, double x, double y, struct
 	}
 	x = fmin(fmax(x, 0), east);
 	y = fmin(fmax(y, 0), north);
-	enum status status = store_reader_begin(reader);
-	if (status == STATUS_OK)
-		status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
-	if (status != STATUS_OK)
-		return status;
-	status = sample_inside(reader, x, y, sample);
+	TRY(store_reader_begin(reader));
+	TRY(store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN"));
+	enum status status = sample_inside(reader, x, y, sample);
 	sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
 	return store_reader_outdated(reader) ? store_sample(reader, x, y, sample) : status;
 }

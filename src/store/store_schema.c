@@ -95,11 +95,11 @@ enum status store_schema_create(sqlite3 *db, const char *path)
 	char header[128];
 	snprintf(header, sizeof header, "PRAGMA application_id=%d; PRAGMA user_version=%d",
 		 STORE_APPLICATION_ID, STORE_VERSION);
-	enum status status = store_sql_exec(db, path, "making the store", header);
-	for (size_t i = 0; i < OBJECTS && status == STATUS_OK; i++)
+	TRY(store_sql_exec(db, path, "making the store", header));
+	for (size_t i = 0; i < OBJECTS; i++)
 		if (object_of(i, STORE_VERSION) != NULL)
-			status = store_sql_exec(db, path, "making the store", objects[i].sql);
-	return status;
+			TRY(store_sql_exec(db, path, "making the store", objects[i].sql));
+	return STATUS_OK;
 }
 
 static bool object_is(sqlite3_stmt *statement, const struct object *object)
@@ -115,10 +115,8 @@ static enum status check_objects(sqlite3 *db, const char *path, int version)
 {
 	sqlite3_stmt *statement = NULL;
 	/* meta's own index is a WITHOUT ROWID table's: it has no sql and no row here. */
-	enum status status = store_sql_prepare(db, path, &statement,
-					 "SELECT type, name, sql FROM sqlite_schema ORDER BY name");
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(db, path, &statement, "SELECT type, name, sql FROM sqlite_schema ORDER BY name"));
+	enum status status = STATUS_OK;
 	size_t seen = 0;
 	bool same = true;
 	int code;
@@ -142,11 +140,8 @@ static enum status check_objects(sqlite3 *db, const char *path, int version)
 enum status store_schema_check(sqlite3 *db, const char *path, int *out)
 {
 	int64_t id, version;
-	enum status status = store_sql_integer(db, path, "PRAGMA application_id", &id);
-	if (status == STATUS_OK)
-		status = store_sql_integer(db, path, "PRAGMA user_version", &version);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_integer(db, path, "PRAGMA application_id", &id));
+	TRY(store_sql_integer(db, path, "PRAGMA user_version", &version));
 	if (id != STORE_APPLICATION_ID)
 		return fail_with(STATUS_INPUT, "%s: not a Furrow store (application id %llx); make one with "
 				 "furrow import", path, (unsigned long long)id & 0xffffffffu);
@@ -160,46 +155,42 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *out)
 enum status store_schema_hide(sqlite3 *db, const char *path, int version)
 {
 	/* SQLite reads a name without a schema as the temporary table, if there is one. */
-	enum status status = store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY");
-	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
-		status = store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
-						       "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0");
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE run AS SELECT *, 0 AS made, '' AS who, '' AS what FROM main.run; "
-						       "CREATE TEMP TABLE history(plane, key, revision, form, codec, hash, blob); "
-						       "CREATE TEMP TABLE revision(revision, scene_hash, step, time, state, made, who, what, working, compacted); "
-						       "CREATE TEMP TABLE snapshot(name, revision, made, who)");
-	return status;
+	TRY(store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY"));
+	if (version < STORE_VERSION_SHEAR)
+		TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
+				   "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0"));
+	return store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE run AS SELECT *, 0 AS made, '' AS who, '' AS what FROM main.run; "
+			      "CREATE TEMP TABLE history(plane, key, revision, form, codec, hash, blob); "
+			      "CREATE TEMP TABLE revision(revision, scene_hash, step, time, state, made, who, what, working, compacted); "
+			      "CREATE TEMP TABLE snapshot(name, revision, made, who)");
 }
 
 /* Gives the run's record its new columns. Who made it, and when, is not known. */
 static enum status raise_run(sqlite3 *db, const char *path)
 {
 	static const char doing[] = "making it a store of this version";
-	enum status status = store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE older AS SELECT * FROM main.run; DROP TABLE main.run");
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, doing, sql_of("run"));
-	return status == STATUS_OK ? store_sql_exec(db, path, doing, "INSERT INTO main.run SELECT *, 0, '', '' FROM temp.older; DROP TABLE temp.older")
-				   : status;
+	TRY(store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE older AS SELECT * FROM main.run; DROP TABLE main.run"));
+	TRY(store_sql_exec(db, path, doing, sql_of("run")));
+	return store_sql_exec(db, path, doing, "INSERT INTO main.run SELECT *, 0, '', '' FROM temp.older; DROP TABLE temp.older");
 }
 
 enum status store_schema_raise(sqlite3 *db, const char *path, int version)
 {
 	static const char doing[] = "making it a store of this version";
 	char raise[96];
+	enum status status;
 	snprintf(raise, sizeof raise, "PRAGMA user_version=%d; COMMIT", STORE_VERSION);
-	enum status status = store_sql_begin(db, path, doing);
-	for (size_t i = 0; i < OBJECTS && status == STATUS_OK; i++)
+	TRY_OR(failed, store_sql_begin(db, path, doing));
+	for (size_t i = 0; i < OBJECTS; i++)
 		if (object_of(i, version) == NULL && object_of(i, STORE_VERSION) != NULL)
-			status = store_sql_exec(db, path, doing, objects[i].sql);
-	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
-		status = store_sql_exec(db, path, doing, "DELETE FROM shear");
-	if (status == STATUS_OK)
-		status = raise_run(db, path);
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, doing, raise);
-	if (status != STATUS_OK)
-		store_sql_undo(db);
+			TRY_OR(failed, store_sql_exec(db, path, doing, objects[i].sql));
+	if (version < STORE_VERSION_SHEAR)
+		TRY_OR(failed, store_sql_exec(db, path, doing, "DELETE FROM shear"));
+	TRY_OR(failed, raise_run(db, path));
+	TRY_OR(failed, store_sql_exec(db, path, doing, raise));
+	return STATUS_OK;
+failed:
+	store_sql_undo(db);
 	return status;
 }
 
@@ -208,8 +199,7 @@ enum status store_schema_raise_pins(sqlite3 *db, const char *path)
 	static const char doing[] = "keeping what overlays depend on";
 	char raise[64];
 	snprintf(raise, sizeof raise, "PRAGMA user_version=%d", STORE_VERSION_PINS);
-	enum status status = store_sql_exec(db, path, doing, sql_of("pinned"));
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, doing, sql_of("replaced"));
-	return status == STATUS_OK ? store_sql_exec(db, path, doing, raise) : status;
+	TRY(store_sql_exec(db, path, doing, sql_of("pinned")));
+	TRY(store_sql_exec(db, path, doing, sql_of("replaced")));
+	return store_sql_exec(db, path, doing, raise);
 }

@@ -81,14 +81,11 @@ enum status store_sql_prepare(sqlite3 *db, const char *path, sqlite3_stmt **stat
 enum status store_sql_integer(sqlite3 *db, const char *path, const char *sql, int64_t *value)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = store_sql_prepare(db, path, &statement, sql);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_sql_prepare(db, path, &statement, sql));
 	int code = sqlite3_step(statement);
+	enum status status = code == SQLITE_ROW ? STATUS_OK : store_sql_fail(db, code, path, "reading it");
 	if (code == SQLITE_ROW)
 		*value = sqlite3_column_int64(statement, 0);
-	else
-		status = store_sql_fail(db, code, path, "reading it");
 	sqlite3_finalize(statement);
 	return status;
 }

@@ -46,21 +46,23 @@ static char *copy_name(const char *folder, const char *original, uint64_t state)
 	return path;
 }
 
+static enum status name_copy(struct store *store, const char *folder, struct store_staged *out)
+{
+	struct store *plain = store;
+	while (plain->under != NULL)
+		plain = plain->under;
+	TRY(store_lineage_state(plain, &out->state));
+	out->original = mem_strdup(plain->real_path);
+	out->copy = copy_name(folder, plain->real_path, out->state);
+	return out->original != NULL && out->copy != NULL ? STATUS_OK : fail_memory("a base's copy");
+}
+
 enum status store_stage_name(const char *path, const char *folder, struct store_staged *out)
 {
 	struct store *store = NULL;
 	*out = (struct store_staged){.original = NULL};
-	enum status status = store_open(path, &reading, &store);
-	struct store *plain = store;
-	while (plain != NULL && plain->under != NULL)
-		plain = plain->under;
-	if (status == STATUS_OK)
-		status = store_lineage_state(plain, &out->state);
-	if (status == STATUS_OK) {
-		out->original = mem_strdup(plain->real_path);
-		out->copy = copy_name(folder, plain->real_path, out->state);
-		status = out->original != NULL && out->copy != NULL ? STATUS_OK : fail_memory("a base's copy");
-	}
+	TRY(store_open(path, &reading, &store));
+	enum status status = name_copy(store, folder, out);
 	store_close(store);
 	if (status != STATUS_OK)
 		store_staged_finish(out);
@@ -93,46 +95,43 @@ static enum status has_bytes(void *user, const struct row *row)
 static enum status check_row(void *user, const struct row_entry *entry)
 {
 	struct checking *checking = user;
-	enum status status = store_rows_bytes(checking->rows, checking->table, tile_from_key(entry->key), has_bytes, checking);
+	TRY(store_rows_bytes(checking->rows, checking->table, tile_from_key(entry->key), has_bytes, checking));
 	checking->done++;
-	if (status == STATUS_OK && checking->progress != NULL)
-		status = checking->progress(checking->user, checking->done, checking->total);
-	return status;
+	if (checking->progress != NULL)
+		TRY(checking->progress(checking->user, checking->done, checking->total));
+	return STATUS_OK;
 }
 
 static enum status check_rows(struct store *copy, store_progress_fn progress, void *user)
 {
 	struct checking checking = {.rows = &copy->rows, .progress = progress, .user = user};
-	enum status status = STATUS_OK;
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+	for (int table = 0; table < ROW_TABLES; table++) {
 		int64_t rows = 0, bytes;
-		status = store_rows_count(&copy->rows, (enum row_table)table, &rows, &bytes);
+		TRY(store_rows_count(&copy->rows, (enum row_table)table, &rows, &bytes));
 		checking.total += rows;
 	}
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+	for (int table = 0; table < ROW_TABLES; table++) {
 		checking.table = (enum row_table)table;
-		status = store_rows_each(&copy->rows, checking.table, 0, INT64_MAX, check_row, &checking);
+		TRY(store_rows_each(&copy->rows, checking.table, 0, INT64_MAX, check_row, &checking));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status check_copy(const struct store_staged *staged, store_progress_fn progress, void *user)
 {
 	struct store *copy = NULL;
 	uint64_t state = 0, base = 0;
-	enum status status = store_open(staged->copy, &reading, &copy);
-	if (status == STATUS_OK && copy->under != NULL)
-		status = fail_with(STATUS_INPUT, "%s: it is an overlay", staged->copy);
-	if (status == STATUS_OK)
-		status = store_overlay_hold(copy, copy->db);
-	if (status == STATUS_OK)
-		status = store_lineage_state(copy, &state);
-	if (status == STATUS_OK)
-		status = store_identity_compute(copy, &base);
-	if (status == STATUS_OK && (state != staged->state || base != copy->base_hash))
-		status = fail_with(STATUS_INPUT, "%s: it has another base, or other ruts", staged->copy);
-	if (status == STATUS_OK)
-		status = check_rows(copy, progress, user);
+	enum status status;
+	TRY_OR(done, store_open(staged->copy, &reading, &copy));
+	if (copy->under != NULL)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: it is an overlay", staged->copy));
+	TRY_OR(done, store_overlay_hold(copy, copy->db));
+	TRY_OR(done, store_lineage_state(copy, &state));
+	TRY_OR(done, store_identity_compute(copy, &base));
+	if (state != staged->state || base != copy->base_hash)
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: it has another base, or other ruts", staged->copy));
+	TRY_OR(done, check_rows(copy, progress, user));
+done:
 	store_close(copy);
 	if (status != STATUS_INPUT)
 		return status;
@@ -150,8 +149,7 @@ static enum status check_copy(const struct store_staged *staged, store_progress_
 static enum status make_folder(const char *copy)
 {
 	char *path = mem_strdup(copy);
-	if (path == NULL)
-		return fail_memory("a base's copy");
+	TRY_MEM(path, "a base's copy");
 	const char *folder = dirname(path);
 	struct stat file;
 	enum status status = STATUS_OK;
@@ -165,13 +163,13 @@ static enum status make_copy(const struct store_staged *staged, store_progress_f
 {
 	struct store *original = NULL;
 	uint64_t state = 0;
-	enum status status = store_open_state(staged->original, staged->state, &original);
-	if (status == STATUS_OK)
-		status = store_lineage_state(original, &state);
-	if (status == STATUS_OK && state != staged->state)
-		status = fail_with(STATUS_FAILED, "%s: it was driven since this run began; start again", staged->original);
-	if (status == STATUS_OK)
-		status = store_copy(original, staged->copy, false, "stage", progress, user);
+	enum status status;
+	TRY_OR(done, store_open_state(staged->original, staged->state, &original));
+	TRY_OR(done, store_lineage_state(original, &state));
+	if (state != staged->state)
+		TRY_OR(done, fail_with(STATUS_FAILED, "%s: it was driven since this run began; start again", staged->original));
+	TRY_OR(done, store_copy(original, staged->copy, false, "stage", progress, user));
+done:
 	store_close(original);
 	return status;
 }
@@ -183,12 +181,13 @@ static enum status make_in_turn(const struct store_staged *staged, const char *l
 	struct stat file;
 	int lock = -1;
 	bool taken = false;
-	enum status status = store_lock_try(lock_path, staged->copy, &lock, &taken);
-	if (status == STATUS_OK && !taken) {
+	enum status status = STATUS_OK;
+	TRY(store_lock_try(lock_path, staged->copy, &lock, &taken));
+	if (!taken) {
 		nanosleep(&nap, NULL);
 		return progress != NULL ? progress(user, 0, 0) : STATUS_OK;
 	}
-	if (status == STATUS_OK && lstat(staged->copy, &file) != 0) { /* nobody made it since the last look */
+	if (lstat(staged->copy, &file) != 0) { /* nobody made it since the last look */
 		status = make_copy(staged, progress, user);
 		*made = status == STATUS_OK;
 	}
@@ -201,13 +200,14 @@ enum status store_stage(const struct store_staged *staged, store_progress_fn pro
 	struct stat file;
 	*made = false;
 	char *lock_path = store_path_with(staged->copy, "-stage");
-	if (lock_path == NULL)
-		return fail_memory("a base's copy");
-	enum status status = make_folder(staged->copy);
-	while (status == STATUS_OK && !*made && lstat(staged->copy, &file) != 0)
-		status = make_in_turn(staged, lock_path, progress, user, made);
-	if (status == STATUS_OK && !*made)
-		status = check_copy(staged, progress, user);
+	TRY_MEM(lock_path, "a base's copy");
+	enum status status;
+	TRY_OR(done, make_folder(staged->copy));
+	while (!*made && lstat(staged->copy, &file) != 0)
+		TRY_OR(done, make_in_turn(staged, lock_path, progress, user, made));
+	if (!*made)
+		TRY_OR(done, check_copy(staged, progress, user));
+done:
 	mem_free(lock_path);
 	return status;
 }

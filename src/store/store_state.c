@@ -44,10 +44,8 @@ enum status store_state_put_tile(struct store *store, enum row_table table, stru
 	size_t side = tile_posts(rows->extent), count = side * side;
 	struct row old, row = {.tile = tile};
 	bool had;
-	enum status status = store_rows_head(rows, table, tile, &old, &had);
+	TRY(store_rows_head(rows, table, tile, &old, &had));
 	result->looked_up[row_plane(table)]++;
-	if (status != STATUS_OK)
-		return status;
 	if (store_rows_all_zero(posts, count))
 		return had ? store_change_drop(store, table, &old, result) : STATUS_OK;
 	store_rows_range(table, posts, count, 0, &row.low, &row.high);
@@ -85,10 +83,10 @@ static enum status trim(struct state *state, struct tile tile)
 	struct rows *rows = &state->store->rows;
 	struct row row;
 	bool found;
-	enum status status = store_rows_read(rows, state->table, tile, state->posts, &row, &found);
+	TRY(store_rows_read(rows, state->table, tile, state->posts, &row, &found));
 	state->result->looked_up[row_plane(state->table)]++;
-	if (status != STATUS_OK || !found)
-		return status;
+	if (!found)
+		return STATUS_OK;
 	for (int at = 0; at < 9; at++) {
 		int dx = at % 3 - 1, dy = at / 3 - 1;
 		struct tile other = {tile.level, tile.x + (uint32_t)dx, tile.y + (uint32_t)dy};
@@ -103,18 +101,17 @@ static enum status drop(struct state *state, struct tile tile)
 	struct rows *rows = &state->store->rows;
 	struct row row;
 	bool had;
-	enum status status = store_rows_head(rows, state->table, tile, &row, &had);
-	enum plane plane = row_plane(state->table);
-	state->result->looked_up[plane]++;
-	if (status != STATUS_OK || !had)
-		return status; /* what others share with it is zero then */
-	status = store_change_drop(state->store, state->table, &row, state->result);
-	for (int at = 0; at < 9 && status == STATUS_OK; at++) {
+	TRY(store_rows_head(rows, state->table, tile, &row, &had));
+	state->result->looked_up[row_plane(state->table)]++;
+	if (!had)
+		return STATUS_OK; /* what others share with it is zero then */
+	TRY(store_change_drop(state->store, state->table, &row, state->result));
+	for (int at = 0; at < 9; at++) {
 		struct tile other = {tile.level, tile.x + (uint32_t)(at % 3 - 1), tile.y + (uint32_t)(at / 3 - 1)};
 		if (extent_has(rows->extent, other) && !is_dropped(state, other))
-			status = trim(state, other);
+			TRY(trim(state, other));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Looks once if the table has rows from an earlier drive. */
@@ -124,16 +121,14 @@ static enum status ask_for_rows(struct store *store, enum row_table table, struc
 	int64_t any = 0;
 	if (store->state_rows[table] != STATE_UNKNOWN)
 		return STATUS_OK;
-	enum status status = STATUS_OK;
 	if (store->working_stored) {
 		snprintf(sql, sizeof sql, "SELECT EXISTS (SELECT 1 FROM %s)", store_rows_sql_name(table));
-		status = store_sql_integer(store->db, store->path, sql, &any);
+		TRY(store_sql_integer(store->db, store->path, sql, &any));
 		result->looked_up[row_plane(table)]++;
 	}
 	any += store->lineage.count[table] != 0;
-	if (status == STATUS_OK)
-		store->state_rows[table] = any != 0 ? STATE_MAYBE : STATE_NONE;
-	return status;
+	store->state_rows[table] = any != 0 ? STATE_MAYBE : STATE_NONE;
+	return STATUS_OK;
 }
 
 static bool all_lack(enum plane plane, const struct store_page *pages, size_t count)
@@ -160,19 +155,21 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 	}
 	state.dropped = mem_alloc(count + 1, sizeof *state.dropped);
 	state.posts = mem_alloc(side * side, sizeof *state.posts);
-	enum status status = state.dropped != NULL && state.posts != NULL ? STATUS_OK : fail_memory("a commit");
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+	enum status status = STATUS_OK;
+	if (state.dropped == NULL || state.posts == NULL)
+		TRY_OR(done, fail_memory("a commit"));
+	for (size_t i = 0; i < count; i++)
 		if (pages[i].planes[row_plane(table)] == NULL)
 			state.dropped[state.drop_count++] = tile_key(pages[i].tile);
-	if (status == STATUS_OK)
-		qsort(state.dropped, state.drop_count, sizeof *state.dropped, compare_keys);
-	for (size_t i = 0; i < state.drop_count && status == STATUS_OK; i++)
-		status = drop(&state, tile_from_key(state.dropped[i]));
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = store_commit_goes_on(store, run);
-		if (status == STATUS_OK && pages[i].planes[row_plane(table)] != NULL)
-			status = put_page(&state, &pages[i]);
+	qsort(state.dropped, state.drop_count, sizeof *state.dropped, compare_keys);
+	for (size_t i = 0; i < state.drop_count; i++)
+		TRY_OR(done, drop(&state, tile_from_key(state.dropped[i])));
+	for (size_t i = 0; i < count; i++) {
+		TRY_OR(done, store_commit_goes_on(store, run));
+		if (pages[i].planes[row_plane(table)] != NULL)
+			TRY_OR(done, put_page(&state, &pages[i]));
 	}
+done:
 	mem_free(state.dropped);
 	mem_free(state.posts);
 	return status;

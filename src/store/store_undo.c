@@ -38,37 +38,34 @@ void store_undo_destroy(struct undo *undo)
 static enum status create(const struct extent *extent, struct undo **out)
 {
 	struct undo *undo = mem_calloc(1, sizeof *undo);
-	if (undo == NULL)
-		return fail_memory("a mark");
+	TRY_MEM(undo, "a mark");
 	undo->rows = (struct rows){.path = name, .extent = extent};
 	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
 	int code = sqlite3_open_v2("", &undo->rows.db, flags, NULL);
-	enum status status = code == SQLITE_OK ? STATUS_OK : store_sql_fail(undo->rows.db, code, name, "making it");
-	if (status == STATUS_OK)
-		status = store_sql_exec(undo->rows.db, name, "making it",
-				  "PRAGMA page_size=16384; PRAGMA journal_mode=MEMORY; " CACHE_PRAGMA);
-	if (status == STATUS_OK)
-		status = store_schema_create(undo->rows.db, name);
-	if (status != STATUS_OK) {
-		store_undo_destroy(undo);
-		return status;
-	}
+	enum status status;
+	if (code != SQLITE_OK)
+		TRY_OR(failed, store_sql_fail(undo->rows.db, code, name, "making it"));
+	TRY_OR(failed, store_sql_exec(undo->rows.db, name, "making it", "PRAGMA page_size=16384; PRAGMA journal_mode=MEMORY; " CACHE_PRAGMA));
+	TRY_OR(failed, store_schema_create(undo->rows.db, name));
 	*out = undo;
 	return STATUS_OK;
+failed:
+	store_undo_destroy(undo);
+	return status;
 }
 
 /* Removes all kept rows in one transaction. */
 static enum status empty(struct undo *undo)
 {
-	enum status status = store_sql_begin(undo->rows.db, name, "emptying it");
-	if (status == STATUS_OK)
-		status = store_sql_exec(undo->rows.db, name, "emptying it",
+	enum status status;
+	TRY_OR(failed, store_sql_begin(undo->rows.db, name, "emptying it"));
+	TRY_OR(failed, store_sql_exec(undo->rows.db, name, "emptying it",
 				      "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
-				      "DELETE FROM pressed; DELETE FROM shear; DELETE FROM dug; COMMIT");
-	if (status == STATUS_OK)
-		undo->kept = 0;
-	else
-		store_sql_undo(undo->rows.db);
+				      "DELETE FROM pressed; DELETE FROM shear; DELETE FROM dug; COMMIT"));
+	undo->kept = 0;
+	return STATUS_OK;
+failed:
+	store_sql_undo(undo->rows.db);
 	return status;
 }
 
@@ -77,19 +74,13 @@ enum status store_mark(struct store *store)
 	assert(store->writing);
 	struct store_run_copy run = {0};
 	int64_t has_compacted = 0;
-	enum status status = store_part_refuse(store, "rolled back");
-	if (status == STATUS_OK && store->undo == NULL)
-		status = create(&store->meta.extent, &store->undo);
-	if (status == STATUS_OK)
-		status = store_run_copy(store, &run);
-	if (status == STATUS_OK)
-		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM meta WHERE key = 'compacted'", &has_compacted);
-	if (status == STATUS_OK)
-		status = empty(store->undo);
-	if (status != STATUS_OK) {
-		store_run_copy_finish(&run);
-		return status;
-	}
+	enum status status;
+	TRY(store_part_refuse(store, "rolled back"));
+	if (store->undo == NULL)
+		TRY(create(&store->meta.extent, &store->undo));
+	TRY_OR(failed, store_run_copy(store, &run));
+	TRY_OR(failed, store_sql_integer(store->db, store->path, "SELECT count(*) FROM meta WHERE key = 'compacted'", &has_compacted));
+	TRY_OR(failed, empty(store->undo));
 	struct undo *undo = store->undo;
 	store_run_copy_finish(&undo->run);
 	undo->run = run;
@@ -99,6 +90,9 @@ enum status store_mark(struct store *store)
 	undo->compacted = store->compacted;
 	store->marked = true;
 	return STATUS_OK;
+failed:
+	store_run_copy_finish(&run);
+	return status;
 }
 
 enum status store_undo_keep(struct store *store, enum plane plane, struct tile tile, bool had)
@@ -108,13 +102,13 @@ enum status store_undo_keep(struct store *store, enum plane plane, struct tile t
 	struct row row;
 	bool kept;
 	store_sql_undo(undo->rows.db); /* an emptying that failed, and that could not be undone then */
-	enum status status = store_rows_head(&undo->rows, table, tile, &row, &kept);
-	if (status != STATUS_OK || kept)
-		return status;
+	TRY(store_rows_head(&undo->rows, table, tile, &row, &kept));
+	if (kept)
+		return STATUS_OK;
 	row = (struct row){.tile = tile, .codec = NONE, .bytes = "", .size = 0};
-	status = had ? store_rows_copy(&store->rows, &undo->rows, table, tile, store->commit) : store_rows_put(&undo->rows, table, &row);
-	undo->kept += status == STATUS_OK;
-	return status;
+	TRY(had ? store_rows_copy(&store->rows, &undo->rows, table, tile, store->commit) : store_rows_put(&undo->rows, table, &row));
+	undo->kept++;
+	return STATUS_OK;
 }
 
 /* --- back --- */
@@ -124,20 +118,17 @@ static enum status put_back_row(struct store *store, enum row_table table, struc
 	struct rows *rows = &store->undo->rows;
 	struct row row;
 	bool found = false;
-	enum status status = extent_has(rows->extent, tile) ? store_rows_head(rows, table, tile, &row, &found) : STATUS_OK;
-	if (status == STATUS_OK && !found)
-		status = fail_with(STATUS_INPUT, "%s: it is damaged", name);
-	if (status == STATUS_OK && tile.level == store->working)
-		status = store_changes_note(&store->changes, tile_key(tile));
-	if (status == STATUS_OK)
-		status = store_pinned_keep(store, (int)table, tile_key(tile));
-	if (status == STATUS_OK)
-		status = store_history_before(store, table, tile);
-	if (status != STATUS_OK)
-		return status;
-	status = row.codec == NONE ? store_rows_drop(&store->rows, table, tile, store->commit + 1)
-				   : store_rows_copy(rows, &store->rows, table, tile, store->commit + 1);
-	return status == STATUS_OK ? store_history_after_read(store, table, tile) : status;
+	if (extent_has(rows->extent, tile))
+		TRY(store_rows_head(rows, table, tile, &row, &found));
+	if (!found)
+		return fail_with(STATUS_INPUT, "%s: it is damaged", name);
+	if (tile.level == store->working)
+		TRY(store_changes_note(&store->changes, tile_key(tile)));
+	TRY(store_pinned_keep(store, (int)table, tile_key(tile)));
+	TRY(store_history_before(store, table, tile));
+	TRY(row.codec == NONE ? store_rows_drop(&store->rows, table, tile, store->commit + 1)
+			      : store_rows_copy(rows, &store->rows, table, tile, store->commit + 1));
+	return store_history_after_read(store, table, tile);
 }
 
 static enum status put_back_table(struct store *store, enum row_table table, int64_t *rows)
@@ -146,13 +137,15 @@ static enum status put_back_table(struct store *store, enum row_table table, int
 	sqlite3_stmt *statement = NULL;
 	char keys[64];
 	snprintf(keys, sizeof keys, "SELECT key FROM %s", store_rows_sql_name(table));
-	enum status status = store_sql_prepare(undo->rows.db, name, &statement, keys);
+	enum status status;
+	TRY_OR(done, store_sql_prepare(undo->rows.db, name, &statement, keys));
 	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE) {
 		struct tile tile = tile_from_key((uint64_t)sqlite3_column_int64(statement, 0));
 		++*rows;
-		status = code == SQLITE_ROW ? put_back_row(store, table, tile) : store_sql_fail(undo->rows.db, code, name, "reading it");
+		TRY_OR(done, code == SQLITE_ROW ? put_back_row(store, table, tile) : store_sql_fail(undo->rows.db, code, name, "reading it"));
 	}
+done:
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -160,15 +153,11 @@ static enum status put_back_table(struct store *store, enum row_table table, int
 static enum status put_back_header(struct store *store)
 {
 	const struct undo *undo = store->undo;
-	enum status status = STATUS_OK;
 	if (!undo->working_stored)
-		status = store_meta_drop(store, "working");
-	if (status == STATUS_OK && !undo->working_stored && !store->history.has_level)
-		status = store_meta_drop(store, "relief");
-	if (status == STATUS_OK)
-		status = undo->has_compacted ? store_meta_put_integer(store, "compacted", undo->compacted)
-					     : store_meta_drop(store, "compacted");
-	return status;
+		TRY(store_meta_drop(store, "working"));
+	if (!undo->working_stored && !store->history.has_level)
+		TRY(store_meta_drop(store, "relief"));
+	return undo->has_compacted ? store_meta_put_integer(store, "compacted", undo->compacted) : store_meta_drop(store, "compacted");
 }
 
 /* Not the store's fault: the temporary file's, or the memory's. */
@@ -183,24 +172,23 @@ static enum status cannot(const struct store *store)
 			 failure.message);
 }
 
+static enum status put_back_rows(struct store *store)
+{
+	int64_t rows = 0;
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++)
+		TRY(put_back_table(store, (enum row_table)table, &rows));
+	return rows == store->undo->kept ? STATUS_OK : fail_with(STATUS_INPUT, "%s: rows are missing", name);
+}
+
 static enum status put_back(struct store *store)
 {
-	struct undo *undo = store->undo;
-	enum status status = STATUS_OK;
-	int64_t rows = 0;
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++)
-		status = put_back_table(store, (enum row_table)table, &rows);
-	if (status == STATUS_OK && rows != undo->kept)
-		status = fail_with(STATUS_INPUT, "%s: rows are missing", name);
-	if (status == STATUS_INPUT)
-		status = cannot(store);
-	if (status == STATUS_OK)
-		status = put_back_header(store);
-	if (status == STATUS_OK)
-		status = store_run_put_back(store, &undo->run, "rollback");
-	if (status == STATUS_OK)
-		status = store_changes_reserve(&store->changes);
-	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "rolling it back", "COMMIT") : status;
+	TRY(store_history_begin(store, false));
+	enum status status = put_back_rows(store);
+	TRY(status == STATUS_INPUT ? cannot(store) : status);
+	TRY(put_back_header(store));
+	TRY(store_run_put_back(store, &store->undo->run, "rollback"));
+	TRY(store_changes_reserve(&store->changes));
+	return store_sql_exec(store->db, store->path, "rolling it back", "COMMIT");
 }
 
 enum status store_rollback(struct store *store)
@@ -210,17 +198,8 @@ enum status store_rollback(struct store *store)
 	if (store->commit == undo->commit)
 		return STATUS_OK; /* no commit since */
 	store_sql_undo(undo->rows.db);
-	enum status status = store_sql_begin(store->db, store->path, "rolling it back");
-	if (status == STATUS_OK)
-		status = store_history_begin(store, false);
-	if (status == STATUS_OK)
-		status = put_back(store);
-	store_history_end(store, status == STATUS_OK);
-	if (status != STATUS_OK) {
-		store_sql_undo(store->db);
-		store_changes_drop(&store->changes);
-		return status;
-	}
+	TRY(store_sql_begin(store->db, store->path, "rolling it back"));
+	TRY(store_history_end(store, put_back(store)));
 	store->commit++;
 	store_changes_commit(&store->changes, store->commit);
 	undo->commit = store->commit;

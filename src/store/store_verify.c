@@ -36,10 +36,9 @@ void store_verify_tell_tile(struct verifying *verifying, struct tile tile, const
 static enum status check_file(struct verifying *verifying, const struct rows *rows, const char *name)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = store_sql_prepare(rows->db, rows->path, &statement, "PRAGMA integrity_check(100)");
-	if (status != STATUS_OK)
-		return status;
+	enum status status = STATUS_OK;
 	int code;
+	TRY(store_sql_prepare(rows->db, rows->path, &statement, "PRAGMA integrity_check(100)"));
 	while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
 		const char *text = (const char *)sqlite3_column_text(statement, 0);
 		char line[400];
@@ -61,17 +60,16 @@ static enum status check_file(struct verifying *verifying, const struct rows *ro
 static enum status check_files(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
-	enum status status = check_file(verifying, &store->rows, "file");
-	for (; status == STATUS_OK && store->under != NULL; store = store->under) {
+	TRY(check_file(verifying, &store->rows, "file"));
+	for (; store->under != NULL; store = store->under) {
 		int64_t own;
-		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM base", &own);
-		if (status == STATUS_OK && own != 0)
+		TRY(store_sql_integer(store->db, store->path, "SELECT count(*) FROM base", &own));
+		if (own != 0)
 			store_verify_tell(verifying, "%s: it has base tiles, though it is an overlay",
 					  store == verifying->store ? "file" : store->path);
-		if (status == STATUS_OK)
-			status = check_file(verifying, &store->under->rows, store->under->under == NULL ? "its base's file" : store->under->path);
+		TRY(check_file(verifying, &store->under->rows, store->under->under == NULL ? "its base's file" : store->under->path));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- every row, and rows that are missing --- */
@@ -81,17 +79,16 @@ static enum status check_row(void *user, const struct row_entry *entry)
 	struct verifying *verifying = user;
 	enum row_table table = verifying->table;
 	struct tile tile = tile_from_key(entry->key);
-	enum status status = STATUS_OK;
 	verifying->check->tiles++;
 	if (tile_key(tile) != entry->key || !extent_has(&verifying->store->meta.extent, tile)) {
 		store_verify_tell_tile(verifying, tile, "it is outside the terrain");
 	} else {
 		verifying->base_found += table == ROW_BASE && tile.level >= 0;
-		status = store_verify_tile(verifying, tile);
+		TRY(store_verify_tile(verifying, tile));
 	}
-	if (status == STATUS_OK && verifying->progress != NULL)
-		status = verifying->progress(verifying->user, verifying->check->tiles, verifying->total);
-	return status;
+	if (verifying->progress != NULL)
+		TRY(verifying->progress(verifying->user, verifying->check->tiles, verifying->total));
+	return STATUS_OK;
 }
 
 static enum status check_table(struct verifying *verifying, enum row_table table)
@@ -122,9 +119,10 @@ static enum status check_missing(struct verifying *verifying)
 				struct row row;
 				bool found;
 				enum status status = store_rows_head(verifying->store->base, ROW_BASE, tile, &row, &found);
-				if (status != STATUS_OK && status != STATUS_INPUT)
-					return status;
-				if (status == STATUS_INPUT || found)
+				if (status == STATUS_INPUT)
+					continue;
+				TRY(status);
+				if (found)
 					continue;
 				store_verify_tell_tile(verifying, tile, "it is missing");
 				if (--left == 0)
@@ -140,45 +138,56 @@ static enum status check_top(struct verifying *verifying)
 	struct row top;
 	bool found;
 	enum status status = store_rows_head(store->base, ROW_BASE, tile, &top, &found);
-	if (status == STATUS_OK && found &&
-	    !(verify_same(top.low, store->meta.low) && verify_same(top.high, store->meta.high)))
+	if (status == STATUS_INPUT)
+		return STATUS_OK;
+	TRY(status);
+	if (found && !(verify_same(top.low, store->meta.low) && verify_same(top.high, store->meta.high)))
 		store_verify_tell(verifying, "header: its range is not that of the coarsest tile");
-	return status == STATUS_INPUT ? STATUS_OK : status;
+	return STATUS_OK;
 }
 
 static enum status check_identity(struct verifying *verifying)
 {
 	uint64_t hash;
-	enum status status = store_identity_compute(verifying->store, &hash);
-	if (status == STATUS_OK && hash != verifying->store->base_hash)
+	TRY(store_identity_compute(verifying->store, &hash));
+	if (hash != verifying->store->base_hash)
 		store_verify_tell(verifying, "header: its base_hash is not that of its base tiles");
-	return status;
+	return STATUS_OK;
 }
 
 static enum status check_all(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
-	enum status status = check_files(verifying);
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+	TRY(check_files(verifying));
+	for (int table = 0; table < ROW_TABLES; table++) {
 		int64_t count = 0, bytes;
-		status = store_rows_count(store_table(store, (enum row_table)table), (enum row_table)table, &count, &bytes);
+		TRY(store_rows_count(store_table(store, (enum row_table)table), (enum row_table)table, &count, &bytes));
 		verifying->total += count;
 	}
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
-		status = check_table(verifying, (enum row_table)table);
-	if (status == STATUS_OK && store->inherits)
-		status = store_verify_own(verifying);
-	if (status == STATUS_OK)
-		status = store_verify_history(verifying);
-	if (status == STATUS_OK)
-		status = store_verify_pins(verifying);
-	if (status == STATUS_OK)
-		status = check_missing(verifying);
-	if (status == STATUS_OK)
-		status = check_top(verifying);
-	if (status == STATUS_OK)
-		status = store_meta_compacted(store->db, store->path, &verifying->check->compacted);
-	return status == STATUS_OK ? check_identity(verifying) : status;
+	for (int table = 0; table < ROW_TABLES; table++)
+		TRY(check_table(verifying, (enum row_table)table));
+	if (store->inherits)
+		TRY(store_verify_own(verifying));
+	TRY(store_verify_history(verifying));
+	TRY(store_verify_pins(verifying));
+	TRY(check_missing(verifying));
+	TRY(check_top(verifying));
+	TRY(store_meta_compacted(store->db, store->path, &verifying->check->compacted));
+	return check_identity(verifying);
+}
+
+/* In one transaction, so that all rows that are compared are of the same commit. */
+static enum status check_in_transaction(struct verifying *verifying)
+{
+	struct store *store = verifying->store;
+	TRY(store_sql_exec(store->db, store->path, "checking it", "BEGIN"));
+	enum status status = check_all(verifying);
+	if (status == STATUS_INPUT) { /* the store is too damaged to be read; that is a problem of the store, not a failure */
+		store_verify_tell(verifying, "%s", failure_message());
+		status = STATUS_OK;
+	}
+	sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* nothing was written */
+	return status;
 }
 
 enum status store_verify(struct store *store, store_problem_fn problem, store_progress_fn progress,
@@ -189,8 +198,7 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 		.finest = store_finest(store),
 	};
 	struct verifying *verifying = mem_calloc(1, sizeof *verifying);
-	if (verifying == NULL)
-		return fail_memory("verifying");
+	TRY_MEM(verifying, "verifying");
 	*verifying = (struct verifying){
 		.store = store,
 		.problem = problem,
@@ -204,20 +212,8 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 	verifying->entry_count = entries < VERIFY_CACHE ? (uint32_t)entries : VERIFY_CACHE;
 	verifying->posts = mem_alloc(count, sizeof *verifying->posts);
 	verifying->expected = mem_alloc(count, sizeof *verifying->expected);
-	enum status status = STATUS_OK;
-	if (verifying->posts == NULL || verifying->expected == NULL)
-		status = fail_memory("verifying");
-	/* One transaction, so that all rows that are compared are of the same commit. */
-	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "checking it", "BEGIN");
-	if (status == STATUS_OK) {
-		status = check_all(verifying);
-		if (status == STATUS_INPUT) { /* the store is too damaged to be read; that is a problem of the store, not a failure */
-			store_verify_tell(verifying, "%s", failure_message());
-			status = STATUS_OK;
-		}
-		sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* nothing was written */
-	}
+	bool enough = verifying->posts != NULL && verifying->expected != NULL;
+	enum status status = enough ? check_in_transaction(verifying) : fail_memory("verifying");
 	for (uint32_t i = 0; i < verifying->entry_count; i++)
 		mem_free(verifying->entries[i].posts);
 	mem_free(verifying->posts);

@@ -29,14 +29,13 @@ enum status store_wal_begin(struct store *store)
 		 "PRAGMA journal_mode=WAL; PRAGMA synchronous=%s; PRAGMA wal_autocheckpoint=0; "
 		 "PRAGMA journal_size_limit=%d",
 		 store->durable_full || store->part.count > 0 ? "FULL" : "NORMAL", WAL_BYTES);
-	enum status status = store_sql_exec(store->db, store->path, "opening it for writing", pragmas);
-	if (status == STATUS_OK)
-		status = store_sql_integer(store->db, store->path, "PRAGMA page_size", &store->frame_bytes);
+	TRY(store_sql_exec(store->db, store->path, "opening it for writing", pragmas));
+	TRY(store_sql_integer(store->db, store->path, "PRAGMA page_size", &store->frame_bytes));
 	store->frame_bytes += FRAME_HEAD;
 	store->wal_patience = PATIENCE;
 	/* After the pragma: to SQLite its automatic checkpoints are such a hook. */
 	sqlite3_wal_hook(store->db, committed, store);
-	return status;
+	return STATUS_OK;
 }
 
 /* *whole: nothing is left in the WAL that the file has not. */
@@ -65,11 +64,11 @@ enum status store_bound_wal(struct store *store)
 		store->wal_patience = PATIENCE;
 		return STATUS_OK;
 	}
-	enum status status = checkpoint(store, SQLITE_CHECKPOINT_PASSIVE, &whole);
-	if (status != STATUS_OK || store->wal_bytes < store->wal_patience)
-		return status;
+	TRY(checkpoint(store, SQLITE_CHECKPOINT_PASSIVE, &whole));
+	if (store->wal_bytes < store->wal_patience)
+		return STATUS_OK;
 	sqlite3_busy_timeout(store->db, WAIT_MS);
-	status = checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE, &whole);
+	enum status status = checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE, &whole);
 	sqlite3_busy_timeout(store->db, STORE_BUSY_MS);
 	/* If a reader is in the way, the next commits do not wait for it again. */
 	store->wal_patience = whole ? PATIENCE : store->wal_bytes + WAL_BYTES;

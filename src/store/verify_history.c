@@ -32,23 +32,29 @@ static enum status check_row(struct verifying *verifying, sqlite3_stmt *statemen
 	return STATUS_OK;
 }
 
-enum status store_verify_history(struct verifying *verifying)
+static enum status check_rows(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
 	sqlite3_stmt *statement = NULL;
-	int64_t lost = 0;
-	enum status status = store_sql_prepare(store->db, store->path, &statement,
-					 "SELECT plane, key, revision, form, codec, hash, blob, "
-					 "EXISTS (SELECT 1 FROM revision WHERE revision.revision = history.revision) FROM history");
+	enum status status = STATUS_OK;
 	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
-		status = code == SQLITE_ROW ? check_row(verifying, statement)
-					    : store_sql_fail(store->db, code, store->path, "reading its history");
+	TRY(store_sql_prepare(store->db, store->path, &statement,
+			      "SELECT plane, key, revision, form, codec, hash, blob, "
+			      "EXISTS (SELECT 1 FROM revision WHERE revision.revision = history.revision) FROM history"));
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE)
+		TRY_OR(done, code == SQLITE_ROW ? check_row(verifying, statement) : store_sql_fail(store->db, code, store->path, "reading its history"));
+done:
 	sqlite3_finalize(statement);
-	if (status == STATUS_OK)
-		status = store_sql_integer(store->db, store->path,
-					   "SELECT count(*) FROM snapshot WHERE revision NOT IN (SELECT revision FROM revision)", &lost);
-	if (status == STATUS_OK && lost > 0)
-		store_verify_tell(verifying, "history: %lld snapshots name revisions that are not kept", (long long)lost);
 	return status;
+}
+
+enum status store_verify_history(struct verifying *verifying)
+{
+	struct store *store = verifying->store;
+	int64_t lost = 0;
+	TRY(check_rows(verifying));
+	TRY(store_sql_integer(store->db, store->path, "SELECT count(*) FROM snapshot WHERE revision NOT IN (SELECT revision FROM revision)", &lost));
+	if (lost > 0)
+		store_verify_tell(verifying, "history: %lld snapshots name revisions that are not kept", (long long)lost);
+	return STATUS_OK;
 }

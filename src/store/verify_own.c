@@ -42,21 +42,21 @@ static enum status check_table(struct verifying *verifying)
 	sqlite3_stmt *statement = NULL;
 	char sql[128];
 	snprintf(sql, sizeof sql, "SELECT key, hash, codec, blob, low = 0 AND high = 0 FROM %s", store_rows_sql_name(verifying->table));
-	enum status status = store_sql_prepare(store->db, store->path, &statement, sql);
+	enum status status;
+	TRY_OR(done, store_sql_prepare(store->db, store->path, &statement, sql));
 	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
-		status = code == SQLITE_ROW ? check_row(verifying, statement)
-					    : store_sql_fail(store->db, code, store->path, "reading its tiles");
+	while ((code = sqlite3_step(statement)) != SQLITE_DONE)
+		TRY_OR(done, code == SQLITE_ROW ? check_row(verifying, statement) : store_sql_fail(store->db, code, store->path, "reading its tiles"));
+done:
 	sqlite3_finalize(statement);
 	return status;
 }
 
 enum status store_verify_own(struct verifying *verifying)
 {
-	enum status status = STATUS_OK;
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
 		verifying->table = (enum row_table)table;
-		status = check_table(verifying);
+		TRY(check_table(verifying));
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -24,38 +24,45 @@ static enum status check_revision(struct checking *checking, uint64_t hash)
 {
 	uint64_t found = 0;
 	struct store *then = checking->then;
-	enum status status = store_lineage_state(then, &found);
-	if (status == STATUS_OK && found != hash)
+	TRY(store_lineage_state(then, &found));
+	if (found != hash)
 		store_verify_tell(checking->verifying, "what overlays depend on at revision %lld: its hash is not the one that they name", (long long)then->commit);
-	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
 		checking->table = (enum row_table)table;
-		status = store_rows_each(&then->rows, checking->table, 0, INT64_MAX, check_row, checking);
+		TRY(store_rows_each(&then->rows, checking->table, 0, INT64_MAX, check_row, checking));
 	}
-	return status;
+	return STATUS_OK;
+}
+
+/* A revision that cannot be read is told. It is no failure. */
+static enum status check_pin(struct verifying *verifying, int64_t revision, uint64_t hash)
+{
+	struct checking checking = {.verifying = verifying};
+	enum status status;
+	TRY_OR(done, store_open_state(verifying->store->path, hash, &checking.then));
+	TRY_OR(done, check_revision(&checking, hash));
+done:
+	store_close(checking.then);
+	if (status != STATUS_INPUT)
+		return status;
+	store_verify_tell(verifying, "what overlays depend on at revision %lld: %s", (long long)revision, failure_message());
+	return STATUS_OK;
 }
 
 enum status store_verify_pins(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
 	sqlite3_stmt *statement = NULL;
-	int code = SQLITE_DONE;
+	int code;
+	enum status status = STATUS_OK;
 	if (store->version < STORE_VERSION_PINS)
 		return STATUS_OK;
-	enum status status = store_sql_prepare(store->db, store->path, &statement, "SELECT revision, hash FROM pinned ORDER BY revision");
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
-		struct checking checking = {.verifying = verifying};
-		const uint64_t hash = (uint64_t)sqlite3_column_int64(statement, 1);
-		status = store_open_state(store->path, hash, &checking.then);
-		if (status == STATUS_OK)
-			status = check_revision(&checking, hash);
-		store_close(checking.then);
-		if (status == STATUS_INPUT) {
-			store_verify_tell(verifying, "what overlays depend on at revision %lld: %s", (long long)sqlite3_column_int64(statement, 0), failure_message());
-			status = STATUS_OK;
-		}
-	}
-	if (status == STATUS_OK && code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "reading what overlays depend on");
+	TRY(store_sql_prepare(store->db, store->path, &statement, "SELECT revision, hash FROM pinned ORDER BY revision"));
+	while ((code = sqlite3_step(statement)) == SQLITE_ROW)
+		TRY_OR(done, check_pin(verifying, sqlite3_column_int64(statement, 0), (uint64_t)sqlite3_column_int64(statement, 1)));
+	if (code != SQLITE_DONE)
+		TRY_OR(done, store_sql_fail(store->db, code, store->path, "reading what overlays depend on"));
+done:
 	sqlite3_finalize(statement);
 	return status;
 }

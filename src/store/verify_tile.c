@@ -88,9 +88,7 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 		struct entry *other;
 		if (!extent_has(extent, next))
 			continue;
-		enum status status = other_tile(verifying, next, &other);
-		if (status != STATUS_OK)
-			return status;
+		TRY(other_tile(verifying, next, &other));
 		bool compared = other->held == HELD_POSTS || (other->held == HELD_MISSING && may_be_missing);
 		if (compared && !edge_same(verifying, other->held == HELD_POSTS ? other->posts : NULL, !north))
 			store_verify_tell_tile(verifying, tile, north ? "its north edge is not its neighbour's south edge"
@@ -101,9 +99,7 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 			continue;
 		struct tile before = {tile.level, tile.x - !south, tile.y - (unsigned)south};
 		struct entry *other;
-		enum status status = other_tile(verifying, before, &other);
-		if (status != STATUS_OK)
-			return status;
+		TRY(other_tile(verifying, before, &other));
 		if (other->held == HELD_MISSING && !near_edge_absent(verifying, !south))
 			store_verify_tell_tile(verifying, tile, south ? "its south edge is not its neighbour's north edge"
 							 : "its west edge is not its neighbour's east edge");
@@ -146,9 +142,7 @@ static enum status check_below(struct verifying *verifying, struct tile tile, st
 		struct entry *other;
 		if (!extent_has(extent, child))
 			continue;
-		enum status status = other_tile(verifying, child, &other);
-		if (status != STATUS_OK)
-			return status;
+		TRY(other_tile(verifying, child, &other));
 		if (other->held == HELD_BROKEN || (base && other->held == HELD_MISSING)) {
 			*exact = false;
 			children++;
@@ -190,9 +184,7 @@ static enum status check_insets(struct verifying *verifying, struct tile tile, s
 		struct entry *other;
 		if (!extent_has(extent, child))
 			continue;
-		enum status status = other_tile(verifying, child, &other);
-		if (status != STATUS_OK)
-			return status;
+		TRY(other_tile(verifying, child, &other));
 		*exact &= other->held != HELD_BROKEN;
 		if (other->held != HELD_POSTS)
 			continue;
@@ -214,9 +206,10 @@ static enum status check_above(struct verifying *verifying, struct tile tile)
 				       tile_ancestor(tile, tile.level + 1), &above, &found);
 	if (status == STATUS_INPUT)
 		return STATUS_OK; /* reported when the tile above is checked */
-	if (status == STATUS_OK && !found)
+	TRY(status);
+	if (!found)
 		store_verify_tell_tile(verifying, tile, "there is no tile above it");
-	return status;
+	return STATUS_OK;
 }
 
 static void check_values(struct verifying *verifying, const struct row *row)
@@ -251,9 +244,7 @@ enum status store_verify_tile(struct verifying *verifying, struct tile tile)
 	}
 	struct row row, range = {.low = (double)NAN, .high = (double)NAN};
 	enum held held;
-	enum status status = read_tile(verifying, tile, verifying->posts, &row, &held);
-	if (status != STATUS_OK)
-		return status;
+	TRY(read_tile(verifying, tile, verifying->posts, &row, &held));
 	if (held == HELD_MISSING) {
 		store_verify_tell_tile(verifying, tile, "it is listed and cannot be found");
 		return STATUS_OK;
@@ -270,14 +261,12 @@ enum status store_verify_tile(struct verifying *verifying, struct tile tile)
 		   &range.low, &range.high);
 	bool exact = true;
 	if (verifying->table == ROW_BASE && tile.level <= 0)
-		status = check_insets(verifying, tile, &range, &exact);
+		TRY(check_insets(verifying, tile, &range, &exact));
 	else if (tile.level > finest)
-		status = check_below(verifying, tile, &range, &exact);
-	if (status == STATUS_OK && exact && !(verify_same(range.low, row.low) && verify_same(range.high, row.high)))
+		TRY(check_below(verifying, tile, &range, &exact));
+	if (exact && !(verify_same(range.low, row.low) && verify_same(range.high, row.high)))
 		store_verify_tell_tile(verifying, tile, "its range is not that of its posts and of those below");
-	if (status == STATUS_OK && !planes_of_part(verifying))
-		status = check_edges(verifying, tile);
-	if (status == STATUS_OK && tile.level < coarsest && !row_is_state(verifying->table))
-		status = check_above(verifying, tile);
-	return status;
+	if (!planes_of_part(verifying))
+		TRY(check_edges(verifying, tile));
+	return tile.level < coarsest && !row_is_state(verifying->table) ? check_above(verifying, tile) : STATUS_OK;
 }

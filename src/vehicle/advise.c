@@ -108,7 +108,7 @@ static void advise_rebound(const struct vehicles *vehicles, const struct scene *
 /* Tells of the first vehicle whose model has a gravity that it does not get. */
 static void advise_gravity(const struct vehicles *vehicles, const struct world *world, scene_advice_fn tell, void *user)
 {
-	const double used = world->scene->gravity;
+	const double used = world_scene(world)->gravity;
 	for (size_t i = 0; world_assumes_gravity(world) && i < vehicle_count(vehicles); i++) {
 		struct vehicle_info info;
 		char text[300];
@@ -126,8 +126,8 @@ static void advise_gravity(const struct vehicles *vehicles, const struct world *
 
 void vehicle_advise(const struct vehicles *vehicles, const struct world *world, scene_advice_fn tell, void *user)
 {
-	const struct scene *scene = world->scene;
-	const double spacing = world->spacing;
+	const struct scene *scene = world_scene(world);
+	const double spacing = world_resident(world)->spacing;
 	advise_gravity(vehicles, world, tell, user);
 	if (vehicle_count(vehicles) > 0)
 		advise_damping(scene, tell, user);

@@ -42,8 +42,7 @@ static enum status write_model(const struct vehicles *vehicles, size_t parts, ch
 {
 	const struct between *between = vehicles->between;
 	FILE *file = open_memstream(text, size);
-	if (file == NULL)
-		return fail_memory("the vehicles' model");
+	TRY_MEM(file, "the vehicles' model");
 	fprintf(file, "<mujoco><compiler angle=\"radian\"/><option><flag multiccd=\"enable\"/></option><asset>");
 	for (size_t i = 0; i < parts; i++) {
 		const struct vehicle *vehicle = &vehicles->list[between->parts[i].vehicle];
@@ -85,13 +84,13 @@ static enum status load_model(const struct vehicles *vehicles, const char *text,
 	struct between *between = vehicles->between;
 	struct reading reading = {.between = between, .text = text, .size = size, .error = "out of memory"};
 	reading.files = mem_alloc(1, sizeof *reading.files);
-	if (reading.files == NULL)
-		return fail_memory("the vehicles' model");
+	TRY_MEM(reading.files, "the vehicles' model");
 	enum status status = vehicle_guard("vehicles", read_model, &reading);
 	mem_free(reading.files);
-	if (status == STATUS_OK && between->data == NULL)
-		status = fail_with(STATUS_FAILED, "vehicles: their geoms cannot be put into one model of MuJoCo: %.200s; change their models", reading.error);
-	return status;
+	TRY(status);
+	if (between->data == NULL)
+		return fail_with(STATUS_FAILED, "vehicles: their geoms cannot be put into one model of MuJoCo: %.200s; change their models", reading.error);
+	return STATUS_OK;
 }
 
 static enum status make_model(const struct vehicles *vehicles, size_t parts)
@@ -99,14 +98,15 @@ static enum status make_model(const struct vehicles *vehicles, size_t parts)
 	struct between *between = vehicles->between;
 	char *text = NULL, name[32];
 	size_t size = 0;
-	enum status status = write_model(vehicles, parts, &text, &size);
-	if (status == STATUS_OK)
-		status = load_model(vehicles, text, size);
-	free(text);
-	for (size_t i = 0; i < parts && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, write_model(vehicles, parts, &text, &size));
+	TRY_OR(done, load_model(vehicles, text, size));
+	for (size_t i = 0; i < parts; i++) {
 		snprintf(name, sizeof name, "g%d", between->parts[i].here);
 		between->parts[i].here = mj_name2id(between->model, mjOBJ_GEOM, name);
 	}
+done:
+	free(text);
 	return status;
 }
 
@@ -117,8 +117,7 @@ static enum status make_movers(const struct vehicles *vehicles)
 		const size_t nv = (size_t)vehicles->list[v].model->nv;
 		between->movers[v].inertia = mem_calloc(nv * nv + 1, sizeof(double));
 		between->movers[v].velocity = mem_calloc(nv + 1, sizeof(double));
-		if (between->movers[v].inertia == NULL || between->movers[v].velocity == NULL)
-			return fail_memory("the vehicles");
+		TRY_MEM(between->movers[v].inertia != NULL && between->movers[v].velocity != NULL, "the vehicles");
 	}
 	return STATUS_OK;
 }
@@ -139,16 +138,14 @@ enum status vehicle_between_create(struct vehicles *vehicles)
 	if (vehicles->count < 2)
 		return STATUS_OK;
 	struct between *between = vehicles->between = mem_calloc(1, sizeof *between);
-	if (between == NULL)
-		return fail_memory("the vehicles");
+	TRY_MEM(between, "the vehicles");
 	for (size_t v = 0; v < vehicles->count; v++)
 		most += (size_t)vehicles->list[v].model->ngeom;
 	between->parts = mem_calloc(most + 1, sizeof *between->parts);
 	between->first = mem_calloc(vehicles->count + 1, sizeof *between->first);
 	between->movers = mem_calloc(vehicles->count, sizeof *between->movers);
 	between->order = mem_calloc(vehicles->count, sizeof *between->order);
-	if (between->order == NULL || between->parts == NULL || between->first == NULL || between->movers == NULL)
-		return fail_memory("the vehicles");
+	TRY_MEM(between->order != NULL && between->parts != NULL && between->first != NULL && between->movers != NULL, "the vehicles");
 	sort_by_name(vehicles, between->order);
 	for (size_t v = 0; v < vehicles->count; v++) {
 		for (int geom = 0; geom < vehicles->list[v].model->ngeom; geom++)
@@ -158,8 +155,8 @@ enum status vehicle_between_create(struct vehicles *vehicles)
 			}
 		between->first[v + 1] = parts;
 	}
-	enum status status = make_movers(vehicles);
-	return status == STATUS_OK ? make_model(vehicles, parts) : status;
+	TRY(make_movers(vehicles));
+	return make_model(vehicles, parts);
 }
 
 void vehicle_between_destroy(struct vehicles *vehicles)

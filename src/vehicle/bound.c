@@ -127,12 +127,11 @@ static enum status check_raster(struct vehicle *vehicle, const struct scene *sce
 
 enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world)
 {
-	const struct scene *scene = world->scene;
-	enum status status = STATUS_OK;
-	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++) {
+	const struct scene *scene = world_scene(world);
+	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++) {
 		const struct world_raster raster = world_raster(world, i);
-		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS && status == STATUS_OK; v++)
-			status = check_raster(&vehicles->list[v], scene, &raster);
+		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS; v++)
+			TRY(check_raster(&vehicles->list[v], scene, &raster));
 	}
-	return status;
+	return STATUS_OK;
 }

@@ -216,8 +216,7 @@ static enum status check_text(struct vehicle_check *check, const char *path, con
 	struct vehicle_xml xml = vehicle_xml_begin(text, length);
 	enum vehicle_xml_event event;
 	int in_default = 0; /* depth of the outermost <default> that is open; 0: none */
-	enum status status = STATUS_OK;
-	while (status == STATUS_OK && ((event = vehicle_xml_next(&xml)) == VEHICLE_XML_OPEN || event == VEHICLE_XML_CLOSE)) {
+	while ((event = vehicle_xml_next(&xml)) == VEHICLE_XML_OPEN || event == VEHICLE_XML_CLOSE) {
 		if (event == VEHICLE_XML_CLOSE) {
 			in_default = xml.depth < in_default ? 0 : in_default;
 			continue;
@@ -228,29 +227,37 @@ static enum status check_text(struct vehicle_check *check, const char *path, con
 			return refuse(check, "elements in each other", xml.depth, DEPTH_MOST);
 		if (in_default == 0 && vehicle_xml_is(xml.name, xml.name_length, "default"))
 			in_default = xml.depth;
-		while (status == STATUS_OK && vehicle_xml_attribute(&xml, &attribute)) {
-			status = check_limits(check, &xml, &attribute);
-			if (status == STATUS_OK)
-				status = take_names(check, &xml, &attribute);
+		while (vehicle_xml_attribute(&xml, &attribute)) {
+			TRY(check_limits(check, &xml, &attribute));
+			TRY(take_names(check, &xml, &attribute));
 			take_number(&element, &attribute);
 		}
-		if (status == STATUS_OK)
-			status = add_element(check, &xml, &element, in_default > 0);
+		TRY(add_element(check, &xml, &element, in_default > 0));
 	}
-	if (status == STATUS_OK && event == VEHICLE_XML_BAD)
-		status = fail_with(STATUS_INPUT, "%s: %s: its XML is not whole; give an MJCF or URDF file that MuJoCo reads", check->where, path);
-	return status;
+	if (event == VEHICLE_XML_BAD)
+		return fail_with(STATUS_INPUT, "%s: %s: its XML is not whole; give an MJCF or URDF file that MuJoCo reads", check->where, path);
+	return STATUS_OK;
 }
 
 static enum status check_file(struct vehicle_check *check, const char *path)
 {
 	char *text;
 	size_t length;
-	enum status status = vehicle_check_read(check, path, &text, &length);
-	if (status != STATUS_OK)
-		return status;
-	status = check_text(check, path, text, length);
+	TRY(vehicle_check_read(check, path, &text, &length));
+	enum status status = check_text(check, path, text, length);
 	mem_free(text);
+	return status;
+}
+
+static enum status check_include(struct vehicle_check *check, const char *name)
+{
+	char *path = vehicle_check_path(check, NULL, name);
+	enum status status;
+	TRY_MEM(path, "a vehicle");
+	TRY_OR(done, vehicle_check_name(check, name));
+	TRY_OR(done, check_file(check, path));
+done:
+	mem_free(path);
 	return status;
 }
 
@@ -258,33 +265,30 @@ static enum status check_file(struct vehicle_check *check, const char *path)
 static enum status check_includes(struct vehicle_check *check)
 {
 	size_t read = 0;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < check->name_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < check->name_count; i++) {
 		if (!check->names[i].include)
 			continue;
 		if (++read > INCLUDES_MOST)
 			return refuse(check, "includes", (double)read, INCLUDES_MOST);
-		char *path = vehicle_check_path(check, NULL, check->names[i].text);
-		status = path != NULL ? vehicle_check_name(check, check->names[i].text) : fail_memory("a vehicle");
-		if (status == STATUS_OK)
-			status = check_file(check, path);
-		mem_free(path);
+		TRY(check_include(check, check->names[i].text));
 	}
-	return status;
+	return STATUS_OK;
+}
+
+static enum status check_all(struct vehicle_check *check)
+{
+	TRY(vehicle_check_reach(check));
+	TRY(check_file(check, check->path));
+	TRY(check_includes(check));
+	for (size_t i = 0; i < check->name_count; i++)
+		TRY(vehicle_check_name(check, check->names[i].text));
+	return check->bytes <= BYTES_MOST ? STATUS_OK : refuse(check, "bytes of its textures, height fields and numerics", check->bytes, BYTES_MOST);
 }
 
 enum status vehicle_check_model(const char *where, const char *path)
 {
 	struct vehicle_check check = {.where = where, .path = path};
-	enum status status = vehicle_check_reach(&check);
-	if (status == STATUS_OK)
-		status = check_file(&check, path);
-	if (status == STATUS_OK)
-		status = check_includes(&check);
-	for (size_t i = 0; i < check.name_count && status == STATUS_OK; i++)
-		status = vehicle_check_name(&check, check.names[i].text);
-	if (status == STATUS_OK && check.bytes > BYTES_MOST)
-		status = refuse(&check, "bytes of its textures, height fields and numerics", check.bytes, BYTES_MOST);
+	enum status status = check_all(&check);
 	for (size_t i = 0; i < check.name_count; i++)
 		mem_free(check.names[i].text);
 	for (size_t i = 0; i < check.folder_count; i++)

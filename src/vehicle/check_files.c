@@ -87,14 +87,12 @@ enum status vehicle_check_name_add(struct vehicle_check *check, const char *text
 	if (check->name_count == check->name_room) {
 		const size_t room = check->name_room > 0 ? 2 * check->name_room : 16;
 		struct vehicle_check_name *names = mem_realloc(check->names, room, sizeof *names);
-		if (names == NULL)
-			return fail_memory("a vehicle");
+		TRY_MEM(names, "a vehicle");
 		check->names = names;
 		check->name_room = room;
 	}
 	char *copy = text_of(text, length);
-	if (copy == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(copy, "a vehicle");
 	check->names[check->name_count++] = (struct vehicle_check_name){copy, include};
 	return check_written(check, copy);
 }
@@ -106,8 +104,7 @@ enum status vehicle_check_folder_add(struct vehicle_check *check, const char *te
 		return fail_with(STATUS_INPUT, "%s: %s: it names more than %zu folders of files, or a long one; name them once", check->where, check->path,
 				 most);
 	char *copy = text_of(text, length);
-	if (copy == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(copy, "a vehicle");
 	check->folders[check->folder_count++] = copy;
 	return check_written(check, copy);
 }
@@ -163,7 +160,6 @@ static enum status check_place(struct vehicle_check *check, const char *path, co
 {
 	char real[PATH_MAX];
 	struct stat found;
-	enum status status = STATUS_OK;
 	if (stat(path, &found) != 0)
 		return STATUS_OK; /* MuJoCo does not find it there */
 	if (realpath(path, real) == NULL)
@@ -179,30 +175,34 @@ static enum status check_place(struct vehicle_check *check, const char *path, co
 	check->bytes += png_bytes(path);
 	const char *dot = strrchr(path, '.'), *problem = NULL;
 	if (dot != NULL && (strcasecmp(dot, ".obj") == 0 || strcasecmp(dot, ".msh") == 0))
-		status = check_mesh(path, strcasecmp(dot, ".obj") == 0, (size_t)found.st_size, &problem);
-	return problem != NULL ? refuse(check, name, problem, "export it again") : status;
+		TRY(check_mesh(path, strcasecmp(dot, ".obj") == 0, (size_t)found.st_size, &problem));
+	return problem != NULL ? refuse(check, name, problem, "export it again") : STATUS_OK;
+}
+
+/* Checks where one form of a name leads. `folder`: where the file is looked for; NULL: the model's folder. */
+static enum status check_form(struct vehicle_check *check, const char *folder, const char *form, const char *name)
+{
+	char *path = vehicle_check_path(check, folder, form);
+	TRY_MEM(path, "a vehicle");
+	enum status status = check_place(check, path, name);
+	mem_free(path);
+	return status;
 }
 
 enum status vehicle_check_name(struct vehicle_check *check, const char *name)
 {
 	const char *slash = strrchr(name, '/'), *forms[] = {name, without_package(name), slash != NULL ? slash + 1 : name};
-	enum status status = STATUS_OK;
 	for (size_t folder = 0; folder <= check->folder_count; folder++)
-		for (size_t i = 0; i < 3 && status == STATUS_OK; i++) {
-			if (i > 0 && strcmp(forms[i], forms[i - 1]) == 0)
-				continue;
-			char *path = vehicle_check_path(check, folder > 0 ? check->folders[folder - 1] : NULL, forms[i]);
-			status = path != NULL ? check_place(check, path, name) : fail_memory("a vehicle");
-			mem_free(path);
-		}
-	return status;
+		for (size_t i = 0; i < 3; i++)
+			if (i == 0 || strcmp(forms[i], forms[i - 1]) != 0)
+				TRY(check_form(check, folder > 0 ? check->folders[folder - 1] : NULL, forms[i], name));
+	return STATUS_OK;
 }
 
 enum status vehicle_check_reach(struct vehicle_check *check)
 {
 	char real[PATH_MAX], *folder = vehicle_check_path(check, NULL, ".");
-	if (folder == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(folder, "a vehicle");
 	const bool found = realpath(folder, real) != NULL;
 	mem_free(folder);
 	if (!found)

@@ -46,15 +46,12 @@ static enum status read_header(struct table *table)
 	struct driver *driver = &table->vehicle->driver;
 	bool any;
 	char *rest = table->text;
-	enum status status = next(table, &any);
-	if (status != STATUS_OK)
-		return status;
+	TRY(next(table, &any));
 	const char *name = any ? strsep(&rest, ",") : NULL;
 	if (name == NULL || strcmp(name, "t") != 0)
 		return wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
 	driver->held = mem_calloc(strlen(table->text) + (rest != NULL ? strlen(rest) : 0) + 2, sizeof *driver->held);
-	if (driver->held == NULL)
-		return fail_memory("a table of controls");
+	TRY_MEM(driver->held, "a table of controls");
 	while ((name = strsep(&rest, ",")) != NULL) {
 		const int actuator = mj_name2id(table->vehicle->model, mjOBJ_ACTUATOR, name);
 		if (actuator < 0)
@@ -75,8 +72,7 @@ static enum status read_row(struct table *table)
 	if (driver->row_count == table->room) {
 		const size_t room = table->room > 0 ? 2 * table->room : 256;
 		double *grown = mem_realloc(driver->table, room, width * sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("a table of controls");
+		TRY_MEM(grown, "a table of controls");
 		driver->table = grown;
 		table->room = room;
 	}
@@ -98,24 +94,20 @@ static enum status read_row(struct table *table)
 static enum status read(struct table *table)
 {
 	bool any;
-	enum status status = read_header(table);
-	while (status == STATUS_OK) {
-		status = next(table, &any);
-		if (status == STATUS_OK && !any)
+	TRY(read_header(table));
+	for (;;) {
+		TRY(next(table, &any));
+		if (!any)
 			break;
-		if (status == STATUS_OK)
-			status = read_row(table);
+		TRY(read_row(table));
 	}
-	if (status == STATUS_OK && table->vehicle->driver.row_count == 0)
-		return wrong(table, "no row", "at least one");
-	return status;
+	return table->vehicle->driver.row_count > 0 ? STATUS_OK : wrong(table, "no row", "at least one");
 }
 
 enum status vehicle_read_controls(struct vehicle *vehicle, const char *where)
 {
 	struct table *table = mem_calloc(1, sizeof *table);
-	if (table == NULL)
-		return fail_memory("a table of controls");
+	TRY_MEM(table, "a table of controls");
 	*table = (struct table){.vehicle = vehicle, .where = where, .path = vehicle->scene->controls};
 	table->file = input_open(table->path);
 	enum status status;

@@ -72,7 +72,7 @@ enum status vehicle_make_room(struct vehicle *vehicle)
 
 static bool touches(const struct soil_geom *geom)
 {
-	return geom->contact.state == WORLD_TOUCHING || geom->contact.state == WORLD_SLIDES || geom->contact.state == WORLD_SUNK;
+	return geom->contact.state == FURROW_TOUCHING || geom->contact.state == FURROW_SLIDES || geom->contact.state == FURROW_SUNK;
 }
 
 static double dot6(const double a[6], const double b[6])
@@ -209,12 +209,13 @@ static void set_damping(struct step *step, size_t index)
 static void displacement(const struct vehicle *vehicle, const struct contact *contact, double moved[6])
 {
 	const struct soil_geom *geom = contact->geom;
-	struct world_state state;
+	struct furrow_state state;
+	struct furrow_belt belt;
 	double back[4], turn[4];
-	vehicle_geom_state(vehicle, geom, &state);
+	vehicle_geom_state(vehicle, geom, &state, &belt);
 	for (int i = 0; i < 3; i++)
 		moved[i] = state.pose.position[i] - geom->now.pose.position[i] -
-			   (state.belt.travel - geom->now.belt.travel) * contact->forward[i];
+			   (belt.travel - geom->now_belt.travel) * contact->forward[i];
 	mju_negQuat(back, geom->now.pose.orientation);
 	mju_mulQuat(turn, state.pose.orientation, back);
 	mju_quat2Vel(moved + 3, turn, 1);
@@ -243,7 +244,7 @@ static void take_resisting(struct step *step)
 	size_t listed = 0;
 	for (size_t i = 0; i < step->count; i++) {
 		struct contact *contact = &step->list[i];
-		const struct world_contact *from = &contact->geom->contact;
+		const struct furrow_contact *from = &contact->geom->contact;
 		const double length = soil_shape_bound(&contact->geom->shape);
 		scale_back(from->stiffness, length, contact->stiffness);
 		scale_back(from->damping, length, contact->damping);
@@ -284,7 +285,7 @@ static void fill_rows(struct step *step, size_t index)
 	double *force = step->force + 6 * index, moved[6], at[6];
 	displacement(step->vehicle, contact, moved);
 	for (int i = 0; i < 3; i++) {
-		at[i] = geom->now.linear[i] - geom->now.belt.speed * contact->forward[i];
+		at[i] = geom->now.linear[i] - geom->now_belt.speed * contact->forward[i];
 		at[3 + i] = geom->now.angular[i];
 		force[i] = geom->contact.force[i];
 		force[3 + i] = geom->contact.moment[i];
@@ -317,7 +318,7 @@ static void fill_system(struct step *step)
 /* The soil does not pull, and its shear has a limit. */
 static void limit(struct contact *contact, double force[6])
 {
-	const struct world_contact *from = &contact->geom->contact;
+	const struct furrow_contact *from = &contact->geom->contact;
 	const double normal = mju_dot3(force, from->normal), before = mju_dot3(from->force, from->normal);
 	double shear[3], given[3];
 	if (!(normal > 0)) {

@@ -85,14 +85,11 @@ static enum status check_wheels(const struct vehicle *vehicle, const char *where
 static enum status make_follow(struct vehicle *vehicle, const char *where)
 {
 	struct driver *driver = &vehicle->driver;
-	enum status status = find(vehicle, where, "steer", &vehicle->scene->steer, &driver->steer, &driver->steer_count);
-	if (status == STATUS_OK)
-		status = find(vehicle, where, "drive", &vehicle->scene->drive, &driver->drive, &driver->drive_count);
-	if (status == STATUS_OK)
-		status = check_joints(vehicle, where, "steer", driver->steer, driver->steer_count);
-	if (status == STATUS_OK)
-		status = check_joints(vehicle, where, "drive", driver->drive, driver->drive_count);
-	return status == STATUS_OK ? check_wheels(vehicle, where) : status;
+	TRY(find(vehicle, where, "steer", &vehicle->scene->steer, &driver->steer, &driver->steer_count));
+	TRY(find(vehicle, where, "drive", &vehicle->scene->drive, &driver->drive, &driver->drive_count));
+	TRY(check_joints(vehicle, where, "steer", driver->steer, driver->steer_count));
+	TRY(check_joints(vehicle, where, "drive", driver->drive, driver->drive_count));
+	return check_wheels(vehicle, where);
 }
 
 static enum status make_hold(struct vehicle *vehicle, const char *where)
@@ -100,8 +97,7 @@ static enum status make_hold(struct vehicle *vehicle, const char *where)
 	struct driver *driver = &vehicle->driver;
 	const struct scene_texts *names = &vehicle->scene->held;
 	driver->held = mem_calloc(names->count + 1, sizeof *driver->held);
-	if (driver->held == NULL)
-		return fail_memory("a driver");
+	TRY_MEM(driver->held, "a driver");
 	for (size_t i = 0; i < names->count; i++) {
 		driver->held[i] = mj_name2id(vehicle->model, mjOBJ_ACTUATOR, names->list[i]);
 		if (driver->held[i] < 0)
@@ -153,19 +149,15 @@ enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *wo
 	struct scene_path route;
 	if (vehicle->scene->driver != SCENE_FOLLOW)
 		return STATUS_OK;
-	enum status status = world_route(world, &vehicle->scene->way, vehicle->scene->name, &route);
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_route(world, &vehicle->scene->way, vehicle->scene->name, &route));
 	driver->points = mem_calloc(route.count, sizeof *driver->points);
-	if (driver->points == NULL)
-		status = fail_memory("a driver");
-	for (size_t i = 0; i < route.count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < route.count && driver->points != NULL; i++) {
 		driver->points[i][0] = route.points[i].x;
 		driver->points[i][1] = route.points[i].y;
 		driver->point_count = i + 1;
 	}
 	motion_route_finish(&route);
-	return status;
+	return driver->points != NULL ? STATUS_OK : fail_memory("a driver");
 }
 
 void vehicle_free_driver(struct driver *driver)

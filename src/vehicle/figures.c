@@ -31,8 +31,7 @@ static enum status make_figure(const struct vehicle *vehicle, struct figure *fig
 	char name[256];
 	vehicle_geom_name(model, figure->geom, name, sizeof name);
 	drawn->name = mem_strdup(name);
-	if (drawn->name == NULL)
-		return fail_memory("the parts of a vehicle");
+	TRY_MEM(drawn->name, "the parts of a vehicle");
 	memcpy(figure->axes, soil != NULL ? soil->axes : same, sizeof figure->axes);
 	if (soil != NULL && soil->shape.kind == SOIL_WHEEL) {
 		drawn->shape = soil->shape;
@@ -46,9 +45,20 @@ static enum status make_figure(const struct vehicle *vehicle, struct figure *fig
 		drawn->shape = (struct soil_shape){.kind = SOIL_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
 		return STATUS_OK;
 	}
-	enum status status = vehicle_make_mesh(model, figure->geom, &figure->mesh);
+	TRY(vehicle_make_mesh(model, figure->geom, &figure->mesh));
 	drawn->shape = (struct soil_shape){.kind = SOIL_MESH, .mesh = figure->mesh};
-	return status;
+	return STATUS_OK;
+}
+
+/* A frame for the root body of each vehicle, and one for each body that a camera of the scene names. */
+static void list_frames(struct vehicles *vehicles)
+{
+	const struct scene *scene = vehicles->scene;
+	for (size_t v = 0; v < vehicles->count; v++)
+		vehicles->frames[vehicles->frame_count++].vehicle = v;
+	for (size_t i = 0; i < scene->camera_count; i++)
+		if (scene->cameras[i].body != NULL)
+			vehicles->frames[vehicles->frame_count++] = (struct world_frame){.vehicle = scene->cameras[i].aim.vehicle - 1, .body = scene->cameras[i].body};
 }
 
 enum status vehicle_make_figures(struct vehicles *vehicles)
@@ -58,18 +68,19 @@ enum status vehicle_make_figures(struct vehicles *vehicles)
 		most += (size_t)vehicles->list[v].model->ngeom;
 	vehicles->drawn = mem_calloc(most + 1, sizeof *vehicles->drawn);
 	vehicles->figures = mem_calloc(most + 1, sizeof *vehicles->figures);
-	if (vehicles->drawn == NULL || vehicles->figures == NULL)
-		return fail_memory("the parts of a vehicle");
-	enum status status = STATUS_OK;
+	vehicles->places = mem_calloc(most + 1, sizeof *vehicles->places);
+	vehicles->frames = mem_calloc(vehicles->count + vehicles->scene->camera_count, sizeof *vehicles->frames);
+	TRY_MEM(vehicles->drawn != NULL && vehicles->figures != NULL && vehicles->places != NULL && vehicles->frames != NULL, "the parts of a vehicle");
+	list_frames(vehicles);
 	for (size_t v = 0; v < vehicles->count; v++)
-		for (int i = 0; i < vehicles->list[v].model->ngeom && status == STATUS_OK; i++) {
+		for (int i = 0; i < vehicles->list[v].model->ngeom; i++) {
 			if (!is_shown(vehicles->list[v].model, i))
 				continue;
 			struct figure *figure = &vehicles->figures[vehicles->figure_count];
 			*figure = (struct figure){.vehicle = v, .geom = i};
-			status = make_figure(&vehicles->list[v], figure, &vehicles->drawn[vehicles->figure_count++]);
+			TRY(make_figure(&vehicles->list[v], figure, &vehicles->drawn[vehicles->figure_count++]));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 void vehicle_free_figures(struct vehicles *vehicles)
@@ -80,41 +91,38 @@ void vehicle_free_figures(struct vehicles *vehicles)
 	}
 	mem_free(vehicles->drawn);
 	mem_free(vehicles->figures);
+	mem_free(vehicles->places);
+	mem_free(vehicles->frames);
 }
 
 /* --- where they are --- */
 
-static bool place_figure(void *user, size_t index, double middle[3], double axes[3][3])
+/* Sets a place from a middle, and axes as the columns of a matrix, in a vehicle's own coordinates. */
+static void set_place(const struct vehicle *vehicle, const double middle[3], const double columns[9], struct world_place *place)
 {
-	const struct vehicles *vehicles = user;
-	const struct figure *figure = &vehicles->figures[index];
-	const struct vehicle *vehicle = &vehicles->list[figure->vehicle];
-	double columns[9];
-	if (vehicle->begun == VEHICLE_ABOVE)
-		return false;
-	mju_mulMatMat(columns, &vehicle->data->geom_xmat[9 * figure->geom], figure->axes, 3, 3, 3);
+	place->there = vehicle->begun != VEHICLE_ABOVE;
 	for (int i = 0; i < 3; i++) {
-		middle[i] = vehicle->origin[i] + vehicle->data->geom_xpos[3 * figure->geom + i];
+		place->at[i] = vehicle->origin[i] + middle[i];
 		for (int k = 0; k < 3; k++)
-			axes[i][k] = columns[3 * k + i];
+			place->axes[i][k] = columns[3 * k + i];
 	}
-	return true;
 }
 
-static bool place_vehicle(void *user, size_t index, const char *name, double place[3], double axes[3][3])
+void vehicle_show(struct vehicles *vehicles)
 {
-	const struct vehicles *vehicles = user;
-	const struct vehicle *vehicle = &vehicles->list[index];
-	const int body = name != NULL ? mj_name2id(vehicle->model, mjOBJ_BODY, name) : vehicle->root; /* vehicle_check_cameras has found it */
-	const double *columns = &vehicle->data->xmat[9 * body];
-	if (vehicle->begun == VEHICLE_ABOVE)
-		return false;
-	for (int i = 0; i < 3; i++) {
-		place[i] = vehicle->origin[i] + vehicle->data->xpos[3 * body + i];
-		for (int k = 0; k < 3; k++)
-			axes[i][k] = columns[3 * k + i];
+	for (size_t i = 0; i < vehicles->figure_count; i++) {
+		const struct figure *figure = &vehicles->figures[i];
+		const struct vehicle *vehicle = &vehicles->list[figure->vehicle];
+		double columns[9];
+		mju_mulMatMat(columns, &vehicle->data->geom_xmat[9 * figure->geom], figure->axes, 3, 3, 3);
+		set_place(vehicle, &vehicle->data->geom_xpos[3 * figure->geom], columns, &vehicles->places[i]);
 	}
-	return true;
+	for (size_t i = 0; i < vehicles->frame_count; i++) {
+		struct world_frame *frame = &vehicles->frames[i];
+		const struct vehicle *vehicle = &vehicles->list[frame->vehicle];
+		const int body = frame->body != NULL ? mj_name2id(vehicle->model, mjOBJ_BODY, frame->body) : vehicle->root;
+		set_place(vehicle, &vehicle->data->xpos[3 * body], &vehicle->data->xmat[9 * body], &frame->place);
+	}
 }
 
 static enum status no_body(const struct scene *scene, const struct scene_camera *camera, const struct vehicle *vehicle)
@@ -139,9 +147,9 @@ enum status vehicle_check_cameras(const struct vehicles *vehicles)
 	return STATUS_OK;
 }
 
-struct world_figures vehicle_figures(struct vehicles *vehicles)
+struct world_figures vehicle_figures(const struct vehicles *vehicles)
 {
 	if (vehicles == NULL)
 		return (struct world_figures){.count = 0};
-	return (struct world_figures){vehicles->drawn, vehicles->figure_count, vehicles, place_figure, place_vehicle};
+	return (struct world_figures){vehicles->drawn, vehicles->places, vehicles->figure_count, vehicles->frames, vehicles->frame_count};
 }

@@ -223,12 +223,11 @@ static enum status make_name(const struct vehicle *vehicle, size_t index)
 static enum status make_geom(const struct vehicle *vehicle, size_t index, const char *where)
 {
 	struct soil_geom *out = &vehicle->geoms[index];
-	enum status status = make_name(vehicle, index);
-	if (status == STATUS_OK)
-		status = make_shape(vehicle, out, where);
-	if (status == STATUS_OK && out->dof >= 0)
+	TRY(make_name(vehicle, index));
+	TRY(make_shape(vehicle, out, where));
+	if (out->dof >= 0)
 		out->armature = vehicle->model->dof_armature[out->dof];
-	return status;
+	return STATUS_OK;
 }
 
 static enum status no_geom(const struct vehicle *vehicle, const char *where)
@@ -251,19 +250,17 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
 	vehicle->geoms = mem_calloc((size_t)model->ngeom + 1, sizeof *vehicle->geoms);
-	if (vehicle->geoms == NULL)
-		return fail_memory("a vehicle");
-	enum status status = STATUS_OK;
-	for (int i = 0; i < model->ngeom && status == STATUS_OK; i++) {
+	TRY_MEM(vehicle->geoms, "a vehicle");
+	for (int i = 0; i < model->ngeom; i++) {
 		if (!is_soil_geom(vehicle, i))
 			continue;
 		const size_t index = vehicle->geom_count++;
 		vehicle->geoms[index].geom = i;
-		status = make_geom(vehicle, index, where);
+		TRY(make_geom(vehicle, index, where));
 	}
-	if (status == STATUS_OK && vehicle->geom_count == 0)
+	if (vehicle->geom_count == 0)
 		return no_geom(vehicle, where);
-	return status == STATUS_OK ? check_belts(vehicle, where) : status;
+	return check_belts(vehicle, where);
 }
 
 void vehicle_free_geoms(struct vehicle *vehicle)
@@ -277,7 +274,7 @@ void vehicle_free_geoms(struct vehicle *vehicle)
 
 /* --- where they are --- */
 
-void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state)
+void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct furrow_state *state, struct furrow_belt *belt)
 {
 	double axes[9], velocity[6];
 	mju_mulMatMat(axes, &vehicle->data->geom_xmat[9 * geom->geom], geom->axes, 3, 3, 3);
@@ -289,10 +286,12 @@ void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *g
 		state->angular[i] = velocity[i];
 		state->linear[i] = velocity[3 + i];
 	}
-	state->belt = (struct world_belt){0, 0};
+	if (belt == NULL)
+		return;
+	*belt = (struct furrow_belt){0, 0};
 	if (geom->shape.belt) {
 		const int at = vehicle->model->jnt_qposadr[vehicle->model->dof_jntid[geom->dof]];
-		state->belt = (struct world_belt){geom->sprocket * vehicle->data->qpos[at], geom->sprocket * vehicle->data->qvel[geom->dof]};
+		*belt = (struct furrow_belt){geom->sprocket * vehicle->data->qpos[at], geom->sprocket * vehicle->data->qvel[geom->dof]};
 	}
 }
 

@@ -4,13 +4,13 @@
 
 #include "vehicle/internal.h"
 
-void vehicle_state(const struct vehicles *vehicles, size_t index, struct world_state *state)
+void vehicle_state(const struct vehicles *vehicles, size_t index, struct furrow_state *state)
 {
 	const struct vehicle *vehicle = &vehicles->list[index];
 	const mjData *data = vehicle->data;
 	double velocity[6]; /* rad/s, then m/s */
 	mj_objectVelocity(vehicle->model, data, mjOBJ_XBODY, vehicle->root, velocity, 0);
-	*state = (struct world_state){.pose = {.position = {0}}};
+	*state = (struct furrow_state){.pose = {.position = {0}}};
 	mju_add3(state->pose.position, vehicle->origin, &data->xpos[3 * vehicle->root]);
 	mju_copy4(state->pose.orientation, &data->xquat[4 * vehicle->root]);
 	mju_copy3(state->angular, velocity);
@@ -61,20 +61,23 @@ const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number)
 	return geom != NULL ? geom->name : NULL;
 }
 
-bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact)
+bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow_state *state, struct furrow_contact *contact)
 {
 	const struct vehicle *of = NULL;
 	const struct soil_geom *geom = geom_of(vehicles, number, &of);
 	if (geom == NULL)
 		return false;
-	vehicle_geom_state(of, geom, state);
+	if (state != NULL)
+		vehicle_geom_state(of, geom, state, NULL);
+	if (contact == NULL)
+		return true;
 	*contact = geom->contact;
-	if (contact->state == WORLD_UNKNOWN)
+	if (contact->state == FURROW_UNKNOWN)
 		return true;
 	/* The engine's steps went on from the probe's state: this force they applied last. */
 	mju_copy3(contact->force, geom->force);
 	mju_copy3(contact->moment, geom->force + 3);
-	contact->time = vehicles->world->time;
+	contact->time = world_time(vehicles->world);
 	return true;
 }
 
@@ -85,8 +88,7 @@ enum status vehicle_step_back(struct vehicles *vehicles)
 
 enum status vehicle_rollback(struct vehicles *vehicles)
 {
-	enum status status = vehicle_step_back(vehicles);
-	if (status == STATUS_OK)
-		vehicle_skip_rows(vehicles);
-	return status;
+	TRY(vehicle_step_back(vehicles));
+	vehicle_skip_rows(vehicles);
+	return STATUS_OK;
 }

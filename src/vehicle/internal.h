@@ -17,11 +17,12 @@ struct soil_geom {
 	struct soil_mesh *mesh;   /* of the shape; owned; NULL: none */
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
 	int32_t number;             /* its body in the world */
-	struct world_state now;     /* where the coupling step ends if the velocity stays as it is at its start */
-	struct world_state touched; /* up to which its motion has changed the ground */
+	struct furrow_state now;     /* where the coupling step ends if the velocity stays as it is at its start */
+	struct furrow_state touched; /* up to which its motion has changed the ground */
+	struct furrow_belt now_belt, touched_belt; /* its belt then; 0: it has none */
 	bool is_touched;
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
-	struct world_contact contact;  /* linearised at `now` */
+	struct furrow_contact contact;  /* linearised at `now` */
 	double armature;            /* kg m2: what the model gives the dof, which several geoms may share; its brake puts another number there */
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
@@ -103,14 +104,17 @@ struct vehicles {
 	struct vehicle *list;
 	size_t count, geom_count;   /* geom_count: soil geoms of all vehicles */
 	int32_t *numbers;           /* room for all soil geoms */
-	struct world_state *states;
-	struct world_contact *contacts;
+	struct furrow_state *states;
+	struct furrow_belt *belts;
+	struct furrow_contact *contacts;
 	struct scene_object *drawn; /* what pictures show, in the order of `figures` */
 	struct figure *figures;
-	size_t figure_count;
+	struct world_place *places; /* of the figures */
+	struct world_frame *frames; /* the bodies of all models */
+	size_t figure_count, frame_count;
 	size_t attached;            /* numbers in the record */
+	double *record;             /* room for them */
 	double row;                 /* number of the next row of vehicles.csv */
-	const struct vehicle_rows *rows;
 	struct between *between;    /* between.h; NULL: one vehicle only */
 	double stuck_at;
 	double settling_told;       /* s, by the clock: when it was last told how far settling is; 0: not begun */
@@ -128,8 +132,8 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where) FURRO
 void vehicle_free_geoms(struct vehicle *vehicle);
 /* Returns true if `name` matches one of the patterns. `none`: the answer if there are no patterns. */
 bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none);
-/* Finds the state of a soil geom as MuJoCo has it now. */
-void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state);
+/* Finds the state of a soil geom, and of its belt, as MuJoCo has it now. `belt` may be NULL. */
+void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct furrow_state *state, struct furrow_belt *belt);
 /* Returns the wheel that a hinge turns, or the body whose belt it drives; NULL: it does neither. */
 const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint);
 /* Finds the place of a geom that is farthest along `direction`. MuJoCo's axes. */
@@ -159,6 +163,8 @@ enum status vehicle_make_figures(struct vehicles *vehicles) FURROW_CHECKED;
 /* STATUS_INPUT: a camera is mounted on a body that its vehicle does not have. */
 enum status vehicle_check_cameras(const struct vehicles *vehicles) FURROW_CHECKED;
 void vehicle_free_figures(struct vehicles *vehicles);
+enum status vehicle_record(struct vehicles *vehicles) FURROW_CHECKED; /* ends a step of the world, whose record gets the state of the vehicles */
+void vehicle_show(struct vehicles *vehicles); /* brings the places of figures up to date */
 
 /* --- bound.c --- */
 
@@ -225,7 +231,7 @@ double vehicle_kinetic(const struct vehicle *vehicle); /* J */
 
 /* --- state.c --- */
 size_t vehicle_state_numbers(const struct vehicle *vehicle);
-void vehicle_save(void *vehicles, double *numbers);
+void vehicle_save(const struct vehicles *vehicles, double *numbers);
 enum status vehicle_restore(struct vehicles *vehicles, const double *numbers) FURROW_CHECKED;
 
 #endif

@@ -36,18 +36,15 @@ static enum status refuse(const char *where, const char *path, const char *why)
 static enum status read(struct vehicle *vehicle, const char *where)
 {
 	struct reading reading = {.path = vehicle->scene->model, .error = ""};
-	enum status status = vehicle_check_model(where, vehicle->scene->model);
-	if (status != STATUS_OK)
-		return status;
-	status = vehicle_guard(where, read_model, &reading);
+	TRY(vehicle_check_model(where, vehicle->scene->model));
+	enum status status = vehicle_guard(where, read_model, &reading);
 	vehicle->model = reading.model;
 	vehicle->data = reading.data;
 	if (status != STATUS_OK) /* what MuJoCo refuses is wrong with the file */
 		return fail_with(STATUS_INPUT, "%s", failure_message());
 	if (vehicle->model == NULL)
 		return refuse(where, vehicle->scene->model, reading.error[0] != '\0' ? reading.error : "MuJoCo does not read it");
-	if (vehicle->data == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(vehicle->data, "a vehicle");
 	const char *warning = vehicle_guard_warning();
 	if (warning[0] != '\0')
 		note("%s: %s: MuJoCo says: %s", where, vehicle->scene->model, warning);
@@ -100,8 +97,7 @@ static enum status find_joints(struct vehicle *vehicle)
 	const mjModel *model = vehicle->model;
 	vehicle->joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->joints);
 	vehicle->row_joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->row_joints);
-	if (vehicle->joints == NULL || vehicle->row_joints == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(vehicle->joints != NULL && vehicle->row_joints != NULL, "a vehicle");
 	for (int i = 0; i < model->njnt; i++)
 		if (model->jnt_type[i] == mjJNT_HINGE || model->jnt_type[i] == mjJNT_SLIDE)
 			vehicle->joints[vehicle->joint_count++] = i;
@@ -112,8 +108,7 @@ static enum status sum_model(struct vehicle *vehicle)
 {
 	const int bytes = mj_sizeModel(vehicle->model);
 	void *buffer = mem_calloc((size_t)bytes, 1);
-	if (buffer == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(buffer, "a vehicle");
 	mj_saveModel(vehicle->model, NULL, buffer, bytes);
 	const XXH64_hash_t hash = XXH3_64bits(buffer, (size_t)bytes);
 	vehicle->checksum[0] = (double)(hash >> 32);
@@ -151,33 +146,22 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 {
 	char where[VEHICLE_WHERE];
 	vehicle_where(vehicle, scene, where);
-	enum status status = read(vehicle, where);
-	if (status != STATUS_OK)
-		return status;
+	TRY(read(vehicle, where));
 	fit(vehicle, scene);
-	status = check_timestep(vehicle, scene, where);
-	if (status == STATUS_OK)
-		status = sum_model(vehicle);
-	if (status == STATUS_OK)
-		status = vehicle_find_geoms(vehicle, where);
-	if (status == STATUS_OK) {
-		doubt_sizes(vehicle, where);
-		status = find_root(vehicle, where);
-	}
-	if (status == STATUS_OK)
-		status = find_joints(vehicle);
-	if (status == STATUS_OK)
-		status = vehicle_make_room(vehicle);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check_timestep(vehicle, scene, where));
+	TRY(sum_model(vehicle));
+	TRY(vehicle_find_geoms(vehicle, where));
+	doubt_sizes(vehicle, where);
+	TRY(find_root(vehicle, where));
+	TRY(find_joints(vehicle));
+	TRY(vehicle_make_room(vehicle));
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
 	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nu + 1, sizeof *vehicle->host_controls);
-	if (vehicle->pushed == NULL || vehicle->host_controls == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(vehicle->pushed != NULL && vehicle->host_controls != NULL, "a vehicle");
 	for (int i = 0; i < vehicle->model->nu; i++)
 		vehicle->host_controls[i] = (double)NAN;
-	status = vehicle_check_step(vehicle, scene);
-	return status == STATUS_OK ? vehicle_make_driver(vehicle, where) : status;
+	TRY(vehicle_check_step(vehicle, scene));
+	return vehicle_make_driver(vehicle, where);
 }
 
 void vehicle_forget(struct vehicle *vehicle)

@@ -135,8 +135,7 @@ static enum status meet(struct vehicles *vehicles, const struct part *const part
 		if (touches[i].gap >= margin - least)
 			continue;
 		struct meeting *meeting = new_meeting(between);
-		if (meeting == NULL)
-			return fail_memory("contacts of vehicles");
+		TRY_MEM(meeting, "contacts of vehicles");
 		*meeting = (struct meeting){.vehicle = {parts[0]->vehicle, parts[1]->vehicle}, .geom = {geoms[0], geoms[1]},
 					    .gap = touches[i].gap - (margin - least), .depth = -touches[i].gap};
 		mju_copy3(meeting->point[0], touches[i].place);
@@ -171,12 +170,11 @@ static enum status find_pair(struct vehicles *vehicles, size_t a, size_t b)
 		return STATUS_OK;
 	place_parts(vehicles, a, nowhere);
 	place_parts(vehicles, b, shift);
-	enum status status = STATUS_OK;
 	for (size_t i = between->first[a]; i < between->first[a + 1]; i++)
-		for (size_t j = between->first[b]; j < between->first[b + 1] && status == STATUS_OK; j++)
+		for (size_t j = between->first[b]; j < between->first[b + 1]; j++)
 			if (may_meet(vehicles, &between->parts[i], &between->parts[j], shift))
-				status = meet(vehicles, (const struct part *const[]){&between->parts[i], &between->parts[j]}, shift);
-	return status;
+				TRY(meet(vehicles, (const struct part *const[]){&between->parts[i], &between->parts[j]}, shift));
+	return STATUS_OK;
 }
 
 struct finding {
@@ -184,37 +182,42 @@ struct finding {
 	enum status status;
 };
 
-static void find_all(void *argument)
+static enum status find_pairs(struct vehicles *vehicles)
 {
-	struct finding *finding = argument;
-	struct vehicles *vehicles = finding->vehicles;
 	const size_t *order = vehicles->between->order;
 	for (size_t v = 0; v < vehicles->count; v++)
 		find_ball(vehicles, v);
 	for (size_t a = 0; a < vehicles->count; a++)
-		for (size_t b = a + 1; b < vehicles->count && finding->status == STATUS_OK; b++)
-			finding->status = find_pair(vehicles, order[a], order[b]);
+		for (size_t b = a + 1; b < vehicles->count; b++)
+			TRY(find_pair(vehicles, order[a], order[b]));
+	return STATUS_OK;
+}
+
+static void find_all(void *argument)
+{
+	struct finding *finding = argument;
+	finding->status = find_pairs(finding->vehicles);
 }
 
 enum status vehicle_between_find(struct vehicles *vehicles)
 {
 	struct finding finding = {vehicles, STATUS_OK};
 	vehicles->between->count = 0;
-	enum status status = vehicle_guard("vehicles", find_all, &finding);
-	return status == STATUS_OK ? finding.status : status;
+	TRY(vehicle_guard("vehicles", find_all, &finding));
+	return finding.status;
 }
 
 enum status vehicle_between_check_start(struct vehicles *vehicles)
 {
 	if (vehicles->between == NULL)
 		return STATUS_OK;
-	enum status status = vehicle_between_find(vehicles);
+	TRY(vehicle_between_find(vehicles));
 	const struct meeting *deepest = NULL;
 	for (size_t i = 0; i < vehicles->between->count; i++)
 		if (deepest == NULL || vehicles->between->meetings[i].depth > deepest->depth)
 			deepest = &vehicles->between->meetings[i];
-	if (status != STATUS_OK || deepest == NULL || deepest->depth <= INSIDE)
-		return status;
+	if (deepest == NULL || deepest->depth <= INSIDE)
+		return STATUS_OK;
 	const struct vehicle *first = &vehicles->list[deepest->vehicle[0]], *second = &vehicles->list[deepest->vehicle[1]];
 	char names[2][200];
 	vehicle_geom_name(first->model, deepest->geom[0], names[0], sizeof names[0]);

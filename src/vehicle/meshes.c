@@ -15,8 +15,7 @@ struct ring {
 static enum status make(size_t corners, size_t faces, struct soil_mesh **out)
 {
 	struct soil_mesh *mesh = *out = mem_calloc(1, sizeof *mesh);
-	if (mesh == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(mesh, "a mesh");
 	*mesh = (struct soil_mesh){mem_calloc(corners + 1, sizeof *mesh->vertices), mem_calloc(faces + 1, sizeof *mesh->triangles), (uint32_t)corners,
 				   (uint32_t)faces, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 	return mesh->vertices != NULL && mesh->triangles != NULL ? STATUS_OK : fail_memory("a mesh");
@@ -37,21 +36,19 @@ static enum status of_file(const mjModel *model, int geom, struct soil_mesh **ou
 	const size_t corners = (size_t)model->mesh_vertnum[mesh], faces = (size_t)model->mesh_facenum[mesh];
 	const float *from = &model->mesh_vert[3 * model->mesh_vertadr[mesh]];
 	const int *face = &model->mesh_face[3 * model->mesh_faceadr[mesh]];
-	enum status status = make(corners, faces, out);
-	for (size_t i = 0; i < corners && status == STATUS_OK; i++)
+	TRY(make(corners, faces, out));
+	for (size_t i = 0; i < corners; i++)
 		put_corner(*out, i, (const double[]){(double)from[3 * i], (double)from[3 * i + 1], (double)from[3 * i + 2]});
-	for (size_t i = 0; i < faces && status == STATUS_OK; i++)
+	for (size_t i = 0; i < faces; i++)
 		for (int k = 0; k < 3; k++)
 			(*out)->triangles[i][k] = (uint32_t)face[3 * i + (size_t)k];
-	return status;
+	return STATUS_OK;
 }
 
 /* Rings from below to above. The first and the last may be points. */
 static enum status of_rings(const struct ring *rings, size_t count, struct soil_mesh **out)
 {
-	enum status status = make(count * ROUND + 2, 2 * ROUND * count, out);
-	if (status != STATUS_OK)
-		return status;
+	TRY(make(count * ROUND + 2, 2 * ROUND * count, out));
 	struct soil_mesh *mesh = *out;
 	size_t face = 0;
 	for (size_t r = 0; r < count; r++)

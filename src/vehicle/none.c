@@ -15,13 +15,13 @@ void vehicle_destroy(struct vehicles *vehicles)
 	(void)vehicles;
 }
 
-struct world_attached vehicle_attached(struct vehicles *vehicles)
+size_t vehicle_attached(const struct vehicles *vehicles)
 {
 	(void)vehicles;
-	return (struct world_attached){.count = 0};
+	return 0;
 }
 
-struct world_figures vehicle_figures(struct vehicles *vehicles)
+struct world_figures vehicle_figures(const struct vehicles *vehicles)
 {
 	(void)vehicles;
 	return (struct world_figures){.count = 0};
@@ -62,9 +62,15 @@ bool vehicle_stuck(const struct vehicles *vehicles)
 	return false;
 }
 
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
+bool vehicle_rows_due(struct vehicles *vehicles)
 {
-	(void)vehicles, (void)rows;
+	(void)vehicles;
+	return false;
+}
+
+void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *row)
+{
+	(void)vehicles, (void)vehicle, (void)row;
 }
 
 size_t vehicle_count(const struct vehicles *vehicles)
@@ -121,10 +127,10 @@ enum status vehicle_find_shares(struct vehicles *vehicles)
 	return STATUS_OK;
 }
 
-void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct world_state *state)
+void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct furrow_state *state)
 {
 	(void)vehicles, (void)vehicle;
-	*state = (struct world_state){.pose = {.position = {0}}};
+	*state = (struct furrow_state){.pose = {.position = {0}}};
 }
 
 void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *values, double *rates)
@@ -148,11 +154,10 @@ const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number)
 	return NULL;
 }
 
-bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact)
+bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow_state *state, struct furrow_contact *contact)
 {
 	(void)vehicles, (void)number;
-	*state = (struct world_state){.pose = {.position = {0}}};
-	*contact = world_contact_unknown();
+	(void)state, (void)contact;
 	return false;
 }
 

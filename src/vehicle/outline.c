@@ -94,13 +94,13 @@ enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct ve
 	struct vehicles *vehicles = NULL;
 	struct scene still = *scene;
 	still.time_step = 0;
-	enum status status = vehicle_load(&still, &vehicles);
-	if (status == STATUS_OK && vehicle >= vehicle_count(vehicles))
-		status = fail_with(STATUS_INPUT, "scene: it has no vehicle; add one to vehicles");
-	if (status == STATUS_OK) {
-		mj_forward(vehicles->list[vehicle].model, vehicles->list[vehicle].data);
-		status = outline(&vehicles->list[vehicle], out);
+	TRY(vehicle_load(&still, &vehicles));
+	if (vehicle >= vehicle_count(vehicles)) {
+		vehicle_destroy(vehicles);
+		return fail_with(STATUS_INPUT, "scene: it has no vehicle; add one to vehicles");
 	}
+	mj_forward(vehicles->list[vehicle].model, vehicles->list[vehicle].data);
+	enum status status = outline(&vehicles->list[vehicle], out);
 	vehicle_destroy(vehicles);
 	return status;
 }

@@ -108,8 +108,7 @@ static enum status lay_out(const struct vehicles *vehicles)
 	need += 3 * widest;
 	if (need > between->row_room) {
 		double *more = mem_realloc(between->rows, need, sizeof *more);
-		if (more == NULL)
-			return fail_memory("contacts of vehicles");
+		TRY_MEM(more, "contacts of vehicles");
 		between->rows = more;
 		between->row_room = need;
 	}
@@ -226,17 +225,16 @@ enum status vehicle_between_push(struct vehicles *vehicles)
 	struct pushing pushing = {vehicles, vehicles->scene->time_step};
 	if (between == NULL)
 		return STATUS_OK;
-	enum status status = vehicle_between_find(vehicles);
+	TRY(vehicle_between_find(vehicles));
 	for (size_t v = 0; v < vehicles->count; v++)
 		between->movers[v].meets = false;
 	for (size_t i = 0; i < between->count; i++)
 		for (int k = 0; k < 2; k++)
 			between->movers[between->meetings[i].vehicle[k]].meets = true;
-	if (status == STATUS_OK && between->count > 0)
-		status = lay_out(vehicles);
-	if (status == STATUS_OK && between->count > 0)
-		status = vehicle_guard("vehicles", push, &pushing);
-	if (status == STATUS_OK)
-		spoil(vehicles);
-	return status;
+	if (between->count > 0) {
+		TRY(lay_out(vehicles));
+		TRY(vehicle_guard("vehicles", push, &pushing));
+	}
+	spoil(vehicles);
+	return STATUS_OK;
 }

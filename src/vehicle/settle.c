@@ -79,23 +79,22 @@ static void turn_root(struct vehicle *vehicle, int body, double height)
 /* Finds how far a geom is below the ground at most; negative: above it. *any false: there is no ground under one of its places. */
 static enum status depth_of(const struct vehicles *vehicles, const struct vehicle *vehicle, int geom, double *depth, bool *any)
 {
-	enum status status = STATUS_OK;
 	*depth = -INFINITY;
 	*any = true;
-	for (int i = -SIDES; i <= SIDES && status == STATUS_OK; i++)
-		for (int j = -SIDES; j <= SIDES && status == STATUS_OK; j++) {
+	for (int i = -SIDES; i <= SIDES; i++)
+		for (int j = -SIDES; j <= SIDES; j++) {
 			const double direction[3] = {(double)i / SIDES, (double)j / SIDES, -1};
 			double place[3];
 			int64_t height;
 			bool found;
 			vehicle_geom_support(vehicle->model, vehicle->data, geom, direction, place);
 			mju_addTo3(place, vehicle->origin);
-			status = resident_ground_height(vehicles->world->ground, lattice_offset(place[0]), lattice_offset(place[1]), &height, &found);
+			TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(place[0]), lattice_offset(place[1]), &height, &found));
 			*any = *any && found;
-			if (status == STATUS_OK && found)
+			if (found)
 				*depth = fmax(*depth, lattice_offset_metres(height) - place[2]);
 		}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
@@ -109,9 +108,7 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 			soil = soil || vehicle->geoms[g].geom == i;
 		if (soil || vehicle_is_fixed(model, i) || (model->geom_contype[i] == 0 && model->geom_conaffinity[i] == 0))
 			continue;
-		enum status status = depth_of(vehicles, vehicle, i, &depth, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(depth_of(vehicles, vehicle, i, &depth, &any));
 		if (depth <= 0)
 			continue;
 		vehicle_geom_name(model, i, name, sizeof name);
@@ -123,24 +120,24 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 
 static enum status turn(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
-	enum status status = world_start_point(vehicles->world, vehicle->scene, vehicle->origin);
+	TRY(world_start_point(vehicles->world, vehicle->scene, vehicle->origin));
 	each_root(vehicle, turn_root, 0);
-	return status;
+	return STATUS_OK;
 }
 
 enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
-	enum status status = turn(vehicles, vehicle);
+	TRY(turn(vehicles, vehicle));
 	each_root(vehicle, lift_root, vehicle->lift);
-	return status;
+	return STATUS_OK;
 }
 
 /* Fails for a vehicle that starts where there is no ground. Small numbers off a terrain that knows degrees are probably degrees. */
 static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom)
 {
-	const struct extent *extent = &vehicles->world->meta->extent;
+	const struct extent *extent = &world_resident(vehicles->world)->meta->extent;
 	const double *at = vehicle->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
-	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && vehicles->world->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
+	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && world_resident(vehicles->world)->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
 	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
 				  extent_side(extent, 0), extent_side(extent, 1),
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
@@ -149,16 +146,12 @@ static enum status fail_ground(const struct vehicles *vehicles, const struct veh
 static enum status set_down(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	double deepest = -INFINITY;
-	enum status status = turn(vehicles, vehicle);
-	if (status != STATUS_OK)
-		return status;
+	TRY(turn(vehicles, vehicle));
 	mj_kinematics(vehicle->model, vehicle->data);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		double depth;
 		bool any;
-		status = depth_of(vehicles, vehicle, vehicle->geoms[g].geom, &depth, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(depth_of(vehicles, vehicle, vehicle->geoms[g].geom, &depth, &any));
 		if (!any)
 			return fail_ground(vehicles, vehicle, &vehicle->geoms[g]);
 		deepest = fmax(deepest, depth);
@@ -211,7 +204,7 @@ const struct soil_geom *vehicle_sunk(const struct vehicle *vehicle)
 {
 	const struct soil_geom *deepest = NULL;
 	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++)
-		if (geom->contact.state == WORLD_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
+		if (geom->contact.state == FURROW_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
 			deepest = geom;
 	return deepest;
 }
@@ -264,21 +257,19 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 	bool all = false;
 	while (!all && vehicles->list[0].settle_seconds - vehicles->list[0].slow <= most) {
 		const bool later = vehicles->list[0].settle_seconds - vehicles->list[0].slow >= 1;
-		enum status status = world_stopped(vehicles->world) ? world_interrupted(vehicles->world)
-								    : vehicle_move(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, false);
-		all = status == STATUS_OK;
-		for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+		if (world_stopped(vehicles->world))
+			return world_interrupted(vehicles->world);
+		TRY(vehicle_move(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, false));
+		all = true;
+		for (size_t v = 0; v < vehicles->count; v++) {
 			struct vehicle *vehicle = &vehicles->list[v];
 			vehicle->settle_seconds += seconds;
 			vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
 			all = all && vehicle->calm >= CALM;
 		}
-		if (status == STATUS_OK)
-			status = check_sunk(vehicles);
-		if (status == STATUS_OK)
-			status = world_move_hosts(vehicles->world);
-		if (status != STATUS_OK)
-			return status;
+		TRY(check_sunk(vehicles));
+		TRY(world_move_hosts(vehicles->world));
+		TRY(vehicle_record(vehicles));
 		tell_settling(vehicles, still);
 	}
 	return STATUS_OK;
@@ -287,45 +278,45 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 /* The bodies are placed first, so that the world reads the ground around them. */
 static enum status place_bodies(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
 	for (size_t v = 0; v < vehicles->count; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
-			status = world_body_place(vehicles->world, geom->number, &geom->now.pose);
-			if (status == STATUS_OK)
-				status = world_bodies_set(vehicles->world, 1, &geom->number, &geom->now);
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
+			TRY(world_body_place(vehicles->world, geom->number, &geom->now.pose));
+			TRY(world_bodies_set(vehicles->world, 1, &geom->number, &geom->now, &geom->now_belt));
 			geom->touched = geom->now;
+			geom->touched_belt = geom->now_belt;
 			geom->is_touched = true;
 		}
-	return status == STATUS_OK ? world_move_hosts(vehicles->world) : status;
+	TRY(world_move_hosts(vehicles->world));
+	return vehicle_record(vehicles);
+}
+
+static enum status start(struct vehicles *vehicles)
+{
+	begin(vehicles, VEHICLE_SLOWED); /* also after a failure: a vehicle is set down once */
+	for (size_t v = 0; v < vehicles->count; v++)
+		TRY(set_down(vehicles, &vehicles->list[v]));
+	TRY(vehicle_between_check_start(vehicles));
+	return place_bodies(vehicles);
 }
 
 enum status vehicle_settle(struct vehicles *vehicles)
 {
 	const struct vehicle *first = &vehicles->list[0];
-	enum status status = STATUS_OK;
-	if (first->begun == VEHICLE_ABOVE) {
-		for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-			status = set_down(vehicles, &vehicles->list[v]);
-		if (status == STATUS_OK)
-			status = vehicle_between_check_start(vehicles);
-		begin(vehicles, VEHICLE_SLOWED);
-		if (status == STATUS_OK)
-			status = place_bodies(vehicles);
-	}
-	if (status == STATUS_OK && first->begun == VEHICLE_SLOWED) {
-		status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST);
+	if (first->begun == VEHICLE_ABOVE)
+		TRY(start(vehicles));
+	if (first->begun == VEHICLE_SLOWED) {
+		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST);
 		touch_all(vehicles);
-		if (status == STATUS_OK)
-			begin(vehicles, VEHICLE_FREE);
+		TRY(status);
+		begin(vehicles, VEHICLE_FREE);
 	}
-	if (status == STATUS_OK && first->begun == VEHICLE_FREE) {
-		status = until_still(vehicles, 0, STILL, FREE_MOST);
+	if (first->begun == VEHICLE_FREE) {
+		enum status status = until_still(vehicles, 0, STILL, FREE_MOST);
 		tell_unrest(vehicles);
+		TRY(status);
 	}
-	if (status != STATUS_OK)
-		return status;
 	begin(vehicles, VEHICLE_DRIVES);
 	for (size_t v = 0; v < vehicles->count; v++) {
 		vehicles->list[v].slow = 0;

@@ -177,8 +177,7 @@ static enum status find(struct vehicle *vehicle, const struct scene *scene)
 
 enum status vehicle_find_shares(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; vehicles != NULL && i < vehicles->count && status == STATUS_OK; i++)
-		status = find(&vehicles->list[i], vehicles->scene);
-	return status;
+	for (size_t i = 0; vehicles != NULL && i < vehicles->count; i++)
+		TRY(find(&vehicles->list[i], vehicles->scene));
+	return STATUS_OK;
 }

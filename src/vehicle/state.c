@@ -31,9 +31,9 @@ static const double *take(const double *from, double *to, size_t count)
 
 static double *save_geom(const struct world *world, const struct soil_geom *geom, double *to)
 {
-	const struct world_state *touched = &geom->touched;
+	const struct furrow_state *touched = &geom->touched;
 	*to++ = geom->is_touched;
-	*to++ = touched->belt.travel;
+	*to++ = geom->touched_belt.travel;
 	*to++ = geom->work;
 	to = put(to, touched->pose.position, 3);
 	to = put(to, touched->pose.orientation, 4);
@@ -74,9 +74,8 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 	return to;
 }
 
-void vehicle_save(void *user, double *numbers)
+void vehicle_save(const struct vehicles *vehicles, double *numbers)
 {
-	const struct vehicles *vehicles = user;
 	for (size_t v = 0; v < vehicles->count; v++)
 		numbers = save_one(vehicles, &vehicles->list[v], numbers);
 }
@@ -84,14 +83,14 @@ void vehicle_save(void *user, double *numbers)
 static enum status damaged(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from does not fit vehicles.%s: %s; drive without --resume",
-			 vehicles->world->path, vehicle->scene->name, why);
+			 world_facts(vehicles->world)->path, vehicle->scene->name, why);
 }
 
 static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geom, const double **from)
 {
-	struct world_state *touched = &geom->touched;
+	struct furrow_state *touched = &geom->touched;
 	geom->is_touched = *(*from)++ != 0;
-	touched->belt.travel = *(*from)++;
+	geom->touched_belt.travel = *(*from)++;
 	geom->work = *(*from)++;
 	*from = take(*from, touched->pose.position, 3);
 	*from = take(*from, touched->pose.orientation, 4);
@@ -137,31 +136,32 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 	driver->at = n[11];
 	driver->sum = n[12];
 	driver->arrived = n[13] != 0;
-	enum status status = vehicle->begun > 0 && !is_placed ? vehicle_replace(vehicles, vehicle) : STATUS_OK;
+	if (vehicle->begun > 0 && !is_placed)
+		TRY(vehicle_replace(vehicles, vehicle));
 	data->time = n[10];
 	memset(data->warning, 0, sizeof data->warning);
 	from = take(from, data->qpos, (size_t)model->nq);
 	from = take(from, data->qvel, (size_t)model->nv);
 	from = take(from, data->qacc_warmstart, (size_t)model->nv);
 	from = take(from, data->act, (size_t)model->na);
-	for (size_t g = 0; g < vehicle->geom_count && status == STATUS_OK; g++)
-		status = restore_geom(vehicles, &vehicle->geoms[g], &from);
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		TRY(restore_geom(vehicles, &vehicle->geoms[g], &from));
 	*numbers = from;
-	return status;
+	return STATUS_OK;
 }
 
 enum status vehicle_restore(struct vehicles *vehicles, const double *numbers)
 {
-	enum status status = STATUS_OK;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+	for (size_t v = 0; v < vehicles->count; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
-		status = restore_one(vehicles, vehicle, &numbers);
-		if (status != STATUS_OK || vehicle->begun == 0)
+		TRY(restore_one(vehicles, vehicle, &numbers));
+		if (vehicle->begun == 0)
 			continue;
 		/* What the last step left beside its state. */
 		vehicle_find_places(vehicle);
 		mj_crb(vehicle->model, vehicle->data);
 		mj_factorM(vehicle->model, vehicle->data);
 	}
-	return status;
+	vehicle_show(vehicles);
+	return STATUS_OK;
 }

@@ -9,7 +9,7 @@
 
 /* --- the ground --- */
 
-static void turn_between(const struct world_pose *a, const struct world_pose *b, double angles[3])
+static void turn_between(const struct furrow_pose *a, const struct furrow_pose *b, double angles[3])
 {
 	double back[4], turn[4];
 	mju_negQuat(back, a->orientation);
@@ -20,7 +20,7 @@ static void turn_between(const struct world_pose *a, const struct world_pose *b,
 /* Places of a geom: where it last changed the ground; where this step started, and where it ends. */
 enum { TOUCHED, START, END, PLACES };
 
-static void find_places(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, double places[PLACES][3])
+static void find_places(const struct vehicles *vehicles, const struct soil_geom *geom, const struct furrow_state *to, double places[PLACES][3])
 {
 	mju_copy3(places[TOUCHED], geom->touched.pose.position);
 	mju_addScl3(places[START], geom->now.pose.position, geom->now.linear, -vehicles->scene->time_step);
@@ -35,9 +35,7 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
 	for (int i = 0; i < PLACES; i++) {
 		int64_t height;
 		bool any;
-		enum status status = resident_ground_height(vehicles->world->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any));
 		all = all && any;
 		ground[i] = any ? lattice_offset_metres(height) : 0;
 	}
@@ -50,23 +48,21 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
  * Tells whether a geom's motion since it last changed the ground is worth a contact. What it does in between is elastic for the soil.
  * So where a motion turns back, the ground must know how far it went: how deep it yielded, and how far it was sheared.
  */
-static enum status find_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, bool *due)
+static enum status find_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct furrow_state *to, const struct furrow_belt *belt, bool *due)
 {
-	const double spacing = vehicles->world->spacing;
-	const struct world_pose *from = &geom->touched.pose;
+	const double spacing = world_resident(vehicles->world)->spacing;
+	const struct furrow_pose *from = &geom->touched.pose;
 	double way[2], turns[3], places[PLACES][3], heights[PLACES];
 	*due = true;
 	if (!geom->is_touched)
 		return STATUS_OK;
 	find_places(vehicles, geom, to, places);
-	enum status status = find_heights(vehicles, places, heights);
-	if (status != STATUS_OK)
-		return status;
+	TRY(find_heights(vehicles, places, heights));
 	mju_sub(way, to->pose.position, from->position, 2);
 	turn_between(from, &to->pose, turns);
 	const double level = hypot(way[0], way[1]), turn = mju_norm3(turns), sank = heights[TOUCHED] - heights[END];
 	const double turned = geom->shape.kind == SOIL_SPHERE ? 0 : turn;
-	if (level >= spacing || fabs(to->belt.travel - geom->touched.belt.travel) >= spacing || fabs(sank) >= WORLD_SINKAGE_SHARE * spacing ||
+	if (level >= spacing || fabs(belt->travel - geom->touched_belt.travel) >= spacing || fabs(sank) >= WORLD_SINKAGE_SHARE * spacing ||
 	    turned >= TURN_MOST || turned * soil_shape_bound(&geom->shape) >= spacing)
 		return STATUS_OK;
 	const double now[2] = {to->angular[0] * vehicles->scene->time_step, to->angular[1] * vehicles->scene->time_step};
@@ -80,7 +76,7 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	};
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
 			     way[0] * geom->now.linear[0] + way[1] * geom->now.linear[1] >= 0;
-	*due = geom->contact.state != WORLD_AIR && (returns || world_leaves_dip(&sinking, DIP_LEAST));
+	*due = geom->contact.state != FURROW_AIR && (returns || world_leaves_dip(&sinking, DIP_LEAST));
 	return STATUS_OK;
 }
 
@@ -101,31 +97,32 @@ static enum status touch(struct vehicles *vehicles)
 		struct vehicle *vehicle = &vehicles->list[v];
 		for (size_t g = 0; g < vehicle->geom_count; g++) {
 			struct soil_geom *geom = &vehicle->geoms[g];
-			struct world_state to;
+			struct furrow_state to;
+			struct furrow_belt belt;
 			bool due;
-			vehicle_geom_state(vehicle, geom, &to);
-			enum status status = find_due(vehicles, geom, &to, &due);
-			if (status != STATUS_OK)
-				return status;
+			vehicle_geom_state(vehicle, geom, &to, &belt);
+			TRY(find_due(vehicles, geom, &to, &belt, &due));
 			if (!due)
 				continue;
 			geom->touched = to;
+			geom->touched_belt = belt;
 			geom->is_touched = true;
 			vehicles->numbers[count] = geom->number;
+			vehicles->belts[count] = belt;
 			vehicles->states[count++] = to;
 		}
 	}
-	return count > 0 ? world_bodies_set(vehicles->world, count, vehicles->numbers, vehicles->states) : STATUS_OK;
+	return count > 0 ? world_bodies_set(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->belts) : STATUS_OK;
 }
 
 /* --- contacts --- */
 
 /* Moves a state on as it moves now. */
-static void go_on(struct world_state *state, double seconds)
+static void go_on(struct furrow_state *state, struct furrow_belt *belt, double seconds)
 {
 	double turn[4], axis[3], orientation[4];
 	mju_addToScl3(state->pose.position, state->linear, seconds);
-	state->belt.travel += state->belt.speed * seconds;
+	belt->travel += belt->speed * seconds;
 	mju_copy3(axis, state->angular);
 	const double speed = mju_normalize3(axis); /* a body that does not turn gets some axis, and an angle of 0 */
 	mju_axisAngle2Quat(turn, axis, speed * seconds);
@@ -139,22 +136,23 @@ static enum status ask(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
-			go_on(&geom->now, vehicles->scene->time_step);
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
+			go_on(&geom->now, &geom->now_belt, vehicles->scene->time_step);
 			vehicles->numbers[count] = geom->number;
+			vehicles->belts[count] = geom->now_belt;
 			vehicles->states[count++] = geom->now;
 		}
-	enum status status = world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->contacts);
+	TRY(world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, sizeof *vehicles->contacts));
 	count = 0;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			geom->contact = vehicles->contacts[count++];
-			if (geom->contact.state == WORLD_UNKNOWN && geom->is_touched)
+			if (geom->contact.state == FURROW_UNKNOWN && geom->is_touched)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
-						 geom->now.pose.position[0], geom->now.pose.position[1], vehicles->world->time);
+						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 /* A vehicle that leaves the terrain, or comes over a hole, ends the drive, unless the scene says skip. */
@@ -164,10 +162,10 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 	const double *at = geom->now.pose.position;
 	int64_t height;
 	bool any;
-	enum status status = resident_ground_height(world->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any);
-	if (status != STATUS_OK || any || world->scene->outside == SCENE_SKIP)
-		return status;
-	return world_no_ground(world, geom->name, false, at[0], at[1], world->time);
+	TRY(resident_ground_height(world_resident(world)->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any));
+	if (any || world_scene(world)->outside == SCENE_SKIP)
+		return STATUS_OK;
+	return world_no_ground(world, geom->name, false, at[0], at[1], world_time(world));
 }
 
 /* --- the motion --- */
@@ -204,7 +202,7 @@ static bool is_finite(const struct vehicle *vehicle)
 
 static struct motion motion_of(const struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
 {
-	return (struct motion){vehicle, drives ? vehicles->world->time : 0, vehicles->scene->time_step, rate, drives};
+	return (struct motion){vehicle, drives ? world_time(vehicles->world) : 0, vehicles->scene->time_step, rate, drives};
 }
 
 static enum status prepare_one(const struct vehicles *vehicles, struct vehicle *vehicle, bool drives)
@@ -221,9 +219,7 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 	if (drives)
 		vehicle_trail_add(vehicle);
 	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
-	enum status status = vehicle_guard(vehicle->scene->name, advance, &motion);
-	if (status != STATUS_OK)
-		return status;
+	TRY(vehicle_guard(vehicle->scene->name, advance, &motion));
 	if (!is_finite(vehicle))
 		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "
 						"actuators, or give its joints damping", vehicle->scene->name, time, seconds,
@@ -235,17 +231,16 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 
 enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 {
-	enum status status = ask(vehicles);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++)
-			status = check_ground(vehicles, &vehicles->list[v].geoms[g]);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		status = prepare_one(vehicles, &vehicles->list[v], drives);
-	if (status == STATUS_OK)
-		status = vehicle_between_push(vehicles);
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
-		status = move_one(vehicles, &vehicles->list[v], rate, drives);
-	return status == STATUS_OK ? touch(vehicles) : status;
+	TRY(ask(vehicles));
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
+	for (size_t v = 0; v < vehicles->count; v++)
+		TRY(prepare_one(vehicles, &vehicles->list[v], drives));
+	TRY(vehicle_between_push(vehicles));
+	for (size_t v = 0; v < vehicles->count; v++)
+		TRY(move_one(vehicles, &vehicles->list[v], rate, drives));
+	return touch(vehicles);
 }
 
 double vehicle_kinetic(const struct vehicle *vehicle)

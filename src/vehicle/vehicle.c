@@ -21,10 +21,29 @@ static enum status make_lists(struct vehicles *vehicles)
 	}
 	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
 	vehicles->states = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->states);
+	vehicles->belts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->belts);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
-	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->contacts == NULL)
+	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
+	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->belts == NULL || vehicles->contacts == NULL ||
+	    vehicles->record == NULL)
 		return fail_memory("the vehicles");
 	return STATUS_OK;
+}
+
+/* Reads all models, and makes what is made of them once. */
+static enum status load(const struct scene *scene, struct vehicles *vehicles)
+{
+	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
+	TRY_MEM(vehicles->list, "the vehicles");
+	for (size_t i = 0; i < scene->vehicle_count; i++) {
+		vehicles->count = i + 1;
+		vehicles->list[i].scene = &scene->vehicles[i];
+		TRY(vehicle_read(&vehicles->list[i], scene));
+	}
+	TRY(make_lists(vehicles));
+	TRY(vehicle_check_cameras(vehicles));
+	TRY(vehicle_between_create(vehicles));
+	return scene->view.present || scene->hosted ? vehicle_make_figures(vehicles) : STATUS_OK; /* a host may ask for pictures without a view */
 }
 
 enum status vehicle_load(const struct scene *scene, struct vehicles **out)
@@ -33,30 +52,15 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	if (scene->vehicle_count == 0)
 		return STATUS_OK;
 	struct vehicles *vehicles = mem_calloc(1, sizeof *vehicles);
-	if (vehicles == NULL)
-		return fail_memory("the vehicles");
+	TRY_MEM(vehicles, "the vehicles");
 	vehicles->scene = scene;
-	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
-	enum status status = vehicles->list != NULL ? STATUS_OK : fail_memory("the vehicles");
-	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++) {
-		vehicles->count = i + 1;
-		vehicles->list[i].scene = &scene->vehicles[i];
-		status = vehicle_read(&vehicles->list[i], scene);
+	enum status status = load(scene, vehicles);
+	if (status != STATUS_OK) {
+		vehicle_destroy(vehicles);
+		return status;
 	}
-	if (status == STATUS_OK)
-		status = make_lists(vehicles);
-	if (status == STATUS_OK)
-		status = vehicle_check_cameras(vehicles);
-	if (status == STATUS_OK)
-		status = vehicle_between_create(vehicles);
-	if (status == STATUS_OK && (scene->view.present || scene->hosted)) /* a host may ask for pictures without a view */
-		status = vehicle_make_figures(vehicles);
-	if (status == STATUS_OK) {
-		*out = vehicles;
-		return STATUS_OK;
-	}
-	vehicle_destroy(vehicles);
-	return status;
+	*out = vehicles;
+	return STATUS_OK;
 }
 
 void vehicle_destroy(struct vehicles *vehicles)
@@ -70,13 +74,23 @@ void vehicle_destroy(struct vehicles *vehicles)
 	mem_free(vehicles->list);
 	mem_free(vehicles->numbers);
 	mem_free(vehicles->states);
+	mem_free(vehicles->belts);
 	mem_free(vehicles->contacts);
+	mem_free(vehicles->record);
 	mem_free(vehicles);
 }
 
-struct world_attached vehicle_attached(struct vehicles *vehicles)
+size_t vehicle_attached(const struct vehicles *vehicles)
 {
-	return vehicles != NULL ? (struct world_attached){vehicles->attached, vehicles, vehicle_save} : (struct world_attached){.count = 0};
+	return vehicles != NULL ? vehicles->attached : 0;
+}
+
+enum status vehicle_record(struct vehicles *vehicles)
+{
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(vehicles->world, vehicles->record);
+	vehicle_show(vehicles);
+	return world_end_step(vehicles->world);
 }
 
 /* --- joining the world --- */
@@ -84,38 +98,36 @@ struct world_attached vehicle_attached(struct vehicles *vehicles)
 static enum status add_body(struct world *world, struct soil_geom *geom)
 {
 	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape};
-	if (object.name == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(object.name, "a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
-	if (status == STATUS_OK)
-		world_body_quiet(world, geom->number);
-	else
+	if (status != STATUS_OK) {
 		mem_free(object.name);
-	return status;
+		return status;
+	}
+	world_body_quiet(world, geom->number);
+	return STATUS_OK;
 }
 
 enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 {
-	enum status status = vehicle_check_rasters(vehicles, world);
 	vehicles->world = world;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+	TRY(vehicle_check_rasters(vehicles, world));
+	for (size_t v = 0; v < vehicles->count; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
-		for (size_t g = 0; g < vehicle->geom_count && status == STATUS_OK; g++)
-			status = add_body(world, &vehicle->geoms[g]);
-		if (status == STATUS_OK)
-			status = vehicle_place_driver(vehicle, world);
+		for (size_t g = 0; g < vehicle->geom_count; g++)
+			TRY(add_body(world, &vehicle->geoms[g]));
+		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
-	return status == STATUS_OK && recorded != NULL ? vehicle_restore(vehicles, recorded) : status;
+	if (recorded != NULL)
+		return vehicle_restore(vehicles, recorded);
+	vehicle_save(vehicles, vehicles->record);
+	world_attach(world, vehicles->record);
+	vehicle_show(vehicles);
+	return STATUS_OK;
 }
 
 /* --- rows --- */
-
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
-{
-	if (vehicles != NULL)
-		vehicles->rows = rows;
-}
 
 static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 {
@@ -138,31 +150,32 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->forces = data->actuator_force;
 }
 
-/* Tells rows that are due at the present time. */
-static enum status tell_rows(struct vehicles *vehicles)
+bool vehicle_rows_due(struct vehicles *vehicles)
 {
-	const double rate = vehicles->scene->vehicle_rows, time = vehicles->world->time;
-	enum status status = STATUS_OK;
-	if (vehicles->rows == NULL || !(rate > 0) || time * rate * (1 + 1e-12) < vehicles->row)
-		return STATUS_OK;
-	vehicles->row = floor(time * rate * (1 + 1e-12)) + 1;
-	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
-		struct vehicle_row row = {.time = time, .vehicle = v};
-		vehicle_joints(vehicles, v, vehicles->list[v].row_joints, NULL);
-		fill_row(&vehicles->list[v], &row);
-		status = vehicles->rows->row(vehicles->rows->user, &row);
-	}
-	return status == STATUS_OK ? vehicles->rows->flush(vehicles->rows->user) : status;
+	if (vehicles == NULL)
+		return false;
+	const double rate = vehicles->scene->vehicle_rows, now = world_time(vehicles->world) * rate * (1 + 1e-12);
+	if (!(rate > 0) || now < vehicles->row)
+		return false;
+	vehicles->row = floor(now) + 1;
+	return true;
 }
 
-static enum deform_state state_of(enum world_contact_state state)
+void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *row)
+{
+	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
+	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
+	fill_row(&vehicles->list[index], row);
+}
+
+static enum deform_state state_of(enum furrow_contact_state state)
 {
 	switch (state) {
-	case WORLD_TOUCHING:
+	case FURROW_TOUCHING:
 		return DEFORM_TOUCHING;
-	case WORLD_SLIDES:
+	case FURROW_SLIDES:
 		return DEFORM_SLIDES;
-	case WORLD_SUNK:
+	case FURROW_SUNK:
 		return DEFORM_SUNK;
 	default:
 		return DEFORM_AIR;
@@ -172,41 +185,37 @@ static enum deform_state state_of(enum world_contact_state state)
 /* Tells the world the forces that its rows of objects.csv have. */
 static enum status tell_forces(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
 	if (vehicles->scene->forces == 0)
 		return STATUS_OK;
 	for (size_t v = 0; v < vehicles->count; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			const struct world_contact *contact = &geom->contact;
+			const struct furrow_contact *contact = &geom->contact;
 			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state)};
 			if (force.state == DEFORM_AIR || !isfinite(force.area) || !isfinite(force.sinkage))
 				force.sinkage = force.area = 0;
 			memcpy(force.force, geom->force, sizeof force.force);
 			memcpy(force.moment, geom->force + 3, sizeof force.moment);
-			status = world_body_tell(vehicles->world, geom->number, &geom->now, &force, isfinite(contact->slip) ? contact->slip : 0);
+			TRY(world_body_tell(vehicles->world, geom->number, &geom->now, &force, isfinite(contact->slip) ? contact->slip : 0));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- steps --- */
 
 void vehicle_skip_rows(struct vehicles *vehicles)
 {
-	vehicles->row = floor(vehicles->world->time * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
+	vehicles->row = floor(world_time(vehicles->world) * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
 }
 
 enum status vehicle_begin(struct vehicles *vehicles)
 {
-	enum status status = STATUS_OK;
 	if (vehicles->list[0].begun == VEHICLE_DRIVES) { /* the rows of its time were written */
 		vehicle_skip_rows(vehicles);
 		return STATUS_OK;
 	}
-	status = vehicle_settle(vehicles);
-	if (status == STATUS_OK)
-		status = tell_forces(vehicles);
-	return status == STATUS_OK ? tell_rows(vehicles) : status;
+	TRY(vehicle_settle(vehicles));
+	return tell_forces(vehicles);
 }
 
 /* Tells once of each vehicle that the soil does not carry it. */
@@ -215,13 +224,13 @@ static void watch_sunk(const struct vehicles *vehicles, struct vehicle *vehicle)
 	char text[500];
 	bool long_sunk = false;
 	for (struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
-		geom->sunk = geom->contact.state == WORLD_SUNK ? geom->sunk + vehicles->scene->time_step : 0;
+		geom->sunk = geom->contact.state == FURROW_SUNK ? geom->sunk + vehicles->scene->time_step : 0;
 		long_sunk = long_sunk || geom->sunk > SUNK_LONG;
 	}
 	if (!long_sunk || vehicle->told_sunk[0] != '\0')
 		return;
 	vehicle_say_sunk(vehicles, vehicle, vehicle_sunk(vehicle), text, sizeof text);
-	snprintf(vehicle->told_sunk, sizeof vehicle->told_sunk, "after %.3g s, %.450s", vehicles->world->time, text);
+	snprintf(vehicle->told_sunk, sizeof vehicle->told_sunk, "after %.3g s, %.450s", world_time(vehicles->world), text);
 	note("%s", vehicle->told_sunk);
 }
 
@@ -246,14 +255,11 @@ static void watch(struct vehicles *vehicles)
 
 enum status vehicle_step(struct vehicles *vehicles)
 {
-	enum status status = vehicle_move(vehicles, 0, true);
-	if (status == STATUS_OK)
-		status = tell_forces(vehicles);
-	if (status != STATUS_OK)
-		return status;
+	TRY(vehicle_move(vehicles, 0, true));
+	TRY(tell_forces(vehicles));
 	watch(vehicles);
-	status = world_step(vehicles->world);
-	return status == STATUS_OK ? tell_rows(vehicles) : status;
+	TRY(world_step(vehicles->world));
+	return vehicle_record(vehicles);
 }
 
 static bool is_stuck(const struct vehicles *vehicles, const struct vehicle *vehicle)
@@ -325,7 +331,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	if (vehicles->world != NULL && vehicle->begun > VEHICLE_ABOVE)
 		info->kinetic = vehicle_kinetic(vehicle);
 	if (info->stuck)
-		info->stuck_at = vehicles->world->time - vehicle->slow;
+		info->stuck_at = world_time(vehicles->world) - vehicle->slow;
 }
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint)

@@ -25,8 +25,8 @@ struct vehicles; /* all vehicles of a scene */
  * does not fit the scene, its time_step is too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
 enum status vehicle_load(const struct scene *scene, struct vehicles **out) FURROW_CHECKED;
 void vehicle_destroy(struct vehicles *vehicles); /* takes NULL */
-/* Returns what the vehicles add to the run's record. For NULL: nothing. */
-struct world_attached vehicle_attached(struct vehicles *vehicles);
+/* Returns how many numbers the vehicles add to the run's record (world_attach). For NULL: 0. */
+size_t vehicle_attached(const struct vehicles *vehicles);
 
 /* Finds the longest stable step again, with the highest elastic stiffness of the scene's rasters. Needs a world that is prepared, or prepared for
  * a plan; without a store no raster is known. STATUS_INPUT: the scene's time_step is longer. NULL: there are no vehicles. */
@@ -42,8 +42,8 @@ enum status vehicle_step(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns true if the scene asks to stop when vehicles are stuck, and they are. */
 bool vehicle_stuck(const struct vehicles *vehicles);
 
-/* Returns what pictures show of the vehicles: their models' geoms. For NULL: nothing. */
-struct world_figures vehicle_figures(struct vehicles *vehicles);
+/* Returns what pictures show of the vehicles: their models' geoms and bodies. For NULL: nothing. The places in it follow each step. */
+struct world_figures vehicle_figures(const struct vehicles *vehicles);
 
 /* A row of vehicles.csv. */
 struct vehicle_row {
@@ -56,13 +56,10 @@ struct vehicle_row {
 	const double *joints;  /* joint_count numbers */
 	const double *controls, *forces; /* actuator_count numbers; N or N m before `gear`, in the last step of the engine */
 };
-/* Receives the rows in their order. The functions return their own failure. */
-struct vehicle_rows {
-	void *user;
-	enum status (*row)(void *user, const struct vehicle_row *row);
-	enum status (*flush)(void *user);
-};
-void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows); /* rows must outlive the vehicles; may be NULL */
+/* Returns true if rows of the present time are due. Ask after vehicle_begin and after each step; once it said so, they count as read. */
+bool vehicle_rows_due(struct vehicles *vehicles);
+/* Gives the row of a vehicle now. Its arrays are valid until the next call. */
+void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *row);
 
 /* Facts about a vehicle. Those above `settled` are known once it is loaded. */
 struct vehicle_info {
@@ -101,7 +98,7 @@ size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*p
 /* --- of a host's world: hosted.c --- */
 
 /* Where its root body is, and how it moves. */
-void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct world_state *state);
+void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct furrow_state *state);
 /* joint_count values in rad or m, and rates in rad/s or m/s. Either may be NULL. */
 void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *values, double *rates);
 /* actuator_count controls, and forces as in a row. Either may be NULL. */
@@ -112,8 +109,8 @@ void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const doubl
 const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number);
 /* Tells where such a body is, and what the soil did to it in the last step. The contact is unknown after a rollback and in a resumed run, until
  * a step. Returns false if the body is no vehicle's. `vehicles` may be NULL. */
-bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact);
-/* Goes back to the world's last whole step, after vehicle_step failed and left world->torn false. Contacts are unknown until the next step. */
+bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow_state *state, struct furrow_contact *contact);
+/* Goes back to the world's last whole step, after vehicle_step failed and left world_is_torn(world) false. Contacts are unknown until the next step. */
 enum status vehicle_step_back(struct vehicles *vehicles) FURROW_CHECKED;
 /* Goes back to the checkpoint, after world_rollback. Controls that the host set stay. */
 enum status vehicle_rollback(struct vehicles *vehicles) FURROW_CHECKED;

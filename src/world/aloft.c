@@ -44,24 +44,23 @@ int64_t world_lowest(const struct deform_contact *contact)
 /* Finds the highest base in the windows, 2^-20 m. INT64_MIN: there is no ground. */
 static enum status highest_base(struct world *world, const struct deform_window *windows, size_t count, int64_t *highest)
 {
-	enum status status = STATUS_OK;
 	*highest = INT64_MIN;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		int64_t height;
-		status = resident_ground_highest(world->ground, world->level, windows[i].write, &height);
-		*highest = status == STATUS_OK && height > *highest ? height : *highest;
+		TRY(resident_ground_highest(world->resident.ground, world->resident.level, windows[i].write, &height));
+		*highest = height > *highest ? height : *highest;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Finds a bound of the offsets, 2^-20 m: the highest one that the store had when it was first asked. A rollback makes it ask anew.
  * No offset is higher now, since the ground only became lower. */
 static enum status highest_offset(struct world *world, int64_t *highest)
 {
-	const struct tile top = {extent_coarsest(&world->meta->extent), 0, 0};
+	const struct tile top = {extent_coarsest(&world->resident.meta->extent), 0, 0};
 	double low, high;
 	bool found;
-	enum status status = resident_ground_offset_range(world->ground, top, &low, &high, &found);
+	enum status status = resident_ground_offset_range(world->resident.ground, top, &low, &high, &found);
 	*highest = high > 0 ? lattice_offset(high) + 1 : 0;
 	return status;
 }
@@ -70,9 +69,9 @@ static bool has_planes(const struct world *world, uint32_t slot)
 {
 	struct host_slot tile;
 	bool has = false;
-	if (world->host == NULL)
-		return gpu_slots_get(world->slots, slot)->target != NULL;
-	resident_host_get(world->host, slot, &tile);
+	if (world->resident.host == NULL)
+		return gpu_slots_get(world->resident.slots, slot)->target != NULL;
+	resident_host_get(world->resident.host, slot, &tile);
 	for (int plane = 0; plane < PLANES; plane++)
 		has = has || tile.planes[plane] != NULL;
 	return has;
@@ -109,13 +108,13 @@ bool world_asks_touched(const struct world *world)
 enum status world_see(struct world *world, const struct tile_slot *held)
 {
 	uint64_t key = tile_key(held->tile);
-	if (!world->aloft.asks_touched || !world->was_deformed || key_set_has(&world->aloft.seen, key))
+	if (!world->aloft.asks_touched || !world->resident.was_deformed || key_set_has(&world->aloft.seen, key))
 		return STATUS_OK;
 	enum status status = key_set_add(&world->aloft.seen, key);
-	if (status != STATUS_OK || gpu_slots_get(world->slots, held->slot)->target == NULL)
+	if (status != STATUS_OK || gpu_slots_get(world->resident.slots, held->slot)->target == NULL)
 		return status;
 	status = key_set_add(&world->aloft.old, key);
-	return status == STATUS_OK ? deform_touch(world->deform, tile_post_rect(&world->meta->extent, held->tile)) : status;
+	return status == STATUS_OK ? deform_touch(world->deform, tile_post_rect(&world->resident.meta->extent, held->tile)) : status;
 }
 
 static enum status look(struct world *world, struct tile tile)
@@ -124,11 +123,11 @@ static enum status look(struct world *world, struct tile tile)
 	struct tile_slot held = {.tile = tile};
 	if (key_set_has(&world->aloft.seen, key))
 		return STATUS_OK;
-	enum status status = page_cache_pin_all(world->cache, &key, 1, &held.slot);
+	enum status status = page_cache_pin_all(world->resident.cache, &key, 1, &held.slot);
 	if (status != STATUS_OK)
 		return status;
 	status = world_see(world, &held);
-	page_cache_unpin(world->cache, key);
+	page_cache_unpin(world->resident.cache, key);
 	return status;
 }
 
@@ -139,12 +138,12 @@ static enum status near_old(struct world *world, const struct deform_window *win
 	struct tile first, last;
 	enum status status = STATUS_OK;
 	*near = false;
-	if (!world->was_deformed || !tile_range_of(&world->meta->extent, world->level,
+	if (!world->resident.was_deformed || !tile_range_of(&world->resident.meta->extent, world->resident.level,
 						   deform_wakes(world->deform, window->write), &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y && !*near; y++)
 		for (uint32_t x = first.x; x <= last.x && !*near && status == STATUS_OK; x++) {
-			const struct tile tile = {world->level, x, y};
+			const struct tile tile = {world->resident.level, x, y};
 			status = look(world, tile);
 			*near = key_set_has(&world->aloft.old, tile_key(tile));
 		}
@@ -153,15 +152,14 @@ static enum status near_old(struct world *world, const struct deform_window *win
 
 static enum status untouched_soil(struct world *world, const struct deform_window *windows, size_t count, bool *none)
 {
-	enum status status = STATUS_OK;
 	bool is = false;
-	for (size_t i = 0; i < count && !is && status == STATUS_OK; i++) {
-		status = near_old(world, &windows[i], &is);
-		if (status == STATUS_OK && !is)
-			status = deform_is_touched(world->deform, windows[i].write, &is);
+	for (size_t i = 0; i < count && !is; i++) {
+		TRY(near_old(world, &windows[i], &is));
+		if (!is)
+			TRY(deform_is_touched(world->deform, windows[i].write, &is));
 	}
-	*none = status == STATUS_OK && !is;
-	return status;
+	*none = !is;
+	return STATUS_OK;
 }
 
 enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *contact,

@@ -46,7 +46,7 @@ double world_spin(const struct soil_pose *pose, const double angular[3])
 	return axes[1][0] * angular[0] + axes[1][1] * angular[1] + axes[1][2] * angular[2];
 }
 
-enum status world_attitude(const struct soil_shape *shape, const char *name, const struct world_pose *from, struct soil_pose *pose)
+enum status world_attitude(const struct soil_shape *shape, const char *name, const struct furrow_pose *from, struct soil_pose *pose)
 {
 	double q[4], length = 0, axes[3][3];
 	for (int i = 0; i < 4; i++)
@@ -89,7 +89,7 @@ static bool is_rate(const double rate[3])
 	return (isfinite(rate[0]) && isfinite(rate[1]) && isfinite(rate[2])) || (isnan(rate[0]) && isnan(rate[1]) && isnan(rate[2]));
 }
 
-enum status world_state_check(const struct soil_shape *shape, const char *name, const struct world_state *state, struct soil_pose *pose)
+enum status world_state_check(const struct soil_shape *shape, const char *name, const struct furrow_state *state, struct soil_pose *pose)
 {
 	if (!is_rate(state->linear) || !is_rate(state->angular))
 		return fail_with(STATUS_USAGE, "%s: a velocity is not a finite number; give m/s and rad/s, or three NaN for what the poses give", name);

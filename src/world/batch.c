@@ -65,12 +65,12 @@ void world_batches_free(struct world *world)
 static size_t tiles_of(const struct world *world, struct post_rect rect, uint64_t *keys, size_t room)
 {
 	struct tile first, last;
-	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, rect, &first, &last))
 		return 0;
 	size_t count = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1), at = 0;
 	for (uint32_t y = first.y; y <= last.y && count <= room; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
-			keys[at++] = tile_key((struct tile){world->level, x, y});
+			keys[at++] = tile_key((struct tile){world->resident.level, x, y});
 	return count;
 }
 
@@ -93,8 +93,7 @@ static enum status add(struct batches *batches, const struct waiting *waiting)
 	if (batches->count == batches->room) {
 		size_t room = batches->room != 0 ? 2 * batches->room : 64;
 		struct waiting *list = mem_realloc(batches->list, room, sizeof *list);
-		if (list == NULL)
-			return fail_memory("contacts that wait");
+		TRY_MEM(list, "contacts that wait");
 		batches->list = list;
 		batches->room = room;
 	}
@@ -121,7 +120,6 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 {
 	struct batches *batches = world->batches;
 	struct waiting waiting = {.event = event, .contact = *contact, .window = windows[0]};
-	enum status status = STATUS_OK;
 	*taken = deform_is_batched(world->deform, contact, windows, count);
 	if (*taken) {
 		waiting.tiles = tiles_of(world, windows[0].read, waiting.keys, TILES_MOST);
@@ -133,9 +131,7 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 	if (!*taken)
 		return world_batches_flush_near(world, windows, count);
 	if (batches->count == WAITING_MOST)
-		status = world_batches_flush(world);
-	if (status != STATUS_OK)
-		return status;
+		TRY(world_batches_flush(world));
 	const size_t near = last_round(batches, windows[0].read), own = batches->count > 0 ? before : 0;
 	waiting.round = (near > own ? near : own) + 1;
 	batches->rounds = waiting.round > batches->rounds ? waiting.round : batches->rounds;
@@ -154,7 +150,7 @@ enum status world_batches_flush_near(struct world *world, const struct deform_wi
 static void release(struct world *world, struct chosen *chosen)
 {
 	for (size_t i = 0; i < chosen->waiting->tiles && chosen->held; i++)
-		page_cache_unpin(world->cache, chosen->waiting->keys[i]);
+		page_cache_unpin(world->resident.cache, chosen->waiting->keys[i]);
 	chosen->held = false;
 }
 
@@ -185,29 +181,31 @@ static enum status mark(struct world *world, const struct waiting *waiting)
 		held.keys[i] = waiting->keys[i];
 		held.tiles[i].tile = tile_from_key(waiting->keys[i]);
 	}
-	enum status status = world_tell_contact(world, waiting->event, &waiting->contact, &waiting->window, 1);
-	if (status == STATUS_OK)
-		status = world_mark(world, waiting->window.write, &held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	enum status status;
+	TRY_OR(done, world_tell_contact(world, waiting->event, &waiting->contact, &waiting->window, 1));
+	TRY_OR(done, world_mark(world, waiting->window.write, &held));
+done:
+	world_happened_relaxes(world);
+	return status;
 }
 
 /* Computes the contacts that were chosen. A contact without others is counted as one that is computed alone. */
 static enum status compute(struct world *world)
 {
 	struct batches *batches = world->batches;
-	enum status status = deform_batch_compute(world->deform);
-	for (size_t i = 0; i < batches->chosen_count && status == STATUS_OK; i++)
-		status = mark(world, batches->chosen[i].waiting);
-	if (status == STATUS_OK && batches->chosen_count == 1)
+	TRY(deform_batch_compute(world->deform));
+	for (size_t i = 0; i < batches->chosen_count; i++)
+		TRY(mark(world, batches->chosen[i].waiting));
+	if (batches->chosen_count == 1)
 		world_count_windows(world_body_at(world, batches->chosen[0].waiting->event->body), &batches->chosen[0].waiting->contact, 1);
-	return status;
+	return STATUS_OK;
 }
 
 /* Computes contacts order[*at] .. that are of one round, as many as fit a batch. Half of the slots remain for other tiles. */
 static enum status one_batch(struct world *world, size_t *at)
 {
 	struct batches *batches = world->batches;
-	const size_t round = batches->list[batches->order[*at]].round, most = world->limits.slots / 2;
+	const size_t round = batches->list[batches->order[*at]].round, most = world->facts.limits.slots / 2;
 	size_t tiles = 0;
 	bool added = true;
 	enum status status = STATUS_OK;
@@ -236,8 +234,7 @@ static enum status sort(struct batches *batches)
 	const size_t needed = batches->count + batches->rounds + 1;
 	if (batches->order_room < needed) {
 		size_t *order = mem_realloc(batches->order, 2 * needed, sizeof *order);
-		if (order == NULL)
-			return fail_memory("contacts that wait");
+		TRY_MEM(order, "contacts that wait");
 		batches->order = order;
 		batches->order_room = 2 * needed;
 	}
@@ -266,9 +263,11 @@ enum status world_batches_flush(struct world *world)
 	struct batches *batches = world->batches;
 	if (batches == NULL || batches->count == 0)
 		return STATUS_OK;
-	enum status status = sort(batches);
-	for (size_t at = 0; at < batches->count && status == STATUS_OK;)
-		status = one_batch(world, &at);
+	enum status status;
+	TRY_OR(done, sort(batches));
+	for (size_t at = 0; at < batches->count;)
+		TRY_OR(done, one_batch(world, &at));
+done:
 	world_batches_forget(world);
 	return status;
 }

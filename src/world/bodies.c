@@ -1,4 +1,10 @@
-/* Makes the bodies: each gets its path as path samples in local metres, and a place in the record. */
+/*
+ * The list of bodies, by number. Each of the scene's objects gets its path as path samples in local metres, and a place in the record.
+ *
+ * Invariants:
+ * - A body stays where it is in memory until it is freed.
+ * - A number is given out once. bodies[number] is NULL for a body that was added and that a rollback removed.
+ */
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +19,7 @@ static enum status tell_key(const struct world *world, const char *srs, int line
 {
 	char why[600], at[16] = "";
 	snprintf(why, sizeof why, "%s", failure_message());
-	if (dem_transform(srs, world->meta->srs, 0, NULL, NULL) != STATUS_OK)
+	if (dem_transform(srs, world->resident.meta->srs, 0, NULL, NULL) != STATUS_OK)
 		key = "coordinates";
 	else if (line > 0)
 		snprintf(at, sizeof at, ":%d", line);
@@ -26,31 +32,31 @@ static enum status to_local(const struct world *world, bool degrees, int line, c
 {
 	const struct scene *scene = world->scene;
 	const char *srs = degrees ? DEM_SRS_DEGREES : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
-	if (srs != NULL && world->meta->srs[0] == '\0' && degrees)
+	if (srs != NULL && world->resident.meta->srs[0] == '\0' && degrees)
 		return fail_with(STATUS_INPUT, "a path in longitude and latitude: the store has no reference system and lies nowhere on the globe; "
 					       "give points in metres, or import again with --s-srs EPSG:..., if its coordinates are of a system");
-	if (srs != NULL && world->meta->srs[0] == '\0')
+	if (srs != NULL && world->resident.meta->srs[0] == '\0')
 		return fail_with(STATUS_INPUT, "%s: coordinates: %s, but the store has no reference system; take coordinates away, and give paths in metres from "
 					       "its south-west post, or import again with --s-srs EPSG:..., if its coordinates are of a system", scene->file, srs);
-	enum status status = srs != NULL ? dem_transform(srs, world->meta->srs, count, x, y) : STATUS_OK;
+	enum status status = srs != NULL ? dem_transform(srs, world->resident.meta->srs, count, x, y) : STATUS_OK;
 	if (status != STATUS_OK)
 		return tell_key(world, srs, line, key, status);
 	for (size_t i = 0; i < count && (srs != NULL || scene->coordinates == SCENE_STORE); i++) {
-		x[i] -= world->meta->origin[0];
-		y[i] -= world->meta->origin[1];
+		x[i] -= world->resident.meta->origin[0];
+		y[i] -= world->resident.meta->origin[1];
 	}
 	return status;
 }
 
 enum status world_no_ground(const struct world *world, const char *name, bool degrees, double x, double y, double time)
 {
-	const bool hole = extent_holds(&world->meta->extent, x, y);
+	const bool hole = extent_holds(&world->resident.meta->extent, x, y);
 	const enum scene_coordinates coordinates = world->scene->coordinates;
 	const char *srs = degrees ? DEM_SRS_DEGREES : coordinates == SCENE_SRS ? world->scene->srs : "the store's system";
 	char given[160] = "";
 	if (degrees || coordinates != SCENE_LOCAL) {
-		double east = x + world->meta->origin[0], north = y + world->meta->origin[1];
-		if (degrees || coordinates == SCENE_SRS ? dem_transform(world->meta->srs, srs, 1, &east, &north) == STATUS_OK : true)
+		double east = x + world->resident.meta->origin[0], north = y + world->resident.meta->origin[1];
+		if (degrees || coordinates == SCENE_SRS ? dem_transform(world->resident.meta->srs, srs, 1, &east, &north) == STATUS_OK : true)
 			snprintf(given, sizeof given, ", which is %.10g, %.10g in %.80s,", east, north, srs);
 	}
 	return fail_with(STATUS_FAILED, "%s: no ground under it at %.3f, %.3f m%s after %.3f s: it is %s; move its path%s, or set outside: skip", name, x, y, given,
@@ -87,11 +93,11 @@ static enum status local_points(const struct world *world, const struct scene_pa
 enum status world_route(const struct world *world, const struct scene_path *path, const char *name, struct scene_path *route)
 {
 	double(*points)[2] = mem_alloc(2 * path->count, sizeof *points);
-	if (points == NULL)
-		return fail_memory("a path");
-	enum status status = local_points(world, path, name, points);
-	if (status == STATUS_OK)
-		status = motion_route_create(path, name, (const double(*)[2])points, route);
+	TRY_MEM(points, "a path");
+	enum status status;
+	TRY_OR(done, local_points(world, path, name, points));
+	TRY_OR(done, motion_route_create(path, name, (const double(*)[2])points, route));
+done:
 	mem_free(points);
 	return status;
 }
@@ -109,7 +115,7 @@ static enum status check_samples(const struct world *world, const struct body *b
 	if (fits >= LEAST_STEP)
 		snprintf(shorter, sizeof shorter, "a time_step of %s or less, ", number_at_most(fits, 3).text);
 	return fail_with(STATUS_INPUT, "objects.%s.path: %.3g path samples are due in one step of %g s, and %d is the most; give %s%s, or a coarser spacing than %g m",
-			 body->object->name, most, step, WORLD_SAMPLES_MOST, shorter, body->object->path.timed ? "its rows more time" : "less speed", world->spacing);
+			 body->object->name, most, step, WORLD_SAMPLES_MOST, shorter, body->object->path.timed ? "its rows more time" : "less speed", world->resident.spacing);
 }
 
 static enum status make_track(const struct world *world, struct body *body)
@@ -120,45 +126,106 @@ static enum status make_track(const struct world *world, struct body *body)
 	enum status status = world_route(world, &body->object->path, body->object->name, &route);
 	if (status != STATUS_OK)
 		return status;
-	status = motion_track_create(&route, world->spacing, turn_reach, &body->track);
+	status = motion_track_create(&route, world->resident.spacing, turn_reach, &body->track);
 	motion_route_finish(&route);
 	return status == STATUS_OK && !world->scene->hosted ? check_samples(world, body) : status;
+}
+
+/* --- the list --- */
+
+const struct body *world_body(const struct world *world, size_t number)
+{
+	return world_body_at(world, number);
+}
+
+struct body *world_body_at(const struct world *world, size_t number)
+{
+	if (number == WORLD_DROPPED)
+		return world->dropping;
+	return number < world->body_count ? world->bodies[number] : NULL;
+}
+
+size_t world_body_count(const struct world *world)
+{
+	return world->body_count;
+}
+
+bool world_follows_path(const struct world *world, size_t number)
+{
+	const struct body *body = world_body(world, number);
+	return body != NULL && body->kind == BODY_PATH;
+}
+
+static enum status make_room(struct world *world)
+{
+	if (world->body_count < world->body_room)
+		return STATUS_OK;
+	if (world->body_count >= INT32_MAX / 2)
+		return fail_with(STATUS_FAILED, "bodies: too many were added; close the world and open it again");
+	const size_t room = world->body_room > 0 ? 2 * world->body_room : 16;
+	struct body **bodies = mem_realloc(world->bodies, room, sizeof *bodies);
+	TRY_MEM(bodies, "a body");
+	world->bodies = bodies;
+	struct deform_rest *rests = mem_realloc(world->relaxation.rests, room, sizeof *rests);
+	TRY_MEM(rests, "a body");
+	world->relaxation.rests = rests;
+	world->body_room = room;
+	return STATUS_OK;
+}
+
+enum status world_list_body(struct world *world, enum body_kind kind, const struct scene_object *object, struct scene_object *owned)
+{
+	TRY(make_room(world));
+	struct body *body = mem_calloc(1, sizeof *body);
+	TRY_MEM(body, "a body");
+	body->kind = kind;
+	body->object = object;
+	body->host.owned = owned;
+	if (world_is_hosted(body)) {
+		body->host.stamped = 1;
+		for (int i = 0; i < 3; i++)
+			body->host.now.pose.position[i] = NAN;
+	}
+	world->bodies[world->body_count++] = body;
+	return STATUS_OK;
 }
 
 enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	world->bodies = mem_calloc(scene->object_count + 1, sizeof *world->bodies);
-	world->relaxation.rests = mem_calloc(scene->object_count + 1, sizeof *world->relaxation.rests);
-	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached.count));
-	if (world->bodies == NULL || world->relaxation.rests == NULL || world->record == NULL)
-		return fail_memory("the objects");
-	world->record->attached_count = world->params.attached.count;
+	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached));
+	TRY_MEM(world->record, "the objects");
+	world->record->attached_count = world->params.attached;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
-		struct body *body = &world->bodies[i];
-		body->object = &scene->objects[i];
-		body->loaded_body = body->object->load > 0 ? ++loaded_bodies : 0;
-		if (body->object->path.count == 0) { /* the host's */
-			enum status fits = soil_shape_check(&body->object->shape, world->spacing);
-			if (fits != STATUS_OK)
-				return fits;
+		const struct scene_object *object = &scene->objects[i];
+		TRY(world_list_body(world, object->path.count == 0 ? BODY_HOST : BODY_PATH, object, NULL));
+		TRY(soil_shape_check(&object->shape, world->resident.spacing));
+		if (object->path.count == 0)
 			continue;
-		}
-		enum status status = soil_shape_check(&body->object->shape, world->spacing);
-		if (status == STATUS_OK)
-			status = make_track(world, body);
-		if (status != STATUS_OK)
-			return status;
+		world->bodies[i]->loaded_body = object->load > 0 ? ++loaded_bodies : 0;
+		TRY(make_track(world, world->bodies[i]));
 	}
-	return world_make_hosts(world);
+	return STATUS_OK;
+}
+
+void world_body_free(struct body *body)
+{
+	if (body == NULL)
+		return;
+	motion_track_destroy(body->track);
+	if (body->host.owned != NULL)
+		scene_object_finish(body->host.owned);
+	mem_free(body->host.owned);
+	mem_free(body);
 }
 
 void world_free_bodies(struct world *world)
 {
-	world_free_hosts(world);
-	for (size_t i = 0; world->bodies != NULL && i < world->scene->object_count; i++)
-		motion_track_destroy(world->bodies[i].track);
+	for (size_t i = 0; i < world->body_count; i++)
+		world_body_free(world->bodies[i]);
+	world->body_count = 0;
+	world_names_free(world);
 	mem_free(world->bodies);
 	mem_free(world->relaxation.rests);
 	mem_free(world->record);
@@ -166,16 +233,16 @@ void world_free_bodies(struct world *world)
 
 void world_place(const struct world *world, size_t body, double place[3], double *yaw)
 {
-	const struct scene_path *path = &world->bodies[body].object->path;
+	const struct scene_path *path = &world->bodies[body]->object->path;
 	struct track_point point;
 	int64_t height;
 	bool any;
 	assert(body < world->scene->object_count);
-	motion_track_at(world->bodies[body].track, world->time, &point);
+	motion_track_at(world->bodies[body]->track, world->time, &point);
 	place[0] = point.x;
 	place[1] = point.y;
-	place[2] = path->has_z ? point.z : world->meta->low;
-	if (resident_ground_height(world->ground, point.qx, point.qy, &height, &any) == STATUS_OK && any)
+	place[2] = path->has_z ? point.z : world->resident.meta->low;
+	if (resident_ground_height(world->resident.ground, point.qx, point.qy, &height, &any) == STATUS_OK && any)
 		place[2] = fmax(lattice_offset_metres(height), path->has_z ? point.z : -INFINITY);
 	*yaw = point.yaw;
 }

@@ -25,9 +25,9 @@ static int64_t at_most(int64_t posts)
  * of the world. How several windows are cut depends on the place, so one of them may have the full size. */
 static size_t window_tiles(const struct world *world, const struct deform_params *params, const struct soil_shape *shape)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	const struct soil_shape around = {.kind = SOIL_SPHERE, .radius = soil_shape_bound(shape)};
-	int64_t post = lattice_offset(world->spacing);
+	int64_t post = lattice_offset(world->resident.spacing);
 	int64_t x = lattice_offset((double)(extent->width - 1) * extent->spacing / 2);
 	int64_t y = lattice_offset((double)(extent->height - 1) * extent->spacing / 2);
 	struct deform_contact contact = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
@@ -41,24 +41,24 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 		all = (struct post_rect){first->x0, first->y0, last->x1, last->y1};
 	}
 	const int64_t width = all.x1 - all.x0, height = all.y1 - all.y0;
-	return tiles_across(whole ? width + 1 : at_most(width), extent->cells, extent_tiles_x(extent, world->level)) *
-	       tiles_across(whole ? height + 1 : at_most(height), extent->cells, extent_tiles_y(extent, world->level));
+	return tiles_across(whole ? width + 1 : at_most(width), extent->cells, extent_tiles_x(extent, world->resident.level)) *
+	       tiles_across(whole ? height + 1 : at_most(height), extent->cells, extent_tiles_y(extent, world->resident.level));
 }
 
 /* Returns how many tiles a block may write at once. It reads at most four at a time, so reading needs no more slots. */
 static size_t block_tiles(const struct world *world)
 {
-	const struct extent *extent = &world->meta->extent;
-	return tiles_across(SOIL_BLOCK, extent->cells, extent_tiles_x(extent, world->level)) *
-	       tiles_across(SOIL_BLOCK, extent->cells, extent_tiles_y(extent, world->level));
+	const struct extent *extent = &world->resident.meta->extent;
+	return tiles_across(SOIL_BLOCK, extent->cells, extent_tiles_x(extent, world->resident.level)) *
+	       tiles_across(SOIL_BLOCK, extent->cells, extent_tiles_y(extent, world->resident.level));
 }
 
 /* Checks that undisturbed ground that relaxes fits into the active blocks. */
 static enum status check_active(const struct world *world)
 {
-	const struct extent *extent = &world->meta->extent;
-	double blocks = ceil((double)extent_posts(extent->width, world->level) / SOIL_BLOCK) *
-			ceil((double)extent_posts(extent->height, world->level) / SOIL_BLOCK);
+	const struct extent *extent = &world->resident.meta->extent;
+	double blocks = ceil((double)extent_posts(extent->width, world->resident.level) / SOIL_BLOCK) *
+			ceil((double)extent_posts(extent->height, world->resident.level) / SOIL_BLOCK);
 	if (blocks > DEFORM_BLOCKS_MAX)
 		return fail_with(STATUS_INPUT, "redistribute.undisturbed: slides: the whole terrain slides then, and its %.0f blocks of %d x %d "
 					       "posts are more than the %d that may at once; let it stand, import a smaller part, or give a "
@@ -72,12 +72,12 @@ static enum status shape_budget(struct world *world, const struct deform_params 
 	const size_t tiles = window_tiles(world, params, shape);
 	if (tiles > WORLD_TILES_MOST)
 		return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the most; import with larger "
-					       "tiles (--tile)", name, tiles, world->meta->extent.cells, WORLD_TILES_MOST);
-	if (tiles > world->limits.slots)
+					       "tiles (--tile)", name, tiles, world->resident.meta->extent.cells, WORLD_TILES_MOST);
+	if (tiles > world->facts.limits.slots)
 		return fail_with(STATUS_INPUT, "cache.slots: %s touches up to %zu tiles at once and there are %u slots; give at least %zu, or "
-					       "import with larger tiles (--tile)", name, tiles, world->limits.slots, tiles);
-	if (tiles > world->windows.tiles)
-		world->windows.tiles = tiles;
+					       "import with larger tiles (--tile)", name, tiles, world->facts.limits.slots, tiles);
+	if (tiles > world->counts.windows.tiles)
+		world->counts.windows.tiles = tiles;
 	return STATUS_OK;
 }
 
@@ -105,23 +105,18 @@ enum status world_budget_check(struct world *world)
 	const struct scene *scene = world->scene;
 	struct deform_params params;
 	/* For an assumed terrain it is not known. */
-	bool slides = world_deforms(world) && scene->undisturbed == SCENE_SLIDES && world->store != NULL;
-	enum status status = slides ? check_active(world) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	bool slides = world_deforms(world) && scene->undisturbed == SCENE_SLIDES && world->resident.store != NULL;
+	TRY(slides ? check_active(world) : STATUS_OK);
 	world_deform_params(world, &params);
 	size_t block = world_deforms(world) && deform_conserves(scene->model) ? block_tiles(world) : 0;
-	if (block > WORLD_TILES_MOST || block > world->limits.slots)
+	if (block > WORLD_TILES_MOST || block > world->facts.limits.slots)
 		return fail_with(STATUS_INPUT, "cache.slots: a block of ground that slides touches up to %zu tiles of %u cells at "
 					       "once, and there are %u slots (at most %d are used); give more, or import with "
 					       "larger tiles (--tile)",
-				 block, world->meta->extent.cells, world->limits.slots, WORLD_TILES_MOST);
-	world->windows.tiles = block;
-	for (size_t i = 0; i < scene->object_count; i++) {
-		status = shape_budget(world, &params, scene->objects[i].name, &scene->objects[i].shape);
-		if (status != STATUS_OK)
-			return status;
-	}
+				 block, world->resident.meta->extent.cells, world->facts.limits.slots, WORLD_TILES_MOST);
+	world->counts.windows.tiles = block;
+	for (size_t i = 0; i < scene->object_count; i++)
+		TRY(shape_budget(world, &params, scene->objects[i].name, &scene->objects[i].shape));
 	return STATUS_OK;
 }
 
@@ -129,54 +124,54 @@ uint32_t world_step_pages(const struct world *world)
 {
 	/* Path samples that one step can have for an object, and the tiles that they can lie on. A way crosses at most two rows
 	 * and two columns more than its extent needs. */
-	double pages = scene_moves_bodies(world->scene) ? WORLD_HOST_PAGES : 0, side = world->spacing * world->meta->extent.cells;
+	double pages = scene_moves_bodies(world->scene) ? WORLD_HOST_PAGES : 0, side = world->resident.spacing * world->resident.meta->extent.cells;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		if (world->bodies[i].track == NULL)
+		if (world->bodies[i]->track == NULL)
 			continue;
 		/* also the posts that are smoothed around it */
-		double size = 2 * soil_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing;
-		double way = motion_track_fastest(world->bodies[i].track) * world->scene->time_step;
+		double size = 2 * soil_shape_bound(&world->scene->objects[i].shape) + 16 * world->resident.spacing;
+		double way = motion_track_fastest(world->bodies[i]->track) * world->scene->time_step;
 		double along = way / side + 2, across = ceil(size / side) + 1, around = ceil((size + way) / side) + 1;
 		pages += fmin(2 * along * across + across * across, around * around);
 	}
 	/* Blocks that relax behind the objects: at worst each lies on a tile of its own. */
 	if (deform_conserves(world->scene->model))
-		pages += fmin(DEFORM_BLOCKS_MAX, (double)extent_tiles_x(&world->meta->extent, world->level) *
-							 extent_tiles_y(&world->meta->extent, world->level));
-	if (world->store != NULL)
-		pages = fmin(pages, (double)extent_tiles_x(&world->meta->extent, world->level) * extent_tiles_y(&world->meta->extent, world->level));
+		pages += fmin(DEFORM_BLOCKS_MAX, (double)extent_tiles_x(&world->resident.meta->extent, world->resident.level) *
+							 extent_tiles_y(&world->resident.meta->extent, world->resident.level));
+	if (world->resident.store != NULL)
+		pages = fmin(pages, (double)extent_tiles_x(&world->resident.meta->extent, world->resident.level) * extent_tiles_y(&world->resident.meta->extent, world->resident.level));
 	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
 }
 
 /* Returns the bytes of tiles that the steps' thread, the look-ahead and queries keep. */
 static uint64_t kept_bytes(const struct world *world)
 {
-	const uint64_t side = tile_posts(&world->meta->extent);
+	const uint64_t side = tile_posts(&world->resident.meta->extent);
 	/* each thread that loads ahead has one tile of its own */
-	const unsigned ahead = motion_look_ahead_threads(world->limits.prefetch, world->scene->object_count);
-	return ((uint64_t)world->limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t) +
-	       world->limits.queries * resident_newest_tile_bytes(world->meta->extent.cells);
+	const unsigned ahead = resident_look_ahead_threads(world->facts.limits.prefetch, world->scene->object_count);
+	return ((uint64_t)world->facts.limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t) +
+	       world->facts.limits.queries * resident_newest_tile_bytes(world->resident.meta->extent.cells);
 }
 
 /* Returns the bytes of the GPU's slots that mirror tiles in host memory for pictures. */
 static uint64_t mirror_bytes(const struct world *world)
 {
-	const uint64_t side = tile_posts(&world->meta->extent);
+	const uint64_t side = tile_posts(&world->resident.meta->extent);
 	if (!world_is_bearing(world) || !(world->scene->view.present || world->params.draws))
 		return 0;
 	uint64_t post = sizeof(int32_t) + (scene_draws_classes(world->scene) ? 1 : 0);
 	for (int plane = 0; plane < PLANES; plane++)
 		post += world_planes(world) & GPU_DRAWN_PLANES & PLANE_BIT(plane) ? plane_bytes((enum plane)plane) : 0;
-	return world->limits.slots * side * side * post;
+	return world->facts.limits.slots * side * side * post;
 }
 
 uint64_t world_queue_bytes(const struct world *world, const struct pages_params *params)
 {
-	const uint64_t usable = world->limits.usable.bytes;
+	const uint64_t usable = world->facts.limits.usable.bytes;
 	struct resident_pages_budget others;
 	if (usable == 0)
 		return 0;
-	resident_pages_budget(params, world->meta->extent.cells, &others);
+	resident_pages_budget(params, world->resident.meta->extent.cells, &others);
 	const uint64_t taken = others.slots + mirror_bytes(world) + others.loads + others.ground + kept_bytes(world);
 	return usable > taken + 1 ? (usable - taken) / 2 : 1;
 }
@@ -185,7 +180,7 @@ void world_budget(const struct world *world, struct resident_pages_budget *budge
 {
 	struct pages_params params;
 	world_pages_params(world, &params);
-	resident_pages_budget(&params, world->meta->extent.cells, budget);
+	resident_pages_budget(&params, world->resident.meta->extent.cells, budget);
 	budget->slots += mirror_bytes(world);
 	budget->ground += kept_bytes(world);
 }

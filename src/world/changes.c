@@ -17,14 +17,11 @@ static enum status add(struct world_changes *changes, struct tile tile, struct c
 	if (changes->count == changes->room) {
 		const size_t room = changes->room > 0 ? 2 * changes->room : 64;
 		struct changed_tile *list = mem_realloc(changes->list, room, sizeof *list);
-		if (list == NULL)
-			return fail_memory("what changed");
+		TRY_MEM(list, "what changed");
 		changes->list = list;
 		changes->room = room;
 	}
-	enum status status = key_map_put(&changes->places, tile_key(tile), (double)changes->count, 0);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_map_put(&changes->places, tile_key(tile), (double)changes->count, 0));
 	*out = &changes->list[changes->count++];
 	**out = (struct changed_tile){.tile = tile};
 	return STATUS_OK;
@@ -37,13 +34,10 @@ enum status world_changed(struct world *world, struct tile tile, struct post_rec
 		return STATUS_OK;
 	struct changed_tile *changed = NULL;
 	const struct key_pair *place = key_map_find(&changes->places, tile_key(tile));
-	enum status status = STATUS_OK;
 	if (place != NULL)
 		changed = &changes->list[(size_t)place->a];
 	else
-		status = add(changes, tile, &changed);
-	if (status != STATUS_OK)
-		return status;
+		TRY(add(changes, tile, &changed));
 	if (changed->last <= changes->asked) { /* the last host that asked has seen no part of it */
 		changed->from = changes->asked;
 		changed->rect = rect;
@@ -71,7 +65,7 @@ void world_changes_rollback(struct world *world, uint64_t revision)
 			continue;
 		changed->last = changes->revision;
 		changed->from = 0;
-		changed->rect = tile_post_rect(&world->meta->extent, changed->tile);
+		changed->rect = tile_post_rect(&world->resident.meta->extent, changed->tile);
 	}
 	changes->pending = false;
 }
@@ -90,8 +84,8 @@ struct telling {
 
 static void tell(struct telling *telling, struct post_rect rect)
 {
-	const struct extent *extent = &telling->world->meta->extent;
-	const struct post_rect all = {0, 0, extent_posts(extent->width, telling->world->level), extent_posts(extent->height, telling->world->level)};
+	const struct extent *extent = &telling->world->resident.meta->extent;
+	const struct post_rect all = {0, 0, extent_posts(extent->width, telling->world->resident.level), extent_posts(extent->height, telling->world->resident.level)};
 	rect = post_rect_intersect(rect, all);
 	if (post_rect_empty(rect))
 		return;
@@ -104,8 +98,8 @@ static enum status tell_stored(void *user, uint64_t key)
 {
 	struct telling *telling = user;
 	const struct tile tile = tile_from_key(key);
-	if (tile.level == telling->world->level && key_map_find(&telling->world->changes.places, key) == NULL)
-		tell(telling, tile_post_rect(&telling->world->meta->extent, tile));
+	if (tile.level == telling->world->resident.level && key_map_find(&telling->world->changes.places, key) == NULL)
+		tell(telling, tile_post_rect(&telling->world->resident.meta->extent, tile));
 	return STATUS_OK;
 }
 
@@ -122,13 +116,10 @@ enum status world_changes_since(struct world *world, uint64_t since, struct post
 		const struct changed_tile *changed = &changes->list[i];
 		if (changed->last > since)
 			tell(&telling, since >= changed->from && changed->from > 0 ? changed->rect :
-				       tile_post_rect(&world->meta->extent, changed->tile));
+				       tile_post_rect(&world->resident.meta->extent, changed->tile));
 	}
-	if (since == 0) {
-		enum status status = store_each_changed(resident_ground_reader(world->ground), 0, tell_stored, &telling, &stored);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (since == 0)
+		TRY(store_each_changed(resident_ground_reader(world->resident.ground), 0, tell_stored, &telling, &stored));
 	const size_t room = *count;
 	*count = telling.count;
 	if (telling.count > room)

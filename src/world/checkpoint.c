@@ -1,5 +1,5 @@
 /*
- * Checkpoints, and going back to the last one: ground, bodies, forces, time and rows.
+ * Checkpoints, and going back to the last one: ground, bodies, forces and time.
  *
  * After a checkpoint the store keeps what commits replace (store_mark), and a rollback drops the pages that changed. The
  * world's own state is copied here. A checkpoint that fails leaves the earlier one: the store's mark is the last that can fail. Touched posts, seen tiles and the bounds of what a view saw change are not set back. They only
@@ -15,12 +15,10 @@ struct checkpoint {
 	double time;
 	int64_t intervals;
 	uint64_t revision;
-	int64_t rows_end;
 	struct deform_tally tally;
 	struct record *record;
-	struct body *bodies;      /* of the scene */
-	struct host_body *hosts;  /* host_count of them; all zero where a number has no body */
-	size_t host_count;
+	struct body *bodies;      /* body_count of them; all zero where a number has no body */
+	size_t body_count;
 	struct forces_saved *forces; /* NULL: nobody asks for any */
 	bool begun; /* as world.begun */
 };
@@ -31,7 +29,6 @@ void world_checkpoint_free(struct checkpoint *saved)
 		return;
 	mem_free(saved->record);
 	mem_free(saved->bodies);
-	mem_free(saved->hosts);
 	world_forces_saved_free(saved->forces);
 	mem_free(saved);
 }
@@ -48,31 +45,27 @@ static enum status save(struct world *world, struct checkpoint **out)
 {
 	const size_t objects = world->scene->object_count;
 	struct checkpoint *saved = mem_calloc(1, sizeof *saved);
-	if (saved == NULL)
-		return fail_memory("a checkpoint");
+	TRY_MEM(saved, "a checkpoint");
 	*saved = (struct checkpoint){
 		.step = world->step,
 		.time = world->time,
 		.intervals = world->relaxation.intervals,
 		.revision = world->changes.revision,
-		.begun = world->begun,
+		.begun = world_has_begun(world),
 		.record = copy_of(world->record, world_record_bytes_with(objects, world->record->attached_count)),
-		.bodies = copy_of(world->bodies, (objects + 1) * sizeof *world->bodies),
-		.hosts = mem_calloc(world->hosts.count + 1, sizeof *saved->hosts),
-		.host_count = world->hosts.count,
+		.bodies = mem_calloc(world->body_count + 1, sizeof *saved->bodies),
+		.body_count = world->body_count,
 	};
 	enum status status = STATUS_OK;
-	if (saved->record == NULL || saved->bodies == NULL || saved->hosts == NULL)
+	if (saved->record == NULL || saved->bodies == NULL)
 		status = fail_memory("a checkpoint");
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++)
-		if (world->hosts.list[i] != NULL)
-			saved->hosts[i] = *world->hosts.list[i];
+	for (size_t i = 0; i < world->body_count && status == STATUS_OK; i++)
+		if (world->bodies[i] != NULL)
+			saved->bodies[i] = *world->bodies[i];
 	if (status == STATUS_OK)
 		status = world_forces_save(world->forces, &saved->forces);
 	if (status == STATUS_OK)
 		status = world_tally(world, &saved->tally);
-	if (status == STATUS_OK && world->rows != NULL && world->rows->mark != NULL)
-		status = world->rows->mark(world->rows->user, &saved->rows_end);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
 		return status;
@@ -84,15 +77,15 @@ static enum status save(struct world *world, struct checkpoint **out)
 enum status world_checkpoint(struct world *world)
 {
 	struct checkpoint *saved = NULL;
-	if (world->torn)
+	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "checkpoint: the last step failed half-way; roll back first, or close the world");
 	enum status status = world_hosts_commit(world);
-	if (status == STATUS_OK && world->begun)
-		status = page_cache_flush(world->cache, world->record);
+	if (status == STATUS_OK && world_has_begun(world))
+		status = page_cache_flush(world->resident.cache, world->record);
 	if (status == STATUS_OK)
 		status = save(world, &saved);
 	if (status == STATUS_OK && !world->params.readonly)
-		status = resident_pages_mark(world->pages);
+		status = resident_pages_mark(world->resident.pages);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
 		return status;
@@ -105,9 +98,11 @@ enum status world_checkpoint(struct world *world)
 enum status world_checkpoint_begun(struct world *world)
 {
 	struct checkpoint *saved = world->checkpoint;
-	if (saved == NULL || saved->begun || world->params.attached.count == 0)
+	if (saved == NULL || saved->begun || world->params.attached == 0)
 		return STATUS_OK;
-	enum status status = resident_pages_mark(world->pages);
+	enum status status;
+	TRY_OR(done, resident_pages_mark(world->resident.pages));
+done:
 	saved->begun = status == STATUS_OK;
 	return status;
 }
@@ -117,31 +112,33 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 {
 	if (!world_changes_ground(world))
 		return STATUS_OK;
-	enum status status = world_restore_tally(world, &saved->tally);
-	for (size_t i = 0; i < saved->record->active_count && status == STATUS_OK; i++)
-		status = world_wake_block(world, saved->record->active[i]);
+	enum status status;
+	TRY_OR(done, world_restore_tally(world, &saved->tally));
+	for (size_t i = 0; i < saved->record->active_count; i++)
+		TRY_OR(done, world_wake_block(world, saved->record->active[i]));
+done:
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
 	}
 	return status;
 }
 
-static void restore_hosts(struct world *world, const struct checkpoint *saved)
+static void restore_bodies(struct world *world, const struct checkpoint *saved)
 {
 	world_names_forget(world);
-	for (size_t i = 0; i < world->hosts.count; i++) {
-		struct host_body *host = world->hosts.list[i];
-		if (host == NULL)
+	for (size_t i = 0; i < world->body_count; i++) {
+		struct body *body = world->bodies[i];
+		if (body == NULL)
 			continue;
-		if (i < saved->host_count) {
-			const bool told = host->rates_told;
-			*host = saved->hosts[i];
-			host->rates_told = told;
+		if (i < saved->body_count) {
+			const bool told = body->host.rates_told;
+			*body = saved->bodies[i];
+			body->host.rates_told = told;
 			continue;
 		}
-		world_host_free(host);
-		world->hosts.list[i] = NULL;
+		world_body_free(body);
+		world->bodies[i] = NULL;
 	}
 }
 
@@ -150,12 +147,11 @@ static enum status rewind_paths(struct world *world)
 {
 	int64_t *next = mem_calloc(world->scene->object_count + 1, sizeof *next);
 	size_t count = 0;
-	if (next == NULL)
-		return fail_memory("going back");
+	TRY_MEM(next, "going back");
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
-			next[count++] = world->bodies[i].next;
-	motion_look_ahead_rewind(world->ahead, next, world->time);
+		if (world->bodies[i]->track != NULL)
+			next[count++] = world->bodies[i]->next;
+	resident_look_ahead_rewind(world->ahead, next, world->time);
 	mem_free(next);
 	return STATUS_OK;
 }
@@ -166,29 +162,27 @@ enum status world_rollback(struct world *world)
 	if (saved == NULL)
 		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint; make one first");
 	const size_t objects = world->scene->object_count;
-	enum status status = world->begun ? resident_pages_rollback(world->pages) : STATUS_OK; /* else the ground is as it was */
+	enum status status = world_has_begun(world) ? resident_pages_rollback(world->resident.pages) : STATUS_OK; /* else the ground is as it was */
 	if (status != STATUS_OK)
 		return status;
-	world->begun = saved->begun;
-	page_cache_hold(world->cache, !world->begun);
+	world_return_to(world, saved->begun);
+	page_cache_hold(world->resident.cache, !saved->begun);
 	world->step = saved->step;
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;
 	memcpy(world->record, saved->record, world_record_bytes_with(objects, world->record->attached_count));
-	memcpy(world->bodies, saved->bodies, (objects + 1) * sizeof *world->bodies);
-	restore_hosts(world, saved);
+	restore_bodies(world, saved);
 	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
-	world->events.count = 0;
-	resident_ground_forget_offsets(world->ground); /* higher ground may be back than what was read since the checkpoint */
-	resident_pyramid_forget(world->pyramid);
-	resident_newest_changed(world->newest);
+	world->events.count = world->rows.count = 0;
+	resident_ground_forget_offsets(world->resident.ground); /* higher ground may be back than what was read since the checkpoint */
+	resident_pyramid_forget(world->resident.pyramid);
+	resident_newest_changed(world->resident.newest);
 	world_changes_rollback(world, saved->revision);
 	status = restore_deform(world, saved);
 	if (status == STATUS_OK)
 		status = rewind_paths(world);
-	if (status == STATUS_OK && world->rows != NULL && world->rows->rollback != NULL)
-		status = world->rows->rollback(world->rows->user, saved->rows_end);
-	world->torn = status != STATUS_OK;
+	if (status != STATUS_OK)
+		world_tear(world);
 	return status;
 }

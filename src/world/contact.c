@@ -13,7 +13,7 @@ static enum status pin(struct world *world, struct held_tiles *held)
 			held->count = 0;
 			return fail_with(STATUS_FAILED, "ranks: a step reads ground of another rank; report this");
 		}
-	enum status status = page_cache_pin_all(world->cache, held->keys, held->count, slots);
+	enum status status = page_cache_pin_all(world->resident.cache, held->keys, held->count, slots);
 	if (status != STATUS_OK) {
 		held->count = 0;
 		return status;
@@ -36,7 +36,7 @@ static void add_tile(struct held_tiles *held, struct tile tile)
 size_t world_tiles_in(const struct world *world, struct post_rect rect)
 {
 	struct tile first, last;
-	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, rect, &first, &last))
 		return 0;
 	return (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
 }
@@ -50,65 +50,59 @@ enum status world_hold_tile(struct world *world, struct tile tile, struct held_t
 
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	struct tile first, last;
 	held->count = 0;
-	if (!tile_range_of(extent, world->level, rect, &first, &last))
+	if (!tile_range_of(extent, world->resident.level, rect, &first, &last))
 		return STATUS_OK;
 	size_t needed = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
 	if (needed > WORLD_TILES_MOST) /* world_budget_check finds this before the drive, but for a body whose bounding sphere needs too many windows */
 		return fail_with(STATUS_INPUT, "a body: it touches %zu tiles of %u cells at once, and %d is the most; import with larger tiles (--tile)", needed,
 				 extent->cells, WORLD_TILES_MOST);
-	if (needed > 4 && !world->windows.told) {
+	if (needed > 4 && !world->counts.windows.told) {
 		note("tiles of %u cells are smaller than an object's window: it touches %zu of them at once, not four",
 		     extent->cells, needed);
-		world->windows.told = true;
+		world->counts.windows.told = true;
 	}
-	if (needed > world->windows.tiles_most)
-		world->windows.tiles_most = needed;
+	if (needed > world->counts.windows.tiles_most)
+		world->counts.windows.tiles_most = needed;
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
-			add_tile(held, (struct tile){world->level, x, y});
+			add_tile(held, (struct tile){world->resident.level, x, y});
 	return pin(world, held);
 }
 
 void world_release(struct world *world, struct held_tiles *held)
 {
 	for (size_t i = 0; i < held->count; i++)
-		page_cache_unpin(world->cache, held->keys[i]);
+		page_cache_unpin(world->resident.cache, held->keys[i]);
 	held->count = 0;
 }
 
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held)
 {
-	enum status status = STATUS_OK;
-	resident_newest_changed(world->newest);
-	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+	resident_newest_changed(world->resident.newest);
+	for (size_t i = 0; i < held->count; i++) {
 		struct tile tile = held->tiles[i].tile;
-		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile))))
+		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile))))
 			continue;
-		page_cache_dirty(world->cache, held->keys[i]);
+		page_cache_dirty(world->resident.cache, held->keys[i]);
 		if (world->ranks != NULL)
-			status = world->ranks->changes(world->ranks->user, held->keys[i]);
-		if (status == STATUS_OK)
-			status = world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile)));
-		if (status != STATUS_OK)
-			return status;
-		if (world->pyramid != NULL)
-			status = resident_pyramid_changed(world->pyramid, tile, rect);
-		if (status == STATUS_OK && world->watcher != NULL)
-			status = world->watcher->changed(world->watcher->user, tile);
+			TRY(world->ranks->changes(world->ranks->user, held->keys[i]));
+		TRY(world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->resident.meta->extent, tile))));
+		if (world->resident.pyramid != NULL)
+			TRY(resident_pyramid_changed(world->resident.pyramid, tile, rect));
+		TRY(world_happened_change(world, tile));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status scatter(struct world *world, const struct deform_window *window, uint32_t layer,
 			   const struct held_tiles *held)
 {
-	enum status status = deform_scatter(world->deform, window, layer, held->tiles, held->count);
-	if (status == STATUS_OK)
-		status = world_mark(world, window->write, held);
-	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
+	TRY(deform_scatter(world->deform, window, layer, held->tiles, held->count));
+	TRY(world_mark(world, window->write, held));
+	return deform_wake_swept(world->deform, window, layer);
 }
 
 /* Computes how far a belt ran between two path samples: with slip s it is the way along the body's own x axis / (1 - s). */
@@ -147,10 +141,10 @@ static void roll(const struct body *body, struct deform_contact *contact)
 	contact->to.turn = remainder(contact->from.turn + contact->turned, 2 * M_PI);
 }
 
-enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+enum status world_tell_contact(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count)
 {
-	if (world->watcher == NULL || count == 0)
+	if (!world->happened.watched || count == 0)
 		return STATUS_OK;
 	struct contact_area told = {
 		.lowest = contact->load > 0 ? INT64_MIN : world_lowest(contact),
@@ -161,12 +155,7 @@ enum status world_tell_contact(const struct world *world, const struct event *ev
 		told.changed = post_rect_around(told.changed, windows[i].write);
 		told.read = post_rect_around(told.read, windows[i].read);
 	}
-	return world->watcher->contact(world->watcher->user, event, &told);
-}
-
-enum status world_tell_contact_ended(const struct world *world)
-{
-	return world->watcher != NULL ? world->watcher->contact(world->watcher->user, NULL, NULL) : STATUS_OK;
+	return world_happened_touch(world, event, &told);
 }
 
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed)
@@ -185,13 +174,12 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.load = body->object->load,
 		.loaded_body = body->loaded_body,
 	};
-	if (world_is_hosts(world, event->body)) {
-		const struct host_body *host = world_host_body(world, (int32_t)(event->body - world->scene->object_count - 1));
+	if (world_is_hosted(body)) {
 		contact.hosted = true;
 		if (event->seconds > 0) {
-			memcpy(contact.linear, host->now.linear, sizeof contact.linear);
-			memcpy(contact.angular, host->now.angular, sizeof contact.angular);
-			contact.runs = contact.shape->belt ? world_belt_of(host, &host->now)->speed : 0;
+			memcpy(contact.linear, body->host.now.linear, sizeof contact.linear);
+			memcpy(contact.angular, body->host.now.angular, sizeof contact.angular);
+			contact.runs = contact.shape->belt ? body->host.belt.speed : 0;
 		}
 		contact.stamped = event->stamped;
 		contact.seconds = event->seconds;
@@ -210,11 +198,9 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 {
 	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
-	enum status status = bearing_area(world->bearing, contact, &area);
-	if (status == STATUS_OK && !feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
-		status = world_let_go(world, body);
-	if (status != STATUS_OK)
-		return status;
+	TRY(bearing_area(world->bearing, contact, &area));
+	if (!feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
+		TRY(world_let_go(world, body));
 	if (post_rect_empty(area.write)) {
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;
@@ -251,7 +237,8 @@ static enum status compute_alone(struct world *world, const struct event *event,
 			status = scatter(world, &windows[i], (uint32_t)i, &held);
 		world_release(world, &held);
 	}
-	return status == STATUS_OK && count > 0 ? world_tell_contact_ended(world) : status;
+	world_happened_relaxes(world);
+	return status;
 }
 
 static enum status contact_at(struct world *world, const struct event *event, bool waits)
@@ -294,8 +281,8 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &contact, &body->last))
 		status = world_let_go(world, body);
 	const size_t due = deform_windows_computed(windows, count), computed = aloft ? 0 : due;
-	world->windows.due += due;
-	world->windows.computed += computed;
+	world->counts.windows.due += due;
+	world->counts.windows.computed += computed;
 	count = aloft ? 0 : count;
 	if (status == STATUS_OK && waits && count > 0)
 		status = world_batches_take(world, event, &contact, windows, count, &waiting);

@@ -26,12 +26,10 @@ enum status world_crew_create(struct world *world)
 	const size_t members = world->bearing != NULL ? world_crew_members(world) : 1;
 	if (members < 2)
 		return STATUS_OK;
-	enum status status = bearing_hands_need(world->bearing, HANDS_EACH * members);
-	if (status == STATUS_OK)
-		status = crew_create(members, WORLD_CREW_THREAD, NULL, NULL, &world->crew);
-	if (status == STATUS_OK)
-		world->hands = HANDS_EACH * members;
-	return status;
+	TRY(bearing_hands_need(world->bearing, HANDS_EACH * members));
+	TRY(crew_create(members, WORLD_CREW_THREAD, NULL, NULL, &world->crew));
+	world->hands = HANDS_EACH * members;
+	return STATUS_OK;
 }
 
 void world_crew_plan(const struct world *world, struct plan *plan)
@@ -48,10 +46,9 @@ size_t world_hands_for(const struct world *world, double posts)
 
 enum status world_crew_run(struct world *world, size_t count, crew_task_fn task, void *user)
 {
-	enum status status = STATUS_OK;
 	if (world->crew != NULL && count > 1)
 		return crew_run(world->crew, count, task, user);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = task(user, 0, i);
-	return status;
+	for (size_t i = 0; i < count; i++)
+		TRY(task(user, 0, i));
+	return STATUS_OK;
 }

@@ -19,7 +19,7 @@ static struct scene_object dropped(const struct world *world, enum world_drop_sh
 	if (shape == WORLD_DROP_BALL)
 		object.shape = (struct soil_shape){
 			.kind = SOIL_SPHERE,
-			.radius = fmin(fmax(BALL_RADIUS, BALL_POSTS * world->spacing), bound),
+			.radius = fmin(fmax(BALL_RADIUS, BALL_POSTS * world->resident.spacing), bound),
 		};
 	double reach = soil_shape_reach(&object.shape, 0, 0);
 	if (!(object.sink > 0) || object.sink > reach)
@@ -39,50 +39,47 @@ enum status world_warm_drops(struct world *world)
 /* Finds the ground that it is set upon, as it is now, with ruts. */
 static enum status surface(struct world *world, double x, double y, int64_t *height, bool *any)
 {
-	const struct terrain_point point = {x, y};
-	struct terrain_height found = {.bilinear = NAN};
-	enum status status = world_heights(world, &point, 1, &found);
-	*any = status == STATUS_OK && !isnan(found.bilinear);
+	const struct resident_point point = {x, y};
+	struct resident_height found = {.bilinear = NAN};
+	*any = false;
+	TRY(world_heights(world, &point, 1, &found));
+	*any = !isnan(found.bilinear);
 	if (*any)
 		*height = lattice_offset(found.bilinear);
-	return status;
+	return STATUS_OK;
 }
 
 /* Several drops at one place go deeper than any object of the scene. Bounding boxes of tiles must include this. */
-static enum status tell_watcher(struct world *world, const struct event *event, int64_t height, const struct soil_shape *shape)
+static enum status tell_reach(struct world *world, const struct event *event, int64_t height, const struct soil_shape *shape)
 {
 	int64_t base;
 	bool any;
-	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &base, &any);
-	if (status == STATUS_OK && any && world->watcher != NULL)
-		world->watcher->reach(world->watcher->user, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * soil_shape_bound(shape));
-	return status;
+	TRY(resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &base, &any));
+	if (any)
+		world_happened_reach(world, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * soil_shape_bound(shape));
+	return STATUS_OK;
 }
 
 /* Between steps the drive is consistent; during a drop it is not. */
 static enum status touch(struct world *world, const struct event *event)
 {
-	struct body *body = &world->bodies[event->body];
-	world->torn = true;
+	world_tear(world);
 	world->near.stale = true;
-	enum status status = world_contact(world, event);
-	if (status == STATUS_OK)
-		status = world_meetings_flush(world);
-	if (status == STATUS_OK)
-		status = world_let_go(world, body);
-	return status == STATUS_OK ? world_end_step(world) : status;
+	TRY(world_contact(world, event));
+	TRY(world_meetings_flush(world));
+	TRY(world_let_go(world, world->dropping));
+	return world_end_change(world);
 }
 
 enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
-	size_t spare = world->scene->object_count;
 	*landed = false;
-	if (spare == 0)
+	if (world->scene->object_count == 0)
 		return STATUS_OK;
-	const struct scene_object object = dropped(world, shape);
-	struct body *body = &world->bodies[spare];
+	const struct scene_object object = world->dropped = dropped(world, shape);
+	struct body body = {.kind = BODY_DROPPED, .object = &world->dropped};
 	struct event event = {
-		.body = spare,
+		.body = WORLD_DROPPED,
 		.time = world->time,
 		.contact = true,
 		.next_time = INFINITY,
@@ -92,15 +89,15 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 	if (status != STATUS_OK || !*landed)
 		return status;
 	event.pose = (struct soil_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
-	*body = (struct body){.object = &object};
 	double reach = soil_shape_reach(&object.shape, 0, 0);
 	double sink = object.load > 0 ? soil_sinkage_guess(&object.shape, &world->scene->soils[0], object.load) : object.sink;
 	event.pose.z = height + lattice_offset(reach - sink);
 	event.sinkage = sink;
-	status = tell_watcher(world, &event, height, &object.shape);
+	world->dropping = &body;
+	status = tell_reach(world, &event, height, &object.shape);
 	if (status == STATUS_OK)
 		status = touch(world, &event);
-	*body = (struct body){.object = NULL};
-	world->drops++;
+	world->dropping = NULL;
+	world->counts.drops++;
 	return status;
 }

@@ -10,14 +10,14 @@
 
 static bool follows(const struct world *world)
 {
-	return world->params.readonly && world->params.attached.count == 0;
+	return world->params.readonly && world->params.attached == 0;
 }
 
 static enum status note_changed(void *user, uint64_t key)
 {
 	struct world *world = user;
 	const struct tile tile = tile_from_key(key);
-	return world_changed(world, tile, tile_post_rect(&world->meta->extent, tile));
+	return world_changed(world, tile, tile_post_rect(&world->resident.meta->extent, tile));
 }
 
 enum status world_follow(struct world *world)
@@ -27,16 +27,16 @@ enum status world_follow(struct world *world)
 	if (!follows(world))
 		return STATUS_OK;
 	if (world->follower == NULL)
-		status = store_reader_create(world->store, &world->follower);
+		status = store_reader_create(world->resident.store, &world->follower);
 	if (status == STATUS_OK)
 		status = store_follow(world->follower, note_changed, world, &moved);
 	if (status != STATUS_OK || !moved)
 		return status;
 	world_changes_end(world);
-	status = resident_pages_forget(world->pages);
-	resident_ground_forget_offsets(world->ground);
-	resident_pyramid_forget(world->pyramid);
-	resident_newest_changed(world->newest);
+	status = resident_pages_forget(world->resident.pages);
+	resident_ground_forget_offsets(world->resident.ground);
+	resident_pyramid_forget(world->resident.pyramid);
+	resident_newest_changed(world->resident.newest);
 	return status;
 }
 

@@ -70,26 +70,24 @@ enum status world_forces_create(struct world *world, struct forces **out)
 	if (!is_needed(world))
 		return STATUS_OK;
 	struct forces *forces = mem_calloc(1, sizeof *forces);
-	if (forces == NULL)
-		return fail_memory("forces");
+	TRY_MEM(forces, "forces");
 	forces->world = world;
 	forces->rate = world->params.rows ? scene->forces : 0;
 	forces->standing = mem_calloc(scene->object_count + 1, sizeof *forces->standing);
 	*out = forces;
-	if (forces->standing == NULL)
-		return fail_memory("forces");
-	for (size_t i = 0; world->resumed.is && i < scene->object_count; i++) {
+	TRY_MEM(forces->standing, "forces");
+	for (size_t i = 0; world->facts.resumed.is && i < scene->object_count; i++) {
 		const struct record_object *object = &world->record->objects[i];
 		if (object->next == 0)
 			continue;
 		struct track_point point;
-		motion_track_sample(world->bodies[i].track, object->next - 1, &point);
+		motion_track_sample(world->bodies[i]->track, object->next - 1, &point);
 		forces->standing[i] = (struct standing){.pose = object->last, .force = object->force, .placed = true, .felt = object->in_contact};
 		forces->standing[i].pose.x = point.qx;
 		forces->standing[i].pose.y = point.qy;
 	}
 	/* The first step gives the rows of time 0. */
-	while (world->resumed.is && world->record->step > 0 && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
+	while (world->facts.resumed.is && world->record->step > 0 && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
 	       (double)forces->row / forces->rate <= world->record->time)
 		forces->row++;
 	return STATUS_OK;
@@ -106,10 +104,10 @@ void world_forces_destroy(struct forces *forces)
 
 /* --- what contacts tell --- */
 
-/* Returns the object's place in `standing`; NULL: the body has none. */
+/* Returns the place in `standing` of a body with a path; NULL: the body has none. */
 static struct standing *standing_of(const struct forces *forces, size_t body)
 {
-	return forces != NULL && body < forces->world->scene->object_count ? &forces->standing[body] : NULL;
+	return forces != NULL && world_follows_path(forces->world, body) ? &forces->standing[body] : NULL;
 }
 
 static struct world_force force_of(const struct deform_forces *from)
@@ -130,7 +128,7 @@ void world_forces_felt(struct forces *forces, size_t body, const struct event *e
 	forces->saturated += from->saturated;
 	if (standing != NULL)
 		*standing = (struct standing){event->pose, force, true, true, true};
-	else if (world_is_hosts(forces->world, body) && !world_is_quiet(forces->world, body))
+	else if (world_body(forces->world, body)->kind == BODY_HOST)
 		world_host_felt(forces->world, body, event->time, &force);
 }
 
@@ -147,7 +145,7 @@ void world_forces_absent(struct forces *forces, size_t body, const struct event 
 {
 	if (forces == NULL)
 		return;
-	if (world_is_hosts(forces->world, body)) {
+	if (world_is_hosted(world_body(forces->world, body))) {
 		world_host_absent(forces->world, body);
 		return;
 	}
@@ -175,7 +173,7 @@ bool world_forces_known(const struct forces *forces, size_t body, struct world_f
 void world_forces_record(const struct forces *forces, size_t body, struct world_force *force)
 {
 	const struct standing *standing = standing_of(forces, body);
-	if (standing != NULL && !forces->world->bodies[body].elsewhere)
+	if (standing != NULL && !forces->world->bodies[body]->elsewhere)
 		*force = standing->force;
 }
 
@@ -186,8 +184,7 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	if (forces->count == forces->room) {
 		size_t room = forces->room != 0 ? 2 * forces->room : 64;
 		struct entry *entries = mem_realloc(forces->entries, room, sizeof *entries);
-		if (entries == NULL)
-			return fail_memory("forces");
+		TRY_MEM(entries, "forces");
 		forces->entries = entries;
 		forces->room = room;
 	}
@@ -195,17 +192,16 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	return STATUS_OK;
 }
 
-/* Adds the rows of quiet bodies. */
-static enum status add_quiet(struct forces *forces, double t)
+/* Adds the rows of bodies of vehicles. */
+static enum status add_vehicles(struct forces *forces, double t)
 {
 	const struct world *world = forces->world;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
-		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->quiet && host->placed && !host->body.elsewhere)
-			status = add_entry(forces, &(struct entry){t, world->scene->object_count + 1 + i, host->shown, host->slip, host->force});
+	for (size_t i = 0; i < world->body_count; i++) {
+		const struct body *body = world->bodies[i];
+		if (body != NULL && body->kind == BODY_VEHICLE && body->host.placed && !body->elsewhere)
+			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
@@ -214,43 +210,58 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 		return STATUS_OK;
 	const struct world *world = forces->world;
 	const bool feels = world_feels(world);
-	enum status status = STATUS_OK;
-	for (;; forces->row++) {
+	for (; ; forces->row++) {
 		double t = (double)forces->row / forces->rate;
 		if (t > until || (!inclusive && t == until))
-			return status;
-		for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
+			return STATUS_OK;
+		for (size_t i = 0; i < world->scene->object_count; i++) {
 			const struct standing *at = &forces->standing[i];
 			const struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
-			if (at->placed && !world->bodies[i].elsewhere)
-				status = add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, force});
+			if (at->placed && !world->bodies[i]->elsewhere)
+				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, force}));
 		}
-		if (status == STATUS_OK)
-			status = add_quiet(forces, t);
-		if (status != STATUS_OK)
-			return status;
+		TRY(add_vehicles(forces, t));
 	}
 }
 
-static enum status give_row(const struct forces *forces, const struct entry *entry)
+static enum status give_row(struct forces *forces, const struct entry *entry)
 {
-	const struct world_rows *rows = forces->world->rows;
+	struct world *world = forces->world;
 	const struct soil_pose *pose = &entry->pose;
+	if (world->rows.count == world->rows.room) {
+		const size_t room = 2 * world->rows.count + 64;
+		struct world_row *rows = mem_realloc(world->rows.list, room, sizeof *rows);
+		TRY_MEM(rows, "rows");
+		world->rows.list = rows;
+		world->rows.room = room;
+	}
 	struct world_row row = {
 		.time = entry->t,
 		.body = entry->object,
-		.object = world_body_at(forces->world, entry->object)->object,
+		.object = world_body_at(world, entry->object)->object,
 		.slip = entry->slip,
 		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
 		.force = entry->force,
 	};
-	if (!world_feels(forces->world)) {
+	if (!world_feels(world)) {
 		for (int i = 0; i < 3; i++)
 			row.force.force[i] = row.force.moment[i] = (double)NAN;
 		row.force.area = row.force.residual = (double)NAN;
 	}
-	enum status status = world_soil_at(forces->world, row.position[0], row.position[1], &row.soil);
-	return status == STATUS_OK ? rows->row(rows->user, &row) : status;
+	TRY(world_soil_at(world, row.position[0], row.position[1], &row.soil));
+	world->rows.list[world->rows.count++] = row;
+	return STATUS_OK;
+}
+
+const struct world_row *world_rows(const struct world *world, size_t *count)
+{
+	*count = world->rows.count;
+	return world->rows.list;
+}
+
+void world_rows_clear(struct world *world)
+{
+	world->rows.count = 0;
 }
 
 /* --- the end of a step --- */
@@ -268,7 +279,7 @@ static void count_failed(const struct forces *forces, const struct standing *sta
 static void settle(const struct forces *forces, size_t object)
 {
 	const struct standing *standing = &forces->standing[object];
-	struct body *body = &forces->world->bodies[object];
+	struct body *body = forces->world->bodies[object];
 	body->near += standing->force.area > 0;
 	body->sinkage = standing->force.sinkage;
 	body->equilibrium = standing->force.z;
@@ -284,17 +295,19 @@ enum status world_forces_end_step(struct forces *forces, double until)
 	if (forces == NULL)
 		return STATUS_OK;
 	const struct scene *scene = forces->world->scene;
-	const struct world_rows *rows = forces->world->rows;
+	const size_t before = forces->world->rows.count;
 	enum status status = world_forces_rows(forces, until, true);
 	for (size_t i = 0; i < forces->count && status == STATUS_OK; i++)
 		status = give_row(forces, &forces->entries[i]);
+	if (status != STATUS_OK)
+		forces->world->rows.count = before;
 	forces->count = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		if (scene->objects[i].load > 0 && forces->standing[i].felt && forces->standing[i].met)
 			settle(forces, i);
 		forces->standing[i].met = false;
 	}
-	return status == STATUS_OK && rows != NULL ? rows->flush(rows->user) : status;
+	return status;
 }
 
 /* --- other ranks, checkpoints --- */
@@ -338,8 +351,7 @@ enum status world_forces_save(const struct forces *forces, struct forces_saved *
 		return STATUS_OK;
 	const size_t count = forces->world->scene->object_count;
 	struct forces_saved *saved = mem_calloc(1, sizeof *saved);
-	if (saved == NULL)
-		return fail_memory("a checkpoint");
+	TRY_MEM(saved, "a checkpoint");
 	*saved = (struct forces_saved){forces->row, mem_alloc(count + 1, sizeof *saved->standing), forces->saturated};
 	if (saved->standing == NULL) {
 		world_forces_saved_free(saved);
@@ -360,7 +372,9 @@ void world_forces_restore(struct forces *forces, const struct forces_saved *save
 	memcpy(forces->standing, saved->standing, forces->world->scene->object_count * sizeof *saved->standing);
 }
 
-void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures)
+bool world_forces_figures(const struct world *world, struct world_forces_figures *figures)
 {
-	*figures = (struct world_forces_figures){forces->saturated};
+	if (world->forces != NULL)
+		*figures = (struct world_forces_figures){world->forces->saturated};
+	return world->forces != NULL;
 }

@@ -20,30 +20,19 @@
 #define FLATTER 4.0       /* m in plan for each metre of sinking: a body that sank steeply and then goes more level than this leaves a dip */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
 
-static size_t index_of(const struct world *world, int32_t number)
+static struct event event_of(size_t number, const struct soil_pose *pose, double time)
 {
-	return world->scene->object_count + 1 + (size_t)number;
-}
-
-/* Returns the host's body of an event's index. */
-static struct host_body *body_of(const struct world *world, size_t index)
-{
-	return world->hosts.list[index - world->scene->object_count - 1];
-}
-
-static struct event event_of(const struct world *world, int32_t number, const struct soil_pose *pose, double time)
-{
-	return (struct event){.body = index_of(world, number), .time = time, .contact = true, .next_time = INFINITY, .pose = *pose};
+	return (struct event){.body = number, .time = time, .contact = true, .next_time = INFINITY, .pose = *pose};
 }
 
 /* Sets what depends on the base below the body: whether there is a contact, and how deep the body is below the base. */
 static enum status over_ground(struct world *world, struct event *event, const struct soil_shape *shape)
 {
 	int64_t ground;
-	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
-	if (status == STATUS_OK && event->contact)
+	TRY(resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &ground, &event->contact));
+	if (event->contact)
 		event->sinkage = lattice_offset_metres(ground - event->pose.z) + soil_shape_reach(shape, event->pose.pitch, event->pose.roll);
-	return status;
+	return STATUS_OK;
 }
 
 static double travel(const struct soil_pose *from, const struct soil_pose *to)
@@ -57,9 +46,9 @@ static double turn_between(double from, double to)
 }
 
 /* The pose of a sphere has no attitude. Returns how far it turned, rad; 0: another shape. */
-static double spun(const struct host_body *host, const double rotated[3])
+static double spun(const struct body *body, const double rotated[3])
 {
-	return host->body.object->shape.kind == SOIL_SPHERE ? sqrt(rotated[0] * rotated[0] + rotated[1] * rotated[1] + rotated[2] * rotated[2]) : 0;
+	return body->object->shape.kind == SOIL_SPHERE ? sqrt(rotated[0] * rotated[0] + rotated[1] * rotated[1] + rotated[2] * rotated[2]) : 0;
 }
 
 /* Returns the angle between two attitudes, rad. */
@@ -77,41 +66,41 @@ static double angle_between(const struct soil_pose *from, const struct soil_pose
 }
 
 /* Metres by which its outermost points have turned, or its belt has run. */
-static double turned_by(const struct host_body *host, const struct soil_pose *to)
+static double turned_by(const struct body *body, const struct soil_pose *to)
 {
-	const double attitude = angle_between(&host->body.last, to) + spun(host, host->rotated);
-	const struct soil_shape *shape = &host->body.object->shape;
+	const double attitude = angle_between(&body->last, to) + spun(body, body->host.rotated);
+	const struct soil_shape *shape = &body->object->shape;
 	const double bound = soil_shape_bound(shape);
-	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
+	return shape->belt ? fmax(bound * attitude, fabs(body->host.turned)) : bound * fmax(attitude, fabs(body->host.turned));
 }
 
 /* Finds where it is now. How far its belt has run is told beside the attitude. */
-static enum status pose_of(const struct host_body *host, struct soil_pose *pose)
+static enum status pose_of(const struct body *body, struct soil_pose *pose)
 {
-	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, pose);
-	if (host->body.object->shape.belt)
-		pose->turn = world_belt_of(host, &host->now)->travel;
+	enum status status = world_attitude(&body->object->shape, body->object->name, &body->host.now.pose, pose);
+	if (body->object->shape.belt)
+		pose->turn = body->host.belt.travel;
 	return status;
 }
 
 /* Returns what its belt has run since its last contact, m. */
-static double ran_to(const struct host_body *host, const struct soil_pose *to)
+static double ran_to(const struct body *body, const struct soil_pose *to)
 {
-	return host->body.in_contact ? to->turn - host->body.last.turn : 0;
+	return body->in_contact ? to->turn - body->last.turn : 0;
 }
 
-static bool is_worth_a_contact(const struct world *world, const struct host_body *host, const struct soil_pose *to)
+static bool is_worth_a_contact(const struct world *world, const struct body *body, const struct soil_pose *to)
 {
-	const double sinkage = fabs(lattice_offset_metres(to->z - host->body.last.z));
-	return travel(&host->body.last, to) >= world->spacing || turned_by(host, to) >= world->spacing ||
-	       sinkage >= WORLD_SINKAGE_SHARE * world->spacing;
+	const double sinkage = fabs(lattice_offset_metres(to->z - body->last.z));
+	return travel(&body->last, to) >= world->resident.spacing || turned_by(body, to) >= world->resident.spacing ||
+	       sinkage >= WORLD_SINKAGE_SHARE * world->resident.spacing;
 }
 
-static bool has_moved(const struct host_body *host, const struct soil_pose *to)
+static bool has_moved(const struct body *body, const struct soil_pose *to)
 {
-	const struct soil_pose *at = &host->felt;
+	const struct soil_pose *at = &body->host.felt;
 	return at->x != to->x || at->y != to->y || at->z != to->z || at->yaw != to->yaw || at->pitch != to->pitch || at->roll != to->roll ||
-	       host->turned != host->felt_turned;
+	       body->host.turned != body->host.felt_turned;
 }
 
 /* Each attitude has two triples of angles. Returns the one of `to` that is nearer to `from`. */
@@ -143,36 +132,35 @@ static struct soil_pose between(const struct soil_pose *a, const struct soil_pos
 	};
 }
 
-double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to)
+double world_stamp_after(const struct world *world, const struct body *body, const struct soil_pose *to)
 {
-	const struct soil_pose *from = &host->body.last;
-	const double less = host->body.in_contact ? 2 * travel(from, to) / world->spacing : 0;
-	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->spacing;
-	return fmax((sinks ? 1 : host->stamped) - less, 0);
+	const struct soil_pose *from = &body->last;
+	const double less = body->in_contact ? 2 * travel(from, to) / world->resident.spacing : 0;
+	const bool sinks = !body->in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->resident.spacing;
+	return fmax((sinks ? 1 : body->host.stamped) - less, 0);
 }
 
 /* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. */
-static enum status touch(struct world *world, int32_t number, const struct soil_pose *to, double time)
+static enum status touch(struct world *world, size_t number, const struct soil_pose *to, double time)
 {
-	struct host_body *host = world_host_body(world, number);
-	struct body *body = &host->body;
+	struct body *body = world->bodies[number];
 	const struct soil_pose from = body->last;
 	size_t parts = 1;
 	if (body->in_contact)
-		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->spacing - PART_MORE)));
+		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(body, to)) / world->resident.spacing - PART_MORE)));
 	enum status status = STATUS_OK;
 	for (size_t part = 1; part <= parts && status == STATUS_OK; part++) {
 		struct soil_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
 		if (body->object->shape.belt)
-			pose.turn = to->turn - host->turned * (double)(parts - part) / (double)parts;
-		struct event event = event_of(world, number, &pose, time);
-		event.seconds = host->since / (double)parts;
-		event.turned = host->turned / (double)parts;
+			pose.turn = to->turn - body->host.turned * (double)(parts - part) / (double)parts;
+		struct event event = event_of(number, &pose, time);
+		event.seconds = body->host.since / (double)parts;
+		event.turned = body->host.turned / (double)parts;
 		for (int k = 0; k < 3; k++)
-			event.rotated[k] = host->rotated[k] / (double)parts;
+			event.rotated[k] = body->host.rotated[k] / (double)parts;
 		event.distance = body->in_contact ? travel(&body->last, &pose) : 0;
-		event.stamped = host->stamped;
-		host->stamped = world_stamp_after(world, host, &pose);
+		event.stamped = body->host.stamped;
+		body->host.stamped = world_stamp_after(world, body, &pose);
 		status = over_ground(world, &event, &body->object->shape);
 		if (status != STATUS_OK)
 			return status;
@@ -186,19 +174,19 @@ static enum status touch(struct world *world, int32_t number, const struct soil_
 		body->sinkage = event.sinkage;
 		status = world_contact(world, &event);
 	}
-	host->fresh = !body->in_contact;
-	host->since = host->turned = 0;
-	memset(host->rotated, 0, sizeof host->rotated);
-	host->felt = *to;
-	host->felt_turned = 0;
-	host->felt_moving = parts > 1 || from.x != to->x || from.y != to->y || from.z != to->z;
+	body->host.fresh = !body->in_contact;
+	body->host.since = body->host.turned = 0;
+	memset(body->host.rotated, 0, sizeof body->host.rotated);
+	body->host.felt = *to;
+	body->host.felt_turned = 0;
+	body->host.felt_moving = parts > 1 || from.x != to->x || from.y != to->y || from.z != to->z;
 	return status;
 }
 
-/* How far the body's lowest place slid over the ground in a motion, m, east and north. rotated, turned: as in struct host_body. */
-static void slide_of(const struct host_body *host, const struct soil_pose *from, const struct soil_pose *to, double turned, const double rotated[3], double slide[2])
+/* How far the body's lowest place slid over the ground in a motion, m, east and north. rotated, turned: as in struct body_hosted. */
+static void slide_of(const struct body *body, const struct soil_pose *from, const struct soil_pose *to, double turned, const double rotated[3], double slide[2])
 {
-	const struct soil_shape *shape = &host->body.object->shape;
+	const struct soil_shape *shape = &body->object->shape;
 	const double ran = soil_shape_ran(shape, turned), reach = soil_shape_runs(shape) ? 0 : soil_shape_reach(shape, to->pitch, to->roll);
 	slide[0] = lattice_offset_metres(to->x - from->x) - cos(to->yaw) * ran - rotated[1] * reach;
 	slide[1] = lattice_offset_metres(to->y - from->y) - sin(to->yaw) * ran + rotated[0] * reach;
@@ -216,15 +204,15 @@ bool world_leaves_dip(const struct world_sinking *s, double least)
 }
 
 /* Tells whether the body leaves a dip in this step. rotated: in this step. */
-static bool leaves_dip(const struct world *world, const struct host_body *host, const struct soil_pose *to, const double rotated[3])
+static bool leaves_dip(const struct world *world, const struct body *body, const struct soil_pose *to, const double rotated[3])
 {
-	const struct soil_pose *from = &host->body.last, *at = &host->felt;
+	const struct soil_pose *from = &body->last, *at = &body->host.felt;
 	const struct world_sinking sinking = {
-		.sank = lattice_offset_metres(from->z - at->z), .went = travel(from, at), .turned = {host->rotated[0], host->rotated[1]},
+		.sank = lattice_offset_metres(from->z - at->z), .went = travel(from, at), .turned = {body->host.rotated[0], body->host.rotated[1]},
 		.sinks = lattice_offset_metres(at->z - to->z), .goes = travel(at, to), .turns = {rotated[0], rotated[1]},
-		.reach = world_turning_reach(&host->body.object->shape),
+		.reach = world_turning_reach(&body->object->shape),
 	};
-	return world_leaves_dip(&sinking, DIP_SHARE * world->spacing);
+	return world_leaves_dip(&sinking, DIP_SHARE * world->resident.spacing);
 }
 
 double world_turning_reach(const struct soil_shape *shape)
@@ -232,46 +220,44 @@ double world_turning_reach(const struct soil_shape *shape)
 	return shape->kind == SOIL_WHEEL || shape->kind == SOIL_SPHERE ? 0 : M_SQRT1_2 * soil_shape_bound(shape);
 }
 
-static bool goes_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+static bool goes_back(const struct world *world, const struct body *body, const struct soil_pose *to, double turned, const double rotated[3])
 {
-	const struct soil_pose *from = &host->body.last, *at = &host->felt;
+	const struct soil_pose *from = &body->last, *at = &body->host.felt;
 	double before[2], after[2];
-	if (!host->body.in_contact || host->fresh)
+	if (!body->in_contact || body->host.fresh)
 		return false;
 	const double went[2] = {lattice_offset_metres(at->x - from->x), lattice_offset_metres(at->y - from->y)};
 	const double goes[2] = {lattice_offset_metres(to->x - at->x), lattice_offset_metres(to->y - at->y)};
-	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= WORLD_SINKAGE_SHARE * world->spacing)
+	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= WORLD_SINKAGE_SHARE * world->resident.spacing)
 		return true;
-	slide_of(host, from, at, host->felt_turned, host->rotated, before);
-	slide_of(host, at, to, turned, rotated, after);
+	slide_of(body, from, at, body->host.felt_turned, body->host.rotated, before);
+	slide_of(body, at, to, turned, rotated, after);
 	const double slid = hypot(before[0], before[1]), sinks = lattice_offset_metres(at->z - to->z);
-	return slid >= WORLD_SINKAGE_SHARE * world->spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
+	return slid >= WORLD_SINKAGE_SHARE * world->resident.spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
 }
 
 /*
  * Tells whether the motion turns at the pose of the last step. There the body leaves a dip, goes or slides back, or sinks after it slid. A contact is taken
  * as straight, so one must end there. Shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
  */
-bool world_turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+bool world_turns_back(const struct world *world, const struct body *body, const struct soil_pose *to, double turned, const double rotated[3])
 {
-	return (host->body.in_contact && !host->fresh && leaves_dip(world, host, to, rotated)) || goes_back(world, host, to, turned, rotated);
+	return (body->in_contact && !body->host.fresh && leaves_dip(world, body, to, rotated)) || goes_back(world, body, to, turned, rotated);
 }
 
 /* Computes only the forces, without changing the ground. */
-static enum status feel(struct world *world, int32_t number, const struct soil_pose *to, double time, bool moves)
+static enum status feel(struct world *world, size_t number, const struct soil_pose *to, double time, bool moves)
 {
-	struct host_body *host = world_host_body(world, number);
-	struct event event = event_of(world, number, to, time);
-	event.seconds = moves ? host->since : 0;
-	event.turned = host->turned;
-	event.stamped = host->stamped;
-	memcpy(event.rotated, host->rotated, sizeof event.rotated);
-	enum status status = over_ground(world, &event, &host->body.object->shape);
-	if (status != STATUS_OK)
-		return status;
-	host->felt = *to;
-	host->felt_turned = host->turned;
-	host->felt_moving = moves;
+	struct body *body = world->bodies[number];
+	struct event event = event_of(number, to, time);
+	event.seconds = moves ? body->host.since : 0;
+	event.turned = body->host.turned;
+	event.stamped = body->host.stamped;
+	memcpy(event.rotated, body->host.rotated, sizeof event.rotated);
+	TRY(over_ground(world, &event, &body->object->shape));
+	body->host.felt = *to;
+	body->host.felt_turned = body->host.turned;
+	body->host.felt_moving = moves;
 	if (event.contact)
 		return world_feel(world, &event);
 	world_host_absent(world, event.body);
@@ -279,85 +265,79 @@ static enum status feel(struct world *world, int32_t number, const struct soil_p
 }
 
 /* A quiet body changes the ground whenever it is set. A wheel turns by less than half a turn between two contacts. */
-static enum status step_quiet(struct world *world, int32_t number, double until)
+static enum status step_quiet(struct world *world, size_t number, double until)
 {
-	struct host_body *host = world_host_body(world, number);
-	const double began = host->since;
+	struct body *body = world->bodies[number];
+	const double began = body->host.since;
 	struct soil_pose to;
-	if (!host->has_next)
+	if (!body->host.has_next)
 		return STATUS_OK;
-	world_rotation_between(host->now.pose.orientation, host->next.pose.orientation, host->rotated);
-	host->now = host->next;
-	host->has_next = false;
-	enum status status = pose_of(host, &to);
+	world_rotation_between(body->host.now.pose.orientation, body->host.next.pose.orientation, body->host.rotated);
+	body->host.now = body->host.next;
+	body->host.belt = body->host.next_belt;
+	body->host.has_next = false;
+	enum status status = pose_of(body, &to);
 	if (status != STATUS_OK)
 		return status;
-	host->turned = host->body.in_contact ? turn_between(host->body.last.turn, to.turn) : 0;
-	if (host->body.object->shape.belt)
-		host->turned = ran_to(host, &to);
-	host->since = host->body.in_contact ? until - began : 0;
+	body->host.turned = body->in_contact ? turn_between(body->last.turn, to.turn) : 0;
+	if (body->object->shape.belt)
+		body->host.turned = ran_to(body, &to);
+	body->host.since = body->in_contact ? until - began : 0;
 	status = touch(world, number, &to, until);
-	host->since = until;
+	body->host.since = until;
 	return status;
 }
 
-static enum status step_body(struct world *world, int32_t number, double seconds, double until)
+static enum status step_body(struct world *world, size_t number, double seconds, double until)
 {
-	struct host_body *host = world_host_body(world, number);
+	struct body *body = world->bodies[number];
 	struct soil_pose to;
-	if (host->quiet)
+	if (body->kind == BODY_VEHICLE)
 		return step_quiet(world, number, until);
-	world_rates_take(host, seconds);
-	enum status status = pose_of(host, &to);
-	if (status != STATUS_OK)
-		return status;
+	world_rates_take(body, seconds);
+	TRY(pose_of(body, &to));
 	double turned = 0, rotated[3];
-	if (host->body.object->shape.kind == SOIL_WHEEL)
-		turned = world_spin(&to, host->now.angular) * seconds;
-	if (host->body.object->shape.belt)
-		turned = ran_to(host, &to) - host->turned;
+	if (body->object->shape.kind == SOIL_WHEEL)
+		turned = world_spin(&to, body->host.now.angular) * seconds;
+	if (body->object->shape.belt)
+		turned = ran_to(body, &to) - body->host.turned;
 	for (int k = 0; k < 3; k++)
-		rotated[k] = host->now.angular[k] * seconds;
-	if (world_turns_back(world, host, &to, turned, rotated)) {
-		const struct soil_pose at = host->felt;
-		status = touch(world, number, &at, until - seconds);
-		if (status != STATUS_OK)
-			return status;
+		rotated[k] = body->host.now.angular[k] * seconds;
+	if (world_turns_back(world, body, &to, turned, rotated)) {
+		const struct soil_pose at = body->host.felt;
+		TRY(touch(world, number, &at, until - seconds));
 	}
-	host->turned += turned;
+	body->host.turned += turned;
 	for (int k = 0; k < 3; k++)
-		host->rotated[k] += rotated[k];
-	const bool moved = has_moved(host, &to) || spun(host, rotated) > 0;
-	host->since += moved ? seconds : 0;
-	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
+		body->host.rotated[k] += rotated[k];
+	const bool moved = has_moved(body, &to) || spun(body, rotated) > 0;
+	body->host.since += moved ? seconds : 0;
+	if (body->host.fresh || !body->in_contact || is_worth_a_contact(world, body, &to))
 		return touch(world, number, &to, until);
 	/* Where it came to rest the rates go. */
-	if (world_feels(world) && (moved || host->felt_moving))
+	if (world_feels(world) && (moved || body->host.felt_moving))
 		return feel(world, number, &to, until, moved);
-	host->felt = to;
-	host->felt_turned = host->turned;
-	host->told = until; /* nothing moves: what was told holds */
+	body->host.felt = to;
+	body->host.felt_turned = body->host.turned;
+	body->host.told = until; /* nothing moves: what was told holds */
 	return STATUS_OK;
 }
 
 enum status world_hosts_step(struct world *world, double seconds, double until)
 {
-	enum status status = STATUS_OK;
 	world->near.stale |= seconds == 0; /* no step has listed them */
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
-		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->placed && !host->removed)
-			status = step_body(world, (int32_t)i, seconds, until);
-	}
-	return status == STATUS_OK ? world_meetings_flush(world) : status;
+	for (size_t i = 0; i < world->body_count; i++)
+		if (world_is_set_down(world->bodies[i]))
+			TRY(step_body(world, i, seconds, until));
+	return world_meetings_flush(world);
 }
 
-static bool is_behind(const struct world *world, const struct host_body *host, struct soil_pose *to)
+static bool is_behind(const struct world *world, const struct body *body, struct soil_pose *to)
 {
-	if (host == NULL || !host->placed || host->removed || host->fresh || !host->body.in_contact ||
-	    pose_of(host, to) != STATUS_OK)
+	if (!world_is_set_down(body) || body->host.fresh || !body->in_contact ||
+	    pose_of(body, to) != STATUS_OK)
 		return false;
-	const struct soil_pose *last = &host->body.last;
+	const struct soil_pose *last = &body->last;
 	return to->x != last->x || to->y != last->y || to->z != last->z || to->yaw != last->yaw || to->pitch != last->pitch ||
 	       to->roll != last->roll;
 }
@@ -367,48 +347,38 @@ enum status world_hosts_commit(struct world *world)
 	enum status status = STATUS_OK;
 	bool any = false;
 	struct soil_pose to;
-	if (!world->begun) /* no step has moved a body */
+	if (!world_has_begun(world)) /* no step has moved a body */
 		return STATUS_OK;
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
-		if (!is_behind(world, world->hosts.list[i], &to))
+	for (size_t i = 0; i < world->body_count && status == STATUS_OK; i++) {
+		if (!is_behind(world, world->bodies[i], &to))
 			continue;
-		world->torn = any = true;
-		status = touch(world, (int32_t)i, &to, world->time);
+		world_tear(world);
+		any = true;
+		status = touch(world, i, &to, world->time);
 	}
 	if (status == STATUS_OK)
 		status = world_meetings_flush(world);
 	if (status == STATUS_OK && any)
 		status = world_forces_end_step(world->forces, world->time);
-	return status == STATUS_OK && any ? world_end_step(world) : status;
-}
-
-size_t world_host_rests(const struct world *world, struct deform_rest *rests)
-{
-	size_t count = 0;
-	for (size_t i = 0; i < world->hosts.count; i++) {
-		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->body.in_contact && !host->removed && !host->body.elsewhere)
-			rests[count++] = (struct deform_rest){&host->body.object->shape, host->body.last, 0};
-	}
-	return count;
+	return status == STATUS_OK && any ? world_end_change(world) : status;
 }
 
 /* --- being told --- */
 
 void world_host_felt(struct world *world, size_t index, double time, const struct world_force *force)
 {
-	struct host_body *host = body_of(world, index);
-	host->force = *force;
-	host->told = time;
-	host->state = world_contact_state_of(force->state);
+	struct body *body = world->bodies[index];
+	body->host.force = *force;
+	body->host.told = time;
+	body->host.state = world_contact_state_of(force->state);
 }
 
 void world_host_absent(struct world *world, size_t index)
 {
-	struct host_body *host = body_of(world, index);
-	if (host->quiet)
+	struct body *body = world->bodies[index];
+	if (body->kind == BODY_VEHICLE)
 		return;
-	host->state = WORLD_AIR;
-	host->force = world_no_force(0);
-	host->told = world->hosts.until;
+	body->host.state = FURROW_AIR;
+	body->host.force = world_no_force(0);
+	body->host.told = world->until;
 }

@@ -6,7 +6,6 @@
  * Invariants:
  * - body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
  * - `now` is where the body is; `next`, if has_next, is where it will be after the next step.
- * - A number is given out once. list[number] is NULL for a body with a path, and for one that a rollback removed.
  */
 #include <math.h>
 #include <string.h>
@@ -15,36 +14,20 @@
 
 /* --- numbers --- */
 
-struct host_body *world_host_body(const struct world *world, int32_t number)
+bool world_is_hosted(const struct body *body)
 {
-	return number >= 0 && (size_t)number < world->hosts.count ? world->hosts.list[number] : NULL;
+	return body != NULL && (body->kind == BODY_HOST || body->kind == BODY_VEHICLE);
 }
 
-struct body *world_body_at(const struct world *world, size_t index)
+bool world_is_set_down(const struct body *body)
 {
-	if (index <= world->scene->object_count)
-		return &world->bodies[index];
-	return &world->hosts.list[index - world->scene->object_count - 1]->body;
+	return body != NULL && body->host.placed && !body->host.removed;
 }
 
-const struct body *world_body_of(const struct world *world, const struct event *event)
+struct body *world_body_hosted(const struct world *world, size_t number)
 {
-	return world_body_at(world, event->body);
-}
-
-bool world_is_hosts(const struct world *world, size_t index)
-{
-	return index > world->scene->object_count;
-}
-
-bool world_is_quiet(const struct world *world, size_t index)
-{
-	return world_is_hosts(world, index) && world->hosts.list[index - world->scene->object_count - 1]->quiet;
-}
-
-bool world_follows_path(const struct world *world, int32_t number)
-{
-	return number >= 0 && (size_t)number < world->scene->object_count && world->bodies[number].track != NULL;
+	struct body *body = world_body_at(world, number);
+	return world_is_hosted(body) ? body : NULL;
 }
 
 static enum status gone(int32_t number)
@@ -54,89 +37,18 @@ static enum status gone(int32_t number)
 }
 
 /* Finds the host's body of this number, or says why there is none. */
-static enum status find(const struct world *world, int32_t number, struct host_body **out)
+static enum status find(const struct world *world, int32_t number, struct body **out)
 {
-	*out = world_host_body(world, number);
-	if (*out != NULL && !(*out)->removed)
+	*out = world_body_hosted(world, (size_t)number);
+	if (*out != NULL && !(*out)->host.removed)
 		return STATUS_OK;
-	if (world_follows_path(world, number))
+	if (world_follows_path(world, (size_t)number))
 		return fail_with(STATUS_USAGE, "%s: it follows its path; only bodies without one are the host's to move",
-				 world->bodies[number].object->name);
+				 world->bodies[number]->object->name);
 	return gone(number);
 }
 
 /* --- adding and removing --- */
-
-static enum status make_room(struct world *world)
-{
-	struct world_hosts *hosts = &world->hosts;
-	if (hosts->count < hosts->room)
-		return STATUS_OK;
-	if (hosts->count >= INT32_MAX / 2)
-		return fail_with(STATUS_FAILED, "bodies: too many were added; close the world and open it again");
-	const size_t room = hosts->room > 0 ? 2 * hosts->room : 16;
-	struct host_body **list = mem_realloc(hosts->list, room, sizeof *list);
-	if (list == NULL)
-		return fail_memory("a body");
-	hosts->list = list;
-	struct deform_rest *rests = mem_realloc(world->relaxation.rests, world->scene->object_count + room, sizeof *rests);
-	if (rests == NULL)
-		return fail_memory("a body");
-	world->relaxation.rests = rests;
-	hosts->room = room;
-	return STATUS_OK;
-}
-
-static struct host_body *new_body(const struct scene_object *object, struct scene_object *owned)
-{
-	struct host_body *host = mem_calloc(1, sizeof *host);
-	if (host == NULL)
-		return NULL;
-	host->body.object = object;
-	host->owned = owned;
-	host->stamped = 1;
-	for (int i = 0; i < 3; i++)
-		host->now.pose.position[i] = NAN;
-	return host;
-}
-
-enum status world_make_hosts(struct world *world)
-{
-	if (!scene_moves_bodies(world->scene))
-		return STATUS_OK;
-	for (size_t i = 0; i < world->scene->object_count; i++) {
-		enum status status = make_room(world);
-		if (status != STATUS_OK)
-			return status;
-		struct host_body *host = NULL;
-		if (world->bodies[i].track == NULL) {
-			host = new_body(&world->scene->objects[i], NULL);
-			if (host == NULL)
-				return fail_memory("a body");
-		}
-		world->hosts.list[world->hosts.count++] = host;
-	}
-	return STATUS_OK;
-}
-
-void world_host_free(struct host_body *host)
-{
-	if (host == NULL)
-		return;
-	if (host->owned != NULL)
-		scene_object_finish(host->owned);
-	mem_free(host->owned);
-	mem_free(host);
-}
-
-void world_free_hosts(struct world *world)
-{
-	for (size_t i = 0; i < world->hosts.count; i++)
-		world_host_free(world->hosts.list[i]);
-	mem_free(world->hosts.list);
-	world_names_free(world);
-	world->hosts = (struct world_hosts){.list = NULL};
-}
 
 enum status world_body_find(struct world *world, const char *name, int32_t *number)
 {
@@ -155,8 +67,7 @@ static enum status name_it(struct world *world, struct scene_object *object)
 		return fail_with(STATUS_INPUT, "%s: another body has this name; give one that is free", object->name);
 	world_names_next(world, name, sizeof name);
 	char *copy = mem_alloc(strlen(name) + 1, 1);
-	if (copy == NULL)
-		return fail_memory("a body");
+	TRY_MEM(copy, "a body");
 	strcpy(copy, name);
 	mem_free(object->name);
 	object->name = copy;
@@ -175,7 +86,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (object->path.count > 0)
 		return fail_with(STATUS_INPUT, "%s: it has a path; a body that is added is the host's: leave the path out, or put it into the "
 					       "scene's objects", object->name);
-	enum status status = soil_shape_check(&object->shape, world->spacing);
+	enum status status = soil_shape_check(&object->shape, world->resident.spacing);
 	if (status == STATUS_OK)
 		status = world_shape_budget(world, object->name, &object->shape);
 	if (status == STATUS_OK)
@@ -183,82 +94,77 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (status == STATUS_OK)
 		status = world_limits_add(world, &object->shape);
 	if (status == STATUS_OK)
-		status = make_room(world);
-	if (status == STATUS_OK)
 		status = name_it(world, object);
 	if (status == STATUS_OK && world->deform != NULL)
 		status = deform_warm(world->deform, &planned);
 	struct scene_object *owned = status == STATUS_OK ? mem_calloc(1, sizeof *owned) : NULL;
-	struct host_body *host = owned != NULL ? new_body(owned, owned) : NULL;
-	if (host == NULL) {
+	if (status == STATUS_OK)
+		status = owned != NULL ? world_list_body(world, BODY_HOST, owned, owned) : fail_memory("a body");
+	if (status != STATUS_OK) {
 		mem_free(owned);
 		world_names_freed(world, object->name); /* it is free again */
-		return status != STATUS_OK ? status : fail_memory("a body");
+		return status;
 	}
 	*owned = *object;
-	*number = (int32_t)world->hosts.count;
-	world->hosts.list[world->hosts.count++] = host;
+	*number = (int32_t)world->body_count - 1;
 	return STATUS_OK;
 }
 
 /* --- poses --- */
 
-static enum status check_state(const struct world *world, const struct host_body *host, const struct world_state *state)
+static enum status check_state(const struct world *world, const struct body *body, const struct furrow_state *state)
 {
 	struct soil_pose pose;
-	const char *name = host->body.object->name;
-	if (!host->placed)
+	const char *name = body->object->name;
+	if (!body->host.placed)
 		return fail_with(STATUS_USAGE, "%s: it was not placed; call furrow_place first, since it has nowhere to come from", name);
-	enum status status = world_state_check(&host->body.object->shape, name, state, &pose);
-	if (status != STATUS_OK)
-		return status;
-	const struct world_state *from = &host->now;
+	TRY(world_state_check(&body->object->shape, name, state, &pose));
+	const struct furrow_state *from = &body->host.now;
 	const double way = hypot(state->pose.position[0] - from->pose.position[0], state->pose.position[1] - from->pose.position[1]);
-	if (way > WORLD_HOST_WAY * world->spacing)
+	if (way > WORLD_HOST_WAY * world->resident.spacing)
 		return fail_with(STATUS_USAGE, "%s: it moves %g m in one step, more than %d posts; step more often, or use furrow_place", name, way,
 				 WORLD_HOST_WAY);
 	return STATUS_OK;
 }
 
 /* Returns the number of pages that one body's motion can change. */
-static double pages_of(const struct world *world, const struct host_body *host, const struct world_state *state)
+static double pages_of(const struct world *world, const struct body *body, const struct furrow_state *state)
 {
-	const double side = world->spacing * world->meta->extent.cells;
-	const double across = ceil((2 * soil_shape_bound(&host->body.object->shape) + 16 * world->spacing) / side) + 1;
-	const double way = fmax(fabs(state->pose.position[0] - host->now.pose.position[0]),
-				fabs(state->pose.position[1] - host->now.pose.position[1]));
+	const double side = world->resident.spacing * world->resident.meta->extent.cells;
+	const double across = ceil((2 * soil_shape_bound(&body->object->shape) + 16 * world->resident.spacing) / side) + 1;
+	const double way = fmax(fabs(state->pose.position[0] - body->host.now.pose.position[0]),
+				fabs(state->pose.position[1] - body->host.now.pose.position[1]));
 	return (2 * (way / side) + across) * across;
 }
 
 /* Adds the tiles that one body's motion can change, within the terrain. */
-static enum status add_tiles(const struct world *world, const struct host_body *host, const struct world_state *state, struct key_set *tiles)
+static enum status add_tiles(const struct world *world, const struct body *body, const struct furrow_state *state, struct key_set *tiles)
 {
-	const double *from = host->now.pose.position, *to = state->pose.position;
-	const double beside = soil_shape_bound(&host->body.object->shape) + 8 * world->spacing;
+	const double *from = body->host.now.pose.position, *to = state->pose.position;
+	const double beside = soil_shape_bound(&body->object->shape) + 8 * world->resident.spacing;
 	const struct post_rect rect = {
-		(int64_t)floor((fmin(from[0], to[0]) - beside) / world->spacing), (int64_t)floor((fmin(from[1], to[1]) - beside) / world->spacing),
-		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->spacing),
+		(int64_t)floor((fmin(from[0], to[0]) - beside) / world->resident.spacing), (int64_t)floor((fmin(from[1], to[1]) - beside) / world->resident.spacing),
+		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->resident.spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->resident.spacing),
 	};
 	struct tile first, last;
-	enum status status = STATUS_OK;
-	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, rect, &first, &last))
 		return STATUS_OK;
-	for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK && tiles->count <= WORLD_HOST_PAGES; x++)
-			status = key_set_add(tiles, tile_key((struct tile){world->level, x, y}));
-	return status;
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x && tiles->count <= WORLD_HOST_PAGES; x++)
+			TRY(key_set_add(tiles, tile_key((struct tile){world->resident.level, x, y})));
+	return STATUS_OK;
 }
 
-static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states)
 {
 	double pages = 0;
 	for (size_t i = 0; i < count; i++)
-		pages += pages_of(world, world_host_body(world, numbers[i]), &states[i]);
+		pages += pages_of(world, world->bodies[numbers[i]], &states[i]);
 	if (pages > WORLD_HOST_PAGES && pages / (double)count <= WORLD_HOST_PAGES) { /* bodies may share tiles */
 		struct key_set tiles = {.count = 0};
 		enum status status = STATUS_OK;
 		for (size_t i = 0; i < count && status == STATUS_OK; i++)
-			status = add_tiles(world, world_host_body(world, numbers[i]), &states[i], &tiles);
+			status = add_tiles(world, world->bodies[numbers[i]], &states[i], &tiles);
 		pages = (double)tiles.count;
 		key_set_finish(&tiles);
 		if (status != STATUS_OK)
@@ -270,119 +176,112 @@ static enum status check_pages(const struct world *world, size_t count, const in
 	return STATUS_OK;
 }
 
-enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts)
 {
-	const uint64_t turn = ++world->hosts.turn;
+	const uint64_t turn = ++world->set_turn;
 	for (size_t i = 0; i < count; i++) {
-		struct host_body *host;
-		enum status status = find(world, numbers[i], &host);
+		struct body *body;
+		enum status status = find(world, numbers[i], &body);
 		if (status == STATUS_OK)
-			status = check_state(world, host, &states[i]);
+			status = check_state(world, body, &states[i]);
 		if (status != STATUS_OK)
 			return status;
-		if (host->turn == turn)
-			return fail_with(STATUS_USAGE, "%s: it stands twice in the list; give one state for each body", host->body.object->name);
-		host->turn = turn;
+		if (body->host.turn == turn)
+			return fail_with(STATUS_USAGE, "%s: it stands twice in the list; give one state for each body", body->object->name);
+		body->host.turn = turn;
 	}
 	enum status status = check_pages(world, count, numbers, states);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		struct host_body *host = world_host_body(world, numbers[i]);
-		host->next = states[i];
-		host->has_next = true;
+		struct body *body = world->bodies[numbers[i]];
+		body->host.next = states[i];
+		if (belts != NULL)
+			body->host.next_belt = belts[i];
+		body->host.has_next = true;
 	}
 	world->near.stale = true;
 	return status;
 }
 
-const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state)
-{
-	return host->quiet ? &state->belt : &host->belt;
-}
-
-enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct world_belt *belts)
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_belt *belts)
 {
 	for (size_t i = 0; i < count; i++) {
-		struct host_body *host;
-		enum status status = find(world, numbers[i], &host);
-		if (status != STATUS_OK)
-			return status;
-		if (!host->body.object->shape.belt)
-			return fail_with(STATUS_USAGE, "%s: it has no belt; give it belt: true of a box or a mesh", host->body.object->name);
+		struct body *body;
+		TRY(find(world, numbers[i], &body));
+		if (!body->object->shape.belt)
+			return fail_with(STATUS_USAGE, "%s: it has no belt; give it belt: true of a box or a mesh", body->object->name);
 		if (!isfinite(belts[i].travel) || !isfinite(belts[i].speed))
 			return fail_with(STATUS_USAGE, "%s: the travel or the speed of its belt is not a finite number; give m and m/s",
-					 host->body.object->name);
+					 body->object->name);
 	}
 	for (size_t i = 0; i < count; i++) {
-		struct host_body *host = world_host_body(world, numbers[i]);
-		if (!host->belt_told)
-			host->body.last.turn = belts[i].travel; /* its travel is counted from here */
-		host->belt = belts[i];
-		host->belt_told = true;
+		struct body *body = world->bodies[numbers[i]];
+		if (!body->host.belt_told)
+			body->last.turn = belts[i].travel; /* its travel is counted from here */
+		body->host.belt = belts[i];
+		body->host.belt_told = true;
 	}
 	return STATUS_OK;
 }
 
 /* Frees the ground that it rested on. It touches nothing until the next step. */
-static enum status lift(struct world *world, struct host_body *host)
+static enum status lift(struct world *world, struct body *body)
 {
-	enum status status = world_let_go(world, &host->body);
-	host->body.in_contact = false;
-	host->fresh = true;
-	host->since = host->turned = 0;
-	memset(host->rotated, 0, sizeof host->rotated);
-	host->stamped = 1;
-	host->force = world_no_force(0);
-	host->state = WORLD_AIR;
-	host->told = world->time;
+	enum status status = world_let_go(world, body);
+	body->in_contact = false;
+	body->host.fresh = true;
+	body->host.since = body->host.turned = 0;
+	memset(body->host.rotated, 0, sizeof body->host.rotated);
+	body->host.stamped = 1;
+	body->host.force = world_no_force(0);
+	body->host.state = FURROW_AIR;
+	body->host.told = world->time;
 	return status;
 }
 
-enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose)
+enum status world_body_place(struct world *world, int32_t number, const struct furrow_pose *pose)
 {
-	struct host_body *host;
+	struct body *body;
 	struct soil_pose at;
-	enum status status = find(world, number, &host);
-	if (status == STATUS_OK)
-		status = world_attitude(&host->body.object->shape, host->body.object->name, pose, &at);
-	if (status == STATUS_OK)
-		status = lift(world, host);
-	if (status != STATUS_OK)
-		return status;
-	host->placed = world->unplaced = true;
-	host->has_next = host->posed_linear = host->posed_angular = host->unposed = false;
-	host->rates_far = 0;
-	host->now = (struct world_state){.pose = *pose};
+	TRY(find(world, number, &body));
+	TRY(world_attitude(&body->object->shape, body->object->name, pose, &at));
+	TRY(lift(world, body));
+	body->host.placed = world->unplaced = true;
+	body->host.has_next = body->host.posed_linear = body->host.posed_angular = body->host.unposed = false;
+	body->host.rates_far = 0;
+	body->host.now = (struct furrow_state){.pose = *pose};
+	if (body->kind == BODY_VEHICLE)
+		body->host.belt = (struct furrow_belt){0, 0};
 	world->near.stale = true;
 	return STATUS_OK;
 }
 
 enum status world_body_remove(struct world *world, int32_t number)
 {
-	struct host_body *host;
-	enum status status = find(world, number, &host);
+	struct body *body;
+	enum status status = find(world, number, &body);
 	if (status == STATUS_OK)
-		status = lift(world, host);
+		status = lift(world, body);
 	if (status == STATUS_OK)
-		host->removed = true;
+		body->host.removed = true;
 	world->near.stale = true;
 	if (status == STATUS_OK)
-		world_names_freed(world, host->body.object->name);
+		world_names_freed(world, body->object->name);
 	return status;
 }
 
-enum status world_body_state(const struct world *world, int32_t number, struct world_state *state)
+enum status world_body_state(const struct world *world, int32_t number, struct furrow_state *state)
 {
-	const struct host_body *host = world_host_body(world, number);
-	*state = (struct world_state){.pose = {{NAN, NAN, NAN}, {NAN, NAN, NAN, NAN}}};
-	if (host != NULL && !host->removed) {
-		if (host->placed)
-			*state = host->now;
+	const struct body *body = world_body(world, (size_t)number);
+	*state = (struct furrow_state){.pose = {{NAN, NAN, NAN}, {NAN, NAN, NAN, NAN}}};
+	if (body == NULL || body->host.removed)
+		return gone(number);
+	if (body->kind != BODY_PATH) {
+		if (body->host.placed)
+			*state = body->host.now;
 		else
 			for (int i = 0; i < 3; i++)
 				state->linear[i] = state->angular[i] = NAN;
 		return STATUS_OK;
 	}
-	if (!world_follows_path(world, number))
-		return gone(number);
 	return world_path_state(world, (size_t)number, state);
 }

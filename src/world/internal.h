@@ -4,7 +4,39 @@
 
 #include "world/record.h"
 #include "base/crew.h"
-#include "world/world.h"
+#include "world/model.h"
+
+/* world.c: makes a world with nothing in it but its parameters. */
+enum status world_make(const struct world_params *params, struct world **world) FURROW_CHECKED;
+
+/* --- phase.c --- */
+/* Enters a phase. The arrow from the present one must be in the table. */
+void world_enter(struct world *world, enum world_phase to);
+/* Returns the function that may lead from one phase to another; NULL: none may. */
+const char *world_phase_arrow(enum world_phase from, enum world_phase to);
+bool world_has_begun(const struct world *world); /* this run has changed the store, or is about to */
+void world_return_to(struct world *world, bool begun); /* for world_rollback: to WORLD_STEPPING if the run had begun then, or WORLD_READY */
+
+/* --- happened.c: what a watched world keeps of a step --- */
+enum status world_happened_touch(struct world *world, const struct event *event, const struct contact_area *area) FURROW_CHECKED; /* a contact begins */
+void world_happened_relaxes(struct world *world);                       /* it has ended; what changes now is relaxation */
+enum status world_happened_change(struct world *world, struct tile tile) FURROW_CHECKED;
+void world_happened_reach(struct world *world, double metres);
+void world_happened_finish(struct world *world);
+
+/* --- steps.c --- */
+/* Ends a change of the ground. From now on it may be committed with the present record, and the numbers that were attached last. */
+enum status world_end_change(struct world *world) FURROW_CHECKED;
+
+enum status world_end_or_wait(struct world *world) FURROW_CHECKED; /* the same, unless numbers are attached: those come first */
+
+/* --- stages.c --- */
+/* The step that is made. */
+struct step {
+	double until; /* s: its end */
+};
+/* From now on time counts as that of this stage. Returns the stage before. */
+enum world_stage world_stage_enter(struct world *world, enum world_stage stage);
 
 /* --- resume.c --- */
 
@@ -16,24 +48,35 @@ enum status world_fill_record(struct world *world) FURROW_CHECKED; /* steps.c */
 
 /* --- ruts.c --- */
 
-/* Finds world->began: how deep the ruts in the store or overlay are, and prints a note about it. Does nothing if the drive is resumed. */
+/* Finds world->facts.began: how deep the ruts in the store or overlay are, and prints a note about it. Does nothing if the drive is resumed. */
 enum status world_find_ruts(struct world *world) FURROW_CHECKED;
 
 /* --- drop.c: links the programs for bodies that a window drops, before the first step --- */
 enum status world_warm_drops(struct world *world) FURROW_CHECKED;
 
-/* --- bodies.c: makes a body for each of the scene's objects, one more for drops, and the record --- */
+/* --- bodies.c: the list of bodies --- */
+/* Makes a body for each of the scene's objects, and the record. */
 enum status world_make_bodies(struct world *world) FURROW_CHECKED;
 void world_free_bodies(struct world *world); /* the world may have no bodies */
+/* Adds a body that moves as `kind` says, and gives it the next number. `owned`: the object, if the body owns it, or NULL. On failure there is no body. */
+enum status world_list_body(struct world *world, enum body_kind kind, const struct scene_object *object, struct scene_object *owned) FURROW_CHECKED;
+void world_body_free(struct body *body); /* body may be NULL */
+/* As world_body, for who changes the body. */
+struct body *world_body_at(const struct world *world, size_t number);
+/* Returns the body with this number if a host or a vehicle moves it; NULL: none does. */
+struct body *world_body_hosted(const struct world *world, size_t number);
+bool world_is_hosted(const struct body *body); /* a host or a vehicle moves it. NULL: false */
+bool world_is_set_down(const struct body *body); /* a host or a vehicle has placed it, and has not removed it. NULL: false */
+bool world_follows_path(const struct world *world, size_t number);
 
 /* --- attitude.c --- */
 
 /* Converts a pose that a host gave into a pose for deform, for this shape. STATUS_USAGE: a number is wrong, or the quaternion's
  * length is. `name`: the body's name, for messages. */
-enum status world_attitude(const struct soil_shape *shape, const char *name, const struct world_pose *from, struct soil_pose *pose)
+enum status world_attitude(const struct soil_shape *shape, const char *name, const struct furrow_pose *from, struct soil_pose *pose)
 	FURROW_CHECKED;
 /* Checks a state that a host gave, and finds its pose. STATUS_USAGE as world_attitude, or a velocity is neither finite nor all NaN. */
-enum status world_state_check(const struct soil_shape *shape, const char *name, const struct world_state *state, struct soil_pose *pose)
+enum status world_state_check(const struct soil_shape *shape, const char *name, const struct furrow_state *state, struct soil_pose *pose)
 	FURROW_CHECKED;
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
 double world_spin(const struct soil_pose *pose, const double angular[3]);
@@ -44,12 +87,12 @@ int world_law(const struct world *world);
 /* Returns false if a velocity is all NaN, in place of that of the poses. */
 bool world_rates_given(const double rate[3]);
 /* Replaces velocities of `state` that were not given by those of the straight motion from a pose to that state. 0 s: they are 0. */
-void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);
+void world_rates_fill(const struct furrow_pose *from, double seconds, struct furrow_state *state);
 /* For a round body whose host leaves its turns out of its poses. Returns how long its way to a state takes at the state's velocity, s. For others: 0.
  * Such a body turns as its angular velocity says, as in a step. */
-double world_rates_unposed(const struct host_body *host, const struct world_state *state);
+double world_rates_unposed(const struct body *body, const struct furrow_state *state);
 /* Moves a body to where its host set it for the step that begins, which takes `seconds`. Velocities are known afterwards. */
-void world_rates_take(struct host_body *host, double seconds);
+void world_rates_take(struct body *body, double seconds);
 
 /* Computes the quaternion w, x, y, z of a pose. */
 void world_orientation(const struct soil_pose *pose, double q[4]);
@@ -58,16 +101,6 @@ void world_orientation(const struct soil_pose *pose, double q[4]);
 
 #define WORLD_HOST_PAGES 4096 /* tiles that a host's bodies may change in one step */
 #define WORLD_HOST_WAY 4096   /* posts that one such body may travel in one step */
-enum status world_make_hosts(struct world *world) FURROW_CHECKED;
-void world_free_hosts(struct world *world);
-void world_host_free(struct host_body *host); /* host may be NULL */
-/* Returns the host's body with this number. Returns NULL for a body with a path, or if there is no such body. */
-struct host_body *world_host_body(const struct world *world, int32_t number);
-/* Returns the body with the index event.body. Indices: first the scene's objects, then the body that a window drops, then the
- * host's bodies by number. */
-struct body *world_body_at(const struct world *world, size_t index);
-bool world_is_hosts(const struct world *world, size_t index);
-bool world_follows_path(const struct world *world, int32_t number);
 /* --- names.c --- */
 /* Returns the number of the body with this name; -1: there is none. */
 int32_t world_names_find(struct world *world, const char *name);
@@ -76,22 +109,19 @@ void world_names_next(struct world *world, char *name, size_t room);
 void world_names_freed(struct world *world, const char *name); /* no body has this name any more */
 void world_names_forget(struct world *world); /* bodies came and went in another way, as in a rollback */
 void world_names_free(struct world *world);
-bool world_is_quiet(const struct world *world, size_t index); /* a host's body whose caller computes its forces */
 /* --- host_steps.c --- */
 
 /* Moves the host's bodies to the places that the host gave. The motion takes `seconds` and ends at time `until`. */
 enum status world_hosts_step(struct world *world, double seconds, double until) FURROW_CHECKED;
 /* Tells whether a contact ends at the pose of the last step. There the body leaves a dip, goes or slides back, or sinks after it slid. to, turned,
  * rotated: of the next step. */
-bool world_turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3]);
+bool world_turns_back(const struct world *world, const struct body *body, const struct soil_pose *to, double turned, const double rotated[3]);
 /* Returns the shape of the hollow that a contact leaves. 1: an impression of the body, where it sank. 0: a flat rut, where it moved on. */
-double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to);
-/* Adds the host's bodies that rest on the ground to `rests`. Returns their number. */
-size_t world_host_rests(const struct world *world, struct deform_rest *rests);
+double world_stamp_after(const struct world *world, const struct body *body, const struct soil_pose *to);
 void world_host_felt(struct world *world, size_t index, double time, const struct world_force *force); /* notes the force at a time, s */
 void world_host_absent(struct world *world, size_t index); /* notes that the body touches nothing */
 /* In told.c: gives the state of a body with a path. */
-enum status world_path_state(const struct world *world, size_t body, struct world_state *state) FURROW_CHECKED;
+enum status world_path_state(const struct world *world, size_t body, struct furrow_state *state) FURROW_CHECKED;
 
 /* --- probes.c --- */
 
@@ -99,11 +129,9 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 void world_rotation_between(const double from[4], const double to[4], double rotated[3]);
 /* Computes the contact at the body's present state. probed->known false: it is not known. */
 enum status world_probes_now(struct world *world, int32_t number, struct soil_probed *probed) FURROW_CHECKED;
-/* hosts.c: returns where the body's belt is in a state. */
-const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state);
 /* told.c: fills a contact from what a probe computed. */
-void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct soil_probed *probed, double time,
-		       struct world_contact *contact);
+void world_tell_probed(const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_probed *probed,
+		       double time, struct furrow_contact *contact);
 
 /* --- changes.c --- */
 
@@ -131,7 +159,7 @@ enum status world_settle_relief(struct world *world) FURROW_CHECKED;
 void world_relief_close(struct world_relief *relief); /* relief may be NULL */
 /* Tells why the scene's relief raises nothing, if so. */
 void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user);
-/* planet.c: sets world->light; tells if pictures or vehicles are of another planet than the store. */
+/* planet.c: sets world->facts.light; tells if pictures or vehicles are of another planet than the store. */
 void world_settle_light(struct world *world);
 void world_advise_planet(const struct world *world, scene_advice_fn tell, void *user);
 /* Opens the map of soils, if the scene needs it. */
@@ -144,7 +172,7 @@ enum status world_check_bearing(const struct world *world, const char *name, con
 /* Tells the rasters whose values seem to be in a wrong unit. */
 void world_advise_rasters(const struct world *world, scene_advice_fn tell, void *user);
 /* --- soils_met.c --- */
-/* Finds world->met. Call it after world_make_bodies, before a thread reads the map. What cannot be read is left to the drive. */
+/* Finds world->facts.met. Call it after world_make_bodies, before a thread reads the map. What cannot be read is left to the drive. */
 enum status world_find_soils_met(struct world *world) FURROW_CHECKED;
 void world_soils_met_free(struct world_soils_met *met); /* takes NULL */
 /* Tells maps and rasters that cover nothing, values in no class, classes under no path, and loads that a soil does not carry. */
@@ -175,7 +203,7 @@ size_t world_least_slots(const struct world *world);
 
 /* --- limits.c: how many tiles the world keeps in memory --- */
 
-/* Sets world->limits. Call it after world_make_bodies. STATUS_INPUT: cache.memory is too little; the message has the least. */
+/* Sets world->facts.limits. Call it after world_make_bodies. STATUS_INPUT: cache.memory is too little; the message has the least. */
 enum status world_settle_limits(struct world *world) FURROW_CHECKED;
 /* plan.c: returns the metres along the ground that the object has come at `time`; NAN: out of memory. */
 double world_way_at(const struct track *track, double time);
@@ -232,7 +260,7 @@ enum status world_let_go(struct world *world, const struct body *body) FURROW_CH
 /* Lists the bodies, with all places of this step's events. Call it when a step has its events. */
 enum status world_near_make(struct world *world) FURROW_CHECKED;
 /* Lists them for probes, these hosts' bodies in these states. After the probes call world_near_end. */
-enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states) FURROW_CHECKED;
+enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states) FURROW_CHECKED;
 void world_near_end(struct world *world);
 /* Puts the bodies that are over these posts now into world->near.found, in their order. */
 void world_near_find(struct world *world, struct post_rect rect);
@@ -251,15 +279,14 @@ size_t world_tiles_in(const struct world *world, struct post_rect rect); /* retu
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
 enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held) FURROW_CHECKED;
 void world_release(struct world *world, struct held_tiles *held);
-/* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and the watcher learn of it. */
+/* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and pictures learn of it. */
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
 /* Computes one contact. world_contact_or_wait: it may wait until world_batches_flush; the event must stay valid until then. */
 enum status world_contact(struct world *world, const struct event *event) FURROW_CHECKED;
 enum status world_contact_or_wait(struct world *world, const struct event *event) FURROW_CHECKED;
-/* Tell the watcher, if there is one, that a contact begins to change the ground, and that it has ended. */
-enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+/* Note, if somebody watches, that a contact begins to change the ground, and that it has ended. */
+enum status world_tell_contact(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count) FURROW_CHECKED;
-enum status world_tell_contact_ended(const struct world *world) FURROW_CHECKED;
 /* Counts windows of a contact that were computed alone. */
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed);
 
@@ -342,7 +369,7 @@ void world_forces_met(struct forces *forces, size_t body, const struct event *ev
 bool world_feels(const struct world *world);
 /* told.c: the force on a body at this height that touches nothing. */
 struct world_force world_no_force(int64_t z);
-enum world_contact_state world_contact_state_of(enum deform_state state);
+enum furrow_contact_state world_contact_state_of(enum deform_state state);
 /* Copies the state of the forces, for a checkpoint. If `forces` is NULL, *out is NULL. */
 struct forces_saved;
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out) FURROW_CHECKED;

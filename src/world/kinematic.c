@@ -19,8 +19,8 @@ static enum status gather(struct world *world, const struct deform_window *windo
 
 static enum status put(struct world *world, struct post_rect changed, const struct held_tiles *held)
 {
-	enum status status = bearing_kinematic_scatter(world->bearing, changed, held->tiles, held->count);
-	return status == STATUS_OK ? world_mark(world, changed, held) : status;
+	TRY(bearing_kinematic_scatter(world->bearing, changed, held->tiles, held->count));
+	return world_mark(world, changed, held);
 }
 
 /* Writes what changed. held: the tiles of a single window are still pinned. */
@@ -46,17 +46,17 @@ static enum status compute(struct world *world, const struct event *event, const
 			   const struct deform_window *windows, size_t count, struct post_rect *changed)
 {
 	struct held_tiles held = {.count = 0};
-	enum status status = world_tell_contact(world, event, contact, windows, count);
-	if (status == STATUS_OK)
-		status = bearing_kinematic_begin(world->bearing, contact, area);
-	if (status == STATUS_OK)
-		status = gather(world, windows, count, &held);
-	if (status == STATUS_OK)
-		status = bearing_kinematic_run(world->bearing, contact, area, count == 1 && windows[0].parts == 0, changed);
-	if (status == STATUS_OK && !post_rect_empty(*changed))
-		status = scatter(world, windows, count, *changed, &held);
+	enum status status;
+	TRY_OR(done, world_tell_contact(world, event, contact, windows, count));
+	TRY_OR(done, bearing_kinematic_begin(world->bearing, contact, area));
+	TRY_OR(done, gather(world, windows, count, &held));
+	TRY_OR(done, bearing_kinematic_run(world->bearing, contact, area, count == 1 && windows[0].parts == 0, changed));
+	if (!post_rect_empty(*changed))
+		TRY_OR(done, scatter(world, windows, count, *changed, &held));
+done:
 	world_release(world, &held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	world_happened_relaxes(world);
+	return status;
 }
 
 enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact)
@@ -81,10 +81,10 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	if (status == STATUS_OK && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
 		status = world_let_go(world, body);
 	const size_t due = deform_windows_computed(windows, count);
-	world->windows.due += due;
+	world->counts.windows.due += due;
 	if (status != STATUS_OK || count == 0 || aloft)
 		return status;
-	world->windows.computed += due;
+	world->counts.windows.computed += due;
 	status = compute(world, event, contact, &area, windows, count, &changed);
 	if (status == STATUS_OK)
 		world_count_windows(body, contact, due);

@@ -18,7 +18,7 @@
 
 static uint64_t plane_bytes_of(const struct world *world)
 {
-	const uint64_t side = tile_posts(&world->meta->extent);
+	const uint64_t side = tile_posts(&world->resident.meta->extent);
 	return side * side * sizeof(int32_t);
 }
 
@@ -32,12 +32,12 @@ static double tiles_under(double across, double side)
 
 static double ground_under(const struct world *world, const struct soil_shape *shape, double speed)
 {
-	const struct extent *extent = &world->meta->extent;
-	const int finest = world->store != NULL ? store_finest_base(world->store) : 0;
+	const struct extent *extent = &world->resident.meta->extent;
+	const int finest = world->resident.store != NULL ? store_finest_base(world->resident.store) : 0;
 	double tiles = 0;
 	for (int level = finest; level <= 0; level++) {
 		const double side = extent_spacing(extent, level) * extent->cells;
-		tiles += tiles_under(2 * soil_shape_bound(shape), side) + speed * world->limits.prefetch / side;
+		tiles += tiles_under(2 * soil_shape_bound(shape), side) + speed * world->facts.limits.prefetch / side;
 	}
 	return tiles;
 }
@@ -46,10 +46,10 @@ static double ground_under(const struct world *world, const struct soil_shape *s
 static double ground_need(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	const double insets = world->store != NULL ? -store_finest_base(world->store) : 0;
-	double need = world->limits.hosts_need, few = (4 + insets) * ((double)scene->object_count + 1);
+	const double insets = world->resident.store != NULL ? -store_finest_base(world->resident.store) : 0;
+	double need = world->facts.limits.hosts_need, few = (4 + insets) * ((double)scene->object_count + 1);
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct track *track = world->bodies[i].track;
+		const struct track *track = world->bodies[i]->track;
 		need += ground_under(world, &scene->objects[i].shape, track != NULL ? motion_track_fastest(track) : 0);
 	}
 	return fmax(fmin(few, FEW_TILES), 4 * need / 3);
@@ -58,9 +58,9 @@ static double ground_need(const struct world *world)
 /* Returns the number of base tiles of the terrain; INFINITY: it is not known. */
 static double base_tiles(const struct world *world)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	double tiles = 0;
-	if (world->store == NULL || store_finest_base(world->store) < 0)
+	if (world->resident.store == NULL || store_finest_base(world->resident.store) < 0)
 		return INFINITY;
 	for (int level = 0; level <= extent_coarsest(extent); level++)
 		tiles += (double)extent_tiles_x(extent, level) * extent_tiles_y(extent, level);
@@ -79,7 +79,7 @@ static uint32_t ground_tiles(const struct world *world, uint32_t slots, uint64_t
 
 static uint32_t query_tiles(const struct world *world, uint64_t bytes)
 {
-	const uint32_t cells = world->meta->extent.cells, most = resident_newest_tiles(cells);
+	const uint32_t cells = world->resident.meta->extent.cells, most = resident_newest_tiles(cells);
 	if (!scene_moves_bodies(world->scene))
 		return 0;
 	const double fit = bytes > 0 ? (double)(bytes / resident_newest_tile_bytes(cells)) : INFINITY;
@@ -91,10 +91,10 @@ static uint32_t query_tiles(const struct world *world, uint64_t bytes)
 
 uint32_t world_work_pages(const struct world *world)
 {
-	const double side = world->spacing * world->meta->extent.cells;
-	double pages = world->limits.hosts_work;
+	const double side = world->resident.spacing * world->resident.meta->extent.cells;
+	double pages = world->facts.limits.hosts_work;
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
+		if (world->bodies[i]->track != NULL)
 			pages += tiles_under(2 * soil_shape_bound(&world->scene->objects[i].shape), side);
 	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
 }
@@ -103,19 +103,19 @@ uint32_t world_work_pages(const struct world *world)
  * never waits for a tile, so it always needs loaders. */
 static bool holds_all(const struct world *world, uint32_t slots)
 {
-	return world->store != NULL && !world->params.drops && store_finest_base(world->store) >= world->level && world_all_tiles(world) <= slots;
+	return world->resident.store != NULL && !world->params.drops && store_finest_base(world->resident.store) >= world->resident.level && world_all_tiles(world) <= slots;
 }
 
 /* Fills the limits for so many slots. `part`: bytes from which base heights and queries get their parts; 0: they have no limit of bytes. */
 static void set(struct world *world, uint32_t slots, uint64_t part)
 {
-	world->limits.slots = slots;
-	world->limits.all = holds_all(world, slots);
-	world->limits.loaders = world->limits.all ? 0 : world->scene->loaders;
-	world->limits.prefetch = world->limits.all ? 0 : world->scene->prefetch;
-	world->limits.images = world->scene->memory > 0 ? slots / 2 + 1 : 0;
-	world->limits.ground = ground_tiles(world, slots, part / GROUND_PART);
-	world->limits.queries = query_tiles(world, part / QUERIES_PART);
+	world->facts.limits.slots = slots;
+	world->facts.limits.all = holds_all(world, slots);
+	world->facts.limits.loaders = world->facts.limits.all ? 0 : world->scene->loaders;
+	world->facts.limits.prefetch = world->facts.limits.all ? 0 : world->scene->prefetch;
+	world->facts.limits.images = world->scene->memory > 0 ? slots / 2 + 1 : 0;
+	world->facts.limits.ground = ground_tiles(world, slots, part / GROUND_PART);
+	world->facts.limits.queries = query_tiles(world, part / QUERIES_PART);
 }
 
 /* Returns the bytes that the limits allow, as explain tells them. */
@@ -153,7 +153,7 @@ static uint32_t slots_of_all(const struct world *world)
 {
 	struct scene_parameter slots;
 	scene_parameter("cache.slots", &slots);
-	return world->store != NULL && world_all_tiles(world) < slots.high ? (uint32_t)world_all_tiles(world) : (uint32_t)slots.high;
+	return world->resident.store != NULL && world_all_tiles(world) < slots.high ? (uint32_t)world_all_tiles(world) : (uint32_t)slots.high;
 }
 
 static uint64_t memory_for(const struct world *world, uint32_t slots)
@@ -172,7 +172,7 @@ enum status world_settle_limits(struct world *world)
 	const struct scene *scene = world->scene;
 	struct scene_parameter slots;
 	scene_parameter("cache.slots", &slots);
-	world->limits.usable = mem_usable();
+	world->facts.limits.usable = mem_usable();
 	if (scene->memory == 0) {
 		set(world, scene->slots, 0);
 		return STATUS_OK;
@@ -186,7 +186,7 @@ enum status world_settle_limits(struct world *world)
 	world_budget(world, &most);
 	return fail_with(STATUS_INPUT, "%s: cache.memory: %.6g MB is too little for %u slots, %u changed tiles on their way to the store and %u tiles of base "
 				       "heights; give at least %.0f MB",
-			 scene->file, (double)scene->memory / 1e6, least, most.images_few, world->limits.ground, (double)memory_for(world, least) / 1e6);
+			 scene->file, (double)scene->memory / 1e6, least, most.images_few, world->facts.limits.ground, (double)memory_for(world, least) / 1e6);
 }
 
 void world_advise_limits(const struct world *world, scene_advice_fn tell, void *user)
@@ -195,25 +195,25 @@ void world_advise_limits(const struct world *world, scene_advice_fn tell, void *
 	struct scene_parameter slots;
 	char text[240];
 	scene_parameter("cache.slots", &slots);
-	if (scene_moves_bodies(world->scene) || work <= world->limits.slots || enough > slots.high)
+	if (scene_moves_bodies(world->scene) || work <= world->facts.limits.slots || enough > slots.high)
 		return;
 	if (world->scene->memory > 0)
 		snprintf(text, sizeof text, "cache.memory: %.6g MB leaves %u slots, and the objects lie on about %u tiles: each step loads tiles "
 					    "again; give about %.0f MB",
-			 (double)world->scene->memory / 1e6, world->limits.slots, work, (double)memory_for(world, enough) / 1e6);
+			 (double)world->scene->memory / 1e6, world->facts.limits.slots, work, (double)memory_for(world, enough) / 1e6);
 	else
 		snprintf(text, sizeof text, "cache.slots: %u, and the objects lie on about %u tiles: each step loads tiles again; give %u, or "
 					    "cache.memory: %.0f MB",
-			 world->limits.slots, work, enough, (double)memory_for(world, enough) / 1e6);
+			 world->facts.limits.slots, work, enough, (double)memory_for(world, enough) / 1e6);
 	tell(user, text);
 }
 
 enum status world_limits_add(struct world *world, const struct soil_shape *shape)
 {
-	world->limits.hosts_need += ground_under(world, shape, 0);
-	world->limits.hosts_work += tiles_under(2 * soil_shape_bound(shape), world->spacing * world->meta->extent.cells);
+	world->facts.limits.hosts_need += ground_under(world, shape, 0);
+	world->facts.limits.hosts_work += tiles_under(2 * soil_shape_bound(shape), world->resident.spacing * world->resident.meta->extent.cells);
 	const uint64_t part = world->scene->memory;
-	world->limits.ground = ground_tiles(world, world->limits.slots, part / GROUND_PART);
-	world->limits.queries = query_tiles(world, part / QUERIES_PART);
-	return resident_ground_grow(world->ground, world->limits.ground);
+	world->facts.limits.ground = ground_tiles(world, world->facts.limits.slots, part / GROUND_PART);
+	world->facts.limits.queries = query_tiles(world, part / QUERIES_PART);
+	return resident_ground_grow(world->resident.ground, world->facts.limits.ground);
 }

@@ -48,8 +48,7 @@ enum status world_meetings_create(struct world *world)
 	if (world->bearing == NULL || !world_feels(world))
 		return STATUS_OK;
 	world->meetings = mem_calloc(1, sizeof *world->meetings);
-	if (world->meetings == NULL)
-		return fail_memory("contacts that wait");
+	TRY_MEM(world->meetings, "contacts that wait");
 	world->meetings->turn = 1;
 	world->near.stale = true;
 	return STATUS_OK;
@@ -86,8 +85,7 @@ static enum status grow(struct meetings *m)
 	m->order = order != NULL ? order : m->order;
 	struct bearing_contact *contacts = mem_realloc(m->contacts, room, sizeof *contacts);
 	m->contacts = contacts != NULL ? contacts : m->contacts;
-	if (list == NULL || order == NULL || contacts == NULL)
-		return fail_memory("contacts that wait");
+	TRY_MEM(list != NULL && order != NULL && contacts != NULL, "contacts that wait");
 	m->room = room;
 	return STATUS_OK;
 }
@@ -96,9 +94,7 @@ enum status world_meetings_add(struct world *world, const struct event *event, c
 {
 	struct meetings *m = world->meetings;
 	struct body *body = world_body_at(world, event->body);
-	enum status status = m->count == m->room ? grow(m) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	TRY(m->count == m->room ? grow(m) : STATUS_OK);
 	/* The rounds of a body count while anything waits. */
 	const size_t round = m->count > 0 && body->met_turn == m->turn ? body->met : 0;
 	m->list[m->count++] = (struct waiting_contact){*event, *contact, *area, round, 0, feels};
@@ -197,8 +193,7 @@ static enum status need_rests(struct group *group, size_t count)
 	if (count <= group->rest_room)
 		return STATUS_OK;
 	struct deform_rest *rests = mem_realloc(group->rests, 2 * count, sizeof *rests);
-	if (rests == NULL)
-		return fail_memory("bodies near each other");
+	TRY_MEM(rests, "bodies near each other");
 	group->rests = rests;
 	group->rest_room = 2 * count;
 	return STATUS_OK;
@@ -234,10 +229,12 @@ static enum status tell(struct world *world, const struct waiting_contact *waiti
 	const struct deform_window window = {.read = waiting->area.read, .write = waiting->area.write};
 	if (waiting->feels || post_rect_empty(done->changed))
 		return STATUS_OK;
-	enum status status = world_tell_contact(world, &waiting->event, &waiting->contact, &window, 1);
-	if (status == STATUS_OK)
-		status = world_mark(world, done->changed, held);
-	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+	enum status status;
+	TRY_OR(done, world_tell_contact(world, &waiting->event, &waiting->contact, &window, 1));
+	TRY_OR(done, world_mark(world, done->changed, held));
+done:
+	world_happened_relaxes(world);
+	return status;
 }
 
 static void count_windows(struct world *world, const struct waiting_contact *waiting, const struct bearing_contact *done)
@@ -247,17 +244,17 @@ static void count_windows(struct world *world, const struct waiting_contact *wai
 	if (waiting->feels)
 		return;
 	world_count_windows(world_body_at(world, waiting->event.body), &waiting->contact, computed);
-	world->windows.due++;
-	world->windows.computed += computed;
+	world->counts.windows.due++;
+	world->counts.windows.computed += computed;
 }
 
 /* Puts back what the held tiles have of what changed. */
 static enum status put_back(struct world *world, const struct group *group, const struct held_tiles *held)
 {
-	enum status status = bearing_meeting_scatter(group->hand, group->contacts, group->count, held->tiles, held->count);
-	for (size_t i = 0; i < group->count && status == STATUS_OK; i++)
-		status = tell(world, &world->meetings->list[group->order[i]], &group->contacts[i], held);
-	return status;
+	TRY(bearing_meeting_scatter(group->hand, group->contacts, group->count, held->tiles, held->count));
+	for (size_t i = 0; i < group->count; i++)
+		TRY(tell(world, &world->meetings->list[group->order[i]], &group->contacts[i], held));
+	return STATUS_OK;
 }
 
 /* Goes over the tiles of a window one by one: it may have more of them than there are slots. */
@@ -266,12 +263,12 @@ static enum status each_tile(struct world *world, const struct group *group, boo
 	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
 	struct tile first, last;
 	enum status status = STATUS_OK;
-	if (!tile_range_of(&world->meta->extent, world->level, reads, &first, &last))
+	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, reads, &first, &last))
 		return status;
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
 			struct held_tiles held;
-			status = world_hold_tile(world, (struct tile){world->level, x, y}, &held);
+			status = world_hold_tile(world, (struct tile){world->resident.level, x, y}, &held);
 			if (status == STATUS_OK && gathers)
 				bearing_meeting_gather(group->hand, held.tiles, held.count);
 			else if (status == STATUS_OK)
@@ -286,12 +283,9 @@ static enum status begin(struct world *world, struct group *group)
 {
 	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
 	group->held.count = 0;
-	enum status status = list_beside(world, group);
-	if (status == STATUS_OK)
-		status = bearing_meeting_begin(group->hand, group->contacts, group->count, group->whole);
-	if (status == STATUS_OK)
-		status = group->whole ? world_hold(world, reads, &group->held) : each_tile(world, group, true);
-	return status;
+	TRY(list_beside(world, group));
+	TRY(bearing_meeting_begin(group->hand, group->contacts, group->count, group->whole));
+	return group->whole ? world_hold(world, reads, &group->held) : each_tile(world, group, true);
 }
 
 /* Computes a group. Any thread of the crew. */
@@ -307,13 +301,13 @@ static enum status compute(void *user, size_t member, size_t number)
 static enum status end(struct world *world, struct group *group)
 {
 	const struct meetings *m = world->meetings;
-	enum status status = group->whole ? put_back(world, group, &group->held) : each_tile(world, group, false);
-	for (size_t i = 0; i < group->count && status == STATUS_OK; i++) {
+	TRY(group->whole ? put_back(world, group, &group->held) : each_tile(world, group, false));
+	for (size_t i = 0; i < group->count; i++) {
 		const struct waiting_contact *waiting = &m->list[group->order[i]];
 		world_forces_felt(world->forces, waiting->event.body, &waiting->event, &group->contacts[i].forces);
 		count_windows(world, waiting, &group->contacts[i]);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Computes groups that share no post. */
@@ -344,8 +338,7 @@ static enum status need_groups(struct world *world, size_t count)
 	if (count <= m->group_room)
 		return STATUS_OK;
 	struct group *groups = mem_realloc(m->groups, count, sizeof *groups);
-	if (groups == NULL)
-		return fail_memory("contacts that wait");
+	TRY_MEM(groups, "contacts that wait");
 	m->groups = groups;
 	for (; m->group_room < count; m->group_room++) {
 		groups[m->group_room].rests = NULL;
@@ -363,7 +356,7 @@ static void put_group(struct world *world, size_t number, size_t first, size_t l
 	group->count = last - first;
 	group->contacts = &m->contacts[first];
 	group->hand = bearing_hand(world->bearing, number);
-	group->whole = group->count == 1 || world_tiles_in(world, bearing_meeting_reads(group->contacts, group->count)) <= world->windows.tiles;
+	group->whole = group->count == 1 || world_tiles_in(world, bearing_meeting_reads(group->contacts, group->count)) <= world->counts.windows.tiles;
 }
 
 /* Returns where the group ends that begins at order[first]. */
@@ -378,12 +371,11 @@ static size_t group_end(const struct meetings *m, size_t first, size_t count)
 /* A group that does not fit one window: its contacts are computed one after another, each beside the others. */
 static enum status one_by_one(struct world *world, size_t first, size_t last)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = first; i < last && status == STATUS_OK; i++) {
+	for (size_t i = first; i < last; i++) {
 		put_group(world, 0, i, i + 1);
-		status = compute_groups(world, 1);
+		TRY(compute_groups(world, 1));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status compute_round(struct world *world, size_t round)
@@ -402,7 +394,7 @@ static enum status compute_round(struct world *world, size_t round)
 		m->contacts[i] = (struct bearing_contact){.contact = &waiting->contact, .area = waiting->area, .feels = waiting->feels};
 		posts += posts_in(waiting->area.read);
 	}
-	const size_t hands = world_hands_for(world, posts), most = world->limits.slots / 2;
+	const size_t hands = world_hands_for(world, posts), most = world->facts.limits.slots / 2;
 	if (status == STATUS_OK)
 		status = need_groups(world, hands);
 	for (size_t first = 0; first < count && status == STATUS_OK;) {

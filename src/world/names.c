@@ -12,16 +12,14 @@
 
 static const char *name_of(const struct world *world, int32_t number)
 {
-	const struct host_body *host = world_host_body(world, number);
-	if (host != NULL)
-		return host->body.object->name;
-	return world_follows_path(world, number) ? world->bodies[number].object->name : NULL;
+	const struct body *body = world_body(world, (size_t)number);
+	return body != NULL ? body->object->name : NULL;
 }
 
 static bool is_there(const struct world *world, int32_t number)
 {
-	const struct host_body *host = world_host_body(world, number);
-	return host != NULL ? !host->removed : world_follows_path(world, number);
+	const struct body *body = world_body(world, (size_t)number);
+	return body != NULL && !body->host.removed;
 }
 
 /* FNV-1a. */
@@ -37,14 +35,11 @@ static enum status put(struct world_names *names, const char *name, int32_t numb
 {
 	uint32_t place;
 	bool fresh;
-	enum status status = key_set_number(&names->keys, key_of(name), &place, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_set_number(&names->keys, key_of(name), &place, &fresh));
 	if (place >= names->room) {
 		const size_t room = names->room > 0 ? 2 * names->room : 64;
 		int32_t *numbers = mem_realloc(names->numbers, room, sizeof *numbers);
-		if (numbers == NULL)
-			return fail_memory("the names of bodies");
+		TRY_MEM(numbers, "the names of bodies");
 		names->numbers = numbers;
 		names->room = room;
 	}
@@ -55,8 +50,8 @@ static enum status put(struct world_names *names, const char *name, int32_t numb
 /* Adds the bodies that the table does not know yet. Without memory for it, all bodies are looked at. */
 static bool fill(struct world *world)
 {
-	struct world_names *names = &world->hosts.names;
-	for (; names->known < world->hosts.count; names->known++) {
+	struct world_names *names = &world->names;
+	for (; names->known < world->body_count; names->known++) {
 		const int32_t number = (int32_t)names->known;
 		const char *name = name_of(world, number);
 		if (name != NULL && is_there(world, number) && put(names, name, number) != STATUS_OK) {
@@ -69,7 +64,7 @@ static bool fill(struct world *world)
 
 static int32_t look_at_all(const struct world *world, const char *name)
 {
-	for (size_t i = 0; i < world->hosts.count; i++)
+	for (size_t i = 0; i < world->body_count; i++)
 		if (is_there(world, (int32_t)i) && strcmp(name_of(world, (int32_t)i), name) == 0)
 			return (int32_t)i;
 	return -1;
@@ -80,9 +75,9 @@ int32_t world_names_find(struct world *world, const char *name)
 	uint32_t place = 0;
 	if (!fill(world))
 		return look_at_all(world, name);
-	if (!key_set_find(&world->hosts.names.keys, key_of(name), &place))
+	if (!key_set_find(&world->names.keys, key_of(name), &place))
 		return -1;
-	const int32_t number = world->hosts.names.numbers[place];
+	const int32_t number = world->names.numbers[place];
 	const char *has = name_of(world, number);
 	if (has == NULL || strcmp(has, name) != 0)
 		return look_at_all(world, name);
@@ -91,7 +86,7 @@ int32_t world_names_find(struct world *world, const char *name)
 
 void world_names_forget(struct world *world)
 {
-	struct world_names *names = &world->hosts.names;
+	struct world_names *names = &world->names;
 	key_set_clear(&names->keys);
 	names->known = 0;
 	names->taken = 0;
@@ -99,21 +94,21 @@ void world_names_forget(struct world *world)
 
 void world_names_free(struct world *world)
 {
-	key_set_finish(&world->hosts.names.keys);
-	mem_free(world->hosts.names.numbers);
-	world->hosts.names = (struct world_names){.known = 0};
+	key_set_finish(&world->names.keys);
+	mem_free(world->names.numbers);
+	world->names = (struct world_names){.known = 0};
 }
 
 void world_names_next(struct world *world, char *name, size_t room)
 {
 	do
-		snprintf(name, room, "body-%u", ++world->hosts.names.taken);
+		snprintf(name, room, "body-%u", ++world->names.taken);
 	while (world_names_find(world, name) >= 0);
 }
 
 void world_names_freed(struct world *world, const char *name)
 {
-	struct world_names *names = &world->hosts.names;
+	struct world_names *names = &world->names;
 	unsigned number = 0;
 	char made[32];
 	if (sscanf(name, "body-%9u", &number) != 1 || number == 0 || number > names->taken)

@@ -30,8 +30,7 @@ static enum status need_entries(struct near_table *near, size_t count)
 	near->kept = kept != NULL ? kept : near->kept;
 	struct deform_rest *rests = mem_realloc(near->rests, 2 * count, sizeof *rests);
 	near->rests = rests != NULL ? rests : near->rests;
-	if (entries == NULL || found == NULL || kept == NULL || rests == NULL)
-		return fail_memory("bodies near each other");
+	TRY_MEM(entries != NULL && found != NULL && kept != NULL && rests != NULL, "bodies near each other");
 	near->room = 2 * count;
 	return STATUS_OK;
 }
@@ -50,7 +49,7 @@ void world_near_free(struct near_table *near)
 
 static struct post_rect shadow_of(const struct world *world, const struct deform_rest *rest)
 {
-	return soil_shadow(rest->shape, &rest->pose, &rest->pose, world->spacing);
+	return soil_shadow(rest->shape, &rest->pose, &rest->pose, world->resident.spacing);
 }
 
 /* Returns where a body on a path is now. */
@@ -59,39 +58,51 @@ static struct deform_rest rest_of(const struct body *body)
 	return (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
 }
 
-static void add_paths(struct world *world, struct near_table *near)
+static void add_path(const struct world *world, const struct body *body, struct near_entry *entry)
 {
-	const size_t first = near->count;
-	for (size_t i = 0; i < world->scene->object_count; i++) {
-		struct body *body = &world->bodies[i];
-		const bool here = body->in_contact && !body->elsewhere;
-		near->entries[near->count++] = (struct near_entry){.body = i, .rest = rest_of(body), .rect = {0, 0, 0, 0}};
-		if (here)
-			near->entries[near->count - 1].rect = shadow_of(world, &near->entries[near->count - 1].rest);
-	}
+	entry->rest = rest_of(body);
+	if (body->in_contact && !body->elsewhere)
+		entry->rect = shadow_of(world, &entry->rest);
+}
+
+/* Adds where bodies on paths come to in this step. */
+static void add_events(const struct world *world, struct near_table *near)
+{
 	for (size_t i = 0; i < world->events.count; i++) {
 		const struct event *event = &world->events.list[i];
-		struct near_entry *entry = &near->entries[first + event->body];
+		struct near_entry *entry = &near->entries[event->body];
 		if (event->contact)
-			entry->rect = post_rect_joined(entry->rect, soil_shadow(entry->rest.shape, &event->pose, &event->pose, world->spacing));
+			entry->rect = post_rect_joined(entry->rect, soil_shadow(entry->rest.shape, &event->pose, &event->pose, world->resident.spacing));
 	}
 }
 
-/* Adds the bodies of hosts, at the end of this step. */
-static enum status add_hosts(struct world *world, struct near_table *near)
+/* Adds a body of a host, at the end of this step. */
+static enum status add_hosted(const struct world *world, const struct body *body, struct near_entry *entry)
 {
-	for (size_t i = 0; i < world->hosts.count; i++) {
-		const struct host_body *host = world->hosts.list[i];
-		if (host == NULL || !host->placed || host->removed || host->body.elsewhere)
+	const struct scene_object *object = body->object;
+	const struct body_hosted *host = &body->host;
+	entry->rest.shape = &object->shape;
+	TRY(world_attitude(&object->shape, object->name, host->has_next ? &host->next.pose : &host->now.pose, &entry->rest.pose));
+	entry->rect = shadow_of(world, &entry->rest);
+	return STATUS_OK;
+}
+
+/* Adds all bodies. Those of the scene have the entries of their numbers. An added one that is nowhere has none. */
+static enum status add_bodies(struct world *world, struct near_table *near)
+{
+	for (size_t i = 0; i < world->body_count; i++) {
+		const struct body *body = world->bodies[i];
+		const bool hosted = world_is_set_down(body) && !body->elsewhere;
+		if (i >= world->scene->object_count && !hosted)
 			continue;
 		struct near_entry *entry = &near->entries[near->count++];
-		const struct scene_object *object = host->body.object;
-		*entry = (struct near_entry){.body = world->scene->object_count + 1 + i, .rest = {.shape = &object->shape}};
-		enum status status = world_attitude(&object->shape, object->name, host->has_next ? &host->next.pose : &host->now.pose, &entry->rest.pose);
-		if (status != STATUS_OK)
-			return status;
-		entry->rect = shadow_of(world, &entry->rest);
+		*entry = (struct near_entry){.body = i, .rect = {0, 0, 0, 0}};
+		if (body->kind == BODY_PATH)
+			add_path(world, body, entry);
+		else if (hosted)
+			TRY(add_hosted(world, body, entry));
 	}
+	add_events(world, near);
 	return STATUS_OK;
 }
 
@@ -140,8 +151,7 @@ static enum status make_grid(struct near_table *near)
 	}
 	if (needed > near->cell_room) {
 		struct near_cell *cells = mem_realloc(near->cells, 2 * needed, sizeof *cells);
-		if (cells == NULL)
-			return fail_memory("bodies near each other");
+		TRY_MEM(cells, "bodies near each other");
 		near->cells = cells;
 		near->cell_room = 2 * needed;
 	}
@@ -165,26 +175,25 @@ static enum status make_grid(struct near_table *near)
 static enum status list(struct world *world)
 {
 	struct near_table *near = &world->near;
-	enum status status = need_entries(near, world->scene->object_count + world->hosts.count + 1);
 	near->stale = true;
-	if (status != STATUS_OK)
-		return status;
+	TRY(need_entries(near, world->body_count + 1));
 	near->count = near->moved = 0;
-	add_paths(world, near);
-	return add_hosts(world, near);
+	return add_bodies(world, near);
 }
 
 static enum status end_list(struct near_table *near)
 {
-	enum status status = near->count > FEW ? make_grid(near) : STATUS_OK;
+	enum status status;
+	TRY_OR(done, near->count > FEW ? make_grid(near) : STATUS_OK);
+done:
 	near->stale = status != STATUS_OK;
 	return status;
 }
 
 enum status world_near_make(struct world *world)
 {
-	enum status status = list(world);
-	return status == STATUS_OK ? end_list(&world->near) : status;
+	TRY(list(world));
+	return end_list(&world->near);
 }
 
 static int by_body(const void *a, const void *b)
@@ -205,18 +214,18 @@ static void move(const struct world *world, struct near_entry *entry, const stru
 	entry->rect = shadow_of(world, &entry->rest);
 }
 
-enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states)
 {
 	struct near_table *near = &world->near;
 	/* Of one body alone the place does not matter to itself. */
-	const bool most = count > 1 && 4 * count >= world->hosts.count;
-	enum status status = most ? list(world) : near->stale ? world_near_make(world) : STATUS_OK;
-	for (size_t i = 0; i < count && count > 1 && status == STATUS_OK; i++) {
+	const bool most = count > 1 && 4 * count >= world->body_count;
+	enum status status;
+	TRY_OR(done, most ? list(world) : near->stale ? world_near_make(world) : STATUS_OK);
+	for (size_t i = 0; i < count && count > 1; i++) {
 		struct soil_pose pose;
-		if (world_host_body(world, numbers[i]) == NULL) /* a body on a path */
-			continue;
-		struct near_entry *entry = entry_of(near, world->scene->object_count + 1 + (size_t)numbers[i]);
-		if (entry == NULL || world_state_check(entry->rest.shape, "", &states[i], &pose) != STATUS_OK)
+		struct near_entry *entry = entry_of(near, (size_t)numbers[i]);
+		if (entry == NULL || !world_is_set_down(world->bodies[numbers[i]]) || world_state_check(entry->rest.shape, "", &states[i],
+													&pose) != STATUS_OK)
 			continue;
 		if (most) {
 			move(world, entry, &pose);
@@ -225,8 +234,9 @@ enum status world_near_begin(struct world *world, size_t count, const int32_t *n
 		near->kept[near->moved++] = (struct near_kept){(size_t)(entry - near->entries), *entry};
 		move(world, entry, &pose);
 	}
-	if (status == STATUS_OK && most)
-		status = end_list(near);
+	if (most)
+		TRY_OR(done, end_list(near));
+done:
 	near->stale |= most;
 	return status;
 }
@@ -248,8 +258,8 @@ static void look(struct world *world, size_t at, struct post_rect rect)
 	if (entry->turn == near->turn || post_rect_empty(post_rect_intersect(entry->rect, rect)))
 		return;
 	entry->turn = near->turn;
-	if (entry->body < world->scene->object_count) { /* its path has gone on since the table was made */
-		const struct body *body = &world->bodies[entry->body];
+	const struct body *body = world->bodies[entry->body];
+	if (body->kind == BODY_PATH) { /* its path has gone on since the table was made */
 		entry->rest = rest_of(body);
 		if (!body->in_contact || post_rect_empty(post_rect_intersect(shadow_of(world, &entry->rest), rect)))
 			return;

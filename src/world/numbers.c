@@ -31,7 +31,7 @@ static void take_least(const struct world *world, struct soil_numbers *soil)
 
 enum status world_check_bearing(const struct world *world, const char *name, const struct soil_shape *shape)
 {
-	for (int i = 0; world->soil_rasters != NULL && i < world->scene->soil_count; i++) {
+	for (int i = 0; world->resident.soil_rasters != NULL && i < world->scene->soil_count; i++) {
 		struct soil_numbers soil = world->scene->soils[i];
 		take_least(world, &soil);
 		double width, modulus = scene_soil_modulus(&soil, shape, &width);
@@ -47,9 +47,9 @@ enum status world_open_rasters(struct world *world)
 	const struct scene *scene = world->scene;
 	struct soil_rasters_params params = {
 		.count = scene->raster_count,
-		.loaders = world->limits.loaders,
+		.loaders = world->facts.limits.loaders,
 		.places = scene_moves_bodies(scene),
-		.meta = world->meta,
+		.meta = world->resident.meta,
 	};
 	if (!world_needs_rasters(scene))
 		return STATUS_OK;
@@ -64,10 +64,10 @@ enum status world_open_rasters(struct world *world)
 			.above = parameter.above,
 		};
 	}
-	enum status status = resident_soil_rasters_open(&params, &world->soil_rasters);
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
-		status = world_check_bearing(world, scene->objects[i].name, &scene->objects[i].shape);
-	return status;
+	TRY(resident_soil_rasters_open(&params, &world->resident.soil_rasters));
+	for (size_t i = 0; i < scene->object_count; i++)
+		TRY(world_check_bearing(world, scene->objects[i].name, &scene->objects[i].shape));
+	return STATUS_OK;
 }
 
 int world_rasters(const struct world *world, struct soil_raster *rasters)
@@ -75,8 +75,8 @@ int world_rasters(const struct world *world, struct soil_raster *rasters)
 	const struct scene *scene = world->scene;
 	for (int i = 0; i < scene->raster_count; i++) {
 		double low = 0, high = 0, unit = scene_raster_unit(scene->rasters[i].number);
-		if (world->soil_rasters != NULL)
-			resident_soil_rasters_range(world->soil_rasters, i, &low, &high);
+		if (world->resident.soil_rasters != NULL)
+			resident_soil_rasters_range(world->resident.soil_rasters, i, &low, &high);
 		rasters[i] = (struct soil_raster){scene->rasters[i].number, low * unit, high * unit};
 	}
 	return scene->raster_count;
@@ -86,7 +86,7 @@ struct world_raster world_raster(const struct world *world, int raster)
 {
 	const struct scene_raster *of = &world->scene->rasters[raster];
 	struct world_raster told = {.key = soil_number_key(of->number), .unit = parameter_of(of->number).unit, .path = of->path};
-	resident_soil_rasters_range(world->soil_rasters, raster, &told.low, &told.high);
+	resident_soil_rasters_range(world->resident.soil_rasters, raster, &told.low, &told.high);
 	told.step = (told.high - told.low) / (SOIL_LEVELS - 1);
 	return told;
 }
@@ -101,7 +101,7 @@ void world_advise_rasters(const struct world *world, scene_advice_fn tell, void 
 		[SOIL_COHESION] = {SCENE_LEAST_COHESION, "kPa"},
 		[SOIL_BEKKER_KPHI] = {SCENE_LEAST_KPHI, "kN/m^(n+2)"},
 	};
-	for (int i = 0; world->soil_rasters != NULL && i < world->scene->raster_count; i++) {
+	for (int i = 0; world->resident.soil_rasters != NULL && i < world->scene->raster_count; i++) {
 		const struct world_raster told = world_raster(world, i);
 		const enum soil_number number = world->scene->rasters[i].number;
 		const bool long_shear = number == SOIL_JANOSI_SHEAR && told.low > SCENE_MOST_SHEAR;
@@ -125,11 +125,11 @@ enum status world_soil_numbers_at(struct world *world, double x, double y, struc
 	if (!*found)
 		return status;
 	*soil = world->scene->soils[index];
-	if (world->soil_rasters == NULL)
+	if (world->resident.soil_rasters == NULL)
 		return STATUS_OK;
 	int count = world_rasters(world, rasters);
-	status = resident_soil_rasters_at(world->soil_rasters, world->level, (int64_t)floor(x / world->spacing + 0.5),
-					  (int64_t)floor(y / world->spacing + 0.5), levels);
+	status = resident_soil_rasters_at(world->resident.soil_rasters, world->resident.level, (int64_t)floor(x / world->resident.spacing + 0.5),
+					  (int64_t)floor(y / world->resident.spacing + 0.5), levels);
 	for (int i = 0; i < count && status == STATUS_OK; i++)
 		if (levels[i] != 0)
 			*soil_number_in(soil, rasters[i].number) = soil_raster_value(&rasters[i], levels[i]);

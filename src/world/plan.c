@@ -20,13 +20,13 @@ enum { ASSUMED_CELLS = 256 };
 
 enum status world_settle_level(struct world *world)
 {
-	const struct extent *extent = &world->meta->extent;
-	if (!isnan(world->meta->low) && !lattice_fits(world->meta->low, world->meta->high))
+	const struct extent *extent = &world->resident.meta->extent;
+	if (!isnan(world->resident.meta->low) && !lattice_fits(world->resident.meta->low, world->resident.meta->high))
 		return fail_with(STATUS_INPUT, "store: heights from %g to %g m are more relief than can be deformed (about 16 "
 					       "km); import a smaller part, or say what a PNG means with --height-range",
-				 world->meta->low, world->meta->high);
-	world->was_deformed = store_has_working_level(world->store, NULL);
-	world->slip_sinkage = world->was_deformed || scene_slips(world->scene) ? world->scene->slip_sinkage : 0;
+				 world->resident.meta->low, world->resident.meta->high);
+	world->resident.was_deformed = store_has_working_level(world->resident.store, NULL);
+	world->facts.slip_sinkage = world->resident.was_deformed || scene_slips(world->scene) ? world->scene->slip_sinkage : 0;
 	double asked = world->scene->spacing;
 	int level = 0;
 	if (asked > 0) {
@@ -36,28 +36,28 @@ enum status world_settle_level(struct world *world)
 						       "give that or more, or import with a finer --spacing",
 					 asked, number_exact(extent_spacing(extent, TILE_LEVEL_MIN)).text);
 	} else {
-		store_has_working_level(world->store, &level); /* stays 0 without one */
+		store_has_working_level(world->resident.store, &level); /* stays 0 without one */
 	}
-	world->level = level;
-	world->spacing = extent_spacing(extent, level);
-	return store_set_working_level(world->store, level);
+	world->resident.level = level;
+	world->resident.spacing = extent_spacing(extent, level);
+	return store_set_working_level(world->resident.store, level);
 }
 
 unsigned world_planes(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	unsigned planes = deform_planes(scene->model, scene->disturbance, world->slip_sinkage > 0);
+	unsigned planes = deform_planes(scene->model, scene->disturbance, world->facts.slip_sinkage > 0);
 	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		return planes;
-	return world->was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
+	return world->resident.was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
 }
 
 uint64_t world_effects(const struct world *world)
 {
-	uint64_t effects = scene_effects(world->scene, world->level);
-	if (world->limits.all)
+	uint64_t effects = scene_effects(world->scene, world->resident.level);
+	if (world->facts.limits.all)
 		effects &= ~(EFFECT_BIT(EFFECT_LOADERS) | EFFECT_BIT(EFFECT_PREFETCH));
-	if (world->slip_sinkage > 0 && world_deforms(world))
+	if (world->facts.slip_sinkage > 0 && world_deforms(world))
 		effects |= EFFECT_BIT(EFFECT_SLIP);
 	return effects;
 }
@@ -75,11 +75,11 @@ enum status world_open_soil_map(struct world *world)
 	const struct soil_map_params params = {
 		.path = scene->soil_map,
 		.classes = scene->soil_class,
-		.loaders = world->limits.loaders,
+		.loaders = world->facts.limits.loaders,
 		.places = scene_moves_bodies(scene) || (scene->forces > 0 && scene->object_count > 0),
-		.meta = world->meta,
+		.meta = world->resident.meta,
 	};
-	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
+	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->resident.soil_map) : STATUS_OK;
 }
 
 size_t world_batched_bodies(const struct world *world, const struct deform_params *params)
@@ -96,21 +96,21 @@ void world_deform_params(const struct world *world, struct deform_params *params
 {
 	const struct scene *scene = world->scene;
 	*params = (struct deform_params){
-		.extent = &world->meta->extent,
-		.level = world->level,
+		.extent = &world->resident.meta->extent,
+		.level = world->resident.level,
 		.model = scene->model,
 		.box_radius = scene->box_radius,
 		.box_repetitions = scene->box_repetitions,
 		.soil_count = scene->soil_count,
 		.iterations = scene->iterations,
 		.along_lines = true,
-		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low + 2 * relief_bound(world_relief(world), 0),
+		.relief = isnan(world->resident.meta->low) ? 0 : world->resident.meta->high - world->resident.meta->low + 2 * relief_bound(world_relief(world), 0),
 		.depth = scene->depth,
 		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,
-		.unsettled = world->was_deformed,
+		.unsettled = world->resident.was_deformed,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
-		.slip_sinkage = world->slip_sinkage,
+		.slip_sinkage = world->facts.slip_sinkage,
 		.ground_normals = scene->normals == SCENE_GROUND,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
@@ -118,8 +118,8 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	params->raster_count = world_rasters(world, params->rasters);
-	for (size_t i = 0; i < scene->object_count && world->bodies != NULL; i++)
-		params->loaded_bodies += world->bodies[i].loaded_body > 0;
+	for (size_t i = 0; i < scene->object_count && i < world->body_count; i++)
+		params->loaded_bodies += world->bodies[i]->loaded_body > 0;
 	params->batches = world_batched_bodies(world, params) >= 2;
 }
 
@@ -148,9 +148,9 @@ struct deform_planned world_planned(const struct scene_object *object)
 
 double world_all_tiles(const struct world *world)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	double tiles = 0;
-	for (int level = world->level; level <= extent_coarsest(extent); level++)
+	for (int level = world->resident.level; level <= extent_coarsest(extent); level++)
 		tiles += (double)extent_tiles_x(extent, level) * extent_tiles_y(extent, level);
 	return tiles;
 }
@@ -158,18 +158,18 @@ double world_all_tiles(const struct world *world)
 /* The store can only be divided by powers of two. A spacing in between becomes finer, with up to four times as many posts. */
 static void advise_spacing(const struct world *world, scene_advice_fn tell, void *user)
 {
-	const struct extent *extent = &world->meta->extent;
-	double asked = world->scene->spacing, is = world->spacing;
+	const struct extent *extent = &world->resident.meta->extent;
+	double asked = world->scene->spacing, is = world->resident.spacing;
 	char text[240];
 	if (!(asked > 1.01 * is))
 		return;
-	if (world->level == extent_coarsest(extent))
+	if (world->resident.level == extent_coarsest(extent))
 		snprintf(text, sizeof text, "spacing: %g m: posts will be %s m apart, and this store has none that are farther; give %s",
 			 asked, number_exact(is).text, number_exact(is).text);
 	else
 		snprintf(text, sizeof text, "spacing: %g m: posts will be %s m apart, the coarsest of this store that is at most that; give "
 					    "%s, or %s for a quarter of the posts",
-			 asked, number_exact(is).text, number_exact(is).text, number_exact(extent_spacing(extent, world->level + 1)).text);
+			 asked, number_exact(is).text, number_exact(is).text, number_exact(extent_spacing(extent, world->resident.level + 1)).text);
 	tell(user, text);
 }
 
@@ -177,11 +177,11 @@ static void advise_spacing(const struct world *world, scene_advice_fn tell, void
 static bool is_swapped(const struct world *world, const struct scene_path *path, const char *srs)
 {
 	double x = path->points[0].y, y = path->points[0].x;
-	if (dem_transform(srs, world->meta->srs, 1, &x, &y) != STATUS_OK)
+	if (dem_transform(srs, world->resident.meta->srs, 1, &x, &y) != STATUS_OK)
 		return false;
-	x -= world->meta->origin[0];
-	y -= world->meta->origin[1];
-	return extent_holds(&world->meta->extent, x, y);
+	x -= world->resident.meta->origin[0];
+	y -= world->resident.meta->origin[1];
+	return extent_holds(&world->resident.meta->extent, x, y);
 }
 
 /* Writes what is probably wrong with a path far off the terrain. */
@@ -203,14 +203,14 @@ static void guess_far(const struct world *world, const struct scene_path *path, 
 static void advise_leaving(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	const double width = extent_side(extent, 0), height = extent_side(extent, 1);
 	struct track_point at = {.time = INFINITY};
 	const struct body *first = NULL;
 	size_t leaving = 0;
 	char text[560], others[40] = "", hint[160] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		if (body->track == NULL)
 			continue;
 		int64_t sample = motion_track_leaves(body->track, width, height);
@@ -227,7 +227,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 		return;
 	if (leaving > 1)
 		snprintf(others, sizeof others, ", and %zu other%s later", leaving - 1, leaving > 2 ? "s" : "");
-	const bool far = world->meta->srs[0] != '\0' && (fabs(at.x - width / 2) > 10 * width || fabs(at.y - height / 2) > 10 * height);
+	const bool far = world->resident.meta->srs[0] != '\0' && (fabs(at.x - width / 2) > 10 * width || fabs(at.y - height / 2) > 10 * height);
 	if (far)
 		guess_far(world, &first->object->path, hint, sizeof hint);
 	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s%s",
@@ -241,7 +241,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 /* Tells the first point of each vehicle's path that is not over the terrain. It does not look for holes. */
 static void advise_ways(const struct world *world, scene_advice_fn tell, void *user)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	for (size_t v = 0; v < world->scene->vehicle_count; v++) {
 		const struct scene_vehicle *vehicle = &world->scene->vehicles[v];
 		struct scene_path route;
@@ -282,7 +282,7 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 	size_t unfinished = 0;
 	char text[400], others[64] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct track *track = world->bodies[i].track;
+		const struct track *track = world->bodies[i]->track;
 		const int64_t samples = track != NULL ? motion_track_samples(track) : INT64_MAX;
 		if (samples == INT64_MAX || motion_track_sample_time(track, 0) > scene->end_time)
 			continue;
@@ -293,7 +293,7 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 		if (end <= needed)
 			continue;
 		needed = end;
-		longest = &world->bodies[i];
+		longest = world->bodies[i];
 	}
 	if (longest == NULL)
 		return;
@@ -311,12 +311,12 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	struct scene_parameter slots;
 	char text[200];
 	scene_parameter("cache.slots", &slots); /* the default was not asked for */
-	bool known = world->store != NULL || scene->spacing > 0;
-	scene_advise(scene, known ? world->spacing : 0, tell, user);
+	bool known = world->resident.store != NULL || scene->spacing > 0;
+	scene_advise(scene, known ? world->resident.spacing : 0, tell, user);
 	world_advise_rasters(world, tell, user);
 	world_advise_soils_met(world, tell, user);
 	world_advise_planet(world, tell, user);
-	if (world->store != NULL) {
+	if (world->resident.store != NULL) {
 		advise_spacing(world, tell, user);
 		advise_leaving(world, tell, user);
 		advise_ways(world, tell, user);
@@ -327,7 +327,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	world_advise_limits(world, tell, user);
 	if (scene->memory > 0)
 		return;
-	double tiles = world->store != NULL ? world_all_tiles(world) : INFINITY, enough = fmax(tiles, slots.low);
+	double tiles = world->resident.store != NULL ? world_all_tiles(world) : INFINITY, enough = fmax(tiles, slots.low);
 	if (enough >= scene->slots || scene->slots == slots.absent)
 		return;
 	snprintf(text, sizeof text, "cache.slots: %u, and the store has %.0f tile%s at this spacing: the others stay empty; give %.0f",
@@ -345,8 +345,7 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 		return STATUS_OK;
 	struct deform_params params;
 	struct deform_planned *objects = mem_calloc(all, sizeof *objects);
-	if (objects == NULL)
-		return fail_memory("the plan");
+	TRY_MEM(objects, "the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
 		objects[i] = world_planned(&scene->objects[i]);
 	for (size_t i = 0; i < count; i++)
@@ -366,12 +365,12 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 	const struct scene *scene = world->scene;
 	const bool deforms = scene->object_count > 0 || scene->vehicle_count > 0;
 	const struct pages_planned planned = {
-		.cells = world->meta->extent.cells,
+		.cells = world->resident.meta->extent.cells,
 		.planes = world_planes(world),
-		.loaders = world->limits.loaders,
-		.was_deformed = world->was_deformed,
-		.history = world->params.keep_history || (world->store != NULL && store_has_history(world->store)),
-		.inherits = world->store != NULL && store_depth(world->store) > 0,
+		.loaders = world->facts.limits.loaders,
+		.was_deformed = world->resident.was_deformed,
+		.history = world->params.keep_history || (world->resident.store != NULL && store_has_history(world->resident.store)),
+		.inherits = world->resident.store != NULL && store_depth(world->resident.store) > 0,
 		.deforms = deforms,
 		.lowers = deforms && !deform_conserves(scene->model),
 		.classes = world_needs_soil_map(scene),
@@ -384,7 +383,7 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.picture_effect = scene_effect_row(EFFECT_PICTURE)->name,
 	};
 	resident_pages_plan(&planned, plan);
-	motion_look_ahead_plan(world->limits.prefetch, scene->object_count, plan);
+	resident_look_ahead_plan(world->facts.limits.prefetch, scene->object_count, scene_effect_row(EFFECT_PREFETCH)->name, plan);
 }
 
 uint64_t world_samples_until(const struct track *track, double end)
@@ -411,13 +410,11 @@ uint64_t world_samples_until(const struct track *track, double end)
 
 static enum status over_store(struct world *world, const char *path)
 {
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &world->store);
-	if (status != STATUS_OK)
-		return status;
-	world->meta = store_meta(world->store);
+	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &world->resident.store));
+	world->resident.meta = store_meta(world->resident.store);
 	world_settle_light(world);
-	status = world_settle_level(world);
-	return status == STATUS_OK ? world_settle_relief(world) : status;
+	TRY(world_settle_level(world));
+	return world_settle_relief(world);
 }
 
 static enum status over_nothing(struct world *world, struct store_meta *assumed)
@@ -437,26 +434,33 @@ static enum status over_nothing(struct world *world, struct store_meta *assumed)
 		.vertical = "",
 		.sources = "",
 	};
-	world->meta = assumed;
+	world->resident.meta = assumed;
 	world_settle_light(world);
-	world->spacing = spacing;
-	world->slip_sinkage = scene_slips(scene) ? scene->slip_sinkage : 0;
+	world->resident.spacing = spacing;
+	world->facts.slip_sinkage = scene_slips(scene) ? scene->slip_sinkage : 0;
 	return STATUS_OK;
 }
 
-enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, bool keep_history,
-			       struct store_meta *assumed)
+enum status world_open_plan(const struct scene *scene, const char *store, bool keep_history, struct store_meta *assumed, struct world **out)
 {
-	*world = (struct world){.scene = scene, .params = {.scene = scene, .rows = true, .keep_history = keep_history}};
-	enum status status = store != NULL ? over_store(world, store) : over_nothing(world, assumed);
-	if (status == STATUS_OK)
-		status = world_make_bodies(world);
-	if (status == STATUS_OK)
-		status = world_settle_limits(world);
+	TRY(world_make(&(struct world_params){.scene = scene, .rows = true, .keep_history = keep_history}, out));
+	struct world *world = *out;
+	TRY(store != NULL ? over_store(world, store) : over_nothing(world, assumed));
+	TRY(world_make_bodies(world));
+	TRY(world_settle_limits(world));
 	/* A drive refuses a map or a raster of the soil that cannot be read, so this does too. */
-	if (status == STATUS_OK && store != NULL)
-		status = world_open_soil_map(world);
-	if (status == STATUS_OK && store != NULL)
-		status = world_open_rasters(world);
-	return status == STATUS_OK ? world_find_soils_met(world) : status;
+	if (store != NULL) {
+		TRY(world_open_soil_map(world));
+		TRY(world_open_rasters(world));
+	}
+	return world_find_soils_met(world);
+}
+
+enum status world_open_ended(const struct scene *scene, const char *store, int64_t step, double time, struct world **out)
+{
+	TRY(world_open_plan(scene, store, false, NULL, out));
+	struct world *world = *out;
+	world->step = step;
+	world->time = time;
+	return resident_ground_create(world->resident.store, world->facts.limits.ground, &world->resident.ground);
 }

@@ -42,20 +42,20 @@ static bool gives(const struct scene *scene, const char *key)
 
 void world_settle_light(struct world *world)
 {
-	world->light = world->scene->view.light;
-	if (!world->light.on_body)
-		(void)body_of(world->meta->srs, &world->light.body);
+	world->facts.light = world->scene->view.light;
+	if (!world->facts.light.on_body)
+		(void)body_of(world->resident.meta->srs, &world->facts.light.body);
 }
 
 static bool knows_body(const struct world *world)
 {
 	enum scene_body ground;
-	return world->scene->view.light.on_body || (world->store != NULL && body_of(world->meta->srs, &ground));
+	return world->scene->view.light.on_body || (world->resident.store != NULL && body_of(world->resident.meta->srs, &ground));
 }
 
 bool world_assumes_gravity(const struct world *world)
 {
-	return !gives(world->scene, "gravity") && !(knows_body(world) && world->light.body != SCENE_EARTH);
+	return !gives(world->scene, "gravity") && !(knows_body(world) && world->facts.light.body != SCENE_EARTH);
 }
 
 /* Tells if vehicles do not weigh as on their planet. Gravity of the Earth, if it is given, is that of a test on the Earth. */
@@ -84,9 +84,9 @@ void world_advise_planet(const struct world *world, scene_advice_fn tell, void *
 {
 	const struct scene *scene = world->scene;
 	const bool given = scene->view.light.on_body;
-	enum scene_body body = world->light.body, ground = SCENE_EARTH;
-	if (world->store != NULL)
-		(void)body_of(world->meta->srs, &ground);
+	enum scene_body body = world->facts.light.body, ground = SCENE_EARTH;
+	if (world->resident.store != NULL)
+		(void)body_of(world->resident.meta->srs, &ground);
 	char text[240];
 	if (given && ground != SCENE_EARTH && ground != body) {
 		snprintf(text, sizeof text, "view.body: the store is on %s, and pictures have the colours, the sky and the sun of %s; give view.body: %s, or leave it out",

@@ -13,43 +13,27 @@
 
 /* --- where bodies are --- */
 
-static _Atomic bool *elsewhere_of(struct world *world, size_t index)
+bool world_ranked(const struct world *world, size_t number)
 {
-	return world_is_hosts(world, index) ? &world_host_body(world, (int32_t)(index - world->scene->object_count - 1))->body.elsewhere :
-					      &world->bodies[index].elsewhere;
-}
-
-size_t world_ranked_bodies(const struct world *world)
-{
-	return world->scene->object_count + 1 + world->hosts.count;
-}
-
-bool world_ranked(const struct world *world, size_t index)
-{
-	if (index < world->scene->object_count)
-		return world->bodies[index].track != NULL;
-	if (index == world->scene->object_count || index >= world_ranked_bodies(world))
-		return false;
-	const struct host_body *host = world->hosts.list[index - world->scene->object_count - 1];
-	return host != NULL && host->placed && !host->removed;
+	return world_follows_path(world, number) || world_is_set_down(world_body(world, number));
 }
 
 void world_forget_events(struct world *world)
 {
 	while (world->events.count > 0)
-		world->bodies[world->events.list[--world->events.count].body].next--;
+		world->bodies[world->events.list[--world->events.count].body]->next--;
 }
 
-void world_body_here(struct world *world, size_t index, bool here)
+void world_body_here(struct world *world, size_t number, bool here)
 {
-	*elsewhere_of(world, index) = !here;
+	world->bodies[number]->elsewhere = !here;
 }
 
 /* --- what a step may touch --- */
 
 static void include(struct post_rect *area, const struct world *world, int64_t x, int64_t y, int64_t posts)
 {
-	const double spacing = world->spacing;
+	const double spacing = world->resident.spacing;
 	const int64_t post_x = (int64_t)floor(lattice_offset_metres(x) / spacing), post_y = (int64_t)floor(lattice_offset_metres(y) / spacing);
 	*area = post_rect_around(*area, (struct post_rect){post_x - posts, post_y - posts, post_x + posts + 2, post_y + posts + 2});
 }
@@ -81,32 +65,32 @@ static void include_path(const struct world *world, const struct body *body, dou
 		return;
 	motion_track_sample(body->track, first, &from);
 	motion_track_sample(body->track, end - 1, &to);
-	const double straight = hypot(to.x - from.x, to.y - from.y) / world->spacing, way = (double)(end - 1 - first);
+	const double straight = hypot(to.x - from.x, to.y - from.y) / world->resident.spacing, way = (double)(end - 1 - first);
 	const int64_t more = posts + (int64_t)ceil(fmax(way - straight, 0) / 2);
 	include(area, world, from.qx, from.qy, more);
 	include(area, world, to.qx, to.qy, more);
 }
 
-static void include_host(const struct world *world, const struct host_body *host, int64_t posts, struct post_rect *area)
+static void include_hosted(const struct world *world, const struct body *body, int64_t posts, struct post_rect *area)
 {
-	const struct world_state *states[] = {&host->now, &host->next};
-	for (int i = 0; i < 1 + host->has_next; i++) {
+	const struct furrow_state *states[] = {&body->host.now, &body->host.next};
+	for (int i = 0; i < 1 + body->host.has_next; i++) {
 		const double *place = states[i]->pose.position;
 		include(area, world, lattice_offset(place[0]), lattice_offset(place[1]), posts);
 	}
-	if (host->body.in_contact)
-		include(area, world, host->body.last.x, host->body.last.y, posts);
-	include(area, world, host->felt.x, host->felt.y, posts);
+	if (body->in_contact)
+		include(area, world, body->last.x, body->last.y, posts);
+	include(area, world, body->host.felt.x, body->host.felt.y, posts);
 }
 
-struct post_rect world_body_area(const struct world *world, size_t index, double until)
+struct post_rect world_body_area(const struct world *world, size_t number, double until)
 {
 	enum { PROBED = 6 }; /* posts: a probed pose may lie so far beyond the body */
 	struct post_rect area = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
-	const struct body *body = world_body_at(world, index);
+	const struct body *body = world->bodies[number];
 	const int64_t posts = world_contact_reach(world, &body->object->shape);
-	if (world_is_hosts(world, index))
-		include_host(world, world_host_body(world, (int32_t)(index - world->scene->object_count - 1)), posts + PROBED, &area);
+	if (world_is_hosted(body))
+		include_hosted(world, body, posts + PROBED, &area);
 	else
 		include_path(world, body, until, posts, &area);
 	const int64_t intervals = world_intervals_due(world, until);
@@ -118,7 +102,7 @@ struct post_rect world_body_area(const struct world *world, size_t index, double
 void world_pass_elsewhere(struct world *world, double until)
 {
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		struct body *body = &world->bodies[i];
+		struct body *body = world->bodies[i];
 		if (!body->elsewhere || body->track == NULL)
 			continue;
 		const int64_t samples = motion_track_samples(body->track);
@@ -129,13 +113,13 @@ void world_pass_elsewhere(struct world *world, double until)
 
 /* --- bodies that move --- */
 
-void world_body_pack(const struct world *world, size_t index, struct world_moved *moved)
+void world_body_pack(const struct world *world, size_t number, struct world_moved *moved)
 {
+	const struct body *body = world->bodies[number];
 	memset(moved, 0, sizeof *moved); /* its padding, too: it is sent as bytes */
-	moved->index = (int64_t)index;
-	if (world_is_hosts(world, index))
+	moved->number = (int64_t)number;
+	if (world_is_hosted(body))
 		return;
-	const struct body *body = &world->bodies[index];
 	moved->next = body->next;
 	moved->skipped = body->skipped;
 	moved->in_contact = body->in_contact;
@@ -145,18 +129,18 @@ void world_body_pack(const struct world *world, size_t index, struct world_moved
 	moved->equilibrium = body->equilibrium;
 	moved->windows = body->windows;
 	moved->windows_moved = body->windows_moved;
-	world_forces_pack(world->forces, index, moved);
+	world_forces_pack(world->forces, number, moved);
 }
 
 enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here)
 {
-	const size_t index = (size_t)moved->index;
-	if (moved->index < 0 || !world_ranked(world, index))
+	const size_t number = (size_t)moved->number;
+	if (moved->number < 0 || !world_ranked(world, number))
 		return fail_with(STATUS_FAILED, "ranks: a body came that this rank does not have; report this");
-	world_body_here(world, index, here);
-	if (world_is_hosts(world, index))
+	world_body_here(world, number, here);
+	struct body *body = world->bodies[number];
+	if (world_is_hosted(body))
 		return STATUS_OK;
-	struct body *body = &world->bodies[index];
 	body->next = moved->next;
 	body->skipped = moved->skipped;
 	body->in_contact = moved->in_contact;
@@ -167,10 +151,10 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	body->raised = body->loaded_body > 0 && body->in_contact ? body->equilibrium - body->last.z : 0;
 	body->windows = moved->windows;
 	body->windows_moved = moved->windows_moved;
-	world->record->objects[index].force = moved->force;
+	world->record->objects[number].force = moved->force;
 	if (!here)
 		return STATUS_OK;
-	world_forces_unpack(world->forces, index, moved);
+	world_forces_unpack(world->forces, number, moved);
 	world_set_equilibrium(world, body, body->raised);
 	return STATUS_OK;
 }
@@ -185,8 +169,7 @@ enum status world_active_keep(struct world *world, world_block_fn keeps, void *u
 	if (status != STATUS_OK || count == 0)
 		return status;
 	struct soil_block *copy = mem_alloc(count, sizeof *copy);
-	if (copy == NULL)
-		return fail_memory("active blocks");
+	TRY_MEM(copy, "active blocks");
 	memcpy(copy, list, count * sizeof *copy);
 	status = world_forget_active(world);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
@@ -198,11 +181,11 @@ enum status world_active_keep(struct world *world, world_block_fn keeps, void *u
 
 enum status world_tile_came(struct world *world, struct tile tile, unsigned planes, const void *bytes)
 {
-	const struct post_rect posts = tile_post_rect(&world->meta->extent, tile);
-	enum status status = resident_pages_put(world->pages, tile, planes, bytes);
-	if (status == STATUS_OK && world->aloft.asks_touched)
-		status = deform_touch(world->deform, posts);
-	return status;
+	const struct post_rect posts = tile_post_rect(&world->resident.meta->extent, tile);
+	TRY(resident_pages_put(world->resident.pages, tile, planes, bytes));
+	if (world->aloft.asks_touched)
+		TRY(deform_touch(world->deform, posts));
+	return STATUS_OK;
 }
 
 /* --- commits --- */
@@ -215,8 +198,7 @@ enum status world_record_ranks(struct world *world, const struct soil_block *oth
 		return status;
 	/* Two ranks may both have woken a block between their ground. */
 	struct soil_block *all = mem_alloc(record->active_count + count, sizeof *all);
-	if (all == NULL)
-		return fail_memory("active blocks");
+	TRY_MEM(all, "active blocks");
 	memcpy(all, record->active, record->active_count * sizeof *all);
 	memcpy(all + record->active_count, others, count * sizeof *all);
 	const size_t kept = soil_blocks_sort(all, record->active_count + count);

@@ -27,7 +27,7 @@ bool world_rates_given(const double rate[3])
 	return !isnan(rate[0]);
 }
 
-static void rates_of(const struct world_pose *from, const struct world_pose *to, double seconds, double linear[3], double angular[3])
+static void rates_of(const struct furrow_pose *from, const struct furrow_pose *to, double seconds, double linear[3], double angular[3])
 {
 	world_rotation_between(from->orientation, to->orientation, angular);
 	for (int k = 0; k < 3; k++) {
@@ -36,7 +36,7 @@ static void rates_of(const struct world_pose *from, const struct world_pose *to,
 	}
 }
 
-void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state)
+void world_rates_fill(const struct furrow_pose *from, double seconds, struct furrow_state *state)
 {
 	double linear[3], angular[3];
 	if (world_rates_given(state->linear) && world_rates_given(state->angular))
@@ -57,53 +57,53 @@ static bool are_far(const double given[3], const double posed[3])
 }
 
 /* Nothing shows how a round body is turned about its axle, so many hosts leave its orientation as it is. given, posed: rad/s. */
-static bool leaves_turns(const struct host_body *host, const double given[3], const double posed[3])
+static bool leaves_turns(const struct body *body, const double given[3], const double posed[3])
 {
-	const enum soil_shape_kind kind = host->body.object->shape.kind;
+	const enum soil_shape_kind kind = body->object->shape.kind;
 	return (kind == SOIL_WHEEL || kind == SOIL_SPHERE) && length_of(posed) < TURNS * length_of(given);
 }
 
 /* Remembers whether the host leaves the turns of this body out of its poses. While it does not turn, what was known holds. */
-static void see_turns(struct host_body *host, const struct world_state *next, double seconds)
+static void see_turns(struct body *body, const struct furrow_state *next, double seconds)
 {
 	double linear[3], posed[3];
-	rates_of(&host->now.pose, &next->pose, seconds, linear, posed);
+	rates_of(&body->host.now.pose, &next->pose, seconds, linear, posed);
 	if (!world_rates_given(next->angular))
-		host->unposed = false;
+		body->host.unposed = false;
 	else if (length_of(next->angular) > 0 && seconds > 0)
-		host->unposed = leaves_turns(host, next->angular, posed);
+		body->host.unposed = leaves_turns(body, next->angular, posed);
 }
 
-double world_rates_unposed(const struct host_body *host, const struct world_state *state)
+double world_rates_unposed(const struct body *body, const struct furrow_state *state)
 {
-	const double *from = host->now.pose.position, *to = state->pose.position, *v = state->linear;
+	const double *from = body->host.now.pose.position, *to = state->pose.position, *v = state->linear;
 	double along = 0, squares = 0;
 	for (int k = 0; k < 3; k++) {
 		along += (to[k] - from[k]) * v[k];
 		squares += v[k] * v[k];
 	}
-	return host->unposed && along > 0 ? along / squares : 0;
+	return body->host.unposed && along > 0 ? along / squares : 0;
 }
 
-static bool turns_are_far(const struct host_body *host, const double given[3], const double posed[3], double seconds)
+static bool turns_are_far(const struct body *body, const double given[3], const double posed[3], double seconds)
 {
 	if (length_of(given) * seconds > ALIKE || length_of(posed) * seconds > ALIKE)
 		return false;
-	return !leaves_turns(host, given, posed) && are_far(given, posed);
+	return !leaves_turns(body, given, posed) && are_far(given, posed);
 }
 
-static void watch(struct host_body *host, const struct world_state *next, double seconds)
+static void watch(struct body *body, const struct furrow_state *next, double seconds)
 {
 	double linear[3], angular[3];
-	const char *name = host->body.object->name;
-	if (host->rates_told || !(seconds > 0))
+	const char *name = body->object->name;
+	if (body->host.rates_told || !(seconds > 0))
 		return;
-	rates_of(&host->now.pose, &next->pose, seconds, linear, angular);
+	rates_of(&body->host.now.pose, &next->pose, seconds, linear, angular);
 	const bool moves = world_rates_given(next->linear) && are_far(next->linear, linear);
-	const bool turns = world_rates_given(next->angular) && turns_are_far(host, next->angular, angular, seconds);
-	host->rates_far = moves || turns ? host->rates_far + 1 : 0;
-	if (host->rates_far >= STEPS) {
-		host->rates_told = true;
+	const bool turns = world_rates_given(next->angular) && turns_are_far(body, next->angular, angular, seconds);
+	body->host.rates_far = moves || turns ? body->host.rates_far + 1 : 0;
+	if (body->host.rates_far >= STEPS) {
+		body->host.rates_told = true;
 		if (moves)
 			note("%s: its linear velocity is given as %.3g m/s, and its poses move at %.3g m/s; slip comes from the velocities, so give those of "
 			     "the motion, or NaN for what the poses give", name, length_of(next->linear), length_of(linear));
@@ -111,28 +111,28 @@ static void watch(struct host_body *host, const struct world_state *next, double
 			note("%s: its angular velocity is given as %.3g rad/s, and its poses turn at %.3g rad/s; slip and spin come from the velocities, so "
 			     "give those of the motion, or NaN for what the poses give", name, length_of(next->angular), length_of(angular));
 	} else if (!world_rates_given(next->angular) && length_of(angular) * seconds > ALIKE) {
-		host->rates_told = true;
+		body->host.rates_told = true;
 		note("%s: its poses turn by %.0f degrees in a step of %g s; from half a turn on they do not tell how far and which way, so give `angular`, or "
 		     "step more often", name, length_of(angular) * seconds * 180 / M_PI, seconds);
 	}
 }
 
-void world_rates_take(struct host_body *host, double seconds)
+void world_rates_take(struct body *body, double seconds)
 {
 	static const double none[3] = {0, 0, 0};
-	if (host->has_next) {
-		struct world_state next = host->next;
-		watch(host, &next, seconds);
-		host->posed_linear = !world_rates_given(next.linear);
-		host->posed_angular = !world_rates_given(next.angular);
-		see_turns(host, &next, seconds);
-		world_rates_fill(&host->now.pose, seconds, &next);
-		host->now = next;
+	if (body->host.has_next) {
+		struct furrow_state next = body->host.next;
+		watch(body, &next, seconds);
+		body->host.posed_linear = !world_rates_given(next.linear);
+		body->host.posed_angular = !world_rates_given(next.angular);
+		see_turns(body, &next, seconds);
+		world_rates_fill(&body->host.now.pose, seconds, &next);
+		body->host.now = next;
 	} else {
-		if (host->posed_linear)
-			memcpy(host->now.linear, none, sizeof none);
-		if (host->posed_angular)
-			memcpy(host->now.angular, none, sizeof none);
+		if (body->host.posed_linear)
+			memcpy(body->host.now.linear, none, sizeof none);
+		if (body->host.posed_angular)
+			memcpy(body->host.now.angular, none, sizeof none);
 	}
-	host->has_next = false;
+	body->host.has_next = false;
 }

@@ -311,11 +311,12 @@ enum status world_record_parse(const struct store_run *run, const char *store, c
 	if (run->step < 0 || !isfinite(run->time) || run->time < 0)
 		return world_record_damaged(store, "its step or its time");
 	cJSON *root = cJSON_ParseWithOpts(run->state, NULL, true);
-	enum status status = parse_root(root, store, record);
-	if (status == STATUS_OK)
-		status = parse_objects(cJSON_GetObjectItemCaseSensitive(root, "objects"), store, scene, record);
-	if (status == STATUS_OK && !get_attached(root, scene->object_count, record))
-		status = world_record_damaged(store, "the state of its vehicles");
+	enum status status;
+	TRY_OR(done, parse_root(root, store, record));
+	TRY_OR(done, parse_objects(cJSON_GetObjectItemCaseSensitive(root, "objects"), store, scene, record));
+	if (!get_attached(root, scene->object_count, record))
+		TRY_OR(done, world_record_damaged(store, "the state of its vehicles"));
+done:
 	cJSON_Delete(root);
 	return status;
 }

@@ -27,31 +27,32 @@ void world_intervals_from(struct world *world, double time)
 
 enum status world_wake_all(struct world *world)
 {
-	const struct extent *extent = &world->meta->extent;
-	const struct post_rect all = {0, 0, extent_posts(extent->width, world->level), extent_posts(extent->height, world->level)};
+	const struct extent *extent = &world->resident.meta->extent;
+	const struct post_rect all = {0, 0, extent_posts(extent->width, world->resident.level), extent_posts(extent->height, world->resident.level)};
 	return world_wake(world, all);
 }
 
 static size_t rests_of(const struct world *world)
 {
 	size_t count = 0;
-	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i].in_contact && !world->bodies[i].elsewhere)
-			world->relaxation.rests[count++] = (struct deform_rest){&world->bodies[i].object->shape, world->bodies[i].last,
-								     world->bodies[i].loaded_body};
-	return count + world_host_rests(world, world->relaxation.rests + count);
+	for (size_t i = 0; i < world->body_count; i++) {
+		const struct body *body = world->bodies[i];
+		if (body != NULL && body->in_contact && !body->host.removed && !body->elsewhere)
+			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
+	}
+	return count;
 }
 
 /* Gathers a region from tiles that are pinned four at a time, however many it reads. hand: of bearing. */
 static enum status gather(struct world *world, struct bearing *hand, size_t region)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	const struct post_rect reads = world->bearing != NULL ? bearing_interval_reads(world->bearing, region) : deform_interval_reads(world->deform, region);
 	const int64_t cells = extent->cells;
 	struct held_tiles held = {.count = 0};
 	struct tile first, last;
 	enum status status = hand != NULL ? bearing_interval_start(hand, region) : STATUS_OK;
-	bool any = tile_range_of(extent, world->level, reads, &first, &last);
+	bool any = tile_range_of(extent, world->resident.level, reads, &first, &last);
 	for (uint32_t y = first.y; any && y <= last.y; y += 2)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
 			/* Tiles x, x + 1 and y, y + 1, without the posts that they share with others. */
@@ -89,22 +90,19 @@ static enum status slide_all(struct world *world, size_t count)
 {
 	struct bearing *bearing = world->bearing;
 	double posts = 0;
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++) {
 		const struct post_rect reads = bearing_interval_reads(bearing, i);
 		posts += (double)(reads.x1 - reads.x0) * (double)(reads.y1 - reads.y0);
 	}
 	const size_t hands = world_hands_for(world, posts);
-	for (size_t first = 0; first < count && status == STATUS_OK; first += hands) {
+	for (size_t first = 0; first < count; first += hands) {
 		const size_t some = count - first < hands ? count - first : hands;
-		for (size_t i = 0; i < some && status == STATUS_OK; i++)
-			status = gather(world, bearing_hand(bearing, i), first + i);
-		if (status == STATUS_OK)
-			status = world_crew_run(world, some, slide, &(struct regions){bearing, first});
-		if (status == STATUS_OK)
-			status = bearing_hands_join(bearing);
+		for (size_t i = 0; i < some; i++)
+			TRY(gather(world, bearing_hand(bearing, i), first + i));
+		TRY(world_crew_run(world, some, slide, &(struct regions){bearing, first}));
+		TRY(bearing_hands_join(bearing));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Writes a part of the result back: the region of soil that bears, or a run of regions. */
@@ -112,12 +110,12 @@ static enum status scatter(struct world *world, size_t i)
 {
 	const struct post_rect writes = world->bearing != NULL ? bearing_interval_writes(world->bearing, i) : deform_interval_writes(world->deform, i);
 	struct held_tiles held;
-	enum status status = world_hold(world, writes, &held);
-	if (status == STATUS_OK)
-		status = world->bearing != NULL ? bearing_interval_scatter(world->bearing, i, held.tiles, held.count)
-						: deform_interval_scatter(world->deform, i, held.tiles, held.count);
-	if (status == STATUS_OK)
-		status = world_mark(world, writes, &held);
+	enum status status;
+	TRY_OR(done, world_hold(world, writes, &held));
+	TRY_OR(done, world->bearing != NULL ? bearing_interval_scatter(world->bearing, i, held.tiles, held.count)
+	       : deform_interval_scatter(world->deform, i, held.tiles, held.count));
+	TRY_OR(done, world_mark(world, writes, &held));
+done:
 	world_release(world, &held);
 	return status;
 }
@@ -159,10 +157,10 @@ static enum status one_interval(struct world *world, size_t *blocks)
 {
 	const enum status status = interval(world, blocks);
 	struct page_stats pages;
-	int64_t side = (world->meta->extent.cells + SOIL_BLOCK - 1) / SOIL_BLOCK;
-	page_cache_stats(world->cache, &pages);
-	world->relaxation.visited += *blocks;
-	world->relaxation.possible += pages.touched * (uint64_t)(side * side);
+	int64_t side = (world->resident.meta->extent.cells + SOIL_BLOCK - 1) / SOIL_BLOCK;
+	page_cache_stats(world->resident.cache, &pages);
+	world->counts.visited += *blocks;
+	world->counts.possible += pages.touched * (uint64_t)(side * side);
 	return status;
 }
 
@@ -174,6 +172,9 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	int64_t over = world_intervals_by(world, time);
 	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
 		over--;
+	if (world->relaxation.intervals >= over)
+		return STATUS_OK;
+	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
 	while (world->relaxation.intervals < over && status == STATUS_OK) {
 		size_t blocks = 0;
 		status = world_batches_flush(world);
@@ -182,6 +183,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 		/* If no block is active, none becomes active by itself. */
 		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
 	}
+	world_stage_enter(world, stage);
 	return status;
 }
 
@@ -192,8 +194,8 @@ enum status world_let_go(struct world *world, const struct body *body)
 	size_t count = 0;
 	if (!body->in_contact || body->elsewhere || !deform_conserves(world->scene->model))
 		return STATUS_OK;
-	enum status status = deform_cut(&world->surface, &rest, windows, &count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = world_wake(world, windows[i].write);
-	return status;
+	TRY(deform_cut(&world->surface, &rest, windows, &count));
+	for (size_t i = 0; i < count; i++)
+		TRY(world_wake(world, windows[i].write));
+	return STATUS_OK;
 }

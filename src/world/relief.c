@@ -34,24 +34,23 @@ static enum status open_map(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	struct world_relief *relief = mem_calloc(1, sizeof *relief);
-	if (relief == NULL)
-		return fail_memory("relief");
+	TRY_MEM(relief, "relief");
 	mutex_init(&relief->mutex);
 	relief->map = (struct relief_map){read_classes, relief};
 	world->relief = relief;
-	return resident_soil_map_open(&(struct soil_map_params){.path = scene->soil_map, .classes = scene->soil_class, .meta = world->meta},
+	return resident_soil_map_open(&(struct soil_map_params){.path = scene->soil_map, .classes = scene->soil_class, .meta = world->resident.meta},
 				      &relief->soils);
 }
 
 const struct relief *world_relief(const struct world *world)
 {
-	return world->store != NULL ? store_relief(world->store) : NULL;
+	return world->resident.store != NULL ? store_relief(world->resident.store) : NULL;
 }
 
 enum gpu_division world_division(const struct world *world)
 {
 	const struct relief *relief = world_relief(world);
-	if (world->level >= 0 || world_is_bearing(world)) /* tiles in host memory get their base there */
+	if (world->resident.level >= 0 || world_is_bearing(world)) /* tiles in host memory get their base there */
 		return GPU_UNDIVIDED;
 	if (relief == NULL)
 		return GPU_DIVIDED;
@@ -61,17 +60,17 @@ enum gpu_division world_division(const struct world *world)
 enum status world_settle_relief(struct world *world)
 {
 	const struct relief_spec *spec = &world->scene->relief;
-	enum status status = spec->classes > 1 && world->level < 0 ? open_map(world) : STATUS_OK;
+	enum status status = spec->classes > 1 && world->resident.level < 0 ? open_map(world) : STATUS_OK;
 	if (status == STATUS_OK)
-		status = store_set_relief(world->store, spec->classes > 0 ? spec : NULL, world->relief != NULL ? &world->relief->map : NULL);
-	if (status != STATUS_OK || isnan(world->meta->low))
+		status = store_set_relief(world->resident.store, spec->classes > 0 ? spec : NULL, world->relief != NULL ? &world->relief->map : NULL);
+	if (status != STATUS_OK || isnan(world->resident.meta->low))
 		return status;
 	/* The reference stays that of the source's heights. */
-	const double bound = relief_bound(world_relief(world), 0), reference = resident_ground_reference(world->store);
-	const double most = fmax(world->meta->high - reference, reference - world->meta->low) + bound;
+	const double bound = relief_bound(world_relief(world), 0), reference = resident_ground_reference(world->resident.store);
+	const double most = fmax(world->resident.meta->high - reference, reference - world->resident.meta->low) + bound;
 	if (bound > 0 && most > ldexp(1, 31 - BASE_BITS) - 2)
 		return fail_with(STATUS_INPUT, "relief: with it heights from %g to %g m are more than can be deformed; give less roughness, or import a "
-				 "smaller part", world->meta->low, world->meta->high);
+				 "smaller part", world->resident.meta->low, world->resident.meta->high);
 	return STATUS_OK;
 }
 
@@ -82,7 +81,7 @@ static double stable_slope(const struct world *world, const struct soil_numbers 
 	if (row->slide == NULL)
 		return (double)NAN;
 	if (row->critical != NULL)
-		return lattice_offset_metres(row->critical(soil, world->spacing)) / world->spacing;
+		return lattice_offset_metres(row->critical(soil, world->resident.spacing)) / world->resident.spacing;
 	return row->laid_at != NULL ? tan(row->laid_at(soil)) : (double)NAN;
 }
 
@@ -93,13 +92,13 @@ static void advise_slopes(const struct world *world, scene_advice_fn tell, void 
 	const struct relief *relief = world_relief(world);
 	char text[320];
 	for (int i = 0; i < scene->soil_count && relief_any(relief); i++) {
-		const double slope = relief_slope(relief, relief->classes > 1 ? i : 0, world->meta->extent.spacing);
+		const double slope = relief_slope(relief, relief->classes > 1 ? i : 0, world->resident.meta->extent.spacing);
 		const double stable = stable_slope(world, &scene->soils[i]), share = slope > 0 && !isnan(stable) ? erfc(stable / slope / M_SQRT2) : 0;
 		if (share < SHARE_TOLD)
 			continue;
 		snprintf(text, sizeof text, "relief: posts %g m apart slope by %.0f degrees (root mean square), and %s is stable up to %.0f: about %.2g %% of the slopes "
 					    "are steeper, and slide where they are touched; give less roughness, a longer wavelength, or posts farther apart",
-			 world->spacing, atan(slope) * 180 / M_PI, scene->soil_names[i][0] != '\0' ? scene->soil_names[i] : "the soil", atan(stable) * 180 / M_PI,
+			 world->resident.spacing, atan(slope) * 180 / M_PI, scene->soil_names[i][0] != '\0' ? scene->soil_names[i] : "the soil", atan(stable) * 180 / M_PI,
 			 100 * share);
 		tell(user, text);
 	}
@@ -108,22 +107,22 @@ static void advise_slopes(const struct world *world, scene_advice_fn tell, void 
 void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct relief_spec *spec = &world->scene->relief;
-	const double own = world->meta->extent.spacing;
+	const double own = world->resident.meta->extent.spacing;
 	double longest = 0;
 	char text[200];
 	for (int i = 0; i < spec->classes; i++)
 		longest = spec->waves[i].roughness > 0 ? fmax(longest, spec->waves[i].wavelength) : longest;
 	advise_slopes(world, tell, user);
-	if (spec->classes == 0 || world->store == NULL || world_relief(world) != NULL)
+	if (spec->classes == 0 || world->resident.store == NULL || world_relief(world) != NULL)
 		return;
 	double shows = longest / 2;
-	const double level = extent_spacing(&world->meta->extent, extent_level_for(&world->meta->extent, shows));
+	const double level = extent_spacing(&world->resident.meta->extent, extent_level_for(&world->resident.meta->extent, shows));
 	if (level > shows) /* by less than SPACING_PRINTED */
 		shows = level / 2;
-	if (world->level >= 0)
+	if (world->resident.level >= 0)
 		snprintf(text, sizeof text, "relief: it raises posts between the store's, which are %g m apart, and none are used; give a smaller spacing", own);
 	else
-		snprintf(text, sizeof text, "relief: posts %g m apart show no waves of %g m; give a spacing of at most %s", world->spacing, longest,
+		snprintf(text, sizeof text, "relief: posts %g m apart show no waves of %g m; give a spacing of at most %s", world->resident.spacing, longest,
 			 number_at_most(shows, 6).text);
 	tell(user, text);
 }

@@ -21,29 +21,25 @@ static bool near(int64_t a, int64_t b)
 static enum status check_object(struct world *world, struct body *body, const struct record_object *object)
 {
 	const struct record *record = world->record;
-	const char *store = world->path;
+	const char *store = world->facts.path;
 	struct event event = {.time = 0};
 	if (body->track == NULL) /* a host's: it begins anew */
 		return object->next == 0 && !object->in_contact ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
 	if (record->step == 0 && object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first step") : STATUS_OK;
 	int64_t samples = motion_track_samples(body->track);
-	if (object->next > samples ||
-	    (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
+	if (object->next > samples || (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
 	    (object->next < samples && motion_track_sample_time(body->track, object->next) <= record->time))
 		return world_record_damaged(store, "path samples that are not those of its time");
 	if (object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first path sample") : STATUS_OK;
-	enum status status = world_set_down(world, body, object->next - 1, &event);
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_set_down(world, body, object->next - 1, &event));
 	/* Not compared bit for bit: another machine's mathematics may have made it. */
 	const struct soil_pose *pose = &event.pose, *last = &object->last;
-	if (object->in_contact != event.contact ||
-	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
+	if (object->in_contact != event.contact || (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return world_record_damaged(store, "an object is not where its path was");
-	if (body->loaded_body > 0 && event.contact &&
-	    (object->force.z <= last->z - EQUILIBRIUM_MOST || object->force.z >= last->z + EQUILIBRIUM_MOST))
+	if (body->loaded_body > 0 && event.contact && (object->force.z <= last->z - EQUILIBRIUM_MOST ||
+						       object->force.z >= last->z + EQUILIBRIUM_MOST))
 		return world_record_damaged(store, "an object stands where it cannot");
 	return STATUS_OK;
 }
@@ -51,44 +47,44 @@ static enum status check_object(struct world *world, struct body *body, const st
 static enum status check(struct world *world)
 {
 	const struct record *record = world->record;
-	const char *store = world->path;
+	const char *store = world->facts.path;
 	/* An earlier end_time may have cut the last step short. */
 	double whole = (double)record->step * world->scene->time_step;
 	if (!world->scene->hosted && world_steps_until(world->scene, record->time) != (double)record->step &&
 	    fabs(record->time - whole) > 1e-12 * whole)
 		return world_record_damaged(store, "its step and its time do not agree");
-	if (record->level != world->level)
+	if (record->level != world->resident.level)
 		return world_record_damaged(store, "its level is not the store's");
-	const struct extent *extent = &world->meta->extent;
-	int64_t width = extent_posts(extent->width, world->level), height = extent_posts(extent->height, world->level);
+	const struct extent *extent = &world->resident.meta->extent;
+	int64_t width = extent_posts(extent->width, world->resident.level), height = extent_posts(extent->height, world->resident.level);
 	for (size_t i = 0; i < record->active_count; i++)
-		if (record->active[i].x >= (width + SOIL_BLOCK - 1) / SOIL_BLOCK ||
-		    record->active[i].y >= (height + SOIL_BLOCK - 1) / SOIL_BLOCK)
+		if (record->active[i].x >= (width + SOIL_BLOCK - 1) / SOIL_BLOCK || record->active[i].y >= (height + SOIL_BLOCK - 1) / SOIL_BLOCK)
 			return world_record_damaged(store, "what was awake lies beyond the ground");
 	if (record->active_count > 0 && (!world_deforms(world) || !deform_conserves(world->scene->model)))
 		return world_record_damaged(store, "something is awake that cannot be");
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++)
-		status = check_object(world, &world->bodies[i], &record->objects[i]);
-	return status;
+	for (size_t i = 0; i < world->scene->object_count; i++)
+		TRY(check_object(world, world->bodies[i], &record->objects[i]));
+	return STATUS_OK;
 }
 
 static void restore(struct world *world)
 {
 	const struct record *record = world->record;
-	world->resumed.is = true;
+	world->facts.resumed.is = true;
 	world->step = record->step;
 	world->time = record->time;
 	/* The scene ends later now: its last step is done to its full length. */
 	if (!world->scene->hosted && record->step > 0 && record->time < world_step_time(world->scene, record->step) * (1 - 1e-12))
 		world->step--;
-	world->resumed.from = world->step;
-	world->resumed.time = world->time;
+	world->facts.resumed.from = world->step;
+	world->facts.resumed.time = world->time;
 	const int64_t total = world->scene->hosted ? INT64_MAX : world_step_count(world); /* a host decides how far it goes */
-	world->resumed.nothing_left = world->step > total || (world->step == total && record->ended);
+	world->facts.resumed.nothing_left = world->step > total || (world->step == total && record->ended);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct record_object *object = &record->objects[i];
-		struct body *body = &world->bodies[i];
+		struct body *body = world->bodies[i];
+		if (body->kind != BODY_PATH)
+			continue;
 		body->next = object->next;
 		body->in_contact = object->in_contact;
 		body->last = object->last;
@@ -108,12 +104,12 @@ int world_law(const struct world *world)
 /* Returns true if `run` is of this scene and its record can be read. *ended: whether it came to its end. */
 static bool is_of_this_scene(const struct world *world, const struct store_run *run, bool *ended)
 {
-	const size_t attached = world->params.attached.count;
+	const size_t attached = world->params.attached;
 	struct record *record = mem_calloc(1, world_record_bytes_with(world->scene->object_count, attached));
 	if (record != NULL)
 		record->attached_count = attached;
 	const bool is = record != NULL && run->scene_hash != NULL && strcmp(run->scene_hash, world->scene->hash) == 0 &&
-			world_record_parse(run, world->path, world->scene, record) == STATUS_OK &&
+			world_record_parse(run, world->facts.path, world->scene, record) == STATUS_OK &&
 			record->law == world_law(world);
 	*ended = is && record->ended;
 	mem_free(record);
@@ -124,9 +120,9 @@ void world_tell_unfinished(const struct world *world)
 {
 	struct store_run run;
 	bool ended;
-	if (store_last_run(world->store, &run) == STATUS_OK && run.step > 0 && is_of_this_scene(world, &run, &ended) && !ended)
+	if (store_last_run(world->resident.store, &run) == STATUS_OK && run.step > 0 && is_of_this_scene(world, &run, &ended) && !ended)
 		note("%s: this scene was driven to step %lld there and not to its end; it begins anew, over those ruts "
-		     "(--resume would go on)", world->path, (long long)run.step);
+		     "(--resume would go on)", world->facts.path, (long long)run.step);
 }
 
 /* Returns true if nothing was driven in an overlay, and its parent's drive cannot go on there. That drive is of another scene, or has no step
@@ -134,7 +130,7 @@ void world_tell_unfinished(const struct world *world)
 static bool begins_anew(struct world *world, const struct store_run *run)
 {
 	bool ended;
-	if (!store_run_inherited(world->store))
+	if (!store_run_inherited(world->resident.store))
 		return false;
 	if (strcmp(run->scene_hash, world->scene->hash) != 0)
 		return true;
@@ -144,13 +140,11 @@ static bool begins_anew(struct world *world, const struct store_run *run)
 enum status world_resume(struct world *world)
 {
 	int64_t revision;
-	const char *store = world->path, *over = store_parent(world->store, &revision);
+	const char *store = world->facts.path, *over = store_parent(world->resident.store, &revision);
 	struct store_run run;
 	if (world->params.ranks != NULL && over != NULL) /* a rank's part lies over the run's overlay, which the user knows */
 		store = over;
-	enum status status = store_last_run(world->store, &run);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_last_run(world->resident.store, &run));
 	if (run.scene_hash == NULL) {
 		note("%s: nothing was driven there; begins at step 0", store);
 		return STATUS_OK;
@@ -163,16 +157,13 @@ enum status world_resume(struct world *world)
 		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene, or of this one with other values "
 				 "(%.8s, not %.8s); resume with the same scene and the same --set, or drive without --resume: it then goes "
 				 "over those ruts", store, (long long)run.step, run.scene_hash, world->scene->hash);
-	status = world_record_parse(&run, store, world->scene, world->record);
-	if (status == STATUS_OK && world->record->law != world_law(world))
+	TRY(world_record_parse(&run, store, world->scene, world->record));
+	if (world->record->law != world_law(world))
 		return fail_with(STATUS_INPUT, "%s: its last drive was made by a furrow whose soil bears otherwise, so it would not go on as it began; resume "
 				 "it with that, or drive without --resume: it then goes over those ruts", store);
-	if (status == STATUS_OK)
-		status = check(world);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check(world));
 	restore(world);
-	if (world->resumed.nothing_left)
+	if (world->facts.resumed.nothing_left)
 		note("%s: this scene was driven to step %lld, %g s, already; nothing is left to do", store,
 		     (long long)run.step, run.time);
 	return STATUS_OK;

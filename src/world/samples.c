@@ -23,17 +23,17 @@ void world_advise_samples(const struct world *world, scene_advice_fn tell, void 
 	const struct scene *scene = world->scene;
 	char text[480];
 	for (size_t i = 0; i < scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
 		const struct scene_path *path = &body->object->path;
 		if (body->track == NULL)
 			continue;
 		const double samples = (double)world_samples_until(body->track, scene->end_time), way = world_way_at(body->track, scene->end_time);
 		const double turn = turns_most(path) * DEGREES;
-		if (!(samples > MANY) || !(samples > MANY_TIMES * (way / world->spacing + (double)path->count)) || turn == 0)
+		if (!(samples > MANY) || !(samples > MANY_TIMES * (way / world->resident.spacing + (double)path->count)) || turn == 0)
 			continue;
 		snprintf(text, sizeof text, "objects.%.200s.path: has %.0f path samples, each a contact: %.0f times as many as there are posts on its way of %.4g m, since it turns by up "
 					    "to %.4g degrees from one row to the next; look at its angles, which are in degrees, or give a coarser spacing", body->object->name,
-			 samples, samples / (way / world->spacing + 1), way, turn);
+			 samples, samples / (way / world->resident.spacing + 1), way, turn);
 		tell(user, text);
 	}
 }

@@ -26,13 +26,13 @@ static enum status read_post(const struct world *world, int64_t column, int64_t 
 	struct soil_raster rasters[SOIL_RASTERS];
 	enum status status = STATUS_OK;
 	*out = (struct post_soil){.value = -1};
-	if (world->soil_map != NULL)
-		status = resident_soil_map_value(world->soil_map, world->level, column, row, &out->value);
+	if (world->resident.soil_map != NULL)
+		status = resident_soil_map_value(world->resident.soil_map, world->resident.level, column, row, &out->value);
 	out->soil = out->value >= 0 ? scene->soil_class[out->value] : 0;
 	out->numbers = scene->soils[out->soil];
-	if (status != STATUS_OK || world->soil_rasters == NULL)
+	if (status != STATUS_OK || world->resident.soil_rasters == NULL)
 		return status;
-	status = resident_soil_rasters_levels(world->soil_rasters, world->level, column, row, levels);
+	status = resident_soil_rasters_levels(world->resident.soil_rasters, world->resident.level, column, row, levels);
 	const int count = world_rasters(world, rasters);
 	for (int i = 0; i < count && status == STATUS_OK; i++) {
 		out->has[i] = levels[i] != 0;
@@ -52,13 +52,11 @@ static double sinks_at_most(const struct soil_shape *shape)
 static enum status add_place(const struct world *world, double x, double y, double weight, const struct scene_object *object, double *least,
 			     struct world_soils_met *met)
 {
-	const struct extent *extent = &world->meta->extent;
+	const struct extent *extent = &world->resident.meta->extent;
 	struct post_soil post;
 	if (!extent_holds(extent, x, y))
 		return STATUS_OK;
-	enum status status = read_post(world, (int64_t)floor(x / world->spacing + 0.5), (int64_t)floor(y / world->spacing + 0.5), &post);
-	if (status != STATUS_OK)
-		return status;
+	TRY(read_post(world, (int64_t)floor(x / world->resident.spacing + 0.5), (int64_t)floor(y / world->resident.spacing + 0.5), &post));
 	met->places++;
 	met->all += weight;
 	met->soils[post.soil] += weight;
@@ -79,13 +77,12 @@ static enum status add_track(const struct world *world, const struct track *trac
 			     struct world_soils_met *met)
 {
 	const uint64_t due = world_samples_until(track, world->scene->end_time), count = due < most ? due : most;
-	enum status status = STATUS_OK;
-	for (uint64_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (uint64_t i = 0; i < count; i++) {
 		struct track_point point;
 		motion_track_sample(track, (int64_t)(count > 1 ? i * (due - 1) / (count - 1) : 0), &point);
-		status = add_place(world, point.x, point.y, (double)due / (double)count, object, least, met);
+		TRY(add_place(world, point.x, point.y, (double)due / (double)count, object, least, met));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* The way of a driver, or where a vehicle starts whose way is not known. */
@@ -102,7 +99,7 @@ static enum status add_vehicle(const struct world *world, const struct scene_veh
 	enum status status = world_route(world, &vehicle->way, vehicle->name, &route);
 	if (status != STATUS_OK)
 		return status;
-	status = motion_track_create(&route, world->spacing, 0, &track);
+	status = motion_track_create(&route, world->resident.spacing, 0, &track);
 	if (status == STATUS_OK)
 		status = add_track(world, track, most, NULL, NULL, met);
 	motion_track_destroy(track);
@@ -114,15 +111,14 @@ static enum status add_all(const struct world *world, struct world_soils_met *me
 {
 	const struct scene *scene = world->scene;
 	const uint64_t most = SAMPLES / (scene->object_count + scene->vehicle_count) + 2;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
-		met->partly = met->partly || world->bodies[i].track == NULL;
-		if (world->bodies[i].track != NULL)
-			status = add_track(world, world->bodies[i].track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met);
+	for (size_t i = 0; i < scene->object_count; i++) {
+		met->partly = met->partly || world->bodies[i]->track == NULL;
+		if (world->bodies[i]->track != NULL)
+			TRY(add_track(world, world->bodies[i]->track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met));
 	}
-	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++)
-		status = add_vehicle(world, &scene->vehicles[i], most, met);
-	return status;
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		TRY(add_vehicle(world, &scene->vehicles[i], most, met));
+	return STATUS_OK;
 }
 
 void world_soils_met_free(struct world_soils_met *met)
@@ -137,7 +133,7 @@ void world_soils_met_free(struct world_soils_met *met)
 /* Writes "value 3" or "values 3, 4" of those that some path comes to and no class has. Returns their share of the places. */
 static double unlisted(const struct world *world, char *text, size_t room)
 {
-	const struct world_soils_met *met = world->met;
+	const struct world_soils_met *met = world->facts.met;
 	double share = 0;
 	char list[80] = "";
 	size_t used = 0, count = 0;
@@ -156,9 +152,9 @@ static double unlisted(const struct world *world, char *text, size_t room)
 static enum status check_covered(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	const struct world_soils_met *met = world->met;
+	const struct world_soils_met *met = world->facts.met;
 	char values[120];
-	if (world->soil_map == NULL || scene->soil_default)
+	if (world->resident.soil_map == NULL || scene->soil_default)
 		return STATUS_OK;
 	if (met->none > 0)
 		return fail_with(STATUS_INPUT, "soil.map: %.200s covers %.3g %% of the paths, and there is no soil.default; look at its place and its reference "
@@ -175,14 +171,13 @@ enum status world_find_soils_met(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	const size_t rows = scene->object_count * SOIL_CLASSES + 1;
-	const bool read = world->soil_map != NULL || world->soil_rasters != NULL;
+	const bool read = world->resident.soil_map != NULL || world->resident.soil_rasters != NULL;
 	/* Without the files it is known only if there are none. */
-	if (scene->hosted || scene->object_count + scene->vehicle_count == 0 || deform_model_row(scene->model)->numbers == NULL ||
+	if ((scene->hosted && !world->params.advise) || scene->object_count + scene->vehicle_count == 0 || deform_model_row(scene->model)->numbers == NULL ||
 	    (!read && (scene->soil_map != NULL || scene->raster_count > 0)))
 		return STATUS_OK;
 	struct world_soils_met *met = mem_calloc(1, sizeof *met);
-	if (met == NULL)
-		return fail_memory("the soils along the paths");
+	TRY_MEM(met, "the soils along the paths");
 	met->least = mem_alloc(rows, sizeof *met->least);
 	met->weakest = mem_calloc(rows, sizeof *met->weakest);
 	if (met->least == NULL || met->weakest == NULL) {
@@ -193,17 +188,17 @@ enum status world_find_soils_met(struct world *world)
 		met->least[i] = NAN;
 	/* What cannot be read is refused by the drive where it comes to it, with the message of that place. */
 	if (add_all(world, met) == STATUS_OK && met->all > 0)
-		world->met = met;
+		world->facts.met = met;
 	else
 		world_soils_met_free(met);
-	return world->met != NULL ? check_covered(world) : STATUS_OK;
+	return world->facts.met != NULL ? check_covered(world) : STATUS_OK;
 }
 
 int world_soil_index(const struct world *world, double x, double y)
 {
 	struct post_soil post;
-	const bool read = extent_holds(&world->meta->extent, x, y) &&
-			  read_post(world, (int64_t)floor(x / world->spacing + 0.5), (int64_t)floor(y / world->spacing + 0.5), &post) == STATUS_OK;
+	const bool read = extent_holds(&world->resident.meta->extent, x, y) &&
+			  read_post(world, (int64_t)floor(x / world->resident.spacing + 0.5), (int64_t)floor(y / world->resident.spacing + 0.5), &post) == STATUS_OK;
 	return read ? post.soil : -1;
 }
 
@@ -216,21 +211,21 @@ static void advise_unmet(const struct world *world, scene_advice_fn tell, void *
 	char text[500], list[300] = "";
 	size_t used = 0, count = 0;
 	for (int i = 1; i < scene->soil_count; i++)
-		if (world->met->soils[i] == 0 && used < sizeof list) {
+		if (world->facts.met->soils[i] == 0 && used < sizeof list) {
 			used += (size_t)snprintf(list + used, sizeof list - used, "%s%d (%s)", used > 0 ? ", " : "", scene_soil_value(scene, i), scene->soil_names[i]);
 			count++;
 		}
 	if (count == 0)
 		return;
 	snprintf(text, sizeof text, "soil.classes: class%s %s lie%s under no path (%zu place%s looked at)", count > 1 ? "es" : "", list,
-		 count > 1 ? "" : "s", world->met->places, world->met->places > 1 ? "s" : "");
+		 count > 1 ? "" : "s", world->facts.met->places, world->facts.met->places > 1 ? "s" : "");
 	tell(user, text);
 }
 
 static void advise_map(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
-	const struct world_soils_met *met = world->met;
+	const struct world_soils_met *met = world->facts.met;
 	char text[600], values[120];
 	if (met->none == met->all) {
 		snprintf(text, sizeof text, "soil.map: %.200s covers 0 %% of the paths of objects and vehicles: all get the default soil, %s; look at its place and "
@@ -250,10 +245,10 @@ static void advise_map(const struct world *world, scene_advice_fn tell, void *us
 
 static void advise_numbers(const struct world *world, scene_advice_fn tell, void *user)
 {
-	for (int i = 0; world->soil_rasters != NULL && i < world->scene->raster_count; i++) {
+	for (int i = 0; world->resident.soil_rasters != NULL && i < world->scene->raster_count; i++) {
 		const struct world_raster told = world_raster(world, i);
 		char text[500];
-		if (world->met->numbers[i] > 0)
+		if (world->facts.met->numbers[i] > 0)
 			continue;
 		snprintf(text, sizeof text, "soil.rasters.%s: %.200s covers 0 %% of the paths of objects and vehicles: the soil's own number counts there; look at its "
 					    "place and its reference system (gdalinfo): without one it is in metres from the south-west post", told.key, told.path);
@@ -276,7 +271,7 @@ static bool is_like(const struct scene_object *a, const struct scene_object *b)
 
 static bool is_too_much(const struct world *world, size_t object, int soil)
 {
-	return world->met->least[object * SOIL_CLASSES + (size_t)soil] < world->scene->objects[object].load;
+	return world->facts.met->least[object * SOIL_CLASSES + (size_t)soil] < world->scene->objects[object].load;
 }
 
 /* Tells of one object for all that are like it. */
@@ -295,10 +290,10 @@ static void advise_load(const struct world *world, size_t first, int soil, scene
 		}
 	if (alike > 0)
 		snprintf(others, sizeof others, " (nor that of %zu other%s)", alike, alike > 1 ? "s" : "");
-	const struct soil_numbers *weakest = &world->met->weakest[first * SOIL_CLASSES + (size_t)soil];
+	const struct soil_numbers *weakest = &world->facts.met->weakest[first * SOIL_CLASSES + (size_t)soil];
 	snprintf(text, sizeof text, "objects.%.160s.load: %s on its path does not carry %.6g N%s: it bears about %.9g N when the object has sunk by %.2g m, and "
 				    "about %.9g N at %.2g m; give less load, or %s", object->name, scene->soil_names[soil], object->load, others,
-		 about(world->met->least[first * SOIL_CLASSES + (size_t)soil]), most,
+		 about(world->facts.met->least[first * SOIL_CLASSES + (size_t)soil]), most,
 		 about(soil_load_at(&object->shape, &object->interface, object->slip, weakest, shallow)), shallow,
 		 object->shape.kind == SOIL_WHEEL ? "a wider wheel" : "a larger plate");
 	tell(user, text);
@@ -307,9 +302,9 @@ static void advise_load(const struct world *world, size_t first, int soil, scene
 void world_advise_soils_met(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
-	if (world->met == NULL)
+	if (world->facts.met == NULL)
 		return;
-	if (world->soil_map != NULL)
+	if (world->resident.soil_map != NULL)
 		advise_map(world, tell, user);
 	advise_numbers(world, tell, user);
 	for (size_t i = 0; i < scene->object_count && deform_tells_forces(scene->model); i++)

@@ -1,4 +1,4 @@
-/* One step: collects its events, applies them to the ground, and records it. */
+/* The steps of a run: their number, their record, how a run begins and ends. stages.c makes a step. */
 #include <math.h>
 #include <string.h>
 
@@ -29,19 +29,19 @@ enum status world_fill_record(struct world *world)
 	struct record *record = world->record;
 	const struct soil_block *active;
 	size_t count;
-	enum status status = world_active_blocks(world, &active, &count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_active_blocks(world, &active, &count));
 	if (count > 0)
 		memcpy(record->active, active, count * sizeof *active);
 	record->active_count = count;
 	record->step = world->step;
 	record->time = world->time;
-	record->level = world->level;
+	record->level = world->resident.level;
 	record->law = world_law(world);
 	record->ended = false;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		const struct body *body = &world->bodies[i];
+		const struct body *body = world->bodies[i];
+		if (body->kind != BODY_PATH) /* a host's begins anew */
+			continue;
 		world_forces_record(world->forces, i, &record->objects[i].force);
 		record->objects[i] = (struct record_object){
 			.next = body->next,
@@ -53,15 +53,12 @@ enum status world_fill_record(struct world *world)
 			.skipped = body->skipped,
 		};
 	}
-	const struct world_attached *attached = &world->params.attached;
-	if (attached->count > 0)
-		attached->save(attached->user, world_record_attached(record, world->scene->object_count));
 	return STATUS_OK;
 }
 
 const double *world_attached(const struct world *world)
 {
-	return world->resumed.is && world->record->attached_count > 0
+	return world->facts.resumed.is && world->record->attached_count > 0
 		       ? world_record_attached(world->record, world->scene->object_count)
 		       : NULL;
 }
@@ -71,185 +68,94 @@ const double *world_attached_last(const struct world *world)
 	return world_record_attached(world->record, world->scene->object_count);
 }
 
-#define STOP_SECONDS 2.0 /* a step that takes less is made whole, and committed */
-
-/* Returns true if the drive is to end, and waited for this step for STOP_SECONDS. */
-static bool must_stop(struct world *world)
-{
-	if (!world_stopped(world))
-		return false;
-	if (world->stop_seen == 0)
-		world->stop_seen = clock_seconds();
-	return clock_seconds() - world->stop_seen > STOP_SECONDS;
-}
-
-static enum status torn_by_stop(const struct world *world)
-{
-	return fail_with(STATUS_INTERRUPTED, "drive: interrupted in step %lld, which is a long one; the store has the steps up to its last commit, and --resume goes on from there",
-			 (long long)world->step + 1);
-}
-
-static enum status deform_step(struct world *world, double until)
-{
-	enum status status = STATUS_OK;
-	world_batches_forget(world);
-	world_meetings_forget(world);
-	if (world->meetings != NULL)
-		status = world_near_make(world);
-	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
-		struct event *event = &world->events.list[i];
-		struct body *body = &world->bodies[event->body];
-		if (i > 0 && event->time != event[-1].time)
-			status = world_meetings_flush(world);
-		if (status != STATUS_OK)
-			return status;
-		status = must_stop(world) ? torn_by_stop(world) : world_intervals(world, event->time, false);
-		if (status == STATUS_OK)
-			status = world_forces_rows(world->forces, event->time, false);
-		if (status != STATUS_OK)
-			return status;
-		if (!event->contact) {
-			status = world_let_go(world, body);
-			body->in_contact = false;
-			body->skipped++;
-			world_forces_absent(world->forces, event->body, event);
-			continue;
-		}
-		body->distance += event->distance;
-		if (body->object->load == 0) {
-			body->sinkage = event->sinkage;
-			body->near += event->sinkage > -2 * soil_shape_bound(&body->object->shape); /* the ground beside it may be higher */
-		}
-		status = world_contact_or_wait(world, event);
-	}
-	if (status == STATUS_OK)
-		status = world_batches_flush(world);
-	if (status == STATUS_OK)
-		status = world_meetings_flush(world);
-	if (status == STATUS_OK && world->hosts.count > 0) {
-		status = world_intervals(world, until, false);
-		if (status == STATUS_OK)
-			status = world_hosts_step(world, until - world->time, until);
-	}
-	if (status == STATUS_OK)
-		status = world_intervals(world, until, true);
-	return status == STATUS_OK ? world_forces_end_step(world->forces, until) : status;
-}
-
 enum status world_begin(struct world *world)
 {
+	world_enter(world, WORLD_READY);
 	world_intervals_from(world, world->time);
-	motion_look_ahead_begin(world->ahead, world->resumed.time);
-	enum status status = world->resumed.is ? STATUS_OK : world_fill_record(world);
-	page_cache_hold(world->cache, true);
-	if (status == STATUS_OK && !world->scene->hosted)
-		status = world_begin_run(world);
-	world->warmed.stalls = world->warmed.range_waits = (struct stalls){0, 0};
+	resident_look_ahead_begin(world->ahead, world->facts.resumed.time);
+	page_cache_hold(world->resident.cache, true);
+	if (!world->facts.resumed.is)
+		TRY(world_fill_record(world));
+	if (!world->scene->hosted)
+		TRY(world_begin_run(world));
+	world->counts.warmed.stalls = world->counts.warmed.range_waits = (struct stalls){0, 0};
 	struct stalls stalls, ranges;
 	world_stalls(world, &stalls);
 	world_range_waits(world, &ranges);
-	world->warmed.stalls = stalls;
-	world->warmed.range_waits = ranges;
-	return status;
+	world->counts.warmed.stalls = stalls;
+	world->counts.warmed.range_waits = ranges;
+	return STATUS_OK;
 }
 
 enum status world_begin_run(struct world *world)
 {
-	if (world->begun)
+	if (world->phase == WORLD_STEPPING)
 		return STATUS_OK;
 	if (world->params.readonly)
 		return fail_with(STATUS_USAGE, "world: it was opened to be read only, and this would change it; open it without readonly");
 	/* If the store cannot be written now, nothing has happened, and the step can be made later. */
-	enum status status = store_begin(world->store);
-	if (status != STATUS_OK)
-		return status;
-	page_cache_hold(world->cache, false);
+	TRY(store_begin(world->resident.store));
+	page_cache_hold(world->resident.cache, false);
 	/* A run that is killed before its first commit must not be taken for the run before it. */
-	if (!world->resumed.is || world->params.attached.count > 0)
-		status = page_cache_flush(world->cache, world->record);
-	if (status != STATUS_OK)
-		return status;
-	world->begun = true;
+	if (!world->facts.resumed.is || world->params.attached > 0)
+		TRY(page_cache_flush(world->resident.cache, world->record));
+	world_enter(world, WORLD_STEPPING);
 	return world_checkpoint_begun(world);
 }
 
-enum status world_end_step(struct world *world)
+void world_attach(struct world *world, const double *numbers)
 {
-	enum status status = world->pyramid != NULL ? resident_pyramid_flush(world->pyramid, world->cache) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = world_fill_record(world);
+	if (world->params.attached > 0)
+		memcpy(world_record_attached(world->record, world->scene->object_count), numbers, world->params.attached * sizeof *numbers);
+}
+
+enum status world_end_change(struct world *world)
+{
+	TRY(world->resident.pyramid != NULL ? resident_pyramid_flush(world->resident.pyramid, world->resident.cache) : STATUS_OK);
+	TRY(world_fill_record(world));
 	/* Until the record describes this step too, there is nothing to commit. */
-	if (status != STATUS_OK)
-		return status;
-	world->torn = false;
+	world_mend(world);
 	world_changes_end(world);
-	return page_cache_end_step(world->cache, world->record);
+	return page_cache_end_step(world->resident.cache, world->record);
+}
+
+enum status world_end_or_wait(struct world *world)
+{
+	return world->params.attached > 0 ? STATUS_OK : world_end_change(world);
 }
 
 enum status world_move_hosts(struct world *world)
 {
-	enum status status = page_cache_poll(world->cache);
-	if (world->ranks != NULL)
-		status = world->ranks->step(world->ranks->user, world->time, status);
-	world->torn = true;
-	if (status == STATUS_OK)
-		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
-	return status == STATUS_OK ? world_end_step(world) : status;
+	const struct world_ranks *ranks = world->ranks;
+	const enum status polled = page_cache_poll(world->resident.cache);
+	const enum status agreed = ranks != NULL ? ranks->step(ranks->user, world->time, polled) : polled;
+	world_tear(world);
+	TRY(agreed);
+	TRY(world_hosts_step(world, 0, world->time)); /* no row is due: the scene's own objects have not begun */
+	return world_end_or_wait(world);
 }
 
-enum status world_step(struct world *world)
+enum status world_idle(struct world *world)
 {
-	return world_step_to(world, world_step_time(world->scene, world->step + 1));
+	TRY(page_cache_poll(world->resident.cache));
+	TRY(resident_look_ahead_step(world->ahead, world->time));
+	return page_cache_end_step(world->resident.cache, world->record);
 }
 
-/* Does all that can fail before anything changes: a scene that leaves the ground stops at the end of a step. */
-static enum status prepare(struct world *world, double until)
+enum status world_begin_commit(struct world *world)
 {
-	enum status status = world_collect_events(world, until, false);
-	if (world->ranks != NULL)
-		status = world->ranks->step(world->ranks->user, until, status);
-	if (world->ranks != NULL && status == STATUS_OK && world->events.count == 0) /* of the bodies that are here now */
-		status = world_collect_events(world, until, true);
-	if (status == STATUS_OK)
-		status = page_cache_poll(world->cache);
-	if (status == STATUS_OK)
-		status = motion_look_ahead_step(world->ahead, world->time);
-	return status;
-}
-
-enum status world_step_to(struct world *world, double until)
-{
-	enum status status = prepare(world, until);
-	if (status == STATUS_OK)
-		status = world_begin_run(world);
-	if (status != STATUS_OK) {
-		world_forget_events(world);
-		return status;
-	}
-	world->hosts.until = until;
-	world->torn = true;
-	status = deform_step(world, until);
-	world->near.stale = true;
-	if (status != STATUS_OK)
-		return status;
-	world->step++;
-	world->time = until;
-	world->events.count = 0;
-	if (world->ranks != NULL)
-		world_pass_elsewhere(world, until);
-	motion_look_ahead_tell(world->ahead, until);
-	return world_end_step(world);
+	return page_cache_begin_commit(world->resident.cache, world->record);
 }
 
 void world_stalls(const struct world *world, struct stalls *stalls)
 {
 	struct page_stats pages;
 	struct resident_ground_figures ground;
-	page_cache_stats(world->cache, &pages);
-	resident_ground_figures(world->ground, &ground);
+	page_cache_stats(world->resident.cache, &pages);
+	resident_ground_figures(world->resident.ground, &ground);
 	*stalls = (struct stalls){
-		.count = pages.stalls + ground.waits - world->warmed.stalls.count,
-		.ms = pages.stall_ms + ground.wait_ms - world->warmed.stalls.ms,
+		.count = pages.stalls + ground.waits - world->counts.warmed.stalls.count,
+		.ms = pages.stall_ms + ground.wait_ms - world->counts.warmed.stalls.ms,
 	};
 }
 
@@ -262,10 +168,10 @@ void world_recorded(const struct world *world, struct world_recorded *recorded)
 void world_range_waits(const struct world *world, struct stalls *waits)
 {
 	struct resident_ground_figures ground;
-	resident_ground_figures(world->ground, &ground);
+	resident_ground_figures(world->resident.ground, &ground);
 	*waits = (struct stalls){
-		.count = ground.range_waits - world->warmed.range_waits.count,
-		.ms = ground.range_wait_ms - world->warmed.range_waits.ms,
+		.count = ground.range_waits - world->counts.warmed.range_waits.count,
+		.ms = ground.range_wait_ms - world->counts.warmed.range_waits.ms,
 	};
 }
 
@@ -284,5 +190,5 @@ enum status world_end(struct world *world, bool ended)
 {
 	world->record->ended = ended;
 	/* A step that failed half-way must not be committed. The last commit remains. */
-	return world->torn || !world->begun ? STATUS_OK : page_cache_flush(world->cache, world->record);
+	return world->phase != WORLD_STEPPING ? STATUS_OK : page_cache_flush(world->resident.cache, world->record);
 }

@@ -6,7 +6,7 @@
 
 bool world_is_bearing(const struct world *world)
 {
-	return world_deforms(world) && (deform_tells_forces(world->scene->model) || world->scene->compute == SCENE_CPU || world->without_gl);
+	return world_deforms(world) && (deform_tells_forces(world->scene->model) || world->scene->compute == SCENE_CPU || world->facts.without_gl);
 }
 
 bool world_changes_ground(const struct world *world)
@@ -18,7 +18,7 @@ enum status world_surface_create(struct world *world, const struct deform_params
 {
 	world->surface = *params;
 	if (world_is_bearing(world))
-		return bearing_create(params, world->host, &world->bearing);
+		return bearing_create(params, world->resident.host, &world->bearing);
 	return world_deforms(world) ? deform_create(params, &world->deform) : STATUS_OK;
 }
 

@@ -11,19 +11,19 @@ struct world_force world_no_force(int64_t z)
 	return (struct world_force){.z = z, .state = DEFORM_AIR};
 }
 
-enum world_contact_state world_contact_state_of(enum deform_state state)
+enum furrow_contact_state world_contact_state_of(enum deform_state state)
 {
-	static const enum world_contact_state states[DEFORM_STATES] = {
-		[DEFORM_TOUCHING] = WORLD_TOUCHING, [DEFORM_SLIDES] = WORLD_SLIDES, [DEFORM_SUNK] = WORLD_SUNK, [DEFORM_AIR] = WORLD_AIR,
+	static const enum furrow_contact_state states[DEFORM_STATES] = {
+		[DEFORM_TOUCHING] = FURROW_TOUCHING, [DEFORM_SLIDES] = FURROW_SLIDES, [DEFORM_SUNK] = FURROW_SUNK, [DEFORM_AIR] = FURROW_AIR,
 	};
 	return states[state];
 }
 
-struct world_contact world_contact_unknown(void)
+struct furrow_contact world_contact_unknown(void)
 {
-	struct world_contact contact = {
+	struct furrow_contact contact = {
 		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
-		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .pull = NAN, .state = WORLD_UNKNOWN,
+		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .pull = NAN, .state = FURROW_UNKNOWN,
 	};
 	for (int i = 0; i < 6; i++)
 		for (int k = 0; k < 6; k++)
@@ -34,16 +34,14 @@ struct world_contact world_contact_unknown(void)
 /* Finds the normal of the undisturbed surface. NaN: it cannot be found. */
 static enum status normal_at(const struct world *world, const double place[3], double normal[3])
 {
-	const double step = NORMAL_POSTS * world->spacing;
+	const double step = NORMAL_POSTS * world->resident.spacing;
 	double height[4];
 	static const double to[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
 	for (int i = 0; i < 4; i++) {
 		int64_t found;
 		bool any;
-		enum status status = resident_ground_height(world->ground, lattice_offset(place[0] + to[i][0] * step),
-						   lattice_offset(place[1] + to[i][1] * step), &found, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_height(world->resident.ground, lattice_offset(place[0] + to[i][0] * step),
+					   lattice_offset(place[1] + to[i][1] * step), &found, &any));
 		height[i] = any ? lattice_offset_metres(found) : NAN;
 	}
 	const double dx = (height[0] - height[1]) / (2 * step), dy = (height[2] - height[3]) / (2 * step);
@@ -78,7 +76,7 @@ static void line_of(const double origin[3], double reach, const double force[3],
 
 /* `belt`: how fast the body's belt runs, m/s. `normal`: of the ground, along which a wheel travels. Without one, travel counts in plan. A body
  * on a path has no vertical velocity, so there it is upright. */
-static double slip_of(const struct scene_object *object, const struct world_state *state, double belt, const double normal[3])
+static double slip_of(const struct scene_object *object, const struct furrow_state *state, double belt, const double normal[3])
 {
 	struct soil_pose pose;
 	if (object->shape.belt) {
@@ -97,19 +95,20 @@ static double slip_of(const struct scene_object *object, const struct world_stat
 }
 
 /* Tells all but the slip. */
-static enum status fill(struct world *world, const struct scene_object *object, const struct world_state *state,
-			const struct world_force *force, double time, enum world_contact_state touches, struct world_contact *contact)
+static enum status fill(struct world *world, const struct scene_object *object, const struct furrow_state *state,
+			const struct world_force *force, double time, enum furrow_contact_state touches, struct furrow_contact *contact)
 {
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = touches;
-	contact->sinkage = touches == WORLD_AIR ? 0 : force->sinkage;
+	contact->sinkage = touches == FURROW_AIR ? 0 : force->sinkage;
 	enum status status = normal_at(world, state->pose.position, contact->normal);
 	if (status != STATUS_OK || !world_feels(world))
 		return status;
 	memcpy(contact->force, force->force, sizeof contact->force);
 	memcpy(contact->moment, force->moment, sizeof contact->moment);
 	contact->area = force->area;
+	contact->pull = object->shape.belt ? force->pull : (double)NAN;
 	struct soil_pose pose = {.x = 0};
 	status = world_attitude(&object->shape, object->name, &state->pose, &pose);
 	if (status != STATUS_OK)
@@ -127,16 +126,16 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	return STATUS_OK;
 }
 
-void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct soil_probed *probed, double time,
-		       struct world_contact *contact)
+void world_tell_probed(const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_probed *probed,
+		       double time, struct furrow_contact *contact)
 {
-	const struct scene_object *object = host->body.object;
+	const struct scene_object *object = body->object;
 	struct soil_pose pose = {.x = 0};
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = world_contact_state_of((enum deform_state)probed->state);
-	contact->slip = slip_of(object, state, world_belt_of(host, state)->speed, probed->normal);
-	contact->pull = probed->pull;
+	contact->slip = slip_of(object, state, belt->speed, probed->normal);
+	contact->pull = object->shape.belt ? probed->pull : (double)NAN;
 	contact->sinkage = probed->sinkage;
 	contact->area = probed->area;
 	contact->normal_force = probed->normal_force;
@@ -151,20 +150,20 @@ void world_tell_probed(const struct host_body *host, const struct world_state *s
 			contact->point);
 }
 
-enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact)
+enum status world_body_contact(struct world *world, int32_t number, struct furrow_contact *contact)
 {
-	struct world_state state;
+	struct furrow_state state;
 	*contact = world_contact_unknown();
 	enum status status = world_body_state(world, number, &state);
 	if (status != STATUS_OK)
 		return status;
-	const struct host_body *host = world_host_body(world, number);
-	if (host != NULL && !host->placed)
+	const struct body *body = world->bodies[number];
+	if (body->kind != BODY_PATH && !body->host.placed)
 		return STATUS_OK;
-	if (host != NULL) {
+	if (body->kind != BODY_PATH) {
 		struct soil_probed probed;
-		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
-		contact->slip = slip_of(host->body.object, &state, world_belt_of(host, &state)->speed, contact->normal);
+		status = fill(world, body->object, &state, &body->host.force, body->host.told, body->host.state, contact);
+		contact->slip = slip_of(body->object, &state, body->host.belt.speed, contact->normal);
 		if (status == STATUS_OK)
 			status = world_probes_now(world, number, &probed);
 		if (status == STATUS_OK && probed.known) {
@@ -173,12 +172,11 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 		}
 		return status;
 	}
-	const struct body *body = &world->bodies[number];
 	if (body->next == 0)
 		return STATUS_OK;
 	struct world_force force = world_no_force(0);
 	bool known = world_forces_known(world->forces, (size_t)number, &force);
-	enum world_contact_state touches = !body->in_contact ? WORLD_AIR : WORLD_TOUCHING;
+	enum furrow_contact_state touches = !body->in_contact ? FURROW_AIR : FURROW_TOUCHING;
 	if (known)
 		touches = world_contact_state_of(force.state);
 	else
@@ -189,9 +187,9 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	return filled;
 }
 
-enum status world_path_state(const struct world *world, size_t body, struct world_state *state)
+enum status world_path_state(const struct world *world, size_t body, struct furrow_state *state)
 {
-	const struct body *at = &world->bodies[body];
+	const struct body *at = world->bodies[body];
 	struct track_point point, before;
 	const double moment = 1e-3; /* s over which velocities are measured */
 	motion_track_at(at->track, world->time, &point);
@@ -200,7 +198,7 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 	pose.yaw = point.yaw;
 	pose.pitch = point.pitch;
 	pose.roll = point.roll;
-	*state = (struct world_state){.pose = {{point.x, point.y, lattice_offset_metres(at->last.z)}, {1, 0, 0, 0}}};
+	*state = (struct furrow_state){.pose = {{point.x, point.y, lattice_offset_metres(at->last.z)}, {1, 0, 0, 0}}};
 	if (!at->in_contact)
 		world_place(world, body, state->pose.position, &pose.yaw);
 	else if (at->loaded_body > 0)

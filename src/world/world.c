@@ -13,11 +13,23 @@
 #define MANY_BODIES 1000
 #define COMMIT_AGE 1.0 /* s of a run that a kill may lose */
 
-enum status world_prepare(struct world *world, const struct world_params *params)
+enum status world_make(const struct world_params *params, struct world **out)
+{
+	struct world *world = *out = mem_calloc(1, sizeof *world);
+	TRY_MEM(world, "a world");
+	world->params = *params;
+	world->scene = params->scene;
+	world->ranks = params->ranks;
+	/* The caller's texts may go after world_open. */
+	world->params.store = world->params.overlay = NULL;
+	world->params.staged = NULL;
+	world_changes_begin(world);
+	return STATUS_OK;
+}
+
+static enum status open_store(struct world *world, const struct world_params *params)
 {
 	const struct scene *scene = params->scene;
-	*world = (struct world){.params = *params, .scene = scene, .ranks = params->ranks};
-	world_changes_begin(world);
 	const char *path = params->store != NULL ? params->store : scene->store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", scene->file);
@@ -29,38 +41,33 @@ enum status world_prepare(struct world *world, const struct world_params *params
 		.scene = scene->file,
 		.staged = params->staged,
 	};
-	enum status status = params->overlay != NULL ? store_open_overlay(params->overlay, path, &options, &world->store)
-						     : store_open(path, &options, &world->store);
-	/* The caller's texts may go now. */
-	world->params.store = world->params.overlay = NULL;
-	world->params.staged = NULL;
-	if (status != STATUS_OK)
-		return status;
-	world->path = store_file_path(world->store);
-	world->meta = store_meta(world->store);
+	TRY(params->overlay != NULL ? store_open_overlay(params->overlay, path, &options, &world->resident.store)
+				    : store_open(path, &options, &world->resident.store));
+	world->facts.path = store_file_path(world->resident.store);
+	world->resident.meta = store_meta(world->resident.store);
+	return STATUS_OK;
+}
+
+enum status world_open(const struct world_params *params, struct world **out)
+{
+	TRY(world_make(params, out));
+	struct world *world = *out;
+	TRY(open_store(world, params));
 	world_settle_light(world);
-	status = world_settle_level(world);
-	if (status == STATUS_OK)
-		status = world_settle_relief(world);
-	if (status == STATUS_OK)
-		status = world_make_bodies(world);
-	if (status == STATUS_OK)
-		status = world_settle_limits(world);
-	if (status == STATUS_OK)
-		status = world_open_soil_map(world);
-	if (status == STATUS_OK)
-		status = world_open_rasters(world);
-	if (status == STATUS_OK)
-		status = world_find_soils_met(world);
-	if (status == STATUS_OK)
-		status = resident_ground_create(world->store, world->limits.ground, &world->ground);
-	if (status == STATUS_OK)
-		status = world_find_ruts(world);
-	if (status == STATUS_OK && params->resume)
-		status = world_resume(world);
-	else if (status == STATUS_OK && !params->readonly)
+	TRY(world_settle_level(world));
+	TRY(world_settle_relief(world));
+	TRY(world_make_bodies(world));
+	TRY(world_settle_limits(world));
+	TRY(world_open_soil_map(world));
+	TRY(world_open_rasters(world));
+	TRY(world_find_soils_met(world));
+	TRY(resident_ground_create(world->resident.store, world->facts.limits.ground, &world->resident.ground));
+	TRY(world_find_ruts(world));
+	if (params->resume)
+		return world_resume(world);
+	if (!params->readonly)
 		world_tell_unfinished(world);
-	return status;
+	return STATUS_OK;
 }
 
 /* --- starting --- */
@@ -70,7 +77,7 @@ static size_t camera_places(const void *user, double time, double places[2][2])
 {
 	const struct world *world = user;
 	const struct scene_view *view = &world->scene->view;
-	const struct body *target = &world->bodies[view->aim.object];
+	const struct body *target = world->bodies[view->aim.object];
 	return motion_track_camera_places(&view->aim, &target->object->path, target->track, time, places);
 }
 
@@ -78,47 +85,53 @@ static enum status start_look_ahead(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	struct look_ahead_body *bodies = mem_calloc(scene->object_count + 1, sizeof *bodies);
-	if (bodies == NULL)
-		return fail_memory("the look-ahead");
+	TRY_MEM(bodies, "the look-ahead");
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
-			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next,
-									&world->bodies[i].elsewhere};
-	uint32_t tiles = world->limits.ground;
+		if (world->bodies[i]->track != NULL)
+			bodies[count++] = (struct look_ahead_body){motion_track_ahead(world->bodies[i]->track), &world->bodies[i]->object->shape, world->bodies[i]->next,
+									&world->bodies[i]->elsewhere};
+	uint32_t tiles = world->facts.limits.ground;
 	bool follows = scene->view.present && scene->view.aim.kind != SCENE_FIXED && scene->view.aim.vehicle == 0 && scene->object_count > 0 &&
-		       world->bodies[scene->view.aim.object].track != NULL;
+		       world->bodies[scene->view.aim.object]->track != NULL;
 	const struct look_ahead_params params = {
-		.store = world->store,
-		.ground = world->ground,
+		.store = world->resident.store,
+		.ground = world->resident.ground,
 		.tiles = tiles - tiles / 4, /* the rest is for tiles of the view, and for passed ones */
 		.bodies = bodies,
 		.count = count,
-		.spacing = world->spacing,
+		.spacing = world->resident.spacing,
 		.camera = follows ? camera_places : NULL,
 		.camera_user = world,
-		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object].track) : 0,
-		.prefetch = world->limits.prefetch,
+		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object]->track) : 0,
+		.prefetch = world->facts.limits.prefetch,
 		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
-	enum status status = motion_look_ahead_create(&params, &world->ahead);
+	enum status status = resident_look_ahead_create(&params, &world->ahead);
 	mem_free(bodies);
 	return status;
+}
+
+static enum status make_pyramid(struct world *world)
+{
+	struct resident *resident = &world->resident;
+	return resident_pyramid_create(&resident->meta->extent, resident->level, resident->slots, resident->host, &resident->pyramid);
 }
 
 /* Sets active blocks and the equilibrium heights of loaded bodies as the resumed run left them. */
 static enum status go_on_with_ground(struct world *world)
 {
 	const struct record *record = world->record;
-	bool relaxes = world_changes_ground(world) && world->scene->undisturbed == SCENE_SLIDES && (!world->resumed.is || record->step == 0);
-	enum status status = relaxes ? world_wake_all(world) : STATUS_OK;
-	for (size_t i = 0; i < record->active_count && status == STATUS_OK; i++)
-		status = world_wake_block(world, record->active[i]);
-	for (size_t i = 0; i < world->scene->object_count && world->resumed.is; i++) {
-		const struct body *body = &world->bodies[i];
+	bool relaxes = world_changes_ground(world) && world->scene->undisturbed == SCENE_SLIDES && (!world->facts.resumed.is || record->step == 0);
+	if (relaxes)
+		TRY(world_wake_all(world));
+	for (size_t i = 0; i < record->active_count; i++)
+		TRY(world_wake_block(world, record->active[i]));
+	for (size_t i = 0; i < world->scene->object_count && world->facts.resumed.is; i++) {
+		const struct body *body = world->bodies[i];
 		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* A host owns its environment, so it counts as if it had. A window draws after each step. */
@@ -131,11 +144,9 @@ static bool has_large_passes(const struct world *world, const struct deform_para
 /* Makes the GPU's context and slots: the home of pages; over pages in host memory their mirror, for pictures. */
 static enum status start_gpu(struct world *world, const struct gpu_params *params)
 {
-	enum status status = gpu_create(params, &world->gpu);
-	if (status != STATUS_OK)
-		return status;
-	const unsigned planes = world->host != NULL ? world_planes(world) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE)) : world_planes(world);
-	return gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots, planes, &world->slots);
+	TRY(gpu_create(params, &world->resident.gpu));
+	const unsigned planes = world->resident.host != NULL ? world_planes(world) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE)) : world_planes(world);
+	return gpu_slots_create(world->resident.gpu, world->resident.meta->extent.cells, world->facts.limits.slots, planes, &world->resident.slots);
 }
 
 /* Makes the home of pages: slots of the GPU, or in host memory where the CPU computes. Pictures need the GPU's in any case. A kinematic model needs no
@@ -154,42 +165,42 @@ static enum status start_home(struct world *world)
 		const char *why = failure_message(); /* what to do against it follows */
 		note("%.*s: the CPU computes model %s, with the same result; compute: cpu asks for that", (int)strcspn(why, ";"), why,
 		     deform_model_row(world->scene->model)->name);
-		world->without_gl = true;
+		world->facts.without_gl = true;
 	}
-	status = resident_host_create(world->meta->extent.cells, (uint32_t)world->limits.slots, world_planes(world), &world->host);
+	status = resident_host_create(world->resident.meta->extent.cells, (uint32_t)world->facts.limits.slots, world_planes(world), &world->resident.host);
 	return status == STATUS_OK && world->params.draws ? start_gpu(world, &gpu) : status;
+}
+
+/* Makes what computes the ground: deform or bearing, and what lets contacts be computed together. */
+static enum status start_surface(struct world *world)
+{
+	struct deform_params deform;
+	world_deform_params(world, &deform);
+	if (world->resident.slots != NULL && world_computes_together(world))
+		TRY(gpu_slots_in_arrays(world->resident.slots));
+	world->aloft.asks_touched = deform.touched;
+	deform.gpu = world->resident.gpu;
+	deform.slots = world->resident.slots;
+	deform.reference = resident_ground_reference(world->resident.store);
+	TRY(world_surface_create(world, &deform));
+	if (world->deform != NULL)
+		TRY(world_batches_create(world));
+	TRY(world_meetings_create(world));
+	return world_crew_create(world);
 }
 
 enum status world_start(struct world *world)
 {
-	struct deform_params deform;
-	enum status status = start_look_ahead(world);
-	if (status == STATUS_OK)
-		status = start_home(world);
-	world_deform_params(world, &deform);
-	if (status == STATUS_OK && world->slots != NULL && world_computes_together(world))
-		status = gpu_slots_in_arrays(world->slots);
-	world->aloft.asks_touched = deform.touched;
-	deform.gpu = world->gpu;
-	deform.slots = world->slots;
-	deform.reference = resident_ground_reference(world->store);
-	if (status == STATUS_OK)
-		status = world_surface_create(world, &deform);
-	if (status == STATUS_OK && world->deform != NULL)
-		status = world_batches_create(world);
-	if (status == STATUS_OK)
-		status = world_meetings_create(world);
-	if (status == STATUS_OK)
-		status = world_crew_create(world);
-	if (status == STATUS_OK)
-		status = world_budget_check(world);
-	if (status == STATUS_OK)
-		status = go_on_with_ground(world);
-	if (status == STATUS_OK)
-		status = world_forces_create(world, &world->forces);
-	if (status == STATUS_OK && world->params.draws)
-		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, world->host, &world->pyramid);
-	return status;
+	TRY(start_look_ahead(world));
+	TRY(start_home(world));
+	TRY(start_surface(world));
+	TRY(world_budget_check(world));
+	TRY(go_on_with_ground(world));
+	TRY(world_forces_create(world, &world->forces));
+	if (world->params.draws)
+		TRY(make_pyramid(world));
+	world_enter(world, WORLD_STARTED);
+	return STATUS_OK;
 }
 
 /* --- pages --- */
@@ -197,15 +208,14 @@ enum status world_start(struct world *world)
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 {
 	struct world *world = user;
-	return world->pyramid != NULL ? resident_pyramid_flush_tile(world->pyramid, world->cache, tile, slot) : STATUS_OK;
+	return world->resident.pyramid != NULL ? resident_pyramid_flush_tile(world->resident.pyramid, world->resident.cache, tile, slot) : STATUS_OK;
 }
 
 static enum status begin_commit(void *user)
 {
 	struct world *world = user;
-	if (world->commits != NULL && world->commits->before_record != NULL)
-		world->commits->before_record(world->commits->user);
-	return STATUS_OK;
+	const struct world_commits *commits = world->commits;
+	return commits != NULL && commits->before_record != NULL ? commits->before_record(commits->user) : STATUS_OK;
 }
 
 static enum status before_commit(void *user)
@@ -235,13 +245,13 @@ static enum status tally_bytes(void *user, uint8_t *bytes)
 static enum status soil_classes(void *user, unsigned loader, struct tile tile, uint8_t *classes)
 {
 	const struct world *world = user;
-	return resident_soil_map_read(world->soil_map, loader, tile, classes);
+	return resident_soil_map_read(world->resident.soil_map, loader, tile, classes);
 }
 
 static enum status soil_numbers(void *user, unsigned loader, struct tile tile, uint8_t *numbers)
 {
 	const struct world *world = user;
-	return resident_soil_rasters_read(world->soil_rasters, loader, tile, numbers);
+	return resident_soil_rasters_read(world->resident.soil_rasters, loader, tile, numbers);
 }
 
 void world_pages_params(const struct world *world, struct pages_params *params)
@@ -249,12 +259,12 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 	const struct scene *scene = world->scene;
 	*params = (struct pages_params){
 		.planes = world_planes(world),
-		.level = world->level,
-		.count = world->limits.slots,
-		.loaders = world->limits.loaders,
+		.level = world->resident.level,
+		.count = world->facts.limits.slots,
+		.loaders = world->facts.limits.loaders,
 		.step_pages = world_step_pages(world),
 		.work_pages = world_work_pages(world),
-		.images = world->limits.images,
+		.images = world->facts.limits.images,
 		.record = world_record_pages(scene),
 		.commit_age = COMMIT_AGE,
 		.commits_begun = world->ranks != NULL,
@@ -267,27 +277,30 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
 		.classes_drawn = scene_draws_classes(scene),
 	};
-	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached.count);
+	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached);
 	params->queue_bytes = world_queue_bytes(world, params);
 }
 
-static enum status watcher_requests(void *user, struct requests *requests)
+static enum status take_prefetch(void *user, struct requests *requests)
 {
 	struct world *world = user;
-	return world->watcher->requests(world->watcher->user, requests);
+	for (size_t i = 0; i < world->prefetch.count; i++)
+		TRY(resident_requests_add(requests, world->prefetch.requests[i].key, world->prefetch.requests[i].time));
+	resident_requests_clear(&world->prefetch);
+	return STATUS_OK;
 }
 
 enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace)
 {
 	struct pages_params params;
 	world->commit_log = commit_log;
-	world->trace = trace;
+	world->resident.trace = trace;
 	world_pages_params(world, &params);
-	params.store = world->store;
-	params.gpu = world->gpu;
-	params.slots = world->slots;
-	params.host = world->host;
-	if (world->host != NULL) {
+	params.store = world->resident.store;
+	params.gpu = world->resident.gpu;
+	params.slots = world->resident.slots;
+	params.host = world->resident.host;
+	if (world->resident.host != NULL) {
 		params.gpu = NULL;
 		params.slots = NULL;
 	}
@@ -295,17 +308,11 @@ enum status world_start_pages(struct world *world, FILE *commit_log, struct page
 	params.commit_log = commit_log;
 	params.trace = trace;
 	params.user = world;
-	enum status status = resident_pages_create(&params, &world->pages);
-	if (status == STATUS_OK)
-		world->cache = resident_pages_cache(world->pages);
-	if (status == STATUS_OK && world->host != NULL && world->slots != NULL)
-		resident_pages_mirror(world->pages, world->gpu, world->slots);
-	return status;
-}
-
-void world_watch(struct world *world, const struct world_watcher *watcher)
-{
-	world->watcher = watcher;
+	TRY(resident_pages_create(&params, &world->resident.pages));
+	world->resident.cache = resident_pages_cache(world->resident.pages);
+	if (world->resident.host != NULL && world->resident.slots != NULL)
+		resident_pages_mirror(world->resident.pages, world->resident.gpu, world->resident.slots);
+	return STATUS_OK;
 }
 
 /* --- warming up --- */
@@ -313,109 +320,117 @@ void world_watch(struct world *world, const struct world_watcher *watcher)
 /* Pictures of bearing soil need a context that the drive does not. */
 static enum status start_mirror(struct world *world)
 {
-	enum status status = start_gpu(world, &(struct gpu_params){.draws = true});
-	if (status == STATUS_OK)
-		resident_pages_mirror(world->pages, world->gpu, world->slots);
-	return status;
+	TRY(start_gpu(world, &(struct gpu_params){.draws = true}));
+	resident_pages_mirror(world->resident.pages, world->resident.gpu, world->resident.slots);
+	return STATUS_OK;
 }
 
 enum status world_start_drawing(struct world *world)
 {
-	if (world->pyramid != NULL)
+	if (world->resident.pyramid != NULL)
 		return STATUS_OK;
 	/* Coarser tiles of changed pages are made from the store, so commit first. Before the first step there is hardly any. */
-	enum status status = world->begun ? page_cache_flush(world->cache, world->record) : STATUS_OK;
-	if (status == STATUS_OK && world->gpu == NULL)
-		status = start_mirror(world);
-	if (status == STATUS_OK)
-		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, world->host, &world->pyramid);
-	world->params.draws = status == STATUS_OK;
-	return status;
+	world->params.draws = false;
+	if (world_has_begun(world))
+		TRY(page_cache_flush(world->resident.cache, world->record));
+	if (world->resident.gpu == NULL)
+		TRY(start_mirror(world));
+	TRY(make_pyramid(world));
+	world->params.draws = true;
+	return STATUS_OK;
 }
 
 static void serve(struct world *world)
 {
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
+	resident_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
 					       .surface = world_changes_ground(world) ? &world->surface : NULL,
-					       .extent = &world->meta->extent,
-					       .level = world->level,
-					       .cache = world->cache,
-					       .slots = world->limits.slots,
-					       .requests = world->watcher != NULL ? watcher_requests : NULL,
+					       .extent = &world->resident.meta->extent,
+					       .level = world->resident.level,
+					       .cache = world->resident.cache,
+					       .slots = world->facts.limits.slots,
+					       .requests = world->happened.watched ? take_prefetch : NULL,
 					       .user = world,
 				       });
 }
 
-/* A driver compiles a program at its first draw. That happens here and not in a step. By the end the ground of the first steps
- * is read, too. */
-enum status world_warm(struct world *world)
+/* A driver compiles a program at its first draw. That happens here and not in a step. */
+static enum status warm_programs(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && world->deform != NULL && status == STATUS_OK; i++) {
+	const bool deformed = world_planes(world) != 0 && world->resident.host == NULL;
+	for (size_t i = 0; i < scene->object_count && world->deform != NULL; i++) {
 		const struct deform_planned planned = world_planned(&scene->objects[i]);
-		status = deform_warm(world->deform, &planned);
+		TRY(deform_warm(world->deform, &planned));
 	}
-	if (status == STATUS_OK)
-		status = world_warm_drops(world);
-	bool deformed = world_planes(world) != 0 && world->host == NULL;
-	if (status == STATUS_OK && world->slots != NULL)
-		status = gpu_slots_warm(world->slots, world_division(world),
-					deformed && world->params.draws);
-	if (world->ranks != NULL) /* so that nothing is loaded for bodies of other ranks */
-		status = world->ranks->step(world->ranks->user, world_step_time(scene, world->step + 1), status);
+	TRY(world_warm_drops(world));
+	return world->resident.slots != NULL ? gpu_slots_warm(world->resident.slots, world_division(world), deformed && world->params.draws) : STATUS_OK;
+}
+
+/* By the end the ground of the first steps is read, too. */
+enum status world_warm(struct world *world)
+{
+	const struct world_ranks *ranks = world->ranks;
+	const enum status warmed = warm_programs(world);
+	/* Ranks agree, so that nothing is loaded for bodies of other ranks. */
+	TRY(ranks != NULL ? ranks->step(ranks->user, world_step_time(world->scene, world->step + 1), warmed) : warmed);
 	serve(world);
-	double began = clock_seconds();
-	if (status == STATUS_OK)
-		status = motion_look_ahead_first(world->ahead, world->time, world->params.stop);
-	world->warmed.load_ms = (clock_seconds() - began) * 1e3;
-	return status;
+	const double began = clock_seconds();
+	TRY(resident_look_ahead_first(world->ahead, world->time, world->params.stop));
+	world->counts.warmed.load_ms = (clock_seconds() - began) * 1e3;
+	world_enter(world, WORLD_WARM);
+	return STATUS_OK;
 }
 
 void world_seal(struct world *world)
 {
-	if (world->gpu == NULL)
+	if (world->resident.gpu == NULL)
 		return;
-	gpu_finish(world->gpu);
-	gpu_stats(world->gpu, &world->warmed.gpu);
-	gpu_slots_figures(world->slots, &world->warmed.slots);
+	gpu_finish(world->resident.gpu);
+	gpu_stats(world->resident.gpu, &world->counts.warmed.gpu);
+	gpu_slots_figures(world->resident.slots, &world->counts.warmed.slots);
 	if (!world->scene->hosted) /* later bodies and pictures of a host need more programs */
-		gpu_seal(world->gpu);
+		gpu_seal(world->resident.gpu);
 }
 
 /* --- the end --- */
 
 void world_stop(struct world *world)
 {
-	motion_look_ahead_stop(world->ahead);
-	if (world->pages != NULL)
-		resident_pages_stop(world->pages);
+	if (world == NULL)
+		return;
+	if (world->phase != WORLD_ENDED)
+		world_enter(world, WORLD_ENDED);
+	resident_look_ahead_stop(world->ahead);
+	if (world->resident.pages != NULL)
+		resident_pages_stop(world->resident.pages);
 }
 
 void world_forked(const struct world *world)
 {
-	store_forked(world->store);
+	store_forked(world->resident.store);
 	if (world->commit_log != NULL)
 		close(fileno(world->commit_log));
 }
 
 void world_finish(struct world *world, enum status status)
 {
-	motion_look_ahead_stop(world->ahead);
-	resident_newest_destroy(world->newest);
-	resident_pages_destroy(world->pages);
-	motion_look_ahead_destroy(world->ahead);
-	resident_soil_map_close(world->soil_map);
+	if (world == NULL)
+		return;
+	resident_look_ahead_stop(world->ahead);
+	resident_newest_destroy(world->resident.newest);
+	resident_pages_destroy(world->resident.pages);
+	resident_look_ahead_destroy(world->ahead);
+	resident_soil_map_close(world->resident.soil_map);
 	world_relief_close(world->relief);
-	resident_soil_rasters_close(world->soil_rasters);
-	world_soils_met_free(world->met);
-	page_trace_destroy(world->trace);
+	resident_soil_rasters_close(world->resident.soil_rasters);
+	world_soils_met_free(world->facts.met);
+	page_trace_destroy(world->resident.trace);
 	world_forces_destroy(world->forces);
-	resident_pyramid_destroy(world->pyramid);
+	resident_pyramid_destroy(world->resident.pyramid);
 	world_surface_destroy(world);
-	resident_host_destroy(world->host);
-	gpu_slots_destroy(world->slots);
-	gpu_destroy(world->gpu);
+	resident_host_destroy(world->resident.host);
+	gpu_slots_destroy(world->resident.slots);
+	gpu_destroy(world->resident.gpu);
 	world_checkpoint_free(world->checkpoint);
 	world_changes_finish(world);
 	world_batches_free(world);
@@ -425,16 +440,19 @@ void world_finish(struct world *world, enum status status)
 	world_free_bodies(world);
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
+	world_happened_finish(world);
+	resident_requests_finish(&world->prefetch);
+	mem_free(world->rows.list);
 	mem_free(world->events.list);
 	mem_free(world->events.ahead);
 	mem_free(world->events.runs);
 	if (world->commit_log != NULL)
 		fclose(world->commit_log);
-	resident_ground_destroy(world->ground);
+	resident_ground_destroy(world->resident.ground);
 	store_reader_destroy(world->follower);
 	if (status == STATUS_OK)
-		store_close(world->store);
+		store_close(world->resident.store);
 	else
-		store_abandon(world->store);
-	*world = (struct world){.scene = NULL};
+		store_abandon(world->resident.store);
+	mem_free(world);
 }

@@ -117,7 +117,7 @@ static void no_world(void **state)
 	struct furrow_hit hit;
 	struct furrow_rect rect;
 	struct furrow_camera camera = {sizeof camera, pose, 1, 8, 8};
-	const double numbers[1][3] = {{1, 2, 3}}, pair[1][2] = {{1, 2}};
+	const double numbers[3] = {1, 2, 3}, pair[2] = {1, 2};
 	double post;
 	uint8_t rgb[3 * 64];
 	float depth[64];
@@ -158,7 +158,7 @@ static void pointers_that_are_null(void **state)
 	struct furrow_point point;
 	struct furrow_hit hit;
 	struct furrow_camera camera = {sizeof camera, hosted_pose(16, 16, 110), 1, 8, 8};
-	const double up[1][3] = {{0, 0, 1}}, pair[1][2] = {{1, 2}};
+	const double up[3] = {0, 0, 1}, pair[2] = {1, 2};
 	furrow_body body;
 	size_t count = 4;
 	misused(furrow_info(world, NULL));
@@ -207,15 +207,15 @@ static void numbers_that_are_none(void **state)
 			if (at < 7)
 				misused(furrow_place(world, ball, &body_state.pose));
 		}
-		const double at[1][3] = {{16, 16, 110}}, down[1][3] = {{0, 0, -1}};
+		const double at[3] = {16, 16, 110}, down[3] = {0, 0, -1};
 		for (int k = 0; k < 3; k++) {
-			double bad[1][3] = {{16, 16, 110}}, pair[1][2] = {{16, 16}};
-			bad[0][k] = wrong[i];
-			pair[0][k % 2] = wrong[i];
-			misused(furrow_rays(world, 1, (const double (*)[3])bad, down, &hit));
-			misused(furrow_rays(world, 1, at, (const double (*)[3])bad, &hit));
+			double bad[3] = {16, 16, 110}, pair[2] = {16, 16};
+			bad[k] = wrong[i];
+			pair[k % 2] = wrong[i];
+			misused(furrow_rays(world, 1, bad, down, &hit));
+			misused(furrow_rays(world, 1, at, bad, &hit));
 			if (isnan(wrong[i]))
-				misused(furrow_points(world, 1, (const double (*)[2])pair, &point));
+				misused(furrow_points(world, 1, pair, &point));
 		}
 		struct furrow_camera camera = {sizeof camera, hosted_pose(16, 16, 110), wrong[i], 8, 8};
 		uint8_t rgb[3 * 64];
@@ -227,7 +227,7 @@ static void numbers_that_are_none(void **state)
 		camera.pose.orientation[2] = wrong[i];
 		misused(furrow_render(world, &camera, rgb, NULL));
 	}
-	const double at[1][3] = {{16, 16, 110}}, nowhere[1][3] = {{0, 0, 0}};
+	const double at[3] = {16, 16, 110}, nowhere[3] = {0, 0, 0};
 	misused(furrow_rays(world, 1, at, nowhere, &hit));
 	struct furrow_pose pose = hosted_pose(16, 16, 101);
 	pose.orientation[0] = 0;
@@ -308,7 +308,7 @@ static void counts_that_memory_cannot_have(void **state)
 	static const size_t wrong[] = {SIZE_MAX, SIZE_MAX / 2, SIZE_MAX / 8};
 	const struct furrow_state body_state = hosted_state(16, 16, 100.5);
 	const struct furrow_belt belt = {0, 1};
-	const double up[1][3] = {{0, 0, 1}}, pair[1][2] = {{1, 2}};
+	const double up[3] = {0, 0, 1}, pair[2] = {1, 2};
 	const char *source[] = {"/nonexistent/dem.tif"};
 	struct furrow_state got;
 	struct furrow_contact contact;

@@ -68,7 +68,7 @@ static void a_ball_leaves_a_rut_that_every_question_sees(void **state)
 
 	const double from[2][3] = {{11, 16, 120}, {11, 16, 120}}, to[2][3] = {{0, 0, -3}, {0, 0, 1}};
 	struct furrow_hit hits[2];
-	done(furrow_rays(world, 2, from, to, hits));
+	done(furrow_rays(world, 2, &from[0][0], &to[0][0], hits));
 	assert_true(hits[0].hit && !hits[1].hit);
 	assert_near(hits[0].position[2], in.height, 1e-6);
 	assert_near(hits[0].distance, 120 - in.height, 1e-6);

@@ -3,21 +3,21 @@
 #include "render/view.h"
 #include "../support/program.h"
 
-static enum status drop_one(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status drop_one(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
-	wish->go = guest->turns < 3 ? API_HOLD : API_STOP;
-	return guest->turns == 2 ? api_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &guest->pressed) : STATUS_OK;
+	wish->go = guest->turns < 3 ? DRIVE_HOLD : DRIVE_STOP;
+	return guest->turns == 2 ? drive_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &guest->pressed) : STATUS_OK;
 }
 
 /* Twice between two steps: the second upon what the first left. */
-static enum status drop_twice(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status drop_twice(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
-	const struct terrain_point point = {150, 120};
-	struct terrain_height height;
-	wish->go = guest->turns < 3 ? API_HOLD : API_STOP;
+	const struct resident_point point = {150, 120};
+	struct resident_height height;
+	wish->go = guest->turns < 3 ? DRIVE_HOLD : DRIVE_STOP;
 	for (int i = 1; i <= 2 && guest->turns == 2; i++) {
-		must(api_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
-		must(api_heights(drive, &point, 1, &height));
+		must(drive_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
+		must(drive_heights(drive, &point, 1, &height));
 		assert_true(fabs(height.height - (100 - 0.5 * i)) < 1e-4);
 	}
 	return STATUS_OK;
@@ -30,7 +30,7 @@ struct colours {
 	uint8_t height[3], none[3], deep[3];
 };
 
-static enum status colours_turn(void *user, struct drive *drive, struct api_control *wish)
+static enum status colours_turn(void *user, struct drive *drive, struct drive_control *wish)
 {
 	struct colours *colours = user;
 	struct guest *guest = &colours->guest;
@@ -41,9 +41,9 @@ static enum status colours_turn(void *user, struct drive *drive, struct api_cont
 		memcpy(seen[guest->stage++], guest->middle, 3);
 		colours->still = 0;
 		if (guest->stage == 2)
-			must(api_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &guest->pressed));
+			must(drive_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &guest->pressed));
 	}
-	wish->go = guest->stage == 3 ? API_STOP : API_HOLD;
+	wish->go = guest->stage == 3 ? DRIVE_STOP : DRIVE_HOLD;
 	wish->free = true;
 	wish->camera = (struct render_camera){{150, 120, 120}, {150, 120.01, 100}, 0.9, {0}};
 	wish->layer = guest->stage == 0 ? RENDER_HEIGHTS : RENDER_OFFSETS;
@@ -66,10 +66,10 @@ static void is_colour(const uint8_t seen[3], enum render_layer_kind kind, double
 		assert_true(fabs(linear(seen[c]) - *light * linear(rgb[c])) < 0.012);
 }
 
-static enum status drop_outside(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status drop_outside(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
-	wish->go = API_STOP;
-	return api_drop(drive, WORLD_DROP_FIRST, -20, 120, 0, &guest->pressed);
+	wish->go = DRIVE_STOP;
+	return drive_drop(drive, WORLD_DROP_FIRST, -20, 120, 0, &guest->pressed);
 }
 
 static double quanta_at(const char *store, int64_t x, int64_t y)
@@ -127,7 +127,7 @@ static void layers_have_the_colours_of_their_legend(void **state)
 	const char *store = support_path("colours.furrow");
 	struct colours colours = {.guest = {.stage = 0}};
 	support_store(store, extent, flat);
-	must(drive_with(store, box_text, &(struct api_host){&colours, colours_turn, on_picture}));
+	must(drive_with(store, box_text, &(struct drive_host){&colours, colours_turn, on_picture}));
 	double light = NAN;
 	is_colour(colours.height, RENDER_HEIGHTS, 1, &light); /* 100 m, where all is as high: above its range */
 	assert_true(light > 0.5 && light < 1);
@@ -145,15 +145,16 @@ static void beyond_the_ground_nothing_is_dropped(void **state)
 }
 
 /* Deeper than an object of the scene ever is: boxes hold it still. */
-static enum status drop_often(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status drop_often(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
-	const struct terrain_point point = {150, 120};
-	struct terrain_height height;
-	wish->go = API_STOP;
+	const struct resident_point point = {150, 120};
+	struct resident_height height;
+	wish->go = DRIVE_STOP;
 	for (int i = 0; i < 30; i++)
-		must(api_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
-	must(api_heights(drive, &point, 1, &height));
+		must(drive_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
+	must(drive_heights(drive, &point, 1, &height));
 	assert_true(height.height < 90);
+	must(render_view_update(drive->view));
 	assert_true(drive->view->reach >= 100 - height.height);
 	return STATUS_OK;
 }
@@ -175,14 +176,14 @@ struct dropper {
 	uint64_t before;
 };
 
-static enum status dropper_turn(void *user, struct drive *drive, struct api_control *wish)
+static enum status dropper_turn(void *user, struct drive *drive, struct drive_control *wish)
 {
 	struct dropper *dropper = user;
 	dropper->still = dropper->guest.pictures == dropper->shown ? dropper->still + 1 : 0;
 	dropper->shown = dropper->guest.pictures;
 	bool settled = dropper->still >= 80 && dropper->shown > 0;
 	wish->again = settled && !dropper->dropped;
-	wish->go = settled && dropper->dropped ? API_STOP : API_HOLD;
+	wish->go = settled && dropper->dropped ? DRIVE_STOP : DRIVE_HOLD;
 	wish->free = true;
 	wish->camera = (struct render_camera){{150, 120, 110}, {150, 120.01, 100}, 0.9, {0}};
 	return STATUS_OK;
@@ -196,7 +197,7 @@ static enum status dropper_picture(void *user, struct drive *drive, uint8_t *pix
 		return status;
 	dropper->dropped = true;
 	dropper->before = dropper->guest.hash;
-	return api_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &dropper->guest.pressed);
+	return drive_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &dropper->guest.pressed);
 }
 
 static void what_is_dropped_while_a_picture_is_shown_is_in_the_next(void **state)
@@ -204,18 +205,18 @@ static void what_is_dropped_while_a_picture_is_shown_is_in_the_next(void **state
 	const char *store = support_path("shown.furrow");
 	struct dropper dropper = {.guest = {.stage = 0}};
 	support_store(store, extent, flat);
-	must(drive_with(store, scene_text, &(struct api_host){&dropper, dropper_turn, dropper_picture}));
+	must(drive_with(store, scene_text, &(struct drive_host){&dropper, dropper_turn, dropper_picture}));
 	assert_true(dropper.guest.pressed);
 	assert_true(dropper.guest.hash != dropper.before);
 }
 
-static enum status drop_nowhere(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status drop_nowhere(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
 	static const double far[] = {NAN, INFINITY, -1e300, 1e18};
-	wish->go = API_STOP;
+	wish->go = DRIVE_STOP;
 	for (size_t i = 0; i < sizeof far / sizeof *far; i++) {
 		guest->pressed = true;
-		must(api_drop(drive, WORLD_DROP_BALL, far[i], 120, 0, &guest->pressed));
+		must(drive_drop(drive, WORLD_DROP_BALL, far[i], 120, 0, &guest->pressed));
 		assert_false(guest->pressed);
 	}
 	return STATUS_OK;
@@ -243,15 +244,15 @@ static const char scm_text[] =
 	"cache: {slots: 128}\n"
 	"spacing: 0.5\n";
 
-static enum status drop_all_shapes(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status drop_all_shapes(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
 	wish->pace = INFINITY;
 	/* The drive may make all its steps between two turns, so it waits for both drops. */
-	wish->go = guest->stage < 2 ? API_HOLD : guest->step == 20 ? API_STOP : API_ON;
+	wish->go = guest->stage < 2 ? DRIVE_HOLD : guest->step == 20 ? DRIVE_STOP : DRIVE_ON;
 	if (guest->stage >= 2)
 		return STATUS_OK;
 	int shape = guest->stage++;
-	return api_drop(drive, shape == 0 ? WORLD_DROP_FIRST : WORLD_DROP_BALL, 150 + 20 * shape, 120, 0.3, &guest->pressed);
+	return drive_drop(drive, shape == 0 ? WORLD_DROP_FIRST : WORLD_DROP_BALL, 150 + 20 * shape, 120, 0.3, &guest->pressed);
 }
 
 static void under_a_load_the_soil_carries_what_is_dropped(void **state)

@@ -5,8 +5,8 @@
 #include "../support.h"
 #include "../support/skip.h"
 
-#include "api/api.h"
-#include "api/internal.h"
+#include "drive/drive.h"
+#include "drive/internal.h"
 
 static const struct extent extent = {257, 257, 1, 32};
 
@@ -31,7 +31,7 @@ static inline double flat(int64_t x, int64_t y)
 
 /* What one test's host does, and saw. */
 struct guest {
-	enum status (*act)(struct guest *guest, struct drive *drive, struct api_control *wish);
+	enum status (*act)(struct guest *guest, struct drive *drive, struct drive_control *wish);
 	int turns, pictures, stage;
 	int64_t step;     /* when the host last looked */
 	bool pressed;
@@ -41,11 +41,11 @@ struct guest {
 	uint8_t middle[3]; /* of the last picture */
 };
 
-static inline enum status on_turn(void *user, struct drive *drive, struct api_control *wish)
+static inline enum status on_turn(void *user, struct drive *drive, struct drive_control *wish)
 {
 	struct guest *guest = user;
-	struct api_figures figures;
-	api_figures(drive, &figures);
+	struct drive_figures figures;
+	drive_figures(drive, &figures);
 	guest->step = figures.step;
 	guest->turns++;
 	return guest->act(guest, drive, wish);
@@ -68,15 +68,15 @@ static inline enum status on_picture(void *user, struct drive *drive, uint8_t *p
 }
 
 /* Drives a scene with this host; NULL: without one. */
-static inline enum status drive_with(const char *store, const char *text, const struct api_host *host)
+static inline enum status drive_with(const char *store, const char *text, const struct drive_host *host)
 {
 	const char *path = support_path("scene.yaml");
 	struct scene *scene;
 	support_write(path, text);
 	must(scene_load(path, NULL, 0, &scene));
-	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out"), .host = host};
-	struct api_result result;
-	enum status status = api_drive(&params, &result);
+	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out"), .host = host};
+	struct drive_result result;
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");
@@ -88,7 +88,7 @@ static inline enum status drive_with(const char *store, const char *text, const 
 
 static inline enum status watch_drive(const char *store, const char *text, struct guest *guest, bool hosted)
 {
-	const struct api_host host = {guest, on_turn, on_picture};
+	const struct drive_host host = {guest, on_turn, on_picture};
 	return drive_with(store, text, hosted ? &host : NULL);
 }
 

@@ -29,6 +29,10 @@ int main(void)
 	furrow_status status = FURROW_INTERRUPTED;
 	enum furrow_layer layer = FURROW_DISTURBANCE;
 	enum furrow_contact_state last = FURROW_UNKNOWN;
+	double at[1][2] = {{1, 2}}, ray[2][3] = {{1, 2, 3}, {0, 0, -1}}; /* a host's own arrays, not const */
+	if (furrow_points(0, 1, at[0], &point) != FURROW_OK || furrow_points(0, 1, &at[0][0], &point) != FURROW_OK ||
+	    furrow_rays(0, 1, ray[0], ray[1], &hit) != FURROW_OK)
+		body = 1;
 	open.size = sizeof open + sizeof contact + sizeof state + sizeof point + sizeof hit + sizeof rect;
 	info.size = sizeof info;
 	camera.size = sizeof camera;

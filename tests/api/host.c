@@ -3,24 +3,24 @@
 #include "guest.h"
 #include "../support/program.h"
 
-static enum status only_watch(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status only_watch(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
-	struct api_figures figures;
-	api_figures(drive, &figures);
+	struct drive_figures figures;
+	drive_figures(drive, &figures);
 	wish->pace = INFINITY;
-	wish->go = figures.over ? API_STOP : API_ON;
+	wish->go = figures.over ? DRIVE_STOP : DRIVE_ON;
 	/* From elsewhere, and in all colours. */
 	wish->free = guest->turns % 2 == 0;
 	wish->camera = (struct render_camera){{20, 20, 130 + guest->turns % 7}, {60, 70, 100}, 0.9, {0}};
 	wish->layer = (enum render_layer_kind)(guest->turns % RENDER_LAYERS);
 	/* And asks where the object has been, and will be. */
-	const struct terrain_point points[] = {{45, 63.75}, {60, 75}, {79, 89}};
-	const struct terrain_ray down = {{60, 75, 200}, {0, 0, -1}, 200};
-	struct terrain_height heights[3];
-	struct terrain_hit hit;
-	enum status status = api_heights(drive, points, 3, heights);
+	const struct resident_point points[] = {{45, 63.75}, {60, 75}, {79, 89}};
+	const struct resident_ray down = {{60, 75, 200}, {0, 0, -1}, 200};
+	struct resident_height heights[3];
+	struct resident_hit hit;
+	enum status status = drive_heights(drive, points, 3, heights);
 	if (status == STATUS_OK)
-		status = api_rays(drive, &down, 1, &hit);
+		status = drive_rays(drive, &down, 1, &hit);
 	assert_true(status != STATUS_OK || (hit.hit && fabs(hit.point[2] - heights[1].height) < 1e-6));
 	return status;
 }
@@ -42,10 +42,10 @@ static void who_only_watches_changes_nothing(void **state)
 	assert_true(support_hash(watched) != support_hash(alone));
 }
 
-static enum status count_threads(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status count_threads(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
 	guest->stage = (int)thread_running();
-	wish->go = API_STOP;
+	wish->go = DRIVE_STOP;
 	return STATUS_OK;
 }
 
@@ -64,18 +64,18 @@ static void who_watches_keeps_no_pictures(void **state)
 	assert_int_equal(with.stage, without.stage);
 }
 
-static enum status hold_then_one(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status hold_then_one(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
 	wish->pace = INFINITY;
-	wish->go = API_HOLD;
+	wish->go = DRIVE_HOLD;
 	if (guest->turns <= 20)
 		assert_int_equal(guest->step, 0);
 	else if (guest->turns == 21)
-		wish->go = API_ONE;
+		wish->go = DRIVE_ONE;
 	else
 		assert_int_equal(guest->step, 1);
 	if (guest->turns == 40)
-		wish->go = API_STOP;
+		wish->go = DRIVE_STOP;
 	return STATUS_OK;
 }
 
@@ -89,7 +89,7 @@ static void what_is_held_does_not_step_and_one_is_one(void **state)
 	assert_int_equal(guest.turns, 40);
 }
 
-static enum status at_real_time(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status at_real_time(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
 	static double began;
 	if (guest->turns == 1)
@@ -97,7 +97,7 @@ static enum status at_real_time(struct guest *guest, struct drive *drive, struct
 	/* Never ahead of the clock; how far behind is the machine's. */
 	assert_true((double)guest->step * 0.1 <= 4 * (clock_seconds() - began) + 0.2);
 	wish->pace = 4;
-	wish->go = guest->step == 20 ? API_STOP : API_ON;
+	wish->go = guest->step == 20 ? DRIVE_STOP : DRIVE_ON;
 	return STATUS_OK;
 }
 
@@ -110,10 +110,10 @@ static void steps_are_not_ahead_of_their_pace(void **state)
 	assert_int_equal(guest.step, 20);
 }
 
-static enum status beyond_the_end(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status beyond_the_end(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
 	wish->pace = INFINITY;
-	wish->go = guest->step == 20 && guest->stage++ == 10 ? API_STOP : API_ON;
+	wish->go = guest->step == 20 && guest->stage++ == 10 ? DRIVE_STOP : DRIVE_ON;
 	return STATUS_OK;
 }
 
@@ -135,7 +135,7 @@ struct looks {
 	uint32_t wide[5];
 };
 
-static enum status look_turn(void *user, struct drive *drive, struct api_control *wish)
+static enum status look_turn(void *user, struct drive *drive, struct drive_control *wish)
 {
 	struct looks *looks = user;
 	struct guest *guest = &looks->guest;
@@ -147,7 +147,7 @@ static enum status look_turn(void *user, struct drive *drive, struct api_control
 		looks->wide[guest->stage++] = guest->width;
 		looks->still = 0;
 	}
-	wish->go = guest->stage == 5 ? API_STOP : API_HOLD;
+	wish->go = guest->stage == 5 ? DRIVE_STOP : DRIVE_HOLD;
 	wish->free = guest->stage == 1;
 	wish->camera = (struct render_camera){{20, 20, 130}, {60, 70, 100}, 0.9, {0}};
 	wish->layer = guest->stage == 3 ? RENDER_SLOPES : RENDER_NATURAL;
@@ -161,7 +161,7 @@ static void the_camera_the_layer_and_the_size_are_the_hosts(void **state)
 	const char *store = support_path("looks.furrow");
 	struct looks looks = {.guest = {.stage = 0}};
 	support_store(store, extent, support_hills);
-	must(drive_with(store, scene_text, &(struct api_host){&looks, look_turn, on_picture}));
+	must(drive_with(store, scene_text, &(struct drive_host){&looks, look_turn, on_picture}));
 	assert_true(looks.seen[0] != looks.seen[1]);
 	assert_true(looks.seen[2] == looks.seen[0]);
 	assert_true(looks.seen[3] != looks.seen[0]);
@@ -170,7 +170,7 @@ static void the_camera_the_layer_and_the_size_are_the_hosts(void **state)
 	assert_int_equal(looks.guest.height, 100);
 }
 
-static enum status fail_soon(struct guest *guest, struct drive *drive, struct api_control *wish)
+static enum status fail_soon(struct guest *guest, struct drive *drive, struct drive_control *wish)
 {
 	return guest->turns == 3 ? fail_with(STATUS_FAILED, "host: has enough; let it be") : STATUS_OK;
 }

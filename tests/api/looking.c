@@ -57,7 +57,7 @@ static void drive(const char *store, const char *overlay, int steps)
 /* Each call of furrow.h that only looks. `bodies`: adds one, and places it unless the world is readonly. */
 static void look(struct furrow_world *world, bool bodies, bool readonly)
 {
-	static const double up[2][3] = {{10, 10, 200}, {0, 0, -1}}, xy[1][2] = {{10, 10}};
+	static const double up[2][3] = {{10, 10, 200}, {0, 0, -1}}, xy[2] = {10, 10};
 	struct furrow_info info = {.size = sizeof info};
 	struct furrow_point point;
 	struct furrow_hit hit;
@@ -90,7 +90,7 @@ static void look(struct furrow_world *world, bool bodies, bool readonly)
 	}
 	done(furrow_info(world, &info));
 	done(furrow_points(world, 1, xy, &point));
-	done(furrow_rays(world, 1, &up[0], &up[1], &hit));
+	done(furrow_rays(world, 1, up[0], up[1], &hit));
 	assert_true(hit.hit);
 	done(furrow_read(world, FURROW_OFFSET, info.level, 80, 80, 4, 4, posts, 4));
 	done(furrow_changes(world, 0, rects, &count, &now));
@@ -233,7 +233,7 @@ static void a_readonly_world_is_not_changed(void **state)
 
 static double height_of(struct furrow_world *world, double x, double y)
 {
-	const double xy[1][2] = {{x, y}};
+	const double xy[2] = {x, y};
 	struct furrow_point point;
 	done(furrow_points(world, 1, xy, &point));
 	return point.height;
@@ -264,7 +264,7 @@ static void a_readonly_world_follows_who_writes(void **state)
 		const double height = height_of(writing, 20, 20);
 		assert_true(height < 100 - 0.05 * turn);
 		assert_true(height_of(looking, 20, 20) == height);
-		done(furrow_rays(looking, 1, &down[0], &down[1], &hit));
+		done(furrow_rays(looking, 1, down[0], down[1], &hit));
 		assert_true(fabs(hit.position[2] - height) < 1e-3);
 		done(furrow_read(looking, FURROW_SURFACE, info.level, 159, 159, 3, 3, posts, 3));
 		assert_true(fabs(posts[4] - height) < 1e-5);
@@ -286,7 +286,7 @@ static void a_readonly_world_follows_who_writes(void **state)
 static void a_first_drive_is_seen_or_told(void **state)
 {
 	static const char *const scenes[] = {HOSTED_SCENE, "{\"scene\": 1, \"spacing\": 0.25}", "{\"scene\": 1, \"spacing\": 0.125}"};
-	const double xy[1][2] = {{10, 10}};
+	const double xy[2] = {10, 10};
 	struct furrow_point point;
 	for (int i = 0; i < 3; i++) {
 		const char *store = support_path("first.furrow");

@@ -64,7 +64,7 @@ static void the_context_of_the_host_is_current_after_every_call(void **state)
 	struct furrow_state body_state = hosted_state(16, 16, 100.4);
 	const struct furrow_pose pose = hosted_pose(16, 16, 100.5);
 	const struct furrow_camera camera = {sizeof camera, hosted_pose(16, 16, 103), 1, 32, 32};
-	const double xy[1][2] = {{16, 16}}, at[1][3] = {{16, 16, 103}}, down[1][3] = {{0, 0, -1}};
+	const double xy[2] = {16, 16}, at[3] = {16, 16, 103}, down[3] = {0, 0, -1};
 	struct furrow_point point;
 	struct furrow_hit hit;
 	struct furrow_rect rects[64];

@@ -39,7 +39,7 @@ static bool move(struct furrow_world *world, furrow_body ball)
 
 static bool ask(struct furrow_world *world, furrow_body ball)
 {
-	const double xy[1][2] = {{16, 16}}, from[1][3] = {{16, 16, 110}}, down[1][3] = {{0, 0, -1}};
+	const double xy[2] = {16, 16}, from[3] = {16, 16, 110}, down[3] = {0, 0, -1};
 	struct furrow_contact contact;
 	struct furrow_state state;
 	struct furrow_point point;

@@ -11,7 +11,7 @@
 /* Number of the first check that fails; 0: none does. Each call is refused, with a message that says why. */
 static int in_child(struct furrow_world *world, furrow_body ball)
 {
-	const double xy[1][2] = {{10, 10}};
+	const double xy[2] = {10, 10};
 	const struct furrow_state to = hosted_state(10, 10, 100.4);
 	struct furrow_info info = {.size = sizeof info};
 	struct furrow_contact contact;

@@ -53,7 +53,7 @@ static double worst_on(const struct probing_ground *ground, const struct way *wa
 		assert_true(told.state == FURROW_AIR || fabs(probed.area - told.area) < 0.02 * told.area + 0.4 * ground->spacing * ground->spacing);
 		if (step == 24) { /* a query commits; what follows is one straight motion */
 			struct furrow_point point;
-			done(furrow_points(world, 1, (const double[][2]){{5, 5}}, &point));
+			done(furrow_points(world, 1, (const double[]){5, 5}, &point));
 		}
 	}
 	done(furrow_world_close(world));

@@ -63,7 +63,7 @@ static double reach_of(struct furrow_world *world, const struct probed *body, co
 static void commit(struct furrow_world *world)
 {
 	struct furrow_point point;
-	done(furrow_points(world, 1, (const double[][2]){{5, 5}}, &point)); /* a query commits */
+	done(furrow_points(world, 1, (const double[]){5, 5}, &point)); /* a query commits */
 }
 
 struct off {

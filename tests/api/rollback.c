@@ -3,6 +3,7 @@
 #include "rut.h"
 
 #include "api/library.h"
+#include "world/made.h"
 #include "../support/program.h"
 
 /* A whole copy of what a host can ask for. */
@@ -110,31 +111,33 @@ static void a_rollback_does_not_show_what_computes(void **state)
 	}
 }
 
-static enum status no_mark(void *user, int64_t *end)
+/* A commit that nobody asked for, as its age makes it. */
+static void force_commit(struct furrow_world *world)
 {
-	(void)user, (void)end;
-	return fail_with(STATUS_FAILED, "rows: they fail; try others");
-}
-
-static enum status no_flush(void *user)
-{
-	(void)user;
-	return STATUS_OK;
+	struct library_call call;
+	must(api_library_enter(&call, world));
+	done(api_library_leave(&call, page_cache_flush(world_resident(world->world)->cache, world_made_record(world->world))));
 }
 
 /* A checkpoint that fails leaves the one before. */
 static void a_failed_checkpoint_changes_no_rollback(void **state)
 {
-	const struct world_rows rows = {.flush = no_flush, .mark = no_mark};
 	struct furrow_world *world = hosted_world("unmarked.furrow");
 	furrow_body ball = hosted_ball(world, 10, 16);
 	make_rut(world, ball, 10, 16, 12);
 	done(furrow_checkpoint(world));
 	struct copy first = copy_of(world, ball);
 	make_rut(world, ball, 10.6, 16, 20);
-	world->world.rows = &rows;
-	refused(FURROW_FAILED, furrow_checkpoint(world));
-	world->world.rows = NULL;
+	must(world_hosts_commit(world->world));
+	force_commit(world);
+	mem_fail_nth(UINT64_MAX, false);
+	force_commit(world); /* of nothing: a checkpoint begins with the same, and then copies the world's state */
+	const uint64_t committing = mem_fail_nth(0, false);
+	for (uint64_t copied = 1; copied <= 4; copied++) {
+		mem_fail_nth(committing + copied, false);
+		refused(FURROW_FAILED, furrow_checkpoint(world));
+		mem_fail_nth(0, false);
+	}
 	make_rut(world, ball, 11.6, 16, 5);
 	done(furrow_rollback(world));
 	struct copy back = copy_of(world, ball);
@@ -346,30 +349,34 @@ static void set_down(struct furrow_world *world, furrow_body box, double bottom)
 	done(furrow_step(world, 0));
 }
 
-/* A commit that nobody asked for, as its age makes it. */
-static void force_commit(struct furrow_world *world)
+static enum status here(void *user, double until, enum status status)
 {
-	struct library_call call;
-	must(api_library_enter(&call, world));
-	done(api_library_leave(&call, page_cache_flush(world->world.cache, world->world.record)));
+	(void)user, (void)until;
+	return status;
 }
 
-static enum status no_contact(void *user, const struct event *event, const struct contact_area *area)
+static bool may_read(void *user, uint64_t key)
 {
-	(void)user, (void)event, (void)area;
-	return fail_with(STATUS_FAILED, "contact: it fails; try another");
+	(void)user, (void)key;
+	return true;
+}
+
+static enum status no_change(void *user, uint64_t key)
+{
+	(void)user, (void)key;
+	return fail_with(STATUS_FAILED, "change: it fails; try another");
 }
 
 /* Fails a step when the soil moves already. */
 static void tear(struct furrow_world *world, furrow_body ball, double x)
 {
-	const struct world_watcher watcher = {.contact = no_contact};
+	const struct world_ranks ranks = {.step = here, .has = may_read, .changes = no_change};
 	const struct furrow_state state = hosted_state(x, 16, 100.4);
-	world->world.watcher = &watcher;
+	world_made_set_ranks(world->world, &ranks);
 	done(furrow_set_states(world, 1, &ball, &state));
 	refused(FURROW_FAILED, furrow_step(world, 0));
-	world->world.watcher = NULL;
-	assert_true(world->world.torn);
+	world_made_set_ranks(world->world, NULL);
+	assert_true(world_is_torn(world->world));
 }
 
 /* What a commit has of it stays, and a close tells if that is not all. */

@@ -6,7 +6,7 @@
 
 static inline struct furrow_point point_at(struct furrow_world *world, double x, double y)
 {
-	const double xy[1][2] = {{x, y}};
+	const double xy[2] = {x, y};
 	struct furrow_point point;
 	done(furrow_points(world, 1, xy, &point));
 	return point;

@@ -3,6 +3,7 @@
 #include "rut.h"
 
 #include "api/library.h"
+#include "world/made.h"
 #include "../support/program.h"
 
 /* Two bodies at equal times. The one that drives east leaves the terrain after 0.4 s. */
@@ -22,9 +23,9 @@ static enum status no_step(void *user, double until, enum status status)
 static void fail_late(struct furrow_world *world)
 {
 	const struct world_ranks ranks = {.step = no_step};
-	world->world.ranks = &ranks;
+	world_made_set_ranks(world->world, &ranks);
 	refused(FURROW_FAILED, furrow_step(world, 0.1));
-	world->world.ranks = NULL;
+	world_made_set_ranks(world->world, NULL);
 }
 
 static double *driven(const char *name, bool fails, struct furrow_info *info)

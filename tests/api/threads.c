@@ -37,7 +37,7 @@ static furrow_status live(struct life *life, struct furrow_world *world)
 		if (status == FURROW_OK && i == STEPS / 2)
 			status = furrow_checkpoint(world);
 	}
-	const double xy[1][2] = {{11, life->y}};
+	const double xy[2] = {11, life->y};
 	struct furrow_point point;
 	if (status == FURROW_OK)
 		status = furrow_points(world, 1, xy, &point);

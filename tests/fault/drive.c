@@ -42,14 +42,14 @@ static const char *const scene_texts[] = {
 
 static uint64_t hash_driven;
 
-static enum status drive(struct api_result *result)
+static enum status drive(struct drive_result *result)
 {
 	struct scene *scene;
 	enum status status = scene_load(in_folder("scene.yaml"), NULL, 0, &scene);
 	if (status != STATUS_OK)
 		return status;
-	struct api_params params = {.scene = scene, .store = in_folder("trial.furrow"), .directory = in_folder("out")};
-	status = api_drive(&params, result);
+	struct drive_params params = {.scene = scene, .store = in_folder("trial.furrow"), .directory = in_folder("out")};
+	status = drive_run(&params, result);
 	scene_destroy(scene);
 	return status;
 }
@@ -93,7 +93,7 @@ static void fresh(void)
 
 static uint64_t trial(const void *user, const struct fault *fault)
 {
-	struct api_result result = {0};
+	struct drive_result result = {0};
 	fresh();
 	fault_arm_for(fault);
 	enum status status = drive(&result);
@@ -114,7 +114,7 @@ static void every_fault(const char *scene, int most, enum lasting lasting)
 	static const enum fault_kind kinds[] = {FAULT_READ, FAULT_WRITE, FAULT_FULL, FAULT_TORN_WRITE, FAULT_OPEN,
 						FAULT_SHARED, FAULT_SQLITE_MEMORY};
 	uint64_t ran = 0;
-	struct api_result result;
+	struct drive_result result;
 	support_write(in_folder("scene.yaml"), scene);
 	fault_arm_for(&(struct fault){FAULT_NONE, UINT64_MAX, false});
 	fresh();

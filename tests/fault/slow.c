@@ -9,7 +9,7 @@
 #include <sqlite3.h>
 #include <time.h>
 
-#include "api/api.h"
+#include "drive/drive.h"
 #include "through.h"
 
 #define DELAY 10 /* ms a read */

@@ -18,7 +18,7 @@ import scale  # noqa: E402
 
 # Pages whose tables have figures.
 WHOLE = ("README.md", "docs/BENCHMARKS.md", "docs/SCALE.md", "src/deform/VALIDATION.md", "src/deform/SOIL.md", "src/store/HISTORY.md", "src/page/PAGING.md",
-         "src/vehicle/VEHICLES.md", "src/mobility/MOBILITY.md", "docs/CAMERAS.md", "docs/tutorials/how-far-to-believe-it.md", "bench/README.md", "bench/CONVERGE.md", "bench/ACCURACY.md")
+         "src/vehicle/VEHICLES.md", "src/trials/MOBILITY.md", "docs/CAMERAS.md", "docs/tutorials/how-far-to-believe-it.md", "bench/README.md", "bench/CONVERGE.md", "bench/ACCURACY.md")
 # Names that have a number in them. What a row is about is in its first column, where numbers are settings.
 NAMES = ("GDAL 3.6", "GeForce 7800 GT")
 # What is always measured, wherever a sentence tells it.

@@ -76,13 +76,13 @@ static struct left drive(const struct setup *setup, bool alone, int threads)
 {
 	const char *store = support_path("batches.furrow"), *path = support_path("scene.yaml");
 	struct scene *scene;
-	struct api_result result;
+	struct drive_result result;
 	struct left left;
 	write_scene(path, setup);
 	support_store(store, (struct extent){129, 129, 2, setup->cells}, support_hills);
 	must(scene_load(path, NULL, 0, &scene));
-	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out"), .alone = alone, .threads = threads};
-	enum status status = api_drive(&params, &result);
+	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out"), .alone = alone, .threads = threads};
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");

@@ -92,10 +92,10 @@ static inline struct outcome drive_on(const char *text, const char *store)
 	outcome.taken = nothing ? outcome.scene->object_count : 0;
 	outcome.scene->object_count -= outcome.taken;
 	outcome.effects = planned(outcome.scene, store, &outcome.plan);
-	struct api_params params = {.scene = outcome.scene, .store = store, .directory = support_path("out"),
+	struct drive_params params = {.scene = outcome.scene, .store = store, .directory = support_path("out"),
 				    .keep_history = planned_history};
-	struct api_result result;
-	enum status status = api_drive(&params, &result);
+	struct drive_result result;
+	enum status status = drive_run(&params, &result);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");
 	must(status);

@@ -2,6 +2,7 @@
 them the drive is resumed by any number. What cannot be done together is refused with one message.
 
 Here 2 and 3 processes and a few kills. By hand: RANKS=2,3,4,8 KILLS=100 RANKS_SEED=7 python3 ranks.py"""
+import fcntl
 import filecmp
 import json
 import math
@@ -529,6 +530,29 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         self.assertEqual(self.rows("many"), rows)
         self.assertFalse((self.folder / "many.furrow.parts").exists())
         self.same("one", "many", (one, self.run_command(command)))
+
+    def test_ctrl_c_before_the_base_is_copied_ends_all(self):
+        self.scene(CONVOY)
+        self.run_command(self.command(2, "scene.yaml", "first", "--stage", "stage"))
+        copy = self.folder / "stage" / self.copies()[0]
+        copy.unlink()
+        with open(f"{copy}-stage", "w", encoding="utf-8") as lock: # as another process that copies has it
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            process = subprocess.Popen(self.command(2, "scene.yaml", "many", "--stage", "stage"), cwd=self.folder, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.PIPE, text=True, start_new_session=True)
+            self.assertTrue(any("waiting for it" in line for line in process.stderr))
+            for task in pathlib.Path(f"/proc/{process.pid}/task").glob("*/children"):
+                for pid in task.read_text().split():
+                    os.kill(int(pid), signal.SIGINT)
+            try:
+                said = process.communicate(timeout=25)[1]
+            except subprocess.TimeoutExpired:
+                self.kill_all(process)
+                self.fail("the ranks wait for each other")
+        self.assertIn("furrow: stage: interrupted", said)
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(list(self.folder.glob("many*")), [])
+        self.run_command(self.command(2, "scene.yaml", "many", "--stage", "stage"))
 
     def test_a_kill_while_the_base_is_copied(self):
         self.ok("synth", "-o", "large.tif", "--posts", "1537x1537", "--spacing", 1, "--relief", 30)

@@ -62,10 +62,10 @@ static inline char *drive(const char *scene_path, const char *store, const char 
 {
 	struct scene *scene;
 	must(scene_load(scene_path, NULL, 0, &scene));
-	struct api_params params = {.scene = scene, .store = store, .directory = support_path(out), .everywhere = everywhere,
+	struct drive_params params = {.scene = scene, .store = store, .directory = support_path(out), .everywhere = everywhere,
 				    .resume = resume, .steps = steps};
-	struct api_result result;
-	enum status status = api_drive(&params, &result);
+	struct drive_result result;
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");

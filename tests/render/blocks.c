@@ -14,7 +14,7 @@
 static const struct extent extent = {1025, 1025, 1, 256};
 static struct render_screen screen = {.width = 1280, .height = 720};
 
-static void look(double x, double y, double z, double tx, double ty, struct terrain_view *view)
+static void look(double x, double y, double z, double tx, double ty, struct render_view *view)
 {
 	struct render render = {.extent = extent, .screen = &screen};
 	struct render_camera camera = {{x, y, z}, {tx, ty, 0}, 0.9, {0}};
@@ -24,8 +24,8 @@ static void look(double x, double y, double z, double tx, double ty, struct terr
 /* A reach that doubles with the stride, as by the radii: metres a metre of spacing (1 m). */
 static const double *doubling(double reach)
 {
-	static double reaches[TERRAIN_STRIDES];
-	for (int k = 0; k < TERRAIN_STRIDES; k++)
+	static double reaches[RENDER_STRIDES];
+	for (int k = 0; k < RENDER_STRIDES; k++)
 		reaches[k] = ldexp(reach, k);
 	return reaches;
 }
@@ -57,9 +57,9 @@ static void every_visible_cell_of_its_quadrants_is_drawn_once(void **state)
 	size_t seen = 0;
 	for (int round = 0; round < 60; round++) {
 		struct render_blocks blocks = {0};
-		struct terrain_view view;
-		const struct terrain_view *looking = &view;
-		struct terrain_draw draw = {.tile = {0, 1, 2}, .quadrants = 1 + (unsigned)round % 15, .low = 0, .high = 5};
+		struct render_view view;
+		const struct render_view *looking = &view;
+		struct render_draw draw = {.tile = {0, 1, 2}, .quadrants = 1 + (unsigned)round % 15, .low = 0, .high = 5};
 		look(100.0 + 9 * round, 900.0 - 11 * round, 4.0 + round, 380, 640, &view);
 		assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(30), &draw), STATUS_OK);
 		count_cells(&blocks, side, cells);
@@ -67,7 +67,7 @@ static void every_visible_cell_of_its_quadrants_is_drawn_once(void **state)
 			for (uint32_t x = 0; x < 256; x++) {
 				double low[3] = {256 + x, 512 + y, 0}, high[3] = {257 + x, 513 + y, 5};
 				bool mine = draw.quadrants >> ((x >= 128) + 2 * (y >= 128)) & 1;
-				bool visible = terrain_box_visible(looking->planes, low, high);
+				bool visible = render_box_visible(looking->planes, low, high);
 				assert_true(cells[256 * y + x].times <= mine);
 				if (mine && visible) {
 					assert_int_equal(cells[256 * y + x].times, 1);
@@ -84,8 +84,8 @@ static void strides_grow_with_distance_and_never_with_nearness(void **state)
 {
 	struct cell *cells = test_malloc(256 * 256 * sizeof *cells);
 	struct render_blocks blocks = {0};
-	struct terrain_view view;
-	struct terrain_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
+	struct render_view view;
+	struct render_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
 	look(128, -5, 3, 128, 200, &view);
 	assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(30), &draw), STATUS_OK);
 	count_cells(&blocks, render_block_cells(&extent), cells);
@@ -105,8 +105,8 @@ static void strides_grow_with_distance_and_never_with_nearness(void **state)
 static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
 {
 	struct render_blocks blocks = {0};
-	struct terrain_view view;
-	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
+	struct render_view view;
+	struct render_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
 	look(384, 384, 3000, 384.1, 384, &view);
 	/* So far above that one stride does for all, the coarsest: 2 x 2 blocks. */
 	assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(1), &draw), STATUS_OK);
@@ -136,10 +136,10 @@ static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_erro
 	struct render render = {.extent = extent, .screen = &screen};
 	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9, {0}};
 	struct render_axes axes;
-	struct terrain_view view;
-	struct terrain_draw draw = {.tile = {1, 0, 0}};
-	double reaches[TERRAIN_STRIDES];
-	for (int k = 0; k < TERRAIN_STRIDES; k++)
+	struct render_view view;
+	struct render_draw draw = {.tile = {1, 0, 0}};
+	double reaches[RENDER_STRIDES];
+	for (int k = 0; k < RENDER_STRIDES; k++)
 		draw.errors[k] = (double)NAN;
 	render_axes(&render, &camera, &axes);
 	render_view(&render, &camera, &view);
@@ -149,7 +149,7 @@ static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_erro
 	for (int level = -5; level < 4; level++) {
 		draw.tile.level = level;
 		render_reaches(&render, &axes, &draw, reaches);
-		for (int k = 0; k < TERRAIN_STRIDES; k++)
+		for (int k = 0; k < RENDER_STRIDES; k++)
 			assert_true(reaches[k] == render_mesh_reach(&axes) * (level + k < -1 ? 1.5 : 1) * ldexp(1, level + k));
 	}
 }
@@ -159,9 +159,9 @@ static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
 	struct render render = {.extent = extent, .screen = &screen, .pixel_error = 2};
 	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9, {0}};
 	struct render_axes axes;
-	struct terrain_view view;
-	struct terrain_draw draw = {.tile = {1, 0, 0}, .errors = {0, 0.25, 0.25, 4, 1e300, 1e308, INFINITY}};
-	double reaches[TERRAIN_STRIDES];
+	struct render_view view;
+	struct render_draw draw = {.tile = {1, 0, 0}, .errors = {0, 0.25, 0.25, 4, 1e300, 1e308, INFINITY}};
+	double reaches[RENDER_STRIDES];
 	render_axes(&render, &camera, &axes);
 	render_view(&render, &camera, &view);
 	assert_true(view.by_error && view.radius == axes.focal / 2);
@@ -178,7 +178,7 @@ static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
 	/* Where nothing is off, too. */
 	memset(draw.errors, 0, sizeof draw.errors);
 	render_reaches(&render, &axes, &draw, reaches);
-	for (int k = 1; k < TERRAIN_STRIDES; k++)
+	for (int k = 1; k < RENDER_STRIDES; k++)
 		assert_true(reaches[k] == 10 * ldexp(extent_spacing(&extent, 1), k));
 }
 
@@ -186,10 +186,10 @@ static void strides_whose_reaches_meet_are_passed_over(void **state)
 {
 	struct cell *cells = test_malloc(256 * 256 * sizeof *cells);
 	struct render_blocks blocks = {0};
-	struct terrain_view view;
-	struct terrain_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
+	struct render_view view;
+	struct render_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
 	/* A stride of 2 does from 60 m on, and so does one of 4; one of 8 never. */
-	const double reaches[TERRAIN_STRIDES] = {0, 60, 60, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30};
+	const double reaches[RENDER_STRIDES] = {0, 60, 60, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30};
 	look(128, -5, 3, 128, 200, &view);
 	assert_int_equal(render_blocks_add(&blocks, &extent, &view, reaches, &draw), STATUS_OK);
 	count_cells(&blocks, render_block_cells(&extent), cells);
@@ -210,8 +210,8 @@ static void the_smallest_tiles_have_blocks_too(void **state)
 {
 	const struct extent small = {33, 33, 1, TILE_CELLS_MIN};
 	struct render_blocks blocks = {0};
-	struct terrain_view view;
-	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
+	struct render_view view;
+	struct render_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
 	look(12, 12, 30, 12.1, 12, &view);
 	assert_int_equal(render_blocks_add(&blocks, &small, &view, doubling(100), &draw), STATUS_OK);
 	assert_int_equal(blocks.count * render_block_cells(&small) * render_block_cells(&small), 64);
@@ -221,8 +221,8 @@ static void the_smallest_tiles_have_blocks_too(void **state)
 static void running_out_of_memory_is_told(void **state)
 {
 	struct render_blocks blocks = {0};
-	struct terrain_view view;
-	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
+	struct render_view view;
+	struct render_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
 	look(384, 384, 30, 384.1, 384, &view);
 	for (uint64_t nth = 1; nth <= 2; nth++) {
 		blocks.count = 0;

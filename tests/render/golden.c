@@ -120,7 +120,7 @@ static uint8_t class_at(double x, double y)
 	return (uint8_t)(hypot(x - 700, y - 700) < 130 ? 1 : y - 0.6 * x > 560 ? 2 : 0);
 }
 
-/* --- what is resident, for terrain_select --- */
+/* --- what is resident, for render_select --- */
 
 struct golden {
 	const char *name;
@@ -229,15 +229,15 @@ static void load(struct shown *shown, struct tile tile)
 	shown->keys[shown->count++] = tile_key(tile);
 }
 
-static void select_all(struct shown *shown, const struct terrain_view *view, struct terrain_selection *selection)
+static void select_all(struct shown *shown, const struct render_view *view, struct render_selection *selection)
 {
-	const struct terrain_source source = {shown, bounds, resident, divisible, error_of, NULL};
+	const struct render_source source = {shown, bounds, resident, divisible, error_of, NULL};
 	/* What stands in is no part of a complete picture, so that nobody wants it. */
 	for (uint32_t i = 0; shown->golden->replaces && i < 4; i++)
 		load(shown, (struct tile){1, i % 2, i / 2});
 	for (;;) {
 		size_t loaded = 0;
-		terrain_select(&extent, view, &source, selection);
+		render_select(&extent, view, &source, selection);
 		for (size_t i = 0; i < selection->wanted_count; i++) {
 			struct tile tile = tile_from_key(selection->wanted[i]);
 			bool missing = shown->golden->replaces && tile.level == 0 && (tile.x + tile.y) % 2 > 0;
@@ -270,11 +270,11 @@ static void place_objects(struct render *render)
 
 static void draw(const struct golden *golden, uint8_t *pixels)
 {
-	static struct terrain_selection selection;
+	static struct render_selection selection;
 	const struct scene soils = {.soil_count = 3, .soil_names = {"upland_loam", "dry_sand", "clayey"}};
 	struct shown shown = {.golden = golden};
 	struct render *render;
-	struct terrain_view view;
+	struct render_view view;
 	struct scene_light light = scene_light_default();
 	light.body = golden->body;
 	if (golden->height > 0) {

@@ -23,7 +23,7 @@ static const char *const detail_names[DETAILS] = {"by radii", "to a pixel", "to 
 enum residence { WHOLE, FEW, FITTED, RESIDENCES };
 static const char *const residence_names[RESIDENCES] = {"complete", "few tiles", "fitted"};
 
-static struct terrain_selection selection;
+static struct render_selection selection;
 static float depth[WIDTH * HEIGHT];
 
 struct shot {
@@ -104,9 +104,9 @@ static double highest_drawn(const double at[2])
 {
 	double most = land_surface(0, at[0], at[1]);
 	for (size_t i = 0; i < selection.draw_count; i++) {
-		const struct terrain_draw *draw = &selection.draws[i];
+		const struct render_draw *draw = &selection.draws[i];
 		double low[2], high[2];
-		terrain_box(&land_world, draw->tile, low, high);
+		render_box(&land_world, draw->tile, low, high);
 		bool in = at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1];
 		if (in && draw->replaces)
 			return draw->high;
@@ -118,13 +118,13 @@ static double highest_drawn(const double at[2])
 
 static void select_for(const struct render *render, const struct shot *shot, uint64_t *dice)
 {
-	struct terrain_view view;
+	struct render_view view;
 	render_view(render, &shot->camera, &view);
 	land.seed = land_mix(shot->number);
 	land.resident_of = shot->residence == FEW ? 20 + land.seed % 60 : 100;
 	if (shot->residence == FITTED)
-		terrain_fit(&land_world, &land_source, 4 + (size_t)land_dice(dice, 0, 40), &view);
-	terrain_select(&land_world, &view, &land_source, &selection);
+		render_fit(&land_world, &land_source, 4 + (size_t)land_dice(dice, 0, 40), &view);
+	render_select(&land_world, &view, &land_source, &selection);
 }
 
 static void place(const struct render *render, struct shot *shot)
@@ -207,8 +207,8 @@ static void find_holes(const struct render *render, const struct shot *shot, str
 	for (int i = 0; i < WIDTH * HEIGHT; i++)
 		if (depth[i] > 0)
 			top = i / WIDTH;
-	static struct terrain_ray rays[WIDTH * HEIGHT];
-	static struct terrain_hit hits[WIDTH * HEIGHT];
+	static struct resident_ray rays[WIDTH * HEIGHT];
+	static struct resident_hit hits[WIDTH * HEIGHT];
 	static int of[WIDTH * HEIGHT];
 	size_t count = 0;
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -222,8 +222,8 @@ static void find_holes(const struct render *render, const struct shot *shot, str
 		/* The lowest pixels without ground: what is above them cannot be a hole if they are none. */
 		if (i >= WIDTH && depth[i - WIDTH] == 0)
 			continue;
-		struct terrain_ray *ray = &rays[count];
-		*ray = (struct terrain_ray){.length = RENDER_FAR};
+		struct resident_ray *ray = &rays[count];
+		*ray = (struct resident_ray){.length = RENDER_FAR};
 		memcpy(ray->origin, shot->camera.eye, sizeof ray->origin);
 		land_ray(render, &axes, i % WIDTH + 0.5, i / WIDTH + 0.5, ray->direction);
 		ray->origin[2] += metres;
@@ -231,7 +231,7 @@ static void find_holes(const struct render *render, const struct shot *shot, str
 		ray->direction[2] += tangent * length * length / fmax(level, 0.1);
 		of[count++] = i;
 	}
-	assert_ok(terrain_rays(&land_ground, rays, count, hits));
+	assert_ok(resident_rays(&land_ground, rays, count, hits));
 	for (size_t k = 0; k < count; k++)
 		if (hits[k].hit && !hits[k].below && found->pixels++ == 0)
 			*found = (struct found){1, of[k] % WIDTH, of[k] / WIDTH, false};

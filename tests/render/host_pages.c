@@ -24,7 +24,7 @@ struct rig {
 	struct pyramid *pyramid;
 	struct record *record;
 	struct render *render;
-	struct terrain_selection selection;
+	struct render_selection selection;
 	uint32_t count; /* of slots */
 };
 
@@ -173,14 +173,14 @@ static double error_of(void *user, struct tile tile)
 static void draw(struct rig *rig, double x, double y, double up, uint8_t *pixels, uint64_t *uploaded)
 {
 	struct gpu_stats before, after;
-	const struct terrain_source source = {rig, bounds, resident, divisible, error_of, NULL};
+	const struct render_source source = {rig, bounds, resident, divisible, error_of, NULL};
 	const struct render_camera camera = {{x, y, 100 + up}, {64, 64, 90}, 0.9, {0}};
-	struct terrain_view view;
+	struct render_view view;
 	render_view(rig->render, &camera, &view);
 	view.by_error = false;
 	view.radius = rig->count < 96 ? 0.7 : 1.5;
 	for (;;) {
-		terrain_select(&extent, &view, &source, &rig->selection);
+		render_select(&extent, &view, &source, &rig->selection);
 		if (rig->selection.wanted_count == 0)
 			break;
 		assert_true(rig->selection.needed < rig->count);
@@ -204,7 +204,7 @@ static void check_classes(const struct rig *rig)
 {
 	uint8_t wanted[POSTS], got[POSTS];
 	for (size_t i = 0; i < rig->selection.draw_count; i++) {
-		const struct terrain_draw *draw = &rig->selection.draws[i];
+		const struct render_draw *draw = &rig->selection.draws[i];
 		must(classes_of(NULL, 0, draw->tile, wanted));
 		gpu_texture_read(gpu_slots_get(rig->slots, draw->slot)->classes, 0, (struct gpu_rect){0, 0, CELLS + 1, CELLS + 1}, got);
 		assert_memory_equal(got, wanted, POSTS);

@@ -43,7 +43,7 @@ struct land_tile {
 	double low, high; /* of its subtree */
 	double error;     /* its triangles off the posts of its subtree; no less than of one below it */
 	double heights[LAND_AREA];
-	double blocks[(LAND_CELLS / TERRAIN_BLOCK) * (LAND_CELLS / TERRAIN_BLOCK)][2];
+	double blocks[(LAND_CELLS / RESIDENT_BLOCK) * (LAND_CELLS / RESIDENT_BLOCK)][2];
 };
 
 static struct {
@@ -176,7 +176,7 @@ static inline void land_measure(struct land_tile *own)
 			own->low = fmin(own->low, height);
 			own->high = fmax(own->high, height);
 		}
-	terrain_fill_blocks(LAND_CELLS, own->heights, own->blocks);
+	resident_fill_blocks(LAND_CELLS, own->heights, own->blocks);
 	for (unsigned q = 0; q < 4; q++) {
 		struct tile child = {tile.level - 1, 2 * tile.x + (q & 1), 2 * tile.y + (q >> 1)};
 		const struct land_tile *below = land_find(child);
@@ -299,14 +299,14 @@ static inline double land_error(void *user, struct tile tile)
 	return land_find(tile)->error;
 }
 
-static const struct terrain_source land_source = {NULL, land_bounds, land_resident, land_divisible, land_error, NULL};
+static const struct render_source land_source = {NULL, land_bounds, land_resident, land_divisible, land_error, NULL};
 
 /* --- what rays ask --- */
 
-static inline enum status land_ask_posts(void *user, struct tile tile, struct terrain_posts *posts)
+static inline enum status land_ask_posts(void *user, struct tile tile, struct resident_posts *posts)
 {
 	const struct land_tile *own = land_find(tile);
-	*posts = (struct terrain_posts){own->heights, (const double(*)[2])own->blocks};
+	*posts = (struct resident_posts){own->heights, (const double(*)[2])own->blocks};
 	return STATUS_OK;
 }
 
@@ -324,7 +324,7 @@ static inline enum status land_ask_bounds(void *user, struct tile tile, double *
 	return STATUS_OK;
 }
 
-static const struct terrain_ground land_ground = {
+static const struct resident_source land_ground = {
 	NULL, &land_world, LAND_FINEST, land_ask_posts, land_ask_present, land_ask_bounds,
 };
 

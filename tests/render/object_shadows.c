@@ -115,7 +115,7 @@ static void measure_row(const struct render_object *object, double sun, double r
 {
 	uint8_t *pixels[2];
 	const struct render_camera camera = FROM_ABOVE;
-	struct terrain_view view;
+	struct render_view view;
 	render_move_sun(render, WEST * DEGREES, sun * DEGREES);
 	for (int k = 0; k < 2; k++) {
 		render->objects->casts = k > 0;

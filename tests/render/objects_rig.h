@@ -23,7 +23,7 @@ static const struct soil_shape box = {.kind = SOIL_BOX, .size = {1.2, 0.5, 0.3}}
 static struct gpu_slots *slots;
 static struct render *render;
 static struct scene_object objects[4];
-static struct terrain_selection selection;
+static struct render_selection selection;
 static int64_t away; /* tiles east and north */
 static int samples = 1; /* a pixel */
 
@@ -51,7 +51,7 @@ static inline void begin(uint64_t effects, double (*height)(double x, double y),
 		base[k] = lattice_base_relative(height(k % POSTS * extent.spacing, k / POSTS * extent.spacing), 8192);
 	assert_ok(staged_upload_base(gpu, slots, CELLS, 0, base));
 	selection.draw_count = height != NULL;
-	selection.draws[0] = (struct terrain_draw){
+	selection.draws[0] = (struct render_draw){
 		.tile = {0, (uint32_t)away, (uint32_t)away}, .quadrants = 15, .finest = true, .low = GROUND - 1, .high = GROUND + 4,
 	};
 }

@@ -138,7 +138,7 @@ static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 		assert_ok(render_create(&params, &render));
 		assert_ok(staged_upload_base(gpu, slots, CELLS, 0, base));
 		selection.draw_count = 1;
-		selection.draws[0] = (struct terrain_draw){
+		selection.draws[0] = (struct render_draw){
 			.tile = {0, shift + 1, shift + 1}, .quadrants = 15, .finest = true, .low = 7999, .high = 8001,
 		};
 		assert_ok(render_frame(render, &camera, &selection));
@@ -178,7 +178,7 @@ static void any_two_effects_draw_together(void **state)
 		assert_ok(staged_upload_deform(gpu, slots, CELLS, 2, posts, dirt));
 		selection.draw_count = 3;
 		for (uint32_t k = 0; k < 3; k++)
-			selection.draws[k] = (struct terrain_draw){
+			selection.draws[k] = (struct render_draw){
 				.tile = {k == 2 ? -1 : 0, k, 0}, .slot = k, .ground = k == 2 ? 0 : k, .quadrants = 15,
 				.low = -1, .high = 1,
 			};

@@ -43,7 +43,7 @@ static void geomorphing_takes_the_jumps_out_of_the_mesh(void **state)
 
 static void say_reaches(double of_2, double of_4, double of_more)
 {
-	for (int k = 0; k < TERRAIN_STRIDES; k++)
+	for (int k = 0; k < RENDER_STRIDES; k++)
 		said_errors[k] = (k == 0 ? 0 : k == 1 ? of_2 : k == 2 ? of_4 : of_more) / (HEIGHT / 2.0 / tan(0.45));
 }
 

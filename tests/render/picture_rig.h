@@ -14,12 +14,12 @@
 static const struct extent extent = {257, 257, 2, CELLS};
 static struct gpu_slots *slots;
 static struct render *render;
-static struct terrain_selection selection;
+static struct render_selection selection;
 static uint64_t resident[SLOTS];
 static uint32_t resident_count;
 static double tile_radius; /* small tiles: several levels in one picture */
 static double pixel_error; /* 0: by radii */
-static double said_errors[TERRAIN_STRIDES]; /* of every draw, of tiles by radius; 0: as selected */
+static double said_errors[RENDER_STRIDES]; /* of every draw, of tiles by radius; 0: as selected */
 static bool said_of_half; /* of every other tile; the rest is said to be without error */
 
 /* --- a world: hills with a grain, and what each test adds --- */
@@ -54,7 +54,7 @@ static inline bool world_bounds(void *user, struct tile tile, double *low, doubl
 	return tile.level >= 0;
 }
 
-static inline bool world_resident(void *user, struct tile tile, uint32_t *slot)
+static inline bool tile_resident(void *user, struct tile tile, uint32_t *slot)
 {
 	for (uint32_t i = 0; i < resident_count; i++)
 		if (resident[i] == tile_key(tile)) {
@@ -132,22 +132,22 @@ static inline void end(void)
 }
 
 /* Selects the tiles of a view, and loads them. */
-static inline void select_tiles(struct terrain_view *view)
+static inline void select_tiles(struct render_view *view)
 {
-	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible, world_error, NULL};
+	const struct render_source source = {NULL, world_bounds, tile_resident, world_divisible, world_error, NULL};
 	if (!view->by_error || said_errors[1] > 0) {
 		view->by_error = false;
 		view->radius = tile_radius;
 	}
 	for (;;) {
-		terrain_select(&extent, view, &source, &selection);
+		render_select(&extent, view, &source, &selection);
 		if (selection.wanted_count == 0)
 			break;
 		for (size_t i = 0; i < selection.wanted_count; i++)
 			load(tile_from_key(selection.wanted[i]));
 	}
 	for (size_t i = 0; said_errors[1] > 0 && i < selection.draw_count; i++)
-		for (int k = 0; k < TERRAIN_STRIDES; k++) {
+		for (int k = 0; k < RENDER_STRIDES; k++) {
 			bool none = said_of_half && (selection.draws[i].tile.x + selection.draws[i].tile.y) % 2 > 0;
 			selection.draws[i].errors[k] = none ? 0 : said_errors[k];
 		}
@@ -156,7 +156,7 @@ static inline void select_tiles(struct terrain_view *view)
 static inline uint8_t *draw(double x, double y, double up, double tx, double ty, double tz)
 {
 	struct render_camera camera = {{x, y, 400 + up}, {tx, ty, 400 + tz}, 0.9, {0}};
-	struct terrain_view view;
+	struct render_view view;
 	render_shade_begin(render);
 	for (int map = 0; map < RENDER_SHADE_MAPS; map++) {
 		if (!render_shade_view(render, &camera, 400, map, &view))

@@ -78,7 +78,7 @@ static void however_coarse_a_neighbour_no_sky_is_between(void **state)
 	/* All relief, 25 m, is allowed from 60 m on: every other tile is drawn as coarsely as can be. */
 	pixel_error = 25 / 60.0 * (HEIGHT / 2.0 / tan(0.45));
 	said_of_half = true;
-	for (int k = 0; k < TERRAIN_STRIDES; k++)
+	for (int k = 0; k < RENDER_STRIDES; k++)
 		said_errors[k] = k > 0 ? 1e6 : 0;
 	begin(EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_GEOMORPH));
 	uint8_t background[4];
@@ -109,7 +109,7 @@ static void a_skirt_is_as_bright_as_the_ground_above_it(void **state)
 	ground.deep = 3;
 	pixel_error = 25 / 60.0 * (HEIGHT / 2.0 / tan(0.45));
 	said_of_half = true;
-	for (int k = 1; k < TERRAIN_STRIDES; k++)
+	for (int k = 1; k < RENDER_STRIDES; k++)
 		said_errors[k] = 1e6;
 	for (int e = 0; e < 2; e++) {
 		begin(EFFECT_BIT(EFFECT_SKIRTS) | (e > 0 ? EFFECT_BIT(EFFECT_TERRAIN_SHADOW) : 0));
@@ -185,13 +185,13 @@ static void a_shadow_has_no_step_where_maps_meet(void **state)
 static void count_blocks(const struct render_camera *camera, uint64_t *count, uint64_t *skirts)
 {
 	struct render_axes axes;
-	struct terrain_view view;
+	struct render_view view;
 	struct render_blocks blocks = {NULL, 0, 0};
 	render_axes(render, camera, &axes);
 	render_view(render, camera, &view);
 	*skirts = 0;
 	for (size_t i = 0; i < selection.draw_count; i++) {
-		double reaches[TERRAIN_STRIDES];
+		double reaches[RENDER_STRIDES];
 		render_reaches(render, &axes, &selection.draws[i], reaches);
 		assert_ok(render_blocks_add(&blocks, &extent, &view, reaches, &selection.draws[i]));
 	}
@@ -227,7 +227,7 @@ static void hills_are_drawn_near_to_far_and_triangles_are_those_of_blocks(void *
 			least = support_least(least, sum);
 			/* The same from far to near. */
 			for (size_t k = 0; k < selection.draw_count / 2; k++) {
-				struct terrain_draw kept = selection.draws[k];
+				struct render_draw kept = selection.draws[k];
 				selection.draws[k] = selection.draws[selection.draw_count - 1 - k];
 				selection.draws[selection.draw_count - 1 - k] = kept;
 			}

@@ -16,7 +16,7 @@
 
 static struct gpu_slots *slots;
 static struct render *render;
-static struct terrain_selection selection;
+static struct render_selection selection;
 
 #define need_samples(samples)                                                                      \
 	do {                                                                                       \
@@ -63,7 +63,7 @@ static void draw(const struct render_camera *camera, const uint32_t *from, size_
 {
 	selection.draw_count = count;
 	for (size_t i = 0; i < count; i++)
-		selection.draws[i] = (struct terrain_draw){
+		selection.draws[i] = (struct render_draw){
 			.tile = {0, 0, 0}, .slot = from[i], .ground = from[i], .quadrants = 15, .finest = true, .low = LOW - 60, .high = LOW + 60,
 		};
 	assert_ok(render_frame(render, camera, &selection));

@@ -41,7 +41,7 @@ static void take(const struct shot *shot)
 {
 	static int32_t posts[POSTS][POSTS], offset[POSTS][POSTS];
 	static uint8_t classes[POSTS][POSTS], dirt[POSTS][POSTS];
-	static struct terrain_selection selection;
+	static struct render_selection selection;
 	struct gpu_slots *slots;
 	struct gpu_staging *staging;
 	struct render *render;
@@ -64,7 +64,7 @@ static void take(const struct shot *shot)
 		.effects = shot->effects, .disturbance = shot->dirt != NULL, .light = &shot->light, .soils = shot->soils,
 	}, &render));
 	selection.draw_count = 1;
-	selection.draws[0] = (struct terrain_draw){.quadrants = 15, .finest = true, .low = shot->low, .high = shot->high};
+	selection.draws[0] = (struct render_draw){.quadrants = 15, .finest = true, .low = shot->low, .high = shot->high};
 	struct render_camera camera = {.fov = 0.9};
 	memcpy(camera.eye, shot->eye, sizeof camera.eye);
 	memcpy(camera.target, shot->target, sizeof camera.target);

@@ -18,18 +18,18 @@ struct frame {
 	float depth[PIXELS]; /* RENDER_NEAR / metres below the eye */
 };
 
-static struct terrain_selection selection;
+static struct render_selection selection;
 static double focal;
 
 static void look_down(struct render *render, const double eye[3], struct frame *frame)
 {
 	struct render_camera camera = {.eye = {eye[0], eye[1], eye[2]}, .target = {eye[0], eye[1], eye[2] - 1}, .fov = FOV};
 	struct render_axes axes;
-	struct terrain_view view;
+	struct render_view view;
 	render_axes(render, &camera, &axes);
 	focal = axes.focal;
 	render_view(render, &camera, &view);
-	terrain_select(&land_world, &view, &land_source, &selection);
+	render_select(&land_world, &view, &land_source, &selection);
 	assert_int_equal(selection.wanted_count, 0);
 	assert_ok(render_frame(render, &camera, &selection));
 	land_depth(render, frame->depth);
@@ -108,19 +108,19 @@ static double close_in(struct render *render, const struct frame *from, const st
 static void raise_to_change(struct render *render, double eye[3])
 {
 	static struct frame frame;
-	double reaches[TERRAIN_STRIDES];
+	double reaches[RENDER_STRIDES];
 	for (int again = 0; again < 3; again++) {
 		look_down(render, eye, &frame);
 		for (size_t i = 0; i < selection.draw_count; i++) {
-			const struct terrain_draw *draw = &selection.draws[i];
+			const struct render_draw *draw = &selection.draws[i];
 			double low[2], high[2];
 			int k = 1;
 			struct render_axes axes = {.focal = focal};
-			terrain_box(&land_world, draw->tile, low, high);
+			render_box(&land_world, draw->tile, low, high);
 			if (eye[0] < low[0] || eye[0] >= high[0] || eye[1] < low[1] || eye[1] >= high[1])
 				continue;
 			render_reaches(render, &axes, draw, reaches);
-			while (k + 1 < TERRAIN_STRIDES && reaches[k] <= eye[2] - draw->high)
+			while (k + 1 < RENDER_STRIDES && reaches[k] <= eye[2] - draw->high)
 				k++;
 			if (reaches[k] < 1e4)
 				eye[2] = draw->high + (1 - 2 * STEP) * reaches[k];

@@ -15,19 +15,18 @@ static void nap(void)
 /* A step in which nothing is deformed, and its picture. */
 static void step(struct rig *rig, double time_step)
 {
-	struct world *world = &rig->world;
-	must(page_cache_poll(world->cache));
-	must(motion_look_ahead_step(world->ahead, world->time));
-	world->time += time_step;
-	world->step++;
-	must(page_cache_end_step(world->cache, world->record));
+	must(page_cache_poll(rig->made.resident.cache));
+	must(resident_look_ahead_step(rig->made.ahead, rig->made.time));
+	rig->made.step++;
+	rig_at(rig, rig->made.time + time_step);
+	must(page_cache_end_step(rig->made.resident.cache, rig->record));
 	must(render_view_frame(rig->view, NULL, false));
 }
 
 static uint64_t traffic(struct rig *rig)
 {
 	struct page_stats stats;
-	page_cache_stats(rig->world.cache, &stats);
+	page_cache_stats(rig->made.resident.cache, &stats);
 	return stats.prefetched + stats.evictions + stats.misses;
 }
 
@@ -101,18 +100,17 @@ static void resident(void *user, uint64_t key, uint32_t slot, bool dirty)
 /* Steps until the view has nothing to wish for at this time. */
 static void load_wishes(struct rig *rig)
 {
-	struct world *world = &rig->world;
 	for (int tries = 0;; tries++) {
 		assert_true(tries < 100000);
-		motion_requests_clear(&rig->requests);
+		resident_requests_clear(&rig->requests);
 		must(render_view_requests(rig->view, &rig->requests));
 		if (rig->requests.count == 0)
 			return;
 		const uint64_t *keys;
-		size_t count = motion_requests_order(&rig->requests, &keys);
-		page_cache_want(world->cache, keys, count);
+		size_t count = resident_requests_order(&rig->requests, &keys);
+		page_cache_want(rig->made.resident.cache, keys, count);
 		nap();
-		must(page_cache_poll(world->cache));
+		must(page_cache_poll(rig->made.resident.cache));
 	}
 }
 
@@ -144,31 +142,30 @@ static void wishes_are_what_is_lacking_now_then_what_will_be(void **state)
 {
 	struct rig rig;
 	rig_open(&rig, 128, 25, 2);
-	struct world *world = &rig.world;
 	struct view *view = rig.view;
 	size_t soon = 0, ahead = 0;
 	for (int i = 0; i < 60; i++) {
-		must(page_cache_poll(world->cache));
-		world->time += 0.1;
-		must(page_cache_end_step(world->cache, world->record));
+		must(page_cache_poll(rig.made.resident.cache));
+		rig_at(&rig, rig.made.time + 0.1);
+		must(page_cache_end_step(rig.made.resident.cache, rig.record));
 		must(render_view_frame(view, NULL, false));
 		/* What the frame lacked, before it looked ahead. */
 		struct render_camera camera;
-		render_view_place_camera(view, world->time, &camera);
+		render_view_place_camera(view, rig.made.time, &camera);
 		must(render_view_select(view, &camera, false));
-		motion_requests_clear(&rig.requests);
+		resident_requests_clear(&rig.requests);
 		must(render_view_requests(view, &rig.requests));
 		const struct request *wishes = rig.requests.requests;
 		size_t count = rig.requests.count, lacking = view->selection->wanted_count;
 		assert_true(count >= lacking && view->seen.count <= view->room);
 		for (size_t k = 0; k < count; k++) {
 			uint32_t slot;
-			assert_false(page_cache_peek(world->cache, wishes[k].key, false, &slot));
+			assert_false(page_cache_peek(rig.made.resident.cache, wishes[k].key, false, &slot));
 			if (k < lacking) {
 				assert_true(wishes[k].key == view->selection->wanted[k]);
-				assert_true(wishes[k].time == world->time);
+				assert_true(wishes[k].time == rig.made.time);
 			} else {
-				assert_true(wishes[k].time > world->time && wishes[k].time <= world->time + 2);
+				assert_true(wishes[k].time > rig.made.time && wishes[k].time <= rig.made.time + 2);
 			}
 			assert_true(k == 0 || wishes[k].time >= wishes[k - 1].time);
 		}
@@ -185,12 +182,11 @@ static void wishes_ahead_are_soonest_first_and_end_with_the_room(void **state)
 {
 	struct rig rig;
 	rig_open(&rig, 64, 25, 2);
-	struct world *world = &rig.world;
 	struct view *view = rig.view;
 	uint64_t keys[6];
 	for (uint32_t i = 0; i < 6; i++)
 		keys[i] = tile_key((struct tile){0, i, 1});
-	world->time = 1;
+	rig_at(&rig, 1);
 	view->room = 4;
 	view->ahead[0] = (struct view_look){.time = 3, .count = 2, .keys = {keys[0], keys[1]}};
 	view->ahead[1] = (struct view_look){.time = 1, .count = 1, .keys = {keys[2]}}; /* has passed */
@@ -221,14 +217,12 @@ static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void *
 	rig_lay_straight();
 	rig_open(&rig, 128, 25, 2);
 	rig_lay_hills();
-	struct world *world = &rig.world;
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		must(render_view_look_ahead(rig.view));
 	assert_int_equal(below_zero(rig.view), 0);
-	world->level = -2;
-	world->spacing = 0.25;
+	rig_at_level(&rig, -2);
 	start_look_ahead(&rig);
-	must(motion_look_ahead_step(world->ahead, world->time));
+	must(resident_look_ahead_step(rig.made.ahead, rig.made.time));
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		must(render_view_look_ahead(rig.view));
 	assert_true(below_zero(rig.view) >= 8);
@@ -252,15 +246,14 @@ static void bent_ground_is_drawn_finely_and_straight_ground_is_not(void **state)
 				rig_lay_straight();
 			rig_open(&rig, 400, 0, 0);
 			rig_lay_hills();
-			rig.world.level = level;
-			rig.world.spacing = extent_spacing(&extent, level);
+			rig_at_level(&rig, level);
 			rig.scene.view.aim.eye[2] = 107; /* near the ground */
 			must(render_view_frame(rig.view, NULL, true));
-			const struct terrain_selection *selection = rig.view->selection;
+			const struct render_selection *selection = rig.view->selection;
 			size_t finer = 0;
 			int finest = 0;
 			for (size_t i = 0; i < selection->draw_count; i++) {
-				const struct terrain_draw *draw = &selection->draws[i];
+				const struct render_draw *draw = &selection->draws[i];
 				double bend = 0;
 				finer += draw->tile.level < 0;
 				finest = draw->tile.level < finest ? draw->tile.level : finest;
@@ -281,17 +274,15 @@ static void however_far_it_looks_an_object_wishes_for_no_more_than_the_slots(voi
 {
 	struct rig rig;
 	rig_open(&rig, 8, 25, 1000);
-	struct world *world = &rig.world;
-	world->level = -4;
-	world->spacing = extent.spacing / 16;
+	rig_at_level(&rig, -4);
 	start_look_ahead(&rig);
-	for (world->time = 0; world->time < 2; world->time += 0.1) {
-		must(motion_look_ahead_step(world->ahead, world->time));
+	for (; rig.made.time < 2; rig_at(&rig, rig.made.time + 0.1)) {
+		must(resident_look_ahead_step(rig.made.ahead, rig.made.time));
 		size_t count = 0, next = 0;
-		for (size_t i = 0; i < motion_look_ahead_requests(world->ahead)->count; i++) {
-			count += tile_from_key(motion_look_ahead_requests(world->ahead)->requests[i].key).level == -4;
-			next += tile_from_key(motion_look_ahead_requests(world->ahead)->requests[i].key).level == -4 &&
-				motion_look_ahead_requests(world->ahead)->requests[i].time <= world->time + 0.05;
+		for (size_t i = 0; i < resident_look_ahead_requests(rig.made.ahead)->count; i++) {
+			count += tile_from_key(resident_look_ahead_requests(rig.made.ahead)->requests[i].key).level == -4;
+			next += tile_from_key(resident_look_ahead_requests(rig.made.ahead)->requests[i].key).level == -4 &&
+				resident_look_ahead_requests(rig.made.ahead)->requests[i].time <= rig.made.time + 0.05;
 		}
 		assert_true(next > 0 && count < 8 + 4); /* the last station has a window of four */
 	}
@@ -307,11 +298,11 @@ static void looking_ahead_marks_nothing_used(void **state)
 		step(&rig, 0.1);
 		load_wishes(&rig);
 		struct residents before = {.count = 0}, after = {.count = 0};
-		page_cache_each_resident(rig.world.cache, resident, &before);
+		page_cache_each_resident(rig.made.resident.cache, resident, &before);
 		must(render_view_look_ahead(rig.view));
-		motion_requests_clear(&rig.requests);
+		resident_requests_clear(&rig.requests);
 		must(render_view_requests(rig.view, &rig.requests));
-		page_cache_each_resident(rig.world.cache, resident, &after);
+		page_cache_each_resident(rig.made.resident.cache, resident, &after);
 		/* Least recently used first: the order is the marks. */
 		assert_memory_equal(&before, &after, sizeof before);
 	}
@@ -327,18 +318,18 @@ static void what_a_frame_drew_was_used_last(void **state)
 		load_wishes(&rig);
 		step(&rig, 0.1);
 		struct residents residents = {.count = 0};
-		page_cache_each_resident(rig.world.cache, resident, &residents);
+		page_cache_each_resident(rig.made.resident.cache, resident, &residents);
 		const struct view_look *now = rig.view->now;
 		uint32_t slot;
 		size_t drawn = 0;
 		for (size_t k = 0; k < now->count; k++)
-			drawn += page_cache_peek(rig.world.cache, now->keys[k], false, &slot);
+			drawn += page_cache_peek(rig.made.resident.cache, now->keys[k], false, &slot);
 		struct key_set last = {.count = 0};
 		for (size_t k = residents.count - drawn - 1; k < residents.count; k++) /* and the coarsest */
 			must(key_set_add(&last, residents.keys[k]));
 		for (size_t k = 0; k < now->count; k++)
 			assert_true(key_set_has(&last, now->keys[k]) ||
-				    !page_cache_peek(rig.world.cache, now->keys[k], false, &slot));
+				    !page_cache_peek(rig.made.resident.cache, now->keys[k], false, &slot));
 		key_set_finish(&last);
 	}
 	rig_close(&rig);
@@ -364,10 +355,11 @@ static void every_program_of_a_picture_has_drawn_before_the_first_step(void **st
 	rig_open(&rig, 64, 0, 0);
 	render_view_destroy(rig.view);
 	rig.scene.view.effects = EFFECT_BIT(EFFECT_SKY) | EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW);
-	rig.world.level = -2;
-	must(render_view_create(&rig.world, false, &rig.view));
+	rig.made.resident.level = -2;
+	rig_set(&rig);
+	must(render_view_create(rig.world, false, &rig.view));
 	must(render_view_warm(rig.view));
-	gpu_programs_each(rig.world.gpu, note_program, &count);
+	gpu_programs_each(rig.made.resident.gpu, note_program, &count);
 	assert_int_equal(count, 7);
 	/* None of it is a picture of the drive's. */
 	struct render_view_figures figures;
@@ -388,9 +380,9 @@ static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
 	struct rig rig;
 	rig_open(&rig, 64, 25, 2);
 	struct render_camera ahead, then;
-	rig.world.time = 3;
+	rig_at(&rig, 3);
 	render_view_place_camera(rig.view, 5, &ahead);
-	rig.world.time = 5;
+	rig_at(&rig, 5);
 	render_view_place_camera(rig.view, 5, &then);
 	assert_memory_equal(&ahead, &then, sizeof then);
 	render_view_place_camera(rig.view, 3, &then);
@@ -403,20 +395,15 @@ static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
 /* As start_look_ahead does, with its thread. */
 static void start_bringing(struct rig *rig)
 {
-	struct world *world = &rig->world;
-	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next, NULL};
-	motion_look_ahead_destroy(world->ahead);
-	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
-							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
-							   .end = rig->scene.end_time}, &world->ahead));
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
-								  rig->scene.slots, rig_requests, rig});
+	resident_look_ahead_destroy(rig->made.ahead);
+	rig_make_look_ahead(rig);
+	rig_serve_look_ahead(rig);
 }
 
 static uint64_t range_waits(const struct rig *rig)
 {
 	struct resident_ground_figures figures;
-	resident_ground_figures(rig->world.ground, &figures);
+	resident_ground_figures(rig->made.resident.ground, &figures);
 	return figures.range_waits;
 }
 
@@ -424,8 +411,7 @@ static void looking_ahead_waits_for_no_range_at(int level)
 {
 	struct rig rig;
 	rig_open(&rig, 400, 25, 2);
-	rig.world.level = level;
-	rig.world.spacing = extent_spacing(&extent, level);
+	rig_at_level(&rig, level);
 	start_look_ahead(&rig);
 	start_bringing(&rig);
 	struct view *view = rig.view;
@@ -444,7 +430,7 @@ static void looking_ahead_waits_for_no_range_at(int level)
 	}
 	/* Nothing stands in for the coarsest tile's: it is read. */
 	assert_true(range_waits(&rig) <= 1);
-	rig.world.time = view->ahead[1].time;
+	rig_at(&rig, view->ahead[1].time);
 	must(render_view_frame(view, NULL, true));
 	assert_true(view->now->count > 10);
 	assert_true(range_waits(&rig) <= 1);
@@ -472,15 +458,16 @@ static void a_picture_in_a_window_waits_for_no_range(void **state)
 		nap();
 	}
 	assert_true(range_waits(&rig) <= 1);
-	static struct terrain_selection seen, read;
+	static struct render_selection seen, read;
 	seen = *view->selection;
 	struct render_camera camera;
-	render_view_place_camera(view, rig.world.time, &camera);
+	render_view_place_camera(view, rig.made.time, &camera);
 	key_cache_finish(&view->ranges);
 	view->ranges = (struct key_cache){.most = 1024};
-	motion_look_ahead_stop(rig.world.ahead);
-	resident_ground_destroy(rig.world.ground);
-	must(resident_ground_create(rig.world.store, 16, &rig.world.ground));
+	resident_look_ahead_stop(rig.made.ahead);
+	resident_ground_destroy(rig.made.resident.ground);
+	must(resident_ground_create(rig.made.resident.store, 16, &rig.made.resident.ground));
+	rig_set(&rig);
 	must(render_view_select(view, &camera, false));
 	read = *view->selection;
 	assert_true(range_waits(&rig) > 20 && seen.draw_count > 50);

@@ -5,7 +5,7 @@
 #include "../support/near.h"
 #include "view_rig.h"
 
-#include "api/internal.h"
+#include "drive/internal.h"
 #include "../support/program.h"
 #include "../support/skip.h"
 
@@ -40,12 +40,12 @@ static void wait_for_tiles(struct drive *drive, const struct render_camera *came
 {
 	for (int tries = 0; tries < 100000; tries++) {
 		must(render_view_select(drive->view, camera, false));
-		const struct terrain_selection *selection = drive->view->selection;
+		const struct render_selection *selection = drive->view->selection;
 		if (selection->wanted_count == 0)
 			return;
-		page_cache_want(drive->world.cache, selection->wanted, selection->wanted_count);
+		page_cache_want(world_resident(drive->world)->cache, selection->wanted, selection->wanted_count);
 		usleep(500);
-		must(page_cache_poll(drive->world.cache));
+		must(page_cache_poll(world_resident(drive->world)->cache));
 	}
 	fail();
 }
@@ -56,7 +56,7 @@ static void draw(struct drive *drive, const struct render_camera *camera, uint8_
 	const size_t bytes = 4 * WIDTH * HEIGHT;
 	wait_for_tiles(drive, camera);
 	must(render_frame(drive->view->render, camera, drive->view->selection));
-	must(gpu_staging_create(drive->world.gpu, bytes, &staging));
+	must(gpu_staging_create(world_resident(drive->world)->gpu, bytes, &staging));
 	render_read_into(drive->view->render, SCENE_IMAGE_COLOUR, staging);
 	while (!gpu_staging_idle(staging))
 		usleep(100);
@@ -68,8 +68,8 @@ static void draw(struct drive *drive, const struct render_camera *camera, uint8_
 static void check_tile(struct drive *drive, struct tile tile, uint32_t slot)
 {
 	struct view *view = drive->view;
-	const struct extent *of = &drive->world.meta->extent;
-	struct gpu_texture *offsets = gpu_slots_get(drive->world.slots, slot)->planes[PLANE_OFFSET];
+	const struct extent *of = &world_resident(drive->world)->meta->extent;
+	struct gpu_texture *offsets = gpu_slots_get(world_resident(drive->world)->slots, slot)->planes[PLANE_OFFSET];
 	uint32_t side = tile_posts(of);
 	int32_t posts[33 * 33];
 	if (offsets == NULL)
@@ -96,22 +96,23 @@ static void check_tile(struct drive *drive, struct tile tile, uint32_t slot)
 
 static void check_boxes(struct drive *drive)
 {
-	const struct extent *of = &drive->world.meta->extent;
-	for (uint32_t y = 0; y < extent_tiles_y(of, drive->world.level); y++)
-		for (uint32_t x = 0; x < extent_tiles_x(of, drive->world.level); x++) {
-			const struct tile tile = {drive->world.level, x, y};
+	const struct resident *parts = world_resident(drive->world);
+	const struct extent *of = &parts->meta->extent;
+	for (uint32_t y = 0; y < extent_tiles_y(of, parts->level); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(of, parts->level); x++) {
+			const struct tile tile = {parts->level, x, y};
 			uint32_t slot;
-			if (page_cache_peek(drive->world.cache, tile_key(tile), false, &slot))
+			if (page_cache_peek(parts->cache, tile_key(tile), false, &slot))
 				check_tile(drive, tile, slot);
 		}
 }
 
-static enum status on_turn(void *user, struct drive *drive, struct api_control *wish)
+static enum status on_turn(void *user, struct drive *drive, struct drive_control *wish)
 {
-	struct api_figures figures;
-	api_figures(drive, &figures);
+	struct drive_figures figures;
+	drive_figures(drive, &figures);
 	wish->pace = INFINITY;
-	wish->go = figures.over ? API_STOP : API_ONE;
+	wish->go = figures.over ? DRIVE_STOP : DRIVE_ONE;
 	guest.steps = (size_t)figures.step;
 	guest.look(drive);
 	return STATUS_OK;
@@ -133,10 +134,10 @@ static void world_and_look(const char *model, const char *object, const char *st
 	support_write(path, text);
 	must(scene_load(path, &setting, 1, &scene));
 	guest = (struct guest){.look = look};
-	const struct api_host host = {NULL, on_turn, on_picture};
-	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out"), .host = &host};
-	struct api_result result = {.json = NULL};
-	enum status status = api_drive(&params, &result);
+	const struct drive_host host = {NULL, on_turn, on_picture};
+	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out"), .host = &host};
+	struct drive_result result = {.json = NULL};
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	mem_free(result.json);
 	if (status == STATUS_NO_GL)
@@ -245,7 +246,7 @@ static bool boxes_of_base(void *user, struct tile tile, double *low, double *hig
 	bool any = false;
 	if (!extent_has(&extent, tile) || tile.level < 0)
 		return false;
-	must(resident_ground_range(rig->world.ground, tile, low, high, &any));
+	must(resident_ground_range(rig->made.resident.ground, tile, low, high, &any));
 	return any;
 }
 
@@ -292,7 +293,7 @@ static void what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base(voi
 				const struct tile tile = {level, x, y};
 				double lowest = 0, highest = 0;
 				bool found;
-				must(store_read_offset_range(resident_ground_reader(rig.world.ground), tile, &lowest, &highest, &found));
+				must(store_read_offset_range(resident_ground_reader(rig.made.resident.ground), tile, &lowest, &highest, &found));
 				must(render_view_offsets(view, tile, false, &low, &high));
 				assert_true(found == render_view_is_deformed(view, tile));
 				assert_true(low == lowest && high == highest && high == 0);
@@ -303,12 +304,12 @@ static void what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base(voi
 	struct render_camera camera = {{20, 20, 140}, {480, 480, 160}, 0.3, {0}};
 	must(render_view_select(view, &camera, true));
 	size_t needed = view->selection->needed, culled = view->selection->culled;
-	struct terrain_view looking;
+	struct render_view looking;
 	render_view(view->render, &camera, &looking);
-	static struct terrain_selection wide, base;
+	static struct render_selection wide, base;
 	widest = 40; /* as all were taken to be */
-	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_all_wide, never_resident, down_to_zero, NULL, NULL}, &wide);
-	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_of_base, never_resident, down_to_zero, NULL, NULL}, &base);
+	render_select(&extent, &looking, &(struct render_source){&rig, boxes_all_wide, never_resident, down_to_zero, NULL, NULL}, &wide);
+	render_select(&extent, &looking, &(struct render_source){&rig, boxes_of_base, never_resident, down_to_zero, NULL, NULL}, &base);
 	print_message("tiles of a picture: %zu by true boxes (%zu culled), %zu by the widest (%zu), %zu undeformed (%zu)\n", needed, culled,
 		      wide.needed, wide.culled, base.needed, base.culled);
 	assert_true(needed >= base.needed && 3 * needed < 2 * wide.needed);
@@ -326,15 +327,16 @@ static void a_late_view_knows_what_is_there(void **state)
 	struct store_commit_result result;
 	double low, high;
 	bool found;
-	must(resident_ground_offset_range(rig.world.ground, top, &low, &high, &found));
+	must(resident_ground_offset_range(rig.made.resident.ground, top, &low, &high, &found));
 	offset[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-77);
-	const struct store_page page = {.tile = {rig.world.level, 2, 2}, .planes = {[PLANE_OFFSET] = offset}};
+	const struct store_page page = {.tile = {rig.made.resident.level, 2, 2}, .planes = {[PLANE_OFFSET] = offset}};
 	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
-	must(store_set_working_level(rig.world.store, rig.world.level));
-	must(store_commit(rig.world.store, &page, 1, &run, &result));
+	must(store_set_working_level(rig.made.resident.store, rig.made.resident.level));
+	must(store_commit(rig.made.resident.store, &page, 1, &run, &result));
 	render_view_destroy(rig.view);
-	rig.world.was_deformed = true;
-	must(render_view_create(&rig.world, false, &rig.view));
+	rig.made.resident.was_deformed = true;
+	rig_set(&rig);
+	must(render_view_create(rig.world, false, &rig.view));
 	must(render_view_offsets(rig.view, top, false, &low, &high));
 	assert_true(low == -77 && high == 0);
 	rig_close(&rig);

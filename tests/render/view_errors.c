@@ -11,9 +11,8 @@ static void rig_open_with(struct rig *rig, double pixel_error, int level)
 	rig_lay_hills();
 	render_view_destroy(rig->view);
 	rig->scene.view.pixel_error = pixel_error;
-	rig->world.level = level;
-	rig->world.spacing = extent_spacing(&extent, level);
-	must(render_view_create(&rig->world, false, &rig->view));
+	rig_at_level(rig, level);
+	must(render_view_create(rig->world, false, &rig->view));
 }
 
 static double error_of(struct rig *rig, struct tile tile)
@@ -29,7 +28,7 @@ static struct event event_at(struct rig *rig, double x, double y, double sink)
 	struct event event = {.contact = true, .sinkage = sink, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	must(resident_ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
+	must(resident_ground_height(rig->made.resident.ground, event.pose.x, event.pose.y, &ground, &any));
 	assert_true(any);
 	event.pose.z = ground + lattice_offset(rig->object.shape.radius - sink);
 	return event;
@@ -38,12 +37,17 @@ static struct event event_at(struct rig *rig, double x, double y, double sink)
 static void press(struct rig *rig, struct tile tile, double x, double y, double sink)
 {
 	struct event event = event_at(rig, x, y, sink);
-	int64_t cx = (int64_t)(x / rig->world.spacing), cy = (int64_t)(y / rig->world.spacing), r = (int64_t)ceil(0.5 / rig->world.spacing);
+	int64_t cx = (int64_t)(x / rig->made.resident.spacing), cy = (int64_t)(y / rig->made.resident.spacing), r = (int64_t)ceil(0.5 / rig->made.resident.spacing);
 	const struct post_rect under = {cx - r, cy - r, cx + r + 2, cy + r + 2};
-	const struct contact_area sweep = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under};
-	must(render_view_contact(rig->view, &event, &sweep));
+	const struct world_touch touch = {
+		.shape = &rig->object.shape,
+		.pose = event.pose,
+		.depth = sink,
+		.area = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under},
+	};
+	must(render_view_contact(rig->view, &touch));
 	must(render_view_deformed(rig->view, tile));
-	must(render_view_contact(rig->view, NULL, NULL));
+	must(render_view_contact(rig->view, NULL));
 }
 
 static void without_a_pixel_error_no_errors_are_kept(void **state)
@@ -67,7 +71,7 @@ static void a_bases_error_is_the_stores_and_no_less_than_what_it_covers(void **s
 			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++) {
 				struct tile tile = {level, x, y};
 				struct store_range range;
-				must(store_read_base_range(resident_ground_reader(rig.world.ground), tile, &range));
+				must(store_read_base_range(resident_ground_reader(rig.made.resident.ground), tile, &range));
 				double error = error_of(&rig, tile);
 				assert_true(error == range.error && error_of(&rig, tile) == error);
 				assert_true(level > 0 || error == 0);
@@ -130,7 +134,7 @@ static double height(struct rig *rig, double x, double y)
 {
 	int64_t ground;
 	bool any;
-	must(resident_ground_height(rig->world.ground, lattice_offset(x), lattice_offset(y), &ground, &any));
+	must(resident_ground_height(rig->made.resident.ground, lattice_offset(x), lattice_offset(y), &ground, &any));
 	assert_true(any);
 	return lattice_offset_metres(ground);
 }
@@ -213,15 +217,16 @@ static void bent_ground_counts_as_far_as_it_bends(void **state)
 	rig_open(&rig, 128, 0, 0);
 	render_view_destroy(rig.view);
 	rig.scene.view.pixel_error = 1;
-	rig.world.level = -3;
-	must(render_view_create(&rig.world, false, &rig.view));
+	rig.made.resident.level = -3;
+	rig_set(&rig);
+	must(render_view_create(rig.world, false, &rig.view));
 	for (uint32_t i = 0; i < 20; i++) {
 		double errors[16], bend, before = INFINITY;
 		chain(&rig, -3, 7 + 20 * i, 300, errors);
 		assert_true(errors[0] == 0);
 		for (int level = 0; level >= -2; level--) {
 			double side = extent_spacing(&extent, level) * CELLS;
-			must(resident_ground_bend(rig.world.ground, (struct tile){level, (uint32_t)((7 + 20 * i) / side), (uint32_t)(300 / side)}, &bend));
+			must(resident_ground_bend(rig.made.resident.ground, (struct tile){level, (uint32_t)((7 + 20 * i) / side), (uint32_t)(300 / side)}, &bend));
 			assert_true(errors[level + 3] == bend && bend > 0 && bend <= before / 4);
 			before = bend;
 		}

@@ -8,7 +8,6 @@
 /* The rig's object is of another shape, and its way another, or one in time; the picture shows it. */
 static void show(struct rig *rig, struct soil_shape shape, struct scene_path path)
 {
-	struct world *world = &rig->world;
 	rig->object.shape = shape;
 	rig->object.path = path;
 	motion_track_destroy(rig->body.track);
@@ -16,13 +15,13 @@ static void show(struct rig *rig, struct soil_shape shape, struct scene_path pat
 	rig->scene.view.effects = EFFECT_BIT(EFFECT_OBJECTS);
 	render_view_destroy(rig->view);
 	rig->view = NULL;
-	must(render_view_create(world, false, &rig->view));
+	must(render_view_create(rig->world, false, &rig->view));
 }
 
 static size_t shown(struct rig *rig, double time, struct render_object *out)
 {
 	const struct render_objects *objects = rig->view->render->objects;
-	rig->world.time = time;
+	rig_at(rig, time);
 	must(render_view_set_objects(rig->view));
 	if (objects->shown_count > 0)
 		*out = objects->shown[0];
@@ -33,7 +32,7 @@ static size_t shown(struct rig *rig, double time, struct render_object *out)
 static void press(struct rig *rig, int64_t sample, double turn)
 {
 	struct event event = {.body = 0};
-	must(world_set_down(&rig->world, &rig->body, sample, &event));
+	must(world_made_set_down(rig->world, &rig->body, sample, &event));
 	assert_true(event.contact);
 	rig->body.last = event.pose;
 	rig->body.last.turn = turn;
@@ -77,7 +76,7 @@ static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 	/* A load stands as much higher than it was looked for as it was found to. */
 	rig.body.raised = lattice_offset(0.05);
 	then = now;
-	shown(&rig, rig.world.time, &now);
+	shown(&rig, rig.made.time, &now);
 	assert_near(now.at[2], then.at[2] + 0.05, 1e-5);
 	rig_close(&rig);
 }

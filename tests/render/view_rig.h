@@ -6,20 +6,23 @@
 #include "../support/skip.h"
 
 #include "render/view.h"
-#include "world/internal.h"
+#include "world/made.h"
 
 enum { CELLS = 16 };
 static const struct extent extent = {513, 513, 1, CELLS};
 
 struct rig {
-	struct world world;
+	struct world *world;
+	struct world_made made; /* the world's parts. After a change of them: rig_set */
+	struct record *record;
+	FILE *commit_log;
+	struct deform_params surface; /* of made.deform */
 	struct view *view;
 	struct requests requests;
-	struct world_watcher watcher;
 	struct scene scene;
 	struct scene_object object;
 	struct scene_waypoint points[2];
-	struct body body;
+	struct body body, *bodies[1];
 };
 
 static enum store_mode rig_mode = STORE_READ;
@@ -64,29 +67,59 @@ static inline enum status rig_requests(void *user, struct requests *requests)
 	return render_view_requests(rig->view, requests);
 }
 
+static inline void rig_set(struct rig *rig)
+{
+	world_made_set(rig->world, &rig->made);
+}
+
+static inline void rig_at(struct rig *rig, double time)
+{
+	rig->made.time = time;
+	rig_set(rig);
+}
+
+static inline void rig_at_level(struct rig *rig, int level)
+{
+	rig->made.resident.level = level;
+	rig->made.resident.spacing = extent_spacing(&extent, level);
+	rig_set(rig);
+}
+
+/* Makes a look-ahead with its thread. */
+static inline void rig_make_look_ahead(struct rig *rig)
+{
+	const struct resident *ground = &rig->made.resident;
+	const struct look_ahead_body body = {motion_track_ahead(rig->body.track), &rig->object.shape, rig->body.next, NULL};
+	must(resident_look_ahead_create(&(struct look_ahead_params){.store = ground->store, .ground = ground->ground, .tiles = 8, .bodies = &body,
+							   .count = 1, .spacing = ground->spacing, .prefetch = rig->scene.prefetch,
+							   .end = rig->scene.end_time}, &rig->made.ahead));
+	rig_set(rig);
+}
+
+static inline void rig_serve_look_ahead(struct rig *rig)
+{
+	const struct resident *ground = &rig->made.resident;
+	resident_look_ahead_serve(rig->made.ahead, &(struct look_ahead_pages){&rig->surface, &ground->meta->extent, ground->level, ground->cache,
+									    rig->scene.slots, rig_requests, rig});
+}
+
 /* At the world's level, which the objects' windows are of. Without a thread of its own. */
 static inline void start_look_ahead(struct rig *rig)
 {
-	struct world *world = &rig->world;
-	motion_look_ahead_destroy(world->ahead);
-	deform_destroy(world->deform);
-	struct deform_params params = {.gpu = world->gpu, .slots = world->slots, .extent = &world->meta->extent,
-				       .level = world->level};
-	world->surface = params;
-	must(deform_create(&params, &world->deform));
-	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next, NULL};
-	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
-							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
-							   .end = rig->scene.end_time}, &world->ahead));
-	motion_look_ahead_stop(world->ahead);
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
-								  rig->scene.slots, rig_requests, rig});
+	const struct resident *ground = &rig->made.resident;
+	resident_look_ahead_destroy(rig->made.ahead);
+	deform_destroy(rig->made.deform);
+	rig->surface = (struct deform_params){.gpu = ground->gpu, .slots = ground->slots, .extent = &ground->meta->extent, .level = ground->level};
+	must(deform_create(&rig->surface, &rig->made.deform));
+	rig_make_look_ahead(rig);
+	resident_look_ahead_stop(rig->made.ahead);
+	rig_serve_look_ahead(rig);
 }
 
 /* A wide view from a corner; or, with a speed, one behind an object that crosses the terrain. */
 static inline void rig_open(struct rig *rig, uint32_t slots, double speed, double prefetch)
 {
-	struct world *world = &rig->world;
+	struct resident *ground = &rig->made.resident;
 	const char *path = support_path(rig_file);
 	*rig = (struct rig){.points = {{.x = 40, .y = 60}, {.x = 460, .y = 440}}};
 	rig->object = (struct scene_object){
@@ -101,60 +134,65 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	};
 	if (access(path, F_OK) != 0)
 		support_store(path, extent, rig_heights);
-	must(store_open(path, &(struct store_options){.mode = rig_mode}, &world->store)); /* nothing is deformed */
-	world->scene = &rig->scene;
-	world->limits.slots = slots;
-	world->limits.loaders = 2;
-	world->limits.prefetch = prefetch;
-	world->meta = store_meta(world->store);
-	world->was_deformed = store_has_working_level(world->store, NULL);
-	world->spacing = extent.spacing;
-	world->bodies = &rig->body;
+	must(store_open(path, &(struct store_options){.mode = rig_mode}, &ground->store)); /* nothing is deformed */
+	rig->made.scene = &rig->scene;
+	rig->bodies[0] = &rig->body;
+	rig->made.body_count = 1;
+	rig->made.bodies = rig->bodies;
+	rig->made.slots = slots;
+	rig->made.loaders = 2;
+	rig->made.prefetch = prefetch;
+	ground->meta = store_meta(ground->store);
+	ground->was_deformed = store_has_working_level(ground->store, NULL);
+	ground->spacing = extent.spacing;
 	rig->body.object = &rig->object;
 	must(motion_track_create(&rig->object.path, 1, 1, &rig->body.track));
-	world->commit_log = tmpfile();
-	assert_non_null(world->commit_log);
-	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &world->gpu);
+	rig->commit_log = tmpfile();
+	assert_non_null(rig->commit_log);
+	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &ground->gpu);
 	if (status == STATUS_NO_GL) {
-		store_close(world->store);
+		store_close(ground->store);
 		skip_since("no GL");
 	}
 	must(status);
-	must(gpu_slots_create(world->gpu, CELLS, slots, 0, &world->slots));
-	must(resident_ground_create(world->store, 16, &world->ground));
-	must(resident_pages_create(&(struct pages_params){.gpu = world->gpu,
-						 .store = world->store,
-						 .slots = world->slots,
+	must(gpu_slots_create(ground->gpu, CELLS, slots, 0, &ground->slots));
+	must(resident_ground_create(ground->store, 16, &ground->ground));
+	must(resident_pages_create(&(struct pages_params){.gpu = ground->gpu,
+						 .store = ground->store,
+						 .slots = ground->slots,
 						 .planes = PLANE_BIT(PLANE_OFFSET),
 						 .count = slots,
 						 .loaders = 2,
 						 .step_pages = 16,
 						 .record = world_record_pages(&rig->scene),
-						 .commit_log = world->commit_log,
+						 .commit_log = rig->commit_log,
 						 .commit_age = 1000,
 						 .before_read_back = before_read_back},
-			  &world->pages));
-	world->cache = resident_pages_cache(world->pages);
-	world->record = calloc(1, world_record_bytes(1));
-	must(render_view_create(world, false, &rig->view));
+			  &ground->pages));
+	ground->cache = resident_pages_cache(ground->pages);
+	rig->record = calloc(1, world_record_bytes(1));
+	rig->world = world_made(&rig->made);
+	assert_non_null(rig->world);
+	must(render_view_create(rig->world, false, &rig->view));
 	start_look_ahead(rig);
 }
 
 static inline void rig_close(struct rig *rig)
 {
-	struct world *world = &rig->world;
-	motion_look_ahead_destroy(world->ahead);
+	struct resident *ground = &rig->made.resident;
+	resident_look_ahead_destroy(rig->made.ahead);
 	render_view_destroy(rig->view);
-	resident_pages_destroy(world->pages);
-	resident_ground_destroy(world->ground);
-	deform_destroy(world->deform);
-	gpu_slots_destroy(world->slots);
-	gpu_destroy(world->gpu);
+	world_made_free(rig->world);
+	resident_pages_destroy(ground->pages);
+	resident_ground_destroy(ground->ground);
+	deform_destroy(rig->made.deform);
+	gpu_slots_destroy(ground->slots);
+	gpu_destroy(ground->gpu);
 	motion_track_destroy(rig->body.track);
-	motion_requests_finish(&rig->requests);
-	store_close(world->store);
-	fclose(world->commit_log);
-	free(world->record);
+	resident_requests_finish(&rig->requests);
+	store_close(ground->store);
+	fclose(rig->commit_log);
+	free(rig->record);
 }
 
 #endif

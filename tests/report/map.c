@@ -33,14 +33,14 @@ struct drive_asked {
 	int64_t steps;
 };
 
-static enum status drive(const char *scene_text, const char *store, struct drive_asked asked, struct api_result *result)
+static enum status drive(const char *scene_text, const char *store, struct drive_asked asked, struct drive_result *result)
 {
 	struct scene *scene;
 	support_write(support_path("scene.yaml"), scene_text);
 	must(scene_load(support_path("scene.yaml"), NULL, 0, &scene));
-	struct api_params params = {.scene = scene, .store = support_path(store), .directory = support_path(asked.out),
+	struct drive_params params = {.scene = scene, .store = support_path(store), .directory = support_path(asked.out),
 				    .map = asked.map, .resume = asked.resume, .steps = asked.steps};
-	enum status status = api_drive(&params, result);
+	enum status status = drive_run(&params, result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");
@@ -127,7 +127,7 @@ static const uint8_t *pixel(const struct picture *picture, double x, double y)
 
 static void ruts_and_the_way_are_where_they_were_driven(void **state)
 {
-	struct api_result result;
+	struct drive_result result;
 	must(drive(SCENE("5", "", PATH), fresh("a.furrow"), (struct drive_asked){.out = "a", .map = true}, &result));
 	assert_true(result.map);
 	mem_free(result.json);
@@ -158,7 +158,7 @@ static void ruts_and_the_way_are_where_they_were_driven(void **state)
 /* What run.json counts is the same, and so are the store's rows. */
 static void a_map_costs_the_drive_nothing(void **state)
 {
-	struct api_result with, without;
+	struct drive_result with, without;
 	/* No tile is evicted: whether one is read again depends on whether its write has ended. */
 	const char *text = SCENE_OF("512", "5", "", PATH);
 	must(drive(text, fresh("b.furrow"), (struct drive_asked){.out = "b", .map = true}, &with));
@@ -199,7 +199,7 @@ static void assert_same_file(const char *a, const char *b)
 
 static void a_resumed_drive_maps_all_of_it(void **state)
 {
-	struct api_result result;
+	struct drive_result result;
 	const char *text = SCENE("4", "", "path: {points: [[40, 40], [90, 40], [90, 70]], speed: 40, loop: true}");
 	must(drive(text, fresh("d.furrow"), (struct drive_asked){.out = "d", .map = true}, &result));
 	mem_free(result.json);
@@ -224,7 +224,7 @@ static void a_resumed_drive_maps_all_of_it(void **state)
 
 static void a_drive_that_fails_has_its_map(void **state)
 {
-	struct api_result result;
+	struct drive_result result;
 	const char *text = SCENE("20", "", "path: {points: [[40, 40], [190, 40]], speed: 20}");
 	support_write(support_path("old"), "");
 	enum status status = drive(text, fresh("f.furrow"), (struct drive_asked){.out = "f", .map = true}, &result);
@@ -247,7 +247,7 @@ static void a_drive_that_fails_has_its_map(void **state)
 
 static void a_map_that_cannot_be_written_is_the_failure_if_nothing_else_was(void **state)
 {
-	struct api_result result;
+	struct drive_result result;
 	if (access("/dev/full", W_OK) != 0)
 		skip_since(SKIP_ELSEWHERE "no /dev/full");
 	mkdir(support_path("g"), 0777);
@@ -292,7 +292,7 @@ static void odd_drives_have_maps(void **state)
 		{{2, 200, 8, 32}, "path: {points: [[4, 10], [4, 1500]], speed: 1000}"},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct api_result result;
+		struct drive_result result;
 		char text[1024];
 		snprintf(text, sizeof text, SCENE("2", "outside: skip\n", "%s"), cases[i].path);
 		unlink(support_path("h.furrow"));
@@ -314,7 +314,7 @@ static void a_vehicle_s_ruts_fill_the_map_and_its_way_is_between_them(void **sta
 		 "  - {name: car, model: %s/vehicles/offroad.xml, start: {at: [100, 60], yaw: 30}, soil: [wheel_*],\n"
 		 "     driver: {path: {points: [[100, 60], [117, 70]], speed: 3}, steer: [steer_*], drive: [drive_*]}}\n",
 		 getenv("SCENES"));
-	struct api_result result;
+	struct drive_result result;
 	const enum status status = drive(text, fresh("car.furrow"), (struct drive_asked){.out = "car", .map = true}, &result);
 	if (status == STATUS_INPUT && strstr(failure_message(), "no MuJoCo") != NULL)
 		skip_since("this build has no MuJoCo");

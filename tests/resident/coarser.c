@@ -12,19 +12,19 @@ static void read_tile(struct rig *rig, struct tile tile, int32_t *offset, uint8_
 {
 	uint32_t slot;
 	size_t posts = (CELLS + 1) * (CELLS + 1);
-	must(page_cache_pin(rig->world.cache, tile_key(tile), &slot));
+	must(page_cache_pin(rig->ground.cache, tile_key(tile), &slot));
 	memset(offset, 0, posts * sizeof *offset);
 	memset(dirt, 0, posts);
-	if (rig->host != NULL) {
+	if (rig->ground.host != NULL) {
 		struct host_slot held;
-		resident_host_get(rig->host, slot, &held);
+		resident_host_get(rig->ground.host, slot, &held);
 		if (held.planes[PLANE_OFFSET] != NULL)
 			memcpy(offset, held.planes[PLANE_OFFSET], posts * sizeof *offset);
 		if (held.planes[PLANE_DISTURBANCE] != NULL)
 			memcpy(dirt, held.planes[PLANE_DISTURBANCE], posts);
-	} else if (gpu_slots_get(rig->world.slots, slot)->target != NULL)
-		must(staged_read_deform(rig->world.gpu, rig->world.slots, CELLS, slot, offset, dirt));
-	page_cache_unpin(rig->world.cache, tile_key(tile));
+	} else if (gpu_slots_get(rig->ground.slots, slot)->target != NULL)
+		must(staged_read_deform(rig->ground.gpu, rig->ground.slots, CELLS, slot, offset, dirt));
+	page_cache_unpin(rig->ground.cache, tile_key(tile));
 }
 
 /* The whole working level, as it can be read now. */
@@ -84,7 +84,7 @@ static void in_this_home(uint32_t slots, bool host)
 			assert_true(check_coarser(&rig, offsets, dirts) > 10);
 		}
 	}
-	must(page_cache_flush(rig.world.cache, rig.world.record));
+	must(page_cache_flush(rig.ground.cache, rig.record));
 	read_working(&rig, offsets, dirts);
 	check_coarser(&rig, offsets, dirts);
 	rig_close(&rig);

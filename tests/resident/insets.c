@@ -149,10 +149,10 @@ static void a_point_is_in_the_cell_of_the_finest_level(void **state)
 			int64_t height;
 			bool any;
 			struct store_sample sample;
-			struct terrain_height found;
+			struct resident_height found;
 			must(resident_ground_height(ground, lattice_offset(x), lattice_offset(y), &height, &any));
 			must(store_sample(resident_ground_reader(ground), x, y, &sample));
-			must(resident_newest_heights(newest, &(struct terrain_point){x, y}, 1, &found));
+			must(resident_newest_heights(newest, &(struct resident_point){x, y}, 1, &found));
 			assert_int_equal(any, !isnan(wanted));
 			assert_int_equal(sample.nodata, isnan(wanted));
 			assert_int_equal(found.nodata, isnan(wanted));

@@ -20,8 +20,8 @@ static double level_ground(int64_t x, int64_t y)
 
 /* --- asking --- */
 
-static struct terrain_point points[POINTS];
-static struct terrain_ray rays[RAYS];
+static struct resident_point points[POINTS];
+static struct resident_ray rays[RAYS];
 
 static void choose(void)
 {
@@ -33,18 +33,18 @@ static void choose(void)
 			at[k] = (double)(state >> 11) * 0x1p-53;
 		}
 		if (i < POINTS) /* every third at a post of the finest there is */
-			points[i] = i % 3 == 0 ? (struct terrain_point){floor(at[0] * 1024) / 8, floor(at[1] * 1024) / 8}
-					       : (struct terrain_point){at[0] * 130 - 1, at[1] * 130 - 1};
+			points[i] = i % 3 == 0 ? (struct resident_point){floor(at[0] * 1024) / 8, floor(at[1] * 1024) / 8}
+					       : (struct resident_point){at[0] * 130 - 1, at[1] * 130 - 1};
 		else
-			rays[i - POINTS] = (struct terrain_ray){{at[0] * 128, at[1] * 128, 90 + 20 * at[2]},
+			rays[i - POINTS] = (struct resident_ray){{at[0] * 128, at[1] * 128, 90 + 20 * at[2]},
 								{at[3] - 0.5, at[4] - 0.5, 0.3 * (at[5] - 0.5)},
 								at[5] < 0.2 ? (double)INFINITY : 60};
 	}
 }
 
 struct answers {
-	struct terrain_height heights[POINTS];
-	struct terrain_hit hits[RAYS];
+	struct resident_height heights[POINTS];
+	struct resident_hit hits[RAYS];
 };
 
 static struct answers before, after;
@@ -59,16 +59,17 @@ static void ask(struct newest *newest, struct answers *answers)
 /* With nothing kept from before. */
 static void ask_anew(struct rig *rig, struct answers *answers)
 {
-	resident_newest_destroy(rig->world.newest);
-	rig->world.newest = NULL;
-	must(world_heights(&rig->world, points, POINTS, answers->heights));
-	ask(rig->world.newest, answers);
+	resident_newest_destroy(rig->ground.newest);
+	rig->ground.newest = NULL;
+	must(resident_newest_create(rig->ground.store, rig->ground.pages, &rig->ground.newest));
+	must(resident_newest_heights(rig->ground.newest, points, POINTS, answers->heights));
+	ask(rig->ground.newest, answers);
 }
 
 static void check_same(const struct answers *a, const struct answers *b)
 {
 	for (int i = 0; i < POINTS; i++)
-		assert_memory_equal(&a->heights[i], &b->heights[i], offsetof(struct terrain_height, nodata) + sizeof a->heights[i].nodata); /* what follows is padding */
+		assert_memory_equal(&a->heights[i], &b->heights[i], offsetof(struct resident_height, nodata) + sizeof a->heights[i].nodata); /* what follows is padding */
 	for (int i = 0; i < RAYS; i++) {
 		assert_int_equal(a->hits[i].hit, b->hits[i].hit);
 		assert_true(a->hits[i].distance == b->hits[i].distance && a->hits[i].normal[0] == b->hits[i].normal[0] &&
@@ -86,15 +87,15 @@ static void places(struct rig *rig, size_t where[3])
 {
 	size_t looks = 0;
 	memset(where, 0, 3 * sizeof *where);
-	for (uint32_t y = 0; y < extent_tiles_y(&extent, rig->world.level); y++)
-		for (uint32_t x = 0; x < extent_tiles_x(&extent, rig->world.level); x++) {
-			struct tile tile = {rig->world.level, x, y};
+	for (uint32_t y = 0; y < extent_tiles_y(&extent, rig->ground.level); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(&extent, rig->ground.level); x++) {
+			struct tile tile = {rig->ground.level, x, y};
 			enum page_newest place;
 			uint32_t slot;
 			double low, high;
 			bool stored;
-			must(page_cache_newest(rig->world.cache, tile_key(tile), look, &looks, &place, &slot));
-			must(store_read_offset_range(resident_ground_reader(rig->world.ground), tile, &low, &high, &stored));
+			must(page_cache_newest(rig->ground.cache, tile_key(tile), look, &looks, &place, &slot));
+			must(store_read_offset_range(resident_ground_reader(rig->ground.ground), tile, &low, &high, &stored));
 			where[place] += place != PAGE_NEWEST_STORED || stored;
 		}
 	assert_int_equal(looks, where[PAGE_NEWEST_QUEUED]);
@@ -108,9 +109,9 @@ static void evict(struct rig *rig)
 	uint32_t slots[SLOTS];
 	for (int i = 0; i < SLOTS; i++)
 		keys[i] = tile_key(others[i]);
-	must(page_cache_pin_all(rig->world.cache, keys, SLOTS, slots));
+	must(page_cache_pin_all(rig->ground.cache, keys, SLOTS, slots));
 	for (int i = 0; i < SLOTS; i++)
-		page_cache_unpin(rig->world.cache, keys[i]);
+		page_cache_unpin(rig->ground.cache, keys[i]);
 }
 
 /* The surface at every post of the level is what the store says. */
@@ -121,14 +122,14 @@ static void check_posts(const char *path, struct newest *newest, int level)
 	int finest = level < 0 ? level : 0;
 	int64_t side = extent_posts(extent.width, finest);
 	double *values = malloc((size_t)(side * side) * sizeof *values);
-	struct terrain_point *all = malloc((size_t)(side * side) * sizeof *all);
-	struct terrain_height *heights = malloc((size_t)(side * side) * sizeof *heights);
+	struct resident_point *all = malloc((size_t)(side * side) * sizeof *all);
+	struct resident_height *heights = malloc((size_t)(side * side) * sizeof *heights);
 	size_t fine = 0;
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(store_reader_create(store, &reader));
 	must(store_read_posts(reader, STORE_SURFACE, finest, (struct post_rect){0, 0, side, side}, values));
 	for (int64_t i = 0; i < side * side; i++)
-		all[i] = (struct terrain_point){(double)(i % side) * extent_spacing(&extent, finest),
+		all[i] = (struct resident_point){(double)(i % side) * extent_spacing(&extent, finest),
 						(double)(i / side) * extent_spacing(&extent, finest)};
 	must(resident_newest_heights(newest, all, (size_t)(side * side), heights));
 	for (int64_t i = 0; i < side * side; i++) {
@@ -162,14 +163,14 @@ static void in_this_home(int level, bool host)
 	roll(&rig, 7);
 	uint32_t slot, tiles = extent_tiles_x(&extent, level);
 	uint64_t key = tile_key((struct tile){level, tiles - 1, 0});
-	must(page_cache_pin(rig.world.cache, key, &slot));
+	must(page_cache_pin(rig.ground.cache, key, &slot));
 	rig_touch(&rig, slot);
-	page_cache_dirty(rig.world.cache, key);
-	page_cache_unpin(rig.world.cache, key);
+	page_cache_dirty(rig.ground.cache, key);
+	page_cache_unpin(rig.ground.cache, key);
 	end_step(&rig);
 	places(&rig, where);
 	assert_true(where[PAGE_NEWEST_SLOT] >= 2 && where[PAGE_NEWEST_QUEUED] == 0);
-	ask(rig.world.newest, &after);
+	ask(rig.ground.newest, &after);
 	size_t changed = 0, levels = 0;
 	for (int i = 0; i < POINTS; i++) {
 		changed += memcmp(&before.heights[i], &after.heights[i], sizeof before.heights[i]) != 0;
@@ -184,12 +185,12 @@ static void in_this_home(int level, bool host)
 	assert_true(where[PAGE_NEWEST_SLOT] == 0 && where[PAGE_NEWEST_QUEUED] >= 2);
 	ask_anew(&rig, &after);
 	check_same(&before, &after);
-	must(page_cache_flush(rig.world.cache, rig.world.record));
+	must(page_cache_flush(rig.ground.cache, rig.record));
 	ask_anew(&rig, &after);
 	check_same(&before, &after);
-	ask(rig.world.newest, &after);
+	ask(rig.ground.newest, &after);
 	check_same(&before, &after);
-	check_posts(path, rig.world.newest, level);
+	check_posts(path, rig.ground.newest, level);
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(resident_newest_create(store, NULL, &alone));
 	ask(alone, &after);
@@ -231,8 +232,8 @@ static void above_it(void **state)
 static void check_in_rut(struct newest *newest, double x, double y)
 {
 	for (int i = 0; i < 64; i++) {
-		struct terrain_ray ray = {{x, y, 99.9}, {cos(i * 0.1), sin(i * 0.1), 0}, INFINITY};
-		struct terrain_hit hit;
+		struct resident_ray ray = {{x, y, 99.9}, {cos(i * 0.1), sin(i * 0.1), 0}, INFINITY};
+		struct resident_hit hit;
 		must(resident_newest_rays(newest, &ray, 1, &hit));
 		assert_true(hit.hit && !hit.below && hit.distance < 3);
 		/* And from afar under it: into the rut from below. */
@@ -255,12 +256,12 @@ static void check_rut(bool host)
 	rig_open(&rig, path, &(struct rig_params){.ground = level_ground, .level = -1, .slots = SLOTS, .commit_age = 0, .host = host});
 	roll(&rig, 7);
 	end_step(&rig);
-	must(resident_newest_create(rig.world.store, rig.world.pages, &rig.world.newest));
-	check_in_rut(rig.world.newest, x, y);
-	must(page_cache_flush(rig.world.cache, rig.world.record));
-	check_in_rut(rig.world.newest, x, y);
-	resident_newest_changed(rig.world.newest);
-	check_in_rut(rig.world.newest, x, y);
+	must(resident_newest_create(rig.ground.store, rig.ground.pages, &rig.ground.newest));
+	check_in_rut(rig.ground.newest, x, y);
+	must(page_cache_flush(rig.ground.cache, rig.record));
+	check_in_rut(rig.ground.newest, x, y);
+	resident_newest_changed(rig.ground.newest);
+	check_in_rut(rig.ground.newest, x, y);
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(resident_newest_create(store, NULL, &alone));
 	check_in_rut(alone, x, y);
@@ -285,9 +286,9 @@ static uint64_t world_all(const char *path, bool asked, bool host)
 	for (int step = 0; step < 120; step++) {
 		roll(&rig, step);
 		if (asked && step % 10 == 5) { /* before the step is over, too */
-			ask(rig.world.newest, &after);
+			ask(rig.ground.newest, &after);
 			roll(&rig, step + 1);
-			ask(rig.world.newest, &before);
+			ask(rig.ground.newest, &before);
 			moved += memcmp(before.heights, after.heights, sizeof after.heights) != 0;
 			ask_anew(&rig, &after);
 			check_same(&before, &after);
@@ -297,7 +298,7 @@ static uint64_t world_all(const char *path, bool asked, bool host)
 		end_step(&rig);
 		if (!asked)
 			continue;
-		ask(step % 20 == 0 ? (ask_anew(&rig, &before), rig.world.newest) : rig.world.newest, &after);
+		ask(step % 20 == 0 ? (ask_anew(&rig, &before), rig.ground.newest) : rig.ground.newest, &after);
 		if (step % 20 == 0)
 			check_same(&before, &after);
 		if (step % 8 == 7) {
@@ -307,10 +308,10 @@ static uint64_t world_all(const char *path, bool asked, bool host)
 			check_same(&before, &after);
 		}
 	}
-	must(page_cache_flush(rig.world.cache, rig.world.record));
+	must(page_cache_flush(rig.ground.cache, rig.record));
 	assert_true(!asked || moved > 5);
 	if (asked)
-		check_posts(path, rig.world.newest, -1);
+		check_posts(path, rig.ground.newest, -1);
 	rig_close(&rig);
 	support_verify(path);
 	return support_hash(path);
@@ -386,7 +387,7 @@ static void ranges_of_offsets_stay_until_they_are_forgotten(void **state)
 {
 	struct rig rig;
 	rig_open(&rig, support_path("ranges.furrow"), &(struct rig_params){.ground = level_ground, .slots = SLOTS});
-	struct ground *ground = rig.world.ground;
+	struct ground *ground = rig.ground.ground;
 	const struct tile top = {extent_coarsest(&extent), 0, 0};
 	struct resident_ground_figures first, last;
 	double low, high, lowest, highest;
@@ -396,7 +397,7 @@ static void ranges_of_offsets_stay_until_they_are_forgotten(void **state)
 	resident_ground_figures(ground, &first);
 	roll(&rig, 7);
 	end_step(&rig);
-	must(page_cache_flush(rig.world.cache, rig.world.record));
+	must(page_cache_flush(rig.ground.cache, rig.record));
 	must(store_read_offset_range(resident_ground_reader(ground), top, &lowest, &highest, &found));
 	assert_true(found && lowest < -0.3);
 	must(resident_ground_offset_range(ground, top, &low, &high, &found));

@@ -162,8 +162,8 @@ static void every_way_gives_the_same_point(void **state)
 					corners[c] = post == BASE_NODATA ? (double)NAN : lattice_base_metres(post);
 				}
 				const double wanted = lattice_bilinear(corners, px - (double)cx, py - (double)cy, 0);
-				const struct terrain_point point = {x, y};
-				struct terrain_height told;
+				const struct resident_point point = {x, y};
+				struct resident_height told;
 				struct store_sample sample;
 				int64_t height;
 				bool any;

@@ -75,7 +75,7 @@ static double driven(const struct soil *soil, double slip, double angle)
 				    "driver: {controls: controls.csv}}\noutput: {vehicles: 20, forces: 20}\n", soil->name);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, level);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 	char *rows = support_text(support_path("out/objects.csv"));
 	double sum = 0, count = 0;
 	for (char *line = strchr(rows, '\n'); line != NULL && line[1] != '\0'; line = strchr(line + 1, '\n')) {

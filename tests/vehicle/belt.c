@@ -66,7 +66,7 @@ static void check(const struct trial *trial)
 	write_scene(trial, pull, seconds);
 	slope = 0;
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 2000);
 	assert_true(count > 30);
 	const struct drive_row *from = &rows[count - count / 4], *to = &rows[count - 1];
@@ -148,7 +148,7 @@ static void the_shipped_vehicle_climbs_at_the_slip_of_its_slope(void **state)
 					    "vehicles:\n  - {name: v, model: tracked.xml, start: {at: [8, 8]}, soil: [track_*], driver: {hold: {drive_left: 4, drive_right: 4}}}\n"
 					    "output: {vehicles: 20}\n", trials[i].soil);
 		support_write(support_path("scene.yaml"), text);
-		must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+		must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 		const size_t count = read_turned(rows, 2000);
 		assert_true(count == 201);
 		const struct turned *from = &rows[120], *to = &rows[200];

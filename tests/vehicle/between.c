@@ -44,7 +44,7 @@ static struct pair make(const struct thing *a, const struct thing *b, double ste
 	must(vehicle_load(pair.scene, &pair.vehicles));
 	for (int v = 0; v < 2; v++) {
 		struct vehicle *vehicle = &pair.vehicles->list[v];
-		vehicle->geoms[0].contact.state = WORLD_AIR;
+		vehicle->geoms[0].contact.state = FURROW_AIR;
 		mju_zero3(vehicle->model->opt.gravity);
 	}
 	return pair;

@@ -49,7 +49,7 @@ static struct way drive(const char *soil)
 				    "output: {vehicles: 10}\n", SECONDS, soil, YAW, TURNS, TURNS, TURNS, TURNS);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 200);
 	assert_true(count > 20);
 	const struct drive_row *to = &rows[count - 1];

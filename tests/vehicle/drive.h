@@ -31,13 +31,13 @@ struct drive_cut {
 	int64_t steps;
 };
 
-static inline enum status drive_run(const char *scene_path, const char *store, const char *const *settings, const struct drive_cut *cut, char **json)
+static inline enum status make_drive(const char *scene_path, const char *store, const char *const *settings, const struct drive_cut *cut, char **json)
 {
 	struct scene *scene = support_scene(scene_path, settings);
-	struct api_params params = {.scene = scene, .store = store, .overlay = cut->overlay, .directory = cut->out, .resume = cut->resume,
+	struct drive_params params = {.scene = scene, .store = store, .overlay = cut->overlay, .directory = cut->out, .resume = cut->resume,
 				    .steps = cut->steps};
-	struct api_result result;
-	enum status status = api_drive(&params, &result);
+	struct drive_result result;
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");

@@ -25,7 +25,7 @@ static size_t drive(const char *keys, const char *vehicle, const char *const *se
 				    "vehicles:\n  - {name: v, %s}\noutput: {vehicles: 500}\n", keys, vehicle);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, flat);
-	must(drive_run(support_path("scene.yaml"), store, settings, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, settings, &(struct drive_cut){.out = support_path("out")}, NULL));
 	return drive_rows(support_path("out/vehicles.csv"), "v", rows, most);
 }
 

@@ -10,7 +10,7 @@
 #include "../long.h"
 #include "../support/program.h"
 #include "drive.h"
-#include "rig/rig.h"
+#include "trials/trials.h"
 
 #define RADIUS 0.32
 #define G 9.81
@@ -71,7 +71,7 @@ static size_t drive(const struct vehicle_kind *kind, const char *soil, double tu
 				    "stuck: {after: 2, below: 0.02}\noutput: {vehicles: 20}\n", seconds, SPACING, soil);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, &json));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, &json));
 	*stuck = strstr(json, "\"stuck\"") != NULL && strstr(strstr(json, "\"ended\""), "\"stuck\"") < strchr(strstr(json, "\"ended\""), ',');
 	mem_free(json);
 	return drive_rows(support_path("out/vehicles.csv"), "v", rows, ROWS_MOST);
@@ -89,7 +89,7 @@ static void ask_rig(const char *soil, const double *loads, size_t load_count, co
 	struct rig_found found;
 	const struct rig_params params = {.shape = "wheel: {radius: 0.32, width: 0.24}", .soils = &soil, .soil_count = 1, .loads = loads, .load_count = load_count,
 					  .slips = slips, .slip_count = slip_count, .spacing = SPACING, .folder = support_path("")};
-	must(rig_run(&params, &found, keep, &rows));
+	must(trials_rig_run(&params, &found, keep, &rows));
 }
 
 /* --- held by a spring --- */

@@ -112,7 +112,7 @@ static void it_drives_as_the_command_drives_it(void **unused)
 	const char *overlay = support_path("b.furrow"), *output = support_path("b");
 	size_t bytes;
 	prepare("    driver: {hold: {drive: 2}}\n");
-	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
+	assert_int_equal(make_drive(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
 	struct furrow_world *world = opened(overlay, output);
 	for (int i = 0; i < 150; i++) {
 		done(furrow_step(world, 0));
@@ -151,7 +151,7 @@ static void a_failed_step_loses_nothing(void **unused)
 	size_t bytes;
 	int whole = 0;
 	prepare_at(31.6, "    driver: {hold: {drive: 3}}\n");
-	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, &json), STATUS_FAILED);
+	assert_int_equal(make_drive(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, &json), STATUS_FAILED);
 	const long long steps = support_figure(json, "{", "steps");
 	mem_free(json);
 	struct furrow_world *world = opened(overlay, output);
@@ -200,7 +200,7 @@ static void a_decimal_comma_changes_nothing(void **state)
 					 .overlay = support_path("comma.furrow"), .output = support_path("comma"), .resume = true};
 	prepare("    driver: {controls: controls.csv}\n");
 	support_write(support_path("controls.csv"), "t,drive\n0,0.5\n0.75,2.25\n");
-	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
+	assert_int_equal(make_drive(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
 	if (!comma_begin(support_folder))
 		skip_since("no locale with a decimal comma");
 	for (int part = 0; part < 2; part++) {

@@ -108,11 +108,11 @@ static void wheels_are_cylinders_that_turn_about_their_axis(void **state)
 	assert_string_equal(vehicle->geoms[0].name, "car.hull");
 	assert_string_equal(vehicle->geoms[2].name, "car.a_b");
 	for (int i = 1; i < 3; i++) {
-		struct world_state at;
+		struct furrow_state at;
 		double axes[3][3];
 		assert_int_equal(vehicle->geoms[i].shape.kind, SOIL_WHEEL);
 		assert_true(vehicle->geoms[i].shape.radius == 0.3 && vehicle->geoms[i].shape.width == 0.2);
-		vehicle_geom_state(vehicle, &vehicle->geoms[i], &at);
+		vehicle_geom_state(vehicle, &vehicle->geoms[i], &at, NULL);
 		world_axes(at.pose.orientation, axes);
 		assert_true(fabs(axes[1][1] - 1) < 1e-12 && fabs(axes[1][0]) < 1e-12 && fabs(axes[1][2]) < 1e-12);
 	}

@@ -42,7 +42,7 @@ static size_t drive(const struct place *place, struct drive_row *rows)
 				    "redistribute: {model: scm}\nvehicles:\n  - {name: v, model: one_wheel.xml, start: {at: [%.3f, %.3f]}, driver: {hold: {drive: 4}}}\n"
 				    "output: {forces: 100, vehicles: 100}\n", place->east + place->x, place->north + place->y);
 	support_write(scene, text);
-	must(drive_run(scene, store, place->settings, &(struct drive_cut){.out = support_path("out"), .overlay = support_path("over.furrow")}, NULL));
+	must(make_drive(scene, store, place->settings, &(struct drive_cut){.out = support_path("out"), .overlay = support_path("over.furrow")}, NULL));
 	unlink(support_path("over.furrow"));
 	return drive_rows(support_path("out/vehicles.csv"), "v", rows, STEPS + 1);
 }

@@ -7,7 +7,7 @@
 #include "../support/near.h"
 #include "deform/reference/reference.h"
 #include "drive.h"
-#include "rig/rig.h"
+#include "trials/trials.h"
 #include "../long.h"
 #include "../support/program.h"
 
@@ -80,7 +80,7 @@ static double drive(const struct trial *trial)
 				    "output: {vehicles: 20, forces: 20}\n", seconds, trial->spacing, trial->gravity, trial->soil, trial->more);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 2000);
 	assert_true(count > 30);
 	const struct drive_row *from = &rows[count - count / 4], *to = &rows[count - 1];
@@ -106,7 +106,7 @@ static double check(const struct trial *trial)
 	struct rig_found found;
 	const struct rig_params params = {.shape = "wheel: {radius: 0.32, width: 0.24}", .soils = &trial->soil, .soil_count = 1, .loads = &load,
 					  .load_count = 1, .slips = &slip, .slip_count = 1, .spacing = trial->spacing, .folder = support_path("")};
-	must(rig_run(&params, &found, keep, &row));
+	must(trials_rig_run(&params, &found, keep, &row));
 	print_message("%s%s, posts %g m, %g degrees, camber %g: pulls %.1f N at slip %.4f, the rig %.1f N (%.1f %% of the weight more)\n", trial->soil, trial->more, trial->spacing,
 		      trial->degrees, trial->camber, wanted, slip, row.drawbar, (row.drawbar - wanted) / weight * 100);
 	assert_true(slip > 0 && slip < 0.7 && row.state == RIG_STEADY);

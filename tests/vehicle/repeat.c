@@ -87,13 +87,13 @@ static void drive_again(int vehicle)
 	const char *overlays[] = {support_path("a.furrow"), support_path("b.furrow"), support_path("c.furrow"), support_path("d.furrow")};
 	const char *outs[] = {support_path("a"), support_path("b"), support_path("c"), support_path("d")};
 	prepare(store, vehicle);
-	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[0], outs[0], false, 0}, NULL));
-	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[1], outs[1], false, 0}, NULL));
-	must(drive_run(scene, store, few, &(struct drive_cut){overlays[2], outs[2], false, 0}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){overlays[0], outs[0], false, 0}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){overlays[1], outs[1], false, 0}, NULL));
+	must(make_drive(scene, store, few, &(struct drive_cut){overlays[2], outs[2], false, 0}, NULL));
 	/* Cut after an odd number of steps, twice. */
-	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], false, 777}, NULL));
-	must(drive_run(scene, store, few, &(struct drive_cut){overlays[3], outs[3], true, 1500}, NULL));
-	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], true, 0}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], false, 777}, NULL));
+	must(make_drive(scene, store, few, &(struct drive_cut){overlays[3], outs[3], true, 1500}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], true, 0}, NULL));
 	for (int i = 1; i < 4; i++) {
 		assert_same(outs[0], outs[i]);
 		assert_same_ways(outs[0], outs[i]);
@@ -146,7 +146,7 @@ static void killed_it_goes_on_to_the_same_bits(void **state)
 	const char *whole = support_path("w.furrow"), *cut = support_path("k.furrow"), *outs[] = {support_path("w"), support_path("k")};
 	(void)state;
 	prepare(store, 0);
-	must(drive_run(scene, store, NULL, &(struct drive_cut){whole, outs[0], false, 0}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){whole, outs[0], false, 0}, NULL));
 	int kills = 0;
 	for (int i = 0; i < 4; i++) {
 		/* A program of its own: a hardware driver does not work in a fork of a process that has used it. */
@@ -157,7 +157,7 @@ static void killed_it_goes_on_to_the_same_bits(void **state)
 	}
 	if (kills == 0)
 		print_message("each drive was complete before it could be killed\n");
-	must(drive_run(scene, store, NULL, &(struct drive_cut){cut, outs[1], true, 0}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){cut, outs[1], true, 0}, NULL));
 	assert_same(outs[0], outs[1]);
 	assert_true(support_hash(whole) == support_hash(cut));
 }
@@ -167,7 +167,7 @@ static int drive_alone(char *const args[])
 {
 	const struct drive_cut part = {args[2], args[3], strcmp(args[4], "resume") == 0, 0};
 	char *json = NULL;
-	const bool done = drive_run(args[0], args[1], NULL, &part, &json) == STATUS_OK;
+	const bool done = make_drive(args[0], args[1], NULL, &part, &json) == STATUS_OK;
 	mem_free(json);
 	return done ? 0 : 1;
 }

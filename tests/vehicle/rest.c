@@ -48,7 +48,7 @@ static void drive(double degrees, double end, const char *name)
 	snprintf(text, sizeof text, "scene: 1\nend_time: %g\ntime_step: 0.002\nspacing: 0.0625\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
 				    "vehicles:\n  - {name: v, model: model.xml, start: {at: [16.013, 16.021]}, soil: [wheel*]}\noutput: {vehicles: 20}\n", end);
 	support_write(scene, text);
-	must(drive_run(scene, store, NULL, &(struct drive_cut){.out = support_path("out"), .overlay = support_path("over.furrow")}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){.out = support_path("out"), .overlay = support_path("over.furrow")}, NULL));
 	unlink(support_path("over.furrow"));
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 512);
 	assert_true(count > 21);

@@ -27,7 +27,7 @@ static size_t drive(const char *const *settings, struct drive_row *rows, size_t 
 {
 	const char *store = support_path("world.furrow");
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, settings, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, settings, &(struct drive_cut){.out = support_path("out")}, NULL));
 	return drive_rows(support_path("out/vehicles.csv"), "v", rows, most);
 }
 

@@ -81,7 +81,7 @@ static void drive(double time_step, double seconds)
 		 seconds, time_step);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 }
 
 /* still: how far it may move, m. */

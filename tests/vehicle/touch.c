@@ -49,7 +49,7 @@ static void write_scene(const char *vehicles)
 
 static void drive(const char *const *settings, const char *out)
 {
-	must(drive_run(support_path("scene.yaml"), support_path("world.furrow"), settings, &(struct drive_cut){.out = support_path(out)}, NULL));
+	must(make_drive(support_path("scene.yaml"), support_path("world.furrow"), settings, &(struct drive_cut){.out = support_path(out)}, NULL));
 }
 
 /* The wheel at 10, 16 m, and the block in front of it, in a direction. */
@@ -146,10 +146,10 @@ static void resumed_it_goes_on_to_the_same_bits(void **state)
 	const char *whole = support_path("a.furrow"), *parts = support_path("b.furrow"), *outs[] = {support_path("a"), support_path("b")};
 	(void)state;
 	write_push(30, 0.5, 30, false);
-	must(drive_run(scene, store, NULL, &(struct drive_cut){whole, outs[0], false, 0}, NULL));
-	must(drive_run(scene, store, NULL, &(struct drive_cut){parts, outs[1], false, 333}, NULL));
-	must(drive_run(scene, store, (const char *const[]){"cache.slots=9", "cache.loaders=1", NULL}, &(struct drive_cut){parts, outs[1], true, 400}, NULL));
-	must(drive_run(scene, store, NULL, &(struct drive_cut){parts, outs[1], true, 0}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){whole, outs[0], false, 0}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){parts, outs[1], false, 333}, NULL));
+	must(make_drive(scene, store, (const char *const[]){"cache.slots=9", "cache.loaders=1", NULL}, &(struct drive_cut){parts, outs[1], true, 400}, NULL));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){parts, outs[1], true, 0}, NULL));
 	char *a = support_text(support_path("a/vehicles.csv")), *b = support_text(support_path("b/vehicles.csv"));
 	assert_string_equal(a, b);
 	assert_true(support_hash(whole) == support_hash(parts));
@@ -220,7 +220,7 @@ static void one_that_starts_inside_another_one_is_refused(void **state)
 	(void)state;
 	write_model("block.xml", block, 60);
 	write_scene("  - {name: a, model: block.xml, start: {at: [10.013, 16.013]}}\n  - {name: b, model: block.xml, start: {at: [10.5, 16.1]}}\n");
-	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("world.furrow"), NULL, &(struct drive_cut){.out = support_path("out")}, NULL),
+	assert_int_equal(make_drive(support_path("scene.yaml"), support_path("world.furrow"), NULL, &(struct drive_cut){.out = support_path("out")}, NULL),
 			 STATUS_INPUT);
 	print_message("%s\n", failure_message());
 	assert_non_null(strstr(failure_message(), ".yaml:10: vehicles.b.start: its geom block starts 0.113 m inside block of vehicles.a; move"));

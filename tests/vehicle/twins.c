@@ -46,7 +46,7 @@ static double driven(const struct hung *hung)
 		 SECONDS, RATE);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	must(make_drive(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 64);
 	assert_true(count == 21);
 	const double way = rows[count - 1].x - rows[0].x;

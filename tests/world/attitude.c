@@ -10,9 +10,9 @@
 static const struct soil_shape box = {.kind = SOIL_BOX, .size = {1, 0.6, 0.4}};
 static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.3, .width = 0.2};
 
-static struct world_pose pose_of(const struct soil_pose *from)
+static struct furrow_pose pose_of(const struct soil_pose *from)
 {
-	struct world_pose pose = {{1, 2, 3}, {0}};
+	struct furrow_pose pose = {{1, 2, 3}, {0}};
 	world_orientation(from, pose.orientation);
 	return pose;
 }
@@ -34,7 +34,7 @@ static void an_attitude_comes_back(void **state)
 		for (int pitch = -8; pitch <= 8; pitch++)
 			for (int roll = -12; roll <= 12; roll += 3) {
 				const struct soil_pose from = {.yaw = yaw * M_PI / 12, .pitch = pitch * M_PI / 16, .roll = roll * M_PI / 12};
-				const struct world_pose pose = pose_of(&from);
+				const struct furrow_pose pose = pose_of(&from);
 				struct soil_pose got;
 				double length = 0;
 				for (int i = 0; i < 4; i++)
@@ -51,7 +51,7 @@ static void a_wheel_turns_about_its_axle(void **state)
 	for (int yaw = -12; yaw <= 12; yaw++)
 		for (int turn = -12; turn <= 12; turn++) {
 			const struct soil_pose from = {.yaw = yaw * M_PI / 12, .turn = turn * M_PI / 12};
-			const struct world_pose pose = pose_of(&from);
+			const struct furrow_pose pose = pose_of(&from);
 			struct soil_pose got;
 			must(world_attitude(&wheel, "wheel", &pose, &got));
 			assert_same_axes(&from, &got);
@@ -68,7 +68,7 @@ static void a_wheel_with_camber_comes_back(void **state)
 			for (int roll = -12; roll <= 12; roll++)
 				for (int turn = -3; turn <= 3; turn++) {
 					const struct soil_pose from = {.yaw = yaw * M_PI / 12, .pitch = pitch * M_PI / 16, .roll = roll * M_PI / 12, .turn = turn * 0.9};
-					const struct world_pose pose = pose_of(&from);
+					const struct furrow_pose pose = pose_of(&from);
 					struct soil_pose got;
 					must(world_attitude(&wheel, "wheel", &pose, &got));
 					assert_true(got.pitch == 0 && fabs(got.roll) <= M_PI / 2);
@@ -96,8 +96,8 @@ static void spin_is_about_the_axle(void **state)
 static void a_known_turn_has_a_known_quaternion(void **state)
 {
 	(void)state;
-	const struct world_pose north = {{0, 0, 0}, {sqrt(0.5), 0, 0, sqrt(0.5)}};
-	const struct world_pose nose_up = {{0, 0, 0}, {cos(M_PI / 8), 0, -sin(M_PI / 8), 0}};
+	const struct furrow_pose north = {{0, 0, 0}, {sqrt(0.5), 0, 0, sqrt(0.5)}};
+	const struct furrow_pose nose_up = {{0, 0, 0}, {cos(M_PI / 8), 0, -sin(M_PI / 8), 0}};
 	struct soil_pose got;
 	must(world_attitude(&box, "box", &north, &got));
 	assert_near(got.yaw, M_PI / 2, 1e-12);
@@ -108,7 +108,7 @@ static void a_known_turn_has_a_known_quaternion(void **state)
 static void what_is_no_pose_is_refused(void **state)
 {
 	(void)state;
-	const struct world_pose bad[] = {
+	const struct furrow_pose bad[] = {
 		{{NAN, 0, 0}, {1, 0, 0, 0}}, {{0, 0, INFINITY}, {1, 0, 0, 0}}, {{0, 0, 0}, {0, 0, 0, 0}}, {{0, 0, 0}, {1, 1, 0, 0}},
 		{{0, 0, 0}, {NAN, 0, 0, 0}}, {{2e9, 0, 0}, {1, 0, 0, 0}},
 	};

@@ -34,7 +34,7 @@ static char *text_of(const char *path)
 
 static volatile sig_atomic_t stopped; /* a drive ends before its first step */
 
-static struct api_result drive(const char *store, const char *out, bool resume, int64_t steps, const char *const settings[][2])
+static struct drive_result drive(const char *store, const char *out, bool resume, int64_t steps, const char *const settings[][2])
 {
 	struct scene_setting split[8] = {{NULL, NULL}};
 	size_t count = 0;
@@ -44,9 +44,9 @@ static struct api_result drive(const char *store, const char *out, bool resume, 
 	struct scene *scene;
 	support_write(path, scene_text);
 	must(scene_load(path, split, count, &scene));
-	struct api_params params = {.scene = scene, .store = store, .directory = out, .resume = resume, .steps = steps, .stop = &stopped};
-	struct api_result result;
-	enum status status = api_drive(&params, &result);
+	struct drive_params params = {.scene = scene, .store = store, .directory = out, .resume = resume, .steps = steps, .stop = &stopped};
+	struct drive_result result;
+	enum status status = drive_run(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip_since("no GL");
@@ -250,7 +250,7 @@ static void without_rows_there_is_no_file_and_a_load_is_still_told(void **state)
 	const char *store = support_path("world.furrow");
 	support_store(store, extent, flat);
 	support_write(support_path("out/objects.csv"), "another drive's\n");
-	struct api_result result = drive(store, support_path("out"), false, 0, (const char *const[][2]){{"output", "null"}, {NULL, NULL}});
+	struct drive_result result = drive(store, support_path("out"), false, 0, (const char *const[][2]){{"output", "null"}, {NULL, NULL}});
 	assert_int_equal(access(support_path("out/objects.csv"), F_OK), -1);
 	const char *resting = strstr(result.json, "\"resting\"");
 	assert_non_null(resting);

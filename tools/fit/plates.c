@@ -212,18 +212,16 @@ enum status fit_plates(const struct fit_table *table, struct fit_plates *out)
 	struct plates plates = {.table = table};
 	double from[FIT_NUMBERS];
 	memset(out, 0, sizeof *out);
-	enum status status = check(table);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check(table));
 	out->one_width = table->group_count == 1;
 	find_units(&plates);
 	for (size_t g = 0; g < table->group_count; g++)
 		out->curves[g] = curve_of(&plates, g);
 	if (!begin(&plates, from))
 		return cannot_tell(table);
-	for (int method = 0; method < FIT_METHODS && status == STATUS_OK; method++) {
+	for (int method = 0; method < FIT_METHODS; method++) {
 		plates.method = (enum fit_method)method;
-		status = fit_by(&plates, from, out);
+		TRY(fit_by(&plates, from, out));
 	}
-	return status;
+	return STATUS_OK;
 }

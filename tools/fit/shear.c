@@ -104,9 +104,7 @@ enum status fit_shear(const struct fit_table *table, struct fit_shear *out)
 	struct shear shear = {.table = table, .unit = 1};
 	struct fit_solution solution;
 	memset(out, 0, sizeof *out);
-	enum status status = check(table);
-	if (status != STATUS_OK)
-		return status;
+	TRY(check(table));
 	for (size_t g = 0; g < table->group_count; g++)
 		shear.unit = fmax(shear.unit, table->groups[g]);
 	out->one_stress = table->group_count == 1;

@@ -138,17 +138,18 @@ static enum status take_column(const char *path, int line, enum fit_test test, c
 static enum status read_columns(const char *path, int line, enum fit_test test, char *text, struct columns *columns)
 {
 	char *rest = text, *cell;
-	enum status status = STATUS_OK;
 	for (int field = 0; field < FIELDS; field++)
 		columns->at[field] = -1;
-	for (int i = 0; status == STATUS_OK && (cell = strsep(&rest, ",")) != NULL; i++)
-		status = i < COLUMNS_MOST ? take_column(path, line, test, cell, i, columns)
-					  : fail_with(STATUS_INPUT, "%s:%d: has more than %d columns; give fewer", path, line, COLUMNS_MOST);
-	for (int field = 0; field < FIELDS && status == STATUS_OK; field++)
+	for (int i = 0; (cell = strsep(&rest, ",")) != NULL; i++) {
+		if (i >= COLUMNS_MOST)
+			return fail_with(STATUS_INPUT, "%s:%d: has more than %d columns; give fewer", path, line, COLUMNS_MOST);
+		TRY(take_column(path, line, test, cell, i, columns));
+	}
+	for (int field = 0; field < FIELDS; field++)
 		if (columns->at[field] < 0)
-			status = fail_with(STATUS_INPUT, "%s:%d: has no column %s; its first line names the columns with their units, as %s", path, line,
-					   names[test][field], fit_table_columns(test));
-	return status;
+			return fail_with(STATUS_INPUT, "%s:%d: has no column %s; its first line names the columns with their units, as %s", path,
+					 line, names[test][field], fit_table_columns(test));
+	return STATUS_OK;
 }
 
 /* --- rows --- */
@@ -202,8 +203,7 @@ static enum status add_row(struct fit_table *table, size_t *room, const struct f
 	if (table->count == *room) {
 		const size_t more = *room > 0 ? 2 * *room : 256;
 		struct fit_row *rows = mem_realloc(table->rows, more, sizeof *rows);
-		if (rows == NULL)
-			return fail_memory("the rows of a test");
+		TRY_MEM(rows, "the rows of a test");
 		table->rows = rows;
 		*room = more;
 	}
@@ -257,37 +257,39 @@ static void trim(char *line)
 		line[--length] = '\0';
 }
 
+static enum status take_row(const char *path, int line, enum fit_test test, char *text, const struct columns *columns, struct fit_table *table,
+			    size_t *room)
+{
+	struct fit_row row = {.x = 0};
+	TRY(read_row(path, line, test, text, columns, &row));
+	TRY(add_row(table, room, &row));
+	return row.x > 0 ? add_group(table, &row) : STATUS_OK;
+}
+
 static enum status read_lines(FILE *file, enum fit_test test, struct fit_table *table)
 {
 	char line[LINE_MOST];
 	struct columns columns;
 	size_t room = 0;
 	bool named = false;
-	enum status status = STATUS_OK;
-	for (int number = 1; status == STATUS_OK && fgets(line, sizeof line, file) != NULL; number++) {
-		struct fit_row row;
+	for (int number = 1; fgets(line, sizeof line, file) != NULL; number++) {
 		if (strchr(line, '\n') == NULL && !feof(file))
 			return fail_with(STATUS_INPUT, "%s:%d: the line is longer than %d bytes, or has a byte 0; give a CSV file", table->path, number, LINE_MOST - 2);
 		trim(line);
 		char *text = number == 1 && strncmp(line, "\xef\xbb\xbf", 3) == 0 ? line + 3 : line;
 		if (*text == '\0' || *text == '#')
 			continue;
-		if (!named) {
-			status = read_columns(table->path, number, test, text, &columns);
-			named = true;
-			continue;
-		}
-		status = read_row(table->path, number, test, text, &columns, &row);
-		if (status == STATUS_OK)
-			status = add_row(table, &room, &row);
-		if (status == STATUS_OK && row.x > 0)
-			status = add_group(table, &row);
+		if (named)
+			TRY(take_row(table->path, number, test, text, &columns, table, &room));
+		else
+			TRY(read_columns(table->path, number, test, text, &columns));
+		named = true;
 	}
-	if (status == STATUS_OK && ferror(file))
-		status = fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", table->path, strerror(errno));
-	if (status == STATUS_OK && !named)
-		status = fail_with(STATUS_INPUT, "%s: is empty; its first line names the columns, as %s", table->path, fit_table_columns(test));
-	return status;
+	if (ferror(file))
+		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", table->path, strerror(errno));
+	if (!named)
+		return fail_with(STATUS_INPUT, "%s: is empty; its first line names the columns, as %s", table->path, fit_table_columns(test));
+	return STATUS_OK;
 }
 
 enum status fit_table_read(const char *path, enum fit_test test, struct fit_table *out)

@@ -76,8 +76,7 @@ static enum status grow(void *array, size_t *room, size_t size)
 {
 	void **memory = array;
 	void *wider = mem_realloc(*memory, *room, size);
-	if (wider == NULL)
-		return fail_memory("the trace");
+	TRY_MEM(wider, "the trace");
 	*memory = wider;
 	return STATUS_OK;
 }
@@ -88,23 +87,18 @@ static enum status add_tile(struct parsing *parsing)
 	uint64_t key = 0;
 	uint32_t number;
 	bool fresh = false;
-	enum status status = take_bytes(parsing, 8, &key);
-	if (status != STATUS_OK)
-		return status;
+	TRY(take_bytes(parsing, 8, &key));
 	if (key >> PAGE_TRACE_KEY_BITS != 0)
 		return damaged(parsing, "a key that no tile has");
-	status = key_set_number(&parsing->index, key, &number, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_set_number(&parsing->index, key, &number, &fresh));
 	if (!fresh)
 		return damaged(parsing, "a tile that came before comes as a new one");
 	if (out->tile_count == parsing->tile_room) {
 		parsing->tile_room = parsing->tile_room != 0 ? 2 * parsing->tile_room : 256;
-		status = grow(&out->keys, &parsing->tile_room, sizeof *out->keys);
+		TRY(grow(&out->keys, &parsing->tile_room, sizeof *out->keys));
 	}
-	if (status == STATUS_OK)
-		out->keys[out->tile_count++] = key;
-	return status;
+	out->keys[out->tile_count++] = key;
+	return STATUS_OK;
 }
 
 static enum status add_access(struct parsing *parsing, uint64_t record)
@@ -112,22 +106,18 @@ static enum status add_access(struct parsing *parsing, uint64_t record)
 	struct sim_accesses *out = parsing->out;
 	uint64_t number = record >> 3;
 	unsigned kind = record >> 1 & 1;
-	enum status status = STATUS_OK;
 	if (number > out->tile_count)
 		return damaged(parsing, "a tile that has not come yet");
 	if (out->count == TRACE_ACCESSES_MOST)
 		return fail_with(STATUS_INPUT, "%s: has more than %u accesses; trace fewer steps", parsing->path,
 				 TRACE_ACCESSES_MOST);
 	if (number == out->tile_count)
-		status = add_tile(parsing);
-	if (status == STATUS_OK && out->count == parsing->access_room) {
+		TRY(add_tile(parsing));
+	if (out->count == parsing->access_room) {
 		parsing->access_room = parsing->access_room != 0 ? 2 * parsing->access_room : 4096;
-		status = grow(&out->tiles, &parsing->access_room, sizeof *out->tiles);
-		if (status == STATUS_OK)
-			status = grow(&out->steps, &parsing->access_room, sizeof *out->steps);
+		TRY(grow(&out->tiles, &parsing->access_room, sizeof *out->tiles));
+		TRY(grow(&out->steps, &parsing->access_room, sizeof *out->steps));
 	}
-	if (status != STATUS_OK)
-		return status;
 	out->tiles[out->count] = (uint32_t)number;
 	out->steps[out->count++] = parsing->step;
 	++*((record >> 2 & 1) != 0 ? &out->hits[kind] : &out->misses[kind]);
@@ -137,14 +127,10 @@ static enum status add_access(struct parsing *parsing, uint64_t record)
 static enum status end(struct parsing *parsing)
 {
 	uint64_t accesses = 0, tiles = 0, hash = 0;
-	enum status status = take_bytes(parsing, 8, &accesses);
-	if (status == STATUS_OK)
-		status = take_bytes(parsing, 8, &tiles);
+	TRY(take_bytes(parsing, 8, &accesses));
+	TRY(take_bytes(parsing, 8, &tiles));
 	size_t hashed = parsing->at;
-	if (status == STATUS_OK)
-		status = take_bytes(parsing, 8, &hash);
-	if (status != STATUS_OK)
-		return status;
+	TRY(take_bytes(parsing, 8, &hash));
 	if (accesses != parsing->out->count || tiles != parsing->out->tile_count)
 		return damaged(parsing, "it does not have the accesses and tiles it says");
 	if (hash != XXH3_64bits(parsing->bytes, hashed))
@@ -158,9 +144,7 @@ static enum status end(struct parsing *parsing)
 static enum status take_record(struct parsing *parsing)
 {
 	uint64_t record = 0;
-	enum status status = take_number(parsing, &record);
-	if (status != STATUS_OK)
-		return status;
+	TRY(take_number(parsing, &record));
 	if ((record & 1) == 0)
 		return add_access(parsing, record);
 	if (record == 1)
@@ -193,9 +177,11 @@ enum status sim_accesses_parse(const char *path, const uint8_t *bytes, size_t si
 {
 	struct parsing parsing = {.path = path, .bytes = bytes, .size = size, .out = out};
 	*out = (struct sim_accesses){.count = 0};
-	enum status status = check_header(&parsing);
-	while (status == STATUS_OK && !parsing.ended)
-		status = take_record(&parsing);
+	enum status status;
+	TRY_OR(done, check_header(&parsing));
+	while (!parsing.ended)
+		TRY_OR(done, take_record(&parsing));
+done:
 	key_set_finish(&parsing.index);
 	if (status != STATUS_OK)
 		sim_accesses_finish(out);
@@ -208,18 +194,15 @@ static enum status read_all(const char *path, uint8_t **bytes, size_t *size)
 	if (file == NULL)
 		return fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path, input_problem());
 	enum status status = STATUS_OK;
-	for (size_t room = 1 << 16; status == STATUS_OK && !feof(file); room *= 2) {
+	for (size_t room = 1 << 16; !feof(file); room *= 2) {
 		uint8_t *wider = mem_realloc(*bytes, room, 1);
-		if (wider == NULL) {
-			status = fail_memory("the trace");
-			break;
-		}
+		TRY_OR(done, wider != NULL ? STATUS_OK : fail_memory("the trace"));
 		*bytes = wider;
 		*size += fread(*bytes + *size, 1, room - *size, file);
 		if (ferror(file))
-			status = fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path,
-					   strerror(errno));
+			TRY_OR(done, fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path, strerror(errno)));
 	}
+done:
 	fclose(file);
 	return status;
 }
@@ -228,9 +211,10 @@ enum status sim_accesses_read(const char *path, struct sim_accesses *out)
 {
 	uint8_t *bytes = NULL;
 	size_t size = 0;
-	enum status status = read_all(path, &bytes, &size);
-	if (status == STATUS_OK)
-		status = sim_accesses_parse(path, bytes, size, out);
+	enum status status;
+	TRY_OR(done, read_all(path, &bytes, &size));
+	TRY_OR(done, sim_accesses_parse(path, bytes, size, out));
+done:
 	mem_free(bytes);
 	return status;
 }

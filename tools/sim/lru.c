@@ -80,16 +80,17 @@ enum status sim_lru(struct sim_run *run, const uint32_t *slots, size_t count, ui
 	};
 	uint64_t *at_depth = mem_calloc(tiles + 1, sizeof *at_depth); /* accesses */
 	if (order.sums == NULL || order.tiles == NULL || order.place == NULL || at_depth == NULL)
-		status = fail_memory("the simulated cache");
-	for (size_t i = 0; status == STATUS_OK && i < accesses->count; i++) {
-		status = sim_tick(run, i);
+		TRY_OR(done, fail_memory("the simulated cache"));
+	for (size_t i = 0; i < accesses->count; i++) {
+		TRY_OR(done, sim_tick(run, i));
 		at_depth[touch(&order, accesses->tiles[i])]++;
 	}
-	for (size_t i = 0; status == STATUS_OK && i < count; i++) {
+	for (size_t i = 0; i < count; i++) {
 		misses[i] = accesses->count;
 		for (size_t depth = 1; depth <= tiles && depth <= slots[i]; depth++)
 			misses[i] -= at_depth[depth];
 	}
+done:
 	mem_free(order.sums);
 	mem_free(order.tiles);
 	mem_free(order.place);

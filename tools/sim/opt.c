@@ -66,12 +66,12 @@ static enum status one_size(const struct sim_run *run, const uint32_t *next, str
 {
 	const struct sim_accesses *accesses = run->accesses;
 	uint32_t taken = 0, unneeded = 0;
-	enum status status = STATUS_OK;
 	*misses = 0;
 	heap->count = 0;
 	for (uint32_t i = 0; i < accesses->tile_count; i++)
 		resident[i] = false;
-	for (uint32_t i = 0; i < accesses->count && (status = sim_tick(run, i)) == STATUS_OK; i++) {
+	for (uint32_t i = 0; i < accesses->count; i++) {
+		TRY(sim_tick(run, i));
 		uint32_t tile = accesses->tiles[i];
 		if (!resident[tile]) {
 			++*misses;
@@ -91,7 +91,7 @@ static enum status one_size(const struct sim_run *run, const uint32_t *next, str
 		else
 			push(heap, next[i], i);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* next[i]: the access after i of the same tile. */
@@ -115,14 +115,14 @@ enum status sim_opt(struct sim_run *run, const uint32_t *slots, size_t count, ui
 	uint32_t *following = mem_alloc(tiles + 1, sizeof *following);
 	bool *resident = mem_alloc(tiles + 1, sizeof *resident);
 	if (heap.entries == NULL || next == NULL || following == NULL || resident == NULL)
-		status = fail_memory("the simulated cache");
-	else
-		find_next(accesses, next, following);
-	for (; run->pass < count && status == STATUS_OK; run->pass++) {
+		TRY_OR(done, fail_memory("the simulated cache"));
+	find_next(accesses, next, following);
+	for (; run->pass < count; run->pass++) {
 		uint32_t size = slots[run->pass];
 		heap.room = size < tiles ? 2 * (size_t)size + 16 : room; /* 1: most are in use, half are used up */
-		status = one_size(run, next, &heap, resident, size, &misses[run->pass]);
+		TRY_OR(done, one_size(run, next, &heap, resident, size, &misses[run->pass]));
 	}
+done:
 	mem_free(heap.entries);
 	mem_free(next);
 	mem_free(following);

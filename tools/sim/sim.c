@@ -16,12 +16,14 @@ static enum status one_size(struct sim_run *run, sim_access_fn access, uint32_t 
 	for (int i = 0; i < SIM_QUEUES; i++)
 		cache.queues[i] = (struct sim_queue){SIM_NONE, SIM_NONE, 0};
 	cache.pages = mem_calloc((size_t)accesses->tile_count + 1, sizeof *cache.pages);
-	if (cache.pages == NULL)
-		return fail_memory("the simulated cache");
+	TRY_MEM(cache.pages, "the simulated cache");
 	enum status status = STATUS_OK;
 	*misses = 0;
-	for (size_t i = 0; i < accesses->count && (status = sim_tick(run, i)) == STATUS_OK; i++)
+	for (size_t i = 0; i < accesses->count; i++) {
+		TRY_OR(done, sim_tick(run, i));
 		*misses += !access(&cache, accesses->tiles[i]);
+	}
+done:
 	mem_free(cache.pages);
 	return status;
 }
@@ -35,14 +37,13 @@ enum status sim_misses(const struct sim_accesses *accesses, enum sim_policy poli
 		[SIM_S3FIFO] = sim_s3fifo,
 	};
 	struct sim_run run = {accesses, progress, user, policy == SIM_LRU ? 1 : count, 0};
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++)
 		assert(slots[i] >= 1);
 	if (policy == SIM_LRU)
 		return sim_lru(&run, slots, count, misses);
 	if (policy == SIM_OPT)
 		return sim_opt(&run, slots, count, misses);
-	for (; run.pass < count && status == STATUS_OK; run.pass++)
-		status = one_size(&run, access[policy], slots[run.pass], &misses[run.pass]);
-	return status;
+	for (; run.pass < count; run.pass++)
+		TRY(one_size(&run, access[policy], slots[run.pass], &misses[run.pass]));
+	return STATUS_OK;
 }

@@ -33,15 +33,14 @@
 enum status deform_active_create(struct deform *deform)
 {
 	deform->active = mem_calloc(1, sizeof *deform->active);
-	if (deform->active == NULL)
-		return fail_memory("the awake blocks");
+	TRY_MEM(deform->active, "the awake blocks");
 	struct gpu *gpu = deform->params.gpu;
-	enum status status = gpu_buffer_create(gpu, GPU_STORAGE, CONTACT_BYTES, NULL, &deform->active->contact_flags);
-	for (int i = 0; i < VISITS && status == STATUS_OK; i++)
-		status = gpu_staging_create(gpu, VISIT_BYTES, &deform->active->visits[i].flags);
-	for (int i = 0; i <= VISITS && status == STATUS_OK; i++)
-		status = gpu_staging_create(gpu, PERIOD_BYTES, &deform->active->periods[i].flags);
-	return status;
+	TRY(gpu_buffer_create(gpu, GPU_STORAGE, CONTACT_BYTES, NULL, &deform->active->contact_flags));
+	for (int i = 0; i < VISITS; i++)
+		TRY(gpu_staging_create(gpu, VISIT_BYTES, &deform->active->visits[i].flags));
+	for (int i = 0; i <= VISITS; i++)
+		TRY(gpu_staging_create(gpu, PERIOD_BYTES, &deform->active->periods[i].flags));
+	return STATUS_OK;
 }
 
 void deform_active_plan(const char *effect, struct plan *plan)
@@ -135,8 +134,7 @@ static enum status keep_swept(struct period *period, struct swept window)
 	if (period->count == period->room) {
 		size_t room = period->room != 0 ? 2 * period->room : 64;
 		struct swept *swept = mem_realloc(period->swept, room, sizeof *swept);
-		if (swept == NULL)
-			return fail_memory("the awake blocks");
+		TRY_MEM(swept, "the awake blocks");
 		period->swept = swept;
 		period->room = room;
 	}
@@ -152,16 +150,14 @@ enum status deform_wake_swept(struct deform *deform, const struct deform_window 
 	struct layer *scratch = &deform->scratch[layer];
 	const struct swept swept = {window->write, scratch->above};
 	if (!scratch->flagged) {
-		enum status status = deform_touch(deform, window->write);
-		return status == STATUS_OK ? deform_wake(deform, window->write) : status;
+		TRY(deform_touch(deform, window->write));
+		return deform_wake(deform, window->write);
 	}
 	scratch->flagged = false;
 	struct block_grid grid = deform_active_grid(window->write);
-	enum status status = keep_swept(this_period(active), swept);
-	if (status == STATUS_OK && deform->params.touched)
-		status = deform_active_maybe_swept(active, &swept);
-	if (status != STATUS_OK)
-		return status;
+	TRY(keep_swept(this_period(active), swept));
+	if (deform->params.touched)
+		TRY(deform_active_maybe_swept(active, &swept));
 	active->used += grid.columns * grid.rows;
 	return deform_active_add_near(deform, &active->blocks, window->write);
 }
@@ -171,8 +167,8 @@ enum status deform_wake_block(struct deform *deform, struct soil_block block)
 	struct active *active = deform->active;
 	if (active == NULL)
 		return STATUS_OK;
-	enum status status = deform_active_add(deform, &active->blocks, block.x, block.y);
-	return status == STATUS_OK ? deform_active_add(deform, &this_period(active)->woken, block.x, block.y) : status;
+	TRY(deform_active_add(deform, &active->blocks, block.x, block.y));
+	return deform_active_add(deform, &this_period(active)->woken, block.x, block.y);
 }
 
 enum status deform_wake(struct deform *deform, struct post_rect changed)
@@ -180,8 +176,8 @@ enum status deform_wake(struct deform *deform, struct post_rect changed)
 	struct active *active = deform->active;
 	if (active == NULL || post_rect_empty(changed))
 		return STATUS_OK;
-	enum status status = deform_active_add_near(deform, &active->blocks, changed);
-	return status == STATUS_OK ? deform_active_add_near(deform, &this_period(active)->woken, changed) : status;
+	TRY(deform_active_add_near(deform, &active->blocks, changed));
+	return deform_active_add_near(deform, &this_period(active)->woken, changed);
 }
 
 enum status deform_active_blocks(struct deform *deform, const struct soil_block **blocks, size_t *count)
@@ -191,18 +187,15 @@ enum status deform_active_blocks(struct deform *deform, const struct soil_block 
 	if (active == NULL)
 		return STATUS_OK;
 	bool came;
-	enum status status = deform_active_settle(deform, &came);
+	TRY(deform_active_settle(deform, &came));
 	/* Some of them may be active only because their flags are still unknown. */
-	if (status == STATUS_OK && active->blocks.count > DEFORM_BLOCKS_MAX) {
+	if (active->blocks.count > DEFORM_BLOCKS_MAX) {
 		ask_swept(deform);
-		status = deform_active_wait(deform);
+		TRY(deform_active_wait(deform));
 	}
-	if (status == STATUS_OK && active->blocks.count > DEFORM_BLOCKS_MAX)
-		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a "
-						  "soil that stands steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX,
-				   SOIL_BLOCK, SOIL_BLOCK);
-	if (status != STATUS_OK)
-		return status;
+	if (active->blocks.count > DEFORM_BLOCKS_MAX)
+		return fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a "
+						"soil that stands steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX, SOIL_BLOCK, SOIL_BLOCK);
 	soil_block_set_sort(&active->blocks);
 	*blocks = active->blocks.blocks;
 	*count = active->blocks.count;
@@ -215,11 +208,9 @@ enum status deform_active_visit(struct deform *deform, const struct soil_block_s
 	size_t count;
 	bool came;
 	ask_swept(deform);
-	enum status status = deform_active_settle(deform, &came);
-	if (status == STATUS_OK && (deform->params.unsettled ? are_under_way(deform->active) : deform->active->visit_count == VISITS))
-		status = deform_active_wait(deform);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_active_settle(deform, &came));
+	if (deform->params.unsettled ? are_under_way(deform->active) : deform->active->visit_count == VISITS)
+		TRY(deform_active_wait(deform));
 	*blocks = &deform->active->blocks;
 	return deform_active_blocks(deform, &list, &count);
 }
@@ -241,18 +232,16 @@ enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flag
 	assert(count > 0 && active->visit_count < VISITS);
 	struct visit *visit = &active->visits[active->visit_count];
 	visit->visited = mem_alloc(count, sizeof *visit->visited);
-	if (visit->visited == NULL)
-		return fail_memory("the awake blocks");
+	TRY_MEM(visit->visited, "the awake blocks");
 	memcpy(visit->visited, active->blocks.blocks, count * sizeof *visit->visited);
 	visit->count = count;
 	active->visit_count++;
-	enum status status = deform->params.touched ? deform_active_maybe_visited(deform, visit) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
+	if (deform->params.touched)
+		TRY(deform_active_maybe_visited(deform, visit));
 	gpu_buffer_read_into(flags, 0, count * sizeof(uint32_t), visit->flags, 0);
 	bool came;
-	status = deform_active_settle(deform, &came);
-	return status == STATUS_OK && !came ? deform_active_widen(deform, &active->blocks) : status;
+	TRY(deform_active_settle(deform, &came));
+	return came ? STATUS_OK : deform_active_widen(deform, &active->blocks);
 }
 
 enum status deform_active_forget(struct deform *deform)

@@ -32,23 +32,21 @@ enum status deform_active_add(const struct deform *deform, struct soil_block_set
 
 static enum status add_all(struct soil_block_set *set, const struct soil_block_set *from)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < from->count && status == STATUS_OK; i++)
-		status = soil_block_set_add(set, from->blocks[i]);
-	return status;
+	for (size_t i = 0; i < from->count; i++)
+		TRY(soil_block_set_add(set, from->blocks[i]));
+	return STATUS_OK;
 }
 
 static enum status add_visited(struct deform *deform, struct soil_block_set *set, const struct visit *visit)
 {
 	struct touched *touched = &deform->active->touched;
 	const uint32_t *flags = gpu_staging_bytes(visit->flags);
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
-		status = soil_active_add_word(set, world_of(deform), visit->visited[i], flags[i]);
-		if (status == STATUS_OK && deform->params.touched && flags[i] >> CHANGED != 0)
-			status = deform_touched_grow(touched, touched, visit->visited[i], deform->params.iterations, flags[i] >> CHANGED);
+	for (size_t i = 0; i < visit->count; i++) {
+		TRY(soil_active_add_word(set, world_of(deform), visit->visited[i], flags[i]));
+		if (deform->params.touched && flags[i] >> CHANGED != 0)
+			TRY(deform_touched_grow(touched, touched, visit->visited[i], deform->params.iterations, flags[i] >> CHANGED));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 struct block_grid deform_active_grid(struct post_rect write)
@@ -60,27 +58,32 @@ struct block_grid deform_active_grid(struct post_rect write)
 /* Adds to `touched` the parts of one block that a contact changed. */
 static enum status add_changed(struct deform *deform, struct post_rect write, struct soil_block block, uint32_t parts)
 {
-	enum status status = STATUS_OK;
-	for (int part = 0; parts >> part != 0 && status == STATUS_OK; part++)
+	for (int part = 0; parts >> part != 0; part++)
 		if (parts >> part & 1)
-			status = deform_touched_add(&deform->active->touched, post_rect_intersect(write, deform_touched_part(block, part)));
-	return status;
+			TRY(deform_touched_add(&deform->active->touched, post_rect_intersect(write, deform_touched_part(block, part))));
+	return STATUS_OK;
 }
 
-/* Adds what a period's contacts have activated and touched. Their flags must be here. */
-static enum status add_swept(struct deform *deform, struct period *period)
+/* Adds what a period's contacts have activated and touched. */
+static enum status add_flagged(struct deform *deform, struct period *period)
 {
 	const uint32_t *flags = gpu_staging_bytes(period->flags);
-	enum status status = STATUS_OK;
 	for (size_t i = 0; i < period->count; i++) {
 		struct block_grid grid = deform_active_grid(period->swept[i].write);
-		for (uint32_t k = 0; k < grid.columns * grid.rows && status == STATUS_OK; k++, flags++) {
+		for (uint32_t k = 0; k < grid.columns * grid.rows; k++, flags++) {
 			int64_t x = grid.x + k % grid.columns, y = grid.y + k / grid.columns;
-			status = soil_active_add_word(&period->woken, world_of(deform), (struct soil_block){x, y}, *flags);
-			if (status == STATUS_OK && deform->params.touched)
-				status = add_changed(deform, period->swept[i].write, (struct soil_block){x, y}, *flags >> CHANGED);
+			TRY(soil_active_add_word(&period->woken, world_of(deform), (struct soil_block){x, y}, *flags));
+			if (deform->params.touched)
+				TRY(add_changed(deform, period->swept[i].write, (struct soil_block){x, y}, *flags >> CHANGED));
 		}
 	}
+	return STATUS_OK;
+}
+
+/* Takes the flags of a period's contacts, which must be here. */
+static enum status add_swept(struct deform *deform, struct period *period)
+{
+	enum status status = add_flagged(deform, period);
 	period->asked = false;
 	period->count = 0;
 	return status;
@@ -98,30 +101,28 @@ enum status deform_active_add_near(const struct deform *deform, struct soil_bloc
 
 static enum status add_period(const struct deform *deform, struct soil_block_set *set, const struct period *period)
 {
-	enum status status = add_all(set, &period->woken);
-	for (size_t i = 0; i < period->count && status == STATUS_OK; i++)
-		status = deform_active_add_near(deform, set, period->swept[i].write);
-	return status;
+	TRY(add_all(set, &period->woken));
+	for (size_t i = 0; i < period->count; i++)
+		TRY(deform_active_add_near(deform, set, period->swept[i].write));
+	return STATUS_OK;
 }
 
 /* Adds all posts that contacts of the oldest period wrote, since the period ends and their flags were not read. */
 static enum status add_all_swept(struct deform *deform)
 {
 	const struct period *period = &deform->active->periods[0];
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < period->count && deform->params.touched && status == STATUS_OK; i++)
-		status = deform_touched_add(&deform->active->touched, period->swept[i].write);
-	return status;
+	for (size_t i = 0; i < period->count && deform->params.touched; i++)
+		TRY(deform_touched_add(&deform->active->touched, period->swept[i].write));
+	return STATUS_OK;
 }
 
 enum status deform_active_widen(const struct deform *deform, struct soil_block_set *set)
 {
-	enum status status = STATUS_OK;
 	size_t count = set->count;
 	for (size_t i = 0; i < count; i++)
-		for (int k = 0; k < 9 && status == STATUS_OK; k++)
-			status = deform_active_add(deform, set, set->blocks[i].x + k % 3 - 1, set->blocks[i].y + k / 3 - 1);
-	return status;
+		for (int k = 0; k < 9; k++)
+			TRY(deform_active_add(deform, set, set->blocks[i].x + k % 3 - 1, set->blocks[i].y + k / 3 - 1));
+	return STATUS_OK;
 }
 
 /* Ends the oldest visit and the period before it. Their staging buffers go to the ends of the arrays. */
@@ -150,13 +151,11 @@ enum status deform_active_maybe_visited(struct deform *deform, const struct visi
 {
 	struct active *active = deform->active;
 	int64_t by = deform->params.iterations;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
-		status = deform_touched_grow(&active->maybe, &active->maybe, visit->visited[i], by, TOUCHED_PARTS);
-		if (status == STATUS_OK)
-			status = deform_touched_grow(&active->maybe, &active->touched, visit->visited[i], by, TOUCHED_PARTS);
+	for (size_t i = 0; i < visit->count; i++) {
+		TRY(deform_touched_grow(&active->maybe, &active->maybe, visit->visited[i], by, TOUCHED_PARTS));
+		TRY(deform_touched_grow(&active->maybe, &active->touched, visit->visited[i], by, TOUCHED_PARTS));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Builds `maybe` again from all contacts and visits with unknown flags, in their order. It may become smaller, since other flags
@@ -164,14 +163,28 @@ enum status deform_active_maybe_visited(struct deform *deform, const struct visi
 static enum status guess_anew(struct deform *deform)
 {
 	struct active *active = deform->active;
-	enum status status = STATUS_OK;
 	deform_touched_clear(&active->maybe);
-	for (size_t i = 0; i <= active->visit_count && status == STATUS_OK; i++) {
-		for (size_t k = 0; k < active->periods[i].count && status == STATUS_OK; k++)
-			status = deform_active_maybe_swept(active, &active->periods[i].swept[k]);
-		if (status == STATUS_OK && i < active->visit_count)
-			status = deform_active_maybe_visited(deform, &active->visits[i]);
+	for (size_t i = 0; i <= active->visit_count; i++) {
+		for (size_t k = 0; k < active->periods[i].count; k++)
+			TRY(deform_active_maybe_swept(active, &active->periods[i].swept[k]));
+		if (i < active->visit_count)
+			TRY(deform_active_maybe_visited(deform, &active->visits[i]));
 	}
+	return STATUS_OK;
+}
+
+/* Ends the oldest visit, whose flags must be here. */
+static enum status end_visit(struct deform *deform)
+{
+	struct active *active = deform->active;
+	enum status status;
+	soil_block_set_clear(&active->known);
+	TRY_OR(done, add_all_swept(deform));
+	TRY_OR(done, add_visited(deform, &active->known, &active->visits[0]));
+done:
+	deform_active_visit_finish(&active->visits[0]);
+	deform_active_period_finish(&active->periods[0]);
+	hand_on(active);
 	return status;
 }
 
@@ -179,46 +192,47 @@ static enum status guess_anew(struct deform *deform)
 static enum status take_flags(struct deform *deform, bool *came)
 {
 	struct active *active = deform->active;
-	enum status status = STATUS_OK;
 	*came = false;
-	for (size_t i = 0; i <= active->visit_count && status == STATUS_OK; i++)
+	for (size_t i = 0; i <= active->visit_count; i++)
 		if (active->periods[i].asked && gpu_staging_idle(active->periods[i].flags)) {
-			status = add_swept(deform, &active->periods[i]);
 			*came = true;
+			TRY(add_swept(deform, &active->periods[i]));
 		}
-	while (active->visit_count > 0 && status == STATUS_OK && gpu_staging_idle(active->visits[0].flags)) {
-		soil_block_set_clear(&active->known);
-		status = add_all_swept(deform);
-		if (status == STATUS_OK)
-			status = add_visited(deform, &active->known, &active->visits[0]);
-		deform_active_visit_finish(&active->visits[0]);
-		deform_active_period_finish(&active->periods[0]);
-		hand_on(active);
+	while (active->visit_count > 0 && gpu_staging_idle(active->visits[0].flags)) {
 		*came = true;
+		TRY(end_visit(deform));
 	}
-	return status;
+	return STATUS_OK;
+}
+
+/* Collects in `next` the blocks that are active after what is known now. */
+static enum status collect_next(struct deform *deform)
+{
+	struct active *active = deform->active;
+	soil_block_set_clear(&active->next);
+	TRY(add_all(&active->next, &active->known));
+	for (size_t i = 0; i <= active->visit_count; i++) {
+		if (i > 0)
+			TRY(deform_active_widen(deform, &active->next));
+		TRY(add_period(deform, &active->next, &active->periods[i]));
+	}
+	return STATUS_OK;
 }
 
 enum status deform_active_settle(struct deform *deform, bool *came)
 {
 	struct active *active = deform->active;
-	enum status status = take_flags(deform, came);
-	if (!*came || status != STATUS_OK)
-		return status;
-	soil_block_set_clear(&active->next);
-	status = add_all(&active->next, &active->known);
-	for (size_t i = 0; i <= active->visit_count && status == STATUS_OK; i++) {
-		if (i > 0)
-			status = deform_active_widen(deform, &active->next);
-		if (status == STATUS_OK)
-			status = add_period(deform, &active->next, &active->periods[i]);
-	}
+	TRY(take_flags(deform, came));
+	if (!*came)
+		return STATUS_OK;
+	enum status status = collect_next(deform);
 	struct soil_block_set was = active->blocks;
 	active->blocks = active->next;
 	active->next = was;
-	if (status == STATUS_OK && deform->params.touched)
-		status = guess_anew(deform);
-	return status == STATUS_OK ? gpu_check(deform->params.gpu, "the awake blocks") : status;
+	TRY(status);
+	if (deform->params.touched)
+		TRY(guess_anew(deform));
+	return gpu_check(deform->params.gpu, "the awake blocks");
 }
 
 enum status deform_active_wait(struct deform *deform)

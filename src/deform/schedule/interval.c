@@ -51,24 +51,29 @@ static unsigned sliding_planes(const struct deform_params *params)
 	return deform_planes(params->model, params->disturbance, false) & PLANE_BIT(PLANE_OFFSET);
 }
 
+static enum status make_results(struct deform *deform, uint32_t layers)
+{
+	for (int plane = 0; plane < PLANES; plane++)
+		if (sliding_planes(&deform->params) & PLANE_BIT(plane))
+			TRY(gpu_texture_create(deform->params.gpu, GPU_R32I, SIDE, SIDE, layers, &deform->interval->results[plane]));
+	return STATUS_OK;
+}
+
 static enum status need_results(struct deform *deform, size_t blocks)
 {
-	struct interval *interval = deform->interval;
 	uint32_t layers = deform->figures.result_layers;
 	while ((size_t)layers * RESULTS < blocks)
 		layers = layers != 0 ? 2 * layers : 1;
 	if (layers == deform->figures.result_layers)
 		return STATUS_OK;
 	drop_results(deform);
-	enum status status = STATUS_OK;
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
-		if (sliding_planes(&deform->params) & PLANE_BIT(plane))
-			status = gpu_texture_create(deform->params.gpu, GPU_R32I, SIDE, SIDE, layers, &interval->results[plane]);
-	if (status == STATUS_OK)
-		deform->figures.result_layers = layers;
-	else
+	enum status status = make_results(deform, layers);
+	if (status != STATUS_OK) {
 		drop_results(deform);
-	return status;
+		return status;
+	}
+	deform->figures.result_layers = layers;
+	return STATUS_OK;
 }
 
 static enum status make_quads(struct deform *deform)
@@ -84,17 +89,14 @@ static enum status make_quads(struct deform *deform)
 enum status deform_interval_create(struct deform *deform)
 {
 	struct interval *interval = mem_calloc(1, sizeof *interval);
-	if (interval == NULL)
-		return fail_memory("the awake blocks");
+	TRY_MEM(interval, "the awake blocks");
 	deform->interval = interval;
 	interval->limits = (struct region_limits){SIDE, (uint32_t)deform_slide_rim(deform), deform->params.extent->cells, RESULT_COLUMNS};
-	enum status status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL,
-					       &interval->flags);
-	if (status == STATUS_OK)
-		status = make_quads(deform);
-	if (status == STATUS_OK && deform_has_slopes(&deform->params))
-		status = gpu_texture_create(deform->params.gpu, GPU_R8UI, CELLS_ACROSS, CELLS_ACROSS, 0, &interval->cells);
-	return status == STATUS_OK ? need_results(deform, 1) : status;
+	TRY(gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL, &interval->flags));
+	TRY(make_quads(deform));
+	if (deform_has_slopes(&deform->params))
+		TRY(gpu_texture_create(deform->params.gpu, GPU_R8UI, CELLS_ACROSS, CELLS_ACROSS, 0, &interval->cells));
+	return need_results(deform, 1);
 }
 
 void deform_interval_plan(const struct deform_params *params, struct plan *plan)
@@ -144,27 +146,23 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 	if (interval == NULL)
 		return STATUS_OK;
 	interval->begun = 0;
-	enum status status = deform_active_visit(deform, &active);
-	if (status != STATUS_OK || active->count == 0)
-		return status;
+	TRY(deform_active_visit(deform, &active));
+	if (active->count == 0)
+		return STATUS_OK;
 	interval->objects = objects;
 	interval->object_count = object_count;
 	/* Makes all layers that the objects' windows will need. Making them later would lose the gathered posts. */
-	for (size_t i = 0; i < object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < object_count; i++) {
 		const struct deform_contact contact = rest_contact(&objects[i]);
 		struct deform_window windows[DEFORM_WINDOWS_MAX];
 		size_t needed;
-		status = deform_windows(deform, &contact, windows, &needed);
+		TRY(deform_windows(deform, &contact, windows, &needed));
 	}
-	if (status == STATUS_OK)
-		status = need_results(deform, active->count);
-	if (status == STATUS_OK)
-		status = deform_regions_cut(active, &interval->limits, &interval->regions);
+	TRY(need_results(deform, active->count));
+	TRY(deform_regions_cut(active, &interval->limits, &interval->regions));
 	gpu_buffer_clear(interval->flags, 0, active->count * sizeof(uint32_t));
-	if (status == STATUS_OK)
-		*size = (struct deform_interval){active->count, interval->regions.region_count, interval->regions.run_count,
-						 interval->regions.atlas_count};
-	return status;
+	*size = (struct deform_interval){active->count, interval->regions.region_count, interval->regions.run_count, interval->regions.atlas_count};
+	return STATUS_OK;
 }
 
 int64_t deform_interval_rim(const struct deform *deform)
@@ -209,9 +207,7 @@ static enum status hold(struct deform *deform, const struct deform_rest *object,
 		return STATUS_OK;
 	struct deform_request request;
 	deform_programs_held(&request);
-	enum status status = deform_program(deform, &request, &deform->held);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, &deform->held));
 	place_of(deform->interval, region, &x, &y);
 	int64_t zero = object->pose.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	const struct held_params params = {
@@ -246,16 +242,16 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 	const struct deform_contact contact = rest_contact(object);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count;
-	enum status status = deform_windows(deform, &contact, windows, &count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(deform_windows(deform, &contact, windows, &count));
+	for (size_t i = 0; i < count; i++) {
 		if (!overlaps(deform, windows[i].read, first, last))
 			continue;
-		status = deform_envelope(deform, &contact, &windows[i], 0);
 		deform->figures.resting += object->shape->kind != SOIL_MESH;
-		for (size_t region = first; region <= last && status == STATUS_OK; region++)
-			status = hold(deform, object, windows[i].read, deform_shadow(deform, &contact), region);
+		TRY(deform_envelope(deform, &contact, &windows[i], 0));
+		for (size_t region = first; region <= last; region++)
+			TRY(hold(deform, object, windows[i].read, deform_shadow(deform, &contact), region));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Returns the first post of a column or row of blocks, counted from the first post of the region's rim. Columns -1 and `blocks` are
@@ -342,10 +338,10 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	struct interval *interval = deform->interval;
 	const struct regions *regions = &interval->regions;
 	const struct gpu_rect all = {0, 0, SIDE, SIDE};
-	enum status status = STATUS_OK;
+	deform->figures.atlases++;
 	gpu_texture_clear(deform->contacts, deform->layers, all, 0);
-	for (size_t i = 0; i < interval->object_count && status == STATUS_OK; i++)
-		status = hold_all(deform, &interval->objects[i], first, last);
+	for (size_t i = 0; i < interval->object_count; i++)
+		TRY(hold_all(deform, &interval->objects[i], first, last));
 	for (size_t region = first; region <= last; region++)
 		close_others(deform, &regions->regions[region]);
 	struct slide_atlas atlas;
@@ -357,13 +353,11 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 		.atlas = &atlas,
 		.flags = {.words = interval->flags},
 	};
-	if (status == STATUS_OK)
-		status = deform_slide_run(deform, &place);
-	deform->figures.atlases++;
-	for (size_t region = first; region <= last && status == STATUS_OK; region++)
+	TRY(deform_slide_run(deform, &place));
+	for (size_t region = first; region <= last; region++)
 		for (uint32_t i = 0; i < regions->regions[region].run_count; i++)
 			keep(deform, &regions->runs[regions->regions[region].first_run + i]);
-	return status == STATUS_OK ? gpu_check(deform->params.gpu, "sliding") : status;
+	return gpu_check(deform->params.gpu, "sliding");
 }
 
 void deform_interval_gather_part(struct deform *deform, size_t region, const struct tile_slot *tiles, size_t count)
@@ -400,12 +394,9 @@ enum status deform_interval_warm(struct deform *deform, const struct soil_shape 
 	const struct deform_rest object = {.shape = shape};
 	interval->begun = 0;
 	interval->object_count = 0;
-	enum status status = deform_regions_one((struct soil_block){-4, -4}, &interval->limits, &interval->regions);
-	if (status == STATUS_OK)
-		status = deform_interval_gather(deform, 0, NULL, 0);
-	if (status == STATUS_OK)
-		status = hold(deform, &object, deform_interval_reads(deform, 0), deform_interval_reads(deform, 0), 0);
-	return status;
+	TRY(deform_regions_one((struct soil_block){-4, -4}, &interval->limits, &interval->regions));
+	TRY(deform_interval_gather(deform, 0, NULL, 0));
+	return hold(deform, &object, deform_interval_reads(deform, 0), deform_interval_reads(deform, 0), 0);
 }
 
 enum status deform_interval_scatter(struct deform *deform, size_t run, const struct tile_slot *tiles, size_t count)

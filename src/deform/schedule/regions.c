@@ -210,10 +210,10 @@ static void add_runs(const struct soil_block_set *set, struct regions *regions, 
 
 enum status deform_regions_cut(const struct soil_block_set *set, const struct region_limits *limits, struct regions *regions)
 {
-	enum status status = need(regions, set->count);
 	regions->region_count = regions->run_count = regions->atlas_count = 0;
-	if (status != STATUS_OK || set->count == 0)
-		return status;
+	TRY(need(regions, set->count));
+	if (set->count == 0)
+		return STATUS_OK;
 	memset(regions->owners, 0, set->count * sizeof *regions->owners);
 	for (size_t i = 0; i < set->count; i++) {
 		if (regions->owners[i] != 0)
@@ -235,9 +235,7 @@ enum status deform_regions_cut(const struct soil_block_set *set, const struct re
 
 enum status deform_regions_one(struct soil_block block, const struct region_limits *limits, struct regions *regions)
 {
-	enum status status = need(regions, 1);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need(regions, 1));
 	regions->regions[0] = (struct region){.x = block.x, .y = block.y, .columns = 1, .rows = 1, .run_count = 1};
 	regions->runs[0] = (struct run){.first = block, .count = 1};
 	regions->region_count = regions->run_count = 1;

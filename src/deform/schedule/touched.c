@@ -39,16 +39,14 @@ static enum status make_room(struct touched *touched)
 	if (touched->blocks.count == touched->which_room) {
 		size_t room = touched->which_room != 0 ? 2 * touched->which_room : 64;
 		uint32_t *whiches = mem_realloc(touched->whiches, room, sizeof *whiches);
-		if (whiches == NULL)
-			return fail_memory("the touched ground");
+		TRY_MEM(whiches, "the touched ground");
 		touched->whiches = whiches;
 		touched->which_room = room;
 	}
 	if (touched->count == touched->room) {
 		size_t room = touched->room != 0 ? 2 * touched->room : 64;
 		void *rows = mem_realloc(touched->rows, room, sizeof *touched->rows);
-		if (rows == NULL)
-			return fail_memory("the touched ground");
+		TRY_MEM(rows, "the touched ground");
 		touched->rows = rows;
 		touched->room = room;
 		memset(touched->rows[0], 0xff, sizeof *touched->rows);
@@ -62,11 +60,8 @@ static enum status add_rows(struct touched *touched, struct soil_block block, co
 	size_t at = soil_block_set_place(&touched->blocks, block);
 	if (at == touched->blocks.count) {
 		bool all = true;
-		enum status status = make_room(touched);
-		if (status == STATUS_OK)
-			status = soil_block_set_add(&touched->blocks, block);
-		if (status != STATUS_OK)
-			return status;
+		TRY(make_room(touched));
+		TRY(soil_block_set_add(&touched->blocks, block));
 		for (int y = 0; y < SOIL_BLOCK; y++)
 			all = all && rows[y] == UINT32_MAX;
 		touched->whiches[at] = all ? 0 : (uint32_t)touched->count;
@@ -88,20 +83,19 @@ static struct post_rect within(struct post_rect rect)
 enum status deform_touched_add(struct touched *touched, struct post_rect rect)
 {
 	rect = within(rect);
-	enum status status = STATUS_OK;
 	if (post_rect_empty(rect))
 		return STATUS_OK;
 	for (int64_t by = rect.y0 / SOIL_BLOCK; by <= (rect.y1 - 1) / SOIL_BLOCK; by++)
-		for (int64_t bx = rect.x0 / SOIL_BLOCK; bx <= (rect.x1 - 1) / SOIL_BLOCK && status == STATUS_OK; bx++) {
+		for (int64_t bx = rect.x0 / SOIL_BLOCK; bx <= (rect.x1 - 1) / SOIL_BLOCK; bx++) {
 			uint32_t rows[SOIL_BLOCK];
 			uint32_t across = columns(rect.x0 - bx * SOIL_BLOCK, rect.x1 - bx * SOIL_BLOCK);
 			for (int64_t y = 0; y < SOIL_BLOCK; y++) {
 				int64_t post = by * SOIL_BLOCK + y;
 				rows[y] = post >= rect.y0 && post < rect.y1 ? across : 0;
 			}
-			status = add_rows(touched, (struct soil_block){bx, by}, rows);
+			TRY(add_rows(touched, (struct soil_block){bx, by}, rows));
 		}
-	return status;
+	return STATUS_OK;
 }
 
 bool deform_touched_any(const struct touched *touched, struct post_rect rect)

@@ -55,9 +55,7 @@ enum status deform_under_run(struct deform *deform, const struct under_params *p
 	struct deform_request request;
 	deform_programs_envelope(&deform->params, params->kind, params->sideways, &request);
 	struct gpu_program **program = &deform->under_program[params->kind + (params->sideways ? SOIL_SHAPES : 0)];
-	enum status status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_ENVELOPE,
 		.program = *program,
@@ -77,7 +75,7 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 	if (contact->shape->kind == SOIL_MESH)
 		return deform_mesh(deform, contact, window, layer);
 	deform_under_of(deform, contact, read.x0, read.y0, &params);
-	enum status status = deform_under_run(deform, &params, deform_window_rect(window), layer);
+	TRY(deform_under_run(deform, &params, deform_window_rect(window), layer));
 	bool grousers = contact->shape->kind == SOIL_WHEEL && contact->shape->grousers > 0;
-	return status == STATUS_OK && grousers ? deform_grousers(deform, contact, window, layer) : status;
+	return grousers ? deform_grousers(deform, contact, window, layer) : STATUS_OK;
 }

@@ -31,8 +31,7 @@ void deform_facets_plan(const char *effect, struct plan *plan)
 static enum status make(struct deform *deform)
 {
 	struct facets *facets = mem_calloc(1, sizeof *facets);
-	if (facets == NULL)
-		return fail_memory("the triangles of objects");
+	TRY_MEM(facets, "the triangles of objects");
 	enum status status = gpu_list_create(deform->params.gpu, sizeof facets->list, &facets->sent);
 	if (status != STATUS_OK) {
 		mem_free(facets);
@@ -46,11 +45,9 @@ enum status deform_facets_begin(struct deform *deform, struct post_rect read, ui
 {
 	struct deform_request request;
 	deform_programs_facet(&deform->params, &request);
-	enum status status = deform_program(deform, &request, &deform->facet);
-	if (status == STATUS_OK && deform->facets == NULL)
-		status = make(deform);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, &deform->facet));
+	if (deform->facets == NULL)
+		TRY(make(deform));
 	deform->facets->read = read;
 	deform->facets->layer = layer;
 	deform->facets->count = 0;

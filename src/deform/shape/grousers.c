@@ -9,9 +9,7 @@ enum status deform_grousers(struct deform *deform, const struct deform_contact *
 			uint32_t layer)
 {
 	const struct facets_motion motion = deform_facets_motion(deform, contact, window);
-	enum status status = deform_facets_begin(deform, window->read, layer);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_facets_begin(deform, window->read, layer));
 	soil_grouser_facets(&motion, deform_facets_add, deform);
 	deform_facets_end(deform);
 	return STATUS_OK;

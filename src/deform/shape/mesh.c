@@ -21,16 +21,15 @@ enum status deform_mesh(struct deform *deform, const struct deform_contact *cont
 	const struct facets_motion motion = deform_facets_motion(deform, contact, window);
 	const struct gpu_rect all = deform_window_rect(window);
 	struct facet_corner *corners = mem_alloc(contact->shape->mesh->vertex_count, sizeof *corners);
-	if (corners == NULL)
-		return fail_memory("the vertices of a mesh");
-	enum status status = deform_facets_begin(deform, window->read, layer);
-	if (status == STATUS_OK) {
-		gpu_texture_clear(deform->under, layer, all, UNDER_NONE);
-		if (deform->rest != NULL)
-			gpu_texture_clear(deform->rest, layer, all, UNDER_NONE);
-		soil_mesh_facets(&motion, corners, deform_facets_add, deform);
-		deform_facets_end(deform);
-	}
+	TRY_MEM(corners, "the vertices of a mesh");
+	enum status status;
+	TRY_OR(done, deform_facets_begin(deform, window->read, layer));
+	gpu_texture_clear(deform->under, layer, all, UNDER_NONE);
+	if (deform->rest != NULL)
+		gpu_texture_clear(deform->rest, layer, all, UNDER_NONE);
+	soil_mesh_facets(&motion, corners, deform_facets_add, deform);
+	deform_facets_end(deform);
+done:
 	mem_free(corners);
 	return status;
 }

@@ -8,9 +8,7 @@ static enum status filter(struct deform *deform, struct post_rect read, uint32_t
 {
 	struct deform_request request;
 	deform_programs_box(&deform->params, &request);
-	enum status status = deform_program(deform, &request, &deform->box);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, &deform->box));
 	struct layer *scratch = &deform->scratch[layer];
 	struct window_params params = deform_window_params(read, layer);
 	for (int i = 0; i < deform->params.box_repetitions; i++) {
@@ -32,17 +30,15 @@ static enum status filter(struct deform *deform, struct post_rect read, uint32_t
 static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			   uint32_t layer)
 {
-	enum status status = deform_contact_plainly(deform, contact, window, layer);
+	TRY(deform_contact_plainly(deform, contact, window, layer));
 	/* A contact without motion leaves no post, so there is nothing to smooth. */
-	if (status == STATUS_OK && !deform_is_contact_only(contact))
-		status = filter(deform, window->read, layer);
-	return status;
+	return deform_is_contact_only(contact) ? STATUS_OK : filter(deform, window->read, layer);
 }
 
 static enum status batch(struct deform *deform)
 {
-	enum status status = deform_batch_contact(deform);
-	return status == STATUS_OK ? deform_batch_smooth(deform) : status;
+	TRY(deform_batch_contact(deform));
+	return deform_batch_smooth(deform);
 }
 
 const struct soil_model deform_model_box = {

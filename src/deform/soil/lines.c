@@ -29,9 +29,7 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 	struct deform_request request;
 	deform_programs_lines(&deform->params, diagonal, &request);
 	struct gpu_program **program = &deform->lines[diagonal];
-	enum status status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	/* Longer lines would take more turns of a loop than drivers allow. The pass still runs, and its invocations do nothing. */
 	bool large = place->all.width > SIDE || place->all.height > SIDE;
 	const struct gpu_rect w = large ? (struct gpu_rect){0, 0, 0, 0} : place->written;
@@ -57,8 +55,7 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights)
 {
-	enum status status = STATUS_OK;
-	for (int i = 0; i < deform_line_passes(&deform->params) && status == STATUS_OK; i++)
-		status = run(deform, place, heights, soil_sliding_direction(place->first, i));
-	return status;
+	for (int i = 0; i < deform_line_passes(&deform->params); i++)
+		TRY(run(deform, place, heights, soil_sliding_direction(place->first, i)));
+	return STATUS_OK;
 }

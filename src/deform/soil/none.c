@@ -3,8 +3,8 @@
 
 static enum status batch(struct deform *deform)
 {
-	enum status status = deform_batch_contact(deform);
-	return status == STATUS_OK ? deform_batch_store(deform) : status;
+	TRY(deform_batch_contact(deform));
+	return deform_batch_store(deform);
 }
 
 const struct soil_model deform_model_none = {

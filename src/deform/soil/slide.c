@@ -186,9 +186,7 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	struct deform_request request;
 	deform_programs_begin(&deform->params, over_of(place), &request);
 	struct gpu_program **program = &deform->slide_begin[over_of(place)];
-	enum status status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	struct slide_params params = begin_params(deform, place);
 	/* Iterations need no heights where only the extents of slopes are found. Marking steep posts reads one post more. */
 	int64_t reach = deform_slope_reach(&deform->params);
@@ -234,9 +232,7 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 	struct deform_request request;
 	deform_programs_slide(&deform->params, SLIDE_EXCESS, over_of(place), last, &request);
 	struct gpu_program **program = &deform->slide[over_of(place)][last];
-	enum status status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	bool slopes = place->atlas != NULL && deform_has_slopes(&deform->params);
 	struct excess_params params = excess_params(deform, place);
 	if (slopes)
@@ -257,9 +253,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 	struct deform_request request;
 	deform_programs_slide(&deform->params, SLIDE_SHED, over_of(place), false, &request);
 	struct gpu_program **program = &deform->shed[over_of(place)];
-	enum status status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
 	struct shed_params params = {.slide = slide_params(place, rim)};
 	for (int i = 0; i < deform->params.soil_count; i++) {
@@ -289,15 +283,11 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 static enum status shed_and_take(struct deform *deform, const struct slide_place *place, int iteration)
 {
 	bool last = iteration == deform->params.iterations - 1;
-	enum status status = shed(deform, place, iteration);
-	if (status != STATUS_OK)
-		return status;
+	TRY(shed(deform, place, iteration));
 	struct deform_request request;
 	deform_programs_slide(&deform->params, SLIDE_TAKE, over_of(place), last, &request);
 	struct gpu_program **program = &deform->slide[over_of(place)][last];
-	status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	const struct slide_params params = slide_params(place, deform_slide_rim(deform));
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
@@ -325,16 +315,15 @@ const struct soil_slide deform_slide_shed = {
 
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place)
 {
-	enum status status = begin(deform, place);
-	if (status == STATUS_OK && place->atlas != NULL && deform_has_slopes(&deform->params))
-		status = deform_slopes_run(deform, place);
-	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++) {
+	TRY(begin(deform, place));
+	if (place->atlas != NULL && deform_has_slopes(&deform->params))
+		TRY(deform_slopes_run(deform, place));
+	for (int i = 0; i < deform->params.iterations; i++) {
 		if (i == deform->params.iterations - 1 && place->atlas == NULL)
-			status = deform_lines_run(deform, place, i % 2);
-		if (status == STATUS_OK)
-			status = slide_of(&deform->params)->iterate(deform, place, i);
+			TRY(deform_lines_run(deform, place, i % 2));
+		TRY(slide_of(&deform->params)->iterate(deform, place, i));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 struct slide_place deform_slide_place(struct deform *deform, const struct deform_window *window, uint32_t layer)
@@ -359,6 +348,6 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
 				    uint32_t layer)
 {
-	enum status status = deform_spread(deform, spread, window, layer);
-	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
+	TRY(deform_spread(deform, spread, window, layer));
+	return deform_slide(deform, window, layer);
 }

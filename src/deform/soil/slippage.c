@@ -11,8 +11,8 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 			   uint32_t layer)
 {
 	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
-	enum status status = deform_contact_plainly(deform, contact, window, layer);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
+	TRY(deform_contact_plainly(deform, contact, window, layer));
+	return deform_spread_and_slide(deform, &spread, window, layer);
 }
 
 static double laid_at(const struct soil_numbers *soil)

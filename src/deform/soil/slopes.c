@@ -88,9 +88,7 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 	enum slope_hop kind = first ? SLOPE_FIRST : last ? SLOPE_LAST : SLOPE_BETWEEN;
 	struct gpu_program **program = &deform->slope[kind];
 	deform_programs_slope(&deform->params, kind, &request);
-	enum status status = deform_program(deform, &request, program);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, program));
 	int64_t way = deform->sliding.ways[number];
 	bool near = after(deform, number) <= NEAR_HOPS;
 	struct slope_params params = {
@@ -119,9 +117,7 @@ static enum status mark(struct deform *deform, const struct slide_place *place)
 {
 	struct deform_request request;
 	deform_programs_steep(&request);
-	enum status status = deform_program(deform, &request, &deform->steep);
-	if (status != STATUS_OK)
-		return status;
+	TRY(deform_program(deform, &request, &deform->steep));
 	/* For diagonal neighbours it is sqrt(2) times as large, by the same sum as in slide_excess.frag. */
 	int32_t slope = deform->sliding.slope_least, least[2] = {slope, soil_sliding_diagonal(slope)};
 	for (int i = 0; i < deform->params.soil_count; i++)
@@ -147,8 +143,8 @@ static enum status mark(struct deform *deform, const struct slide_place *place)
 
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place)
 {
-	enum status status = mark(deform, place);
-	for (int number = 0; number < deform->sliding.hops && status == STATUS_OK; number++)
-		status = hop(deform, place, number);
-	return status;
+	TRY(mark(deform, place));
+	for (int number = 0; number < deform->sliding.hops; number++)
+		TRY(hop(deform, place, number));
+	return STATUS_OK;
 }

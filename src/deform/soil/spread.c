@@ -84,9 +84,7 @@ enum status deform_spread(struct deform *deform, const struct spread_params *par
 	for (int pass = 0; pass < SPREAD_PASSES; pass++) {
 		struct deform_request request;
 		deform_programs_spread(&deform->params, (enum spread_pass)pass, &request);
-		enum status status = deform_program(deform, &request, &deform->spread[pass]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(deform_program(deform, &request, &deform->spread[pass]));
 		gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 			.stage = GPU_SPREAD,
 			.program = deform->spread[pass],

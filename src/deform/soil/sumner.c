@@ -18,8 +18,8 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.kept[i][0] = (uint32_t)floor(ldexp(1 - deform->params.soils[i].compression, 31));
 	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
-	enum status status = deform_run_contact(deform, &params, sizeof params, window, layer);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
+	TRY(deform_run_contact(deform, &params, sizeof params, window, layer));
+	return deform_spread_and_slide(deform, &spread, window, layer);
 }
 
 static double laid_at(const struct soil_numbers *soil)

@@ -143,8 +143,7 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 		mem_free(work->memory);
 		work->room = 0;
 		work->memory = mem_alloc(all + all / 2, sizeof(float));
-		if (work->memory == NULL)
-			return fail_memory("the raster of a mesh");
+		TRY_MEM(work->memory, "the raster of a mesh");
 		work->room = (all + all / 2) * sizeof(float);
 	}
 	float *memory = work->memory;
@@ -363,9 +362,7 @@ enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form,
 	const struct soil_pose *to = &body->motion->to;
 	double at[2], own[3][3], extent[2];
 	float axes[3][3], bounds[3][2];
-	enum status status = soil_surface_of(&work->surfaces, body->motion->shape->mesh, &work->surface);
-	if (status != STATUS_OK)
-		return status;
+	TRY(soil_surface_of(&work->surfaces, body->motion->shape->mesh, &work->surface));
 	const struct soil_surface *surface = work->surface;
 	soil_axes(to->yaw, to->pitch, to->roll, 0, own);
 	for (int i = 0; i < 3; i++)
@@ -377,9 +374,7 @@ enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form,
 	for (int k = 0; k < 2; k++)
 		extent[k] = (double)most(-bounds[k][0], bounds[k][1]);
 	lay_out(body, form, extent, fine, at);
-	status = need(work, fine, surface->vertex_count, surface->triangle_count);
-	if (status != STATUS_OK)
-		return status;
+	TRY(need(work, fine, surface->vertex_count, surface->triangle_count));
 	put_places(surface, (const float[2]){(float)at[0], (float)at[1]}, fine->by_step, work->u, work->v, work->z);
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows;
 	for (size_t i = 0; i < places; i++)

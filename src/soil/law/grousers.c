@@ -148,8 +148,7 @@ enum status soil_grousers_draw(const struct soil_body *body, const struct post_r
 	const size_t count = (size_t)(below->x1 - below->x0) * (size_t)(below->y1 - below->y0);
 	if (2 * count > work->room) {
 		float *memory = mem_realloc(work->memory, 3 * count, sizeof *memory);
-		if (memory == NULL)
-			return fail_memory("grousers");
+		TRY_MEM(memory, "grousers");
 		work->memory = memory;
 		work->room = 3 * count;
 	}

@@ -24,8 +24,7 @@ enum status soil_posts_need(struct soil_posts *posts, size_t count)
 	const size_t capacity = (count + count / 2 + 3 * POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;
 	soil_posts_finish(posts);
 	char *memory = mem_alloc(ARRAYS * capacity, sizeof(float));
-	if (memory == NULL)
-		return fail_memory("posts under a body");
+	TRY_MEM(memory, "posts under a body");
 	posts->memory = memory;
 #define POSTS_PLACE(name) posts->name = (void *)memory, memory += capacity * sizeof(float);
 	POSTS_WHOLES_EACH(POSTS_PLACE)

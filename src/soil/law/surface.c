@@ -223,9 +223,7 @@ enum status soil_surface_of(struct soil_surfaces *surfaces, const struct soil_me
 	if (*out != NULL)
 		return STATUS_OK;
 	struct soil_surface *s = &surfaces->kept[surfaces->next];
-	enum status status = make(mesh, s);
-	if (status != STATUS_OK)
-		return status;
+	TRY(make(mesh, s));
 	surfaces->next = (surfaces->next + 1) % SURFACES;
 	*out = s;
 	return STATUS_OK;

@@ -38,10 +38,8 @@ static double mesh_across(const struct soil_mesh *mesh)
 enum status soil_shape_check(const struct soil_shape *shape, double spacing)
 {
 	double least = 2 * shape->radius, most = 2 * shape->radius;
-	enum status status = shape->kind == SOIL_WHEEL ? check_grousers(shape) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
 	if (shape->kind == SOIL_WHEEL) {
+		TRY(check_grousers(shape));
 		least = fmin(least, shape->width);
 		most = hypot(2 * soil_body_wheel_radius(shape), shape->width);
 	} else if (shape->kind == SOIL_MESH) {

@@ -33,30 +33,27 @@ struct post_rect soil_active_near(struct post_rect world, int64_t rim, struct po
 enum status soil_active_add_near(struct soil_block_set *set, struct post_rect world, int64_t rim, struct post_rect changed)
 {
 	const struct post_rect posts = soil_active_near(world, rim, changed);
-	enum status status = STATUS_OK;
 	for (int64_t y = posts.y0 / SOIL_BLOCK; y < posts.y1 / SOIL_BLOCK; y++)
-		for (int64_t x = posts.x0 / SOIL_BLOCK; x < posts.x1 / SOIL_BLOCK && status == STATUS_OK; x++)
-			status = soil_block_set_add(set, (struct soil_block){x, y});
-	return status;
+		for (int64_t x = posts.x0 / SOIL_BLOCK; x < posts.x1 / SOIL_BLOCK; x++)
+			TRY(soil_block_set_add(set, (struct soil_block){x, y}));
+	return STATUS_OK;
 }
 
 enum status soil_active_add_word(struct soil_block_set *set, struct post_rect world, struct soil_block block, uint32_t word)
 {
 	static const int ways[9][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
-	enum status status = STATUS_OK;
-	for (int way = 0; way < 9 && status == STATUS_OK; way++)
+	for (int way = 0; way < 9; way++)
 		if (word & 1u << way)
-			status = soil_active_add(set, world, (struct soil_block){block.x + ways[way][0], block.y + ways[way][1]});
-	return status;
+			TRY(soil_active_add(set, world, (struct soil_block){block.x + ways[way][0], block.y + ways[way][1]}));
+	return STATUS_OK;
 }
 
 enum status soil_active_add_words(struct soil_block_set *set, struct post_rect world, struct post_rect blocks, const uint32_t *words)
 {
-	enum status status = STATUS_OK;
 	for (int64_t y = blocks.y0; y < blocks.y1; y++)
-		for (int64_t x = blocks.x0; x < blocks.x1 && status == STATUS_OK; x++)
-			status = soil_active_add_word(set, world, (struct soil_block){x, y}, *words++);
-	return status;
+		for (int64_t x = blocks.x0; x < blocks.x1; x++)
+			TRY(soil_active_add_word(set, world, (struct soil_block){x, y}, *words++));
+	return STATUS_OK;
 }
 
 void soil_active_close(const struct soil_block_set *set, const struct soil_planes *planes)

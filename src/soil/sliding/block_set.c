@@ -34,12 +34,10 @@ static enum status grow(struct soil_block_set *set)
 {
 	size_t room = set->room != 0 ? 2 * set->room : 128;
 	struct soil_block *blocks = mem_realloc(set->blocks, room / 2, sizeof *blocks);
-	if (blocks == NULL)
-		return fail_memory("the active blocks");
+	TRY_MEM(blocks, "the active blocks");
 	set->blocks = blocks;
 	uint32_t *places = mem_realloc(set->places, room, sizeof *places);
-	if (places == NULL)
-		return fail_memory("the active blocks");
+	TRY_MEM(places, "the active blocks");
 	set->places = places;
 	set->room = room;
 	index_all(set);
@@ -48,11 +46,8 @@ static enum status grow(struct soil_block_set *set)
 
 enum status soil_block_set_add(struct soil_block_set *set, struct soil_block block)
 {
-	if (2 * set->count == set->room) {
-		enum status status = grow(set);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (2 * set->count == set->room)
+		TRY(grow(set));
 	size_t place = place_of(set, block);
 	if (set->places[place] == 0) {
 		set->blocks[set->count++] = block;

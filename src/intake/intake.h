@@ -1,0 +1,100 @@
+/*
+ * Elevation data to a store. An import takes options by the command's names, opens its sources, and makes the store by an intake.
+ * An intake writes rows of posts from any reader; synthetic terrain needs no more. Any thread; one thread at a time uses an import
+ * or an intake. Many threads pack tiles within one (`jobs`).
+ */
+#ifndef FURROW_INTAKE_INTAKE_H
+#define FURROW_INTAKE_INTAKE_H
+
+#include "dem/dem.h"
+#include "store/store.h"
+
+/* --- intake: rows of posts to a store --- */
+
+struct intake {
+	const char *path; /* of the store to make */
+	struct store_meta meta; /* describes the store; its errors are results. If it has a request, an interrupted import can be resumed later */
+	bool overwrite, resume;
+	bool force; /* with `overwrite`: also a store that overlays depend on, or that has snapshots */
+	int64_t jobs; /* threads that pack; 1: one thread for everything */
+	dem_posts_fn posts;
+	void *posts_user;
+	double rounded; /* as in struct dem_cut */
+	/* as dem_misfit, with posts_user; NULL: the posts are the sources' own */
+	enum status (*misfit)(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *misfit);
+	int64_t panel_posts; /* as in struct dem_cut */
+	struct dem_insets *insets; /* NULL: there are none */
+	const char *none; /* what to look at if no post has a height: the end of that error; NULL: a store without heights is made */
+	/* called with the rows done and all rows; NULL: no calls. If it returns STATUS_INTERRUPTED, the import stops */
+	dem_progress_fn progress;
+	void *progress_user;
+	/* Results, once the store is made: */
+	double low, high; /* of all heights, metres */
+	int64_t stored;   /* tiles that were already there */
+	int64_t bytes;    /* of the file */
+	double seconds;   /* time that it took */
+};
+
+/* Makes the complete store, or none. Any thread. */
+enum status intake_run(struct intake *intake) FURROW_CHECKED;
+
+/* Returns the default error: half the source's own unit, or a millimetre for floats (unit 0). */
+double intake_default_error(double unit);
+/*
+ * Returns the step of height codes, metres: twice the error, down to a multiple of 2^-10 m. A float holds every multiple of that
+ * below 16 km exactly. So the error bound also holds in an exported raster. A step below 2^-10 m is a power of two. With the
+ * source's own unit as step, whole numbers are exact; no smaller bound improves them. `whole`: as in dem_info.
+ */
+double intake_step(double max_error, double unit, bool whole);
+/* Returns a step of at most `step` of which `coarse` is a multiple, if `coarse` is the larger one: `coarse` halved often enough. */
+double intake_common_step(double coarse, double step);
+
+/* --- import: sources and options to a store --- */
+
+#define IMPORT_NODATA_MOST 32
+
+/* intake_import_init -> intake_import_option ... -> intake_import_open -> intake_import_run -> intake_import_finish */
+struct import {
+	struct dem_params dem;
+	int64_t tile, jobs;
+	double max_error; /* m; below 0: the default */
+	double feather;   /* m; below 0: the default */
+	bool match_heights;
+	bool allow_network; /* dem_network_begin was called */
+	char **inset_sources; /* owned; those that were named */
+	size_t inset_count;
+	enum store_pack pack;
+	bool resume, overwrite, force;
+	double nodata[IMPORT_NODATA_MOST];
+	/* After intake_import_open: */
+	struct dem *opened;
+	const char **inset_paths; /* of all insets, one inset after the other */
+	struct dem_inset_source *inset_from;
+	struct dem_insets *insets; /* NULL: there are none */
+	double coarse_step; /* m: heights of the terrain are rounded to multiples of it; 0: they are stored as they come */
+	struct store_meta meta; /* of the store that will be made */
+	char *lines, *inset_lines, *description, *texts[6];
+};
+
+void intake_import_init(struct import *import); /* sets all options to their defaults */
+void intake_import_finish(struct import *import);
+/* Sets an option by the command's long name, with dashes or underlines. `value`: as the command takes it; of a switch "",
+ * "true" or "false". `nodata` adds one value. STATUS_USAGE: there is no such option, or it does not take this value. */
+enum status intake_import_option(struct import *import, const char *name, const char *value) FURROW_CHECKED;
+bool intake_import_has_option(const char *name);
+/* How an option takes a list. */
+enum import_list {
+	IMPORT_NO_LIST, /* it has one value */
+	IMPORT_EACH,    /* a call of intake_import_option for each value */
+	IMPORT_JOINED   /* one call, with the values parted by commas */
+};
+enum import_list intake_import_list(const char *name); /* IMPORT_NO_LIST of a name that is no option, too */
+/* The values of `r`, `radii`, `pack` and `s-unit`, ended by NULL. */
+extern const char *const intake_import_methods[], *const intake_import_radii[], *const intake_import_packs[],
+	*const intake_import_units[];
+/* Opens the sources, which must outlive the import. Writes nothing. STATUS_INPUT: they give no terrain. */
+enum status intake_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
+/* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */
+enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made) FURROW_CHECKED;
+
+#endif
