@@ -13,7 +13,8 @@
 
 static bool make_room(struct object_mesh *mesh)
 {
-	mesh->failed = mesh->failed || mem_grow(&mesh->corners, &mesh->corner_room, mesh->corner_count + 1, sizeof *mesh->corners, "objects") != STATUS_OK ||
+	mesh->failed = mesh->failed ||
+		       mem_grow(&mesh->corners, &mesh->corner_room, mesh->corner_count + 1, sizeof *mesh->corners, "objects") != STATUS_OK ||
 		       mem_grow(&mesh->indices, &mesh->index_room, mesh->index_count + 3, sizeof *mesh->indices, "objects") != STATUS_OK;
 	return !mesh->failed;
 }
