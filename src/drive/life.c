@@ -290,6 +290,9 @@ static enum status roll_rows_back(struct drive *drive)
 
 enum status drive_rollback(struct drive *drive)
 {
+	/* What happened since the last step goes back, too. So it does not matter if the view cannot be told of it. */
+	if (drive->view != NULL && render_view_update(drive->view) != STATUS_OK)
+		world_happened_clear(drive->world);
 	TRY(world_rollback(drive->world));
 	const enum status status = roll_rows_back(drive);
 	if (status != STATUS_OK)

@@ -157,6 +157,30 @@ static void a_step_whose_rows_have_no_room_is_rolled_back(void **state)
 	free(other);
 }
 
+/* --- what a view is still to learn --- */
+
+/* A touch names the shape of its body, and a rollback frees bodies that were added since the checkpoint. */
+static void a_rollback_forgets_touches_of_bodies_that_go(void **state)
+{
+	static uint8_t rgb[48][64][3];
+	const double half = sqrt(0.5);
+	const struct furrow_camera camera = {sizeof camera, {{10, 16, 110}, {half, 0, half, 0}}, 0.8, 64, 48};
+	struct furrow_world *world = hosted_world("touches.furrow");
+	done(furrow_checkpoint(world));
+	const furrow_body ball = hosted_ball(world, 10, 16);
+	done(furrow_render(world, &camera, rgb[0][0], NULL));
+	hosted_move(world, ball, 10, 16, 100.4);
+	hosted_move(world, ball, 10.01, 16, 100.4); /* too little for a contact in the step */
+	assert_int_equal(world_happened(world->world)->touch_count, 0);
+	point_at(world, 12, 16); /* makes that contact */
+	assert_int_equal(world_happened(world->world)->touch_count, 1);
+	done(furrow_rollback(world));
+	assert_int_equal(world_happened(world->world)->touch_count, 0);
+	assert_int_equal(world_happened(world->world)->change_count, 0);
+	done(furrow_render(world, &camera, rgb[0][0], NULL));
+	done(furrow_world_close(world));
+}
+
 TEST_PROGRAM(steps)
 {
 	const struct CMUnitTest tests[] = {
@@ -164,6 +188,7 @@ TEST_PROGRAM(steps)
 		cmocka_unit_test(a_contact_on_a_path_has_the_time_of_its_path_sample),
 		cmocka_unit_test(a_step_of_too_many_path_samples_is_refused),
 		cmocka_unit_test(a_step_whose_rows_have_no_room_is_rolled_back),
+		cmocka_unit_test(a_rollback_forgets_touches_of_bodies_that_go),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
