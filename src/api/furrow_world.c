@@ -218,11 +218,12 @@ furrow_status furrow_world_close(struct furrow_world *world)
 	if (status != STATUS_OK) /* without its own context, the world would delete what is in the host's */
 		return api_library_leave(&call, status);
 	status = end(world);
+	const char *how = ended(world, status); /* a world that is stopped does not tell whether it was torn */
 	drive_stop(world->drive);
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (world->output != NULL) {
-		enum status written = write_report(world, ended(world, status));
+		enum status written = write_report(world, how);
 		if (status == STATUS_OK && written != STATUS_OK) {
 			status = written;
 			failure_capture(&failure, status);

@@ -157,6 +157,26 @@ static void a_step_whose_rows_have_no_room_is_rolled_back(void **state)
 	free(other);
 }
 
+/* All whole steps are committed, so that closing it succeeds. */
+static void a_world_that_is_torn_when_it_is_closed_has_failed(void **state)
+{
+	char folder[4000], path[4096];
+	snprintf(folder, sizeof folder, "%s", support_path("torn"));
+	snprintf(path, sizeof path, "%s/run.json", folder);
+	support_store(support_path("torn.furrow"), hosted_extent, hosted_flat);
+	struct furrow_open open = hosted_open(ROWS, support_path("torn.furrow"));
+	open.output = folder;
+	struct furrow_world *world;
+	done(furrow_world_open(&open, &world));
+	done(furrow_step(world, 0));
+	done(furrow_checkpoint(world));
+	world_tear(world->world);
+	done(furrow_world_close(world));
+	char *text = support_text(path);
+	assert_non_null(strstr(text, "\"failed\""));
+	free(text);
+}
+
 /* --- what a view is still to learn --- */
 
 /* A touch names the shape of its body, and a rollback frees bodies that were added since the checkpoint. */
@@ -188,6 +208,7 @@ TEST_PROGRAM(steps)
 		cmocka_unit_test(a_contact_on_a_path_has_the_time_of_its_path_sample),
 		cmocka_unit_test(a_step_of_too_many_path_samples_is_refused),
 		cmocka_unit_test(a_step_whose_rows_have_no_room_is_rolled_back),
+		cmocka_unit_test(a_world_that_is_torn_when_it_is_closed_has_failed),
 		cmocka_unit_test(a_rollback_forgets_touches_of_bodies_that_go),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
