@@ -163,6 +163,8 @@ enum status world_rollback(struct world *world)
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;
 	memcpy(world->record, saved->record, world_record_bytes_with(objects, world->record->attached_count));
+	world_batches_forget(world); /* contacts of a step that failed */
+	world_meetings_forget(world);
 	world_happened_clear(world); /* it names bodies that may go now */
 	restore_bodies(world, saved);
 	world->near.stale = true;

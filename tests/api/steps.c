@@ -157,6 +157,43 @@ static void a_step_whose_rows_have_no_room_is_rolled_back(void **state)
 	free(other);
 }
 
+#define BALLS 17 /* more than the list of contacts has room for at first, so that it grows while others wait */
+
+/* Presses all balls in a step in which this allocation fails; 0: none. */
+static furrow_status press_all(struct furrow_world *world, const furrow_body balls[BALLS], uint64_t nth)
+{
+	struct furrow_state states[BALLS];
+	for (int i = 0; i < BALLS; i++)
+		states[i] = hosted_state(3 + 1.5 * i, 16, 100.4);
+	done(furrow_set_states(world, BALLS, balls, states));
+	mem_fail_nth(nth, false);
+	const furrow_status status = furrow_step(world, 0);
+	mem_fail_nth(0, false);
+	return status;
+}
+
+static void a_rollback_forgets_contacts_that_wait(void **state)
+{
+	struct furrow_world *world = hosted_world("waiting.furrow");
+	furrow_body balls[BALLS];
+	done(furrow_step(world, 0));
+	for (int i = 0; i < BALLS; i++)
+		balls[i] = hosted_ball(world, 3 + 1.5 * i, 16);
+	done(furrow_checkpoint(world));
+	uint64_t torn = 0;
+	for (uint64_t nth = 1; press_all(world, balls, nth) != FURROW_OK; nth++) {
+		if (!world_is_torn(world->world))
+			continue;
+		torn++;
+		done(furrow_rollback(world));
+		for (int i = 0; i < BALLS; i++)
+			assert_true(point_at(world, 3 + 1.5 * i, 16).offset == 0);
+	}
+	assert_true(torn > 0);
+	assert_true(point_at(world, 3, 16).offset < -0.05);
+	done(furrow_world_close(world));
+}
+
 /* All whole steps are committed, so that closing it succeeds. */
 static void a_world_that_is_torn_when_it_is_closed_has_failed(void **state)
 {
@@ -208,6 +245,7 @@ TEST_PROGRAM(steps)
 		cmocka_unit_test(a_contact_on_a_path_has_the_time_of_its_path_sample),
 		cmocka_unit_test(a_step_of_too_many_path_samples_is_refused),
 		cmocka_unit_test(a_step_whose_rows_have_no_room_is_rolled_back),
+		cmocka_unit_test(a_rollback_forgets_contacts_that_wait),
 		cmocka_unit_test(a_world_that_is_torn_when_it_is_closed_has_failed),
 		cmocka_unit_test(a_rollback_forgets_touches_of_bodies_that_go),
 	};
