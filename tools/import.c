@@ -113,13 +113,11 @@ static void note_output(const struct import *import, const char *path)
 
 static enum status read_options(const struct arguments *arguments, struct import *import)
 {
-	enum status status = STATUS_OK;
 	const char *value;
-	for (const struct command_option *option = options; option->name != NULL && status == STATUS_OK; option++)
-		for (size_t nth = 0; intake_import_has_option(option->name) && status == STATUS_OK &&
-				     (value = arguments_nth(arguments, option->name, nth)) != NULL; nth++)
-			status = intake_import_option(import, option->name, value);
-	return status;
+	for (const struct command_option *option = options; option->name != NULL; option++)
+		for (size_t nth = 0; intake_import_has_option(option->name) && (value = arguments_nth(arguments, option->name, nth)) != NULL; nth++)
+			TRY(intake_import_option(import, option->name, value));
+	return STATUS_OK;
 }
 
 /* Also where nothing was made: then errors were not measured. */

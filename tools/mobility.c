@@ -133,9 +133,7 @@ static void tell(void *user, const char *text)
 static enum status check_units(const struct asked *asked)
 {
 	struct scene *scene;
-	enum status status = scene_soil_alone(asked->soil.text, &scene);
-	if (status != STATUS_OK)
-		return status;
+	TRY(scene_soil_alone(asked->soil.text, &scene));
 	scene_advise_units(scene, tell, NULL);
 	scene_destroy(scene);
 	return STATUS_OK;
@@ -201,15 +199,13 @@ static enum status make_tables(struct asked *asked)
 	asked->columns = mem_calloc((size_t)asked->samples + 1, sizeof *asked->columns);
 	asked->curves = mem_calloc(1, sizeof *asked->curves);
 	TRY_MEM(asked->table != NULL && asked->columns != NULL && asked->curves != NULL, "tables of slopes");
-	enum status status = measure(asked, NULL);
-	if (status == STATUS_OK)
-		trials_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
-	for (int64_t i = 0; i < asked->samples && status == STATUS_OK; i++) {
-		status = measure(asked, factors[i]);
-		if (status == STATUS_OK)
-			trials_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
+	TRY(measure(asked, NULL));
+	trials_table_make(&asked->vehicle, asked->curves, asked->gravity, asked->table);
+	for (int64_t i = 0; i < asked->samples; i++) {
+		TRY(measure(asked, factors[i]));
+		trials_column_make(&asked->vehicle, asked->curves, asked->gravity, &asked->columns[i]);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- the command --- */
@@ -239,10 +235,8 @@ static enum status find_cells(struct asked *asked, const struct store_meta *meta
 	const int own = level_for(&meta->extent, trials_vehicle_length(&asked->vehicle));
 	enum chart_format format;
 	const bool picture = chart_path_format(asked->out, &format);
-	for (asked->window.level = own;; asked->window.level++) {
-		enum status status = export_find_rect(&asked->window, &meta->extent, rect);
-		if (status != STATUS_OK)
-			return status;
+	for (asked->window.level = own; ; asked->window.level++) {
+		TRY(export_find_rect(&asked->window, &meta->extent, rect));
 		if (!picture || (rect->x1 - rect->x0 <= SIDE_MOST && rect->y1 - rect->y0 <= SIDE_MOST))
 			break;
 	}
@@ -291,9 +285,7 @@ static enum status read_layer(const struct arguments *arguments, struct asked *a
 	enum chart_format format;
 	const bool picture = chart_path_format(asked->out, &format), spread = asked->spread[0] > 0 || asked->spread[1] > 0 || asked->spread[2] > 0;
 	asked->layer = !picture ? LAYER_SLIP : spread ? LAYER_PROBABILITY : LAYER_CLASS;
-	enum status status = arguments_choice(arguments, "layer", &asked->layer);
-	if (status != STATUS_OK)
-		return status;
+	TRY(arguments_choice(arguments, "layer", &asked->layer));
 	if (picture && asked->layer != LAYER_CLASS && asked->layer != LAYER_PROBABILITY)
 		return fail_with(STATUS_USAGE, "mobility: --layer %s: is not for a picture; give a .tif, or class or probability", mobility_layers[asked->layer]);
 	if (asked->layer == LAYER_PROBABILITY && !spread)
@@ -309,32 +301,24 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 	asked->model = arguments_text(arguments, "vehicle");
 	asked->scene = arguments_text(arguments, "scene");
 	asked->json = arguments_flag(arguments, "json");
-	enum status status = STATUS_OK;
 	enum chart_format format;
 	if (asked->out == NULL || !(chart_path_format(asked->out, &format) || dem_path_ends(asked->out, ".tif")))
-		status = fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png, .svg, .pdf; give such a file");
-	if (status == STATUS_OK)
-		status = aside_check(asked->out);
-	if (status == STATUS_OK && (asked->model == NULL) == (asked->scene == NULL))
-		status = fail_with(STATUS_USAGE, "mobility: --vehicle and --scene are both given, or neither; give one of them");
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "gravity", 1e-3, 1e3, &asked->gravity);
-	if (status == STATUS_OK)
-		status = read_spread(arguments, asked->spread);
-	for (int i = 0; i < 3 && status == STATUS_OK; i++)
+		return fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png, .svg, .pdf; give such a file");
+	TRY(aside_check(asked->out));
+	if ((asked->model == NULL) == (asked->scene == NULL))
+		return fail_with(STATUS_USAGE, "mobility: --vehicle and --scene are both given, or neither; give one of them");
+	TRY(arguments_number(arguments, "gravity", 1e-3, 1e3, &asked->gravity));
+	TRY(read_spread(arguments, asked->spread));
+	for (int i = 0; i < 3; i++)
 		if (!(asked->spread[i] >= 0 && asked->spread[i] <= 1))
-			status = fail_with(STATUS_USAGE, "mobility: --spread: %g is out of range; give 0 to 1", asked->spread[i]);
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "spacing", 1e-4, 1, &asked->spacing);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "samples", 1, MOBILITY_SAMPLES_MOST, &asked->samples);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "seed", 0, INT64_MAX, &asked->seed);
-	if (status == STATUS_OK)
-		status = export_read_window(arguments, &asked->window);
-	if (status == STATUS_OK && arguments_text(arguments, "soil") != NULL)
-		status = soil_given_take(arguments_text(arguments, "soil"), &asked->soil);
-	return status == STATUS_OK ? read_layer(arguments, asked) : status;
+			return fail_with(STATUS_USAGE, "mobility: --spread: %g is out of range; give 0 to 1", asked->spread[i]);
+	TRY(arguments_number(arguments, "spacing", 1e-4, 1, &asked->spacing));
+	TRY(arguments_integer(arguments, "samples", 1, MOBILITY_SAMPLES_MOST, &asked->samples));
+	TRY(arguments_integer(arguments, "seed", 0, INT64_MAX, &asked->seed));
+	TRY(export_read_window(arguments, &asked->window));
+	if (arguments_text(arguments, "soil") != NULL)
+		TRY(soil_given_take(arguments_text(arguments, "soil"), &asked->soil));
+	return read_layer(arguments, asked);
 }
 
 static enum status run(const struct arguments *arguments)
@@ -343,25 +327,18 @@ static enum status run(const struct arguments *arguments)
 	struct asked asked = {.gravity = NAN, .samples = 12, .seed = 1, .window = {.command = "mobility"}};
 	int level = 0;
 	struct post_rect rect = {0, 0, 0, 0};
-	enum status status = read_arguments(arguments, &asked);
-	if (status == STATUS_OK)
-		status = store_open(asked.store, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		status = read_vehicle(&asked);
-	if (status == STATUS_OK)
-		status = check_posts(&asked, store_meta(store));
-	if (status == STATUS_OK)
-		status = export_place_window(&asked.window, store_meta(store));
-	if (status == STATUS_OK)
-		status = find_cells(&asked, store_meta(store), &level, &rect);
-	if (status == STATUS_OK)
-		status = check_units(&asked);
-	if (status == STATUS_OK) {
-		interrupt_catch();
-		status = make_tables(&asked);
-	}
-	if (status == STATUS_OK)
-		status = draw(&asked, store, level, rect);
+	enum status status;
+	TRY_OR(done, read_arguments(arguments, &asked));
+	TRY_OR(done, store_open(asked.store, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, read_vehicle(&asked));
+	TRY_OR(done, check_posts(&asked, store_meta(store)));
+	TRY_OR(done, export_place_window(&asked.window, store_meta(store)));
+	TRY_OR(done, find_cells(&asked, store_meta(store), &level, &rect));
+	TRY_OR(done, check_units(&asked));
+	interrupt_catch();
+	TRY_OR(done, make_tables(&asked));
+	TRY_OR(done, draw(&asked, store, level, rect));
+done:
 	store_close(store);
 	mem_free(asked.table);
 	mem_free(asked.columns);

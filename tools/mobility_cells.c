@@ -49,10 +49,8 @@ static enum status read_rows(const struct mobility_map *map, int64_t y0, int64_t
 {
 	const int64_t width = map->rect.x1 - map->rect.x0, rows = y1 - y0;
 	const size_t room = (size_t)(width + 2) * (size_t)(rows + 2);
-	enum status status = store_read_posts(map->reader, STORE_SURFACE, map->level,
-					      (struct post_rect){map->rect.x0 - 1, y0 - 1, map->rect.x1 + 1, y1 + 1}, pass->heights);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_read_posts(map->reader, STORE_SURFACE, map->level, (struct post_rect){map->rect.x0 - 1, y0 - 1, map->rect.x1 + 1, y1 + 1},
+			     pass->heights));
 	chart_slopes(pass->heights, width, rows, extent_spacing(&map->meta->extent, map->level), pass->slopes, pass->slopes + room);
 	for (int64_t i = 0; i < width * rows; i++)
 		judge(map, pass->slopes[i], pass->slopes[room + (size_t)i], &pass->cells[i]);
@@ -124,11 +122,11 @@ static enum status go_through(struct mobility_map *map, struct dem_writer *write
 static enum status draw_picture(struct mobility_map *map)
 {
 	struct mobility_picture picture = {.classes = NULL};
-	enum status status = mobility_picture_create(map, &picture);
-	if (status == STATUS_OK)
-		status = go_through(map, NULL, &picture);
-	if (status == STATUS_OK)
-		status = mobility_picture_write(&picture, map);
+	enum status status;
+	TRY_OR(done, mobility_picture_create(map, &picture));
+	TRY_OR(done, go_through(map, NULL, &picture));
+	TRY_OR(done, mobility_picture_write(&picture, map));
+done:
 	mobility_picture_finish(&picture);
 	return status;
 }
@@ -151,11 +149,11 @@ enum status mobility_draw(struct mobility_map *map)
 		.nodata = NAN,
 	};
 	struct dem_writer *writer = NULL;
-	enum status status = dem_writer_create(&raster, &writer);
-	if (status == STATUS_OK)
-		status = go_through(map, writer, NULL);
-	if (status == STATUS_OK)
-		status = dem_writer_publish(writer);
+	enum status status;
+	TRY_OR(done, dem_writer_create(&raster, &writer));
+	TRY_OR(done, go_through(map, writer, NULL));
+	TRY_OR(done, dem_writer_publish(writer));
+done:
 	dem_writer_destroy(writer);
 	return status;
 }

@@ -75,13 +75,12 @@ static enum status read_item(const char *option, const char *item, double *list,
 		return fail_with(STATUS_USAGE, "rig: --%s %s: is no number and no range; give one as in 0.2 or 0:0.8:0.1", option, item);
 	if (found == 1)
 		return add(option, numbers[0], list, count);
-	enum status status = STATUS_OK;
 	const double steps = floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9);
-	for (double i = 0; i <= steps && status == STATUS_OK; i++) {
+	for (double i = 0; i <= steps; i++) {
 		const double value = numbers[0] + i * numbers[2];
-		status = add(option, fabs(value) < 1e-9 * numbers[2] ? 0 : value, list, count);
+		TRY(add(option, fabs(value) < 1e-9 * numbers[2] ? 0 : value, list, count));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status read_list(const struct arguments *arguments, const char *option, const char *otherwise, double *list, size_t *count)
@@ -94,8 +93,9 @@ static enum status read_list(const struct arguments *arguments, const char *opti
 	char *text = mem_strdup(given), *rest = text, *item;
 	TRY_MEM(text, "a list");
 	enum status status = STATUS_OK;
-	while (status == STATUS_OK && (item = strsep(&rest, ",")) != NULL)
-		status = read_item(option, item, list, count);
+	while ((item = strsep(&rest, ",")) != NULL)
+		TRY_OR(done, read_item(option, item, list, count));
+done:
 	mem_free(text);
 	return status;
 }
@@ -108,9 +108,7 @@ static enum status add_soil(struct asked *asked, const char *given)
 	if (count == SOILS_MOST)
 		return fail_with(STATUS_USAGE, "rig: --soil: are more than %d soils; give fewer", SOILS_MOST);
 	struct soil_given *soil = &asked->given[count];
-	enum status status = soil_given_take(given, soil);
-	if (status != STATUS_OK)
-		return status;
+	TRY(soil_given_take(given, soil));
 	/* Files of one name in two folders. */
 	for (size_t i = 0; i < count; i++)
 		if (strcmp(soil->label, asked->labels[i]) == 0 && strcmp(soil->label, given) != 0) {
@@ -240,10 +238,10 @@ static enum status write_file(const struct rig_table *table, const char *folder,
 	char path[4096];
 	struct aside aside = {.path = NULL};
 	snprintf(path, sizeof path, "%s/%s", folder, name);
-	enum status status = aside_begin(&aside, path);
-	if (status == STATUS_OK) {
-		write(table, aside.file);
-	}
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	write(table, aside.file);
+done:
 	return aside_end(&aside, false, status);
 }
 

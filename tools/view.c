@@ -75,10 +75,9 @@ static enum status check_store(const char *path)
 	struct store *store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "view: no store is named; add store: to the scene, or give --store");
-	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status == STATUS_OK)
-		store_close(store);
-	return status;
+	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	store_close(store);
+	return STATUS_OK;
 }
 
 struct looking {
@@ -130,9 +129,7 @@ static enum status look(struct looking *looking)
 static enum status open_window(struct looking *looking)
 {
 	const struct scene_view *view = &looking->scene->view;
-	enum status status = window_open("furrow: loads", view->width, view->height, &looking->window);
-	if (status != STATUS_OK)
-		return status;
+	TRY(window_open("furrow: loads", view->width, view->height, &looking->window));
 	viewer_init(&looking->viewer, looking->window, looking->scene);
 	if (chart_missing() == NULL)
 		return chart_pen_create(&looking->viewer.pen);

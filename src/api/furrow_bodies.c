@@ -11,24 +11,22 @@
 static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, size_t bytes,
 			      const char *name)
 {
-	enum status status = api_library_need_world(world);
-	if (status == STATUS_OK)
-		status = api_library_need_count(count, bytes);
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(bodies, "bodies");
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(items, name);
-	return status;
+	TRY(api_library_need_world(world));
+	TRY(api_library_need_count(count, bytes));
+	if (count > 0)
+		TRY(api_library_need(bodies, "bodies"));
+	if (count > 0)
+		TRY(api_library_need(items, name));
+	return STATUS_OK;
 }
 
 /* Checks that all bodies exist. Call it before telling about the first of them, so that a call tells everything or nothing. */
 static enum status need_bodies(const struct furrow_world *world, size_t count, const furrow_body *bodies)
 {
 	struct furrow_state state;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = world_body_state(world->world, bodies[i], &state);
-	return status;
+	for (size_t i = 0; i < count; i++)
+		TRY(world_body_state(world->world, bodies[i], &state));
+	return STATUS_OK;
 }
 
 /* Checks that no vehicle moves a body. */
@@ -135,52 +133,49 @@ furrow_status furrow_body_find(struct furrow_world *world, const char *name, fur
 furrow_status furrow_body_remove(struct furrow_world *world, furrow_body body)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = need_free(world, 1, &body);
-	if (status == STATUS_OK)
-		status = world_body_remove(world->world, body);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, need_free(world, 1, &body));
+	TRY_OR(done, world_body_remove(world->world, body));
+done:
 	return api_library_leave(&call, status);
 }
 
 furrow_status furrow_place(struct furrow_world *world, furrow_body body, const struct furrow_pose *pose)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need(pose, "pose");
-	if (status == STATUS_OK)
-		status = api_library_need_writable(world, "place");
-	if (status == STATUS_OK)
-		status = need_free(world, 1, &body);
-	if (status == STATUS_OK)
-		status = world_body_place(world->world, body, pose);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, api_library_need(pose, "pose"));
+	TRY_OR(done, api_library_need_writable(world, "place"));
+	TRY_OR(done, need_free(world, 1, &body));
+	TRY_OR(done, world_body_place(world->world, body, pose));
+done:
 	return api_library_leave(&call, status);
 }
 
 furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states)
 {
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = need_lists(world, count, bodies, states, sizeof *states, "states");
-	if (status == STATUS_OK)
-		status = api_library_need_writable(world, "states");
-	if (status == STATUS_OK)
-		status = need_free(world, count, bodies);
-	if (status == STATUS_OK && count > 0)
-		status = world_bodies_set(world->world, count, bodies, states, NULL);
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, need_lists(world, count, bodies, states, sizeof *states, "states"));
+	TRY_OR(done, api_library_need_writable(world, "states"));
+	TRY_OR(done, need_free(world, count, bodies));
+	if (count > 0)
+		TRY_OR(done, world_bodies_set(world->world, count, bodies, states, NULL));
+done:
 	return api_library_end(status);
 }
 
 furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_belt *belts)
 {
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = need_lists(world, count, bodies, belts, sizeof *belts, "belts");
-	if (status == STATUS_OK)
-		status = need_free(world, count, bodies);
-	if (status == STATUS_OK && count > 0)
-		status = world_belts_set(world->world, count, bodies, belts);
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, need_lists(world, count, bodies, belts, sizeof *belts, "belts"));
+	TRY_OR(done, need_free(world, count, bodies));
+	if (count > 0)
+		TRY_OR(done, world_belts_set(world->world, count, bodies, belts));
+done:
 	return api_library_end(status);
 }
 

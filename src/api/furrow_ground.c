@@ -163,9 +163,7 @@ static enum status check_read(const struct furrow_world *world, enum furrow_laye
 			      const double *posts, size_t row_stride)
 {
 	const int coarsest = extent_coarsest(&world_resident(world->world)->meta->extent);
-	enum status status = api_library_need(posts, "posts");
-	if (status != STATUS_OK)
-		return status;
+	TRY(api_library_need(posts, "posts"));
 	if ((int)layer < 0 || (int)layer > (int)FURROW_DISTURBANCE)
 		return fail_with(STATUS_USAGE, "layer: %d is none; give one of enum furrow_layer", (int)layer);
 	if (level < world_resident(world->world)->level || level > coarsest)
@@ -191,16 +189,18 @@ static enum status read_rows(struct furrow_world *world, enum store_layer layer,
 	const int64_t at_once = columns < 65536 ? 65536 / (int64_t)columns + 1 : 1; /* rows: a block of memory of about half a MB */
 	const int64_t all = rect.y1 - rect.y0;
 	double *values = mem_alloc((size_t)(at_once < all ? at_once : all) * columns, sizeof *values);
-	enum status status = values != NULL ? STATUS_OK : fail_memory("posts");
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += at_once) {
+	enum status status;
+	TRY_OR(done, values != NULL ? STATUS_OK : fail_memory("posts"));
+	for (int64_t y = rect.y0; y < rect.y1; y += at_once) {
 		const int64_t end = y + at_once < rect.y1 ? y + at_once : rect.y1;
-		status = world_read_posts(world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values);
-		for (int64_t r = y; r < end && status == STATUS_OK; r++)
+		TRY_OR(done, world_read_posts(world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values));
+		for (int64_t r = y; r < end; r++)
 			for (size_t c = 0; c < columns; c++) {
 				const double value = values[(size_t)(r - y) * columns + c];
 				posts[(size_t)(r - rect.y0) * stride + c] = layer == STORE_SOIL ? value / DISTURBANCE_MOST : value;
 			}
 	}
+done:
 	mem_free(values);
 	return status;
 }

@@ -109,8 +109,9 @@ static enum status check_camera(const struct furrow_camera *camera)
 furrow_status furrow_render(struct furrow_world *world, const struct furrow_camera *camera, uint8_t *rgb, float *depth)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = check_camera(camera);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, check_camera(camera));
+done:
 	return api_library_leave(&call, status == STATUS_OK ? picture(world, camera, rgb, depth) : status);
 }

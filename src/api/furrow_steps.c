@@ -67,9 +67,10 @@ static enum status step(struct furrow_world *host, double seconds)
 furrow_status furrow_step(struct furrow_world *world, double seconds)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need_writable(world, "step");
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, api_library_need_writable(world, "step"));
+done:
 	return api_library_leave(&call, status == STATUS_OK ? step(world, seconds) : status);
 }
 
@@ -81,11 +82,11 @@ double furrow_time(const struct furrow_world *world)
 furrow_status furrow_checkpoint(struct furrow_world *world)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need_writable(world, "checkpoint");
-	if (status == STATUS_OK)
-		status = api_library_checkpoint(world);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, api_library_need_writable(world, "checkpoint"));
+	TRY_OR(done, api_library_checkpoint(world));
+done:
 	return api_library_leave(&call, status);
 }
 

@@ -51,8 +51,7 @@ static enum status load_scene(const struct furrow_open *open, struct scene **out
 	if ((open->scene != NULL) == (open->scene_file != NULL))
 		return fail_with(STATUS_USAGE, "open: scene and scene_file are both given, or neither; give one of them");
 	char *settings = mem_strdup(open->settings != NULL ? open->settings : "");
-	if (settings == NULL)
-		return fail_memory("settings");
+	TRY_MEM(settings, "settings");
 	enum status status;
 	TRY_OR(done, take_settings(settings, list, &count));
 	TRY_OR(done, open->scene != NULL ? scene_load_text(open->scene, NULL, list, count, SCENE_HOST, out)
@@ -95,8 +94,7 @@ static enum status start(struct furrow_world *host, const struct furrow_open *op
 	TRY(load_scene(open, &host->scene));
 	if (open->output != NULL) {
 		host->output = mem_strdup(open->output);
-		if (host->output == NULL)
-			return fail_memory("a world");
+		TRY_MEM(host->output, "a world");
 	}
 	TRY(open_drive(host, open));
 	TRY(need_own_gl());
@@ -112,8 +110,7 @@ static enum status start(struct furrow_world *host, const struct furrow_open *op
 static enum status create(const struct furrow_open *open, struct furrow_world **out)
 {
 	struct furrow_world *host = mem_calloc(1, sizeof *host);
-	if (host == NULL)
-		return fail_memory("a world");
+	TRY_MEM(host, "a world");
 	const enum status status = start(host, open);
 	if (status == STATUS_OK) {
 		host->process = getpid();

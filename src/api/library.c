@@ -101,12 +101,9 @@ furrow_status api_library_end(enum status status)
 
 enum status api_library_enter(struct library_call *call, struct furrow_world *world)
 {
-	enum status status = api_library_begin();
+	TRY(api_library_begin());
 	*call = (struct library_call){.world = NULL};
-	if (status == STATUS_OK)
-		status = api_library_need_world(world);
-	if (status != STATUS_OK)
-		return status;
+	TRY(api_library_need_world(world));
 	call->world = world;
 	world->call = call;
 	page_cache_adopt(world_resident(world->world)->cache); /* another thread may have used the world before */

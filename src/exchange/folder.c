@@ -22,11 +22,6 @@ static const struct {
 	[EXCHANGE_MESH] = {"mesh", "terrain"},
 };
 
-const char *exchange_set_name(enum exchange_set set)
-{
-	return sets[set].folder;
-}
-
 enum status exchange_tile_path(const char *directory, enum exchange_set set, struct tile tile, char path[EXCHANGE_PATH])
 {
 	int length = snprintf(path, EXCHANGE_PATH, "%s/%s/%d/%u/%u.%s", directory, sets[set].folder, tile.level, tile.x, tile.y, sets[set].ending);

@@ -144,7 +144,6 @@ enum status exchange_file_remove(const char *path, bool *removed) FURROW_CHECKED
 #define EXCHANGE_PATH 4096
 /* The path of a tile's file. STATUS_INPUT: the folder's path is too long. */
 enum status exchange_tile_path(const char *directory, enum exchange_set set, struct tile tile, char path[EXCHANGE_PATH]) FURROW_CHECKED;
-const char *exchange_set_name(enum exchange_set set);
 /* Calls `fn` for each tile of a set that has a file. */
 typedef enum status (*exchange_tile_fn)(void *user, struct tile tile);
 enum status exchange_folder_each(const char *directory, enum exchange_set set, exchange_tile_fn fn, void *user) FURROW_CHECKED;

@@ -195,7 +195,6 @@ struct render_poses {
 /* Draws the frames that the scene's cameras write after the present step, and begins to write them: DIR/cameras/NAME/IMAGE/NNNNNN.png.
  * Waits for the tiles of each. Does nothing if no camera has a frame now. `poses` may be NULL. */
 enum status render_view_cameras(struct view *view, struct pictures *pictures, const struct render_poses *poses) FURROW_CHECKED;
-uint64_t render_view_camera_frames(const struct view *view, size_t camera); /* frames that the camera has drawn */
 #define RENDER_CAMERAS "cameras" /* folder of the cameras' folders */
 /* STATUS_INPUT if the pictures of the scene's cameras take more than `memory` bytes. 0: not known. */
 enum status render_cameras_fit(const struct scene *scene, uint64_t memory) FURROW_CHECKED;

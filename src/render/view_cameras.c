@@ -294,11 +294,6 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 	return STATUS_OK;
 }
 
-uint64_t render_view_camera_frames(const struct view *view, size_t camera)
-{
-	return view->cameras[camera].frames;
-}
-
 /* --- life --- */
 
 static bool has_size(const struct render_screen *screen, const struct scene_camera *camera)

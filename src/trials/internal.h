@@ -1,6 +1,6 @@
-/* rig, inside: beds, lanes, and the search for a torque's slip. */
-#ifndef FURROW_RIG_INTERNAL_H
-#define FURROW_RIG_INTERNAL_H
+/* trials, inside: beds, lanes, and the search for a torque's slip. */
+#ifndef FURROW_TRIALS_INTERNAL_H
+#define FURROW_TRIALS_INTERNAL_H
 
 #include "api/furrow.h"
 #include "trials/trials.h"

@@ -18,7 +18,7 @@
  * The bodies are those of a scene, and furrow_step moves them, so a row is what a drive would tell. Several runs share one bed. Each
  * has a lane of its own, and no soil goes from one lane to the next.
  *
- * All functions belong to one thread. They make a GL context of their own.
+ * All functions belong to one thread.
  */
 #define RIG_VALUES_MOST 256 /* loads, slips or torques of one call */
 #define RIG_PASSES_MOST 4
@@ -97,7 +97,7 @@ enum status trials_rig_run(const struct rig_params *params, struct rig_found *fo
  * of a rigid body on equal springs. The same curves tell drives and maps, so that they agree says that both are consistent, not that
  * they are true.
  *
- * trials_measure_wheels belongs to one thread, and makes a GL context. All others are pure. Any thread.
+ * trials_measure_wheels belongs to one thread. All others are pure. Any thread.
  */
 /* A wheel of a vehicle. x and y: m from the centre of gravity, forward and to the left. */
 struct trials_wheel {

@@ -42,8 +42,7 @@ static enum status write_model(const struct vehicles *vehicles, size_t parts, ch
 {
 	const struct between *between = vehicles->between;
 	FILE *file = open_memstream(text, size);
-	if (file == NULL)
-		return fail_memory("the vehicles' model");
+	TRY_MEM(file, "the vehicles' model");
 	fprintf(file, "<mujoco><compiler angle=\"radian\"/><option><flag multiccd=\"enable\"/></option><asset>");
 	for (size_t i = 0; i < parts; i++) {
 		const struct vehicle *vehicle = &vehicles->list[between->parts[i].vehicle];
@@ -85,8 +84,7 @@ static enum status load_model(const struct vehicles *vehicles, const char *text,
 	struct between *between = vehicles->between;
 	struct reading reading = {.between = between, .text = text, .size = size, .error = "out of memory"};
 	reading.files = mem_alloc(1, sizeof *reading.files);
-	if (reading.files == NULL)
-		return fail_memory("the vehicles' model");
+	TRY_MEM(reading.files, "the vehicles' model");
 	enum status status = vehicle_guard("vehicles", read_model, &reading);
 	mem_free(reading.files);
 	TRY(status);
@@ -119,8 +117,7 @@ static enum status make_movers(const struct vehicles *vehicles)
 		const size_t nv = (size_t)vehicles->list[v].model->nv;
 		between->movers[v].inertia = mem_calloc(nv * nv + 1, sizeof(double));
 		between->movers[v].velocity = mem_calloc(nv + 1, sizeof(double));
-		if (between->movers[v].inertia == NULL || between->movers[v].velocity == NULL)
-			return fail_memory("the vehicles");
+		TRY_MEM(between->movers[v].inertia != NULL && between->movers[v].velocity != NULL, "the vehicles");
 	}
 	return STATUS_OK;
 }
@@ -141,16 +138,14 @@ enum status vehicle_between_create(struct vehicles *vehicles)
 	if (vehicles->count < 2)
 		return STATUS_OK;
 	struct between *between = vehicles->between = mem_calloc(1, sizeof *between);
-	if (between == NULL)
-		return fail_memory("the vehicles");
+	TRY_MEM(between, "the vehicles");
 	for (size_t v = 0; v < vehicles->count; v++)
 		most += (size_t)vehicles->list[v].model->ngeom;
 	between->parts = mem_calloc(most + 1, sizeof *between->parts);
 	between->first = mem_calloc(vehicles->count + 1, sizeof *between->first);
 	between->movers = mem_calloc(vehicles->count, sizeof *between->movers);
 	between->order = mem_calloc(vehicles->count, sizeof *between->order);
-	if (between->order == NULL || between->parts == NULL || between->first == NULL || between->movers == NULL)
-		return fail_memory("the vehicles");
+	TRY_MEM(between->order != NULL && between->parts != NULL && between->first != NULL && between->movers != NULL, "the vehicles");
 	sort_by_name(vehicles, between->order);
 	for (size_t v = 0; v < vehicles->count; v++) {
 		for (int geom = 0; geom < vehicles->list[v].model->ngeom; geom++)

@@ -253,8 +253,7 @@ static enum status check_include(struct vehicle_check *check, const char *name)
 {
 	char *path = vehicle_check_path(check, NULL, name);
 	enum status status;
-	if (path == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(path, "a vehicle");
 	TRY_OR(done, vehicle_check_name(check, name));
 	TRY_OR(done, check_file(check, path));
 done:

@@ -87,14 +87,12 @@ enum status vehicle_check_name_add(struct vehicle_check *check, const char *text
 	if (check->name_count == check->name_room) {
 		const size_t room = check->name_room > 0 ? 2 * check->name_room : 16;
 		struct vehicle_check_name *names = mem_realloc(check->names, room, sizeof *names);
-		if (names == NULL)
-			return fail_memory("a vehicle");
+		TRY_MEM(names, "a vehicle");
 		check->names = names;
 		check->name_room = room;
 	}
 	char *copy = text_of(text, length);
-	if (copy == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(copy, "a vehicle");
 	check->names[check->name_count++] = (struct vehicle_check_name){copy, include};
 	return check_written(check, copy);
 }
@@ -106,8 +104,7 @@ enum status vehicle_check_folder_add(struct vehicle_check *check, const char *te
 		return fail_with(STATUS_INPUT, "%s: %s: it names more than %zu folders of files, or a long one; name them once", check->where, check->path,
 				 most);
 	char *copy = text_of(text, length);
-	if (copy == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(copy, "a vehicle");
 	check->folders[check->folder_count++] = copy;
 	return check_written(check, copy);
 }
@@ -186,8 +183,7 @@ static enum status check_place(struct vehicle_check *check, const char *path, co
 static enum status check_form(struct vehicle_check *check, const char *folder, const char *form, const char *name)
 {
 	char *path = vehicle_check_path(check, folder, form);
-	if (path == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(path, "a vehicle");
 	enum status status = check_place(check, path, name);
 	mem_free(path);
 	return status;
@@ -206,8 +202,7 @@ enum status vehicle_check_name(struct vehicle_check *check, const char *name)
 enum status vehicle_check_reach(struct vehicle_check *check)
 {
 	char real[PATH_MAX], *folder = vehicle_check_path(check, NULL, ".");
-	if (folder == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(folder, "a vehicle");
 	const bool found = realpath(folder, real) != NULL;
 	mem_free(folder);
 	if (!found)

@@ -51,8 +51,7 @@ static enum status read_header(struct table *table)
 	if (name == NULL || strcmp(name, "t") != 0)
 		return wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
 	driver->held = mem_calloc(strlen(table->text) + (rest != NULL ? strlen(rest) : 0) + 2, sizeof *driver->held);
-	if (driver->held == NULL)
-		return fail_memory("a table of controls");
+	TRY_MEM(driver->held, "a table of controls");
 	while ((name = strsep(&rest, ",")) != NULL) {
 		const int actuator = mj_name2id(table->vehicle->model, mjOBJ_ACTUATOR, name);
 		if (actuator < 0)
@@ -73,8 +72,7 @@ static enum status read_row(struct table *table)
 	if (driver->row_count == table->room) {
 		const size_t room = table->room > 0 ? 2 * table->room : 256;
 		double *grown = mem_realloc(driver->table, room, width * sizeof *grown);
-		if (grown == NULL)
-			return fail_memory("a table of controls");
+		TRY_MEM(grown, "a table of controls");
 		driver->table = grown;
 		table->room = room;
 	}
@@ -109,8 +107,7 @@ static enum status read(struct table *table)
 enum status vehicle_read_controls(struct vehicle *vehicle, const char *where)
 {
 	struct table *table = mem_calloc(1, sizeof *table);
-	if (table == NULL)
-		return fail_memory("a table of controls");
+	TRY_MEM(table, "a table of controls");
 	*table = (struct table){.vehicle = vehicle, .where = where, .path = vehicle->scene->controls};
 	table->file = input_open(table->path);
 	enum status status;

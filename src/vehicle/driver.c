@@ -97,8 +97,7 @@ static enum status make_hold(struct vehicle *vehicle, const char *where)
 	struct driver *driver = &vehicle->driver;
 	const struct scene_texts *names = &vehicle->scene->held;
 	driver->held = mem_calloc(names->count + 1, sizeof *driver->held);
-	if (driver->held == NULL)
-		return fail_memory("a driver");
+	TRY_MEM(driver->held, "a driver");
 	for (size_t i = 0; i < names->count; i++) {
 		driver->held[i] = mj_name2id(vehicle->model, mjOBJ_ACTUATOR, names->list[i]);
 		if (driver->held[i] < 0)

@@ -31,8 +31,7 @@ static enum status make_figure(const struct vehicle *vehicle, struct figure *fig
 	char name[256];
 	vehicle_geom_name(model, figure->geom, name, sizeof name);
 	drawn->name = mem_strdup(name);
-	if (drawn->name == NULL)
-		return fail_memory("the parts of a vehicle");
+	TRY_MEM(drawn->name, "the parts of a vehicle");
 	memcpy(figure->axes, soil != NULL ? soil->axes : same, sizeof figure->axes);
 	if (soil != NULL && soil->shape.kind == SOIL_WHEEL) {
 		drawn->shape = soil->shape;
@@ -71,8 +70,7 @@ enum status vehicle_make_figures(struct vehicles *vehicles)
 	vehicles->figures = mem_calloc(most + 1, sizeof *vehicles->figures);
 	vehicles->places = mem_calloc(most + 1, sizeof *vehicles->places);
 	vehicles->frames = mem_calloc(vehicles->count + vehicles->scene->camera_count, sizeof *vehicles->frames);
-	if (vehicles->drawn == NULL || vehicles->figures == NULL || vehicles->places == NULL || vehicles->frames == NULL)
-		return fail_memory("the parts of a vehicle");
+	TRY_MEM(vehicles->drawn != NULL && vehicles->figures != NULL && vehicles->places != NULL && vehicles->frames != NULL, "the parts of a vehicle");
 	list_frames(vehicles);
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (int i = 0; i < vehicles->list[v].model->ngeom; i++) {

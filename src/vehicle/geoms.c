@@ -250,8 +250,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
 	vehicle->geoms = mem_calloc((size_t)model->ngeom + 1, sizeof *vehicle->geoms);
-	if (vehicle->geoms == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(vehicle->geoms, "a vehicle");
 	for (int i = 0; i < model->ngeom; i++) {
 		if (!is_soil_geom(vehicle, i))
 			continue;

@@ -44,8 +44,7 @@ static enum status read(struct vehicle *vehicle, const char *where)
 		return fail_with(STATUS_INPUT, "%s", failure_message());
 	if (vehicle->model == NULL)
 		return refuse(where, vehicle->scene->model, reading.error[0] != '\0' ? reading.error : "MuJoCo does not read it");
-	if (vehicle->data == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(vehicle->data, "a vehicle");
 	const char *warning = vehicle_guard_warning();
 	if (warning[0] != '\0')
 		note("%s: %s: MuJoCo says: %s", where, vehicle->scene->model, warning);
@@ -98,8 +97,7 @@ static enum status find_joints(struct vehicle *vehicle)
 	const mjModel *model = vehicle->model;
 	vehicle->joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->joints);
 	vehicle->row_joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->row_joints);
-	if (vehicle->joints == NULL || vehicle->row_joints == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(vehicle->joints != NULL && vehicle->row_joints != NULL, "a vehicle");
 	for (int i = 0; i < model->njnt; i++)
 		if (model->jnt_type[i] == mjJNT_HINGE || model->jnt_type[i] == mjJNT_SLIDE)
 			vehicle->joints[vehicle->joint_count++] = i;
@@ -110,8 +108,7 @@ static enum status sum_model(struct vehicle *vehicle)
 {
 	const int bytes = mj_sizeModel(vehicle->model);
 	void *buffer = mem_calloc((size_t)bytes, 1);
-	if (buffer == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(buffer, "a vehicle");
 	mj_saveModel(vehicle->model, NULL, buffer, bytes);
 	const XXH64_hash_t hash = XXH3_64bits(buffer, (size_t)bytes);
 	vehicle->checksum[0] = (double)(hash >> 32);
@@ -160,8 +157,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(vehicle_make_room(vehicle));
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
 	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nu + 1, sizeof *vehicle->host_controls);
-	if (vehicle->pushed == NULL || vehicle->host_controls == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(vehicle->pushed != NULL && vehicle->host_controls != NULL, "a vehicle");
 	for (int i = 0; i < vehicle->model->nu; i++)
 		vehicle->host_controls[i] = (double)NAN;
 	TRY(vehicle_check_step(vehicle, scene));

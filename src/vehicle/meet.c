@@ -135,8 +135,7 @@ static enum status meet(struct vehicles *vehicles, const struct part *const part
 		if (touches[i].gap >= margin - least)
 			continue;
 		struct meeting *meeting = new_meeting(between);
-		if (meeting == NULL)
-			return fail_memory("contacts of vehicles");
+		TRY_MEM(meeting, "contacts of vehicles");
 		*meeting = (struct meeting){.vehicle = {parts[0]->vehicle, parts[1]->vehicle}, .geom = {geoms[0], geoms[1]},
 					    .gap = touches[i].gap - (margin - least), .depth = -touches[i].gap};
 		mju_copy3(meeting->point[0], touches[i].place);

@@ -15,8 +15,7 @@ struct ring {
 static enum status make(size_t corners, size_t faces, struct soil_mesh **out)
 {
 	struct soil_mesh *mesh = *out = mem_calloc(1, sizeof *mesh);
-	if (mesh == NULL)
-		return fail_memory("a mesh");
+	TRY_MEM(mesh, "a mesh");
 	*mesh = (struct soil_mesh){mem_calloc(corners + 1, sizeof *mesh->vertices), mem_calloc(faces + 1, sizeof *mesh->triangles), (uint32_t)corners,
 				   (uint32_t)faces, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 	return mesh->vertices != NULL && mesh->triangles != NULL ? STATUS_OK : fail_memory("a mesh");

@@ -108,8 +108,7 @@ static enum status lay_out(const struct vehicles *vehicles)
 	need += 3 * widest;
 	if (need > between->row_room) {
 		double *more = mem_realloc(between->rows, need, sizeof *more);
-		if (more == NULL)
-			return fail_memory("contacts of vehicles");
+		TRY_MEM(more, "contacts of vehicles");
 		between->rows = more;
 		between->row_room = need;
 	}

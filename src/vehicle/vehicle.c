@@ -34,8 +34,7 @@ static enum status make_lists(struct vehicles *vehicles)
 static enum status load(const struct scene *scene, struct vehicles *vehicles)
 {
 	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
-	if (vehicles->list == NULL)
-		return fail_memory("the vehicles");
+	TRY_MEM(vehicles->list, "the vehicles");
 	for (size_t i = 0; i < scene->vehicle_count; i++) {
 		vehicles->count = i + 1;
 		vehicles->list[i].scene = &scene->vehicles[i];
@@ -53,8 +52,7 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	if (scene->vehicle_count == 0)
 		return STATUS_OK;
 	struct vehicles *vehicles = mem_calloc(1, sizeof *vehicles);
-	if (vehicles == NULL)
-		return fail_memory("the vehicles");
+	TRY_MEM(vehicles, "the vehicles");
 	vehicles->scene = scene;
 	enum status status = load(scene, vehicles);
 	if (status != STATUS_OK) {
@@ -100,8 +98,7 @@ enum status vehicle_record(struct vehicles *vehicles)
 static enum status add_body(struct world *world, struct soil_geom *geom)
 {
 	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape};
-	if (object.name == NULL)
-		return fail_memory("a vehicle");
+	TRY_MEM(object.name, "a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
 	if (status != STATUS_OK) {
 		mem_free(object.name);

@@ -93,8 +93,7 @@ static enum status add(struct batches *batches, const struct waiting *waiting)
 	if (batches->count == batches->room) {
 		size_t room = batches->room != 0 ? 2 * batches->room : 64;
 		struct waiting *list = mem_realloc(batches->list, room, sizeof *list);
-		if (list == NULL)
-			return fail_memory("contacts that wait");
+		TRY_MEM(list, "contacts that wait");
 		batches->list = list;
 		batches->room = room;
 	}
@@ -235,8 +234,7 @@ static enum status sort(struct batches *batches)
 	const size_t needed = batches->count + batches->rounds + 1;
 	if (batches->order_room < needed) {
 		size_t *order = mem_realloc(batches->order, 2 * needed, sizeof *order);
-		if (order == NULL)
-			return fail_memory("contacts that wait");
+		TRY_MEM(order, "contacts that wait");
 		batches->order = order;
 		batches->order_room = 2 * needed;
 	}

@@ -93,11 +93,11 @@ static enum status local_points(const struct world *world, const struct scene_pa
 enum status world_route(const struct world *world, const struct scene_path *path, const char *name, struct scene_path *route)
 {
 	double(*points)[2] = mem_alloc(2 * path->count, sizeof *points);
-	if (points == NULL)
-		return fail_memory("a path");
-	enum status status = local_points(world, path, name, points);
-	if (status == STATUS_OK)
-		status = motion_route_create(path, name, (const double(*)[2])points, route);
+	TRY_MEM(points, "a path");
+	enum status status;
+	TRY_OR(done, local_points(world, path, name, points));
+	TRY_OR(done, motion_route_create(path, name, (const double(*)[2])points, route));
+done:
 	mem_free(points);
 	return status;
 }
@@ -164,12 +164,10 @@ static enum status make_room(struct world *world)
 		return fail_with(STATUS_FAILED, "bodies: too many were added; close the world and open it again");
 	const size_t room = world->body_room > 0 ? 2 * world->body_room : 16;
 	struct body **bodies = mem_realloc(world->bodies, room, sizeof *bodies);
-	if (bodies == NULL)
-		return fail_memory("a body");
+	TRY_MEM(bodies, "a body");
 	world->bodies = bodies;
 	struct deform_rest *rests = mem_realloc(world->relaxation.rests, room, sizeof *rests);
-	if (rests == NULL)
-		return fail_memory("a body");
+	TRY_MEM(rests, "a body");
 	world->relaxation.rests = rests;
 	world->body_room = room;
 	return STATUS_OK;
@@ -179,8 +177,7 @@ enum status world_list_body(struct world *world, enum body_kind kind, const stru
 {
 	TRY(make_room(world));
 	struct body *body = mem_calloc(1, sizeof *body);
-	if (body == NULL)
-		return fail_memory("a body");
+	TRY_MEM(body, "a body");
 	body->kind = kind;
 	body->object = object;
 	body->host.owned = owned;
@@ -197,8 +194,7 @@ enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached));
-	if (world->record == NULL)
-		return fail_memory("the objects");
+	TRY_MEM(world->record, "the objects");
 	world->record->attached_count = world->params.attached;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {

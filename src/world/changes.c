@@ -17,8 +17,7 @@ static enum status add(struct world_changes *changes, struct tile tile, struct c
 	if (changes->count == changes->room) {
 		const size_t room = changes->room > 0 ? 2 * changes->room : 64;
 		struct changed_tile *list = mem_realloc(changes->list, room, sizeof *list);
-		if (list == NULL)
-			return fail_memory("what changed");
+		TRY_MEM(list, "what changed");
 		changes->list = list;
 		changes->room = room;
 	}

@@ -45,8 +45,7 @@ static enum status save(struct world *world, struct checkpoint **out)
 {
 	const size_t objects = world->scene->object_count;
 	struct checkpoint *saved = mem_calloc(1, sizeof *saved);
-	if (saved == NULL)
-		return fail_memory("a checkpoint");
+	TRY_MEM(saved, "a checkpoint");
 	*saved = (struct checkpoint){
 		.step = world->step,
 		.time = world->time,
@@ -101,7 +100,9 @@ enum status world_checkpoint_begun(struct world *world)
 	struct checkpoint *saved = world->checkpoint;
 	if (saved == NULL || saved->begun || world->params.attached == 0)
 		return STATUS_OK;
-	enum status status = resident_pages_mark(world->resident.pages);
+	enum status status;
+	TRY_OR(done, resident_pages_mark(world->resident.pages));
+done:
 	saved->begun = status == STATUS_OK;
 	return status;
 }
@@ -111,9 +112,11 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 {
 	if (!world_changes_ground(world))
 		return STATUS_OK;
-	enum status status = world_restore_tally(world, &saved->tally);
-	for (size_t i = 0; i < saved->record->active_count && status == STATUS_OK; i++)
-		status = world_wake_block(world, saved->record->active[i]);
+	enum status status;
+	TRY_OR(done, world_restore_tally(world, &saved->tally));
+	for (size_t i = 0; i < saved->record->active_count; i++)
+		TRY_OR(done, world_wake_block(world, saved->record->active[i]));
+done:
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = world->bodies[i];
 		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
@@ -144,8 +147,7 @@ static enum status rewind_paths(struct world *world)
 {
 	int64_t *next = mem_calloc(world->scene->object_count + 1, sizeof *next);
 	size_t count = 0;
-	if (next == NULL)
-		return fail_memory("going back");
+	TRY_MEM(next, "going back");
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		if (world->bodies[i]->track != NULL)
 			next[count++] = world->bodies[i]->next;

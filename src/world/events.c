@@ -15,8 +15,7 @@ static enum status add_event(struct world *world, const struct event *event)
 	if (world->events.count == world->events.room) {
 		size_t room = world->events.room != 0 ? 2 * world->events.room : 64;
 		struct event *events = mem_realloc(world->events.list, room, sizeof *events);
-		if (events == NULL)
-			return fail_memory("the path samples of a step");
+		TRY_MEM(events, "the path samples of a step");
 		world->events.list = events;
 		world->events.room = room;
 	}
@@ -37,9 +36,7 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 		.roll = point.roll,
 	};
 	int64_t ground;
-	enum status status = resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &ground, &event->contact);
-	if (status != STATUS_OK)
-		return status;
+	TRY(resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &ground, &event->contact));
 	if (!event->contact && world->scene->outside == SCENE_STOP)
 		return world_no_ground(world, body->object->name, body->object->path.degrees, point.x, point.y, point.time);
 	if (!event->contact)
@@ -80,23 +77,23 @@ static bool asked_to_stop(const struct world *world, int64_t count)
 /* Lists time and body of every path sample that is due. Samples of one body are alike, since they are placed in their order. */
 static enum status list_due(struct world *world, double until, bool agreed)
 {
-	enum status status = STATUS_OK;
 	world->events.count = 0;
-	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = world->bodies[i];
 		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
 		if (samples - body->next > WORLD_SAMPLES_MOST && motion_track_sample_time(body->track, body->next + WORLD_SAMPLES_MOST) <= until)
-			status = fail_with(STATUS_USAGE, "%s: more than %d path samples are due in one step; make shorter steps", body->object->name, WORLD_SAMPLES_MOST);
-		for (int64_t next = body->next; next < samples && status == STATUS_OK; next++) {
+			return fail_with(STATUS_USAGE, "%s: more than %d path samples are due in one step; make shorter steps", body->object->name,
+					 WORLD_SAMPLES_MOST);
+		for (int64_t next = body->next; next < samples; next++) {
 			const struct event event = {.time = motion_track_sample_time(body->track, next), .body = i};
 			if (event.time > until)
 				break;
-			status = !agreed && asked_to_stop(world, next) ? world_interrupted(world) : add_event(world, &event);
+			TRY(!agreed && asked_to_stop(world, next) ? world_interrupted(world) : add_event(world, &event));
 		}
 	}
-	if (status == STATUS_OK && world->events.count > 1)
+	if (world->events.count > 1)
 		qsort(world->events.list, world->events.count, sizeof *world->events.list, compare);
-	return status;
+	return STATUS_OK;
 }
 
 /* --- events of later steps --- */
@@ -112,8 +109,7 @@ static enum status add_ahead(struct world_events *events, const struct event *ev
 	if (events->ahead_count == events->ahead_room) {
 		const size_t room = events->ahead_room != 0 ? 2 * events->ahead_room : 256;
 		struct event *ahead = mem_realloc(events->ahead, room, sizeof *ahead);
-		if (ahead == NULL)
-			return fail_memory("the path samples of a plan");
+		TRY_MEM(ahead, "the path samples of a plan");
 		events->ahead = ahead;
 		events->ahead_room = room;
 	}
@@ -127,8 +123,7 @@ enum status world_check_events(struct world *world, double until)
 	enum status status = STATUS_OK;
 	if (events->runs == NULL)
 		events->runs = mem_calloc(world->scene->object_count + 1, sizeof *events->runs);
-	if (events->runs == NULL)
-		return fail_memory("the path samples of a plan");
+	TRY_MEM(events->runs, "the path samples of a plan");
 	events->ahead_count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		struct body *body = world->bodies[i];

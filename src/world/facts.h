@@ -1,5 +1,5 @@
 /*
- * world/facts.h, a part of world.h: what follows from the scene and the store before a step is made, what a plan tells of it, and what a run has counted.
+ * world/facts.h, a part of world.h: what is known before a step is made, plans of it, and what a run has counted.
  */
 #ifndef FURROW_WORLD_FACTS_H
 #define FURROW_WORLD_FACTS_H

@@ -70,14 +70,12 @@ enum status world_forces_create(struct world *world, struct forces **out)
 	if (!is_needed(world))
 		return STATUS_OK;
 	struct forces *forces = mem_calloc(1, sizeof *forces);
-	if (forces == NULL)
-		return fail_memory("forces");
+	TRY_MEM(forces, "forces");
 	forces->world = world;
 	forces->rate = world->params.rows ? scene->forces : 0;
 	forces->standing = mem_calloc(scene->object_count + 1, sizeof *forces->standing);
 	*out = forces;
-	if (forces->standing == NULL)
-		return fail_memory("forces");
+	TRY_MEM(forces->standing, "forces");
 	for (size_t i = 0; world->facts.resumed.is && i < scene->object_count; i++) {
 		const struct record_object *object = &world->record->objects[i];
 		if (object->next == 0)
@@ -186,8 +184,7 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	if (forces->count == forces->room) {
 		size_t room = forces->room != 0 ? 2 * forces->room : 64;
 		struct entry *entries = mem_realloc(forces->entries, room, sizeof *entries);
-		if (entries == NULL)
-			return fail_memory("forces");
+		TRY_MEM(entries, "forces");
 		forces->entries = entries;
 		forces->room = room;
 	}
@@ -199,13 +196,12 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 static enum status add_vehicles(struct forces *forces, double t)
 {
 	const struct world *world = forces->world;
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < world->body_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
 		if (body != NULL && body->kind == BODY_VEHICLE && body->host.placed && !body->elsewhere)
-			status = add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force});
+			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force}));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
@@ -214,21 +210,17 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 		return STATUS_OK;
 	const struct world *world = forces->world;
 	const bool feels = world_feels(world);
-	enum status status = STATUS_OK;
-	for (;; forces->row++) {
+	for (; ; forces->row++) {
 		double t = (double)forces->row / forces->rate;
 		if (t > until || (!inclusive && t == until))
-			return status;
-		for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
+			return STATUS_OK;
+		for (size_t i = 0; i < world->scene->object_count; i++) {
 			const struct standing *at = &forces->standing[i];
 			const struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
 			if (at->placed && !world->bodies[i]->elsewhere)
-				status = add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, force});
+				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, force}));
 		}
-		if (status == STATUS_OK)
-			status = add_vehicles(forces, t);
-		if (status != STATUS_OK)
-			return status;
+		TRY(add_vehicles(forces, t));
 	}
 }
 
@@ -239,8 +231,7 @@ static enum status give_row(struct forces *forces, const struct entry *entry)
 	if (world->rows.count == world->rows.room) {
 		const size_t room = 2 * world->rows.count + 64;
 		struct world_row *rows = mem_realloc(world->rows.list, room, sizeof *rows);
-		if (rows == NULL)
-			return fail_memory("rows");
+		TRY_MEM(rows, "rows");
 		world->rows.list = rows;
 		world->rows.room = room;
 	}
@@ -360,8 +351,7 @@ enum status world_forces_save(const struct forces *forces, struct forces_saved *
 		return STATUS_OK;
 	const size_t count = forces->world->scene->object_count;
 	struct forces_saved *saved = mem_calloc(1, sizeof *saved);
-	if (saved == NULL)
-		return fail_memory("a checkpoint");
+	TRY_MEM(saved, "a checkpoint");
 	*saved = (struct forces_saved){forces->row, mem_alloc(count + 1, sizeof *saved->standing), forces->saturated};
 	if (saved->standing == NULL) {
 		world_forces_saved_free(saved);

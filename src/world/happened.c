@@ -41,8 +41,7 @@ enum status world_happened_touch(struct world *world, const struct event *event,
 	if (told->touch_count == world->happened.touch_room) {
 		const size_t room = 2 * told->touch_count + 64;
 		struct world_touch *touches = mem_realloc(told->touches, room, sizeof *touches);
-		if (touches == NULL)
-			return fail_memory("what a picture has to know");
+		TRY_MEM(touches, "what a picture has to know");
 		told->touches = touches;
 		world->happened.touch_room = room;
 	}
@@ -69,8 +68,7 @@ enum status world_happened_change(struct world *world, struct tile tile)
 	if (told->change_count == world->happened.change_room) {
 		const size_t room = 2 * told->change_count + 64;
 		struct world_change *changes = mem_realloc(told->changes, room, sizeof *changes);
-		if (changes == NULL)
-			return fail_memory("what a picture has to know");
+		TRY_MEM(changes, "what a picture has to know");
 		told->changes = changes;
 		world->happened.change_room = room;
 	}

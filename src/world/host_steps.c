@@ -29,10 +29,10 @@ static struct event event_of(size_t number, const struct soil_pose *pose, double
 static enum status over_ground(struct world *world, struct event *event, const struct soil_shape *shape)
 {
 	int64_t ground;
-	enum status status = resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &ground, &event->contact);
-	if (status == STATUS_OK && event->contact)
+	TRY(resident_ground_height(world->resident.ground, event->pose.x, event->pose.y, &ground, &event->contact));
+	if (event->contact)
 		event->sinkage = lattice_offset_metres(ground - event->pose.z) + soil_shape_reach(shape, event->pose.pitch, event->pose.roll);
-	return status;
+	return STATUS_OK;
 }
 
 static double travel(const struct soil_pose *from, const struct soil_pose *to)
@@ -254,9 +254,7 @@ static enum status feel(struct world *world, size_t number, const struct soil_po
 	event.turned = body->host.turned;
 	event.stamped = body->host.stamped;
 	memcpy(event.rotated, body->host.rotated, sizeof event.rotated);
-	enum status status = over_ground(world, &event, &body->object->shape);
-	if (status != STATUS_OK)
-		return status;
+	TRY(over_ground(world, &event, &body->object->shape));
 	body->host.felt = *to;
 	body->host.felt_turned = body->host.turned;
 	body->host.felt_moving = moves;
@@ -297,9 +295,7 @@ static enum status step_body(struct world *world, size_t number, double seconds,
 	if (body->kind == BODY_VEHICLE)
 		return step_of_vehicle(world, number, until);
 	world_rates_take(body, seconds);
-	enum status status = pose_of(body, &to);
-	if (status != STATUS_OK)
-		return status;
+	TRY(pose_of(body, &to));
 	double turned = 0, rotated[3];
 	if (body->object->shape.kind == SOIL_WHEEL)
 		turned = world_spin(&to, body->host.now.angular) * seconds;
@@ -309,9 +305,7 @@ static enum status step_body(struct world *world, size_t number, double seconds,
 		rotated[k] = body->host.now.angular[k] * seconds;
 	if (world_turns_back(world, body, &to, turned, rotated)) {
 		const struct soil_pose at = body->host.felt;
-		status = touch(world, number, &at, until - seconds);
-		if (status != STATUS_OK)
-			return status;
+		TRY(touch(world, number, &at, until - seconds));
 	}
 	body->host.turned += turned;
 	for (int k = 0; k < 3; k++)
@@ -331,12 +325,11 @@ static enum status step_body(struct world *world, size_t number, double seconds,
 
 enum status world_hosts_step(struct world *world, double seconds, double until)
 {
-	enum status status = STATUS_OK;
 	world->near.stale |= seconds == 0; /* no step has listed them */
-	for (size_t i = 0; i < world->body_count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < world->body_count; i++)
 		if (world_is_set_down(world->bodies[i]))
-			status = step_body(world, i, seconds, until);
-	return status == STATUS_OK ? world_meetings_flush(world) : status;
+			TRY(step_body(world, i, seconds, until));
+	return world_meetings_flush(world);
 }
 
 static bool is_behind(const struct world *world, const struct body *body, struct soil_pose *to)

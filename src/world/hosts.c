@@ -67,8 +67,7 @@ static enum status name_it(struct world *world, struct scene_object *object)
 		return fail_with(STATUS_INPUT, "%s: another body has this name; give one that is free", object->name);
 	world_names_next(world, name, sizeof name);
 	char *copy = mem_alloc(strlen(name) + 1, 1);
-	if (copy == NULL)
-		return fail_memory("a body");
+	TRY_MEM(copy, "a body");
 	strcpy(copy, name);
 	mem_free(object->name);
 	object->name = copy;
@@ -119,9 +118,7 @@ static enum status check_state(const struct world *world, const struct body *bod
 	const char *name = body->object->name;
 	if (!body->host.placed)
 		return fail_with(STATUS_USAGE, "%s: it was not placed; call furrow_place first, since it has nowhere to come from", name);
-	enum status status = world_state_check(&body->object->shape, name, state, &pose);
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_state_check(&body->object->shape, name, state, &pose));
 	const struct furrow_state *from = &body->host.now;
 	const double way = hypot(state->pose.position[0] - from->pose.position[0], state->pose.position[1] - from->pose.position[1]);
 	if (way > WORLD_HOST_WAY * world->resident.spacing)
@@ -150,13 +147,12 @@ static enum status add_tiles(const struct world *world, const struct body *body,
 		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->resident.spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->resident.spacing),
 	};
 	struct tile first, last;
-	enum status status = STATUS_OK;
 	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, rect, &first, &last))
 		return STATUS_OK;
-	for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK && tiles->count <= WORLD_HOST_PAGES; x++)
-			status = key_set_add(tiles, tile_key((struct tile){world->resident.level, x, y}));
-	return status;
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x && tiles->count <= WORLD_HOST_PAGES; x++)
+			TRY(key_set_add(tiles, tile_key((struct tile){world->resident.level, x, y})));
+	return STATUS_OK;
 }
 
 static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states)
@@ -210,9 +206,7 @@ enum status world_belts_set(struct world *world, size_t count, const int32_t *nu
 {
 	for (size_t i = 0; i < count; i++) {
 		struct body *body;
-		enum status status = find(world, numbers[i], &body);
-		if (status != STATUS_OK)
-			return status;
+		TRY(find(world, numbers[i], &body));
 		if (!body->object->shape.belt)
 			return fail_with(STATUS_USAGE, "%s: it has no belt; give it belt: true of a box or a mesh", body->object->name);
 		if (!isfinite(belts[i].travel) || !isfinite(belts[i].speed))
@@ -248,13 +242,9 @@ enum status world_body_place(struct world *world, int32_t number, const struct f
 {
 	struct body *body;
 	struct soil_pose at;
-	enum status status = find(world, number, &body);
-	if (status == STATUS_OK)
-		status = world_attitude(&body->object->shape, body->object->name, pose, &at);
-	if (status == STATUS_OK)
-		status = lift(world, body);
-	if (status != STATUS_OK)
-		return status;
+	TRY(find(world, number, &body));
+	TRY(world_attitude(&body->object->shape, body->object->name, pose, &at));
+	TRY(lift(world, body));
 	body->host.placed = world->unplaced = true;
 	body->host.has_next = body->host.posed_linear = body->host.posed_angular = body->host.unposed = false;
 	body->host.rates_far = 0;

@@ -48,8 +48,7 @@ enum status world_meetings_create(struct world *world)
 	if (world->bearing == NULL || !world_feels(world))
 		return STATUS_OK;
 	world->meetings = mem_calloc(1, sizeof *world->meetings);
-	if (world->meetings == NULL)
-		return fail_memory("contacts that wait");
+	TRY_MEM(world->meetings, "contacts that wait");
 	world->meetings->turn = 1;
 	world->near.stale = true;
 	return STATUS_OK;
@@ -86,8 +85,7 @@ static enum status grow(struct meetings *m)
 	m->order = order != NULL ? order : m->order;
 	struct bearing_contact *contacts = mem_realloc(m->contacts, room, sizeof *contacts);
 	m->contacts = contacts != NULL ? contacts : m->contacts;
-	if (list == NULL || order == NULL || contacts == NULL)
-		return fail_memory("contacts that wait");
+	TRY_MEM(list != NULL && order != NULL && contacts != NULL, "contacts that wait");
 	m->room = room;
 	return STATUS_OK;
 }
@@ -195,8 +193,7 @@ static enum status need_rests(struct group *group, size_t count)
 	if (count <= group->rest_room)
 		return STATUS_OK;
 	struct deform_rest *rests = mem_realloc(group->rests, 2 * count, sizeof *rests);
-	if (rests == NULL)
-		return fail_memory("bodies near each other");
+	TRY_MEM(rests, "bodies near each other");
 	group->rests = rests;
 	group->rest_room = 2 * count;
 	return STATUS_OK;
@@ -341,8 +338,7 @@ static enum status need_groups(struct world *world, size_t count)
 	if (count <= m->group_room)
 		return STATUS_OK;
 	struct group *groups = mem_realloc(m->groups, count, sizeof *groups);
-	if (groups == NULL)
-		return fail_memory("contacts that wait");
+	TRY_MEM(groups, "contacts that wait");
 	m->groups = groups;
 	for (; m->group_room < count; m->group_room++) {
 		groups[m->group_room].rests = NULL;

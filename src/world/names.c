@@ -35,14 +35,11 @@ static enum status put(struct world_names *names, const char *name, int32_t numb
 {
 	uint32_t place;
 	bool fresh;
-	enum status status = key_set_number(&names->keys, key_of(name), &place, &fresh);
-	if (status != STATUS_OK)
-		return status;
+	TRY(key_set_number(&names->keys, key_of(name), &place, &fresh));
 	if (place >= names->room) {
 		const size_t room = names->room > 0 ? 2 * names->room : 64;
 		int32_t *numbers = mem_realloc(names->numbers, room, sizeof *numbers);
-		if (numbers == NULL)
-			return fail_memory("the names of bodies");
+		TRY_MEM(numbers, "the names of bodies");
 		names->numbers = numbers;
 		names->room = room;
 	}

@@ -30,8 +30,7 @@ static enum status need_entries(struct near_table *near, size_t count)
 	near->kept = kept != NULL ? kept : near->kept;
 	struct deform_rest *rests = mem_realloc(near->rests, 2 * count, sizeof *rests);
 	near->rests = rests != NULL ? rests : near->rests;
-	if (entries == NULL || found == NULL || kept == NULL || rests == NULL)
-		return fail_memory("bodies near each other");
+	TRY_MEM(entries != NULL && found != NULL && kept != NULL && rests != NULL, "bodies near each other");
 	near->room = 2 * count;
 	return STATUS_OK;
 }
@@ -152,8 +151,7 @@ static enum status make_grid(struct near_table *near)
 	}
 	if (needed > near->cell_room) {
 		struct near_cell *cells = mem_realloc(near->cells, 2 * needed, sizeof *cells);
-		if (cells == NULL)
-			return fail_memory("bodies near each other");
+		TRY_MEM(cells, "bodies near each other");
 		near->cells = cells;
 		near->cell_room = 2 * needed;
 	}
@@ -185,15 +183,17 @@ static enum status list(struct world *world)
 
 static enum status end_list(struct near_table *near)
 {
-	enum status status = near->count > FEW ? make_grid(near) : STATUS_OK;
+	enum status status;
+	TRY_OR(done, near->count > FEW ? make_grid(near) : STATUS_OK);
+done:
 	near->stale = status != STATUS_OK;
 	return status;
 }
 
 enum status world_near_make(struct world *world)
 {
-	enum status status = list(world);
-	return status == STATUS_OK ? end_list(&world->near) : status;
+	TRY(list(world));
+	return end_list(&world->near);
 }
 
 static int by_body(const void *a, const void *b)
@@ -219,11 +219,13 @@ enum status world_near_begin(struct world *world, size_t count, const int32_t *n
 	struct near_table *near = &world->near;
 	/* Of one body alone the place does not matter to itself. */
 	const bool most = count > 1 && 4 * count >= world->body_count;
-	enum status status = most ? list(world) : near->stale ? world_near_make(world) : STATUS_OK;
-	for (size_t i = 0; i < count && count > 1 && status == STATUS_OK; i++) {
+	enum status status;
+	TRY_OR(done, most ? list(world) : near->stale ? world_near_make(world) : STATUS_OK);
+	for (size_t i = 0; i < count && count > 1; i++) {
 		struct soil_pose pose;
 		struct near_entry *entry = entry_of(near, (size_t)numbers[i]);
-		if (entry == NULL || !world_is_set_down(world->bodies[numbers[i]]) || world_state_check(entry->rest.shape, "", &states[i], &pose) != STATUS_OK)
+		if (entry == NULL || !world_is_set_down(world->bodies[numbers[i]]) || world_state_check(entry->rest.shape, "", &states[i],
+													&pose) != STATUS_OK)
 			continue;
 		if (most) {
 			move(world, entry, &pose);
@@ -232,8 +234,9 @@ enum status world_near_begin(struct world *world, size_t count, const int32_t *n
 		near->kept[near->moved++] = (struct near_kept){(size_t)(entry - near->entries), *entry};
 		move(world, entry, &pose);
 	}
-	if (status == STATUS_OK && most)
-		status = end_list(near);
+	if (most)
+		TRY_OR(done, end_list(near));
+done:
 	near->stale |= most;
 	return status;
 }

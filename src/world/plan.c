@@ -345,8 +345,7 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 		return STATUS_OK;
 	struct deform_params params;
 	struct deform_planned *objects = mem_calloc(all, sizeof *objects);
-	if (objects == NULL)
-		return fail_memory("the plan");
+	TRY_MEM(objects, "the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
 		objects[i] = world_planned(&scene->objects[i]);
 	for (size_t i = 0; i < count; i++)

@@ -130,8 +130,8 @@ enum status world_probes_now(struct world *world, int32_t number, struct soil_pr
 	probed->known = false;
 	if (!body->host.placed || world->bearing == NULL || !world_feels(world) || body->elsewhere)
 		return STATUS_OK;
-	enum status status = world_near_begin(world, 0, NULL, NULL);
-	return status == STATUS_OK ? probe_one(world, (size_t)number, &body->host.now, &body->host.belt, probed) : status;
+	TRY(world_near_begin(world, 0, NULL, NULL));
+	return probe_one(world, (size_t)number, &body->host.now, &body->host.belt, probed);
 }
 
 /* Returns the body with this number if its probes can be known; NULL: they cannot. */

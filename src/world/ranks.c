@@ -169,8 +169,7 @@ enum status world_active_keep(struct world *world, world_block_fn keeps, void *u
 	if (status != STATUS_OK || count == 0)
 		return status;
 	struct soil_block *copy = mem_alloc(count, sizeof *copy);
-	if (copy == NULL)
-		return fail_memory("active blocks");
+	TRY_MEM(copy, "active blocks");
 	memcpy(copy, list, count * sizeof *copy);
 	status = world_forget_active(world);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
@@ -199,8 +198,7 @@ enum status world_record_ranks(struct world *world, const struct soil_block *oth
 		return status;
 	/* Two ranks may both have woken a block between their ground. */
 	struct soil_block *all = mem_alloc(record->active_count + count, sizeof *all);
-	if (all == NULL)
-		return fail_memory("active blocks");
+	TRY_MEM(all, "active blocks");
 	memcpy(all, record->active, record->active_count * sizeof *all);
 	memcpy(all + record->active_count, others, count * sizeof *all);
 	const size_t kept = soil_blocks_sort(all, record->active_count + count);

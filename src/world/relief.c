@@ -34,8 +34,7 @@ static enum status open_map(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	struct world_relief *relief = mem_calloc(1, sizeof *relief);
-	if (relief == NULL)
-		return fail_memory("relief");
+	TRY_MEM(relief, "relief");
 	mutex_init(&relief->mutex);
 	relief->map = (struct relief_map){read_classes, relief};
 	world->relief = relief;

@@ -177,8 +177,7 @@ enum status world_find_soils_met(struct world *world)
 	    (!read && (scene->soil_map != NULL || scene->raster_count > 0)))
 		return STATUS_OK;
 	struct world_soils_met *met = mem_calloc(1, sizeof *met);
-	if (met == NULL)
-		return fail_memory("the soils along the paths");
+	TRY_MEM(met, "the soils along the paths");
 	met->least = mem_alloc(rows, sizeof *met->least);
 	met->weakest = mem_calloc(rows, sizeof *met->weakest);
 	if (met->least == NULL || met->weakest == NULL) {

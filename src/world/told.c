@@ -40,10 +40,8 @@ static enum status normal_at(const struct world *world, const double place[3], d
 	for (int i = 0; i < 4; i++) {
 		int64_t found;
 		bool any;
-		enum status status = resident_ground_height(world->resident.ground, lattice_offset(place[0] + to[i][0] * step),
-						   lattice_offset(place[1] + to[i][1] * step), &found, &any);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_height(world->resident.ground, lattice_offset(place[0] + to[i][0] * step),
+					   lattice_offset(place[1] + to[i][1] * step), &found, &any));
 		height[i] = any ? lattice_offset_metres(found) : NAN;
 	}
 	const double dx = (height[0] - height[1]) / (2 * step), dy = (height[2] - height[3]) / (2 * step);

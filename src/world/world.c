@@ -16,8 +16,7 @@
 enum status world_make(const struct world_params *params, struct world **out)
 {
 	struct world *world = *out = mem_calloc(1, sizeof *world);
-	if (world == NULL)
-		return fail_memory("a world");
+	TRY_MEM(world, "a world");
 	world->params = *params;
 	world->scene = params->scene;
 	world->ranks = params->ranks;
@@ -86,8 +85,7 @@ static enum status start_look_ahead(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	struct look_ahead_body *bodies = mem_calloc(scene->object_count + 1, sizeof *bodies);
-	if (bodies == NULL)
-		return fail_memory("the look-ahead");
+	TRY_MEM(bodies, "the look-ahead");
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (world->bodies[i]->track != NULL)

@@ -9,8 +9,11 @@
  *
  *     world_open -> world_start -> (a view is made) -> world_warm -> world_begin -> world_step ... -> world_end -> world_finish
  *
- * Only one thread uses a world, the one that owns its GL context. Its parts are declared in body.h (bodies and their contacts), events.h (what happens
- * in a step), facts.h (what is known before a step, and what was counted), ranks.h (several processes).
+ * Only one thread uses a world, the one that owns its GL context. Its parts:
+ * - body.h: bodies and their contacts;
+ * - events.h: what happens in a step;
+ * - facts.h: what is known before a step, and what was counted;
+ * - ranks.h: several processes.
  */
 #ifndef FURROW_WORLD_H
 #define FURROW_WORLD_H
@@ -83,8 +86,8 @@ enum world_phase {
 enum world_phase world_phase(const struct world *world);
 const char *world_phase_name(enum world_phase phase);
 bool world_is_torn(const struct world *world); /* the phase is WORLD_TORN */
-/* For who makes a step of several parts, such as ranks and vehicles: from now on the ground is not that of a whole step, and, when it is again. Both do
- * nothing where that is so already, and while no step can be made. */
+/* For who makes a step of several parts, such as ranks and vehicles. world_tear: from now on the ground is not that of a whole step. world_mend: it is
+ * again. Both do nothing where that is so already, and while no step can be made. */
 void world_tear(struct world *world);
 void world_mend(struct world *world);
 
