@@ -2,7 +2,6 @@
  * The host of the drive that furrow view shows: what was pressed in the window becomes what the drive does next, and what it
  * drew comes into the window.
  */
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,6 @@
 #include "api/library.h"
 
 #include <pthread.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "dem/dem.h"

@@ -1,6 +1,5 @@
 /* run.json: what a drive did and what it used. */
 #include <math.h>
-#include <string.h>
 
 #include "base/aside.h"
 #include "base/json.h"

@@ -5,7 +5,6 @@
  * the object down. A record that says otherwise was not written by a drive of this scene.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "world/internal.h"

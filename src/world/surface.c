@@ -1,6 +1,5 @@
 /* The two ways to change the ground behind one face. On the GPU (deform) kinematic models are computed. On the CPU (bearing) soil that bears is, and
  * kinematic models where the scene asks for it, or where there is no GL. */
-#include <math.h>
 
 #include "world/internal.h"
 
