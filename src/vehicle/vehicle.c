@@ -97,7 +97,7 @@ static enum status add_body(struct world *world, struct soil_geom *geom)
 		mem_free(object.name);
 		return status;
 	}
-	world_body_quiet(world, geom->number);
+	world_body_of_vehicle(world, geom->number);
 	return STATUS_OK;
 }
 

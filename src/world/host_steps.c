@@ -264,8 +264,8 @@ static enum status feel(struct world *world, size_t number, const struct soil_po
 	return STATUS_OK;
 }
 
-/* A quiet body changes the ground whenever it is set. A wheel turns by less than half a turn between two contacts. */
-static enum status step_quiet(struct world *world, size_t number, double until)
+/* A body of a vehicle changes the ground whenever it is set. A wheel turns by less than half a turn between two contacts. */
+static enum status step_of_vehicle(struct world *world, size_t number, double until)
 {
 	struct body *body = world->bodies[number];
 	const double began = body->host.since;
@@ -293,7 +293,7 @@ static enum status step_body(struct world *world, size_t number, double seconds,
 	struct body *body = world->bodies[number];
 	struct soil_pose to;
 	if (body->kind == BODY_VEHICLE)
-		return step_quiet(world, number, until);
+		return step_of_vehicle(world, number, until);
 	world_rates_take(body, seconds);
 	TRY(pose_of(body, &to));
 	double turned = 0, rotated[3];

@@ -1,9 +1,9 @@
-/* Quiet bodies: bodies of a host whose forces their caller computes, such as the soil geoms of vehicles. */
+/* Bodies of vehicles: their soil geoms. The vehicle computes their forces. */
 #include <math.h>
 
 #include "world/internal.h"
 
-void world_body_quiet(struct world *world, int32_t number)
+void world_body_of_vehicle(struct world *world, int32_t number)
 {
 	world_body_hosted(world, (size_t)number)->kind = BODY_VEHICLE;
 }
