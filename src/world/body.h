@@ -68,7 +68,7 @@ struct body {
 	const struct scene_object *object;
 	struct track *track;      /* its path; NULL: it has none */
 	int64_t next;             /* number of its next path sample */
-	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
+	bool has_last;          /* there was ground below `last`, so the next contact is swept from it. The body may be in the air there */
 	struct soil_pose last;    /* the pose up to which its motion has changed the ground */
 	double distance, sinkage; /* m */
 	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */

@@ -170,7 +170,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 	struct deform_contact contact = {
 		.shape = &body->object->shape,
 		.interface = body->object->interface,
-		.from = body->in_contact ? body->last : event->pose,
+		.from = body->has_last ? body->last : event->pose,
 		.to = event->pose,
 		.load = body->object->load,
 		.loaded_body = body->loaded_body,
@@ -189,7 +189,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		return contact;
 	}
 	contact.to.turn = contact.from.turn = body->last.turn;
-	if (body->in_contact)
+	if (body->has_last)
 		roll(body, &contact);
 	return contact;
 }
@@ -200,7 +200,7 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
 	TRY(bearing_area(world->bearing, contact, &area));
-	if (!feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
+	if (!feels && body->has_last && !bearing_covers(world->bearing, contact, &area, &body->last))
 		TRY(world_let_go(world, body));
 	if (post_rect_empty(area.write)) {
 		world_forces_absent(world->forces, event->body, event);
@@ -278,7 +278,7 @@ static enum status deform_contact_at(struct world *world, const struct event *ev
 		world_forces_absent(world->forces, event->body, event);
 	/* The ground under its last pose is free now. If the object jumped or turned, the contact may not cover it; then make
 	 * it active. */
-	if (body->in_contact && !deform_covers(world->deform, contact, &body->last))
+	if (body->has_last && !deform_covers(world->deform, contact, &body->last))
 		TRY(world_let_go(world, body));
 	const size_t due = deform_windows_computed(windows, count);
 	world->counts.windows.due += due;
@@ -300,7 +300,7 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		status = deform_contact_at(world, event, &contact, waits && world->batches != NULL);
 	else
 		status = world_feels(world) ? bearing_contact_at(world, event, &contact, false) : world_kinematic_contact(world, event, &contact);
-	body->in_contact = true;
+	body->has_last = true;
 	body->last = contact.to;
 	return status;
 }

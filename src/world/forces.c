@@ -82,7 +82,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 			continue;
 		struct track_point point;
 		motion_track_sample(world->bodies[i]->track, object->next - 1, &point);
-		forces->standing[i] = (struct standing){.pose = object->last, .force = object->force, .placed = true, .felt = object->in_contact};
+		forces->standing[i] = (struct standing){.pose = object->last, .force = object->force, .placed = true, .felt = object->has_last};
 		forces->standing[i].pose.x = point.qx;
 		forces->standing[i].pose.y = point.qy;
 	}

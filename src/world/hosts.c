@@ -4,7 +4,7 @@
  * Here: their numbers, their names, and where the host says they are. host_steps.c moves them.
  *
  * Invariants:
- * - body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
+ * - body.last is the pose up to which motion has changed the ground; body.has_last says that there is one.
  * - `now` is where the body is; `next`, if has_next, is where it will be after the next step.
  */
 #include <math.h>
@@ -226,7 +226,7 @@ static enum status lift(struct world *world, struct body *body)
 {
 	const enum status status = world_let_go(world, body);
 	world->near.stale = true;
-	body->in_contact = false;
+	body->has_last = false;
 	body->host.fresh = true;
 	body->host.since = body->host.turned = 0;
 	memset(body->host.rotated, 0, sizeof body->host.rotated);

@@ -73,7 +73,7 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 		world_forces_met(world->forces, event->body, event); /* rows tell where the body is */
 	else
 		world_forces_absent(world->forces, event->body, event);
-	if (body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
+	if (body->has_last && !bearing_covers(world->bearing, contact, &area, &body->last))
 		TRY(world_let_go(world, body));
 	const size_t due = deform_windows_computed(windows, count);
 	world->counts.windows.due += due;

@@ -52,7 +52,7 @@ static struct deform_rest rest_of(const struct body *body)
 static void add_path(const struct world *world, const struct body *body, struct near_entry *entry)
 {
 	entry->rest = rest_of(body);
-	if (body->in_contact && !body->elsewhere)
+	if (body->has_last && !body->elsewhere)
 		entry->rect = shadow_of(world, &entry->rest);
 }
 
@@ -247,7 +247,7 @@ static void look(struct world *world, size_t at, struct post_rect rect)
 	const struct body *body = world->bodies[entry->body];
 	if (body->kind == BODY_PATH) { /* its path has gone on since the table was made */
 		entry->rest = rest_of(body);
-		if (!body->in_contact || post_rect_empty(post_rect_intersect(shadow_of(world, &entry->rest), rect)))
+		if (!body->has_last || post_rect_empty(post_rect_intersect(shadow_of(world, &entry->rest), rect)))
 			return;
 	}
 	near->found[near->found_count++] = *entry;

@@ -37,7 +37,7 @@ static size_t rests_of(const struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
-		if (body != NULL && body->in_contact && !body->host.removed && !body->elsewhere)
+		if (body != NULL && body->has_last && !body->host.removed && !body->elsewhere)
 			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
 	}
 	return count;
@@ -199,7 +199,7 @@ enum status world_let_go(struct world *world, const struct body *body)
 	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
-	if (!body->in_contact || body->elsewhere || !deform_conserves(world->scene->model))
+	if (!body->has_last || body->elsewhere || !deform_conserves(world->scene->model))
 		return STATUS_OK;
 	TRY(deform_cut(&world->surface, &rest, windows, &count));
 	for (size_t i = 0; i < count; i++)
