@@ -22,7 +22,7 @@
 static size_t interval(struct rig *rig)
 {
 	struct deform_interval size;
-	bench_must(deform_interval_begin(rig->deform, &rig->rest, rig->in_contact ? 1 : 0, &size));
+	bench_must(deform_interval_begin(rig->deform, &rig->rest, rig->has_last ? 1 : 0, &size));
 	for (size_t i = 0; i < size.regions; i++) {
 		rig_decode(rig, deform_interval_reads(rig->deform, i));
 		bench_must(deform_interval_gather(rig->deform, i, rig->tiles, rig->tile_count));
@@ -48,7 +48,7 @@ static void sweep(struct rig *rig, const struct deform_contact *of)
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count;
 	bench_must(deform_windows(rig->deform, of, windows, &count));
-	if (rig->in_contact && !deform_covers(rig->deform, of, &rig->rest.pose)) {
+	if (rig->has_last && !deform_covers(rig->deform, of, &rig->rest.pose)) {
 		const struct deform_contact left = {.shape = &rig_wheel, .from = rig->rest.pose, .to = rig->rest.pose};
 		struct deform_window around[DEFORM_WINDOWS_MAX];
 		size_t number;
@@ -66,7 +66,7 @@ static void sweep(struct rig *rig, const struct deform_contact *of)
 		bench_must(deform_wake_swept(rig->deform, &windows[i], (uint32_t)i));
 	}
 	rig->rest = (struct deform_rest){.shape = &rig_wheel, .pose = of->to};
-	rig->in_contact = true;
+	rig->has_last = true;
 }
 
 static void sample(struct rig *rig, const struct track *track, int64_t index)

@@ -38,7 +38,7 @@ struct rig {
 	struct gpu_program *encode[WHICH], *decode[WHICH];
 	struct kept_params params[WHICH];
 	struct deform_rest rest; /* the wheel where it was set last */
-	bool in_contact;
+	bool has_last;
 	double begins;           /* of this pass over the path, s */
 	int64_t intervals;       /* that are over */
 };

@@ -169,9 +169,7 @@ void arguments_destroy(struct arguments *arguments)
 {
 	if (arguments == NULL)
 		return;
-	mem_free(arguments->positional);
-	mem_free(arguments->given);
-	mem_free(arguments);
+	mem_free_all(arguments->positional, arguments->given, arguments);
 }
 
 size_t arguments_count(const struct arguments *arguments)

@@ -64,20 +64,29 @@ static struct fleet_params fleet_params_of(const struct drive_params *params, co
 	};
 }
 
+/* Makes the copy of the base, if there is to be one. */
+static enum status stage_alone(const struct drive_params *params, const char *stage, struct store_staged *staged)
+{
+	struct progress progress;
+	progress_start(&progress, "stage", "tiles");
+	const struct fleet_params with = fleet_params_of(params, stage, &progress);
+	enum status status;
+	TRY_OR(done, fleet_gather_left(params->overlay, params->resume));
+	TRY_OR(done, fleet_stage(&with, staged));
+done:
+	progress_end(&progress);
+	return status;
+}
+
 /* The drive by one process. */
 static enum status drive_alone(struct drive_params *params, const char *stage, struct drive_result *result)
 {
 	struct store_staged staged = {.original = NULL};
-	struct progress progress;
-	progress_start(&progress, "stage", "tiles");
-	const struct fleet_params with = fleet_params_of(params, stage, &progress);
-	enum status status = fleet_gather_left(params->overlay, params->resume);
-	if (status == STATUS_OK)
-		status = fleet_stage(&with, &staged);
-	progress_end(&progress);
+	enum status status;
+	TRY_OR(done, stage_alone(params, stage, &staged));
 	params->staged = stage != NULL ? &staged : NULL;
-	if (status == STATUS_OK)
-		status = drive_run(params, result);
+	TRY_OR(done, drive_run(params, result));
+done:
 	store_staged_finish(&staged);
 	return status;
 }
@@ -119,25 +128,32 @@ static enum status check_many(const struct drive_params *params)
 	return STATUS_OK;
 }
 
+static enum status open_fleet(const struct drive_params *params, const char *stage, struct fleet **fleet)
+{
+	struct progress progress;
+	progress_start(&progress, "stage", "tiles");
+	const struct fleet_params with = fleet_params_of(params, stage, &progress);
+	enum status status;
+	TRY_OR(done, fleet_agree(check_many(params)));
+	TRY_OR(done, fleet_open(&with, fleet));
+done:
+	progress_end(&progress);
+	return status;
+}
+
 /* The drive by one of many processes. */
 static enum status drive_many(struct drive_params *params, const char *stage, struct drive_result *result)
 {
 	struct fleet *fleet = NULL;
-	struct progress progress;
-	progress_start(&progress, "stage", "tiles");
-	const struct fleet_params with = fleet_params_of(params, stage, &progress);
-	enum status status = fleet_agree(check_many(params));
-	if (status == STATUS_OK)
-		status = fleet_open(&with, &fleet);
-	progress_end(&progress);
-	if (status == STATUS_OK) {
-		params->staged = fleet_staged(fleet);
-		params->ranks = fleet_ranks(fleet);
-		params->share_rows = share_rows;
-		params->stop = fleet_stop(fleet);
-		params->progress = params->progress && fleet_speaks();
-		status = drive_run(params, result);
-	}
+	enum status status;
+	TRY_OR(done, open_fleet(params, stage, &fleet));
+	params->staged = fleet_staged(fleet);
+	params->ranks = fleet_ranks(fleet);
+	params->share_rows = share_rows;
+	params->stop = fleet_stop(fleet);
+	params->progress = params->progress && fleet_speaks();
+	TRY_OR(done, drive_run(params, result));
+done:
 	fleet_close(fleet);
 	return status;
 }
@@ -169,53 +185,55 @@ static enum status join(enum status status)
 	return fleet_agree(joined);
 }
 
+/* What the arguments ask for. */
+struct asked {
+	struct settings settings;
+	struct scene *scene;
+	int64_t steps;
+	int durability;
+};
+
+static enum status read_all(const struct arguments *arguments, struct asked *asked)
+{
+	if (arguments_text(arguments, "o") == NULL)
+		return fail_with(STATUS_USAGE, "drive: -o is missing; give a folder for run.json and the pictures");
+	if (arguments_text(arguments, "stage") != NULL && arguments_text(arguments, "overlay") == NULL)
+		return fail_with(STATUS_USAGE, "drive: --stage reads the store from a copy, and without --overlay the drive writes to the store; "
+					       "give an --overlay");
+	TRY(check_map(arguments));
+	TRY(arguments_integer(arguments, "steps", 1, INT64_MAX, &asked->steps));
+	TRY(arguments_choice(arguments, "durable", &asked->durability));
+	TRY(settings_take(arguments, &asked->settings));
+	return scene_load(arguments_at(arguments, 0), asked->settings.list, asked->settings.count, &asked->scene);
+}
+
 static enum status run(const struct arguments *arguments)
 {
-	struct settings settings = {.count = 0};
-	struct scene *scene = NULL;
+	struct asked asked = {.scene = NULL};
 	struct drive_result result = {.json = NULL};
-	int64_t steps = 0;
-	int durability = 0;
-	const char *directory = arguments_text(arguments, "o");
-	enum status status = STATUS_OK;
-	if (directory == NULL)
-		status = fail_with(STATUS_USAGE, "drive: -o is missing; give a folder for run.json and the pictures");
-	if (status == STATUS_OK && arguments_text(arguments, "stage") != NULL && arguments_text(arguments, "overlay") == NULL)
-		status = fail_with(STATUS_USAGE, "drive: --stage reads the store from a copy, and without --overlay the drive writes to the store; "
-						 "give an --overlay");
-	if (status == STATUS_OK)
-		status = check_map(arguments);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "steps", 1, INT64_MAX, &steps);
-	if (status == STATUS_OK)
-		status = arguments_choice(arguments, "durable", &durability);
-	if (status == STATUS_OK)
-		status = settings_take(arguments, &settings);
-	if (status == STATUS_OK)
-		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
-	status = join(status);
-	if (status == STATUS_OK) {
-		interrupt_catch();
-		struct drive_params params = {
-			.scene = scene,
-			.store = arguments_text(arguments, "store"),
-			.overlay = arguments_text(arguments, "overlay"),
-			.directory = directory,
-			.trace = arguments_text(arguments, "trace"),
-			.steps = steps,
-			.resume = arguments_flag(arguments, "resume"),
-			.durable_full = durability == 1,
-			.keep_history = arguments_flag(arguments, "keep-history"),
-			.progress = true,
-			.map = scene->map,
-			.map_also = arguments_text(arguments, "map"),
-			.stop = &interrupted,
-		};
-		status = drive_with(arguments, &params, &result);
-	}
+	enum status status;
+	TRY_OR(done, join(read_all(arguments, &asked)));
+	interrupt_catch();
+	struct drive_params params = {
+		.scene = asked.scene,
+		.store = arguments_text(arguments, "store"),
+		.overlay = arguments_text(arguments, "overlay"),
+		.directory = arguments_text(arguments, "o"),
+		.trace = arguments_text(arguments, "trace"),
+		.steps = asked.steps,
+		.resume = arguments_flag(arguments, "resume"),
+		.durable_full = asked.durability == 1,
+		.keep_history = arguments_flag(arguments, "keep-history"),
+		.progress = true,
+		.map = asked.scene->map,
+		.map_also = arguments_text(arguments, "map"),
+		.stop = &interrupted,
+	};
+	TRY_OR(done, drive_with(arguments, &params, &result));
+done:
 	mem_free(result.json);
-	scene_destroy(scene);
-	settings_finish(&settings);
+	scene_destroy(asked.scene);
+	settings_finish(&asked.settings);
 	return status;
 }
 

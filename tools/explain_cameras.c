@@ -1,7 +1,6 @@
 /* furrow explain: the sun of pictures, what each camera writes, and what it costs. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "base/json.h"
 #include "explain.h"

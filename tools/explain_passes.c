@@ -261,8 +261,7 @@ static void print_all_passes(const struct scene *scene, const struct report_plan
 	} else {
 		puts("  out of memory: they cannot be listed");
 	}
-	mem_free(passes.first);
-	mem_free(passes.next);
+	mem_free_all(passes.first, passes.next);
 }
 
 /* Bearing soil has bodies, and may have no pass. With --all, passes are listed by body. */

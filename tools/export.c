@@ -226,8 +226,7 @@ static enum status write_rows(const struct export_request *request, struct store
 	}
 done:
 	progress_end(&progress);
-	mem_free(values);
-	mem_free(slopes);
+	mem_free_all(values, slopes);
 	TRY(status);
 	if (holes > 0)
 		note("%s: %lld posts have no data; they are 0, which is the height %g m, too", request->path, (long long)holes,

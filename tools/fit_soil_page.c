@@ -199,8 +199,7 @@ static enum status write_test(const struct fit_soil *fit, enum fit_test test, FI
 	write_legend(&page);
 	fputs("</section>\n", file);
 done:
-	mem_free(page.lines);
-	mem_free(page.numbers);
+	mem_free_all(page.lines, page.numbers);
 	return status;
 }
 

@@ -25,9 +25,7 @@ enum status html_actuators_find(struct html_actuators *actuators, char *const *n
 
 void html_actuators_finish(struct html_actuators *actuators)
 {
-	for (size_t i = 0; i < actuators->count; i++)
-		mem_free(actuators->names[i]);
-	mem_free(actuators->names);
+	mem_free_list(actuators->names, actuators->count);
 	mem_free(actuators->cells);
 }
 

@@ -3,7 +3,6 @@
  * dash. Where nothing can be drawn, a sentence stands in place of the plot.
  */
 #include <math.h>
-#include <string.h>
 
 #include "html_plot.h"
 #include "html_report.h"

@@ -1,10 +1,8 @@
 /* Plots that are not of bodies: the rut profile, times of steps, and the page cache. */
 #include <math.h>
-#include <string.h>
 
 #include "html_plot.h"
 #include "html_report.h"
-#include "svg.h"
 
 #define EDGES_MOST 4096
 

@@ -2,7 +2,6 @@
  * The map of each drive: its ways over the ground that it left. Lines and words are the page's, the ground is a picture. Where the store does
  * not show any more what the drive left, the map that the drive drew itself stands in its place.
  */
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 

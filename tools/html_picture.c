@@ -1,7 +1,6 @@
 #include "html_picture.h"
 
 #include <png.h>
-#include <string.h>
 
 #include "html_run.h"
 #include "scene/scene_file.h"
@@ -34,8 +33,7 @@ static enum status write_png(const uint8_t *pixels, const char *path, struct htm
 	png_alloc_size_t size = 0;
 	if (!png_image_write_to_memory(&image, NULL, &size, 0, pixels, 0, NULL))
 		return no_picture(path, image.message);
-	out->png = mem_alloc(size, 1);
-	TRY_MEM(out->png, "a picture");
+	TRY(mem_make(&out->png, size, 1, "a picture"));
 	if (!png_image_write_to_memory(&image, out->png, &size, 0, pixels, 0, NULL))
 		return no_picture(path, image.message);
 	out->length = size;
@@ -60,8 +58,7 @@ static enum status decode(png_image *image, const char *path, uint32_t most, str
 	shrink(pixels, image->width, image->height, times, small);
 	TRY_OR(done, write_png(small, path, out));
 done:
-	mem_free(pixels);
-	mem_free(small);
+	mem_free_all(pixels, small);
 	return status;
 }
 

@@ -5,7 +5,6 @@
 #include "html_plot.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "svg.h"
 

@@ -131,24 +131,14 @@ static struct html_body *body_named(struct table *table, const char *name)
 	return body;
 }
 
-bool html_grow(double **list, size_t room)
-{
-	double *grown = mem_realloc(*list, room, sizeof *grown);
-	if (grown != NULL)
-		*list = grown;
-	return grown != NULL;
-}
-
 enum status html_body_room(struct html_body *body)
 {
 	if (body->count < body->room)
 		return STATUS_OK;
-	const size_t room = body->room == 0 ? 256 : body->room * 2;
-	bool whole = html_grow(&body->time, room) && html_grow(&body->way, room) && html_grow(&body->x, room) && html_grow(&body->y, room);
-	for (int k = 0; k < HTML_VALUES; k++)
-		whole = whole && html_grow(&body->values[k], room);
-	if (!whole)
-		return fail_memory("the rows of a drive");
+	const size_t room = mem_room(body->room, body->count + 1);
+	double **const four[] = {&body->time, &body->way, &body->x, &body->y};
+	for (int k = 0; k < 4 + HTML_VALUES; k++)
+		TRY(mem_resize(k < 4 ? four[k] : &body->values[k - 4], room, sizeof(double), "the rows of a drive"));
 	body->room = room;
 	return STATUS_OK;
 }
@@ -302,23 +292,17 @@ void html_rows_join(struct html_run *run)
 
 struct html_body *html_bodies_add(struct html_bodies *bodies, const char *name)
 {
-	struct html_body *grown = mem_realloc(bodies->list, bodies->count + 1, sizeof *grown);
-	if (grown == NULL)
+	if (mem_resize(&bodies->list, bodies->count + 1, sizeof *bodies->list, "the rows of a drive") != STATUS_OK)
 		return NULL;
-	bodies->list = grown;
-	grown[bodies->count] = (struct html_body){.name = mem_strdup(name)};
-	return grown[bodies->count].name != NULL ? &grown[bodies->count++] : NULL;
+	bodies->list[bodies->count] = (struct html_body){.name = mem_strdup(name)};
+	return bodies->list[bodies->count].name != NULL ? &bodies->list[bodies->count++] : NULL;
 }
 
 void html_bodies_finish(struct html_bodies *bodies)
 {
 	for (size_t i = 0; i < bodies->count; i++) {
 		struct html_body *body = &bodies->list[i];
-		mem_free(body->name);
-		mem_free(body->time);
-		mem_free(body->way);
-		mem_free(body->x);
-		mem_free(body->y);
+		mem_free_all(body->name, body->time, body->way, body->x, body->y);
 		for (int k = 0; k < HTML_VALUES; k++)
 			mem_free(body->values[k]);
 		mem_free(body->last);

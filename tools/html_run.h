@@ -89,8 +89,6 @@ void html_run_finish(struct html_run *run); /* also takes one that is all zero *
 const cJSON *html_at(const struct html_run *run, const char *path);
 /* Returns the value if it is an object, so that its members have names. Else NULL. */
 const cJSON *html_members(const struct html_run *run, const char *path);
-/* Gives a list of numbers room for so many. False: out of memory, and the list is as before. */
-bool html_grow(double **list, size_t room);
 double html_number(const struct html_run *run, const char *path);    /* NaN: it is no finite number */
 const char *html_string(const struct html_run *run, const char *path); /* NULL: it is no text */
 /* A setting of the scene by its key; NULL: the scene has none, or run.json does not tell. */

@@ -211,7 +211,6 @@ enum status html_rut_read(const struct html_run *run, struct html_rut *out)
 
 void html_rut_finish(struct html_rut *rut)
 {
-	mem_free(rut->across);
-	mem_free(rut->change);
+	mem_free_all(rut->across, rut->change);
 	*rut = (struct html_rut){.count = 0};
 }

@@ -16,12 +16,10 @@ static enum status make_room(struct html_volumes *volumes)
 {
 	if (volumes->count < volumes->room)
 		return STATUS_OK;
-	const size_t room = volumes->room == 0 ? 64 : 2 * volumes->room;
-	bool whole = html_grow(&volumes->time, room);
+	const size_t room = mem_room(volumes->room, volumes->count + 1);
+	TRY(mem_resize(&volumes->time, room, sizeof *volumes->time, "the volumes of a drive"));
 	for (int k = 0; k < HTML_VOLUMES; k++)
-		whole = whole && html_grow(&volumes->values[k], room);
-	if (!whole)
-		return fail_memory("the volumes of a drive");
+		TRY(mem_resize(&volumes->values[k], room, sizeof *volumes->values[k], "the volumes of a drive"));
 	volumes->room = room;
 	return STATUS_OK;
 }

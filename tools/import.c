@@ -182,6 +182,34 @@ static enum status make(struct import *import, const char *path, struct intake *
 	return status;
 }
 
+static void print_text(const struct import *import, const struct intake *made, bool dry)
+{
+	if (!dry)
+		print_made(made);
+	print_plan(dem_info(import->opened), import->insets, &import->meta);
+	if (dry)
+		print_planned(import);
+	else
+		print_errors(&made->meta, "stored heights ", "stored heights ");
+	print_resampling(import, &made->meta);
+	print_holes(&made->meta, "no data: ");
+}
+
+/* Makes the store of sources that are open, unless it is a dry run, and prints what it is. */
+static enum status make_and_print(const struct arguments *arguments, struct import *import, const char *path)
+{
+	const bool dry = arguments_flag(arguments, "dry-run");
+	struct intake made = {.meta = import->meta, .low = (double)NAN, .high = (double)NAN};
+	if (dry)
+		note_output(import, path);
+	else
+		TRY(make(import, path, &made));
+	if (arguments_flag(arguments, "json"))
+		return print_json(import, &made);
+	print_text(import, &made, dry);
+	return STATUS_OK;
+}
+
 static enum status run(const struct arguments *arguments)
 {
 	struct import import;
@@ -189,33 +217,15 @@ static enum status run(const struct arguments *arguments)
 	if (path == NULL)
 		return fail_with(STATUS_USAGE, "import: -o is missing; give the store to make, as in -o world.furrow");
 	const char **sources = mem_calloc(arguments_count(arguments) + 1, sizeof *sources);
-	intake_import_init(&import);
-	enum status status = sources != NULL ? STATUS_OK : fail_memory("sources");
-	for (size_t i = 0; sources != NULL && i < arguments_count(arguments); i++)
+	TRY_MEM(sources, "sources");
+	for (size_t i = 0; i < arguments_count(arguments); i++)
 		sources[i] = arguments_at(arguments, i);
-	if (status == STATUS_OK)
-		status = read_options(arguments, &import);
-	if (status == STATUS_OK)
-		status = intake_import_open(&import, sources, arguments_count(arguments));
-	bool dry = arguments_flag(arguments, "dry-run"), json = arguments_flag(arguments, "json");
-	struct intake made = {.meta = import.meta, .low = (double)NAN, .high = (double)NAN};
-	if (status == STATUS_OK && dry)
-		note_output(&import, path);
-	else if (status == STATUS_OK)
-		status = make(&import, path, &made);
-	if (status == STATUS_OK && json) {
-		status = print_json(&import, &made);
-	} else if (status == STATUS_OK) {
-		if (!dry)
-			print_made(&made);
-		print_plan(dem_info(import.opened), import.insets, &import.meta);
-		if (dry)
-			print_planned(&import);
-		else
-			print_errors(&made.meta, "stored heights ", "stored heights ");
-		print_resampling(&import, &made.meta);
-		print_holes(&made.meta, "no data: ");
-	}
+	intake_import_init(&import);
+	enum status status;
+	TRY_OR(done, read_options(arguments, &import));
+	TRY_OR(done, intake_import_open(&import, sources, arguments_count(arguments)));
+	TRY_OR(done, make_and_print(arguments, &import, path));
+done:
 	intake_import_finish(&import);
 	mem_free(sources);
 	return status;

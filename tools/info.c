@@ -1,5 +1,4 @@
 /* furrow info: what a store holds. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

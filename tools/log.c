@@ -141,11 +141,9 @@ static enum status list_folder(const char *folder, char ***names, size_t *count)
 	if (directory == NULL)
 		return STATUS_OK;
 	for (struct dirent *entry; (entry = readdir(directory)) != NULL; ++*count) {
-		char **more = mem_realloc(*names, *count + 1, sizeof *more);
-		TRY_OR(done, more != NULL ? STATUS_OK : fail_memory("the branches"));
-		*names = more;
-		more[*count] = mem_strdup(entry->d_name);
-		TRY_OR(done, more[*count] != NULL ? STATUS_OK : fail_memory("the branches"));
+		TRY_OR(done, mem_resize(names, *count + 1, sizeof **names, "the branches"));
+		(*names)[*count] = mem_strdup(entry->d_name);
+		TRY_OR(done, (*names)[*count] != NULL ? STATUS_OK : fail_memory("the branches"));
 	}
 done:
 	closedir(directory);
@@ -171,9 +169,7 @@ static enum status each_branch(const char *store, branch_fn fn, void *user)
 			look_at(path, real, fn, user);
 	}
 done:
-	for (size_t i = 0; i < count; i++)
-		mem_free(names[i]);
-	mem_free(names);
+	mem_free_list(names, count);
 	return status;
 }
 

@@ -1,6 +1,5 @@
 /* furrow map: a layer of a store as a map on a page: PNG, SVG or PDF. */
 #include <math.h>
-#include <string.h>
 
 #include "export.h"
 #include "relief_told.h"

@@ -101,26 +101,30 @@ static enum status fail_of_model(enum status status)
 	return fail_with(status, "mobility: %.500s", why);
 }
 
+/* Takes the vehicle, and of a scene the soil and the gravity that no option gave. */
+static enum status take_scene(const struct scene *scene, struct asked *asked)
+{
+	if (asked->scene != NULL && isnan(asked->gravity))
+		asked->gravity = scene->gravity;
+	if (isnan(asked->gravity))
+		asked->gravity = EARTH;
+	if (asked->scene != NULL && asked->soil.text == NULL)
+		TRY(soil_given_of_scene(scene, asked->scene, &asked->soil));
+	return take_vehicle(scene, asked);
+}
+
 static enum status read_vehicle(struct asked *asked)
 {
 	struct scene *scene = NULL;
-	enum status status = asked->scene != NULL ? scene_load(asked->scene, NULL, 0, &scene) : load_model(asked, &scene);
-	if (status != STATUS_OK)
-		return asked->scene == NULL ? fail_of_model(status) : status;
-	if (asked->scene != NULL && isnan(asked->gravity))
-		asked->gravity = scene->gravity;
-	if (asked->scene != NULL && asked->soil.text == NULL)
-		status = soil_given_of_scene(scene, asked->scene, &asked->soil);
-	if (isnan(asked->gravity))
-		asked->gravity = EARTH;
-	if (status == STATUS_OK)
-		status = take_vehicle(scene, asked);
+	enum status status;
+	TRY_OR(done, asked->scene != NULL ? scene_load(asked->scene, NULL, 0, &scene) : load_model(asked, &scene));
+	TRY_OR(done, take_scene(scene, asked));
+done:
 	scene_destroy(scene);
-	if (status != STATUS_OK && asked->scene == NULL)
-		status = fail_of_model(status);
-	if (status == STATUS_OK && asked->soil.text == NULL)
-		status = fail_with(STATUS_USAGE, "mobility: --soil is missing; give a named soil (docs/SOILS.md), a file, or numbers in braces");
-	return status;
+	TRY(status != STATUS_OK && asked->scene == NULL ? fail_of_model(status) : status);
+	if (asked->soil.text == NULL)
+		return fail_with(STATUS_USAGE, "mobility: --soil is missing; give a named soil (docs/SOILS.md), a file, or numbers in braces");
+	return STATUS_OK;
 }
 
 static void tell(void *user, const char *text)
@@ -161,6 +165,19 @@ static enum status friction_of(const char *soil, double *degrees)
 	return STATUS_OK;
 }
 
+/* Fills the curves of a soil. folder: for the rig's files. */
+static enum status measure_in(struct asked *asked, const char *folder, const char *soil, const char *what)
+{
+	double angle;
+	TRY(friction_of(soil, &angle));
+	const struct mobility_rig rig = {.soil = soil, .friction_angle = angle, .gravity = asked->gravity, .spacing = asked->spacing, .folder = folder,
+					 .stop = &interrupted, .progress = progress_rig, .user = asked};
+	progress_start(&asked->progress, what, "runs");
+	const enum status status = trials_measure_wheels(&asked->vehicle, &rig, asked->curves);
+	progress_end(&asked->progress);
+	return status;
+}
+
 /* Fills the curves. factor: of the soil's numbers; NULL: the soil as it is. */
 static enum status measure(struct asked *asked, const double *factor)
 {
@@ -174,19 +191,11 @@ static enum status measure(struct asked *asked, const double *factor)
 	const char *temporary = getenv("TMPDIR");
 	char folder[4096];
 	snprintf(folder, sizeof folder, "%s/furrow-mobility-XXXXXX", temporary != NULL && *temporary != '\0' ? temporary : "/tmp");
-	enum status status = STATUS_OK;
-	if (mkdtemp(folder) == NULL)
-		status = fail_with(STATUS_FAILED, "%s: cannot be made; free some disk space", folder);
-	double angle = NAN;
-	if (status == STATUS_OK)
-		status = friction_of(soil, &angle);
-	const struct mobility_rig rig = {.soil = soil, .friction_angle = angle, .gravity = asked->gravity, .spacing = asked->spacing, .folder = folder, .stop = &interrupted,
-					 .progress = progress_rig, .user = asked};
-	progress_start(&asked->progress, factor == NULL ? "rig" : "rig, spread", "runs");
-	if (status == STATUS_OK)
-		status = trials_measure_wheels(&asked->vehicle, &rig, asked->curves);
-	rmdir(folder); /* where it was made */
-	progress_end(&asked->progress);
+	enum status status;
+	TRY_OR(done, mkdtemp(folder) != NULL ? STATUS_OK : fail_with(STATUS_FAILED, "%s: cannot be made; free some disk space", folder));
+	status = measure_in(asked, folder, soil, factor == NULL ? "rig" : "rig, spread");
+	rmdir(folder);
+done:
 	mem_free(varied);
 	return status;
 }
@@ -256,13 +265,14 @@ static enum status draw(struct asked *asked, struct store *store, int level, str
 				   .level = level, .rect = rect};
 	memcpy(map.spread, asked->spread, sizeof map.spread);
 	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &map.sun);
-	enum status status = store_reader_create(store, &map.reader);
-	if (status == STATUS_OK)
-		status = mobility_draw(&map);
-	if (status == STATUS_OK && asked->json)
-		status = mobility_print_json(&map);
-	else if (status == STATUS_OK)
+	enum status status;
+	TRY_OR(done, store_reader_create(store, &map.reader));
+	TRY_OR(done, mobility_draw(&map));
+	if (asked->json)
+		TRY_OR(done, mobility_print_json(&map));
+	else
 		mobility_print(&map);
+done:
 	store_reader_destroy(map.reader);
 	return status;
 }

@@ -105,10 +105,7 @@ static enum status go_through(struct mobility_map *map, struct dem_writer *write
 			status = progress_step(&progress, end - map->rect.y0, map->rect.y1 - map->rect.y0);
 	}
 	progress_end(&progress);
-	mem_free(pass.cells);
-	mem_free(pass.heights);
-	mem_free(pass.slopes);
-	mem_free(pass.values);
+	mem_free_all(pass.cells, pass.heights, pass.slopes, pass.values);
 	double ground = 0;
 	for (int i = 0; i < CLASSES; i++)
 		ground += map->shares[i];

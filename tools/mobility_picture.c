@@ -1,5 +1,4 @@
 /* furrow mobility, as a map: classes in colour over the hillshade, with shares of the area. */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -127,17 +127,19 @@ static enum status read_soils(const struct arguments *arguments, struct asked *a
 {
 	const char *given = arguments_text(arguments, "soil");
 	char *text = mem_strdup(given != NULL ? given : DEFAULT_SOIL), *begin = text;
-	enum status status = text != NULL ? STATUS_OK : fail_memory("soils");
+	TRY_MEM(text, "soils");
+	enum status status = STATUS_OK;
 	int depth = 0;
-	for (char *at = text; status == STATUS_OK && begin != NULL; at++) {
+	for (char *at = text; begin != NULL; at++) {
 		const char c = *at;
 		depth += (c == '{') - (c == '}');
 		if (c != '\0' && (c != ',' || depth > 0))
 			continue;
 		*at = '\0';
-		status = add_soil(asked, begin + strspn(begin, " "));
+		TRY_OR(done, add_soil(asked, begin + strspn(begin, " ")));
 		begin = c != '\0' ? at + 1 : NULL;
 	}
+done:
 	mem_free(text);
 	return status;
 }
@@ -253,28 +255,18 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 	int64_t passes = 1;
 	params->shape = shape != NULL ? shape : DEFAULT_SHAPE;
 	params->folder = arguments_text(arguments, "o");
-	enum status status = STATUS_OK;
-	if (params->folder == NULL)
-		status = fail_with(STATUS_USAGE, "rig: -o is missing; give a folder for rig.csv and rig.svg");
-	if (status == STATUS_OK)
-		status = arguments_number(arguments, "spacing", 1e-4, 10, &params->spacing);
-	if (status == STATUS_OK)
-		status = arguments_integer(arguments, "passes", 1, RIG_PASSES_MOST, &passes);
-	params->passes = (size_t)passes;
-	if (status == STATUS_OK)
-		status = read_soils(arguments, asked);
-	if (status == STATUS_OK)
-		status = read_list(arguments, "load", DEFAULT_LOAD, asked->loads, &params->load_count);
-	if (status == STATUS_OK)
-		status = read_list(arguments, "slip", torque == NULL ? DEFAULT_SLIP : NULL, asked->slips, &params->slip_count);
-	if (status == STATUS_OK)
-		status = read_list(arguments, "torque", NULL, asked->torques, &params->torque_count);
-	if (status == STATUS_OK)
-		status = settings_take(arguments, settings);
-	if (status == STATUS_OK && compare != NULL)
-		status = rig_measured_read(compare, &asked->table.measured, &asked->table.measured_count);
 	asked->table.measured_name = compare;
-	return status;
+	if (params->folder == NULL)
+		return fail_with(STATUS_USAGE, "rig: -o is missing; give a folder for rig.csv and rig.svg");
+	TRY(arguments_number(arguments, "spacing", 1e-4, 10, &params->spacing));
+	TRY(arguments_integer(arguments, "passes", 1, RIG_PASSES_MOST, &passes));
+	params->passes = (size_t)passes;
+	TRY(read_soils(arguments, asked));
+	TRY(read_list(arguments, "load", DEFAULT_LOAD, asked->loads, &params->load_count));
+	TRY(read_list(arguments, "slip", torque == NULL ? DEFAULT_SLIP : NULL, asked->slips, &params->slip_count));
+	TRY(read_list(arguments, "torque", NULL, asked->torques, &params->torque_count));
+	TRY(settings_take(arguments, settings));
+	return compare != NULL ? rig_measured_read(compare, &asked->table.measured, &asked->table.measured_count) : STATUS_OK;
 }
 
 /* Writes settings as the rig takes them. */
@@ -298,6 +290,15 @@ static enum status make_folder(const char *path)
 	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be made"));
 }
 
+static enum status run_rig(struct asked *asked)
+{
+	interrupt_catch();
+	progress_start(&asked->progress, "rig", "runs");
+	const enum status status = trials_rig_run(&asked->params, &asked->table.found, keep, asked);
+	progress_end(&asked->progress);
+	return status;
+}
+
 static enum status run(const struct arguments *arguments)
 {
 	struct settings settings = {.count = 0};
@@ -308,28 +309,19 @@ static enum status run(const struct arguments *arguments)
 				      .progress = progress_rig, .advise = true, .user = asked};
 	asked->table.params = params;
 	asked->table.soils = asked->labels;
-	enum status status = read_all(arguments, asked, &settings);
 	char *joined = NULL;
-	if (status == STATUS_OK)
-		status = join_settings(&settings, &joined);
+	enum status status;
+	TRY_OR(done, read_all(arguments, asked, &settings));
+	TRY_OR(done, join_settings(&settings, &joined));
 	params->settings = joined;
-	if (status == STATUS_OK)
-		status = make_folder(params->folder);
-	if (status == STATUS_OK) {
-		interrupt_catch();
-		progress_start(&asked->progress, "rig", "runs");
-		status = trials_rig_run(params, &asked->table.found, keep, asked);
-		progress_end(&asked->progress);
-	}
-	if (status == STATUS_OK)
-		status = write_file(&asked->table, params->folder, "rig.csv", rig_csv_write);
-	if (status == STATUS_OK)
-		status = write_file(&asked->table, params->folder, "rig.svg", rig_plot_write);
-	if (status == STATUS_OK) {
-		tell_sunk(&asked->table);
-		print_table(&asked->table);
-		printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
-	}
+	TRY_OR(done, make_folder(params->folder));
+	TRY_OR(done, run_rig(asked));
+	TRY_OR(done, write_file(&asked->table, params->folder, "rig.csv", rig_csv_write));
+	TRY_OR(done, write_file(&asked->table, params->folder, "rig.svg", rig_plot_write));
+	tell_sunk(&asked->table);
+	print_table(&asked->table);
+	printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
+done:
 	settings_finish(&settings);
 	mem_free(joined);
 	mem_free(asked->table.rows);

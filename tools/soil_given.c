@@ -18,8 +18,7 @@ bool soil_given_is_file(const char *given)
 
 void soil_given_finish(struct soil_given *soil)
 {
-	mem_free(soil->text);
-	mem_free(soil->label);
+	mem_free_all(soil->text, soil->label);
 	*soil = (struct soil_given){.text = NULL};
 }
 

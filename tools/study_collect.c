@@ -17,8 +17,7 @@ enum status study_cell_number(struct study_cell *cell, double number)
 	if (strtod(text, NULL) != number)
 		snprintf(text, sizeof text, "%.17g", number);
 	cell->number = number;
-	cell->text = mem_strdup(text);
-	return cell->text != NULL ? STATUS_OK : fail_memory("results of the study");
+	return mem_text(&cell->text, text, "results of the study");
 }
 
 /* Finds what a dotted path means. Keys may have dots themselves. *deepest: what the path leads to

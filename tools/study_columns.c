@@ -1,6 +1,5 @@
 /* Mean, maximum, minimum and last value of columns of objects.csv and vehicles.csv, by object. A
  * file is read once for all results. */
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>

@@ -8,7 +8,6 @@
  */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "scene/scene_error.h"
 #include "study.h"
@@ -45,8 +44,7 @@ static enum status expand_ranges(struct study *study)
 		struct study_parameter *parameter = &study->parameters[i];
 		if (parameter->values != NULL)
 			continue;
-		parameter->values = mem_calloc(parameter->value_count, sizeof *parameter->values);
-		TRY_MEM(parameter->values, "values of the study");
+		TRY(mem_zeroed(&parameter->values, parameter->value_count, sizeof *parameter->values, "values of the study"));
 		for (size_t k = 0; k < parameter->value_count; k++) {
 			parameter->values[k] =
 				number_text(study, range_at(parameter, (double)k / (double)(parameter->value_count - 1)));

@@ -8,7 +8,6 @@
  * which every eye tells apart.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/scene_error.h"
@@ -279,8 +278,7 @@ enum status study_plot_write(const struct study *study, const struct study_plot 
 {
 	struct plot plot;
 	TRY(group(study, wanted, study->root, &plot));
-	plot.dots = mem_calloc(study->run_count, sizeof *plot.dots);
-	TRY_MEM(plot.dots, "a plot of the study");
+	TRY(mem_zeroed(&plot.dots, study->run_count, sizeof *plot.dots, "a plot of the study"));
 	take_dots(&plot, cells);
 	make_axes(&plot);
 	write_all(&plot, file);

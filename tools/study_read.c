@@ -31,8 +31,7 @@ static enum status take_list(struct study *study, const struct scene_node *node,
 {
 	if (node->count == 0 || node->count > STUDY_VALUES)
 		return scene_error(study->file, node, "has %zu values; allowed: 1 to %d", node->count, STUDY_VALUES);
-	parameter->values = mem_calloc(node->count, sizeof *parameter->values);
-	TRY_MEM(parameter->values, "values of the study");
+	TRY(mem_zeroed(&parameter->values, node->count, sizeof *parameter->values, "values of the study"));
 	for (const struct scene_node *value = node->first; value != NULL; value = value->next) {
 		TRY(study_yaml(study, value, &parameter->values[parameter->value_count]));
 		for (size_t i = 0; i < parameter->value_count && study->design == STUDY_GRID; i++)

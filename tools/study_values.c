@@ -43,16 +43,8 @@ void study_destroy(struct study *study)
 		mem_free(study->parameters[i].values);
 	for (size_t i = 0; i < study->text_count; i++)
 		free(study->texts[i]);
-	mem_free(study->texts);
-	mem_free(study->parameters);
-	mem_free(study->values);
-	mem_free(study->runs);
-	mem_free(study->results);
-	mem_free(study->plots);
-	mem_free(study->folder);
-	mem_free(study->text);
-	mem_free(study->directory);
-	mem_free(study->program);
+	mem_free_all(study->texts, study->parameters, study->values, study->runs, study->results, study->plots, study->folder,
+		     study->text, study->directory, study->program);
 	scene_node_destroy(study->root);
 	*study = (struct study){.file = NULL};
 }

@@ -220,8 +220,7 @@ static enum status tell(const struct work *work)
 static enum status check_and_run(struct work *work, int jobs)
 {
 	struct study *study = work->study;
-	work->jobs = mem_calloc((size_t)jobs, sizeof *work->jobs);
-	TRY_MEM(work->jobs, "jobs of the study");
+	TRY(mem_zeroed(&work->jobs, (size_t)jobs, sizeof *work->jobs, "jobs of the study"));
 	interrupt_catch();
 	progress_start(&work->progress, "study", "runs");
 	for (size_t run = 0; run < study->run_count && !work->checked; run++)

@@ -1,8 +1,6 @@
 /* What schedulers run: a Slurm array script, a list for GNU parallel, a Snakefile. Each runs run.sh
  * of every run. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/aside.h"
 #include "study.h"

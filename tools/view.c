@@ -146,29 +146,23 @@ static enum status run(const struct arguments *arguments)
 		.write = arguments_flag(arguments, "write"),
 	};
 	bool temporary = looking.overlay == NULL && !looking.write;
-	enum status status = STATUS_OK;
 	if (looking.write && looking.overlay != NULL)
-		status = fail_with(STATUS_USAGE, "view: --write and --overlay name two places for the ruts; give one of them");
-	if (status == STATUS_OK)
-		status = settings_take(arguments, &settings);
-	if (status == STATUS_OK)
-		status = view_scene_load(arguments_at(arguments, 0), &settings, &looking.scene);
-	if (status == STATUS_OK && temporary)
-		status = check_store(looking.store != NULL ? looking.store : looking.scene->store);
-	if (status == STATUS_OK)
-		status = open_window(&looking);
-	if (status == STATUS_OK)
-		status = shelter_make();
-	if (status == STATUS_OK && atexit(display_lost) != 0)
-		status = fail_memory("what is done when the display is lost");
-	if (status == STATUS_OK) {
-		interrupt_catch();
-		if (temporary)
-			note("looking changes nothing: the ruts are gone at the end (--overlay FILE keeps them, --write deforms the store)");
-		watching = true;
-		status = look(&looking);
-		watching = false;
-	}
+		return fail_with(STATUS_USAGE, "view: --write and --overlay name two places for the ruts; give one of them");
+	enum status status;
+	TRY_OR(done, settings_take(arguments, &settings));
+	TRY_OR(done, view_scene_load(arguments_at(arguments, 0), &settings, &looking.scene));
+	if (temporary)
+		TRY_OR(done, check_store(looking.store != NULL ? looking.store : looking.scene->store));
+	TRY_OR(done, open_window(&looking));
+	TRY_OR(done, shelter_make());
+	TRY_OR(done, atexit(display_lost) == 0 ? STATUS_OK : fail_memory("what is done when the display is lost"));
+	interrupt_catch();
+	if (temporary)
+		note("looking changes nothing: the ruts are gone at the end (--overlay FILE keeps them, --write deforms the store)");
+	watching = true;
+	status = look(&looking);
+	watching = false;
+done:;
 	struct failure failure;
 	failure_capture(&failure, status);
 	chart_pen_destroy(looking.viewer.pen);

@@ -2,7 +2,6 @@
  * The host of the drive that furrow view shows: what was pressed in the window becomes what the drive does next, and what it
  * drew comes into the window.
  */
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -124,11 +123,9 @@ static enum status drop_at(struct viewer *viewer, struct drive *drive, double x,
 		view_eye_camera(&viewer->eye, &camera);
 	view_ray(&camera, width, height, x, y, ray.direction);
 	memcpy(ray.origin, camera.eye, sizeof ray.origin);
-	enum status status = drive_rays(drive, &ray, 1, &hit);
-	if (status == STATUS_OK && hit.hit)
-		status = drive_drop(drive, viewer->shape, hit.point[0], hit.point[1], viewer->eye.yaw, &pressed);
-	if (status != STATUS_OK)
-		return status;
+	TRY(drive_rays(drive, &ray, 1, &hit));
+	if (hit.hit)
+		TRY(drive_drop(drive, viewer->shape, hit.point[0], hit.point[1], viewer->eye.yaw, &pressed));
 	viewer->drops += pressed;
 	if (pressed)
 		tell(viewer, "dropped at %.2f, %.2f", hit.point[0], hit.point[1]);
@@ -222,24 +219,23 @@ static enum status take_events(struct viewer *viewer, struct drive *drive)
 {
 	struct window_event event;
 	int width, height;
-	enum status status = STATUS_OK;
-	while (status == STATUS_OK && window_next(viewer->window, &event)) {
+	while (window_next(viewer->window, &event)) {
 		window_size(viewer->window, &width, &height);
 		if (event.kind == WINDOW_CLOSE)
 			viewer->ended = true;
 		else if (event.kind == WINDOW_EXPOSED)
 			viewer->again = true;
 		else if (event.kind == WINDOW_KEY)
-			status = key_down(viewer, drive, event.key);
+			TRY(key_down(viewer, drive, event.key));
 		else if (event.kind == WINDOW_CLICK)
-			status = drop_at(viewer, drive, event.x, event.y);
+			TRY(drop_at(viewer, drive, event.x, event.y));
 		else if (event.dx != 0 || event.dy != 0) {
 			if (viewer->eye.mode == VIEW_MODE_SCENE)
 				viewer->eye.mode = VIEW_MODE_FLY;
 			view_eye_drag(&viewer->eye, event.dx, event.dy, height);
 		}
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* --- the host's calls --- */
@@ -283,16 +279,15 @@ static enum status turn(void *user, struct drive *drive, struct drive_control *w
 	struct viewer *viewer = user;
 	double now = clock_seconds(), seconds = fmin(now - viewer->fly_before, TURN_MOST);
 	viewer->fly_before = now;
-	enum status status = take_events(viewer, drive);
-	if (status == STATUS_OK)
-		status = place_eye(viewer, drive, seconds);
+	TRY(take_events(viewer, drive));
+	TRY(place_eye(viewer, drive, seconds));
 	if (viewer->told[0] != '\0' && now > viewer->told_until) {
 		viewer->told = "";
 		viewer->again = true;
 	}
 	write_title(viewer, drive, now);
 	fill_wish(viewer, wish);
-	return status;
+	return STATUS_OK;
 }
 
 /* Under the first number that is free. What cannot be written is told, and nothing ends for it. */
@@ -318,9 +313,7 @@ static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uin
 	struct drive_figures figures;
 	drive_figures(drive, &figures);
 	viewer->pictures++;
-	enum status status = view_draw_over(viewer, &figures, pixels, width, height);
-	if (status != STATUS_OK)
-		return status;
+	TRY(view_draw_over(viewer, &figures, pixels, width, height));
 	if (viewer->snapshot)
 		write_snapshot(viewer, pixels, width, height);
 	return window_show(viewer->window, pixels, (int)width, (int)height);

@@ -1,5 +1,4 @@
 /* The keys of furrow view: one table for what they do and for what is said of them. */
-#include <string.h>
 
 #include "view.h"
 

@@ -67,16 +67,15 @@ static enum status draw_figures(const struct over *over, const char *text, int *
 {
 	char line[512];
 	const int scale = over->scale, most = (int)over->pixels.width - 2 * MARGIN * scale;
-	enum status status = STATUS_OK;
-	while (*text != '\0' && status == STATUS_OK) {
+	while (*text != '\0') {
 		snprintf(line, sizeof line, "%s", text);
 		text += fit(over, line, most);
 		*low -= scale * (LINE + 6);
-		status = write_line(over, MARGIN * scale, *low - 2 * scale, line);
+		TRY(write_line(over, MARGIN * scale, *low - 2 * scale, line));
 		while (*text == ' ')
 			text++;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Parts a line of the help at its first two spaces: the key, and *what it does. */
@@ -104,15 +103,13 @@ static enum status draw_help(const struct over *over, int top)
 	const int second = x + keys + 14 * scale;
 	int y = top - line;
 	chart_box(&over->pixels, x - 4 * scale, y - lines * apart - 4 * scale, second + texts + 6 * scale, y, shadow);
-	enum status status = STATUS_OK;
-	for (int i = 0; i < lines && status == STATUS_OK; i++) {
+	for (int i = 0; i < lines; i++) {
 		part_help(view_help((size_t)i), key, &what);
 		y -= apart;
-		status = chart_pen_write(over->pen, &over->pixels, x, y, line, key, white);
-		if (status == STATUS_OK)
-			status = chart_pen_write(over->pen, &over->pixels, second, y, line, what, white);
+		TRY(chart_pen_write(over->pen, &over->pixels, x, y, line, key, white));
+		TRY(chart_pen_write(over->pen, &over->pixels, second, y, line, what, white));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* A bar of the layer's colours, with what its ends and its middle are below it. */
@@ -129,17 +126,16 @@ static enum status draw_legend(const struct over *over, const struct render_laye
 	chart_box(&over->pixels, x - 1, y - 1, x + width + 1, y + height + 1, black);
 	for (int i = 0; i < width; i++)
 		chart_box(&over->pixels, x + i, y, x + i + 1, y + height, render_layer_colour(layer->kind, (i + 0.5) / width));
-	enum status status = STATUS_OK;
-	for (int i = 0; i < 3 && status == STATUS_OK; i++) {
+	for (int i = 0; i < 3; i++) {
 		snprintf(text, sizeof text, i == 2 ? "%.4g %s" : "%.4g", layer->low + (layer->high - layer->low) * i / 2,
 			 units[layer->kind]);
 		const int wide = chart_pen_width(over->pen, line, text), at = x + width * i / 2 -
 									      (i == 0   ? 0
 									       : i == 1 ? wide / 2
 											: wide);
-		status = chart_pen_write(over->pen, &over->pixels, at, y - line - 2 * scale, line, text, white);
+		TRY(chart_pen_write(over->pen, &over->pixels, at, y - line - 2 * scale, line, text, white));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, uint8_t *pixels, uint32_t width,
@@ -148,16 +144,15 @@ enum status view_draw_over(const struct viewer *viewer, const struct drive_figur
 	const struct over over = {viewer->pen, {pixels, width, height}, width > LARGE ? 2 : 1};
 	int top = (int)height;
 	char text[320];
-	enum status status = STATUS_OK;
 	if (viewer->pen == NULL)
 		return STATUS_OK;
 	if (viewer->line) {
 		view_figures_text(viewer, figures, text, sizeof text - 96);
 		if (viewer->told[0] != '\0')
 			snprintf(text + strlen(text), sizeof text - strlen(text), "  %s", viewer->told);
-		status = draw_figures(&over, text, &top);
+		TRY(draw_figures(&over, text, &top));
 	}
-	if (status == STATUS_OK && viewer->layer != RENDER_NATURAL && viewer->line)
-		status = draw_legend(&over, &figures->layer);
-	return status == STATUS_OK && viewer->help ? draw_help(&over, top) : status;
+	if (viewer->layer != RENDER_NATURAL && viewer->line)
+		TRY(draw_legend(&over, &figures->layer));
+	return viewer->help ? draw_help(&over, top) : STATUS_OK;
 }

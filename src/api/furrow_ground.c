@@ -29,46 +29,55 @@ static enum status tell_point(struct furrow_world *world, const struct resident_
 	}
 	int64_t base;
 	bool any;
-	enum status status = resident_ground_height(world_resident(world->world)->ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
-	if (status == STATUS_OK && any) {
+	int soil = 0;
+	TRY(resident_ground_height(world_resident(world->world)->ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any));
+	if (any) {
 		point->offset = height->bilinear - lattice_offset_metres(base);
 		point->offset = fabs(point->offset) <= OFFSET_NOISE ? 0 : point->offset;
 	}
-	int soil = 0;
-	if (status == STATUS_OK)
-		status = world_soil_at(world->world, at->x, at->y, &soil);
+	TRY(world_soil_at(world->world, at->x, at->y, &soil));
 	point->soil = soil;
+	return STATUS_OK;
+}
+
+static enum status points_once(struct furrow_world *world, size_t count, const struct resident_point *at, struct resident_height *heights,
+			       struct furrow_point *points)
+{
+	TRY(api_library_settle(world));
+	TRY(world_heights(world->world, at, count, heights));
+	for (size_t i = 0; i < count; i++)
+		TRY(tell_point(world, &at[i], &heights[i], &points[i]));
+	return STATUS_OK;
+}
+
+static enum status find_points(struct furrow_world *world, size_t count, const double *xy, struct furrow_point *points)
+{
+	TRY(api_library_need_count(count, sizeof *points));
+	if (count == 0)
+		return STATUS_OK;
+	TRY(api_library_need(xy, "xy"));
+	TRY(api_library_need(points, "points"));
+	struct resident_point *at = mem_alloc(count, sizeof *at);
+	struct resident_height *heights = mem_alloc(count, sizeof *heights);
+	int tries = 0;
+	enum status status;
+	TRY_OR(done, at != NULL && heights != NULL ? points_of(count, xy, at) : fail_memory("points"));
+	do
+		status = points_once(world, count, at, heights, points);
+	while (api_library_again(world, ++tries, &status));
+done:
+	mem_free(at);
+	mem_free(heights);
 	return status;
 }
 
 furrow_status furrow_points(struct furrow_world *world, size_t count, const double *xy, struct furrow_point *points)
 {
 	struct library_call call;
-	struct resident_point *at = NULL;
-	struct resident_height *heights = NULL;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need_count(count, sizeof *points);
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(xy, "xy");
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(points, "points");
-	if (status != STATUS_OK || count == 0)
-		return api_library_leave(&call, status);
-	at = mem_alloc(count, sizeof *at);
-	heights = mem_alloc(count, sizeof *heights);
-	status = at != NULL && heights != NULL ? points_of(count, xy, at) : fail_memory("points");
-	int tries = 0;
-	do {
-		if (status == STATUS_OK)
-			status = api_library_settle(world);
-		if (status == STATUS_OK)
-			status = world_heights(world->world, at, count, heights);
-		for (size_t i = 0; i < count && status == STATUS_OK; i++)
-			status = tell_point(world, &at[i], &heights[i], &points[i]);
-	} while (api_library_again(world, ++tries, &status));
-	mem_free(at);
-	mem_free(heights);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, find_points(world, count, xy, points));
+done:
 	return api_library_leave(&call, status);
 }
 
@@ -99,36 +108,43 @@ static void tell_hit(const struct resident_hit *from, struct furrow_hit *hit)
 	hit->distance = from->distance;
 }
 
+static enum status rays_once(struct furrow_world *world, size_t count, const struct resident_ray *rays, struct resident_hit *found)
+{
+	TRY(api_library_settle(world));
+	return world_rays(world->world, rays, count, found);
+}
+
+static enum status find_hits(struct furrow_world *world, size_t count, const double *origin, const double *direction, struct furrow_hit *hits)
+{
+	TRY(api_library_need_count(count, sizeof *hits));
+	if (count == 0)
+		return STATUS_OK;
+	TRY(api_library_need(origin, "origin"));
+	TRY(api_library_need(direction, "direction"));
+	TRY(api_library_need(hits, "hits"));
+	struct resident_ray *rays = mem_alloc(count, sizeof *rays);
+	struct resident_hit *found = mem_alloc(count, sizeof *found);
+	int tries = 0;
+	enum status status;
+	TRY_OR(done, rays != NULL && found != NULL ? rays_of(count, origin, direction, rays) : fail_memory("rays"));
+	do
+		status = rays_once(world, count, rays, found);
+	while (api_library_again(world, ++tries, &status));
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		tell_hit(&found[i], &hits[i]);
+done:
+	mem_free(rays);
+	mem_free(found);
+	return status;
+}
+
 furrow_status furrow_rays(struct furrow_world *world, size_t count, const double *origin, const double *direction, struct furrow_hit *hits)
 {
 	struct library_call call;
-	struct resident_ray *rays = NULL;
-	struct resident_hit *found = NULL;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need_count(count, sizeof *hits);
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(origin, "origin");
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(direction, "direction");
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(hits, "hits");
-	if (status != STATUS_OK || count == 0)
-		return api_library_leave(&call, status);
-	rays = mem_alloc(count, sizeof *rays);
-	found = mem_alloc(count, sizeof *found);
-	status = rays != NULL && found != NULL ? rays_of(count, origin, direction, rays) : fail_memory("rays");
-	int tries = 0;
-	do {
-		if (status == STATUS_OK)
-			status = api_library_settle(world);
-		if (status == STATUS_OK)
-			status = world_rays(world->world, rays, count, found);
-	} while (api_library_again(world, ++tries, &status));
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		tell_hit(&found[i], &hits[i]);
-	mem_free(rays);
-	mem_free(found);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, find_hits(world, count, origin, direction, hits));
+done:
 	return api_library_leave(&call, status);
 }
 
@@ -205,61 +221,76 @@ done:
 	return status;
 }
 
-furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, int level, int64_t column, int64_t row, uint32_t columns,
-			  uint32_t rows, double *posts, size_t row_stride)
+/* rect: the posts that exist; none may. Layers of the soil are kept at the world's own level alone. */
+static enum status read_once(struct furrow_world *world, enum store_layer layer, int level, struct post_rect rect, double *posts, size_t stride)
 {
-	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK && (columns == 0 || rows == 0))
-		return api_library_leave(&call, status);
-	if (status == STATUS_OK)
-		status = check_read(world, layer, level, columns, rows, posts, row_stride);
-	if (status != STATUS_OK)
-		return api_library_leave(&call, status);
+	TRY(api_library_settle(world));
+	if (post_rect_empty(rect) || (layer >= STORE_DEPOSITED && level != world_resident(world->world)->level))
+		return STATUS_OK;
+	return read_rows(world, layer, level, rect, posts, stride);
+}
+
+static enum status read_posts(struct furrow_world *world, enum furrow_layer layer, int level, int64_t column, int64_t row, uint32_t columns,
+			      uint32_t rows, double *posts, size_t row_stride)
+{
+	if (columns == 0 || rows == 0)
+		return STATUS_OK;
+	TRY(check_read(world, layer, level, columns, rows, posts, row_stride));
 	const enum store_layer kept = layer_of(layer);
 	const struct extent *extent = &world_resident(world->world)->meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
-	const bool soil = kept >= STORE_DEPOSITED;
 	struct post_rect rect = {column, row, column, row};
 	/* Posts beyond the terrain do not exist. So a sum that would overflow is never needed. */
 	if (column < all.x1 && row < all.y1 && column > -(int64_t)columns && row > -(int64_t)rows)
 		rect = post_rect_intersect((struct post_rect){column, row, column + columns, row + rows}, all);
 	fill_nan(posts, columns, rows, row_stride);
+	double *first = posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column);
 	int tries = 0;
-	do {
-		status = api_library_settle(world);
-		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world_resident(world->world)->level))
-			status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
-					   row_stride);
-	} while (api_library_again(world, ++tries, &status));
+	enum status status;
+	do
+		status = read_once(world, kept, level, rect, first, row_stride);
+	while (api_library_again(world, ++tries, &status));
+	return status;
+}
+
+furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, int level, int64_t column, int64_t row, uint32_t columns,
+			  uint32_t rows, double *posts, size_t row_stride)
+{
+	struct library_call call;
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, read_posts(world, layer, level, column, row, columns, rows, posts, row_stride));
+done:
 	return api_library_leave(&call, status);
+}
+
+static enum status find_changes(struct furrow_world *world, uint64_t since, struct furrow_rect *rects, size_t *count, uint64_t *now)
+{
+	TRY(api_library_need(count, "count"));
+	TRY(api_library_need_count(*count, sizeof *rects));
+	if (*count > 0)
+		TRY(api_library_need(rects, "rects"));
+	TRY(api_library_settle(world));
+	struct post_rect *found = *count > 0 ? mem_alloc(*count, sizeof *found) : NULL;
+	TRY_MEM(found != NULL || *count == 0, "rectangles");
+	uint64_t revision = 0;
+	enum status status;
+	TRY_OR(done, world_changes_since(world->world, since, found, count, &revision));
+	for (size_t i = 0; i < *count; i++)
+		rects[i] = (struct furrow_rect){found[i].x0, found[i].y0, found[i].x1 - found[i].x0, found[i].y1 - found[i].y0};
+done:
+	if (now != NULL)
+		*now = revision;
+	mem_free(found);
+	return status;
 }
 
 furrow_status furrow_changes(struct furrow_world *world, uint64_t since, struct furrow_rect *rects, size_t *count, uint64_t *now)
 {
 	struct library_call call;
-	struct post_rect *found = NULL;
-	uint64_t revision = 0;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = api_library_need(count, "count");
-	if (status == STATUS_OK)
-		status = api_library_need_count(*count, sizeof *rects);
-	if (status == STATUS_OK && *count > 0)
-		status = api_library_need(rects, "rects");
-	if (status == STATUS_OK)
-		status = api_library_settle(world);
-	if (status == STATUS_OK && *count > 0) {
-		found = mem_alloc(*count, sizeof *found);
-		status = found != NULL ? STATUS_OK : fail_memory("rectangles");
-	}
-	if (status == STATUS_OK) {
-		status = world_changes_since(world->world, since, found, count, &revision);
-		if (now != NULL)
-			*now = revision;
-		for (size_t i = 0; status == STATUS_OK && i < *count; i++)
-			rects[i] = (struct furrow_rect){found[i].x0, found[i].y0, found[i].x1 - found[i].x0, found[i].y1 - found[i].y0};
-	}
-	mem_free(found);
+	enum status status;
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, find_changes(world, since, rects, count, now));
+done:
 	return api_library_leave(&call, status);
 }

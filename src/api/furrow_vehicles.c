@@ -6,15 +6,17 @@
 
 static enum status need_vehicle(const struct furrow_world *world, furrow_vehicle vehicle)
 {
-	enum status status = api_library_need_world(world);
-	if (status != STATUS_OK || (vehicle >= 0 && (size_t)vehicle < vehicle_count(world->vehicles)))
-		return status;
+	TRY(api_library_need_world(world));
+	if (vehicle >= 0 && (size_t)vehicle < vehicle_count(world->vehicles))
+		return STATUS_OK;
 	return fail_with(STATUS_USAGE, "vehicle %d: there is none; use a handle that furrow_vehicle_find gave", (int)vehicle);
 }
 
+/* Checks the vehicle, too. */
 static enum status need_count(const struct furrow_world *world, furrow_vehicle vehicle, size_t count, enum furrow_part part)
 {
 	struct vehicle_info info;
+	TRY(need_vehicle(world, vehicle));
 	vehicle_info(world->vehicles, (size_t)vehicle, &info);
 	const bool joints = part == FURROW_JOINT;
 	const size_t has = joints ? info.joint_count : info.actuator_count;
@@ -23,25 +25,28 @@ static enum status need_count(const struct furrow_world *world, furrow_vehicle v
 	return fail_with(STATUS_USAGE, "count: it is %zu, and %s has %zu %s; give room for each", count, info.name, has, joints ? "joints" : "actuators");
 }
 
-furrow_status furrow_vehicle_find(struct furrow_world *world, const char *name, furrow_vehicle *vehicle)
+static enum status find(const struct furrow_world *world, const char *name, furrow_vehicle *vehicle)
 {
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = api_library_need_world(world);
-	if (vehicle != NULL)
-		*vehicle = -1;
-	if (status == STATUS_OK)
-		status = api_library_need(name, "name");
-	if (status == STATUS_OK)
-		status = api_library_need(vehicle, "vehicle");
-	for (size_t i = 0; status == STATUS_OK && i < vehicle_count(world->vehicles); i++) {
+	TRY(api_library_need_world(world));
+	TRY(api_library_need(name, "name"));
+	TRY(api_library_need(vehicle, "vehicle"));
+	for (size_t i = 0; i < vehicle_count(world->vehicles); i++) {
 		struct vehicle_info info;
 		vehicle_info(world->vehicles, i, &info);
 		if (strcmp(info.name, name) == 0)
 			*vehicle = (furrow_vehicle)i;
 	}
-	if (status == STATUS_OK && *vehicle < 0)
-		status = fail_with(STATUS_INPUT, "%s: no vehicle has this name; give one of the scene's vehicles", name);
+	return *vehicle >= 0 ? STATUS_OK : fail_with(STATUS_INPUT, "%s: no vehicle has this name; give one of the scene's vehicles", name);
+}
+
+furrow_status furrow_vehicle_find(struct furrow_world *world, const char *name, furrow_vehicle *vehicle)
+{
+	enum status status;
+	if (vehicle != NULL)
+		*vehicle = -1;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, find(world, name, vehicle));
+done:
 	return api_library_end(status);
 }
 
@@ -66,18 +71,12 @@ const char *furrow_vehicle_part(const struct furrow_world *world, furrow_vehicle
 	return NULL;
 }
 
-furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehicle, struct furrow_vehicle_state *state)
+static enum status get_state(struct furrow_world *world, furrow_vehicle vehicle, struct furrow_vehicle_state *state)
 {
 	struct vehicle_info info;
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = need_vehicle(world, vehicle);
-	if (status == STATUS_OK)
-		status = api_library_need(state, "state");
-	if (status == STATUS_OK)
-		status = api_library_need_size(state->size, sizeof state->size, sizeof *state, "vehicle_state");
-	if (status != STATUS_OK)
-		return api_library_end(status);
+	TRY(need_vehicle(world, vehicle));
+	TRY(api_library_need(state, "state"));
+	TRY(api_library_need_size(state->size, sizeof state->size, sizeof *state, "vehicle_state"));
 	vehicle_info(world->vehicles, (size_t)vehicle, &info);
 	const size_t size = state->size < sizeof *state ? state->size : sizeof *state;
 	struct furrow_vehicle_state all = {
@@ -93,46 +92,56 @@ furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehi
 	};
 	vehicle_state(world->vehicles, (size_t)vehicle, &all.state);
 	memcpy(state, &all, size);
-	return api_library_end(STATUS_OK);
+	return STATUS_OK;
+}
+
+furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehicle, struct furrow_vehicle_state *state)
+{
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, get_state(world, vehicle, state));
+done:
+	return api_library_end(status);
 }
 
 furrow_status furrow_get_joints(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *values, double *rates)
 {
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = need_vehicle(world, vehicle);
-	if (status == STATUS_OK)
-		status = need_count(world, vehicle, count, FURROW_JOINT);
-	if (status == STATUS_OK)
-		vehicle_joints(world->vehicles, (size_t)vehicle, values, rates);
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, need_count(world, vehicle, count, FURROW_JOINT));
+	vehicle_joints(world->vehicles, (size_t)vehicle, values, rates);
+done:
 	return api_library_end(status);
 }
 
 furrow_status furrow_get_actuators(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *controls, double *forces)
 {
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = need_vehicle(world, vehicle);
-	if (status == STATUS_OK)
-		status = need_count(world, vehicle, count, FURROW_ACTUATOR);
-	if (status == STATUS_OK)
-		vehicle_actuators(world->vehicles, (size_t)vehicle, controls, forces);
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, need_count(world, vehicle, count, FURROW_ACTUATOR));
+	vehicle_actuators(world->vehicles, (size_t)vehicle, controls, forces);
+done:
 	return api_library_end(status);
+}
+
+static enum status set_controls(struct furrow_world *world, furrow_vehicle vehicle, size_t count, const double *controls)
+{
+	TRY(need_count(world, vehicle, count, FURROW_ACTUATOR));
+	if (count == 0)
+		return STATUS_OK;
+	TRY(api_library_need(controls, "controls"));
+	for (size_t i = 0; i < count; i++)
+		if (isinf(controls[i]))
+			return fail_with(STATUS_USAGE, "controls: number %zu is infinite; give a finite one, or NaN for the driver's", i);
+	vehicle_set_controls(world->vehicles, (size_t)vehicle, controls);
+	return STATUS_OK;
 }
 
 furrow_status furrow_set_controls(struct furrow_world *world, furrow_vehicle vehicle, size_t count, const double *controls)
 {
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = need_vehicle(world, vehicle);
-	if (status == STATUS_OK)
-		status = need_count(world, vehicle, count, FURROW_ACTUATOR);
-	if (status == STATUS_OK && count > 0)
-		status = api_library_need(controls, "controls");
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		if (isinf(controls[i]))
-			status = fail_with(STATUS_USAGE, "controls: number %zu is infinite; give a finite one, or NaN for the driver's", i);
-	if (status == STATUS_OK && count > 0)
-		vehicle_set_controls(world->vehicles, (size_t)vehicle, controls);
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, set_controls(world, vehicle, count, controls));
+done:
 	return api_library_end(status);
 }

@@ -111,12 +111,12 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 {
 	struct furrow_world *host = mem_calloc(1, sizeof *host);
 	TRY_MEM(host, "a world");
-	const enum status status = start(host, open);
-	if (status == STATUS_OK) {
-		host->process = getpid();
-		*out = host;
-		return STATUS_OK;
-	}
+	enum status status;
+	TRY_OR(failed, start(host, open));
+	host->process = getpid();
+	*out = host;
+	return STATUS_OK;
+failed:;
 	struct failure failure;
 	failure_capture(&failure, status);
 	destroy(host, status);
@@ -135,22 +135,26 @@ static enum status take_open(const struct furrow_open *open, struct furrow_open 
 	return STATUS_OK;
 }
 
-furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world)
+static enum status open_world(const struct furrow_open *open, struct furrow_world **world)
 {
 	struct gpu_kept kept;
 	struct furrow_open known;
-	enum status status = api_library_begin();
+	TRY(open == NULL ? api_library_need(open, "open") : api_library_need(world, "world"));
+	TRY(take_open(open, &known));
+	gpu_keep(NULL, &kept);
+	const enum status status = create(&known, world);
+	gpu_give(&kept);
+	return status;
+}
+
+furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world)
+{
+	enum status status;
 	if (world != NULL)
 		*world = NULL;
-	if (status == STATUS_OK)
-		status = open == NULL ? api_library_need(open, "open") : api_library_need(world, "world");
-	if (status == STATUS_OK)
-		status = take_open(open, &known);
-	if (status != STATUS_OK)
-		return api_library_end(status);
-	gpu_keep(NULL, &kept);
-	status = create(&known, world);
-	gpu_give(&kept);
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, open_world(open, world));
+done:
 	return api_library_end(status);
 }
 
@@ -214,11 +218,12 @@ furrow_status furrow_world_close(struct furrow_world *world)
 	if (status != STATUS_OK) /* without its own context, the world would delete what is in the host's */
 		return api_library_leave(&call, status);
 	status = end(world);
+	const char *how = ended(world, status); /* a world that is stopped does not tell whether it was torn */
 	drive_stop(world->drive);
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (world->output != NULL) {
-		enum status written = write_report(world, ended(world, status));
+		enum status written = write_report(world, how);
 		if (status == STATUS_OK && written != STATUS_OK) {
 			status = written;
 			failure_capture(&failure, status);
@@ -232,17 +237,11 @@ furrow_status furrow_world_close(struct furrow_world *world)
 
 /* --- what it is --- */
 
-furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
+static enum status get_info(struct furrow_world *world, struct furrow_info *info)
 {
-	enum status status = api_library_begin();
-	if (status == STATUS_OK)
-		status = api_library_need_world(world);
-	if (status == STATUS_OK)
-		status = api_library_need(info, "info");
-	if (status == STATUS_OK)
-		status = api_library_need_size(info->size, sizeof info->size, sizeof *info, "info");
-	if (status != STATUS_OK)
-		return api_library_end(status);
+	TRY(api_library_need_world(world));
+	TRY(api_library_need(info, "info"));
+	TRY(api_library_need_size(info->size, sizeof info->size, sizeof *info, "info"));
 	const struct world *of = world->world;
 	const struct resident *resident = world_resident(of);
 	const struct store_meta *meta = resident->meta;
@@ -267,20 +266,28 @@ furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
 		.revision = world_revision(of),
 	};
 	memcpy(info, &all, size);
-	return api_library_end(STATUS_OK);
+	return STATUS_OK;
+}
+
+furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
+{
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, get_info(world, info));
+done:
+	return api_library_end(status);
 }
 
 furrow_status furrow_stats(struct furrow_world *world, char **json)
 {
 	struct library_call call;
-	enum status status = api_library_enter(&call, world);
+	enum status status;
 	if (json != NULL)
 		*json = NULL;
-	if (status == STATUS_OK)
-		status = api_library_need(json, "json");
-	if (status == STATUS_OK) {
-		drive_report(world->drive)->threads = thread_running();
-		status = describe(world, "running", "the statistics", json);
-	}
+	TRY_OR(done, api_library_enter(&call, world));
+	TRY_OR(done, api_library_need(json, "json"));
+	drive_report(world->drive)->threads = thread_running();
+	TRY_OR(done, describe(world, "running", "the statistics", json));
+done:
 	return api_library_leave(&call, status);
 }

@@ -2,7 +2,6 @@
 #include "api/library.h"
 
 #include <pthread.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "dem/dem.h"
@@ -101,8 +100,8 @@ furrow_status api_library_end(enum status status)
 
 enum status api_library_enter(struct library_call *call, struct furrow_world *world)
 {
-	TRY(api_library_begin());
 	*call = (struct library_call){.world = NULL};
+	TRY(api_library_begin());
 	TRY(api_library_need_world(world));
 	call->world = world;
 	world->call = call;

@@ -125,9 +125,7 @@ void crew_destroy(struct crew *crew)
 		thread_join(&crew->members[i].thread);
 	condition_finish(&crew->changed);
 	mutex_finish(&crew->mutex);
-	mem_free(crew->members);
-	mem_free(crew->ranges);
-	mem_free(crew);
+	mem_free_all(crew->members, crew->ranges, crew);
 }
 
 enum status crew_run(struct crew *crew, size_t count, crew_task_fn task, void *user)

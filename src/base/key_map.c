@@ -20,13 +20,7 @@ const struct key_pair *key_map_find(const struct key_map *map, uint64_t key)
 
 enum status key_map_put(struct key_map *map, uint64_t key, double a, double b)
 {
-	if (map->keys.count == map->room) {
-		const size_t room = map->room != 0 ? 2 * map->room : 128;
-		struct key_pair *pairs = mem_realloc(map->pairs, room, sizeof *pairs);
-		TRY_MEM(pairs, "a table of tiles");
-		map->pairs = pairs;
-		map->room = room;
-	}
+	TRY(mem_grow(&map->pairs, &map->room, map->keys.count + 1, sizeof *map->pairs, "a table of tiles"));
 	uint32_t number;
 	bool fresh;
 	TRY(key_set_number(&map->keys, key, &number, &fresh));

@@ -15,8 +15,7 @@ static size_t place(const struct key_set *set, uint64_t key)
 
 void key_set_finish(struct key_set *set)
 {
-	mem_free(set->keys);
-	mem_free(set->numbers);
+	mem_free_all(set->keys, set->numbers);
 	*set = (struct key_set){.count = 0};
 }
 

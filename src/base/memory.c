@@ -59,6 +59,70 @@ void mem_free(void *memory)
 	free(memory);
 }
 
+void mem_free_each(const void *const *list, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		free((void *)list[i]);
+}
+
+/* Pointers are copied by their bytes, since their types are the caller's. */
+void mem_free_list(void *list, size_t count)
+{
+	void *item;
+	for (size_t i = 0; list != NULL && i < count; i++) {
+		memcpy(&item, (char *)list + i * sizeof item, sizeof item);
+		free(item);
+	}
+	free(list);
+}
+
+static enum status give(void *pointer, void *memory, const char *what)
+{
+	memcpy(pointer, &memory, sizeof memory);
+	return memory != NULL ? STATUS_OK : fail_memory(what);
+}
+
+enum status mem_make(void *pointer, size_t count, size_t size, const char *what)
+{
+	return give(pointer, mem_alloc(count, size), what);
+}
+
+enum status mem_zeroed(void *pointer, size_t count, size_t size, const char *what)
+{
+	return give(pointer, mem_calloc(count, size), what);
+}
+
+enum status mem_text(void *pointer, const char *text, const char *what)
+{
+	return give(pointer, mem_strdup(text), what);
+}
+
+size_t mem_room(size_t room, size_t needed)
+{
+	const size_t twice = room <= SIZE_MAX / 2 ? 2 * room : SIZE_MAX;
+	const size_t least = twice > 64 ? twice : 64;
+	return least > needed ? least : needed;
+}
+
+enum status mem_resize(void *list, size_t count, size_t each, const char *what)
+{
+	void *items;
+	memcpy(&items, list, sizeof items);
+	items = mem_realloc(items, count, each);
+	TRY_MEM(items != NULL, what);
+	return give(list, items, what);
+}
+
+enum status mem_grow(void *list, size_t *room, size_t needed, size_t each, const char *what)
+{
+	if (needed <= *room)
+		return STATUS_OK;
+	const size_t more = mem_room(*room, needed);
+	TRY(mem_resize(list, more, each, what));
+	*room = more;
+	return STATUS_OK;
+}
+
 static uint64_t status_line(const char *name)
 {
 	FILE *file = fopen("/proc/self/status", "r");

@@ -22,17 +22,9 @@ void plan_add(struct plan *plan, const struct plan_line *line, const char *name)
 	bool one = line->kind == PLAN_PROGRAM || line->kind == PLAN_PLANE || line->kind == PLAN_THREAD;
 	if (plan->failed || (one && is_there(plan, line->kind, added.name)))
 		return;
-	if (plan->count == plan->room) {
-		size_t room = plan->room != 0 ? 2 * plan->room : 64;
-		struct plan_line *lines = mem_realloc(plan->lines, room, sizeof *lines);
-		if (lines == NULL) {
-			plan->failed = true;
-			return;
-		}
-		plan->lines = lines;
-		plan->room = room;
-	}
-	plan->lines[plan->count++] = added;
+	plan->failed = mem_grow(&plan->lines, &plan->room, plan->count + 1, sizeof *plan->lines, "the plan") != STATUS_OK;
+	if (!plan->failed)
+		plan->lines[plan->count++] = added;
 }
 
 enum status plan_status(const struct plan *plan)

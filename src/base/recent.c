@@ -62,8 +62,7 @@ enum status recent_create(struct recent *recent, uint32_t count)
 
 void recent_finish(struct recent *recent)
 {
-	mem_free(recent->places);
-	mem_free(recent->buckets);
+	mem_free_all(recent->places, recent->buckets);
 }
 
 enum status recent_grow(struct recent *recent, uint32_t count)

@@ -248,8 +248,7 @@ enum status relief_heights(const struct relief *relief, int level, int from, str
 	uint8_t *classes = NULL;
 	enum status status = STATUS_OK;
 	if (relief->classes > 1) {
-		classes = mem_alloc(bytes, 1);
-		TRY_MEM(classes, "relief");
+		TRY(mem_make(&classes, bytes, 1, "relief"));
 		TRY_OR(done, read_classes(relief, level, rect, bands, count, classes));
 	}
 	fill_rows(bands, count, bands[0].depth, rect, heights);

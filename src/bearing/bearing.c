@@ -72,10 +72,8 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	bearing->around = bearing->conserves ? params->iterations + 2 : bearing->kinematic.radius;
 	if (bearing->bears)
 		TRY(bearing_members_need(bearing, 1));
-	if (params->loaded_bodies > 0) {
-		bearing->standing = mem_calloc(params->loaded_bodies, sizeof *bearing->standing);
-		TRY_MEM(bearing->standing, "bearing soil");
-	}
+	if (params->loaded_bodies > 0)
+		TRY(mem_zeroed(&bearing->standing, params->loaded_bodies, sizeof *bearing->standing, "bearing soil"));
 	return STATUS_OK;
 }
 
@@ -83,16 +81,13 @@ void bearing_destroy(struct bearing *bearing)
 {
 	if (bearing == NULL)
 		return;
-	mem_free(bearing->regions);
-	mem_free(bearing->memory);
+	mem_free_all(bearing->regions, bearing->memory);
 	soil_block_set_finish(&bearing->active);
 	soil_block_set_finish(&bearing->next);
 	bearing_window_finish(&bearing->window);
 	bearing_members_finish(bearing);
 	bearing_hands_finish(bearing);
-	mem_free(bearing->held);
-	mem_free(bearing->standing);
-	mem_free(bearing);
+	mem_free_all(bearing->held, bearing->standing, bearing);
 }
 
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised)

@@ -156,8 +156,7 @@ static enum status claim(struct bearing *bearing, const struct bearing_contact *
 	if (posts > bearing->claim_room) {
 		mem_free(bearing->claims);
 		bearing->claim_room = 0;
-		bearing->claims = mem_alloc(posts, sizeof *bearing->claims);
-		TRY_MEM(bearing->claims, "bearing soil");
+		TRY(mem_make(&bearing->claims, posts, sizeof *bearing->claims, "bearing soil"));
 		bearing->claim_room = posts;
 	}
 	memset(bearing->claims, 0, posts * sizeof *bearing->claims);

@@ -32,9 +32,7 @@ enum status bearing_hands_need(struct bearing *bearing, size_t count)
 {
 	if (count <= bearing->hand_count + 1)
 		return STATUS_OK;
-	struct bearing **hands = mem_realloc(bearing->hands, count - 1, sizeof *hands);
-	TRY_MEM(hands, "bearing soil");
-	bearing->hands = hands;
+	TRY(mem_resize(&bearing->hands, count - 1, sizeof *bearing->hands, "bearing soil"));
 	while (bearing->hand_count + 1 < count) {
 		struct bearing *hand = hand_of(bearing);
 		TRY_MEM(hand, "bearing soil");

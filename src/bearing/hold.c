@@ -49,9 +49,7 @@ enum status bearing_hold_begin(struct bearing *bearing, const struct deform_rest
 	bearing->held_count = 0;
 	bearing->held_tallest = 0;
 	if (count > bearing->held_room) {
-		struct bearing_held *held = mem_realloc(bearing->held, count, sizeof *held);
-		TRY_MEM(held, "relaxation");
-		bearing->held = held;
+		TRY(mem_resize(&bearing->held, count, sizeof *bearing->held, "relaxation"));
 		bearing->held_room = count;
 	}
 	for (size_t i = 0; i < count; i++) {

@@ -34,13 +34,7 @@ static void finish_regions(struct bearing *bearing)
 
 static enum status add_region(struct bearing *bearing, struct post_rect blocks)
 {
-	if (bearing->region_count == bearing->region_room) {
-		const size_t room = bearing->region_room > 0 ? 2 * bearing->region_room : 16;
-		struct bearing_region *regions = mem_realloc(bearing->regions, room, sizeof *regions);
-		TRY_MEM(regions, "relaxation");
-		bearing->regions = regions;
-		bearing->region_room = room;
-	}
+	TRY(mem_grow(&bearing->regions, &bearing->region_room, bearing->region_count + 1, sizeof *bearing->regions, "relaxation"));
 	const int64_t rim = bearing_interval_rim(bearing);
 	const struct post_rect posts = posts_of(blocks), reads = post_rect_grown(posts, rim);
 	bearing->regions[bearing->region_count++] = (struct bearing_region){.blocks = blocks, .reads = reads, .writes = post_rect_intersect(posts, bearing->world)};
@@ -89,8 +83,7 @@ static enum status need_results(struct bearing *bearing)
 		return STATUS_OK;
 	mem_free(bearing->memory);
 	bearing->memory_room = 0;
-	bearing->memory = mem_alloc(numbers, sizeof *bearing->memory);
-	TRY_MEM(bearing->memory, "relaxation");
+	TRY(mem_make(&bearing->memory, numbers, sizeof *bearing->memory, "relaxation"));
 	bearing->memory_room = numbers;
 	return STATUS_OK;
 }

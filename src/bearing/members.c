@@ -21,17 +21,11 @@ enum status bearing_members_need(struct bearing *bearing, size_t count)
 {
 	if (count <= bearing->member_room)
 		return STATUS_OK;
-	struct bearing_member *members = mem_realloc(bearing->members, count, sizeof *members);
-	TRY_MEM(members, "bearing soil");
-	bearing->members = members;
-	const struct soil_work **others = mem_realloc(bearing->others, count, sizeof *others);
-	TRY_MEM(others, "bearing soil");
-	bearing->others = others;
-	struct deform_rest *rests = mem_realloc(bearing->rests, count, sizeof *rests);
-	TRY_MEM(rests, "bearing soil");
-	bearing->rests = rests;
+	TRY(mem_resize(&bearing->members, count, sizeof *bearing->members, "bearing soil"));
+	TRY(mem_resize(&bearing->others, count, sizeof *bearing->others, "bearing soil"));
+	TRY(mem_resize(&bearing->rests, count, sizeof *bearing->rests, "bearing soil"));
 	for (; bearing->member_room < count; bearing->member_room++) {
-		struct bearing_member *member = &members[bearing->member_room];
+		struct bearing_member *member = &bearing->members[bearing->member_room];
 		*member = (struct bearing_member){.at = 0};
 		TRY(soil_work_create(&member->work));
 	}
@@ -42,10 +36,7 @@ void bearing_members_finish(struct bearing *bearing)
 {
 	for (size_t i = 0; i < bearing->member_room; i++)
 		soil_work_destroy(bearing->members[i].work);
-	mem_free(bearing->members);
-	mem_free(bearing->others);
-	mem_free(bearing->rests);
-	mem_free(bearing->claims);
+	mem_free_all(bearing->members, bearing->others, bearing->rests, bearing->claims);
 }
 
 /* Returns a height that no place of a body is below, fixed-point units, absolute. */

@@ -54,8 +54,7 @@ enum status bearing_scratch_need(struct bearing *bearing, size_t bytes)
 	if (bytes > window->scratch_bytes) {
 		mem_free(window->scratch);
 		window->scratch_bytes = 0;
-		window->scratch = mem_alloc(bytes, 1);
-		TRY_MEM(window->scratch, "the soil around a body");
+		TRY(mem_make(&window->scratch, bytes, 1, "the soil around a body"));
 		window->scratch_bytes = bytes;
 	}
 	return STATUS_OK;
@@ -67,8 +66,7 @@ static enum status need_words(struct bearing *bearing, size_t words)
 	if (words > window->word_count) {
 		mem_free(window->words);
 		window->word_count = 0;
-		window->words = mem_alloc(words, sizeof *window->words);
-		TRY_MEM(window->words, "the soil around a body");
+		TRY(mem_make(&window->words, words, sizeof *window->words, "the soil around a body"));
 		window->word_count = words;
 	}
 	return STATUS_OK;
@@ -82,8 +80,7 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 		mem_free(window->memory);
 		window->posts = window->bytes = 0;
 		const size_t bytes = place(bearing, posts, NULL);
-		window->memory = mem_alloc(bytes, 1);
-		TRY_MEM(window->memory, "the soil around a body");
+		TRY(mem_make(&window->memory, bytes, 1, "the soil around a body"));
 		window->posts = posts;
 		window->bytes = bytes;
 		place(bearing, posts, window->memory);
@@ -139,7 +136,5 @@ void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held
 
 void bearing_window_finish(struct bearing_window *window)
 {
-	mem_free(window->memory);
-	mem_free(window->scratch);
-	mem_free(window->words);
+	mem_free_all(window->memory, window->scratch, window->words);
 }

@@ -89,9 +89,7 @@ done:
 
 void chart_joined_finish(struct chart_joined *joined)
 {
-	for (size_t i = 0; joined->names != NULL && i < joined->count; i++)
-		mem_free(joined->names[i]);
-	mem_free(joined->names);
+	mem_free_list(joined->names, joined->count);
 	mem_free(joined->ways);
 	*joined = (struct chart_joined){.ways = NULL};
 }

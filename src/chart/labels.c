@@ -6,7 +6,6 @@
  * 2. A name lies wholly within the rectangle.
  */
 #include <math.h>
-#include <string.h>
 
 #include "chart/internal.h"
 
@@ -25,8 +24,7 @@ enum status chart_cover_create(const struct chart_rect *rect, struct chart_cover
 {
 	*out = (struct chart_cover){*rect, (uint32_t)((rect->x1 - rect->x0) / CHART_COVER_CELL) + 1,
 				    (uint32_t)((rect->y1 - rect->y0) / CHART_COVER_CELL) + 1, NULL};
-	out->cells = mem_calloc((size_t)out->width, out->height);
-	return out->cells != NULL ? STATUS_OK : fail_memory("a map's names");
+	return mem_zeroed(&out->cells, (size_t)out->width, out->height, "a map's names");
 }
 
 void chart_cover_finish(struct chart_cover *cover)

@@ -1,7 +1,6 @@
 /* The legend: what the colours mean, as a ramp with its numbers or as classes, and the list of ways. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "chart/page.h"
 

@@ -37,7 +37,7 @@ struct layout {
 	bool tall;
 	double width, height, inner; /* inner: between the margins */
 	struct chart_rect panel;     /* of legend, scale and notes */
-	double title_height, subtitle_height, notes_height, ways_room;
+	double title_height, subtitle_height, notes_height;
 	char notes[800];
 };
 

@@ -1,6 +1,4 @@
 /* The scale bar and the arrow to grid north. */
-#include <math.h>
-#include <stdio.h>
 
 #include "chart/page.h"
 

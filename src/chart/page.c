@@ -101,8 +101,7 @@ static cairo_status_t take(void *user, const unsigned char *bytes, unsigned int 
 static enum status open_picture(struct chart_page *page)
 {
 	const int stride = cairo_format_stride_for_width(CAIRO_FORMAT_RGB24, (int)page->columns);
-	page->pixels = mem_calloc(page->rows, (size_t)stride);
-	TRY_MEM(page->pixels, "a map");
+	TRY(mem_zeroed(&page->pixels, page->rows, (size_t)stride, "a map"));
 	page->surface =
 		cairo_image_surface_create_for_data(page->pixels, CAIRO_FORMAT_RGB24, (int)page->columns, (int)page->rows, stride);
 	return STATUS_OK;

@@ -102,7 +102,6 @@ void chart_unknown_tell(const struct chart_unknown *unknown, const char *what);
 /* Draws a bar of a round length, at most `most` points long, from x on; its labels are below it. `metres`: of a point. */
 void chart_scale_bar(struct chart_page *page, double x, double y, double most, double metres);
 double chart_scale_length(double most, double metres); /* points */
-#define CHART_SCALE_HEIGHT 16.0
 void chart_north(struct chart_page *page, double x, double y); /* the arrow's tip */
 #define CHART_NORTH_HEIGHT 26.0
 

@@ -1,6 +1,5 @@
 /* Lines of text on pixels that somebody else drew, as on the picture of a window. */
 #include <math.h>
-#include <string.h>
 
 #include "chart/page.h"
 

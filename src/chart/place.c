@@ -1,6 +1,5 @@
 /* Reads the name and the code of a reference system out of its WKT, which a store has from its source and is not trusted. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 

@@ -18,13 +18,7 @@ struct key_list {
 
 static enum status add_key(struct key_list *list, uint64_t key)
 {
-	if (list->count == list->room) {
-		size_t room = list->room > 0 ? 2 * list->room : 256;
-		uint64_t *more = mem_realloc(list->keys, room, sizeof *more);
-		TRY_MEM(more, "a map's tiles");
-		list->keys = more;
-		list->room = room;
-	}
+	TRY(mem_grow(&list->keys, &list->room, list->count + 1, sizeof *list->keys, "a map's tiles"));
 	list->keys[list->count++] = key;
 	return STATUS_OK;
 }
@@ -174,8 +168,7 @@ static enum status read_tiles(struct rasterizing *s, enum store_layer layer, enu
 		TRY_OR(done, chart_raster_tell(s, 1));
 	}
 done:
-	mem_free(list.keys);
-	mem_free(posts);
+	mem_free_all(list.keys, posts);
 	return status;
 }
 
@@ -265,8 +258,7 @@ enum status chart_raster_create(const struct chart_raster_params *params, struct
 
 void chart_raster_finish(struct chart_raster *raster)
 {
-	mem_free(raster->shade);
-	mem_free(raster->values);
+	mem_free_all(raster->shade, raster->values);
 	*raster = (struct chart_raster){.width = 0};
 }
 

@@ -111,9 +111,7 @@ static enum status shade(struct rasterizing *s, int level, struct post_rect rect
 		TRY_OR(done, chart_raster_tell(s, part.y1 - part.y0));
 	}
 done:
-	mem_free(strip.heights);
-	mem_free(strip.east);
-	mem_free(strip.north);
+	mem_free_all(strip.heights, strip.east, strip.north);
 	return status;
 }
 

@@ -68,16 +68,10 @@ void chart_text_size(struct chart_page *page, const struct chart_style *style, c
 /* Takes over `valid`. */
 static void remember(struct chart_page *page, enum chart_text_kind kind, struct chart_rect rect, char *valid)
 {
-	if (page->said_count == page->said_room) {
-		const size_t room = page->said_room > 0 ? 2 * page->said_room : 64;
-		struct chart_said *more = mem_realloc(page->said, room, sizeof *more);
-		if (more == NULL) {
-			page->lacking = true;
-			g_free(valid);
-			return;
-		}
-		page->said = more;
-		page->said_room = room;
+	if (mem_grow(&page->said, &page->said_room, page->said_count + 1, sizeof *page->said, "a map") != STATUS_OK) {
+		page->lacking = true;
+		g_free(valid);
+		return;
 	}
 	page->said[page->said_count++] = (struct chart_said){kind, rect, valid};
 }

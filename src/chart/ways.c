@@ -228,8 +228,7 @@ static enum status name_ways(struct chart_page *page, const struct chart_map *ma
 	chart_labels_place(labels, count, &inside, cover);
 	draw_names(page, map, labels, which, count, written);
 done:
-	mem_free(labels);
-	mem_free(which);
+	mem_free_all(labels, which);
 	return status;
 }
 

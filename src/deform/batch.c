@@ -20,8 +20,7 @@
 
 enum status deform_batch_create(struct deform *deform)
 {
-	deform->batch = mem_calloc(1, sizeof *deform->batch);
-	TRY_MEM(deform->batch, "a batch of windows");
+	TRY(mem_zeroed(&deform->batch, 1, sizeof *deform->batch, "a batch of windows"));
 	return gpu_list_create(deform->params.gpu, sizeof deform->batch->records, &deform->batch->list);
 }
 

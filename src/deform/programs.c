@@ -2,7 +2,6 @@
 #include "deform/programs.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -355,11 +355,7 @@ static void cutting_finish(struct cutting *cutting)
 		mem_free(cutting->open[level]);
 	}
 	dem_scratch_close(&cutting->scratch);
-	mem_free(cutting->heights);
-	mem_free(cutting->rounded);
-	mem_free(cutting->band);
-	mem_free(cutting->tile);
-	mem_free(cutting->misfits);
+	mem_free_all(cutting->heights, cutting->rounded, cutting->band, cutting->tile, cutting->misfits);
 }
 
 enum status dem_cut(const struct dem_cut *cut)

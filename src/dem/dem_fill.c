@@ -235,8 +235,7 @@ static void fill_destroy(struct dem_grid *grid)
 	dem_scratch_close(&fill->scratch);
 	for (int i = 0; i < 3; i++)
 		mem_free(fill->rows[i]);
-	mem_free(fill->known);
-	mem_free(fill);
+	mem_free_all(fill->known, fill);
 }
 
 enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)

@@ -22,10 +22,7 @@ static void gdal_destroy(struct dem_grid *grid)
 	dem_target_finish(&gdal->target);
 	for (size_t i = 0; i < gdal->source_count; i++)
 		dem_source_finish(&gdal->sources[i]);
-	mem_free(gdal->sources);
-	mem_free(gdal->name);
-	mem_free(gdal->sampled);
-	mem_free(gdal);
+	mem_free_all(gdal->sources, gdal->name, gdal->sampled, gdal);
 }
 
 /* Tells what users may not expect. An inset is opened several times, and told the first time. */
@@ -364,8 +361,7 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 	double *nodata = mem_alloc(meaning.nodata_count, sizeof *nodata);
 	double *row = mem_alloc((size_t)width, sizeof *row);
 	if (nodata == NULL || row == NULL) {
-		mem_free(nodata);
-		mem_free(row);
+		mem_free_all(nodata, row);
 		CPLError(CE_Failure, CPLE_OutOfMemory, "out of memory");
 		return CE_Failure;
 	}
@@ -382,8 +378,7 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 		GDALCopyWords(row, GDT_Float64, sizeof *row, (char *)data + (ptrdiff_t)y * line_space, to,
 			      pixel_space, width);
 	}
-	mem_free(nodata);
-	mem_free(row);
+	mem_free_all(nodata, row);
 	return CE_None;
 }
 

@@ -64,11 +64,8 @@ enum status dem_groups_init(struct dem_groups *groups, const struct gdal_source 
 		if (group == NULL)
 			group = &groups->groups[groups->count++];
 		size_t room = group->count + 1;
-		if ((room & (room - 1)) == 0 || group->sources == NULL) { /* grows by doubling */
-			const struct gdal_source **more = mem_realloc(group->sources, 2 * room, sizeof(struct gdal_source *));
-			TRY_MEM(more, "opening the sources");
-			group->sources = more;
-		}
+		if ((room & (room - 1)) == 0 || group->sources == NULL) /* grows by doubling */
+			TRY(mem_resize(&group->sources, 2 * room, sizeof *group->sources, "opening the sources"));
 		group->sources[group->count++] = &sources[i];
 	}
 	for (size_t i = 0; i < groups->count; i++)

@@ -38,11 +38,9 @@ static enum status country_posts(struct dem_insets *insets, struct post_rect rec
 {
 	if (insets->posts != NULL && same_rect(rect, insets->held))
 		return STATUS_OK;
-	double *room = mem_realloc(insets->posts, dem_inset_posts(rect), sizeof *room);
-	TRY_MEM(room, "an inset");
-	insets->posts = room;
+	TRY(mem_resize(&insets->posts, dem_inset_posts(rect), sizeof *insets->posts, "an inset"));
 	insets->held = (struct post_rect){0, 0, 0, 0};
-	TRY(dem_read(insets->country, rect, room));
+	TRY(dem_read(insets->country, rect, insets->posts));
 	insets->held = rect;
 	return STATUS_OK;
 }

@@ -74,8 +74,7 @@ enum status dem_inset_misfit(const struct dem_insets *insets, struct tile tile, 
 		piece.surface = mem_alloc(posts, sizeof *piece.surface);
 		const enum status status = piece.own != NULL && piece.surface != NULL ? measure(&piece, rect, codes, step, resampled, source)
 										      : fail_memory("comparing with an inset");
-		mem_free(piece.own);
-		mem_free(piece.surface);
+		mem_free_all(piece.own, piece.surface);
 		TRY(status);
 	}
 	return STATUS_OK;

@@ -6,7 +6,6 @@
 #include "dem_inset.h"
 
 #include <math.h>
-#include <string.h>
 
 #define NODES_MOST (1 << 22)
 #define STRIP_POSTS (1 << 20)
@@ -130,9 +129,7 @@ static enum status distances(const struct inset_rim *rim, float *values)
 		lower(&envelope, values + y * rim->nodes[0], rim->nodes[0], 1);
 	for (int64_t i = 0; whole && i < rim->nodes[0] * rim->nodes[1]; i++)
 		values[i] = (float)(sqrt((double)values[i]) * (double)rim->block * rim->spacing);
-	mem_free(envelope.at);
-	mem_free(envelope.from);
-	mem_free(envelope.squares);
+	mem_free_all(envelope.at, envelope.from, envelope.squares);
 	return whole ? STATUS_OK : fail_memory("an inset");
 }
 
@@ -176,8 +173,7 @@ done:
 
 void dem_inset_rim_finish(struct inset_rim *rim)
 {
-	mem_free(rim->far);
-	mem_free(rim->deep);
+	mem_free_all(rim->far, rim->deep);
 	rim->far = rim->deep = NULL;
 }
 

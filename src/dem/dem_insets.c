@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define FEATHER_POSTS 10  /* of what surrounds an inset */
 #define SAME 1e-6         /* of a spacing */
@@ -138,8 +137,7 @@ static enum status cover(struct inset *inset)
 	const int64_t side = (int64_t)1 << shift;
 	const struct post_rect corners = dem_inset_around(inset->rect, shift);
 	inset->cells = (struct post_rect){corners.x0, corners.y0, corners.x1 - 1, corners.y1 - 1};
-	inset->covered = mem_calloc(dem_inset_posts(inset->cells), 1);
-	TRY_MEM(inset->covered, "an inset");
+	TRY(mem_zeroed(&inset->covered, dem_inset_posts(inset->cells), 1, "an inset"));
 	for (int64_t ny = 0; ny < rim->nodes[1]; ny++)
 		for (int64_t nx = 0; nx < rim->nodes[0]; nx++) {
 			if (rim->far[ny * rim->nodes[0] + nx] == 0)
@@ -188,8 +186,7 @@ static enum status find_offset(struct dem_insets *insets, struct inset *inset)
 		inset->info.offset = apart[inset->info.rim_posts / 2];
 	}
 done:
-	mem_free(apart);
-	mem_free(own);
+	mem_free_all(apart, own);
 	return status;
 }
 
@@ -290,9 +287,7 @@ void dem_insets_close(struct dem_insets *insets)
 		return;
 	for (size_t i = 0; i < insets->count; i++)
 		inset_finish(&insets->list[i]);
-	mem_free(insets->list);
-	mem_free(insets->posts);
-	mem_free(insets);
+	mem_free_all(insets->list, insets->posts, insets);
 }
 
 size_t dem_insets_count(const struct dem_insets *insets)

@@ -220,12 +220,7 @@ static enum status make_room(struct cutting *cutting)
 
 static void free_room(struct cutting *cutting)
 {
-	mem_free(cutting->band);
-	mem_free(cutting->edges[0]);
-	mem_free(cutting->edges[1]);
-	mem_free(cutting->tile);
-	mem_free(cutting->below);
-	mem_free(cutting->heights);
+	mem_free_all(cutting->band, cutting->edges[0], cutting->edges[1], cutting->tile, cutting->below, cutting->heights);
 }
 
 static enum status cut_level(const struct dem_insets_cut *cut, int level)

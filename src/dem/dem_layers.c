@@ -45,9 +45,7 @@ void dem_layers_destroy(struct dem_layers *layers)
 		if (layers->layers[i].dataset != NULL)
 			GDALClose(layers->layers[i].dataset);
 	dem_lift_destroy(layers->lift);
-	mem_free(layers->layers);
-	mem_free(layers->posts);
-	mem_free(layers);
+	mem_free_all(layers->layers, layers->posts, layers);
 }
 
 /* Finds the area that all sources cover together. A single source may be rotated. */

@@ -33,9 +33,7 @@ void dem_lift_destroy(struct dem_lift *lift)
 		P.proj_destroy(lift->operation);
 		P.proj_context_destroy(lift->context);
 	}
-	mem_free(lift->name);
-	mem_free(lift->nodes);
-	mem_free(lift);
+	mem_free_all(lift->name, lift->nodes, lift);
 }
 
 /* --- the operation --- */

@@ -1,6 +1,5 @@
 /* Lines of GPX and GeoJSON files, read by GDAL. */
 #include <math.h>
-#include <string.h>
 
 #include "dem_gdal.h"
 
@@ -32,14 +31,10 @@ static enum status add_point(struct reading *reading, double x, double y, double
 		return fail_with(STATUS_INPUT, "%s: point %zu, %.10g, %.10g, is no longitude and latitude; both are degrees, longitude first",
 				 reading->told, line->count + 1, x, y);
 	if (line->count == reading->room) {
-		const size_t room = reading->room == 0 ? 256 : 2 * reading->room;
-		double(*points)[2] = mem_realloc(line->points, room, sizeof *points);
-		TRY_MEM(points, "reading a line");
-		line->points = points;
-		double *times = mem_realloc(line->times, room, sizeof *times);
-		TRY_MEM(times, "reading a line");
-		line->times = times;
-		reading->room = room;
+		const size_t more = mem_room(reading->room, line->count + 1);
+		TRY(mem_resize(&line->points, more, sizeof *line->points, "reading a line"));
+		TRY(mem_resize(&line->times, more, sizeof *line->times, "reading a line"));
+		reading->room = more;
 	}
 	line->points[line->count][0] = x;
 	line->points[line->count][1] = y;
@@ -160,8 +155,7 @@ static enum status check_number(const struct reading *reading)
 
 void dem_line_finish(struct dem_line *line)
 {
-	mem_free(line->points);
-	mem_free(line->times);
+	mem_free_all(line->points, line->times);
 	*line = (struct dem_line){.count = 0};
 }
 

@@ -22,14 +22,10 @@ bool dem_path_ends(const char *path, const char *extension)
 enum status dem_list_add(struct dem_list *list, const char *path)
 {
 	if (list->count == list->room) {
-		size_t room = list->room > 0 ? 2 * list->room : 16;
-		char **paths = mem_realloc(list->paths, room, sizeof *paths);
-		TRY_MEM(paths, "the list of sources");
-		list->paths = paths;
-		bool *found = mem_realloc(list->found, room, sizeof *found);
-		TRY_MEM(found, "the list of sources");
-		list->found = found;
-		list->room = room;
+		const size_t more = mem_room(list->room, list->count + 1);
+		TRY(mem_resize(&list->paths, more, sizeof *list->paths, "the list of sources"));
+		TRY(mem_resize(&list->found, more, sizeof *list->found, "the list of sources"));
+		list->room = more;
 	}
 	char *copy = mem_strdup(path);
 	TRY_MEM(copy, "the list of sources");
@@ -287,9 +283,7 @@ enum status dem_list_init(struct dem_list *list, const char *const *sources, siz
 
 void dem_list_finish(struct dem_list *list)
 {
-	for (size_t i = 0; i < list->count; i++)
-		mem_free(list->paths[i]);
-	mem_free(list->paths);
+	mem_free_list(list->paths, list->count);
 	mem_free(list->found);
 	*list = (struct dem_list){0};
 }

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdlib.h>
 
 #include "base/height_code.h"
 #include "base/wide.h"

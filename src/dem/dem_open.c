@@ -21,9 +21,7 @@ void dem_grid_destroy(struct dem_grid *grid)
 {
 	if (grid == NULL)
 		return;
-	mem_free(grid->srs);
-	mem_free(grid->vertical);
-	mem_free(grid->projected);
+	mem_free_all(grid->srs, grid->vertical, grid->projected);
 	dem_list_finish(&grid->files);
 	dem_list_finish(&grid->finer);
 	mem_free(grid->finer_sets);
@@ -205,8 +203,7 @@ void dem_close(struct dem *dem)
 		return;
 	dem_grid_destroy(dem->grid);
 	dem_list_finish(&dem->list);
-	mem_free(dem->surface);
-	mem_free(dem);
+	mem_free_all(dem->surface, dem);
 }
 
 const struct dem_info *dem_info(const struct dem *dem)

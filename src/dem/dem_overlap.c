@@ -19,9 +19,7 @@ static void pair_finish(struct pair *pair)
 	dem_sampler_destroy(pair->sampler);
 	dem_layers_destroy(pair->one);
 	dem_layers_destroy(pair->other);
-	mem_free(pair->own);
-	mem_free(pair->heights);
-	mem_free(pair->sampled);
+	mem_free_all(pair->own, pair->heights, pair->sampled);
 }
 
 static enum status pair_init(struct pair *pair)

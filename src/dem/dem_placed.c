@@ -62,12 +62,7 @@ void dem_pixels_close(struct dem_pixels *pixels)
 		return;
 	if (pixels->raster != NULL)
 		pixels->raster->destroy(pixels->raster);
-	mem_free(pixels->x);
-	mem_free(pixels->y);
-	mem_free(pixels->values);
-	mem_free(pixels->srs);
-	mem_free(pixels->path);
-	mem_free(pixels);
+	mem_free_all(pixels->x, pixels->y, pixels->values, pixels->srs, pixels->path, pixels);
 }
 
 int64_t dem_pixel_of(double place, int64_t pixels)

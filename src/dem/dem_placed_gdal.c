@@ -35,8 +35,7 @@ static void gdal_destroy(struct dem_placed *raster)
 		OCTDestroyCoordinateTransformation(gdal->move);
 	if (gdal->dataset != NULL)
 		GDALClose(gdal->dataset);
-	mem_free(gdal->masked);
-	mem_free(gdal);
+	mem_free_all(gdal->masked, gdal);
 }
 
 static bool lies_in(const struct gdal_of_values *gdal, double x, double y, double pixel[2])

@@ -2,7 +2,6 @@
  * Reads a grey PNG that lies over the terrain. A PNG has no coordinates: each pixel is one post of level 0, and the first pixel is
  * the north-west post. Values are as they are stored, 0 to 255 or 0 to 65535.
  */
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -5,7 +5,6 @@
  */
 #include "dem_internal.h"
 
-#include <errno.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
@@ -33,9 +32,7 @@ static void png_destroy(struct dem_grid *grid)
 {
 	struct png *png = (struct png *)grid;
 	dem_scratch_close(&png->scratch);
-	mem_free(png->nodata);
-	mem_free(png->posts);
-	mem_free(png);
+	mem_free_all(png->nodata, png->posts, png);
 }
 
 static enum status png_read(struct dem_grid *grid, struct post_rect rect, double *heights)
@@ -149,8 +146,7 @@ static enum status load(const char *path, struct png *png, int *full)
 		return fail_with(STATUS_INPUT, "%s: cannot be read as a PNG: %s; give a whole grey PNG or "
 				 "a GeoTIFF", path, problem.text);
 	mem_free(png->posts);
-	png->posts = mem_alloc((size_t)png->grid.width, sizeof *png->posts);
-	return png->posts != NULL ? STATUS_OK : fail_memory(path);
+	return mem_make(&png->posts, (size_t)png->grid.width, sizeof *png->posts, path);
 }
 
 enum status dem_png_open(const struct dem_params *params, const char *path, struct dem_grid **out)

@@ -19,10 +19,7 @@ static void raw_destroy(struct dem_grid *grid)
 	struct raw *raw = (struct raw *)grid;
 	if (raw->file != NULL)
 		fclose(raw->file);
-	mem_free(raw->path);
-	mem_free(raw->nodata);
-	mem_free(raw->row);
-	mem_free(raw);
+	mem_free_all(raw->path, raw->nodata, raw->row, raw);
 }
 
 static enum status raw_read(struct dem_grid *grid, struct post_rect rect, double *heights)

@@ -103,8 +103,7 @@ static enum status make_readers(struct gdal_grid *gdal)
 		return STATUS_OK;
 	const size_t count = gdal->jobs < 1 ? 1 : gdal->jobs > READERS_MOST ? READERS_MOST : (size_t)gdal->jobs;
 	if (gdal->readers == NULL) {
-		gdal->readers = mem_calloc(count, sizeof *gdal->readers);
-		TRY_MEM(gdal->readers, "reading the sources");
+		TRY(mem_zeroed(&gdal->readers, count, sizeof *gdal->readers, "reading the sources"));
 		gdal->readers[0].groups = gdal->groups;
 		gdal->reader_count = 1;
 	}
@@ -209,8 +208,7 @@ static enum status measure_part(void *user, size_t member, size_t task)
 
 static enum status measure(struct measuring *measuring, size_t count, struct misfit *misfit)
 {
-	measuring->misfits = mem_calloc(count + 1, sizeof *measuring->misfits);
-	TRY_MEM(measuring->misfits, "comparing with the sources");
+	TRY(mem_zeroed(&measuring->misfits, count + 1, sizeof *measuring->misfits, "comparing with the sources"));
 	enum status status;
 	TRY_OR(done, crew_run(measuring->gdal->crew, count, measure_part, measuring));
 	for (size_t i = 0; i < count; i++)
@@ -255,7 +253,6 @@ enum status dem_grid_misfit(struct dem_grid *grid, const struct dem_part *part, 
 	measuring.parts = parts;
 	TRY_OR(done, measure(&measuring, count, misfit));
 done:
-	mem_free(owners);
-	mem_free(parts);
+	mem_free_all(owners, parts);
 	return status;
 }

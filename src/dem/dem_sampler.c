@@ -27,10 +27,7 @@ void dem_sampler_destroy(struct dem_sampler *sampler)
 	if (sampler == NULL)
 		return;
 	dem_map_destroy(sampler->map);
-	mem_free(sampler->columns);
-	mem_free(sampler->rows);
-	mem_free(sampler->part);
-	mem_free(sampler);
+	mem_free_all(sampler->columns, sampler->rows, sampler->part, sampler);
 }
 
 enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_sampler **out)

@@ -305,8 +305,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 	TRY(dem_radii_find(source, params->radii, unit, said, &radius));
 	if (radius.sphere > 0) {
 		mem_free(source->own);
-		source->own = mem_strdup(DEM_ELLIPSOID);
-		TRY_MEM(source->own, path);
+		TRY(mem_text(&source->own, DEM_ELLIPSOID, path));
 		snprintf(source->vertical, sizeof source->vertical, "sphere of %.10g m, from radii", radius.sphere);
 		TRY(write_vrt(source, params, band, radius.unit, radius.sphere, number));
 	}
@@ -355,9 +354,6 @@ void dem_source_finish(struct gdal_source *source)
 		VSIUnlink(source->vrt);
 	for (int i = 0; i < SOURCE_REMARKS; i++)
 		mem_free(source->remarks[i]);
-	mem_free(source->vrt);
-	mem_free(source->own);
-	mem_free(source->from);
-	mem_free(source->to);
+	mem_free_all(source->vrt, source->own, source->from, source->to);
 	dem_unpack_finish(&source->unpacked);
 }

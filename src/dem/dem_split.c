@@ -137,8 +137,7 @@ static const struct part *part_of(const struct gdal_grid *gdal, const struct par
 static enum status name_finer(struct gdal_grid *gdal, const struct part *parts, bool *gone)
 {
 	struct dem_grid *grid = &gdal->grid;
-	grid->finer_sets = mem_alloc(gdal->source_count, sizeof *grid->finer_sets);
-	TRY_MEM(grid->finer_sets, "opening the sources");
+	TRY(mem_make(&grid->finer_sets, gdal->source_count, sizeof *grid->finer_sets, "opening the sources"));
 	for (size_t i = 0; i < gdal->source_count; i++) {
 		const struct part *part = part_of(gdal, parts, &gdal->sources[i]);
 		gone[i] = part->finer;
@@ -188,7 +187,6 @@ enum status dem_split(struct gdal_grid *gdal, const struct dem_params *params, s
 		TRY_OR(done, take_out(gdal, list, gone));
 	}
 done:
-	mem_free(parts);
-	mem_free(gone);
+	mem_free_all(parts, gone);
 	return status;
 }

@@ -89,8 +89,7 @@ done:
 	lzma_end(&stream);
 	if (file != NULL)
 		fclose(file);
-	mem_free(in);
-	mem_free(out);
+	mem_free_all(in, out);
 	return status;
 }
 

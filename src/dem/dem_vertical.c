@@ -123,8 +123,7 @@ enum status dem_vertical_metadata(struct gdal_source *source, const char *text)
 		P.proj_context_destroy(context);
 	if (!round && !known)
 		return STATUS_OK;
-	source->own = mem_strdup(round ? DEM_ELLIPSOID : source->vertical);
-	return source->own != NULL ? STATUS_OK : fail_memory(source->path);
+	return mem_text(&source->own, round ? DEM_ELLIPSOID : source->vertical, source->path);
 }
 
 /* Describes a reference in source->vertical. */

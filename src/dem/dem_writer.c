@@ -133,7 +133,5 @@ void dem_writer_destroy(struct dem_writer *writer)
 	if (writer->sink != NULL)
 		writer->sink->destroy(writer->sink);
 	aside_finish(&writer->aside);
-	mem_free(writer->path);
-	mem_free(writer->srs);
-	mem_free(writer);
+	mem_free_all(writer->path, writer->srs, writer);
 }

@@ -55,8 +55,7 @@ static void sink_destroy(struct dem_sink *sink)
 	struct gdal_sink *gdal = (struct gdal_sink *)sink;
 	if (gdal->dataset != NULL)
 		GDALClose(gdal->dataset);
-	mem_free(gdal->row);
-	mem_free(gdal);
+	mem_free_all(gdal->row, gdal);
 }
 
 /* Makes `srs` one with heights above raster->vertical, a name as dem_vertical_part tells it. A GeoTIFF says nothing of a projected

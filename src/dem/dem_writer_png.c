@@ -94,8 +94,7 @@ static void sink_destroy(struct dem_sink *sink)
 	struct png_sink *png = (struct png_sink *)sink;
 	if (png->file != NULL)
 		fclose(png->file);
-	mem_free(png->rows);
-	mem_free(png);
+	mem_free_all(png->rows, png);
 }
 
 enum status dem_png_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)

@@ -45,8 +45,7 @@ static void sink_destroy(struct dem_sink *sink)
 	struct raw_sink *raw = (struct raw_sink *)sink;
 	if (raw->file != NULL)
 		fclose(raw->file);
-	mem_free(raw->row);
-	mem_free(raw);
+	mem_free_all(raw->row, raw);
 }
 
 enum status dem_raw_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)

@@ -159,6 +159,14 @@ static int64_t last_committed(const struct world *world)
 	return io.commits > 0 ? io.step : world_facts(world)->resumed.is ? world_facts(world)->resumed.from : 0;
 }
 
+static enum status write_all(struct drive *drive, bool videos, struct drive_result *result)
+{
+	TRY(report_cameras(drive->poses));
+	if (videos)
+		report_videos(drive->poses);
+	return report(drive, false, result);
+}
+
 enum status drive_conclude(struct drive *drive, struct drive_result *result, enum status status)
 {
 	if (!drive->unbegun)
@@ -176,11 +184,7 @@ enum status drive_conclude(struct drive *drive, struct drive_result *result, enu
 		return status == STATUS_OK ? made : failure_restore(&failure);
 	}
 	result->committed = last_committed(drive->world);
-	enum status written = report_cameras(drive->poses);
-	if (status == STATUS_OK && written == STATUS_OK)
-		report_videos(drive->poses);
-	if (written == STATUS_OK)
-		written = report(drive, false, result);
+	const enum status written = write_all(drive, status == STATUS_OK, result);
 	bool tell_written = written != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED);
 	if (!tell_written && status != STATUS_OK)
 		status = failure_restore(&failure);

@@ -306,5 +306,6 @@ void drive_place(const struct drive *drive, size_t object, double place[3], doub
 
 enum status drive_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
-	return world_drop(drive->world, shape, x, y, yaw, landed);
+	TRY(world_drop(drive->world, shape, x, y, yaw, landed));
+	return render_view_update(drive->view); /* before the next drop: that may have another shape */
 }

@@ -51,7 +51,7 @@ void drive_let_go_vehicles(struct drive *drive);
 bool drive_is_watched(const struct drive *drive);
 /* Returns true if this process writes files: the drive has a folder, and of many ranks this is the first. */
 bool drive_writes(const struct drive *drive);
-/* Takes what steps did since the last call: rows go to their file, and the view learns what happened to the ground. */
+/* Takes what steps did since the last call: rows go to their file, and the view learns what happened to the ground. A failure tears the world. */
 enum status drive_take(struct drive *drive) FURROW_CHECKED;
 /* Says in drive->report what the drive has. */
 void drive_fill_report(struct drive *drive);

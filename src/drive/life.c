@@ -218,7 +218,7 @@ enum status drive_start(struct drive *drive)
 
 /* --- steps --- */
 
-enum status drive_take(struct drive *drive)
+static enum status take(struct drive *drive)
 {
 	size_t count;
 	const struct world_row *rows = world_rows(drive->world, &count);
@@ -226,6 +226,15 @@ enum status drive_take(struct drive *drive)
 	TRY(ranks != NULL ? ranks->rows(ranks->user, rows, count) : report_rows_write(drive->rows, rows, count));
 	world_rows_clear(drive->world);
 	return drive->view != NULL ? render_view_update(drive->view) : STATUS_OK;
+}
+
+/* Rows may be in the file in part, and a commit would write all of them again. So a failure tears the world: no commit is made. */
+enum status drive_take(struct drive *drive)
+{
+	const enum status status = take(drive);
+	if (status != STATUS_OK)
+		world_tear(drive->world);
+	return status;
 }
 
 enum status drive_begin(struct drive *drive)
@@ -281,6 +290,9 @@ static enum status roll_rows_back(struct drive *drive)
 
 enum status drive_rollback(struct drive *drive)
 {
+	/* What happened since the last step goes back, too. So it does not matter if the view cannot be told of it. */
+	if (drive->view != NULL && render_view_update(drive->view) != STATUS_OK)
+		world_happened_clear(drive->world);
 	TRY(world_rollback(drive->world));
 	const enum status status = roll_rows_back(drive);
 	if (status != STATUS_OK)

@@ -1,8 +1,6 @@
 /* Where a terrain lies: degrees of its points, on an ellipsoid. */
 #include "exchange/internal.h"
 
-#include <stdio.h>
-
 #define RADIANS (M_PI / 180)
 #define WGS84_RADIUS 6378137.0
 #define WGS84_FLATTENING (1 / 298.257223563)

@@ -36,11 +36,7 @@ failed:
 void exchange_maker_finish(struct exchange_maker *maker)
 {
 	exchange_sampler_finish(&maker->sampler);
-	mem_free(maker->heights);
-	mem_free(maker->slopes);
-	mem_free(maker->pixels);
-	mem_free(maker->indices);
-	mem_free(maker->mesh);
+	mem_free_all(maker->heights, maker->slopes, maker->pixels, maker->indices, maker->mesh);
 	exchange_bytes_finish(&maker->bytes);
 	maker->heights = maker->slopes = NULL;
 	maker->pixels = maker->indices = NULL;

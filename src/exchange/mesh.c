@@ -9,7 +9,6 @@
  */
 #include "exchange/mesh.h"
 
-#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -244,8 +243,7 @@ enum status exchange_mesh(const struct exchange_mesh_params *params, struct exch
 	};
 	TRY(check_size(&surface, format));
 	surface.total = surface.rows * (1 + format->passes);
-	surface.first = mem_calloc((size_t)surface.rows + 1, sizeof *surface.first);
-	TRY_MEM(surface.first, "rows of a mesh");
+	TRY(mem_zeroed(&surface.first, (size_t)surface.rows + 1, sizeof *surface.first, "rows of a mesh"));
 	enum status status = count_and_write(&surface, format);
 	if (status == STATUS_OK)
 		tell(&surface, result);

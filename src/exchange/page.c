@@ -5,10 +5,8 @@
  */
 #include "exchange/internal.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "exchange/embedded.h"
 
@@ -98,13 +96,7 @@ struct listed {
 static enum status list_tile(void *user, struct tile tile)
 {
 	struct listed *list = user;
-	if (list->count == list->room) {
-		size_t room = list->room != 0 ? 2 * list->room : 256;
-		struct tile *grown = mem_realloc(list->tiles, room, sizeof *grown);
-		TRY_MEM(grown, "a list of tiles");
-		list->tiles = grown;
-		list->room = room;
-	}
+	TRY(mem_grow(&list->tiles, &list->room, list->count + 1, sizeof *list->tiles, "a list of tiles"));
 	list->tiles[list->count++] = tile;
 	return STATUS_OK;
 }
@@ -210,8 +202,7 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	TRY_OR(done, put_text(params, "tiles.js", &text));
 	TRY_OR(done, put(params, "index.html", &page));
 done:
-	mem_free(shades.tiles);
-	mem_free(ruts.tiles);
+	mem_free_all(shades.tiles, ruts.tiles);
 	return status;
 }
 

@@ -7,15 +7,7 @@
 
 enum status exchange_bytes_add(struct exchange_bytes *bytes, const void *data, size_t size)
 {
-	if (bytes->room - bytes->size < size) {
-		size_t room = bytes->room != 0 ? bytes->room : 65536;
-		while (room - bytes->size < size)
-			room *= 2;
-		uint8_t *grown = mem_realloc(bytes->data, room, 1);
-		TRY_MEM(grown, "a tile");
-		bytes->data = grown;
-		bytes->room = room;
-	}
+	TRY(mem_grow(&bytes->data, &bytes->room, bytes->size + size, 1, "a tile"));
 	memcpy(bytes->data + bytes->size, data, size);
 	bytes->size += size;
 	return STATUS_OK;

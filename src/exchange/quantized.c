@@ -12,8 +12,6 @@
  */
 #include "exchange/internal.h"
 
-#include <string.h>
-
 #define VERTICES (EXCHANGE_SIDE * EXCHANGE_SIDE)
 #define TRIANGLES (2 * EXCHANGE_CELLS * EXCHANGE_CELLS)
 #define NOT_THERE UINT16_MAX
@@ -45,7 +43,6 @@ static void make_layout(struct layout *layout)
 		}
 	assert(count == 3 * TRIANGLES && next == VERTICES);
 }
-
 
 /* --- the header --- */
 

@@ -20,8 +20,7 @@ void exchange_sampler_finish(struct exchange_sampler *sampler)
 {
 	exchange_frame_finish(&sampler->frame);
 	store_reader_destroy(sampler->reader);
-	mem_free(sampler->x);
-	mem_free(sampler->y);
+	mem_free_all(sampler->x, sampler->y);
 	for (int i = 0; i < 4; i++)
 		mem_free(sampler->control[i]);
 	mem_free(sampler->posts);

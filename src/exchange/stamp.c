@@ -115,8 +115,7 @@ enum status exchange_journal_begin(struct exchange_journal *journal, const char 
 {
 	*journal = (struct exchange_journal){.units = units};
 	TRY(path_in(directory, JOURNAL, journal->path));
-	journal->done = mem_calloc((size_t)units + 1, 1);
-	TRY_MEM(journal->done, "the journal of tiles");
+	TRY(mem_zeroed(&journal->done, (size_t)units + 1, 1, "the journal of tiles"));
 	journal->file = output_open(journal->path, "a+");
 	if (journal->file == NULL)
 		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", journal->path, input_problem(),

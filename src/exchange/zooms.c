@@ -45,13 +45,7 @@ static enum status add_tile(void *user, uint64_t key)
 {
 	struct rects *list = user;
 	const struct extent *extent = &list->frame->meta->extent;
-	if (list->count == list->room) {
-		size_t room = list->room != 0 ? 2 * list->room : 64;
-		struct rect *grown = mem_realloc(list->rects, room, sizeof *grown);
-		TRY_MEM(grown, "the tiles of a level");
-		list->rects = grown;
-		list->room = room;
-	}
+	TRY(mem_grow(&list->rects, &list->room, list->count + 1, sizeof *list->rects, "the tiles of a level"));
 	struct tile tile = tile_from_key(key);
 	double side = extent_spacing(extent, tile.level) * extent->cells;
 	struct rect *rect = &list->rects[list->count++];
@@ -143,8 +137,7 @@ static int compare_keys(const void *a, const void *b)
 /* In the order of keys, neighbours come after each other. */
 static enum status sort_keys(const struct key_set *set, struct exchange_zoom *zoom)
 {
-	zoom->order = mem_alloc(set->count + 1, sizeof *zoom->order);
-	TRY_MEM(zoom->order, "the tiles of a zoom level");
+	TRY(mem_make(&zoom->order, set->count + 1, sizeof *zoom->order, "the tiles of a zoom level"));
 	for (size_t i = 0; i < set->room; i++)
 		if (set->keys[i] != UINT64_MAX)
 			zoom->order[zoom->count++] = set->keys[i];
@@ -338,8 +331,7 @@ enum status exchange_zooms_init(struct exchange_zooms *zooms, const struct excha
 	};
 	*zooms = (struct exchange_zooms){.count = 0};
 	enum status status = list_and_plan(&planning, since);
-	mem_free(planning.deformed.rects);
-	mem_free(planning.changed.rects);
+	mem_free_all(planning.deformed.rects, planning.changed.rects);
 	if (status != STATUS_OK)
 		exchange_zooms_finish(zooms);
 	return status;

@@ -132,12 +132,7 @@ void fleet_comm_finish(void)
 	if (begun)
 		MPI_Finalize();
 	fleet_watch_finish();
-	mem_free(at.firsts);
-	mem_free(at.rest);
-	mem_free(at.all);
-	mem_free(at.sizes);
-	mem_free(at.counts);
-	mem_free(at.places);
+	mem_free_all(at.firsts, at.rest, at.all, at.sizes, at.counts, at.places);
 	memset(&at, 0, sizeof at);
 }
 

@@ -62,9 +62,7 @@ static enum status get_blocks(struct sharing *sharing, int rank, struct fleet_by
 		TRY(fleet_get(bytes, &block, sizeof block));
 		if (rank == sharing->fleet->rank)
 			continue;
-		struct soil_block *more = fleet_grown(sharing->blocks, &sharing->room, sharing->count + 1, sizeof *more);
-		TRY_MEM(more, "active blocks");
-		sharing->blocks = more;
+		TRY(mem_grow(&sharing->blocks, &sharing->room, sharing->count + 1, sizeof *sharing->blocks, "active blocks"));
 		sharing->blocks[sharing->count++] = block;
 	}
 	return STATUS_OK;

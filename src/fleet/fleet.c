@@ -50,13 +50,7 @@ bool fleet_speaks(void)
 
 enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size)
 {
-	if (size > bytes->room - bytes->size) {
-		const size_t room = 2 * bytes->room > bytes->size + size ? 2 * bytes->room : bytes->size + size;
-		char *more = mem_realloc(bytes->bytes, room, 1);
-		TRY_MEM(more, "a message to ranks");
-		bytes->bytes = more;
-		bytes->room = room;
-	}
+	TRY(mem_grow(&bytes->bytes, &bytes->room, bytes->size + size, 1, "a message to ranks"));
 	if (size > 0)
 		memcpy(bytes->bytes + bytes->size, from, size);
 	bytes->size += size;

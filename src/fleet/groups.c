@@ -6,14 +6,9 @@ void fleet_groups_finish(struct fleet_groups *groups)
 {
 	mem_free(groups->items);
 	key_set_finish(&groups->tiles);
-	mem_free(groups->tile_key);
-	mem_free(groups->tile_group);
-	mem_free(groups->groups);
+	mem_free_all(groups->tile_key, groups->tile_group, groups->groups);
 	key_set_finish(&groups->known);
-	mem_free(groups->owner);
-	mem_free(groups->loads);
-	mem_free(groups->parent);
-	mem_free(groups->shares);
+	mem_free_all(groups->owner, groups->loads, groups->parent, groups->shares);
 	*groups = (struct fleet_groups){.items = NULL};
 }
 
@@ -23,22 +18,10 @@ void fleet_groups_clear(struct fleet_groups *groups)
 	key_set_clear(&groups->tiles);
 }
 
-void *fleet_grown(void *list, size_t *room, size_t count, size_t size)
-{
-	if (count <= *room && list != NULL)
-		return list;
-	const size_t more = count > 2 * *room ? count : 2 * *room;
-	void *grown = mem_realloc(list, more > 0 ? more : 1, size);
-	*room = grown != NULL ? more : *room;
-	return grown;
-}
-
 enum status fleet_groups_add(struct fleet_groups *groups, const struct fleet_item *item)
 {
-	struct fleet_item *items = fleet_grown(groups->items, &groups->item_room, groups->item_count + 1, sizeof *items);
-	TRY_MEM(items, "groups of bodies");
-	groups->items = items;
-	items[groups->item_count++] = *item;
+	TRY(mem_grow(&groups->items, &groups->item_room, groups->item_count + 1, sizeof *groups->items, "groups of bodies"));
+	groups->items[groups->item_count++] = *item;
 	return STATUS_OK;
 }
 
@@ -69,17 +52,11 @@ static enum status number_of(struct fleet_groups *groups, uint64_t key, uint32_t
 	if (!fresh)
 		return STATUS_OK;
 	if (*number >= groups->tile_room) {
-		const size_t room = groups->tile_room > 0 ? 2 * groups->tile_room : 1024;
-		uint32_t *parent = mem_realloc(groups->parent, room, sizeof *parent);
-		TRY_MEM(parent, "groups of bodies");
-		groups->parent = parent;
-		uint32_t *group = mem_realloc(groups->tile_group, room, sizeof *group);
-		TRY_MEM(group, "groups of bodies");
-		groups->tile_group = group;
-		uint64_t *keys = mem_realloc(groups->tile_key, room, sizeof *keys);
-		TRY_MEM(keys, "groups of bodies");
-		groups->tile_key = keys;
-		groups->tile_room = room;
+		const size_t more = mem_room(groups->tile_room, *number + 1);
+		TRY(mem_resize(&groups->parent, more, sizeof *groups->parent, "groups of bodies"));
+		TRY(mem_resize(&groups->tile_group, more, sizeof *groups->tile_group, "groups of bodies"));
+		TRY(mem_resize(&groups->tile_key, more, sizeof *groups->tile_key, "groups of bodies"));
+		groups->tile_room = more;
 	}
 	groups->parent[*number] = *number;
 	groups->tile_key[*number] = key;
@@ -111,9 +88,7 @@ static enum status number_groups(struct fleet_groups *groups)
 			groups->tile_group[i] = groups->tile_group[root];
 			continue;
 		}
-		struct fleet_group *list = fleet_grown(groups->groups, &groups->group_room, groups->group_count + 1, sizeof *list);
-		TRY_MEM(list, "groups of bodies");
-		groups->groups = list;
+		TRY(mem_grow(&groups->groups, &groups->group_room, groups->group_count + 1, sizeof *groups->groups, "groups of bodies"));
 		groups->tile_group[i] = (uint32_t)groups->group_count;
 		groups->groups[groups->group_count++] = (struct fleet_group){0, FLEET_NONE};
 	}
@@ -131,10 +106,8 @@ static enum status number_groups(struct fleet_groups *groups)
 static enum status follow_owners(struct fleet_groups *groups, int ranks)
 {
 	const size_t count = groups->group_count * (size_t)ranks;
-	uint64_t *shares = fleet_grown(groups->shares, &groups->share_room, count, sizeof *shares);
-	TRY_MEM(shares, "groups of bodies");
-	groups->shares = shares;
-	memset(shares, 0, count * sizeof *shares);
+	TRY(mem_grow(&groups->shares, &groups->share_room, count + 1, sizeof *groups->shares, "groups of bodies"));
+	memset(groups->shares, 0, count * sizeof *groups->shares);
 	for (size_t i = 0; i < groups->item_count; i++) {
 		const struct fleet_item *item = &groups->items[i];
 		if (item->owner >= 0)
@@ -201,10 +174,8 @@ static void balance(struct fleet_groups *groups, int ranks)
 enum status fleet_groups_make(struct fleet_groups *groups, int level, int ranks, bool balances)
 {
 	groups->group_count = 0;
-	if (groups->loads == NULL) {
-		groups->loads = mem_calloc((size_t)ranks, sizeof *groups->loads);
-		TRY_MEM(groups->loads, "groups of bodies");
-	}
+	if (groups->loads == NULL)
+		TRY(mem_zeroed(&groups->loads, (size_t)ranks, sizeof *groups->loads, "groups of bodies"));
 	for (size_t i = 0; i < groups->item_count; i++)
 		TRY(join_item(groups, &groups->items[i], level));
 	TRY(number_groups(groups));
@@ -224,10 +195,8 @@ enum status fleet_groups_settle(struct fleet_groups *groups)
 		uint32_t number;
 		bool fresh;
 		TRY(key_set_number(&groups->known, groups->tile_key[i], &number, &fresh));
-		int32_t *owner = fleet_grown(groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *owner);
-		TRY_MEM(owner, "groups of bodies");
-		groups->owner = owner;
-		owner[number] = groups->groups[groups->tile_group[i]].rank;
+		TRY(mem_grow(&groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *groups->owner, "groups of bodies"));
+		groups->owner[number] = groups->groups[groups->tile_group[i]].rank;
 	}
 	return STATUS_OK;
 }

@@ -45,9 +45,6 @@ struct fleet_groups {
 	size_t share_room;
 };
 
-/* Returns the list with room for at least `count` elements of `size` bytes, and more if it grows. NULL: out of memory; the list is as it was. */
-void *fleet_grown(void *list, size_t *room, size_t count, size_t size);
-
 void fleet_groups_finish(struct fleet_groups *groups);
 void fleet_groups_clear(struct fleet_groups *groups); /* removes the items of the last step */
 enum status fleet_groups_add(struct fleet_groups *groups, const struct fleet_item *item) FURROW_CHECKED;

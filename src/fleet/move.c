@@ -64,10 +64,8 @@ static enum status list_tiles(struct moving *moving)
 		if (groups->groups[groups->tile_group[i]].rank != moving->to || fleet_groups_owner(groups, key) != moving->fleet->rank ||
 		    !fleet_is_changed(moving->fleet, key))
 			continue;
-		uint64_t *keys = fleet_grown(moving->keys, &moving->room, moving->count + 1, sizeof *keys);
-		TRY_MEM(keys, "tiles that move");
-		moving->keys = keys;
-		keys[moving->count++] = key;
+		TRY(mem_grow(&moving->keys, &moving->room, moving->count + 1, sizeof *moving->keys, "tiles that move"));
+		moving->keys[moving->count++] = key;
 	}
 	return STATUS_OK;
 }
@@ -269,13 +267,8 @@ static void settle_bodies(struct fleet *fleet)
 static void find_next(struct fleet *fleet)
 {
 	size_t at = 0;
-	if (fleet->next_room < fleet->owner_count) {
-		int32_t *next = mem_realloc(fleet->next, fleet->owner_count, sizeof *next);
-		if (next == NULL)
-			fleet_comm_give_up("out of memory");
-		fleet->next = next;
-		fleet->next_room = fleet->owner_count;
-	}
+	if (mem_grow(&fleet->next, &fleet->next_room, fleet->owner_count, sizeof *fleet->next, "the ranks of bodies") != STATUS_OK)
+		fleet_comm_give_up("out of memory");
 	for (size_t i = 0; i < fleet->owner_count; i++) {
 		fleet->next[i] = fleet->owners[i];
 		if (at < fleet->planned_count && fleet->planned_bodies[at] == i)
@@ -291,9 +284,7 @@ static enum status exchange(struct moving *moving, const bool *goes, enum status
 	char *planes = mem_alloc(size > 0 ? size : 1, 1);
 	size_t out_count = 0, in_count = 0;
 	if (out == NULL || in == NULL || planes == NULL) {
-		mem_free(out);
-		mem_free(in);
-		mem_free(planes);
+		mem_free_all(out, in, planes);
 		fleet_comm_give_up("out of memory");
 	}
 	for (int r = 0; r < fleet->ranks; r++) {
@@ -313,9 +304,7 @@ static enum status exchange(struct moving *moving, const bool *goes, enum status
 			status = unpack(fleet, &in[i], planes);
 		mem_free(in[i].bytes);
 	}
-	mem_free(out);
-	mem_free(in);
-	mem_free(planes);
+	mem_free_all(out, in, planes);
 	return status;
 }
 
@@ -343,10 +332,6 @@ enum status fleet_move(struct fleet *fleet, enum status status)
 done:
 	for (int r = 0; r < fleet->ranks; r++)
 		mem_free(moving.out[r].bytes);
-	mem_free(moving.out);
-	mem_free(moving.comes);
-	mem_free(moving.keys);
-	mem_free(moving.packed);
-	mem_free(goes);
+	mem_free_all(moving.out, moving.comes, moving.keys, moving.packed, goes);
 	return status;
 }

@@ -14,7 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/json.h"
 #include "base/limits.h"
 
 #define PATH_MOST 4096
@@ -56,9 +55,7 @@ struct part_list {
 
 static void finish_list(struct part_list *list)
 {
-	for (size_t i = 0; i < list->count; i++)
-		mem_free(list->paths[i]);
-	mem_free(list->paths);
+	mem_free_list(list->paths, list->count);
 }
 
 /* Lists the parts in a folder, by name. */
@@ -429,14 +426,7 @@ void fleet_close(struct fleet *fleet)
 	key_set_finish(&fleet->changed);
 	fleet_rows_finish(fleet);
 	store_staged_finish(&fleet->staged);
-	mem_free(fleet->mine);
-	mem_free(fleet->owners);
-	mem_free(fleet->next);
-	mem_free(fleet->planned_bodies);
+	mem_free_all(fleet->mine, fleet->owners, fleet->next, fleet->planned_bodies);
 	fleet_together_finish(&fleet->together);
-	mem_free(fleet->sent.bytes);
-	mem_free(fleet->over);
-	mem_free(fleet->parts);
-	mem_free(fleet->part);
-	mem_free(fleet);
+	mem_free_all(fleet->sent.bytes, fleet->over, fleet->parts, fleet->part, fleet);
 }

@@ -10,9 +10,7 @@
 
 static enum status add(struct fleet_row_list *list, const struct fleet_row *row)
 {
-	struct fleet_row *rows = fleet_grown(list->rows, &list->room, list->count + 1, sizeof *rows);
-	TRY_MEM(rows, "rows");
-	list->rows = rows;
+	TRY(mem_grow(&list->rows, &list->room, list->count + 1, sizeof *list->rows, "rows"));
 	list->rows[list->count++] = *row;
 	return STATUS_OK;
 }
@@ -108,6 +106,5 @@ enum status fleet_rows_write(struct fleet *fleet, double until)
 
 void fleet_rows_finish(struct fleet *fleet)
 {
-	mem_free(fleet->given.rows);
-	mem_free(fleet->waiting.rows);
+	mem_free_all(fleet->given.rows, fleet->waiting.rows);
 }

@@ -104,18 +104,11 @@ static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
 static enum status make_owners(struct fleet *fleet)
 {
 	const size_t count = world_body_count(fleet->world);
-	if (count > fleet->planned_room) {
-		size_t *bodies = mem_realloc(fleet->planned_bodies, count, sizeof *bodies);
-		TRY_MEM(bodies, "the ranks of bodies");
-		fleet->planned_bodies = bodies;
-		fleet->planned_room = count;
-	}
+	TRY(mem_grow(&fleet->planned_bodies, &fleet->planned_room, count, sizeof *fleet->planned_bodies, "the ranks of bodies"));
 	fleet->planned_count = 0;
 	if (count <= fleet->owner_count)
 		return STATUS_OK;
-	int32_t *owners = mem_realloc(fleet->owners, count, sizeof *owners);
-	TRY_MEM(owners, "the ranks of bodies");
-	fleet->owners = owners;
+	TRY(mem_resize(&fleet->owners, count, sizeof *fleet->owners, "the ranks of bodies"));
 	while (fleet->owner_count < count)
 		fleet->owners[fleet->owner_count++] = FLEET_NONE;
 	return STATUS_OK;
@@ -279,10 +272,8 @@ enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine)
 	uint32_t number;
 	bool fresh;
 	TRY(key_set_number(&fleet->changed, key, &number, &fresh));
-	bool *more = fleet_grown(fleet->mine, &fleet->mine_room, (size_t)number + 1, sizeof *more);
-	TRY_MEM(more, "the tiles of a rank");
-	fleet->mine = more;
-	more[number] = mine;
+	TRY(mem_grow(&fleet->mine, &fleet->mine_room, (size_t)number + 1, sizeof *fleet->mine, "the tiles of a rank"));
+	fleet->mine[number] = mine;
 	return STATUS_OK;
 }
 

@@ -9,8 +9,7 @@
 void fleet_together_finish(struct fleet_together *together)
 {
 	key_map_finish(&together->blocks);
-	mem_free(together->areas);
-	mem_free(together->first);
+	mem_free_all(together->areas, together->first);
 	*together = (struct fleet_together){.areas = NULL};
 }
 
@@ -18,11 +17,8 @@ enum status fleet_together_need(struct fleet_together *together, size_t count)
 {
 	if (count <= together->room)
 		return STATUS_OK;
-	struct post_rect *areas = mem_realloc(together->areas, count, sizeof *areas);
-	together->areas = areas != NULL ? areas : together->areas;
-	size_t *first = mem_realloc(together->first, count, sizeof *first);
-	together->first = first != NULL ? first : together->first;
-	TRY_MEM(areas != NULL && first != NULL, "the ranks of bodies");
+	TRY(mem_resize(&together->areas, count, sizeof *together->areas, "the ranks of bodies"));
+	TRY(mem_resize(&together->first, count, sizeof *together->first, "the ranks of bodies"));
 	together->room = count;
 	return STATUS_OK;
 }

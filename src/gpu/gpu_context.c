@@ -4,7 +4,6 @@
  * States: usable -> failed, for good. It fails at the first GL error, when the context is lost, or when its creation fails. That
  * failure is kept. After it, only destroy functions call GL, and every function that can fail returns the kept failure.
  */
-#include <string.h>
 
 #include "gpu/internal.h"
 

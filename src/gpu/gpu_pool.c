@@ -27,8 +27,7 @@ enum status gpu_pool_create(struct gpu *gpu, enum gpu_format format, uint32_t si
 	struct gpu_pool *pool = mem_alloc(1, sizeof *pool);
 	struct gpu_texture **arrays = mem_calloc(most / LAYERS_MOST + LAYERS_MOST / LAYERS_LEAST, sizeof *arrays); /* more than there can be */
 	if (pool == NULL || arrays == NULL) {
-		mem_free(pool);
-		mem_free(arrays);
+		mem_free_all(pool, arrays);
 		return fail_memory("a pool of textures");
 	}
 	*pool = (struct gpu_pool){.gpu = gpu, .format = format, .side = side, .most = most, .arrays = arrays};
@@ -42,8 +41,7 @@ void gpu_pool_destroy(struct gpu_pool *pool)
 		return;
 	for (uint32_t i = 0; i < pool->count; i++)
 		gpu_texture_destroy(pool->arrays[i]);
-	mem_free(pool->arrays);
-	mem_free(pool);
+	mem_free_all(pool->arrays, pool);
 }
 
 static uint32_t least(uint32_t a, uint32_t b)

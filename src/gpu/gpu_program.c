@@ -168,8 +168,7 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 	struct gpu_program *program = mem_calloc(1, sizeof *program);
 	enum status status = program != NULL ? link_program(gpu, table, request, &program->name) : fail_memory("GL program");
 	if (status != STATUS_OK) {
-		mem_free(program);
-		mem_free(key);
+		mem_free_all(program, key);
 		return status;
 	}
 	program->key = key;
@@ -194,8 +193,7 @@ void gpu_programs_finish(struct gpu *gpu)
 		struct gpu_program *program = gpu->programs;
 		gpu->programs = program->next;
 		glDeleteProgram(program->name);
-		mem_free(program->key);
-		mem_free(program);
+		mem_free_all(program->key, program);
 		gpu->stats.programs--;
 	}
 	gpu->program = NULL;

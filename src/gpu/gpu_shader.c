@@ -16,13 +16,7 @@
 
 static enum status append(struct gpu_shader *shader, const char *text, size_t length)
 {
-	if (shader->capacity - shader->length <= length) {
-		size_t capacity = (shader->length + length + 1) * 2;
-		char *grown = mem_realloc(shader->text, capacity, 1);
-		TRY_MEM(grown, "shader");
-		shader->text = grown;
-		shader->capacity = capacity;
-	}
+	TRY(mem_grow(&shader->text, &shader->capacity, shader->length + length + 1, 1, "shader"));
 	memcpy(shader->text + shader->length, text, length);
 	shader->length += length;
 	shader->text[shader->length] = '\0';

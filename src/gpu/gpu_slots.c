@@ -1,5 +1,4 @@
 /* Slots, and the textures of their bases. Offsets are in gpu_slots_deform.c. */
-#include <string.h>
 
 #include "gpu/slots.h"
 
@@ -10,8 +9,7 @@ enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, un
 	struct gpu_slots *slots = mem_calloc(1, sizeof *slots);
 	struct slot_entry *entries = mem_calloc(count, sizeof *entries);
 	if (slots == NULL || entries == NULL) {
-		mem_free(slots);
-		mem_free(entries);
+		mem_free_all(slots, entries);
 		return fail_memory("slots");
 	}
 	*slots = (struct gpu_slots){
@@ -54,8 +52,7 @@ void gpu_slots_destroy(struct gpu_slots *slots)
 	gpu_pool_destroy(slots->bases);
 	for (int plane = 0; plane < PLANES; plane++)
 		gpu_pool_destroy(slots->drawn[plane]);
-	mem_free(slots->entries);
-	mem_free(slots);
+	mem_free_all(slots->entries, slots);
 }
 
 const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot)

@@ -8,7 +8,6 @@
  *   1. The buffer is mapped for as long as it lives.
  *   2. `fence` comes after the last transfer; NULL: idle. Fences pass in order, so one is enough.
  */
-#include <string.h>
 
 #include "gpu/internal.h"
 

@@ -128,10 +128,8 @@ static void conveyor_end(struct conveyor *conveyor)
 
 static void conveyor_free(struct conveyor *conveyor)
 {
-	for (int64_t i = 0; i < PARCELS_MOST; i++) {
-		mem_free(conveyor->parcels[i].codes);
-		mem_free(conveyor->parcels[i].bytes);
-	}
+	for (int64_t i = 0; i < PARCELS_MOST; i++)
+		mem_free_all(conveyor->parcels[i].codes, conveyor->parcels[i].bytes);
 	for (int64_t i = 0; i < WORKERS_MOST; i++)
 		store_packer_destroy(conveyor->workers[i].packer);
 	condition_finish(&conveyor->changed);

@@ -155,11 +155,8 @@ static enum status take_named_text(struct import *import, const char *name, cons
 
 static enum status take_inset(struct import *import, const char *text)
 {
-	char **room = mem_realloc(import->inset_sources, import->inset_count + 1, sizeof *room);
-	TRY_MEM(room, "an option");
-	import->inset_sources = room;
-	room[import->inset_count] = mem_strdup(text);
-	TRY_MEM(room[import->inset_count], "an option");
+	TRY(mem_resize(&import->inset_sources, import->inset_count + 1, sizeof *import->inset_sources, "an option"));
+	TRY(mem_text(&import->inset_sources[import->inset_count], text, "an option"));
 	import->inset_count++;
 	return STATUS_OK;
 }
@@ -284,12 +281,9 @@ void intake_import_finish(struct import *import)
 {
 	for (size_t i = 0; i < sizeof import->texts / sizeof *import->texts; i++)
 		mem_free(import->texts[i]);
-	for (size_t i = 0; i < import->inset_count; i++)
-		mem_free(import->inset_sources[i]);
-	mem_free(import->inset_sources);
+	mem_free_list(import->inset_sources, import->inset_count);
 	dem_insets_close(import->insets);
-	mem_free(import->inset_paths);
-	mem_free(import->inset_from);
+	mem_free_all(import->inset_paths, import->inset_from);
 	free(import->lines);
 	free(import->inset_lines);
 	free(import->description);

@@ -9,13 +9,8 @@
 
 enum status motion_route_add(struct route *route, struct scene_waypoint point)
 {
-	if (route->path.count == route->room) {
-		const size_t room = route->room == 0 ? 64 : 2 * route->room;
-		struct scene_waypoint *grown = room <= ROUTE_POINTS ? mem_realloc(route->path.points, room, sizeof *grown) : NULL;
-		TRY_MEM(grown, "a path");
-		route->path.points = grown;
-		route->room = room;
-	}
+	TRY_MEM(mem_room(route->room, 0) <= ROUTE_POINTS || route->path.count < route->room, "a path");
+	TRY(mem_grow(&route->path.points, &route->room, route->path.count + 1, sizeof *route->path.points, "a path"));
 	route->path.points[route->path.count++] = point;
 	return STATUS_OK;
 }
@@ -58,8 +53,7 @@ enum status motion_route_create(const struct scene_path *from, const char *name,
 	struct route next;
 	enum status status = STATUS_OK;
 	*path = *from;
-	path->points = mem_alloc(from->count, sizeof *path->points);
-	TRY_MEM(path->points, "a path");
+	TRY(mem_make(&path->points, from->count, sizeof *path->points, "a path"));
 	memcpy(path->points, from->points, from->count * sizeof *path->points);
 	/* Numbers are kept small, so that a path has the same shape wherever it lies. */
 	const double origin[2] = {lattice_offset_metres(lattice_offset(points[0][0])), lattice_offset_metres(lattice_offset(points[0][1]))};

@@ -258,7 +258,6 @@ enum status motion_route_beside(const struct scene_path *path, const char *name,
 		if (status == STATUS_OK)
 			status = path->loop ? add_lap(&beside) : path->timed ? add_timed(&beside) : add_evenly(&beside);
 	}
-	mem_free(beside.corners);
-	mem_free(beside.lengths);
+	mem_free_all(beside.corners, beside.lengths);
 	return status;
 }

@@ -72,8 +72,7 @@ enum status motion_track_create(const struct scene_path *path, double post, doub
 	struct track *track = mem_calloc(1, sizeof *track);
 	struct knot *knots = mem_calloc(path->count + 1, sizeof *knots);
 	if (track == NULL || knots == NULL) {
-		mem_free(track);
-		mem_free(knots);
+		mem_free_all(track, knots);
 		return fail_memory("a path");
 	}
 	track->knots = knots;
@@ -134,8 +133,7 @@ void motion_track_destroy(struct track *track)
 {
 	if (track == NULL)
 		return;
-	mem_free(track->knots);
-	mem_free(track);
+	mem_free_all(track->knots, track);
 }
 
 int64_t motion_track_samples(const struct track *track)

@@ -4,8 +4,6 @@
  */
 #include "page/page_internal.h"
 
-#include <assert.h>
-
 #define NAP 1e-4 /* s between two tests of the executor, which wakes nobody */
 
 void page_busy_add_locked(struct page_cache *cache, struct page_host *host, bool filling)

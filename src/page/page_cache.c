@@ -105,9 +105,7 @@ void page_cache_destroy(struct page_cache *cache)
 	page_queue_finish(cache);
 	page_table_finish(&cache->table);
 	key_set_finish(&cache->touched);
-	mem_free(cache->loaders);
-	mem_free(cache->commit_images);
-	mem_free(cache->commit_record);
+	mem_free_all(cache->loaders, cache->commit_images, cache->commit_record);
 	condition_finish(&cache->done);
 	condition_finish(&cache->work);
 	mutex_finish(&cache->mutex);

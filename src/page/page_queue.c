@@ -20,8 +20,7 @@ enum status page_queue_init(struct page_queue *queue, const struct page_params *
 	size_t buckets = 64;
 	while (buckets < params->queue_most)
 		buckets *= 2;
-	queue->buckets = mem_calloc(buckets, sizeof *queue->buckets);
-	TRY_MEM(queue->buckets, "the page queue");
+	TRY(mem_zeroed(&queue->buckets, buckets, sizeof *queue->buckets, "the page queue"));
 	queue->mask = buckets - 1;
 	return STATUS_OK;
 }

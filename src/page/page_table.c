@@ -38,9 +38,7 @@ enum status page_table_init(struct page_table *table, const struct page_params *
 
 void page_table_finish(struct page_table *table)
 {
-	mem_free(table->buckets);
-	mem_free(table->pages);
-	mem_free(table->free_slots);
+	mem_free_all(table->buckets, table->pages, table->free_slots);
 }
 
 struct page *page_table_find_locked(const struct page_table *table, uint64_t key)

@@ -152,9 +152,7 @@ void page_trace_destroy(struct page_trace *trace)
 		close(trace->file);
 	key_set_finish(&trace->index);
 	XXH3_freeState(trace->hash);
-	mem_free(trace->buffer);
-	mem_free(trace->path);
-	mem_free(trace);
+	mem_free_all(trace->buffer, trace->path, trace);
 }
 
 /* --- what is noted --- */

@@ -28,13 +28,7 @@ uint32_t render_block_cells(const struct extent *extent)
 
 static enum status append(struct render_blocks *blocks, uint32_t block)
 {
-	if (blocks->count == blocks->capacity) {
-		size_t capacity = blocks->capacity ? 2 * blocks->capacity : 1024;
-		uint32_t *grown = mem_realloc(blocks->blocks, capacity, sizeof *grown);
-		TRY_MEM(grown, "the picture's blocks");
-		blocks->blocks = grown;
-		blocks->capacity = capacity;
-	}
+	TRY(mem_grow(&blocks->blocks, &blocks->capacity, blocks->count + 1, sizeof *blocks->blocks, "the picture's blocks"));
 	blocks->blocks[blocks->count++] = block;
 	return STATUS_OK;
 }

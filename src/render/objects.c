@@ -209,8 +209,7 @@ bool render_objects_cast(const struct render_objects *objects)
 static enum status make_shadows(struct render *render, struct render_objects *objects)
 {
 	struct gpu *gpu = render->gpu;
-	objects->shadows = mem_alloc(objects->count, sizeof *objects->shadows);
-	TRY_MEM(objects->shadows, "the picture's shadows");
+	TRY(mem_make(&objects->shadows, objects->count, sizeof *objects->shadows, "the picture's shadows"));
 	TRY(gpu_list_create(gpu, objects->count * sizeof *objects->shadows, &objects->casters));
 	return gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
 }
@@ -250,13 +249,7 @@ void render_objects_destroy(struct render_objects *objects)
 	gpu_list_destroy(objects->instances);
 	gpu_list_destroy(objects->casters);
 	gpu_buffer_destroy(objects->volume);
-	mem_free(objects->shapes);
-	mem_free(objects->shape_of);
-	mem_free(objects->shown);
-	mem_free(objects->seen);
-	mem_free(objects->posed);
-	mem_free(objects->shadows);
-	mem_free(objects);
+	mem_free_all(objects->shapes, objects->shape_of, objects->shown, objects->seen, objects->posed, objects->shadows, objects);
 }
 
 bool render_shows_objects(const struct render *render)

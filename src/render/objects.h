@@ -20,7 +20,7 @@ struct object_mesh {
 	struct object_corner *corners;
 	uint32_t *indices;
 	uint32_t corner_count, index_count;
-	uint32_t corner_room, index_room;
+	size_t corner_room, index_room;
 	/* first index of each detail, the finest first, and the end; an empty detail is drawn as the one before it */
 	uint32_t first[OBJECT_DETAILS + 1];
 	bool closed; /* the surface is closed, so back faces are never seen */

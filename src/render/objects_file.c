@@ -98,8 +98,5 @@ void render_object_mesh_of_file(struct object_mesh *mesh, const struct soil_mesh
 		}
 		render_object_mesh_triangle(mesh, corners[0], corners[1], corners[2]);
 	}
-	mem_free(last);
-	mem_free(meeting.begin);
-	mem_free(meeting.of);
-	mem_free(meeting.normals);
+	mem_free_all(last, meeting.begin, meeting.of, meeting.normals);
 }

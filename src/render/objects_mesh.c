@@ -13,20 +13,9 @@
 
 static bool make_room(struct object_mesh *mesh)
 {
-	if (!mesh->failed && mesh->corner_count == mesh->corner_room) {
-		uint32_t room = mesh->corner_room != 0 ? 2 * mesh->corner_room : 1024;
-		struct object_corner *corners = mem_realloc(mesh->corners, room, sizeof *corners);
-		mesh->failed = corners == NULL;
-		mesh->corners = corners != NULL ? corners : mesh->corners;
-		mesh->corner_room = corners != NULL ? room : mesh->corner_room;
-	}
-	if (!mesh->failed && mesh->index_count + 3 > mesh->index_room) {
-		uint32_t room = mesh->index_room != 0 ? 2 * mesh->index_room : 4096;
-		uint32_t *indices = mem_realloc(mesh->indices, room, sizeof *indices);
-		mesh->failed = indices == NULL;
-		mesh->indices = indices != NULL ? indices : mesh->indices;
-		mesh->index_room = indices != NULL ? room : mesh->index_room;
-	}
+	mesh->failed = mesh->failed ||
+		       mem_grow(&mesh->corners, &mesh->corner_room, mesh->corner_count + 1, sizeof *mesh->corners, "objects") != STATUS_OK ||
+		       mem_grow(&mesh->indices, &mesh->index_room, mesh->index_count + 3, sizeof *mesh->indices, "objects") != STATUS_OK;
 	return !mesh->failed;
 }
 
@@ -294,7 +283,6 @@ enum status render_object_mesh_make(const struct soil_shape *shape, struct objec
 
 void render_object_mesh_finish(struct object_mesh *mesh)
 {
-	mem_free(mesh->corners);
-	mem_free(mesh->indices);
+	mem_free_all(mesh->corners, mesh->indices);
 	*mesh = (struct object_mesh){.corners = NULL};
 }

@@ -1,7 +1,6 @@
 /* Turns what was read back of a frame into files: colours, depths, and the numbers of render_measure. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "render/internal.h"
 

@@ -2,7 +2,6 @@
  * The programs that draw a picture, and its plan. Each kind of tile that there may be has a variant. It has only the code of the
  * effects that the view names.
  */
-#include <string.h>
 
 #include "render/internal.h"
 #include "render/textures.h"

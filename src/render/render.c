@@ -146,8 +146,7 @@ void render_destroy(struct render *render)
 	gpu_texture_destroy(render->ground);
 	gpu_buffer_destroy(render->indices);
 	gpu_list_destroy(render->instances);
-	mem_free(render->blocks.blocks);
-	mem_free(render);
+	mem_free_all(render->blocks.blocks, render);
 }
 
 void render_show_layer(struct render *render, const struct render_layer *layer)

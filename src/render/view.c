@@ -334,13 +334,7 @@ void render_view_destroy(struct view *view)
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);
 	render_view_errors_destroy(view->errors);
-	mem_free(view->drawn);
-	mem_free(view->added);
-	mem_free(view->selection);
-	mem_free(view->now);
-	mem_free(view->missing);
-	mem_free(view->ahead);
-	mem_free(view);
+	mem_free_all(view->drawn, view->added, view->selection, view->now, view->missing, view->ahead, view);
 }
 
 void render_view_figures(const struct view *view, struct render_view_figures *figures)
@@ -399,8 +393,7 @@ enum status render_view_follow_bodies(struct view *view)
 	view->added = NULL;
 	enum status status = make_render(view, view->watched, &render);
 	if (status != STATUS_OK) {
-		mem_free(view->drawn);
-		mem_free(view->added);
+		mem_free_all(view->drawn, view->added);
 		view->drawn = drawn;
 		view->added = added;
 		view->added_count = added_count;
@@ -409,8 +402,7 @@ enum status render_view_follow_bodies(struct view *view)
 	}
 	render_destroy(view->render);
 	view->render = render;
-	mem_free(drawn);
-	mem_free(added);
+	mem_free_all(drawn, added);
 	return STATUS_OK;
 }
 

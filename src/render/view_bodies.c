@@ -1,5 +1,4 @@
 /* Lists what may be drawn beside the ground: the scene's objects, the world's figures, and bodies that a host has added. */
-#include <math.h>
 #include <string.h>
 
 #include "render/view.h"
@@ -15,8 +14,7 @@ static enum status list_added(struct view *view)
 	view->bodies = count;
 	if (count <= first)
 		return STATUS_OK;
-	view->added = mem_alloc(count - first, sizeof *view->added);
-	TRY_MEM(view->added, "the view");
+	TRY(mem_make(&view->added, count - first, sizeof *view->added, "the view"));
 	for (size_t number = first; number < count; number++)
 		if (world_body(world, number) != NULL && world_body(world, number)->kind == BODY_HOST) /* the figures have those of vehicles */
 			view->added[view->added_count++] = (int32_t)number;
@@ -33,8 +31,7 @@ enum status render_view_list_drawn(struct view *view, struct render_params *para
 	if (figures + view->added_count == 0)
 		return STATUS_OK;
 	/* They share the memory of the scene's objects, of the figures and of the bodies. */
-	view->drawn = mem_calloc(objects + figures + view->added_count, sizeof *view->drawn);
-	TRY_MEM(view->drawn, "the view");
+	TRY(mem_zeroed(&view->drawn, objects + figures + view->added_count, sizeof *view->drawn, "the view"));
 	if (objects > 0)
 		memcpy(view->drawn, world_scene(world)->objects, objects * sizeof *view->drawn);
 	if (figures > 0)

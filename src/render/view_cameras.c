@@ -338,8 +338,7 @@ void render_view_free_cameras(struct view *view)
 {
 	for (size_t i = 0; i < view->screen_count; i++)
 		render_screen_finish(&view->screens[i]);
-	mem_free(view->screens);
-	mem_free(view->cameras);
+	mem_free_all(view->screens, view->cameras);
 }
 
 /* --- their folders --- */

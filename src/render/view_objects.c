@@ -15,12 +15,12 @@ static double turned_at(const struct body *body, const struct track_point *point
 	const struct soil_shape *shape = &body->object->shape;
 	double dx = lattice_offset_metres(point->qx - body->last.x), dy = lattice_offset_metres(point->qy - body->last.y);
 	if (shape->kind == SOIL_WHEEL) {
-		double along = body->in_contact ? dx * cos(point->yaw) + dy * sin(point->yaw) : 0;
+		double along = body->has_last ? dx * cos(point->yaw) + dy * sin(point->yaw) : 0;
 		return body->last.turn + along / (shape->radius * (1 - body->object->slip));
 	}
 	if (shape->kind != SOIL_SPHERE || body->object->path.has_attitude)
 		return 0;
-	return remainder((body->distance + (body->in_contact ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
+	return remainder((body->distance + (body->has_last ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
 }
 
 /* Finds the height of the body's centre now, 2^-20 m. *known is false if there is no ground below it and it was never on the ground. */
@@ -36,7 +36,7 @@ static enum status height_at(struct world *world, const struct body *body, const
 	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world_scene(world)->soils[0], object->load) : object->sink;
 	*height = *known ? ground + lattice_offset(soil_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
 			   body->last.z + body->raised;
-	*known = *known || body->in_contact || body->distance > 0;
+	*known = *known || body->has_last || body->distance > 0;
 	return STATUS_OK;
 }
 

@@ -1,5 +1,4 @@
 /* What a camera is, and where it was at each frame: camera.json, and the text files of COLMAP. */
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

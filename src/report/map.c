@@ -61,8 +61,7 @@ static enum status take_ways(struct map *map)
 	for (map->count = 0; map->count < count; map->count++) {
 		struct way *way = &map->ways[map->count];
 		const struct body *body = map->count < objects ? world_body(world, map->count) : NULL;
-		way->places = mem_alloc(body != NULL ? motion_track_corners(body->track) : VEHICLE_TRAIL + 1, sizeof *way->places);
-		TRY_MEM(way->places, "a map");
+		TRY(mem_make(&way->places, body != NULL ? motion_track_corners(body->track) : VEHICLE_TRAIL + 1, sizeof *way->places, "a map"));
 		if (body != NULL)
 			take_object(body, world_time(world), way);
 		else

@@ -2,7 +2,6 @@
  * there is one more, their work on the soil. */
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

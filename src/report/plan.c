@@ -18,15 +18,13 @@ static void keep_note(void *user, const char *text)
 {
 	struct notes *notes = user;
 	struct report_plan *plan = notes->plan;
-	char **grown = mem_realloc(plan->notes, plan->note_count + 1, sizeof *grown);
 	char *copy = mem_strdup(text);
-	if (grown != NULL)
-		plan->notes = grown;
-	if (grown != NULL && copy != NULL)
-		grown[plan->note_count++] = copy;
-	else
+	if (copy != NULL && mem_resize(&plan->notes, plan->note_count + 1, sizeof *plan->notes, "the plan") == STATUS_OK) {
+		plan->notes[plan->note_count++] = copy;
+	} else {
 		mem_free(copy);
-	notes->failed = notes->failed || grown == NULL || copy == NULL;
+		notes->failed = true;
+	}
 }
 
 /* --- the plan --- */
@@ -40,8 +38,7 @@ static enum status list_bodies(const struct world *world, struct report_plan *ou
 		vehicle_info(out->vehicles, v, &info);
 		count += info.geom_count;
 	}
-	out->bodies = mem_calloc(count + 1, sizeof *out->bodies);
-	TRY_MEM(out->bodies, "the plan");
+	TRY(mem_zeroed(&out->bodies, count + 1, sizeof *out->bodies, "the plan"));
 	for (size_t i = 0; i < scene->object_count; i++)
 		out->bodies[out->body_count++] = (struct report_body){scene->objects[i].name, &scene->objects[i].shape, scene_object_bears_over(scene, &scene->objects[i]), 0};
 	for (size_t v = 0; v < vehicle_count(out->vehicles); v++) {
@@ -283,8 +280,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
 	out->picture_steps = scene->view.present ? scene->view.images : 0;
 	out->pictures = out->picture_steps > 0 ? out->steps / out->picture_steps : 0;
-	out->samples = mem_calloc(scene->object_count + 1, sizeof *out->samples);
-	TRY_MEM(out->samples, "the plan");
+	TRY(mem_zeroed(&out->samples, scene->object_count + 1, sizeof *out->samples, "the plan"));
 	for (size_t i = 0; i < scene->object_count; i++)
 		out->samples[i] = world_samples_until(world_body(world, i)->track, scene->end_time);
 	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++)
@@ -375,14 +371,9 @@ failed:
 
 void report_plan_finish(struct report_plan *plan)
 {
-	for (size_t i = 0; i < plan->note_count; i++)
-		mem_free(plan->notes[i]);
-	mem_free(plan->notes);
+	mem_free_list(plan->notes, plan->note_count);
 	vehicle_destroy(plan->vehicles);
-	mem_free(plan->samples);
-	mem_free(plan->bodies);
-	mem_free(plan->store);
-	mem_free(plan->missing);
+	mem_free_all(plan->samples, plan->bodies, plan->store, plan->missing);
 	plan_finish(&plan->plan);
 	*plan = (struct report_plan){.store = NULL};
 }

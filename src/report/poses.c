@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/aside.h"
 #include "base/limits.h"
@@ -50,13 +49,7 @@ static void quaternion_of(double columns[3][3], double q[4])
 
 static enum status add(struct poses_of *poses, const struct poses_row *row)
 {
-	if (poses->count == poses->room) {
-		const size_t room = poses->room > 0 ? 2 * poses->room : 64;
-		struct poses_row *grown = mem_realloc(poses->rows, room, sizeof *grown);
-		TRY_MEM(grown, "the cameras' poses");
-		poses->rows = grown;
-		poses->room = room;
-	}
+	TRY(mem_grow(&poses->rows, &poses->room, poses->count + 1, sizeof *poses->rows, "the cameras' poses"));
 	poses->rows[poses->count++] = *row;
 	return STATUS_OK;
 }
@@ -188,6 +181,5 @@ void report_poses_close(struct report_poses *poses)
 			fclose(poses->cameras[i].file);
 		mem_free(poses->cameras[i].rows);
 	}
-	mem_free(poses->cameras);
-	mem_free(poses);
+	mem_free_all(poses->cameras, poses);
 }

@@ -1,6 +1,5 @@
 /* run.json: what a drive did and what it used. */
 #include <math.h>
-#include <string.h>
 
 #include "base/aside.h"
 #include "base/json.h"
@@ -274,7 +273,7 @@ static void add_objects(cJSON *root, const struct report *report)
 		json_number(object, "load", body->object->load > 0 ? body->object->load : (double)NAN);
 		json_number(object, "slip", body->object->slip);
 		add_interface(object, &body->object->interface);
-		if (body->object->load > 0 && body->in_contact)
+		if (body->object->load > 0 && body->has_last)
 			json_number(object, "z", lattice_offset_metres(body->equilibrium));
 		json_integer(object, "skipped", body->skipped);
 		add_way(object, body, world_time(report->world));

@@ -1,6 +1,5 @@
 /* Notes at the end of a drive: bodies that touched nothing, black pictures, and pictures that took most of the time. */
 #include <math.h>
-#include <string.h>
 
 #include "report/report.h"
 

@@ -87,10 +87,8 @@ static enum status add_column(struct report_vehicles *rows, size_t vehicle, size
 		return STATUS_OK;
 	struct column *column = find_column(rows, name, kind);
 	if (column == NULL) {
-		struct column *grown = mem_realloc(rows->columns, rows->count + 1, sizeof *grown);
-		TRY_MEM(grown, "vehicles.csv");
-		rows->columns = grown;
-		column = &grown[rows->count];
+		TRY(mem_resize(&rows->columns, rows->count + 1, sizeof *rows->columns, "vehicles.csv"));
+		column = &rows->columns[rows->count];
 		*column = (struct column){name, kind, mem_alloc(vehicles, sizeof *column->index)};
 		TRY_MEM(column->index, "vehicles.csv");
 		rows->count++;

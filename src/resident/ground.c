@@ -14,7 +14,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <string.h>
 
 #define RANGES 16384 /* number of tiles whose height range stays in memory: about as many as a few pictures need */
 
@@ -53,9 +52,7 @@ void resident_ground_destroy(struct ground *ground)
 {
 	if (ground == NULL)
 		return;
-	for (uint32_t i = 0; i < ground->recent.count; i++)
-		mem_free(ground->posts[i]);
-	mem_free(ground->posts);
+	mem_free_list(ground->posts, ground->recent.count);
 	recent_finish(&ground->recent);
 	mem_free(ground->spare);
 	key_cache_finish(&ground->bases);
@@ -74,12 +71,10 @@ enum status resident_ground_grow(struct ground *ground, uint32_t tiles)
 	mutex_lock(&ground->mutex);
 	const uint32_t count = ground->recent.count;
 	if (tiles > count) {
-		int32_t **posts = mem_realloc(ground->posts, tiles, sizeof *posts);
-		if (posts != NULL)
-			ground->posts = posts;
-		for (uint32_t i = count; posts != NULL && i < tiles; i++)
-			posts[i] = NULL;
-		status = posts != NULL ? recent_grow(&ground->recent, tiles) : fail_memory("the ground");
+		status = mem_resize(&ground->posts, tiles, sizeof *ground->posts, "the ground");
+		for (uint32_t i = count; status == STATUS_OK && i < tiles; i++)
+			ground->posts[i] = NULL;
+		status = status == STATUS_OK ? recent_grow(&ground->recent, tiles) : status;
 	}
 	mutex_unlock(&ground->mutex);
 	return status;

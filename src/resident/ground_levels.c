@@ -28,11 +28,9 @@ enum status resident_ground_stored(struct ground *ground, struct store_reader *r
 		*stored = known.a != 0;
 		return STATUS_OK;
 	}
-	enum status status = store_find_base_range(reader, tile, &range, stored);
-	if (status != STATUS_OK)
-		return status;
+	TRY(store_find_base_range(reader, tile, &range, stored));
 	mutex_lock(&ground->mutex);
-	status = key_cache_put(&ground->stored, tile_key(tile), *stored ? 1 : 0, 0);
+	const enum status status = key_cache_put(&ground->stored, tile_key(tile), *stored ? 1 : 0, 0);
 	mutex_unlock(&ground->mutex);
 	return status;
 }
@@ -40,6 +38,30 @@ enum status resident_ground_stored(struct ground *ground, struct store_reader *r
 enum status resident_ground_has_base(struct ground *ground, struct tile tile, bool *stored)
 {
 	return resident_ground_stored(ground, ground->reader, tile, stored);
+}
+
+/* Gives the posts of a tile that have no value yet those that a level has. raised: room for relief, or NULL. *left: posts without a value. */
+static enum status fill_from(struct ground *ground, struct tile tile, int level, int32_t *raised, int32_t *posts, size_t *left)
+{
+	const struct extent *extent = &ground->meta->extent;
+	const struct tile from = tile_ancestor(tile, level);
+	const int32_t *there;
+	bool stored;
+	TRY(resident_ground_has_base(ground, from, &stored));
+	if (!stored)
+		return STATUS_OK;
+	if (raised != NULL)
+		TRY(relief_heights(ground->relief, tile.level, level, tile_post_rect(extent, tile), raised));
+	enum status status;
+	mutex_lock(&ground->mutex);
+	TRY_OR(done, resident_ground_posts_locked(ground, from, &there));
+	if (level == tile.level)
+		memcpy(posts, there, tile_posts(extent) * (size_t)tile_posts(extent) * sizeof *posts);
+	*left = lattice_fill(there, extent->cells, level - tile.level, tile_within(extent, tile, level, 0), tile_within(extent, tile, level, 1), raised,
+			     posts);
+done:
+	mutex_unlock(&ground->mutex);
+	return status;
 }
 
 enum status resident_ground_posts(struct ground *ground, struct tile tile, int32_t *posts)
@@ -56,26 +78,9 @@ enum status resident_ground_posts(struct ground *ground, struct tile tile, int32
 		return fail_memory("relief");
 	for (size_t i = 0; i < count; i++)
 		posts[i] = BASE_NODATA;
-	for (int level = tile.level; level <= coarsest && left > 0 && status == STATUS_OK; level++) {
-		const struct tile from = tile_ancestor(tile, level);
-		const int32_t *there;
-		bool stored;
-		status = resident_ground_has_base(ground, from, &stored);
-		if (status == STATUS_OK && stored && raised != NULL)
-			status = relief_heights(ground->relief, tile.level, level,
-						tile_post_rect(extent, tile), raised);
-		if (status != STATUS_OK || !stored)
-			continue;
-		mutex_lock(&ground->mutex);
-		status = resident_ground_posts_locked(ground, from, &there);
-		if (status == STATUS_OK && level == tile.level)
-			memcpy(posts, there, count * sizeof *posts);
-		if (status == STATUS_OK)
-			left = lattice_fill(there, extent->cells, level - tile.level,
-					    tile_within(extent, tile, level, 0),
-					    tile_within(extent, tile, level, 1), raised, posts);
-		mutex_unlock(&ground->mutex);
-	}
+	for (int level = tile.level; level <= coarsest && left > 0; level++)
+		TRY_OR(done, fill_from(ground, tile, level, raised, posts, &left));
+done:
 	mem_free(raised);
 	return status;
 }
@@ -92,9 +97,9 @@ enum status resident_ground_patch(struct ground *ground, struct tile tile, int32
 		return resident_ground_posts(ground, tile, patch);
 	for (int level = ground->finest > tile.level ? ground->finest : tile.level; level < 0; level++) {
 		bool stored;
-		enum status status = resident_ground_has_base(ground, tile_ancestor(tile, level), &stored);
-		if (status != STATUS_OK || stored)
-			return status == STATUS_OK ? resident_ground_posts(ground, tile, patch) : status;
+		TRY(resident_ground_has_base(ground, tile_ancestor(tile, level), &stored));
+		if (stored)
+			return resident_ground_posts(ground, tile, patch);
 	}
 	*shift = -tile.level;
 	/* x and y: the tile's first post, in 2^-shift cells of level 0, within its tile of level 0. */
@@ -103,10 +108,12 @@ enum status resident_ground_patch(struct ground *ground, struct tile tile, int32
 	*sub_y = (uint32_t)(y & part);
 	const uint32_t side = lattice_patch_posts(extent->cells, *shift);
 	const int32_t *posts;
+	enum status status;
 	mutex_lock(&ground->mutex);
-	enum status status = resident_ground_posts_locked(ground, tile_ancestor(tile, 0), &posts);
-	for (uint32_t row = 0; row < side && status == STATUS_OK; row++)
+	TRY_OR(done, resident_ground_posts_locked(ground, tile_ancestor(tile, 0), &posts));
+	for (uint32_t row = 0; row < side; row++)
 		memcpy(patch + (size_t)row * side, posts + (size_t)((y >> *shift) + row) * stride + (x >> *shift), side * sizeof *patch);
+done:
 	mutex_unlock(&ground->mutex);
 	return status;
 }
@@ -144,6 +151,28 @@ static void tiles_over(int64_t first, int64_t end, int64_t cells, int64_t tiles,
 	range[1] = (uint32_t)(high < tiles ? high : tiles - 1);
 }
 
+/* Widens low .. high by the posts that a tile has of a rectangle. *whole becomes false if it lacks one. */
+static enum status widen_by_tile(struct ground *ground, struct tile tile, struct post_rect rect, int32_t *low, int32_t *high, bool *whole)
+{
+	const struct extent *extent = &ground->meta->extent;
+	const struct post_rect own = tile_post_rect(extent, tile), in = post_rect_intersect(rect, own);
+	const size_t stride = (size_t)extent->cells + 1;
+	const int32_t *posts;
+	bool stored;
+	TRY(resident_ground_has_base(ground, tile, &stored));
+	*whole &= stored;
+	if (!stored)
+		return STATUS_OK;
+	enum status status;
+	mutex_lock(&ground->mutex);
+	TRY_OR(done, resident_ground_posts_locked(ground, tile, &posts));
+	*whole &= resident_ground_widen(posts + (size_t)(in.y0 - own.y0) * stride + (size_t)(in.x0 - own.x0), (uint32_t)(in.x1 - in.x0),
+					(uint32_t)(in.y1 - in.y0), (uint32_t)stride, low, high);
+done:
+	mutex_unlock(&ground->mutex);
+	return status;
+}
+
 /* Widens low .. high by the posts that level `from` has of a rectangle. *whole: it has all of them. */
 static enum status widen_by_level(struct ground *ground, int from, struct post_rect rect, int32_t *low, int32_t *high, bool *whole)
 {
@@ -152,27 +181,11 @@ static enum status widen_by_level(struct ground *ground, int from, struct post_r
 	uint32_t across[2], up[2];
 	tiles_over(rect.x0, rect.x1, cells, extent_tiles_x(extent, from), across);
 	tiles_over(rect.y0, rect.y1, cells, extent_tiles_y(extent, from), up);
-	enum status status = STATUS_OK;
 	*whole = true;
-	for (uint32_t y = up[0]; y <= up[1] && status == STATUS_OK; y++)
-		for (uint32_t x = across[0]; x <= across[1] && status == STATUS_OK; x++) {
-			const struct tile tile = {from, x, y};
-			const struct post_rect own = tile_post_rect(extent, tile), in = post_rect_intersect(rect, own);
-			const int32_t *posts;
-			bool stored;
-			status = resident_ground_has_base(ground, tile, &stored);
-			*whole &= stored;
-			if (status != STATUS_OK || !stored)
-				continue;
-			mutex_lock(&ground->mutex);
-			status = resident_ground_posts_locked(ground, tile, &posts);
-			if (status == STATUS_OK)
-				*whole &= resident_ground_widen(posts + (size_t)(in.y0 - own.y0) * (size_t)(cells + 1) + (size_t)(in.x0 - own.x0),
-								(uint32_t)(in.x1 - in.x0), (uint32_t)(in.y1 - in.y0), (uint32_t)cells + 1, low,
-								high);
-			mutex_unlock(&ground->mutex);
-		}
-	return status;
+	for (uint32_t y = up[0]; y <= up[1]; y++)
+		for (uint32_t x = across[0]; x <= across[1]; x++)
+			TRY(widen_by_tile(ground, (struct tile){from, x, y}, rect, low, high, whole));
+	return STATUS_OK;
 }
 
 enum status resident_ground_highest(struct ground *ground, int level, struct post_rect rect, int64_t *highest)
@@ -220,6 +233,21 @@ struct tile resident_ground_tile(const struct extent *extent, double x, double y
 	return resident_ground_tile_of(extent, 0, x, y);
 }
 
+/* Gives post (x, y) of a level as a tile of another one has it, without relief. BASE_NODATA: it lacks one around it. */
+static enum status post_within(struct ground *ground, struct tile tile, int shift, int64_t x, int64_t y, int32_t *post)
+{
+	const uint64_t cells = ground->meta->extent.cells;
+	const int32_t *posts;
+	enum status status;
+	mutex_lock(&ground->mutex);
+	TRY_OR(done, resident_ground_posts_locked(ground, tile, &posts));
+	*post = lattice_finer(posts, (uint32_t)cells + 1, shift, (uint64_t)x - ((uint64_t)tile.x * cells << shift),
+			      (uint64_t)y - ((uint64_t)tile.y * cells << shift));
+done:
+	mutex_unlock(&ground->mutex);
+	return status;
+}
+
 /* Gives a post of a level below zero: of the finest level that has it, or has all posts around.
  * BASE_NODATA: none has. */
 static enum status post_at(struct ground *ground, int level, int64_t x, int64_t y, int32_t *post)
@@ -230,30 +258,16 @@ static enum status post_at(struct ground *ground, int level, int64_t x, int64_t 
 	for (int from = ground->finest > level ? ground->finest : level; from <= 0; from++) {
 		const int shift = from - level;
 		int64_t cell[2];
-		const int32_t *posts;
 		int32_t raised;
 		bool stored;
 		cell_of(extent, from, ldexp((double)x, -shift), ldexp((double)y, -shift), cell);
 		const struct tile tile = {from, (uint32_t)(cell[0] / cells),
 					  (uint32_t)(cell[1] / cells)};
-		enum status status = resident_ground_has_base(ground, tile, &stored);
-		if (status == STATUS_OK && stored)
-			status = relief_heights(ground->relief, level, from,
-						(struct post_rect){x, y, x + 1, y + 1}, &raised);
-		if (status != STATUS_OK)
-			return status;
+		TRY(resident_ground_has_base(ground, tile, &stored));
 		if (!stored)
 			continue;
-		mutex_lock(&ground->mutex);
-		status = resident_ground_posts_locked(ground, tile, &posts);
-		if (status == STATUS_OK)
-			*post = lattice_finer(
-				posts, (uint32_t)cells + 1, shift,
-				(uint64_t)x - ((uint64_t)tile.x * (uint64_t)cells << shift),
-				(uint64_t)y - ((uint64_t)tile.y * (uint64_t)cells << shift));
-		mutex_unlock(&ground->mutex);
-		if (status != STATUS_OK)
-			return status;
+		TRY(relief_heights(ground->relief, level, from, (struct post_rect){x, y, x + 1, y + 1}, &raised));
+		TRY(post_within(ground, tile, shift, x, y, post));
 		if (*post != BASE_NODATA) {
 			*post += raised;
 			return STATUS_OK;
@@ -291,19 +305,20 @@ static enum status height_of_level(struct ground *ground, int level, double x, d
 	const int32_t *posts;
 	bool stored;
 	*sum = (double)NAN;
-	enum status status = resident_ground_has_base(ground, tile, &stored);
-	if (status != STATUS_OK || !stored)
-		return status;
+	TRY(resident_ground_has_base(ground, tile, &stored));
+	if (!stored)
+		return STATUS_OK;
 	cell_of(extent, level, px, py, cell);
+	enum status status;
 	mutex_lock(&ground->mutex);
-	status = resident_ground_posts_locked(ground, tile, &posts);
-	for (int i = 0; i < 4 && status == STATUS_OK; i++) {
+	TRY_OR(done, resident_ground_posts_locked(ground, tile, &posts));
+	for (int i = 0; i < 4; i++) {
 		int32_t post = posts[(cell[1] % cells + i / 2) * (cells + 1) + cell[0] % cells + i % 2];
 		corners[i] = post == BASE_NODATA ? (double)NAN : post;
 	}
+	*sum = lattice_bilinear(corners, px - (double)cell[0], py - (double)cell[1], 0);
+done:
 	mutex_unlock(&ground->mutex);
-	if (status == STATUS_OK)
-		*sum = lattice_bilinear(corners, px - (double)cell[0], py - (double)cell[1], 0);
 	return status;
 }
 
@@ -314,15 +329,13 @@ enum status resident_ground_height(struct ground *ground, int64_t x, int64_t y, 
 	*any = false;
 	if (px < 0 || py < 0 || px > (double)(extent->width - 1) || py > (double)(extent->height - 1))
 		return STATUS_OK;
-	enum status status = STATUS_OK;
 	const int last = relief_any(ground->relief) ? ground->relief->finest - 1 : 0;
-	for (int level = ground->finest; level <= last && isnan(sum) && status == STATUS_OK;
-	     level++)
-		status = height_of_level(ground, level, px, py, &sum);
-	if (status == STATUS_OK && isnan(sum) && relief_any(ground->relief))
-		status = height_of_relief(ground, px, py, &sum);
-	if (status != STATUS_OK || isnan(sum))
-		return status;
+	for (int level = ground->finest; level <= last && isnan(sum); level++)
+		TRY(height_of_level(ground, level, px, py, &sum));
+	if (isnan(sum) && relief_any(ground->relief))
+		TRY(height_of_relief(ground, px, py, &sum));
+	if (isnan(sum))
+		return STATUS_OK;
 	*height = (int64_t)floor(sum * (1 << (OFFSET_BITS - BASE_BITS)) + 0.5) + (int64_t)ground->reference * (1 << OFFSET_BITS);
 	*any = true;
 	return STATUS_OK;

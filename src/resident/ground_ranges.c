@@ -4,7 +4,6 @@
  */
 #include "resident/ground_internal.h"
 
-#include <assert.h>
 #include <math.h>
 
 /* --- what is kept --- */

@@ -154,9 +154,7 @@ enum status resident_host_tile_levels(struct host_slots *slots, struct host_tile
 void resident_host_tile_finish(struct host_slots *slots, struct host_tile *tile)
 {
 	resident_host_tile_drop(slots, tile, ~0u);
-	mem_free(tile->base);
-	mem_free(tile->classes);
-	mem_free(tile->levels);
+	mem_free_all(tile->base, tile->classes, tile->levels);
 	*tile = (struct host_tile){.base = NULL};
 }
 

@@ -1,5 +1,4 @@
 /* Slots in host memory: who is in them, and their coarser levels. Memory of tiles is in host_planes.c. */
-#include <string.h>
 
 #include "resident/host_slots.h"
 
@@ -11,9 +10,7 @@ enum status resident_host_create(uint32_t cells, uint32_t count, unsigned planes
 	struct host_entry *entries = mem_calloc(count, sizeof *entries);
 	struct host_plane *zeros = mem_calloc(1, sizeof *zeros + posts * sizeof(int32_t));
 	if (slots == NULL || entries == NULL || zeros == NULL) {
-		mem_free(slots);
-		mem_free(entries);
-		mem_free(zeros);
+		mem_free_all(slots, entries, zeros);
 		return fail_memory("slots in memory");
 	}
 	*slots = (struct host_slots){
@@ -38,8 +35,7 @@ void resident_host_destroy(struct host_slots *slots)
 		resident_host_tile_finish(slots, &slots->entries[i].tile);
 	resident_host_planes_finish(slots);
 	mutex_finish(&slots->mutex);
-	mem_free(slots->entries);
-	mem_free(slots);
+	mem_free_all(slots->entries, slots);
 }
 
 unsigned resident_host_planes(const struct host_slots *slots)

@@ -4,13 +4,7 @@
 
 static enum status add_area(struct inset_areas *insets, size_t *room, struct inset_area area)
 {
-	if (insets->count == *room) {
-		size_t more = *room != 0 ? 2 * *room : 4;
-		struct inset_area *grown = mem_realloc(insets->areas, more, sizeof *grown);
-		TRY_MEM(grown, "the insets");
-		insets->areas = grown;
-		*room = more;
-	}
+	TRY(mem_grow(&insets->areas, room, insets->count + 1, sizeof *insets->areas, "the insets"));
 	insets->areas[insets->count++] = area;
 	return STATUS_OK;
 }

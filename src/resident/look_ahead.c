@@ -145,13 +145,7 @@ static enum status note_tile(struct watch *watch, uint64_t key, double time)
 			watch->tiles[i - 1].until = time;
 			return STATUS_OK;
 		}
-	if (watch->count == watch->room) {
-		size_t room = watch->room != 0 ? 2 * watch->room : 32;
-		struct ahead_tile *tiles = mem_realloc(watch->tiles, room, sizeof *tiles);
-		TRY_MEM(tiles, "loading ahead");
-		watch->tiles = tiles;
-		watch->room = room;
-	}
+	TRY(mem_grow(&watch->tiles, &watch->room, watch->count + 1, sizeof *watch->tiles, "loading ahead"));
 	watch->tiles[watch->count++] = (struct ahead_tile){key, time, time};
 	return STATUS_OK;
 }

@@ -69,8 +69,7 @@ static enum status need_base(struct patch *patch)
 	const struct post_rect *rect = &patch->rect;
 	if (patch->layer != STORE_SURFACE || patch->base != NULL)
 		return STATUS_OK;
-	patch->base = mem_alloc((size_t)(rect->x1 - rect->x0) * (size_t)(rect->y1 - rect->y0), sizeof *patch->base);
-	TRY_MEM(patch->base, "posts");
+	TRY(mem_make(&patch->base, (size_t)(rect->x1 - rect->x0) * (size_t)(rect->y1 - rect->y0), sizeof *patch->base, "posts"));
 	return store_read_posts(resident_ground_reader(patch->newest->base), STORE_BASE, patch->level, *rect, patch->base);
 }
 
@@ -110,14 +109,12 @@ enum status resident_read_posts(struct newest *newest, enum store_layer layer, i
 				 level, newest->level);
 	const size_t side = tile_posts(newest->extent);
 	struct patch patch = {.newest = newest, .layer = layer, .level = level, .rect = rect, .values = values};
-	patch.posts = mem_alloc(side * side, sizeof(int32_t));
-	TRY_MEM(patch.posts, "a tile for queries");
+	TRY(mem_make(&patch.posts, side * side, sizeof(int32_t), "a tile for queries"));
 	for (size_t i = 0; i < changed->keys.count && status == STATUS_OK; i++) {
 		const struct tile tile = tile_from_key(changed->pairs[i].key);
 		if (tile.level == newest->level)
 			status = take_changed(&patch, tile);
 	}
-	mem_free(patch.base);
-	mem_free(patch.posts);
+	mem_free_all(patch.base, patch.posts);
 	return status;
 }

@@ -39,8 +39,7 @@ enum status resident_newest_create_tiles(struct newest *newest)
 static void free_heights(struct newest *newest)
 {
 	for (uint32_t i = 0; i < newest->recent.count; i++) {
-		mem_free(newest->tiles[i].heights);
-		mem_free(newest->tiles[i].blocks);
+		mem_free_all(newest->tiles[i].heights, newest->tiles[i].blocks);
 		newest->tiles[i] = (struct resident_newest_tile){.heights = NULL};
 	}
 }
@@ -58,11 +57,9 @@ enum status resident_newest_keep(struct newest *newest, uint32_t tiles)
 	const uint32_t count = newest->recent.count;
 	if (tiles == count)
 		return STATUS_OK;
-	struct resident_newest_tile *grown = mem_realloc(newest->tiles, tiles, sizeof *grown);
-	TRY_MEM(grown, "tiles for queries");
-	newest->tiles = grown;
+	TRY(mem_resize(&newest->tiles, tiles, sizeof *newest->tiles, "tiles for queries"));
 	for (uint32_t i = count; i < tiles; i++)
-		grown[i] = (struct resident_newest_tile){.heights = NULL};
+		newest->tiles[i] = (struct resident_newest_tile){.heights = NULL};
 	return recent_grow(&newest->recent, tiles);
 }
 
@@ -71,8 +68,7 @@ void resident_newest_destroy_tiles(struct newest *newest)
 	free_heights(newest);
 	mem_free(newest->tiles);
 	recent_finish(&newest->recent);
-	mem_free(newest->posts);
-	mem_free(newest->patch);
+	mem_free_all(newest->posts, newest->patch);
 }
 
 /* Tells whether its heights include offsets. Tiles coarser than the working level are used only where there are none. */
@@ -165,8 +161,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 	int32_t *fine = NULL;
 	enum status status = resident_newest_plane(newest, tile_ancestor(tile, newest->level), PLANE_OFFSET, offsets);
 	if (status == STATUS_OK && shift > 0) {
-		fine = mem_alloc(count, sizeof *fine);
-		TRY_MEM(fine, "a tile for queries");
+		TRY(mem_make(&fine, count, sizeof *fine, "a tile for queries"));
 		divide(newest, tile, shift, offsets, fine);
 		offsets = fine;
 	}

@@ -126,8 +126,7 @@ void resident_pages_destroy(struct pages *pages)
 		resident_ground_destroy(pages->grounds[i]);
 	store_reader_destroy(pages->marked.reader);
 	store_reader_destroy(pages->moved.reader);
-	mem_free(pages->moved.bytes);
-	mem_free(pages->commit_pages);
+	mem_free_all(pages->moved.bytes, pages->commit_pages);
 	mutex_finish(&pages->mutex);
 	mem_free(pages);
 }

@@ -28,8 +28,7 @@ static void destroy(struct pages *pages, struct page_image *image)
 {
 	if (image->memory != NULL)
 		resident_host_tile_finish(pages->params.host, image->memory);
-	mem_free(image->memory);
-	mem_free(image->bytes);
+	mem_free_all(image->memory, image->bytes);
 }
 
 static void drop(struct pages *pages, struct page_image *image)

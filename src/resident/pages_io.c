@@ -1,5 +1,4 @@
 /* Moves pages from the store and back: loads on the loader threads, commits on the writer's. */
-#include <assert.h>
 #include <errno.h>
 #include <string.h>
 
@@ -164,12 +163,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	if (status != STATUS_OK)
 		return status;
 	double started = clock_seconds();
-	if (count > pages->commit_room) {
-		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
-		TRY_MEM(room, "a commit");
-		pages->commit_pages = room;
-		pages->commit_room = count;
-	}
+	TRY(mem_grow(&pages->commit_pages, &pages->commit_room, count, sizeof *pages->commit_pages, "a commit"));
 	for (size_t i = 0; i < count; i++)
 		pages->commit_pages[i] = store_page_of(pages, images[i]);
 	const struct pages_sums tally = tally_of(snapshot), *last = &pages->tallied;

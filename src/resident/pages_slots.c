@@ -5,7 +5,6 @@
  * not in the store yet, then the pages that are dirty in a slot. So it is the decimation of the finer level (law 4), also
  * between two commits.
  */
-#include <string.h>
 
 #include "resident/pages_internal.h"
 

@@ -404,9 +404,7 @@ void resident_prefetch_thread_destroy(struct prefetch_thread *ahead)
 	if (ahead == NULL)
 		return;
 	store_reader_destroy(ahead->reader);
-	mem_free(ahead->list);
-	mem_free(ahead->told_list);
-	mem_free(ahead->walkers);
+	mem_free_all(ahead->list, ahead->told_list, ahead->walkers);
 	key_set_finish(&ahead->keys);
 	mem_free(ahead->heap);
 	condition_finish(&ahead->changed);

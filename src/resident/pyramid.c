@@ -33,8 +33,7 @@ void resident_pyramid_destroy(struct pyramid *pyramid)
 	if (pyramid == NULL)
 		return;
 	key_set_finish(&pyramid->updated);
-	mem_free(pyramid->changes);
-	mem_free(pyramid);
+	mem_free_all(pyramid->changes, pyramid);
 }
 
 enum status resident_pyramid_changed(struct pyramid *pyramid, struct tile tile, struct post_rect rect)
@@ -45,13 +44,7 @@ enum status resident_pyramid_changed(struct pyramid *pyramid, struct tile tile, 
 			pyramid->changes[i].rect = post_rect_around(pyramid->changes[i].rect, rect);
 			return STATUS_OK;
 		}
-	if (pyramid->count == pyramid->room) {
-		size_t room = pyramid->room != 0 ? 2 * pyramid->room : 64;
-		struct change *changes = mem_realloc(pyramid->changes, room, sizeof *changes);
-		TRY_MEM(changes, "the pyramid");
-		pyramid->changes = changes;
-		pyramid->room = room;
-	}
+	TRY(mem_grow(&pyramid->changes, &pyramid->room, pyramid->count + 1, sizeof *pyramid->changes, "the pyramid"));
 	pyramid->changes[pyramid->count++] = (struct change){tile, rect};
 	return STATUS_OK;
 }

@@ -10,22 +10,16 @@ void resident_requests_clear(struct requests *requests)
 
 void resident_requests_finish(struct requests *requests)
 {
-	mem_free(requests->requests);
-	mem_free(requests->keys);
+	mem_free_all(requests->requests, requests->keys);
 	*requests = (struct requests){.requests = NULL};
 }
 
 enum status resident_requests_add(struct requests *requests, uint64_t key, double time)
 {
 	if (requests->count == requests->room) {
-		size_t room = requests->room != 0 ? 2 * requests->room : 64;
-		struct request *grown = mem_realloc(requests->requests, room, sizeof *grown);
-		if (grown != NULL)
-			requests->requests = grown;
-		uint64_t *keys = mem_realloc(requests->keys, room, sizeof *keys);
-		if (keys != NULL)
-			requests->keys = keys;
-		TRY_MEM(grown != NULL && keys != NULL, "the list of pages to load ahead");
+		const size_t room = mem_room(requests->room, requests->count + 1);
+		TRY(mem_resize(&requests->requests, room, sizeof *requests->requests, "the list of pages to load ahead"));
+		TRY(mem_resize(&requests->keys, room, sizeof *requests->keys, "the list of pages to load ahead"));
 		requests->room = room;
 	}
 	requests->requests[requests->count] = (struct request){key, time, requests->count};

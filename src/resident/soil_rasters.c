@@ -30,8 +30,7 @@ static size_t strip_posts(const struct soil_rasters *rasters)
 static enum status open_reader(struct soil_rasters *rasters, struct reader *reader)
 {
 	const struct store_meta *meta = rasters->params.meta;
-	reader->values = mem_alloc(strip_posts(rasters), sizeof *reader->values);
-	TRY_MEM(reader->values, "the rasters of the soil");
+	TRY(mem_make(&reader->values, strip_posts(rasters), sizeof *reader->values, "the rasters of the soil"));
 	for (int i = 0; i < rasters->params.count; i++)
 		TRY(dem_pixels_open(&(struct dem_placed_params){.path = rasters->params.rasters[i].path, .extent = &meta->extent, .srs = meta->srs,
 								.origin = {meta->origin[0],

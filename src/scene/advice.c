@@ -37,11 +37,9 @@ enum status scene_tell_unused(struct scene *scene, const char *format, ...)
 	va_start(arguments, format);
 	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
-	char **unused = mem_realloc(scene->unused, scene->unused_count + 1, sizeof *unused);
-	TRY_MEM(unused, "reading the scene");
-	scene->unused = unused;
-	unused[scene->unused_count] = mem_strdup(text);
-	return unused[scene->unused_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
+	TRY(mem_resize(&scene->unused, scene->unused_count + 1, sizeof *scene->unused, "reading the scene"));
+	scene->unused[scene->unused_count] = mem_strdup(text);
+	return scene->unused[scene->unused_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
 }
 
 /* --- ways --- */

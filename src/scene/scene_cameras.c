@@ -70,8 +70,7 @@ static enum status check_name(const struct entry *entry, const char *name)
 		if (&entry->scene->cameras[i] != entry->camera && entry->scene->cameras[i].name != NULL && strcmp(entry->scene->cameras[i].name, name) == 0)
 			return scene_error(entry->tree->file, node, "%s is the name of another camera; allowed: unique names",
 					   scene_quote(name).text);
-	entry->camera->name = mem_strdup(name);
-	return entry->camera->name != NULL ? STATUS_OK : fail_memory("reading the cameras");
+	return mem_text(&entry->camera->name, name, "reading the cameras");
 }
 
 /* --- where it is --- */
@@ -123,8 +122,7 @@ static enum status check_body(const struct entry *entry)
 	if (camera->aim.vehicle == 0)
 		return scene_error(entry->tree->file, node_of(entry, "body"), "is given, and %s is no vehicle; allowed with: a vehicle",
 				   scene_quote(entry->raw->on).text);
-	camera->body = mem_strdup(entry->raw->body);
-	return camera->body != NULL ? STATUS_OK : fail_memory("reading the cameras");
+	return mem_text(&camera->body, entry->raw->body, "reading the cameras");
 }
 
 static enum status check_place(const struct entry *entry)
@@ -221,8 +219,7 @@ static enum status add_right(const struct entry *left, struct scene *scene)
 	TRY(check_body(&right));
 	if (left->camera->poses.points == NULL)
 		return STATUS_OK;
-	camera->poses.points = mem_alloc(camera->poses.count, sizeof *camera->poses.points);
-	TRY_MEM(camera->poses.points, "reading poses");
+	TRY(mem_make(&camera->poses.points, camera->poses.count, sizeof *camera->poses.points, "reading poses"));
 	memcpy(camera->poses.points, left->camera->poses.points, camera->poses.count * sizeof *camera->poses.points);
 	return STATUS_OK;
 }
@@ -247,8 +244,7 @@ enum status scene_check_cameras(const struct scene_tree *tree, const struct raw_
 		return STATUS_OK;
 	if (scene->hosted)
 		return scene_tell_unused(scene, "cameras: write pictures of drives by the command, and a host draws its own; take them away");
-	scene->cameras = mem_calloc((size_t)2 * raw->cameras_count, sizeof *scene->cameras);
-	TRY_MEM(scene->cameras, "reading the cameras");
+	TRY(mem_zeroed(&scene->cameras, (size_t)2 * raw->cameras_count, sizeof *scene->cameras, "reading the cameras"));
 	for (size_t i = 0; i < raw->cameras_count; i++) {
 		const struct entry entry = {tree, &raw->cameras[i], i, scene, &scene->cameras[scene->camera_count++]};
 		TRY(check_camera(&entry));
@@ -262,9 +258,7 @@ enum status scene_check_cameras(const struct scene_tree *tree, const struct raw_
 
 void scene_camera_finish(struct scene_camera *camera)
 {
-	mem_free(camera->name);
-	mem_free(camera->body);
-	mem_free(camera->poses.points);
+	mem_free_all(camera->name, camera->body, camera->poses.points);
 }
 
 int64_t scene_camera_frame(const struct scene_camera *camera, double time_step, int64_t step)

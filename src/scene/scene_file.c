@@ -31,16 +31,9 @@ enum status scene_file_read(const char *path, const char *told, size_t limit, ch
 	if (file == NULL)
 		return fail_missing(path, told);
 	for (;;) {
-		if (size - used < 2) {
-			size_t wanted = size == 0 ? 16384 : size * 2;
-			char *grown = mem_realloc(text, wanted, 1);
-			if (grown == NULL) {
-				status = fail_memory("reading the scene");
-				break;
-			}
-			text = grown;
-			size = wanted;
-		}
+		status = mem_grow(&text, &size, used == 0 ? 16384 : used + 2, 1, "reading the scene");
+		if (status != STATUS_OK)
+			break;
 		size_t got = fread(text + used, 1, size - used - 1, file);
 		used += got;
 		if (used > limit) {

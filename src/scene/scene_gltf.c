@@ -48,8 +48,7 @@ static enum status take_base64(const struct scene_gltf *gltf, const char *text, 
 	const size_t length = strlen(text);
 	uint32_t bits = 0;
 	int held = 0;
-	out->owned = mem_alloc(length / 4 * 3 + 4, 1);
-	TRY_MEM(out->owned, "a mesh");
+	TRY(mem_make(&out->owned, length / 4 * 3 + 4, 1, "a mesh"));
 	for (size_t i = 0; i < length && text[i] != '='; i++) {
 		const int digit = digit_of(text[i]);
 		if (digit < 0)
@@ -189,8 +188,7 @@ static enum status find_list(struct scene_gltf *gltf, enum scene_gltf_list list)
 	static const char *const names[] = {"accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes"};
 	const cJSON *array = cJSON_GetObjectItemCaseSensitive(gltf->root, names[list]), *item;
 	const size_t room = cJSON_IsArray(array) ? (size_t)cJSON_GetArraySize(array) : 0;
-	gltf->lists[list] = mem_calloc(room + 1, sizeof *gltf->lists[list]);
-	TRY_MEM(gltf->lists[list], "a mesh");
+	TRY(mem_zeroed(&gltf->lists[list], room + 1, sizeof *gltf->lists[list], "a mesh"));
 	if (room > 0)
 		cJSON_ArrayForEach(item, array)
 			gltf->lists[list][gltf->counts[list]++] = item;
@@ -205,8 +203,7 @@ enum status scene_gltf_open(struct scene_gltf *gltf, const char *path, const cha
 	TRY(parse(gltf, bytes, length));
 	for (int list = 0; list < SCENE_GLTF_LISTS; list++)
 		TRY(find_list(gltf, (enum scene_gltf_list)list));
-	gltf->buffers = mem_calloc(gltf->counts[SCENE_GLTF_BUFFERS] + 1, sizeof *gltf->buffers);
-	return gltf->buffers != NULL ? STATUS_OK : fail_memory("a mesh");
+	return mem_zeroed(&gltf->buffers, gltf->counts[SCENE_GLTF_BUFFERS] + 1, sizeof *gltf->buffers, "a mesh");
 }
 
 void scene_gltf_close(struct scene_gltf *gltf)

@@ -228,8 +228,7 @@ static enum status take_parts(struct shapes *shapes)
 {
 	struct scene_gltf *gltf = shapes->gltf;
 	const size_t nodes = gltf->counts[SCENE_GLTF_NODES], meshes = gltf->counts[SCENE_GLTF_MESHES];
-	shapes->parts = mem_calloc(nodes + 1, sizeof *shapes->parts);
-	TRY_MEM(shapes->parts, "a mesh");
+	TRY(mem_zeroed(&shapes->parts, nodes + 1, sizeof *shapes->parts, "a mesh"));
 	for (size_t i = 0; i < nodes; i++) {
 		const cJSON *node = gltf->lists[SCENE_GLTF_NODES][i];
 		shapes->parts[i].children = cJSON_GetObjectItemCaseSensitive(node, "children");
@@ -331,8 +330,6 @@ enum status scene_gltf_triangles(struct scene_gltf *gltf, struct mesh_corners *c
 	if (corners->triangles == 0)
 		TRY_OR(done, fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", gltf->told));
 done:
-	mem_free(shapes.surfaces);
-	mem_free(shapes.firsts);
-	mem_free(shapes.parts);
+	mem_free_all(shapes.surfaces, shapes.firsts, shapes.parts);
 	return status;
 }

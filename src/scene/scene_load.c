@@ -128,18 +128,11 @@ void scene_destroy(struct scene *scene)
 	for (size_t i = 0; i < scene->camera_count; i++)
 		scene_camera_finish(&scene->cameras[i]);
 	mem_free(scene->cameras);
-	for (size_t i = 0; i < scene->unused_count; i++)
-		mem_free(scene->unused[i]);
-	mem_free(scene->unused);
+	mem_free_list(scene->unused, scene->unused_count);
 	scene_drop_doubts(scene);
 	scene_values_finish(scene);
-	mem_free(scene->objects);
-	mem_free(scene->file);
-	mem_free(scene->folder);
-	mem_free(scene->store);
-	mem_free(scene->soil_map);
+	mem_free_all(scene->objects, scene->file, scene->folder, scene->store, scene->soil_map);
 	for (int i = 0; i < scene->raster_count; i++)
 		mem_free(scene->rasters[i].path);
-	mem_free(scene->srs);
-	mem_free(scene);
+	mem_free_all(scene->srs, scene);
 }

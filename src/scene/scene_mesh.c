@@ -111,13 +111,8 @@ static void fill(struct soil_mesh *mesh, struct places *places, const struct mes
  * corners are shared. */
 static enum status trim(struct soil_mesh *mesh)
 {
-	void *vertices = mem_realloc(mesh->vertices, mesh->vertex_count, sizeof *mesh->vertices);
-	TRY_MEM(vertices, "a mesh");
-	mesh->vertices = vertices;
-	void *triangles = mem_realloc(mesh->triangles, mesh->triangle_count, sizeof *mesh->triangles);
-	TRY_MEM(triangles, "a mesh");
-	mesh->triangles = triangles;
-	return STATUS_OK;
+	TRY(mem_resize(&mesh->vertices, mesh->vertex_count, sizeof *mesh->vertices, "a mesh"));
+	return mem_resize(&mesh->triangles, mesh->triangle_count, sizeof *mesh->triangles, "a mesh");
 }
 
 static enum status mesh_of(const struct mesh_corners *corners, const char *told, double scale, struct soil_mesh *mesh)
@@ -156,7 +151,5 @@ void scene_mesh_destroy(struct soil_mesh *mesh)
 {
 	if (mesh == NULL)
 		return;
-	mem_free(mesh->vertices);
-	mem_free(mesh->triangles);
-	mem_free(mesh);
+	mem_free_all(mesh->vertices, mesh->triangles, mesh);
 }

@@ -180,8 +180,7 @@ static enum status take_scene(const struct aiScene *scene, const char *told, str
 	static const double as_it_is[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 	size_t triangles = 0, nodes = 0;
 	TRY(count_node(scene, scene->mRootNode, 0, told, &triangles, &nodes));
-	corners->at = mem_alloc(3 * triangles + 1, sizeof *corners->at);
-	TRY_MEM(corners->at, "a mesh");
+	TRY(mem_make(&corners->at, 3 * triangles + 1, sizeof *corners->at, "a mesh"));
 	TRY(take_node(scene, scene->mRootNode, as_it_is, told, corners));
 	if (corners->triangles == 0)
 		return fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", told);

@@ -6,7 +6,6 @@
 #include "scene/scene_alias.h"
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
-#include "scene/scene_file.h"
 #include "scene/scene_match.h"
 #include "scene/scene_mesh.h"
 #include "scene/scene_path.h"
@@ -35,8 +34,7 @@ static enum status take_name(const struct scene_tree *tree, const struct scene *
 		return scene_error(tree->file, node,
 				   "%s is the name of another object; allowed: unique names",
 				   scene_quote(name).text);
-	object->name = mem_strdup(name);
-	return object->name != NULL ? STATUS_OK : fail_memory("reading the objects");
+	return mem_text(&object->name, name, "reading the objects");
 }
 
 /* Names an object body-1, or body-N with the first N whose name no other object has. */
@@ -135,8 +133,7 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 		return scene_error(tree->file, scene_tree_find(tree, "objects"),
 				   "no object and no view or vehicle; needed: objects, vehicles or a view");
 	}
-	scene->objects = mem_calloc(count, sizeof *scene->objects);
-	TRY_MEM(scene->objects, "reading the objects");
+	TRY(mem_zeroed(&scene->objects, count, sizeof *scene->objects, "reading the objects"));
 	for (size_t i = 0; i < count; i++) {
 		scene->object_count = i + 1;
 		TRY(take_object(tree, &raw->objects[i], i, scene, &scene->objects[i]));
@@ -214,7 +211,6 @@ enum status scene_object_parse(const struct scene *scene, const char *text, stru
 void scene_object_finish(struct scene_object *object)
 {
 	scene_mesh_destroy(object->mesh);
-	mem_free(object->name);
-	mem_free(object->path.points);
+	mem_free_all(object->name, object->path.points);
 	*object = (struct scene_object){0};
 }

@@ -1,8 +1,6 @@
 /* Reads the poses of an object over time from a CSV file. See scene_path.h. */
 #include "scene/scene_path.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "scene/scene_error.h"
@@ -71,13 +69,7 @@ static enum status take_row(struct reader *reader, char *const fields[COLUMNS])
 		return fail_with(STATUS_INPUT, "%s:%d: t: %.40s does not grow; allowed: above %.10g",
 				 reader->file, reader->line, fields[0],
 				 path->points[path->count - 1].t);
-	if (path->count == reader->room) {
-		size_t room = reader->room == 0 ? 256 : reader->room * 2;
-		struct scene_waypoint *grown = mem_realloc(path->points, room, sizeof *grown);
-		TRY_MEM(grown, "reading poses");
-		path->points = grown;
-		reader->room = room;
-	}
+	TRY(mem_grow(&path->points, &reader->room, path->count + 1, sizeof *path->points, "reading poses"));
 	path->points[path->count++] = (struct scene_waypoint){
 		.t = values[0], .x = values[1], .y = values[2], .z = values[3],
 		.yaw = values[4] * RADIANS, .pitch = values[5] * RADIANS, .roll = values[6] * RADIANS};

@@ -1,5 +1,4 @@
 /* Checks soil.rasters: numbers of the soil that differ from post to post. What the rasters hold is checked when a world opens them. */
-#include <string.h>
 
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"

@@ -2,7 +2,6 @@
 #include "scene/scene_set.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/nearest.h"

@@ -6,7 +6,6 @@
  * 0.1 degrees.
  * Mars: M. Allison and M. McEwen, Planetary and Space Science 48 (2000), as Mars24 of NASA GISS has it: within 0.02 degrees.
  */
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -70,18 +70,13 @@ void scene_node_destroy(struct scene_node *node)
 		next = child->next;
 		scene_node_destroy(child);
 	}
-	mem_free(node->key);
-	mem_free(node->text);
-	mem_free(node->items);
-	mem_free(node);
+	mem_free_all(node->key, node->text, node->items, node);
 }
 
 static enum status list_items(struct scene_node *node)
 {
-	if (node->kind == SCENE_SEQUENCE && node->count > 0) {
-		node->items = mem_alloc(node->count, sizeof *node->items);
-		TRY_MEM(node->items, "reading the scene");
-	}
+	if (node->kind == SCENE_SEQUENCE && node->count > 0)
+		TRY(mem_make(&node->items, node->count, sizeof *node->items, "reading the scene"));
 	for (struct scene_node *child = node->first; child != NULL; child = child->next) {
 		if (node->items != NULL)
 			node->items[child->index] = child;

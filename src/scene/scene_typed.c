@@ -15,16 +15,7 @@ struct text {
 
 static void put(struct text *text, const char *bytes, size_t count)
 {
-	if (!text->failed && text->size - text->used < count) {
-		size_t size = (text->size + count) * 2;
-		char *grown = mem_realloc(text->bytes, size, 1);
-		if (grown != NULL) {
-			text->bytes = grown;
-			text->size = size;
-		} else {
-			text->failed = true;
-		}
-	}
+	text->failed = text->failed || mem_grow(&text->bytes, &text->size, text->used + count, 1, "reading the scene") != STATUS_OK;
 	if (text->failed)
 		return;
 	memcpy(text->bytes + text->used, bytes, count);

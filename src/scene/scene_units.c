@@ -4,7 +4,6 @@
  */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "scene/scene_check.h"
 
@@ -36,11 +35,9 @@ static enum status doubt(const struct units *units, const struct scene_node *nod
 		snprintf(text, sizeof text, "%.200s: --set %.100s: %s: %s", units->tree->file, node->setting, key, why);
 	else
 		snprintf(text, sizeof text, "%.200s:%d: %s: %s", units->tree->file, node->line, key, why);
-	char **doubts = mem_realloc(scene->doubts, scene->doubt_count + 1, sizeof *doubts);
-	TRY_MEM(doubts, "reading the scene");
-	scene->doubts = doubts;
-	doubts[scene->doubt_count] = mem_strdup(text);
-	return doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
+	TRY(mem_resize(&scene->doubts, scene->doubt_count + 1, sizeof *scene->doubts, "reading the scene"));
+	scene->doubts[scene->doubt_count] = mem_strdup(text);
+	return scene->doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
 }
 
 /* What to write if the unit is another one. "": that would be doubted as well, so it is not the unit either. */
@@ -261,7 +258,5 @@ void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *u
 
 void scene_drop_doubts(struct scene *scene)
 {
-	for (size_t i = 0; i < scene->doubt_count; i++)
-		mem_free(scene->doubts[i]);
-	mem_free(scene->doubts);
+	mem_free_list(scene->doubts, scene->doubt_count);
 }

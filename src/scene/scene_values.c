@@ -131,12 +131,8 @@ static char *value_text(const struct scene_node *node)
 
 static enum status add(const struct step *step, struct scene *scene)
 {
-	if ((scene->value_count & (scene->value_count - 1)) == 0) {
-		struct scene_value *grown =
-			mem_realloc(scene->values, scene->value_count == 0 ? 1 : scene->value_count * 2, sizeof *grown);
-		TRY_MEM(grown, "reading the scene");
-		scene->values = grown;
-	}
+	if ((scene->value_count & (scene->value_count - 1)) == 0) /* a power of two: no room is left */
+		TRY(mem_resize(&scene->values, scene->value_count == 0 ? 1 : scene->value_count * 2, sizeof *scene->values, "reading the scene"));
 	struct scene_value *value = &scene->values[scene->value_count++];
 	*value = (struct scene_value){key_text(step), value_text(step->node)};
 	return value->key != NULL && value->text != NULL ? STATUS_OK : fail_memory("reading the scene");
@@ -168,9 +164,7 @@ enum status scene_values_take(const struct scene_tree *tree, struct scene *scene
 
 void scene_values_finish(struct scene *scene)
 {
-	for (size_t i = 0; i < scene->value_count; i++) {
-		mem_free(scene->values[i].key);
-		mem_free(scene->values[i].text);
-	}
+	for (size_t i = 0; i < scene->value_count; i++)
+		mem_free_all(scene->values[i].key, scene->values[i].text);
 	mem_free(scene->values);
 }

@@ -22,14 +22,12 @@ static enum status take_name(const struct scene_tree *tree, const struct scene *
 	for (size_t i = 0; i < index; i++)
 		if (strcmp(scene->vehicles[i].name, name) == 0)
 			return scene_error(tree->file, node, "%s is the name of another vehicle; allowed: unique names", scene_quote(name).text);
-	*out = mem_strdup(name);
-	return *out != NULL ? STATUS_OK : fail_memory("reading the vehicles");
+	return mem_text(out, name, "reading the vehicles");
 }
 
 static enum status take_texts(char *const *from, uint32_t count, struct scene_texts *texts)
 {
-	texts->list = mem_calloc(count + 1, sizeof *texts->list);
-	TRY_MEM(texts->list, "reading the vehicles");
+	TRY(mem_zeroed(&texts->list, count + 1, sizeof *texts->list, "reading the vehicles"));
 	for (; texts->count < count; texts->count++)
 		if ((texts->list[texts->count] = mem_strdup(from[texts->count])) == NULL)
 			return fail_memory("reading the vehicles");
@@ -74,8 +72,7 @@ static enum status check_hold(const struct scene_tree *tree, const struct raw_dr
 				return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver.hold[%zu]", index, i),
 						   "%s is named twice; allowed: once", scene_quote(raw->hold[i].actuator).text);
 		vehicle->values[i] = raw->hold[i].value;
-		vehicle->held.list[i] = mem_strdup(raw->hold[i].actuator);
-		TRY_MEM(vehicle->held.list[i], "reading the vehicles");
+		TRY(mem_text(&vehicle->held.list[i], raw->hold[i].actuator, "reading the vehicles"));
 		vehicle->held.count = i + 1;
 	}
 	return STATUS_OK;
@@ -127,8 +124,7 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 		scene->stuck_after = raw->stuck->after;
 		scene->stuck_below = raw->stuck->below;
 	}
-	scene->vehicles = mem_calloc(count, sizeof *scene->vehicles);
-	TRY_MEM(scene->vehicles, "reading the vehicles");
+	TRY(mem_zeroed(&scene->vehicles, count, sizeof *scene->vehicles, "reading the vehicles"));
 	for (size_t i = 0; i < count; i++) {
 		scene->vehicle_count = i + 1;
 		TRY(check_vehicle(tree, &raw->vehicles[i], i, scene, &scene->vehicles[i]));
@@ -138,18 +134,12 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 
 static void finish_texts(struct scene_texts *texts)
 {
-	for (size_t i = 0; i < texts->count; i++)
-		mem_free(texts->list[i]);
-	mem_free(texts->list);
+	mem_free_list(texts->list, texts->count);
 }
 
 void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
-	mem_free(vehicle->name);
-	mem_free(vehicle->model);
-	mem_free(vehicle->controls);
-	mem_free(vehicle->way.points);
-	mem_free(vehicle->values);
+	mem_free_all(vehicle->name, vehicle->model, vehicle->controls, vehicle->way.points, vehicle->values);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->steer);
 	finish_texts(&vehicle->drive);

@@ -46,8 +46,7 @@ static enum status take_points(const struct way *way)
 	struct scene_path *path = way->path;
 	if (raw->speed == NULL)
 		return scene_error(way->tree->file, node_of(way, NULL), "has no speed; allowed: points with a speed in m/s");
-	path->points = mem_calloc(raw->points_count, sizeof *path->points);
-	TRY_MEM(path->points, "reading the points of a path");
+	TRY(mem_zeroed(&path->points, raw->points_count, sizeof *path->points, "reading the points of a path"));
 	path->count = raw->points_count;
 	for (uint32_t i = 0; i < raw->points_count; i++)
 		path->points[i] = (struct scene_waypoint){.x = raw->points[i][0], .y = raw->points[i][1]};
@@ -221,7 +220,6 @@ enum status scene_way_follow(const struct scene_tree *tree, const struct raw_sce
 		TRY_OR(done, follow(&following, i));
 	}
 done:
-	mem_free(names);
-	mem_free(following.leaders);
+	mem_free_all(names, following.leaders);
 	return status;
 }

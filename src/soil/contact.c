@@ -1,12 +1,9 @@
 /* A body on the ground, as contacts and probes evaluate the law of the soil. */
 #include "soil/contact.h"
 
-#include "soil/shape/body.h"
-
 enum status soil_work_create(struct soil_work **out)
 {
-	*out = mem_calloc(1, sizeof **out);
-	return *out != NULL ? STATUS_OK : fail_memory("bearing soil");
+	return mem_zeroed(out, 1, sizeof **out, "bearing soil");
 }
 
 void soil_work_destroy(struct soil_work *work)
@@ -16,11 +13,7 @@ void soil_work_destroy(struct soil_work *work)
 	soil_posts_finish(&work->posts);
 	soil_fine_finish(&work->fine);
 	soil_grousers_finish(&work->grousers);
-	mem_free(work->kept.more);
-	mem_free(work->met);
-	mem_free(work->seen);
-	mem_free(work->abuts);
-	mem_free(work);
+	mem_free_all(work->kept.more, work->met, work->seen, work->abuts, work);
 }
 
 size_t soil_work_bytes(const struct soil_work *work)
@@ -140,13 +133,9 @@ static enum status need_met(struct soil_work *work, size_t count)
 {
 	if (count <= work->met_room)
 		return STATUS_OK;
-	struct soil_met *met = mem_realloc(work->met, count, sizeof *met);
-	work->met = met != NULL ? met : work->met;
-	struct soil_seen *seen = mem_realloc(work->seen, count, sizeof *seen);
-	work->seen = seen != NULL ? seen : work->seen;
-	bool *abuts = mem_realloc(work->abuts, count, sizeof *abuts);
-	work->abuts = abuts != NULL ? abuts : work->abuts;
-	TRY_MEM(met != NULL && seen != NULL && abuts != NULL, "bearing soil");
+	TRY(mem_resize(&work->met, count, sizeof *work->met, "bearing soil"));
+	TRY(mem_resize(&work->seen, count, sizeof *work->seen, "bearing soil"));
+	TRY(mem_resize(&work->abuts, count, sizeof *work->abuts, "bearing soil"));
 	work->met_room = count;
 	return STATUS_OK;
 }

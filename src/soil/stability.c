@@ -9,8 +9,6 @@
 
 #include <math.h>
 
-#include "base/base.h"
-
 #define UPRIGHT (89.95 * M_PI / 180) /* rad; a slope with at least this angle of repose is stable at any height */
 
 static int32_t whole(double metres)

@@ -59,16 +59,9 @@ enum status store_codec_init(struct codec *codec, uint32_t side, enum codec_effo
 
 void store_codec_finish(struct codec *codec)
 {
-	for (int slope = 0; slope < 2; slope++) {
-		mem_free(codec->orders[slope]);
-		mem_free(codec->widths[slope]);
-	}
-	mem_free(codec->grids);
-	mem_free(codec->edges);
-	mem_free(codec->filled);
-	mem_free(codec->mask);
-	mem_free(codec->body);
-	mem_free(codec->squeezed);
+	for (int slope = 0; slope < 2; slope++)
+		mem_free_all(codec->orders[slope], codec->widths[slope]);
+	mem_free_all(codec->grids, codec->edges, codec->filled, codec->mask, codec->body, codec->squeezed);
 	ZSTD_freeDCtx(codec->zstd_in);
 	ZSTD_freeCCtx(codec->zstd_out);
 	*codec = (struct codec){0};

@@ -5,8 +5,6 @@
  */
 #include "store/internal.h"
 
-#include <string.h>
-
 #define KEY_COLUMN 9
 #define COLUMNS "low, high, error, codec, revision, hash, 0, 0, blob, key"
 

@@ -19,8 +19,7 @@ void store_changes_begin(struct changes *changes)
 
 void store_changes_finish(struct changes *changes)
 {
-	mem_free(changes->entries);
-	mem_free(changes->pending);
+	mem_free_all(changes->entries, changes->pending);
 	mutex_finish(&changes->mutex);
 }
 
@@ -36,13 +35,7 @@ void store_changes_restart(struct changes *changes, int64_t revision)
 
 enum status store_changes_note(struct changes *changes, uint64_t key)
 {
-	if (changes->pending_count == changes->pending_room) {
-		size_t room = changes->pending_room != 0 ? 2 * changes->pending_room : LEAST_ROOM;
-		uint64_t *pending = mem_realloc(changes->pending, room, sizeof *pending);
-		TRY_MEM(pending, "the changed tiles");
-		changes->pending = pending;
-		changes->pending_room = room;
-	}
+	TRY(mem_grow(&changes->pending, &changes->pending_room, changes->pending_count + 1, sizeof *changes->pending, "the changed tiles"));
 	changes->pending[changes->pending_count++] = key;
 	return STATUS_OK;
 }

@@ -40,8 +40,7 @@ static enum status resolve(const char *path, char **real)
 {
 	char there[PATH_MAX];
 	if (realpath(path, there) != NULL) {
-		*real = mem_strdup(there);
-		return *real != NULL ? STATUS_OK : fail_memory("a store");
+		return mem_text(real, there, "a store");
 	}
 	char *folder = mem_strdup(path), *name = mem_strdup(path);
 	enum status status = STATUS_OK;
@@ -59,8 +58,7 @@ static enum status resolve(const char *path, char **real)
 		else
 			snprintf(*real, room, "%s/%s", there, basename(name));
 	}
-	mem_free(folder);
-	mem_free(name);
+	mem_free_all(folder, name);
 	return status;
 }
 
@@ -202,8 +200,7 @@ static enum status open_part(struct store *store, bool resume)
 /* Takes the lock, and begins PATH.part or goes on with it. */
 static enum status begin(struct store *store, const char *path, const struct store_meta *meta, bool resume)
 {
-	store->path = mem_strdup(path);
-	TRY_MEM(store->path, "a store");
+	TRY(mem_text(&store->path, path, "a store"));
 	TRY(store_meta_copy(&store->meta, meta));
 	TRY(resolve(path, &store->real_path));
 	TRY(refuse_existing(store));

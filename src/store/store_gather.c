@@ -224,11 +224,6 @@ done:
 		store_run_copy_finish(&gather.heads[i].run);
 	store_gather_close(&gather);
 	store_close(gather.store);
-	mem_free(gather.heads);
-	mem_free(gather.claims);
-	mem_free(gather.items);
-	mem_free(gather.posts);
-	mem_free(gather.scratch);
-	mem_free(gather.relief);
+	mem_free_all(gather.heads, gather.claims, gather.items, gather.posts, gather.scratch, gather.relief);
 	return status;
 }

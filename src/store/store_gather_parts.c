@@ -16,8 +16,7 @@ static enum status take_head(struct gather *gather, const char *path, const stru
 {
 	const struct store_part *id = &part->part;
 	if (gather->heads == NULL) {
-		gather->heads = mem_calloc(id->count, sizeof *gather->heads);
-		TRY_MEM(gather->heads, "parts");
+		TRY(mem_zeroed(&gather->heads, id->count, sizeof *gather->heads, "parts"));
 		gather->count = id->count;
 		gather->first = &gather->heads[id->index];
 	}
@@ -95,13 +94,7 @@ enum status store_gather_settle(struct gather *gather)
 static enum status take_claim(void *user, uint64_t key, int64_t commit)
 {
 	struct gather *gather = user;
-	if (gather->claim_count == gather->claim_room) {
-		size_t room = gather->claim_room != 0 ? 2 * gather->claim_room : 256;
-		struct claim *claims = mem_realloc(gather->claims, room, sizeof *claims);
-		TRY_MEM(claims, "parts");
-		gather->claims = claims;
-		gather->claim_room = room;
-	}
+	TRY(mem_grow(&gather->claims, &gather->claim_room, gather->claim_count + 1, sizeof *gather->claims, "parts"));
 	gather->claims[gather->claim_count++] = (struct claim){key, commit, gather->reading};
 	return STATUS_OK;
 }

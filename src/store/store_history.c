@@ -21,7 +21,6 @@
  */
 #include "store/internal.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <xxhash.h>
@@ -71,8 +70,7 @@ void store_history_finish(struct store *store)
 	sqlite3_finalize(history->put);
 	sqlite3_finalize(history->put_first);
 	store_rows_finish(&history->rows);
-	mem_free(history->before);
-	mem_free(history->after);
+	mem_free_all(history->before, history->after);
 	history->find = history->put = history->put_first = NULL;
 	history->before = history->after = NULL;
 }

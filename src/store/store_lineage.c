@@ -68,13 +68,7 @@ static enum status gather(void *user, const struct row_entry *row)
 	struct gathering *gathering = user;
 	struct lineage *lineage = gathering->lineage;
 	size_t count = lineage->count[gathering->table];
-	if (count == gathering->room) {
-		size_t room = gathering->room != 0 ? 2 * gathering->room : 64;
-		struct lineage_entry *more = mem_realloc(lineage->entries[gathering->table], room, sizeof *more);
-		TRY_MEM(more, "an overlay");
-		lineage->entries[gathering->table] = more;
-		gathering->room = room;
-	}
+	TRY(mem_grow(&lineage->entries[gathering->table], &gathering->room, count + 1, sizeof *lineage->entries[gathering->table], "an overlay"));
 	struct lineage_entry *entry = &lineage->entries[gathering->table][count];
 	if (row->inherited != NULL) {
 		*entry = *row->inherited;

@@ -10,8 +10,6 @@
  */
 #include "store/internal.h"
 
-#include <assert.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { OURS, THEIRS, BASE, SIDES }; /* BASE: what both began with */
@@ -71,8 +69,7 @@ static enum status list_tiles(struct merging *merging, enum row_table table)
 		room += merging->rows[side].count[table];
 	if (room == 0)
 		return STATUS_OK;
-	merging->items = mem_alloc(room, sizeof *merging->items);
-	TRY_MEM(merging->items, "a merge");
+	TRY(mem_make(&merging->items, room, sizeof *merging->items, "a merge"));
 	for (;;) {
 		uint64_t key = UINT64_MAX, hashes[SIDES] = {0};
 		for (int side = 0; side < SIDES; side++)
@@ -248,8 +245,7 @@ static enum status compare(struct merging *merging, struct store_conflicts *conf
 	TRY(settle_level(merging));
 	TRY(find_base(ours, merging->sides[THEIRS], &merging->sides[BASE]));
 	for (int i = 0; i < SIDES; i++) {
-		merging->posts[i] = mem_alloc(side * side, sizeof *merging->posts[i]);
-		TRY_MEM(merging->posts[i], "a merge");
+		TRY(mem_make(&merging->posts[i], side * side, sizeof *merging->posts[i], "a merge"));
 		if (merging->sides[i] != NULL)
 			TRY(store_lineage_make(merging->sides[i], merging->sides[i]->commit, &merging->rows[i]));
 	}

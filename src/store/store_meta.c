@@ -24,11 +24,7 @@ enum status store_meta_copy(struct store_meta *to, const struct store_meta *from
 
 void store_meta_finish(struct store_meta *meta)
 {
-	mem_free((void *)(uintptr_t)meta->srs);
-	mem_free((void *)(uintptr_t)meta->vertical);
-	mem_free((void *)(uintptr_t)meta->sources);
-	mem_free((void *)(uintptr_t)meta->insets);
-	mem_free((void *)(uintptr_t)meta->request);
+	mem_free_all(meta->srs, meta->vertical, meta->sources, meta->insets, meta->request);
 	meta->srs = meta->vertical = meta->sources = meta->insets = meta->request = NULL;
 }
 
@@ -208,8 +204,7 @@ static enum status get_text(struct lookup *lookup, const char *key, const char *
 	bool found;
 	TRY(look_up(lookup, key, &found));
 	if (!found && lacking != NULL) {
-		*value = mem_strdup(lacking);
-		return *value != NULL ? STATUS_OK : fail_memory("a store's header");
+		return mem_text(value, lacking, "a store's header");
 	}
 	if (!found || sqlite3_column_type(lookup->statement, 0) != SQLITE_TEXT)
 		return bad_key(lookup, key);
@@ -354,8 +349,7 @@ static enum status get_base_path(struct lookup *lookup, char **path)
 		text = (const char *)sqlite3_column_text(lookup->statement, 0);
 	if (text == NULL || !store_overlay_path_fits(text, (size_t)sqlite3_column_bytes(lookup->statement, 0)))
 		return bad_key(lookup, "base_path");
-	*path = mem_strdup(text);
-	return *path != NULL ? STATUS_OK : fail_memory("a store's header");
+	return mem_text(path, text, "a store's header");
 }
 
 /* Only an overlay that shows the deformation of its parent has them. */

@@ -55,8 +55,7 @@ static enum status find_copy(struct store *store)
 	if (store->over == NULL || store->staged == NULL || strcmp(store->real_path, store->staged->original) != 0)
 		return STATUS_OK;
 	store->copied_from = store->path;
-	store->path = mem_strdup(store->staged->copy);
-	return store->path != NULL ? STATUS_OK : fail_memory("a store");
+	return mem_text(&store->path, store->staged->copy, "a store");
 }
 
 const char *store_file_read(const struct store *store)
@@ -345,15 +344,8 @@ static void close_store(struct store *store, bool remove)
 	store_lock_drop(store->late && store->lock_was_there ? NULL : store->lock_path, store->lock);
 	store_meta_finish(&store->meta);
 	store_run_copy_finish(&store->last_run);
-	mem_free(store->path);
-	mem_free(store->copied_from);
-	mem_free(store->real_path);
-	mem_free(store->part_path);
-	mem_free(store->lock_path);
-	mem_free(store->base_path);
-	mem_free(store->relief_text);
-	mem_free(store->scene);
-	mem_free(store);
+	mem_free_all(store->path, store->copied_from, store->real_path, store->part_path, store->lock_path, store->base_path,
+		     store->relief_text, store->scene, store);
 }
 
 void store_forked(const struct store *store)

@@ -21,7 +21,6 @@
 
 #include <assert.h>
 #include <stdio.h>
-#include <string.h>
 
 static_assert(PINS_TABLES == (int)ROW_TABLES, "as many tables as rows have");
 

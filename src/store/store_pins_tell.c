@@ -146,8 +146,7 @@ void store_pins_withdraw_from(const struct store *store, const struct store *par
 	enum status dropped = from != NULL && may_list(parent->real_path) ? store_pins_drop(parent->real_path, from) : STATUS_OK;
 	(void)dropped;
 	failure_restore(&failure);
-	mem_free(from);
-	mem_free(folder);
+	mem_free_all(from, folder);
 }
 
 void store_pins_withdraw(const struct store *store)

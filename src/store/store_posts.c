@@ -12,7 +12,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <string.h>
 
 #define SHIFT_MAX 14 /* lattice_interpolate */
 
@@ -249,8 +248,7 @@ static enum status read_in_transaction(struct reading *reading, read_fn read)
 		reading->values[i] = (double)NAN;
 	if (post_rect_empty(within))
 		return STATUS_OK;
-	reading->posts = mem_alloc(side * side, sizeof *reading->posts);
-	TRY_MEM(reading->posts, "a tile");
+	TRY(mem_make(&reading->posts, side * side, sizeof *reading->posts, "a tile"));
 	enum status status = begin_and_read(reading, read, within);
 	mem_free(reading->posts);
 	return store_reader_outdated(reading->reader) ? read_in_transaction(reading, read) : status;

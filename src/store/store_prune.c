@@ -33,13 +33,9 @@ struct finding {
 
 static void finding_finish(struct finding *finding)
 {
-	for (size_t i = 0; i < finding->count; i++) {
-		mem_free(finding->all[i].path);
-		mem_free(finding->all[i].found);
-		mem_free(finding->all[i].line);
-	}
-	mem_free(finding->all);
-	mem_free(finding->folder);
+	for (size_t i = 0; i < finding->count; i++)
+		mem_free_all(finding->all[i].path, finding->all[i].found, finding->all[i].line);
+	mem_free_all(finding->all, finding->folder);
 }
 
 static char *path_in(const char *folder, const char *name)
@@ -57,9 +53,7 @@ static char *path_in(const char *folder, const char *name)
 
 static enum status add(struct finding *finding, const struct store_pin *pin, const char *line)
 {
-	struct standing *more = mem_realloc(finding->all, finding->count + 1, sizeof *more);
-	TRY_MEM(more, "the overlays of a store");
-	finding->all = more;
+	TRY(mem_resize(&finding->all, finding->count + 1, sizeof *finding->all, "the overlays of a store"));
 	struct standing *standing = &finding->all[finding->count++];
 	*standing = (struct standing){.pin = *pin};
 	if (line == NULL)

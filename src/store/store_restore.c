@@ -10,7 +10,6 @@
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A kept revision, as its table has it. */
 struct kept {
@@ -78,13 +77,7 @@ static enum status add(struct restoring *restoring, uint64_t key)
 	struct tile tile = tile_from_key(key);
 	if (tile_key(tile) != key || tile.level != store->history.level || !extent_has(&store->meta.extent, tile))
 		return fail_with(STATUS_INPUT, "%s: its history has a tile outside its terrain; the store is damaged, restore it", store->path);
-	if (restoring->count == restoring->room) {
-		size_t room = restoring->room != 0 ? 2 * restoring->room : 64;
-		struct climb_item *items = mem_realloc(restoring->items, room, sizeof *items);
-		TRY_MEM(items, "a restore");
-		restoring->items = items;
-		restoring->room = room;
-	}
+	TRY(mem_grow(&restoring->items, &restoring->room, restoring->count + 1, sizeof *restoring->items, "a restore"));
 	restoring->items[restoring->count++] = (struct climb_item){.key = key};
 	return STATUS_OK;
 }

@@ -53,8 +53,7 @@ enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, co
 {
 	*rows = (struct rows){.db = db, .path = path, .extent = extent};
 	size_t side = tile_posts(extent);
-	rows->wide = mem_alloc(side * side, sizeof *rows->wide);
-	TRY_MEM(rows->wide, "a tile");
+	TRY(mem_make(&rows->wide, side * side, sizeof *rows->wide, "a tile"));
 	enum status status = store_codec_init(&rows->codec, (uint32_t)side, effort);
 	if (status != STATUS_OK)
 		store_rows_finish(rows);

@@ -19,16 +19,12 @@ void store_who(char *name, size_t room)
 static enum status keep_text(char **kept, const unsigned char *text)
 {
 	mem_free(*kept);
-	*kept = mem_strdup(text != NULL ? (const char *)text : "");
-	return *kept != NULL ? STATUS_OK : fail_memory("the run's record");
+	return mem_text(kept, text != NULL ? (const char *)text : "", "the run's record");
 }
 
 void store_run_copy_finish(struct store_run_copy *copy)
 {
-	mem_free(copy->scene_hash);
-	mem_free(copy->state);
-	mem_free(copy->who);
-	mem_free(copy->what);
+	mem_free_all(copy->scene_hash, copy->state, copy->who, copy->what);
 	*copy = (struct store_run_copy){0};
 }
 

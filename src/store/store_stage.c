@@ -71,8 +71,7 @@ enum status store_stage_name(const char *path, const char *folder, struct store_
 
 void store_staged_finish(struct store_staged *staged)
 {
-	mem_free(staged->original);
-	mem_free(staged->copy);
+	mem_free_all(staged->original, staged->copy);
 	*staged = (struct store_staged){.original = NULL};
 }
 

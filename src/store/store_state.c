@@ -170,7 +170,6 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 			TRY_OR(done, put_page(&state, &pages[i]));
 	}
 done:
-	mem_free(state.dropped);
-	mem_free(state.posts);
+	mem_free_all(state.dropped, state.posts);
 	return status;
 }

@@ -6,7 +6,6 @@
  */
 #include "store/verify.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -216,8 +215,6 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 	enum status status = enough ? check_in_transaction(verifying) : fail_memory("verifying");
 	for (uint32_t i = 0; i < verifying->entry_count; i++)
 		mem_free(verifying->entries[i].posts);
-	mem_free(verifying->posts);
-	mem_free(verifying->expected);
-	mem_free(verifying);
+	mem_free_all(verifying->posts, verifying->expected, verifying);
 	return status;
 }

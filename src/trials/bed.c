@@ -45,8 +45,7 @@ enum status trials_bed_make(const struct rig *rig, size_t lanes)
 enum status trials_bed_begin(struct rig *rig)
 {
 	const char *folder = rig->params->folder;
-	rig->bed = mem_alloc(strlen(folder) + sizeof "/bed-XXXXXX" NAME, 1);
-	TRY_MEM(rig->bed, "the rig");
+	TRY(mem_make(&rig->bed, strlen(folder) + sizeof "/bed-XXXXXX" NAME, 1, "the rig"));
 	char *const end = rig->bed + sprintf(rig->bed, "%s/bed-XXXXXX", folder);
 	if (mkdtemp(rig->bed) != NULL) {
 		strcpy(end, NAME);

@@ -1,7 +1,6 @@
 /* What the rig tells of a vehicle's wheels: drawbar, torque and sinkage over load and slip. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "trials/trials.h"
 

@@ -4,7 +4,6 @@
  * other the last one has that torque, and those ahead slip as it does.
  */
 #include <math.h>
-#include <stdlib.h>
 
 #include "trials/internal.h"
 
@@ -139,7 +138,6 @@ enum status trials_torques(struct rig *rig, size_t soil, rig_row_fn give, void *
 	TRY_OR(done, search_all(rig, soil, lanes, searches, count));
 	TRY_OR(done, give_all(searches, count, give, user));
 done:
-	mem_free(lanes);
-	mem_free(searches);
+	mem_free_all(lanes, searches);
 	return status;
 }

@@ -83,8 +83,7 @@ static enum status load_model(const struct vehicles *vehicles, const char *text,
 {
 	struct between *between = vehicles->between;
 	struct reading reading = {.between = between, .text = text, .size = size, .error = "out of memory"};
-	reading.files = mem_alloc(1, sizeof *reading.files);
-	TRY_MEM(reading.files, "the vehicles' model");
+	TRY(mem_make(&reading.files, 1, sizeof *reading.files, "the vehicles' model"));
 	enum status status = vehicle_guard("vehicles", read_model, &reading);
 	mem_free(reading.files);
 	TRY(status);
@@ -164,19 +163,11 @@ void vehicle_between_destroy(struct vehicles *vehicles)
 	struct between *between = vehicles->between;
 	if (between == NULL)
 		return;
-	for (size_t v = 0; v < vehicles->count && between->movers != NULL; v++) {
-		mem_free(between->movers[v].inertia);
-		mem_free(between->movers[v].velocity);
-	}
+	for (size_t v = 0; v < vehicles->count && between->movers != NULL; v++)
+		mem_free_all(between->movers[v].inertia, between->movers[v].velocity);
 	if (between->data != NULL)
 		mj_deleteData(between->data);
 	if (between->model != NULL)
 		mj_deleteModel(between->model);
-	mem_free(between->parts);
-	mem_free(between->first);
-	mem_free(between->movers);
-	mem_free(between->order);
-	mem_free(between->meetings);
-	mem_free(between->rows);
-	mem_free(between);
+	mem_free_all(between->parts, between->first, between->movers, between->order, between->meetings, between->rows, between);
 }

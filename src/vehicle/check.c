@@ -293,7 +293,6 @@ enum status vehicle_check_model(const char *where, const char *path)
 		mem_free(check.names[i].text);
 	for (size_t i = 0; i < check.folder_count; i++)
 		mem_free(check.folders[i]);
-	mem_free(check.names);
-	mem_free(check.reach);
+	mem_free_all(check.names, check.reach);
 	return status;
 }

@@ -84,13 +84,7 @@ enum status vehicle_check_name_add(struct vehicle_check *check, const char *text
 {
 	if (length >= PATH_MAX)
 		return fail_with(STATUS_INPUT, "%s: %s: the name of a file has %zu characters; give a shorter one", check->where, check->path, length);
-	if (check->name_count == check->name_room) {
-		const size_t room = check->name_room > 0 ? 2 * check->name_room : 16;
-		struct vehicle_check_name *names = mem_realloc(check->names, room, sizeof *names);
-		TRY_MEM(names, "a vehicle");
-		check->names = names;
-		check->name_room = room;
-	}
+	TRY(mem_grow(&check->names, &check->name_room, check->name_count + 1, sizeof *check->names, "a vehicle"));
 	char *copy = text_of(text, length);
 	TRY_MEM(copy, "a vehicle");
 	check->names[check->name_count++] = (struct vehicle_check_name){copy, include};
@@ -208,6 +202,5 @@ enum status vehicle_check_reach(struct vehicle_check *check)
 	if (!found)
 		return fail_with(STATUS_INPUT, "%s: %s: %s; name a file that can be read", check->where, check->path, strerror(errno));
 	cut_last(real);
-	check->reach = mem_strdup(real);
-	return check->reach != NULL ? STATUS_OK : fail_memory("a vehicle");
+	return mem_text(&check->reach, real, "a vehicle");
 }

@@ -50,8 +50,7 @@ static enum status read_header(struct table *table)
 	const char *name = any ? strsep(&rest, ",") : NULL;
 	if (name == NULL || strcmp(name, "t") != 0)
 		return wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
-	driver->held = mem_calloc(strlen(table->text) + (rest != NULL ? strlen(rest) : 0) + 2, sizeof *driver->held);
-	TRY_MEM(driver->held, "a table of controls");
+	TRY(mem_zeroed(&driver->held, strlen(table->text) + (rest != NULL ? strlen(rest) : 0) + 2, sizeof *driver->held, "a table of controls"));
 	while ((name = strsep(&rest, ",")) != NULL) {
 		const int actuator = mj_name2id(table->vehicle->model, mjOBJ_ACTUATOR, name);
 		if (actuator < 0)
@@ -69,13 +68,7 @@ static enum status read_row(struct table *table)
 	struct driver *driver = &table->vehicle->driver;
 	const size_t width = driver->held_count + 1;
 	char *rest = table->text, *field, *end;
-	if (driver->row_count == table->room) {
-		const size_t room = table->room > 0 ? 2 * table->room : 256;
-		double *grown = mem_realloc(driver->table, room, width * sizeof *grown);
-		TRY_MEM(grown, "a table of controls");
-		driver->table = grown;
-		table->room = room;
-	}
+	TRY(mem_grow(&driver->table, &table->room, driver->row_count + 1, width * sizeof *driver->table, "a table of controls"));
 	double *row = &driver->table[driver->row_count * width];
 	size_t count = 0;
 	for (; (field = strsep(&rest, ",")) != NULL && count < width; count++) {

@@ -24,9 +24,7 @@
  * wheel that slips steadily feels nothing of it, and a body at rest does not creep. It is a dashpot in series with a spring, so it
  * gives no energy.
  */
-#include <assert.h>
 #include <math.h>
-#include <string.h>
 
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"

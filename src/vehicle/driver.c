@@ -1,7 +1,5 @@
 /* What sets the controls of a vehicle's actuators: a path that it follows, a table in time, or constants. */
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "dem/dem.h"
 #include "vehicle/internal.h"
@@ -96,8 +94,7 @@ static enum status make_hold(struct vehicle *vehicle, const char *where)
 {
 	struct driver *driver = &vehicle->driver;
 	const struct scene_texts *names = &vehicle->scene->held;
-	driver->held = mem_calloc(names->count + 1, sizeof *driver->held);
-	TRY_MEM(driver->held, "a driver");
+	TRY(mem_zeroed(&driver->held, names->count + 1, sizeof *driver->held, "a driver"));
 	for (size_t i = 0; i < names->count; i++) {
 		driver->held[i] = mj_name2id(vehicle->model, mjOBJ_ACTUATOR, names->list[i]);
 		if (driver->held[i] < 0)
@@ -162,11 +159,7 @@ enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *wo
 
 void vehicle_free_driver(struct driver *driver)
 {
-	mem_free(driver->steer);
-	mem_free(driver->drive);
-	mem_free(driver->points);
-	mem_free(driver->held);
-	mem_free(driver->table);
+	mem_free_all(driver->steer, driver->drive, driver->points, driver->held, driver->table);
 }
 
 /* The driver's controls. */

@@ -1,5 +1,4 @@
 /* What pictures show of vehicles: the geoms of their models, in groups 0 to 2, as MuJoCo shows them. */
-#include <math.h>
 #include <string.h>
 
 #include "vehicle/internal.h"
@@ -30,8 +29,7 @@ static enum status make_figure(const struct vehicle *vehicle, struct figure *fig
 	static const double same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 	char name[256];
 	vehicle_geom_name(model, figure->geom, name, sizeof name);
-	drawn->name = mem_strdup(name);
-	TRY_MEM(drawn->name, "the parts of a vehicle");
+	TRY(mem_text(&drawn->name, name, "the parts of a vehicle"));
 	memcpy(figure->axes, soil != NULL ? soil->axes : same, sizeof figure->axes);
 	if (soil != NULL && soil->shape.kind == SOIL_WHEEL) {
 		drawn->shape = soil->shape;
@@ -89,10 +87,7 @@ void vehicle_free_figures(struct vehicles *vehicles)
 		mem_free(vehicles->drawn[i].name);
 		vehicle_free_mesh(vehicles->figures[i].mesh);
 	}
-	mem_free(vehicles->drawn);
-	mem_free(vehicles->figures);
-	mem_free(vehicles->places);
-	mem_free(vehicles->frames);
+	mem_free_all(vehicles->drawn, vehicles->figures, vehicles->places, vehicles->frames);
 }
 
 /* --- where they are --- */

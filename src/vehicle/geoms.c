@@ -216,8 +216,7 @@ static enum status make_name(const struct vehicle *vehicle, size_t index)
 	for (size_t i = 0; i < index; i++)
 		if (strcmp(vehicle->geoms[i].name, name) == 0)
 			snprintf(name, sizeof name, "%s.%s_%d", vehicle->scene->name, geom, out->geom);
-	out->name = mem_strdup(name);
-	return out->name != NULL ? STATUS_OK : fail_memory("a vehicle");
+	return mem_text(&out->name, name, "a vehicle");
 }
 
 static enum status make_geom(const struct vehicle *vehicle, size_t index, const char *where)
@@ -249,8 +248,7 @@ static enum status no_geom(const struct vehicle *vehicle, const char *where)
 enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
-	vehicle->geoms = mem_calloc((size_t)model->ngeom + 1, sizeof *vehicle->geoms);
-	TRY_MEM(vehicle->geoms, "a vehicle");
+	TRY(mem_zeroed(&vehicle->geoms, (size_t)model->ngeom + 1, sizeof *vehicle->geoms, "a vehicle"));
 	for (int i = 0; i < model->ngeom; i++) {
 		if (!is_soil_geom(vehicle, i))
 			continue;

@@ -1,6 +1,4 @@
 /* Vehicles of a host's world: where they are, what the soil does to them, the host's controls, and the way back to a checkpoint. */
-#include <math.h>
-#include <string.h>
 
 #include "vehicle/internal.h"
 

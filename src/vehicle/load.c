@@ -1,7 +1,6 @@
 /* Reads the model of a vehicle, and checks that it fits the scene. */
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include <xxhash.h>
 
 #include "vehicle/check.h"
@@ -172,10 +171,5 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->data);
 	if (vehicle->model != NULL)
 		mj_deleteModel(vehicle->model);
-	mem_free(vehicle->joints);
-	mem_free(vehicle->row_joints);
-	mem_free(vehicle->room);
-	mem_free(vehicle->contacts);
-	mem_free(vehicle->pushed);
-	mem_free(vehicle->host_controls);
+	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->host_controls);
 }

@@ -76,19 +76,6 @@ static void mix(const mjModel *const models[2], const int geoms[2], struct meeti
 	meeting->friction = dim[0] > 1 || dim[1] > 1 ? fmax(friction[0], friction[1]) : 0;
 }
 
-static struct meeting *new_meeting(struct between *between)
-{
-	if (between->count == between->room) {
-		const size_t room = 2 * between->room + 64;
-		struct meeting *more = mem_realloc(between->meetings, room, sizeof *more);
-		if (more == NULL)
-			return NULL;
-		between->meetings = more;
-		between->room = room;
-	}
-	return &between->meetings[between->count++];
-}
-
 static void set_axes(struct meeting *meeting, const double normal[3])
 {
 	double beside[3] = {0, 0, 0};
@@ -134,8 +121,8 @@ static enum status meet(struct vehicles *vehicles, const struct part *const part
 	for (int i = 0; i < count; i++) {
 		if (touches[i].gap >= margin - least)
 			continue;
-		struct meeting *meeting = new_meeting(between);
-		TRY_MEM(meeting, "contacts of vehicles");
+		TRY(mem_grow(&between->meetings, &between->room, between->count + 1, sizeof *between->meetings, "contacts of vehicles"));
+		struct meeting *meeting = &between->meetings[between->count++];
 		*meeting = (struct meeting){.vehicle = {parts[0]->vehicle, parts[1]->vehicle}, .geom = {geoms[0], geoms[1]},
 					    .gap = touches[i].gap - (margin - least), .depth = -touches[i].gap};
 		mju_copy3(meeting->point[0], touches[i].place);

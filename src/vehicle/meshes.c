@@ -100,7 +100,5 @@ void vehicle_free_mesh(struct soil_mesh *mesh)
 {
 	if (mesh == NULL)
 		return;
-	mem_free(mesh->vertices);
-	mem_free(mesh->triangles);
-	mem_free(mesh);
+	mem_free_all(mesh->vertices, mesh->triangles, mesh);
 }

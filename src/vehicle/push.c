@@ -106,12 +106,7 @@ static enum status lay_out(const struct vehicles *vehicles)
 		for (int k = 0; k < 2; k++)
 			need += 6 * (size_t)vehicles->list[between->meetings[i].vehicle[k]].model->nv;
 	need += 3 * widest;
-	if (need > between->row_room) {
-		double *more = mem_realloc(between->rows, need, sizeof *more);
-		TRY_MEM(more, "contacts of vehicles");
-		between->rows = more;
-		between->row_room = need;
-	}
+	TRY(mem_grow(&between->rows, &between->row_room, need, sizeof *between->rows, "contacts of vehicles"));
 	double *next = between->rows + 3 * widest;
 	for (size_t i = 0; i < between->count; i++)
 		for (int k = 0; k < 2; k++) {

@@ -59,11 +59,7 @@ static void finish(struct statics *statics)
 {
 	if (statics->data != NULL)
 		mj_deleteData(statics->data);
-	mem_free(statics->springs);
-	mem_free(statics->jacobians);
-	mem_free(statics->matrix);
-	mem_free(statics->fixed);
-	mem_free(statics->motion);
+	mem_free_all(statics->springs, statics->jacobians, statics->matrix, statics->fixed, statics->motion);
 }
 
 static void add_outer(double *matrix, const double *row, double factor, int nv)

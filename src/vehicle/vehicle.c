@@ -33,8 +33,7 @@ static enum status make_lists(struct vehicles *vehicles)
 /* Reads all models, and makes what is made of them once. */
 static enum status load(const struct scene *scene, struct vehicles *vehicles)
 {
-	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
-	TRY_MEM(vehicles->list, "the vehicles");
+	TRY(mem_zeroed(&vehicles->list, scene->vehicle_count, sizeof *vehicles->list, "the vehicles"));
 	for (size_t i = 0; i < scene->vehicle_count; i++) {
 		vehicles->count = i + 1;
 		vehicles->list[i].scene = &scene->vehicles[i];
@@ -71,13 +70,7 @@ void vehicle_destroy(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		vehicle_forget(&vehicles->list[v]);
 	vehicle_free_figures(vehicles);
-	mem_free(vehicles->list);
-	mem_free(vehicles->numbers);
-	mem_free(vehicles->states);
-	mem_free(vehicles->belts);
-	mem_free(vehicles->contacts);
-	mem_free(vehicles->record);
-	mem_free(vehicles);
+	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles);
 }
 
 size_t vehicle_attached(const struct vehicles *vehicles)
@@ -104,7 +97,7 @@ static enum status add_body(struct world *world, struct soil_geom *geom)
 		mem_free(object.name);
 		return status;
 	}
-	world_body_quiet(world, geom->number);
+	world_body_of_vehicle(world, geom->number);
 	return STATUS_OK;
 }
 

@@ -46,8 +46,7 @@ enum status world_batches_create(struct world *world)
 	world_deform_params(world, &params);
 	if (!params.batches)
 		return STATUS_OK;
-	world->batches = mem_calloc(1, sizeof *world->batches);
-	return world->batches != NULL ? STATUS_OK : fail_memory("contacts that wait");
+	return mem_zeroed(&world->batches, 1, sizeof *world->batches, "contacts that wait");
 }
 
 void world_batches_free(struct world *world)
@@ -55,9 +54,7 @@ void world_batches_free(struct world *world)
 	if (world->batches == NULL)
 		return;
 	key_map_finish(&world->batches->last);
-	mem_free(world->batches->list);
-	mem_free(world->batches->order);
-	mem_free(world->batches);
+	mem_free_all(world->batches->list, world->batches->order, world->batches);
 	world->batches = NULL;
 }
 
@@ -90,13 +87,7 @@ static size_t last_round(const struct batches *batches, struct post_rect rect)
 static enum status add(struct batches *batches, const struct waiting *waiting)
 {
 	const struct post_rect blocks = world_blocks_of(waiting->window.read);
-	if (batches->count == batches->room) {
-		size_t room = batches->room != 0 ? 2 * batches->room : 64;
-		struct waiting *list = mem_realloc(batches->list, room, sizeof *list);
-		TRY_MEM(list, "contacts that wait");
-		batches->list = list;
-		batches->room = room;
-	}
+	TRY(mem_grow(&batches->list, &batches->room, batches->count + 1, sizeof *batches->list, "contacts that wait"));
 	batches->list[batches->count++] = *waiting;
 	enum status status = STATUS_OK;
 	for (int64_t y = blocks.y0; y < blocks.y1; y++)
@@ -232,12 +223,7 @@ static enum status one_batch(struct world *world, size_t *at)
 static enum status sort(struct batches *batches)
 {
 	const size_t needed = batches->count + batches->rounds + 1;
-	if (batches->order_room < needed) {
-		size_t *order = mem_realloc(batches->order, 2 * needed, sizeof *order);
-		TRY_MEM(order, "contacts that wait");
-		batches->order = order;
-		batches->order_room = 2 * needed;
-	}
+	TRY(mem_grow(&batches->order, &batches->order_room, needed, sizeof *batches->order, "contacts that wait"));
 	size_t *first = batches->order + batches->count; /* of a round: how many come before it */
 	memset(first, 0, (batches->rounds + 1) * sizeof *first);
 	for (size_t i = 0; i < batches->count; i++)

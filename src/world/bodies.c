@@ -162,13 +162,9 @@ static enum status make_room(struct world *world)
 		return STATUS_OK;
 	if (world->body_count >= INT32_MAX / 2)
 		return fail_with(STATUS_FAILED, "bodies: too many were added; close the world and open it again");
-	const size_t room = world->body_room > 0 ? 2 * world->body_room : 16;
-	struct body **bodies = mem_realloc(world->bodies, room, sizeof *bodies);
-	TRY_MEM(bodies, "a body");
-	world->bodies = bodies;
-	struct deform_rest *rests = mem_realloc(world->relaxation.rests, room, sizeof *rests);
-	TRY_MEM(rests, "a body");
-	world->relaxation.rests = rests;
+	const size_t room = mem_room(world->body_room, world->body_count + 1);
+	TRY(mem_resize(&world->bodies, room, sizeof *world->bodies, "a body"));
+	TRY(mem_resize(&world->relaxation.rests, room, sizeof *world->relaxation.rests, "a body"));
 	world->body_room = room;
 	return STATUS_OK;
 }
@@ -193,8 +189,7 @@ enum status world_list_body(struct world *world, enum body_kind kind, const stru
 enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached));
-	TRY_MEM(world->record, "the objects");
+	TRY(mem_zeroed(&world->record, 1, world_record_bytes_with(scene->object_count, world->params.attached), "the objects"));
 	world->record->attached_count = world->params.attached;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
@@ -216,8 +211,7 @@ void world_body_free(struct body *body)
 	motion_track_destroy(body->track);
 	if (body->host.owned != NULL)
 		scene_object_finish(body->host.owned);
-	mem_free(body->host.owned);
-	mem_free(body);
+	mem_free_all(body->host.owned, body);
 }
 
 void world_free_bodies(struct world *world)
@@ -226,9 +220,7 @@ void world_free_bodies(struct world *world)
 		world_body_free(world->bodies[i]);
 	world->body_count = 0;
 	world_names_free(world);
-	mem_free(world->bodies);
-	mem_free(world->relaxation.rests);
-	mem_free(world->record);
+	mem_free_all(world->bodies, world->relaxation.rests, world->record);
 }
 
 void world_place(const struct world *world, size_t body, double place[3], double *yaw)

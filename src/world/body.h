@@ -18,7 +18,7 @@ struct world_force {
 	double force[3], moment[3]; /* N, N m */
 	double sinkage, area;       /* m below the base; m2 */
 	double residual, pull;      /* N: struct deform_forces */
-	double work;                /* J: what a quiet body has done on the soil since the start; of other bodies 0 */
+	double work;                /* J: what a body of a vehicle has done on the soil since the start; of others 0 */
 	int64_t z;                  /* 2^-20 m */
 	enum deform_state state;
 };
@@ -26,7 +26,7 @@ struct world_force {
 enum body_kind {
 	BODY_PATH,    /* it follows its path */
 	BODY_HOST,    /* a host sets its states */
-	BODY_VEHICLE, /* a soil geom of a vehicle, which sets its states and computes its forces with world_probe (world_body_quiet) */
+	BODY_VEHICLE, /* a soil geom of a vehicle, which sets its states and computes its forces with world_probe (world_body_of_vehicle) */
 	BODY_DROPPED  /* a window sets it down once */
 };
 
@@ -68,7 +68,7 @@ struct body {
 	const struct scene_object *object;
 	struct track *track;      /* its path; NULL: it has none */
 	int64_t next;             /* number of its next path sample */
-	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
+	bool has_last;          /* there was ground below `last`, so the next contact is swept from it. The body may be in the air there */
 	struct soil_pose last;    /* the pose up to which its motion has changed the ground */
 	double distance, sinkage; /* m */
 	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */
@@ -121,9 +121,9 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
  * belt is now. On failure no belt is set. */
 enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_belt *belts)
 	FURROW_CHECKED;
-/* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
+/* From now on a vehicle moves this body, and computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */
-void world_body_quiet(struct world *world, int32_t number);
+void world_body_of_vehicle(struct world *world, int32_t number);
 #define WORLD_SINKAGE_SHARE 0.1 /* of a post: a body that moved up or down by so much since its last contact changes the ground */
 /* How a body sank and went in plan since its last contact, and how it does in the step that follows; m. turned, turns: rad about local x and y. */
 struct world_sinking {
@@ -136,12 +136,12 @@ struct world_sinking {
 bool world_leaves_dip(const struct world_sinking *sinking, double least);
 /* Returns how far from its middle the lower side of a body lies that rises and sinks as it turns, m. 0: it does not. */
 double world_turning_reach(const struct soil_shape *shape);
-/* Tells the force on a quiet body for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
+/* Tells the force on a body of a vehicle for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
 enum status world_body_tell(struct world *world, int32_t number, const struct furrow_state *state, const struct world_force *force,
 			    double slip) FURROW_CHECKED;
 /* Moves the host's bodies to the states that were set, without a time step. */
 enum status world_move_hosts(struct world *world) FURROW_CHECKED;
-/* The state of a quiet body as numbers, for a record, and back. STATUS_INPUT: they contradict each other. */
+/* The state of a body of a vehicle as numbers, for a record, and back. STATUS_INPUT: they contradict each other. */
 #define WORLD_BODY_NUMBERS 26
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS]);
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS]) FURROW_CHECKED;

@@ -14,13 +14,7 @@ void world_changes_begin(struct world *world)
 
 static enum status add(struct world_changes *changes, struct tile tile, struct changed_tile **out)
 {
-	if (changes->count == changes->room) {
-		const size_t room = changes->room > 0 ? 2 * changes->room : 64;
-		struct changed_tile *list = mem_realloc(changes->list, room, sizeof *list);
-		TRY_MEM(list, "what changed");
-		changes->list = list;
-		changes->room = room;
-	}
+	TRY(mem_grow(&changes->list, &changes->room, changes->count + 1, sizeof *changes->list, "what changed"));
 	TRY(key_map_put(&changes->places, tile_key(tile), (double)changes->count, 0));
 	*out = &changes->list[changes->count++];
 	**out = (struct changed_tile){.tile = tile};

@@ -56,22 +56,18 @@ static enum status save(struct world *world, struct checkpoint **out)
 		.bodies = mem_calloc(world->body_count + 1, sizeof *saved->bodies),
 		.body_count = world->body_count,
 	};
-	enum status status = STATUS_OK;
-	if (saved->record == NULL || saved->bodies == NULL)
-		status = fail_memory("a checkpoint");
-	for (size_t i = 0; i < world->body_count && status == STATUS_OK; i++)
+	enum status status;
+	TRY_OR(failed, saved->record != NULL && saved->bodies != NULL ? STATUS_OK : fail_memory("a checkpoint"));
+	for (size_t i = 0; i < world->body_count; i++)
 		if (world->bodies[i] != NULL)
 			saved->bodies[i] = *world->bodies[i];
-	if (status == STATUS_OK)
-		status = world_forces_save(world->forces, &saved->forces);
-	if (status == STATUS_OK)
-		status = world_tally(world, &saved->tally);
-	if (status != STATUS_OK) {
-		world_checkpoint_free(saved);
-		return status;
-	}
+	TRY_OR(failed, world_forces_save(world->forces, &saved->forces));
+	TRY_OR(failed, world_tally(world, &saved->tally));
 	*out = saved;
 	return STATUS_OK;
+failed:
+	world_checkpoint_free(saved);
+	return status;
 }
 
 enum status world_checkpoint(struct world *world)
@@ -79,20 +75,18 @@ enum status world_checkpoint(struct world *world)
 	struct checkpoint *saved = NULL;
 	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "checkpoint: the last step failed half-way; roll back first, or close the world");
-	enum status status = world_hosts_commit(world);
-	if (status == STATUS_OK && world_has_begun(world))
-		status = page_cache_flush(world->resident.cache, world->record);
-	if (status == STATUS_OK)
-		status = save(world, &saved);
-	if (status == STATUS_OK && !world->params.readonly)
-		status = resident_pages_mark(world->resident.pages);
-	if (status != STATUS_OK) {
-		world_checkpoint_free(saved);
-		return status;
-	}
+	TRY(world_hosts_commit(world));
+	if (world_has_begun(world))
+		TRY(page_cache_flush(world->resident.cache, world->record));
+	TRY(save(world, &saved));
+	enum status status;
+	TRY_OR(failed, world->params.readonly ? STATUS_OK : resident_pages_mark(world->resident.pages));
 	world_checkpoint_free(world->checkpoint);
 	world->checkpoint = saved;
 	return STATUS_OK;
+failed:
+	world_checkpoint_free(saved);
+	return status;
 }
 
 enum status world_checkpoint_begun(struct world *world)
@@ -162,15 +156,16 @@ enum status world_rollback(struct world *world)
 	if (saved == NULL)
 		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint; make one first");
 	const size_t objects = world->scene->object_count;
-	enum status status = world_has_begun(world) ? resident_pages_rollback(world->resident.pages) : STATUS_OK; /* else the ground is as it was */
-	if (status != STATUS_OK)
-		return status;
+	TRY(world_has_begun(world) ? resident_pages_rollback(world->resident.pages) : STATUS_OK); /* else the ground is as it was */
 	world_return_to(world, saved->begun);
 	page_cache_hold(world->resident.cache, !saved->begun);
 	world->step = saved->step;
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;
 	memcpy(world->record, saved->record, world_record_bytes_with(objects, world->record->attached_count));
+	world_batches_forget(world); /* contacts of a step that failed */
+	world_meetings_forget(world);
+	world_happened_clear(world); /* it names bodies that may go now */
 	restore_bodies(world, saved);
 	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
@@ -179,10 +174,11 @@ enum status world_rollback(struct world *world)
 	resident_pyramid_forget(world->resident.pyramid);
 	resident_newest_changed(world->resident.newest);
 	world_changes_rollback(world, saved->revision);
-	status = restore_deform(world, saved);
-	if (status == STATUS_OK)
-		status = rewind_paths(world);
-	if (status != STATUS_OK)
-		world_tear(world);
+	enum status status;
+	TRY_OR(failed, restore_deform(world, saved));
+	TRY_OR(failed, rewind_paths(world));
+	return STATUS_OK;
+failed:
+	world_tear(world);
 	return status;
 }

@@ -18,12 +18,13 @@ static enum status pin(struct world *world, struct held_tiles *held)
 		held->count = 0;
 		return status;
 	}
-	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < held->count; i++) {
 		held->tiles[i].slot = slots[i];
-		status = world_see(world, &held->tiles[i]);
+		TRY_OR(failed, world_see(world, &held->tiles[i]));
 	}
-	if (status != STATUS_OK)
-		world_release(world, held);
+	return STATUS_OK;
+failed:
+	world_release(world, held);
 	return status;
 }
 
@@ -169,7 +170,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 	struct deform_contact contact = {
 		.shape = &body->object->shape,
 		.interface = body->object->interface,
-		.from = body->in_contact ? body->last : event->pose,
+		.from = body->has_last ? body->last : event->pose,
 		.to = event->pose,
 		.load = body->object->load,
 		.loaded_body = body->loaded_body,
@@ -188,7 +189,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		return contact;
 	}
 	contact.to.turn = contact.from.turn = body->last.turn;
-	if (body->in_contact)
+	if (body->has_last)
 		roll(body, &contact);
 	return contact;
 }
@@ -199,7 +200,7 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
 	TRY(bearing_area(world->bearing, contact, &area));
-	if (!feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
+	if (!feels && body->has_last && !bearing_covers(world->bearing, contact, &area, &body->last))
 		TRY(world_let_go(world, body));
 	if (post_rect_empty(area.write)) {
 		world_forces_absent(world->forces, event->body, event);
@@ -214,81 +215,92 @@ enum status world_feel(struct world *world, const struct event *event)
 	return bearing_contact_at(world, event, &contact, true);
 }
 
+/* Computes a window, and writes it if it is the only one. */
+static enum status compute_window(struct world *world, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer, bool only)
+{
+	struct held_tiles held;
+	enum status status;
+	TRY(world_hold(world, window->read, &held));
+	TRY_OR(done, deform_compute(world->deform, contact, window, layer, held.tiles, held.count));
+	if (only)
+		TRY_OR(done, scatter(world, window, layer, &held));
+done:
+	world_release(world, &held);
+	return status;
+}
+
+static enum status write_window(struct world *world, const struct deform_window *window, uint32_t layer)
+{
+	struct held_tiles held;
+	TRY(world_hold(world, window->write, &held));
+	const enum status status = scatter(world, window, layer, &held);
+	world_release(world, &held);
+	return status;
+}
+
+static enum status compute_windows(struct world *world, const struct event *event, const struct deform_contact *contact,
+				   const struct deform_window *windows, size_t count)
+{
+	TRY(world_tell_contact(world, event, contact, windows, count));
+	for (size_t i = 0; i < count; i++)
+		TRY(compute_window(world, contact, &windows[i], (uint32_t)i, count == 1));
+	world_count_windows(world_body_at(world, event->body), contact, deform_windows_computed(windows, count));
+	/* Several windows read the ground as it was before any of them changed it. */
+	for (size_t i = 0; count > 1 && i < count; i++)
+		TRY(write_window(world, &windows[i], (uint32_t)i));
+	return STATUS_OK;
+}
+
 /* Computes windows at once. */
 static enum status compute_alone(struct world *world, const struct event *event, const struct deform_contact *contact,
 				 const struct deform_window *windows, size_t count)
 {
-	struct held_tiles held = {.count = 0};
-	enum status status = world_tell_contact(world, event, contact, windows, count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = world_hold(world, windows[i].read, &held);
-		if (status == STATUS_OK)
-			status = deform_compute(world->deform, contact, &windows[i], (uint32_t)i, held.tiles, held.count);
-		if (status == STATUS_OK && count == 1)
-			status = scatter(world, &windows[0], 0, &held);
-		world_release(world, &held);
-	}
-	if (status == STATUS_OK)
-		world_count_windows(world_body_at(world, event->body), contact, deform_windows_computed(windows, count));
-	/* Several windows read the ground as it was before any of them changed it. */
-	for (size_t i = 0; count > 1 && i < count && status == STATUS_OK; i++) {
-		status = world_hold(world, windows[i].write, &held);
-		if (status == STATUS_OK)
-			status = scatter(world, &windows[i], (uint32_t)i, &held);
-		world_release(world, &held);
-	}
+	const enum status status = compute_windows(world, event, contact, windows, count);
 	world_happened_relaxes(world);
 	return status;
+}
+
+/* A contact that the GPU computes. */
+static enum status deform_contact_at(struct world *world, const struct event *event, struct deform_contact *contact, bool waits)
+{
+	const struct body *body = world_body_at(world, event->body);
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count = 0;
+	bool aloft = false, waiting = false;
+	TRY(deform_windows(world->deform, contact, windows, &count));
+	/* Whether a body is above the ground depends on the contacts before. */
+	if (waits && event->sinkage < 0)
+		TRY(world_batches_flush(world));
+	TRY(world_is_aloft(world, event, contact, windows, count, &aloft));
+	if (count > 0 && !aloft)
+		world_forces_met(world->forces, event->body, event);
+	else
+		world_forces_absent(world->forces, event->body, event);
+	/* The ground under its last pose is free now. If the object jumped or turned, the contact may not cover it; then make
+	 * it active. */
+	if (body->has_last && !deform_covers(world->deform, contact, &body->last))
+		TRY(world_let_go(world, body));
+	const size_t due = deform_windows_computed(windows, count);
+	world->counts.windows.due += due;
+	world->counts.windows.computed += aloft ? 0 : due;
+	count = aloft ? 0 : count;
+	if (waits && count > 0)
+		TRY(world_batches_take(world, event, contact, windows, count, &waiting));
+	return waiting ? STATUS_OK : compute_alone(world, event, contact, windows, count);
 }
 
 static enum status contact_at(struct world *world, const struct event *event, bool waits)
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_contact contact = contact_of(world, body, event);
-	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	size_t count = 0;
-	if (body->elsewhere) { /* of a vehicle: what the host knows of it goes on */
-		body->in_contact = true;
-		body->last = contact.to;
-		return STATUS_OK;
-	}
-	if (world->bearing != NULL && !world_feels(world)) {
-		enum status status = world_kinematic_contact(world, event, &contact);
-		body->in_contact = true;
-		body->last = contact.to;
-		return status;
-	}
-	if (world->bearing != NULL) {
-		enum status status = bearing_contact_at(world, event, &contact, false);
-		body->in_contact = true;
-		body->last = contact.to;
-		return status;
-	}
-	enum status status = deform_windows(world->deform, &contact, windows, &count);
-	bool aloft = false, waiting = false;
-	waits = waits && world->batches != NULL;
-	/* Whether a body is above the ground depends on the contacts before. */
-	if (status == STATUS_OK && waits && event->sinkage < 0)
-		status = world_batches_flush(world);
-	if (status == STATUS_OK)
-		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
-	if (status == STATUS_OK && count > 0 && !aloft)
-		world_forces_met(world->forces, event->body, event);
+	enum status status = STATUS_OK;
+	if (body->elsewhere) /* of a vehicle: what the host knows of it goes on */
+		status = STATUS_OK;
+	else if (world->bearing == NULL)
+		status = deform_contact_at(world, event, &contact, waits && world->batches != NULL);
 	else
-		world_forces_absent(world->forces, event->body, event);
-	/* The ground under its last pose is free now. If the object jumped or turned, the contact may not cover it; then make
-	 * it active. */
-	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &contact, &body->last))
-		status = world_let_go(world, body);
-	const size_t due = deform_windows_computed(windows, count), computed = aloft ? 0 : due;
-	world->counts.windows.due += due;
-	world->counts.windows.computed += computed;
-	count = aloft ? 0 : count;
-	if (status == STATUS_OK && waits && count > 0)
-		status = world_batches_take(world, event, &contact, windows, count, &waiting);
-	if (status == STATUS_OK && !waiting)
-		status = compute_alone(world, event, &contact, windows, count);
-	body->in_contact = true;
+		status = world_feels(world) ? bearing_contact_at(world, event, &contact, false) : world_kinematic_contact(world, event, &contact);
+	body->has_last = true;
 	body->last = contact.to;
 	return status;
 }

@@ -12,13 +12,7 @@ static enum status add_event(struct world *world, const struct event *event)
 		return fail_with(STATUS_INPUT, "time_step: a step of %g s brings more than %d path samples; make it shorter, or the "
 					       "spacing coarser",
 				 world->scene->time_step, EVENTS_MAX);
-	if (world->events.count == world->events.room) {
-		size_t room = world->events.room != 0 ? 2 * world->events.room : 64;
-		struct event *events = mem_realloc(world->events.list, room, sizeof *events);
-		TRY_MEM(events, "the path samples of a step");
-		world->events.list = events;
-		world->events.room = room;
-	}
+	TRY(mem_grow(&world->events.list, &world->events.room, world->events.count + 1, sizeof *world->events.list, "the path samples of a step"));
 	world->events.list[world->events.count++] = *event;
 	return STATUS_OK;
 }
@@ -106,13 +100,7 @@ struct event_run {
 
 static enum status add_ahead(struct world_events *events, const struct event *event)
 {
-	if (events->ahead_count == events->ahead_room) {
-		const size_t room = events->ahead_room != 0 ? 2 * events->ahead_room : 256;
-		struct event *ahead = mem_realloc(events->ahead, room, sizeof *ahead);
-		TRY_MEM(ahead, "the path samples of a plan");
-		events->ahead = ahead;
-		events->ahead_room = room;
-	}
+	TRY(mem_grow(&events->ahead, &events->ahead_room, events->ahead_count + 1, sizeof *events->ahead, "the path samples of a plan"));
 	events->ahead[events->ahead_count++] = *event;
 	return STATUS_OK;
 }

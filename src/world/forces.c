@@ -82,7 +82,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 			continue;
 		struct track_point point;
 		motion_track_sample(world->bodies[i]->track, object->next - 1, &point);
-		forces->standing[i] = (struct standing){.pose = object->last, .force = object->force, .placed = true, .felt = object->in_contact};
+		forces->standing[i] = (struct standing){.pose = object->last, .force = object->force, .placed = true, .felt = object->has_last};
 		forces->standing[i].pose.x = point.qx;
 		forces->standing[i].pose.y = point.qy;
 	}
@@ -97,9 +97,7 @@ void world_forces_destroy(struct forces *forces)
 {
 	if (forces == NULL)
 		return;
-	mem_free(forces->standing);
-	mem_free(forces->entries);
-	mem_free(forces);
+	mem_free_all(forces->standing, forces->entries, forces);
 }
 
 /* --- what contacts tell --- */
@@ -181,13 +179,7 @@ void world_forces_record(const struct forces *forces, size_t body, struct world_
 
 static enum status add_entry(struct forces *forces, const struct entry *entry)
 {
-	if (forces->count == forces->room) {
-		size_t room = forces->room != 0 ? 2 * forces->room : 64;
-		struct entry *entries = mem_realloc(forces->entries, room, sizeof *entries);
-		TRY_MEM(entries, "forces");
-		forces->entries = entries;
-		forces->room = room;
-	}
+	TRY(mem_grow(&forces->entries, &forces->room, forces->count + 1, sizeof *forces->entries, "forces"));
 	forces->entries[forces->count++] = *entry;
 	return STATUS_OK;
 }
@@ -228,13 +220,7 @@ static enum status give_row(struct forces *forces, const struct entry *entry)
 {
 	struct world *world = forces->world;
 	const struct soil_pose *pose = &entry->pose;
-	if (world->rows.count == world->rows.room) {
-		const size_t room = 2 * world->rows.count + 64;
-		struct world_row *rows = mem_realloc(world->rows.list, room, sizeof *rows);
-		TRY_MEM(rows, "rows");
-		world->rows.list = rows;
-		world->rows.room = room;
-	}
+	TRY(mem_grow(&world->rows.list, &world->rows.room, world->rows.count + 1, sizeof *world->rows.list, "rows"));
 	struct world_row row = {
 		.time = entry->t,
 		.body = entry->object,
@@ -340,8 +326,7 @@ void world_forces_saved_free(struct forces_saved *saved)
 {
 	if (saved == NULL)
 		return;
-	mem_free(saved->standing);
-	mem_free(saved);
+	mem_free_all(saved->standing, saved);
 }
 
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out)

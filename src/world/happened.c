@@ -28,8 +28,7 @@ void world_happened_clear(struct world *world)
 
 void world_happened_finish(struct world *world)
 {
-	mem_free(world->happened.told.touches);
-	mem_free(world->happened.told.changes);
+	mem_free_all(world->happened.told.touches, world->happened.told.changes);
 }
 
 enum status world_happened_touch(struct world *world, const struct event *event, const struct contact_area *area)
@@ -38,13 +37,7 @@ enum status world_happened_touch(struct world *world, const struct event *event,
 	const struct body *body = world_body_at(world, event->body);
 	if (!world->happened.watched)
 		return STATUS_OK;
-	if (told->touch_count == world->happened.touch_room) {
-		const size_t room = 2 * told->touch_count + 64;
-		struct world_touch *touches = mem_realloc(told->touches, room, sizeof *touches);
-		TRY_MEM(touches, "what a picture has to know");
-		told->touches = touches;
-		world->happened.touch_room = room;
-	}
+	TRY(mem_grow(&told->touches, &world->happened.touch_room, told->touch_count + 1, sizeof *told->touches, "what a picture has to know"));
 	world->happened.touch = told->touch_count;
 	told->touches[told->touch_count++] = (struct world_touch){
 		.shape = &body->object->shape,
@@ -65,13 +58,7 @@ enum status world_happened_change(struct world *world, struct tile tile)
 	struct world_happened *told = &world->happened.told;
 	if (!world->happened.watched)
 		return STATUS_OK;
-	if (told->change_count == world->happened.change_room) {
-		const size_t room = 2 * told->change_count + 64;
-		struct world_change *changes = mem_realloc(told->changes, room, sizeof *changes);
-		TRY_MEM(changes, "what a picture has to know");
-		told->changes = changes;
-		world->happened.change_room = room;
-	}
+	TRY(mem_grow(&told->changes, &world->happened.change_room, told->change_count + 1, sizeof *told->changes, "what a picture has to know"));
 	told->changes[told->change_count++] = (struct world_change){tile, world->happened.touch};
 	return STATUS_OK;
 }

@@ -86,7 +86,7 @@ static enum status pose_of(const struct body *body, struct soil_pose *pose)
 /* Returns what its belt has run since its last contact, m. */
 static double ran_to(const struct body *body, const struct soil_pose *to)
 {
-	return body->in_contact ? to->turn - body->last.turn : 0;
+	return body->has_last ? to->turn - body->last.turn : 0;
 }
 
 static bool is_worth_a_contact(const struct world *world, const struct body *body, const struct soil_pose *to)
@@ -135,8 +135,8 @@ static struct soil_pose between(const struct soil_pose *a, const struct soil_pos
 double world_stamp_after(const struct world *world, const struct body *body, const struct soil_pose *to)
 {
 	const struct soil_pose *from = &body->last;
-	const double less = body->in_contact ? 2 * travel(from, to) / world->resident.spacing : 0;
-	const bool sinks = !body->in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->resident.spacing;
+	const double less = body->has_last ? 2 * travel(from, to) / world->resident.spacing : 0;
+	const bool sinks = !body->has_last || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->resident.spacing;
 	return fmax((sinks ? 1 : body->host.stamped) - less, 0);
 }
 
@@ -146,11 +146,11 @@ static enum status touch(struct world *world, size_t number, const struct soil_p
 	struct body *body = world->bodies[number];
 	const struct soil_pose from = body->last;
 	size_t parts = 1;
-	if (body->in_contact)
+	if (body->has_last)
 		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(body, to)) / world->resident.spacing - PART_MORE)));
 	enum status status = STATUS_OK;
 	for (size_t part = 1; part <= parts && status == STATUS_OK; part++) {
-		struct soil_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
+		struct soil_pose pose = body->has_last ? between(&from, to, part, parts) : *to;
 		if (body->object->shape.belt)
 			pose.turn = to->turn - body->host.turned * (double)(parts - part) / (double)parts;
 		struct event event = event_of(number, &pose, time);
@@ -158,7 +158,7 @@ static enum status touch(struct world *world, size_t number, const struct soil_p
 		event.turned = body->host.turned / (double)parts;
 		for (int k = 0; k < 3; k++)
 			event.rotated[k] = body->host.rotated[k] / (double)parts;
-		event.distance = body->in_contact ? travel(&body->last, &pose) : 0;
+		event.distance = body->has_last ? travel(&body->last, &pose) : 0;
 		event.stamped = body->host.stamped;
 		body->host.stamped = world_stamp_after(world, body, &pose);
 		status = over_ground(world, &event, &body->object->shape);
@@ -166,7 +166,7 @@ static enum status touch(struct world *world, size_t number, const struct soil_p
 			return status;
 		if (!event.contact) { /* off the terrain, or over a hole */
 			status = world_let_go(world, body);
-			body->in_contact = false;
+			body->has_last = false;
 			world_host_absent(world, event.body);
 			continue;
 		}
@@ -174,7 +174,7 @@ static enum status touch(struct world *world, size_t number, const struct soil_p
 		body->sinkage = event.sinkage;
 		status = world_contact(world, &event);
 	}
-	body->host.fresh = !body->in_contact;
+	body->host.fresh = !body->has_last;
 	body->host.since = body->host.turned = 0;
 	memset(body->host.rotated, 0, sizeof body->host.rotated);
 	body->host.felt = *to;
@@ -224,7 +224,7 @@ static bool goes_back(const struct world *world, const struct body *body, const 
 {
 	const struct soil_pose *from = &body->last, *at = &body->host.felt;
 	double before[2], after[2];
-	if (!body->in_contact || body->host.fresh)
+	if (!body->has_last || body->host.fresh)
 		return false;
 	const double went[2] = {lattice_offset_metres(at->x - from->x), lattice_offset_metres(at->y - from->y)};
 	const double goes[2] = {lattice_offset_metres(to->x - at->x), lattice_offset_metres(to->y - at->y)};
@@ -242,7 +242,7 @@ static bool goes_back(const struct world *world, const struct body *body, const 
  */
 bool world_turns_back(const struct world *world, const struct body *body, const struct soil_pose *to, double turned, const double rotated[3])
 {
-	return (body->in_contact && !body->host.fresh && leaves_dip(world, body, to, rotated)) || goes_back(world, body, to, turned, rotated);
+	return (body->has_last && !body->host.fresh && leaves_dip(world, body, to, rotated)) || goes_back(world, body, to, turned, rotated);
 }
 
 /* Computes only the forces, without changing the ground. */
@@ -264,8 +264,8 @@ static enum status feel(struct world *world, size_t number, const struct soil_po
 	return STATUS_OK;
 }
 
-/* A quiet body changes the ground whenever it is set. A wheel turns by less than half a turn between two contacts. */
-static enum status step_quiet(struct world *world, size_t number, double until)
+/* A body of a vehicle changes the ground whenever it is set. A wheel turns by less than half a turn between two contacts. */
+static enum status step_of_vehicle(struct world *world, size_t number, double until)
 {
 	struct body *body = world->bodies[number];
 	const double began = body->host.since;
@@ -279,10 +279,10 @@ static enum status step_quiet(struct world *world, size_t number, double until)
 	enum status status = pose_of(body, &to);
 	if (status != STATUS_OK)
 		return status;
-	body->host.turned = body->in_contact ? turn_between(body->last.turn, to.turn) : 0;
+	body->host.turned = body->has_last ? turn_between(body->last.turn, to.turn) : 0;
 	if (body->object->shape.belt)
 		body->host.turned = ran_to(body, &to);
-	body->host.since = body->in_contact ? until - began : 0;
+	body->host.since = body->has_last ? until - began : 0;
 	status = touch(world, number, &to, until);
 	body->host.since = until;
 	return status;
@@ -293,7 +293,7 @@ static enum status step_body(struct world *world, size_t number, double seconds,
 	struct body *body = world->bodies[number];
 	struct soil_pose to;
 	if (body->kind == BODY_VEHICLE)
-		return step_quiet(world, number, until);
+		return step_of_vehicle(world, number, until);
 	world_rates_take(body, seconds);
 	TRY(pose_of(body, &to));
 	double turned = 0, rotated[3];
@@ -312,7 +312,7 @@ static enum status step_body(struct world *world, size_t number, double seconds,
 		body->host.rotated[k] += rotated[k];
 	const bool moved = has_moved(body, &to) || spun(body, rotated) > 0;
 	body->host.since += moved ? seconds : 0;
-	if (body->host.fresh || !body->in_contact || is_worth_a_contact(world, body, &to))
+	if (body->host.fresh || !body->has_last || is_worth_a_contact(world, body, &to))
 		return touch(world, number, &to, until);
 	/* Where it came to rest the rates go. */
 	if (world_feels(world) && (moved || body->host.felt_moving))
@@ -334,7 +334,7 @@ enum status world_hosts_step(struct world *world, double seconds, double until)
 
 static bool is_behind(const struct world *world, const struct body *body, struct soil_pose *to)
 {
-	if (!world_is_set_down(body) || body->host.fresh || !body->in_contact ||
+	if (!world_is_set_down(body) || body->host.fresh || !body->has_last ||
 	    pose_of(body, to) != STATUS_OK)
 		return false;
 	const struct soil_pose *last = &body->last;

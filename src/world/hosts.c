@@ -4,7 +4,7 @@
  * Here: their numbers, their names, and where the host says they are. host_steps.c moves them.
  *
  * Invariants:
- * - body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
+ * - body.last is the pose up to which motion has changed the ground; body.has_last says that there is one.
  * - `now` is where the body is; `next`, if has_next, is where it will be after the next step.
  */
 #include <math.h>
@@ -86,28 +86,24 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (object->path.count > 0)
 		return fail_with(STATUS_INPUT, "%s: it has a path; a body that is added is the host's: leave the path out, or put it into the "
 					       "scene's objects", object->name);
-	enum status status = soil_shape_check(&object->shape, world->resident.spacing);
-	if (status == STATUS_OK)
-		status = world_shape_budget(world, object->name, &object->shape);
-	if (status == STATUS_OK)
-		status = world_check_bearing(world, object->name, &object->shape);
-	if (status == STATUS_OK)
-		status = world_limits_add(world, &object->shape);
-	if (status == STATUS_OK)
-		status = name_it(world, object);
-	if (status == STATUS_OK && world->deform != NULL)
-		status = deform_warm(world->deform, &planned);
-	struct scene_object *owned = status == STATUS_OK ? mem_calloc(1, sizeof *owned) : NULL;
-	if (status == STATUS_OK)
-		status = owned != NULL ? world_list_body(world, BODY_HOST, owned, owned) : fail_memory("a body");
-	if (status != STATUS_OK) {
-		mem_free(owned);
-		world_names_freed(world, object->name); /* it is free again */
-		return status;
-	}
+	struct scene_object *owned = NULL;
+	enum status status;
+	TRY_OR(failed, soil_shape_check(&object->shape, world->resident.spacing));
+	TRY_OR(failed, world_shape_budget(world, object->name, &object->shape));
+	TRY_OR(failed, world_check_bearing(world, object->name, &object->shape));
+	TRY_OR(failed, world_limits_add(world, &object->shape));
+	TRY_OR(failed, name_it(world, object));
+	if (world->deform != NULL)
+		TRY_OR(failed, deform_warm(world->deform, &planned));
+	owned = mem_calloc(1, sizeof *owned);
+	TRY_OR(failed, owned != NULL ? world_list_body(world, BODY_HOST, owned, owned) : fail_memory("a body"));
 	*owned = *object;
 	*number = (int32_t)world->body_count - 1;
 	return STATUS_OK;
+failed:
+	mem_free(owned);
+	world_names_freed(world, object->name); /* it is free again */
+	return status;
 }
 
 /* --- poses --- */
@@ -155,21 +151,26 @@ static enum status add_tiles(const struct world *world, const struct body *body,
 	return STATUS_OK;
 }
 
+/* Counts the tiles that the bodies' motions can change: bodies may share tiles. */
+static enum status count_tiles(const struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, double *pages)
+{
+	struct key_set tiles = {.count = 0};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count; i++)
+		TRY_OR(done, add_tiles(world, world->bodies[numbers[i]], &states[i], &tiles));
+done:
+	*pages = (double)tiles.count;
+	key_set_finish(&tiles);
+	return status;
+}
+
 static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states)
 {
 	double pages = 0;
 	for (size_t i = 0; i < count; i++)
 		pages += pages_of(world, world->bodies[numbers[i]], &states[i]);
-	if (pages > WORLD_HOST_PAGES && pages / (double)count <= WORLD_HOST_PAGES) { /* bodies may share tiles */
-		struct key_set tiles = {.count = 0};
-		enum status status = STATUS_OK;
-		for (size_t i = 0; i < count && status == STATUS_OK; i++)
-			status = add_tiles(world, world->bodies[numbers[i]], &states[i], &tiles);
-		pages = (double)tiles.count;
-		key_set_finish(&tiles);
-		if (status != STATUS_OK)
-			return status;
-	}
+	if (pages > WORLD_HOST_PAGES && pages / (double)count <= WORLD_HOST_PAGES)
+		TRY(count_tiles(world, count, numbers, states, &pages));
 	if (pages > WORLD_HOST_PAGES)
 		return fail_with(STATUS_USAGE, "states: these motions touch up to %.0f tiles in one step, and %d is the most; step more often, or use "
 					       "larger tiles", pages, WORLD_HOST_PAGES);
@@ -181,17 +182,14 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	const uint64_t turn = ++world->set_turn;
 	for (size_t i = 0; i < count; i++) {
 		struct body *body;
-		enum status status = find(world, numbers[i], &body);
-		if (status == STATUS_OK)
-			status = check_state(world, body, &states[i]);
-		if (status != STATUS_OK)
-			return status;
+		TRY(find(world, numbers[i], &body));
+		TRY(check_state(world, body, &states[i]));
 		if (body->host.turn == turn)
 			return fail_with(STATUS_USAGE, "%s: it stands twice in the list; give one state for each body", body->object->name);
 		body->host.turn = turn;
 	}
-	enum status status = check_pages(world, count, numbers, states);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(check_pages(world, count, numbers, states));
+	for (size_t i = 0; i < count; i++) {
 		struct body *body = world->bodies[numbers[i]];
 		body->host.next = states[i];
 		if (belts != NULL)
@@ -199,7 +197,7 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 		body->host.has_next = true;
 	}
 	world->near.stale = true;
-	return status;
+	return STATUS_OK;
 }
 
 enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_belt *belts)
@@ -226,8 +224,9 @@ enum status world_belts_set(struct world *world, size_t count, const int32_t *nu
 /* Frees the ground that it rested on. It touches nothing until the next step. */
 static enum status lift(struct world *world, struct body *body)
 {
-	enum status status = world_let_go(world, body);
-	body->in_contact = false;
+	const enum status status = world_let_go(world, body);
+	world->near.stale = true;
+	body->has_last = false;
 	body->host.fresh = true;
 	body->host.since = body->host.turned = 0;
 	memset(body->host.rotated, 0, sizeof body->host.rotated);
@@ -258,15 +257,11 @@ enum status world_body_place(struct world *world, int32_t number, const struct f
 enum status world_body_remove(struct world *world, int32_t number)
 {
 	struct body *body;
-	enum status status = find(world, number, &body);
-	if (status == STATUS_OK)
-		status = lift(world, body);
-	if (status == STATUS_OK)
-		body->host.removed = true;
-	world->near.stale = true;
-	if (status == STATUS_OK)
-		world_names_freed(world, body->object->name);
-	return status;
+	TRY(find(world, number, &body));
+	TRY(lift(world, body));
+	body->host.removed = true;
+	world_names_freed(world, body->object->name);
+	return STATUS_OK;
 }
 
 enum status world_body_state(const struct world *world, int32_t number, struct furrow_state *state)

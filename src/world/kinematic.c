@@ -6,15 +6,13 @@
 
 static enum status gather(struct world *world, const struct deform_window *windows, size_t count, struct held_tiles *held)
 {
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = world_hold(world, windows[i].read, held);
-		if (status == STATUS_OK)
-			bearing_kinematic_gather(world->bearing, held->tiles, held->count);
+	for (size_t i = 0; i < count; i++) {
+		TRY(world_hold(world, windows[i].read, held));
+		bearing_kinematic_gather(world->bearing, held->tiles, held->count);
 		if (count > 1)
 			world_release(world, held);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 static enum status put(struct world *world, struct post_rect changed, const struct held_tiles *held)
@@ -23,22 +21,20 @@ static enum status put(struct world *world, struct post_rect changed, const stru
 	return world_mark(world, changed, held);
 }
 
-/* Writes what changed. held: the tiles of a single window are still pinned. */
+/* Writes what changed. held: the tiles of a single window are still pinned. The caller releases what is held after a failure. */
 static enum status scatter(struct world *world, const struct deform_window *windows, size_t count, struct post_rect changed, struct held_tiles *held)
 {
-	enum status status = STATUS_OK;
 	if (count == 1)
 		return put(world, changed, held);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		const struct post_rect part = post_rect_intersect(windows[i].write, changed);
 		if (post_rect_empty(part))
 			continue;
-		status = world_hold(world, part, held);
-		if (status == STATUS_OK)
-			status = put(world, part, held);
+		TRY(world_hold(world, part, held));
+		TRY(put(world, part, held));
 		world_release(world, held);
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* *changed: the posts that the contact may have changed. */
@@ -67,26 +63,24 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	struct post_rect changed = {0, 0, 0, 0};
 	size_t count;
 	bool aloft = false;
-	enum status status = deform_cut(&world->surface, contact, windows, &count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	TRY(deform_cut(&world->surface, contact, windows, &count));
+	for (size_t i = 0; i < count; i++) {
 		area.read = post_rect_joined(area.read, windows[i].read);
 		area.write = post_rect_joined(area.write, windows[i].write);
 	}
-	if (status == STATUS_OK)
-		status = world_is_aloft(world, event, contact, windows, count, &aloft);
-	if (status == STATUS_OK && count > 0 && !aloft)
+	TRY(world_is_aloft(world, event, contact, windows, count, &aloft));
+	if (count > 0 && !aloft)
 		world_forces_met(world->forces, event->body, event); /* rows tell where the body is */
 	else
 		world_forces_absent(world->forces, event->body, event);
-	if (status == STATUS_OK && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
-		status = world_let_go(world, body);
+	if (body->has_last && !bearing_covers(world->bearing, contact, &area, &body->last))
+		TRY(world_let_go(world, body));
 	const size_t due = deform_windows_computed(windows, count);
 	world->counts.windows.due += due;
-	if (status != STATUS_OK || count == 0 || aloft)
-		return status;
+	if (count == 0 || aloft)
+		return STATUS_OK;
 	world->counts.windows.computed += due;
-	status = compute(world, event, contact, &area, windows, count, &changed);
-	if (status == STATUS_OK)
-		world_count_windows(body, contact, due);
-	return status;
+	TRY(compute(world, event, contact, &area, windows, count, &changed));
+	world_count_windows(body, contact, due);
+	return STATUS_OK;
 }

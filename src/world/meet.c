@@ -123,7 +123,6 @@ static void join(struct waiting_contact *list, size_t a, size_t b)
 /* Joins contacts of one round whose windows share a block of posts. order: their indices. */
 static enum status put_groups(struct meetings *m, size_t count)
 {
-	enum status status = STATUS_OK;
 	key_map_clear(&m->blocks);
 	for (size_t n = 0; n < count; n++)
 		m->list[m->order[n]].group = m->order[n];
@@ -131,18 +130,18 @@ static enum status put_groups(struct meetings *m, size_t count)
 		const size_t i = m->order[n];
 		const struct post_rect blocks = world_blocks_of(m->list[i].area.read);
 		for (int64_t y = blocks.y0; y < blocks.y1; y++)
-			for (int64_t x = blocks.x0; x < blocks.x1 && status == STATUS_OK; x++) {
+			for (int64_t x = blocks.x0; x < blocks.x1; x++) {
 				const uint64_t key = world_block_key(x, y);
 				const struct key_pair *pair = key_map_find(&m->blocks, key);
 				if (pair != NULL)
 					join(m->list, (size_t)pair->a, i);
 				else
-					status = key_map_put(&m->blocks, key, (double)i, 0);
+					TRY(key_map_put(&m->blocks, key, (double)i, 0));
 			}
 	}
 	for (size_t n = 0; n < count; n++)
 		m->list[m->order[n]].group = first_of(m->list, m->order[n]);
-	return status;
+	return STATUS_OK;
 }
 
 static int compare(double a, double b)
@@ -205,22 +204,21 @@ static enum status list_beside(struct world *world, struct group *group)
 	const struct meetings *m = world->meetings;
 	struct near_table *near = &world->near;
 	struct post_rect area = {0, 0, 0, 0};
-	enum status status = near->stale ? world_near_make(world) : STATUS_OK;
 	group->rest_count = 0;
-	if (status != STATUS_OK)
-		return status;
+	if (near->stale)
+		TRY(world_near_make(world));
 	for (size_t i = 0; i < group->count; i++)
 		area = post_rect_joined(area, group->contacts[i].area.write);
 	world_near_find(world, area);
-	status = need_rests(group, near->found_count);
-	for (size_t i = 0; i < near->found_count && status == STATUS_OK; i++) {
+	TRY(need_rests(group, near->found_count));
+	for (size_t i = 0; i < near->found_count; i++) {
 		bool is_member = false;
 		for (size_t k = 0; k < group->count && !is_member; k++)
 			is_member = m->list[group->order[k]].event.body == near->found[i].body;
 		if (!is_member)
 			group->rests[group->rest_count++] = near->found[i].rest;
 	}
-	return status;
+	return STATUS_OK;
 }
 
 /* Tells changes of one contact. */
@@ -257,32 +255,36 @@ static enum status put_back(struct world *world, const struct group *group, cons
 	return STATUS_OK;
 }
 
+static enum status one_tile(struct world *world, const struct group *group, struct tile tile, bool gathers)
+{
+	struct held_tiles held;
+	enum status status = STATUS_OK;
+	TRY(world_hold_tile(world, tile, &held));
+	if (gathers)
+		bearing_meeting_gather(group->hand, held.tiles, held.count);
+	else
+		status = put_back(world, group, &held);
+	world_release(world, &held);
+	return status;
+}
+
 /* Goes over the tiles of a window one by one: it may have more of them than there are slots. */
 static enum status each_tile(struct world *world, const struct group *group, bool gathers)
 {
 	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
 	struct tile first, last;
-	enum status status = STATUS_OK;
 	if (!tile_range_of(&world->resident.meta->extent, world->resident.level, reads, &first, &last))
-		return status;
+		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y; y++)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
-			struct held_tiles held;
-			status = world_hold_tile(world, (struct tile){world->resident.level, x, y}, &held);
-			if (status == STATUS_OK && gathers)
-				bearing_meeting_gather(group->hand, held.tiles, held.count);
-			else if (status == STATUS_OK)
-				status = put_back(world, group, &held);
-			world_release(world, &held);
-		}
-	return status;
+		for (uint32_t x = first.x; x <= last.x; x++)
+			TRY(one_tile(world, group, (struct tile){world->resident.level, x, y}, gathers));
+	return STATUS_OK;
 }
 
 /* Pins the tiles of a group, or gathers it if they are too many. */
 static enum status begin(struct world *world, struct group *group)
 {
 	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
-	group->held.count = 0;
 	TRY(list_beside(world, group));
 	TRY(bearing_meeting_begin(group->hand, group->contacts, group->count, group->whole));
 	return group->whole ? world_hold(world, reads, &group->held) : each_tile(world, group, true);
@@ -314,19 +316,20 @@ static enum status end(struct world *world, struct group *group)
 static enum status compute_groups(struct world *world, size_t count)
 {
 	struct group *groups = world->meetings->groups;
-	enum status status = STATUS_OK;
-	size_t begun = 0;
-	for (; begun < count && status == STATUS_OK; begun++)
-		status = begin(world, &groups[begun]);
-	if (status == STATUS_OK)
-		status = world_crew_run(world, count, compute, groups);
-	if (status == STATUS_OK)
-		status = bearing_hands_join(world->bearing);
-	for (size_t i = 0; i < begun; i++) {
-		if (status == STATUS_OK)
-			status = end(world, &groups[i]);
-		world_release(world, &groups[i].held);
+	enum status status;
+	for (size_t i = 0; i < count; i++)
+		groups[i].held.count = 0;
+	for (size_t i = 0; i < count; i++)
+		TRY_OR(done, begin(world, &groups[i]));
+	TRY_OR(done, world_crew_run(world, count, compute, groups));
+	TRY_OR(done, bearing_hands_join(world->bearing));
+	for (size_t i = 0; i < count; i++) {
+		TRY_OR(done, end(world, &groups[i]));
+		world_release(world, &groups[i].held); /* the next may need its slots */
 	}
+done:
+	for (size_t i = 0; i < count; i++)
+		world_release(world, &groups[i].held);
 	return status;
 }
 
@@ -386,7 +389,7 @@ static enum status compute_round(struct world *world, size_t round)
 	for (size_t i = 0; i < m->count; i++)
 		if (m->list[i].round == round)
 			m->order[count++] = i;
-	enum status status = put_groups(m, count);
+	TRY(put_groups(m, count));
 	if (count > 1)
 		qsort_r(m->order, count, sizeof *m->order, by_place, m->list);
 	for (size_t i = 0; i < count; i++) {
@@ -395,11 +398,10 @@ static enum status compute_round(struct world *world, size_t round)
 		posts += posts_in(waiting->area.read);
 	}
 	const size_t hands = world_hands_for(world, posts), most = world->facts.limits.slots / 2;
-	if (status == STATUS_OK)
-		status = need_groups(world, hands);
-	for (size_t first = 0; first < count && status == STATUS_OK;) {
+	TRY(need_groups(world, hands));
+	for (size_t first = 0; first < count;) {
 		size_t groups = 0, tiles = 0;
-		while (first < count && groups < hands && status == STATUS_OK) {
+		while (first < count && groups < hands) {
 			const size_t last = group_end(m, first, count), more = world_tiles_in(world, bearing_meeting_reads(&m->contacts[first], last - first));
 			if (groups > 0 && tiles + more > most)
 				break;
@@ -407,27 +409,28 @@ static enum status compute_round(struct world *world, size_t round)
 				put_group(world, groups++, first, last);
 				tiles += more;
 			} else if (groups == 0) {
-				status = one_by_one(world, first, last);
+				TRY(one_by_one(world, first, last));
 			} else {
 				break;
 			}
 			first = last;
 		}
-		if (status == STATUS_OK && groups > 0)
-			status = compute_groups(world, groups);
+		if (groups > 0)
+			TRY(compute_groups(world, groups));
 	}
-	return status;
+	return STATUS_OK;
 }
 
 enum status world_meetings_flush(struct world *world)
 {
 	struct meetings *m = world->meetings;
-	enum status status = STATUS_OK;
 	if (m == NULL || m->count == 0)
-		return status;
+		return STATUS_OK;
 	m->turn++;
-	for (size_t round = 0; round < m->rounds && status == STATUS_OK; round++)
-		status = compute_round(world, round);
+	enum status status = STATUS_OK;
+	for (size_t round = 0; round < m->rounds; round++)
+		TRY_OR(done, compute_round(world, round));
+done:
 	world_meetings_forget(world);
 	return status;
 }

@@ -34,7 +34,7 @@ struct world {
 	struct resident resident; /* the ground in memory */
 	struct world_facts facts;
 	struct world_counts counts;
-	struct store_reader *follower; /* follow.c; NULL: nothing is followed yet */
+	struct store_reader *follower; /* readonly.c; NULL: nothing is followed yet */
 	struct world_relief *relief;       /* what relief by class reads; NULL: it has none */
 	FILE *commit_log;         /* a line for each commit; NULL: none */
 

@@ -36,13 +36,7 @@ static enum status put(struct world_names *names, const char *name, int32_t numb
 	uint32_t place;
 	bool fresh;
 	TRY(key_set_number(&names->keys, key_of(name), &place, &fresh));
-	if (place >= names->room) {
-		const size_t room = names->room > 0 ? 2 * names->room : 64;
-		int32_t *numbers = mem_realloc(names->numbers, room, sizeof *numbers);
-		TRY_MEM(numbers, "the names of bodies");
-		names->numbers = numbers;
-		names->room = room;
-	}
+	TRY(mem_grow(&names->numbers, &names->room, place + 1, sizeof *names->numbers, "the names of bodies"));
 	names->numbers[place] = number;
 	return STATUS_OK;
 }

@@ -22,26 +22,17 @@ static enum status need_entries(struct near_table *near, size_t count)
 {
 	if (count <= near->room)
 		return STATUS_OK;
-	struct near_entry *entries = mem_realloc(near->entries, 2 * count, sizeof *entries);
-	near->entries = entries != NULL ? entries : near->entries;
-	struct near_entry *found = mem_realloc(near->found, 2 * count, sizeof *found);
-	near->found = found != NULL ? found : near->found;
-	struct near_kept *kept = mem_realloc(near->kept, 2 * count, sizeof *kept);
-	near->kept = kept != NULL ? kept : near->kept;
-	struct deform_rest *rests = mem_realloc(near->rests, 2 * count, sizeof *rests);
-	near->rests = rests != NULL ? rests : near->rests;
-	TRY_MEM(entries != NULL && found != NULL && kept != NULL && rests != NULL, "bodies near each other");
+	TRY(mem_resize(&near->entries, 2 * count, sizeof *near->entries, "bodies near each other"));
+	TRY(mem_resize(&near->found, 2 * count, sizeof *near->found, "bodies near each other"));
+	TRY(mem_resize(&near->kept, 2 * count, sizeof *near->kept, "bodies near each other"));
+	TRY(mem_resize(&near->rests, 2 * count, sizeof *near->rests, "bodies near each other"));
 	near->room = 2 * count;
 	return STATUS_OK;
 }
 
 void world_near_free(struct near_table *near)
 {
-	mem_free(near->entries);
-	mem_free(near->found);
-	mem_free(near->kept);
-	mem_free(near->rests);
-	mem_free(near->cells);
+	mem_free_all(near->entries, near->found, near->kept, near->rests, near->cells);
 	*near = (struct near_table){.stale = true};
 }
 
@@ -61,7 +52,7 @@ static struct deform_rest rest_of(const struct body *body)
 static void add_path(const struct world *world, const struct body *body, struct near_entry *entry)
 {
 	entry->rest = rest_of(body);
-	if (body->in_contact && !body->elsewhere)
+	if (body->has_last && !body->elsewhere)
 		entry->rect = shadow_of(world, &entry->rest);
 }
 
@@ -149,12 +140,7 @@ static enum status make_grid(struct near_table *near)
 		if (!post_rect_empty(near->entries[i].rect))
 			needed += cells.x1 - cells.x0 > CELLS_MOST || cells.y1 - cells.y0 > CELLS_MOST ? 0 : (size_t)((cells.x1 - cells.x0) * (cells.y1 - cells.y0));
 	}
-	if (needed > near->cell_room) {
-		struct near_cell *cells = mem_realloc(near->cells, 2 * needed, sizeof *cells);
-		TRY_MEM(cells, "bodies near each other");
-		near->cells = cells;
-		near->cell_room = 2 * needed;
-	}
+	TRY(mem_grow(&near->cells, &near->cell_room, needed, sizeof *near->cells, "bodies near each other"));
 	for (size_t i = 0; i < near->count; i++) {
 		struct near_entry *entry = &near->entries[i];
 		if (post_rect_empty(entry->rect))
@@ -261,7 +247,7 @@ static void look(struct world *world, size_t at, struct post_rect rect)
 	const struct body *body = world->bodies[entry->body];
 	if (body->kind == BODY_PATH) { /* its path has gone on since the table was made */
 		entry->rest = rest_of(body);
-		if (!body->in_contact || post_rect_empty(post_rect_intersect(shadow_of(world, &entry->rest), rect)))
+		if (!body->has_last || post_rect_empty(post_rect_intersect(shadow_of(world, &entry->rest), rect)))
 			return;
 	}
 	near->found[near->found_count++] = *entry;

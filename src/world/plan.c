@@ -3,7 +3,6 @@
  * same functions. So the plan and the drive agree.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

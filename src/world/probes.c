@@ -28,7 +28,7 @@ static struct soil_motion whole_motion(const struct body *body, const struct fur
 				       const struct soil_pose *to)
 {
 	const struct scene_object *object = body->object;
-	const bool known = body->in_contact && !body->host.fresh;
+	const bool known = body->has_last && !body->host.fresh;
 	const double unposed = world_rates_unposed(body, state);
 	struct soil_motion motion = {
 		.shape = &object->shape, .interface = object->interface, .from = known ? body->last : *to, .to = *to, .stamped = body->host.stamped,

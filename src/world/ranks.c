@@ -78,7 +78,7 @@ static void include_hosted(const struct world *world, const struct body *body, i
 		const double *place = states[i]->pose.position;
 		include(area, world, lattice_offset(place[0]), lattice_offset(place[1]), posts);
 	}
-	if (body->in_contact)
+	if (body->has_last)
 		include(area, world, body->last.x, body->last.y, posts);
 	include(area, world, body->host.felt.x, body->host.felt.y, posts);
 }
@@ -122,7 +122,7 @@ void world_body_pack(const struct world *world, size_t number, struct world_move
 		return;
 	moved->next = body->next;
 	moved->skipped = body->skipped;
-	moved->in_contact = body->in_contact;
+	moved->has_last = body->has_last;
 	moved->last = body->last;
 	moved->distance = body->distance;
 	moved->sinkage = body->sinkage;
@@ -143,12 +143,12 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 		return STATUS_OK;
 	body->next = moved->next;
 	body->skipped = moved->skipped;
-	body->in_contact = moved->in_contact;
+	body->has_last = moved->has_last;
 	body->last = moved->last;
 	body->distance = moved->distance;
 	body->sinkage = moved->sinkage;
 	body->equilibrium = moved->equilibrium;
-	body->raised = body->loaded_body > 0 && body->in_contact ? body->equilibrium - body->last.z : 0;
+	body->raised = body->loaded_body > 0 && body->has_last ? body->equilibrium - body->last.z : 0;
 	body->windows = moved->windows;
 	body->windows_moved = moved->windows_moved;
 	world->record->objects[number].force = moved->force;

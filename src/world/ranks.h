@@ -72,7 +72,7 @@ struct world_moved {
 	struct soil_pose last, shown; /* shown: the pose of its rows */
 	struct world_force force;
 	double distance, sinkage;
-	bool in_contact, placed, felt;  /* placed: it has rows; felt: `force` is that of its last contact */
+	bool has_last, placed, felt;  /* placed: it has rows; felt: `force` is that of its last contact */
 };
 /* Returns true if bodies change the ground. */
 bool world_changes_ground(const struct world *world);

@@ -62,7 +62,7 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 		return false;
 	}
 	return cJSON_AddStringToObject(object, "name", name) != NULL && put_whole(object, "next", from->next) &&
-	       cJSON_AddBoolToObject(object, "in_contact", from->in_contact) != NULL &&
+	       cJSON_AddBoolToObject(object, "in_contact", from->has_last) != NULL &&
 	       put_whole(object, "x", from->last.x) && put_whole(object, "y", from->last.y) &&
 	       put_whole(object, "z", from->last.z) && put_real(object, "yaw", from->last.yaw) &&
 	       put_real(object, "pitch", from->last.pitch) && put_real(object, "roll", from->last.roll) &&
@@ -196,7 +196,7 @@ static bool get_object(const cJSON *object, const char *name, struct record_obje
 {
 	const char *named = get_text(object, "name");
 	return named != NULL && strcmp(named, name) == 0 && get_whole(object, "next", 0, &to->next) &&
-	       get_bool(object, "in_contact", &to->in_contact) && get_whole(object, "x", INT64_MIN, &to->last.x) &&
+	       get_bool(object, "in_contact", &to->has_last) && get_whole(object, "x", INT64_MIN, &to->last.x) &&
 	       get_whole(object, "y", INT64_MIN, &to->last.y) && get_whole(object, "z", INT64_MIN, &to->last.z) &&
 	       get_real(object, "yaw", &to->last.yaw) && get_real(object, "pitch", &to->last.pitch) &&
 	       get_real(object, "roll", &to->last.roll) &&

@@ -21,7 +21,7 @@
 /* The state of an object between steps. */
 struct record_object {
 	int64_t next;             /* path sample */
-	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
+	bool has_last;          /* there was ground below `last`, so the next contact is swept from it. The body may be in the air there */
 	struct soil_pose last;
 	double distance, sinkage; /* m */
 	int64_t skipped;          /* number of path samples without contact */

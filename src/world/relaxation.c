@@ -37,10 +37,24 @@ static size_t rests_of(const struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
-		if (body != NULL && body->in_contact && !body->host.removed && !body->elsewhere)
+		if (body != NULL && body->has_last && !body->host.removed && !body->elsewhere)
 			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
 	}
 	return count;
+}
+
+static enum status gather_part(struct world *world, struct bearing *hand, size_t region, struct post_rect part)
+{
+	struct held_tiles held;
+	if (post_rect_empty(part))
+		return STATUS_OK;
+	TRY(world_hold(world, part, &held));
+	if (world->bearing != NULL)
+		bearing_interval_gather(hand, held.tiles, held.count);
+	else
+		deform_interval_gather_part(world->deform, region, held.tiles, held.count);
+	world_release(world, &held);
+	return STATUS_OK;
 }
 
 /* Gathers a region from tiles that are pinned four at a time, however many it reads. hand: of bearing. */
@@ -49,26 +63,19 @@ static enum status gather(struct world *world, struct bearing *hand, size_t regi
 	const struct extent *extent = &world->resident.meta->extent;
 	const struct post_rect reads = world->bearing != NULL ? bearing_interval_reads(world->bearing, region) : deform_interval_reads(world->deform, region);
 	const int64_t cells = extent->cells;
-	struct held_tiles held = {.count = 0};
 	struct tile first, last;
-	enum status status = hand != NULL ? bearing_interval_start(hand, region) : STATUS_OK;
+	if (hand != NULL)
+		TRY(bearing_interval_start(hand, region));
 	bool any = tile_range_of(extent, world->resident.level, reads, &first, &last);
 	for (uint32_t y = first.y; any && y <= last.y; y += 2)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
+		for (uint32_t x = first.x; x <= last.x; x += 2) {
 			/* Tiles x, x + 1 and y, y + 1, without the posts that they share with others. */
 			struct post_rect part = post_rect_intersect(reads, (struct post_rect){x * cells + (x > first.x), y * cells + (y > first.y),
 											  (x + 2) * cells, (y + 2) * cells});
-			if (post_rect_empty(part))
-				continue;
-			status = world_hold(world, part, &held);
-			if (status == STATUS_OK && world->bearing != NULL)
-				bearing_interval_gather(hand, held.tiles, held.count);
-			else if (status == STATUS_OK)
-				deform_interval_gather_part(world->deform, region, held.tiles, held.count);
-			world_release(world, &held);
+			TRY(gather_part(world, hand, region, part));
 		}
-	if (status != STATUS_OK || hand != NULL)
-		return status;
+	if (hand != NULL)
+		return STATUS_OK;
 	return deform_interval_gather(world->deform, region, NULL, 0);
 }
 
@@ -140,16 +147,16 @@ static enum status begin_interval(struct world *world, struct interval_size *siz
 static enum status interval(struct world *world, size_t *blocks)
 {
 	struct interval_size size;
-	enum status status = begin_interval(world, &size);
+	TRY(begin_interval(world, &size));
 	*blocks = size.blocks;
-	if (status == STATUS_OK && world->bearing != NULL)
-		status = slide_all(world, size.regions);
-	for (size_t i = 0; i < size.regions && status == STATUS_OK && world->bearing == NULL; i++)
-		status = gather(world, NULL, i);
-	for (size_t i = 0; i < size.parts && status == STATUS_OK; i++)
-		status = scatter(world, i);
-	if (status != STATUS_OK || *blocks == 0)
-		return status;
+	if (world->bearing != NULL)
+		TRY(slide_all(world, size.regions));
+	for (size_t i = 0; i < size.regions && world->bearing == NULL; i++)
+		TRY(gather(world, NULL, i));
+	for (size_t i = 0; i < size.parts; i++)
+		TRY(scatter(world, i));
+	if (*blocks == 0)
+		return STATUS_OK;
 	return world->bearing != NULL ? bearing_interval_end(world->bearing) : deform_interval_end(world->deform);
 }
 
@@ -175,14 +182,14 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	if (world->relaxation.intervals >= over)
 		return STATUS_OK;
 	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
-	while (world->relaxation.intervals < over && status == STATUS_OK) {
+	while (world->relaxation.intervals < over) {
 		size_t blocks = 0;
-		status = world_batches_flush(world);
-		if (status == STATUS_OK)
-			status = one_interval(world, &blocks);
+		TRY_OR(done, world_batches_flush(world));
+		TRY_OR(done, one_interval(world, &blocks));
 		/* If no block is active, none becomes active by itself. */
 		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
 	}
+done:
 	world_stage_enter(world, stage);
 	return status;
 }
@@ -192,7 +199,7 @@ enum status world_let_go(struct world *world, const struct body *body)
 	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
-	if (!body->in_contact || body->elsewhere || !deform_conserves(world->scene->model))
+	if (!body->has_last || body->elsewhere || !deform_conserves(world->scene->model))
 		return STATUS_OK;
 	TRY(deform_cut(&world->surface, &rest, windows, &count));
 	for (size_t i = 0; i < count; i++)

@@ -5,7 +5,6 @@
  * the object down. A record that says otherwise was not written by a drive of this scene.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "world/internal.h"
@@ -24,19 +23,19 @@ static enum status check_object(struct world *world, struct body *body, const st
 	const char *store = world->facts.path;
 	struct event event = {.time = 0};
 	if (body->track == NULL) /* a host's: it begins anew */
-		return object->next == 0 && !object->in_contact ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
+		return object->next == 0 && !object->has_last ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
 	if (record->step == 0 && object->next == 0)
-		return object->in_contact ? world_record_damaged(store, "contact before the first step") : STATUS_OK;
+		return object->has_last ? world_record_damaged(store, "contact before the first step") : STATUS_OK;
 	int64_t samples = motion_track_samples(body->track);
 	if (object->next > samples || (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
 	    (object->next < samples && motion_track_sample_time(body->track, object->next) <= record->time))
 		return world_record_damaged(store, "path samples that are not those of its time");
 	if (object->next == 0)
-		return object->in_contact ? world_record_damaged(store, "contact before the first path sample") : STATUS_OK;
+		return object->has_last ? world_record_damaged(store, "contact before the first path sample") : STATUS_OK;
 	TRY(world_set_down(world, body, object->next - 1, &event));
 	/* Not compared bit for bit: another machine's mathematics may have made it. */
 	const struct soil_pose *pose = &event.pose, *last = &object->last;
-	if (object->in_contact != event.contact || (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
+	if (object->has_last != event.contact || (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return world_record_damaged(store, "an object is not where its path was");
 	if (body->loaded_body > 0 && event.contact && (object->force.z <= last->z - EQUILIBRIUM_MOST ||
 						       object->force.z >= last->z + EQUILIBRIUM_MOST))
@@ -86,12 +85,12 @@ static void restore(struct world *world)
 		if (body->kind != BODY_PATH)
 			continue;
 		body->next = object->next;
-		body->in_contact = object->in_contact;
+		body->has_last = object->has_last;
 		body->last = object->last;
 		body->distance = object->distance;
 		body->sinkage = object->sinkage;
 		body->equilibrium = object->force.z;
-		body->raised = body->loaded_body > 0 && object->in_contact ? object->force.z - object->last.z : 0;
+		body->raised = body->loaded_body > 0 && object->has_last ? object->force.z - object->last.z : 0;
 		body->skipped = object->skipped;
 	}
 }

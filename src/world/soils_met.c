@@ -125,9 +125,7 @@ void world_soils_met_free(struct world_soils_met *met)
 {
 	if (met == NULL)
 		return;
-	mem_free(met->least);
-	mem_free(met->weakest);
-	mem_free(met);
+	mem_free_all(met->least, met->weakest, met);
 }
 
 /* Writes "value 3" or "values 3, 4" of those that some path comes to and no class has. Returns their share of the places. */

@@ -59,7 +59,7 @@ static enum status meet(struct world *world, struct event *event)
 	struct body *body = world->bodies[event->body];
 	if (!event->contact) {
 		TRY(world_let_go(world, body));
-		body->in_contact = false;
+		body->has_last = false;
 		body->skipped++;
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;

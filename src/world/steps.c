@@ -45,7 +45,7 @@ enum status world_fill_record(struct world *world)
 		world_forces_record(world->forces, i, &record->objects[i].force);
 		record->objects[i] = (struct record_object){
 			.next = body->next,
-			.in_contact = body->in_contact,
+			.has_last = body->has_last,
 			.last = body->last,
 			.distance = body->distance,
 			.sinkage = body->sinkage,

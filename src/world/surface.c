@@ -1,6 +1,5 @@
 /* The two ways to change the ground behind one face. On the GPU (deform) kinematic models are computed. On the CPU (bearing) soil that bears is, and
  * kinematic models where the scene asks for it, or where there is no GL. */
-#include <math.h>
 
 #include "world/internal.h"
 
@@ -74,7 +73,7 @@ int64_t world_contact_reach(const struct world *world, const struct soil_shape *
 
 void world_set_equilibrium(struct world *world, const struct body *body, int64_t raised)
 {
-	if (body->loaded_body > 0 && body->in_contact && world->bearing != NULL)
+	if (body->loaded_body > 0 && body->has_last && world->bearing != NULL)
 		bearing_set_equilibrium(world->bearing, body->loaded_body, (int32_t)raised);
 }
 

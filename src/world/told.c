@@ -176,7 +176,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct furro
 		return STATUS_OK;
 	struct world_force force = world_no_force(0);
 	bool known = world_forces_known(world->forces, (size_t)number, &force);
-	enum furrow_contact_state touches = !body->in_contact ? FURROW_AIR : FURROW_TOUCHING;
+	enum furrow_contact_state touches = !body->has_last ? FURROW_AIR : FURROW_TOUCHING;
 	if (known)
 		touches = world_contact_state_of(force.state);
 	else
@@ -199,7 +199,7 @@ enum status world_path_state(const struct world *world, size_t body, struct furr
 	pose.pitch = point.pitch;
 	pose.roll = point.roll;
 	*state = (struct furrow_state){.pose = {{point.x, point.y, lattice_offset_metres(at->last.z)}, {1, 0, 0, 0}}};
-	if (!at->in_contact)
+	if (!at->has_last)
 		world_place(world, body, state->pose.position, &pose.yaw);
 	else if (at->loaded_body > 0)
 		state->pose.position[2] += lattice_offset_metres(at->raised);

@@ -1,9 +1,9 @@
-/* Quiet bodies: bodies of a host whose forces their caller computes, such as the soil geoms of vehicles. */
+/* Bodies of vehicles: their soil geoms. The vehicle computes their forces. */
 #include <math.h>
 
 #include "world/internal.h"
 
-void world_body_quiet(struct world *world, int32_t number)
+void world_body_of_vehicle(struct world *world, int32_t number)
 {
 	world_body_hosted(world, (size_t)number)->kind = BODY_VEHICLE;
 }
@@ -25,7 +25,7 @@ void world_body_save(const struct world *world, int32_t number, double numbers[W
 	const struct soil_pose *last = &body->last;
 	const struct furrow_state *now = &body->host.now;
 	const double all[WORLD_BODY_NUMBERS] = {
-		body->host.placed, body->in_contact, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
+		body->host.placed, body->has_last, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
 		last->turn, body->host.since, body->distance, body->sinkage, body->host.stamped,
 		now->pose.position[0], now->pose.position[1], now->pose.position[2],
 		now->pose.orientation[0], now->pose.orientation[1], now->pose.orientation[2], now->pose.orientation[3],
@@ -48,7 +48,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	    fabs(n[3]) > 0x1p52 || fabs(n[4]) > 0x1p52)
 		return world_record_damaged(world->facts.path, "where a vehicle is");
 	body->host.placed = world->unplaced = true;
-	body->in_contact = n[1] != 0;
+	body->has_last = n[1] != 0;
 	body->last = (struct soil_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
 	body->host.since = n[9];
 	body->distance = n[10];
@@ -58,6 +58,6 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	body->host.belt = (struct furrow_belt){.travel = n[8]};
 	world->near.stale = true;
 	body->host.has_next = false;
-	body->host.fresh = !body->in_contact;
+	body->host.fresh = !body->has_last;
 	return STATUS_OK;
 }

@@ -442,10 +442,7 @@ void world_finish(struct world *world, enum status status)
 	key_set_finish(&world->aloft.old);
 	world_happened_finish(world);
 	resident_requests_finish(&world->prefetch);
-	mem_free(world->rows.list);
-	mem_free(world->events.list);
-	mem_free(world->events.ahead);
-	mem_free(world->events.runs);
+	mem_free_all(world->rows.list, world->events.list, world->events.ahead, world->events.runs);
 	if (world->commit_log != NULL)
 		fclose(world->commit_log);
 	resident_ground_destroy(world->resident.ground);

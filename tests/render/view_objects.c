@@ -36,7 +36,7 @@ static void press(struct rig *rig, int64_t sample, double turn)
 	assert_true(event.contact);
 	rig->body.last = event.pose;
 	rig->body.last.turn = turn;
-	rig->body.in_contact = true;
+	rig->body.has_last = true;
 	rig->body.next = sample + 1;
 	rig->body.distance += event.distance;
 }
@@ -106,14 +106,14 @@ static void where_there_is_no_ground_it_is_drawn_if_that_is_known(void **state)
 	assert_int_equal(shown(&rig, 6, &now), 0); /* it never was on any */
 	press(&rig, 10, 0);
 	assert_int_equal(shown(&rig, 5, &last), 1);
-	rig.body.in_contact = false;
+	rig.body.has_last = false;
 	rig.body.distance = 10;
 	assert_int_equal(shown(&rig, 6, &now), 1);
 	assert_near(now.at[0], 514, 1e-5);
 	assert_near(now.at[2], last.at[2], 1e-5);
 	/* A path that says where it is in time, and how it lies; before it begins it is nowhere. */
 	struct scene_waypoint timed[2] = {{.t = 2, .x = 520, .y = 100, .z = 7, .roll = 0.5}, {.t = 4, .x = 530, .y = 100, .z = 9, .roll = 0.7}};
-	rig.body.in_contact = false;
+	rig.body.has_last = false;
 	show(&rig, (struct soil_shape){.kind = SOIL_BOX, .size = {1, 1, 1}},
 	     (struct scene_path){.points = timed, .count = 2, .timed = true, .has_z = true, .has_attitude = true});
 	assert_int_equal(shown(&rig, 1.9, &now), 0);

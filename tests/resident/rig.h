@@ -34,7 +34,7 @@ struct rig {
 	FILE *commit_log;
 	struct deform *deform; /* NULL: the home is host memory */
 	struct soil_pose last; /* of the ball, on the GPU */
-	bool in_contact;       /* `last` is a pose in contact */
+	bool has_last;       /* `last` is a pose in contact */
 };
 
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
@@ -211,7 +211,7 @@ static inline void press_host(struct rig *rig, const struct soil_pose *pose)
 /* Presses the ball into slots of the GPU, from its last pose to this one. Each window reads the ground as it was before any of them changed it. */
 static inline void press_gpu(struct rig *rig, const struct soil_pose *pose)
 {
-	const struct deform_contact contact = {.shape = &sphere, .from = rig->in_contact ? rig->last : *pose, .to = *pose};
+	const struct deform_contact contact = {.shape = &sphere, .from = rig->has_last ? rig->last : *pose, .to = *pose};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct tile_slot held[TILES_MOST];
 	size_t count = 0;
@@ -228,7 +228,7 @@ static inline void press_gpu(struct rig *rig, const struct soil_pose *pose)
 		release(rig, held, tiles);
 	}
 	rig->last = *pose;
-	rig->in_contact = true;
+	rig->has_last = true;
 }
 
 /* Rolls the ball to where it is in this step. Returns false if there is no ground. */

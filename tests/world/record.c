@@ -20,11 +20,11 @@ static struct scene_object two[] = {{.name = left}, {.name = odd}};
 static const struct scene scene = {.objects = two, .object_count = 2};
 
 static const struct record_object objects[] = {
-	{.next = INT64_MAX, .in_contact = true,
+	{.next = INT64_MAX, .has_last = true,
 	 .last = {INT64_MIN, INT64_MAX, -1, 0.1, -DBL_MIN / 4, 1 / 3.0, -2 / 3.0},
 	 .distance = DBL_MAX, .sinkage = -0.0, .skipped = INT64_MAX,
 	 .force = {{0.1, -0.0, DBL_MIN / 4}, {DBL_MAX, -1 / 3.0, 3}, 1e-300, 2 / 3.0, 1 / 7.0, 1 / 11.0, 0, INT64_MIN, DEFORM_TOUCHING}},
-	{.next = (INT64_C(1) << 53) + 1, .in_contact = false,
+	{.next = (INT64_C(1) << 53) + 1, .has_last = false,
 	 .last = {(INT64_C(1) << 53) + 1, -(INT64_C(1) << 53) - 1, 0, -M_PI, 4.9406564584124654e-324, 1e300, DBL_EPSILON},
 	 .distance = 1 + DBL_EPSILON, .sinkage = -1e-17, .skipped = 3},
 };
@@ -75,7 +75,7 @@ static void it_comes_back_to_the_bit(void **state)
 	assert_true(record->active[1].x == INT64_C(1) << 33 && record->active[1].y == 0);
 	for (int i = 0; i < 2; i++) {
 		const struct record_object *a = &record->objects[i], *b = &objects[i];
-		assert_true(a->next == b->next && a->in_contact == b->in_contact && a->skipped == b->skipped);
+		assert_true(a->next == b->next && a->has_last == b->has_last && a->skipped == b->skipped);
 		assert_true(a->last.x == b->last.x && a->last.y == b->last.y && a->last.z == b->last.z);
 		assert_true(same_real(a->last.yaw, b->last.yaw) && same_real(a->last.pitch, b->last.pitch) &&
 			    same_real(a->last.roll, b->last.roll) && same_real(a->last.turn, b->last.turn));

@@ -200,13 +200,7 @@ static enum status add_row(struct fit_table *table, size_t *room, const struct f
 	}
 	if (table->count == FIT_ROWS_MOST)
 		return fail_with(STATUS_INPUT, "%s:%d: has more than %d rows; give fewer, as every tenth", table->path, row->line, FIT_ROWS_MOST);
-	if (table->count == *room) {
-		const size_t more = *room > 0 ? 2 * *room : 256;
-		struct fit_row *rows = mem_realloc(table->rows, more, sizeof *rows);
-		TRY_MEM(rows, "the rows of a test");
-		table->rows = rows;
-		*room = more;
-	}
+	TRY(mem_grow(&table->rows, room, table->count + 1, sizeof *table->rows, "the rows of a test"));
 	table->rows[table->count++] = *row;
 	return STATUS_OK;
 }

@@ -72,15 +72,6 @@ static enum status take_number(struct parsing *parsing, uint64_t *value)
 
 /* --- records --- */
 
-static enum status grow(void *array, size_t *room, size_t size)
-{
-	void **memory = array;
-	void *wider = mem_realloc(*memory, *room, size);
-	TRY_MEM(wider, "the trace");
-	*memory = wider;
-	return STATUS_OK;
-}
-
 static enum status add_tile(struct parsing *parsing)
 {
 	struct sim_accesses *out = parsing->out;
@@ -93,10 +84,7 @@ static enum status add_tile(struct parsing *parsing)
 	TRY(key_set_number(&parsing->index, key, &number, &fresh));
 	if (!fresh)
 		return damaged(parsing, "a tile that came before comes as a new one");
-	if (out->tile_count == parsing->tile_room) {
-		parsing->tile_room = parsing->tile_room != 0 ? 2 * parsing->tile_room : 256;
-		TRY(grow(&out->keys, &parsing->tile_room, sizeof *out->keys));
-	}
+	TRY(mem_grow(&out->keys, &parsing->tile_room, out->tile_count + 1, sizeof *out->keys, "the trace"));
 	out->keys[out->tile_count++] = key;
 	return STATUS_OK;
 }
@@ -114,9 +102,9 @@ static enum status add_access(struct parsing *parsing, uint64_t record)
 	if (number == out->tile_count)
 		TRY(add_tile(parsing));
 	if (out->count == parsing->access_room) {
-		parsing->access_room = parsing->access_room != 0 ? 2 * parsing->access_room : 4096;
-		TRY(grow(&out->tiles, &parsing->access_room, sizeof *out->tiles));
-		TRY(grow(&out->steps, &parsing->access_room, sizeof *out->steps));
+		parsing->access_room = mem_room(parsing->access_room, out->count + 1);
+		TRY(mem_resize(&out->tiles, parsing->access_room, sizeof *out->tiles, "the trace"));
+		TRY(mem_resize(&out->steps, parsing->access_room, sizeof *out->steps, "the trace"));
 	}
 	out->tiles[out->count] = (uint32_t)number;
 	out->steps[out->count++] = parsing->step;
@@ -195,9 +183,7 @@ static enum status read_all(const char *path, uint8_t **bytes, size_t *size)
 		return fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path, input_problem());
 	enum status status = STATUS_OK;
 	for (size_t room = 1 << 16; !feof(file); room *= 2) {
-		uint8_t *wider = mem_realloc(*bytes, room, 1);
-		TRY_OR(done, wider != NULL ? STATUS_OK : fail_memory("the trace"));
-		*bytes = wider;
+		TRY_OR(done, mem_resize(bytes, room, 1, "the trace"));
 		*size += fread(*bytes + *size, 1, room - *size, file);
 		if (ferror(file))
 			TRY_OR(done, fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path, strerror(errno)));
@@ -221,8 +207,6 @@ done:
 
 void sim_accesses_finish(struct sim_accesses *accesses)
 {
-	mem_free(accesses->tiles);
-	mem_free(accesses->steps);
-	mem_free(accesses->keys);
+	mem_free_all(accesses->tiles, accesses->steps, accesses->keys);
 	*accesses = (struct sim_accesses){.count = 0};
 }

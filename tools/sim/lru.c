@@ -91,9 +91,6 @@ enum status sim_lru(struct sim_run *run, const uint32_t *slots, size_t count, ui
 			misses[i] -= at_depth[depth];
 	}
 done:
-	mem_free(order.sums);
-	mem_free(order.tiles);
-	mem_free(order.place);
-	mem_free(at_depth);
+	mem_free_all(order.sums, order.tiles, order.place, at_depth);
 	return status;
 }

@@ -123,9 +123,6 @@ enum status sim_opt(struct sim_run *run, const uint32_t *slots, size_t count, ui
 		TRY_OR(done, one_size(run, next, &heap, resident, size, &misses[run->pass]));
 	}
 done:
-	mem_free(heap.entries);
-	mem_free(next);
-	mem_free(following);
-	mem_free(resident);
+	mem_free_all(heap.entries, next, following, resident);
 	return status;
 }

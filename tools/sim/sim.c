@@ -15,8 +15,7 @@ static enum status one_size(struct sim_run *run, sim_access_fn access, uint32_t 
 	struct sim_cache cache = {.slots = slots};
 	for (int i = 0; i < SIM_QUEUES; i++)
 		cache.queues[i] = (struct sim_queue){SIM_NONE, SIM_NONE, 0};
-	cache.pages = mem_calloc((size_t)accesses->tile_count + 1, sizeof *cache.pages);
-	TRY_MEM(cache.pages, "the simulated cache");
+	TRY(mem_zeroed(&cache.pages, (size_t)accesses->tile_count + 1, sizeof *cache.pages, "the simulated cache"));
 	enum status status = STATUS_OK;
 	*misses = 0;
 	for (size_t i = 0; i < accesses->count; i++) {

@@ -32,8 +32,7 @@
 
 enum status deform_active_create(struct deform *deform)
 {
-	deform->active = mem_calloc(1, sizeof *deform->active);
-	TRY_MEM(deform->active, "the awake blocks");
+	TRY(mem_zeroed(&deform->active, 1, sizeof *deform->active, "the awake blocks"));
 	struct gpu *gpu = deform->params.gpu;
 	TRY(gpu_buffer_create(gpu, GPU_STORAGE, CONTACT_BYTES, NULL, &deform->active->contact_flags));
 	for (int i = 0; i < VISITS; i++)
@@ -131,13 +130,7 @@ struct gpu_buffer *deform_active_words(const struct deform *deform)
 
 static enum status keep_swept(struct period *period, struct swept window)
 {
-	if (period->count == period->room) {
-		size_t room = period->room != 0 ? 2 * period->room : 64;
-		struct swept *swept = mem_realloc(period->swept, room, sizeof *swept);
-		TRY_MEM(swept, "the awake blocks");
-		period->swept = swept;
-		period->room = room;
-	}
+	TRY(mem_grow(&period->swept, &period->room, period->count + 1, sizeof *period->swept, "the awake blocks"));
 	period->swept[period->count++] = window;
 	return STATUS_OK;
 }
@@ -231,8 +224,7 @@ enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flag
 	size_t count = active->blocks.count;
 	assert(count > 0 && active->visit_count < VISITS);
 	struct visit *visit = &active->visits[active->visit_count];
-	visit->visited = mem_alloc(count, sizeof *visit->visited);
-	TRY_MEM(visit->visited, "the awake blocks");
+	TRY(mem_make(&visit->visited, count, sizeof *visit->visited, "the awake blocks"));
 	memcpy(visit->visited, active->blocks.blocks, count * sizeof *visit->visited);
 	visit->count = count;
 	active->visit_count++;

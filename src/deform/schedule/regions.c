@@ -7,10 +7,7 @@
 
 void deform_regions_finish(struct regions *regions)
 {
-	mem_free(regions->regions);
-	mem_free(regions->runs);
-	mem_free(regions->owners);
-	mem_free(regions->shelves);
+	mem_free_all(regions->regions, regions->runs, regions->owners, regions->shelves);
 	*regions = (struct regions){.room = 0};
 }
 

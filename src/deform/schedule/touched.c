@@ -15,8 +15,7 @@ static uint32_t columns(int64_t first, int64_t end)
 void deform_touched_finish(struct touched *touched)
 {
 	soil_block_set_finish(&touched->blocks);
-	mem_free(touched->whiches);
-	mem_free(touched->rows);
+	mem_free_all(touched->whiches, touched->rows);
 	*touched = (struct touched){.count = 0};
 }
 
@@ -36,19 +35,9 @@ static const uint32_t *rows_of(const struct touched *touched, struct soil_block 
 /* Makes room for one more block and its rows. */
 static enum status make_room(struct touched *touched)
 {
-	if (touched->blocks.count == touched->which_room) {
-		size_t room = touched->which_room != 0 ? 2 * touched->which_room : 64;
-		uint32_t *whiches = mem_realloc(touched->whiches, room, sizeof *whiches);
-		TRY_MEM(whiches, "the touched ground");
-		touched->whiches = whiches;
-		touched->which_room = room;
-	}
+	TRY(mem_grow(&touched->whiches, &touched->which_room, touched->blocks.count + 1, sizeof *touched->whiches, "the touched ground"));
 	if (touched->count == touched->room) {
-		size_t room = touched->room != 0 ? 2 * touched->room : 64;
-		void *rows = mem_realloc(touched->rows, room, sizeof *touched->rows);
-		TRY_MEM(rows, "the touched ground");
-		touched->rows = rows;
-		touched->room = room;
+		TRY(mem_grow(&touched->rows, &touched->room, touched->count + 1, sizeof *touched->rows, "the touched ground"));
 		memset(touched->rows[0], 0xff, sizeof *touched->rows);
 		touched->count = touched->count > 0 ? touched->count : 1;
 	}

@@ -1,5 +1,4 @@
 /* Draws the lower envelope of a moving mesh over a window: the facets of soil_mesh_facets. */
-#include <math.h>
 
 #include "soil/shape/facets.h"
 #include "deform/internal.h"

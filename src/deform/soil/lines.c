@@ -8,7 +8,6 @@
  * invocations does not matter. (2) Soil goes from higher to lower posts in whole units: the sum stays, and the potential energy never
  * rises. (3) Where the rule from post to post moves nothing, neither does this one.
  */
-#include <string.h>
 
 #include "deform/internal.h"
 

@@ -12,7 +12,6 @@
 
 #include "deform/internal.h"
 #include "soil/kinematic/shed.h"
-#include "soil/stability.h"
 
 /* std140 twins of the parameters of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
 struct slide_params {

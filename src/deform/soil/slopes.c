@@ -17,7 +17,6 @@
 #include <string.h>
 
 #include "deform/internal.h"
-#include "soil/stability.h"
 
 #define NEAR_HOPS 1  /* posts: passes with at most so many posts of hops after them draw only marked cells */
 

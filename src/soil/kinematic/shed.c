@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#include "soil/kinematic/kinematic.h"
 #include "soil/kinematic/rows.h"
 #include "soil/stability.h"
 

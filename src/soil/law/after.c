@@ -11,7 +11,7 @@ SOIL_INLINED int32_t whole_units(float metres)
 }
 
 /* Tells whether a body whose lower envelope has this sinkage is in contact. largest: the largest sinkage so far; plastic: its plastic part, m. */
-SOIL_INLINED int32_t in_contact(int32_t sunk, int32_t largest, float plastic)
+SOIL_INLINED int32_t has_last(int32_t sunk, int32_t largest, float plastic)
 {
 	return (sunk > 0) & ((sunk >= largest) | ((float)sunk * SOIL_UNIT > plastic));
 }
@@ -88,8 +88,8 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 	put_plastic(k, n, elastic, by_elastic, largest, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]);
-		const int32_t may = (swept[i] > 0) & (lowest[i] < ground[i]), touches = may & in_contact(deepest, sinkage[i], had[i]);
-		const int32_t holds = touches & in_contact(sinkage_of(up[i], sunk[i]), largest[i], plastic[i]);
+		const int32_t may = (swept[i] > 0) & (lowest[i] < ground[i]), touches = may & has_last(deepest, sinkage[i], had[i]);
+		const int32_t holds = touches & has_last(sinkage_of(up[i], sunk[i]), largest[i], plastic[i]);
 		/* What slip digs. */
 		digs[i] = larger(smaller(whole_units(more[i]), sunk[i] - 2), 0) * holds;
 		remains[i] = larger(sinkage[i] - whole_of(up[i] * (float)digs[i]), 0);
@@ -100,7 +100,7 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 	put_plastic(k, n, elastic, by_elastic, remains, had);
 	put_plastic(k, n, elastic, by_elastic, largest, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const int32_t still = in_contact(sinkage_of(up[i], sunk[i] - digs[i]), largest[i], plastic[i]), holds = held[i] & (still | (digs[i] == 0));
+		const int32_t still = has_last(sinkage_of(up[i], sunk[i] - digs[i]), largest[i], plastic[i]), holds = held[i] & (still | (digs[i] == 0));
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);
 		const int32_t sinks = released + holds * (sunk[i] - digs[i] - released), heap = deposited[i] - digs[i], offset = heap - sinks;
 		const int32_t refused = touched[i] & ((far[i] != 0) | (sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST)), changes = touched[i] & (refused ^ 1);

@@ -2,7 +2,6 @@
 #include "soil/law/cover_fine.h"
 
 #include "soil/law/face.h"
-#include "soil/law/fine.h"
 
 #define BESIDE 2e-6f /* m: a post nearer to a side lies below it */
 

@@ -142,8 +142,7 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 	if (all * sizeof(float) > work->room) {
 		mem_free(work->memory);
 		work->room = 0;
-		work->memory = mem_alloc(all + all / 2, sizeof(float));
-		TRY_MEM(work->memory, "the raster of a mesh");
+		TRY(mem_make(&work->memory, all + all / 2, sizeof(float), "the raster of a mesh"));
 		work->room = (all + all / 2) * sizeof(float);
 	}
 	float *memory = work->memory;

@@ -147,9 +147,7 @@ enum status soil_grousers_draw(const struct soil_body *body, const struct post_r
 	const double *axis = body->axis, spacing = (double)form->spacing;
 	const size_t count = (size_t)(below->x1 - below->x0) * (size_t)(below->y1 - below->y0);
 	if (2 * count > work->room) {
-		float *memory = mem_realloc(work->memory, 3 * count, sizeof *memory);
-		TRY_MEM(memory, "grousers");
-		work->memory = memory;
+		TRY(mem_resize(&work->memory, 3 * count, sizeof *work->memory, "grousers"));
 		work->room = 3 * count;
 	}
 	struct drawing d = {

@@ -8,7 +8,6 @@
 #include "soil/law/form.h"
 
 #define POSTS_LANES 16
-#define POSTS_NONE INT32_MAX /* the body is not above the post */
 
 /* What an evaluation reads. */
 #define POSTS_LAW_WHOLES_EACH(EACH) \

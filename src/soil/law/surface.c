@@ -174,8 +174,7 @@ static enum status make(const struct soil_mesh *mesh, struct soil_surface *s)
 	uint32_t *memory = mem_alloc(9 * vertices + 15 * triangles, sizeof *memory);
 	uint32_t *scratch = mem_alloc(vertices + 2 * triangles + slots, sizeof *scratch);
 	if (memory == NULL || scratch == NULL) {
-		mem_free(memory);
-		mem_free(scratch);
+		mem_free_all(memory, scratch);
 		return fail_memory("a mesh");
 	}
 	s->memory = memory;

@@ -13,8 +13,6 @@
 
 #include <math.h>
 
-#include "soil/shape/body.h"
-
 #define STEP 0.2     /* radians */
 #define STEPS_MAX 32 /* so large a turn within one post moves a bar past every place on the rim */
 

@@ -7,8 +7,7 @@
 
 void soil_block_set_finish(struct soil_block_set *set)
 {
-	mem_free(set->blocks);
-	mem_free(set->places);
+	mem_free_all(set->blocks, set->places);
 	*set = (struct soil_block_set){.count = 0};
 }
 
@@ -33,12 +32,8 @@ static void index_all(struct soil_block_set *set)
 static enum status grow(struct soil_block_set *set)
 {
 	size_t room = set->room != 0 ? 2 * set->room : 128;
-	struct soil_block *blocks = mem_realloc(set->blocks, room / 2, sizeof *blocks);
-	TRY_MEM(blocks, "the active blocks");
-	set->blocks = blocks;
-	uint32_t *places = mem_realloc(set->places, room, sizeof *places);
-	TRY_MEM(places, "the active blocks");
-	set->places = places;
+	TRY(mem_resize(&set->blocks, room / 2, sizeof *set->blocks, "the active blocks"));
+	TRY(mem_resize(&set->places, room, sizeof *set->places, "the active blocks"));
 	set->room = room;
 	index_all(set);
 	return STATUS_OK;

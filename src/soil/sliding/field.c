@@ -1,5 +1,4 @@
 /* The working field of sliding: its arrays in scratch memory, and the heights with which the iterations begin. */
-#include <assert.h>
 #include <string.h>
 
 #include "soil/sliding/sliding.h"

@@ -9,7 +9,6 @@
  * Soil slides only where two neighbours differ by more than the least critical difference. So rows are computed only in the spans of columns
  * that are near such neighbours.
  */
-#include <string.h>
 
 #include "soil/sliding/sliding.h"
 
