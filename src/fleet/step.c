@@ -161,7 +161,7 @@ static int64_t horizon_of(const struct fleet *fleet)
 	if (scene->vehicle_count > 0)
 		return 1;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (world_body(world, i)->track != NULL)
+		if (world_body(world, i)->kind == BODY_PATH)
 			fastest = fmax(fastest, motion_track_fastest(world_body(world, i)->track));
 	if (fastest > 0)
 		steps = fmin(steps, TILE_SHARE * world_resident(world)->spacing * world_resident(world)->meta->extent.cells / (fastest * scene->time_step));

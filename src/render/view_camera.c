@@ -62,7 +62,7 @@ void render_view_aim(struct view *view, const struct scene_aim *given, double ti
 	size_t count = 0;
 	if (vehicle)
 		count = vehicle_places(world, given, places);
-	else if (target != NULL && target->track != NULL) /* a body without a track is a host's, which gives the camera, too */
+	else if (target != NULL && target->kind == BODY_PATH) /* a host moves the others, and gives the camera, too */
 		count = motion_track_camera_places(given, &target->object->path, target->track, time, places);
 	if (count == 0) {
 		memcpy(camera->eye, given->eye, sizeof camera->eye);

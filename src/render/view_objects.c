@@ -73,7 +73,7 @@ enum status render_view_set_objects(struct view *view)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		bool known;
-		if (world_body(world, i)->track == NULL) { /* a host moves it */
+		if (world_body(world, i)->kind != BODY_PATH) { /* a host moves it */
 			if (render_view_body(view, i, &objects[count]))
 				objects[count++].object = i;
 			continue;

@@ -32,7 +32,7 @@ void report_groundless(const struct world *world, scene_advice_fn tell, void *us
 	for (size_t i = 0; world_params(world)->ranks == NULL && i < world_scene(world)->object_count; i++) {
 		const struct body *body = world_body(world, i);
 		const bool all = body->skipped == body->next;
-		if (body->track == NULL || (double)body->skipped <= GROUNDLESS_SHARE * (double)body->next)
+		if (body->kind != BODY_PATH || (double)body->skipped <= GROUNDLESS_SHARE * (double)body->next)
 			continue;
 		if (all)
 			snprintf(count, sizeof count, "all %lld", (long long)body->skipped);

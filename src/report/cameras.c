@@ -88,7 +88,7 @@ void report_cameras_advise(const struct world *world, scene_advice_fn tell, void
 		return;
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
-		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world_body(world, camera->aim.object)->track != NULL;
+		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world_body(world, camera->aim.object)->kind == BODY_PATH;
 		const bool advised = camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object);
 		if (advised && advise_camera(world, reader, camera, tell, user) != STATUS_OK)
 			break; /* a tile that cannot be read is told when it is drawn */

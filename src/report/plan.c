@@ -229,7 +229,7 @@ static enum status advise_holes(const struct world *world, struct notes *notes)
 	for (size_t i = 0; i < scene->object_count; i++) {
 		struct over_holes holes = {.share = 0};
 		char key[240];
-		if (world_body(world, i)->track == NULL)
+		if (world_body(world, i)->kind != BODY_PATH)
 			continue;
 		TRY_OR(done, find_holes(reader, world_body(world, i)->track, scene->end_time, most, &holes));
 		snprintf(key, sizeof key, "objects.%.200s.path", scene->objects[i].name);

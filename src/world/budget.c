@@ -126,7 +126,7 @@ uint32_t world_step_pages(const struct world *world)
 	 * and two columns more than its extent needs. */
 	double pages = scene_moves_bodies(world->scene) ? WORLD_HOST_PAGES : 0, side = world->resident.spacing * world->resident.meta->extent.cells;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
-		if (world->bodies[i]->track == NULL)
+		if (world->bodies[i]->kind != BODY_PATH)
 			continue;
 		/* also the posts that are smoothed around it */
 		double size = 2 * soil_shape_bound(&world->scene->objects[i].shape) + 16 * world->resident.spacing;

@@ -143,7 +143,7 @@ static enum status rewind_paths(struct world *world)
 	size_t count = 0;
 	TRY_MEM(next, "going back");
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i]->track != NULL)
+		if (world->bodies[i]->kind == BODY_PATH)
 			next[count++] = world->bodies[i]->next;
 	resident_look_ahead_rewind(world->ahead, next, world->time);
 	mem_free(next);

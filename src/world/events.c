@@ -74,7 +74,7 @@ static enum status list_due(struct world *world, double until, bool agreed)
 	world->events.count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = world->bodies[i];
-		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
+		const int64_t samples = body->kind == BODY_PATH && !body->elsewhere ? motion_track_samples(body->track) : 0;
 		if (samples - body->next > WORLD_SAMPLES_MOST && motion_track_sample_time(body->track, body->next + WORLD_SAMPLES_MOST) <= until)
 			return fail_with(STATUS_USAGE, "%s: more than %d path samples are due in one step; make shorter steps", body->object->name,
 					 WORLD_SAMPLES_MOST);
@@ -116,7 +116,7 @@ enum status world_check_events(struct world *world, double until)
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		struct body *body = world->bodies[i];
 		struct event_run *run = &events->runs[i];
-		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
+		const int64_t samples = body->kind == BODY_PATH && !body->elsewhere ? motion_track_samples(body->track) : 0;
 		*run = (struct event_run){body->next, events->ahead_count, 0};
 		for (int64_t k = body->next; k < samples && status == STATUS_OK && motion_track_sample_time(body->track, k) <= until; k++) {
 			struct event event = {.time = 0};

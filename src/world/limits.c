@@ -94,7 +94,7 @@ uint32_t world_work_pages(const struct world *world)
 	const double side = world->resident.spacing * world->resident.meta->extent.cells;
 	double pages = world->facts.limits.hosts_work;
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i]->track != NULL)
+		if (world->bodies[i]->kind == BODY_PATH)
 			pages += tiles_under(2 * soil_shape_bound(&world->scene->objects[i].shape), side);
 	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
 }

@@ -210,7 +210,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	char text[560], others[40] = "", hint[160] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct body *body = world->bodies[i];
-		if (body->track == NULL)
+		if (body->kind != BODY_PATH)
 			continue;
 		int64_t sample = motion_track_leaves(body->track, width, height);
 		double time = sample >= 0 ? motion_track_sample_time(body->track, sample) : INFINITY;

@@ -103,7 +103,7 @@ void world_pass_elsewhere(struct world *world, double until)
 {
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		struct body *body = world->bodies[i];
-		if (!body->elsewhere || body->track == NULL)
+		if (!body->elsewhere || body->kind != BODY_PATH)
 			continue;
 		const int64_t samples = motion_track_samples(body->track);
 		while (body->next < samples && motion_track_sample_time(body->track, body->next) <= until)

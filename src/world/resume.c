@@ -22,7 +22,7 @@ static enum status check_object(struct world *world, struct body *body, const st
 	const struct record *record = world->record;
 	const char *store = world->facts.path;
 	struct event event = {.time = 0};
-	if (body->track == NULL) /* a host's: it begins anew */
+	if (body->kind != BODY_PATH) /* a host's: it begins anew */
 		return object->next == 0 && !object->has_last ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
 	if (record->step == 0 && object->next == 0)
 		return object->has_last ? world_record_damaged(store, "contact before the first step") : STATUS_OK;

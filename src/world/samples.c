@@ -25,7 +25,7 @@ void world_advise_samples(const struct world *world, scene_advice_fn tell, void 
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct body *body = world->bodies[i];
 		const struct scene_path *path = &body->object->path;
-		if (body->track == NULL)
+		if (body->kind != BODY_PATH)
 			continue;
 		const double samples = (double)world_samples_until(body->track, scene->end_time), way = world_way_at(body->track, scene->end_time);
 		const double turn = turns_most(path) * DEGREES;

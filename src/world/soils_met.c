@@ -112,8 +112,8 @@ static enum status add_all(const struct world *world, struct world_soils_met *me
 	const struct scene *scene = world->scene;
 	const uint64_t most = SAMPLES / (scene->object_count + scene->vehicle_count) + 2;
 	for (size_t i = 0; i < scene->object_count; i++) {
-		met->partly = met->partly || world->bodies[i]->track == NULL;
-		if (world->bodies[i]->track != NULL)
+		met->partly = met->partly || world->bodies[i]->kind != BODY_PATH;
+		if (world->bodies[i]->kind == BODY_PATH)
 			TRY(add_track(world, world->bodies[i]->track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met));
 	}
 	for (size_t i = 0; i < scene->vehicle_count; i++)

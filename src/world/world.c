@@ -88,12 +88,12 @@ static enum status start_look_ahead(struct world *world)
 	TRY_MEM(bodies, "the look-ahead");
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (world->bodies[i]->track != NULL)
+		if (world->bodies[i]->kind == BODY_PATH)
 			bodies[count++] = (struct look_ahead_body){motion_track_ahead(world->bodies[i]->track), &world->bodies[i]->object->shape, world->bodies[i]->next,
 									&world->bodies[i]->elsewhere};
 	uint32_t tiles = world->facts.limits.ground;
 	bool follows = scene->view.present && scene->view.aim.kind != SCENE_FIXED && scene->view.aim.vehicle == 0 && scene->object_count > 0 &&
-		       world->bodies[scene->view.aim.object]->track != NULL;
+		       world->bodies[scene->view.aim.object]->kind == BODY_PATH;
 	const struct look_ahead_params params = {
 		.store = world->resident.store,
 		.ground = world->resident.ground,
