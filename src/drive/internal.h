@@ -61,7 +61,7 @@ enum status drive_agree(struct drive *drive, enum status status) FURROW_CHECKED;
 /* --- end.c: the end of drive_run() --- */
 /* Stops the threads, and writes run.json, cameras and maps. `status`: how the loop ended; returned, unless only the writing failed. */
 enum status drive_conclude(struct drive *drive, struct drive_result *result, enum status status) FURROW_CHECKED;
-/* Writes of these what is missing, for a resumed drive that has nothing left to do. */
+/* For a resumed drive that has nothing left to do: writes those of the files that are not there. */
 enum status drive_conclude_again(struct drive *drive, struct drive_result *result) FURROW_CHECKED;
 /* Of many processes, when all have closed the ground: what they did comes together, and the first writes run.json and the map. `status`: how
  * this one ended. */

@@ -35,8 +35,6 @@ enum status world_happened_touch(struct world *world, const struct event *event,
 {
 	struct world_happened *told = &world->happened.told;
 	const struct body *body = world_body_at(world, event->body);
-	if (!world->happened.watched)
-		return STATUS_OK;
 	TRY(mem_grow(&told->touches, &world->happened.touch_room, told->touch_count + 1, sizeof *told->touches, "what a picture has to know"));
 	world->happened.touch = told->touch_count;
 	told->touches[told->touch_count++] = (struct world_touch){

@@ -18,7 +18,7 @@ bool world_has_begun(const struct world *world); /* this run has changed the sto
 void world_return_to(struct world *world, bool begun); /* for world_rollback: to WORLD_STEPPING if the run had begun then, or WORLD_READY */
 
 /* --- happened.c: what a watched world keeps of a step --- */
-enum status world_happened_touch(struct world *world, const struct event *event, const struct contact_area *area) FURROW_CHECKED; /* a contact begins */
+enum status world_happened_touch(struct world *world, const struct event *event, const struct contact_area *area) FURROW_CHECKED; /* a contact begins; only if somebody watches */
 void world_happened_relaxes(struct world *world);                       /* it has ended; what changes now is relaxation */
 enum status world_happened_change(struct world *world, struct tile tile) FURROW_CHECKED;
 void world_happened_reach(struct world *world, double metres);
