@@ -377,8 +377,8 @@ uint64_t scene_object_effects(const struct scene_object *object);
 bool scene_slips(const struct scene *scene);
 /* Returns true if an object's path or the scene turns it otherwise than along its way. */
 bool scene_is_turned(const struct scene_object *object);
-/* Returns the part of a level way that counts for the slip of a wheel or a belt, m: what is along its heading `yaw`, rad. Where the scene turns it against its
- * way, all of the way counts. */
+/* Returns how much of a level way counts for the slip of a wheel or a belt, m. That is what leads along its heading `yaw`, rad. Where the scene turns it
+ * against its way, all of the way counts. */
 double scene_slip_way(const struct scene_object *object, double x, double y, double yaw);
 /* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
 bool scene_moves_bodies(const struct scene *scene);
