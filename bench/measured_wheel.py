@@ -1,32 +1,37 @@
 #!/usr/bin/env python3
-"""The measured wheel of a single-wheel rig (C. Pavlov, CMU) beside the command: sinkage, drawbar and side force, trial by trial.
+"""The measured wheel of a single-wheel rig (C. Pavlov, CMU) beside `furrow rig`: sinkage, drawbar and side force, trial by trial, at slip angles of 0, 30 and 90 degrees.
 
     python3 bench/measured_wheel.py rel/tools/furrow --rig FOLDER -o bench-out      # FOLDER: wheel_smooth.csv, wheel_grouser.csv
+    python3 bench/measured_wheel.py rel/tools/furrow --rig FOLDER --table           # the RMS of each wheel and angle alone, in a minute
+    python3 bench/measured_wheel.py rel/tools/furrow --rig FOLDER --table --set redistribute.bulldozing=0
 
-One constant, slip sinkage, is fitted to the smooth wheel at slips of -0.5 to 0.9. Then it is frozen, and all else is told as it is.
+One constant, slip sinkage, is fitted to the smooth wheel at slips of -0.5 to 0.9. Then it is frozen, and all else is told as it is. Each trial has its own load.
+Trials of one rim speed and one angle have their mean slip.
 """
 import argparse
+import concurrent.futures
 import csv
 import json
 import math
 import pathlib
+import subprocess
 import sys
 import tempfile
 
-import lanes
 import record
-from pages import publish, table
+from pages import Told, publish, table
 
-RADIUS, WIDTH, SPEED, LENGTH = 0.058, 0.05, 0.01, 0.5
-SPACING, COARSEST = 0.004, 0.064
-GROUSERS = 16                 # the rig's page tells their height, 5 mm, and not how many there are
+RADIUS, WIDTH, SPEED = 0.058, 0.05, 0.01
+SPACING = 0.004
+BARS, BAR_HEIGHT, BAR_THICKNESS = 24, 0.005, 0.0015   # the lab's mesh and drawing show 24; nobody tells their thickness
 KAPPAS = (0.0, 0.4, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0)
-DRAGGED_MOST = -1000.0        # the slip that stands for a locked wheel
+ANGLES = (0, 30, 90)
+AT_ONCE = 2                   # runs of the command
 
 
 def soil_text(slip):
     return (f"bekker_kc: 0, bekker_kphi: 8e6, bekker_n: {1.46 + 0.01 * slip!r}, cohesion: 1000, friction_angle: 29, janosi_shear: 0.021, "
-            "elastic_stiffness: 4e7, damping: 0, repose: 29")
+            "elastic_stiffness: 4e7, damping: 0, repose: 29, unit_weight: 13030")
 
 
 def trials_of(path):
@@ -42,74 +47,45 @@ def trials_of(path):
     return found
 
 
-def slip_of(trial, angle=0.0):
-    """The scene's slip, 1 - way / rim. Below 0 the rig's is rim / way - 1."""
-    along, rim = trial["way_mm_s"] * math.cos(math.radians(angle)), trial["rim"]
-    return max(1 - along / rim, DRAGGED_MOST) if rim > 0 else DRAGGED_MOST
-
-
-def angle_of(trial):
-    """The yaw that stands for the trial's slip angle. At 90 degrees no way is along the wheel's plane, so that a slip of 0.99 says nothing of
-    its turning: the yaw is as little less as makes the rim as fast as it was."""
-    angle = trial["slip_angle_deg"]
-    if angle == 90 and trial["rim"] > 0:
-        angle = math.degrees(math.acos(trial["rim"] * 0.01 / trial["way_mm_s"]))
-    return angle
+def slip_of(setting):
+    """The command's slip, 1 - way / rim. Below 0 the rig's is rim / way - 1."""
+    return "locked" if setting <= -1 else repr(setting / (1 + setting) if setting < 0 else setting)
 
 
 class Rig:
-    def __init__(self, furrow, folder, redistribute):
-        self.furrow, self.folder, self.redistribute = furrow, folder, redistribute
-        self.store = lanes.ground(furrow, folder, COARSEST)
-        self.run = None  # run.json of the last drive
-        self.digs = lanes.accepts(furrow, folder, "slip_sinkage", "1")
-        self.least = DRAGGED_MOST if self.accepts_slip(DRAGGED_MOST) else -0.99
+    """Asks `furrow rig`. settings: KEY=VALUE for all runs."""
 
-    def accepts_slip(self, slip):
-        lane = lanes.Lane("a", RADIUS, WIDTH, 20.0, slip=slip, length=0.01, speed=SPEED)
-        try:
-            lanes.drive(self.furrow, self.store, self.folder, [lane], SPACING, soil_text(0), "")
-        except lanes.Failed:
-            return False
-        return True
+    def __init__(self, furrow, folder, settings=(), spacing=SPACING):
+        self.furrow, self.folder, self.settings, self.spacing = furrow, pathlib.Path(folder), list(settings), spacing
+        self.runs = 0
 
-    def drive(self, trials, grousers, kappa, heights=None):
-        """What the command says of each trial: sinkage mm, drawbar N, side N, fz N. heights: of the axles, m, instead of loads.
-        None for a trial whose slip no scene can give."""
-        answers, keys = [None] * len(trials), {}
+    def ask(self, out, angle, setting, loads, grousers, kappa):
+        """Rows of wheels under these loads, in their order."""
+        bars = f", grousers: {BARS}, grouser_height: {BAR_HEIGHT!r}, grouser_thickness: {BAR_THICKNESS!r}" if grousers else ""
+        settings = self.settings + ([f"redistribute.slip_sinkage={kappa!r}"] if kappa is not None else [])
+        command = [self.furrow, "rig", "-o", str(self.folder / out), "--shape", f"wheel: {{radius: {RADIUS!r}, width: {WIDTH!r}{bars}}}",
+                   "--soil", "{" + soil_text(setting) + "}", "--load", ",".join(map(repr, loads)), f"--slip={slip_of(setting)}", "--slip-angle", repr(angle),
+                   "--speed", repr(SPEED), "--spacing", repr(self.spacing), "--json"] + [word for one in settings for word in ("--set", one)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise Told(f"furrow rig at {angle:g} degrees, slip {setting:g}: {done.stderr.strip()}")
+        return json.loads(done.stdout)["rows"]
+
+    def drive(self, trials, grousers, kappa):
+        """What the command says of each trial: sinkage mm, drawbar N, side N, fz N; None for one that sank out of sight."""
+        answers, groups = [None] * len(trials), {}
         for i, trial in enumerate(trials):
-            keys.setdefault(trial["setting"], []).append(i)
-        for setting, own in keys.items():
-            way = []
-            for i in own:
-                angle = angle_of(trials[i])
-                slip = slip_of(trials[i], angle)
-                if slip < self.least - 0.02:
-                    continue
-                way.append((i, lanes.Lane(f"trial{i}", RADIUS, WIDTH, trials[i]["load_N"] if heights is None else None, slip=min(max(slip, self.least), 0.99),
-                                          length=LENGTH, speed=SPEED, grousers=GROUSERS if grousers else 0, grouser_height=0.005,
-                                          yaw=-angle if heights is not None else 0.0, height=None if heights is None else heights[i])))
-            if not way:
-                continue
-            extra = self.redistribute + (f", slip_sinkage: {kappa!r}" if self.digs and kappa is not None else "")
-            driven = lanes.drive(self.furrow, self.store, self.folder, [lane for _, lane in way], SPACING, soil_text(setting), extra)
-            self.run = driven.run
-            for i, lane in way:
-                found = lanes.steady(lane, driven, 0.3, LENGTH)
-                answers[i] = {"sinkage": found["sinkage"] * 1e3, "drawbar": found["drawbar"], "side": found["side"], "fz": found["fz"]}
-        return answers
-
-    def at_an_angle(self, trials, grousers, kappa):
-        """Loads by trial and error, since a path with an attitude takes none: heights are moved until fz is the load."""
-        low, high = [RADIUS - 0.1] * len(trials), [RADIUS - 0.0005] * len(trials)
-        for _ in range(12):
-            heights = [(a + b) / 2 for a, b in zip(low, high)]
-            answers = self.drive(trials, grousers, kappa, heights)
-            for i, (trial, answer) in enumerate(zip(trials, answers)):
-                if answer and answer["fz"] > trial["load_N"]:
-                    low[i] = heights[i]
-                else:
-                    high[i] = heights[i]
+            groups.setdefault((trial["slip_angle_deg"], trial["setting"]), []).append(i)
+        with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
+            asked = []
+            for (angle, setting), own in groups.items():
+                self.runs += 1
+                loads = [trials[i]["load_N"] for i in own]
+                asked.append((own, pool.submit(self.ask, f"run-{self.runs}", angle, setting, loads, grousers, kappa)))
+            for own, future in asked:
+                for i, row in zip(own, future.result(), strict=True):
+                    if row["state"] != "sunk":
+                        answers[i] = {"sinkage": row["sinkage"] * 1e3, "drawbar": row["drawbar"], "side": row["side"], "fz": row["fz"]}
         return answers
 
 
@@ -147,7 +123,7 @@ def fit(rig, trials):
 def errors(trials, answers):
     pairs = [(t, a) for t, a in zip(trials, answers) if a]
     return (rms([(a["sinkage"], t["sinkage_mm"]) for t, a in pairs]), rms([(a["drawbar"], -t["drag_N"]) for t, a in pairs]),
-            rms([(abs(a["side"]), abs(t["lateral_N"])) for t, a in pairs]))
+            rms([(a["side"], t["lateral_N"]) for t, a in pairs]))
 
 
 def trial_table(trials, answers, side=False):
@@ -163,7 +139,7 @@ def trial_table(trials, answers, side=False):
         cells.append(f"{mean([a['sinkage'] for a in known]):.1f}" if known else "no scene says it")
         cells += [f"{mean([-trials[i]['drag_N'] for i in own]):.1f}", f"{mean([a['drawbar'] for a in known]):.1f}" if known else ""]
         if side:
-            cells += [f"{mean([abs(trials[i]['lateral_N']) for i in own]):.1f}", f"{mean([abs(a['side']) for a in known]):.1f}" if known else ""]
+            cells += [f"{mean([trials[i]['lateral_N'] for i in own]):.1f}", f"{mean([a['side'] for a in known]):.1f}" if known else ""]
         if known:
             cells.append(f"{max(abs(a['fz'] / trials[i]['load_N'] - 1) for i, a in zip(own, (answers[i] for i in own)) if a) * 100:.1f} %")
         else:
@@ -177,6 +153,20 @@ def summary(trials, answers, side=False):
     depth, pull, across = errors(trials, answers)
     text = f"RMS over {sum(a is not None for a in answers)} trials: sinkage {depth:.2f} mm, drawbar {pull:.2f} N"
     return text + (f", side force {across:.2f} N" if side else "") + "."
+
+
+def rms_table(rig, folder, frozen=None):
+    """RMS of sinkage mm, drawbar N and side force N of each wheel and angle. Returns Markdown, and the figures by wheel and angle."""
+    lines, found = [], {}
+    for name, bars in (("smooth", False), ("grouser", True)):
+        trials = [trial for trial in trials_of(folder / f"wheel_{name}.csv") if trial["slip_angle_deg"] in ANGLES]
+        answers = rig.drive(trials, bars, frozen)
+        for angle in ANGLES:
+            own = [i for i, trial in enumerate(trials) if trial["slip_angle_deg"] == angle]
+            pairs = [trials[i] for i in own], [answers[i] for i in own]
+            found[name, angle] = errors(*pairs)
+            lines.append([name, f"{angle:g}", *(f"{value:.2f}" for value in found[name, angle]), f"{sum(a is not None for a in pairs[1])} of {len(own)}"])
+    return table(["wheel", "slip angle", "sinkage, mm", "drawbar, N", "side force, N", "trials"], lines), found
 
 
 def report(rig, folder, quick, frozen=None):
@@ -195,12 +185,10 @@ def report(rig, folder, quick, frozen=None):
     kappa, one = frozen, None
     if frozen is not None:
         say(f"Slip sinkage {frozen:g}, fitted by an earlier run.\n", what="fit", kappa=frozen)
-    elif rig.digs:
+    else:
         kappa, one, setting = fit(rig, fitted)
         say(f"Slip sinkage {kappa:.2f} fits the smooth wheel best; left out one trial at a time {one:.2f} mm, one slip at a time {setting:.2f} mm RMS.\n",
             what="fit", kappa=kappa, leave_one_trial=one, leave_one_slip=setting)
-    else:
-        say("This build has no `redistribute.slip_sinkage`: nothing is fitted.\n", what="fit", kappa=None)
     answers = rig.drive(fitted, False, kappa)
     say("Smooth wheel, slips -0.5 to 0.9, each trial under its own load:\n\n" + trial_table(fitted, answers) + "\n" + summary(fitted, answers))
     depth, pull, _ = errors(fitted, answers)
@@ -219,7 +207,7 @@ def report(rig, folder, quick, frozen=None):
             ("grousers_30", "Wheel with grousers at 30 degrees", grouser, True, 30, -1, 0.95),
             ("grousers_90", "Wheel with grousers at 90 degrees", grouser, True, 90, -1, 0.95)):
         of = chosen(trials, angle, low, high)
-        got = rig.at_an_angle(of, bars, kappa) if angle else rig.drive(of, bars, kappa)
+        got = rig.drive(of, bars, kappa)
         say(f"{name}:\n\n{trial_table(of, got, side=angle > 0)}\n{summary(of, got, side=angle > 0)}\n", what=name, key=key,
             rms=dict(zip(("sinkage", "drawbar", "side"), errors(of, got))))
     return told
@@ -246,7 +234,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("furrow")
     parser.add_argument("--rig", type=pathlib.Path, required=True, help="folder of wheel_smooth.csv and wheel_grouser.csv")
-    parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'bulldozing: 0'")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a key of every scene, as in redistribute.bulldozing=0")
+    parser.add_argument("--spacing", type=float, default=SPACING, metavar="M", help="m between posts")
+    parser.add_argument("--table", action="store_true", help="the RMS of each wheel and angle alone, with the slip sinkage that the command has by itself")
     parser.add_argument("--quick", action="store_true", help="the smooth wheel alone")
     parser.add_argument("--slip-sinkage", type=float, metavar="K", help="the constant of an earlier fit; nothing is fitted then, which takes minutes")
     parser.add_argument("-o", "--out", type=pathlib.Path, help="a folder for measured_wheel.md and .jsonl")
@@ -260,12 +250,14 @@ def main():
     kept = record.Record("measured_wheel", options.furrow)
     try:
         with tempfile.TemporaryDirectory() as folder:
-            rig = Rig(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute)
+            rig = Rig(options.furrow, folder, options.set, options.spacing)
+            if options.table:
+                print(rms_table(rig, options.rig, options.slip_sinkage)[0])
+                return 0
             told = report(rig, options.rig, options.quick, options.slip_sinkage)
-    except lanes.Failed as error:
+    except Told as error:
         print(f"measured_wheel.py: {error}", file=sys.stderr)
         return 1
-    kept.seen(rig.run)
     keep(kept, told)
     if not options.quick:
         kept.page("measured", "\n".join(part["text"] for part in told))

@@ -24,15 +24,23 @@ static const struct command_option options[] = {
 	{"shape", "YAML", .help = "what is carried, as an object's shape in a scene", .preset = DEFAULT_SHAPE},
 	{"soil", "LIST", .help = "soils: names, files with a scene's soil as furrow fit-soil writes them, or a scene's soil in braces", .preset = DEFAULT_SOIL},
 	{"load", "LIST", .help = "what presses on the soil", .unit = "N", .preset = DEFAULT_LOAD},
-	{"slip", "LIST", .help = "of a wheel or a belt: 1 - way / (turn x radius), 1 - way / what the belt runs; -0.2:0.8:0.1 is a range", .preset = DEFAULT_SLIP},
+	{"depth", "LIST", .help = "of its lowest point below the untouched ground, kept all the way", .unit = "m", .instead = true},
+	{"slip-angle", "LIST", .help = "from a wheel's way to its plane, to the left; 90: it goes along its axle", .unit = "degrees", .preset = "0"},
+	{"yaw", "LIST", .help = "the same of another shape, as of a blade", .unit = "degrees", .instead = true},
+	{"rake", "DEG", .help = "of a blade's front from the level; below 90 its top leans back", .unit = "degrees", .preset = "90"},
+	{"slip", "LIST", .help = "of a wheel or a belt: 1 - way / (turn x radius), 1 - way / what the belt runs; -0.2:0.8:0.1 is a range, locked a wheel that does not turn",
+	 .preset = DEFAULT_SLIP},
 	{"torque", "LIST", .help = "what drives a wheel, or pulls a belt; the slip is found", .unit = "N m; of a belt N",
 	 .instead = true},
 	{"passes", "N", .help = "objects that follow each other, up to 4, as the axles of a vehicle do; the row is that of the last", .preset = "1"},
 	{"spacing", "M", .help = "distance between posts", .unit = "m",
 	 .preset = "a twentieth of the wheel's width or radius, whichever is less"},
-	{"compare", "CSV", .help = "measured trials beside it: columns slip, and sinkage or sinkage_mm, drawbar or drag_N, torque",
+	{"speed", "M/S", .help = "along its way", .unit = "m/s", .preset = "0.1"},
+	{"way", "M", .help = "how far it goes", .unit = "m", .preset = "eight radii, or half lengths"},
+	{"compare", "CSV", .help = "measured trials beside it: columns slip, and sinkage or sinkage_mm, drawbar or drag_N, side or lateral_N, torque",
 	 .files = "csv"},
 	{"set", "KEY=VALUE", .help = "a key of the scene, as in redistribute.slip_sinkage=0", .repeats = true},
+	{"json", .help = "print one JSON object in place of the text"},
 	{.name = NULL},
 };
 
@@ -42,63 +50,12 @@ struct asked {
 	struct rig_table table;
 	struct soil_given given[SOILS_MOST];
 	const char *soils[SOILS_MOST], *labels[SOILS_MOST];
-	double loads[RIG_VALUES_MOST], slips[RIG_VALUES_MOST], torques[RIG_VALUES_MOST];
+	double loads[RIG_VALUES_MOST], depths[RIG_VALUES_MOST], angles[RIG_VALUES_MOST], slips[RIG_VALUES_MOST], torques[RIG_VALUES_MOST];
 	size_t room;
 	struct progress progress;
 };
 
-/* --- lists --- */
-
-static enum status add(const char *option, double value, double *list, size_t *count)
-{
-	if (*count == RIG_VALUES_MOST)
-		return fail_with(STATUS_USAGE, "rig: --%s: are more than %d numbers; give fewer", option, RIG_VALUES_MOST);
-	list[(*count)++] = value;
-	return STATUS_OK;
-}
-
-/* An item: a number, or LOW:HIGH:STEP. */
-static enum status read_item(const char *option, const char *item, double *list, size_t *count)
-{
-	char text[128];
-	const char *parts[3] = {NULL, NULL, NULL};
-	double numbers[3];
-	int found = 0;
-	snprintf(text, sizeof text, "%s", item);
-	for (char *rest = text, *part; (part = strsep(&rest, ":")) != NULL && found < 4; found++)
-		if (found < 3)
-			parts[found] = part;
-	bool good = strlen(item) < sizeof text && (found == 1 || found == 3);
-	for (int i = 0; i < found && good; i++)
-		good = parse_number(parts[i], &numbers[i]);
-	if (!good || (found == 3 && !(numbers[2] > 0 && numbers[1] >= numbers[0])))
-		return fail_with(STATUS_USAGE, "rig: --%s %s: is no number and no range; give one as in 0.2 or 0:0.8:0.1", option, item);
-	if (found == 1)
-		return add(option, numbers[0], list, count);
-	const double steps = floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9);
-	for (double i = 0; i <= steps; i++) {
-		const double value = numbers[0] + i * numbers[2];
-		TRY(add(option, fabs(value) < 1e-9 * numbers[2] ? 0 : value, list, count));
-	}
-	return STATUS_OK;
-}
-
-static enum status read_list(const struct arguments *arguments, const char *option, const char *otherwise, double *list, size_t *count)
-{
-	const char *given = arguments_text(arguments, option);
-	if (given == NULL)
-		given = otherwise;
-	if (given == NULL)
-		return STATUS_OK;
-	char *text = mem_strdup(given), *rest = text, *item;
-	TRY_MEM(text, "a list");
-	enum status status = STATUS_OK;
-	while ((item = strsep(&rest, ",")) != NULL)
-		TRY_OR(done, read_item(option, item, list, count));
-done:
-	mem_free(text);
-	return status;
-}
+/* --- soils --- */
 
 static enum status add_soil(struct asked *asked, const char *given)
 {
@@ -168,7 +125,8 @@ static enum status keep(void *user, const struct rig_row *row)
 	struct rig_row *kept = &table->rows[table->count++];
 	*kept = *row;
 	if (row->state == RIG_SUNK) { /* such forces mean nothing, nor does a slip that was found from them */
-		kept->drawbar = kept->side = kept->efficiency = NAN;
+		kept->drawbar = kept->side = kept->efficiency = kept->overturning = kept->aligning = NAN;
+		kept->against = kept->against_least = kept->against_most = kept->heap = kept->heap_volume = NAN;
 		*(asked->params.torque_count > 0 ? &kept->slip : &kept->torque) = NAN;
 	}
 	return STATUS_OK;
@@ -189,52 +147,6 @@ static void tell_sunk(const struct rig_table *table)
 		     count, table->count, deepest);
 }
 
-/* --- what comes out --- */
-
-static void print_row(const struct rig_table *table, const struct rig_row *row)
-{
-	const double values[] = {row->slip, row->sinkage * 1e3, row->drawbar, row->torque, row->efficiency};
-	static const char *const formats[] = {"%8.3f", "%12.2f", "%12.2f", "%12.3f", "%12.3f"};
-	static const int widths[] = {8, 12, 12, 12, 12};
-	printf("%10g", table->params->loads[row->load]);
-	for (size_t i = 0; i < sizeof values / sizeof *values; i++)
-		if (isfinite(values[i]))
-			printf(formats[i], values[i]);
-		else
-			printf("%*s", widths[i], "-");
-	printf("  %s\n", trials_rig_states[row->state]);
-}
-
-static void print_differences(const struct rig_table *table, size_t soil)
-{
-	const char *const names[] = {"sinkage %.2f mm", "drawbar %.2f N", table->found.belt ? "pull %.3f N" : "torque %.3f N m"};
-	for (size_t load = 0; load < table->params->load_count && table->measured_count > 0; load++) {
-		const char *before = " ";
-		printf("from the measured trials at %g N, RMS:", table->params->loads[load]);
-		for (int i = 0; i < 3; i++) {
-			const double difference = rig_difference(table, soil, load, i);
-			if (!isfinite(difference))
-				continue;
-			fputs(before, stdout);
-			printf(names[i], difference);
-			before = ", ";
-		}
-		puts(before[0] == ' ' ? " no slip in common" : "");
-	}
-}
-
-static void print_table(const struct rig_table *table)
-{
-	for (size_t soil = 0; soil < table->params->soil_count; soil++) {
-		printf("%s%s, posts of %g mm\n%10s%8s%12s%12s%12s%12s\n", soil > 0 ? "\n" : "", table->soils[soil], table->found.spacing * 1e3, "load N",
-		       "slip", "sinkage mm", "drawbar N", table->found.belt ? "pull N" : "torque N m", "efficiency");
-		for (size_t i = 0; i < table->count; i++)
-			if (table->rows[i].soil == soil)
-				print_row(table, &table->rows[i]);
-		print_differences(table, soil);
-	}
-}
-
 static enum status write_file(const struct rig_table *table, const char *folder, const char *name, void (*write)(const struct rig_table *, FILE *))
 {
 	char path[4096];
@@ -245,6 +157,19 @@ static enum status write_file(const struct rig_table *table, const char *folder,
 	write(table, aside.file);
 done:
 	return aside_end(&aside, false, status);
+}
+
+/* How it is turned, and how it goes. */
+static enum status read_motion(const struct arguments *arguments, struct asked *asked)
+{
+	struct rig_params *params = &asked->params;
+	const bool yaw = arguments_text(arguments, "yaw") != NULL;
+	if (yaw && arguments_text(arguments, "slip-angle") != NULL)
+		return fail_with(STATUS_USAGE, "rig: --yaw: --slip-angle is the same, and is given too; give one of them");
+	TRY(rig_list_read(arguments, yaw ? "yaw" : "slip-angle", NULL, asked->angles, &params->angle_count));
+	TRY(arguments_number(arguments, "rake", 1, 179, &params->rake));
+	TRY(arguments_number(arguments, "speed", 1e-6, 100, &params->speed));
+	return arguments_number(arguments, "way", 1e-3, 1000, &params->way);
 }
 
 static enum status read_all(const struct arguments *arguments, struct asked *asked, struct settings *settings)
@@ -262,9 +187,12 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 	TRY(arguments_integer(arguments, "passes", 1, RIG_PASSES_MOST, &passes));
 	params->passes = (size_t)passes;
 	TRY(read_soils(arguments, asked));
-	TRY(read_list(arguments, "load", DEFAULT_LOAD, asked->loads, &params->load_count));
-	TRY(read_list(arguments, "slip", torque == NULL ? DEFAULT_SLIP : NULL, asked->slips, &params->slip_count));
-	TRY(read_list(arguments, "torque", NULL, asked->torques, &params->torque_count));
+	TRY(read_motion(arguments, asked));
+	const bool depths = arguments_text(arguments, "depth") != NULL;
+	TRY(rig_list_read(arguments, "load", depths ? NULL : DEFAULT_LOAD, asked->loads, &params->load_count));
+	TRY(rig_list_read(arguments, "depth", NULL, asked->depths, &params->depth_count));
+	TRY(rig_list_read(arguments, "slip", torque == NULL ? DEFAULT_SLIP : NULL, asked->slips, &params->slip_count));
+	TRY(rig_list_read(arguments, "torque", NULL, asked->torques, &params->torque_count));
 	TRY(settings_take(arguments, settings));
 	return compare != NULL ? rig_measured_read(compare, &asked->table.measured, &asked->table.measured_count) : STATUS_OK;
 }
@@ -305,8 +233,8 @@ static enum status run(const struct arguments *arguments)
 	struct asked *asked = mem_calloc(1, sizeof *asked);
 	TRY_MEM(asked, "the rig");
 	struct rig_params *params = &asked->params;
-	*params = (struct rig_params){.soils = asked->soils, .loads = asked->loads, .slips = asked->slips, .torques = asked->torques, .stop = &interrupted,
-				      .progress = progress_rig, .advise = true, .user = asked};
+	*params = (struct rig_params){.soils = asked->soils, .loads = asked->loads, .depths = asked->depths, .angles = asked->angles, .slips = asked->slips,
+				      .torques = asked->torques, .stop = &interrupted, .progress = progress_rig, .advise = true, .user = asked};
 	asked->table.params = params;
 	asked->table.soils = asked->labels;
 	char *joined = NULL;
@@ -319,8 +247,12 @@ static enum status run(const struct arguments *arguments)
 	TRY_OR(done, write_file(&asked->table, params->folder, "rig.csv", rig_csv_write));
 	TRY_OR(done, write_file(&asked->table, params->folder, "rig.svg", rig_plot_write));
 	tell_sunk(&asked->table);
-	print_table(&asked->table);
-	printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
+	if (arguments_flag(arguments, "json")) {
+		TRY_OR(done, rig_told_json(&asked->table));
+	} else {
+		rig_told_print(&asked->table);
+		printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
+	}
 done:
 	settings_finish(&settings);
 	mem_free(joined);
@@ -336,18 +268,25 @@ const struct command command_rig = {
 	.name = "rig",
 	.summary = "the single-wheel test: sinkage, drawbar pull, torque and efficiency over slip",
 	.options = options,
-	.details = "Carries a wheel, or another object, over level soil in a straight line, once for each soil, load and slip, "
+	.details = "Carries a wheel, or another object, over level soil in a straight line, once for each soil, load, angle and slip, "
 		   "eight radii far. The numbers are means over the last quarter of the way, by the model scm, as furrow drive "
 		   "tells them. The bed is made for it and thrown away.\n\n"
-		   "State: steady; digs: still sinking there, by more than 5 % in an eighth of the way; sunk: the soil does not "
+		   "At a slip angle the wheel's plane is turned to the left of its way. Drawbar, side force, torque and moments are in the "
+		   "wheel's own axes: its plane, and its axle. Slip is 1 - way / (turn x radius) with the whole way. Below 0 the wheel is braked; locked, it does not turn. "
+		   "--depth carries a blade, or any shape, at a fixed depth; --rake and --yaw turn it.\n\n"
+		   "State: steady; digs: still sinking there, by more than 5 % in an eighth of the way; grows: at a depth the force "
+		   "against its way still changes by so much; sunk: the soil does not "
 		   "carry the load, and the row has no forces but fz; spins: no slip from -0.9 to 0.95 gives this torque.\n\n"
-		   "rig.csv, in m, N and N m: soil, load, slip, torque, sinkage, drawbar, side, fz, efficiency, deeper, state. "
-		   "Efficiency is drawbar pull times way over torque times turn. deeper: how much deeper the second half of the "
-		   "last quarter is than the first. Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n\n"
-		   "With --compare the differences from the measured trials are told, and drawn; lines with a slip_angle_deg other "
-		   "than 0 are left out.\n",
+		   "rig.csv, in m, N, N m and degrees: soil, load, slip, torque, sinkage, drawbar, side, fz, efficiency, deeper, state, slip_angle, "
+		   "overturning, aligning, against, against_least, against_most, heap, heap_volume. "
+		   "Efficiency is the pull along the way times way over torque times turn. deeper: how much deeper the second half of the "
+		   "last quarter is than the first. against: the force against the way, its mean, least and most. heap: the highest soil "
+		   "ahead of its centre at the end, above the untouched ground, and its volume. Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n\n"
+		   "With --compare the differences from the measured trials are told, and drawn. A line with a slip_angle_deg belongs to that slip angle, one without to 0.\n",
 	.examples = "furrow rig -o bench --soil dry_sand,clayey_38 --load 500,1000\n"
-		    "furrow rig -o bench --soil my_sand.yaml,dry_sand\n",
+		    "furrow rig -o bench --soil my_sand.yaml,dry_sand\n"
+		    "furrow rig -o bench --slip-angle 0,30,90 --slip locked,-0.5,0,0.5\n"
+		    "furrow rig -o b --shape 'box: {size: [0.03, 1, 0.4]}' --depth 0.1 --rake 60\n",
 	.see = "furrow-mobility(1), scene(5)",
 	.run = run,
 };

@@ -1,7 +1,7 @@
 /*
- * Four plots over slip: sinkage, drawbar pull, torque, efficiency. A colour and a mark a soil, a dash a load, a black dot a measured trial.
- * Of an object without a slip the plots are over its load. Colours: Okabe's and Ito's, which every eye tells apart. No two of 42
- * soils have both the same colour and the same mark.
+ * Plots over slip: sinkage, drawbar pull, torque, efficiency; at slip angles the side force, at a depth the force against the way. A colour and a mark
+ * for each soil and slip angle, a dash a load or a depth, a dot a measured trial. Of an object without a slip the plots are over its angle if it has
+ * several, else over its load or depth. Colours: Okabe's and Ito's, which every eye tells apart. No two of 42 have both the same colour and the same mark.
  */
 #include "rig_plot.h"
 
@@ -17,7 +17,7 @@ static const char *const dashes[] = {"none", "7 4", "2 3", "10 3 2 3"};
 /* Marks: a point of SVG's path each, about 6 wide, and its count differs from that of colours. */
 static const char *const marks[] = {"m-3 0a3 3 0 1 0 6 0a3 3 0 1 0 -6 0z", "m-2.8 -2.8h5.6v5.6h-5.6z",       "m0 -3.8l3.6 6.3h-7.2z", "m0 -4l4 4l-4 4l-4 -4z",
 				    "m0 3.8l3.6 -6.3h-7.2z",               "m-2.4 -3.6l6.3 3.6l-6.3 3.6z", "m2.4 -3.6l-6.3 3.6l6.3 3.6z"};
-static const char *const titles[RIG_FIGURES] = {"sinkage, mm", "drawbar pull, N", "torque, N m", "efficiency"};
+static const char *const titles[RIG_FIGURES] = {"sinkage, mm", "drawbar pull, N", "side force, N", "torque, N m", "efficiency", "force against the way, N"};
 #define COUNT(list) (sizeof list / sizeof *list)
 
 /* One plot: where it is, and what its axes show. */
@@ -27,20 +27,75 @@ struct panel {
 	double low[2], high[2], step[2];
 };
 
-static bool has_slip(const struct rig_table *table)
+/* --- what is drawn over what --- */
+
+enum over { OVER_SLIP, OVER_ANGLE, OVER_LOAD };
+
+static enum over over_of(const struct rig_table *table)
 {
-	return table->found.wheel || table->found.belt;
+	return rig_has_slip(table) ? OVER_SLIP : table->params->angle_count > 1 ? OVER_ANGLE : OVER_LOAD;
+}
+
+static const char *const names[] = {[OVER_SLIP] = "slip", [OVER_ANGLE] = "angle from its way, degrees"};
+static const char *name_of(const struct rig_table *table)
+{
+	const enum over over = over_of(table);
+	for (size_t i = 0; i < table->params->slip_count && over == OVER_SLIP; i++)
+		if (table->params->slips[i] < -1)
+			return "slip; below 0: turn x radius / way - 1";
+	return over != OVER_LOAD ? names[over] : table->params->depth_count > 0 ? "depth, mm" : "load, N";
+}
+
+/* Returns a slip as it is drawn: if some wheel turns by less than half of its way, those that are braked from 0 to -1, which is a locked one. */
+static double drawn_slip(const struct rig_table *table, double slip)
+{
+	return slip < 0 && name_of(table) != names[OVER_SLIP] ? slip / (1 - slip) : slip;
+}
+
+static bool is_shown(const struct rig_table *table, int figure)
+{
+	const bool slips = rig_has_slip(table), force = !slips || table->params->depth_count > 0, turned = rig_is_turned(table->params);
+	const bool shown[RIG_FIGURES] = {table->params->depth_count == 0, !force || turned, turned, slips, slips && !force, force};
+	return shown[figure];
 }
 
 static const char *title_of(const struct rig_table *table, int figure)
 {
-	return figure == 2 && table->found.belt ? "pull of the belt, N" : titles[figure];
+	return figure == 3 && table->found.belt ? "pull of the belt, N" : titles[figure];
 }
 
 static double across(const struct rig_table *table, const struct rig_row *row)
 {
-	return has_slip(table) ? row->slip : table->params->loads[row->load];
+	switch (over_of(table)) {
+	case OVER_SLIP: return drawn_slip(table, row->slip);
+	case OVER_ANGLE: return rig_angle(table->params, row->angle);
+	case OVER_LOAD: break;
+	}
+	return table->params->depth_count > 0 ? table->params->depths[row->load] * 1e3 : table->params->loads[row->load];
 }
+
+/* A curve: its colour is of a soil and an angle, its dash of a load. */
+static size_t angles_of(const struct rig_table *table)
+{
+	return over_of(table) == OVER_ANGLE || table->params->angle_count == 0 ? 1 : table->params->angle_count;
+}
+
+static size_t dashes_of(const struct rig_table *table)
+{
+	return over_of(table) == OVER_LOAD ? 1 : table->params->load_count + table->params->depth_count;
+}
+
+static size_t colour_of(const struct rig_table *table, const struct rig_row *row)
+{
+	return row->soil * angles_of(table) + (over_of(table) == OVER_ANGLE ? 0 : row->angle);
+}
+
+static size_t dash_of(const struct rig_table *table, const struct rig_row *row)
+{
+	return over_of(table) == OVER_LOAD ? 0 : row->load;
+}
+
+/* --- plots --- */
 
 static void widen(double value, double *low, double *high)
 {
@@ -61,8 +116,8 @@ static bool axes(const struct rig_table *table, struct panel *panel)
 		widen(across(table, &table->rows[i]), &low[0], &high[0]);
 	}
 	const bool any = high[1] >= low[1];
-	for (size_t i = 0; i < table->measured_count && has_slip(table); i++) {
-		const double slip = table->measured[i].slip;
+	for (size_t i = 0; i < table->measured_count && rig_has_slip(table); i++) {
+		const double slip = drawn_slip(table, table->measured[i].slip);
 		if (slip < low[0] || slip > high[0])
 			continue;
 		widen(rig_measured_figure(&table->measured[i], panel->figure), &low[1], &high[1]);
@@ -70,7 +125,7 @@ static bool axes(const struct rig_table *table, struct panel *panel)
 	low[1] = fmin(low[1], 0);
 	for (int k = 0; k < 2; k++)
 		svg_axis(&low[k], &high[k], &panel->step[k]);
-	return any;
+	return any && is_shown(table, panel->figure);
 }
 
 static double place_x(const struct panel *panel, double value)
@@ -98,25 +153,26 @@ static void write_axes(const struct rig_table *table, const struct panel *panel,
 		}
 	}
 	fprintf(file, "<text class=\"name\" x=\"%.1f\" y=\"%.1f\">%s</text><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>\n", panel->x,
-		panel->y - 9, title_of(table, panel->figure), panel->x + ACROSS / 2.0, panel->y + DOWN + 36, has_slip(table) ? "slip" : "load, N");
+		panel->y - 9, title_of(table, panel->figure), panel->x + ACROSS / 2.0, panel->y + DOWN + 36, name_of(table));
 }
 
-static void write_mark(double x, double y, size_t soil, bool filled, FILE *file)
+static void write_mark(double x, double y, size_t number, bool filled, FILE *file)
 {
-	const char *colour = colours[soil % COUNT(colours)];
-	fprintf(file, "<path class=\"mark\" stroke=\"%s\" fill=\"%s\" d=\"M%.1f %.1f%s\"/>\n", colour, filled ? colour : "none", x, y, marks[soil % COUNT(marks)]);
+	const char *colour = colours[number % COUNT(colours)];
+	fprintf(file, "<path class=\"mark\" stroke=\"%s\" fill=\"%s\" d=\"M%.1f %.1f%s\"/>\n", colour, filled ? colour : "none", x, y, marks[number % COUNT(marks)]);
 }
 
-static void write_curve(const struct rig_table *table, const struct panel *panel, size_t soil, size_t load, FILE *file)
+static void write_curve(const struct rig_table *table, const struct panel *panel, size_t number, size_t dash, FILE *file)
 {
-	const char *colour = colours[soil % COUNT(colours)];
+	const char *colour = colours[number % COUNT(colours)];
+	const struct rig_row *const end = table->rows + table->count;
 	double before = -INFINITY;
 	bool down = false;
-	fprintf(file, "<path fill=\"none\" stroke-width=\"2\" stroke=\"%s\" stroke-dasharray=\"%s\" d=\"", colour, dashes[load % COUNT(dashes)]);
-	for (size_t n = 0; n < table->count; n++) { /* in order of slip, whatever the order of the rows */
+	fprintf(file, "<path fill=\"none\" stroke-width=\"2\" stroke=\"%s\" stroke-dasharray=\"%s\" d=\"", colour, dashes[dash % COUNT(dashes)]);
+	for (size_t n = 0; n < table->count; n++) { /* in order along the axis, whatever the order of the rows */
 		const struct rig_row *next = NULL;
-		for (const struct rig_row *row = table->rows; row < table->rows + table->count; row++)
-			if (row->soil == soil && (row->load == load || !has_slip(table)) && across(table, row) > before &&
+		for (const struct rig_row *row = table->rows; row < end; row++)
+			if (colour_of(table, row) == number && dash_of(table, row) == dash && across(table, row) > before &&
 			    (next == NULL || across(table, row) < across(table, next)))
 				next = row;
 		if (next == NULL)
@@ -128,24 +184,40 @@ static void write_curve(const struct rig_table *table, const struct panel *panel
 		down = isfinite(value);
 	}
 	fputs("\"/>\n", file);
-	for (const struct rig_row *row = table->rows; row < table->rows + table->count; row++)
-		if (row->soil == soil && row->load == load && isfinite(rig_figure(row, panel->figure)) && isfinite(across(table, row)))
-			write_mark(place_x(panel, across(table, row)), place_y(panel, rig_figure(row, panel->figure)), soil, row->state == RIG_STEADY, file);
+	for (const struct rig_row *row = table->rows; row < end; row++)
+		if (colour_of(table, row) == number && dash_of(table, row) == dash && isfinite(rig_figure(row, panel->figure)) && isfinite(across(table, row)))
+			write_mark(place_x(panel, across(table, row)), place_y(panel, rig_figure(row, panel->figure)), number, row->state == RIG_STEADY, file);
+}
+
+/* A trial of an angle has its colour where there are several. */
+static void write_measured(const struct rig_table *table, const struct panel *panel, FILE *file)
+{
+	const size_t angles = table->params->angle_count > 0 ? table->params->angle_count : 1;
+	for (size_t i = 0; i < table->measured_count && rig_has_slip(table); i++) {
+		const struct rig_measured *m = &table->measured[i];
+		const double value = rig_measured_figure(m, panel->figure), slip = drawn_slip(table, m->slip);
+		size_t angle = 0;
+		while (angle < angles && !rig_same_angle(m->angle, rig_angle(table->params, angle)))
+			angle++;
+		if (!isfinite(value) || slip < panel->low[0] || slip > panel->high[0] || angle == angles)
+			continue;
+		fprintf(file, "<circle class=\"measured\" cx=\"%.1f\" cy=\"%.1f\" r=\"3.2\"", place_x(panel, slip), place_y(panel, value));
+		if (angles > 1)
+			fprintf(file, " style=\"fill:%s;stroke:#222\"", colours[angle % COUNT(colours)]);
+		fputs("/>\n", file);
+	}
 }
 
 static void write_panel(const struct rig_table *table, const struct panel *panel, FILE *file)
 {
 	write_axes(table, panel, file);
-	for (size_t soil = 0; soil < table->params->soil_count; soil++)
-		for (size_t load = 0; load < table->params->load_count; load++)
-			write_curve(table, panel, soil, load, file);
-	for (size_t i = 0; i < table->measured_count && has_slip(table); i++) {
-		const struct rig_measured *m = &table->measured[i];
-		const double value = rig_measured_figure(m, panel->figure);
-		if (isfinite(value) && m->slip >= panel->low[0] && m->slip <= panel->high[0])
-			fprintf(file, "<circle class=\"measured\" cx=\"%.1f\" cy=\"%.1f\" r=\"3.2\"/>\n", place_x(panel, m->slip), place_y(panel, value));
-	}
+	for (size_t number = 0; number < table->params->soil_count * angles_of(table); number++)
+		for (size_t dash = 0; dash < dashes_of(table); dash++)
+			write_curve(table, panel, number, dash, file);
+	write_measured(table, panel, file);
 }
+
+/* --- the legend --- */
 
 static double legend_line(double y, const char *colour, const char *dash, FILE *file)
 {
@@ -156,21 +228,29 @@ static double legend_line(double y, const char *colour, const char *dash, FILE *
 
 static void write_legend(const struct rig_table *table, FILE *file)
 {
+	const struct rig_params *params = table->params;
+	const size_t angles = angles_of(table);
 	double y = TOP + 12;
-	for (size_t i = 0; i < table->params->soil_count; i++) {
+	for (size_t i = 0; i < params->soil_count * angles; i++) {
 		y = legend_line(y, colours[i % COUNT(colours)], "none", file);
-		const char *soil = table->soils[i];
+		const char *soil = table->soils[i / angles];
 		char label[LABEL + 1];
 		snprintf(label, sizeof label, "%s", soil);
 		svg_text(label, file);
-		fputs(strlen(soil) > LABEL ? "…</text>\n" : "</text>\n", file);
+		fputs(strlen(soil) > LABEL ? "…" : "", file);
+		if (rig_is_turned(params) && over_of(table) != OVER_ANGLE)
+			fprintf(file, ", %g°", rig_angle(params, i % angles));
+		fputs("</text>\n", file);
 		write_mark(LEGEND + 17, y - 24, i, true, file);
 	}
-	for (size_t i = 0; i < table->params->load_count && has_slip(table); i++) {
+	for (size_t i = 0; i < dashes_of(table) && over_of(table) != OVER_LOAD; i++) {
 		y = legend_line(y, "#888", dashes[i % COUNT(dashes)], file);
-		fprintf(file, "%g N</text>\n", table->params->loads[i]);
+		if (params->depth_count > 0)
+			fprintf(file, "%g mm deep</text>\n", params->depths[i] * 1e3);
+		else
+			fprintf(file, "%g N</text>\n", params->loads[i]);
 	}
-	if (table->measured_count > 0 && has_slip(table)) {
+	if (table->measured_count > 0 && rig_has_slip(table)) {
 		fprintf(file, "<circle class=\"measured\" cx=\"%d\" cy=\"%.1f\" r=\"3.2\"/><text x=\"%d\" y=\"%.1f\">measured</text>\n", LEGEND + 17, y - 4,
 			LEGEND + 42, y);
 		y += 20;

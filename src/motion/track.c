@@ -66,6 +66,17 @@ static void face_along(struct track *track)
 		knots[track->count - 1].at.yaw = knots[track->count - 2].at.yaw;
 }
 
+/* Turns a body against its way: yaw, pitch, roll. */
+static void turn_against(struct track *track, const double attitude[3])
+{
+	for (size_t i = 0; i < track->count; i++) {
+		struct track_point *at = &track->knots[i].at;
+		at->yaw += attitude[0];
+		at->pitch = attitude[1];
+		at->roll = attitude[2];
+	}
+}
+
 enum status motion_track_create(const struct scene_path *path, double post, double turn_reach, struct track **out)
 {
 	assert(path->count >= 1);
@@ -117,8 +128,10 @@ enum status motion_track_create(const struct scene_path *path, double post, doub
 	}
 	track->length = knots[track->count - 1].length;
 	track->loop = closed && track->length > 0;
-	if (!path->has_attitude)
+	if (!path->has_attitude) {
 		face_along(track);
+		turn_against(track, path->attitude);
+	}
 	if (!track->timed)
 		for (size_t i = 0; i < track->count; i++)
 			knots[i].at.time = track->delay + (track->speed > 0 ? knots[i].length / track->speed : 0);

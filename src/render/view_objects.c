@@ -15,7 +15,7 @@ static double turned_at(const struct body *body, const struct track_point *point
 	const struct soil_shape *shape = &body->object->shape;
 	double dx = lattice_offset_metres(point->qx - body->last.x), dy = lattice_offset_metres(point->qy - body->last.y);
 	if (shape->kind == SOIL_WHEEL) {
-		double along = body->has_last ? dx * cos(point->yaw) + dy * sin(point->yaw) : 0;
+		double along = body->has_last ? scene_slip_way(body->object, dx, dy, point->yaw) : 0;
 		return body->last.turn + along / (shape->radius * (1 - body->object->slip));
 	}
 	if (shape->kind != SOIL_SPHERE || body->object->path.has_attitude)

@@ -251,14 +251,14 @@ static double narrowest(const struct scene_object *object)
 {
 	const struct soil_shape *shape = &object->shape;
 	/* What goes straight ahead meets a post sooner or later, however short it is. */
-	bool ahead = !object->path.has_attitude && !is_fixed(&object->path);
+	bool ahead = !scene_is_turned(object) && !is_fixed(&object->path);
 	if (shape->kind == SOIL_WHEEL)
 		return ahead ? shape->width : fmin(shape->width, 2 * shape->radius);
 	if (shape->kind == SOIL_SPHERE)
 		return 2 * shape->radius;
 	if (shape->kind == SOIL_CYLINDER || shape->kind == SOIL_CAPSULE) /* a cylinder may lie */
-		return object->path.has_attitude && shape->kind == SOIL_CYLINDER ? fmin(shape->length, 2 * shape->radius) : 2 * shape->radius;
-	if ((shape->kind != SOIL_BOX && shape->kind != SOIL_ELLIPSOID) || object->path.has_attitude)
+		return scene_is_turned(object) && shape->kind == SOIL_CYLINDER ? fmin(shape->length, 2 * shape->radius) : 2 * shape->radius;
+	if ((shape->kind != SOIL_BOX && shape->kind != SOIL_ELLIPSOID) || scene_is_turned(object))
 		return INFINITY;
 	if (shape->kind == SOIL_ELLIPSOID)
 		return 2 * (ahead ? shape->size[1] : fmin(shape->size[0], shape->size[1]));

@@ -110,6 +110,8 @@ struct scene_path {
 	bool timed;            /* the path is from a file with times, so each waypoint has its t */
 	bool cornered;         /* only of motion_route: timed, and yet it turns at its waypoints alone, not between them */
 	bool has_z, has_attitude;
+	/* How the object is turned against its way: yaw to the left, then pitch, then roll, rad. Zeros where the waypoints have the attitude. */
+	double attitude[3];
 };
 
 struct scene_object {
@@ -375,6 +377,11 @@ uint64_t scene_effects(const struct scene *scene, int level);
 uint64_t scene_object_effects(const struct scene_object *object);
 /* Returns false if no body of the scene can slip. Such a body never moves, or it is a wheel of slip 0 that rolls straight ahead. */
 bool scene_slips(const struct scene *scene);
+/* Returns true if an object's path or the scene turns it otherwise than along its way. */
+bool scene_is_turned(const struct scene_object *object);
+/* Returns how much of a level way counts for the slip of a wheel or a belt, m. That is what leads along its heading `yaw`, rad. Where the scene turns it
+ * against its way, all of the way counts. */
+double scene_slip_way(const struct scene_object *object, double x, double y, double yaw);
 /* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
 bool scene_moves_bodies(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of

@@ -130,6 +130,11 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_part(state, 's', index);
 		add_number(state, object->slip);
 	}
+	if (!object->path.has_attitude && scene_is_turned(object)) {
+		add_part(state, 'y', index);
+		for (int i = 0; i < 3; i++)
+			add_number(state, object->path.attitude[i]);
+	}
 	if (object->interface.has_friction) {
 		add_part(state, 'f', index);
 		add_number(state, object->interface.friction_angle);

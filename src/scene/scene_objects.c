@@ -80,7 +80,7 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 /* Refuses keys that a host's body cannot use, since the host moves and turns the body. */
 static enum status check_hosted(const struct scene_tree *tree, const struct raw_object *raw, size_t index)
 {
-	const char *key = raw->load != NULL ? "load" : raw->sink != NULL ? "sink" : raw->slip != NULL ? "slip" : NULL;
+	const char *key = raw->load != NULL ? "load" : raw->sink != NULL ? "sink" : raw->slip != NULL ? "slip" : raw->attitude != NULL ? "attitude" : NULL;
 	if (key == NULL)
 		return STATUS_OK;
 	return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].%s", index, key),
@@ -115,11 +115,33 @@ static enum status take_object(const struct scene_tree *tree, const struct raw_o
 	return raw->path != NULL ? scene_way_take(tree, raw->path, where, &object->path) : check_hosted(tree, raw, index);
 }
 
+/* Takes how the object is turned against its way. Of a wheel the axle counts. */
+static enum status take_attitude(const struct scene_tree *tree, const struct raw_object *raw, size_t index, struct scene_object *object)
+{
+	double *attitude = object->path.attitude, axes[3][3];
+	for (int i = 0; i < 3; i++)
+		attitude[i] = raw->attitude != NULL ? raw->attitude[i] * M_PI / 180 : 0;
+	if (raw->attitude == NULL)
+		return STATUS_OK;
+	if (object->path.has_attitude)
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].attitude", index),
+				   "its poses say yaw, pitch and roll already; allowed with: points, or poses t,x,y or t,x,y,z");
+	if (object->shape.kind != SOIL_WHEEL)
+		return STATUS_OK;
+	if (attitude[2] != 0) {
+		soil_axes(attitude[0], attitude[1], attitude[2], 0, axes);
+		soil_wheel_attitude(axes[1], &attitude[0], &attitude[2]);
+	}
+	attitude[1] = 0;
+	return STATUS_OK;
+}
+
 /* Checks what can be checked only when every path is known. */
 static enum status check_taken(const struct scene_tree *tree, const struct raw_object *raw, size_t index, const struct scene *scene,
 			       struct scene_object *object)
 {
 	scene_level_pitch(&object->shape, &object->path);
+	TRY(take_attitude(tree, raw, index, object));
 	return check_forces(tree, raw, object, scene->model, index);
 }
 

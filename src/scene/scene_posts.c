@@ -26,7 +26,7 @@ double scene_bears_over(const struct scene *scene, const struct soil_shape *shap
 double scene_object_bears_over(const struct scene *scene, const struct scene_object *object)
 {
 	const struct soil_shape *shape = &object->shape;
-	if ((object->load <= 0 && object->sink <= 0) || (object->path.has_attitude && shape->kind != SOIL_WHEEL && shape->kind != SOIL_SPHERE))
+	if ((object->load <= 0 && object->sink <= 0) || (scene_is_turned(object) && shape->kind != SOIL_WHEEL && shape->kind != SOIL_SPHERE))
 		return 0;
 	if (shape->kind == SOIL_CYLINDER) /* it is upright */
 		return 2 * shape->radius;

@@ -88,6 +88,7 @@ static const cyaml_schema_field_t object_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("sink", OPTIONAL, struct raw_object, sink),
 	CYAML_FIELD_FLOAT_PTR("load", OPTIONAL, struct raw_object, load),
 	CYAML_FIELD_FLOAT_PTR("slip", OPTIONAL, struct raw_object, slip),
+	CYAML_FIELD_SEQUENCE("attitude", OPTIONAL_POINTER, struct raw_object, attitude, &float_entry, 3, 3),
 	CYAML_FIELD_MAPPING_PTR("interface", OPTIONAL, struct raw_object, interface, interface_fields),
 	CYAML_FIELD_END,
 };
@@ -412,6 +413,7 @@ static const struct scene_limit limits[] = {
 	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
 	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
 	{"objects[].slip", -1000, 0.99, false, "is out of range, since slip is a share (0.2 for 20 %)", NULL, 0, NULL},
+	{"objects[].attitude[]", -360, 360, false, NULL, "degrees", NAN, "0, 0, 0"},
 	{"objects[].interface.friction_angle", 0, 89, false, NULL, "degrees", NAN, "the soil's"},
 	{"objects[].interface.adhesion", 0, 1e9, false, NULL, "Pa", NAN, "the soil's cohesion"},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},

@@ -67,6 +67,8 @@ struct raw_object {
 	struct raw_shape shape;
 	struct raw_path *path;
 	double *sink, *load, *slip;
+	double *attitude; /* 3: yaw, pitch, roll */
+	uint32_t attitude_count;
 	struct raw_interface *interface;
 };
 /* One class of soil. Angles are in degrees. */

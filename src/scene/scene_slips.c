@@ -36,11 +36,22 @@ static bool is_straight(const struct scene *scene, const struct scene_path *path
 	return true;
 }
 
+bool scene_is_turned(const struct scene_object *object)
+{
+	const double *attitude = object->path.attitude;
+	return object->path.has_attitude || attitude[0] != 0 || attitude[1] != 0 || attitude[2] != 0;
+}
+
+double scene_slip_way(const struct scene_object *object, double x, double y, double yaw)
+{
+	return object->path.attitude[0] != 0 ? hypot(x, y) : x * cos(yaw) + y * sin(yaw);
+}
+
 /* A wheel that the path lifts or lowers moves against the ground, so it slips too. */
 static bool rolls_straight(const struct scene *scene, const struct scene_object *object)
 {
 	const struct scene_path *path = &object->path;
-	return object->shape.kind == SOIL_WHEEL && !object->shape.belt && object->slip == 0 && !path->has_attitude && !path->has_z &&
+	return object->shape.kind == SOIL_WHEEL && !object->shape.belt && object->slip == 0 && !scene_is_turned(object) && !path->has_z &&
 	       is_straight(scene, path);
 }
 

@@ -7,7 +7,9 @@
 
 /* One run of one object: its load and slip, and what was found. */
 struct rig_lane {
-	double load, lead, slip; /* lead: of those ahead of the last. slip is NaN for an object that has none */
+	size_t place;            /* which load and angle it has: below trials_rig_places */
+	double load, lead, slip; /* lead: of those ahead of the last. load is NaN for one at a depth, slip for an object that has none */
+	double depth, angle;     /* m; rad, to the left of the way */
 	struct rig_row rows[RIG_PASSES_MOST];
 };
 
@@ -17,6 +19,7 @@ struct rig {
 	struct rig_found found;
 	char *shape, *bed;        /* YAML in braces; path of the bed */
 	double pitch, start;      /* m: from lane to lane; from the bed's edges to the lanes */
+	double speed;             /* m/s */
 	size_t passes;
 	double behind;            /* m: from one object of a lane to the next */
 	double taken;             /* m: at the end of the way, where rows are taken */
@@ -37,8 +40,10 @@ enum status trials_told(furrow_status status) FURROW_CHECKED;
 bool trials_rig_is_driven(const struct rig *rig);
 /* rig.c: true if a text is a mapping in braces, and no name. */
 bool trials_in_braces(const char *text);
-/* Returns the load of those ahead of the last, N. `load`: index of the last one's. */
-double trials_rig_lead(const struct rig_params *params, size_t load);
+/* Returns how many pairs there are of a load, or a depth, and an angle. Those of one load come one after another. */
+size_t trials_rig_places(const struct rig_params *params);
+/* Returns a lane for one of these pairs. */
+struct rig_lane trials_rig_lane(const struct rig_params *params, size_t place, double slip);
 
 /* lanes.c: drives lanes over one soil and fills their rows. */
 enum status trials_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count) FURROW_CHECKED;

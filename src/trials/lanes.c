@@ -7,11 +7,13 @@
 #include "base/lattice.h"
 #include "trials/internal.h"
 
-#define SPEED 0.1    /* m/s: no force of a body on a path depends on it */
+#define DEGREES (180 / M_PI)
 
 /* Sums over the halves of the way's end. */
 struct sums {
-	double count[2], sinkage[2], drawbar, side, fz, torque; /* torque: of a belt its pull */
+	double count[2], sinkage[2], against[2], drawbar, side, fz, torque; /* torque: of a belt its pull */
+	double overturning, aligning, against_least, against_most;
+	double heap, heap_volume; /* m, m3, at the end */
 	bool sunk;
 };
 
@@ -28,8 +30,8 @@ static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *la
 {
 	const struct rig_found *found = &rig->found;
 	const char *name = rig->params->soils[soil];
-	const double step = found->spacing / SPEED;
-	fprintf(out, "scene: 1\ntime_step: %.17g\nend_time: %.17g\nspacing: %.17g\n", step, found->way / SPEED, found->spacing);
+	const double step = found->spacing / rig->speed, rake = rig->params->rake > 0 ? rig->params->rake : 90;
+	fprintf(out, "scene: 1\ntime_step: %.17g\nend_time: %.17g\nspacing: %.17g\n", step, found->way / rig->speed, found->spacing);
 	fprintf(out, trials_in_braces(name) ? "soil: %s\n" : "soil: {name: %s}\n", name);
 	fprintf(out, "redistribute: {model: scm}\noutput: {forces: %.17g}\nobjects:\n", (1 - 1e-9) / step);
 	for (size_t i = 0; i < count * rig->passes; i++) {
@@ -39,10 +41,16 @@ static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *la
 		fprintf(out, "  - {name: lane_%zu", i / rig->passes + 1);
 		if (rig->passes > 1)
 			fprintf(out, "_%zu", pass + 1);
-		fprintf(out, ", shape: %s, load: %.17g, ", rig->shape, pass + 1 < rig->passes ? lane->lead : lane->load);
+		fprintf(out, ", shape: %s, ", rig->shape);
+		if (isnan(lane->load))
+			fprintf(out, "sink: %.17g, ", lane->depth);
+		else
+			fprintf(out, "load: %.17g, ", pass + 1 < rig->passes ? lane->lead : lane->load);
+		if (lane->angle != 0 || rake != 90)
+			fprintf(out, "attitude: [%.17g, %.17g, 0], ", lane->angle * DEGREES, 90 - rake);
 		if (!isnan(lane->slip))
 			fprintf(out, "slip: %.17g, ", lane->slip);
-		fprintf(out, "path: {points: [[%.17g, %.17g], [%.17g, %.17g]], speed: %.17g}}\n", x, y, x + found->way, y, SPEED);
+		fprintf(out, "path: {points: [[%.17g, %.17g], [%.17g, %.17g]], speed: %.17g}}\n", x, y, x + found->way, y, rig->speed);
 	}
 	return ferror(out);
 }
@@ -91,22 +99,61 @@ static enum status open_world(const struct rig *rig, size_t soil, const struct r
 /* --- the rows --- */
 
 /* Adds what the soil does to a body at a path sample. */
-static void take(const struct rig *rig, size_t body, const struct furrow_contact *contact, struct sums *sums)
+static void take(const struct rig *rig, const struct rig_lane *lane, size_t body, const struct furrow_contact *contact, struct sums *sums)
 {
 	/* The body is at a multiple of the lattice. */
-	const double x = lattice_offset_metres(lattice_offset(start_of(rig, body) + contact->time * SPEED));
+	const double x = lattice_offset_metres(lattice_offset(start_of(rig, body) + contact->time * rig->speed));
 	const double left = start_of(rig, body) + rig->found.way - x; /* of the way */
 	if (!(left <= rig->taken))
 		return;
+	const double *force = contact->force, *moment = contact->moment, c = cos(lane->angle), s = sin(lane->angle);
 	const int half = left <= rig->taken / 2;
+	const bool first = sums->count[0] + sums->count[1] == 0;
 	sums->count[half]++;
 	sums->sinkage[half] += contact->sinkage;
-	sums->drawbar += contact->force[0];
-	sums->side += contact->force[1];
-	sums->fz += contact->force[2];
+	sums->drawbar += c * force[0] + s * force[1];
+	sums->side += c * force[1] - s * force[0];
+	sums->fz += force[2];
 	/* The soil turns a wheel back, about the axis to the left. */
-	sums->torque += rig->found.belt ? contact->pull : -contact->moment[1];
+	sums->torque += rig->found.belt ? contact->pull : s * moment[0] - c * moment[1];
+	sums->overturning += c * moment[0] + s * moment[1];
+	sums->aligning += moment[2];
+	sums->against[half] -= force[0];
+	sums->against_least = first ? -force[0] : fmin(sums->against_least, -force[0]);
+	sums->against_most = first ? -force[0] : fmax(sums->against_most, -force[0]);
 	sums->sunk |= contact->state == FURROW_SUNK;
+}
+
+/* Measures the soil ahead of a body's origin that lies above the untouched ground, half a lane to each side. */
+static enum status take_heap(const struct rig *rig, struct furrow_world *world, size_t body, struct sums *sums)
+{
+	const double post = rig->found.spacing, x = start_of(rig, body) + rig->found.way, y = rig->start + (double)(body / rig->passes) * rig->pitch;
+	const int64_t column = (int64_t)ceil(x / post - 1e-6), row = (int64_t)ceil((y - rig->pitch / 2) / post);
+	const uint32_t side = (uint32_t)floor(rig->pitch / post);
+	struct furrow_info info = {.size = sizeof info};
+	double *posts = mem_alloc((size_t)side * side, sizeof *posts);
+	TRY_MEM(posts, "the rig's heap");
+	enum status status;
+	TRY_OR(done, trials_told(furrow_info(world, &info)));
+	TRY_OR(done, trials_told(furrow_read(world, FURROW_OFFSET, info.level, column, row, side, side, posts, side)));
+	for (size_t i = 0; i < (size_t)side * side; i++) {
+		if (!(posts[i] > 0))
+			continue;
+		sums->heap = fmax(sums->heap, posts[i]);
+		sums->heap_volume += posts[i] * post * post;
+	}
+done:
+	mem_free(posts);
+	return status;
+}
+
+/* The state of a row that is not sunk. At a depth the body does not sink, so that the force tells. */
+static enum rig_state state_of(const struct rig_lane *lane, const struct rig_row *row, const struct sums *sums)
+{
+	const double change = sums->against[1] / sums->count[1] - sums->against[0] / sums->count[0];
+	if (isnan(lane->load))
+		return fabs(change) > RIG_DIGS_ABOVE * fabs(row->against) ? RIG_GROWS : RIG_STEADY;
+	return fabs(row->deeper) > RIG_DIGS_ABOVE * fabs(row->sinkage) ? RIG_DIGS : RIG_STEADY;
 }
 
 static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size_t pass, const struct sums *sums)
@@ -114,9 +161,12 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size
 	const double count = sums->count[0] + sums->count[1];
 	const double first = sums->sinkage[0] / sums->count[0], second = sums->sinkage[1] / sums->count[1];
 	const bool driven = trials_rig_is_driven(rig);
+	const size_t angles = rig->params->angle_count > 0 ? rig->params->angle_count : 1;
 	struct rig_row *row = &lane->rows[pass];
 	*row = (struct rig_row){
 		.soil = soil,
+		.load = lane->place / angles,
+		.angle = lane->place % angles,
 		.pass = pass,
 		.slip = lane->slip,
 		.torque = driven ? sums->torque / count : (double)NAN,
@@ -125,28 +175,29 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size
 		.side = sums->side / count,
 		.fz = sums->fz / count,
 		.efficiency = NAN,
+		.overturning = sums->overturning / count,
+		.aligning = sums->aligning / count,
+		.against = (sums->against[0] + sums->against[1]) / count,
+		.against_least = sums->against_least,
+		.against_most = sums->against_most,
+		.heap = sums->heap,
+		.heap_volume = sums->heap_volume,
 		.deeper = second - first,
 	};
-	for (size_t i = 0; i < rig->params->load_count; i++)
-		if (rig->params->loads[i] == lane->load)
-			row->load = i;
-	if (driven && row->torque > 0 && row->drawbar > 0 && row->slip > 0)
-		row->efficiency = row->drawbar * (1 - row->slip) * rig->found.arm / row->torque;
-	if (sums->sunk)
-		row->state = RIG_SUNK;
-	else if (fabs(row->deeper) > RIG_DIGS_ABOVE * fabs(row->sinkage))
-		row->state = RIG_DIGS;
+	if (driven && row->torque > 0 && row->against < 0 && row->slip > 0)
+		row->efficiency = -row->against * (1 - row->slip) * rig->found.arm / row->torque;
+	row->state = sums->sunk ? RIG_SUNK : state_of(lane, row, sums);
 }
 
 /* --- the drive --- */
 
 /* Bodies come to a path sample in each step. The first step is half as long as the others, so that no sample falls on the end of a step. */
-static enum status steps(struct rig *rig, struct furrow_world *world, struct sums *sums, size_t count)
+static enum status steps(struct rig *rig, struct furrow_world *world, const struct rig_lane *lanes, struct sums *sums, size_t count)
 {
 	furrow_body bodies[RIG_LANES_MOST * RIG_PASSES_MOST];
 	struct furrow_contact contacts[RIG_LANES_MOST * RIG_PASSES_MOST];
 	const size_t all = count * rig->passes;
-	const double step = rig->found.spacing / SPEED;
+	const double step = rig->found.spacing / rig->speed;
 	const int64_t total = (int64_t)round(rig->found.way / rig->found.spacing), before = rig->done;
 	for (size_t i = 0; i < all; i++)
 		bodies[i] = (furrow_body)i; /* those of a scene come first */
@@ -157,12 +208,14 @@ static enum status steps(struct rig *rig, struct furrow_world *world, struct sum
 		if ((double)(total - k - 1) * rig->found.spacing <= rig->taken) {
 			TRY(trials_told(furrow_get_contacts(world, all, bodies, contacts, sizeof *contacts)));
 			for (size_t i = 0; i < all; i++)
-				take(rig, i, &contacts[i], &sums[i]);
+				take(rig, &lanes[i / rig->passes], i, &contacts[i], &sums[i]);
 		}
 		rig->done = before + (int64_t)count * (k + 1) / total;
 		if (rig->params->progress != NULL)
 			TRY(rig->params->progress(rig->params->user, rig->done, rig->total));
 	}
+	for (size_t i = 0; i < all; i++)
+		TRY(take_heap(rig, world, i, &sums[i]));
 	return STATUS_OK;
 }
 
@@ -174,7 +227,7 @@ static enum status drive(struct rig *rig, size_t soil, const struct rig_lane *la
 	TRY(trials_bed_make(rig, count));
 	TRY(open_world(rig, soil, lanes, count, &world));
 	rig->advised = true;
-	const enum status status = steps(rig, world, sums, count);
+	const enum status status = steps(rig, world, lanes, sums, count);
 	failure_capture(&failure, status);
 	const enum status closed = trials_told(furrow_world_close(world));
 	return status == STATUS_OK ? closed : failure_restore(&failure);

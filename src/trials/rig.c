@@ -15,7 +15,7 @@
 #define LEVELS 16        /* posts of the bed's base are so many times as far apart: less to store */
 
 const char *const trials_rig_states[] = {
-	[RIG_STEADY] = "steady", [RIG_DIGS] = "digs", [RIG_SUNK] = "sunk", [RIG_SPINS] = "spins",
+	[RIG_STEADY] = "steady", [RIG_DIGS] = "digs", [RIG_SUNK] = "sunk", [RIG_SPINS] = "spins", [RIG_GROWS] = "grows",
 };
 
 static enum status check_list(const char *what, const double *values, size_t count, double low, double high)
@@ -30,13 +30,19 @@ static enum status check_list(const char *what, const double *values, size_t cou
 
 static enum status check(const struct rig_params *params)
 {
-	if (params->soil_count == 0 || params->load_count == 0)
+	if (params->soil_count == 0 || params->load_count + params->depth_count == 0)
 		return fail_with(STATUS_USAGE, "rig: no soil or no load; give one of each at least");
+	if (params->load_count > 0 && params->depth_count > 0)
+		return fail_with(STATUS_USAGE, "rig: loads and depths are both given; give one of them");
 	if (params->slip_count > 0 && params->torque_count > 0)
 		return fail_with(STATUS_USAGE, "rig: slips and torques are both given; give one of them");
+	if (!(params->rake >= 0 && params->rake <= 180))
+		return fail_with(STATUS_USAGE, "rig: rake: %g is out of range; give 0 to 180", params->rake);
 	if (params->passes > RIG_PASSES_MOST)
 		return fail_with(STATUS_USAGE, "rig: passes: %zu are too many; give 1 to %d", params->passes, RIG_PASSES_MOST);
 	TRY(check_list("load", params->loads, params->load_count, 1e-3, 1e9));
+	TRY(check_list("depth", params->depths, params->depth_count, 0, 1000));
+	TRY(check_list("angle", params->angles, params->angle_count, -180, 180));
 	if (params->leads != NULL)
 		TRY(check_list("load ahead", params->leads, params->load_count, 1e-3, 1e9));
 	TRY(check_list("slip", params->slips, params->slip_count, -1000, 0.999));
@@ -48,9 +54,27 @@ bool trials_rig_is_driven(const struct rig *rig)
 	return rig->found.wheel || rig->found.belt;
 }
 
-double trials_rig_lead(const struct rig_params *params, size_t load)
+static size_t angles_of(const struct rig_params *params)
 {
-	return params->leads != NULL ? params->leads[load] : params->loads[load];
+	return params->angle_count > 0 ? params->angle_count : 1;
+}
+
+size_t trials_rig_places(const struct rig_params *params)
+{
+	return (params->load_count + params->depth_count) * angles_of(params);
+}
+
+struct rig_lane trials_rig_lane(const struct rig_params *params, size_t place, double slip)
+{
+	const size_t load = place / angles_of(params), angle = place % angles_of(params);
+	struct rig_lane lane = {.place = place, .load = NAN, .lead = NAN, .depth = NAN, .slip = slip};
+	if (params->depth_count > 0)
+		lane.depth = params->depths[load];
+	else
+		lane.load = params->loads[load];
+	lane.lead = params->leads != NULL ? params->leads[load] : lane.load;
+	lane.angle = params->angle_count > 0 ? params->angles[angle] * M_PI / 180 : 0;
+	return lane;
 }
 
 bool trials_in_braces(const char *text)
@@ -104,7 +128,8 @@ static enum status measure(struct rig *rig)
 	const double most = found->wheel ? fmax(shape.radius, shape.width) : shape.bound;
 	found->spacing = rig->params->spacing > 0 ? rig->params->spacing : least / POSTS;
 	/* Whole posts, so that each step is a path sample. */
-	const double way = ceil(WAY * most / found->spacing) * found->spacing;
+	const double way = ceil((rig->params->way > 0 ? rig->params->way : WAY * most) / found->spacing) * found->spacing;
+	rig->speed = rig->params->speed > 0 ? rig->params->speed : RIG_SPEED;
 	rig->passes = rig->params->passes > 1 ? rig->params->passes : 1;
 	rig->behind = ceil(BEHIND * most / found->spacing) * found->spacing;
 	rig->taken = TAKEN * way;
@@ -116,16 +141,15 @@ static enum status measure(struct rig *rig)
 	return STATUS_OK;
 }
 
-/* One row a load and slip. */
+/* One row a load, angle and slip. */
 static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *user)
 {
 	const struct rig_params *params = rig->params;
-	const size_t each = trials_rig_is_driven(rig) ? params->slip_count : 1, count = params->load_count * each;
+	const size_t each = trials_rig_is_driven(rig) ? params->slip_count : 1, count = trials_rig_places(params) * each;
 	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
 	TRY_MEM(lanes, "the rig's lanes");
 	for (size_t i = 0; i < count; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = trials_rig_lead(params, i / each),
-					     .slip = trials_rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
+		lanes[i] = trials_rig_lane(params, i / each, trials_rig_is_driven(rig) ? params->slips[i % each] : (double)NAN);
 	enum status status;
 	TRY_OR(done, trials_lanes_drive(rig, soil, lanes, count));
 	for (size_t i = 0; i < count * rig->passes; i++)
@@ -153,7 +177,9 @@ static enum status run(struct rig *rig, struct rig_found *found, rig_row_fn give
 		return fail_with(STATUS_USAGE, "rig: a wheel or a belt needs slips or torques; give some");
 	if (!driven && torques)
 		return fail_with(STATUS_USAGE, "rig: %s is no wheel and has no belt, so that no torque turns it; give loads alone", params->shape);
-	rig->total = (int64_t)(params->soil_count * params->load_count * (torques ? 12 : driven ? params->slip_count : 1));
+	if (found->wheel && params->rake != 0 && params->rake != 90)
+		return fail_with(STATUS_USAGE, "rig: a wheel has no rake, since it turns about its axle; give it with another shape");
+	rig->total = (int64_t)(params->soil_count * trials_rig_places(params) * (torques ? 12 : driven ? params->slip_count : 1));
 	for (size_t soil = 0; soil < params->soil_count; soil++) {
 		rig->advised = false;
 		TRY(torques ? trials_torques(rig, soil, give, user) : slips(rig, soil, give, user));

@@ -15,14 +15,17 @@ static const double bracketing[] = {RIG_SLIP_LEAST, -0.6, -0.35, -0.15, 0, 0.1, 
 
 /* The search for one torque. */
 struct search {
-	double torque, load, lead; /* lead: of those ahead, N */
+	double torque;
+	size_t place; /* which load and angle it has */
+	double load;  /* N; NaN: it is at a depth */
 	struct rig_row low, high, best; /* at both sides, and the nearest so far */
 	bool inside, done;
 };
 
 static bool is_near(const struct rig *rig, const struct search *search, const struct rig_row *row)
 {
-	const double scale = fmax(fabs(search->torque), 0.05 * search->load * rig->found.arm);
+	const double load = isnan(search->load) ? row->fz : search->load;
+	const double scale = fmax(fabs(search->torque), 0.05 * load * rig->found.arm);
 	return fabs(row->torque - search->torque) <= NEAR * scale;
 }
 
@@ -67,7 +70,7 @@ static enum status try_slips(struct rig *rig, size_t soil, struct search *search
 		if (!is_open(s))
 			continue;
 		const double share = (s->torque - s->low.torque) / (s->high.torque - s->low.torque);
-		lanes[open++] = (struct rig_lane){.load = s->load, .lead = s->lead, .slip = s->low.slip + (s->high.slip - s->low.slip) * share};
+		lanes[open++] = trials_rig_lane(rig->params, s->place, s->low.slip + (s->high.slip - s->low.slip) * share);
 	}
 	*any = open > 0;
 	if (!*any)
@@ -104,34 +107,35 @@ static enum status give_all(const struct search *searches, size_t count, rig_row
 	for (size_t i = 0; i < count; i++) {
 		struct rig_row row = searches[i].best;
 		if (!searches[i].inside && !searches[i].done)
-			row = (struct rig_row){.soil = row.soil, .load = row.load, .pass = row.pass, .slip = NAN, .torque = searches[i].torque, .sinkage = NAN, .drawbar = NAN,
-					       .side = NAN, .fz = NAN, .efficiency = NAN, .deeper = NAN, .state = RIG_SPINS};
+			row = (struct rig_row){.soil = row.soil, .load = row.load, .angle = row.angle, .pass = row.pass, .slip = NAN, .torque = searches[i].torque,
+					       .sinkage = NAN, .drawbar = NAN, .side = NAN, .fz = NAN, .efficiency = NAN, .overturning = NAN, .aligning = NAN,
+					       .against = NAN, .against_least = NAN, .against_most = NAN, .heap = NAN, .heap_volume = NAN, .deeper = NAN,
+					       .state = RIG_SPINS};
 		TRY(give(user, &row));
 	}
 	return STATUS_OK;
 }
 
-/* Drives the slips that bracket torques, and searches between them. `lanes`: room for them; `searches`: for each load and torque. */
+/* Drives the slips that bracket torques, and searches between them. `lanes`: room for them; `searches`: for each place and torque. */
 static enum status search_all(struct rig *rig, size_t soil, struct rig_lane *lanes, struct search *searches, size_t count)
 {
 	const struct rig_params *params = rig->params;
-	for (size_t i = 0; i < params->load_count * BRACKETING; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .lead = trials_rig_lead(params, i / BRACKETING),
-					     .slip = bracketing[i % BRACKETING]};
-	TRY(trials_lanes_drive(rig, soil, lanes, params->load_count * BRACKETING));
+	const size_t all = trials_rig_places(params) * BRACKETING;
+	for (size_t i = 0; i < all; i++)
+		lanes[i] = trials_rig_lane(params, i / BRACKETING, bracketing[i % BRACKETING]);
+	TRY(trials_lanes_drive(rig, soil, lanes, all));
 	for (size_t i = 0; i < count; i++) {
-		const size_t load = i / params->torque_count;
-		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[load],
-					      .lead = trials_rig_lead(params, load)};
-		bracket(rig, &searches[i], &lanes[load * BRACKETING]);
+		const size_t place = i / params->torque_count;
+		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .place = place, .load = lanes[place * BRACKETING].load};
+		bracket(rig, &searches[i], &lanes[place * BRACKETING]);
 	}
 	return refine(rig, soil, searches, count);
 }
 
 enum status trials_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user)
 {
-	const size_t count = rig->params->load_count * rig->params->torque_count;
-	struct rig_lane *lanes = mem_calloc(rig->params->load_count * BRACKETING, sizeof *lanes);
+	const size_t places = trials_rig_places(rig->params), count = places * rig->params->torque_count;
+	struct rig_lane *lanes = mem_calloc(places * BRACKETING, sizeof *lanes);
 	struct search *searches = mem_calloc(count, sizeof *searches);
 	enum status status;
 	TRY_OR(done, lanes == NULL || searches == NULL ? fail_memory("the rig's lanes") : STATUS_OK);

@@ -12,8 +12,9 @@
 #include "base/base.h"
 
 /*
- * rig: the single-wheel test of terramechanics. An object is carried over level soil in a straight line, under a load, and a
- * wheel with a slip or a torque besides. A body with a belt is as a wheel: what pulls its belt is in the place of a torque. What the soil does to it when that is steady becomes a row.
+ * rig: the single-wheel test of terramechanics. An object is carried over level soil in a straight line, under a load or at a depth. It may be turned against
+ * its way: a wheel at a slip angle, a blade at a rake. A wheel has a slip or a torque besides. A body with a belt is as a wheel: what pulls its belt is in the
+ * place of a torque. What the soil does to it when that is steady becomes a row.
  *
  * The bodies are those of a scene, and furrow_step moves them, so a row is what a drive would tell. Several runs share one bed. Each
  * has a lane of its own, and no soil goes from one lane to the next.
@@ -27,9 +28,11 @@ enum rig_state {
 	RIG_STEADY, /* it goes on as it is */
 	RIG_DIGS,   /* it still sinks: over the last quarter of its way by more than RIG_DIGS_ABOVE of its sinkage */
 	RIG_SUNK,   /* the soil does not carry the load */
-	RIG_SPINS   /* no slip up to RIG_SLIP_MOST gives so large a torque, or none down to RIG_SLIP_LEAST one so small */
+	RIG_SPINS,  /* no slip up to RIG_SLIP_MOST gives so large a torque, or none down to RIG_SLIP_LEAST one so small */
+	RIG_GROWS   /* at a depth: the force against its way differs between the halves of the last quarter by more than RIG_DIGS_ABOVE */
 };
 #define RIG_DIGS_ABOVE 0.05
+#define RIG_SLIP_LOCKED (-1000.0) /* of a wheel that as good as stands still about its axle */
 #define RIG_SLIP_MOST 0.95
 #define RIG_SLIP_LEAST (-0.9)
 extern const char *const trials_rig_states[];
@@ -40,7 +43,14 @@ struct rig_params {
 	size_t soil_count;
 	const double *loads;            /* N, above 0 */
 	size_t load_count;
-	const double *slips;            /* 1 - way / (turn x radius), below 1; used for wheels and belts */
+	const double *depths;           /* m: of its lowest point below the untouched ground, instead of loads; 0 or more */
+	size_t depth_count;
+	const double *angles;           /* degrees that it is turned to the left of its way, of a wheel its slip angle; -180 to 180 */
+	size_t angle_count;             /* 0: one angle of 0 */
+	double rake;                    /* degrees between its front and the level: 90 is upright, less leans back; 0: 90. Of a wheel 0 or 90 */
+	double speed;                   /* m/s; 0: RIG_SPEED */
+	double way;                     /* m; 0: eight radii, or half lengths */
+	const double *slips;            /* 1 - way / (turn x radius), below 1; used for wheels and belts. The way is the whole one, at whatever angle */
 	size_t slip_count;
 	const double *torques;          /* N m, of the drive; of a belt its pull, N. With torques there are no slips */
 	size_t torque_count;
@@ -56,16 +66,23 @@ struct rig_params {
 	void *user;
 };
 
-/* Means over the last quarter of the way. The way leads along +x. NaN: there is no such figure. */
+#define RIG_SPEED 0.1 /* m/s */
+
+/* Means over the last quarter of the way. NaN: there is no such figure. The object's own axes: forward and left are level, turned by its angle from the way. */
 struct rig_row {
-	size_t soil, load;    /* indices */
+	size_t soil;          /* index */
+	size_t load, angle;   /* indices of its load, or its depth, and of its angle; 0 where there are none */
 	size_t pass;          /* how many went before it in its lane */
 	double slip;
 	double torque;        /* N m: the drive's; positive: it drives the wheel forward. Of a belt: its pull, N */
 	double sinkage;       /* m below the undisturbed surface */
-	double drawbar, side; /* N: along the way, positive pulls; to the left */
+	double drawbar, side; /* N: along its own forward axis, positive pulls; to its own left */
 	double fz;            /* N: the soil's vertical force */
-	double efficiency;    /* drawbar x way / (torque x turn); of a wheel or a belt that is driven and pulls */
+	double efficiency;    /* force along the way x way / (torque x turn); of a wheel or a belt that is driven and pulls along its way */
+	double overturning, aligning; /* N m, about the object's origin: about its forward axis, and about the vertical */
+	double against, against_least, against_most; /* N: force against the way: its mean, and its range */
+	double heap;          /* m: of the highest soil ahead of the object's origin, above the untouched ground, at the end; 0: none is higher */
+	double heap_volume;   /* m3: of all soil there that lies above the untouched ground */
 	double deeper;        /* m: by how much the second half of that quarter is deeper than the first */
 	enum rig_state state;
 };
@@ -81,7 +98,7 @@ struct rig_found {
 typedef enum status (*rig_row_fn)(void *user, const struct rig_row *row);
 
 /*
- * Runs all soils, loads and slips (or torques), and gives a row for each, in that order, slips fastest. With several passes each of them has
+ * Runs all soils, loads (or depths), angles and slips (or torques), and gives a row for each, in that order, slips fastest. With several passes each of them has
  * a row, the first pass first; with torques the last alone, and those ahead slip as it does. An object that is no wheel and has no belt has one row a load. Objects that follow each other have the same slip. STATUS_INPUT: shape, soil or a setting is wrong. STATUS_INTERRUPTED: `stop` was set; rows of soils that were done
  * have been given.
  */

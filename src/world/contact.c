@@ -115,6 +115,8 @@ static void run(const struct scene_object *object, struct deform_contact *contac
 	soil_axes(to->yaw, to->pitch, to->roll, 0, axes);
 	for (int k = 0; k < 3; k++)
 		along += way[k] * axes[0][k];
+	if (object->path.attitude[0] != 0)
+		along = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
 	contact->turned = along / (1 - object->slip);
 	contact->to.turn = contact->from.turn + contact->turned;
 }
@@ -130,8 +132,7 @@ static void roll(const struct body *body, struct deform_contact *contact)
 	}
 	if (object->shape.kind != SOIL_WHEEL)
 		return;
-	double along = lattice_offset_metres(contact->to.x - contact->from.x) * cos(contact->to.yaw) +
-		       lattice_offset_metres(contact->to.y - contact->from.y) * sin(contact->to.yaw);
+	double along = scene_slip_way(object, lattice_offset_metres(contact->to.x - contact->from.x), lattice_offset_metres(contact->to.y - contact->from.y), contact->to.yaw);
 	/* A wheel that follows the ground rolls along its slope, which is longer than the way in plan. If the path gives the heights
 	 * instead, a change of height need not be a slope. */
 	const double level = hypot(lattice_offset_metres(contact->to.x - contact->from.x), lattice_offset_metres(contact->to.y - contact->from.y));

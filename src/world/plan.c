@@ -133,7 +133,7 @@ bool world_computes_together(const struct world *world)
 /* A host may turn a wheel as it likes. */
 static bool leans(const struct scene_object *object)
 {
-	bool found = object->path.count == 0;
+	bool found = object->path.count == 0 || object->path.attitude[2] != 0;
 	for (size_t i = 0; i < object->path.count && object->path.has_attitude; i++)
 		found = found || object->path.points[i].roll != 0;
 	return found && object->shape.kind == SOIL_WHEEL;

@@ -183,7 +183,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct furro
 		force.sinkage = body->sinkage;
 	/* The soil was last touched at the latest path sample. */
 	enum status filled = fill(world, body->object, &state, &force, motion_track_sample_time(body->track, body->next - 1), touches, contact);
-	contact->slip = body->object->shape.belt ? body->object->slip : slip_of(body->object, &state, 0, (const double[3]){0, 0, 1});
+	contact->slip = body->object->shape.belt || body->object->path.attitude[0] != 0 ? body->object->slip : slip_of(body->object, &state, 0, (const double[3]){0, 0, 1});
 	return filled;
 }
 
@@ -212,8 +212,7 @@ enum status world_path_state(const struct world *world, size_t body, struct furr
 	}
 	const struct scene_object *object = at->object;
 	if (object->shape.kind == SOIL_WHEEL) {
-		const double rolls = (state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw)) /
-				     (object->shape.radius * (1 - object->slip));
+		const double rolls = scene_slip_way(object, state->linear[0], state->linear[1], pose.yaw) / (object->shape.radius * (1 - object->slip));
 		double axes[3][3];
 		soil_axes(pose.yaw, 0, pose.roll, 0, axes);
 		for (int k = 0; k < 3; k++)

@@ -111,6 +111,7 @@ ROWS = {
     "objects[].sink": (PLAIN, {"objects.a.sink": "0.1"}),
     "objects[].load": (SCM, {"objects.a.load": "1200"}),
     "objects[].slip": (SCM, {"objects.a.slip": "0.1"}),
+    "objects[].attitude": (SCM, {"objects.a.attitude": "[30, 0, 0]"}),
     "objects[].interface.friction_angle": (SCM, {"objects.a.interface": "{friction_angle: 10}"}),
     "objects[].interface.adhesion": (SCM, {"objects.a.interface": "{adhesion: 10}"}),
     "vehicles[].name": (CAR, {"vehicles.car.name": "bus"}),

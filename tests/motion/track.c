@@ -107,6 +107,27 @@ static void a_timed_path_keeps_its_times_and_turns_the_short_way(void **state)
 	motion_track_destroy(track);
 }
 
+static void an_attitude_turns_a_body_against_its_way(void **state)
+{
+	struct scene_waypoint waypoints[3] = {{0}};
+	const double points[][2] = {{0, 0}, {4, 0}, {4, 4}};
+	struct scene_path path = {.points = waypoints, .count = 3, .speed = 1, .attitude = {0.5, -0.2, 0.1}};
+	struct track *track = track_of(&path, points);
+	struct track_point point;
+	for (double t = 0.5; t < 8; t += 1) {
+		motion_track_at(track, t, &point);
+		assert_true(fabs(point.yaw - (t < 4 ? 0.5 : M_PI / 2 + 0.5)) < 1e-12);
+		assert_true(point.pitch == -0.2 && point.roll == 0.1);
+	}
+	motion_track_destroy(track);
+	/* Waypoints with an attitude of their own have it. */
+	path = (struct scene_path){.points = waypoints, .count = 3, .timed = true, .has_attitude = true, .attitude = {0}};
+	track = track_of(&path, points);
+	motion_track_at(track, 0, &point);
+	assert_true(point.yaw == 0 && point.pitch == 0);
+	motion_track_destroy(track);
+}
+
 static void a_timed_path_that_stands_still_is_there_from_when_it_came(void **state)
 {
 	struct scene_waypoint waypoints[4] = {{.t = 1}, {.t = 2}, {.t = 4}, {.t = 9}};
@@ -272,6 +293,7 @@ TEST_PROGRAM(track)
 		cmocka_unit_test(a_path_is_the_same_to_the_bit_wherever_it_lies),
 		cmocka_unit_test(a_loop_returns_to_its_start_for_ever),
 		cmocka_unit_test(a_timed_path_keeps_its_times_and_turns_the_short_way),
+		cmocka_unit_test(an_attitude_turns_a_body_against_its_way),
 		cmocka_unit_test(a_timed_path_that_stands_still_is_there_from_when_it_came),
 		cmocka_unit_test(without_yaws_a_timed_path_looks_the_way_it_goes),
 		cmocka_unit_test(a_single_point_is_one_station),

@@ -56,6 +56,50 @@ static void attitude_is_degrees_in_the_file_and_radians_after(void **state)
 	scene_destroy(scene);
 }
 
+/* One object with a shape and a path, and an attitude. */
+static enum status load_turned(const char *shape, const char *path, const char *attitude, struct scene **scene)
+{
+	char text[600];
+	snprintf(text, sizeof text, "scene: 1\nend_time: 1\nobjects:\n  - {name: a, shape: {%s}, path: {%s}, attitude: %s}\n", shape, path, attitude);
+	return load_text(text, NULL, 0, scene);
+}
+
+static void an_object_is_turned_against_its_way(void **state)
+{
+	static const char line[] = "points: [[1, 2], [5, 2]], speed: 1", box[] = "box: {size: [1, 2, 3]}", wheel[] = "wheel: {radius: 1, width: 1}";
+	char hashes[4][33];
+	struct scene *scene;
+	assert_int_equal(load_turned(box, line, "[90, -45, 30]", &scene), STATUS_OK);
+	const double *attitude = scene->objects[0].path.attitude;
+	assert_true(!scene->objects[0].path.has_attitude && scene_is_turned(&scene->objects[0]));
+	assert_true(fabs(attitude[0] - M_PI / 2) < 1e-15 && fabs(attitude[1] + M_PI / 4) < 1e-15 && fabs(attitude[2] - M_PI / 6) < 1e-15);
+	assert_true(fabs(scene_slip_way(&scene->objects[0], 3, 4, 1) - 5) < 1e-15);
+	strcpy(hashes[0], scene->hash);
+	scene_destroy(scene);
+	/* A wheel's pitch turns it about its axle, which is nothing. */
+	assert_int_equal(load_turned(wheel, line, "[0, 30, 0]", &scene), STATUS_OK);
+	assert_true(!scene_is_turned(&scene->objects[0]) && fabs(scene_slip_way(&scene->objects[0], 3, 4, M_PI / 2) - 4) < 1e-15);
+	strcpy(hashes[1], scene->hash);
+	scene_destroy(scene);
+	assert_int_equal(load_turned(wheel, line, "[0, 0, 0]", &scene), STATUS_OK);
+	assert_string_equal(scene->hash, hashes[1]);
+	scene_destroy(scene);
+	assert_int_equal(load_turned(wheel, line, "[20, 0, 0]", &scene), STATUS_OK);
+	assert_true(scene_slips(scene));
+	assert_string_not_equal(scene->hash, hashes[1]);
+	scene_destroy(scene);
+	assert_int_equal(load_turned(box, line, "[90, -45, 31]", &scene), STATUS_OK);
+	assert_string_not_equal(scene->hash, hashes[0]);
+	scene_destroy(scene);
+	write_bytes("poses.csv", "0,1,2,3,4,5,6\n", 14);
+	assert_int_equal(load_turned(box, "file: poses.csv", "[90, 0, 0]", &scene), STATUS_INPUT);
+	unlink(in_folder("poses.csv"));
+	assert_says("objects[0].attitude: its poses say yaw, pitch and roll already; allowed with: points");
+	assert_int_equal(load_turned(box, line, "[400, 0, 0]", &scene), STATUS_INPUT);
+	assert_says("attitude[0]: 400 is out of range; allowed: -360 to 360");
+	assert_int_equal(load_turned(box, line, "[4, 0]", &scene), STATUS_INPUT);
+}
+
 static void z_alone_is_allowed(void **state)
 {
 	struct scene *scene;
@@ -118,6 +162,7 @@ TEST_PROGRAM(poses)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(three_columns_are_a_path_in_time),
 		cmocka_unit_test(attitude_is_degrees_in_the_file_and_radians_after),
+		cmocka_unit_test(an_object_is_turned_against_its_way),
 		cmocka_unit_test(z_alone_is_allowed),
 		cmocka_unit_test(each_mistake_has_its_line),
 		cmocka_unit_test(many_poses_all_arrive),
