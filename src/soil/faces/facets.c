@@ -7,13 +7,13 @@
 
 #define HALVINGS 7 /* of the range in which the least size is that gives few enough facets: within a hundredth of it */
 
-void facets_put(struct facets_making *m, const double at[3], const double vector[3], enum soil_facet_kind kind)
+void soil_facets_put(struct facets_making *m, const double at[3], const double vector[3], enum soil_facet_kind kind)
 {
 	const double area = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
 	if (!((float)area > 0))
 		return;
 	if (m->gather != NULL) {
-		m->count += facets_gather_add(m->gather, m->size, at, vector, kind) ? 1 : 0;
+		m->count += soil_facets_gather_add(m->gather, m->size, at, vector, kind) ? 1 : 0;
 		return;
 	}
 	const size_t i = m->count++;
@@ -30,7 +30,7 @@ void facets_put(struct facets_making *m, const double at[3], const double vector
 	f->kind[i] = (uint8_t)kind;
 }
 
-void facets_put_rectangle(struct facets_making *m, const double middle[3], const double half[2][3], enum soil_facet_kind kind)
+void soil_facets_put_rectangle(struct facets_making *m, const double middle[3], const double half[2][3], enum soil_facet_kind kind)
 {
 	int parts[2];
 	for (int k = 0; k < 2; k++)
@@ -45,7 +45,7 @@ void facets_put_rectangle(struct facets_making *m, const double middle[3], const
 			const double u = (2 * i + 1.0) / parts[0] - 1, v = (2 * j + 1.0) / parts[1] - 1;
 			const double at[3] = {middle[0] + u * half[0][0] + v * half[1][0], middle[1] + u * half[0][1] + v * half[1][1],
 					      middle[2] + u * half[0][2] + v * half[1][2]};
-			facets_put(m, at, vector, kind);
+			soil_facets_put(m, at, vector, kind);
 		}
 }
 
@@ -58,7 +58,7 @@ static void put_box(struct facets_making *m)
 			middle[k] = side * m->shape->size[k] / 2;
 			half[0][a] = side * m->shape->size[a] / 2;
 			half[1][b] = m->shape->size[b] / 2;
-			facets_put_rectangle(m, middle, (const double(*)[3])half, k == 2 ? FACET_UNDER : FACET_SIDE);
+			soil_facets_put_rectangle(m, middle, (const double(*)[3])half, k == 2 ? FACET_UNDER : FACET_SIDE);
 		}
 }
 
@@ -69,24 +69,24 @@ static void put_shape(struct facets_making *m)
 	m->count = 0;
 	switch (s->kind) {
 	case SOIL_WHEEL:
-		facets_put_drum(m, 1, s->radius, s->width, facets_free_rim(s), FACET_UNDER);
-		facets_put_bars(m);
+		soil_facets_put_drum(m, 1, s->radius, s->width, soil_facets_free_rim(s), FACET_UNDER);
+		soil_facets_put_bars(m);
 		break;
 	case SOIL_CYLINDER:
-		facets_put_drum(m, 2, s->radius, s->length, 1, FACET_UNDER);
+		soil_facets_put_drum(m, 2, s->radius, s->length, 1, FACET_UNDER);
 		break;
 	case SOIL_SPHERE:
 	case SOIL_CAPSULE:
-		facets_put_ball(m, ball, s->kind == SOIL_CAPSULE ? s->length : 0);
+		soil_facets_put_ball(m, ball, s->kind == SOIL_CAPSULE ? s->length : 0);
 		break;
 	case SOIL_ELLIPSOID:
-		facets_put_ball(m, s->size, 0);
+		soil_facets_put_ball(m, s->size, 0);
 		break;
 	case SOIL_BOX:
 		put_box(m);
 		break;
 	case SOIL_MESH:
-		facets_put_mesh(m);
+		soil_facets_put_mesh(m);
 		break;
 	case SOIL_SHAPES:
 		break;
@@ -98,7 +98,7 @@ static size_t count_of(struct facets_making *m, double size)
 {
 	m->size = size;
 	if (m->gather != NULL)
-		facets_gather_clear(m->gather);
+		soil_facets_gather_clear(m->gather);
 	put_shape(m);
 	return m->count;
 }
@@ -164,7 +164,7 @@ static enum status make(struct facets_making *m, double size, struct soil_facets
 	m->into = facets;
 	m->count = 0;
 	if (m->gather != NULL)
-		facets_gather_put(m->gather, m);
+		soil_facets_gather_put(m->gather, m);
 	else
 		put_shape(m);
 	assert(m->count == count);
@@ -182,14 +182,14 @@ enum status soil_facets_of(const struct soil_shape *shape, double size, struct s
 	assert(size > 0);
 	soil_facets_finish(facets);
 	if (shape->kind == SOIL_MESH)
-		TRY_OR(done, facets_mesh_begin(shape->mesh, &mesh, &facets->both, &many));
+		TRY_OR(done, soil_facets_mesh_begin(shape->mesh, &mesh, &facets->both, &many));
 	m.mesh = mesh;
 	if (many)
-		TRY_OR(done, facets_gather_create(&m.gather));
+		TRY_OR(done, soil_facets_gather_create(&m.gather));
 	TRY_OR(done, make(&m, size, facets));
 done:
-	facets_mesh_end(mesh);
-	facets_gather_destroy(m.gather);
+	soil_facets_mesh_end(mesh);
+	soil_facets_gather_destroy(m.gather);
 	if (status != STATUS_OK)
 		soil_facets_finish(facets);
 	return status;

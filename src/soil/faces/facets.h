@@ -1,5 +1,5 @@
 /*
- * The whole surface of a body as small flat facets: for a law that presses on each part of a surface from outside.
+ * The whole surface of a body as small flat facets: for a law in which soil acts on each part of a surface.
  *
  * A facet is a place, an outward unit normal and an area. The place of a facet of a flat face is the middle of its area. The facets of a curved face
  * are its true sectors: they have its area, and their places are on it. A mesh has its own triangles, cut into parts where they are large.
@@ -9,13 +9,13 @@
  *  3. The facets of a wheel, cylinder, sphere, capsule, ellipsoid or box lie as mirror images about each of the body's own planes.
  *  4. The arrays go on to a multiple of SOIL_FACETS_LANES with facets without area, whose normal is up.
  *
- * Bars (grousers): front, back, tip, and two ends each. They are where they are at turn 0, and turn with the wheel about its own y axis: a turn by t
- * forwards takes (x, z) to (x cos t + z sin t, z cos t - x sin t). Rim and sides need not turn. What a bar covers of the rim is taken from all of the
- * rim alike, as the bars move over it. With two bars or more the sums above hold.
+ * Bars (grousers): front, back, tip, and two ends each. They are given at turn 0, and turn with the wheel about its own y axis. A turn by t forwards
+ * takes (x, z) to (x cos t + z sin t, z cos t - x sin t). Rim and sides need not turn. What a bar covers of the rim is taken from all of the rim alike,
+ * as the bars move over it. With two bars or more the sums above hold.
  *
- * A mesh is closed if each edge has two triangles that can agree, or if its triangles, as they are wound, leave no open border that matters. Then its
- * facets look outwards, whether it is wound clockwise or not. An open mesh has facets for both directions. Facets of a closed piece of a mesh inside
- * another piece remain. Only wheels have grousers: a belt has no bars.
+ * A mesh is closed if each edge has two triangles that can agree. It is also closed if its triangles, as they are wound, leave no open border that
+ * matters. Then its facets look outwards, whether it is wound clockwise or not. An open mesh has facets for both directions. Facets of a closed piece of
+ * a mesh inside another piece remain. Only wheels have grousers: a belt has no bars.
  */
 #ifndef FURROW_SOIL_FACES_FACETS_H
 #define FURROW_SOIL_FACES_FACETS_H
@@ -26,7 +26,7 @@
 #define SOIL_FACETS_MOST 60000 /* facets of one body. With a size that would make more, a larger size is taken */
 
 /*
- * FACET_UNDER: the rim of a wheel, and what else a body presses the soil with from above.
+ * FACET_UNDER: the rim of a wheel, and all of a body that is neither a side nor a bar.
  * FACET_SIDE:  flat ends of wheels and cylinders, walls of boxes, and what of a mesh is within 3 degrees of upright in its own axes.
  * FACET_BAR:   a wheel's grousers. Only these turn with it.
  */
@@ -38,7 +38,7 @@ struct soil_facets {
 	float *x, *y, *z, *nx, *ny, *nz, *area; /* m, 1, m2; in the body's own axes: x forward, y left, z up */
 	uint8_t *kind;                  /* enum soil_facet_kind */
 	double size;                    /* m: the longest that a facet is; the size that was asked for, or a larger one */
-	bool gathered;                  /* the mesh has too many triangles: each facet stands for all that look alike within `size` */
+	bool gathered;                  /* the mesh has too many triangles: each facet is the sum of all that look alike within `size` */
 	bool both;                      /* an open mesh: facets look in both directions */
 	double low[3], high[3];         /* m: the box along the body's own axes that holds its surface, with its bars at any turn */
 	double reach;                   /* m: no place of the surface is farther from the body's centre */
@@ -49,8 +49,8 @@ struct soil_facets {
  * two directions at right angles. A circle always has 16 sectors or more. Out of memory: STATUS_FAILED, and `facets` is empty. Any thread; `facets`
  * belongs to one. */
 enum status soil_facets_of(const struct soil_shape *shape, double size, struct soil_facets *facets) FURROW_CHECKED;
-/* Returns the drum over the tips of a wheel's bars: a smooth wheel of the same width, whose radius is greater by the height of the bars. Bars that stand close together carry
- * the soil between them, as this does. Any other shape: as it is. */
+/* Returns the drum over the tips of a wheel's bars: a smooth wheel of the same width. Its radius is greater by the height of the bars. Bars close
+ * together carry the soil between them, as this does. Any other shape: as it is. */
 struct soil_shape soil_facets_drum_of(const struct soil_shape *shape);
 /* The same as soil_facets_of for that drum. */
 enum status soil_facets_drum(const struct soil_shape *shape, double size, struct soil_facets *facets) FURROW_CHECKED;

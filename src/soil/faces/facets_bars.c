@@ -7,7 +7,7 @@ static double half_angle(const struct soil_shape *shape)
 	return asin(fmin(shape->grouser_thickness / 2 / shape->radius, 1));
 }
 
-double facets_free_rim(const struct soil_shape *shape)
+double soil_facets_free_rim(const struct soil_shape *shape)
 {
 	return shape->grousers > 0 ? fmax(0, 1 - shape->grousers * half_angle(shape) / M_PI) : 1;
 }
@@ -32,7 +32,7 @@ static void put_ends(struct facets_making *m, const double out[3], const double 
 			const int side = j % 2 == 0 ? -1 : 1;
 			const double far = tip - high * (1 - (j / 2 + 0.5) / up);
 			const double at[3] = {far * out[0] + middle * back[0], side * s->width / 2, far * out[2] + middle * back[2]}, vector[3] = {0, side * area / up, 0};
-			facets_put(m, at, vector, FACET_BAR);
+			soil_facets_put(m, at, vector, FACET_BAR);
 		}
 	}
 }
@@ -50,15 +50,15 @@ static void put_bar(struct facets_making *m, double angle)
 			const double far = middle + upper * high;
 			const double at[3] = {far * out[0] + side * half * back[0], 0, far * out[2] + side * half * back[2]};
 			const double sides[2][3] = {{high * out[0], 0, high * out[2]}, {0, -side * s->width / 2, 0}};
-			facets_put_rectangle(m, at, sides, FACET_BAR);
+			soil_facets_put_rectangle(m, at, sides, FACET_BAR);
 		}
 	}
 	const double at[3] = {tip * out[0], 0, tip * out[2]}, sides[2][3] = {{half * back[0], 0, half * back[2]}, {0, s->width / 2, 0}};
-	facets_put_rectangle(m, at, sides, FACET_BAR);
+	soil_facets_put_rectangle(m, at, sides, FACET_BAR);
 	put_ends(m, out, back);
 }
 
-void facets_put_bars(struct facets_making *m)
+void soil_facets_put_bars(struct facets_making *m)
 {
 	for (int i = 0; i < m->shape->grousers && !facets_full(m); i++)
 		put_bar(m, i * 2 * M_PI / m->shape->grousers);

@@ -1,6 +1,6 @@
 /*
- * Gathers the facets of a mesh of very many triangles. Parts of its surface that are in one cell, and look nearly in one direction, become one facet:
- * its vector is the sum of theirs, and its place their middle. So the sum of all vectors stays as it is.
+ * Gathers the facets of a mesh of very many triangles. Parts of its surface that are in one cell, and look nearly in one direction, become one
+ * facet. Its vector is the sum of theirs, and its place is their middle. So the sum of all vectors stays as it is.
  */
 #include "soil/faces/facets_making.h"
 
@@ -16,17 +16,17 @@ struct facets_gather {
 	size_t count;
 };
 
-enum status facets_gather_create(struct facets_gather **out)
+enum status soil_facets_gather_create(struct facets_gather **out)
 {
 	return mem_zeroed(out, 1, sizeof **out, "a body's facets");
 }
 
-void facets_gather_destroy(struct facets_gather *gather)
+void soil_facets_gather_destroy(struct facets_gather *gather)
 {
 	mem_free(gather);
 }
 
-void facets_gather_clear(struct facets_gather *gather)
+void soil_facets_gather_clear(struct facets_gather *gather)
 {
 	memset(gather->keys, 0, sizeof gather->keys);
 	gather->count = 0;
@@ -52,7 +52,7 @@ static uint64_t key_of(double size, const double at[3], const double vector[3], 
 	return key + 1;
 }
 
-bool facets_gather_add(struct facets_gather *gather, double size, const double at[3], const double vector[3], enum soil_facet_kind kind)
+bool soil_facets_gather_add(struct facets_gather *gather, double size, const double at[3], const double vector[3], enum soil_facet_kind kind)
 {
 	const uint64_t key = key_of(size, at, vector, kind), mixed = (key ^ (key >> 31)) * 0x9e3779b97f4a7c15u;
 	uint32_t slot = (uint32_t)(mixed >> 40) & (SLOTS - 1);
@@ -77,7 +77,7 @@ bool facets_gather_add(struct facets_gather *gather, double size, const double a
 	return first;
 }
 
-void facets_gather_put(const struct facets_gather *gather, struct facets_making *m)
+void soil_facets_gather_put(const struct facets_gather *gather, struct facets_making *m)
 {
 	struct facets_gather *const own = m->gather;
 	m->gather = NULL;
@@ -89,7 +89,7 @@ void facets_gather_put(const struct facets_gather *gather, struct facets_making 
 			at[k] = gather->at[i][k] / gather->area[i];
 		/* The look's number is even for parts that are not sides. */
 		const uint64_t cells = 2 * CELLS - 1, kind = (gather->keys[i] - 1) / cells / cells / cells % 2;
-		facets_put(m, at, gather->vector[i], kind != 0 ? FACET_SIDE : FACET_UNDER);
+		soil_facets_put(m, at, gather->vector[i], kind != 0 ? FACET_SIDE : FACET_UNDER);
 	}
 	m->gather = own;
 }

@@ -40,29 +40,29 @@ static inline int facets_sectors(double radius, double size, double least)
 }
 
 /* Adds a facet. at: m. vector: its outward normal times its area, m2; no length: no facet. */
-void facets_put(struct facets_making *m, const double at[3], const double vector[3], enum soil_facet_kind kind);
+void soil_facets_put(struct facets_making *m, const double at[3], const double vector[3], enum soil_facet_kind kind);
 
 /* A rectangle: its middle, and half of each side as vectors. It looks along their cross product. */
-void facets_put_rectangle(struct facets_making *m, const double middle[3], const double half[2][3], enum soil_facet_kind kind);
+void soil_facets_put_rectangle(struct facets_making *m, const double middle[3], const double half[2][3], enum soil_facet_kind kind);
 /* Shapes that are round: facets_round.c. */
-void facets_put_drum(struct facets_making *m, int axis, double radius, double length, double share, enum soil_facet_kind rim);
-void facets_put_ball(struct facets_making *m, const double half[3], double straight);
+void soil_facets_put_drum(struct facets_making *m, int axis, double radius, double length, double share, enum soil_facet_kind rim);
+void soil_facets_put_ball(struct facets_making *m, const double half[3], double straight);
 /* A wheel's bars: facets_bars.c. Returns the share of the rim that they leave free. */
-double facets_free_rim(const struct soil_shape *shape);
-void facets_put_bars(struct facets_making *m);
+double soil_facets_free_rim(const struct soil_shape *shape);
+void soil_facets_put_bars(struct facets_making *m);
 
 /* Meshes: facets_mesh.c. begin: STATUS_FAILED: out of memory. many: even undivided, there are too many triangles, so that they must be gathered. */
-enum status facets_mesh_begin(const struct soil_mesh *mesh, struct facets_mesh **out, bool *both, bool *many) FURROW_CHECKED;
-void facets_mesh_end(struct facets_mesh *mesh); /* takes NULL */
-void facets_put_mesh(struct facets_making *m);
+enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, struct facets_mesh **out, bool *both, bool *many) FURROW_CHECKED;
+void soil_facets_mesh_end(struct facets_mesh *mesh); /* takes NULL */
+void soil_facets_put_mesh(struct facets_making *m);
 
 /* Gathering: facets_gather.c. create: STATUS_FAILED: out of memory. */
-enum status facets_gather_create(struct facets_gather **out) FURROW_CHECKED;
-void facets_gather_destroy(struct facets_gather *gather); /* takes NULL */
-void facets_gather_clear(struct facets_gather *gather);
+enum status soil_facets_gather_create(struct facets_gather **out) FURROW_CHECKED;
+void soil_facets_gather_destroy(struct facets_gather *gather); /* takes NULL */
+void soil_facets_gather_clear(struct facets_gather *gather);
 /* Adds a part of the surface. Returns true if it is the first of its facet. size: m. */
-bool facets_gather_add(struct facets_gather *gather, double size, const double at[3], const double vector[3], enum soil_facet_kind kind);
+bool soil_facets_gather_add(struct facets_gather *gather, double size, const double at[3], const double vector[3], enum soil_facet_kind kind);
 /* Writes all facets. m->gather is not asked. */
-void facets_gather_put(const struct facets_gather *gather, struct facets_making *m);
+void soil_facets_gather_put(const struct facets_gather *gather, struct facets_making *m);
 
 #endif

@@ -113,7 +113,7 @@ static int side_of(const struct facets_mesh *of)
 	return sums.volume < 0 ? -1 : 1;
 }
 
-enum status facets_mesh_begin(const struct soil_mesh *mesh, struct facets_mesh **out, bool *both, bool *many)
+enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, struct facets_mesh **out, bool *both, bool *many)
 {
 	enum status status;
 	TRY(mem_zeroed(out, 1, sizeof **out, "a body's facets"));
@@ -132,12 +132,12 @@ enum status facets_mesh_begin(const struct soil_mesh *mesh, struct facets_mesh *
 	*many = (of->side == 0 ? 2 : 1) * (uint64_t)of->count > SOIL_FACETS_MOST;
 	return STATUS_OK;
 failed:
-	facets_mesh_end(of);
+	soil_facets_mesh_end(of);
 	*out = NULL;
 	return status;
 }
 
-void facets_mesh_end(struct facets_mesh *mesh)
+void soil_facets_mesh_end(struct facets_mesh *mesh)
 {
 	if (mesh == NULL)
 		return;
@@ -211,9 +211,9 @@ static void put_part(struct facets_making *m, const struct facets_plane *plane, 
 		vector[k] = area * plane->vector[k];
 		other[k] = -vector[k];
 	}
-	facets_put(m, at, vector, plane->kind);
+	soil_facets_put(m, at, vector, plane->kind);
 	if (m->mesh->side == 0)
-		facets_put(m, at, other, plane->kind);
+		soil_facets_put(m, at, other, plane->kind);
 }
 
 /* Cuts a triangle along its longest edge and across it, so that no part is longer than the size in either direction. */
@@ -255,7 +255,7 @@ static void put_triangle(struct facets_making *m, const struct triangle *t, cons
 	}
 }
 
-void facets_put_mesh(struct facets_making *m)
+void soil_facets_put_mesh(struct facets_making *m)
 {
 	for (uint32_t t = 0; t < m->mesh->count && !facets_full(m); t++) {
 		const struct triangle triangle = triangle_at(m->mesh, t);

@@ -17,13 +17,13 @@ static void put_disc(struct facets_making *m, int axis, int side, double radius,
 			at[b] = out * sin(angle);
 			at[axis] = side * height;
 			vector[axis] = side * area;
-			facets_put(m, at, vector, FACET_SIDE);
+			soil_facets_put(m, at, vector, FACET_SIDE);
 		}
 	}
 }
 
 /* A drum about one of the body's own axes, with flat ends. m. share: of the rim's area that counts. rim: its kind. */
-void facets_put_drum(struct facets_making *m, int axis, double radius, double length, double share, enum soil_facet_kind rim)
+void soil_facets_put_drum(struct facets_making *m, int axis, double radius, double length, double share, enum soil_facet_kind rim)
 {
 	const int a = (axis + 1) % 3, b = (axis + 2) % 3, sectors = facets_sectors(radius, m->size, FACETS_CIRCLE), across = facets_parts(length, m->size);
 	const double step = 2 * M_PI / sectors, area = share * radius * step * length / across;
@@ -36,7 +36,7 @@ void facets_put_drum(struct facets_making *m, int axis, double radius, double le
 			at[axis] = length * ((i + 0.5) / across - 0.5);
 			vector[a] = area * c;
 			vector[b] = area * s;
-			facets_put(m, at, vector, rim);
+			soil_facets_put(m, at, vector, rim);
 		}
 	}
 	for (int side = -1; side <= 1; side += 2)
@@ -76,12 +76,12 @@ static void put_ring(struct facets_making *m, const double half[3], int pole, do
 			vector[i] = half[(i + 1) % 3] * half[(i + 2) % 3] * unit[i] * area;
 		}
 		at[pole] += along < 0 ? -straight / 2 : straight / 2;
-		facets_put(m, at, vector, FACET_UNDER);
+		soil_facets_put(m, at, vector, FACET_UNDER);
 	}
 }
 
 /* An ellipsoid of these half axes, m, whose halves are apart by `straight` along its z: there it is a cylinder. Only a sphere is drawn apart. */
-void facets_put_ball(struct facets_making *m, const double half[3], double straight)
+void soil_facets_put_ball(struct facets_making *m, const double half[3], double straight)
 {
 	const int pole = straight > 0 ? 2 : pole_of(half), a = (pole + 1) % 3, b = (pole + 2) % 3;
 	const double around = fmax(half[a], half[b]);
@@ -99,6 +99,6 @@ void facets_put_ball(struct facets_making *m, const double half[3], double strai
 		for (int i = 0; i < up; i++) {
 			const double c = cos((k + 0.5) * step), s = sin((k + 0.5) * step);
 			const double at[3] = {around * c, around * s, straight * ((i + 0.5) / up - 0.5)}, vector[3] = {area * c, area * s, 0};
-			facets_put(m, at, vector, FACET_UNDER);
+			soil_facets_put(m, at, vector, FACET_UNDER);
 		}
 }
