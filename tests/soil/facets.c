@@ -438,12 +438,13 @@ static void the_number_of_facets_is_bounded(void **state)
 	}
 }
 
-/* A mesh of more triangles than there may be facets: those that look alike become one. */
+/* A mesh of more triangles than there may be facets, and one of many triangles that are not much larger than facets: those that look alike become one. */
 static void very_fine_meshes_are_gathered(void **state)
 {
 	(void)state;
-	for (int open = 0; open < 2; open++) {
-		struct soil_mesh mesh = mesh_pill(400, 60, R, W);
+	for (int i = 0; i < 4; i++) {
+		const int open = i % 2;
+		struct soil_mesh mesh = i < 2 ? mesh_pill(400, 60, R, W) : mesh_pill(96, 24, R, W);
 		const struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &mesh};
 		const double volume = M_PI * R * R * (4.0 / 3 * R + W), area = 2 * M_PI * R * (2 * R + W);
 		if (open != 0)
@@ -455,7 +456,8 @@ static void very_fine_meshes_are_gathered(void **state)
 			check(&f);
 			const struct sums s = sums_of(&f);
 			print_message("size %g: %zu facets, size %.4f, area %+.3f %%\n", sizes[j], f.count, f.size, 100 * (s.area / area - 1));
-			assert_true(f.gathered && f.both == (open != 0) && (j == 0 ? f.size > 1e-4 : f.count < 20000));
+			assert_true(f.gathered == (i < 2 || j > 0) && f.both == (open != 0));
+			assert_true(j == 0 ? f.size > 1e-4 : j == 1 ? f.count < 20000 : f.count < 2000);
 			for (int k = 0; k < 3; k++)
 				assert_near(s.vector[k], 0, 1e-6);
 			assert_near(s.volume, open != 0 ? 0 : volume, 0.01 * volume);
