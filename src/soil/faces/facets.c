@@ -182,7 +182,7 @@ enum status soil_facets_of(const struct soil_shape *shape, double size, struct s
 	assert(size > 0);
 	soil_facets_finish(facets);
 	if (shape->kind == SOIL_MESH)
-		TRY_OR(done, soil_facets_mesh_begin(shape->mesh, &mesh, &facets->both, &many));
+		TRY_OR(done, soil_facets_mesh_begin(shape->mesh, size, &mesh, &facets->both, &many));
 	m.mesh = mesh;
 	if (many)
 		TRY_OR(done, soil_facets_gather_create(&m.gather));

@@ -38,7 +38,7 @@ struct soil_facets {
 	float *x, *y, *z, *nx, *ny, *nz, *area; /* m, 1, m2; in the body's own axes: x forward, y left, z up */
 	uint8_t *kind;                  /* enum soil_facet_kind */
 	double size;                    /* m: the longest that a facet is; the size that was asked for, or a larger one */
-	bool gathered;                  /* the mesh has too many triangles: each facet is the sum of all that look alike within `size` */
+	bool gathered;                  /* the mesh has very many or very small triangles: each facet is the sum of all that look alike within `size` */
 	bool both;                      /* an open mesh: facets look in both directions */
 	double low[3], high[3];         /* m: the box along the body's own axes that holds its surface, with its bars at any turn */
 	double reach;                   /* m: no place of the surface is farther from the body's centre */

@@ -51,8 +51,8 @@ void soil_facets_put_ball(struct facets_making *m, const double half[3], double 
 double soil_facets_free_rim(const struct soil_shape *shape);
 void soil_facets_put_bars(struct facets_making *m);
 
-/* Meshes: facets_mesh.c. begin: STATUS_FAILED: out of memory. many: even undivided, there are too many triangles, so that they must be gathered. */
-enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, struct facets_mesh **out, bool *both, bool *many) FURROW_CHECKED;
+/* Meshes: facets_mesh.c. begin: STATUS_FAILED: out of memory. many: the triangles are so many, or so small, that their facets must be gathered. */
+enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, double size, struct facets_mesh **out, bool *both, bool *many) FURROW_CHECKED;
 void soil_facets_mesh_end(struct facets_mesh *mesh); /* takes NULL */
 void soil_facets_put_mesh(struct facets_making *m);
 

@@ -6,6 +6,7 @@
 #include "soil/law/surface.h"
 
 #define UPRIGHT 0.052335956242943835 /* sin 3 degrees: a triangle whose normal has a smaller z is a side */
+#define FINE 2000                    /* triangles: so many that are not much larger than facets are gathered */
 #define OPEN 1e-4                    /* share of the surface: an open border around less does not matter */
 
 struct facets_mesh {
@@ -113,7 +114,21 @@ static int side_of(const struct facets_mesh *of)
 	return sums.volume < 0 ? -1 : 1;
 }
 
-enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, struct facets_mesh **out, bool *both, bool *many)
+/* Returns true if the triangles are so many, or so many and small, that their facets should be gathered. */
+static bool too_fine(const struct facets_mesh *of, double size)
+{
+	double area = 0;
+	for (uint32_t t = 0; t < of->count; t++) {
+		const struct triangle triangle = triangle_at(of, t);
+		double vector[3];
+		vector_of(&triangle, vector);
+		area += length_of(vector);
+	}
+	const uint64_t facets = (of->side == 0 ? 2 : 1) * (uint64_t)of->count;
+	return facets > SOIL_FACETS_MOST || (of->count > FINE && of->count > area / size / size / 2);
+}
+
+enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, double size, struct facets_mesh **out, bool *both, bool *many)
 {
 	enum status status;
 	TRY(mem_zeroed(out, 1, sizeof **out, "a body's facets"));
@@ -129,7 +144,7 @@ enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, struct facets_m
 		of->side = side_of(of);
 	}
 	*both = of->side == 0;
-	*many = (of->side == 0 ? 2 : 1) * (uint64_t)of->count > SOIL_FACETS_MOST;
+	*many = too_fine(of, size);
 	return STATUS_OK;
 failed:
 	soil_facets_mesh_end(of);
