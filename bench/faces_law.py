@@ -26,6 +26,8 @@ import numpy as np
 LIFT = 0.55        # the share of the vertical stress that is left on a facet which moves level
 POWER = 0.6        # w = q ** POWER
 FOLLOW = 2.0       # soil follows a smooth rim that spins by at most this many times the way
+LEAST = 0.002      # below this q nothing of the faces is computed; walls are whole from LEAST + FADE
+FADE = 0.05
 RAMP = 0.1         # of n.v: over it walls begin to press, and soles cease
 KAPPA = 1.26       # slip sinkage, Furrow's own fit
 NARROW = 3.0       # a body is narrow where it is less wide than three times its depth
@@ -107,17 +109,17 @@ def wedge(rake, phi, delta):
 
 
 class Walls:
-    """Pressure of the passive wedge on a face, by its rake: per unit weight and depth, and per cohesion. A table for each pair of angles."""
+    """Pressure of the passive wedge on a face, by its rake: per unit weight and depth, per cohesion, per adhesion. One table for two angles."""
     def __init__(self, phi, delta):
         self.rakes = np.radians(np.linspace(10, 90, 17))
         both = [wedge(r, phi, delta) for r in self.rakes]
         share = np.sin(self.rakes) * math.cos(delta)
-        self.weight, self.cohesion = (np.array([(2 if k == 0 else 1) * one[k] for one in both]) * share for k in (0, 1))
+        self.weight, self.cohesion, self.adhesion = (np.array([times * one[k] for one in both]) * share for k, times in ((0, 2), (1, 1), (3, 1)))
 
     def at(self, up):
         """up: the z of a face's normal, 0 upright .. 1."""
         rake = np.arccos(np.clip(up, 0, 1))
-        return np.interp(rake, self.rakes, self.weight), np.interp(rake, self.rakes, self.cohesion)
+        return (np.interp(rake, self.rakes, column) for column in (self.weight, self.cohesion, self.adhesion))
 
 
 WALLS = {}
@@ -131,7 +133,7 @@ def walls(soil):
 
 
 def stress(soil, n, v, depth, mu, width, deepest, heap=0.0):
-    """Pa on facets. depth: below the ground as it was before the body came; heap: mean height upon the wedge ahead. width: of the body across its way."""
+    """Pa on facets. depth: below the ground as the body found it. heap: mean height upon the wedge ahead. width: of the body across its way."""
     v = v / np.maximum(np.linalg.norm(v, axis=1, keepdims=True), 1e-12)
     level = n.copy()
     level[:, 2] = np.minimum(n[:, 2], 0)
@@ -141,29 +143,43 @@ def stress(soil, n, v, depth, mu, width, deepest, heap=0.0):
     a = generic(level, v, mu)
     # A face that leans back: the wall's stress turned about the level line of the face, as strong as its wedge.
     table = walls(soil)
-    weight, cohesive = table.at(up)
+    weight, cohesive, sticky = table.at(up)
     upright = table.weight[-1]
     p, t = -(a * level).sum(1), a[:, 2].copy()
-    rise = np.stack([-up * level[:, 0], -up * level[:, 1], long], 1)        # up along the face
+    rise = np.stack([-up * level[:, 0], -up * level[:, 1], np.hypot(n[:, 0], n[:, 1])], 1)        # up along the face
     leaning = -p[:, None] * n + t[:, None] * rise + a - t[:, None] * [0, 0, 1] + p[:, None] * level
     a = np.where((up > 0)[:, None], leaning, a)
     narrow = 1 / (1 + (width / (NARROW * max(deepest, 1e-9))) ** 4)
     under = (depth > 0)
     plain = soil.xi * depth
     of_weight = soil.weight * weight * (depth + heap) / WALL
-    of_wall = np.maximum(narrow * plain * weight / upright + (1 - narrow) * of_weight, of_weight + soil.face_cohesion * cohesive / WALL)
+    of_wall = np.maximum(narrow * plain * weight / upright + (1 - narrow) * of_weight,
+                         of_weight + (soil.face_cohesion * cohesive + soil.adhesion * sticky) / WALL)
     of_sole = np.maximum(plain, 5.14 * soil.face_cohesion / PLATE)
     a = a * np.where(under, y * of_sole + (1 - y) * of_wall, 0)[:, None]
-    if soil.adhesion > 0:
+    if soil.adhesion > 0:                       # against the motion along the facet; soil that is pushed straight ahead slides up the face
         slid = v - (n * v).sum(1)[:, None] * n
-        a -= soil.adhesion * under[:, None] * slid
+        a += soil.adhesion * under[:, None] * ((1 - np.linalg.norm(slid, axis=1))[:, None] * rise - slid)
     return a
 
 
-def ramp(kind, n, v, w):
-    """The share of a facet that presses."""
+def blend(q):
+    """The share of the faces in what a sole bears, and the share of walls that press."""
+    return max((q - LEAST) / (1 - LEAST), 0.0) ** POWER, min(max((q - LEAST) / FADE, 0.0), 1.0)
+
+
+def ramp(kind, n, v, w, walls_press=1.0, recent=None):
+    """The share of a facet that presses. recent: its motion by the short memory, at most 1 long; on a steady way it changes nothing."""
     s = (n * v).sum(1) / np.maximum(np.linalg.norm(v, axis=1), 1e-12)
-    return np.where(kind == UNDER, w * np.clip(1 + s / RAMP, 0, 1), np.clip(s / RAMP, 0, 1))
+    if recent is not None:
+        s = np.minimum(s, (n * recent).sum(1))
+    return np.where(kind == UNDER, w * np.clip(1 + s / RAMP, 0, 1), walls_press * np.clip(s / RAMP, 0, 1))
+
+
+def remembered(memory, step, length):
+    """The memory of motion after a straight step: dM = (dx - M |dx|) / length. Of the long one the length is janosi, of the short one a twentieth."""
+    way = np.linalg.norm(step)
+    return step / way + (memory - step / way) * math.exp(-way / length) if way > 0 else memory
 
 
 # --- a wheel on level ground ---
@@ -221,7 +237,8 @@ def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, panels=16
                      np.maximum(yields(np.array(sinkage - dug)) - soil.elastic * radius * (1 - np.cos(theta)), 0))
     tau = np.where(sigma > 0, soil.cohesion + sigma * soil.tan, 0)
     s, c = np.sin(theta), np.cos(theta)
-    return np.array([(tau * held[:, 0] * c - sigma * s).sum(), (tau * held[:, 1]).sum(), (sigma * c + tau * held[:, 0] * s).sum()]) * radius * width * step
+    forces = tau * held[:, 0] * c - sigma * s, tau * held[:, 1], sigma * c + tau * held[:, 0] * s
+    return np.array([force.sum() for force in forces]) * radius * width * step
 
 
 def wheel_force(soil, radius, width, bar, sinkage, way, angle, rim, kappa=KAPPA):
@@ -234,13 +251,13 @@ def wheel_force(soil, radius, width, bar, sinkage, way, angle, rim, kappa=KAPPA)
     c, s = (math.cos(math.radians(angle)), math.sin(math.radians(angle))) if angle != 90 else (0.0, 1.0)
     along, aside = way * c, way * s
     q = share(bar > 0, along, aside, rim)
-    w = q ** POWER
+    w, press = blend(q)
     turn = (rim if bar > 0 else min(rim, FOLLOW * way)) / radius
     v = np.stack([along + turn * place[:, 2], np.full(len(place), aside), -turn * place[:, 0]], 1)
     lowest = place[:, 2] + out - sinkage
     depth = np.maximum(np.where(place[:, 0] * c + place[:, 1] * s > 0, 0, -sinkage) - lowest, 0)      # behind: the rut's floor
     chord = 2 * math.sqrt(max(2 * out * sinkage - sinkage ** 2, 0)) if sinkage < out else 2 * out
-    g = ramp(kind, n, v, w)
+    g = ramp(kind, n, v, w, press)
     on = (depth > 0) & (g > 0)
     mu = np.where((kind == UNDER) & (bar > 0), soil.tan, min(soil.mu, soil.tan))[on]
     f = (stress(soil, n[on], v[on], depth[on], mu, chord * s + width * c, sinkage) * (area * g)[on][:, None]).sum(0)
@@ -328,12 +345,15 @@ def blade_force(soil, width, deep, rake, heap=0.0, strips=40):
 def mckyes(soil, width, deep, rake, heap=0.0):
     rake, delta = math.radians(rake), math.atan(min(soil.mu, soil.tan))
     weight, cohesion, surcharge, adhesion = wedge(rake, math.radians(soil.phi), delta)
-    force = width * (soil.weight * deep ** 2 * weight + soil.face_cohesion * deep * cohesion + soil.weight * heap * deep * surcharge + soil.adhesion * deep * adhesion)
+    force = width * deep * (soil.weight * (deep * weight + heap * surcharge) + soil.face_cohesion * cohesion + soil.adhesion * adhesion)
     return force * math.sin(rake + delta) + soil.adhesion * deep * width / math.tan(rake), -force * math.cos(rake + delta)
 
 
-BLADES = (("dry_sand", Soil(16000, 28, 1040, 1.5e6, 1.1, .02)), ("sandy_loam_15", Soil(15000, 29, 1720, 1.5e6, .7, .02, face_cohesion=1720)),
-          ("clayey_38", Soil(16000, 13, 4140, 7e5, .5, .02, face_cohesion=4140)), ("upland_loam", Soil(15000, 33.7, 3300, 2e6, 1.1, .02, face_cohesion=3300)))
+BLADES = (("dry_sand", Soil(16000, 28, 1040, 1.5e6, 1.1, .02)),
+          ("sandy_loam_15", Soil(15000, 29, 1720, 1.5e6, .7, .02, face_cohesion=1720)),
+          ("clayey_38", Soil(16000, 13, 4140, 7e5, .5, .02, face_cohesion=4140)),
+          ("clayey_38, sticky", Soil(16000, 13, 4140, 7e5, .5, .02, face_cohesion=4140, adhesion=2070)),
+          ("upland_loam", Soil(15000, 33.7, 3300, 2e6, 1.1, .02, face_cohesion=3300)))
 
 
 def blades():
@@ -362,7 +382,8 @@ def main():
         rig(options.measured, verbose=options.rows)
     print("| Ding | sinkage RMS, mm | drawbar, N |\n| --- | --- | --- |")
     ding()
-    print("Blade of 1 m, drag beside McKyes: 2, 5, 10, 20 cm deep, each without a heap and with one as high as it is deep\n| soil | rake | 2 | | 5 | | 10 | | 20 | |")
+    print("Blade of 1 m, drag beside McKyes: 2, 5, 10, 20 cm deep, each without a heap and with one as high as it is deep")
+    print("| soil | rake | 2 | | 5 | | 10 | | 20 | |")
     blades()
 
 
