@@ -99,8 +99,8 @@ def header_of(found):
     rows = [f"\t{{{RADIUS / spacing:g}, {{{', '.join(str(of[i]) for of in wheels)}}}}}," for i, spacing in enumerate(SPACINGS)]
     blades = [f"\t{{{DEPTH / spacing:g}, {error}}}," for spacing, error in zip(SPACINGS, rounded("blade"))]
     names = ", ".join("SCENE_FACES_" + case.name.upper() for case in WHEELS)
-    return ("/*\n * How far level forces of a body that slides are off, in percent of its load, by the posts over a wheel's radius; of a blade in percent of its\n"
-            " * force, by the posts over its depth. bench/faces_error.py measures that and writes this file:\n"
+    return ("/*\n * How far level forces of a body that slides are off. Of a wheel: in percent of its load, by the posts over its radius. Of a blade: in percent of\n"
+            " * its force, by the posts over its depth. bench/faces_error.py measures that and writes this file:\n"
             " * python3 bench/faces_error.py build/tools/furrow --header src/scene/scene_faces_errors.h\n */\n"
             "#ifndef FURROW_SCENE_FACES_ERRORS_H\n#define FURROW_SCENE_FACES_ERRORS_H\n\n"
             f"enum {{ SCENE_FACES_ROWS = {len(rows)} }};\nenum scene_faces_wheel {{ {names}, SCENE_FACES_WHEELS }};\n"

@@ -377,7 +377,7 @@ uint64_t scene_object_effects(const struct scene_object *object);
 bool scene_slips(const struct scene *scene);
 /* Returns true if an object's path or the scene turns it otherwise than along its way. */
 bool scene_is_turned(const struct scene_object *object);
-/* By which law the soil presses on a part of a body: Bekker's and Janosi's below it, 3D resistive force theory (3D-RFT) on faces that slide. */
+/* By which law the soil acts on a part of a body: Bekker's and Janosi's below it, or 3D-RFT where it slides. That is 3D resistive force theory. */
 struct scene_pressed_part {
 	const char *part;   /* "rim", "sides", "bars", "underside", "front and sides" */
 	double faces;       /* share that 3D-RFT has, 0 to 1; NAN: it depends on the motion, which is not known here */
@@ -395,7 +395,7 @@ struct scene_pressed {
 	double finer;       /* m: the first halving of the spacing that halves the error; 0: none of the bench does */
 	int finer_error;
 };
-/* Tells which parts of an object press by which law at a spacing, m. Returns false if the scene's model computes no force. */
+/* Tells by which law the soil acts on the parts of an object, and what a spacing, m, costs. Returns false if the scene's model computes no force. */
 bool scene_pressed(const struct scene *scene, const struct scene_object *object, double spacing, struct scene_pressed *out);
 /* The same of a shape that a host or a vehicle moves. */
 bool scene_pressed_shape(const struct scene *scene, const struct soil_shape *shape, double spacing, struct scene_pressed *out);

@@ -1,6 +1,6 @@
 /*
- * How far level forces of a body that slides are off, in percent of its load, by the posts over a wheel's radius; of a blade in percent of its
- * force, by the posts over its depth. bench/faces_error.py measures that and writes this file:
+ * How far level forces of a body that slides are off. Of a wheel: in percent of its load, by the posts over its radius. Of a blade: in percent of
+ * its force, by the posts over its depth. bench/faces_error.py measures that and writes this file:
  * python3 bench/faces_error.py build/tools/furrow --header src/scene/scene_faces_errors.h
  */
 #ifndef FURROW_SCENE_FACES_ERRORS_H

@@ -1,5 +1,5 @@
 /*
- * Tells by which law the soil presses on the parts of a body, and what a coarse spacing costs where it slides. What a body slides follows from its shape, its
+ * Tells by which law the soil acts on the parts of a body, and what a coarse spacing costs where it slides. What a body slides follows from its shape, its
  * slip and how it is turned against its way. The errors were measured by bench/faces_error.py (scene_faces_errors.h).
  */
 #include <math.h>
@@ -27,7 +27,7 @@ static bool is_fixed(const struct scene_path *path)
 	return path->count > 0;
 }
 
-/* Returns the share of its way that a rim or a belt slides: what it goes beyond what it rolls off; with bars what its surface goes over the ground. */
+/* Returns the share of its way that a rim or a belt slides. That is what it goes beyond what it rolls off. With bars it is what its surface goes over the ground. */
 static double slid_of(const struct scene_object *object)
 {
 	const double turned = object->path.attitude[0], along = turned != 0 ? 1 : scene_slip_way(object, 1, 0, 0);
