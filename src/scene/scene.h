@@ -378,13 +378,13 @@ bool scene_slips(const struct scene *scene);
 /* Returns true if an object's path or the scene turns it otherwise than along its way. */
 bool scene_is_turned(const struct scene_object *object);
 /* By which law the soil acts on a part of a body: Bekker's and Janosi's below it, or 3D-RFT where it slides. That is 3D resistive force theory. */
-struct scene_pressed_part {
+struct scene_law_part {
 	const char *part;   /* "rim", "sides", "bars", "underside", "front and sides" */
 	double faces;       /* share that 3D-RFT has, 0 to 1; NAN: it depends on the motion, which is not known here */
 };
-enum { SCENE_PRESSED_PARTS = 3 };
-struct scene_pressed {
-	struct scene_pressed_part parts[SCENE_PRESSED_PARTS];
+enum { SCENE_LAW_PARTS = 3 };
+struct scene_laws {
+	struct scene_law_part parts[SCENE_LAW_PARTS];
 	size_t count;
 	double slides;      /* share of its way that it slides; NAN: not known here */
 	/* What the spacing costs, as bench/faces_error.py measured it. */
@@ -396,9 +396,9 @@ struct scene_pressed {
 	int finer_error;
 };
 /* Tells by which law the soil acts on the parts of an object, and what a spacing, m, costs. Returns false if the scene's model computes no force. */
-bool scene_pressed(const struct scene *scene, const struct scene_object *object, double spacing, struct scene_pressed *out);
+bool scene_laws_of(const struct scene *scene, const struct scene_object *object, double spacing, struct scene_laws *out);
 /* The same of a shape that a host or a vehicle moves. */
-bool scene_pressed_shape(const struct scene *scene, const struct soil_shape *shape, double spacing, struct scene_pressed *out);
+bool scene_laws_of_shape(const struct scene *scene, const struct soil_shape *shape, double spacing, struct scene_laws *out);
 /* Returns how much of a level way counts for the slip of a wheel or a belt, m. That is what leads along its heading `yaw`, rad. Where the scene turns it
  * against its way, all of the way counts. */
 double scene_slip_way(const struct scene_object *object, double x, double y, double yaw);

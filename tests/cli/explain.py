@@ -254,7 +254,7 @@ class Explain(FurrowTest):
         self.assertNotIn("\n  b:", text)
         self.assertNotIn("\n  b and", text)
 
-    def test_what_presses_by_which_law_is_told(self):
+    def test_the_law_of_each_part_is_told(self):
         self.synth()
         scene = self.scene("""scene: 1
 end_time: 1
@@ -269,9 +269,9 @@ objects:
 """)
         text = " ".join(self.ok("explain", scene, "--store", "world.furrow").split())
         plan = self.json("explain", scene, "--store", "world.furrow")
-        told = plan["pressed"]
+        told = plan["laws"]
         self.assertEqual(list(told), ["rolls", "too", "aside", "blade"])
-        self.assertIn("what presses rolls and 1 other: rim: Bekker and Janosi; sides: nothing; ", text)
+        self.assertIn("laws rolls and 1 other: rim: Bekker and Janosi; sides: nothing; ", text)
         self.assertIn("aside: slides 1 of its way; rim: 3D-RFT; sides: 3D-RFT; bars: 3D-RFT; ", text)
         self.assertIn("blade: slides 1 of its way; underside: 3D-RFT; front and sides: 3D-RFT; ", text)
         posts = 0.4 / plan["spacing"]
@@ -282,7 +282,7 @@ objects:
         self.assertGreaterEqual(told["aside"]["error"], told["rolls"]["error"])
         box = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.model=box", "--set", "soil=null", "--set", "objects.rolls.load=null",
                         "--set", "objects.too.load=null", "--set", "objects.aside.load=null")
-        self.assertEqual(box["pressed"], {})
+        self.assertEqual(box["laws"], {})
 
     def test_posts_and_passes_of_bodies_are_told(self):
         self.synth()

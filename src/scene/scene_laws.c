@@ -43,16 +43,16 @@ static double share_of(double slid)
 	return slid > SLID_LEAST ? pow((slid - SLID_LEAST) / (1 - SLID_LEAST), SLID_POWER) : slid >= 0 ? 0 : (double)NAN;
 }
 
-static void add(struct scene_pressed *out, const char *part, double faces)
+static void add(struct scene_laws *out, const char *part, double faces)
 {
-	out->parts[out->count++] = (struct scene_pressed_part){part, faces};
+	out->parts[out->count++] = (struct scene_law_part){part, faces};
 }
 
 /* slides: NAN: not known. */
-static void find_parts(const struct scene *scene, const struct soil_shape *shape, double slides, struct scene_pressed *out)
+static void find_parts(const struct scene *scene, const struct soil_shape *shape, double slides, struct scene_laws *out)
 {
 	const bool faces = has_faces(scene), wheel = shape->kind == SOIL_WHEEL;
-	*out = (struct scene_pressed){.slides = slides, .wheel = wheel, .posts = NAN};
+	*out = (struct scene_laws){.slides = slides, .wheel = wheel, .posts = NAN};
 	const double beside = !faces || slides == 0 ? 0 : isnan(slides) ? slides : 1;
 	add(out, wheel ? "rim" : "underside", faces ? share_of(slides) : 0);
 	add(out, wheel ? "sides" : "front and sides", beside);
@@ -92,7 +92,7 @@ static enum scene_faces_wheel kind_of(const struct soil_shape *shape, double sli
 	return slip < BRAKED ? SCENE_FACES_LOCKED : turned ? SCENE_FACES_TURNED : SCENE_FACES_ROLLS;
 }
 
-static void find_cost(enum scene_faces_wheel kind, double over, double spacing, struct scene_pressed *out)
+static void find_cost(enum scene_faces_wheel kind, double over, double spacing, struct scene_laws *out)
 {
 	if (!(over > 0) || !(spacing > 0))
 		return;
@@ -117,7 +117,7 @@ static double depth_of(const struct scene *scene, const struct scene_object *obj
 	return least;
 }
 
-bool scene_pressed(const struct scene *scene, const struct scene_object *object, double spacing, struct scene_pressed *out)
+bool scene_laws_of(const struct scene *scene, const struct scene_object *object, double spacing, struct scene_laws *out)
 {
 	const bool hosted = object->path.count == 0, wheel = object->shape.kind == SOIL_WHEEL, still = is_fixed(&object->path);
 	const double known = still ? 0 : soil_shape_runs(&object->shape) ? slid_of(object) : 1;
@@ -130,7 +130,7 @@ bool scene_pressed(const struct scene *scene, const struct scene_object *object,
 	return true;
 }
 
-bool scene_pressed_shape(const struct scene *scene, const struct soil_shape *shape, double spacing, struct scene_pressed *out)
+bool scene_laws_of_shape(const struct scene *scene, const struct soil_shape *shape, double spacing, struct scene_laws *out)
 {
 	if (!deform_tells_forces(scene->model))
 		return false;

@@ -14,7 +14,7 @@
 
 /* --- text --- */
 
-static void write_part(FILE *stream, const struct scene_pressed_part *part)
+static void write_part(FILE *stream, const struct scene_law_part *part)
 {
 	const bool under = strcmp(part->part, "rim") == 0 || strcmp(part->part, "underside") == 0;
 	fprintf(stream, "%s: ", part->part);
@@ -28,31 +28,31 @@ static void write_part(FILE *stream, const struct scene_pressed_part *part)
 		fprintf(stream, "%.0f %% " UNDER ", %.0f %% " FACES, 100 * (1 - part->faces), 100 * part->faces);
 }
 
-static void write_cost(FILE *stream, const struct scene_pressed *pressed)
+static void write_cost(FILE *stream, const struct scene_laws *laws)
 {
-	if (isnan(pressed->posts))
+	if (isnan(laws->posts))
 		return;
-	fprintf(stream, "; %.2g posts over its %s: its level force may be off by %s%d %%%s", pressed->posts, pressed->wheel ? "radius" : "depth",
-		pressed->beyond ? "more than " : "about ", pressed->error, pressed->wheel ? " of its load" : "");
-	if (pressed->finer > 0)
-		fprintf(stream, ", at %g m by %d %%", pressed->finer, pressed->finer_error);
+	fprintf(stream, "; %.2g posts over its %s: its level force may be off by %s%d %%%s", laws->posts, laws->wheel ? "radius" : "depth",
+		laws->beyond ? "more than " : "about ", laws->error, laws->wheel ? " of its load" : "");
+	if (laws->finer > 0)
+		fprintf(stream, ", at %g m by %d %%", laws->finer, laws->finer_error);
 }
 
 /* What is told of a body behind its name. NULL: no memory. Free it. */
-static char *text_of(const struct scene_pressed *pressed)
+static char *text_of(const struct scene_laws *laws)
 {
 	char *text = NULL;
 	size_t size = 0;
 	FILE *stream = open_memstream(&text, &size);
 	if (stream == NULL)
 		return NULL;
-	if (pressed->slides > 0)
-		fprintf(stream, "slides %.2g of its way; ", pressed->slides);
-	for (size_t i = 0; i < pressed->count; i++) {
+	if (laws->slides > 0)
+		fprintf(stream, "slides %.2g of its way; ", laws->slides);
+	for (size_t i = 0; i < laws->count; i++) {
 		fputs(i > 0 ? "; " : "", stream);
-		write_part(stream, &pressed->parts[i]);
+		write_part(stream, &laws->parts[i]);
 	}
-	write_cost(stream, pressed);
+	write_cost(stream, laws);
 	if (fclose(stream) == 0)
 		return text;
 	free(text);
@@ -66,9 +66,9 @@ struct told {
 	size_t others[TOLD_MOST], count, more;
 };
 
-static void tell(struct told *told, const char *name, const struct scene_pressed *pressed)
+static void tell(struct told *told, const char *name, const struct scene_laws *laws)
 {
-	char *text = text_of(pressed);
+	char *text = text_of(laws);
 	if (text == NULL)
 		return;
 	for (size_t i = 0; i < told->count; i++)
@@ -89,7 +89,7 @@ static void tell(struct told *told, const char *name, const struct scene_pressed
 static void print_told(struct told *told)
 {
 	if (told->count > 0)
-		puts("\nwhat presses");
+		puts("\nlaws");
 	for (size_t i = 0; i < told->count; i++) {
 		char *line = NULL;
 		size_t size = 0;
@@ -110,21 +110,21 @@ static void print_told(struct told *told)
 		free(told->texts[i]);
 }
 
-void explain_pressed_text(const struct scene *scene, const struct report_plan *plan)
+void explain_laws_text(const struct scene *scene, const struct report_plan *plan)
 {
 	struct told told = {.count = 0};
-	struct scene_pressed pressed;
+	struct scene_laws laws;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (scene_pressed(scene, &scene->objects[i], plan->spacing, &pressed))
-			tell(&told, scene->objects[i].name, &pressed);
+		if (scene_laws_of(scene, &scene->objects[i], plan->spacing, &laws))
+			tell(&told, scene->objects[i].name, &laws);
 	for (size_t v = 0; v < vehicle_count(plan->vehicles); v++) {
 		struct vehicle_info info;
 		vehicle_info(plan->vehicles, v, &info);
 		for (size_t g = 0; g < info.geom_count; g++) {
 			struct vehicle_geom geom;
 			vehicle_geom(plan->vehicles, v, g, plan->spacing, &geom);
-			if (scene_pressed_shape(scene, geom.shape, plan->spacing, &pressed))
-				tell(&told, geom.name, &pressed);
+			if (scene_laws_of_shape(scene, geom.shape, plan->spacing, &laws))
+				tell(&told, geom.name, &laws);
 		}
 	}
 	print_told(&told);
@@ -132,43 +132,43 @@ void explain_pressed_text(const struct scene *scene, const struct report_plan *p
 
 /* --- JSON --- */
 
-static void add(cJSON *root, const char *name, const struct scene_pressed *pressed)
+static void add(cJSON *root, const char *name, const struct scene_laws *laws)
 {
 	cJSON *object = cJSON_AddObjectToObject(root, name), *parts = cJSON_AddArrayToObject(object, "parts");
-	json_number(object, "slides", pressed->slides);
-	for (size_t i = 0; i < pressed->count; i++) {
+	json_number(object, "slides", laws->slides);
+	for (size_t i = 0; i < laws->count; i++) {
 		cJSON *part = cJSON_CreateObject();
 		cJSON_AddItemToArray(parts, part);
-		cJSON_AddStringToObject(part, "part", pressed->parts[i].part);
-		json_number(part, "faces", pressed->parts[i].faces);
+		cJSON_AddStringToObject(part, "part", laws->parts[i].part);
+		json_number(part, "faces", laws->parts[i].faces);
 	}
-	if (isnan(pressed->posts))
+	if (isnan(laws->posts))
 		return;
-	json_number(object, pressed->wheel ? "posts_over_radius" : "posts_over_depth", pressed->posts);
-	json_number(object, "error", pressed->error / 100.0);
-	cJSON_AddBoolToObject(object, "beyond", pressed->beyond);
-	if (pressed->finer > 0) {
+	json_number(object, laws->wheel ? "posts_over_radius" : "posts_over_depth", laws->posts);
+	json_number(object, "error", laws->error / 100.0);
+	cJSON_AddBoolToObject(object, "beyond", laws->beyond);
+	if (laws->finer > 0) {
 		cJSON *finer = cJSON_AddObjectToObject(object, "finer");
-		json_number(finer, "spacing", pressed->finer);
-		json_number(finer, "error", pressed->finer_error / 100.0);
+		json_number(finer, "spacing", laws->finer);
+		json_number(finer, "error", laws->finer_error / 100.0);
 	}
 }
 
-void explain_pressed_json(cJSON *root, const struct scene *scene, const struct report_plan *plan)
+void explain_laws_json(cJSON *root, const struct scene *scene, const struct report_plan *plan)
 {
-	struct scene_pressed pressed;
-	cJSON *object = cJSON_AddObjectToObject(root, "pressed");
+	struct scene_laws laws;
+	cJSON *object = cJSON_AddObjectToObject(root, "laws");
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (scene_pressed(scene, &scene->objects[i], plan->spacing, &pressed))
-			add(object, scene->objects[i].name, &pressed);
+		if (scene_laws_of(scene, &scene->objects[i], plan->spacing, &laws))
+			add(object, scene->objects[i].name, &laws);
 	for (size_t v = 0; v < vehicle_count(plan->vehicles); v++) {
 		struct vehicle_info info;
 		vehicle_info(plan->vehicles, v, &info);
 		for (size_t g = 0; g < info.geom_count; g++) {
 			struct vehicle_geom geom;
 			vehicle_geom(plan->vehicles, v, g, plan->spacing, &geom);
-			if (scene_pressed_shape(scene, geom.shape, plan->spacing, &pressed))
-				add(object, geom.name, &pressed);
+			if (scene_laws_of_shape(scene, geom.shape, plan->spacing, &laws))
+				add(object, geom.name, &laws);
 		}
 	}
 }
