@@ -34,7 +34,8 @@ class Lane:
     start: tuple | None = None            # m; chosen where it is not given
     grousers: int = 0
     grouser_height: float = 0.0
-    yaw: float = 0.0                      # degrees from the way to the wheel's plane; needs `height`
+    yaw: float = 0.0                      # degrees from the way to the wheel's plane, to the left; without `height` slip counts the whole way
+    pitch: float = 0.0                    # degrees that its nose is up; without `height` alone
     height: float | None = None           # m of the axle, instead of load and sink
     shape: str = ""                       # of another body; `radius` is how far its centre is above its lowest point, and it does not slip
 
@@ -112,6 +113,8 @@ def scene_text(lanes, spacing, soil, redistribute, folder):
         carried = "" if lane.height is not None else f"load: {lane.load!r}, " if lane.load is not None else f"sink: {lane.sink!r}, "
         shape = lane.shape or f"wheel: {{radius: {lane.radius!r}, width: {lane.width!r}{bars}}}"
         slips = "" if lane.shape else f"slip: {lane.slip!r}, "
+        if lane.height is None and (lane.yaw or lane.pitch):
+            slips += f"attitude: [{lane.yaw!r}, {lane.pitch!r}, 0], "
         text.append(f"  - {{name: {lane.name}, shape: {{{shape}}}, {carried}{slips}path: {path_text(lane, folder)}}}")
     text.append(f"output: {{forces: {rate!r}}}\n")
     return "\n".join(text)

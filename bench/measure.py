@@ -55,6 +55,7 @@ def steps(options):
         Step("soil_forms", [], [python, bench / "soil_forms.py"]),
         Step("tested", tested.TARGETS, [python, bench / "tested.py", options.build]),
         Step("validation", ["bench/bench_validation"], [python, bench / "validation.py", programs / "bench_validation", "--quick"]),
+        Step("faces_error", [], [python, bench / "faces_error.py", furrow]),
         Step("rig", [], [python, bench / "rig.py", furrow, "--rig", options.rig], ["rig"]),
         Step("mobility", [], [python, bench / "mobility.py", furrow, "--dem", dem / "gabilan_dtm1m.bil"], ["dem"]),
         Step("climb", [], [python, bench / "climb.py", furrow]),

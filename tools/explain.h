@@ -22,6 +22,10 @@ void explain_geom(const struct soil_shape *shape, char *text, size_t size); /* "
 bool explain_number(const struct scene *scene, int soil, size_t index, const char **key, double *value);
 const char *explain_number_from(const struct scene *scene, int soil, const char *key); /* "scene", "name" or "default" */
 
+/* explain_laws.c: by which law the soil presses on the parts of each body, and what the spacing costs there */
+void explain_laws_text(const struct scene *scene, const struct report_plan *plan);
+void explain_laws_json(cJSON *root, const struct scene *scene, const struct report_plan *plan);
+
 /* explain_passes.c */
 bool explain_same_effect(const struct plan_line *a, const struct plan_line *b);
 size_t explain_count(const struct plan *plan, enum plan_kind kind); /* lines of that kind */

@@ -240,6 +240,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	add_rasters(root, plan);
 	add_soils(root, scene, plan);
 	add_vehicles(root, plan);
+	explain_laws_json(root, scene, plan);
 	report_sun_add(root, &plan->sun);
 	explain_cameras_json(root, scene, plan);
 	add_lines(root, "planes", scene, plan, PLAN_PLANE);

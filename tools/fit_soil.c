@@ -11,6 +11,8 @@ const char *const fit_soil_methods[] = {"plain", "wong", NULL};
 
 static const struct command_option options[] = {
 	{"o", "FILE.yaml", .help = "a file for the soil, in place of the end of the output", .files = "yaml yml"},
+	{"penetration", "FILE.csv", .help = "force or pressure over the depth of a level plate, or of another flat end, that is pushed straight down", .files = "csv"},
+	{"area", "M2", .help = "of that plate, where the file has forces and no column area", .unit = "m2"},
 	{"page", "FILE.html", .help = "a page with plots of the curves and of their residuals", .files = "html"},
 	{"method", "METHOD", .help = "whose kc, kphi and n the soil has: least squares of pressure, or of its logarithm weighted by the square of pressure",
 	 .choices = fit_soil_methods, .preset = "plain"},
@@ -39,14 +41,34 @@ done:
 	return aside_end(&aside, true, status);
 }
 
+static enum status fit_pushed(const struct arguments *arguments, struct fit_soil *fit)
+{
+	const char *path = arguments_text(arguments, "penetration");
+	double area = 0;
+	TRY(arguments_number(arguments, "area", 1e-9, 1e4, &area));
+	fit->has_penetration = path != NULL;
+	if (path == NULL)
+		return area > 0 ? fail_with(STATUS_USAGE, "fit-soil: --area: is that of the plate of --penetration; give both") : STATUS_OK;
+	TRY(fit_table_read(path, FIT_PENETRATION, &fit->penetration));
+	TRY(fit_penetration_pressures(&fit->penetration, area));
+	return fit_penetration(&fit->penetration, &fit->faces);
+}
+
 static enum status fit_all(const struct arguments *arguments, struct fit_soil *fit)
 {
+	fit->has_plate = arguments_count(arguments) > 0;
 	fit->has_shear = arguments_count(arguments) > 1;
-	TRY(fit_table_read(arguments_at(arguments, 0), FIT_PLATE, &fit->plate));
+	if (!fit->has_plate && arguments_text(arguments, "penetration") == NULL)
+		return fail_with(STATUS_USAGE, "fit-soil: no test is given; give PLATE.csv, or --penetration FILE.csv");
+	if (fit->has_plate)
+		TRY(fit_table_read(arguments_at(arguments, 0), FIT_PLATE, &fit->plate));
 	if (fit->has_shear)
 		TRY(fit_table_read(arguments_at(arguments, 1), FIT_SHEAR, &fit->shear));
-	TRY(fit_plates(&fit->plate, &fit->plates));
-	return fit->has_shear ? fit_shear(&fit->shear, &fit->strength) : STATUS_OK;
+	if (fit->has_plate)
+		TRY(fit_plates(&fit->plate, &fit->plates));
+	if (fit->has_shear)
+		TRY(fit_shear(&fit->shear, &fit->strength));
+	return fit_pushed(arguments, fit);
 }
 
 static enum status tell(const struct arguments *arguments, const struct fit_soil *fit, const char *path)
@@ -85,13 +107,14 @@ static enum status run(const struct arguments *arguments)
 done:
 	fit_table_finish(&fit.plate);
 	fit_table_finish(&fit.shear);
+	fit_table_finish(&fit.penetration);
 	return status;
 }
 
 const struct command command_fit_soil = {
 	.name = "fit-soil",
-	.summary = "a scene's soil from your own plate and shear tests",
-	.arguments = COMMAND_ARGUMENTS({"PLATE.csv", .help = "pressure and sinkage of plates of at least two widths", .files = "csv", .needed = true},
+	.summary = "a scene's soil from your own plate, shear and penetration tests",
+	.arguments = COMMAND_ARGUMENTS({"PLATE.csv", .help = "pressure and sinkage of plates of at least two widths; needed without --penetration", .files = "csv"},
 				       {"SHEAR.csv", .help = "shear stress and displacement under some normal stresses", .files = "csv"}),
 	.options = options,
 	.details = "Fits Bekker's p = (kc / b + kphi) z^n to PLATE.csv, and Janosi's tau = (c + sigma tan phi) (1 - exp(-j / K)) to SHEAR.csv. Prints "
@@ -102,16 +125,23 @@ const struct command command_fit_soil = {
 		   "              pressure p             Pa, kPa or MPa\n"
 		   "  SHEAR.csv:  normal stress sigma    Pa, kPa or MPa\n"
 		   "              displacement j         m, cm or mm\n"
-		   "              shear stress tau       Pa, kPa or MPa\n\n"
+		   "              shear stress tau       Pa, kPa or MPa\n"
+		   "  --penetration:\n"
+		   "              depth z                m, cm or mm\n"
+		   "              force F, or pressure p N or kN; Pa, kPa or MPa\n"
+		   "              area, if you like      m2, cm2 or mm2\n\n"
 		   "One word of each name is enough, as in \"b mm,z mm,p kPa\". The width is a plate's shorter side, or the radius of a round one. Other "
 		   "columns, empty lines and lines that begin with # are passed over.\n\n"
+		   "The penetration gives face_strength: how strongly the soil presses on faces that slide. p = 0.87574 face_strength z, as 3D-RFT tells of a level "
+		   "plate in dry soil.\n\n"
 		   "Plates of one width do not tell kc and kphi apart: give plates of two. With one, kc is 0, and kphi is their sum for that width. One normal stress does "
 		   "not tell cohesion and friction apart. Then the soil has no cohesion.\n\n"
 		   "A drive takes the soil in place of its scene's: furrow drive SCENE -o DIR --set soil=soil.yaml. So do explain and view; rig and mobility "
 		   "take it by --soil.\n\n"
 		   "wong weighs as J. Y. Wong (1980). More: docs/SOIL-TESTS.md\n",
 	.examples = "furrow fit-soil plate.csv shear.csv -o soil.yaml --page soil.html\n"
-		    "furrow fit-soil plate.csv --soil lete_sand --method wong\n",
+		    "furrow fit-soil plate.csv --soil lete_sand --method wong\n"
+		    "furrow fit-soil --penetration penetration.csv --area 0.0025 -o soil.yaml\n",
 	.see = "furrow-drive(1), furrow-rig(1), scene(5)",
 	.run = run,
 };

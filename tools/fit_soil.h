@@ -7,10 +7,11 @@
 #include "fit/fit.h"
 
 struct fit_soil {
-	struct fit_table plate, shear;
-	bool has_shear;
+	struct fit_table plate, shear, penetration;
+	bool has_plate, has_shear, has_penetration; /* one of them at least */
 	struct fit_plates plates;
 	struct fit_shear strength;
+	struct fit_penetration faces;
 	enum fit_method method; /* whose numbers the soil has */
 	const char *named;      /* the soil that has the numbers that were not measured */
 };

@@ -30,6 +30,8 @@ struct page {
 static double model(const struct page *page, double group, double x)
 {
 	const struct fit_soil *fit = page->fit;
+	if (page->test == FIT_PENETRATION)
+		return FIT_LEVEL_PLATE * fit->faces.strength.value * x;
 	return page->test == FIT_PLATE ? fit_pressure(&fit->plates, fit->method, group, x) : fit_shear_stress(&fit->strength, group, x);
 }
 
@@ -89,11 +91,15 @@ static void add_curve(struct page *page, size_t group, double most)
 
 static enum status write_plot(struct page *page, bool residuals)
 {
-	const bool plate = page->test == FIT_PLATE;
+	static const struct {
+		const char *title, *residuals, *across, *up;
+	} words[] = {[FIT_PLATE] = {"pressure over sinkage", "residuals of pressure", "sinkage, mm", "pressure, kPa"},
+		     [FIT_SHEAR] = {"shear stress over displacement", "residuals of shear stress", "displacement, mm", "shear stress, kPa"},
+		     [FIT_PENETRATION] = {"pressure over depth", "residuals of pressure over depth", "depth, mm", "pressure, kPa"}};
 	const struct html_plot plot = {
-		.title = residuals ? (plate ? "residuals of pressure" : "residuals of shear stress") : plate ? "pressure over sinkage" : "shear stress over displacement",
-		.across = plate ? "sinkage, mm" : "displacement, mm",
-		.up = residuals ? "measured - fitted, kPa" : plate ? "pressure, kPa" : "shear stress, kPa",
+		.title = residuals ? words[page->test].residuals : words[page->test].title,
+		.across = words[page->test].across,
+		.up = residuals ? "measured - fitted, kPa" : words[page->test].up,
 		.zero = true,
 		.upright = (double)NAN,
 	};
@@ -124,6 +130,10 @@ static void write_legend(const struct page *page)
 			g % HTML_COLOURS, g % HTML_COLOURS);
 		if (page->test == FIT_PLATE)
 			fprintf(file, "plate of %g mm</li>\n", page->table->groups[g] * 1e3);
+		else if (page->test == FIT_PENETRATION && !(page->table->groups[g] > 0))
+			fputs("penetration</li>\n", file);
+		else if (page->test == FIT_PENETRATION)
+			fprintf(file, "plate of %g cm2</li>\n", page->table->groups[g] * 1e4);
 		else
 			fprintf(file, "normal stress %g kPa</li>\n", page->table->groups[g] * 1e-3);
 	}
@@ -177,21 +187,31 @@ static void write_shear_table(const struct page *page)
 		fputs("<p>One normal stress does not tell cohesion and friction apart. One of them is taken for 0.</p>\n", page->file);
 }
 
+static void write_penetration_table(const struct page *page)
+{
+	const struct fit_penetration *faces = &page->fit->faces;
+	table_head(page->file);
+	write_row(page->file, "face strength", faces->strength, 1, "N/m3");
+	write_row(page->file, "with an offset", faces->slope, 1, "N/m3");
+	write_row(page->file, "the offset", faces->offset, 1, "Pa");
+	write_quality(page->file, &faces->quality);
+}
+
 static enum status write_test(const struct fit_soil *fit, enum fit_test test, FILE *file)
 {
-	struct page page = {.fit = fit, .table = test == FIT_PLATE ? &fit->plate : &fit->shear, .test = test, .file = file};
+	const struct fit_table *const tables[] = {[FIT_PLATE] = &fit->plate, [FIT_SHEAR] = &fit->shear, [FIT_PENETRATION] = &fit->penetration};
+	static const char *const ids[] = {[FIT_PLATE] = "plates", [FIT_SHEAR] = "shear", [FIT_PENETRATION] = "penetration"};
+	static void (*const write_tables[])(const struct page *) = {write_plates_table, write_shear_table, write_penetration_table}; /* by enum fit_test */
+	struct page page = {.fit = fit, .table = tables[test], .test = test, .file = file};
 	const size_t groups = page.table->group_count;
 	page.lines = mem_alloc(2 * groups, sizeof *page.lines);
 	page.numbers = mem_alloc(4 * (page.table->count + groups) + 2 * CURVE_POINTS * groups, sizeof *page.numbers);
 	enum status status;
 	TRY_OR(done, page.lines != NULL && page.numbers != NULL ? STATUS_OK : fail_memory("a page"));
-	fprintf(file, "<section id=\"%s\"><h2>", test == FIT_PLATE ? "plates" : "shear");
+	fprintf(file, "<section id=\"%s\"><h2>", ids[test]);
 	svg_text(page.table->path, file);
 	fputs("</h2>\n", file);
-	if (test == FIT_PLATE)
-		write_plates_table(&page);
-	else
-		write_shear_table(&page);
+	write_tables[test](&page);
 	fputs("<div class=\"plots\">\n", file);
 	TRY_OR(done, write_plot(&page, false));
 	TRY_OR(done, write_plot(&page, true));
@@ -232,9 +252,12 @@ enum status fit_soil_page(const struct fit_soil *fit, FILE *file)
 	fprintf(file, "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
 		      "<title>furrow fit-soil</title>\n<style>\n%spre{overflow-x:auto}</style></head><body>\n<h1>A soil from its tests</h1>\n"
 		      "<p class=\"small\">Told by furrow fit-soil " FURROW_VERSION ", method %s</p>\n", html_style, fit_soil_methods[fit->method]);
-	TRY(write_test(fit, FIT_PLATE, file));
+	if (fit->has_plate)
+		TRY(write_test(fit, FIT_PLATE, file));
 	if (fit->has_shear)
 		TRY(write_test(fit, FIT_SHEAR, file));
+	if (fit->has_penetration)
+		TRY(write_test(fit, FIT_PENETRATION, file));
 	TRY(write_soil(fit, file));
 	fputs("</body></html>\n", file);
 	return STATUS_OK;

@@ -6,6 +6,7 @@
 #include "json.h"
 
 #define DEGREES (180 / M_PI)
+#define OFFSET_TOLD 3 /* standard errors */
 
 const char *fit_soil_error(double error, char text[32])
 {
@@ -36,9 +37,9 @@ static void print_quality(const struct fit_quality *quality, const char *before)
 static void print_head(const struct fit_table *table, const char *what, double scale, const char *unit)
 {
 	printf("%s: %zu rows, %s", table->path, table->count, what);
-	for (size_t g = 0; g < table->group_count; g++)
+	for (size_t g = 0; g < table->group_count && unit[0] != '\0'; g++)
 		printf("%s %g", g > 0 ? "," : "", table->groups[g] * scale);
-	printf(" %s", unit);
+	printf("%s%s", unit[0] != '\0' ? " " : "", unit);
 	if (table->skipped > 0)
 		printf("; %zu at 0 left out", table->skipped);
 	putchar('\n');
@@ -93,11 +94,35 @@ static void print_shear(const struct fit_soil *fit)
 		       shear->no_cohesion ? "cohesion" : "friction");
 }
 
+static void print_penetration(const struct fit_soil *fit)
+{
+	const struct fit_penetration *faces = &fit->faces;
+	const struct fit_table *table = &fit->penetration;
+	char error[32];
+	const bool areas = table->groups[0] > 0;
+	print_head(table, areas ? "plates of" : "pressures", 1e4, areas ? "cm2" : "");
+	printf("  %-16s", "faces, N/m3");
+	print_number(faces->strength, 1);
+	putchar('\n');
+	print_quality(&faces->quality, "  ");
+	for (size_t g = 0; g < table->group_count && table->group_count > 1; g++)
+		printf("  the plate of %g cm2 alone: %.5g N/m3\n", table->groups[g] * 1e4, faces->alone[g].value);
+	if (!(faces->offset.error > 0))
+		return;
+	printf("  with an offset: %.5g +- %s N/m3, and ", faces->slope.value, fit_soil_error(faces->slope.error, error));
+	printf("%.4g +- %s Pa at the surface\n", faces->offset.value, fit_soil_error(faces->offset.error, error));
+	if (fabs(faces->offset.value) > OFFSET_TOLD * faces->offset.error)
+		puts("  The offset is more than its error: the pressure is not in proportion to depth, as it is in dry soil without cohesion. Look at the residuals.");
+}
+
 void fit_soil_print(const struct fit_soil *fit)
 {
-	print_plates(fit);
+	if (fit->has_plate)
+		print_plates(fit);
 	if (fit->has_shear)
 		print_shear(fit);
+	if (fit->has_penetration)
+		print_penetration(fit);
 }
 
 /* --- a scene's soil --- */
@@ -124,23 +149,33 @@ void fit_soil_block(const struct fit_soil *fit, FILE *file)
 	const struct fit_plates *plates = &fit->plates;
 	const struct fit_shear *shear = &fit->strength;
 	const enum fit_method method = fit->method;
-	fputs("# furrow fit-soil " FURROW_VERSION ", ", file);
-	write_name(fit->plate.path, file);
-	if (fit->has_shear) {
-		fputs(" and ", file);
-		write_name(fit->shear.path, file);
+	const char *const paths[] = {fit->has_plate ? fit->plate.path : NULL, fit->has_shear ? fit->shear.path : NULL,
+				     fit->has_penetration ? fit->penetration.path : NULL};
+	const char *before = "# furrow fit-soil " FURROW_VERSION ", ";
+	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+		if (paths[i] == NULL)
+			continue;
+		fputs(before, file);
+		write_name(paths[i], file);
+		before = " and ";
 	}
-	fprintf(file, ", method %s. Behind +-: standard errors\nsoil:\n  name: %s  # what was not measured is that soil's\n", fit_soil_methods[method], fit->named);
-	write_key("bekker_kc", plates->kc[method], 1, "N/m^(n+1)", file);
-	write_key("bekker_kphi", plates->kphi[method], 1, "N/m^(n+2)", file);
-	write_key("bekker_n", plates->n[method], 1, "", file);
-	if (!fit->has_shear)
-		return;
-	write_key("cohesion", shear->cohesion, 1, "Pa", file);
-	write_key("friction_angle", shear->friction, DEGREES, "degrees", file);
-	write_key("janosi_shear", shear->shear, 1, "m", file);
-	if (shear->friction.value > 0)
-		fprintf(file, "  repose: %.12g  # degrees: the friction angle\n", shear->friction.value * DEGREES);
+	if (fit->has_plate)
+		fprintf(file, ", method %s", fit_soil_methods[method]);
+	fprintf(file, ". Behind +-: standard errors\nsoil:\n  name: %s  # what was not measured is that soil's\n", fit->named);
+	if (fit->has_plate) {
+		write_key("bekker_kc", plates->kc[method], 1, "N/m^(n+1)", file);
+		write_key("bekker_kphi", plates->kphi[method], 1, "N/m^(n+2)", file);
+		write_key("bekker_n", plates->n[method], 1, "", file);
+	}
+	if (fit->has_shear) {
+		write_key("cohesion", shear->cohesion, 1, "Pa", file);
+		write_key("friction_angle", shear->friction, DEGREES, "degrees", file);
+		write_key("janosi_shear", shear->shear, 1, "m", file);
+		if (shear->friction.value > 0)
+			fprintf(file, "  repose: %.12g  # degrees: the friction angle\n", shear->friction.value * DEGREES);
+	}
+	if (fit->has_penetration)
+		write_key("face_strength", fit->faces.strength, 1, "N/m3", file);
 }
 
 /* --- JSON --- */
@@ -215,23 +250,44 @@ static void add_shear(cJSON *root, const struct fit_soil *fit)
 	add_quality(object, &shear->quality);
 }
 
+static void add_penetration(cJSON *root, const struct fit_soil *fit)
+{
+	const struct fit_penetration *faces = &fit->faces;
+	cJSON *object = add_table(root, "penetration", &fit->penetration, "areas");
+	add_number(object, "face_strength", faces->strength, 1);
+	add_quality(object, &faces->quality);
+	cJSON *offset = cJSON_AddObjectToObject(object, "with_offset");
+	add_number(offset, "face_strength", faces->slope, 1);
+	add_number(offset, "offset", faces->offset, 1);
+	cJSON *alone = cJSON_AddArrayToObject(object, "alone");
+	for (size_t g = 0; g < fit->penetration.group_count; g++)
+		cJSON_AddItemToArray(alone, cJSON_CreateNumber(faces->alone[g].value));
+}
+
 enum status fit_soil_json(const struct fit_soil *fit)
 {
 	cJSON *root = cJSON_CreateObject(), *soil = cJSON_CreateObject();
 	const enum fit_method method = fit->method;
 	cJSON_AddItemToObject(root, "soil", soil);
 	cJSON_AddStringToObject(soil, "name", fit->named);
-	cJSON_AddNumberToObject(soil, "bekker_kc", fit->plates.kc[method].value);
-	cJSON_AddNumberToObject(soil, "bekker_kphi", fit->plates.kphi[method].value);
-	cJSON_AddNumberToObject(soil, "bekker_n", fit->plates.n[method].value);
+	if (fit->has_plate) {
+		cJSON_AddNumberToObject(soil, "bekker_kc", fit->plates.kc[method].value);
+		cJSON_AddNumberToObject(soil, "bekker_kphi", fit->plates.kphi[method].value);
+		cJSON_AddNumberToObject(soil, "bekker_n", fit->plates.n[method].value);
+	}
 	if (fit->has_shear) {
 		cJSON_AddNumberToObject(soil, "cohesion", fit->strength.cohesion.value);
 		cJSON_AddNumberToObject(soil, "friction_angle", fit->strength.friction.value * DEGREES);
 		cJSON_AddNumberToObject(soil, "janosi_shear", fit->strength.shear.value);
 	}
+	if (fit->has_penetration)
+		cJSON_AddNumberToObject(soil, "face_strength", fit->faces.strength.value);
 	cJSON_AddStringToObject(root, "method", fit_soil_methods[method]);
-	add_plates(root, fit);
+	if (fit->has_plate)
+		add_plates(root, fit);
 	if (fit->has_shear)
 		add_shear(root, fit);
+	if (fit->has_penetration)
+		add_penetration(root, fit);
 	return json_print(root);
 }

@@ -379,6 +379,28 @@ uint64_t scene_object_effects(const struct scene_object *object);
 bool scene_slips(const struct scene *scene);
 /* Returns true if an object's path or the scene turns it otherwise than along its way. */
 bool scene_is_turned(const struct scene_object *object);
+/* By which law the soil acts on a part of a body: Bekker's and Janosi's below it, or 3D-RFT where it slides. That is 3D resistive force theory. */
+struct scene_law_part {
+	const char *part;   /* "rim", "sides", "bars", "underside", "front and sides" */
+	double faces;       /* share that 3D-RFT has, 0 to 1; NAN: it depends on the motion, which is not known here */
+};
+enum { SCENE_LAW_PARTS = 3 };
+struct scene_laws {
+	struct scene_law_part parts[SCENE_LAW_PARTS];
+	size_t count;
+	double slides;      /* share of its way that it slides; NAN: not known here */
+	/* What the spacing costs, as bench/faces_error.py measured it. */
+	double posts;       /* over the wheel's radius, or over the depth of another body; NAN: the depth is not known here, and so no error */
+	bool wheel;         /* which of both it is, and so what the errors are percent of: its load; of another body its own force */
+	int error;          /* percent: no body of the bench was further off; at posts coarser than those of the bench it may be more */
+	bool beyond;        /* posts are coarser than those of the bench */
+	double finer;       /* m: the first halving of the spacing that halves the error; 0: none of the bench does */
+	int finer_error;
+};
+/* Tells by which law the soil acts on the parts of an object, and what a spacing, m, costs. Returns false if the scene's model computes no force. */
+bool scene_laws_of(const struct scene *scene, const struct scene_object *object, double spacing, struct scene_laws *out);
+/* The same of a shape that a host or a vehicle moves. */
+bool scene_laws_of_shape(const struct scene *scene, const struct soil_shape *shape, double spacing, struct scene_laws *out);
 /* Returns how much of a level way counts for the slip of a wheel or a belt, m. That is what leads along its heading `yaw`, rad. Where the scene turns it
  * against its way, all of the way counts. */
 double scene_slip_way(const struct scene_object *object, double x, double y, double yaw);

@@ -32,7 +32,7 @@ enum rig_state {
 	RIG_GROWS   /* at a depth: the force against its way differs between the halves of the last quarter by more than RIG_DIGS_ABOVE */
 };
 #define RIG_DIGS_ABOVE 0.05
-#define RIG_SLIP_LOCKED (-1000.0) /* of a wheel that as good as stands still about its axle */
+#define RIG_SLIP_LOCKED (-1000.0) /* of a wheel that as good as does not turn */
 #define RIG_SLIP_MOST 0.95
 #define RIG_SLIP_LEAST (-0.9)
 extern const char *const trials_rig_states[];

@@ -254,6 +254,36 @@ class Explain(FurrowTest):
         self.assertNotIn("\n  b:", text)
         self.assertNotIn("\n  b and", text)
 
+    def test_the_law_of_each_part_is_told(self):
+        self.synth()
+        scene = self.scene("""scene: 1
+end_time: 1
+spacing: 0.05
+soil: {name: dry_sand}
+redistribute: {model: scm}
+objects:
+  - {name: rolls, shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, path: {points: [[10, 10], [20, 10]], speed: 1}}
+  - {name: too, shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, path: {points: [[10, 20], [20, 20]], speed: 1}}
+  - {name: aside, shape: {wheel: {radius: 0.4, width: 0.2, grousers: 12}}, load: 900, attitude: [90, 0, 0], path: {points: [[10, 15], [20, 15]], speed: 1}}
+  - {name: blade, shape: {box: {size: [0.1, 1, 0.4]}}, sink: 0.1, path: {points: [[10, 25], [20, 25]], speed: 1}}
+""")
+        text = " ".join(self.ok("explain", scene, "--store", "world.furrow").split())
+        plan = self.json("explain", scene, "--store", "world.furrow")
+        told = plan["laws"]
+        self.assertEqual(list(told), ["rolls", "too", "aside", "blade"])
+        self.assertIn("laws rolls and 1 other: rim: Bekker and Janosi; sides: nothing; ", text)
+        self.assertIn("aside: slides 1 of its way; rim: 3D-RFT; sides: 3D-RFT; bars: 3D-RFT; ", text)
+        self.assertIn("blade: slides 1 of its way; underside: 3D-RFT; front and sides: 3D-RFT; ", text)
+        posts = 0.4 / plan["spacing"]
+        self.assertAlmostEqual(told["rolls"]["posts_over_radius"], posts, delta=1e-9)
+        self.assertIn(f"{posts:.2g} posts over its radius: its level force may be off by about {round(100 * told['rolls']['error'])} % of its load", text)
+        self.assertAlmostEqual(told["blade"]["posts_over_depth"], posts / 4, delta=1e-9)
+        self.assertEqual([part["faces"] for part in told["aside"]["parts"]], [1, 1, 1])
+        self.assertGreaterEqual(told["aside"]["error"], told["rolls"]["error"])
+        box = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.model=box", "--set", "soil=null", "--set", "objects.rolls.load=null",
+                        "--set", "objects.too.load=null", "--set", "objects.aside.load=null")
+        self.assertEqual(box["laws"], {})
+
     def test_posts_and_passes_of_bodies_are_told(self):
         self.synth()
         load = ("--set", "redistribute.model=scm", "--set", "soil.name=dry_sand", "--set", "spacing=0.25")

@@ -3,13 +3,14 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import unittest
 import xml.etree.ElementTree
 
 from furrow_test import FurrowTest, main, sampled
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples/soil"
-PLATE, SHEAR = EXAMPLES / "plate.csv", EXAMPLES / "shear.csv"
+PLATE, SHEAR, PENETRATION = EXAMPLES / "plate.csv", EXAMPLES / "shear.csv", EXAMPLES / "penetration.csv"
 # As the first lines of the files say.
 TRUTH = {"kc": 25000, "kphi": 1900000, "n": 0.9, "cohesion": 1800, "friction_angle": 31, "janosi_shear": 0.014}
 SCENE = """scene: 1
@@ -140,6 +141,45 @@ class FitSoil(FurrowTest):
         self.assertAlmostEqual(float(soil_of(text)["bekker_kc"]), -40e3, delta=1)
         self.assertNotIn("kc is below 0", self.ok("fit-soil", PLATE))
 
+    def test_a_penetration_gives_the_strength_of_faces(self):
+        """The example's first line says 1.1e6 N/m3. By hand: the sum of p z over the sum of z z, and the standard error of the textbook."""
+        fit = self.json("fit-soil", "--penetration", PENETRATION, "--area", "0.0025")
+        number = fit["penetration"]["face_strength"]
+        rows = [[float(cell) for cell in line.split(",")] for line in PENETRATION.read_text().splitlines()[2:]]
+        x, y = [0.87574 * z / 1e3 for z, _ in rows], [force / 0.0025 for _, force in rows]
+        slope = sum(a * b for a, b in zip(x, y)) / sum(a * a for a in x)
+        error = math.sqrt(sum((b - slope * a) ** 2 for a, b in zip(x, y)) / (len(x) - 1) / sum(a * a for a in x))
+        self.assertAlmostEqual(number["value"], slope, delta=1e-9 * slope)
+        self.assertAlmostEqual(number["error"], error, delta=1e-9 * error)
+        self.assertLess(abs(slope - 1.1e6), 3 * error)
+        self.assertEqual(fit["soil"], {"name": "dry_sand", "face_strength": number["value"]})
+        self.assertEqual(fit["penetration"]["areas"], [0.0025])
+        # Pressures, kN, cm2 and an own column say the same.
+        for name, head, row in (("p.csv", "depth mm,pressure kPa", lambda z, f: f"{z},{f / 2.5!r}"), ("k.csv", "area cm2,z cm,F kN", lambda z, f: f"25,{z / 10!r},{f / 1e3!r}")):
+            (self.folder / name).write_text(head + "\n" + "\n".join(row(z, f) for z, f in rows) + "\n")
+            self.assertAlmostEqual(self.json("fit-soil", "--penetration", name)["soil"]["face_strength"], slope, delta=1e-9 * slope)
+        # Beside the others.
+        text = self.ok("fit-soil", PLATE, SHEAR, "--penetration", PENETRATION, "--area", "0.0025", "--page", "all.html")
+        soil = soil_of(text)
+        self.assertAlmostEqual(float(soil.pop("face_strength")), slope, delta=1e-10 * slope)
+        self.assertEqual(soil, soil_of(self.ok("fit-soil", PLATE, SHEAR)))
+        self.assertIn("plates of 25 cm2", text)
+        self.assertNotIn("is more than its error", text)
+        root = xml.etree.ElementTree.fromstring((self.folder / "all.html").read_text())
+        self.assertEqual([section.get("id") for section in root.iter("section")], ["plates", "shear", "penetration", "soil"])
+        circles = [sum(1 for _ in svg.iter("circle")) for svg in root.iter("svg") if svg.find("title") is not None]
+        self.assertEqual(circles, [36, 36, 42, 42, 21, 21])
+        (self.folder / "c.csv").write_text("z m,p Pa\n" + "".join(f"{z / 100},{900 + 9e5 * z / 100 + z % 2}\n" for z in range(1, 9)))
+        self.assertIn("is more than its error", self.ok("fit-soil", "--penetration", "c.csv"))
+
+    def test_the_page_tells_what_the_command_says_of_a_penetration(self):
+        page = (EXAMPLES.parents[1] / "docs/SOIL-TESTS.md").read_text()
+        block = page[page.index("fit-soil --penetration penetration.csv"):]
+        arguments, *told = block[:block.index("```")].strip().split("\n")
+        shutil.copy(PENETRATION, self.folder)
+        self.assertEqual(self.ok(*arguments.split()).strip().split("\n"), told)
+        self.assertEqual(list(soil_of((self.folder / "sand.yaml").read_text())), ["name", "face_strength"])
+
     def test_what_is_wrong_is_refused_and_leaves_nothing(self):
         (self.folder / "bad.csv").write_text("b mm,z mm,p kPa\n50,4,10\n50,8,no\n")
         (self.folder / "short.csv").write_text("b mm,z mm,p kPa\n50,4,10\n")
@@ -147,7 +187,8 @@ class FitSoil(FurrowTest):
                 (("bad.csv",), 3, r"bad\.csv:3: column 3, pressure p"), (("short.csv",), 3, r"short\.csv: has 1 rows"),
                 (("gone.csv",), 3, "No such file"), ((SHEAR,), 3, "no column plate width b"), ((PLATE, PLATE), 3, "no column normal stress"),
                 ((PLATE, "--soil", "cheese"), 3, "known are"), ((PLATE, "--soil", "mud"), 3, "mud has no numbers of Bekker"), ((PLATE, "--method", "guess"), 2, "method"), ((), 2, "PLATE"),
-                ((PLATE, SHEAR, PLATE), 2, "fit-soil"))):
+                (("--penetration", PENETRATION), 3, "has forces, and no area"), (("--penetration", PLATE, "--area", "0.1"), 3, "--area is for forces"), ((PLATE, "--area", "0.1"), 2, "give both"),
+                (("--penetration", SHEAR), 3, "no column depth z"), ((PLATE, SHEAR, PLATE), 2, "fit-soil"))):
             said = self.refused(status, "fit-soil", *arguments, *(("-o", "soil.yaml", "--page", "soil.html") if arguments else ()))
             self.assertRegex(said, why)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["bad.csv", "short.csv"])

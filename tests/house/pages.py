@@ -98,6 +98,19 @@ class Pages(unittest.TestCase):
         for fewer, more in zip(told, told[1:]):
             self.assertTrue(fewer[0] < more[0] and fewer[1] >= more[1] and fewer[2] >= more[2], (fewer, more))
 
+    def test_the_errors_that_explain_tells_of_faces_are_those_of_the_bench_s_page(self):
+        page = (ROOT / "bench" / "CONVERGE.md").read_text(encoding="utf-8").partition("### What a coarse spacing costs where a body slides")[2]
+        header = (ROOT / "src" / "scene" / "scene_faces_errors.h").read_text(encoding="utf-8")
+        rows = numbers(page, r"^\| ([\d.]+) \|" + r" ([\d.]+) %; [\d.]+ % \|" * 4 + r" ([\d.]+) \| ([\d.]+) % \|$")
+        wheels = numbers(header, r"^\t\{([\d.]+), \{(\d+), (\d+), (\d+), (\d+)\}\},$")
+        blades = numbers(header, r"^\t\{([\d.]+), (\d+)\},$")
+        self.assertEqual((len(rows), len(wheels), len(blades)), (4, 4, 4))
+        self.assertEqual([row[0] for row in rows], [row[0] for row in wheels])
+        self.assertEqual([row[5] for row in rows], [row[0] for row in blades])
+        for column, told in [(k, [row[k] for row in wheels]) for k in range(1, 5)] + [(6, [row[1] for row in blades])]:
+            for i, error in enumerate(told):  # rounded up, and never more at finer posts
+                self.assertAlmostEqual(error, max(row[column] for row in rows[i:]) + 0.5, delta=0.56, msg=(column, i))
+
     def test_what_is_wrong_is_seen(self):
         self.assertEqual(wrong_links(DESIGN, "[a](nowhere.md) [b](#none) [c](../README.md) [d](https://example.org)\n# Here\n[e](#here)"),
                          ["nowhere.md", "#none"])

@@ -266,6 +266,72 @@ static void noise_gives_numbers_within_their_standard_errors_at_the_expected_rat
 	assert_rates(rates, 9);
 }
 
+/* --- penetration --- */
+
+static double proportional(const struct soil *soil, double group, double x)
+{
+	(void)group;
+	return 0.87574 * soil->kphi * x + soil->c;
+}
+
+static void a_penetration_gives_back_its_number(void **state)
+{
+	static const double areas[] = {0, 0.0004, 0.0025, 0.04};
+	struct fit_row rows[100];
+	struct fit_table table;
+	struct fit_penetration faces;
+	for (size_t s = 0; s < SOILS; s++)
+		for (size_t groups = 1; groups <= 3; groups++) {
+			const struct soil soil = {.kphi = soils[s].kphi};
+			make(&table, rows, areas + (groups > 1), groups, 8, 0.01 * (double)(s + 1), &soil, proportional, 0);
+			const double given = groups > 1 ? 0 : 0.003;
+			for (size_t i = 0; i < table.count && groups == 2; i++) /* forces of two areas */
+				rows[i].y *= rows[i].group;
+			for (size_t i = 0; i < table.count && groups == 1; i++)
+				rows[i].y *= given;
+			table.is_force = groups < 3;
+			assert_ok(fit_penetration_pressures(&table, given));
+			assert_ok(fit_penetration(&table, &faces));
+			assert_close(faces.strength.value, soil.kphi, 1e-12);
+			assert_close(faces.slope.value, soil.kphi, 1e-9);
+			assert_true(faces.strength.error < 1e-6 * soil.kphi && fabs(faces.offset.value) < 1e-9 * soil.kphi);
+			for (size_t g = 0; g < groups; g++)
+				assert_close(faces.alone[g].value, soil.kphi, 1e-12);
+		}
+	/* An offset is told beside it, and has no say in it: sum of x y / sum of x x. */
+	const struct soil cohesive = {.kphi = 1e6, .c = 800};
+	make(&table, rows, areas, 1, 20, 0.1, &cohesive, proportional, 0);
+	assert_ok(fit_penetration(&table, &faces));
+	assert_close(faces.slope.value, 1e6, 1e-9);
+	assert_close(faces.offset.value, 800, 1e-8);
+	double xy = 0, xx = 0;
+	for (size_t i = 0; i < table.count; i++) {
+		xy += rows[i].x * rows[i].y;
+		xx += rows[i].x * rows[i].x;
+	}
+	assert_close(faces.strength.value, xy / xx / 0.87574, 1e-12);
+}
+
+static void noise_of_a_penetration_gives_its_standard_errors(void **state)
+{
+	struct fit_row rows[100];
+	struct fit_table table;
+	struct fit_penetration faces;
+	struct rate rates[3] = {{.trials = 0}};
+	const struct soil soil = {.kphi = 1.1e6, .c = 5000};
+	for (int trial = 0; trial < 1500; trial++) {
+		make(&table, rows, (const double[]){0.002}, 1, 43, 0.1, &soil, proportional, 900);
+		assert_ok(fit_penetration(&table, &faces));
+		count(&rates[1], "slope", faces.slope, soil.kphi);
+		count(&rates[2], "offset", faces.offset, soil.c);
+		for (size_t i = 0; i < table.count; i++)
+			rows[i].y -= soil.c;
+		assert_ok(fit_penetration(&table, &faces));
+		count(&rates[0], "face strength", faces.strength, soil.kphi);
+	}
+	assert_rates(rates, 3);
+}
+
 /* --- what cannot be told apart --- */
 
 static void one_width_and_one_stress_give_sums(void **state)
@@ -328,6 +394,21 @@ static void rows_that_determine_nothing_are_refused(void **state)
 	assert_says(fit_plates(&table, &plates), "plate of 0.05 m has rows of one sinkage only");
 	make(&table, rows, widths, 2, 10, 0.08, &(struct soil){.n = 1}, pressure, 0);
 	assert_says(fit_plates(&table, &plates), "no pressure above 0");
+	struct fit_penetration faces;
+	make(&table, rows, (const double[]){0.01}, 1, 5, 0.08, &(struct soil){.kphi = 0}, proportional, 0);
+	assert_says(fit_penetration(&table, &faces), "no pressure above 0");
+	make(&table, rows, (const double[]){0.01}, 1, 5, 0.08, &(struct soil){.kphi = 1e6}, proportional, 0);
+	assert_says(fit_penetration_pressures(&table, 2), "--area is for forces");
+	table.is_force = true;
+	assert_says(fit_penetration_pressures(&table, 2), "--area is given too");
+	table.groups[0] = rows[3].group = 0;
+	assert_says(fit_penetration_pressures(&table, 0), "no area; give the plate's area in m2");
+	table.count = 2;
+	assert_says(fit_penetration(&table, &faces), "has 2 rows with a depth above 0, and 3 are needed");
+	table.count = 5;
+	for (size_t i = 0; i < 5; i++)
+		rows[i].x = 0.02;
+	assert_says(fit_penetration(&table, &faces), "all rows have one depth");
 	make(&table, rows, widths, 2, 10, 0.08, &(struct soil){1e3, 1e6, 3.5, 0, 0, 0}, pressure, 0);
 	assert_says(fit_plates(&table, &plates), "n would be 3.5");
 	make(&table, rows, widths, 2, 10, 0.08, &(struct soil){1e3, 1e6, -0.5, 0, 0, 0}, pressure, 0);
@@ -503,6 +584,8 @@ TEST_PROGRAM(fit)
 		cmocka_unit_test(two_plates_are_as_by_the_closed_form),
 		cmocka_unit_test(a_straight_line_has_the_numbers_and_errors_of_the_textbook),
 		cmocka_unit_test(noise_gives_numbers_within_their_standard_errors_at_the_expected_rate),
+		cmocka_unit_test(a_penetration_gives_back_its_number),
+		cmocka_unit_test(noise_of_a_penetration_gives_its_standard_errors),
 		cmocka_unit_test(one_width_and_one_stress_give_sums),
 		cmocka_unit_test(what_no_scene_takes_is_0_and_said),
 		cmocka_unit_test(rows_that_determine_nothing_are_refused),

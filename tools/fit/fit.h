@@ -3,6 +3,7 @@
  *
  *   plates of several widths, pressed into the soil     p = (kc / b + kphi) z^n                              Bekker 1969
  *   a shear ring or plate under several normal stresses tau = (c + sigma tan phi) (1 - exp(-j / K))          Janosi and Hanamoto 1961
+ *   a level plate pushed straight down, slowly          p = 0.87574 xi_n z                                   Agarwal, Goldman and Kamrin 2023
  *
  * All functions may be called on any thread. SI units: m, Pa, radians.
  */
@@ -17,17 +18,18 @@
 /* --- table.c: rows of a test from a CSV file --- */
 
 enum { FIT_ROWS_MOST = 1000000, FIT_GROUPS_MOST = 64 };
-enum fit_test { FIT_PLATE, FIT_SHEAR };
+enum fit_test { FIT_PLATE, FIT_SHEAR, FIT_PENETRATION };
 
 struct fit_row {
-	double group; /* width b of a plate, m; normal stress sigma of a shear test, Pa */
-	double x;     /* sinkage z, m, or displacement j, m; above 0 */
-	double y;     /* pressure p, Pa, or shear stress tau, Pa; at least 0 */
+	double group; /* width b of a plate, m; normal stress sigma of a shear test, Pa; area of a penetrating plate, m2, 0 where it has no column */
+	double x;     /* sinkage z, m, displacement j, m, or depth, m; above 0 */
+	double y;     /* pressure p, Pa, or shear stress tau, Pa; at least 0. Of a penetration: pressure, Pa, or force, N */
 	int line;     /* of the file */
 };
 
 struct fit_table {
 	const char *path; /* owned by the caller */
+	bool is_force;    /* y of a penetration is a force */
 	struct fit_row *rows;
 	size_t count;
 	size_t skipped; /* rows where x is 0: they say nothing about the curve */
@@ -111,6 +113,21 @@ struct fit_shear {
 };
 enum status fit_shear(const struct fit_table *table, struct fit_shear *out) FURROW_CHECKED;
 double fit_shear_stress(const struct fit_shear *fit, double sigma, double j);
+
+/* penetration.c: how strongly a soil presses on faces. The fit of 3D-RFT for dry soil without cohesion has pressure in proportion to depth. */
+#define FIT_LEVEL_PLATE 0.87574 /* pressure / (xi_n x depth) of a level plate that moves straight down: S. Agarwal, D. I. Goldman, K. Kamrin, PNAS 120 (2023), SI */
+
+struct fit_penetration {
+	struct fit_number strength;       /* xi_n, N/m3: the least squares of pressure through the origin */
+	struct fit_number slope, offset;  /* the same with an offset, N/m3 and Pa, as of soil with cohesion: a check of the model */
+	struct fit_quality quality;       /* of the first */
+	struct fit_number alone[FIT_GROUPS_MOST]; /* xi_n of each area alone, N/m3; the error is NaN where it has one row */
+};
+/* Divides forces by the area of their row or, where that is 0, by `area`, m2; 0: none was given. The table has pressures then, and areas. STATUS_INPUT: there is
+ * no area, or both are given. */
+enum status fit_penetration_pressures(struct fit_table *table, double area) FURROW_CHECKED;
+/* table: pressures. STATUS_INPUT: there are fewer than 3 rows, or they are of one depth, or they grow not with it. */
+enum status fit_penetration(const struct fit_table *table, struct fit_penetration *out) FURROW_CHECKED;
 
 /* quality.c: adds up how well a curve goes through its rows. Begin with all zero, then each row, then the end. */
 struct fit_sums {

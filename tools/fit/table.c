@@ -32,26 +32,44 @@ static const struct known known[] = {
 	{FIT_SHEAR, GROUP, {"normal"}}, {FIT_SHEAR, GROUP, {"sigma"}},
 	{FIT_SHEAR, X, {"displacement"}}, {FIT_SHEAR, X, {"j"}},
 	{FIT_SHEAR, Y, {"shear", "stress"}}, {FIT_SHEAR, Y, {"tau"}},
+	{FIT_PENETRATION, GROUP, {"area"}},
+	{FIT_PENETRATION, X, {"depth"}}, {FIT_PENETRATION, X, {"sinkage"}}, {FIT_PENETRATION, X, {"z"}},
+	{FIT_PENETRATION, Y, {"pressure"}}, {FIT_PENETRATION, Y, {"p"}}, {FIT_PENETRATION, Y, {"force"}}, {FIT_PENETRATION, Y, {"f"}},
 };
+
+enum quantity { LENGTH, STRESS, AREA, FORCE };
 
 static const struct unit {
 	const char *name;
-	bool stress;
+	enum quantity of;
 	double size;
-} units[] = {{"m", false, 1}, {"cm", false, 1e-2}, {"mm", false, 1e-3}, {"Pa", true, 1}, {"kPa", true, 1e3}, {"MPa", true, 1e6}};
+} units[] = {{"m", LENGTH, 1}, {"cm", LENGTH, 1e-2}, {"mm", LENGTH, 1e-3}, {"Pa", STRESS, 1}, {"kPa", STRESS, 1e3}, {"MPa", STRESS, 1e6},
+	     {"m2", AREA, 1}, {"cm2", AREA, 1e-4}, {"mm2", AREA, 1e-6}, {"N", FORCE, 1}, {"kN", FORCE, 1e3}};
 #define COUNT(list) (sizeof list / sizeof *list)
 
-static const char *const names[][FIELDS] = {{"plate width b", "sinkage z", "pressure p"}, {"normal stress sigma", "displacement j", "shear stress tau"}};
-static const char *const lengths = "m, cm or mm", *const stresses = "Pa, kPa or MPa";
+static const char *const names[][FIELDS] = {{"plate width b", "sinkage z", "pressure p"}, {"normal stress sigma", "displacement j", "shear stress tau"},
+					     {"area", "depth z", "force or pressure"}};
+static const char *const unit_names[] = {[LENGTH] = "m, cm or mm", [STRESS] = "Pa, kPa or MPa", [AREA] = "m2, cm2 or mm2", [FORCE] = "N or kN"};
 
-static bool is_stress(enum fit_test test, int field)
+/* What a column measures. of_force: of a penetration, its name says force. */
+static enum quantity quantity_of(enum fit_test test, int field, bool of_force)
 {
-	return field == Y || (field == GROUP && test == FIT_SHEAR);
+	if (test == FIT_PENETRATION)
+		return field == GROUP ? AREA : field == X ? LENGTH : of_force ? FORCE : STRESS;
+	return field == Y || (field == GROUP && test == FIT_SHEAR) ? STRESS : LENGTH;
+}
+
+/* Returns true if a table may lack a column. */
+static bool may_lack(enum fit_test test, int field)
+{
+	return test == FIT_PENETRATION && field == GROUP;
 }
 
 const char *fit_table_columns(enum fit_test test)
 {
-	return test == FIT_PLATE ? "plate width b m, sinkage z m, pressure p kPa" : "normal stress sigma kPa, displacement j m, shear stress tau kPa";
+	static const char *const columns[] = {"plate width b m, sinkage z m, pressure p kPa", "normal stress sigma kPa, displacement j m, shear stress tau kPa",
+					      "depth z m, force N"};
+	return columns[test];
 }
 
 /* --- columns --- */
@@ -59,6 +77,7 @@ const char *fit_table_columns(enum fit_test test)
 struct columns {
 	int at[FIELDS]; /* -1: not found */
 	double unit[FIELDS];
+	bool is_force;  /* what Y is, of a penetration */
 };
 
 struct words {
@@ -105,10 +124,10 @@ static int field_of(const struct words *words, enum fit_test test)
 	return -1;
 }
 
-static const struct unit *unit_of(const struct words *words, bool stress)
+static const struct unit *unit_of(const struct words *words, enum quantity of)
 {
 	for (size_t i = 0; i < COUNT(units) && words->count > 1; i++)
-		if (units[i].stress == stress && strcasecmp(words->list[words->count - 1], units[i].name) == 0)
+		if (units[i].of == of && strcasecmp(words->list[words->count - 1], units[i].name) == 0)
 			return &units[i];
 	return NULL;
 }
@@ -120,14 +139,17 @@ static enum status take_column(const char *path, int line, enum fit_test test, c
 	const int field = field_of(&words, test);
 	if (field < 0)
 		return STATUS_OK;
-	const struct unit *unit = unit_of(&words, is_stress(test, field));
+	const bool of_force = has_word(&words, "force") || has_word(&words, "f");
+	const enum quantity quantity = quantity_of(test, field, of_force);
+	const struct unit *unit = unit_of(&words, quantity);
 	if (columns->at[field] >= 0)
 		return fail_with(STATUS_INPUT, "%s:%d: columns %d and %d are both %s; name one of them otherwise", path, line, columns->at[field] + 1,
 				 column + 1, names[test][field]);
 	if (unit == NULL)
 		return fail_with(STATUS_INPUT, "%s:%d: column %d, %s, does not end with its unit; write %s %s", path, line, column + 1, names[test][field],
-				 names[test][field], is_stress(test, field) ? stresses : lengths);
+				 names[test][field], unit_names[quantity]);
 	columns->at[field] = column;
+	columns->is_force = columns->is_force || (test == FIT_PENETRATION && field == Y && of_force);
 	columns->unit[field] = unit->size;
 	/* The width of a round plate is its radius. */
 	if (test == FIT_PLATE && field == GROUP && has_word(&words, "diameter"))
@@ -146,7 +168,7 @@ static enum status read_columns(const char *path, int line, enum fit_test test, 
 		TRY(take_column(path, line, test, cell, i, columns));
 	}
 	for (int field = 0; field < FIELDS; field++)
-		if (columns->at[field] < 0)
+		if (columns->at[field] < 0 && !may_lack(test, field))
 			return fail_with(STATUS_INPUT, "%s:%d: has no column %s; its first line names the columns with their units, as %s", path,
 					 line, names[test][field], fit_table_columns(test));
 	return STATUS_OK;
@@ -166,7 +188,7 @@ static bool read_number(const char *cell, double *value)
 
 static enum status read_row(const char *path, int line, enum fit_test test, char *text, const struct columns *columns, struct fit_row *row)
 {
-	double values[FIELDS];
+	double values[FIELDS] = {0};
 	bool found[FIELDS] = {false};
 	char *rest = text, *cell;
 	for (int i = 0; (cell = strsep(&rest, ",")) != NULL; i++)
@@ -183,7 +205,7 @@ static enum status read_row(const char *path, int line, enum fit_test test, char
 						 values[field] < 0 ? "below 0" : "too large", field == X ? "downwards or along the way" : "pressure and size");
 		}
 	for (int field = 0; field < FIELDS; field++)
-		if (!found[field])
+		if (!found[field] && columns->at[field] >= 0)
 			return fail_with(STATUS_INPUT, "%s:%d: has no column %d, %s; each line has one value for each column", path, line, columns->at[field] + 1,
 					 names[test][field]);
 	if (test == FIT_PLATE && !(values[GROUP] > 0))
@@ -263,7 +285,7 @@ static enum status take_row(const char *path, int line, enum fit_test test, char
 static enum status read_lines(FILE *file, enum fit_test test, struct fit_table *table)
 {
 	char line[LINE_MOST];
-	struct columns columns;
+	struct columns columns = {.is_force = false};
 	size_t room = 0;
 	bool named = false;
 	for (int number = 1; fgets(line, sizeof line, file) != NULL; number++) {
@@ -278,6 +300,7 @@ static enum status read_lines(FILE *file, enum fit_test test, struct fit_table *
 		else
 			TRY(read_columns(table->path, number, test, text, &columns));
 		named = true;
+		table->is_force = columns.is_force;
 	}
 	if (ferror(file))
 		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", table->path, strerror(errno));

@@ -1,0 +1,115 @@
+/* By which law the soil presses on parts of a body: shares of its way that are slid, by hand, and what the spacing costs. */
+#include <math.h>
+
+#include "fixture.h"
+#include "../support/near.h"
+#include "../support/program.h"
+
+#define SHARE(slid) pow(((slid) - 0.01) / 0.99, 0.6) /* of 3D-RFT, where so much is slid */
+
+static void tell(const char *object, double spacing, struct scene_laws *out)
+{
+	char text[700];
+	struct scene *scene;
+	snprintf(text, sizeof text, "scene: 1\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nobjects:\n  - {name: a, %s}\n", object);
+	if (load_text(text, NULL, 0, &scene) != STATUS_OK)
+		fail_msg("%s: %s", object, failure_message());
+	assert_true(scene_laws_of(scene, &scene->objects[0], spacing, out));
+	scene_destroy(scene);
+}
+
+static double share_of(const struct scene_laws *laws, const char *part)
+{
+	for (size_t i = 0; i < laws->count; i++)
+		if (strcmp(laws->parts[i].part, part) == 0)
+			return laws->parts[i].faces;
+	return -1;
+}
+
+#define WAY "path: {points: [[10, 10], [20, 10]], speed: 1}"
+#define WHEEL "shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, " WAY
+#define BARS "shape: {wheel: {radius: 0.4, width: 0.2, grousers: 12}}, load: 900, " WAY
+
+static void a_wheel_presses_by_the_share_of_its_way_that_it_slides(void **state)
+{
+	static const struct {
+		const char *object;
+		double slides;
+	} wheels[] = {
+		{WHEEL, 0},
+		{WHEEL ", slip: 0.6", 0},              /* a smooth rim that spins slides over soil that stays */
+		{WHEEL ", slip: -1", 0.5},             /* it rolls off half of its way */
+		{WHEEL ", slip: -1000", 1 - 1 / 1001.0},
+		{WHEEL ", attitude: [30, 0, 0]", 0.5}, /* sine of 30 degrees */
+		{WHEEL ", attitude: [-30, 0, 0]", 0.5},
+		{WHEEL ", attitude: [90, 0, 0]", 1},
+		{WHEEL ", attitude: [90, 0, 0], slip: 0.95", 0.5}, /* the rim runs 20 times as fast */
+		{BARS, 0},
+		{BARS ", slip: 0.5", 0.5},             /* the rim runs twice as far as the axle goes */
+		{BARS ", slip: -1", 0.5},
+		{BARS ", attitude: [90, 0, 0]", 1},
+	};
+	for (size_t i = 0; i < sizeof wheels / sizeof *wheels; i++) {
+		struct scene_laws laws;
+		tell(wheels[i].object, 0.05, &laws);
+		const double slides = wheels[i].slides, beside = slides == 0 ? 0 : 1;
+		assert_near(laws.slides, slides, 1e-12);
+		assert_near(share_of(&laws, "rim"), slides == 0 ? 0 : SHARE(slides), 1e-12);
+		assert_near(share_of(&laws, "sides"), beside, 0);
+		const bool bars = strstr(wheels[i].object, "grousers") != NULL;
+		assert_near(share_of(&laws, "bars"), bars ? beside : -1, 0);
+		assert_int_equal(laws.count, bars ? 3 : 2);
+		assert_true(laws.wheel && fabs(laws.posts - 8) < 1e-12);
+	}
+}
+
+static void other_bodies_slide_all_of_their_way(void **state)
+{
+	struct scene_laws laws;
+	tell("shape: {box: {size: [0.1, 1, 0.4]}}, sink: 0.1, " WAY, 0.02, &laws);
+	assert_near(laws.slides, 1, 0);
+	assert_near(share_of(&laws, "underside"), 1, 0);
+	assert_near(share_of(&laws, "front and sides"), 1, 0);
+	assert_true(!laws.wheel && fabs(laws.posts - 5) < 1e-12);
+	tell("shape: {box: {size: [1, 1, 0.4], belt: true}}, load: 900, " WAY, 0.02, &laws); /* a belt rolls */
+	assert_near(share_of(&laws, "underside"), 0, 0);
+	tell("shape: {sphere: {radius: 1}}, load: 900, path: {points: [[10, 10]], speed: 1}", 0.02, &laws);
+	assert_near(laws.slides, 0, 0);
+	assert_true(isnan(laws.posts));
+	struct scene *scene;
+	assert_int_equal(load_text("scene: 1\nend_time: 1\nobjects:\n  - {name: a, shape: {sphere: {radius: 1}}, " WAY "}\n", NULL, 0, &scene), STATUS_OK);
+	assert_true(!scene_laws_of(scene, &scene->objects[0], 0.02, &laws));
+	scene_destroy(scene);
+}
+
+static void finer_posts_cost_no_more(void **state)
+{
+	static const char *const objects[] = {WHEEL, BARS, WHEEL ", slip: -1", WHEEL ", attitude: [20, 0, 0]", "shape: {box: {size: [0.1, 1, 0.4]}}, sink: 0.1, " WAY};
+	for (size_t i = 0; i < sizeof objects / sizeof *objects; i++) {
+		int before = 1000;
+		for (double spacing = 0.3; spacing > 0.002; spacing *= 0.9) {
+			struct scene_laws laws;
+			tell(objects[i], spacing, &laws);
+			assert_true(laws.error >= 0 && laws.error <= before);
+			assert_true(laws.beyond == (laws.posts < (i < 4 ? 4 : 1.6)));
+			if (laws.finer > 0)
+				assert_true(2 * laws.finer_error <= laws.error && laws.finer < spacing);
+			before = laws.error;
+		}
+	}
+	/* Wheels that slide cost more than one that rolls. */
+	struct scene_laws rolls, bars;
+	tell(WHEEL, 0.05, &rolls);
+	tell(BARS, 0.05, &bars);
+	assert_true(bars.error > rolls.error);
+}
+
+TEST_PROGRAM(laws)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_wheel_presses_by_the_share_of_its_way_that_it_slides),
+		cmocka_unit_test(other_bodies_slide_all_of_their_way),
+		cmocka_unit_test(finer_posts_cost_no_more),
+	};
+	return cmocka_run_group_tests(tests, make_folder, drop_folder);
+}
