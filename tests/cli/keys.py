@@ -139,6 +139,9 @@ ROWS = {
     "soil.janosi_shear": (SCM, {"soil.janosi_shear": "0.01"}),
     "soil.elastic_stiffness": (SCM, {"soil.elastic_stiffness": "2e8"}),
     "soil.damping": (CAR, {"soil.damping": "0"}),
+    "soil.density": ({**LOOSE, "soil": "{cohesion: 300, friction_angle: 30, density: 1600}"}, {"soil.density": "300"}),
+    # What it decides comes with faces.
+    "soil.face_strength": (SCM, {"soil.face_strength": "1e4"}),
     "soil.unit_weight": ({**LOOSE, "soil": "{cohesion: 300, friction_angle: 30, unit_weight: 16000}"}, {"soil.unit_weight": "3000"}),
     "soil.repose": (SCM, {"soil.repose": "12"}),
     "soil.theta_in": (SUMNER, {"soil.theta_in": "5"}),
