@@ -82,7 +82,7 @@ struct soil_numbers {
 	/* Sumner's model: angles in rad; shares of 1. */
 	double theta_in, theta_out, theta_stop, roughness, compression;
 	double repose; /* rad: model scm: angle of repose of deposited soil */
-	double face_strength; /* N/m3: model scm, what presses from the side: the coefficient of 3D-RFT. NAN: soil_face_strength tells it */
+	double face_strength; /* N/m3: model scm, of faces: the coefficient of 3D-RFT. NAN: soil_face_strength tells it */
 };
 #define SOIL_CLASSES 16 /* the most soils in one scene */
 
@@ -125,9 +125,9 @@ const char *soil_name(size_t index);
  * message lists all names. */
 enum status soil_named(const char *name, struct soil_numbers *soil) FURROW_CHECKED;
 
-/* Returns how strongly the soil presses on faces, N/m3 (3D-RFT's xi_n): the soil's face_strength, or unit_weight (894 m^3 - 386 m^2 + 89 m). m is the
- * tangent of the friction angle, taken as 0.3 where it is less, and as 0.9 where it is more: the fit goes no farther. NAN: it has no unit_weight.
- * S. Agarwal, D. I. Goldman and K. Kamrin, PNAS 120 (2023), supplement. Soil without cohesion. */
+/* Returns the coefficient xi_n of 3D-RFT, N/m3: the soil's face_strength, or unit_weight (894 m^3 - 386 m^2 + 89 m). m is the tangent of the friction
+ * angle. The fit is of 0.3 to 0.9; beyond that the nearer end counts. NAN: the soil has no unit_weight. Source: S. Agarwal, D. I. Goldman and K. Kamrin,
+ * PNAS 120 (2023), supplement, of soil without cohesion. */
 double soil_face_strength(const struct soil_numbers *soil);
 
 /* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */

@@ -46,17 +46,17 @@ struct stress_surface {
 	float adhesion, tangent, own[2];
 };
 
-/* Returns how strongly soil of this cohesion sticks to a surface of which no adhesion is given, Pa: all of a small cohesion, less of a large one. The
- * lines between the rows of NAVFAC DM-7.02 (1986), chapter 3, table 1, at 0, 24, 48, 96 and 192 kPa. */
+/* Returns the adhesion of a surface of which none is given, Pa. Soft soil sticks with all of its cohesion, stiff soil with less. These are the lines
+ * between the rows of NAVFAC DM-7.02 (1986), chapter 3, table 1, at 0, 24, 48, 96 and 192 kPa. */
 SOIL_INLINED float own_adhesion(float cohesion)
 {
 	return least(least(cohesion, 11970 + 0.5f * cohesion), least(26334 + 0.2f * cohesion, 28728 + 0.175f * cohesion));
 }
 
 /*
- * Returns the most that shear can hold under a normal stress, Pa: of the soil, or along the surface if that is less. *grows: with the stress. What is
- * barely pressed on touches with a part of its area, and only that part holds by cohesion or adhesion: stress / cohesion of it, at most all. So a light
- * body is not held by more than its weight and its friction.
+ * Returns the most that shear can hold under a normal stress, Pa: of the soil, or along the surface if that is less. *grows: with the stress. Under a
+ * small stress the surface touches with a part of its area. Only that part holds by cohesion or adhesion: stress / cohesion of it, at most all. So a
+ * light body is not held by more than its weight and its friction.
  */
 SOIL_INLINED float strength_of(const struct stress_surface *surface, const struct stress_soil *s, float stress, float *grows)
 {
