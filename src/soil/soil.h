@@ -78,10 +78,11 @@ struct soil_numbers {
 	double cohesion, friction_angle;         /* Pa, rad */
 	double janosi_shear;                     /* K, m */
 	double elastic_stiffness, damping;       /* Pa/m, Pa s/m */
-	double unit_weight;                      /* N/m3 */
+	double density, unit_weight;             /* kg/m3, bulk; N/m3 where the soil is */
 	/* Sumner's model: angles in rad; shares of 1. */
 	double theta_in, theta_out, theta_stop, roughness, compression;
 	double repose; /* rad: model scm: angle of repose of deposited soil */
+	double face_strength; /* N/m3: model scm, of faces: the coefficient of 3D-RFT. NAN: soil_face_strength tells it */
 };
 #define SOIL_CLASSES 16 /* the most soils in one scene */
 
@@ -115,6 +116,7 @@ double soil_raster_value(const struct soil_raster *raster, uint8_t level);
 /* All predefined soils of Wong's table have these, as no source gives them by soil. */
 #define SOIL_USUAL_STIFFNESS 4e7 /* Pa/m */
 #define SOIL_USUAL_DAMPING 3e4   /* Pa s/m */
+#define SOIL_USUAL_DENSITY 1600.0 /* kg/m3: an estimate, of a soil that has neither density nor unit_weight */
 /* Sets every number to NAN. */
 void soil_clear(struct soil_numbers *soil);
 /* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */
@@ -123,11 +125,21 @@ const char *soil_name(size_t index);
  * message lists all names. */
 enum status soil_named(const char *name, struct soil_numbers *soil) FURROW_CHECKED;
 
+/* Returns the coefficient xi_n of 3D-RFT, N/m3: the soil's face_strength, or unit_weight (894 m^3 - 386 m^2 + 89 m). m is the tangent of the friction
+ * angle. The fit is of 0.3 to 0.9; beyond that the nearer end counts. NAN: the soil has no unit_weight. Source: S. Agarwal, D. I. Goldman and K. Kamrin,
+ * PNAS 120 (2023), supplement, of soil without cohesion. */
+double soil_face_strength(const struct soil_numbers *soil);
+
 /* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */
 struct soil_interface {
-	bool has_friction, has_adhesion; /* false: in its place counts the soil's own friction_angle, cohesion */
+	bool has_friction, has_adhesion; /* false: in its place counts the soil's own friction_angle, soil_own_adhesion */
 	double friction_angle, adhesion; /* rad, Pa */
 };
+/* Returns how strongly soil of this cohesion sticks to a surface of which no adhesion is given, Pa. It has all of the cohesion up to 24 kPa.
+ * SOIL.md has the source. */
+double soil_own_adhesion(double cohesion);
+/* Returns the share of a surface, 0 .. 1, on which cohesion and adhesion hold under a normal stress, Pa: stress / cohesion, at most 1. */
+double soil_touching_share(const struct soil_numbers *soil, double stress);
 
 /* m: a body that slips less in a contact digs nothing. Poses are whole fixed-point units of 2^-20 m, so a wheel that rolls without slip seems to
  * slip by some of them. Then a drive in which nothing slips digs nothing, whether or not it keeps what was dug. */
