@@ -31,7 +31,7 @@ struct bearing_region {
 	struct post_rect blocks; /* columns and rows of blocks */
 	struct post_rect reads, writes;
 	size_t at;                   /* of its posts in bearing->memory */
-	int32_t *offset, *deposited; /* of `writes`; offset NULL: not computed yet; deposited NULL: the model does not keep it */
+	int32_t *offset, *deposited, *slope; /* of `writes`; offset NULL: not computed yet; another one NULL: it is not kept */
 };
 
 /* A body of a meeting. */

@@ -173,7 +173,7 @@ struct soil_planes {
 	struct post_rect rect;   /* posts of the working level */
 	size_t width;            /* posts in a row */
 	int32_t *base;           /* 2^-18 m above the store's reference; BASE_NODATA: a hole */
-	int32_t *offset, *deposited, *sinkage, *shear, *dug; /* as the planes of base/plane.h */
+	int32_t *offset, *deposited, *sinkage, *shear, *dug, *slope; /* as the planes of base/plane.h */
 	uint8_t *disturbance;
 	uint8_t *classes;        /* NULL: one soil */
 	uint8_t *levels;         /* SOIL_RASTERS for each post; NULL: no raster */
@@ -264,7 +264,7 @@ size_t soil_work_bytes(const struct soil_work *work); /* all of it, so far */
  */
 #define SOIL_BLOCK 32          /* posts along a side of a block */
 #define SOIL_SLOPE_HEIGHTS 108 /* heights of slopes for which limits are known; a multiple of 4 */
-#define SOIL_SLOPE_HOPS 5      /* the most */
+#define SOIL_SLOPE_HOPS 4      /* of 8, 4, 2 and 1 posts */
 #define SOIL_STEEP_RELIEF 500.0 /* metres; with less relief no two posts are too far apart in height for 32 bits */
 
 /* The limits by which a class of soil slides, fixed-point units. Index 0: neighbours along x or y. Index 1: diagonal neighbours. */
@@ -288,8 +288,7 @@ struct soil_sliding {
 	bool undisturbed_stable; /* soil slides only where a difference exceeds that of the bases, too */
 	bool steep;              /* neighbours may be too far apart in height for 32 bits */
 	int32_t least[2];        /* no difference up to this slides, if the height of slopes does not count */
-	/* Only if the height of a slope counts. hops: by how many it is followed; 0: it does not count. ways: their posts. reach: the sum. */
-	int hops, ways[SOIL_SLOPE_HOPS], reach;
+	int reach;               /* posts over which an interval follows a slope; 0: the height of slopes does not count */
 	int32_t slope_least;     /* least axial critical difference in a slope */
 	int32_t apart;           /* distance of posts, 2^-20 m, with as many binary digits as the cotangents */
 	/* Sumner's rule, by which posts shed soil, in place of the excess over critical differences; NULL: not. It must outlive this. */
@@ -320,8 +319,11 @@ void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_
 int32_t soil_sliding_with_tolerance(const struct soil_sliding *rule, int32_t critical);
 /* Returns sqrt(2) times a difference, to a ten thousandth. */
 int32_t soil_sliding_diagonal(int32_t axial);
-/* Fills the lengths of the hops by which a slope is followed, in posts, and returns how many there are. */
-int soil_sliding_ways(double spacing, int iterations, int ways[SOIL_SLOPE_HOPS]);
+/* Returns the length of a hop by which a slope is followed, in posts. number: 0 .. SOIL_SLOPE_HOPS - 1. */
+static inline int soil_sliding_way(int number)
+{
+	return 1 << (SOIL_SLOPE_HOPS - 1 - number);
+}
 /* Returns how many posts around a block an interval reads; at most a block. */
 int64_t soil_sliding_rim(const struct soil_sliding *rule);
 /* Returns the direction of a pass along lines over a window that writes these posts: 0: x, 1: y, 2: north-east, 3: south-east. pass: from 0 on. */

@@ -76,7 +76,7 @@ static void drive(const struct soil_shape *shape, const struct soil_numbers *soi
 		out->forces[step] = ground_forces(&ground, &sweep);
 	}
 	for (int plane = 0; plane < PLANES; plane++)
-		out->planes[plane] = deform_planes(DEFORM_SCM, false, true) & PLANE_BIT(plane) ? ground_plane(&ground, plane) : NULL;
+		out->planes[plane] = deform_planes(DEFORM_SCM, false, DEFORM_DIGS) & PLANE_BIT(plane) ? ground_plane(&ground, plane) : NULL;
 	ground_finish(&ground);
 }
 

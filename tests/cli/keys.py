@@ -289,7 +289,7 @@ class Keys(FurrowTest):
                 left["run"] = TOLD[key](run)
         if overlay.exists():
             with sqlite3.connect(overlay) as rows:
-                left["ground"] = {table: rows.execute(f"SELECT * FROM {table}").fetchall() for table in ("offset", "heaped", "pressed", "shear", "dug", "dirt")
+                left["ground"] = {table: rows.execute(f"SELECT * FROM {table}").fetchall() for table in ("offset", "heaped", "pressed", "shear", "dug", "slope", "dirt")
                                   if rows.execute("SELECT count(*) FROM sqlite_master WHERE name = ?", (table,)).fetchone()[0]}
         return left
 
