@@ -181,6 +181,7 @@ struct soil_law {
 	double bulldozing;       /* share of the plastic flow that is laid around a body, 0 .. 1 */
 	double slip_sinkage;     /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
+	bool faces;              /* soil presses on a body's faces from every side as it slides; false: on its lower envelope alone */
 };
 
 /* Returns the soil of a post of the planes, by its class and what rasters say of it. at: the post's place in the planes. */
@@ -197,6 +198,7 @@ struct soil_motion {
 	double linear[3], angular[3]; /* m/s, rad/s, local axes: what damps; 0 for a body on a path */
 	double runs;             /* m/s of its belt */
 	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
+	double hollows;          /* m: of a body that pushes: posts that it is above by at most this much are below it, too */
 	double stamped;          /* hosted: 1: the hollow below `from` has the shape of the body; 0: it is a flat rut */
 	bool hosted;             /* a host moves the body, so the motion may be much shorter than a post */
 	bool jumped;             /* it did not move from `from` to `to`: it was set down */
