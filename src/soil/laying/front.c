@@ -52,19 +52,9 @@ struct front {
 	struct lane *lanes;
 };
 
-static int lesser(int a, int b)
+static int64_t lesser(int64_t a, int64_t b)
 {
 	return a < b ? a : b;
-}
-
-static int greater(int a, int b)
-{
-	return a > b ? a : b;
-}
-
-static int64_t greater_amount(int64_t a, int64_t b)
-{
-	return a > b ? a : b;
 }
 
 size_t soil_front_scratch(size_t width, size_t height)
@@ -225,39 +215,29 @@ static void find_rooms(struct front *front, int first, int last)
 	}
 }
 
-/* What finds no room in a lane goes to the next one, from the end to the middle. What finds none there stays where it was. */
-static void fill_rooms(struct front *front, int first, int last, int64_t *takes)
+/* What finds no room in a lane goes to the next one, from each end to the middle, and then beyond. Returns what finds none at all. */
+static int64_t fill_rooms(struct front *front, int first, int last, int64_t *takes)
 {
-	int64_t over = 0, rest = 0, back = 0;
-	for (int i = first; i <= last; i++)
-		over += greater_amount(front->lanes[i].gives - front->lanes[i].room, 0);
 	const int middle = first + (last - first) / 2;
+	int64_t rest = 0;
 	for (int side = 0; side < 2; side++) {
 		int64_t comes = 0;
 		for (int i = side == 0 ? first : last; side == 0 ? i <= middle : i > middle; i += side == 0 ? 1 : -1) {
 			const int64_t all = front->lanes[i].gives + comes;
-			takes[i] = all < front->lanes[i].room ? all : front->lanes[i].room;
+			takes[i] = lesser(all, front->lanes[i].room);
 			comes = all - takes[i];
 		}
 		rest += comes;
 	}
-	/* Over the middle. */
-	for (int i = first; i <= last && rest > 0; i++) {
-		const int64_t more = greater_amount(front->lanes[i].room - takes[i], 0), part = more < rest ? more : rest;
-		takes[i] += part;
+	for (int i = first; i <= last; i++) {
+		const int64_t part = lesser(front->lanes[i].room - takes[i], rest);
 		rest -= part;
+		front->lanes[i].gives = takes[i] + part;
 	}
-	for (int i = first; i <= last && rest > 0; i++) {
-		const int64_t own = greater_amount(front->lanes[i].gives - front->lanes[i].room, 0), part = (int64_t)((double)rest * ((double)own / (double)over));
-		takes[i] += part;
-		back += part;
-	}
-	takes[middle] += rest - back;
-	for (int i = first; i <= last; i++)
-		front->lanes[i].gives = takes[i];
+	return rest;
 }
 
-/* Keeps a heap from the ends of the front as long as it has room elsewhere. */
+/* Keeps heaps from the ends of fronts. */
 static void keep_from_ends(struct front *front, int64_t *takes)
 {
 	for (int first = 0, last; first < front->count; first = last + 1) {
@@ -307,7 +287,7 @@ static int64_t lay_lane(const struct front *front, int number, int32_t *deposits
 }
 
 int64_t soil_lay_front(const struct laying_field *field, const struct soil_measured *measured, const struct soil_laid soils[SOIL_CLASSES],
-		       const int32_t *offset, const int32_t *carried, void *scratch, int32_t *deposits, struct soil_lay_result *result)
+		       const int32_t *offset, const int32_t *carried, void *scratch, int32_t *deposits, struct soil_lay_result *result, double *left)
 {
 	struct front front = {.field = field, .offset = offset, .carried = carried, .lanes = scratch};
 	double ahead[2];
@@ -320,12 +300,12 @@ int64_t soil_lay_front(const struct laying_field *field, const struct soil_measu
 		if (measured->classes >> i & 1 && soils[i].fall < front.fall)
 			front.fall = soils[i].fall;
 	find_lanes(&front, measured);
-	int64_t *gets = (int64_t *)(front.lanes + front.count), laid = 0, rest = 0;
+	int64_t *gets = (int64_t *)(front.lanes + front.count), laid = 0;
 	int wide = 0;
 	for (int i = 0; i < front.count; i++)
 		wide += front.lanes[i].posts > 0;
-	const int smoothings = lesser(greater(2 * wide * wide / (MIXES * MIXES), SMOOTHINGS_LEAST), SMOOTHINGS_MOST);
-	for (int i = 0; i < smoothings; i++)
+	const int64_t smoothings = SMOOTHINGS_LEAST + lesser(2 * wide * wide / (MIXES * MIXES), SMOOTHINGS_MOST);
+	for (int64_t i = 0; i < smoothings; i++)
 		smooth(&front, gets);
 	const double aside = ahead[0] * field->laying->push[1] - ahead[1] * field->laying->push[0]; /* to the left of the front */
 	front.oblique[0] = fmin(fmax(aside * FLOWS_OFF, 0), OBLIQUE_MOST);
@@ -334,10 +314,8 @@ int64_t soil_lay_front(const struct laying_field *field, const struct soil_measu
 	for (int i = 0; i < front.count; i++) {
 		if (front.lanes[i].gives == 0)
 			continue;
-		const int64_t left = lay_lane(&front, i, deposits, result);
-		laid += front.lanes[i].gives - left;
-		rest += left;
+		laid += front.lanes[i].gives - lay_lane(&front, i, deposits, result);
 	}
-	(void)rest;
+	*left = 0.5 * (1 + front.oblique[1] - front.oblique[0]);
 	return laid;
 }

@@ -5,6 +5,8 @@
  * up to the post before it is taken off. Both are rounded down. What is left goes to the heaviest post of the face; of several to the last
  * one, in rows from south to north. So the sum is exact.
  */
+#include <math.h>
+
 #include "soil/laying/strips.h"
 
 #define RATE_BITS 20
@@ -191,9 +193,17 @@ void soil_lay(const struct soil_laying *laying, const struct soil_measured *meas
 	};
 	const size_t width = (size_t)field.width, height = (size_t)field.height;
 	field.apart = (int16_t *)((char *)scratch + weights_bytes(width, height));
+	struct soil_laying aside = *laying;
 	int64_t rest = measured->carried;
-	if (laying->front && planes->offset != NULL)
-		rest -= soil_lay_front(&field, measured, soils, planes->offset + at, carried + at, scratch, deposits + at, result);
+	if (laying->front) {
+		double left;
+		rest -= soil_lay_front(&field, measured, soils, planes->offset + at, carried + at, scratch, deposits + at, result, &left);
+		const int64_t rolled = (measured->carried * (65536 - laying->pushed)) >> 16;
+		const double part = rest > rolled ? (double)(rest - rolled) / (double)rest : 0;
+		aside.shares[SOIL_LEFT] = (int32_t)lround(65536 * (0.5 * (1 - part) + left * part));
+		aside.shares[SOIL_RIGHT] = 65536 - aside.shares[SOIL_LEFT];
+		field.laying = &aside;
+	}
 	if (rest > 0)
 		lay_beside(&field, measured, soils, rest, (struct strip_run *)((char *)field.apart + apart_bytes(width, height)), deposits + at, result);
 	result->posts.x0 += field.x0;
