@@ -23,8 +23,8 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 		{&p->base, true}, {&p->offset, true}, {&p->deposited, bearing->planes & PLANE_BIT(PLANE_DEPOSITED)},
 		{&p->sinkage, bearing->planes & PLANE_BIT(PLANE_PLASTIC_SINKAGE)}, {&p->shear, bearing->planes & PLANE_BIT(PLANE_SHEAR)},
 		{&p->dug, bearing->planes & PLANE_BIT(PLANE_DUG)}, {&p->slope, bearing->planes & PLANE_BIT(PLANE_SLOPE)},
-	 {&bearing->window.deposits, bearing->conserves},
-		{&bearing->window.carried, bearing->conserves && !bearing->bears},
+		{&bearing->window.deposits, bearing->conserves},
+		{&bearing->window.carried, bearing->conserves},
 	};
 	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++) {
 		*wholes[i].plane = memory != NULL && wholes[i].kept ? (void *)(memory + used) : NULL;

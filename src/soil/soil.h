@@ -149,10 +149,6 @@ double soil_touching_share(const struct soil_numbers *soil, double stress);
  * force across it, N. */
 double soil_shear_limit(const struct soil_numbers *soil, const struct soil_interface *interface, double area, double normal);
 
-/* Returns xi of the law of faces: what a level plate that is pushed straight down into loose soil bears, for each metre of depth, over 0.87574; N/m3. From
- * the soil's weight and friction. Source: Agarwal, Goldman, Kamrin, PNAS 120 (2023), supplement. Pure. */
-double soil_face_strength(const struct soil_numbers *soil);
-
 /* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
  * wheel. Other shapes: as plates. */
 double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numbers *soil, double load);
@@ -223,6 +219,7 @@ struct soil_motion {
 	double runs;             /* m/s of its belt */
 	struct soil_trend trend; /* its recent motion, up to `from` */
 	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
+	double hollows;          /* m: of a body that pushes: posts that it is above by at most this much are below it, too */
 	double stamped;          /* hosted: 1: the hollow below `from` has the shape of the body; 0: it is a flat rut */
 	bool hosted;             /* a host moves the body, so the motion may be much shorter than a post */
 	bool jumped;             /* it did not move from `from` to `to`: it was set down */
