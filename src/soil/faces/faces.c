@@ -105,9 +105,9 @@ static void put_soil(const struct soil_numbers *soil, struct soil_faces *faces)
 	faces->unit_weight = (float)soil->unit_weight;
 	faces->wedge_length = (float)tan(M_PI / 4 + soil->friction_angle / 2);
 	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);
-	const double plan = hypot(faces->trend.way[0], faces->trend.way[1]);
+	const double plan = hypot(faces->trend.whole.way[0], faces->trend.whole.way[1]);
 	for (int k = 0; k < 2; k++)
-		faces->d[k] = plan > 1e-9 ? (float)(faces->trend.way[k] / plan) : 0;
+		faces->d[k] = plan > 1e-9 ? (float)(faces->trend.whole.way[k] / plan) : 0;
 }
 
 enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
