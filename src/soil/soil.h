@@ -236,6 +236,9 @@ struct soil_motion {
 /* Returns the recent motion of a body after a motion. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
 struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion);
 
+/* Returns how many posts around the shadow of a body its faces read. 0: none of them presses in this motion. Pure. */
+int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *motion);
+
 /* How the soil bears a body. */
 enum soil_state {
 	SOIL_TOUCHING,

@@ -72,5 +72,18 @@
 #define soil_grousers_finish LANES_NAME(LANES_OF, grousers_finish)
 #define soil_surface_of LANES_NAME(LANES_OF, surface_of)
 #define soil_surfaces_finish LANES_NAME(LANES_OF, surfaces_finish)
+#define soil_faces_begin LANES_NAME(LANES_OF, faces_begin)
+#define soil_faces_add LANES_NAME(LANES_OF, faces_add)
+#define soil_faces_finish LANES_NAME(LANES_OF, faces_finish)
+#define soil_faces_bytes LANES_NAME(LANES_OF, faces_bytes)
+#define soil_faces_reach LANES_NAME(LANES_OF, faces_reach)
+#define soil_press LANES_NAME(LANES_OF, press)
+#define soil_press_changes LANES_NAME(LANES_OF, press_changes)
+#define soil_ahead_read LANES_NAME(LANES_OF, ahead_read)
+#define soil_ahead_find LANES_NAME(LANES_OF, ahead_find)
+#define soil_ahead_put LANES_NAME(LANES_OF, ahead_put)
+#define soil_form_split LANES_NAME(LANES_OF, form_split)
+#define soil_form_spin LANES_NAME(LANES_OF, form_spin)
+#define soil_form_level_share LANES_NAME(LANES_OF, form_level_share)
 
 #endif
