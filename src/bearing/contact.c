@@ -115,7 +115,7 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		member->motion = bearing_motion_of(contact);
 		member->at = bearing_window_part(&bearing->window, contacts[i].area.read, &member->planes);
 		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, contact->rotated, bearing->law.spacing);
-		if (bearing->law.faces && getenv("NOFRONT") == NULL)
+		if (bearing->law.faces)
 			soil_laying_ahead(&member->laying);
 		member->motion.hollows = member->laying.front ? soil_shape_reach(contact->shape, contact->to.pitch, contact->to.roll) : 0;
 		member->laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
