@@ -112,7 +112,7 @@ static void check(const struct bank *bank)
 	const double angle = angle_of(bank, &field);
 	assert_int_equal(field.active.count, 0);
 	assert_int_equal(sum, 0);
-	if (fabs(angle - wanted) > WITHIN)
+	if (!(fabs(angle - wanted) <= WITHIN))
 		fail_msg("%s, %g Pa, %g m apart, %g m high, %g degrees, heading %g: rests at %.2f degrees, not %.2f", bank->soil, soil.cohesion, bank->spacing, bank->height,
 			 bank->face, bank->heading, angle * 180 / M_PI, wanted * 180 / M_PI);
 	finish_field(&field);
