@@ -7,7 +7,8 @@ static struct soil_law law_of(const struct deform_params *params)
 {
 	struct soil_law law = {
 		.spacing = extent_spacing(params->extent, params->level), .reference = params->reference, .soil_count = params->soil_count,
-		.raster_count = params->raster_count, .bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage, .ground_normals = params->ground_normals,
+		.raster_count = params->raster_count, .bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage,
+		.loosening = params->loosening, .hardening = params->hardening, .ground_normals = params->ground_normals,
 	};
 	memcpy(law.soils, params->soils, sizeof law.soils);
 	memcpy(law.rasters, params->rasters, sizeof law.rasters);
@@ -60,7 +61,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	bearing->main = bearing;
 	bearing->params = *params;
 	bearing->slots = slots;
-	bearing->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & resident_host_planes(slots);
+	bearing->planes = deform_planes(params->model, params->disturbance, deform_memory(params)) & resident_host_planes(slots);
 	bearing->world = (struct post_rect){0, 0, extent_posts(extent->width, params->level), extent_posts(extent->height, params->level)};
 	bearing->law = law_of(params);
 	bearing->conserves = deform_conserves(params->model);

@@ -35,8 +35,14 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 	deform_plan_planes(params, plan);
 	add(plan, model, PLAN_ONCE, sizeof(struct bearing), deform_tells_forces(params->model) ? "bearing soil" : "soil on the CPU");
 	add(plan, model, PLAN_WINDOW_POST, window_bytes(params->model), "window");
-	if (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DUG))
-		add(plan, deform_plane_effect(params->model, PLANE_DUG), PLAN_WINDOW_POST, sizeof(int32_t), "window: dug");
+	static const struct {
+		enum plane plane;
+		const char *name;
+	} memories[] = {{PLANE_DUG, "window: dug"}, {PLANE_SETTLED, "window: settled"}, {PLANE_LOOSE, "window: loose"}, {PLANE_FLOOR, "window: floor"},
+			{PLANE_DENSITY, "window: density"}};
+	for (size_t i = 0; i < sizeof memories / sizeof *memories; i++)
+		if (deform_planes(params->model, params->disturbance, deform_memory(params)) & PLANE_BIT(memories[i].plane))
+			add(plan, deform_plane_effect(params->model, memories[i].plane), PLAN_WINDOW_POST, sizeof(int32_t), memories[i].name);
 	if (params->disturbance)
 		add(plan, deform_plane_effect(params->model, PLANE_DISTURBANCE), PLAN_WINDOW_POST, sizeof(uint8_t), "window: dirt");
 	if (params->soil_count > 1)

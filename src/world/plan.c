@@ -45,7 +45,8 @@ enum status world_settle_level(struct world *world)
 unsigned world_planes(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	unsigned planes = deform_planes(scene->model, scene->disturbance, world->facts.slip_sinkage > 0);
+	unsigned planes = deform_planes(scene->model, scene->disturbance, (world->facts.slip_sinkage > 0 ? DEFORM_DIGS : 0) |
+								    (scene->loosening > 0 ? DEFORM_LOOSENS : 0) | (scene->hardening > 0 ? DEFORM_HARDENS : 0));
 	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		return planes;
 	return world->resident.was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
@@ -110,6 +111,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
 		.slip_sinkage = world->facts.slip_sinkage,
+		.loosening = scene->loosening, .hardening = scene->hardening,
 		.ground_normals = scene->normals == SCENE_GROUND,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,

@@ -46,14 +46,23 @@ bool deform_tells_forces(enum deform_model model)
 	return rows[model]->bears;
 }
 
-unsigned deform_planes(enum deform_model model, bool disturbance, bool digs)
+unsigned deform_planes(enum deform_model model, bool disturbance, unsigned memory)
 {
-	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | (digs ? PLANE_BIT(PLANE_DUG) : 0) | rows[model]->planes;
+	const unsigned loose = PLANE_BIT(PLANE_SETTLED) | PLANE_BIT(PLANE_LOOSE) | PLANE_BIT(PLANE_FLOOR);
+	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | (memory & DEFORM_DIGS ? PLANE_BIT(PLANE_DUG) : 0) |
+	       (memory & DEFORM_LOOSENS ? loose : 0) | (memory & DEFORM_HARDENS ? PLANE_BIT(PLANE_DENSITY) : 0) | rows[model]->planes;
+}
+
+unsigned deform_memory(const struct deform_params *params)
+{
+	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (params->loosening > 0 ? DEFORM_LOOSENS : 0) | (params->hardening > 0 ? DEFORM_HARDENS : 0);
 }
 
 const char *deform_plane_effect(enum deform_model model, enum plane plane)
 {
-	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : deform_displace_effect(model);
+	if (plane == PLANE_SETTLED || plane == PLANE_LOOSE || plane == PLANE_FLOOR)
+		return "loose";
+	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : plane == PLANE_DENSITY ? "dense" : deform_displace_effect(model);
 }
 
 const char *deform_displace_effect(enum deform_model model)
