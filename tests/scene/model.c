@@ -73,7 +73,7 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 {
 	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
 	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
-	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) |
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) | EFFECT_BIT(EFFECT_LOOSE) |
 							 EFFECT_BIT(EFFECT_LOAD) | EFFECT_BIT(EFFECT_FORCES) | CACHE_EFFECTS);
 	char reason[80];
 	scene_effect_reason(scene, EFFECT_FORCES, reason, sizeof reason); /* forces are summed for the load */
@@ -243,7 +243,7 @@ static void each_model_calls_for_its_own_effects(void **state)
 		{"box", EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER))},
 		{"sumner", EFFECT_BIT(EFFECT_OF(DEFORM_SUMNER)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED)},
 		{"slippage", EFFECT_BIT(EFFECT_OF(DEFORM_SLIPPAGE)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
-		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
+		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) | EFFECT_BIT(EFFECT_LOOSE)},
 	};
 	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);

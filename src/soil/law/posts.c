@@ -467,6 +467,8 @@ SOIL_CLONED static void put_strengths(float loosening, float hardening, struct s
 		p->k_c[b + i] *= harder;
 		p->k_phi[b + i] *= harder;
 		p->cohesion[b + i] *= either(loose, 1, harder);
+		p->modulus[b + i] /= either(loose, 1, harder);
+		p->by_modulus[b + i] *= either(loose, 1, harder);
 		p->eases[b + i] = either(loose, (1 - loosening) / harder, 1);
 	}
 	/* Loose soil that was pressed bears as soil that lay there and was pressed less: k (e z)^n is (1 - loosening) k z^n. */
