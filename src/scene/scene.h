@@ -32,6 +32,8 @@ enum scene_effect {
 	EFFECT_SHED,
 	EFFECT_SLIDE,
 	EFFECT_SLIP,
+	EFFECT_LOOSE,
+	EFFECT_DENSE,
 	EFFECT_SOIL_MAP,
 	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
@@ -254,6 +256,7 @@ struct scene {
 	double depth;      /* metres of soil below the base that can relax; INFINITY: no bottom */
 	double tolerance;  /* metres by which a height difference may exceed the critical one without sliding */
 	double bulldozing; /* share of the displaced soil, 0 to 1 */
+	double loosening, hardening; /* by which share deposited soil bears less; by which passes make soil stronger in the end. 0: not */
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */

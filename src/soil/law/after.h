@@ -9,6 +9,7 @@
 /* What a block of posts becomes. */
 struct soil_after {
 	int32_t offset[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], shear[POSTS_LANES], dug[POSTS_LANES], carried[POSTS_LANES], lost[POSTS_LANES];
+	int32_t loose[POSTS_LANES], floor[POSTS_LANES], density[POSTS_LANES];
 	int32_t touched[POSTS_LANES], held[POSTS_LANES], refused[POSTS_LANES], ends[POSTS_LANES]; /* 1: yes */
 };
 
