@@ -154,7 +154,7 @@ static void comes_back(bool host)
 	assert_int_equal(numbers.compacted, rig.tallied);
 	const struct resident_pages_budget most = rig.most;
 	/* In host memory images and slots share their planes. */
-	assert_true(bytes_of_slots(&rig) <= most.slots + (host ? most.loads + most.queue : 0) && most.slots <= (uint64_t)SLOTS * (POSTS * 32));
+	assert_true(bytes_of_slots(&rig) <= most.slots + (host ? most.loads + most.queue : 0) && most.slots <= (uint64_t)SLOTS * (POSTS * 48));
 	rig_close(&rig);
 	check_store(path, ALL, ALL, true, host);
 	check_store(path, ALL, ALL, true, true);
