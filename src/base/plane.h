@@ -17,10 +17,10 @@ enum plane {
 	PLANE_PLASTIC_SINKAGE, /* int32, 2^-20 m: plastic sinkage, the largest sinkage so far along the surface's normal */
 	PLANE_SHEAR,           /* two int16, 2^-15: mobilised shear, to the east in the low half, to the north in the high half */
 	PLANE_DUG,             /* int32, 2^-20 m: what slip has dug in all contacts */
-	/* What a post remembers of loose soil: src/soil/law/memory.h */
+	/* What a post remembers of loose layers: src/soil/law/memory.h */
 	PLANE_SETTLED, /* int32, 2^-20 m: the deposited thickness when a body last touched the post. What is deposited beyond it is loose */
-	PLANE_LOOSE,   /* int32, 2^-20 m: thickness of loose soil that a body has touched and not used up, down to the floor */
-	PLANE_FLOOR,   /* int32, 2^-20 m: plastic sinkage of the floor below that loose soil */
+	PLANE_LOOSE,   /* int32, 2^-20 m: thickness of a loose layer that a body has touched and not used up, down to the floor */
+	PLANE_FLOOR,   /* int32, 2^-20 m: plastic sinkage of the floor below that layer */
 	PLANE_DENSITY, /* int32, 2^-20: how dense passes have made the soil, a share of 1 */
 	PLANE_SLOPE,   /* two uint16, 2^-9 m: how far a post's slope rises above it; in the high half: falls below it */
 	PLANES

@@ -40,8 +40,8 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"digs where a body slips, and lays that around"},
 	[EFFECT_LOOSE] = {
 		"loose", "redistribute.loosening", "", NONE, "heaped, settled, loose, floor", "heaped, settled, loose, floor", 0, LIST("redistribute.loosening"),
-		"a post has one layer of loose soil; what is deposited on a pressed one makes that its floor",
-		"keeps how much loose soil lies on a rut, and lets it yield as such"},
+		"a post has one loose layer; what is deposited on a pressed one makes that its floor",
+		"keeps how thick what came into a rut lies there, and lets it yield as loose"},
 	[EFFECT_DENSE] = {
 		"dense", "redistribute.hardening", "", NONE, "density", "density", 0, LIST("redistribute.hardening"),
 		"each pass over a post adds half of what is left; hardening is what passes add in the end",

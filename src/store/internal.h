@@ -20,7 +20,7 @@
 #define STORE_VERSION_SHEAR 4  /* the first with a shear that is read */
 #define STORE_VERSION_HISTORY 5 /* the first that can keep a history */
 #define STORE_VERSION_PINS 6    /* the first that can keep what overlays depend on */
-#define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose soil */
+#define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose layers */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 

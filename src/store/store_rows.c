@@ -220,7 +220,7 @@ static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
 	static const int32_t most[ROW_TABLES] = {
 		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX, [ROW_DUG] = INT32_MAX,
-		[ROW_LOOSE] = INT32_MAX, [ROW_FLOOR] = INT32_MAX, [ROW_DENSITY] = 1 << 20,
+		[ROW_LOOSE] = INT32_MAX, [ROW_FLOOR] = INT32_MAX, [ROW_DENSITY] = INT32_MAX,
 	};
 	bool fits = true;
 	for (size_t i = 0; i < count && table == ROW_SHEAR; i++)

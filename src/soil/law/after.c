@@ -39,7 +39,7 @@ SOIL_INLINED int32_t shear_of(const float axis[2], float x, float y)
 	return (int32_t)(((uint32_t)east & 0xffffu) | (uint32_t)north << 16);
 }
 
-/* The soil of the posts. thick: of the loose soil that is left; under: struct stress_soil. */
+/* The soil of the posts. thick: of the loose layer that is left; under: struct stress_soil. */
 struct soils {
 	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES], whole[POSTS_LANES], thick[POSTS_LANES], under[POSTS_LANES];
 };
@@ -66,7 +66,7 @@ SOIL_INLINED void put_plastic(const struct soils *soils, const int32_t sinkage[P
 		put_plastic_on(soils, sinkage, false, plastic);
 }
 
-/* Gives what a touched post remembers. Loose soil is used up where the floor bears more than it does: then the floor is all that is left, and what it
+/* Gives what a touched post remembers. A loose layer is used up where the floor bears more than it does. Then the floor is all that is left. What it
  * remembers of its sinkage goes on. digs: fixed-point units. */
 SOIL_INLINED void put_layers(const struct soil_posts *posts, size_t b, const struct soils *soils, const float by_up[POSTS_LANES], const int32_t digs[POSTS_LANES],
 			     struct soil_after *a)
@@ -169,7 +169,7 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 	}
 	/* A pass is over where the body has left the post. It makes the soil denser by half of what is left. */
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const int32_t density = posts->density[b + i], left = (1 << 20) - density;
+		const int32_t density = posts->density[b + i], left = density < 1 << 20 ? (1 << 20) - density : 0;
 		a->density[i] = density + left / 2 * (a->touched[i] & (a->held[i] ^ 1));
 		a->loose[i] = a->floor[i] = 0;
 	}

@@ -8,7 +8,7 @@
 
 /* What one evaluation knows of a block of posts. Heights and depths are in metres. */
 struct block {
-	bool layered;                   /* some post has loose soil on a floor */
+	bool layered;                   /* some post has a loose layer on a floor */
 	float ground[LANES];            /* above the centre, less what slip digs */
 	float depth[LANES];             /* of the end pose below the ground, vertically */
 	float was[LANES], plastic[LANES]; /* along the normal: the largest sinkage before, less what slip digs; its plastic part */
@@ -143,8 +143,8 @@ SOIL_INLINED float lasted(const struct lane_posts *p, int i, float passed)
 	return either(p->over[i] > 0, least(passed, 1), passed);
 }
 
-/* The law of soil that may lie loose on a floor costs another power. So what needs it is compiled twice, and blocks without loose soil take the other one.
- * A post that may have loose soil: */
+/* The law of soil that may lie loose on a floor costs another power. So what needs it is compiled twice. Blocks without a loose layer take the plain one.
+ * Tells whether some post has such a layer. */
 SOIL_INLINED bool are_layered(const struct lane_posts *p)
 {
 	return any_above(p->thick, 0);

@@ -457,12 +457,12 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 	}
 }
 
-/* Makes the numbers of each post those of its layers: dense soil bears more, and loose soil less. */
+/* Makes the numbers of each post those of its layers: dense soil bears more, and a loose layer less. */
 SOIL_CLONED static void put_strengths(float loosening, float hardening, struct soil_posts *restrict p, size_t b)
 {
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const float harder = 1 + hardening * (float)p->density[b + i] * SOIL_UNIT;
+		const float harder = 1 + hardening * least((float)p->density[b + i] * SOIL_UNIT, 1);
 		const bool loose = p->loose[b + i] > 0;
 		p->k_c[b + i] *= harder;
 		p->k_phi[b + i] *= harder;
@@ -471,7 +471,7 @@ SOIL_CLONED static void put_strengths(float loosening, float hardening, struct s
 		p->by_modulus[b + i] *= either(loose, 1, harder);
 		p->eases[b + i] = either(loose, (1 - loosening) / harder, 1);
 	}
-	/* Loose soil that was pressed bears as soil that lay there and was pressed less: k (e z)^n is (1 - loosening) k z^n. */
+	/* A loose layer that a body sank into bears as soil that lay there and sank less: k (e z)^n is (1 - loosening) k z^n. */
 	if (p->layered)
 		for (int i = 0; i < POSTS_LANES; i++) {
 			const float floor = (float)p->floor[b + i], less = power_of(1 - loosening, 1 / p->n[b + i]);

@@ -38,7 +38,7 @@
 	POSTS_LAW_WHOLES_EACH(EACH) \
 	EACH(index)     /* of the post in the planes */ \
 	EACH(sinkage) EACH(digs) /* of the planes, before; sinkage: of the top layer */ \
-	EACH(settled) EACH(loose) EACH(floor) /* loose soil and the floor below it, before (memory.h); settled: of the plane */ \
+	EACH(settled) EACH(loose) EACH(floor) /* the loose layer and the floor below it, before (memory.h); settled: of the plane */ \
 	EACH(density) /* of the plane, before */ \
 	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
 #define POSTS_REALS_EACH(EACH) \
@@ -49,7 +49,7 @@
 
 struct soil_posts {
 	size_t count, capacity;
-	bool layered; /* some posts have loose soil on a floor */
+	bool layered; /* some posts have a loose layer on a floor */
 	void *memory;
 #define POSTS_WHOLE(name) int32_t *name;
 #define POSTS_REAL(name) float *name;

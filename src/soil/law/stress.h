@@ -14,7 +14,7 @@
 /* The soil of a post. k: k_c / b + k_phi, N/m^(n+2), b the width of the contact patch. modulus: of shear, m. */
 struct stress_soil {
 	float k, n, elastic, by_elastic, cohesion, tan_phi, modulus, by_modulus, damping;
-	float whole, thick, under; /* struct stress_soil is loose: k of the floor below it; the thickness of the loose soil along the normal, m; the floor's plastic sinkage, m */
+	float whole, thick, under; /* of a loose layer on a floor: k of the floor; thickness of the layer along the normal, m; the floor's plastic sinkage, m */
 };
 
 /* Returns the stress that the soil bears at sinkage z, m, when it yields; Pa. */
@@ -42,9 +42,9 @@ SOIL_INLINED float plastic_of(const struct stress_soil *s, float z)
 	return plastic_part(s, z, yield_stress(s, z));
 }
 
-/* --- loose soil on a floor (memory.h) --- */
+/* --- a loose layer on a floor (memory.h) --- */
 
-/* Returns the stress that the floor below loose soil bears at sinkage z of the loose soil, Pa. *grows: Pa/m. It is loaded anew from where it was left,
+/* Returns the stress that the floor below a loose layer bears at sinkage z of the layer, Pa. *grows: Pa/m. It is loaded anew from where it was left,
  * and yields beyond. */
 SOIL_INLINED float floor_stress(const struct stress_soil *s, float z, float *grows)
 {
