@@ -173,7 +173,7 @@ struct deform_params {
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
 };
 
-/* What else a post remembers, a mask: what slip has dug; loose layers; how dense passes have made it; how high the slope is that it lies in. */
+/* What else a post remembers, a mask: what slip has dug; loose layers; how dense passes have made it; how high its slope is. */
 enum { DEFORM_DIGS = 1, DEFORM_LOOSENS = 2, DEFORM_HARDENS = 4, DEFORM_SLOPES = 8 };
 unsigned deform_memory(const struct deform_params *params);
 /* Tells whether a soil's limit depends on the height of the slope. */
