@@ -153,7 +153,7 @@ static void comes_back(bool host)
 	must(store_count(rig.store, &numbers));
 	assert_int_equal(numbers.compacted, rig.tallied);
 	const struct resident_pages_budget most = rig.most;
-	uint64_t post = sizeof(int32_t) + 3; /* the base, and three soil classes */
+	uint64_t post = sizeof(int32_t) + 7; /* the base, and what else a slot has */
 	for (int plane = 0; plane < PLANES; plane++)
 		post += plane_bytes((enum plane)plane);
 	/* In host memory images and slots share their planes. */
