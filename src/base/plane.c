@@ -15,6 +15,10 @@ static const struct {
 	[PLANE_PLASTIC_SINKAGE] = {"pressed", "plastic_sinkage", 4},
 	[PLANE_SHEAR] = {"shear", "shear", 4},
 	[PLANE_DUG] = {"dug", "dug", 4},
+	[PLANE_SETTLED] = {"settled", "settled", 4},
+	[PLANE_LOOSE] = {"loose", "loose", 4},
+	[PLANE_FLOOR] = {"floor", "floor", 4},
+	[PLANE_DENSITY] = {"density", "density", 4},
 	[PLANE_SLOPE] = {"slope", "slope", 4},
 };
 

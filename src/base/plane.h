@@ -17,7 +17,12 @@ enum plane {
 	PLANE_PLASTIC_SINKAGE, /* int32, 2^-20 m: plastic sinkage, the largest sinkage so far along the surface's normal */
 	PLANE_SHEAR,           /* two int16, 2^-15: mobilised shear, to the east in the low half, to the north in the high half */
 	PLANE_DUG,             /* int32, 2^-20 m: what slip has dug in all contacts */
-	PLANE_SLOPE,           /* two uint16, 2^-9 m: how far the slope that a post lies in rises above it, and in the high half how far it falls below it */
+	/* What a post remembers of loose layers: src/soil/law/memory.h */
+	PLANE_SETTLED, /* int32, 2^-20 m: the deposited thickness when a body last touched the post. What is deposited beyond it is loose */
+	PLANE_LOOSE,   /* int32, 2^-20 m: thickness of a loose layer that a body has touched and not used up, down to the floor */
+	PLANE_FLOOR,   /* int32, 2^-20 m: plastic sinkage of the floor below that layer */
+	PLANE_DENSITY, /* int32, 2^-20: how dense passes have made the soil, a share of 1 */
+	PLANE_SLOPE,   /* two uint16, 2^-9 m: how far a post's slope rises above it; in the high half: falls below it */
 	PLANES
 };
 
@@ -26,8 +31,8 @@ size_t plane_bytes(enum plane plane);
 const char *plane_name(enum plane plane);
 /* Returns its name as a layer of exports and maps: "deposited" for "heaped", "plastic_sinkage" for "pressed". Pure. */
 const char *plane_layer(enum plane plane);
-/* Returns the value of a post in metres; for slope the height of the whole slope; for disturbance the stored number; for shear its amount, as a share of the soil's strength.
- * Pure. */
+/* Returns the value of a post in metres; for disturbance the stored number; for shear its amount, as a share of the soil's strength.
+ * For slope it is the height of the whole slope. Pure. */
 double plane_value(enum plane plane, int32_t post);
 
 /*

@@ -165,6 +165,7 @@ struct deform_params {
 	 * visits needlessly would then change, so an interval waits for all flags from the GPU */
 	bool unsettled;
 	double bulldozing;   /* scm: share of the plastic flow that is laid around the object, 0 .. 1 */
+	double loosening, hardening; /* scm: as in struct soil_law */
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool faces;          /* scm: soil presses on an object's faces from every side as it slides; false: on its lower envelope alone */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
@@ -174,8 +175,8 @@ struct deform_params {
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
 };
 
-/* What else a post remembers, a mask: what slip has dug; how high the slope is that it lies in. */
-enum { DEFORM_DIGS = 1, DEFORM_SLOPES = 8 };
+/* What else a post remembers, a mask: what slip has dug; loose layers; how dense passes have made it; how high its slope is. */
+enum { DEFORM_DIGS = 1, DEFORM_LOOSENS = 2, DEFORM_HARDENS = 4, DEFORM_SLOPES = 8 };
 unsigned deform_memory(const struct deform_params *params);
 /* Tells whether a soil's limit depends on the height of the slope. */
 bool deform_slopes_count(enum deform_model model, const struct soil_numbers *soils, int count);

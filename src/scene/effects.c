@@ -38,6 +38,14 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		LIST("redistribute.slip_sinkage", "soil.janosi_shear", "objects[].slip"),
 		"at most slip_sinkage x janosi_shear in all contacts with a post; nothing without slip",
 		"digs where a body slips, and lays that around"},
+	[EFFECT_LOOSE] = {
+		"loose", "redistribute.loosening", "", NONE, "heaped, settled, loose, floor", "heaped, settled, loose, floor", 0, LIST("redistribute.loosening"),
+		"a post has one loose layer; what is deposited on a pressed one makes that its floor",
+		"keeps how thick what came into a rut lies there, and lets it yield as loose"},
+	[EFFECT_DENSE] = {
+		"dense", "redistribute.hardening", "", NONE, "density", "density", 0, LIST("redistribute.hardening"),
+		"each pass over a post adds half of what is left; hardening is what passes add in the end",
+		"makes soil stronger with each pass"},
 	[EFFECT_SOIL_MAP] = {
 		"soil_map", "soil.map", "", NONE, "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
@@ -201,6 +209,10 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (scene->slip_sinkage > 0 && scene_slips(scene))
 		effects |= EFFECT_BIT(EFFECT_SLIP);
+	if (scene->loosening > 0)
+		effects |= EFFECT_BIT(EFFECT_LOOSE);
+	if (scene->hardening > 0)
+		effects |= EFFECT_BIT(EFFECT_DENSE);
 	if (scene->raster_count > 0)
 		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);
 	if (feels(scene))
@@ -328,6 +340,8 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 		snprintf(text, size, "vehicles");
 	else if (effect == EFFECT_SLIP)
 		snprintf(text, size, "%s: %g", key, scene->slip_sinkage);
+	else if (effect == EFFECT_LOOSE || effect == EFFECT_DENSE)
+		snprintf(text, size, "%s: %g", key, effect == EFFECT_LOOSE ? scene->loosening : scene->hardening);
 	else if (effect == EFFECT_PREFETCH)
 		snprintf(text, size, "%s: %g", key, scene->prefetch);
 	else if (effect == EFFECT_LOADERS)

@@ -33,6 +33,8 @@ enum scene_effect {
 	EFFECT_SHED,
 	EFFECT_SLIDE,
 	EFFECT_SLIP,
+	EFFECT_LOOSE,
+	EFFECT_DENSE,
 	EFFECT_SOIL_MAP,
 	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
@@ -258,6 +260,7 @@ struct scene {
 	double depth;      /* metres of soil below the base that can relax; INFINITY: no bottom */
 	double tolerance;  /* metres by which a height difference may exceed the critical one without sliding */
 	double bulldozing; /* share of the displaced soil, 0 to 1 */
+	double loosening, hardening; /* by which share deposited soil bears less; by which passes make soil stronger in the end. 0: not */
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	enum scene_faces faces; /* whether soil presses on a body's faces from every side as it slides, or on its lower envelope alone */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
@@ -442,6 +445,12 @@ double scene_object_bears_over(const struct scene *scene, const struct scene_obj
  * the scene's objects. `key`: of the body; `others`: how many are alike. */
 void scene_advise_posts_below(const char *key, const struct soil_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
 			      void *user);
+/* Returns by how much at most (a standard deviation) the slip of a vehicle's wheels goes up and down with their place between posts: scene_posts.c.
+ * radius: m; speed: m/s, above 0; gravity: m/s2. */
+double scene_slip_scatter(double radius, double spacing, double speed, double gravity);
+/* Tells of it where it is more than SCENE_SCATTER_TOLD. The rest as in scene_advise_posts_below. */
+#define SCENE_SCATTER_TOLD 0.03
+void scene_advise_scatter(const char *key, double radius, size_t others, double spacing, double speed, double gravity, scene_advice_fn tell, void *user);
 /* What a soil's rebound does to a wheel: scene_rebound.c. */
 struct scene_rebound {
 	char key[200];           /* of the body */

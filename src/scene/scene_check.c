@@ -41,6 +41,8 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"interval", raw->interval},	   {"depth", raw->depth},	      {"undisturbed", raw->undisturbed},
 		{"tolerance", raw->tolerance}, {"bulldozing", raw->bulldozing},
 		{"slip_sinkage", raw->slip_sinkage},
+		{"loosening", raw->loosening},
+		{"hardening", raw->hardening},
 		{"normals", raw->normals}, {"faces", raw->faces},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
@@ -77,6 +79,10 @@ static enum status check_redistribute(const struct scene_tree *tree,
 	if (deform_model_takes(scene->model, "slip_sinkage"))
 		scene->slip_sinkage = number(raw->slip_sinkage, "redistribute.slip_sinkage");
 	scene->faces = raw->faces != NULL ? (enum scene_faces)*raw->faces : SCENE_FACES_OFF;
+	if (deform_model_takes(scene->model, "loosening"))
+		scene->loosening = number(raw->loosening, "redistribute.loosening");
+	if (deform_model_takes(scene->model, "hardening"))
+		scene->hardening = number(raw->hardening, "redistribute.hardening");
 	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
 	return check_parameters(tree, raw);
 }

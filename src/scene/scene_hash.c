@@ -231,6 +231,11 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	add_number(state, scene->bulldozing);
 	if (scene->slip_sinkage > 0)
 		add_number(state, scene->slip_sinkage);
+	if (deform_model_takes(scene->model, "loosening") && (scene->loosening != SCENE_LOOSENING || scene->hardening > 0)) {
+		add_part(state, 'u', 0);
+		add_number(state, scene->loosening);
+		add_number(state, scene->hardening);
+	}
 	add_whole(state, (uint64_t)scene->soil_count);
 	for (int i = 0; i < scene->soil_count; i++) {
 		struct soil_numbers soil = scene->soils[i];

@@ -101,10 +101,11 @@ struct raw_relief {
 	struct raw_relief_class *classes;
 	uint32_t classes_count;
 };
+#define SCENE_LOOSENING 0.67 /* redistribute.loosening, where a scene gives none */
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
-	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage;
+	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage, *loosening, *hardening;
 	int *undisturbed; /* enum scene_undisturbed */
 	int *normals;     /* enum scene_normals */
 	int *faces;       /* enum scene_faces */

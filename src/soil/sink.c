@@ -33,10 +33,17 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width);
 	planes->offset[at] = a->offset[i];
 	planes->sinkage[at] = a->sinkage[i];
-	if (planes->dug != NULL) {
+	if (planes->dug != NULL || planes->settled != NULL)
 		planes->deposited[at] = a->deposited[i];
+	if (planes->dug != NULL)
 		planes->dug[at] = a->dug[i];
+	if (planes->settled != NULL) {
+		planes->settled[at] = a->deposited[i];
+		planes->loose[at] = a->loose[i];
+		planes->floor[at] = a->floor[i];
 	}
+	if (planes->density != NULL)
+		planes->density[at] = a->density[i];
 	planes->contact[at] |= (uint8_t)(SOIL_LOWERED | (a->held[i] ? SOIL_HELD : 0));
 	const uint32_t class = planes->classes != NULL ? planes->classes[at] : 0;
 	const int32_t deep = soil_depth_of(a->carried[i], a->offset[i], a->dug[i], sink->laying->rolls, sink->soils[0].share);

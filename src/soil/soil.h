@@ -169,7 +169,7 @@ struct soil_planes {
 	struct post_rect rect;   /* posts of the working level */
 	size_t width;            /* posts in a row */
 	int32_t *base;           /* 2^-18 m above the store's reference; BASE_NODATA: a hole */
-	int32_t *offset, *deposited, *sinkage, *shear, *dug, *slope; /* as the planes of base/plane.h */
+	int32_t *offset, *deposited, *sinkage, *shear, *dug, *settled, *loose, *floor, *density, *slope; /* as the planes of base/plane.h */
 	uint8_t *disturbance;
 	uint8_t *classes;        /* NULL: one soil */
 	uint8_t *levels;         /* SOIL_RASTERS for each post; NULL: no raster */
@@ -192,6 +192,8 @@ struct soil_law {
 	int raster_count;
 	double bulldozing;       /* share of the plastic flow that is laid around a body, 0 .. 1 */
 	double slip_sinkage;     /* how deep slip digs, in units of the soil's shear modulus; 0: not */
+	double loosening;        /* the share by which deposited soil bears less than soil as it lay; 0: it is as stiff as what it lies on */
+	double hardening;        /* the share by which passes make soil stronger in the end; 0: not */
 	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
 	bool faces;              /* soil presses on a body's faces from every side as it slides; false: on its lower envelope alone */
 };

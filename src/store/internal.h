@@ -20,7 +20,7 @@
 #define STORE_VERSION_SHEAR 4  /* the first with a shear that is read */
 #define STORE_VERSION_HISTORY 5 /* the first that can keep a history */
 #define STORE_VERSION_PINS 6    /* the first that can keep what overlays depend on */
-#define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose soil */
+#define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose layers */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
@@ -49,7 +49,8 @@ enum status store_sql_integer(sqlite3 *db, const char *path, const char *sql, in
 /* --- store_rows.c: the tables of tiles, a row at a time --- */
 
 /* The table of the base, and one table for each plane. */
-enum row_table { ROW_BASE, ROW_OFFSET, ROW_DISTURBANCE, ROW_DEPOSITED, ROW_PLASTIC_SINKAGE, ROW_SHEAR, ROW_DUG, ROW_SLOPE, ROW_TABLES };
+enum row_table { ROW_BASE, ROW_OFFSET, ROW_DISTURBANCE, ROW_DEPOSITED, ROW_PLASTIC_SINKAGE, ROW_SHEAR, ROW_DUG, ROW_SETTLED, ROW_LOOSE, ROW_FLOOR, ROW_DENSITY, ROW_SLOPE,
+		 ROW_TABLES };
 
 static inline enum row_table row_table_of(enum plane plane)
 {

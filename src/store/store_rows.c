@@ -46,6 +46,10 @@ static const struct table tables[ROW_TABLES] = {
 	PLANE_TABLE("pressed"),
 	PLANE_TABLE("shear"),
 	PLANE_TABLE("dug"),
+	PLANE_TABLE("settled"),
+	PLANE_TABLE("loose"),
+	PLANE_TABLE("floor"),
+	PLANE_TABLE("density"),
 	PLANE_TABLE("slope"),
 };
 
@@ -216,6 +220,7 @@ static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
 	static const int32_t most[ROW_TABLES] = {
 		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX, [ROW_DUG] = INT32_MAX,
+		[ROW_LOOSE] = INT32_MAX, [ROW_FLOOR] = INT32_MAX, [ROW_DENSITY] = INT32_MAX,
 	};
 	bool fits = true;
 	for (size_t i = 0; i < count && table == ROW_SHEAR; i++)

@@ -29,12 +29,15 @@ static const struct object objects[] = {
 	{"base",
 	 "CREATE TABLE base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, "
 	 "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+	{"density", PLANE_TABLE("density")},
 	{"dirt", PLANE_TABLE("dirt")},
 	{"dug", PLANE_TABLE("dug")},
+	{"floor", PLANE_TABLE("floor")},
 	{"heaped", PLANE_TABLE("heaped")},
 	{"history",
 	 "CREATE TABLE history(plane INTEGER NOT NULL, key INTEGER NOT NULL, revision INTEGER NOT NULL, form INTEGER NOT NULL, "
 	 "codec INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL, PRIMARY KEY(plane, key, revision)) WITHOUT ROWID"},
+	{"loose", PLANE_TABLE("loose")},
 	{"meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"},
 	{"offset",
 	 "CREATE TABLE \"offset\"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, "
@@ -54,6 +57,7 @@ static const struct object objects[] = {
 	 "CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, "
 	 "scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL, "
 	 "made INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL)"},
+	{"settled", PLANE_TABLE("settled")},
 	{"shear", PLANE_TABLE("shear")},
 	{"slope", PLANE_TABLE("slope")},
 	{"snapshot",
@@ -71,7 +75,7 @@ static const struct object older_run = {
 /* Returns a table as a store of this version has it; NULL: it has no such table. */
 static const struct object *object_of(size_t index, int version)
 {
-	static const char *const since_history[] = {"history", "revision", "snapshot"}, *const since_loose[] = {"slope"};
+	static const char *const since_history[] = {"history", "revision", "snapshot"}, *const since_loose[] = {"density", "floor", "loose", "settled", "slope"};
 	const char *name = objects[index].name;
 	if (strcmp(name, "dug") == 0 && version < STORE_VERSION_SHEAR)
 		return NULL;
@@ -163,7 +167,9 @@ enum status store_schema_hide(sqlite3 *db, const char *path, int version)
 	if (version < STORE_VERSION_SHEAR)
 		TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
 				   "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0"));
-	TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE slope AS SELECT * FROM main.heaped LIMIT 0"));
+	TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE settled AS SELECT * FROM main.heaped LIMIT 0; "
+			   "CREATE TEMP TABLE loose AS SELECT * FROM main.heaped LIMIT 0; CREATE TEMP TABLE floor AS SELECT * FROM main.heaped LIMIT 0; "
+			   "CREATE TEMP TABLE density AS SELECT * FROM main.heaped LIMIT 0; CREATE TEMP TABLE slope AS SELECT * FROM main.heaped LIMIT 0"));
 	if (version >= STORE_VERSION_HISTORY)
 		return STATUS_OK;
 	return store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE run AS SELECT *, 0 AS made, '' AS who, '' AS what FROM main.run; "

@@ -13,7 +13,8 @@
 static const char *const names[STORE_TABLES] = {
 	[STORE_BASE_TABLE] = "base",       [STORE_OFFSET_TABLE] = "offset", [STORE_DISTURBANCE_TABLE] = "dirt",
 	[STORE_DEPOSITED_TABLE] = "heaped",   [STORE_PLASTIC_SINKAGE_TABLE] = "pressed", [STORE_SHEAR_TABLE] = "shear",
-	[STORE_DUG_TABLE] = "dug",         [STORE_SLOPE_TABLE] = "slope",
+	[STORE_DUG_TABLE] = "dug",         [STORE_SETTLED_TABLE] = "settled", [STORE_LOOSE_TABLE] = "loose",
+	[STORE_FLOOR_TABLE] = "floor",     [STORE_DENSITY_TABLE] = "density", [STORE_SLOPE_TABLE] = "slope",
 	[STORE_META_TABLE] = "meta",       [STORE_RUN_TABLE] = "run",
 	[STORE_HISTORY_TABLE] = "history", [STORE_REVISION_TABLE] = "revision", [STORE_NO_TABLE] = "other",
 };

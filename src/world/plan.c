@@ -46,6 +46,7 @@ unsigned world_planes(const struct world *world)
 {
 	const struct scene *scene = world->scene;
 	unsigned planes = deform_planes(scene->model, scene->disturbance, (world->facts.slip_sinkage > 0 ? DEFORM_DIGS : 0) |
+								    (scene->loosening > 0 ? DEFORM_LOOSENS : 0) | (scene->hardening > 0 ? DEFORM_HARDENS : 0) |
 								    (deform_slopes_count(scene->model, scene->soils, scene->soil_count) ? DEFORM_SLOPES : 0));
 	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		return planes;
@@ -111,6 +112,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
 		.slip_sinkage = world->facts.slip_sinkage,
+		.loosening = scene->loosening, .hardening = scene->hardening,
 		.ground_normals = scene->normals == SCENE_GROUND,
 		.faces = scene->faces == SCENE_FACES_ON,
 		.touched = world_asks_touched(world),

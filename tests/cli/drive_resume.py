@@ -36,6 +36,10 @@ class Resume(FurrowTest):
             "SELECT key, low, high, codec, hash, blob FROM pressed ORDER BY key",
             "SELECT key, low, high, codec, hash, blob FROM shear ORDER BY key",
             "SELECT key, low, high, codec, hash, blob FROM dug ORDER BY key",
+            "SELECT key, low, high, codec, hash, blob FROM settled ORDER BY key",
+            "SELECT key, low, high, codec, hash, blob FROM loose ORDER BY key",
+            "SELECT key, low, high, codec, hash, blob FROM floor ORDER BY key",
+            "SELECT key, low, high, codec, hash, blob FROM density ORDER BY key",
             "SELECT value FROM meta WHERE key = 'compacted'")]
         db.close()
         self.assertGreater(len(found[0]), 1)

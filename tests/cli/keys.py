@@ -23,6 +23,8 @@ HEAD = {"time_step": "0.05", "end_time": "0.6", "spacing": "0.125"}
 WHEEL = "{name: a, shape: {wheel: {radius: 0.5, width: 0.4}}, path: {points: [[10, 20], [12, 21], [12, 24]], speed: 3}, %s}"
 SCM = {**HEAD, "soil": "{name: dry_sand}", "redistribute": "{model: scm, interval: 0.05}", "output": "{forces: 20}",
        "objects": f"[{WHEEL % 'load: 900, slip: 0.3'}]"}
+RUT = {**SCM, "objects": "[{name: a, shape: {wheel: {radius: 0.5, width: 0.4}}, load: 900, slip: 0.3, path: {points: [[10, 20], [14, 20]], speed: 3}}, "
+                         "{name: b, shape: {wheel: {radius: 0.5, width: 0.4}}, load: 900, slip: 0.3, path: {points: [[8.5, 20], [12.5, 20]], speed: 3}}]"}
 LOOSE = {**HEAD, "soil": "{cohesion: 0, friction_angle: 30, unit_weight: 16000}", "redistribute": "{model: slippage, interval: 0.05, depth: 0.3, undisturbed: slides}",
          "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 SUMNER = {**HEAD, "soil": "{name: sand}", "redistribute": "{model: sumner, interval: 0.05}", "objects": f"[{WHEEL % 'sink: 0.2'}]"}
@@ -161,6 +163,8 @@ ROWS = {
     "redistribute.tolerance": (LOOSE, {"redistribute.tolerance": "0.05"}),
     "redistribute.bulldozing": (SCM, {"redistribute.bulldozing": "1"}),
     "redistribute.slip_sinkage": (SCM, {"redistribute.slip_sinkage": "4"}),
+    "redistribute.loosening": (RUT, {"redistribute.loosening": "0"}),
+    "redistribute.hardening": (RUT, {"redistribute.hardening": "0.5"}),
     "redistribute.normals": (SCM, {"redistribute.normals": "ground"}),
     "redistribute.undisturbed": (LOOSE, {"redistribute.undisturbed": "stable"}),
     "output.forces": (SCM, {"output.forces": "5"}),
@@ -289,7 +293,7 @@ class Keys(FurrowTest):
                 left["run"] = TOLD[key](run)
         if overlay.exists():
             with sqlite3.connect(overlay) as rows:
-                left["ground"] = {table: rows.execute(f"SELECT * FROM {table}").fetchall() for table in ("offset", "heaped", "pressed", "shear", "dug", "slope", "dirt")
+                left["ground"] = {table: rows.execute(f"SELECT * FROM {table}").fetchall() for table in ("offset", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "dirt")
                                   if rows.execute("SELECT count(*) FROM sqlite_master WHERE name = ?", (table,)).fetchone()[0]}
         return left
 

@@ -55,7 +55,7 @@ SAMPLES = [
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 9, "grouser_height": 0.1, "grouser_thickness": 0.02}}, load=500, slip=0.1,
                 interface={"friction_angle": 20, "adhesion": 300}),
           soil={**NUMBERED, "rasters": {key: "classes.png" for key in ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion")}},
-          redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "slip_sinkage": 1.2, "iterations": 2, "interval": 0.1, "tolerance": 0.1, "normals": "ground",
+          redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "slip_sinkage": 1.2, "loosening": 0.5, "hardening": 0.2, "iterations": 2, "interval": 0.1, "tolerance": 0.1, "normals": "ground",
                                        "undisturbed": "stable"}, output={"forces": 5}),
     scene(WHEEL, soil={"name": "lunar", "rasters": {key: "classes.png" for key in ("friction_angle", "janosi_shear", "elastic_stiffness")}},
           redistribute={"model": "scm"}, output={"forces": 5}),

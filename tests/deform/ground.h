@@ -60,7 +60,7 @@ static inline unsigned ground_memory(const struct ground_params *params)
 {
 	struct soil_numbers sand;
 	assert_ok(soil_named("dry_sand", &sand));
-	return deform_slopes_count(params->model, params->soils != NULL ? params->soils : &sand, params->soils != NULL ? params->soil_count : 1) ? DEFORM_SLOPES : 0;
+	return deform_slopes_count(params->model, params->soils != NULL ? params->soils : &sand, params->soil_count > 1 ? params->soil_count : 1) ? DEFORM_SLOPES : 0;
 }
 
 static inline void ground_init(struct ground *ground, const struct ground_params *params)

@@ -178,7 +178,7 @@ static void state_planes_come_together(void **state)
 	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const[PLANES]){[PLANE_PLASTIC_SINKAGE] = zeros}));
 	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 1, zeros, NULL));
 	for (int plane = 0; plane < PLANES; plane++)
-		assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL, plane != PLANE_DISTURBANCE && plane != PLANE_DUG);
+		assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL, plane == PLANE_OFFSET || (STATE_PLANES & PLANE_BIT(plane)) != 0);
 	gpu_slots_figures(slots, &figures);
 	assert_int_equal(figures.deform_slots, 2);
 	assert_int_equal(figures.state_slots, 1);

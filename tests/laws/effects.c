@@ -38,6 +38,8 @@ static const struct pair pairs[] = {
 	{EFFECT_SHED, HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
 	{EFFECT_SLIDE, HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SLIP, HEAD SPHERE STILL_SCM, HEAD SPHERE SCM, false},
+	{EFFECT_LOOSE, HEAD SPHERE FIRM_SCM, HEAD SPHERE SCM, false},
+	{EFFECT_DENSE, HEAD SPHERE SCM, HEAD SPHERE DENSE_SCM, false},
 	{EFFECT_SOIL_MAP, HEAD SPHERE SCM, HEAD SPHERE MAP, true},
 	{EFFECT_SOIL_RASTERS, HEAD SPHERE SCM, HEAD SPHERE RASTERS, true},
 	{EFFECT_MESH, HEAD SPHERE, HEAD OBJECT("mesh: {file: block.obj}"), false},
@@ -171,7 +173,7 @@ static int check_lines(const struct plan *less, const struct plan *more, uint64_
 static bool goes_by_the_clock(const char *unit, bool repeats)
 {
 	static const enum plan_unit units[] = {PLAN_PAGE, PLAN_HOST_OFFSET, PLAN_HOST_DISTURBANCE, PLAN_HOST_DEPOSITED, PLAN_HOST_SINKAGE, PLAN_HOST_SHEAR,
-					       PLAN_HOST_DUG, PLAN_HOST_SLOPE, PLAN_RING, PLAN_COMMITTED, PLAN_COMMITTED_COARSER, PLAN_CHANGED, PLAN_COMMIT,
+					       PLAN_HOST_DUG, PLAN_HOST_SETTLED, PLAN_HOST_LOOSE, PLAN_HOST_FLOOR, PLAN_HOST_DENSITY, PLAN_HOST_SLOPE, PLAN_RING, PLAN_COMMITTED, PLAN_COMMITTED_COARSER, PLAN_CHANGED, PLAN_COMMIT,
 					       PLAN_HELD, PLAN_RESTING, PLAN_ATLAS};
 	enum { VISITS = 3 };
 	for (size_t i = 0; i < sizeof units / sizeof *units - (repeats ? VISITS : 0); i++)

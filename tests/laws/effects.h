@@ -27,6 +27,8 @@ static inline double gentle(int64_t x, int64_t y)
 #define WHEEL "wheel: {radius: 1.5, width: 1"
 #define SOIL "soil: {name: dry_sand}\n"
 #define SCM SOIL "redistribute: {model: scm}\n"
+#define FIRM_SCM SOIL "redistribute: {model: scm, loosening: 0}\n"
+#define DENSE_SCM SOIL "redistribute: {model: scm, hardening: 0.5}\n"
 #define STILL_SCM SOIL "redistribute: {model: scm, slip_sinkage: 0}\n" /* slip does not dig */
 
 #define CAMERA "size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, images: 2"

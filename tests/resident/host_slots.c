@@ -195,6 +195,7 @@ static struct soil_planes planes_of(struct window *window, struct post_rect rect
 	return (struct soil_planes){
 		.rect = rect, .width = width, .base = window->base, .offset = wide[PLANE_OFFSET], .deposited = wide[PLANE_DEPOSITED],
 		.sinkage = wide[PLANE_PLASTIC_SINKAGE], .shear = wide[PLANE_SHEAR], .dug = wide[PLANE_DUG],
+		.settled = wide[PLANE_SETTLED], .loose = wide[PLANE_LOOSE], .floor = wide[PLANE_FLOOR], .density = wide[PLANE_DENSITY], .slope = wide[PLANE_SLOPE],
 		.disturbance = (uint8_t *)wide[PLANE_DISTURBANCE], .classes = window->classes, .levels = window->levels,
 	};
 }

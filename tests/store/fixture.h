@@ -221,6 +221,11 @@ static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_
 			((int32_t *)field->planes[PLANE_PLASTIC_SINKAGE])[i] = (int32_t)(h >> 7 & 0x7ffff);
 			((int32_t *)field->planes[PLANE_SHEAR])[i] = (int32_t)(h >> 4 & 0x7fff7fff) - 0x3fff;
 			((int32_t *)field->planes[PLANE_DUG])[i] = (int32_t)(h >> 9 & 0xffff);
+			((int32_t *)field->planes[PLANE_SETTLED])[i] = (int32_t)(h >> 5 & 0xffff) - 0x2000;
+			((int32_t *)field->planes[PLANE_LOOSE])[i] = (int32_t)(h >> 6 & 0xffff);
+			((int32_t *)field->planes[PLANE_FLOOR])[i] = (int32_t)(h >> 8 & 0x3ffff);
+			((int32_t *)field->planes[PLANE_DENSITY])[i] = (int32_t)(h >> 10 & 0xfffff);
+			((int32_t *)field->planes[PLANE_SLOPE])[i] = (int32_t)(h * 2654435761u);
 		}
 }
 

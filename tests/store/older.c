@@ -1,4 +1,4 @@
-/* A store of version 3, whose shear was a length: its ruts are read and driven over, its shear counts as none. */
+/* Stores of older versions: their ruts are read and driven over. What lies deposited on them counts as loose. Shear of version 3 counts as none. */
 #include "fixture.h"
 #include "../support/program.h"
 
@@ -11,9 +11,18 @@ static void take_note(const char *text)
 	notes++;
 }
 
+/* The tables of version 6, and of version 5. */
+static void tables_of(const char *path, int version)
+{
+	raw_sql(path, "DROP TABLE settled; DROP TABLE loose; DROP TABLE floor; DROP TABLE density; DROP TABLE slope; PRAGMA user_version=6");
+	if (version == 5)
+		raw_sql(path, "DROP TABLE pinned; DROP TABLE replaced; PRAGMA user_version=5");
+}
+
 /* The tables of version 4. */
 static void older_tables(const char *path)
 {
+	tables_of(path, 5);
 	raw_sql(path, "CREATE TEMP TABLE kept AS SELECT id, epoch, scene_hash, step, time, state FROM run; DROP TABLE run; "
 		      "CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
 		      "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL); INSERT INTO run SELECT * FROM kept; "
@@ -41,7 +50,7 @@ static void make_older(const char *path, struct field *field, bool driven)
 	store_close(store);
 	older_tables(path);
 	raw_sql(path, "DROP TABLE dug; PRAGMA user_version=3");
-	for (int plane = PLANE_SHEAR; plane <= PLANE_DUG; plane++)
+	for (int plane = PLANE_SHEAR; plane < PLANES; plane++)
 		memset(field->planes[plane], 0, (size_t)(field->width * field->height) * plane_bytes((enum plane)plane));
 }
 
@@ -154,9 +163,11 @@ static void a_store_of_version_4_is_what_it_was(void **state)
 	assert_ok(store_set_working_level(store, -1));
 	field_dig(&field, 64, 48, 20, 1);
 	assert_ok(field_commit(&field, field_all(&field), store, 5, &result));
-	uint64_t hash = content(store);
 	store_close(store);
 	older_tables(path);
+	store = open_store(path, STORE_READ);
+	uint64_t hash = content(store); /* without what loose soil is remembered by */
+	store_close(store);
 	notes = 0;
 	for (int mode = 0; mode < 2; mode++) {
 		store = open_store(path, mode == 0 ? STORE_READ : STORE_WRITE);
@@ -172,8 +183,63 @@ static void a_store_of_version_4_is_what_it_was(void **state)
 	assert_ok(store_snapshot(store, "now"));
 	verified(store);
 	store_close(store);
-	assert_int_equal(notes, 0);
+	assert_int_equal(notes, 2);
+	assert_non_null(strstr(told, "what lies deposited on them counts as loose"));
 	field_free(&field);
+}
+
+static void without_memory(struct field *field)
+{
+	for (int plane = PLANE_SETTLED; plane < PLANES; plane++)
+		memset(field->planes[plane], 0, (size_t)(field->width * field->height) * plane_bytes((enum plane)plane));
+}
+
+/* Versions 5 and 6 remember no loose soil. Version 6 keeps what overlays depend on, version 5 does not. */
+static void stores_of_versions_5_and_6_are_read_as_they_were(void **state)
+{
+	(void)state;
+	for (int version = 5; version < 7; version++) {
+		const char *path = in_folder(version == 5 ? "five.furrow" : "six.furrow"), *over = in_folder(version == 5 ? "o5.furrow" : "o6.furrow");
+		struct field field = field_make(-1);
+		struct store_commit_result result;
+		make_store(path);
+		struct store *store = open_store(path, STORE_WRITE);
+		assert_ok(store_set_working_level(store, -1));
+		field_dig(&field, 64, 48, 20, 1);
+		without_memory(&field);
+		assert_ok(field_commit(&field, field_all(&field), store, 5, &result));
+		store_close(store);
+		assert_ok(store_create_overlay(over, path));
+		if (version == 6) { /* the overlay depends on what was there before this */
+			store = open_store(path, STORE_WRITE);
+			field_dig(&field, 40, 40, 30, 2);
+			without_memory(&field);
+			assert_ok(field_commit(&field, field_all(&field), store, 6, &result));
+			store_close(store);
+		}
+		tables_of(path, version);
+		notes = 0;
+		store = open_store(path, STORE_READ);
+		const uint64_t hash = content(store);
+		verified(store);
+		store_close(store);
+		assert_int_equal(notes, 1);
+		assert_non_null(strstr(told, "what lies deposited on them counts as loose"));
+		assert_int_equal(version_of(path), version);
+		store = open_store(path, STORE_WRITE);
+		assert_true(content(store) == hash);
+		verified(store);
+		store_close(store);
+		assert_int_equal(version_of(path), STORE_VERSION);
+		notes = 0;
+		store = open_store(path, STORE_WRITE);
+		assert_int_equal(notes, 0);
+		field_dig(&field, 50, 40, 9, 3);
+		assert_ok(field_commit(&field, field_all(&field), store, 7, &result));
+		verified(store);
+		store_close(store);
+		field_free(&field);
+	}
 }
 
 /* A store of each version is branched. It stays as it is, and keeps what the branch depends on when it is driven. */
@@ -198,7 +264,7 @@ static void a_branch_of_an_older_store_stays_what_it_is(void **state)
 		assert_ok(field_commit(&field, field_all(&field), store, 2, &result));
 		verified(store);
 		store_close(store);
-		assert_int_equal(version_of(path), STORE_VERSION_PINS);
+		assert_int_equal(version_of(path), STORE_VERSION);
 		store = open_store(over, STORE_WRITE);
 		assert_true(content(store) == hash);
 		verified(store);
@@ -215,6 +281,7 @@ TEST_PROGRAM(older)
 		cmocka_unit_test(who_writes_makes_it_one_of_this_version),
 		cmocka_unit_test(an_import_of_the_version_before_is_read_in_silence),
 		cmocka_unit_test(a_store_of_version_4_is_what_it_was),
+		cmocka_unit_test(stores_of_versions_5_and_6_are_read_as_they_were),
 	};
 	note_to(take_note);
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);

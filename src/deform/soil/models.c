@@ -48,7 +48,9 @@ bool deform_tells_forces(enum deform_model model)
 
 unsigned deform_planes(enum deform_model model, bool disturbance, unsigned memory)
 {
+	const unsigned loose = PLANE_BIT(PLANE_SETTLED) | PLANE_BIT(PLANE_LOOSE) | PLANE_BIT(PLANE_FLOOR);
 	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | (memory & DEFORM_DIGS ? PLANE_BIT(PLANE_DUG) : 0) |
+	       (memory & DEFORM_LOOSENS ? loose : 0) | (memory & DEFORM_HARDENS ? PLANE_BIT(PLANE_DENSITY) : 0) |
 	       (memory & DEFORM_SLOPES ? PLANE_BIT(PLANE_SLOPE) : 0) | rows[model]->planes;
 }
 
@@ -62,12 +64,17 @@ bool deform_slopes_count(enum deform_model model, const struct soil_numbers *soi
 
 unsigned deform_memory(const struct deform_params *params)
 {
-	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (deform_has_slopes(params) ? DEFORM_SLOPES : 0);
+	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (params->loosening > 0 ? DEFORM_LOOSENS : 0) | (params->hardening > 0 ? DEFORM_HARDENS : 0) |
+	       (deform_has_slopes(params) ? DEFORM_SLOPES : 0);
 }
 
 const char *deform_plane_effect(enum deform_model model, enum plane plane)
 {
-	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : plane == PLANE_SLOPE ? deform_slide_effect(model) : deform_displace_effect(model);
+	if (plane == PLANE_SETTLED || plane == PLANE_LOOSE || plane == PLANE_FLOOR)
+		return "loose";
+	if (plane == PLANE_SLOPE)
+		return deform_slide_effect(model);
+	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : plane == PLANE_DENSITY ? "dense" : deform_displace_effect(model);
 }
 
 const char *deform_displace_effect(enum deform_model model)

@@ -39,13 +39,50 @@ SOIL_INLINED int32_t shear_of(const float axis[2], float x, float y)
 	return (int32_t)(((uint32_t)east & 0xffffu) | (uint32_t)north << 16);
 }
 
+/* The soil of the posts. thick: of the loose layer that is left; under: struct stress_soil. */
+struct soils {
+	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES], whole[POSTS_LANES], thick[POSTS_LANES], under[POSTS_LANES];
+};
+
+SOIL_INLINED struct stress_soil soil_at(const struct soils *s, int i)
+{
+	return (struct stress_soil){.k = s->k[i], .n = s->n[i], .elastic = s->elastic[i], .by_elastic = s->by_elastic[i], .whole = s->whole[i], .thick = s->thick[i], .under = s->under[i]};
+}
+
 /* Gives the plastic part of sinkages in fixed-point units, m. */
-SOIL_INLINED void put_plastic(const float k[POSTS_LANES], const float n[POSTS_LANES], const float elastic[POSTS_LANES], const float by_elastic[POSTS_LANES],
-			      const int32_t sinkage[POSTS_LANES], float plastic[POSTS_LANES])
+SOIL_INLINED void put_plastic_on(const struct soils *soils, const int32_t sinkage[POSTS_LANES], bool layered, float plastic[POSTS_LANES])
 {
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const struct stress_soil soil = {.k = k[i], .n = n[i], .elastic = elastic[i], .by_elastic = by_elastic[i]};
-		plastic[i] = plastic_of(&soil, (float)sinkage[i] * SOIL_UNIT);
+		const struct stress_soil soil = soil_at(soils, i);
+		plastic[i] = plastic_on(&soil, (float)sinkage[i] * SOIL_UNIT, layered);
+	}
+}
+
+SOIL_INLINED void put_plastic(const struct soils *soils, const int32_t sinkage[POSTS_LANES], bool layered, float plastic[POSTS_LANES])
+{
+	if (layered)
+		put_plastic_on(soils, sinkage, true, plastic);
+	else
+		put_plastic_on(soils, sinkage, false, plastic);
+}
+
+/* Gives what a touched post remembers. A loose layer is used up where the floor bears more than it does. Then the floor is all that is left. What it
+ * remembers of its sinkage goes on. digs: fixed-point units. */
+SOIL_INLINED void put_layers(const struct soil_posts *posts, size_t b, const struct soils *soils, const float by_up[POSTS_LANES], const int32_t digs[POSTS_LANES],
+			     struct soil_after *a)
+{
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const struct stress_soil soil = soil_at(soils, i);
+		const float z = (float)a->sinkage[i] * SOIL_UNIT;
+		float grows;
+		const int32_t thick = larger(posts->loose[b + i] - digs[i], 1), is = posts->loose[b + i] > 0;
+		const int32_t used = is & (floor_stress(&soil, z, &grows) >= yield_stress(&soil, z)) & (z > soil.thick);
+		const int32_t deep = whole_of(clamped((z - soil.thick + soil.under) * 1048576.0f, 0, 1.9e9f)), floor = posts->floor[b + i];
+		/* The undisturbed surface of the floor lies above the floor by its plastic sinkage. */
+		a->deposited[i] += used * (whole_of(clamped(soil.under * by_up[i] * 1048576.0f, 0, 1.9e9f)) - thick);
+		a->sinkage[i] = used ? larger(floor, deep) : a->sinkage[i];
+		a->loose[i] = is & !used ? thick : 0;
+		a->floor[i] = is & !used ? floor : 0;
 	}
 }
 
@@ -54,7 +91,9 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 {
 	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
-	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES], shear_x[POSTS_LANES], shear_y[POSTS_LANES];
+	float shear_x[POSTS_LANES], shear_y[POSTS_LANES];
+	struct soils soils;
+	int32_t loose = 0;
 	const int32_t near = (int32_t)fminf((float)AFTER_SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
@@ -71,10 +110,14 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		over[i] = posts->over[b + i];
 		swept[i] = most(posts->swept[b + i], over[i]);
 		more[i] = kept->more[b + i];
-		k[i] = posts->k[b + i];
-		n[i] = posts->n[b + i];
-		elastic[i] = posts->elastic[b + i];
-		by_elastic[i] = posts->by_elastic[b + i];
+		soils.k[i] = posts->k[b + i];
+		soils.n[i] = posts->n[b + i];
+		soils.elastic[i] = posts->elastic[b + i];
+		soils.by_elastic[i] = posts->by_elastic[b + i];
+		soils.whole[i] = posts->whole[b + i];
+		soils.thick[i] = posts->thick[b + i];
+		soils.under[i] = posts->under[b + i];
+		loose |= posts->loose[b + i];
 		shear_x[i] = kept->shear_x[b + i];
 		shear_y[i] = kept->shear_y[b + i];
 	}
@@ -84,8 +127,9 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		sunk[i] = over[i] > 0 ? ground[i] - rests[i] : 0;
 		largest[i] = larger(sinkage[i], sinkage_of(up[i], ground[i] - lowest[i]));
 	}
-	put_plastic(k, n, elastic, by_elastic, sinkage, had);
-	put_plastic(k, n, elastic, by_elastic, largest, plastic);
+	const bool layered = posts->layered && loose > 0;
+	put_plastic(&soils, sinkage, layered, had);
+	put_plastic(&soils, largest, layered, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]);
 		const int32_t may = (swept[i] > 0) & (lowest[i] < ground[i]), touches = may & has_last(deepest, sinkage[i], had[i]);
@@ -101,8 +145,10 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		touched[i] = touches;
 		held[i] = holds;
 	}
-	put_plastic(k, n, elastic, by_elastic, remains, had);
-	put_plastic(k, n, elastic, by_elastic, largest, plastic);
+	for (int i = 0; i < POSTS_LANES && layered; i++)
+		soils.thick[i] = either(soils.thick[i] > 0, most(soils.thick[i] - up[i] * (float)digs[i] * SOIL_UNIT, SOIL_UNIT), 0);
+	put_plastic(&soils, remains, layered, had);
+	put_plastic(&soils, largest, layered, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t still = has_last(sinkage_of(up[i], sunk[i] - gone[i]), largest[i], plastic[i]), holds = held[i] & (still | (gone[i] == 0));
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);
@@ -127,6 +173,14 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		 * second one, so it stays. */
 		a->ends[i] = (swept[i] > 0) & (lowest[i] - (ground[i] - deposited[i] + before[i]) < near);
 	}
+	/* A pass is over where the body has left the post. It makes the soil denser by half of what is left. */
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const int32_t density = posts->density[b + i], left = density < 1 << 20 ? (1 << 20) - density : 0;
+		a->density[i] = density + left / 2 * (a->touched[i] & (a->held[i] ^ 1));
+		a->loose[i] = a->floor[i] = 0;
+	}
+	if (layered)
+		put_layers(posts, b, &soils, by_up, digs, a);
 	for (int i = 0; i < POSTS_LANES; i++)
 		a->shear[i] = shear_of(axis, shear_x[i] * (float)a->held[i], shear_y[i] * (float)a->held[i]);
 }

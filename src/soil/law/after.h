@@ -10,6 +10,7 @@
 struct soil_after {
 	int32_t offset[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], shear[POSTS_LANES], dug[POSTS_LANES], carried[POSTS_LANES], lost[POSTS_LANES];
 	int32_t below[POSTS_LANES], gap[POSTS_LANES]; /* 1: it is below the body, which does not touch it; how far below its surface, fixed-point units */
+	int32_t loose[POSTS_LANES], floor[POSTS_LANES], density[POSTS_LANES];
 	int32_t touched[POSTS_LANES], held[POSTS_LANES], refused[POSTS_LANES], ends[POSTS_LANES]; /* 1: yes */
 };
 

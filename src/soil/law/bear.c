@@ -179,6 +179,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			take_lanes(posts, b, &lanes);
 		memset(counts.area, 0, sizeof counts.area);
 		memset(counts.grows, 0, sizeof counts.grows);
+		l.layered = posts->layered && are_layered(p);
 		put_depths(f, kind, p, a->raised, &l);
 		put_slides(f, kind, p, &l);
 		put_shares(f, &lanes, &l);

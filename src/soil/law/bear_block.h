@@ -9,6 +9,7 @@
 
 /* What one evaluation knows of a block of posts. Heights and depths are in metres. */
 struct block {
+	bool layered;                   /* some post has a loose layer on a floor */
 	float ground[LANES];            /* above the centre, less what slip digs */
 	float depth[LANES];             /* of the end pose below the ground, vertically */
 	float was[LANES], plastic[LANES]; /* along the normal: the largest sinkage before, less what slip digs; its plastic part */
@@ -26,7 +27,7 @@ struct block {
 
 SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
 {
-	return (struct stress_soil){p->k[i], p->n[i], p->elastic[i], p->by_elastic[i], p->cohesion[i], p->tan_phi[i], p->modulus[i], p->by_modulus[i], p->damping[i]};
+	return (struct stress_soil){p->k[i], p->n[i], p->elastic[i], p->by_elastic[i], p->cohesion[i], p->tan_phi[i], p->modulus[i], p->by_modulus[i], p->damping[i], p->whole[i], p->thick[i], p->under[i]};
 }
 
 SOIL_INLINED bool any_above(const float numbers[LANES], float than)
@@ -154,6 +155,22 @@ SOIL_INLINED float lasted(const struct lane_posts *p, int i, float passed)
 	return either(p->over[i] > 0, least(passed, 1), passed);
 }
 
+/* The law of soil that may lie loose on a floor costs another power. So what needs it is compiled twice. Blocks without a loose layer take the plain one.
+ * Tells whether some post has such a layer. */
+SOIL_INLINED bool are_layered(const struct lane_posts *p)
+{
+	return any_above(p->thick, 0);
+}
+
+SOIL_INLINED void put_yields(const struct lane_posts *p, bool layered, struct block *l)
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		l->yields[i] = yield_stress_on(&s, l->was[i], layered);
+		l->plastic[i] = plastic_part(&s, l->was[i], l->yields[i]);
+	}
+}
+
 SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int32_t raised, struct block *l)
 {
 	EACH_LANE {
@@ -164,12 +181,12 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 		l->share[i] = either(p->room[i] > (float)raised * SOIL_UNIT + f->beyond, p->share[i], 0);
 		l->yields[i] = l->plastic[i] = 0;
 	}
-	if (any_above(p->was, 0))
-		EACH_LANE {
-			const struct stress_soil s = soil_of(p, i);
-			l->yields[i] = yield_stress(&s, l->was[i]);
-			l->plastic[i] = plastic_part(&s, l->was[i], l->yields[i]);
-		}
+	if (any_above(p->was, 0)) {
+		if (l->layered)
+			put_yields(p, true, l);
+		else
+			put_yields(p, false, l);
+	}
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
 
@@ -190,14 +207,14 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
  * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
-SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, bool layered, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
 		const float half = 0.5f * most(lasted(p, i, l->passed[i]), 0), x = p->x[i] + half * f->way[0], y = p->y[i] + half * f->way[1];
 		const float lowest = p->height[i] + p->above[i] - p->lowered[i], up = p->up[i];
 		const float deepest = most(up * (l->ground[i] - lowest), 0), sunk = up * l->depth[i], after = most(l->was[i], deepest);
-		const float stays = least(plastic_of(&s, after), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
+		const float stays = least(plastic_on(&s, after, layered), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
 		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
@@ -211,8 +228,16 @@ SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, const
 	if (any_above(l->was, 0))
 		EACH_LANE {
 			const struct stress_soil s = soil_of(p, i);
-			l->plastic[i] = plastic_of(&s, l->was[i]);
+			l->plastic[i] = plastic_on(&s, l->was[i], layered);
 		}
+}
+
+SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+{
+	if (l->layered)
+		dig_in(f, kind, p, true, l);
+	else
+		dig_in(f, kind, p, false, l);
 }
 
 SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
@@ -348,6 +373,15 @@ SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind 
 	return all * either(l->was[lane] > 0, 1, 0);
 }
 
+/* Gives the plastic part of vertical sinkages, vertically, m. */
+SOIL_INLINED void put_stays(const struct lane_posts *p, const float mosts[LANES], bool layered, float stays[LANES])
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		stays[i] = plastic_on(&s, mosts[i] * p->up[i], layered) * p->by_up[i];
+	}
+}
+
 /* A line across the cell, in the direction in which the depth of the lower envelope changes most. The depth along it is taken as a parabola. An end of
  * what bears lies where the body leaves the surface; where it unloads, where it leaves the plastic part of the earlier sinkage. */
 SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
@@ -388,11 +422,10 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 		}
 	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
 	for (int k = 0; k < 3; k++)
-		if (any)
-			EACH_LANE {
-				const struct stress_soil s = soil_of(p, i);
-				stays[k][i] = plastic_of(&s, mosts[k][i] * p->up[i]) * p->by_up[i];
-			}
+		if (any && l->layered)
+			put_stays(p, mosts[k], true, stays[k]);
+		else if (any)
+			put_stays(p, mosts[k], false, stays[k]);
 		else
 			memset(stays[k], 0, sizeof stays[k]);
 	EACH_LANE {

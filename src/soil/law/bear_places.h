@@ -13,8 +13,17 @@
 
 /* The soil at a place of each lane. */
 struct spots {
-	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], keeps[LANES], holds[LANES];
+	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], grows[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], keeps[LANES], holds[LANES];
 };
+
+SOIL_INLINED void put_spot_yields(const struct lane_posts *p, bool layered, struct spots *spots)
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		spots->yields[i] = yield_stress_on(&s, spots->most[i], layered);
+		spots->grows[i] = yield_growth_on(&s, spots->yields[i], spots->most[i], layered);
+	}
+}
 
 SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, const struct block *l, float at,
 			    struct spots *spots)
@@ -46,10 +55,12 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 			spots->unloads[i] = either(before >= spots->most[i], 1, spots->unloads[i]);
 			spots->most[i] = most(spots->most[i], before);
 		}
+	EACH_LANE spots->most[i] *= p->up[i];
+	if (l->layered)
+		put_spot_yields(p, true, spots);
+	else
+		put_spot_yields(p, false, spots);
 	EACH_LANE {
-		const struct stress_soil s = soil_of(p, i);
-		spots->most[i] *= p->up[i];
-		spots->yields[i] = yield_stress(&s, spots->most[i]);
 		spots->stays[i] = exp_minus(spots->touching[i]);
 		spots->holds[i] = 1 - 0.5f * l->springs[i] * spots->stays[i]; /* put_shares */
 	}
@@ -140,7 +151,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->stress = yields * share;
 	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
 	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
-	place->sinks = up * ((1 - unloads) * yield_growth(&s, yields, largest) + unloads * yields * by_elastic);
+	place->sinks = up * ((1 - unloads) * spots->grows[lane] + unloads * yields * by_elastic);
 	put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, place);
 	const struct slip slip = slip_at(f, kind, place->arm, place->normal, place->across);
 	place->mobilised[0] = sheared(p->shear_x[i], slip.direction[0], spots->stays[lane]);

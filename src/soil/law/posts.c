@@ -3,6 +3,7 @@
 
 #include "soil/law/cover.h"
 #include "soil/law/cover_fine.h"
+#include "soil/law/memory.h"
 #include "soil/shape/body.h"
 
 enum {
@@ -105,7 +106,7 @@ static void cut(double first, double step, double low, double high, int64_t colu
 
 /* A run of posts of a row in the planes. Planes that are missing are NULL. */
 struct run {
-	const int32_t *base, *deposited, *sinkage, *shear, *dug, *offset;
+	const int32_t *base, *deposited, *sinkage, *shear, *dug, *offset, *settled, *loose, *floor, *density;
 	size_t width; /* posts in a row of the planes */
 	int32_t index;
 };
@@ -135,6 +136,8 @@ SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct
 	const int32_t *restrict base = run->base, *restrict west = base - 1, *restrict east = base + 1;
 	const int32_t *restrict south = base - run->width, *restrict north = base + run->width;
 	const int32_t *restrict deposited = run->deposited != NULL ? run->deposited : base, *restrict sinkage = run->sinkage != NULL ? run->sinkage : base;
+	const int32_t *restrict settled = run->settled != NULL ? run->settled : deposited, *restrict loose = run->settled != NULL ? run->loose : base;
+	const int32_t loosens = run->settled != NULL;
 	const float heaps = run->deposited != NULL ? SOIL_UNIT : 0, sinks = run->sinkage != NULL ? SOIL_UNIT : 0, unit = 4 * SOIL_UNIT, r2 = m->radius * m->radius;
 	int32_t firsts[POSTS_LANES], lasts[POSTS_LANES], first = INT32_MAX, last = -1;
 	for (int32_t lane = 0; lane < POSTS_LANES; lane++) {
@@ -155,7 +158,8 @@ SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct
 			const bool touches = (ground + rise + m->above > lowest) & (near <= m->outer);
 			/* Behind the axle the rim is lower at places that are farther ahead, and was so at the motion's start, but less. */
 			const float aside = y - m->leans * root(r2 - x * x);
-			const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * sinks;
+			const int32_t layered = (deposited[i] > settled[i]) | (loosens & (loose[i] > 0)); /* then the rut is not the surface */
+			const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * either(layered, 0, sinks);
 			const float leaves = m->lean * y + sunk - ground - root(r2 - inner * inner) * m->lift;
 			const float springs = (m->springs[0] + m->springs[1] * sunk) * (1 + rise * m->by_reach) + 1e-5f; /* vertically */
 			const bool behind = (x < -m->ran - m->reach) & (x > -m->radius);
@@ -198,7 +202,8 @@ static void cut_rim(const struct walk *walk, const struct soil_body *body, const
 	};
 	const size_t from = (size_t)columns[0];
 	const struct run part = {.base = row->base + from, .deposited = row->deposited != NULL ? row->deposited + from : NULL,
-				 .sinkage = row->sinkage != NULL ? row->sinkage + from : NULL, .width = row->width};
+				 .sinkage = row->sinkage != NULL ? row->sinkage + from : NULL, .settled = row->settled != NULL ? row->settled + from : NULL,
+				 .loose = row->loose != NULL ? row->loose + from : NULL, .width = row->width};
 	int32_t end;
 	const int32_t begins = mark_run(&marks, &part, (int32_t)(columns[1] - columns[0]), &end);
 	columns[1] = columns[0] + end;
@@ -247,6 +252,22 @@ SOIL_INLINED void take_if_any(int32_t *restrict to, const int32_t *restrict from
 		memset(to, 0, POSTS_LANES * sizeof *to);
 }
 
+/* Finds the top layer of the posts of a block: what `loose` and `floor` are, and what it changes in `deposited` and `sinkage`. surface: offsets. */
+SOIL_CLONED static void put_layers(struct soil_posts *restrict p, size_t to)
+{
+	int32_t any = 0;
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const size_t at = to + (size_t)i;
+		const struct memory is = memory_of(p->surface[at], p->deposited[at], p->sinkage[at], p->settled[at], p->loose[at], p->floor[at]);
+		p->deposited[at] = is.deposited;
+		p->sinkage[at] = is.sinkage;
+		p->loose[at] = is.loose;
+		p->floor[at] = is.floor;
+		any |= is.loose > 0;
+	}
+	p->layered |= any != 0;
+}
+
 /* Copies what the planes have of a block of posts, and where the posts are. */
 SOIL_CLONED static void take_block(const struct run *restrict run, const double place[restrict 2], const double step[restrict 2], int64_t zero,
 				   struct soil_posts *restrict p, size_t to)
@@ -268,6 +289,12 @@ SOIL_CLONED static void take_block(const struct run *restrict run, const double 
 	take_if_any(p->shear + to, run->shear);
 	take_if_any(p->digs + to, run->dug);
 	take_if_any(p->surface + to, run->offset);
+	take_if_any(p->settled + to, run->settled);
+	take_if_any(p->loose + to, run->loose);
+	take_if_any(p->floor + to, run->floor);
+	take_if_any(p->density + to, run->density);
+	if (run->settled != NULL)
+		put_layers(p, to);
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const size_t at = to + (size_t)i;
@@ -279,14 +306,18 @@ SOIL_CLONED static void take_block(const struct run *restrict run, const double 
 /* Copies the same of fewer posts, at the end of the planes. The lanes after them get zeros. */
 static void take_few(const struct run *run, size_t count, const double place[2], const double step[2], int64_t zero, struct soil_posts *p, size_t to)
 {
-	int32_t few[10][POSTS_LANES] = {{0}};
-	const int32_t *const from[] = {run->base - run->width, run->base - 1, run->base, run->base + 1, run->base + run->width, run->deposited, run->sinkage, run->shear, run->dug, run->offset};
-	int32_t *const into[] = {p->south, p->west, p->base, p->east, p->north, p->deposited, p->sinkage, p->shear, p->digs, p->surface};
-	for (int k = 0; k < 10; k++) {
+	int32_t few[14][POSTS_LANES] = {{0}};
+	const int32_t *const from[] = {run->base - run->width, run->base - 1, run->base, run->base + 1, run->base + run->width, run->deposited, run->sinkage, run->shear, run->dug, run->offset,
+				       run->settled, run->loose, run->floor, run->density};
+	int32_t *const into[] = {p->south, p->west, p->base, p->east, p->north, p->deposited, p->sinkage, p->shear, p->digs, p->surface,
+				 p->settled, p->loose, p->floor, p->density};
+	for (int k = 0; k < 14; k++) {
 		if (from[k] != NULL)
 			memcpy(few[k], from[k], count * sizeof **few);
 		memcpy(into[k] + to, few[k], sizeof *few);
 	}
+	if (run->settled != NULL)
+		put_layers(p, to);
 	for (size_t i = 0; i < POSTS_LANES; i++) {
 		p->index[to + i] = run->index + (int32_t)(i < count ? i : count - 1);
 		p->x[to + i] = (float)(place[0] + (double)i * step[0]);
@@ -304,7 +335,8 @@ static const int32_t *after(const int32_t *plane, size_t posts)
 static struct run run_at(const struct soil_planes *planes, size_t at)
 {
 	return (struct run){after(planes->base, at), after(planes->deposited, at), after(planes->sinkage, at), after(planes->shear, at),
-			    after(planes->dug, at), after(planes->offset, at), planes->width, (int32_t)at};
+			    after(planes->dug, at), after(planes->offset, at), after(planes->settled, at), after(planes->loose, at), after(planes->floor, at),
+			    after(planes->density, at), planes->width, (int32_t)at};
 }
 
 /* Copies a run of posts, in whole blocks: the lanes after its end get posts beyond it, which the next run overwrites. */
@@ -326,6 +358,7 @@ static void take_rows(const struct soil_planes *planes, const struct soil_body *
 {
 	const struct post_rect *below = &walk->below;
 	p->count = 0;
+	p->layered = false;
 	for (int64_t y = below->y0; y < below->y1; y++) {
 		const double north = walk->corner[1] + (double)(y - below->y0) * (double)form->spacing;
 		const double first[2] = {body->axis[0] * walk->corner[0] + body->axis[1] * north, body->axis[0] * north - body->axis[1] * walk->corner[0]};
@@ -371,6 +404,7 @@ SOIL_CLONED static void put_numbers(const float axis[restrict 2], float scale, s
 		p->shear_x[b + i] = (c * east + s * north) * 0x1p-15f;
 		p->shear_y[b + i] = (c * north - s * east) * 0x1p-15f;
 		p->was[b + i] = (float)p->sinkage[b + i] * SOIL_UNIT;
+		p->thick[b + i] = (float)p->loose[b + i] * SOIL_UNIT * p->up[b + i];
 		p->dug[b + i] = (float)p->digs[b + i] * SOIL_UNIT;
 	}
 }
@@ -423,6 +457,28 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 	}
 }
 
+/* Makes the numbers of each post those of its layers: dense soil bears more, and a loose layer less. */
+SOIL_CLONED static void put_strengths(float loosening, float hardening, struct soil_posts *restrict p, size_t b)
+{
+	SOIL_APART
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const float harder = 1 + hardening * least((float)p->density[b + i] * SOIL_UNIT, 1);
+		const bool loose = p->loose[b + i] > 0;
+		p->k_c[b + i] *= harder;
+		p->k_phi[b + i] *= harder;
+		p->cohesion[b + i] *= either(loose, 1, harder);
+		p->modulus[b + i] /= either(loose, 1, harder);
+		p->by_modulus[b + i] *= either(loose, 1, harder);
+		p->eases[b + i] = either(loose, (1 - loosening) / harder, 1);
+	}
+	/* A loose layer that a body sank into bears as soil that lay there and sank less: k (e z)^n is (1 - loosening) k z^n. */
+	if (p->layered)
+		for (int i = 0; i < POSTS_LANES; i++) {
+			const float floor = (float)p->floor[b + i], less = power_of(1 - loosening, 1 / p->n[b + i]);
+			p->floor[b + i] = whole_of(clamped(either(floor < 0, -floor * less, floor), 0, 1.9e9f));
+		}
+}
+
 /* The lanes after the last post are copies of it that bear nothing. */
 static void end_lanes(struct soil_posts *p)
 {
@@ -449,6 +505,8 @@ void soil_posts_gather(const struct soil_law *law, const struct soil_planes *pla
 	put_soils(law, planes, posts);
 	end_lanes(posts);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)
+		put_strengths((float)law->loosening, (float)law->hardening, posts, b);
+	for (size_t b = 0; b < posts->count; b += POSTS_LANES)
 		put_numbers(axis, (float)(lattice_base_metres(1) / law->spacing), posts, b);
 	soil_cover(body, form, posts);
 }
@@ -460,4 +518,13 @@ SOIL_CLONED void soil_posts_width(float by_width, struct soil_posts *posts)
 	SOIL_APART
 	for (size_t i = 0; i < soil_posts_end(posts); i++)
 		k[i] = most(k_c[i] * by_width + k_phi[i], 0); /* k_c may be negative, and a patch small */
+	if (!posts->layered)
+		return;
+	SOIL_APART
+	for (size_t i = 0; i < soil_posts_end(posts); i++) {
+		const struct stress_soil s = {.k = k[i], .n = posts->n[i], .elastic = posts->elastic[i], .by_elastic = posts->by_elastic[i]};
+		posts->whole[i] = k[i];
+		posts->under[i] = plastic_of(&s, (float)posts->floor[i] * SOIL_UNIT);
+		k[i] *= posts->eases[i];
+	}
 }

@@ -13,7 +13,7 @@
 #define POSTS_LAW_WHOLES_EACH(EACH) \
 	EACH(ground)    /* height of the undisturbed surface above the body's centre, fixed-point units */ \
 	EACH(surface)   /* of the surface as it is; fixed-point units above the centre */ \
-	EACH(deposited) EACH(shear) /* of the planes, before */
+	EACH(deposited) EACH(shear) /* of the planes, before; deposited: of the top layer (memory.h) */
 #define POSTS_LAW_REALS_EACH(EACH) \
 	EACH(x) EACH(y)             /* m, in the body's frame */ \
 	EACH(rise_x) EACH(rise_y)   /* of the base, along the frame's axes */ \
@@ -32,20 +32,24 @@
 	EACH(share) EACH(middle_x) EACH(middle_y) /* the part of the post's cell that the body covers: share of a cell's area, its middle from the post */ \
 	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \
 	EACH(room)                  /* m: the body touches the cell if it is raised by less */ \
-	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) /* struct stress_soil */
+	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) EACH(whole) EACH(thick) EACH(under) /* struct stress_soil */
 /* And what it does not. */
 #define POSTS_WHOLES_EACH(EACH) \
 	POSTS_LAW_WHOLES_EACH(EACH) \
 	EACH(index)     /* of the post in the planes */ \
-	EACH(sinkage) EACH(digs) /* of the planes, before */ \
+	EACH(sinkage) EACH(digs) /* of the planes, before; sinkage: of the top layer */ \
+	EACH(settled) EACH(loose) EACH(floor) /* the loose layer and the floor below it, before (memory.h); settled: of the plane */ \
+	EACH(density) /* of the plane, before */ \
 	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
 #define POSTS_REALS_EACH(EACH) \
 	POSTS_LAW_REALS_EACH(EACH) \
 	EACH(swept)                 /* 1: the body was above the post during its motion */ \
+	EACH(eases)                 /* by how much less the top layer bears than the soil; 1: it is not loose */ \
 	EACH(k_c) EACH(k_phi)       /* of the soil, for soil_posts_width */
 
 struct soil_posts {
 	size_t count, capacity;
+	bool layered; /* some posts have a loose layer on a floor */
 	void *memory;
 #define POSTS_WHOLE(name) int32_t *name;
 #define POSTS_REAL(name) float *name;

@@ -14,6 +14,7 @@
 /* The soil of a post. k: k_c / b + k_phi, N/m^(n+2), b the width of the contact patch. modulus: of shear, m. */
 struct stress_soil {
 	float k, n, elastic, by_elastic, cohesion, tan_phi, modulus, by_modulus, damping;
+	float whole, thick, under; /* of a loose layer on a floor: k of the floor; thickness of the layer along the normal, m; the floor's plastic sinkage, m */
 };
 
 /* Returns the stress that the soil bears at sinkage z, m, when it yields; Pa. */
@@ -39,6 +40,39 @@ SOIL_INLINED float plastic_part(const struct stress_soil *s, float z, float yiel
 SOIL_INLINED float plastic_of(const struct stress_soil *s, float z)
 {
 	return plastic_part(s, z, yield_stress(s, z));
+}
+
+/* --- a loose layer on a floor (memory.h) --- */
+
+/* Returns the stress that the floor below a loose layer bears at sinkage z of the layer, Pa. *grows: Pa/m. It is loaded anew from where it was left,
+ * and yields beyond. */
+SOIL_INLINED float floor_stress(const struct stress_soil *s, float z, float *grows)
+{
+	const float into = z - s->thick, deep = into + s->under, bekker = s->whole * power_of(most(deep, SOIL_UNIT), s->n), springs = into * s->elastic;
+	*grows = either(bekker < springs, bekker * s->n / most(deep, SOIL_UNIT), s->elastic);
+	return either((into > 0) & (s->thick > 0), least(least(bekker, springs), SOIL_STRESS_MOST), 0);
+}
+
+/* The same as yield_stress, yield_growth and plastic_of, of soil that may lie loose on a floor. `layered` false: it does not. */
+SOIL_INLINED float yield_stress_on(const struct stress_soil *s, float z, bool layered)
+{
+	float grows;
+	const float yields = yield_stress(s, z);
+	return layered ? most(yields, floor_stress(s, z, &grows)) : yields;
+}
+
+SOIL_INLINED float yield_growth_on(const struct stress_soil *s, float yields, float z, bool layered)
+{
+	float grows;
+	if (!layered)
+		return yield_growth(s, yields, z);
+	const float below = floor_stress(s, z, &grows), loose = yield_stress(s, z), top = yield_growth(s, loose, z);
+	return either(below > loose, grows, top);
+}
+
+SOIL_INLINED float plastic_on(const struct stress_soil *s, float z, bool layered)
+{
+	return plastic_part(s, z, yield_stress_on(s, z, layered));
 }
 
 /* A body's surface: its adhesion, Pa, and the tangent of its friction angle. own: 1 where the soil says it: own_adhesion, or its friction angle. */

@@ -121,7 +121,7 @@ bool soil_sliding_slopes(struct sliding_field *field, size_t trim, void *scratch
 /* slopes.c: sets the least difference that slides where the height of slopes counts. */
 void soil_sliding_least_in_slopes(struct sliding_field *field);
 size_t soil_sliding_slopes_bytes(const struct soil_sliding *rule, const struct soil_planes *planes);
-/* slopes.c: marks in `steep` posts of a row beside which a slope could slide if it was high enough. */
+/* window_slopes.c: marks in `steep` posts of a row beside which a slope could slide if it was high enough. */
 void soil_sliding_steep_row(const struct sliding_field *field, size_t row, uint8_t *steep);
 
 /* end.c: writes offsets and thickness of posts of the field, less `trim` on each side. Sets flags of blocks. */

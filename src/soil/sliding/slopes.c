@@ -230,36 +230,49 @@ void soil_sliding_least_in_slopes(struct sliding_field *field)
 		field->least[k] = soil_sliding_with_tolerance(field->rule, in_slopes[k]);
 }
 
-/* Returns whether soil could slide between two posts of the planes, if the slope was high enough. k: as in `ways`. */
-static bool could_slide_between(const struct slopes *slopes, size_t at, size_t beside, int k)
-{
-	const struct sliding_field *field = slopes->field;
-	int32_t own = slopes->surfaces[at], other = slopes->surfaces[beside], difference = (int32_t)((uint32_t)own - (uint32_t)other);
-	if (own == SLIDING_STILL || other == SLIDING_STILL)
-		return false;
-	const bool gives = difference > 0;
-	int32_t high = gives ? difference : (int32_t)(0u - (uint32_t)difference), more = 1;
-	if (field->rule->undisturbed_stable) {
-		const uint32_t bases = ((uint32_t)field->planes->base[at] - (uint32_t)field->planes->base[beside]) * 4u;
-		more = (int32_t)(gives ? (uint32_t)difference - bases : bases - (uint32_t)difference);
-	}
-	return high > slopes->least[k < 4 ? 0 : 1] && more > 0;
-}
+/* A row of extents that are kept. */
+struct kept_row {
+	const int32_t *surfaces, *offsets; /* offsets NULL: undisturbed ground is not stable */
+	const uint32_t *extents;
+	uint32_t *kept;
+	uint8_t *changed; /* of each post: 1 or 0 */
+	ptrdiff_t stride;
+	int32_t least[2];
+};
 
-/* Puts the extents of a row into the plane, within a span of columns of the planes. changed: 1 for each that became another, else 0. */
-static void keep_row(const struct slopes *slopes, size_t row, struct sliding_span span, uint8_t *changed)
+/* Keeps the extents of posts beside which soil could slide if the slope was high enough. Two heights differ by more than their bases as much as their
+ * offsets differ. */
+SOIL_INLINED void keep_posts(const struct kept_row *row, size_t width, bool stood)
 {
-	const uint32_t *extents = slopes->extents[(SOIL_SLOPE_HOPS - 1) % 2] + row * slopes->width;
-	uint32_t *const kept = (uint32_t *)slopes->field->planes->slope + row * slopes->width;
-	for (int32_t x = span.first; x < span.end; x++) {
-		const size_t at = row * slopes->width + (size_t)x;
-		bool could = false;
-		for (int k = 0; k < 8 && extents[x] != 0 && !could; k++)
-			could = could_slide_between(slopes, at, at + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)slopes->width), k);
-		const uint32_t extent = could ? extents[x] : 0;
-		changed[x - span.first] = kept[x] != extent;
+	const int32_t *restrict surfaces = row->surfaces, *restrict offsets = row->offsets;
+	const uint32_t *restrict extents = row->extents;
+	uint32_t *restrict kept = row->kept;
+	uint8_t *restrict changed = row->changed;
+	const int32_t axial = row->least[0], diagonal = row->least[1];
+	SOIL_APART
+	for (ptrdiff_t x = 0; x < (ptrdiff_t)width; x++) {
+		int32_t own = surfaces[x], could = 0;
+#pragma GCC unroll 8
+		for (int k = 0; k < 8; k++) {
+			ptrdiff_t at = x + ways[k][0] + ways[k][1] * row->stride;
+			int32_t other = surfaces[at], difference = (int32_t)((uint32_t)own - (uint32_t)other), sign = difference >> 31, more = 1;
+			int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign);
+			if (stood)
+				more = (int32_t)((((uint32_t)offsets[x] - (uint32_t)offsets[at]) ^ (uint32_t)sign) - (uint32_t)sign);
+			could |= (int32_t)(other != SLIDING_STILL) & (int32_t)(high > (k < 4 ? axial : diagonal)) & (int32_t)(more > 0);
+		}
+		uint32_t extent = (could & (int32_t)(own != SLIDING_STILL)) != 0 ? extents[x] : 0;
+		changed[x] = (uint8_t)(extent != kept[x]);
 		kept[x] = extent;
 	}
+}
+
+SOIL_LANES static void keep_row(const struct kept_row *row, size_t width)
+{
+	if (row->offsets != NULL)
+		keep_posts(row, width, true);
+	else
+		keep_posts(row, width, false);
 }
 
 /* Keeps the extents of posts of the field, less `trim` on each side. Marks in field->steeps posts whose extents changed. */
@@ -271,9 +284,29 @@ static void keep(struct sliding_field *field, const struct slopes *slopes, size_
 		const int32_t left = (int32_t)(slopes->left + trim), right = (int32_t)(slopes->left + field->width - trim);
 		span.first = span.first > left ? span.first : left;
 		span.end = span.end < right ? span.end : right;
-		if (span.first < span.end)
-			keep_row(slopes, y + slopes->below, span, field->steeps + y * field->width + ((size_t)span.first - slopes->left));
+		if (span.first >= span.end)
+			continue;
+		const size_t at = (y + slopes->below) * slopes->width + (size_t)span.first;
+		const struct kept_row row = {
+			.surfaces = slopes->surfaces + at,
+			.offsets = field->rule->undisturbed_stable ? field->planes->offset + at : NULL,
+			.extents = slopes->extents[(SOIL_SLOPE_HOPS - 1) % 2] + at,
+			.kept = (uint32_t *)field->planes->slope + at,
+			.changed = field->steeps + y * field->width + ((size_t)span.first - slopes->left),
+			.stride = (ptrdiff_t)slopes->width,
+			.least = {slopes->least[0], slopes->least[1]},
+		};
+		keep_row(&row, (size_t)(span.end - span.first));
 	}
+}
+
+SOIL_LANES static bool any_kept(const int32_t *restrict kept, size_t width)
+{
+	int32_t any = 0;
+	SOIL_APART
+	for (size_t x = 0; x < width; x++)
+		any |= kept[x];
+	return any != 0;
 }
 
 /* Returns the columns of a row of the field in which a neighbour is steep, or extents are kept. */
@@ -283,12 +316,20 @@ static struct sliding_span steep_span(const struct slopes *slopes, size_t row)
 	const size_t at = (row + slopes->below) * slopes->width + slopes->left;
 	struct sliding_span span = soil_sliding_steep_span(slopes->surfaces + at, slopes->width, field->width, slopes->least);
 	const int32_t *kept = field->planes->slope + at;
-	int32_t first = 0, end = (int32_t)field->width;
+	int32_t first = 0, end = any_kept(kept, field->width) ? (int32_t)field->width : 0;
 	while (first < end && kept[first] == 0)
 		first++;
 	while (end > first && kept[end - 1] == 0)
 		end--;
 	return soil_sliding_both(span, (struct sliding_span){first, end});
+}
+
+/* Finds the heights of rows of the planes. */
+static void find_surfaces(const struct slopes *slopes, size_t first, size_t end)
+{
+	const struct soil_planes *planes = slopes->field->planes;
+	for (size_t y = first; y < end; y++)
+		surface_row(planes->base + y * planes->width, planes->offset + y * planes->width, slopes->width, slopes->surfaces + y * slopes->width);
 }
 
 bool soil_sliding_slopes(struct sliding_field *field, size_t trim, void *scratch)
@@ -308,85 +349,18 @@ bool soil_sliding_slopes(struct sliding_field *field, size_t trim, void *scratch
 	slopes.extents[1] = (void *)((char *)scratch + 2 * bytes);
 	slopes.steep = (void *)((char *)scratch + 3 * bytes);
 	least_in_slopes(field->rule, slopes.least);
-	for (size_t y = 0; y < slopes.height; y++)
-		surface_row(planes->base + y * planes->width, planes->offset + y * planes->width, slopes.width, slopes.surfaces + y * slopes.width);
+	find_surfaces(&slopes, slopes.below, slopes.below + field->height + 1);
 	for (size_t y = 0; y < field->height; y++) {
 		slopes.steep[y] = steep_span(&slopes, y);
 		any = any || slopes.steep[y].first < slopes.steep[y].end;
 	}
 	if (!any)
 		return false;
+	find_surfaces(&slopes, 0, slopes.below);
+	find_surfaces(&slopes, slopes.below + field->height + 1, slopes.height);
 	for (int number = 0; number < SOIL_SLOPE_HOPS; number++)
 		run_hop(&slopes, number);
 	lower_critical(field, &slopes);
 	keep(field, &slopes, trim);
 	return true;
-}
-
-/* --- over a window --- */
-
-/* The rows of a post's neighbours: pairs are as in excess.c, but of all eight. */
-SOIL_INLINED void steep_row(const int32_t *restrict heights, const int32_t *restrict grounds, ptrdiff_t stride, size_t width, int32_t rise,
-			       uint8_t *restrict steep, bool stood)
-{
-	SOIL_APART
-	for (ptrdiff_t x = 0; x < (ptrdiff_t)width; x++) {
-		int32_t own = heights[x], any = 0;
-#pragma GCC unroll 8
-		for (int k = 0; k < 8; k++) {
-			ptrdiff_t at = x + ways[k][0] + ways[k][1] * stride;
-			int32_t other = heights[at], difference = (int32_t)((uint32_t)own - (uint32_t)other), sign = difference >> 31;
-			int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign), more = 1;
-			if (stood) {
-				uint32_t risen = (uint32_t)difference - ((uint32_t)grounds[x] - (uint32_t)grounds[at]);
-				more = (int32_t)((risen ^ (uint32_t)sign) - (uint32_t)sign);
-			}
-			any |= (int32_t)(other != SLIDING_STILL) & (int32_t)(high > rise) & (int32_t)(more > 0);
-		}
-		steep[x] = (uint8_t)(any & (int32_t)(own != SLIDING_STILL));
-	}
-}
-
-SOIL_LANES static void steep_row_of_one_soil(const struct sliding_field *field, size_t row, uint8_t *steep)
-{
-	const size_t at = row * field->stride;
-	const int32_t rise = field->rule->classes[0].rise[0];
-	if (field->grounds != NULL)
-		steep_row(field->heights + at, field->grounds + at, (ptrdiff_t)field->stride, field->width, rise, steep, true);
-	else
-		steep_row(field->heights + at, NULL, (ptrdiff_t)field->stride, field->width, rise, steep, false);
-}
-
-/* Returns whether soil could slide between two posts of the field, if the slope of the upper one was high enough. at, to: their places in the
- * field's arrays. from, beside: the same in the planes. */
-static bool could_slide(const struct sliding_field *field, size_t at, size_t to, size_t from, size_t beside)
-{
-	int32_t own = field->heights[at], other = field->heights[to], difference = (int32_t)((uint32_t)own - (uint32_t)other);
-	if (own == SLIDING_STILL || other == SLIDING_STILL)
-		return false;
-	const bool gives = difference > 0;
-	uint8_t class = field->planes->classes[gives ? from : beside];
-	int32_t high = gives ? difference : (int32_t)(0u - (uint32_t)difference), more = 1;
-	if (field->grounds != NULL) {
-		uint32_t risen = (uint32_t)difference - ((uint32_t)field->grounds[at] - (uint32_t)field->grounds[to]);
-		more = (int32_t)(gives ? risen : 0u - risen);
-	}
-	return high > field->rule->classes[class < SOIL_CLASSES ? class : SOIL_CLASSES - 1].rise[0] && more > 0;
-}
-
-void soil_sliding_steep_row(const struct sliding_field *field, size_t row, uint8_t *steep)
-{
-	const size_t wide = field->planes->width;
-	if (field->planes->classes == NULL) {
-		steep_row_of_one_soil(field, row, steep);
-		return;
-	}
-	for (size_t x = 0; x < field->width; x++) {
-		const size_t at = row * field->stride + x, from = field->from + row * wide + x;
-		bool any = false;
-		for (int k = 0; k < 8; k++)
-			any = any || could_slide(field, at, at + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)field->stride), from,
-						 from + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)wide));
-		steep[x] = any;
-	}
 }
