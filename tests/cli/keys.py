@@ -165,6 +165,7 @@ ROWS = {
     "redistribute.slip_sinkage": (SCM, {"redistribute.slip_sinkage": "4"}),
     "redistribute.loosening": (RUT, {"redistribute.loosening": "0"}),
     "redistribute.hardening": (RUT, {"redistribute.hardening": "0.5"}),
+    "redistribute.faces": ({**SCM, "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.faces": "on"}),
     "redistribute.normals": (SCM, {"redistribute.normals": "ground"}),
     "redistribute.undisturbed": (LOOSE, {"redistribute.undisturbed": "stable"}),
     "output.forces": (SCM, {"output.forces": "5"}),

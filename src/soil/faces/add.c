@@ -90,7 +90,7 @@ struct pressing {
 /* Returns what soil presses on a facet for each unit of alpha, Pa, and how that grows with depth. */
 SOIL_INLINED float pressure_of(const struct pressing *p, float depth, float heap, float sole, float weight, float cohesive, float *grows)
 {
-	const float plain = p->xi * depth, in = least(depth * p->by_size, 1), by_weight = p->weight * weight * (1 / WALL), wide = by_weight * (depth + heap);
+	const float plain = p->xi * depth, in = least(depth * p->by_size, 1), by_weight = p->weight * weight * (1 / WALL), wide = by_weight * (depth + (1 - p->narrow) * heap);
 	const float fitted = p->narrow * weight / p->upright, mixed = fitted * plain + (1 - p->narrow) * wide, wedge = wide + p->cohesion * cohesive * (1 / WALL), held = PRANDTL / PLATE * p->cohesion;
 	const float wall = either(mixed > wedge, mixed, wedge) * in, floor = either(plain > held, plain, held * in);
 	*grows = sole * either(plain > held, p->xi, held * either(in < 1, p->by_size, 0)) +
