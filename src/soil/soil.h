@@ -235,7 +235,7 @@ struct soil_motion {
 	bool jumped;             /* it did not move from `from` to `to`: it was set down */
 };
 
-/* Returns the recent motion of a body after a motion. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
+/* Returns the recent motion of a body after a motion; none where faces do not press. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
 struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion);
 
 /* Returns how many posts around the shadow of a body its faces read. 0: none of them presses in this motion. Pure. */

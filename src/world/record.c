@@ -54,12 +54,17 @@ static bool put_force(cJSON *object, const struct world_force *force)
 	return whole;
 }
 
-/* "number;" for each. */
+/* "number;" for each. Without any motion the record is as it was before there was a trend. */
 static bool put_trend(cJSON *object, const struct soil_trend *trend)
 {
 	double numbers[SOIL_TREND_NUMBERS];
 	char text[SOIL_TREND_NUMBERS * 32 + 1], *at = text;
+	bool any = false;
 	soil_trend_save(trend, numbers);
+	for (int i = 0; i < SOIL_TREND_NUMBERS; i++)
+		any |= fabs(numbers[i]) > 0;
+	if (!any)
+		return true;
 	for (int i = 0; i < SOIL_TREND_NUMBERS; i++)
 		at += snprintf(at, 32, "%a;", numbers[i]);
 	return cJSON_AddStringToObject(object, "trend", text) != NULL;

@@ -120,9 +120,9 @@ int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *m
 {
 	struct soil_body body;
 	struct soil_form form;
-	soil_form_of(law, motion, &body, &form);
-	if (!(form.all_round > 0))
+	if (!law->faces || law->ground_normals)
 		return 0;
+	soil_form_of(law, motion, &body, &form);
 	const struct soil_trend trend = soil_trend_after(law, motion);
 	form.bars = (float)soil_bars_carry(motion->shape);
 	soil_trend_put(&body, &trend, &form);

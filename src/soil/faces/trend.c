@@ -45,7 +45,7 @@ struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil
 	struct soil_trend after = motion->trend;
 	const int64_t moved[3] = {motion->to.x - motion->from.x, motion->to.y - motion->from.y, motion->to.z - motion->from.z};
 	double way[3], spin[3], modulus = 0;
-	if (motion->jumped)
+	if (motion->jumped || !law->faces)
 		return (struct soil_trend){.whole = {.ran = 0}};
 	for (int i = 0; i < law->soil_count; i++)
 		modulus += law->soils[i].janosi_shear / law->soil_count;
