@@ -5,7 +5,7 @@
 #include "bearing/internal.h"
 
 /* Returns the bytes of a post of the window, without the planes that a scene may ask for. Each model has base, offset and contact. Others are planes
- * that the model keeps, and deposits. A kinematic model has what it carries, one that bears has owners and patch. */
+ * that the model keeps, and deposits with what posts carry. One that bears has owners and patch. */
 static uint64_t window_bytes(enum deform_model model)
 {
 	const unsigned kept = deform_planes(model, false, 0);
@@ -13,8 +13,7 @@ static uint64_t window_bytes(enum deform_model model)
 	whole += (kept & PLANE_BIT(PLANE_DEPOSITED)) != 0;
 	whole += (kept & PLANE_BIT(PLANE_PLASTIC_SINKAGE)) != 0;
 	whole += (kept & PLANE_BIT(PLANE_SHEAR)) != 0;
-	whole += deform_conserves(model);
-	whole += deform_conserves(model) && !deform_tells_forces(model);
+	whole += 2 * (uint64_t)deform_conserves(model);
 	return whole * sizeof(int32_t) + (deform_tells_forces(model) ? 3 : 1) * sizeof(uint8_t);
 }
 

@@ -46,7 +46,7 @@ static struct ground drive(const struct blade *b, double (*height)(int64_t, int6
 	snprintf(poses, sizeof poses, "t,x,y,z,yaw,pitch,roll\n0,%.9g,%.9g,%.9g,%.9g,0,0\n%g,%.9g,%.9g,%.9g,%.9g,0,0\n", MIDDLE - half * c, MIDDLE - half * s, z,
 		 b->yaw + b->heading, b->way, MIDDLE + half * c, MIDDLE + half * s, z, b->yaw + b->heading);
 	support_write(support_path("blade.csv"), poses);
-	snprintf(model, sizeof model, "redistribute: {model: scm, bulldozing: %g}\nsoil: {name: %s}\noutput: {forces: 5}\n", b->bulldozing, b->soil);
+	snprintf(model, sizeof model, "redistribute: {model: scm, faces: on, bulldozing: %g}\nsoil: {name: %s}\noutput: {forces: 5}\n", b->bulldozing, b->soil);
 	snprintf(rest, sizeof rest,
 		 "spacing: %g\ntime_step: 0.1\nend_time: %g\nobjects:\n  - {name: blade, shape: {box: {size: [%g, %g, %g]}}, path: {file: %s}}\n", b->spacing,
 		 b->way, b->size[0], b->size[1], b->size[2], "blade.csv");
