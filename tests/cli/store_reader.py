@@ -412,7 +412,7 @@ class Store:
                 row.base = self.rows["base"]
             self.run = db.execute("SELECT * FROM run").fetchall()
             self.history = db.execute("SELECT * FROM history ORDER BY revision DESC").fetchall()
-            if self.version == 6 and depended_on is not None:
+            if depended_on is not None:
                 self.show_pinned(db, depended_on)
         finally:
             db.close()
@@ -477,8 +477,8 @@ class Store:
             found = db.execute(f"PRAGMA {name}").fetchone()[0]
             need(found == value, name, found)
         self.version = db.execute("PRAGMA user_version").fetchone()[0]
-        need(self.version in (5, 6), "user_version", self.version)
-        schema = {**SCHEMA, **PINS_SCHEMA} if self.version == 6 else SCHEMA
+        need(self.version == 7, "user_version", self.version)
+        schema = {**SCHEMA, **PINS_SCHEMA}
         found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))
         need(found == sorted("CREATE TABLE " + words for words in schema.values()), "tables", found)
 
