@@ -52,6 +52,11 @@ static enum status open_window(struct bearing *bearing, struct post_rect rect)
 enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, bool whole)
 {
 	bearing->whole = whole;
+	bearing->under = (struct post_rect){0, 0, 0, 0};
+	for (size_t i = 0; i < count; i++) {
+		const struct soil_motion motion = bearing_motion_of(contacts[i].contact);
+		bearing->under = post_rect_joined(bearing->under, post_rect_intersect(soil_posts_below(&bearing->law, &motion), contacts[i].area.read));
+	}
 	TRY(open_window(bearing, bearing_meeting_reads(contacts, count)));
 	if (!whole)
 		bearing_window_clear(bearing); /* posts of no tile are beyond the world */
@@ -60,10 +65,7 @@ enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_
 
 void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	if (bearing->whole)
-		resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
-	else
-		bearing_window_gather(bearing, held, count, false);
+	bearing_window_gather(bearing, held, count, false, bearing->whole);
 }
 
 enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, const struct tile_slot *held, size_t held_count)
@@ -72,9 +74,14 @@ enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearin
 		for (size_t k = 0; k < held_count; k++)
 			if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[k].tile), contacts[i].changed)))
 				TRY(resident_host_write(bearing->slots, held[k].slot, bearing->planes));
-	for (size_t i = 0; i < count; i++)
-		if (!post_rect_empty(contacts[i].changed))
-			resident_host_scatter(bearing->slots, held, held_count, &bearing->window.planes, contacts[i].changed, bearing->planes);
+	const unsigned wide = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_DISTURBANCE);
+	for (size_t i = 0; i < count; i++) {
+		const struct post_rect changed = contacts[i].changed, touched = post_rect_intersect(changed, bearing->under);
+		if (!post_rect_empty(changed))
+			resident_host_scatter(bearing->slots, held, held_count, &bearing->window.planes, changed, bearing->planes & wide);
+		if (!post_rect_empty(touched))
+			resident_host_scatter(bearing->slots, held, held_count, &bearing->window.planes, touched, bearing->planes & ~wide);
+	}
 	return STATUS_OK;
 }
 

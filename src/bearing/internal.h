@@ -5,6 +5,7 @@
 #include "bearing/bearing.h"
 #include "soil/kinematic/kinematic.h"
 #include "soil/kinematic/shed.h"
+#include "soil/law/posts.h"
 #include "soil/laying/laying.h"
 #include "soil/sink.h"
 
@@ -81,6 +82,7 @@ struct bearing {
 	struct deform_rest *rests;       /* those beside them that may touch the ground */
 	size_t rest_count;
 	bool whole;                      /* one call gathers all posts of the meeting */
+	struct post_rect under;  /* of a meeting: the posts that its bodies may touch. Of others the window has no state but offset and deposited */
 	struct soil_claim *claims;
 	size_t claim_room;
 	struct bearing_window window;
@@ -107,7 +109,7 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect) 
 enum status bearing_scratch_need(struct bearing *bearing, size_t bytes) FURROW_CHECKED;
 /* Copies posts of pinned tiles into the window. The tiles together make a rectangle. Posts of other tiles are not changed. slides: only the planes that
  * sliding reads. */
-void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides);
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides, bool whole);
 /* Makes all posts of the window such that lie beyond the world. */
 void bearing_window_clear(struct bearing *bearing);
 void bearing_window_finish(struct bearing_window *window);

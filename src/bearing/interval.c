@@ -125,7 +125,7 @@ enum status bearing_interval_start(struct bearing *bearing, size_t region)
 
 void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	bearing_window_gather(bearing, held, count, true);
+	bearing_window_gather(bearing, held, count, true, false);
 }
 
 enum status bearing_interval_slide(struct bearing *bearing, size_t number)

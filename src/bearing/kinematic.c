@@ -32,7 +32,7 @@ enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform
 
 void bearing_kinematic_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	bearing_window_gather(bearing, held, count, false);
+	bearing_window_gather(bearing, held, count, false, false);
 }
 
 /* Returns a rectangle around the posts of a part of the window whose contact has one of these bits; empty: none has. */

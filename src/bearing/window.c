@@ -121,22 +121,39 @@ size_t bearing_window_part(const struct bearing_window *window, struct post_rect
 	return at;
 }
 
-void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides)
+/* What bodies alone read and change. */
+static void drop_memory(struct soil_planes *planes)
+{
+	planes->sinkage = planes->shear = planes->dug = planes->settled = planes->loose = planes->floor = planes->density = NULL;
+}
+
+static void gather_memory(struct bearing *bearing, const struct tile_slot *held, size_t count, struct post_rect part)
+{
+	struct soil_planes planes;
+	if (post_rect_empty(part) || bearing->window.planes.sinkage == NULL)
+		return;
+	bearing_window_part(&bearing->window, part, &planes);
+	planes.base = planes.offset = planes.deposited = NULL;
+	planes.disturbance = planes.classes = planes.levels = NULL;
+	resident_host_gather(bearing->slots, held, count, &planes);
+}
+
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides, bool whole)
 {
 	struct soil_planes planes;
 	struct post_rect part = {0, 0, 0, 0};
-	for (size_t i = 0; i < count; i++)
+	for (size_t i = 0; i < count && !whole; i++)
 		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
-	part = post_rect_intersect(part, bearing->window.planes.rect);
+	part = whole ? bearing->window.planes.rect : post_rect_intersect(part, bearing->window.planes.rect);
 	if (post_rect_empty(part))
 		return;
 	bearing_window_part(&bearing->window, part, &planes);
 	if (!slides)
 		planes.slope = NULL;
-	if (slides) {
-		planes.sinkage = planes.shear = planes.dug = planes.settled = planes.loose = planes.floor = planes.density = NULL;
+	if (slides)
 		planes.disturbance = planes.levels = NULL;
-	}
+	gather_memory(bearing, held, count, slides ? (struct post_rect){0, 0, 0, 0} : post_rect_intersect(part, bearing->under));
+	drop_memory(&planes);
 	resident_host_gather(bearing->slots, held, count, &planes);
 }
 

@@ -44,6 +44,18 @@ class Rig(FurrowTest):
         mean = {key: sum(float(row[key]) for row in rows) / len(rows) for key in ("sinkage", "fy", "fz", "tx")}
         return mean["sinkage"], mean["fy"], mean["tx"], mean["fz"]
 
+    def test_each_pass_sinks_less_than_the_one_before_and_pulls_more_in_soil_that_hardens(self):
+        for hardening in (0, 1):
+            found = []
+            for passes in (1, 2, 3, 4):
+                row, = self.rig("--load", "5000", "--slip", "0.2", "--passes", str(passes), "--spacing", "0.04",
+                                "--set", f"redistribute.hardening={hardening}", wheel="wheel: {radius: 0.5, width: 0.3}")
+                found.append((row["sinkage"], row["drawbar"]))
+            deeper = [after[0] - before[0] for before, after in zip(found, found[1:])]
+            self.assertTrue(deeper[0] > deeper[1] > deeper[2] > 0, found)
+            if hardening:
+                self.assertEqual(sorted(row[1] for row in found), [row[1] for row in found])
+
     def test_a_row_is_what_a_drive_tells(self):
         row, = self.rig("--slip", "0.2", "--load", "800", "--spacing", "0.02")
         wanted = self.driven(0.2, 800, 0.02, 2.56)

@@ -184,7 +184,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		put_slides(f, kind, p, &l);
 		put_shares(f, &lanes, &l);
 		if (f->digs_most > 0)
-			dig(f, kind, p, &l);
+			dig(f, kind, &lanes, &l);
 		if (a->kept != NULL)
 			keep(p, b, &l, a->kept);
 		if (!any_above(l.share, 0))

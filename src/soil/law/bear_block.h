@@ -207,7 +207,7 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
  * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
-SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, bool layered, struct block *l)
+SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, bool layered, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
@@ -224,6 +224,7 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, co
 		l->ground[i] -= l->more[i];
 		l->depth[i] -= l->more[i];
 		l->was[i] = most(l->was[i] - up * l->more[i], 0);
+		p->thick[i] = layered ? either(p->thick[i] > 0, most(p->thick[i] - up * l->more[i], SOIL_UNIT), 0) : p->thick[i]; /* the floor stays */
 	}
 	if (any_above(l->was, 0))
 		EACH_LANE {
@@ -232,7 +233,7 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, co
 		}
 }
 
-SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, struct block *l)
 {
 	if (l->layered)
 		dig_in(f, kind, p, true, l);
