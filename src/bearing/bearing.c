@@ -7,7 +7,7 @@ static struct soil_law law_of(const struct deform_params *params)
 {
 	struct soil_law law = {
 		.spacing = extent_spacing(params->extent, params->level), .reference = params->reference, .soil_count = params->soil_count,
-		.raster_count = params->raster_count, .bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage, .ground_normals = params->ground_normals,
+		.raster_count = params->raster_count, .bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage, .ground_normals = params->ground_normals, .faces = params->faces,
 	};
 	memcpy(law.soils, params->soils, sizeof law.soils);
 	memcpy(law.rasters, params->rasters, sizeof law.rasters);
@@ -88,6 +88,17 @@ void bearing_destroy(struct bearing *bearing)
 	bearing_members_finish(bearing);
 	bearing_hands_finish(bearing);
 	mem_free_all(bearing->held, bearing->standing, bearing);
+}
+
+struct soil_trend bearing_trend_of(const struct bearing *bearing, const struct soil_motion *motion)
+{
+	return soil_trend_after(&bearing->law, motion);
+}
+
+struct soil_trend bearing_trend_after(const struct bearing *bearing, const struct deform_contact *contact)
+{
+	const struct soil_motion motion = bearing_motion_of(contact);
+	return soil_trend_after(&bearing->law, &motion);
 }
 
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised)

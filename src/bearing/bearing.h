@@ -66,6 +66,9 @@ struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct
  * held: all tiles that have posts of both bearing_probe_posts, pinned. */
 enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count,
 			  const struct tile_slot *held, size_t count, struct soil_probed *out) FURROW_CHECKED;
+/* Returns the recent motion of a body after a contact. Pure. */
+struct soil_trend bearing_trend_after(const struct bearing *bearing, const struct deform_contact *contact);
+struct soil_trend bearing_trend_of(const struct bearing *bearing, const struct soil_motion *motion); /* the same after a motion */
 /* Sets the equilibrium height of a loaded body that has had no contact yet: how far it rests above its pose, 2^-20 m. */
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised);
 

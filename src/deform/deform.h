@@ -30,6 +30,7 @@ struct deform_contact {
 	double rotated[3]; /* other shapes: radians turned about local axes during the motion; for soil that bears */
 	double linear[3], angular[3]; /* hosted: how the body moves at `to`, m/s, rad/s, local axes: soil that bears damps it */
 	double runs;    /* m/s of its belt */
+	struct soil_trend trend; /* for soil that bears: the object's recent motion, up to `from` */
 	double load;    /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched, starting near to.z */
 	/* with a load: number of the loaded body, 1 to params.loaded_bodies; 0: its equilibrium height is not kept */
 	uint32_t loaded_body;
@@ -165,6 +166,7 @@ struct deform_params {
 	bool unsettled;
 	double bulldozing;   /* scm: share of the plastic flow that is laid around the object, 0 .. 1 */
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
+	bool faces;          /* scm: soil presses on an object's faces from every side as it slides; false: on its lower envelope alone */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */

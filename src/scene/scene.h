@@ -21,6 +21,7 @@ enum scene_outside { SCENE_STOP, SCENE_SKIP };
 enum scene_compute { SCENE_ANYWHERE, SCENE_GPU, SCENE_CPU };
 enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_normals { SCENE_BODY, SCENE_GROUND };
+enum scene_faces { SCENE_FACES_ON, SCENE_FACES_OFF };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED, SCENE_MOUNTED, SCENE_BY_POSES };
 
@@ -257,6 +258,7 @@ struct scene {
 	double tolerance;  /* metres by which a height difference may exceed the critical one without sliding */
 	double bulldozing; /* share of the displaced soil, 0 to 1 */
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
+	enum scene_faces faces; /* whether soil presses on a body's faces from every side as it slides, or on its lower envelope alone */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
 	struct soil_numbers soils[SOIL_CLASSES]; /* with a map, soils[0] is used where the map names no other soil */

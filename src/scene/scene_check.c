@@ -41,7 +41,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"interval", raw->interval},	   {"depth", raw->depth},	      {"undisturbed", raw->undisturbed},
 		{"tolerance", raw->tolerance}, {"bulldozing", raw->bulldozing},
 		{"slip_sinkage", raw->slip_sinkage},
-		{"normals", raw->normals},
+		{"normals", raw->normals}, {"faces", raw->faces},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
@@ -76,6 +76,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
 	if (deform_model_takes(scene->model, "slip_sinkage"))
 		scene->slip_sinkage = number(raw->slip_sinkage, "redistribute.slip_sinkage");
+	scene->faces = raw->faces != NULL ? (enum scene_faces)*raw->faces : SCENE_FACES_ON;
 	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
 	return check_parameters(tree, raw);
 }

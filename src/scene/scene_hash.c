@@ -239,6 +239,8 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 			soil.compression = former_compression(soil.compression);
 		add_soil(state, &soil);
 	}
+	if (scene->faces != SCENE_FACES_ON)
+		add_part(state, 'F', (uint64_t)scene->faces);
 	if (scene->normals != SCENE_BODY)
 		add_part(state, 'n', (uint64_t)scene->normals);
 	if (scene->tolerance != 0) {

@@ -107,6 +107,7 @@ struct raw_redistribute {
 	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage;
 	int *undisturbed; /* enum scene_undisturbed */
 	int *normals;     /* enum scene_normals */
+	int *faces;       /* enum scene_faces */
 };
 struct raw_output {
 	double *forces;

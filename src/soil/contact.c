@@ -11,6 +11,7 @@ void soil_work_destroy(struct soil_work *work)
 	if (work == NULL)
 		return;
 	soil_posts_finish(&work->posts);
+	soil_faces_finish(&work->faces);
 	soil_fine_finish(&work->fine);
 	soil_grousers_finish(&work->grousers);
 	mem_free_all(work->kept.more, work->met, work->seen, work->abuts, work);
@@ -18,7 +19,7 @@ void soil_work_destroy(struct soil_work *work)
 
 size_t soil_work_bytes(const struct soil_work *work)
 {
-	return sizeof *work + soil_posts_bytes(&work->posts) + 3 * work->kept_room * sizeof(float) + work->fine.room + soil_surfaces_bytes(&work->fine.surfaces) +
+	return sizeof *work + soil_posts_bytes(&work->posts) + soil_faces_bytes(&work->faces) + 3 * work->kept_room * sizeof(float) + work->fine.room + soil_surfaces_bytes(&work->fine.surfaces) +
 	       work->grousers.room * sizeof(float) + work->met_room * (sizeof *work->met + sizeof *work->seen + sizeof *work->abuts);
 }
 
@@ -109,14 +110,14 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 {
 	const struct post_rect below = soil_posts_below(law, motion);
 	TRY(need(work, below));
-	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .wider = 1, .gathered = INT32_MAX};
+	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .faces = &work->faces, .above = above, .wider = 1, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
 	if (b->form.kind == FORM_RASTER)
-		return begin_mesh(motion, work, b);
+		TRY(begin_mesh(motion, work, b));
 	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0)
-		return soil_grousers_draw(&b->body, &below, &b->form, &work->grousers);
-	return STATUS_OK;
+		TRY(soil_grousers_draw(&b->body, &below, &b->form, &work->grousers));
+	return soil_faces_begin(law, planes, &b->body, below, &b->form, b->faces);
 }
 
 /* Returns the body with a frame that looks across the axis of its drum, forwards. */
@@ -182,6 +183,7 @@ void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, 
 		by_width = (b->form.kind == FORM_RASTER ? touched_width(b->posts, &b->form, raised) : counted_width(b->posts, &b->form, raised)) / (float)b->wider;
 	soil_posts_width(by_width, b->posts);
 	soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
+	soil_faces_add(b->planes, &b->body, &b->form, b->posts, raised, share, b->faces, sums, changes);
 }
 
 void soil_contact_turn(const struct soil_contact *b, const double v[3], double out[3])

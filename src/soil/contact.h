@@ -5,6 +5,7 @@
 #ifndef FURROW_SOIL_CONTACT_H
 #define FURROW_SOIL_CONTACT_H
 
+#include "soil/faces/faces.h"
 #include "soil/law/bear.h"
 #include "soil/law/fine.h"
 #include "soil/law/grousers.h"
@@ -19,6 +20,7 @@ struct soil_contact {
 	struct soil_form form;
 	struct post_rect below;   /* posts that may be below the body during its motion */
 	struct soil_posts *posts; /* of the scratch memory */
+	struct soil_faces *faces; /* the same */
 	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the area that the body touches */
 	bool round;        /* it is a mesh of a drum, */
 	double across[2];  /* whose axis is across this direction in plan, or it is 0 */
@@ -33,6 +35,7 @@ struct soil_contact {
 
 struct soil_work {
 	struct soil_posts posts;
+	struct soil_faces faces;
 	struct soil_kept kept;
 	size_t kept_room;
 	struct soil_fine_work fine;

@@ -137,6 +137,10 @@ struct soil_interface {
  * force across it, N. */
 double soil_shear_limit(const struct soil_numbers *soil, const struct soil_interface *interface, double area, double normal);
 
+/* Returns xi of the law of faces: what a level plate that is pushed straight down into loose soil bears, for each metre of depth, over 0.87574; N/m3. From
+ * the soil's weight and friction. Source: Agarwal, Goldman, Kamrin, PNAS 120 (2023), supplement. Pure. */
+double soil_face_strength(const struct soil_numbers *soil);
+
 /* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
  * wheel. Other shapes: as plates. */
 double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numbers *soil, double load);
@@ -181,10 +185,19 @@ struct soil_law {
 	double bulldozing;       /* share of the plastic flow that is laid around a body, 0 .. 1 */
 	double slip_sinkage;     /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
+	bool faces;              /* soil presses on a body's faces from every side as it slides; false: on its lower envelope alone */
 };
 
 /* Returns the soil of a post of the planes, by its class and what rasters say of it. at: the post's place in the planes. */
 struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at);
+
+/* The recent motion of a body: its motions, each divided by its way, as a mean in which older ones fade out. So after a long straight way it is the motion for each
+ * metre of that way. A body that was set down has none. Axes: east, north, up. */
+struct soil_trend {
+	double way[3];           /* of the centre, m for each m */
+	double turn[3];          /* rad for each m; a wheel's turning included */
+	double ran;              /* of a belt, m for each m */
+};
 
 /* How a body moved since its last contact: straight, with the attitude of `to`. And how it moves now. Without a last contact from is to. */
 struct soil_motion {
@@ -196,11 +209,15 @@ struct soil_motion {
 	double rotated[3];       /* rad about local axes since `from`, of a body that a host moves and that is no wheel */
 	double linear[3], angular[3]; /* m/s, rad/s, local axes: what damps; 0 for a body on a path */
 	double runs;             /* m/s of its belt */
+	struct soil_trend trend; /* its recent motion, up to `from` */
 	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
 	double stamped;          /* hosted: 1: the hollow below `from` has the shape of the body; 0: it is a flat rut */
 	bool hosted;             /* a host moves the body, so the motion may be much shorter than a post */
 	bool jumped;             /* it did not move from `from` to `to`: it was set down */
 };
+
+/* Returns the recent motion of a body after a motion. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
+struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion);
 
 /* How the soil bears a body. */
 enum soil_state {

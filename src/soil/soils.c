@@ -134,3 +134,9 @@ struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soi
 			*soil_number_in(&soil, law->rasters[i].number) = soil_raster_value(&law->rasters[i], planes->levels[SOIL_RASTERS * at + (size_t)i]);
 	return soil;
 }
+
+double soil_face_strength(const struct soil_numbers *soil)
+{
+	const double m = fmin(fmax(tan(soil->friction_angle), 0.3), 0.9);
+	return soil->unit_weight * ((894 * m - 386) * m + 89) * m;
+}

@@ -70,6 +70,7 @@ struct body {
 	int64_t next;             /* number of its next path sample */
 	bool has_last;          /* there was ground below `last`, so the next contact is swept from it. The body may be in the air there */
 	struct soil_pose last;    /* the pose up to which its motion has changed the ground */
+	struct soil_trend trend;  /* for soil that bears: its recent motion, up to `last` */
 	double distance, sinkage; /* m */
 	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */
 	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
@@ -142,7 +143,7 @@ enum status world_body_tell(struct world *world, int32_t number, const struct fu
 /* Moves the host's bodies to the states that were set, without a time step. */
 enum status world_move_hosts(struct world *world) FURROW_CHECKED;
 /* The state of a body of a vehicle as numbers, for a record, and back. STATUS_INPUT: they contradict each other. */
-#define WORLD_BODY_NUMBERS 26
+#define WORLD_BODY_NUMBERS 33
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS]);
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS]) FURROW_CHECKED;
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */

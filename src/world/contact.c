@@ -173,6 +173,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.interface = body->object->interface,
 		.from = body->has_last ? body->last : event->pose,
 		.to = event->pose,
+		.trend = body->trend,
 		.load = body->object->load,
 		.loaded_body = body->loaded_body,
 	};
@@ -301,6 +302,8 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		status = deform_contact_at(world, event, &contact, waits && world->batches != NULL);
 	else
 		status = world_feels(world) ? bearing_contact_at(world, event, &contact, false) : world_kinematic_contact(world, event, &contact);
+	if (world_feels(world))
+		body->trend = bearing_trend_after(world->bearing, &contact);
 	body->has_last = true;
 	body->last = contact.to;
 	return status;

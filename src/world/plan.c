@@ -111,6 +111,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.bulldozing = scene->bulldozing,
 		.slip_sinkage = world->facts.slip_sinkage,
 		.ground_normals = scene->normals == SCENE_GROUND,
+		.faces = scene->faces == SCENE_FACES_ON,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
 		.batches = !world->params.alone,

@@ -32,6 +32,7 @@ static struct soil_motion whole_motion(const struct body *body, const struct fur
 	const double unposed = world_rates_unposed(body, state);
 	struct soil_motion motion = {
 		.shape = &object->shape, .interface = object->interface, .from = known ? body->last : *to, .to = *to, .stamped = body->host.stamped,
+		.trend = known ? body->trend : (struct soil_trend){.ran = 0},
 		.turned = body->host.turned + remainder(to->turn - now->turn, 2 * M_PI) + world_spin(to, state->angular) * unposed, .hosted = true,
 	};
 	if (object->shape.belt) {
@@ -72,6 +73,7 @@ static bool motion_of(const struct world *world, const struct body *body, const 
 	memset(before->beyond, 0, sizeof before->beyond);
 	memset(before->linear, 0, sizeof before->linear);
 	memset(before->angular, 0, sizeof before->angular);
+	motion->trend = bearing_trend_of(world->bearing, before);
 	motion->turned = turned;
 	memcpy(motion->rotated, rotated, sizeof rotated);
 	motion->stamped = world_stamp_after(world, body, &body->host.felt);

@@ -54,6 +54,14 @@ static bool put_force(cJSON *object, const struct world_force *force)
 	return whole;
 }
 
+/* Seven numbers, "number;" each. */
+static bool put_trend(cJSON *object, const struct soil_trend *trend)
+{
+	char text[7 * 32 + 1];
+	snprintf(text, sizeof text, "%a;%a;%a;%a;%a;%a;%a;", trend->way[0], trend->way[1], trend->way[2], trend->turn[0], trend->turn[1], trend->turn[2], trend->ran);
+	return cJSON_AddStringToObject(object, "trend", text) != NULL;
+}
+
 static bool put_object(cJSON *objects, const struct record_object *from, const char *name)
 {
 	cJSON *object = cJSON_CreateObject();
@@ -68,7 +76,7 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 	       put_real(object, "pitch", from->last.pitch) && put_real(object, "roll", from->last.roll) &&
 	       put_real(object, "turn", from->last.turn) && put_force(object, &from->force) &&
 	       put_real(object, "distance", from->distance) && put_real(object, "sinkage", from->sinkage) &&
-	       put_whole(object, "skipped", from->skipped);
+	       put_whole(object, "skipped", from->skipped) && put_trend(object, &from->trend);
 }
 
 /* "x,y;" for each block. */
@@ -192,6 +200,34 @@ static bool get_force(const cJSON *object, struct world_force *force)
 	return whole;
 }
 
+/* Reads numbers, each with ';' after it. */
+static bool get_numbers(const char *at, size_t count, double *numbers)
+{
+	if (at == NULL || strspn(at, "+-.0123456789abcdefpx;") != strlen(at))
+		return false;
+	for (size_t i = 0; i < count; i++) {
+		char *end;
+		numbers[i] = strtod(at, &end);
+		if (end == at || *end != ';' || !isfinite(numbers[i]))
+			return false;
+		at = end + 1;
+	}
+	return *at == '\0';
+}
+
+/* Records of earlier versions have none. */
+static bool get_trend(const cJSON *object, struct soil_trend *trend)
+{
+	double n[7];
+	*trend = (struct soil_trend){.ran = 0};
+	if (!cJSON_HasObjectItem(object, "trend"))
+		return true;
+	if (!get_numbers(get_text(object, "trend"), 7, n))
+		return false;
+	*trend = (struct soil_trend){{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]};
+	return true;
+}
+
 static bool get_object(const cJSON *object, const char *name, struct record_object *to)
 {
 	const char *named = get_text(object, "name");
@@ -202,7 +238,7 @@ static bool get_object(const cJSON *object, const char *name, struct record_obje
 	       get_real(object, "roll", &to->last.roll) &&
 	       get_real(object, "turn", &to->last.turn) && get_force(object, &to->force) && get_real(object, "distance", &to->distance) &&
 	       to->distance >= 0 && get_real(object, "sinkage", &to->sinkage) &&
-	       get_whole(object, "skipped", 0, &to->skipped) && to->skipped <= to->next;
+	       get_whole(object, "skipped", 0, &to->skipped) && to->skipped <= to->next && get_trend(object, &to->trend);
 }
 
 /* Reads a number of a block's place, and the character `behind` after it. */
@@ -238,16 +274,7 @@ static bool get_attached(const cJSON *root, size_t objects, struct record *recor
 	double *numbers = world_record_attached(record, objects);
 	if (record->attached_count == 0)
 		return at == NULL;
-	if (at == NULL || strspn(at, "+-.0123456789abcdefpx;") != strlen(at))
-		return false;
-	for (size_t i = 0; i < record->attached_count; i++) {
-		char *end;
-		numbers[i] = strtod(at, &end);
-		if (end == at || *end != ';' || !isfinite(numbers[i]))
-			return false;
-		at = end + 1;
-	}
-	return *at == '\0';
+	return get_numbers(at, record->attached_count, numbers);
 }
 
 enum status world_record_damaged(const char *store, const char *why)

@@ -23,6 +23,7 @@ struct record_object {
 	int64_t next;             /* path sample */
 	bool has_last;          /* there was ground below `last`, so the next contact is swept from it. The body may be in the air there */
 	struct soil_pose last;
+	struct soil_trend trend;
 	double distance, sinkage; /* m */
 	int64_t skipped;          /* number of path samples without contact */
 	struct world_force force;

@@ -87,6 +87,7 @@ static void restore(struct world *world)
 		body->next = object->next;
 		body->has_last = object->has_last;
 		body->last = object->last;
+		body->trend = object->trend;
 		body->distance = object->distance;
 		body->sinkage = object->sinkage;
 		body->equilibrium = object->force.z;

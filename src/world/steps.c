@@ -47,6 +47,7 @@ enum status world_fill_record(struct world *world)
 			.next = body->next,
 			.has_last = body->has_last,
 			.last = body->last,
+			.trend = body->trend,
 			.distance = body->distance,
 			.sinkage = body->sinkage,
 			.force = record->objects[i].force,

@@ -30,6 +30,7 @@ void world_body_save(const struct world *world, int32_t number, double numbers[W
 		now->pose.position[0], now->pose.position[1], now->pose.position[2],
 		now->pose.orientation[0], now->pose.orientation[1], now->pose.orientation[2], now->pose.orientation[3],
 		now->linear[0], now->linear[1], now->linear[2], now->angular[0], now->angular[1], now->angular[2],
+		body->trend.way[0], body->trend.way[1], body->trend.way[2], body->trend.turn[0], body->trend.turn[1], body->trend.turn[2], body->trend.ran,
 	};
 	for (int i = 0; i < WORLD_BODY_NUMBERS; i++)
 		numbers[i] = body->host.placed ? all[i] : 0;
@@ -50,6 +51,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	body->host.placed = world->unplaced = true;
 	body->has_last = n[1] != 0;
 	body->last = (struct soil_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
+	body->trend = (struct soil_trend){{n[26], n[27], n[28]}, {n[29], n[30], n[31]}, n[32]};
 	body->host.since = n[9];
 	body->distance = n[10];
 	body->sinkage = n[11];

@@ -192,6 +192,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		if (!knows_places(kind))
 			put_beneath(f, kind, p, &l);
 		put_line(f, kind, p, &l);
+		put_keeps(f, p, &l);
 		if (asked)
 			memset(&all, 0, sizeof all);
 		for (int k = 0; k < 2; k++) {

@@ -4,6 +4,7 @@
 #define FURROW_SOIL_BEAR_BLOCK_H
 
 #include "soil/law/bear_lanes.h"
+#include "soil/faces/slid.h"
 #include "soil/law/face.h"
 
 /* What one evaluation knows of a block of posts. Heights and depths are in metres. */
@@ -20,6 +21,7 @@ struct block {
 	float bottom[LANES];            /* of a rim: rim_bottom */
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
+	float keeps[LANES];             /* share of the law of the lower envelope; the rest is that of faces */
 };
 
 SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
@@ -84,6 +86,15 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, enum soil_form_kind 
 	return (struct slip){{x * by, y * by}, squares * by, either(f->ground_normals > 0, 1, time)};
 }
 
+/* The same where faces press, too. What the body pushes is not dug, in the share in which faces press. goes, runs: m, in plan. */
+SOIL_INLINED float digs_beside_faces(const struct soil_form *f, enum soil_form_kind kind, float x, float y, const float goes[2], const float runs[2])
+{
+	const struct slide s = slide_of(goes, runs);
+	const float keeps = 1 - faces_share(slid_at(f, x, y)), along = kind == FORM_RIM ? s.braked[0] : sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]);
+	const float aside = kind == FORM_RIM ? keeps * s.braked[1] : 0, ahead = s.spins + keeps * keeps * fabsf(along);
+	return sqrtf(ahead * ahead + aside * aside);
+}
+
 /* How far the surface slips over the ground, m, as if the place were at the body's lowest level. So a rim that rolls slips nowhere. It counts for
  * the time in which a rolling surface passes. */
 SOIL_INLINED float dig_way(const struct soil_form *f, enum soil_form_kind kind, float x, float y)
@@ -91,7 +102,8 @@ SOIL_INLINED float dig_way(const struct soil_form *f, enum soil_form_kind kind, 
 	const float *rolls = f->rolling, *turns = f->turning, reach = f->rim_reach;
 	const float running[2] = {-rolls[1] * reach - rolls[2] * y - f->ran * f->belt[1], rolls[2] * x + rolls[0] * reach + f->ran * f->belt[0]};
 	const float u = f->way[0] * f->along_ground - turns[1] * reach - turns[2] * y + running[0], v = f->way[1] * f->along_ground + turns[2] * x + turns[0] * reach + running[1];
-	const float way = sqrtf(u * u + v * v), time = kind == FORM_RIM ? f->rim_digs : time_of(f, running, f->passes[1], 1);
+	const float way = f->all_round > 0 ? digs_beside_faces(f, kind, x, y, (const float[2]){u - running[0], v - running[1]}, running) : sqrtf(u * u + v * v);
+	const float time = kind == FORM_RIM ? f->rim_digs : time_of(f, running, f->passes[1], 1);
 	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * either(f->ground_normals > 0, 1, time);
 }
 
@@ -290,6 +302,13 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, rose = most(l->beneath[i], -leans * f->passes[0]);
 	const float lower = either(leans < 0, clamped(face.height - lowest, 0, rose), 0);
 	return either(f->passes[0] > 0, lower, p->lowered[i]) * p->over[i];
+}
+
+SOIL_INLINED void put_keeps(const struct soil_form *f, const struct lane_posts *p, struct block *l)
+{
+	EACH_LANE l->keeps[i] = 1;
+	if (f->all_round > 0)
+		EACH_LANE l->keeps[i] = 1 - faces_share(slid_at(f, p->x[i] + p->middle_x[i], p->y[i] + p->middle_y[i]));
 }
 
 /* The stored sinkage counts for the post's whole cell. Where the body bore at the motion's start, it has the shape of the lower envelope there

@@ -13,7 +13,7 @@
 
 /* The soil at a place of each lane. */
 struct spots {
-	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], holds[LANES];
+	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], keeps[LANES], holds[LANES];
 };
 
 SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, const struct block *l, float at,
@@ -34,6 +34,7 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		spots->most[i] = deep + lower;
 		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
 		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since, 1), 1);
+		spots->keeps[i] = l->keeps[i];
 		spots->part[i] = 0.25f * l->share[i] * (l->last[i] - l->first[i]); /* of two places, on a line from -1 to 1 */
 		const float later = ((x - p->x[i]) * f->by_way[0] + (y - p->y[i]) * f->by_way[1]) * l->lasts[i];
 		spots->touching[i] = l->slides[i] * most(lasted(p, i, l->passed[i]) - later, 0);
@@ -135,7 +136,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	/* A flat end that is as wide as several cells bears by its area in plan: all of it on level ground. */
 	const float level = clamped(1 - (place->normal[0] * p->rise_x[i] + place->normal[1] * p->rise_y[i]) / most(place->normal[2], 1e-6f), 0, 1);
 	const float plane = either(f->ground_normals + face->end > 0, 1, place->normal[2]), bears = either((kind == FORM_END) & (face->end > 0) & (f->ground_normals == 0), level, 1);
-	place->area = place->ground * bears / plane;
+	place->area = place->ground * bears / plane * spots->keeps[lane];
 	place->stress = yields * share;
 	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
 	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
@@ -231,7 +232,8 @@ SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct l
 	const float deep = most(edge.depth, SOIL_UNIT), mean = deep * power_of(s.n + 1, -1 / s.n), out_by = width / (s.n + 2);
 	const float bears = either(f->ground_normals > 0, 1, clamped(1 + low * f->level * rise_y / leans, 0, 1));
 	const bool is = ((low < 0 ? p->side_right[i] : p->side_left[i]) > 0) & (l->share[i] > 0) & (edge.depth > 0);
-	place->area = place->ground = either(is, edge.length * width * f->by_step * bears, 0);
+	place->ground = either(is, edge.length * width * f->by_step * bears, 0);
+	place->area = place->ground * l->keeps[i];
 	const float since = brim_since(f, &edge, mean, edge.strip - out_by / leans);
 	place->arm[0] = edge.at[0];
 	place->arm[1] = edge.at[1] + low * out_by;
@@ -280,7 +282,7 @@ SOIL_INLINED void put_wall(const struct soil_form *f, bool asked, const struct l
 	const float bears = either(f->ground_normals > 0, 1, either(2 * b->end > b->length, level, 1 / normal[2]));
 	const bool is = within & (b->length > 0) & (l->share[i] > 0) & (depth > 0);
 	place->ground = either(is, 0.5f * (last - first) * b->length * width / (f->spacing * f->spacing), 0);
-	place->area = place->ground * bears;
+	place->area = place->ground * bears * l->keeps[i];
 	place->arm[0] = x + at * along[0] + out_by * out[0];
 	place->arm[1] = y + at * along[1] + out_by * out[1];
 	place->arm[2] = ground + rise_x * (place->arm[0] - out_by * out[0] - p->x[i]) + rise_y * (place->arm[1] - out_by * out[1] - p->y[i]) - depth + out_by / flat + p->above[i];

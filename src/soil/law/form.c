@@ -1,6 +1,7 @@
 /* Prepares a body's form and motion for the law. */
 #include "soil/law/form.h"
 
+#include "soil/shape/bars.h"
 #include "soil/shape/body.h"
 
 static void into_frame(const struct soil_body *body, double v[2])
@@ -170,11 +171,12 @@ static void put_shape(struct soil_body *body, struct soil_form *form, double spa
 	}
 }
 
-/* Gives how the body turned during its motion, rad about local axes. A wheel's turning about its axle comes beside that of its attitude. */
-static void spin_of(const struct soil_motion *motion, double axes[3][3], double spin[3])
+void soil_form_spin(const struct soil_motion *motion, double spin[3])
 {
 	const struct soil_pose *from = &motion->from, *to = &motion->to;
 	const bool wheel = motion->shape->kind == SOIL_WHEEL;
+	double axes[3][3];
+	soil_axes(to->yaw, wheel ? 0 : to->pitch, to->roll, 0, axes);
 	const double yaw = remainder(to->yaw - from->yaw, 2 * M_PI), pitch = wheel ? 0 : remainder(to->pitch - from->pitch, 2 * M_PI);
 	const double roll = remainder(to->roll - from->roll, 2 * M_PI);
 	for (int k = 0; k < 3; k++) {
@@ -183,20 +185,27 @@ static void spin_of(const struct soil_motion *motion, double axes[3][3], double 
 	}
 }
 
-/* Returns how much of a rise counts as a way along the ground. From a slope of 1 to one of 2 that is less and less. */
-static double level_share(double forward, double rise)
+double soil_form_level_share(double forward, double rise)
 {
 	return forward > 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
+}
+
+void soil_form_split(const struct soil_form *form, const float spin[3], float rolling[3], float turning[3])
+{
+	const float about = dot3(spin, form->roll_axis);
+	for (int k = 0; k < 3; k++) {
+		rolling[k] = form->rolls_about == ROLLS_NOT ? 0 : form->rolls_about == ROLLS_ABOUT_AXIS ? about * form->roll_axis[k] : k < 2 ? spin[k] : 0;
+		turning[k] = spin[k] - rolling[k];
+	}
 }
 
 /* axis: of a body that rolls about it alone; NULL: about any level axis. flat: about none. */
 static void split_spin(struct soil_form *form, const float axis[3], bool flat)
 {
-	const float none[3] = {0}, *rolls = axis != NULL ? axis : none, about = dot3(form->spin, rolls);
-	for (int k = 0; k < 3; k++) {
-		form->rolling[k] = flat ? 0 : axis != NULL ? about * axis[k] : k < 2 ? form->spin[k] : 0;
-		form->turning[k] = form->spin[k] - form->rolling[k];
-	}
+	form->rolls_about = flat ? ROLLS_NOT : axis != NULL ? ROLLS_ABOUT_AXIS : ROLLS_ABOUT_LEVEL;
+	for (int k = 0; k < 3; k++)
+		form->roll_axis[k] = axis != NULL ? axis[k] : 0;
+	soil_form_split(form, form->spin, form->rolling, form->turning);
 }
 
 static void put_rolling(struct soil_form *form)
@@ -252,7 +261,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 	const bool wheel = motion->shape->kind == SOIL_WHEEL;
 	double axes[3][3], spin[3];
 	soil_axes(to->yaw, wheel ? 0 : to->pitch, to->roll, 0, axes);
-	spin_of(motion, axes, spin);
+	soil_form_spin(motion, spin);
 	put3(form->way, body, way);
 	put3(form->spin, body, spin);
 	put_rolling(form);
@@ -270,11 +279,11 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 		form->runs = (float)motion->runs;
 	}
 	const double plan = hypot(way[0], way[1]), turned = sqrt(spin[0] * spin[0] + spin[1] * spin[1]) * form->reach + fabs((double)form->ran);
-	const double rise = level_share(plan, way[2]) * way[2];
+	const double rise = soil_form_level_share(plan, way[2]) * way[2];
 	form->passes[0] = (float)plan;
 	form->passes[1] = (float)hypot(plan, rise);
 	form->along_ground = plan > 0 ? (float)(hypot(plan, rise) / plan) : 1;
-	form->rolls = (float)level_share(fmax(plan, turned), way[2]);
+	form->rolls = (float)soil_form_level_share(fmax(plan, turned), way[2]);
 	put_times(body, form, way);
 	for (int k = 0; k < 2; k++)
 		form->by_way[k] = plan > 0 ? (float)((double)form->way[k] / fmax(plan * plan, 1e-12)) : 0;
@@ -298,12 +307,14 @@ static void put_cell(const struct soil_law *law, const struct soil_body *body, s
 	put(form->cut[1], body, aside[northward]);
 }
 
-/* A ball's lower envelope is that of an ellipsoid. */
-static void put_lower(const struct soil_motion *motion, struct soil_body *body)
+/* A ball's lower envelope is that of an ellipsoid. carries: bars that stand close together carry the soil between them, as a drum over their tips does. */
+static void put_lower(const struct soil_motion *motion, bool carries, struct soil_body *body)
 {
 	const struct soil_shape *shape = motion->shape;
 	body->smooth = *shape;
 	body->smooth.grousers = 0;
+	if (carries)
+		body->smooth.radius += soil_bars_carry(shape) * shape->grouser_height;
 	if (shape->kind == SOIL_SPHERE) {
 		body->smooth.kind = SOIL_ELLIPSOID;
 		for (int k = 0; k < 3; k++)
@@ -318,7 +329,8 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 	const struct soil_pose *from = &motion->from, *to = &motion->to;
 	const struct soil_interface *interface = &motion->interface;
 	*body = (struct soil_body){.motion = motion, .axis = {1, 0}, .outer = soil_body_wheel_radius(motion->shape)};
-	*form = (struct soil_form){.lift = 1, .level = 1, .rim_level = 1, .radius = (float)motion->shape->radius, .ground_normals = law->ground_normals ? 1 : 0};
+	*form = (struct soil_form){.lift = 1, .level = 1, .rim_level = 1, .radius = (float)motion->shape->radius, .ground_normals = law->ground_normals ? 1 : 0,
+				    .all_round = law->faces && !law->ground_normals ? 1 : 0};
 	const int64_t place[3] = {to->x, to->y, to->z}, before[3] = {from->x, from->y, from->z};
 	double way[3];
 	const bool jumped = motion->jumped;
@@ -326,7 +338,9 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 		body->centre[k] = lattice_offset_metres(place[k]) + motion->beyond[k];
 		way[k] = jumped ? 0 : lattice_offset_metres(place[k] - before[k]) + motion->beyond[k];
 	}
-	put_lower(motion, body);
+	put_lower(motion, form->all_round > 0, body);
+	if (motion->shape->kind == SOIL_WHEEL)
+		form->radius = (float)body->smooth.radius;
 	put_shape(body, form, law->spacing, way);
 	for (int k = 0; k < 2; k++)
 		form->enters[k][0] = form->enters[k][1] = form->half[k];

@@ -67,6 +67,15 @@ struct soil_grousers {
 	float x, y;                  /* of the first post from the centre, m east and north */
 };
 
+/* The recent motion of a body in its frame (struct soil_trend), and its two parts of turning: those of `spin` below. */
+struct soil_recent {
+	float way[3], turn[3], rolling[3], turning[3], ran;
+	float along_ground; /* a way along the ground over the same in plan */
+};
+
+/* About what a body rolls. */
+enum soil_rolls { ROLLS_NOT, ROLLS_ABOUT_AXIS, ROLLS_ABOUT_LEVEL }; /* not at all; about roll_axis; about any level axis */
+
 struct soil_form {
 	enum soil_form_kind kind;
 	float radius, by_radius;   /* of other shapes: of a sphere around the body */
@@ -97,6 +106,11 @@ struct soil_form {
 	/* The two parts of spin. A body rolls off the soil as it turns about the axis of its rim, or without one about a level axis. As it yaws it stays,
 	 * and so does a body with flat faces as it rocks. */
 	float rolling[3], turning[3];
+	enum soil_rolls rolls_about;
+	float roll_axis[3];
+	float bars;                /* share of a rim's circumference along which its grousers carry the soil with them; 0: it has none */
+	float all_round;           /* 1: soil presses on its faces as it slides: `recent` is set. 0: on its lower envelope alone */
+	struct soil_recent recent;
 	float by_way[2];
 	float moved;               /* 0: it stood still; 1: it moved over half a cell */
 	float stamps;              /* 1: the hollow that it left has its shape; 0: it is a flat rut */
@@ -135,6 +149,12 @@ struct soil_body {
 
 /* Tells a form of kind FORM_RASTER that it is a drum of this radius, m, about an axis: a unit vector, east, north, up. It rolls as a cylinder does. */
 void soil_form_drum(const struct soil_body *body, const double axis[3], double radius, struct soil_form *form);
+/* Returns how much of a rise counts as a way along the ground, for a way forward in plan. From a slope of 1 to one of 2 that is less and less. */
+double soil_form_level_share(double forward, double rise);
+/* Gives how a body turned during its motion, rad about local axes. A wheel's turning about its axle comes beside that of its attitude. */
+void soil_form_spin(const struct soil_motion *motion, double spin[3]);
+/* Parts a turning, rad, into that by which the body rolls off the soil, and the rest. */
+void soil_form_split(const struct soil_form *form, const float spin[3], float rolling[3], float turning[3]);
 /* Fills both. `body` points to itself and to the motion, so it is not copied. The raster is not set. */
 void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, struct soil_body *body, struct soil_form *form);
 

@@ -140,3 +140,15 @@ void soil_bars(const struct soil_shape *shape, const struct soil_pose *pose, con
 			show_step(&bars, (const double[2]){angle - (1 - shares[0]) * turned, angle - (1 - shares[1]) * turned}, shares, k + 1 == steps);
 		}
 }
+
+/* A bar carries the soil before it as far as the wedge reaches that it would push up: about twice the bar's height times tan(45 degrees + phi / 2), which is
+ * 3.4 heights at 29 degrees. */
+#define BAR_WEDGE 3.4
+
+double soil_bars_carry(const struct soil_shape *shape)
+{
+	if (shape->kind != SOIL_WHEEL || shape->grousers <= 0)
+		return 0;
+	const double outer = shape->radius + shape->grouser_height;
+	return fmin(shape->grousers * (shape->grouser_thickness + BAR_WEDGE * shape->grouser_height) / (2 * M_PI * outer), 1);
+}

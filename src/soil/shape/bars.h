@@ -19,6 +19,9 @@ struct bar_face {
 };
 typedef void (*bars_fn)(void *user, const struct bar_face *face);
 
+/* Returns the share of a wheel's circumference along which its bars carry the soil between them: 0 without bars, 1 where they stand close together. */
+double soil_bars_carry(const struct soil_shape *shape);
+
 /* Calls `face` for each face that may lower the envelope. pose: at the contact's end. */
 void soil_bars(const struct soil_shape *shape, const struct soil_pose *pose, const struct bars_motion *motion, bars_fn face, void *user);
 

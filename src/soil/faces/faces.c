@@ -1,0 +1,136 @@
+/* Lists the facets of a body that press. */
+#include "soil/faces/faces.h"
+
+#include "soil/faces/ahead.h"
+#include "soil/faces/press.h"
+#include "soil/faces/slid.h"
+#include "soil/faces/trend.h"
+#include "soil/shape/bars.h"
+#include "soil/shape/body.h"
+
+#define ROUGH (2 / 3.0)    /* friction angle along a surface of which none is given, over that of the soil: steel on sand, 0.5 to 0.8 (Potyondy 1961) */
+#define FACET_POSTS 1.0    /* posts: the longest side of a facet */
+#define FACET_PARTS 24     /* of the body's size: and so many parts of it, at least */
+
+void soil_faces_finish(struct soil_faces *faces)
+{
+	mem_free_all(faces->memory, faces->planes);
+	soil_facets_cache_finish(&faces->cache);
+	*faces = (struct soil_faces){0};
+}
+
+enum { ARRAYS = 0
+#define FACES_COUNT(name) + 1
+	FACES_EACH(FACES_COUNT)
+#undef FACES_COUNT
+};
+
+size_t soil_faces_bytes(const struct soil_faces *faces)
+{
+	return (ARRAYS * faces->room + 3 * faces->posts) * sizeof(float) + soil_facets_cache_bytes(&faces->cache);
+}
+
+static enum status need(struct soil_faces *faces, size_t count)
+{
+	if (count <= faces->room)
+		return STATUS_OK;
+	const size_t room = count + count / 2;
+	TRY(mem_resize(&faces->memory, ARRAYS * room, sizeof *faces->memory, "faces of a body"));
+	faces->room = room;
+	float *memory = faces->memory;
+#define FACES_PLACE(name) faces->name = memory, memory += room;
+	FACES_EACH(FACES_PLACE)
+#undef FACES_PLACE
+	return STATUS_OK;
+}
+
+static enum status need_posts(struct soil_faces *faces, size_t posts)
+{
+	if (posts <= faces->posts)
+		return STATUS_OK;
+	TRY(mem_resize(&faces->planes, 3 * posts, sizeof *faces->planes, "faces of a body"));
+	faces->posts = posts;
+	return STATUS_OK;
+}
+
+/* Returns the most that a place of the body slides of its way. */
+static float slides_most(const struct soil_form *form, double bound)
+{
+	const struct soil_recent *m = &form->recent;
+	const float turns = sqrtf(dot3(m->turning, m->turning));
+	return slid_at(form, 0, 0) + turns * (float)bound;
+}
+
+/* Gives the turn of the body's own axes into the frame: rows are forward, left, up. */
+static void axes_of(const struct soil_body *body, bool bars, float axes[3][3])
+{
+	const struct soil_pose *to = &body->motion->to;
+	const bool wheel = body->motion->shape->kind == SOIL_WHEEL;
+	double own[3][3];
+	soil_axes(to->yaw, wheel ? 0 : to->pitch, to->roll, wheel && bars ? to->turn : 0, own);
+	for (int k = 0; k < 3; k++) {
+		axes[k][0] = (float)(body->axis[0] * own[k][0] + body->axis[1] * own[k][1]);
+		axes[k][1] = (float)(body->axis[0] * own[k][1] - body->axis[1] * own[k][0]);
+		axes[k][2] = (float)own[k][2];
+	}
+}
+
+/* Finds the soil below the body's middle. */
+static struct soil_numbers soil_below(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body)
+{
+	if (planes == NULL)
+		return law->soils[0];
+	const struct post_rect *rect = &planes->rect;
+	const int64_t x = (int64_t)llround(body->centre[0] / law->spacing), y = (int64_t)llround(body->centre[1] / law->spacing);
+	const int64_t column = x < rect->x0 ? 0 : x >= rect->x1 ? rect->x1 - rect->x0 - 1 : x - rect->x0, row = y < rect->y0 ? 0 : y >= rect->y1 ? rect->y1 - rect->y0 - 1 : y - rect->y0;
+	return soil_numbers_at(law, planes, (size_t)row * planes->width + (size_t)column);
+}
+
+static void put_soil(const struct soil_numbers *soil, struct soil_faces *faces)
+{
+	faces->xi = (float)soil_face_strength(soil);
+	faces->cohesion = (float)soil->cohesion;
+	faces->tan_phi = (float)tan(soil->friction_angle);
+	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);
+	const double plan = hypot(faces->trend.way[0], faces->trend.way[1]);
+	for (int k = 0; k < 2; k++)
+		faces->d[k] = plan > 1e-9 ? (float)(faces->trend.way[k] / plan) : 0;
+}
+
+enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
+			     struct soil_faces *faces)
+{
+	const struct soil_shape *shape = body->motion->shape;
+	const double bound = soil_shape_bound(shape);
+	faces->count = 0;
+	if (!(form->all_round > 0))
+		return STATUS_OK;
+	form->bars = shape->kind == SOIL_WHEEL ? (float)soil_bars_carry(shape) : 0;
+	const struct soil_numbers soil = soil_below(law, planes, body);
+	faces->trend = soil_trend_after(law, body->motion);
+	soil_trend_put(body, &faces->trend, form);
+	if (planes == NULL || !(slides_most(form, bound) > SLID_LEAST))
+		return STATUS_OK;
+	put_soil(&soil, faces);
+	const struct post_rect whole = {planes->rect.x0, planes->rect.y0, planes->rect.x1, planes->rect.y1};
+	faces->rect = post_rect_intersect(post_rect_grown(below, 1), whole);
+	if (post_rect_empty(faces->rect))
+		return STATUS_OK;
+	const size_t posts = (size_t)(faces->rect.x1 - faces->rect.x0) * (size_t)(faces->rect.y1 - faces->rect.y0);
+	const struct soil_facets *facets;
+	TRY(soil_facets_kept(&faces->cache, &body->smooth, fmin(FACET_POSTS * law->spacing, 2 * bound / FACET_PARTS), &facets));
+	TRY(need(faces, facets->count));
+	TRY(need_posts(faces, posts));
+	faces->surface = faces->planes;
+	faces->ahead = faces->planes + posts;
+	faces->held = faces->planes + 2 * posts;
+	float axes[2][3][3];
+	for (int bars = 0; bars < 2; bars++)
+		axes_of(body, bars != 0, axes[bars]);
+	const struct soil_interface *interface = &body->motion->interface;
+	const double smooth = fmin(tan(interface->has_friction ? interface->friction_angle : ROUGH * soil.friction_angle), (double)faces->tan_phi);
+	soil_press(form, facets, (const float(*)[3][3])axes, (float)(smooth + (double)form->bars * ((double)faces->tan_phi - smooth)), faces);
+	if (faces->count > 0)
+		soil_ahead_read(planes, law->reference, &body->motion->to, faces);
+	return STATUS_OK;
+}

@@ -1,0 +1,46 @@
+/*
+ * The faces of a body: what soil presses on them from every side as it slides. They count beside the law of the lower envelope (law/bear.h), in the
+ * share that slid.h tells. A contact, its search for the equilibrium height and a probe add the same faces. FACES.md has the law.
+ */
+#ifndef FURROW_SOIL_FACES_H
+#define FURROW_SOIL_FACES_H
+
+#include "soil/faces/facets.h"
+#include "soil/law/bear.h"
+
+/* Facets that press, in arrays of whole blocks; m from the body's centre in its frame. */
+#define FACES_EACH(EACH) \
+	EACH(x) EACH(y) EACH(z)             /* middle */ \
+	EACH(nx) EACH(ny) EACH(nz)          /* outward normal */ \
+	EACH(whole) EACH(area)              /* of the facet, and the part that presses, m2 */ \
+	EACH(under)                         /* 1: it is of the underside: FACET_UNDER */ \
+	EACH(px) EACH(py) EACH(pz)          /* force for each unit of xi and metre of depth, m2 */
+struct soil_faces {
+	size_t count, room; /* count: a multiple of POSTS_LANES; 0: no facet presses */
+#define FACES_ARRAY(name) float *name;
+	FACES_EACH(FACES_ARRAY)
+#undef FACES_ARRAY
+	float *memory;
+	/* The surface of the soil over a rectangle of posts around the body, row by row: m above the centre at motion->to. */
+	struct post_rect rect;
+	float *surface, *ahead, *held; /* as it is; as it is ahead of the body, where that presses on a post; by how much it does, 0 .. 1 */
+	size_t posts;
+	float *planes;
+	struct soil_facets_cache cache;
+	float xi, cohesion, tan_phi, by_modulus; /* of the soil below the body: N/m3, Pa, 1, 1/m */
+	struct soil_trend trend; /* at the motion's end */
+	float tangent;        /* of the friction along the body's surface */
+	float d[2];           /* direction in which it slides, east and north; 0: none */
+};
+
+/* Finds the recent motion of a body at the end of its motion, and lists the facets that press. Sets faces->trend and form->recent. Reads the surface around
+ * the body. planes NULL: no facet presses. STATUS_MEMORY. */
+enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
+			     struct soil_faces *faces) FURROW_CHECKED;
+/* Adds what the facets press with the centre raised by so many fixed-point units, as soil_bear does. posts: as gathered for it. */
+void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
+		    struct soil_faces *faces, struct soil_sums *sums, struct soil_changes *changes);
+void soil_faces_finish(struct soil_faces *faces);
+size_t soil_faces_bytes(const struct soil_faces *faces);
+
+#endif

@@ -1,0 +1,133 @@
+/* Finds which facets of a body press on the soil as it slides, and the force of each for a unit of strength and depth. */
+#include "soil/faces/press.h"
+
+#include "soil/faces/resist.h"
+#include "soil/faces/slid.h"
+
+#define LANES POSTS_LANES
+#define EACH_LANE for (int i = 0; i < LANES; i++)
+#define TRAILS 0.1f   /* n . v: a facet of the underside that trails by more does not press */
+#define SIDE_FULL 0.1f /* n . v: a side that moves into the soil by more presses whole */
+#define STEEP 0.3f     /* level part of v: a side that goes up or down more steeply presses less, since a body that sinks is the law of the lower envelope */
+#define FOLLOWS 2.0f   /* soil follows a smooth rim that spins at most so many times as fast as the body goes */
+
+/* A block of facets in the frame. */
+struct facet_lanes {
+	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: FACET_UNDER */
+	float force[3][LANES], presses[LANES];
+};
+
+/* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. */
+SOIL_INLINED void motion_at(const struct soil_form *f, const float at[3], const float normal[3], float moves[3])
+{
+	const struct soil_recent *m = &f->recent;
+	float rolled[3], turned[3], belt[3];
+	cross3(m->rolling, at, rolled);
+	cross3(m->turning, at, turned);
+	cross3(f->belt, normal, belt);
+	const float went = sqrtf(dot3(m->way, m->way)), ran = sqrtf(dot3(m->rolling, m->rolling)) * f->rim_reach + fabsf(m->ran);
+	const float follows = either(FOLLOWS * went < ran, FOLLOWS * went / most(ran, 1e-12f), 1), rolls = follows + f->bars * (1 - follows);
+	for (int k = 0; k < 3; k++)
+		moves[k] = m->way[k] + rolls * (rolled[k] + m->ran * belt[k]) + turned[k];
+}
+
+/* Gives the force of a facet for each unit of xi and metre of depth, m2. moves: of its place, for each metre of the body's way. */
+SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], float tangent,
+			   float force[3], float *presses)
+{
+	const float size = sqrtf(dot3(moves, moves)), by = 1 / most(size, 1e-9f), v[3] = {moves[0] * by, moves[1] * by, moves[2] * by};
+	const float into = dot3(normal, v), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
+	const float below = faces_share(slid_at(f, at[0], at[1])) * clamped(1 + into * (1 / TRAILS), 0, 1);
+	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * least(size, 1);
+	const float share = either(size > 1e-6f, either(under > 0, below, beside), 0) * area;
+	float alpha[3];
+	resist_alpha(normal, v, tangent, alpha);
+	for (int k = 0; k < 3; k++)
+		force[k] = share * alpha[k];
+	*presses = share;
+}
+
+SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const float axes[2][3][3], struct facet_lanes *l)
+{
+	EACH_LANE {
+		const float own[3] = {facets->x[b + (size_t)i], facets->y[b + (size_t)i], facets->z[b + (size_t)i]};
+		const float out[3] = {facets->nx[b + (size_t)i], facets->ny[b + (size_t)i], facets->nz[b + (size_t)i]};
+		const float bar = facets->kind[b + (size_t)i] == FACET_BAR ? 1.0f : 0.0f;
+		for (int k = 0; k < 3; k++) {
+			const float at = own[0] * axes[0][0][k] + own[1] * axes[0][1][k] + own[2] * axes[0][2][k];
+			const float turned = own[0] * axes[1][0][k] + own[1] * axes[1][1][k] + own[2] * axes[1][2][k];
+			const float normal = out[0] * axes[0][0][k] + out[1] * axes[0][1][k] + out[2] * axes[0][2][k];
+			const float normal_turned = out[0] * axes[1][0][k] + out[1] * axes[1][1][k] + out[2] * axes[1][2][k];
+			l->at[k][i] = at + bar * (turned - at);
+			l->normal[k][i] = normal + bar * (normal_turned - normal);
+		}
+		l->area[i] = facets->area[b + (size_t)i];
+		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : 0.0f;
+	}
+}
+
+SOIL_CLONED static void press_block(const struct soil_form *restrict f, const struct soil_facets *restrict facets, size_t b, const float axes[restrict 2][3][3], float tangent,
+				    struct facet_lanes *restrict l)
+{
+	place_block(facets, b, axes, l);
+	EACH_LANE {
+		const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
+		float moves[3], force[3], presses;
+		motion_at(f, at, normal, moves);
+		force_of(f, at, normal, l->area[i], l->under[i], moves, tangent, force, &presses);
+		for (int k = 0; k < 3; k++)
+			l->force[k][i] = force[k];
+		l->presses[i] = presses;
+	}
+}
+
+static void keep(const struct facet_lanes *l, int i, struct soil_faces *faces)
+{
+	const size_t n = faces->count++;
+	float *const to[3][3] = {{faces->x, faces->y, faces->z}, {faces->nx, faces->ny, faces->nz}, {faces->px, faces->py, faces->pz}};
+	for (int k = 0; k < 3; k++) {
+		to[0][k][n] = l->at[k][i];
+		to[1][k][n] = l->normal[k][i];
+		to[2][k][n] = l->force[k][i];
+	}
+	faces->whole[n] = l->area[i];
+	faces->area[n] = l->presses[i];
+	faces->under[n] = l->under[i];
+}
+
+void soil_press(const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces)
+{
+	struct facet_lanes lanes;
+	faces->count = 0;
+	faces->tangent = tangent;
+	for (size_t b = 0; b < facets->count; b += LANES) {
+		press_block(form, facets, b, axes, tangent, &lanes);
+		for (int i = 0; i < LANES; i++)
+			if (lanes.presses[i] > 0)
+				keep(&lanes, i, faces);
+	}
+	/* The last block is filled with facets that press nothing. */
+	memset(&lanes, 0, sizeof lanes);
+	for (int i = 0; i < LANES; i++)
+		lanes.normal[2][i] = 1;
+	while (faces->count % LANES != 0)
+		keep(&lanes, 0, faces);
+}
+
+#define STEP 0.01f /* of a motion, by which a quotient of differences is taken */
+
+void soil_press_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3])
+{
+	const float at[3] = {faces->x[facet], faces->y[facet], faces->z[facet]}, normal[3] = {faces->nx[facet], faces->ny[facet], faces->nz[facet]};
+	float moves[3], before[3], after[3], presses;
+	motion_at(form, at, normal, moves);
+	const float step = STEP * most(sqrtf(dot3(moves, moves)), 0.1f), area = faces->whole[facet];
+	force_of(form, at, normal, area, faces->under[facet], moves, faces->tangent, before, &presses);
+	for (int j = 0; j < 3; j++) {
+		float moved[3] = {moves[0], moves[1], moves[2]};
+		moved[j] += step;
+		force_of(form, at, normal, area, faces->under[facet], moved, faces->tangent, after, &presses);
+		for (int k = 0; k < 3; k++)
+			changes[k][j] = (after[k] - before[k]) / step;
+	}
+}

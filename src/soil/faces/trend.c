@@ -1,0 +1,71 @@
+/*
+ * The recent motion M of a body changes with each motion x, a twist of the body, by
+ *
+ *     dM = (dx - M |dx|) / K,    K the shear modulus of the soil
+ *
+ * |dx| is the way that counts: that of the centre, of a rim, or of the body's outer parts, where these go farther. So M forgets what is older than a few K, as
+ * Janosi's shear does. With several soils K is the mean of theirs: so M is known without the ground.
+ */
+#include "soil/faces/trend.h"
+
+#include "soil/shape/body.h"
+
+#define TURNS_AT 0.5 /* of the distance from the centre that holds the whole body: where turning counts as a way */
+
+static double length_of(const double v[3])
+{
+	return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* Returns the way that counts in a motion, m. */
+static double way_of(const struct soil_motion *motion, const double way[3], const double spin[3])
+{
+	const struct soil_shape *shape = motion->shape;
+	double turns[3], axes[3][3];
+	soil_axes(motion->to.yaw, 0, motion->to.roll, 0, axes);
+	for (int k = 0; k < 3; k++)
+		turns[k] = spin[k] - (shape->kind == SOIL_WHEEL ? motion->turned * axes[1][k] : 0);
+	const double counts = fmax(length_of(way), TURNS_AT * soil_shape_bound(shape) * length_of(turns));
+	return shape->kind == SOIL_WHEEL || shape->belt ? fmax(counts, (shape->belt ? 1 : soil_body_wheel_radius(shape)) * fabs(motion->turned)) : counts;
+}
+
+struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion)
+{
+	const struct soil_trend *before = &motion->trend;
+	const int64_t moved[3] = {motion->to.x - motion->from.x, motion->to.y - motion->from.y, motion->to.z - motion->from.z};
+	double way[3], spin[3], modulus = 0;
+	if (motion->jumped)
+		return (struct soil_trend){.ran = 0};
+	for (int i = 0; i < law->soil_count; i++)
+		modulus += law->soils[i].janosi_shear / law->soil_count;
+	for (int k = 0; k < 3; k++)
+		way[k] = lattice_offset_metres(moved[k]) + motion->beyond[k];
+	soil_form_spin(motion, spin);
+	const double counts = way_of(motion, way, spin), by = counts > 0 ? 1 / counts : 0, stays = counts > 0 ? (double)exp_minus((float)(counts / modulus)) : 1;
+	struct soil_trend after;
+	for (int k = 0; k < 3; k++) {
+		after.way[k] = way[k] * by + stays * (before->way[k] - way[k] * by);
+		after.turn[k] = spin[k] * by + stays * (before->turn[k] - spin[k] * by);
+	}
+	const double ran = motion->shape->belt ? motion->turned * by : 0;
+	after.ran = ran + stays * (before->ran - ran);
+	return after;
+}
+
+static void into_frame(const struct soil_body *body, const double v[3], float out[3])
+{
+	out[0] = (float)(body->axis[0] * v[0] + body->axis[1] * v[1]);
+	out[1] = (float)(body->axis[0] * v[1] - body->axis[1] * v[0]);
+	out[2] = (float)v[2];
+}
+
+void soil_trend_put(const struct soil_body *body, const struct soil_trend *trend, struct soil_form *form)
+{
+	struct soil_recent *recent = &form->recent;
+	const double plan = hypot(trend->way[0], trend->way[1]);
+	into_frame(body, trend->way, recent->way);
+	into_frame(body, trend->turn, recent->turn);
+	soil_form_split(form, recent->turn, recent->rolling, recent->turning);
+	recent->ran = (float)trend->ran;
+	recent->along_ground = plan > 0 ? (float)(hypot(plan, soil_form_level_share(plan, trend->way[2]) * trend->way[2]) / plan) : 1;
+}
