@@ -16,7 +16,7 @@
 
 static void write_part(FILE *stream, const struct scene_law_part *part)
 {
-	const bool under = strcmp(part->part, "rim") == 0 || strcmp(part->part, "underside") == 0;
+	const bool bars = strcmp(part->part, "bars") == 0, under = bars || strcmp(part->part, "rim") == 0 || strcmp(part->part, "underside") == 0;
 	fprintf(stream, "%s: ", part->part);
 	if (isnan(part->faces))
 		fputs(under ? UNDER ", " FACES " where it slides" : FACES " where it slides", stream);

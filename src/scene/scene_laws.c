@@ -48,16 +48,36 @@ static void add(struct scene_laws *out, const char *part, double faces)
 	out->parts[out->count++] = (struct scene_law_part){part, faces};
 }
 
-/* slides: NAN: not known. */
-static void find_parts(const struct scene *scene, const struct soil_shape *shape, double slides, struct scene_laws *out)
+/* How a body moves over the ground. NAN: not known. */
+struct moves {
+	double slides;  /* share of its way */
+	double aside;   /* 1: a wheel's sides move into the soil; 0: they move along it */
+	double turns;   /* 1: a wheel's rim slides; 0: it rolls, so that its bars only press down */
+};
+static const struct moves unknown = {NAN, NAN, NAN};
+
+static void find_parts(const struct scene *scene, const struct soil_shape *shape, const struct moves *moves, struct scene_laws *out)
 {
 	const bool faces = has_faces(scene), wheel = shape->kind == SOIL_WHEEL;
-	*out = (struct scene_laws){.slides = slides, .wheel = wheel, .posts = NAN};
-	const double beside = !faces || slides == 0 ? 0 : isnan(slides) ? slides : 1;
-	add(out, wheel ? "rim" : "underside", faces ? share_of(slides) : 0);
-	add(out, wheel ? "sides" : "front and sides", beside);
+	*out = (struct scene_laws){.slides = moves->slides, .wheel = wheel, .posts = NAN};
+	const double beside = isnan(moves->slides) ? moves->slides : moves->slides > 0;
+	add(out, wheel ? "rim" : "underside", faces ? share_of(moves->slides) : 0);
+	add(out, wheel ? "sides" : "front and sides", !faces ? 0 : wheel ? moves->aside : beside);
 	if (wheel && shape->grousers > 0)
-		add(out, "bars", beside);
+		add(out, "bars", faces ? moves->turns : 0);
+}
+
+static struct moves moves_of(const struct scene_object *object)
+{
+	const bool hosted = object->path.count == 0, wheel = object->shape.kind == SOIL_WHEEL;
+	const double *turned = object->path.attitude;
+	/* A path that gives attitudes may turn a wheel in any way. */
+	if (hosted || (object->path.has_attitude && wheel))
+		return unknown;
+	if (is_fixed(&object->path))
+		return (struct moves){0, 0, 0};
+	const bool aside = fabs(sin(turned[0])) > 1e-9;
+	return (struct moves){soil_shape_runs(&object->shape) ? slid_of(object) : 1, aside, aside || object->slip != 0};
 }
 
 /* --- what the spacing costs --- */
@@ -119,14 +139,14 @@ static double depth_of(const struct scene *scene, const struct scene_object *obj
 
 bool scene_laws_of(const struct scene *scene, const struct scene_object *object, double spacing, struct scene_laws *out)
 {
-	const bool hosted = object->path.count == 0, wheel = object->shape.kind == SOIL_WHEEL, still = is_fixed(&object->path);
-	const double known = still ? 0 : soil_shape_runs(&object->shape) ? slid_of(object) : 1;
+	const struct moves moves = moves_of(object);
+	const bool wheel = object->shape.kind == SOIL_WHEEL;
 	if (!deform_tells_forces(scene->model))
 		return false;
-	/* A path that gives attitudes may turn it in any way. */
-	find_parts(scene, &object->shape, hosted || (object->path.has_attitude && wheel) ? (double)NAN : known, out);
-	if (!still)
-		find_cost(kind_of(&object->shape, object->slip, scene_is_turned(object)), wheel ? object->shape.radius : hosted ? 0 : depth_of(scene, object), spacing, out);
+	find_parts(scene, &object->shape, &moves, out);
+	if (!is_fixed(&object->path))
+		find_cost(kind_of(&object->shape, object->slip, scene_is_turned(object)),
+			  wheel ? object->shape.radius : object->path.count == 0 ? 0 : depth_of(scene, object), spacing, out);
 	return true;
 }
 
@@ -134,7 +154,7 @@ bool scene_laws_of_shape(const struct scene *scene, const struct soil_shape *sha
 {
 	if (!deform_tells_forces(scene->model))
 		return false;
-	find_parts(scene, shape, NAN, out);
+	find_parts(scene, shape, &unknown, out);
 	find_cost(kind_of(shape, 0, true), shape->kind == SOIL_WHEEL ? shape->radius : 0, spacing, out);
 	return true;
 }
