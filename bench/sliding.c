@@ -18,7 +18,7 @@
 enum { SIDE = 128, RIM = 32, ACROSS = SIDE + 2 * RIM, COUNT = ACROSS * ACROSS, WORDS = 64, MOST_RUNS = 10000 };
 #define SPACING 0.04 /* m */
 
-static int32_t base[COUNT], offset[COUNT], deposited[COUNT], deposits[COUNT], slid_offset[COUNT], slid_deposited[COUNT];
+static int32_t base[COUNT], offset[COUNT], deposited[COUNT], deposits[COUNT], slid_offset[COUNT], slid_deposited[COUNT], slope[COUNT];
 static uint8_t contact[COUNT], classes[COUNT];
 
 /* What a ground has. */
@@ -131,7 +131,7 @@ static void measure(const struct kind *kind, int runs)
 	const struct soil_planes planes = {
 		.rect = {first - RIM, first - RIM, first - RIM + ACROSS, first - RIM + ACROSS},
 		.width = ACROSS, .base = base, .offset = slid_offset, .deposited = kind->scm ? slid_deposited : NULL,
-		.classes = kind->classes ? classes : NULL, .contact = contact,
+		.classes = kind->classes ? classes : NULL, .contact = contact, .slope = slope,
 	};
 	const struct soil_slide_window window = {
 		.written = {first, first, first + side, first + side}, .posts = {first, first, first + side, first + side},

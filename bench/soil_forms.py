@@ -48,11 +48,20 @@ class Soil:
         """Pa at which soil yields at a sinkage: Bekker's pressure, and never more than K_e z."""
         return min((self.kc / width + self.kphi) * depth ** self.n, self.stiffness * depth) if depth > 0 else 0.0
 
+    def sticks(self):
+        """Pa: the adhesion of a rim of which none is given. Lines between the points of NAVFAC DM-7.02's table, in pounds per square foot."""
+        psf, points = self.cohesion / 47.880259, ((0, 0), (500, 500), (1000, 750), (2000, 950), (4000, 1300))
+        for (c, a), (c1, a1) in zip(points, points[1:]):
+            if psf <= c1 or c1 == 4000:
+                return 47.880259 * (a + (a1 - a) * (psf - c) / (c1 - c))
+
     def strengths(self, normal, wheel):
         """Pa: the most shear within the soil, and the most along the wheel's rim."""
-        adhesion = self.cohesion if wheel.adhesion is None else wheel.adhesion
+        adhesion = self.sticks() if wheel.adhesion is None else wheel.adhesion
         friction = self.friction if wheel.friction is None else wheel.friction
-        return self.cohesion + normal * math.tan(math.radians(self.friction)), adhesion + normal * math.tan(math.radians(friction))
+        touches = min(normal / self.cohesion, 1) if self.cohesion > 0 else 1
+        return (touches * self.cohesion + normal * math.tan(math.radians(self.friction)),
+                touches * adhesion + normal * math.tan(math.radians(friction)))
 
     def shear(self, normal, mobilised, wheel):
         """Pa. mobilised: what share of its strength, signed."""
@@ -272,6 +281,8 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
             own, rim = soil.strengths(stress(theta), wheel)
             return own - rim
         cuts.update(roots(weaker, -entry, 0.0) + roots(weaker, 0.0, entry))
+    if soil.cohesion > 0:     # from where it touches wholly
+        cuts.update(roots(lambda t: stress(t) - soil.cohesion, -entry, 0.0) + roots(lambda t: stress(t) - soil.cohesion, 0.0, entry))
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
         cuts.update(roots(lambda t: largest(t) - capped, -entry, entry))
@@ -316,7 +327,7 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
         bekker = (soil.kc / wheel.width + soil.kphi) * max(pressed, 0.0) ** soil.n < soil.stiffness * pressed
         free = presses and pressed < 1e-12 and (most - below) * slips * abs(here) > soil.janosi * x / down   # it digs faster than it comes down
         normal = max(soil.yields(pressed, wheel.width) - soil.stiffness * (greatest - below), 0.0)
-        return normal, soil.shear(normal, here, wheel), greatest, (presses, normal > 0, bekker, backwards, here > 0, free, soil.slips_on(normal, wheel))
+        return normal, soil.shear(normal, here, wheel), greatest, (presses, normal > 0, bekker, backwards, here > 0, free, soil.slips_on(normal, wheel), normal > soil.cohesion)
 
     # Steps are short at the front and at the rear.
     edges = [front * math.cos(math.pi * k / panels) for k in range(panels + 1)]

@@ -20,7 +20,7 @@ void explain_vehicles_text(const struct report_plan *plan);
 void explain_geom(const struct soil_shape *shape, char *text, size_t size); /* "wheel, radius 0.4 m, width 0.2 m" */
 /* As scene_soil_number; NAN also for a number that the scene's model does not read. */
 bool explain_number(const struct scene *scene, int soil, size_t index, const char **key, double *value);
-const char *explain_number_from(const struct scene *scene, int soil, const char *key); /* "scene", "name" or "default" */
+const char *explain_number_from(const struct scene *scene, int soil, const char *key); /* "scene", "name" or "default", also of what comes of other numbers */
 
 /* explain_laws.c: by which law the soil presses on the parts of each body, and what the spacing costs there */
 void explain_laws_text(const struct scene *scene, const struct report_plan *plan);

@@ -20,9 +20,12 @@ static void print_wrapped(FILE *stream, char **text)
 const char *explain_number_from(const struct scene *scene, int soil, const char *key)
 {
 	const bool guess = strcmp(key, "elastic_stiffness") == 0 || strcmp(key, "damping") == 0; /* all named soils have one number */
+	/* A weight that comes of density and gravity, or a density of a weight. */
+	const bool density = scene_soil_given(scene, soil, "density"), weight = scene_soil_given(scene, soil, "unit_weight");
+	const bool follows = (strcmp(key, "unit_weight") == 0 && (density || scene->gravity_given)) || (strcmp(key, "density") == 0 && weight);
 	if (scene_soil_given(scene, soil, key))
 		return "scene";
-	return guess || strncmp(scene->soil_names[soil], "unnamed", 7) == 0 ? "default" : "name";
+	return guess || follows || strncmp(scene->soil_names[soil], "unnamed", 7) == 0 ? "default" : "name";
 }
 
 bool explain_number(const struct scene *scene, int soil, size_t index, const char **key, double *value)

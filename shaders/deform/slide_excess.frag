@@ -20,7 +20,7 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray floors;
 layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
 #ifdef SLOPES
-layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.frag: the axial critical difference in each post's slope
+layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.frag: the axial critical difference in each post's slope; sign bit: its height changed
 #endif
 
 #include "lib/slide_params.glsl"
@@ -85,7 +85,7 @@ void main()
 		int critical = k < 4 ? limits_of(soil).x : limits_of(soil).y;
 #ifdef SLOPES
 		// The slope is that of the post that gives. The sum for diagonal neighbours multiplies by sqrt(2), to a ten thousandth.
-		int most = max(gives ? slope : imageLoad(slopes, there).r, region.z);
+		int most = max((gives ? slope : imageLoad(slopes, there).r) & 0x7fffffff, region.z);
 		critical = min(critical, k < 4 ? most : most + (most >> 2) + (most >> 3) + (most >> 5) + (most >> 7));
 #endif
 		int over = high - critical;
@@ -99,7 +99,7 @@ void main()
 		over = min(over, more);
 #endif
 		amount = other == STILL || over <= limits_of(0).z ? 0 : max(amount, 0);
-#ifdef WAKES
+#if defined WAKES && !defined SLOPES
 		int beyond = high - limits_of(soil).w;
 #ifdef STOOD
 		beyond = min(beyond, more);
@@ -109,5 +109,8 @@ void main()
 		change += gives ? -amount : amount;
 		moves |= amount;
 	}
+#ifdef SLOPES
+	steep = slope < 0;
+#endif
 	slid(at, height, change, moves != 0, steep);
 }

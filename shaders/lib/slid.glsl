@@ -50,7 +50,8 @@ void flag(ivec2 post, bool moves, bool changed)
 #endif
 
 // Writes the result. height: before this iteration. change: soil that the post got, less what it gave. moves: the post got or gave
-// soil, even if both are equal. steep: if the slope is high enough, the post gives or gets soil.
+// soil, even if both are equal. steep: over a window: if the slope is high enough, the post gives or gets soil; over blocks: its slope became higher or
+// lower.
 void slid(ivec3 at, int height, int change, bool moves, bool steep)
 {
 	if (height == STILL)
@@ -75,10 +76,10 @@ void slid(ivec3 at, int height, int change, bool moves, bool steep)
 #ifdef WAKES
 	// Slopes are measured before the first iteration over blocks. So the next interval must measure them where the ground changed. Over
 	// a window they are not measured, so the next interval must also do it where the ground is steep.
-	moves = moves || changed;
 #ifndef BLOCKS
-	moves = moves || (steep && height != STILL);
+	steep = steep && height != STILL;
 #endif
+	moves = moves || changed || steep;
 #endif
 	flag(at.xy, moves, changed);
 #else

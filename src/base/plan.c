@@ -60,6 +60,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_HOST_BASE] = "host_base", [PLAN_HOST_CLASSES] = "host_classes", [PLAN_HOST_NUMBERS] = "host_numbers",
 		[PLAN_HOST_OFFSET] = "host_offset", [PLAN_HOST_DISTURBANCE] = "host_dirt", [PLAN_HOST_DEPOSITED] = "host_heaped",
 		[PLAN_HOST_SINKAGE] = "host_pressed", [PLAN_HOST_SHEAR] = "host_shear", [PLAN_HOST_DUG] = "host_dug",
+		[PLAN_HOST_SLOPE] = "host_slope",
 		[PLAN_WINDOW_POST] = "window_post", [PLAN_WINDOW_SCRATCH] = "window_scratch", [PLAN_RESULT_POST] = "result_post",
 		[PLAN_WINDOW] = "window", [PLAN_MOVED] = "moved", [PLAN_BATCH] = "batch", [PLAN_BATCH_DRAW] = "batch_draw",
 		[PLAN_BATCH_STORE] = "batch_store", [PLAN_BATCH_ENVELOPE] = "batch_underside",

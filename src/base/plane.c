@@ -15,6 +15,7 @@ static const struct {
 	[PLANE_PLASTIC_SINKAGE] = {"pressed", "plastic_sinkage", 4},
 	[PLANE_SHEAR] = {"shear", "shear", 4},
 	[PLANE_DUG] = {"dug", "dug", 4},
+	[PLANE_SLOPE] = {"slope", "slope", 4},
 };
 
 size_t plane_bytes(enum plane plane)
@@ -39,6 +40,8 @@ double plane_value(enum plane plane, int32_t post)
 {
 	if (plane == PLANE_SHEAR)
 		return ldexp(hypot(plane_shear(post, PLANE_SHEAR_EAST), plane_shear(post, PLANE_SHEAR_NORTH)), -PLANE_SHEAR_BITS);
+	if (plane == PLANE_SLOPE)
+		return ldexp((uint32_t)post & 0xffff, -PLANE_SLOPE_BITS) + ldexp((uint32_t)post >> 16, -PLANE_SLOPE_BITS);
 	return plane == PLANE_DISTURBANCE ? post : lattice_offset_metres(post);
 }
 

@@ -17,6 +17,7 @@ enum plane {
 	PLANE_PLASTIC_SINKAGE, /* int32, 2^-20 m: plastic sinkage, the largest sinkage so far along the surface's normal */
 	PLANE_SHEAR,           /* two int16, 2^-15: mobilised shear, to the east in the low half, to the north in the high half */
 	PLANE_DUG,             /* int32, 2^-20 m: what slip has dug in all contacts */
+	PLANE_SLOPE,           /* two uint16, 2^-9 m: how far the slope that a post lies in rises above it, and in the high half how far it falls below it */
 	PLANES
 };
 
@@ -25,7 +26,7 @@ size_t plane_bytes(enum plane plane);
 const char *plane_name(enum plane plane);
 /* Returns its name as a layer of exports and maps: "deposited" for "heaped", "plastic_sinkage" for "pressed". Pure. */
 const char *plane_layer(enum plane plane);
-/* Returns the value of a post in metres; for disturbance the stored number; for shear its amount, as a share of the soil's strength.
+/* Returns the value of a post in metres; for slope the height of the whole slope; for disturbance the stored number; for shear its amount, as a share of the soil's strength.
  * Pure. */
 double plane_value(enum plane plane, int32_t post);
 
@@ -38,6 +39,8 @@ double plane_value(enum plane plane, int32_t post);
 enum plane_shear_part { PLANE_SHEAR_EAST, PLANE_SHEAR_NORTH, PLANE_SHEAR_AMOUNT };
 /* Returns a part of a post of PLANE_SHEAR, 2^-15. Pure. */
 int32_t plane_shear(int32_t post, enum plane_shear_part part);
+
+#define PLANE_SLOPE_BITS 9 /* binary digits of heights of slopes behind the point */
 
 #define PLANE_BIT(plane) (1u << (plane))
 

@@ -60,7 +60,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	bearing->main = bearing;
 	bearing->params = *params;
 	bearing->slots = slots;
-	bearing->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & resident_host_planes(slots);
+	bearing->planes = deform_planes(params->model, params->disturbance, deform_memory(params)) & resident_host_planes(slots);
 	bearing->world = (struct post_rect){0, 0, extent_posts(extent->width, params->level), extent_posts(extent->height, params->level)};
 	bearing->law = law_of(params);
 	bearing->conserves = deform_conserves(params->model);

@@ -115,6 +115,9 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		member->motion = bearing_motion_of(contact);
 		member->at = bearing_window_part(&bearing->window, contacts[i].area.read, &member->planes);
 		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, contact->rotated, bearing->law.spacing);
+		if (bearing->law.faces)
+			soil_laying_ahead(&member->laying);
+		member->motion.hollows = member->laying.front ? soil_shape_reach(contact->shape, contact->to.pitch, contact->to.roll) : 0;
 		member->laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
 		member->slides = (struct post_rect){0, 0, 0, 0};
 		member->write = contacts[i].area.write;
@@ -190,7 +193,7 @@ static void commit(struct bearing *bearing, size_t count, bool alone)
 	begin_parties(bearing, count);
 	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &members[i];
-		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid};
+		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid, .carried = window->carried + member->at};
 		const struct soil_sink_shared shared = {count > 1 && member->crosses ? bearing->claims + member->at : NULL, window->owners + member->at, (uint8_t)(i + 1)};
 		if (!member->feels)
 			soil_sink_commit(member->work, &sink, alone ? NULL : &shared, &member->imprint);
@@ -209,9 +212,9 @@ static const uint8_t *patch_of(struct bearing *bearing, size_t party)
 {
 	const size_t posts = window_posts(bearing);
 	uint8_t *patch = bearing->window.patch;
-	const uint8_t *owners = bearing->window.owners;
+	const uint8_t *owners = bearing->window.owners, *contact = bearing->window.planes.contact;
 	for (size_t i = 0; i < posts; i++)
-		patch[i] = owners[i] > 0 && bearing->members[owners[i] - 1].party == party ? SOIL_LOWERED : 0;
+		patch[i] = owners[i] > 0 && bearing->members[owners[i] - 1].party == party ? SOIL_LOWERED : contact[i] & SOIL_NEAR;
 	return patch;
 }
 
@@ -227,8 +230,8 @@ static bool lay(struct bearing *bearing, size_t count, bool alone)
 		if (!any)
 			memset(window->deposits, 0, window_posts(bearing) * sizeof *window->deposits);
 		any = true;
-		const uint8_t *patch = !alone && member->laying.around ? patch_of(bearing, i) : window->planes.contact;
-		soil_lay(&member->laying, &member->imprint.measured, bearing->laid, &window->planes, patch, member->write, window->scratch, window->deposits,
+		const uint8_t *patch = !alone && (member->laying.around || member->laying.front) ? patch_of(bearing, i) : window->planes.contact;
+		soil_lay(&member->laying, &member->imprint.measured, bearing->laid, &window->planes, patch, window->carried, member->write, window->scratch, window->deposits,
 			 &member->laid);
 	}
 	return any;

@@ -15,7 +15,7 @@
 struct bearing_window {
 	struct soil_planes planes;
 	int32_t *deposits;
-	int32_t *carried; /* kinematic models: what each post gives away */
+	int32_t *carried; /* what each post gives away; soil that bears: set at posts that a body touched which pushes */
 	uint8_t *owners, *patch; /* soil that bears: which body touched a post last; the posts that one body touched, as soil_lay reads them */
 	size_t posts;     /* for which there is room */
 	void *memory;
@@ -31,7 +31,7 @@ struct bearing_region {
 	struct post_rect blocks; /* columns and rows of blocks */
 	struct post_rect reads, writes;
 	size_t at;                   /* of its posts in bearing->memory */
-	int32_t *offset, *deposited; /* of `writes`; offset NULL: not computed yet; deposited NULL: the model does not keep it */
+	int32_t *offset, *deposited, *slope; /* of `writes`; offset NULL: not computed yet; another one NULL: it is not kept */
 };
 
 /* A body of a meeting. */

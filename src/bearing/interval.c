@@ -22,7 +22,7 @@ static void finish_region(struct bearing *bearing, struct bearing_region *region
 {
 	if (region->offset != NULL)
 		bearing->results -= posts_in(region->writes);
-	region->offset = region->deposited = NULL;
+	region->offset = region->deposited = region->slope = NULL;
 }
 
 static void finish_regions(struct bearing *bearing)
@@ -73,7 +73,7 @@ done:
 /* Makes room for what all regions will have computed. */
 static enum status need_results(struct bearing *bearing)
 {
-	const size_t planes = bearing->planes & PLANE_BIT(PLANE_DEPOSITED) ? 2 : 1;
+	const size_t planes = 1 + ((bearing->planes & PLANE_BIT(PLANE_DEPOSITED)) != 0) + ((bearing->planes & PLANE_BIT(PLANE_SLOPE)) != 0);
 	size_t numbers = 0;
 	for (size_t i = 0; i < bearing->region_count; i++) {
 		bearing->regions[i].at = numbers;
@@ -139,22 +139,27 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);
 	TRY(soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words));
 	region->offset = bearing->main->memory + region->at;
-	region->deposited = planes->deposited != NULL ? region->offset + width * height : NULL;
+	int32_t *const next = region->offset + width * height;
+	region->deposited = planes->deposited != NULL ? next : NULL;
+	region->slope = planes->slope != NULL ? next + (region->deposited != NULL ? width * height : 0) : NULL;
 	bearing->results += posts_in(region->writes);
 	for (size_t row = 0; row < height; row++) {
 		const size_t at = ((size_t)(region->writes.y0 - planes->rect.y0) + row) * planes->width + (size_t)(region->writes.x0 - planes->rect.x0);
 		memcpy(region->offset + row * width, planes->offset + at, width * sizeof *region->offset);
 		if (planes->deposited != NULL)
 			memcpy(region->deposited + row * width, planes->deposited + at, width * sizeof *region->deposited);
+		if (planes->slope != NULL)
+			memcpy(region->slope + row * width, planes->slope + at, width * sizeof *region->slope);
 	}
 	return STATUS_OK;
 }
 
 enum status bearing_interval_scatter(struct bearing *bearing, size_t number, const struct tile_slot *held, size_t count)
 {
-	const unsigned planes = bearing->planes & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
+	const unsigned planes = bearing->planes & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_SLOPE));
 	struct bearing_region *region = &bearing->regions[number];
-	const struct soil_planes from = {.rect = region->writes, .width = (size_t)(region->writes.x1 - region->writes.x0), .offset = region->offset, .deposited = region->deposited};
+	const struct soil_planes from = {.rect = region->writes, .width = (size_t)(region->writes.x1 - region->writes.x0), .offset = region->offset, .deposited = region->deposited,
+					 .slope = region->slope};
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++)
 		TRY_OR(done, resident_host_write(bearing->slots, held[i].slot, planes));

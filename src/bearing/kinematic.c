@@ -84,7 +84,7 @@ static struct post_rect redistribute(struct bearing *bearing, const struct defor
 	struct soil_slid slid = {0};
 	if (carries) {
 		memset(window->deposits, 0, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0) * sizeof *window->deposits);
-		soil_lay(&laying, &measured, bearing->laid, planes, planes->contact, area->write, window->scratch, window->deposits, &laid);
+		soil_lay(&laying, &measured, bearing->laid, planes, planes->contact, NULL, area->write, window->scratch, window->deposits, &laid);
 		reached = post_rect_joined(reached, laid.posts);
 	}
 	const struct soil_slide_window slide = {

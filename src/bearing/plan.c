@@ -8,7 +8,7 @@
  * that the model keeps, and deposits. A kinematic model has what it carries, one that bears has owners and patch. */
 static uint64_t window_bytes(enum deform_model model)
 {
-	const unsigned kept = deform_planes(model, false, false);
+	const unsigned kept = deform_planes(model, false, 0);
 	uint64_t whole = 2;
 	whole += (kept & PLANE_BIT(PLANE_DEPOSITED)) != 0;
 	whole += (kept & PLANE_BIT(PLANE_PLASTIC_SINKAGE)) != 0;
@@ -18,10 +18,11 @@ static uint64_t window_bytes(enum deform_model model)
 	return whole * sizeof(int32_t) + (deform_tells_forces(model) ? 3 : 1) * sizeof(uint8_t);
 }
 
-/* Returns the bytes of a post that an interval changes: offset, and deposited if the model keeps it. */
-static uint64_t result_bytes(enum deform_model model)
+/* Returns the bytes of a post that an interval changes: offset, and deposited and slope if they are kept. */
+static uint64_t result_bytes(const struct deform_params *params)
 {
-	return deform_planes(model, false, false) & PLANE_BIT(PLANE_DEPOSITED) ? 2 * sizeof(int32_t) : sizeof(int32_t);
+	const unsigned kept = deform_planes(params->model, false, deform_memory(params));
+	return (1 + ((kept & PLANE_BIT(PLANE_DEPOSITED)) != 0) + ((kept & PLANE_BIT(PLANE_SLOPE)) != 0)) * sizeof(int32_t);
 }
 
 static void add(struct plan *plan, const char *effect, enum plan_unit unit, uint64_t bytes, const char *name)
@@ -35,8 +36,13 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 	deform_plan_planes(params, plan);
 	add(plan, model, PLAN_ONCE, sizeof(struct bearing), deform_tells_forces(params->model) ? "bearing soil" : "soil on the CPU");
 	add(plan, model, PLAN_WINDOW_POST, window_bytes(params->model), "window");
-	if (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DUG))
-		add(plan, deform_plane_effect(params->model, PLANE_DUG), PLAN_WINDOW_POST, sizeof(int32_t), "window: dug");
+	static const struct {
+		enum plane plane;
+		const char *name;
+	} memories[] = {{PLANE_DUG, "window: dug"}, {PLANE_SLOPE, "window: slope"}};
+	for (size_t i = 0; i < sizeof memories / sizeof *memories; i++)
+		if (deform_planes(params->model, params->disturbance, deform_memory(params)) & PLANE_BIT(memories[i].plane))
+			add(plan, deform_plane_effect(params->model, memories[i].plane), PLAN_WINDOW_POST, sizeof(int32_t), memories[i].name);
 	if (params->disturbance)
 		add(plan, deform_plane_effect(params->model, PLANE_DISTURBANCE), PLAN_WINDOW_POST, sizeof(uint8_t), "window: dirt");
 	if (params->soil_count > 1)
@@ -45,7 +51,7 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 		add(plan, "soil_rasters", PLAN_WINDOW_POST, SOIL_RASTERS * sizeof(uint8_t), "window: numbers");
 	add(plan, model, PLAN_WINDOW_SCRATCH, 1, "window: scratch");
 	if (deform_conserves(params->model))
-		add(plan, deform_slide_effect(params->model), PLAN_RESULT_POST, result_bytes(params->model), "soil that slid");
+		add(plan, deform_slide_effect(params->model), PLAN_RESULT_POST, result_bytes(params), "soil that slid");
 	if (params->loaded_bodies > 0)
 		add(plan, "load", PLAN_ONCE, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
 }
@@ -70,5 +76,5 @@ void bearing_figures(const struct bearing *bearing, struct bearing_figures *figu
 	for (size_t i = 0; i < bearing->hand_count; i++)
 		add_hand(bearing->hands[i], figures);
 	figures->bytes += sizeof *bearing + bearing->params.loaded_bodies * sizeof *bearing->standing + figures->scratch_bytes +
-			  figures->result_posts * result_bytes(bearing->params.model);
+			  figures->result_posts * result_bytes(&bearing->params);
 }

@@ -22,8 +22,9 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 	} wholes[] = {
 		{&p->base, true}, {&p->offset, true}, {&p->deposited, bearing->planes & PLANE_BIT(PLANE_DEPOSITED)},
 		{&p->sinkage, bearing->planes & PLANE_BIT(PLANE_PLASTIC_SINKAGE)}, {&p->shear, bearing->planes & PLANE_BIT(PLANE_SHEAR)},
-		{&p->dug, bearing->planes & PLANE_BIT(PLANE_DUG)}, {&bearing->window.deposits, bearing->conserves},
-		{&bearing->window.carried, bearing->conserves && !bearing->bears},
+		{&p->dug, bearing->planes & PLANE_BIT(PLANE_DUG)}, {&p->slope, bearing->planes & PLANE_BIT(PLANE_SLOPE)},
+		{&bearing->window.deposits, bearing->conserves},
+		{&bearing->window.carried, bearing->conserves},
 	};
 	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++) {
 		*wholes[i].plane = memory != NULL && wholes[i].kept ? (void *)(memory + used) : NULL;
@@ -107,7 +108,7 @@ size_t bearing_window_part(const struct bearing_window *window, struct post_rect
 	const size_t at = (size_t)(part.y0 - all->rect.y0) * all->width + (size_t)(part.x0 - all->rect.x0);
 	*planes = *all;
 	planes->rect = part;
-	int32_t **const wholes[] = {&planes->base, &planes->offset, &planes->deposited, &planes->sinkage, &planes->shear, &planes->dug};
+	int32_t **const wholes[] = {&planes->base, &planes->offset, &planes->deposited, &planes->sinkage, &planes->shear, &planes->dug, &planes->slope};
 	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++)
 		*wholes[i] = *wholes[i] != NULL ? *wholes[i] + at : NULL;
 	uint8_t **const bytes[] = {&planes->disturbance, &planes->classes, &planes->contact};
@@ -127,6 +128,8 @@ void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held
 	if (post_rect_empty(part))
 		return;
 	bearing_window_part(&bearing->window, part, &planes);
+	if (!slides)
+		planes.slope = NULL;
 	if (slides) {
 		planes.sinkage = planes.shear = planes.dug = NULL;
 		planes.disturbance = planes.levels = NULL;

@@ -174,8 +174,13 @@ struct deform_params {
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
 };
 
-/* Returns the planes that a model keeps, a mask of PLANE_BIT. `digs`: slip digs. */
-unsigned deform_planes(enum deform_model model, bool disturbance, bool digs);
+/* What else a post remembers, a mask: what slip has dug; how high the slope is that it lies in. */
+enum { DEFORM_DIGS = 1, DEFORM_SLOPES = 8 };
+unsigned deform_memory(const struct deform_params *params);
+/* Tells whether a soil's limit depends on the height of the slope. */
+bool deform_slopes_count(enum deform_model model, const struct soil_numbers *soils, int count);
+/* Returns the planes that a model keeps, a mask of PLANE_BIT. */
+unsigned deform_planes(enum deform_model model, bool disturbance, unsigned memory);
 
 enum status deform_create(const struct deform_params *params, struct deform **out) FURROW_CHECKED;
 void deform_destroy(struct deform *deform);

@@ -71,7 +71,7 @@ struct shed_soil {
 
 struct deform {
 	struct deform_params params;
-	unsigned planes; /* deform_planes() */
+	unsigned planes; /* deform_planes() that contacts read and write */
 	double spacing;
 	int64_t reach;  /* how many posts around the footprint a contact can change */
 	int64_t border; /* how many more posts around these a contact reads */

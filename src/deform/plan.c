@@ -27,7 +27,7 @@ void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, u
 
 void deform_plan_planes(const struct deform_params *params, struct plan *plan)
 {
-	unsigned planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
+	unsigned planes = deform_planes(params->model, params->disturbance, deform_memory(params));
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
 			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = deform_plane_effect(params->model, (enum plane)plane), .object = -1,

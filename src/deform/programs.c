@@ -136,6 +136,7 @@ void deform_programs_slope(const struct deform_params *params, enum slope_hop ho
 	define(out, "BY_CELLS", true);
 	define(out, "FIRST", hop == SLOPE_FIRST);
 	define(out, "LAST", hop == SLOPE_LAST);
+	define(out, "STOOD", hop == SLOPE_LAST && deform_asks_what_stood(params));
 	define_number(out, "SOILS", deform_soil_slots(params));
 }
 

@@ -47,7 +47,7 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
 	const char *touched = deform_contact_effect(params->model);
 	bool contacts = deform_needs_contacts(params), conserves = deform_conserves(params->model);
-	unsigned planes = deform_planes(params->model, params->disturbance, false);
+	unsigned planes = deform_planes(params->model, params->disturbance, 0);
 	rows->count = 0;
 	add(rows, true, (struct row){"window's base", displace, GPU_R32I, PLACE(bases)});
 	add(rows, true, (struct row){"under", displace, GPU_R32I, PLACE(under)});
@@ -65,6 +65,7 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 			add(rows, (planes & PLANE_BIT(plane)) != 0,
 			    (struct row){plane_name((enum plane)plane), deform_plane_effect(params->model, (enum plane)plane), format_of((enum plane)plane),
 					 PLACE(planes_of[0][0]) + (size_t)(i * PLANES + plane) * sizeof(struct gpu_texture *)});
+	add(rows, deform_has_slopes(params), (struct row){plane_name(PLANE_SLOPE), slide, GPU_R32I, PLACE(planes_of[1][PLANE_SLOPE])});
 }
 
 static struct gpu_texture **place_of(struct deform *deform, const struct row *row)

@@ -6,6 +6,7 @@
 static const enum gpu_format formats[PLANES] = {
 	[PLANE_OFFSET] = GPU_R32I,  [PLANE_DISTURBANCE] = GPU_R8UI,   [PLANE_DEPOSITED] = GPU_R32I,
 	[PLANE_PLASTIC_SINKAGE] = GPU_R32I, [PLANE_SHEAR] = GPU_R32I,   [PLANE_DUG] = GPU_R32I,
+	[PLANE_SLOPE] = GPU_R32I,
 };
 
 enum status gpu_slots_in_arrays(struct gpu_slots *slots)

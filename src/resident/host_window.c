@@ -41,6 +41,7 @@ static void *plane_of(const struct soil_planes *planes, int plane)
 	void *const all[PLANES] = {
 		[PLANE_OFFSET] = planes->offset, [PLANE_DISTURBANCE] = planes->disturbance, [PLANE_DEPOSITED] = planes->deposited,
 		[PLANE_PLASTIC_SINKAGE] = planes->sinkage, [PLANE_SHEAR] = planes->shear, [PLANE_DUG] = planes->dug,
+		[PLANE_SLOPE] = planes->slope,
 	};
 	return all[plane];
 }

@@ -140,6 +140,15 @@ static double steps_of(const struct scene *scene)
 	return ceil(scene->end_time / scene->time_step - 1e-9);
 }
 
+/* Returns true if gravity decides what a soil weighs. */
+static bool weighs_soil(const struct scene *scene)
+{
+	for (int i = 0; i < scene->soil_count && deform_model_reads(scene->model, "density"); i++)
+		if (!scene_soil_given(scene, i, "unit_weight"))
+			return true;
+	return false;
+}
+
 /* --- the drive --- */
 
 static void advise_time(const struct adviser *adviser)
@@ -156,8 +165,8 @@ static void advise_time(const struct adviser *adviser)
 		advise(adviser, "end_time: the last object is at its path's end after %.6g s, and nothing changes until %g s; end "
 				"then, or give a longer path",
 		       last, scene->end_time);
-	/* Vehicles alone have weight: loads are newtons, soil has a unit weight. */
-	if (scene->vehicle_count == 0 && scene->gravity != scene_absent("gravity"))
+	/* Vehicles have weight, and soil where the model reads it. Loads are newtons. */
+	if (scene->vehicle_count == 0 && scene->gravity != scene_absent("gravity") && !weighs_soil(scene))
 		advise(adviser, "gravity: %g m/s2 changes nothing: a load is in N, and a soil has its unit_weight; give those for "
 				"where it is, and take gravity away",
 		       scene->gravity);
@@ -353,16 +362,18 @@ static void advise_path(const struct adviser *adviser, const struct scene_object
 		advise(adviser, "objects.%s.slip: a wheel or a belt that stands does not turn; give it a way, or take it away", object->name);
 }
 
-/* Returns true if the surface is nowhere weaker than the soil. */
+/* Returns true if the surface is nowhere weaker than the soil, which sticks to it no better without its adhesion. */
 static bool is_no_weaker(const struct scene *scene, const struct soil_interface *interface)
 {
-	bool weaker = scene->raster_count > 0; /* not known here */
+	bool differs = scene->raster_count > 0; /* not known here */
 	for (int i = 0; i < scene->soil_count; i++) {
 		const struct soil_numbers *soil = &scene->soils[i];
-		weaker = weaker || (interface->has_friction && interface->friction_angle < soil->friction_angle) ||
-			 (interface->has_adhesion && interface->adhesion < soil->cohesion);
+		const double sticks = soil_own_adhesion(soil->cohesion);
+		const bool weaker = (interface->has_friction && interface->friction_angle < soil->friction_angle) || (interface->has_adhesion && interface->adhesion < sticks);
+		const bool stronger = (interface->has_friction && interface->friction_angle > soil->friction_angle) || (interface->has_adhesion && interface->adhesion > sticks);
+		differs = differs || weaker || (stronger && sticks < soil->cohesion);
 	}
-	return !weaker;
+	return !differs;
 }
 
 static void advise_interface(const struct adviser *adviser, const struct scene_object *object)

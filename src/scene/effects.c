@@ -30,7 +30,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SLIDE] = {
 		"slide", "redistribute.model", "", LIST("deform/slide_begin.frag", "deform/slide_excess.frag", "deform/slide_lines.frag", "deform/slope.frag", "deform/steep.frag", "deform/held.frag"),
 		"base, offset, heaped", "offset, heaped", 1,
-		LIST(SLIDING, "redistribute.depth", "soil.repose", "soil.cohesion", "soil.friction_angle", "soil.unit_weight"),
+		LIST(SLIDING, "redistribute.depth", "soil.repose", "soil.cohesion", "soil.friction_angle", "soil.density", "soil.unit_weight"),
 		"at most an eighth of a difference, and 4 m, an iteration; at most 16,384 blocks of 32 x 32 posts awake at once",
 		"slides soil down what is too steep to stand"},
 	[EFFECT_SLIP] = {

@@ -245,6 +245,7 @@ struct scene {
 	bool hosted;  /* the scene was read for a host, which may add objects */
 	char *store; /* path of the store, resolved relative to the scene's file; NULL if the scene names none */
 	double time_step, gravity;
+	bool gravity_given;
 	double end_time; /* s; INFINITY if the scene is hosted and does not give it */
 	double spacing; /* metres between posts of the working level; 0: the spacing of the store */
 	enum scene_coordinates coordinates;

@@ -182,6 +182,7 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	scene->time_step = number(raw->time_step, "time_step");
 	scene->end_time = raw->end_time != NULL ? *raw->end_time : (double)INFINITY;
 	scene->gravity = number(raw->gravity, "gravity");
+	scene->gravity_given = raw->gravity != NULL;
 	scene->spacing = raw->spacing != NULL ? *raw->spacing : 0;
 	scene->outside = raw->outside != NULL ? (enum scene_outside)*raw->outside : SCENE_STOP;
 	scene->slots = (uint32_t)whole(cache->slots, "cache.slots");

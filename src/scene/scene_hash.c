@@ -216,7 +216,7 @@ static void add_soil(XXH3_state_t *state, const struct soil_numbers *soil)
 				  soil->damping,	   soil->unit_weight, soil->theta_in,
 				  soil->theta_out,	   soil->theta_stop,  soil->roughness,
 				  soil->compression,	   soil->repose};
-	_Static_assert(sizeof numbers == sizeof *soil, "every parameter counts");
+	_Static_assert(sizeof numbers == sizeof *soil - 2 * sizeof(double), "every parameter counts: density in unit_weight, face_strength where it is given");
 	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
 		add_number(state, numbers[i]);
 }
@@ -238,6 +238,10 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		if (!deform_model_reads(scene->model, "compression"))
 			soil.compression = former_compression(soil.compression);
 		add_soil(state, &soil);
+		if (!isnan(scene->soils[i].face_strength)) {
+			add_part(state, 'x', (size_t)i);
+			add_number(state, scene->soils[i].face_strength);
+		}
 	}
 	if (scene->faces != SCENE_FACES_ON)
 		add_part(state, 'F', (uint64_t)scene->faces);

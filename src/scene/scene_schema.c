@@ -106,7 +106,9 @@ static const cyaml_schema_value_t object_entry = {
 	CYAML_FIELD_FLOAT_PTR("janosi_shear", OPTIONAL, type, own janosi_shear), \
 	CYAML_FIELD_FLOAT_PTR("elastic_stiffness", OPTIONAL, type, own elastic_stiffness), \
 	CYAML_FIELD_FLOAT_PTR("damping", OPTIONAL, type, own damping), \
+	CYAML_FIELD_FLOAT_PTR("density", OPTIONAL, type, own density), \
 	CYAML_FIELD_FLOAT_PTR("unit_weight", OPTIONAL, type, own unit_weight), \
+	CYAML_FIELD_FLOAT_PTR("face_strength", OPTIONAL, type, own face_strength), \
 	CYAML_FIELD_FLOAT_PTR("repose", OPTIONAL, type, own repose), \
 	CYAML_FIELD_FLOAT_PTR("theta_in", OPTIONAL, type, own theta_in), \
 	CYAML_FIELD_FLOAT_PTR("theta_out", OPTIONAL, type, own theta_out), \
@@ -369,7 +371,9 @@ static const struct scene_limit limits[] = {
 	{"soil.janosi_shear", 0, 10, true, "is out of range, and the unit is m, not cm or mm", "m", NAN, "the named soil's"},
 	{"soil.elastic_stiffness", 0, 1e12, true, NULL, "Pa/m", NAN, "the named soil's, or 4e7"},
 	{"soil.damping", 0, 1e12, false, NULL, "Pa s/m", NAN, "the named soil's, or 30000"},
-	{"soil.unit_weight", 0, 1e6, true, NULL, "N/m3", NAN, "the named soil's"},
+	{"soil.density", 0, 1e5, true, "is out of range, and the unit is kg/m3", "kg/m3", NAN, "unit_weight / gravity, or the named soil's"},
+	{"soil.unit_weight", 0, 1e6, true, NULL, "N/m3", NAN, "density x gravity, or the named soil's"},
+	{"soil.face_strength", 0, 1e12, true, NULL, "N/m3", NAN, "by unit_weight and friction_angle"},
 	{"soil.repose", 0, 89, true, NULL, "degrees", NAN, "the named soil's, or its friction_angle"},
 	{"soil.theta_in", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},
 	{"soil.theta_out", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},
@@ -415,7 +419,7 @@ static const struct scene_limit limits[] = {
 	{"objects[].slip", -1000, 0.99, false, "is out of range, since slip is a share (0.2 for 20 %)", NULL, 0, NULL},
 	{"objects[].attitude[]", -360, 360, false, NULL, "degrees", NAN, "0, 0, 0"},
 	{"objects[].interface.friction_angle", 0, 89, false, NULL, "degrees", NAN, "the soil's"},
-	{"objects[].interface.adhesion", 0, 1e9, false, NULL, "Pa", NAN, "the soil's cohesion"},
+	{"objects[].interface.adhesion", 0, 1e9, false, NULL, "Pa", NAN, "by the soil's cohesion"},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"output.delay", 0, 64, false, NULL, "steps", NAN, "none"},
 	{"output.vehicles", 0, 1e6, false, NULL, "1/s", 0, NULL},

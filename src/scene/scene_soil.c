@@ -31,7 +31,9 @@ static const struct parameter {
 	PARAMETER(janosi_shear, 1, false),
 	PARAMETER(elastic_stiffness, 1, true),
 	PARAMETER(damping, 1, true),
+	PARAMETER(density, 1, true),
 	PARAMETER(unit_weight, 1, false),
+	PARAMETER(face_strength, 1, true),
 	PARAMETER(repose, DEGREE, true),
 	PARAMETER(theta_in, DEGREE, false),
 	PARAMETER(theta_out, DEGREE, false),
@@ -98,6 +100,12 @@ static bool reads_soil(const struct scene *scene)
 	return deform_model_row(scene->model)->numbers != NULL;
 }
 
+/* Returns true for a number that a soil need not have under this model. scm has an estimate of the weight. */
+static bool has_default(const struct parameter *parameter, enum deform_model model)
+{
+	return parameter->optional || (parameter->to == offsetof(struct soil_numbers, unit_weight) && deform_model_reads(model, "face_strength"));
+}
+
 static double *number_of(struct soil_numbers *soil, const struct parameter *parameter)
 {
 	return (double *)((char *)soil + parameter->to);
@@ -108,7 +116,7 @@ static struct scene_list missing_keys(struct soil_numbers *soil, enum deform_mod
 {
 	struct scene_list missing = {.length = 0};
 	for (size_t i = 0; i < PARAMETERS; i++)
-		if (deform_model_reads(model, parameters[i].key) && !parameters[i].optional && isnan(*number_of(soil, &parameters[i])))
+		if (deform_model_reads(model, parameters[i].key) && !has_default(&parameters[i], model) && isnan(*number_of(soil, &parameters[i])))
 			scene_list_add(&missing, parameters[i].key);
 	return missing;
 }
@@ -140,6 +148,36 @@ static enum status check_whole(const struct scene_tree *tree, const char *name, 
 			   deform_model_row(model)->name, whole_soils(model).text);
 }
 
+/*
+ * Gives the soil its weight. What the scene says of it goes before what the name has: unit_weight, or density and gravity. A named soil weighs as it
+ * does where it is, lunar soil on the Moon, until the scene gives a gravity.
+ */
+static void weigh(const struct raw_class *raw, const struct scene *scene, struct soil_numbers *soil)
+{
+	if (!deform_model_reads(scene->model, "density"))
+		return;
+	if (raw->unit_weight != NULL && raw->density == NULL)
+		soil->density = deform_model_reads(scene->model, "face_strength") ? soil->unit_weight / scene->gravity : (double)NAN;
+	const bool told = raw->density != NULL || scene->gravity_given || isnan(soil->unit_weight);
+	if (raw->unit_weight == NULL && told && !isnan(soil->density))
+		soil->unit_weight = soil->density * scene->gravity;
+}
+
+/* Gives the soil the numbers that neither the scene nor its name has, and that have a default. */
+static void fill_in(const struct scene *scene, struct soil_numbers *soil)
+{
+	if (isnan(soil->repose))
+		soil->repose = soil->friction_angle;
+	if (deform_model_reads(scene->model, "elastic_stiffness") && isnan(soil->elastic_stiffness))
+		soil->elastic_stiffness = SOIL_USUAL_STIFFNESS;
+	if (deform_model_reads(scene->model, "damping") && isnan(soil->damping))
+		soil->damping = SOIL_USUAL_DAMPING;
+	if (deform_model_reads(scene->model, "face_strength") && isnan(soil->unit_weight)) {
+		soil->density = SOIL_USUAL_DENSITY;
+		soil->unit_weight = soil->density * scene->gravity;
+	}
+}
+
 /* Checks the soil written at `where`, and fills soils[index]. */
 static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where,
 			       struct scene *scene, size_t index)
@@ -155,13 +193,9 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 			*number_of(soil, &parameters[i]) = *value * parameters[i].unit;
 		scene->soil_given[index] |= (unsigned)(value != NULL) << i;
 	}
+	weigh(raw, scene, soil);
 	TRY(check_whole(tree, raw->name, where, model, soil));
-	if (isnan(soil->repose))
-		soil->repose = soil->friction_angle;
-	if (deform_model_reads(model, "elastic_stiffness") && isnan(soil->elastic_stiffness))
-		soil->elastic_stiffness = SOIL_USUAL_STIFFNESS;
-	if (deform_model_reads(model, "damping") && isnan(soil->damping))
-		soil->damping = SOIL_USUAL_DAMPING;
+	fill_in(scene, soil);
 	if (deform_model_reads(model, "repose") && soil->repose <= 0)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
 				   "without friction it needs repose too; allowed: above 0 to 89");
@@ -171,6 +205,15 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 						   raw->theta_stop != NULL ? "theta_stop" : "theta_out"),
 				   "theta_stop is below theta_out; allowed: %.4g to 90", soil->theta_out / DEGREE);
 	return STATUS_OK;
+}
+
+/* A density that does not make the weight that is given beside it. */
+static enum status check_weight(const struct raw_class *raw, const char *where, struct scene *scene)
+{
+	if (raw->density == NULL || raw->unit_weight == NULL || fabs(*raw->density * scene->gravity / *raw->unit_weight - 1) <= 0.02)
+		return STATUS_OK;
+	return scene_tell_unused(scene, "%s.density: the soil weighs its unit_weight, %g N/m3, not density x gravity, %g; take one of them away", where,
+				 *raw->unit_weight, *raw->density * scene->gravity);
 }
 
 /* Numbers that the model does not read. */
@@ -183,6 +226,13 @@ static enum status check_unread(const struct raw_class *raw, const char *where, 
 	return unread.length == 0 ? STATUS_OK
 				  : scene_tell_unused(scene, "%s: model %s does not read %s; take that away", where,
 						      deform_model_row(scene->model)->name, unread.text);
+}
+
+/* Returns true for a density that the given unit_weight replaces, and for a unit_weight that comes of the given density. */
+static bool is_weighed(const struct raw_class *raw, const struct parameter *parameter)
+{
+	return (parameter->to == offsetof(struct soil_numbers, density) && raw->unit_weight != NULL) ||
+	       (parameter->to == offsetof(struct soil_numbers, unit_weight) && raw->density != NULL);
 }
 
 /*
@@ -200,12 +250,12 @@ static enum status check_replaced(const struct scene_tree *tree, const struct ra
 		const double *value = given(raw, &parameters[i]);
 		if (!deform_model_reads(scene->model, parameters[i].key))
 			continue;
-		if (value == NULL && !parameters[i].optional)
+		if (value == NULL && !has_default(&parameters[i], scene->model))
 			return STATUS_OK;
-		if (value == NULL)
+		if (value != NULL)
+			differs = differs || !(fabs(*value * parameters[i].unit / *number_of(&named, &parameters[i]) - 1) <= 1e-9);
+		else if (!isnan(*number_of(&named, &parameters[i])) && !is_weighed(raw, &parameters[i]))
 			scene_list_add(&remain, parameters[i].key);
-		else
-			differs = differs || fabs(*value * parameters[i].unit / *number_of(&named, &parameters[i]) - 1) > 1e-9;
 	}
 	const struct scene_node *name = scene_tree_find(tree, "%s.name", where);
 	if (!differs || (remain.length > 0 && (name->setting == NULL || name->setting == name->parent->setting)))
@@ -297,6 +347,7 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 		TRY(check_class(tree, class, where, scene, i + 1));
 		if (reads_soil(scene)) {
 			TRY(check_unread(class, where, scene));
+			TRY(check_weight(class, where, scene));
 			TRY(check_replaced(tree, class, where, scene));
 		}
 		scene->soil_class[class->value] = (uint8_t)(i + 1);
@@ -343,6 +394,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	keep_name(scene, 0, elsewhere->name, first ? (int)elsewhere->value : -1);
 	if (read && !first) {
 		TRY(check_unread(elsewhere, where, scene));
+		TRY(check_weight(elsewhere, where, scene));
 		TRY(check_replaced(tree, elsewhere, where, scene));
 	}
 	TRY(check_classes(tree, soil, scene));

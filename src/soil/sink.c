@@ -27,7 +27,8 @@ static void end_row(const struct soil_laying *laying, struct patch_row *row, str
 	*row = (struct patch_row){.y = row->y, .first = INT64_MAX, .last = INT64_MIN};
 }
 
-static void put_post(const struct soil_sink *sink, const struct soil_planes *planes, size_t at, const struct soil_after *a, int i, struct patch_row *row)
+static void put_post(const struct soil_sink *sink, const struct soil_planes *planes, size_t at, const struct soil_after *a, int i, struct patch_row *row,
+		     struct soil_measured *measured)
 {
 	const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width);
 	planes->offset[at] = a->offset[i];
@@ -45,6 +46,26 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	row->givers += a->carried[i] > 0;
 	row->classes |= a->carried[i] > 0 ? 1u << (class < SOIL_CLASSES ? class : SOIL_CLASSES - 1) : 0;
 	row->deep = deep > row->deep ? deep : row->deep;
+	if (!sink->laying->front)
+		return;
+	sink->carried[at] = a->carried[i];
+	soil_measured_moments(measured, sink->laying, x, row->y, a->carried[i]);
+	if (a->held[i]) {
+		const int64_t underside = 4 * (int64_t)planes->base[at] + a->offset[i];
+		measured->underside = underside > measured->underside ? underside : measured->underside;
+	}
+}
+
+/* Notes a post of a hollow below a body that pushes. */
+static void put_hollow(const struct soil_sink *sink, const struct soil_planes *planes, size_t at, const struct soil_after *a, int i,
+		       struct soil_measured *measured)
+{
+	const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width), y = planes->rect.y0 + (int64_t)(at / planes->width);
+	if (!sink->laying->front || (planes->contact[at] & (SOIL_LOWERED | SOIL_HELD)) != 0)
+		return;
+	planes->contact[at] |= SOIL_NEAR;
+	sink->carried[at] = a->gap[i];
+	measured->hollows = post_rect_joined(measured->hollows, (struct post_rect){x, y, x + 1, y + 1});
 }
 
 /* Tells whether a body changes a post to a state, where several touch it. The one that holds it does, else the one that was deepest there. */
@@ -58,12 +79,12 @@ static bool takes(const struct soil_claim *claim, const struct soil_after *a, si
 	return rank > 0 && a->offset[i] < claim->offset;
 }
 
-/* Computes what a block of posts becomes. */
-static void block_after(const struct soil_work *work, size_t first, struct soil_after *after)
+/* Computes what a block of posts becomes. slides: share of the motion by which the body slides, and carries all that it displaces. */
+static void block_after(const struct soil_work *work, size_t first, double slides, struct soil_after *after)
 {
 	const struct soil_contact *b = &work->contact;
 	const float axis[2] = {(float)b->body.axis[0], (float)b->body.axis[1]};
-	soil_after(&b->form, axis, work->raised, b->posts, first, &work->kept, (float)b->law->bulldozing, after);
+	soil_after(&b->form, axis, work->raised, b->posts, first, &work->kept, (float)b->law->bulldozing, (float)slides, after);
 }
 
 void soil_sink_claim(const struct soil_work *work, uint8_t number, struct soil_claim *claims)
@@ -71,7 +92,7 @@ void soil_sink_claim(const struct soil_work *work, uint8_t number, struct soil_c
 	const struct soil_posts *posts = work->contact.posts;
 	for (size_t first = 0; work->touches && first < posts->count; first += POSTS_LANES) {
 		struct soil_after after;
-		block_after(work, first, &after);
+		block_after(work, first, 0, &after);
 		for (size_t i = 0; i < POSTS_LANES && first + i < posts->count; i++) {
 			struct soil_claim *claim = &claims[posts->index[first + i]];
 			if ((after.touched[i] || after.ends[i]) && takes(claim, &after, i))
@@ -93,7 +114,7 @@ void soil_sink_commit(const struct soil_work *work, const struct soil_sink *sink
 		return;
 	for (size_t first = 0; first < posts->count; first += POSTS_LANES) {
 		struct soil_after after;
-		block_after(work, first, &after);
+		block_after(work, first, sink->laying->front ? sink->laying->slides : 0, &after);
 		for (size_t i = 0; i < POSTS_LANES && first + i < posts->count; i++) {
 			const size_t at = (size_t)posts->index[first + i];
 			const int64_t y = planes->rect.y0 + (int64_t)(at / planes->width);
@@ -115,7 +136,9 @@ void soil_sink_commit(const struct soil_work *work, const struct soil_sink *sink
 			out->refused += after.refused[i];
 			out->compacted += after.lost[i];
 			if (after.touched[i])
-				put_post(sink, planes, at, &after, (int)i, &row);
+				put_post(sink, planes, at, &after, (int)i, &row, &out->measured);
+			if (after.below[i])
+				put_hollow(sink, planes, at, &after, (int)i, &out->measured);
 			if (after.touched[i] && shared != NULL)
 				shared->owners[at] = shared->number;
 		}
@@ -132,7 +155,7 @@ enum status soil_sink_begin(const struct soil_law *law, const struct soil_planes
 {
 	work->raised = motion->load > 0 ? start : 0;
 	work->touches = false;
-	return soil_contact_begin(law, planes, motion, work, AFTER_SHEAR_ENDS * law->spacing, &work->contact);
+	return soil_contact_begin(law, planes, motion, work, fmax(AFTER_SHEAR_ENDS * law->spacing, motion->hollows), &work->contact);
 }
 
 enum status soil_sink_meet(struct soil_work *work, const struct soil_work *const *others, size_t count)

@@ -78,10 +78,11 @@ struct soil_numbers {
 	double cohesion, friction_angle;         /* Pa, rad */
 	double janosi_shear;                     /* K, m */
 	double elastic_stiffness, damping;       /* Pa/m, Pa s/m */
-	double unit_weight;                      /* N/m3 */
+	double density, unit_weight;             /* kg/m3, bulk; N/m3 where the soil is */
 	/* Sumner's model: angles in rad; shares of 1. */
 	double theta_in, theta_out, theta_stop, roughness, compression;
 	double repose; /* rad: model scm: angle of repose of deposited soil */
+	double face_strength; /* N/m3: model scm, of faces: the coefficient of 3D-RFT. NAN: soil_face_strength tells it */
 };
 #define SOIL_CLASSES 16 /* the most soils in one scene */
 
@@ -115,6 +116,7 @@ double soil_raster_value(const struct soil_raster *raster, uint8_t level);
 /* All predefined soils of Wong's table have these, as no source gives them by soil. */
 #define SOIL_USUAL_STIFFNESS 4e7 /* Pa/m */
 #define SOIL_USUAL_DAMPING 3e4   /* Pa s/m */
+#define SOIL_USUAL_DENSITY 1600.0 /* kg/m3: an estimate, of a soil that has neither density nor unit_weight */
 /* Sets every number to NAN. */
 void soil_clear(struct soil_numbers *soil);
 /* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */
@@ -123,11 +125,21 @@ const char *soil_name(size_t index);
  * message lists all names. */
 enum status soil_named(const char *name, struct soil_numbers *soil) FURROW_CHECKED;
 
+/* Returns the coefficient xi_n of 3D-RFT, N/m3: the soil's face_strength, or unit_weight (894 m^3 - 386 m^2 + 89 m). m is the tangent of the friction
+ * angle. The fit is of 0.3 to 0.9; beyond that the nearer end counts. NAN: the soil has no unit_weight. Source: S. Agarwal, D. I. Goldman and K. Kamrin,
+ * PNAS 120 (2023), supplement, of soil without cohesion. */
+double soil_face_strength(const struct soil_numbers *soil);
+
 /* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */
 struct soil_interface {
-	bool has_friction, has_adhesion; /* false: in its place counts the soil's own friction_angle, cohesion */
+	bool has_friction, has_adhesion; /* false: in its place counts the soil's own friction_angle, soil_own_adhesion */
 	double friction_angle, adhesion; /* rad, Pa */
 };
+/* Returns how strongly soil of this cohesion sticks to a surface of which no adhesion is given, Pa. It has all of the cohesion up to 24 kPa.
+ * SOIL.md has the source. */
+double soil_own_adhesion(double cohesion);
+/* Returns the share of a surface, 0 .. 1, on which cohesion and adhesion hold under a normal stress, Pa: stress / cohesion, at most 1. */
+double soil_touching_share(const struct soil_numbers *soil, double stress);
 
 /* m: a body that slips less in a contact digs nothing. Poses are whole fixed-point units of 2^-20 m, so a wheel that rolls without slip seems to
  * slip by some of them. Then a drive in which nothing slips digs nothing, whether or not it keeps what was dug. */
@@ -136,10 +148,6 @@ struct soil_interface {
 /* Returns the largest shear force on an area, N: of the soil, or along the object's surface if that is less. `area`: m2; `normal`:
  * force across it, N. */
 double soil_shear_limit(const struct soil_numbers *soil, const struct soil_interface *interface, double area, double normal);
-
-/* Returns xi of the law of faces: what a level plate that is pushed straight down into loose soil bears, for each metre of depth, over 0.87574; N/m3. From
- * the soil's weight and friction. Source: Agarwal, Goldman, Kamrin, PNAS 120 (2023), supplement. Pure. */
-double soil_face_strength(const struct soil_numbers *soil);
 
 /* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
  * wheel. Other shapes: as plates. */
@@ -161,7 +169,7 @@ struct soil_planes {
 	struct post_rect rect;   /* posts of the working level */
 	size_t width;            /* posts in a row */
 	int32_t *base;           /* 2^-18 m above the store's reference; BASE_NODATA: a hole */
-	int32_t *offset, *deposited, *sinkage, *shear, *dug; /* as the planes of base/plane.h */
+	int32_t *offset, *deposited, *sinkage, *shear, *dug, *slope; /* as the planes of base/plane.h */
 	uint8_t *disturbance;
 	uint8_t *classes;        /* NULL: one soil */
 	uint8_t *levels;         /* SOIL_RASTERS for each post; NULL: no raster */
@@ -211,6 +219,7 @@ struct soil_motion {
 	double runs;             /* m/s of its belt */
 	struct soil_trend trend; /* its recent motion, up to `from` */
 	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
+	double hollows;          /* m: of a body that pushes: posts that it is above by at most this much are below it, too */
 	double stamped;          /* hosted: 1: the hollow below `from` has the shape of the body; 0: it is a flat rut */
 	bool hosted;             /* a host moves the body, so the motion may be much shorter than a post */
 	bool jumped;             /* it did not move from `from` to `to`: it was set down */
@@ -252,7 +261,7 @@ size_t soil_work_bytes(const struct soil_work *work); /* all of it, so far */
  */
 #define SOIL_BLOCK 32          /* posts along a side of a block */
 #define SOIL_SLOPE_HEIGHTS 108 /* heights of slopes for which limits are known; a multiple of 4 */
-#define SOIL_SLOPE_HOPS 5      /* the most */
+#define SOIL_SLOPE_HOPS 4      /* of 8, 4, 2 and 1 posts */
 #define SOIL_STEEP_RELIEF 500.0 /* metres; with less relief no two posts are too far apart in height for 32 bits */
 
 /* The limits by which a class of soil slides, fixed-point units. Index 0: neighbours along x or y. Index 1: diagonal neighbours. */
@@ -276,8 +285,7 @@ struct soil_sliding {
 	bool undisturbed_stable; /* soil slides only where a difference exceeds that of the bases, too */
 	bool steep;              /* neighbours may be too far apart in height for 32 bits */
 	int32_t least[2];        /* no difference up to this slides, if the height of slopes does not count */
-	/* Only if the height of a slope counts. hops: by how many it is followed; 0: it does not count. ways: their posts. reach: the sum. */
-	int hops, ways[SOIL_SLOPE_HOPS], reach;
+	int reach;               /* posts over which an interval follows a slope; 0: the height of slopes does not count */
 	int32_t slope_least;     /* least axial critical difference in a slope */
 	int32_t apart;           /* distance of posts, 2^-20 m, with as many binary digits as the cotangents */
 	/* Sumner's rule, by which posts shed soil, in place of the excess over critical differences; NULL: not. It must outlive this. */
@@ -308,8 +316,11 @@ void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_
 int32_t soil_sliding_with_tolerance(const struct soil_sliding *rule, int32_t critical);
 /* Returns sqrt(2) times a difference, to a ten thousandth. */
 int32_t soil_sliding_diagonal(int32_t axial);
-/* Fills the lengths of the hops by which a slope is followed, in posts, and returns how many there are. */
-int soil_sliding_ways(double spacing, int iterations, int ways[SOIL_SLOPE_HOPS]);
+/* Returns the length of a hop by which a slope is followed, in posts. number: 0 .. SOIL_SLOPE_HOPS - 1. */
+static inline int soil_sliding_way(int number)
+{
+	return 1 << (SOIL_SLOPE_HOPS - 1 - number);
+}
 /* Returns how many posts around a block an interval reads; at most a block. */
 int64_t soil_sliding_rim(const struct soil_sliding *rule);
 /* Returns the direction of a pass along lines over a window that writes these posts: 0: x, 1: y, 2: north-east, 3: south-east. pass: from 0 on. */

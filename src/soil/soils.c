@@ -3,7 +3,7 @@
  * the two.
  *
  * n, k_c, k_phi, c, phi, K: Wong, Theory of Ground Vehicles, 2008, table 2.3, there in kN, kPa, cm and degrees. The weight
- * is a bulk density of the kind. The stiffness of unloading and the damping are those of the soft soil of Project Chrono's
+ * is that of a usual bulk density of the kind under the gravity beside it. The stiffness of unloading and the damping are those of the soft soil of Project Chrono's
  * demonstrations: Krenn and Hirzinger 2009 leave them open.
  *
  * sand, mud, snow: Sumner, O'Brien and Hodgins 1999. These could not be checked against the paper itself. Its alpha is the share
@@ -22,23 +22,24 @@ static const struct row {
 	const char *name;
 	struct wong {
 		double n, k_c, k_phi, c, phi, k_cm, weight; /* as printed; weight kN/m3; n 0: the soil has none of these */
+		double density; /* kg/m3 */
 	} wong;
 	struct sumner {
 		double theta_in, theta_out, roughness, theta_stop, compression; /* rad; theta_in 0: the soil has none of these */
 	} sumner;
 } rows[] = {
-	{.name = "dry_sand", .wong = {1.1, 0.99, 1528.43, 1.04, 28, 2, 16}, .sumner = SUMNER_SAND},
-	{.name = "sandy_loam_15", .wong = {0.7, 5.27, 1515.04, 1.72, 29, 2, 15}},
-	{.name = "sandy_loam_22", .wong = {0.2, 2.56, 43.12, 1.38, 38, 2, 16}},
-	{.name = "clayey_38", .wong = {0.5, 13.19, 692.15, 4.14, 13, 2, 16}},
-	{.name = "heavy_clay_25", .wong = {0.13, 12.7, 1555.95, 68.95, 34, 0.6, 18}},
-	{.name = "heavy_clay_40", .wong = {0.11, 1.84, 103.27, 20.69, 6, 3, 17}},
-	{.name = "lean_clay_22", .wong = {0.2, 16.43, 1724.69, 68.95, 20, 0.6, 18}},
-	{.name = "lete_sand", .wong = {0.79, 102, 5301, 1.3, 31.1, 1.2, 16}},
-	{.name = "upland_loam_51", .wong = {1.1, 74.6, 2080, 3.3, 33.7, 2, 15}},
-	{.name = "snow_us", .wong = {1.6, 4.37, 196.72, 1.03, 19.7, 3, 3}},
-	{.name = "snow_sweden", .wong = {1.44, 10.55, 66.08, 6, 20.7, 3, 3}},
-	{.name = "lunar", .wong = {1, 1.4, 820, 0.17, 35, 1.8, 2.5}},
+	{.name = "dry_sand", .wong = {1.1, 0.99, 1528.43, 1.04, 28, 2, 16, 1631}, .sumner = SUMNER_SAND},
+	{.name = "sandy_loam_15", .wong = {0.7, 5.27, 1515.04, 1.72, 29, 2, 15, 1529}},
+	{.name = "sandy_loam_22", .wong = {0.2, 2.56, 43.12, 1.38, 38, 2, 16, 1631}},
+	{.name = "clayey_38", .wong = {0.5, 13.19, 692.15, 4.14, 13, 2, 16, 1631}},
+	{.name = "heavy_clay_25", .wong = {0.13, 12.7, 1555.95, 68.95, 34, 0.6, 18, 1835}},
+	{.name = "heavy_clay_40", .wong = {0.11, 1.84, 103.27, 20.69, 6, 3, 17, 1733}},
+	{.name = "lean_clay_22", .wong = {0.2, 16.43, 1724.69, 68.95, 20, 0.6, 18, 1835}},
+	{.name = "lete_sand", .wong = {0.79, 102, 5301, 1.3, 31.1, 1.2, 16, 1631}},
+	{.name = "upland_loam_51", .wong = {1.1, 74.6, 2080, 3.3, 33.7, 2, 15, 1529}},
+	{.name = "snow_us", .wong = {1.6, 4.37, 196.72, 1.03, 19.7, 3, 3, 306}},
+	{.name = "snow_sweden", .wong = {1.44, 10.55, 66.08, 6, 20.7, 3, 3, 306}},
+	{.name = "lunar", .wong = {1, 1.4, 820, 0.17, 35, 1.8, 2.5, 1543.21}},
 	{.name = "sand", .sumner = SUMNER_SAND},
 	{.name = "mud", .sumner = {1.57, 1.1, 0.2, 1.1, 0.59}},
 	{.name = "snow", .sumner = {1.57, 1.57, 0.2, 1.57, 1}},
@@ -60,6 +61,7 @@ static void take_wong(const struct wong *wong, struct soil_numbers *soil)
 	soil->janosi_shear = wong->k_cm / 100;
 	soil->elastic_stiffness = SOIL_USUAL_STIFFNESS;
 	soil->damping = SOIL_USUAL_DAMPING;
+	soil->density = wong->density;
 	soil->unit_weight = wong->weight * 1e3;
 	soil->repose = radians(wong->phi);
 }
@@ -78,8 +80,8 @@ void soil_clear(struct soil_numbers *soil)
 	const double none = (double)NAN;
 	*soil = (struct soil_numbers){
 		.bekker_kc = none, .bekker_kphi = none, .bekker_n = none, .cohesion = none, .friction_angle = none,
-		.janosi_shear = none, .elastic_stiffness = none, .damping = none, .unit_weight = none, .repose = none,
-		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none,
+		.janosi_shear = none, .elastic_stiffness = none, .damping = none, .density = none, .unit_weight = none, .repose = none,
+		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none, .face_strength = none,
 	};
 }
 
@@ -103,6 +105,15 @@ enum status soil_named(const char *name, struct soil_numbers *soil)
 		snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i > 0 ? ", " : "", rows[i].name);
 	}
 	return fail_with(STATUS_INPUT, "soil: there is none by that name; known are: %s", all);
+}
+
+#define FACE_LEAST 0.3 /* tangents of the friction angle between which the fit was made */
+#define FACE_MOST 0.9
+
+double soil_face_strength(const struct soil_numbers *soil)
+{
+	const double m = fmin(fmax(tan(soil->friction_angle), FACE_LEAST), FACE_MOST);
+	return isnan(soil->face_strength) ? soil->unit_weight * m * (89 - m * (386 - m * 894)) : soil->face_strength;
 }
 
 #define KEY(number, key) [number] = #key,
@@ -133,10 +144,4 @@ struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soi
 		if (planes->levels[SOIL_RASTERS * at + (size_t)i] != 0)
 			*soil_number_in(&soil, law->rasters[i].number) = soil_raster_value(&law->rasters[i], planes->levels[SOIL_RASTERS * at + (size_t)i]);
 	return soil;
-}
-
-double soil_face_strength(const struct soil_numbers *soil)
-{
-	const double m = fmin(fmax(tan(soil->friction_angle), 0.3), 0.9);
-	return soil->unit_weight * ((894 * m - 386) * m + 89) * m;
 }

@@ -15,11 +15,12 @@
 #include "store/store.h"
 
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
-#define STORE_VERSION 5
+#define STORE_VERSION 7
 #define STORE_VERSION_OLDEST 3 /* it is read too: its shear, a length without direction, counts as none */
 #define STORE_VERSION_SHEAR 4  /* the first with a shear that is read */
 #define STORE_VERSION_HISTORY 5 /* the first that can keep a history */
-#define STORE_VERSION_PINS 6    /* that of a store which keeps what overlays depend on */
+#define STORE_VERSION_PINS 6    /* the first that can keep what overlays depend on */
+#define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose soil */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
@@ -48,7 +49,7 @@ enum status store_sql_integer(sqlite3 *db, const char *path, const char *sql, in
 /* --- store_rows.c: the tables of tiles, a row at a time --- */
 
 /* The table of the base, and one table for each plane. */
-enum row_table { ROW_BASE, ROW_OFFSET, ROW_DISTURBANCE, ROW_DEPOSITED, ROW_PLASTIC_SINKAGE, ROW_SHEAR, ROW_DUG, ROW_TABLES };
+enum row_table { ROW_BASE, ROW_OFFSET, ROW_DISTURBANCE, ROW_DEPOSITED, ROW_PLASTIC_SINKAGE, ROW_SHEAR, ROW_DUG, ROW_SLOPE, ROW_TABLES };
 
 static inline enum row_table row_table_of(enum plane plane)
 {
@@ -329,7 +330,7 @@ const char *store_frozen_vfs(void);
 struct store {
 	struct history history;
 	struct pins pins;
-	int version;     /* of the file: STORE_VERSION, or STORE_VERSION_PINS */
+	int version;     /* of the file */
 	char *path;      /* the path that messages show */
 	char *real_path; /* the path of the file, links resolved */
 	const struct store_staged *staged; /* while it is being opened: the copy to read in place of the base under it; NULL: none */
@@ -450,8 +451,6 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *version) FURR
 enum status store_schema_hide(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
 /* Makes an older store one of this version, in one transaction. Shear of version 3 is dropped. */
 enum status store_schema_raise(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
-/* Gives a store of this version the tables that keep what overlays depend on. In a transaction. */
-enum status store_schema_raise_pins(sqlite3 *db, const char *path) FURROW_CHECKED;
 
 /* --- store_misfit.c: meta.off_resampled and meta.off_source in the file --- */
 enum status store_misfit_write(struct store *store) FURROW_CHECKED; /* in a transaction */

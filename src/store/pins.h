@@ -23,7 +23,6 @@
 struct pins {
 	int64_t newest; /* the newest pinned revision in the file; -1: none */
 	int64_t label;  /* in a transaction: the revision for which rows are kept; -1: none */
-	bool raised;    /* in a transaction: the tables were made */
 	bool told;      /* the parent knows of this overlay */
 	sqlite3_stmt *keep[PINS_TABLES], *none[PINS_TABLES];
 };

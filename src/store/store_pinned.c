@@ -113,9 +113,6 @@ static enum status pin_present(struct store *store)
 		store->pins.label = store->pins.newest;
 		return STATUS_OK;
 	}
-	store->pins.raised = store->version < STORE_VERSION_PINS;
-	if (store->pins.raised)
-		TRY(store_schema_raise_pins(store->db, store->path));
 	return put_revision(store, matching.hash);
 }
 
@@ -123,7 +120,6 @@ enum status store_pinned_begin(struct store *store)
 {
 	struct pins *pins = &store->pins;
 	pins->label = pins->newest;
-	pins->raised = false;
 	if (store->part.count > 0)
 		return STATUS_OK; /* a part ends with its run */
 	if (store->under != NULL && !pins->told)
@@ -139,11 +135,6 @@ void store_pinned_end(struct store *store, bool committed)
 	struct pins *pins = &store->pins;
 	if (committed && pins->label > pins->newest)
 		pins->newest = pins->label;
-	if (committed && pins->raised)
-		store->version = STORE_VERSION_PINS;
-	if (!committed && pins->raised)
-		store_pinned_finish(store); /* statements of tables that are no more */
-	pins->raised = false;
 	pins->label = -1;
 }
 
@@ -208,8 +199,10 @@ enum status store_pinned_show(sqlite3 *db, const char *path, int64_t revision)
 	static const char doing[] = "showing what an overlay depends on";
 	char sql[1024];
 	const long long at = revision;
+	int64_t all = 0;
 	TRY(store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY"));
-	for (int table = ROW_OFFSET; table < ROW_TABLES; table++) {
+	TRY(store_sql_integer(db, path, "SELECT count(*) FROM main.sqlite_schema WHERE name = 'slope'", &all));
+	for (int table = ROW_OFFSET; table < (all != 0 ? ROW_TABLES : ROW_SLOPE); table++) { /* an older file lacks some tables, which are hidden */
 		const char *name = store_rows_sql_name((enum row_table)table), *sums = table == ROW_OFFSET ? "below, above, " : "";
 		snprintf(sql, sizeof sql,
 			 "CREATE TEMP VIEW %s AS SELECT key, low, high, %scodec, revision, hash, blob FROM main.replaced AS kept "

@@ -46,6 +46,7 @@ static const struct table tables[ROW_TABLES] = {
 	PLANE_TABLE("pressed"),
 	PLANE_TABLE("shear"),
 	PLANE_TABLE("dug"),
+	PLANE_TABLE("slope"),
 };
 
 enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,

@@ -9,6 +9,14 @@ double store_rows_metres(enum row_table table, int32_t post, double step)
 				    : plane_value(row_plane(table), post);
 }
 
+/* Gives the two halves of a post: of shear to the east and to the north, of a slope what is above and what is below. */
+static void parts_of(enum row_table table, int32_t post, int32_t parts[2])
+{
+	const bool shear = table == ROW_SHEAR;
+	parts[0] = shear ? plane_shear(post, PLANE_SHEAR_EAST) : (int32_t)((uint32_t)post & 0xffff);
+	parts[1] = shear ? plane_shear(post, PLANE_SHEAR_NORTH) : (int32_t)((uint32_t)post >> 16);
+}
+
 void store_rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
 		double *high)
 {
@@ -16,20 +24,21 @@ void store_rows_range(enum row_table table, const int32_t *posts, size_t count, 
 	for (size_t i = 0; i < count; i++) {
 		if (table == ROW_BASE && posts[i] == HEIGHT_CODE_NODATA)
 			continue;
-		const bool parts = table == ROW_SHEAR;
-		const int32_t east = parts ? plane_shear(posts[i], PLANE_SHEAR_EAST) : posts[i];
-		const int32_t north = parts ? plane_shear(posts[i], PLANE_SHEAR_NORTH) : posts[i];
-		least = least < east ? least : east;
-		least = least < north ? least : north;
-		most = most > east ? most : east;
-		most = most > north ? most : north;
+		int32_t parts[2] = {posts[i], posts[i]};
+		if (table == ROW_SHEAR || table == ROW_SLOPE)
+			parts_of(table, posts[i], parts);
+		for (int k = 0; k < 2; k++) {
+			least = least < parts[k] ? least : parts[k];
+			most = most > parts[k] ? most : parts[k];
+		}
 	}
 	*low = *high = (double)NAN;
 	if (least > most)
 		return;
-	if (table == ROW_SHEAR) {
-		*low = ldexp(least, -PLANE_SHEAR_BITS);
-		*high = ldexp(most, -PLANE_SHEAR_BITS);
+	if (table == ROW_SHEAR || table == ROW_SLOPE) {
+		const int bits = table == ROW_SHEAR ? PLANE_SHEAR_BITS : PLANE_SLOPE_BITS;
+		*low = ldexp(least, -bits);
+		*high = ldexp(most, -bits);
 		return;
 	}
 	/* Codes keep the order of heights. */

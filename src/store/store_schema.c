@@ -55,6 +55,7 @@ static const struct object objects[] = {
 	 "scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL, "
 	 "made INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL)"},
 	{"shear", PLANE_TABLE("shear")},
+	{"slope", PLANE_TABLE("slope")},
 	{"snapshot",
 	 "CREATE TABLE snapshot(name TEXT PRIMARY KEY, revision INTEGER NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL) WITHOUT ROWID"},
 };
@@ -70,7 +71,7 @@ static const struct object older_run = {
 /* Returns a table as a store of this version has it; NULL: it has no such table. */
 static const struct object *object_of(size_t index, int version)
 {
-	static const char *const since_history[] = {"history", "revision", "snapshot"};
+	static const char *const since_history[] = {"history", "revision", "snapshot"}, *const since_loose[] = {"slope"};
 	const char *name = objects[index].name;
 	if (strcmp(name, "dug") == 0 && version < STORE_VERSION_SHEAR)
 		return NULL;
@@ -78,6 +79,9 @@ static const struct object *object_of(size_t index, int version)
 		return NULL;
 	for (size_t i = 0; i < sizeof since_history / sizeof *since_history; i++)
 		if (strcmp(name, since_history[i]) == 0 && version < STORE_VERSION_HISTORY)
+			return NULL;
+	for (size_t i = 0; i < sizeof since_loose / sizeof *since_loose; i++)
+		if (strcmp(name, since_loose[i]) == 0 && version < STORE_VERSION_LOOSE)
 			return NULL;
 	return strcmp(name, "run") == 0 && version < STORE_VERSION_HISTORY ? &older_run : &objects[index];
 }
@@ -145,9 +149,9 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *out)
 	if (id != STORE_APPLICATION_ID)
 		return fail_with(STATUS_INPUT, "%s: not a Furrow store (application id %llx); make one with "
 				 "furrow import", path, (unsigned long long)id & 0xffffffffu);
-	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION_PINS)
+	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION)
 		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows versions %d to %d; use "
-				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION_PINS);
+				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION);
 	*out = (int)version;
 	return check_objects(db, path, *out);
 }
@@ -159,6 +163,9 @@ enum status store_schema_hide(sqlite3 *db, const char *path, int version)
 	if (version < STORE_VERSION_SHEAR)
 		TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
 				   "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0"));
+	TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE slope AS SELECT * FROM main.heaped LIMIT 0"));
+	if (version >= STORE_VERSION_HISTORY)
+		return STATUS_OK;
 	return store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE run AS SELECT *, 0 AS made, '' AS who, '' AS what FROM main.run; "
 			      "CREATE TEMP TABLE history(plane, key, revision, form, codec, hash, blob); "
 			      "CREATE TEMP TABLE revision(revision, scene_hash, step, time, state, made, who, what, working, compacted); "
@@ -186,20 +193,11 @@ enum status store_schema_raise(sqlite3 *db, const char *path, int version)
 			TRY_OR(failed, store_sql_exec(db, path, doing, objects[i].sql));
 	if (version < STORE_VERSION_SHEAR)
 		TRY_OR(failed, store_sql_exec(db, path, doing, "DELETE FROM shear"));
-	TRY_OR(failed, raise_run(db, path));
+	if (version < STORE_VERSION_HISTORY)
+		TRY_OR(failed, raise_run(db, path));
 	TRY_OR(failed, store_sql_exec(db, path, doing, raise));
 	return STATUS_OK;
 failed:
 	store_sql_undo(db);
 	return status;
-}
-
-enum status store_schema_raise_pins(sqlite3 *db, const char *path)
-{
-	static const char doing[] = "keeping what overlays depend on";
-	char raise[64];
-	snprintf(raise, sizeof raise, "PRAGMA user_version=%d", STORE_VERSION_PINS);
-	TRY(store_sql_exec(db, path, doing, sql_of("pinned")));
-	TRY(store_sql_exec(db, path, doing, sql_of("replaced")));
-	return store_sql_exec(db, path, doing, raise);
 }

@@ -45,7 +45,8 @@ enum status world_settle_level(struct world *world)
 unsigned world_planes(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	unsigned planes = deform_planes(scene->model, scene->disturbance, world->facts.slip_sinkage > 0);
+	unsigned planes = deform_planes(scene->model, scene->disturbance, (world->facts.slip_sinkage > 0 ? DEFORM_DIGS : 0) |
+								    (deform_slopes_count(scene->model, scene->soils, scene->soil_count) ? DEFORM_SLOPES : 0));
 	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		return planes;
 	return world->resident.was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;

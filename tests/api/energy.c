@@ -107,10 +107,11 @@ static void turn_about(const double axis[3], double angle, double q[4])
 	q[3] = r[0] * p[3] + r[1] * p[2] - r[2] * p[1] + r[3] * p[0];
 }
 
-/* Returns how far above the ground it begins and ends, m. The mesh grows wider upwards, so it has to be above the soil that it laid. */
+/* Returns how far above the ground it begins and ends, m. The mesh grows wider upwards, and so does a wheel beside its lower edge, if it leans: these have
+ * to be above the soil that they laid. */
 static double gap_of(const struct energy_body *body)
 {
-	return body == &bodies[FOOT] ? 0.1 : 0.01;
+	return body == &bodies[FOOT] ? 0.1 : body == &bodies[LEANING_WHEEL] ? 0.05 : 0.01;
 }
 
 static struct energy_host begin(struct furrow_world *world, const struct energy_body *body, double heading)

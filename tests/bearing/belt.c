@@ -141,7 +141,7 @@ static double carries(const struct soil_numbers *soil, double slip, double kappa
 		const double dug = kappa * soil->janosi_shear * (1 - exp(mobilised - slid)), area = track.size[0] * track.size[1] / parts;
 		const double pressure = sinkage > dug ? reference_bekker(soil, track.size[1], sinkage - dug) : 0;
 		load += pressure * area;
-		*drawbar += (soil->cohesion + pressure * tan(soil->friction_angle)) * mobilised * area;
+		*drawbar += reference_strength(soil, &(struct soil_interface){.has_friction = false}, pressure) * mobilised * area;
 	}
 	return load;
 }

@@ -57,6 +57,14 @@ static inline void ground_fill(struct ground *ground, uint32_t slot)
 		base[i] = params->height != NULL ? params->height(x0 + i % (cells + 1), y0 + i / (cells + 1)) : 0;
 }
 
+/* What posts remember. Without soils there is dry_sand, which is cohesive. */
+static inline unsigned ground_memory(const struct ground_params *params, enum deform_model model)
+{
+	struct soil_numbers sand;
+	assert_ok(soil_named("dry_sand", &sand));
+	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (deform_slopes_count(model, params->soils != NULL ? params->soils : &sand, 1) ? DEFORM_SLOPES : 0);
+}
+
 static inline void ground_init(struct ground *ground, const struct ground_params *params)
 {
 	*ground = (struct ground){.params = *params};
@@ -67,7 +75,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 	ground->posts = (int64_t)params->tiles * cells + 1;
 	ground->tile_count = (size_t)params->tiles * params->tiles;
 	ground->tiles = ground_room((int64_t)ground->tile_count, sizeof *ground->tiles);
-	assert_ok(resident_host_create(params->cells, (uint32_t)ground->tile_count, deform_planes(model, false, params->slip_sinkage > 0), &ground->slots));
+	assert_ok(resident_host_create(params->cells, (uint32_t)ground->tile_count, deform_planes(model, false, ground_memory(params, model)), &ground->slots));
 	for (uint32_t k = 0; k < ground->tile_count; k++) {
 		ground->tiles[k] = (struct tile_slot){{0, (uint32_t)params->first + k % params->tiles, (uint32_t)params->first + k / params->tiles}, k};
 		ground_fill(ground, k);

@@ -44,7 +44,7 @@ static void a_dragged_block_is_held_back_by_adhesion_and_friction(void **state)
 			forces = ground_forces(&ground, &sweep);
 		}
 		ground_finish(&ground);
-		double adhesion = surface->has_adhesion ? fmin(surface->adhesion, 1e4) : soil.cohesion;
+		double adhesion = surface->has_adhesion ? fmin(surface->adhesion, 1e4) : soil.cohesion; /* it is below 24 kPa, and below the pressure */
 		double angle = surface->has_friction ? surface->friction_angle : soil.friction_angle;
 		/* Where the surface's two lines and the soil's do not cross, one of them counts for every stress. */
 		double strength = fmin(adhesion * area + load * tan(angle), soil.cohesion * area + load * tan(soil.friction_angle));
@@ -76,7 +76,7 @@ static void drive(const struct soil_shape *shape, const struct soil_numbers *soi
 		out->forces[step] = ground_forces(&ground, &sweep);
 	}
 	for (int plane = 0; plane < PLANES; plane++)
-		out->planes[plane] = deform_planes(DEFORM_SCM, false, true) & PLANE_BIT(plane) ? ground_plane(&ground, plane) : NULL;
+		out->planes[plane] = deform_planes(DEFORM_SCM, false, DEFORM_DIGS) & PLANE_BIT(plane) ? ground_plane(&ground, plane) : NULL;
 	ground_finish(&ground);
 }
 
@@ -126,11 +126,25 @@ static void a_surface_no_weaker_than_the_soil_changes_no_bit(void **state)
 static void the_shear_limit_is_the_weaker_line(void **state)
 {
 	const struct soil_numbers soil = {.cohesion = 1000, .friction_angle = M_PI / 4};
-	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = false}, 2, 300), 2300, 1e-9);
-	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = true}, 2, 300), 2000, 1e-9);
-	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_adhesion = true, .adhesion = 10}, 2, 300), 320, 1e-9);
-	assert_near(soil_shear_limit(&soil, &(struct soil_interface){true, true, 0, 1200}, 2, 300), 2300, 1e-9);
-	assert_near(soil_shear_limit(&soil, &(struct soil_interface){true, true, 0, 1200}, 2, 500), 2400, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = false}, 2, 3000), 5000, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = true}, 2, 3000), 2000, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_adhesion = true, .adhesion = 10}, 2, 3000), 3020, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){true, true, 0, 2600}, 2, 3000), 5000, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){true, true, 0, 2400}, 2, 3000), 4800, 1e-9);
+}
+
+/* Below a pressure as large as the cohesion a surface touches with a part of its area. */
+static void what_is_barely_pressed_on_does_not_stick(void **state)
+{
+	const struct soil_interface none = {.has_friction = false}, sticky = {.has_adhesion = true, .adhesion = 1e6};
+	const struct soil_numbers clay = {.cohesion = 68950, .friction_angle = 34 * DEGREES}, sand = {.friction_angle = 30 * DEGREES};
+	assert_near(soil_shear_limit(&clay, &none, 0.01, 1), 1 * (40124.0 / 68950 + tan(34 * DEGREES)), 1e-4);
+	assert_near(soil_shear_limit(&clay, &sticky, 0.01, 1), 1 + tan(34 * DEGREES), 1e-9);
+	assert_near(soil_shear_limit(&clay, &none, 0.01, 0), 0, 0);
+	assert_near(soil_shear_limit(&clay, &none, 0, 0), 0, 0);
+	assert_near(soil_shear_limit(&sand, &none, 0.01, 1), tan(30 * DEGREES), 1e-9);
+	for (double c = 100; c < 3e5; c *= 1.07)
+		assert_near(soil_own_adhesion(c), reference_adhesion(c), 2e-4 * c);
 }
 
 TEST_PROGRAM(interface)
@@ -139,6 +153,7 @@ TEST_PROGRAM(interface)
 		cmocka_unit_test(a_dragged_block_is_held_back_by_adhesion_and_friction),
 		cmocka_unit_test(a_surface_no_weaker_than_the_soil_changes_no_bit),
 		cmocka_unit_test(the_shear_limit_is_the_weaker_line),
+		cmocka_unit_test(what_is_barely_pressed_on_does_not_stick),
 	};
 	return cmocka_run_group_tests_name("bearing/interface", tests, NULL, NULL);
 }

@@ -122,7 +122,7 @@ class Explain(FurrowTest):
             self.skipTest("this build has no MuJoCo")
         text = " ".join(result.stdout.split())
         for told in ("sandy_loam_15: the scene's cohesion 1040 Pa; the name's bekker_kc 5270 N/m^(n+1), bekker_kphi 1515040 N/m^(n+2), bekker_n 0.7, "
-                     "friction_angle 29 degrees, janosi_shear 0.02 m, repose 29 degrees; defaults elastic_stiffness 40000000 Pa/m, damping 30000 Pa s/m",
+                     "friction_angle 29 degrees, janosi_shear 0.02 m, density 1529 kg/m3, unit_weight 15000 N/m3, repose 29 degrees; defaults elastic_stiffness 40000000 Pa/m, damping 30000 Pa s/m",
                      "soil geoms: car.wheel_front_left, car.wheel_front_right, car.wheel_rear_left, car.wheel_rear_right (wheel, radius 0.4 m, width 0.2 m)",
                      "4 soil geoms, 6 actuators, 1 engine step in a time step; ",
                      "actuators: driver.steer: steer_front_left, steer_front_right; driver.drive: drive_rear_left, drive_rear_right; "

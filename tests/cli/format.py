@@ -250,13 +250,16 @@ class Deformed(FormatTest):
     def deformation_rows(self, store):
         """What the page says of rows of offsets and soil beside their posts, from the posts."""
         side = store.cells + 1
-        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-15), ("dug", 2**-20)):
+        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-15), ("dug", 2**-20), ("slope", 2**-9)):
             rows = store.rows[table]
             for row in rows.values():
                 if table not in ("offset", "dirt"):
                     self.assertEqual(row.level, store.working)
                     self.assertTrue(any(row.posts))
-                    parts = row.posts if table != "shear" else [store_reader.signed(post >> half, 16) for post in row.posts for half in (0, 16)]
+                    parts = row.posts
+                    if table in ("shear", "slope"):
+                        halves = [post >> half & 0xffff for post in row.posts for half in (0, 16)]
+                        parts = halves if table == "slope" else [store_reader.signed(half, 16) for half in halves]
                     self.assertEqual((row.low, row.high), (min(parts) * unit, max(parts) * unit))
                     self.assertTrue(1 <= row.revision <= store.run[0]["epoch"])
                     continue
@@ -396,7 +399,7 @@ class Deformed(FormatTest):
         self.assertEqual(point["soil"], {"dirt": 0, "deposited": -3 / 2**20, "plastic_sinkage": 0.5 + 2**-20, "shear": [3 / 2**15, 3 / 2**15]})
         self.assertEqual(info["compacted"], -5)
         self.assertEqual({name: found["tiles"] for name, found in info["soil"].items()},
-                         {"dirt": 0, "deposited": 16, "plastic_sinkage": 16, "shear": 16, "dug": 0})
+                         {"dirt": 0, "deposited": 16, "plastic_sinkage": 16, "shear": 16, "dug": 0, "slope": 0})
         self.assertEqual((info["tiles"]["soil"], info["bytes"]["soil"]), (48, 48 * 4))
         if has_gdal():
             self.assertIn("2 m apart", self.ok("export", path, "-o", "heaped.tif", "--layer", "heaped"))

@@ -6,7 +6,7 @@ import sqlite3
 
 from furrow_test import MAPS, FurrowTest, main
 
-TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug")
+TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "slope")
 SCENE = """scene: 1
 time_step: 0.004
 end_time: 2
@@ -59,7 +59,7 @@ class NoEgl(FurrowTest):
         self.scene((SCENE % "scm").replace(", vehicles: 20", ""))
         self.refused(4, "drive", "scene.yaml", "--store", "world.furrow", "--overlay", "seen.furrow", "-o", "seen", *with_picture, env=self.blind)  # it is hidden
         blind, seeing = self.driven("blind", self.blind), self.driven("seeing", None)
-        for table in ("offset", "dirt", "heaped", "pressed", "shear", "dug"):
+        for table in ("offset", "dirt", "heaped", "pressed", "shear", "dug", "slope"):
             self.assertGreater(len(blind[0][table]), 0, table)
         self.assertEqual(blind, seeing)
 

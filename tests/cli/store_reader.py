@@ -25,7 +25,7 @@ SCHEMA = {
     "offset": '"offset"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, above INTEGER NOT NULL, '
               "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
     **{plane: plane + "(key INTEGER PRIMARY KEY, low REAL, high REAL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
-              "hash INTEGER NOT NULL, blob BLOB NOT NULL)" for plane in ("dirt", "heaped", "pressed", "shear", "dug")},
+              "hash INTEGER NOT NULL, blob BLOB NOT NULL)" for plane in ("dirt", "heaped", "pressed", "shear", "dug", "slope")},
     "run": "run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
            "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL, "
            "what TEXT NOT NULL)",
@@ -36,7 +36,7 @@ SCHEMA = {
                 "compacted INTEGER NOT NULL)",
     "snapshot": "snapshot(name TEXT PRIMARY KEY, revision INTEGER NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL) WITHOUT ROWID",
 }
-TABLES = ("base", "offset", "dirt", "heaped", "pressed", "shear", "dug")  # by the number that is hashed
+TABLES = ("base", "offset", "dirt", "heaped", "pressed", "shear", "dug", "slope")  # by the number that is hashed
 META = {int: ("width", "height", "cells", "pack", "base_hash"),
         float: ("spacing", "step", "max_error", "origin_x", "origin_y"),
         str: ("srs", "vertical", "sources")}
@@ -412,7 +412,7 @@ class Store:
                 row.base = self.rows["base"]
             self.run = db.execute("SELECT * FROM run").fetchall()
             self.history = db.execute("SELECT * FROM history ORDER BY revision DESC").fetchall()
-            if self.version == 6 and depended_on is not None:
+            if depended_on is not None:
                 self.show_pinned(db, depended_on)
         finally:
             db.close()
@@ -477,8 +477,8 @@ class Store:
             found = db.execute(f"PRAGMA {name}").fetchone()[0]
             need(found == value, name, found)
         self.version = db.execute("PRAGMA user_version").fetchone()[0]
-        need(self.version in (5, 6), "user_version", self.version)
-        schema = {**SCHEMA, **PINS_SCHEMA} if self.version == 6 else SCHEMA
+        need(self.version == 7, "user_version", self.version)
+        schema = {**SCHEMA, **PINS_SCHEMA}
         found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))
         need(found == sorted("CREATE TABLE " + words for words in schema.values()), "tables", found)
 

@@ -55,6 +55,14 @@ static inline void *ground_room(int64_t count, size_t size)
 	return room;
 }
 
+/* What posts remember. Without soils there is dry_sand, which is cohesive. */
+static inline unsigned ground_memory(const struct ground_params *params)
+{
+	struct soil_numbers sand;
+	assert_ok(soil_named("dry_sand", &sand));
+	return deform_slopes_count(params->model, params->soils != NULL ? params->soils : &sand, params->soils != NULL ? params->soil_count : 1) ? DEFORM_SLOPES : 0;
+}
+
 static inline void ground_init(struct ground *ground, const struct ground_params *params)
 {
 	memset(ground, 0, sizeof *ground);
@@ -71,7 +79,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 	for (int64_t i = 0; i < ground->posts * ground->posts && params->height != NULL; i++)
 		ground->base[i] = params->height(i % ground->posts, i / ground->posts);
 	assert_ok(gpu_slots_create(test_gpu, params->cells, (uint32_t)ground->tile_count,
-				   deform_planes(params->model, params->dirt, false), &ground->slots));
+				   deform_planes(params->model, params->dirt, ground_memory(params)), &ground->slots));
 	if (params->batches)
 		assert_ok(gpu_slots_in_arrays(ground->slots));
 	int32_t *posts = ground_room((cells + 1) * (cells + 1), sizeof *posts);

@@ -253,7 +253,7 @@ static void hold_to_plan(const struct scenario *scenario)
 	for (size_t i = 0; i < scenario->count; i++)
 		assert_ok(deform_warm(drive.ground.deform, &scenario->objects[i]));
 	check_programs(&drive, &plan);
-	gpu_slots_plan(32, deform_planes(scenario->model, scenario->dirt, false), false, GPU_UNDIVIDED, false, false, "displace", &plan);
+	gpu_slots_plan(32, deform_planes(scenario->model, scenario->dirt, deform_memory(&params)), false, GPU_UNDIVIDED, false, false, "displace", &plan);
 	assert_ok(plan_status(&plan));
 	check_memory(&drive, &plan);
 	deform_figures(drive.ground.deform, &figures);

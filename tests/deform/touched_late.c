@@ -43,7 +43,7 @@ static bool is_touched(struct ground *ground, int64_t x, int64_t y)
 /* How many posts have changed. */
 static size_t assert_all_are_told(struct ground *ground, int n)
 {
-	bool heaps = deform_planes(ground->params.model, false, false) & PLANE_BIT(PLANE_DEPOSITED);
+	bool heaps = deform_planes(ground->params.model, false, 0) & PLANE_BIT(PLANE_DEPOSITED);
 	int32_t *heaped = heaps ? ground_plane(ground, PLANE_DEPOSITED) : NULL;
 	size_t changed = 0;
 	ground_read(ground);

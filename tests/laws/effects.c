@@ -171,7 +171,7 @@ static int check_lines(const struct plan *less, const struct plan *more, uint64_
 static bool goes_by_the_clock(const char *unit, bool repeats)
 {
 	static const enum plan_unit units[] = {PLAN_PAGE, PLAN_HOST_OFFSET, PLAN_HOST_DISTURBANCE, PLAN_HOST_DEPOSITED, PLAN_HOST_SINKAGE, PLAN_HOST_SHEAR,
-					       PLAN_HOST_DUG, PLAN_RING, PLAN_COMMITTED, PLAN_COMMITTED_COARSER, PLAN_CHANGED, PLAN_COMMIT,
+					       PLAN_HOST_DUG, PLAN_HOST_SLOPE, PLAN_RING, PLAN_COMMITTED, PLAN_COMMITTED_COARSER, PLAN_CHANGED, PLAN_COMMIT,
 					       PLAN_HELD, PLAN_RESTING, PLAN_ATLAS};
 	enum { VISITS = 3 };
 	for (size_t i = 0; i < sizeof units / sizeof *units - (repeats ? VISITS : 0); i++)

@@ -24,7 +24,7 @@ RANKS = [int(n) for n in os.environ.get("RANKS", "2,3").split(",")]
 KILLS = int(os.environ.get("KILLS", "4" if FULL else "1"))
 SEED = int(os.environ.get("RANKS_SEED", "1"))
 MODELS = pathlib.Path(os.environ.get("SCENES", "")) / "vehicles"
-TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug")
+TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "slope")
 # Rows name the commit that wrote them, which may differ.
 COMMIT = ("revision", "epoch")
 

@@ -76,7 +76,7 @@ static void assert_soil(const cJSON *soil, const char *name, int class, const ch
 
 #define LUNAR(cohesion) \
 	"{\"bekker_kc\": 1400, \"bekker_kphi\": 820000, \"bekker_n\": 1, \"cohesion\": " cohesion ", \"friction_angle\": 35, " \
-	"\"janosi_shear\": 0.018, \"elastic_stiffness\": 4e7, \"damping\": 3e4, \"unit_weight\": 2500, \"repose\": 35}"
+	"\"janosi_shear\": 0.018, \"elastic_stiffness\": 4e7, \"damping\": 3e4, \"density\": 1543.21, \"unit_weight\": 2500, \"repose\": 35}"
 
 static void a_drive_tells_its_soil_its_load_and_its_slip(void **state)
 {

@@ -90,6 +90,11 @@ static void times_that_lead_nowhere(void **state)
 	advised(sound, 0.5, "end_time&objects.a.path.loop", "90&true", NULL);
 	advised(sound, 0.5, "gravity", "1.62", "gravity: 1.62 m/s2 changes nothing: ");
 	advised(sound, 0.5, "gravity", "9.81", NULL);
+	advised(soil, 0.5, "gravity", "1.62", NULL); /* the soil weighs less */
+	advised(soil, 0.5, "gravity&soil.unit_weight", "1.62&2500", "gravity: 1.62 m/s2 changes nothing: ");
+	advised(soil, 0.5, "soil.density", "1500", NULL);
+	advised(soil, 0.5, "soil.density&soil.unit_weight", "1600&15696", NULL);
+	advised(soil, 0.5, "soil.density&soil.unit_weight", "1600&2500", "soil.density: the soil weighs its unit_weight, 2500 N/m3, not density x gravity, 15696; ");
 }
 
 static void what_is_of_objects_where_there_are_none(void **state)
@@ -126,11 +131,11 @@ static void what_the_ground_makes_nothing_of(void **state)
 	advised(soil, 0.5, "redistribute", "{model: scm, undisturbed: slides, depth: 2}", NULL);
 	advised(soil, 0.5, "redistribute", "{model: slippage, undisturbed: slides}", NULL);
 	advised(sound, 0.5, "soil", "{name: mud}", "soil: model none does not depend on it; ");
-	advised(soil, 0.5, "soil.theta_in&soil.unit_weight", "30&9000", "soil: model scm does not read unit_weight, theta_in; ");
+	advised(soil, 0.5, "soil.theta_in&soil.unit_weight", "30&9000", "soil: model scm does not read theta_in; ");
 	advised(soil, 0.5, "soil.repose", "30", NULL);
 #define OWN "bekker_kc: 990, bekker_kphi: 1e6, bekker_n: 1, cohesion: 500, friction_angle: 30, janosi_shear: 0.02"
 	advised(soil, 0.5, "soil&soil.name", "{" OWN "}&lete_sand", "soil.name: the scene's own numbers replace all that model scm reads of lete_sand, except "
-							      "elastic_stiffness, damping, repose, but run.json names lete_sand; give {name: lete_sand} alone, or take the name away");
+							      "elastic_stiffness, damping, density, unit_weight, repose, but run.json names lete_sand; give {name: lete_sand} alone, or take the name away");
 	advised(soil, 0.5, "soil", "{name: lete_sand, " OWN "}", NULL); /* as furrow fit-soil writes it */
 	advised(soil, 0.5, "soil", "{" OWN "}", NULL);
 	advised(soil, 0.5, "soil&soil.name", "{cohesion: 500, friction_angle: 30, janosi_shear: 0.02}&lete_sand", NULL);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "fixture.h"
+#include "../support/near.h"
 #include "../support/program.h"
 
 static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
@@ -144,6 +145,46 @@ static void each_soil_of_a_map_is_held_to_it(void **state)
 	unlink(in_folder("m.png"));
 }
 
+/* What soil weighs: its unit_weight; or density and gravity, where the scene gives one of them; or as its name says. Faces have their strength of it. */
+static void a_soil_weighs_by_its_density_and_gravity(void **state)
+{
+	static const char own[] = "bekker_kc: 0, bekker_kphi: 1e6, bekker_n: 1, cohesion: 0, friction_angle: 29, janosi_shear: 0.02";
+	static const struct {
+		const char *soil, *model, *gravity;
+		double density, weight;
+	} rows[] = {
+		{"name: dry_sand", "scm", "", 1631, 16000}, {"name: lunar", "scm", "", 1543.21, 2500}, {"name: lunar", "slippage", "", 1543.21, 2500},
+		{"name: lunar", "scm", "gravity: 1.62\n", 1543.21, 2500}, {"name: lunar", "scm", "gravity: 9.81\n", 1543.21, 15138.9},
+		{"name: dry_sand", "slippage", "gravity: 3.71\n", 1631, 6051.01}, {"name: dry_sand, density: 1400", "scm", "", 1400, 13734},
+		{"name: dry_sand, unit_weight: 8000", "scm", "gravity: 4\n", 2000, 8000}, {"name: dry_sand, unit_weight: 8000, density: 1500", "scm", "gravity: 4\n", 1500, 8000},
+		{own, "scm", "", 1600, 15696}, {own, "scm", "gravity: 1.62\n", 1600, 2592}, {"cohesion: 0, friction_angle: 30, density: 1500", "slippage", "gravity: 2\n", 1500, 3000},
+	};
+	for (size_t i = 0; i < COUNT(rows); i++) {
+		char text[800];
+		struct scene *scene;
+		snprintf(text, sizeof text, "scene: 1\nend_time: 1\n%ssoil: {%s}\nredistribute: {model: %s}\nobjects:\n  - name: a\n"
+					    "    shape: {wheel: {radius: 0.5, width: 0.4}}\n    path: {points: [[1, 2]], speed: 3}\n",
+			 rows[i].gravity, rows[i].soil, rows[i].model);
+		if (load_text(text, NULL, 0, &scene) != STATUS_OK)
+			fail_msg("%s", failure_message());
+		const struct soil_numbers *soil = &scene->soils[0];
+		const double m = tan(soil->friction_angle) < 0.3 ? 0.3 : tan(soil->friction_angle) > 0.9 ? 0.9 : tan(soil->friction_angle);
+		assert_near(soil->density, rows[i].density, 1e-3);
+		assert_near(soil->unit_weight, rows[i].weight, 1e-6 * rows[i].weight);
+		assert_near(soil_face_strength(soil), rows[i].weight * (894 * m * m * m - 386 * m * m + 89 * m), 1e-3 * rows[i].weight);
+		scene_destroy(scene);
+	}
+	/* An example of the paper's formula; the ends of its range; and a strength that is given. */
+	struct soil_numbers soil = {.unit_weight = 1330 * 9.81, .friction_angle = 29 * M_PI / 180, .face_strength = (double)NAN};
+	assert_near(soil_face_strength(&soil) / 1.083e6, 1, 5e-4);
+	soil.friction_angle = 0;
+	assert_near(soil_face_strength(&soil), 1330 * 9.81 * (894 * 0.027 - 386 * 0.09 + 89 * 0.3), 1e-3);
+	soil.friction_angle = 60 * M_PI / 180;
+	assert_near(soil_face_strength(&soil), 1330 * 9.81 * (894 * 0.729 - 386 * 0.81 + 89 * 0.9), 1e-2);
+	soil.face_strength = 7;
+	assert_near(soil_face_strength(&soil), 7, 0);
+}
+
 /* --- the docs' table --- */
 
 struct text {
@@ -275,7 +316,7 @@ static void add_soils(struct text *text, const char *const *numbers)
 		bool whole = true;
 		assert_int_equal(soil_named(name, &soil), STATUS_OK);
 		for (size_t i = 0; numbers[i] != NULL; i++)
-			whole = whole && !isnan(number_of(&soil, numbers[i]));
+			whole = whole && (!isnan(number_of(&soil, numbers[i])) || strcmp(numbers[i], "face_strength") == 0); /* it has a formula */
 		if (whole)
 			add(text, "%s%s", before, name);
 		before = whole ? ", " : before;
@@ -335,6 +376,7 @@ TEST_PROGRAM(soils)
 		cmocka_unit_test(a_soil_goes_with_the_models_that_it_has_the_numbers_for),
 		cmocka_unit_test(only_what_the_model_reads_and_the_soil_lacks_is_asked_for),
 		cmocka_unit_test(each_soil_of_a_map_is_held_to_it),
+		cmocka_unit_test(a_soil_weighs_by_its_density_and_gravity),
 		cmocka_unit_test(the_docs_have_every_number_of_every_named_soil),
 		cmocka_unit_test(the_docs_have_every_model_as_its_row_says),
 		cmocka_unit_test(every_row_names_what_a_scene_knows),

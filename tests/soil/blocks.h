@@ -8,7 +8,7 @@
 /* Ground on the CPU: all posts of the world. */
 struct field {
 	int64_t posts; /* along a side */
-	int32_t *base, *offset, *deposited; /* deposited: NULL: not kept */
+	int32_t *base, *offset, *deposited, *slope; /* deposited, slope: NULL: not kept */
 	uint8_t *classes, *contact;         /* classes: NULL: one soil */
 	struct soil_block_set active;
 	struct post_rect world;
@@ -35,6 +35,7 @@ static inline void gather(const struct field *field, int64_t rim, struct region 
 	planes->offset = ground_room(count, 4);
 	planes->deposited = field->deposited != NULL ? ground_room(count, 4) : NULL;
 	planes->classes = field->classes != NULL ? ground_room(count, 1) : NULL;
+	planes->slope = field->slope != NULL ? ground_room(count, 4) : NULL;
 	planes->contact = ground_room(count, 1);
 	region->words = ground_room((blocks.x1 - blocks.x0) * (blocks.y1 - blocks.y0), sizeof *region->words);
 	for (int64_t i = 0; i < count; i++) {
@@ -45,6 +46,8 @@ static inline void gather(const struct field *field, int64_t rim, struct region 
 		planes->contact[i] = inside ? field->contact[at] : 0;
 		if (planes->deposited != NULL)
 			planes->deposited[i] = inside ? field->deposited[at] : 0;
+		if (planes->slope != NULL)
+			planes->slope[i] = inside ? field->slope[at] : 0;
 		if (planes->classes != NULL)
 			planes->classes[i] = inside ? field->classes[at] : 0;
 	}
@@ -67,6 +70,8 @@ static inline void scatter(struct field *field, const struct region *region)
 			field->offset[y * field->posts + x] = region->planes.offset[from];
 			if (field->deposited != NULL)
 				field->deposited[y * field->posts + x] = region->planes.deposited[from];
+			if (field->slope != NULL)
+				field->slope[y * field->posts + x] = region->planes.slope[from];
 		}
 }
 
@@ -75,6 +80,7 @@ static inline void finish(struct region *region)
 	mem_free(region->planes.base);
 	mem_free(region->planes.offset);
 	mem_free(region->planes.deposited);
+	mem_free(region->planes.slope);
 	mem_free(region->planes.classes);
 	mem_free(region->planes.contact);
 	mem_free(region->words);

@@ -112,7 +112,7 @@ static void lay(const struct deform *deform, const struct deform_contact *contac
 	assert_non_null(scratch);
 	memset(scratch, 0xa5, bytes + 1);
 	memset(to->deposits, 0, sizeof to->deposits);
-	soil_lay(&laying, &to->measured, soils, &planes, field.patch, field.write, scratch, to->deposits, &result);
+	soil_lay(&laying, &to->measured, soils, &planes, field.patch, NULL, field.write, scratch, to->deposits, &result);
 	assert_int_equal(scratch[bytes], 0xa5);
 	mem_free(scratch);
 	to->compacted = result.compacted;

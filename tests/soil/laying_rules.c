@@ -68,7 +68,7 @@ static void touch(struct ground *of, struct body *body, const struct soil_laid *
 static struct soil_lay_result lay(struct ground *of, const struct body *body, const struct soil_laid *soils)
 {
 	struct soil_lay_result result;
-	soil_lay(&body->laying, &body->measured, soils, &of->planes, body->patch, of->planes.rect, scratch, of->deposits, &result);
+	soil_lay(&body->laying, &body->measured, soils, &of->planes, body->patch, NULL, of->planes.rect, scratch, of->deposits, &result);
 	return result;
 }
 

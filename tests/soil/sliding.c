@@ -163,9 +163,9 @@ static void tell(const struct kind *kind, const struct soil_sliding *rule, const
 {
 	const struct post_rect written = window->slides.written, posts = window->slides.posts;
 	print_message("deposited %d, sumner %d, classes %d, directions %d, stood %d, near %d, loaded %d, iterations %d, spacing %g, depth %g, tolerance %d, relief %g, "
-		      "2^%d, hops %d; written %lld,%lld .. %lld,%lld, posts %lld,%lld .. %lld,%lld\n", kind->deposited, kind->sumner, kind->classes, rule->directions,
+		      "2^%d, reach %d; written %lld,%lld .. %lld,%lld, posts %lld,%lld .. %lld,%lld\n", kind->deposited, kind->sumner, kind->classes, rule->directions,
 		      rule->undisturbed_stable, kind->near, kind->loaded, rule->iterations, kind->spacing, kind->depth, rule->tolerance, kind->relief,
-		      kind->rough, rule->hops, (long long)written.x0, (long long)written.y0, (long long)written.x1, (long long)written.y1,
+		      kind->rough, rule->reach, (long long)written.x0, (long long)written.y0, (long long)written.x1, (long long)written.y1,
 		      (long long)posts.x0, (long long)posts.y0, (long long)posts.x1, (long long)posts.y1);
 }
 

@@ -48,6 +48,7 @@ static void start(struct ground *ground, struct field *field, int round)
 	field->base = ground_room(field->posts * field->posts, 4);
 	field->offset = ground_room(field->posts * field->posts, 4);
 	field->deposited = bounded ? ground_room(field->posts * field->posts, 4) : NULL;
+	field->slope = cohesive ? ground_room(field->posts * field->posts, 4) : NULL;
 	field->contact = ground_room(field->posts * field->posts, 1);
 	memcpy(field->base, ground->base, (size_t)(field->posts * field->posts) * 4);
 	if (classes)
@@ -59,6 +60,7 @@ static void end(struct ground *ground, struct field *field)
 	mem_free(field->base);
 	mem_free(field->offset);
 	mem_free(field->deposited);
+	mem_free(field->slope);
 	mem_free(field->classes);
 	mem_free(field->contact);
 	soil_block_set_finish(&field->active);
@@ -76,6 +78,8 @@ static void take_over(struct ground *ground, struct field *field)
 	mem_free(offset);
 }
 
+static size_t slopes_kept; /* posts, over all intervals */
+
 static void assert_same_ground(struct ground *ground, const struct field *field, int round, int n)
 {
 	int32_t *gpu = ground_plane(ground, PLANE_OFFSET);
@@ -85,6 +89,16 @@ static void assert_same_ground(struct ground *ground, const struct field *field,
 			if (own[i] != gpu[i])
 				fail_msg("round %d, interval %d, plane %d, post %lld, %lld: %d, the GPU's is %d", round, n, plane,
 					 (long long)(i % field->posts), (long long)(i / field->posts), own[i], gpu[i]);
+	}
+	mem_free(gpu);
+	if (field->slope == NULL)
+		return;
+	gpu = ground_plane(ground, PLANE_SLOPE);
+	for (int64_t i = 0; i < field->posts * field->posts; i++) {
+		slopes_kept += gpu[i] != 0;
+		if (field->slope[i] != gpu[i])
+			fail_msg("round %d, interval %d, post %lld, %lld: slope %x, the GPU's is %x", round, n, (long long)(i % field->posts),
+				 (long long)(i / field->posts), (unsigned)field->slope[i], (unsigned)gpu[i]);
 	}
 	mem_free(gpu);
 }
@@ -165,7 +179,7 @@ static void an_interval_is_the_gpus_bit_for_bit(void **state)
 		rests += field.active.count == 0;
 		end(&ground, &field);
 	}
-	assert_true(visited > 2000 && moved > 100000 && rests > 5);
+	assert_true(visited > 2000 && moved > 100000 && rests > 5 && slopes_kept > 10000);
 }
 
 TEST_PROGRAM(sliding_blocks)

@@ -18,6 +18,7 @@ static void make_field(struct field *field, int round)
 	field->base = ground_room(count, 4);
 	field->offset = ground_room(count, 4);
 	field->deposited = round % 2 ? ground_room(count, 4) : NULL;
+	field->slope = ground_room(count, 4);
 	field->contact = ground_room(count, 1);
 	for (int64_t i = 0; i < count; i++) {
 		const int64_t x = i % SIDE_POSTS, y = i / SIDE_POSTS;
@@ -38,6 +39,7 @@ static struct field twin_of(const struct field *field)
 	twin.base = ground_room((int64_t)bytes, 1);
 	twin.offset = ground_room((int64_t)bytes, 1);
 	twin.deposited = field->deposited != NULL ? ground_room((int64_t)bytes, 1) : NULL;
+	twin.slope = ground_room((int64_t)bytes, 1);
 	twin.contact = ground_room((int64_t)bytes / 4, 1);
 	memcpy(twin.base, field->base, bytes);
 	memcpy(twin.offset, field->offset, bytes);
@@ -54,6 +56,7 @@ static void drop(struct field *field)
 	mem_free(field->base);
 	mem_free(field->offset);
 	mem_free(field->deposited);
+	mem_free(field->slope);
 	mem_free(field->contact);
 	soil_block_set_finish(&field->active);
 }
@@ -96,6 +99,7 @@ static void any_cut_is_the_same_and_loses_no_soil(void **state)
 				interval_on_cpu(&rule, &fields[cut], (enum cut)cut);
 			for (int cut = 1; cut < CUTS; cut++) {
 				assert_memory_equal(fields[0].offset, fields[cut].offset, (size_t)(SIDE_POSTS * SIDE_POSTS) * 4);
+				assert_memory_equal(fields[0].slope, fields[cut].slope, (size_t)(SIDE_POSTS * SIDE_POSTS) * 4);
 				assert_int_equal(fields[0].active.count, fields[cut].active.count);
 				assert_memory_equal(fields[0].active.blocks, fields[cut].active.blocks, fields[0].active.count * sizeof(struct soil_block));
 			}

@@ -109,7 +109,8 @@ static void the_load_is_balanced_by_weak_surfaces_too(void **state)
 				continue;
 			if (!(fabs(forces.force[2] / of.load - 1) <= 0.005))
 				fail_msg("%s, body %d on %.1f degrees: %.9g N", soils[s], k, of.slope / RADIANS, forces.force[2]);
-			double adhesion = forces.area * (s % 3 > 0 ? 0.5 : 1) * of.soil.cohesion, friction = tan(of.interface.friction_angle);
+			const double pressed = of.load * cos(of.slope) / forces.area, sticks = s % 3 > 0 ? of.soil.cohesion / 2 : reference_adhesion(of.soil.cohesion);
+			double adhesion = forces.area * sticks * fmin(pressed / of.soil.cohesion, 1), friction = tan(of.interface.friction_angle);
 			double holds = adhesion + of.load * cos(of.slope) * friction, along = of.load * sin(of.slope);
 			slid += forces.state == DEFORM_SLIDES;
 			if (fabs(along / holds - 1) > 0.02)

@@ -57,7 +57,8 @@ static inline void march_piece(const struct soil_numbers *soil, const struct ref
 		double passing = wheel->follows == REFERENCE_FOLLOWS_SOIL ? dx : dx / fabs(spin.x);
 		double j = *slid + backwards * passing / 2;
 		*slid += backwards * passing;
-		double shear = (soil->cohesion + stress * tan(soil->friction_angle)) * (1 - exp(-fabs(j) / soil->janosi_shear));
+		double sticks = reference_adhesion(soil->cohesion) * (stress < soil->cohesion ? stress / soil->cohesion : 1);
+		double shear = (sticks + stress * tan(soil->friction_angle)) * (1 - exp(-fabs(j) / soil->janosi_shear));
 		if (j < 0)
 			shear = -shear;
 		double area = wheel->width * dx * (rim ? 1 / normal.z : 1);
@@ -83,11 +84,20 @@ static inline struct march_force march_posts(const struct soil_numbers *soil, co
 	double kink = exp(log(soil->elastic_stiffness / k) / (soil->bekker_n - 1));
 	double x = march_place(r, sinkage, 0), middle = march_place(r, sinkage, fmin(kink, sinkage));
 	double stays = sinkage - march_pressure(soil, wheel->width, sinkage) / soil->elastic_stiffness;
-	march_piece(soil, wheel, sinkage, x, middle, posts, &slid, &force);
-	if (middle > 0)
-		march_piece(soil, wheel, sinkage, middle, 0, posts, &slid, &force);
-	if (wheel->rebound)
-		march_piece(soil, wheel, sinkage, 0, -march_place(r, sinkage, fmax(0, stays)), posts, &slid, &force);
+	/* Where the pressure is the cohesion, on both sides of the axle: from there on the wheel touches wholly. */
+	double low = 0, high = sinkage, back = stays + soil->cohesion / soil->elastic_stiffness;
+	for (int i = 0; i < 60; i++) {
+		double deep = (low + high) / 2;
+		*(march_pressure(soil, wheel->width, deep) < soil->cohesion ? &low : &high) = deep;
+	}
+	double whole = march_place(r, sinkage, low), cuts[] = {x, fmax(whole, middle), fmin(whole, middle), 0};
+	for (int i = 0; i < 3; i++)
+		march_piece(soil, wheel, sinkage, cuts[i], cuts[i + 1], posts, &slid, &force);
+	if (wheel->rebound) {
+		double leaves = -march_place(r, sinkage, fmax(0, stays)), part = -march_place(r, sinkage, fmin(fmax(back, 0), sinkage));
+		march_piece(soil, wheel, sinkage, 0, part, posts, &slid, &force);
+		march_piece(soil, wheel, sinkage, part, leaves, posts, &slid, &force);
+	}
 	return force;
 }
 

@@ -48,7 +48,7 @@ static void drop_results(struct deform *deform)
 /* Returns the planes that sliding changes, a mask of PLANE_BIT. */
 static unsigned sliding_planes(const struct deform_params *params)
 {
-	return deform_planes(params->model, params->disturbance, false) & PLANE_BIT(PLANE_OFFSET);
+	return deform_planes(params->model, params->disturbance, deform_memory(params)) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_SLOPE));
 }
 
 static enum status make_results(struct deform *deform, uint32_t layers)

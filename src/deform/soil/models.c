@@ -46,14 +46,28 @@ bool deform_tells_forces(enum deform_model model)
 	return rows[model]->bears;
 }
 
-unsigned deform_planes(enum deform_model model, bool disturbance, bool digs)
+unsigned deform_planes(enum deform_model model, bool disturbance, unsigned memory)
 {
-	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | (digs ? PLANE_BIT(PLANE_DUG) : 0) | rows[model]->planes;
+	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | (memory & DEFORM_DIGS ? PLANE_BIT(PLANE_DUG) : 0) |
+	       (memory & DEFORM_SLOPES ? PLANE_BIT(PLANE_SLOPE) : 0) | rows[model]->planes;
+}
+
+bool deform_slopes_count(enum deform_model model, const struct soil_numbers *soils, int count)
+{
+	bool cohesive = false;
+	for (int i = 0; i < count; i++)
+		cohesive = cohesive || soils[i].cohesion > 0;
+	return cohesive && rows[model]->cotangent != NULL;
+}
+
+unsigned deform_memory(const struct deform_params *params)
+{
+	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (deform_has_slopes(params) ? DEFORM_SLOPES : 0);
 }
 
 const char *deform_plane_effect(enum deform_model model, enum plane plane)
 {
-	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : deform_displace_effect(model);
+	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : plane == PLANE_SLOPE ? deform_slide_effect(model) : deform_displace_effect(model);
 }
 
 const char *deform_displace_effect(enum deform_model model)

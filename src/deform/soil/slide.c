@@ -58,10 +58,7 @@ bool deform_is_steep(const struct deform_params *params)
 
 bool deform_has_slopes(const struct deform_params *params)
 {
-	bool cohesive = false;
-	for (int i = 0; i < params->soil_count; i++)
-		cohesive = cohesive || params->soils[i].cohesion > 0;
-	return cohesive && deform_model_row(params->model)->cotangent != NULL;
+	return deform_slopes_count(params->model, params->soils, params->soil_count);
 }
 
 /* The pass that begins, those that find slopes or slide along lines, and those of the iterations. */

@@ -37,7 +37,7 @@ const struct soil_model deform_model_slippage = {
 		"gives away at most 8 m of soil a post and sweep",
 		"lays all that objects press away around"},
 	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance"),
-	.numbers = EFFECT_LIST("cohesion", "friction_angle", "unit_weight"),
+	.numbers = EFFECT_LIST("cohesion", "friction_angle", "density", "unit_weight"),
 	.depth = (double)INFINITY,
 	.contact = contact,
 	.shader = "deform/slippage.frag",

@@ -6,9 +6,15 @@
 #define LANES POSTS_LANES
 #define EACH_LANE for (int i = 0; i < LANES; i++)
 
-/* Where facets look up the surface. */
+#define WALL 0.19185f  /* alpha of an upright wall that moves level along its normal, across it */
+#define PLATE 0.87574f /* alpha of a level plate that moves straight down */
+#define NARROW 3.0f    /* a body is narrow if it is less wide than so many times its depth. The law of faces was fitted to narrow plates; a wide one has a plane wedge */
+#define PRANDTL 5.14f  /* 2 + pi: bearing capacity of a level plate over cohesion */
+#define SANDS 3000.0f  /* Pa: with less cohesion a soil is taken as sand; ... */
+#define SANDY 1500.0f  /* ... with less by so much it is sand whole. Its cohesion is that of a line through shear tests: a narrow body does not feel it */
+
+/* Where facets look up the ground. */
 struct look {
-	const float *ahead;
 	float axis[2], x, y, by;  /* of the frame; the first post from the centre, m east and north; posts for each m */
 	float columns, rows;
 	int32_t stride, east;     /* `east` is 1: gcc's gathers need a variable */
@@ -20,40 +26,94 @@ static struct look look_of(const struct soil_body *body, const struct soil_form 
 	const double spacing = (double)form->spacing;
 	const int32_t columns = (int32_t)(faces->rect.x1 - faces->rect.x0), rows = (int32_t)(faces->rect.y1 - faces->rect.y0);
 	return (struct look){
-		.ahead = faces->ahead, .axis = {(float)body->axis[0], (float)body->axis[1]}, .by = 1 / form->spacing,
+		.axis = {(float)body->axis[0], (float)body->axis[1]}, .by = 1 / form->spacing,
 		.x = -(float)((double)soil_body_from_post(motion->to.x, faces->rect.x0, spacing) + motion->beyond[0]),
 		.y = -(float)((double)soil_body_from_post(motion->to.y, faces->rect.y0, spacing) + motion->beyond[1]),
 		.columns = (float)columns - 1.001f, .rows = (float)rows - 1.001f, .stride = columns, .east = 1,
 	};
 }
 
-/* Gives the surface at a place of the frame, m above the centre at motion->to. */
-SOIL_INLINED float surface_at(const struct look *look, float x, float y)
+/* A place between four posts. */
+struct spot {
+	int32_t at;
+	float p, q;
+};
+
+SOIL_INLINED struct spot spot_at(const struct look *look, float x, float y)
 {
 	const float east = (look->axis[0] * x - look->axis[1] * y - look->x) * look->by, north = (look->axis[1] * x + look->axis[0] * y - look->y) * look->by;
 	const float u = clamped(east, 0, look->columns), v = clamped(north, 0, look->rows);
-	const int32_t column = (int32_t)u, row = (int32_t)v, at = row * look->stride + column;
-	const float a = look->ahead[at], b = look->ahead[at + look->east], c = look->ahead[at + look->stride], d = look->ahead[at + look->stride + look->east];
-	const float p = u - (float)column, q = v - (float)row, low = a + p * (b - a), high = c + p * (d - c);
-	return low + q * (high - low);
+	const int32_t column = (int32_t)u, row = (int32_t)v;
+	return (struct spot){row * look->stride + column, u - (float)column, v - (float)row};
+}
+
+SOIL_INLINED float value_at(const struct look *look, const float *plane, const struct spot *s)
+{
+	const float a = plane[s->at], b = plane[s->at + look->east], c = plane[s->at + look->stride], d = plane[s->at + look->stride + look->east];
+	const float low = a + s->p * (b - a), high = c + s->p * (d - c);
+	return low + s->q * (high - low);
+}
+
+/* Returns the ground from which a facet counts its depth, m above the centre at motion->to. */
+SOIL_INLINED float ground_at(const struct look *look, const struct soil_faces *faces, float x, float y, float faces_way)
+{
+	const struct spot spot = spot_at(look, x, y);
+	const float under = value_at(look, faces->under_from, &spot), ahead = value_at(look, faces->ahead, &spot);
+	return under + faces_way * (ahead - under);
+}
+
+/* Finds how deep the facets of a block are. Adds to what tells how wide the body is in soil, across its way: sums of area, area times place, and its square. */
+SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, size_t b, const struct look *restrict look, float raised, float size, const float across[restrict 2],
+				    float *restrict deep, float *restrict heap, float sums[restrict 3][LANES])
+{
+	EACH_LANE {
+		const size_t n = b + (size_t)i;
+		const struct spot spot = spot_at(look, faces->x[n], faces->y[n]);
+		const float depth = most(ground_at(look, faces, faces->x[n], faces->y[n], faces->faces_way[n]) - faces->z[n] - raised, 0);
+		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1], in = faces->whole[n] * least(depth * (1 / size), 1);
+		deep[n] = depth;
+		heap[n] = value_at(look, faces->heaped, &spot);
+		sums[0][i] += in;
+		sums[1][i] += in * aside;
+		sums[2][i] += in * aside * aside;
+	}
+}
+
+/* What holds for all facets of a body at a height. */
+struct pressing {
+	float xi, weight, cohesion; /* N/m3, N/m3, Pa */
+	float narrow;               /* 1: the body is narrow, 0: it is wide */
+	float by_size;              /* 1/m: of a facet */
+	float upright;              /* weight of the wedge ahead of an upright wall */
+};
+
+/* Returns what soil presses on a facet for each unit of alpha, Pa, and how that grows with depth. */
+SOIL_INLINED float pressure_of(const struct pressing *p, float depth, float heap, float sole, float weight, float cohesive, float *grows)
+{
+	const float plain = p->xi * depth, in = least(depth * p->by_size, 1), by_weight = p->weight * weight * (1 / WALL), wide = by_weight * (depth + heap);
+	const float fitted = p->narrow * weight / p->upright, mixed = fitted * plain + (1 - p->narrow) * wide, wedge = wide + p->cohesion * cohesive * (1 / WALL), held = PRANDTL / PLATE * p->cohesion;
+	const float wall = either(mixed > wedge, mixed, wedge) * in, floor = either(plain > held, plain, held * in);
+	*grows = sole * either(plain > held, p->xi, held * either(in < 1, p->by_size, 0)) +
+		 (1 - sole) * (either(mixed > wedge, fitted * p->xi + (1 - p->narrow) * by_weight, by_weight) * in + either(in < 1, either(mixed > wedge, mixed, wedge) * p->by_size, 0));
+	return either(depth > 0, sole * floor + (1 - sole) * wall, 0);
 }
 
 /* Forces and moments of a block, whole numbers, and for the search how the vertical force grows. */
 struct facet_sums {
 	int32_t force[3][LANES], moment[3][LANES], pull[LANES], saturated[LANES];
-	float grows[LANES], depth[LANES];
+	float grows[LANES];
 };
 
 /* unit: of the sums, for each newton; by_arm: of moments. */
-SOIL_CLONED static void add_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, const struct look *restrict look, float raised, float unit,
+SOIL_CLONED static void add_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, const struct pressing *restrict p, float unit,
 				  struct facet_sums *restrict sums)
 {
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
+		float grows, moment[3], belt[3], large = 0;
+		const float by = unit * pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
-		const float depth = most(surface_at(look, at[0], at[1]) - at[2] - raised, 0), by = faces->xi * depth * unit;
 		const float force[3] = {by * faces->px[n], by * faces->py[n], by * faces->pz[n]};
-		float moment[3], belt[3], large = 0;
 		cross3(at, force, moment);
 		cross3(f->belt, normal, belt);
 		for (int k = 0; k < 3; k++) {
@@ -64,30 +124,30 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 		}
 		sums->pull[i] = whole_of(clamped(-dot3(force, belt), -BEAR_MOST, BEAR_MOST));
 		sums->saturated[i] = large > BEAR_MOST ? 1 : 0;
-		sums->grows[i] = either(depth > 0, faces->xi * unit * faces->pz[n], 0);
-		sums->depth[i] = depth;
+		sums->grows[i] = either(faces->deep[n] > 0, grows * unit * faces->pz[n], 0);
 	}
 }
 
 /* Returns how far the surface rises at a place for each m, in the frame. */
-static void slope_at(const struct look *look, float x, float y, float spacing, float slope[2])
+static void slope_at(const struct look *look, const struct soil_faces *faces, size_t n, float spacing, float slope[2])
 {
-	const float by = 0.5f / spacing;
-	slope[0] = (surface_at(look, x + spacing, y) - surface_at(look, x - spacing, y)) * by;
-	slope[1] = (surface_at(look, x, y + spacing) - surface_at(look, x, y - spacing)) * by;
+	const float by = 0.5f / spacing, x = faces->x[n], y = faces->y[n], way = faces->faces_way[n];
+	slope[0] = (ground_at(look, faces, x + spacing, y, way) - ground_at(look, faces, x - spacing, y, way)) * by;
+	slope[1] = (ground_at(look, faces, x, y + spacing, way) - ground_at(look, faces, x, y - spacing, way)) * by;
 }
 
 /* Adds how the force of a facet changes: with its depth, and with the recent motion of its place. inverse: 1 / the shear modulus, in which a motion counts. */
-static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, float depth, struct soil_changes *changes)
+static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pressing *p, struct soil_changes *changes)
 {
-	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, press[3] = {faces->px[n], faces->py[n], faces->pz[n]}, xi = faces->xi;
-	float slope[2], bends[3][3], place[3][3];
-	slope_at(look, at[0], at[1], f->spacing, slope);
+	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, press[3] = {faces->px[n], faces->py[n], faces->pz[n]};
+	float slope[2], bends[3][3], place[3][3], grows;
+	const float pressure = pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
+	slope_at(look, faces, n, f->spacing, slope);
 	soil_press_changes(f, faces, n, bends);
 	const float deeper[3] = {slope[0], slope[1], -1};
 	for (int k = 0; k < 3; k++)
 		for (int j = 0; j < 3; j++)
-			place[k][j] = xi * (press[k] * deeper[j] + depth * bends[k][j] * faces->by_modulus);
+			place[k][j] = grows * press[k] * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
 	/* A motion of the place is that of the centre and the turn across the arm. */
 	for (int k = 0; k < 3; k++) {
 		double row[6];
@@ -102,7 +162,7 @@ static void add_changes(const struct soil_form *f, const struct soil_faces *face
 			changes->stiffness.at[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
 		}
 	}
-	const double force[3] = {(double)(xi * depth * press[0]), (double)(xi * depth * press[1]), (double)(xi * depth * press[2])};
+	const double force[3] = {(double)(pressure * press[0]), (double)(pressure * press[1]), (double)(pressure * press[2])};
 	const double normal[3] = {(double)faces->nx[n], (double)faces->ny[n], (double)faces->nz[n]};
 	const double across = force[0] * normal[0] + force[1] * normal[1] + force[2] * normal[2];
 	changes->normal_force += fabs(across);
@@ -119,6 +179,25 @@ static int64_t total(const int32_t lanes[LANES])
 	return sum;
 }
 
+/* Finds depths, and from them how narrow the body is. */
+static struct pressing pressing_of(const struct soil_body *body, const struct soil_form *form, const struct look *look, float raised, struct soil_faces *faces)
+{
+	const float c = (float)body->axis[0], s = (float)body->axis[1], across[2] = {s * faces->d[0] - c * faces->d[1], c * faces->d[0] + s * faces->d[1]};
+	float sums[3][LANES] = {{0}}, deepest = 0, all[3] = {0};
+	for (size_t b = 0; b < faces->count; b += LANES)
+		find_depths(faces, b, look, raised, form->spacing, across, faces->deep, faces->heap, sums);
+	for (size_t n = 0; n < faces->count; n++)
+		deepest = most(deepest, faces->whole[n] > 0 ? faces->deep[n] : 0);
+	for (int k = 0; k < 3; k++)
+		for (int i = 0; i < LANES; i++)
+			all[k] += sums[k][i];
+	/* A width of evenly spread area has a twelfth of its square as the mean square from its middle. */
+	const float by = 1 / most(all[0], 1e-12f), middle = all[1] * by, width = sqrtf(12 * most(all[2] * by - middle * middle, 0));
+	const float share = width / (NARROW * most(deepest, 1e-6f)), narrow = 1 / (1 + share * share * share * share);
+	const float sand = clamped((SANDS - faces->cohesion) * (1 / SANDY), 0, 1);
+	return (struct pressing){faces->xi, faces->unit_weight, faces->cohesion * (1 - sand), narrow, 1 / form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
+}
+
 void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
 		    struct soil_faces *faces, struct soil_sums *sums, struct soil_changes *changes)
 {
@@ -126,10 +205,13 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 	struct facet_sums block;
 	if (faces->count == 0)
 		return;
-	soil_ahead_put(planes, body, form, posts, up, faces);
 	const struct look look = look_of(body, form, faces);
+	const struct spot centre = spot_at(&look, 0, 0);
+	const float deep = most(value_at(&look, faces->found, &centre) + form->reach - up, 0);
+	soil_ahead_put(planes, form, posts, up, deep * faces->wedge_length, faces);
+	const struct pressing pressing = pressing_of(body, form, &look, up, faces);
 	for (size_t b = 0; b < faces->count; b += LANES) {
-		add_block(form, faces, b, &look, up, unit, &block);
+		add_block(form, faces, b, &pressing, unit, &block);
 		for (int k = 0; k < 3; k++) {
 			sums->force[k] += total(block.force[k]);
 			sums->moment[k] += total(block.moment[k]);
@@ -138,8 +220,8 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 		sums->saturated += total(block.saturated);
 		for (size_t i = 0; i < LANES; i++) {
 			sums->grows += changes == NULL ? (double)block.grows[i] : 0;
-			if (changes != NULL && block.depth[i] > 0)
-				add_changes(form, faces, b + i, &look, block.depth[i], changes);
+			if (changes != NULL && faces->deep[b + i] > 0)
+				add_changes(form, faces, b + i, &look, &pressing, changes);
 		}
 	}
 }

@@ -1,15 +1,20 @@
 /*
- * The surface of the soil that a facet's depth counts from. Below a body that presses, the surface is the body itself, so it says nothing. There it is the
- * surface that the body slides towards: of each post that the body presses, the one ahead of it. So a heap ahead counts, and behind the body the floor of its rut.
+ * The ground from which a facet's depth counts. Below a body that presses, the surface is the body itself, so it says nothing. So the ground ahead is
+ * carried below the body, line by line against the way in which the body slides:
  *
- * How much a post is pressed, `held`, is 1 where the lower envelope is below the surface, and 0 from a quarter of a post above it. It is 0, too, where the
- * envelope rises backwards, as behind an axle: the body does not press there. All this changes evenly as the body moves.
+ * - ahead: the ground that the body slides towards, as it finds it. Facets that face the way count their depth from it.
+ * - under_from: the same below the front half of the body, and the surface as it is below the rear half, where that is the floor of the rut. Facets that face
+ *   down count from it. Each line has a front and a rear of its own, so a body of several feet has several.
+ * - heaped: the mean height of the heap ahead, over the length of a passive wedge.
+ *
+ * The law of faces was fitted to plates that push their own heap, so that heap must not count as depth again. What the body finds is the base
+ * and what lies on it `beyond` ahead, where its own heap has ended. All this changes evenly as the body moves.
  */
 #include "soil/faces/ahead.h"
 
-#define NEAR 0.25f   /* posts: a body that is higher above the surface does not press */
-#define LEANS 0.15f  /* an envelope that rises backwards by more does not press */
-#define HOLE (-1e6f) /* m: there is no soil */
+#define NEAR 0.25f     /* posts: a lower envelope that is higher above the ground is outside of the soil */
+#define HALVES 0.2f    /* of the length of a line in the body: over so much the front half goes over to the rear half */
+#define HOLE (-1e6f)   /* m: there is no soil */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces)
 {
@@ -17,66 +22,145 @@ void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const 
 	const int64_t zero = to->z - (int64_t)reference * ((int64_t)1 << OFFSET_BITS);
 	const size_t columns = (size_t)(rect->x1 - rect->x0);
 	for (int64_t y = rect->y0; y < rect->y1; y++) {
-		const size_t from = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(rect->x0 - planes->rect.x0);
-		float *to_row = faces->surface + (size_t)(y - rect->y0) * columns;
+		const size_t from = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(rect->x0 - planes->rect.x0), to_row = (size_t)(y - rect->y0) * columns;
 		for (size_t i = 0; i < columns; i++) {
 			const int32_t base = planes->base[from + i];
-			const int64_t height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) + planes->offset[from + i] - zero;
-			to_row[i] = base == BASE_NODATA ? HOLE : (float)height * SOIL_UNIT;
+			const int64_t height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) - zero;
+			const bool hole = base == BASE_NODATA;
+			faces->ground[to_row + i] = hole ? HOLE : (float)height * SOIL_UNIT;
+			faces->offset[to_row + i] = hole ? 0 : (float)planes->offset[from + i] * SOIL_UNIT;
+			faces->surface[to_row + i] = hole ? HOLE : (float)(height + planes->offset[from + i]) * SOIL_UNIT;
 		}
 	}
 }
 
-/* Sets how much the body presses on each post, and the surface there without it. */
-static void put_held(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, float raised,
-		     struct soil_faces *faces)
+/* Sets the ground as the body finds it: the base and what lies on it `beyond` farther ahead. */
+void soil_ahead_find(float spacing, struct soil_faces *faces)
+{
+	const int32_t columns = (int32_t)(faces->rect.x1 - faces->rect.x0), rows = (int32_t)(faces->rect.y1 - faces->rect.y0);
+	const float by = faces->beyond / spacing, dx = by * faces->d[0], dy = by * faces->d[1];
+	for (int32_t y = 0; y < rows; y++)
+		for (int32_t x = 0; x < columns; x++) {
+			const float u = clamped((float)x + dx, 0, (float)columns - 1.001f), v = clamped((float)y + dy, 0, (float)rows - 1.001f);
+			const int32_t column = (int32_t)u, row = (int32_t)v, at = row * columns + column;
+			const float p = u - (float)column, q = v - (float)row, *o = faces->offset;
+			const float low = o[at] + p * (o[at + 1] - o[at]), high = o[at + columns] + p * (o[at + columns + 1] - o[at + columns]);
+			faces->found[y * columns + x] = faces->ground[y * columns + x] + low + q * (high - low);
+		}
+}
+
+/* The lines of posts across the way in which the body slides, and how each post finds the place of the next line ahead. */
+struct lines {
+	int32_t count, places, line, step, way; /* lines; posts of each; elements to the next line, to the next post; towards the front: 1 or -1 */
+	float aside, length;                    /* posts, to the side on the way to the next line; m of that way */
+};
+
+static struct lines lines_of(const struct soil_faces *faces, float spacing)
+{
+	const int32_t columns = (int32_t)(faces->rect.x1 - faces->rect.x0), rows = (int32_t)(faces->rect.y1 - faces->rect.y0);
+	const bool east = fabsf(faces->d[0]) >= fabsf(faces->d[1]);
+	const float along = east ? faces->d[0] : faces->d[1], aside = (east ? faces->d[1] : faces->d[0]) / most(fabsf(along), 1e-9f);
+	return (struct lines){east ? columns : rows, east ? rows : columns, east ? 1 : columns, east ? columns : 1, along < 0 ? -1 : 1, aside, spacing * sqrtf(1 + aside * aside)};
+}
+
+/* A place of a line between two posts. */
+struct between {
+	int32_t first, second;
+	float share;
+};
+
+static struct between between_at(const struct lines *l, int32_t line, int32_t place, float aside)
+{
+	const float at = clamped((float)place + aside, 0, (float)(l->places - 1)), low = (float)(int32_t)at;
+	const int32_t first = (int32_t)low, from = line * l->line;
+	return (struct between){from + first * l->step, from + (first + 1 < l->places ? first + 1 : first) * l->step, at - low};
+}
+
+static float value_at(const float *plane, const struct between *b)
+{
+	return plane[b->first] + b->share * (plane[b->second] - plane[b->first]);
+}
+
+/* Carries the ground from the front to the rear. raised: m, of the body. */
+static void look_ahead(const struct lines *l, float raised, float spacing, float wedge, struct soil_faces *faces)
+{
+	const float mixes = least(l->length / most(wedge, l->length), 1);
+	for (int32_t k = 0; k < l->count; k++) {
+		const int32_t here = l->way > 0 ? l->count - 1 - k : k;
+		for (int32_t i = 0; i < l->places; i++) {
+			const int32_t at = here * l->line + i * l->step;
+			const float heap = most(faces->surface[at] - faces->found[at], 0);
+			float ahead = faces->found[at], heaped = heap, since = 0, inside = 0;
+			if (k > 0) {
+				const struct between from = between_at(l, here + l->way, i, l->aside);
+				const float reached = value_at(faces->ahead, &from), behind = value_at(faces->heaped, &from);
+				inside = clamped(1 - (faces->envelope[at] + raised - reached) / (NEAR * spacing), 0, 1);
+				ahead += inside * (reached - ahead);
+				heaped = behind + (1 - inside) * mixes * (heap - behind);
+				since = inside * (value_at(faces->since, &from) + l->length);
+			}
+			faces->ahead[at] = ahead;
+			faces->heaped[at] = heaped;
+			faces->since[at] = since;
+			faces->inside[at] = inside;
+		}
+	}
+}
+
+/* Finds how far the rear is, and where a facet that faces down counts its depth from. */
+static void look_behind(const struct lines *l, struct soil_faces *faces)
+{
+	for (int32_t k = 0; k < l->count; k++) {
+		const int32_t here = l->way > 0 ? k : l->count - 1 - k;
+		for (int32_t i = 0; i < l->places; i++) {
+			const int32_t at = here * l->line + i * l->step;
+			float until = 0;
+			if (k > 0) {
+				const struct between from = between_at(l, here - l->way, i, -l->aside);
+				until = faces->inside[at] * (value_at(faces->until, &from) + l->length);
+			}
+			faces->until[at] = until;
+			const float since = faces->since[at], halves = most(HALVES * (since + until), l->length);
+			const float front = faces->inside[at] * clamped(0.5f + (until - since) / halves, 0, 1);
+			faces->under_from[at] = faces->surface[at] + front * (faces->ahead[at] - faces->surface[at]);
+		}
+	}
+}
+
+/* Sets the lower envelope over posts that the body is above, and the undisturbed ground where it does not slide. slides: 1: it does; 0: it does not. */
+static void put_envelope(const struct soil_planes *planes, const struct soil_posts *posts, struct soil_faces *faces, float raised, float spacing, float slides)
 {
 	const struct post_rect *rect = &faces->rect;
 	const size_t columns = (size_t)(rect->x1 - rect->x0), count = columns * (size_t)(rect->y1 - rect->y0);
-	const float c = (float)body->axis[0], s = (float)body->axis[1], d[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};
-	const float plan = sqrtf(form->recent.way[0] * form->recent.way[0] + form->recent.way[1] * form->recent.way[1]), slides = clamped(4 * plan, 0, 1);
-	memset(faces->held, 0, count * sizeof *faces->held);
-	memcpy(faces->ahead, faces->surface, count * sizeof *faces->ahead);
+	for (size_t i = 0; i < count; i++)
+		faces->envelope[i] = 1e6f;
 	for (size_t i = 0; i < posts->count; i++) {
 		if (!(posts->over[i] > 0) || posts->base[i] == BASE_NODATA)
 			continue;
 		const size_t at = (size_t)posts->index[i];
 		const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
 		const size_t place = (size_t)y * columns + (size_t)x;
-		const float above = posts->height[i] + posts->above[i] + raised - faces->surface[place], leans = posts->slope_x[i] * d[0] + posts->slope_y[i] * d[1];
-		const float held = clamped(1 - above / (NEAR * form->spacing), 0, 1) * clamped(1 + leans * (1 / LEANS), 0, 1);
-		faces->held[place] = held * slides;
-		/* Where it does not slide, the soil counts as it was before the body pressed it. */
-		faces->ahead[place] += held * (1 - slides) * ((float)posts->ground[i] * SOIL_UNIT - faces->surface[place]);
+		faces->envelope[place] = posts->height[i] + posts->above[i];
 	}
-}
-
-/* Gives each pressed post the surface ahead of it: from the next line of posts ahead, between two of them. */
-static void look_ahead(struct soil_faces *faces)
-{
-	const int32_t columns = (int32_t)(faces->rect.x1 - faces->rect.x0), rows = (int32_t)(faces->rect.y1 - faces->rect.y0);
-	const bool east = fabsf(faces->d[0]) >= fabsf(faces->d[1]);
-	const float along = east ? faces->d[0] : faces->d[1], aside = (east ? faces->d[1] : faces->d[0]) / most(fabsf(along), 1e-9f);
-	const int32_t lines = east ? columns : rows, places = east ? rows : columns, line = east ? 1 : columns, step = east ? columns : 1, way = along < 0 ? -1 : 1;
-	if (!(fabsf(along) > 0))
-		return;
-	for (int32_t k = 1; k < lines; k++) {
-		const int32_t here = way > 0 ? lines - 1 - k : k;
-		const float *from = faces->ahead + (here + way) * line;
-		float *to = faces->ahead + here * line;
-		const float *held = faces->held + here * line;
-		for (int32_t i = 0; i < places; i++) {
-			const float at = clamped((float)i + aside, 0, (float)(places - 1)), low = (float)(int32_t)at;
-			const int32_t first = (int32_t)low, second = first + 1 < places ? first + 1 : first;
-			const float a = from[first * step], b = from[second * step], ahead = a + (at - low) * (b - a);
-			to[i * step] += held[i * step] * (ahead - to[i * step]);
+	if (slides < 1)
+		for (size_t i = 0; i < posts->count; i++) {
+			const size_t at = (size_t)posts->index[i];
+			const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
+			const size_t place = (size_t)y * columns + (size_t)x;
+			const float inside = clamped(1 - (faces->envelope[place] + raised - (float)posts->ground[i] * SOIL_UNIT) / (NEAR * spacing), 0, 1);
+			const float still = (1 - slides) * inside * (posts->base[i] == BASE_NODATA ? 0.0f : 1.0f), ground = (float)posts->ground[i] * SOIL_UNIT;
+			faces->under_from[place] += still * (ground - faces->under_from[place]);
+			faces->ahead[place] += still * (ground - faces->ahead[place]);
 		}
-	}
 }
 
-void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, float raised,
-		    struct soil_faces *faces)
+void soil_ahead_put(const struct soil_planes *planes, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge, struct soil_faces *faces)
 {
-	put_held(planes, body, form, posts, raised, faces);
-	look_ahead(faces);
+	const float plan = sqrtf(form->recent.way[0] * form->recent.way[0] + form->recent.way[1] * form->recent.way[1]), slides = clamped(4 * plan, 0, 1);
+	const struct lines lines = lines_of(faces, form->spacing);
+	put_envelope(planes, posts, faces, raised, form->spacing, 1);
+	look_ahead(&lines, raised, form->spacing, wedge, faces);
+	look_behind(&lines, faces);
+	if (slides < 1)
+		put_envelope(planes, posts, faces, raised, form->spacing, slides);
 }

@@ -1,13 +1,14 @@
-/* The surface of the soil from which the depth of a facet counts: src/soil/faces/ahead.c. */
+/* The ground from which the depth of a facet counts: src/soil/faces/ahead.c. */
 #ifndef FURROW_SOIL_AHEAD_H
 #define FURROW_SOIL_AHEAD_H
 
 #include "soil/faces/faces.h"
 
-/* Reads the surface as it is into faces->surface, m above the centre at `to`. faces->rect lies in the planes. */
+/* Reads the ground around the body, m above its centre at `to`. faces->rect lies in the planes. */
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces);
-/* Sets faces->ahead for the body raised by so much, m. */
-void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, float raised,
-		    struct soil_faces *faces);
+/* Sets the ground as the body finds it. spacing: m. */
+void soil_ahead_find(float spacing, struct soil_faces *faces);
+/* Carries the ground ahead below the body raised by so much, m. wedge: m, the length of the wedge ahead. */
+void soil_ahead_put(const struct soil_planes *planes, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge, struct soil_faces *faces);
 
 #endif

@@ -5,6 +5,7 @@
 #include "soil/faces/press.h"
 #include "soil/faces/slid.h"
 #include "soil/faces/trend.h"
+#include "soil/laying/laying.h"
 #include "soil/shape/bars.h"
 #include "soil/shape/body.h"
 
@@ -25,9 +26,15 @@ enum { ARRAYS = 0
 #undef FACES_COUNT
 };
 
+enum { PLANES_OF = 0
+#define FACES_COUNT(name) + 1
+	FACES_PLANES_EACH(FACES_COUNT)
+#undef FACES_COUNT
+};
+
 size_t soil_faces_bytes(const struct soil_faces *faces)
 {
-	return (ARRAYS * faces->room + 3 * faces->posts) * sizeof(float) + soil_facets_cache_bytes(&faces->cache);
+	return (ARRAYS * faces->room + PLANES_OF * faces->posts) * sizeof(float) + soil_facets_cache_bytes(&faces->cache);
 }
 
 static enum status need(struct soil_faces *faces, size_t count)
@@ -46,10 +53,14 @@ static enum status need(struct soil_faces *faces, size_t count)
 
 static enum status need_posts(struct soil_faces *faces, size_t posts)
 {
-	if (posts <= faces->posts)
-		return STATUS_OK;
-	TRY(mem_resize(&faces->planes, 3 * posts, sizeof *faces->planes, "faces of a body"));
-	faces->posts = posts;
+	if (posts > faces->posts) {
+		TRY(mem_resize(&faces->planes, PLANES_OF * posts, sizeof *faces->planes, "faces of a body"));
+		faces->posts = posts;
+	}
+	float *memory = faces->planes;
+#define FACES_PLACE(name) faces->name = memory, memory += posts;
+	FACES_PLANES_EACH(FACES_PLACE)
+#undef FACES_PLACE
 	return STATUS_OK;
 }
 
@@ -91,6 +102,8 @@ static void put_soil(const struct soil_numbers *soil, struct soil_faces *faces)
 	faces->xi = (float)soil_face_strength(soil);
 	faces->cohesion = (float)soil->cohesion;
 	faces->tan_phi = (float)tan(soil->friction_angle);
+	faces->unit_weight = (float)soil->unit_weight;
+	faces->wedge_length = (float)tan(M_PI / 4 + soil->friction_angle / 2);
 	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);
 	const double plan = hypot(faces->trend.way[0], faces->trend.way[1]);
 	for (int k = 0; k < 2; k++)
@@ -112,25 +125,25 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	if (planes == NULL || !(slides_most(form, bound) > SLID_LEAST))
 		return STATUS_OK;
 	put_soil(&soil, faces);
-	const struct post_rect whole = {planes->rect.x0, planes->rect.y0, planes->rect.x1, planes->rect.y1};
-	faces->rect = post_rect_intersect(post_rect_grown(below, 1), whole);
-	if (post_rect_empty(faces->rect))
+	faces->beyond = (float)(soil_laying_band(shape, law->spacing) * law->spacing);
+	const int64_t around = 1 + (int64_t)ceil((double)faces->beyond / law->spacing);
+	faces->rect = post_rect_intersect(post_rect_grown(below, around), planes->rect);
+	if (faces->rect.x1 - faces->rect.x0 < 2 || faces->rect.y1 - faces->rect.y0 < 2)
 		return STATUS_OK;
-	const size_t posts = (size_t)(faces->rect.x1 - faces->rect.x0) * (size_t)(faces->rect.y1 - faces->rect.y0);
 	const struct soil_facets *facets;
 	TRY(soil_facets_kept(&faces->cache, &body->smooth, fmin(FACET_POSTS * law->spacing, 2 * bound / FACET_PARTS), &facets));
 	TRY(need(faces, facets->count));
-	TRY(need_posts(faces, posts));
-	faces->surface = faces->planes;
-	faces->ahead = faces->planes + posts;
-	faces->held = faces->planes + 2 * posts;
+	TRY(need_posts(faces, (size_t)(faces->rect.x1 - faces->rect.x0) * (size_t)(faces->rect.y1 - faces->rect.y0)));
 	float axes[2][3][3];
 	for (int bars = 0; bars < 2; bars++)
 		axes_of(body, bars != 0, axes[bars]);
 	const struct soil_interface *interface = &body->motion->interface;
-	const double smooth = fmin(tan(interface->has_friction ? interface->friction_angle : ROUGH * soil.friction_angle), (double)faces->tan_phi);
-	soil_press(form, facets, (const float(*)[3][3])axes, (float)(smooth + (double)form->bars * ((double)faces->tan_phi - smooth)), faces);
-	if (faces->count > 0)
-		soil_ahead_read(planes, law->reference, &body->motion->to, faces);
+	const double along = fmin(interface->has_friction ? interface->friction_angle : ROUGH * soil.friction_angle, soil.friction_angle);
+	soil_wedge_of(soil.friction_angle, along, &faces->wedge);
+	soil_press(body, form, facets, (const float(*)[3][3])axes, (float)(tan(along) + (double)form->bars * ((double)faces->tan_phi - tan(along))), faces);
+	if (faces->count == 0)
+		return STATUS_OK;
+	soil_ahead_read(planes, law->reference, &body->motion->to, faces);
+	soil_ahead_find(form->spacing, faces);
 	return STATUS_OK;
 }

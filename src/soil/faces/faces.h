@@ -6,6 +6,7 @@
 #define FURROW_SOIL_FACES_H
 
 #include "soil/faces/facets.h"
+#include "soil/faces/wedge.h"
 #include "soil/law/bear.h"
 
 /* Facets that press, in arrays of whole blocks; m from the body's centre in its frame. */
@@ -14,7 +15,10 @@
 	EACH(nx) EACH(ny) EACH(nz)          /* outward normal */ \
 	EACH(whole) EACH(area)              /* of the facet, and the part that presses, m2 */ \
 	EACH(under)                         /* 1: it is of the underside: FACET_UNDER */ \
-	EACH(px) EACH(py) EACH(pz)          /* force for each unit of xi and metre of depth, m2 */
+	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
+	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
+	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
+	EACH(deep) EACH(heap)               /* at a height: depth below the ground as the body found it; height of the heap upon the wedge ahead; m */
 struct soil_faces {
 	size_t count, room; /* count: a multiple of POSTS_LANES; 0: no facet presses */
 #define FACES_ARRAY(name) float *name;
@@ -23,11 +27,19 @@ struct soil_faces {
 	float *memory;
 	/* The surface of the soil over a rectangle of posts around the body, row by row: m above the centre at motion->to. */
 	struct post_rect rect;
-	float *surface, *ahead, *held; /* as it is; as it is ahead of the body, where that presses on a post; by how much it does, 0 .. 1 */
+	/* As it is; as the body finds it, without its own heap; that ahead of each post; where a face that looks down counts its depth from; height of the
+	 * heap ahead; how much of the post is inside of the body; ways in the body from its front, and to its rear; base and offset; lower envelope. */
+#define FACES_PLANES_EACH(EACH) \
+	EACH(surface) EACH(found) EACH(ahead) EACH(under_from) EACH(heaped) EACH(inside) EACH(since) EACH(until) EACH(ground) EACH(offset) EACH(envelope)
+#define FACES_PLANE(name) float *name;
+	FACES_PLANES_EACH(FACES_PLANE)
+#undef FACES_PLANE
 	size_t posts;
 	float *planes;
 	struct soil_facets_cache cache;
-	float xi, cohesion, tan_phi, by_modulus; /* of the soil below the body: N/m3, Pa, 1, 1/m */
+	float xi, cohesion, tan_phi, by_modulus, unit_weight, wedge_length; /* of the soil below the body: N/m3, Pa, 1, 1/m, N/m3; length of a wedge over its depth */
+	struct soil_wedge wedge;
+	float beyond;         /* m: so far ahead of the body the ground is as the body finds it */
 	struct soil_trend trend; /* at the motion's end */
 	float tangent;        /* of the friction along the body's surface */
 	float d[2];           /* direction in which it slides, east and north; 0: none */

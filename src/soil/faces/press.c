@@ -9,6 +9,7 @@
 #define TRAILS 0.1f   /* n . v: a facet of the underside that trails by more does not press */
 #define SIDE_FULL 0.1f /* n . v: a side that moves into the soil by more presses whole */
 #define STEEP 0.3f     /* level part of v: a side that goes up or down more steeply presses less, since a body that sinks is the law of the lower envelope */
+#define FACES_WAY 0.3f /* n . way: a facet that faces the way by more counts its depth from the ground ahead */
 #define FOLLOWS 2.0f   /* soil follows a smooth rim that spins at most so many times as fast as the body goes */
 
 /* A block of facets in the frame. */
@@ -31,14 +32,14 @@ SOIL_INLINED void motion_at(const struct soil_form *f, const float at[3], const 
 		moves[k] = m->way[k] + rolls * (rolled[k] + m->ran * belt[k]) + turned[k];
 }
 
-/* Gives the force of a facet for each unit of xi and metre of depth, m2. moves: of its place, for each metre of the body's way. */
+/* Gives the force of a facet for each pascal, m2. moves: of its place, for each metre of the body's way. */
 SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], float tangent,
 			   float force[3], float *presses)
 {
 	const float size = sqrtf(dot3(moves, moves)), by = 1 / most(size, 1e-9f), v[3] = {moves[0] * by, moves[1] * by, moves[2] * by};
 	const float into = dot3(normal, v), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
-	const float below = faces_share(slid_at(f, at[0], at[1])) * clamped(1 + into * (1 / TRAILS), 0, 1);
-	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * least(size, 1);
+	const float slid = slid_at(f, at[0], at[1]), below = faces_share(slid) * clamped(1 + into * (1 / TRAILS), 0, 1);
+	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * clamped((slid - SLID_LEAST) * (1 / SLID_SIDES), 0, 1);
 	const float share = either(size > 1e-6f, either(under > 0, below, beside), 0) * area;
 	float alpha[3];
 	resist_alpha(normal, v, tangent, alpha);
@@ -81,7 +82,8 @@ SOIL_CLONED static void press_block(const struct soil_form *restrict f, const st
 	}
 }
 
-static void keep(const struct facet_lanes *l, int i, struct soil_faces *faces)
+/* way: in which the body slides, plan, in the frame. */
+static void keep(const struct facet_lanes *l, int i, const float way[2], struct soil_faces *faces)
 {
 	const size_t n = faces->count++;
 	float *const to[3][3] = {{faces->x, faces->y, faces->z}, {faces->nx, faces->ny, faces->nz}, {faces->px, faces->py, faces->pz}};
@@ -93,25 +95,30 @@ static void keep(const struct facet_lanes *l, int i, struct soil_faces *faces)
 	faces->whole[n] = l->area[i];
 	faces->area[n] = l->presses[i];
 	faces->under[n] = l->under[i];
+	faces->sole[n] = clamped(-l->normal[2][i], 0, 1);
+	faces->faces_way[n] = clamped((l->normal[0][i] * way[0] + l->normal[1][i] * way[1]) * (1 / FACES_WAY), 0, 1);
+	faces->weight[n] = soil_wedge_at(faces->wedge.weight, l->normal[2][i]);
+	faces->cohesive[n] = soil_wedge_at(faces->wedge.cohesion, l->normal[2][i]);
 }
 
-void soil_press(const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces)
+void soil_press(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces)
 {
 	struct facet_lanes lanes;
+	const float c = (float)body->axis[0], s = (float)body->axis[1], way[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};
 	faces->count = 0;
 	faces->tangent = tangent;
 	for (size_t b = 0; b < facets->count; b += LANES) {
 		press_block(form, facets, b, axes, tangent, &lanes);
 		for (int i = 0; i < LANES; i++)
 			if (lanes.presses[i] > 0)
-				keep(&lanes, i, faces);
+				keep(&lanes, i, way, faces);
 	}
 	/* The last block is filled with facets that press nothing. */
 	memset(&lanes, 0, sizeof lanes);
 	for (int i = 0; i < LANES; i++)
 		lanes.normal[2][i] = 1;
 	while (faces->count % LANES != 0)
-		keep(&lanes, 0, faces);
+		keep(&lanes, 0, way, faces);
 }
 
 #define STEP 0.01f /* of a motion, by which a quotient of differences is taken */

@@ -6,8 +6,8 @@
 
 /* Lists the facets that press into the arrays of `faces`, which have room for all, and sets faces->count. axes: of the body, and of its grousers, in the
  * frame. tangent: of the friction between soil and surface. */
-void soil_press(const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces);
-/* Gives how the force of a facet, for each unit of xi and metre of depth, changes with the recent motion of its place: rows force, columns motion; m2. */
+void soil_press(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces);
+/* Gives how the force of a facet, for each pascal, changes with the recent motion of its place: rows force, columns motion; m2. */
 void soil_press_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3]);
 
 #endif

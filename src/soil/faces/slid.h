@@ -4,7 +4,8 @@
 
 #include "soil/law/form.h"
 
-#define SLID_LEAST 0.01f /* a smaller share is none: a wheel that rolls on a slope, or in whole fixed-point units */
+#define SLID_LEAST 0.002f /* a smaller share is none: of a wheel that rolls in whole fixed-point units */
+#define SLID_SIDES 0.05f /* a larger share by so much, and the sides press whole */
 #define SLID_POWER 0.6f  /* chosen on a smooth wheel of a rig at slip angle 0; from 0.5 to 1 it makes little difference */
 
 /* Gives the way of the body over the ground at a place as if the place were at the body's lowest level, and how its surface runs there: plan, in the frame.

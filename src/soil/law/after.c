@@ -50,7 +50,7 @@ SOIL_INLINED void put_plastic(const float k[POSTS_LANES], const float n[POSTS_LA
 }
 
 SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis[restrict 2], int32_t raised, const struct soil_posts *restrict posts, size_t b,
-				  const struct soil_kept *restrict kept, const float bulldozing, struct soil_after *restrict a)
+				  const struct soil_kept *restrict kept, const float bulldozing, const float slides, struct soil_after *restrict a)
 {
 	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
@@ -78,7 +78,7 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		shear_x[i] = kept->shear_x[b + i];
 		shear_y[i] = kept->shear_y[b + i];
 	}
-	int32_t largest[POSTS_LANES], digs[POSTS_LANES], remains[POSTS_LANES], held[POSTS_LANES], touched[POSTS_LANES], sunk[POSTS_LANES];
+	int32_t largest[POSTS_LANES], digs[POSTS_LANES], gone[POSTS_LANES], remains[POSTS_LANES], held[POSTS_LANES], touched[POSTS_LANES], sunk[POSTS_LANES];
 	float had[POSTS_LANES], plastic[POSTS_LANES];
 	for (int i = 0; i < POSTS_LANES; i++) {
 		sunk[i] = over[i] > 0 ? ground[i] - rests[i] : 0;
@@ -92,24 +92,30 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		const int32_t holds = touches & has_last(sinkage_of(up[i], sunk[i]), largest[i], plastic[i]);
 		/* What slip digs. */
 		digs[i] = larger(smaller(whole_units(more[i]), sunk[i] - 2), 0) * holds;
-		remains[i] = larger(sinkage[i] - whole_of(up[i] * (float)digs[i]), 0);
-		largest[i] = larger(remains[i], sinkage_of(up[i], ground[i] - digs[i] - lowest[i]));
+		/* And what the body pushes off as it slides: so much of the soil above its underside. */
+		const int32_t below = holds ? sunk[i] : ground[i] - lowest[i], drop = below + before[i] - deposited[i] - digs[i];
+		const int32_t cut = larger(smaller(whole_of(slides * (float)larger(drop, 0)), below - digs[i] - 2), 0) * touches;
+		gone[i] = digs[i] + cut;
+		remains[i] = larger(sinkage[i] - whole_of(up[i] * (float)gone[i]), 0);
+		largest[i] = larger(remains[i], sinkage_of(up[i], ground[i] - gone[i] - lowest[i]));
 		touched[i] = touches;
 		held[i] = holds;
 	}
 	put_plastic(k, n, elastic, by_elastic, remains, had);
 	put_plastic(k, n, elastic, by_elastic, largest, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const int32_t still = has_last(sinkage_of(up[i], sunk[i] - digs[i]), largest[i], plastic[i]), holds = held[i] & (still | (digs[i] == 0));
+		const int32_t still = has_last(sinkage_of(up[i], sunk[i] - gone[i]), largest[i], plastic[i]), holds = held[i] & (still | (gone[i] == 0));
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);
-		const int32_t sinks = released + holds * (sunk[i] - digs[i] - released), heap = deposited[i] - digs[i], offset = heap - sinks;
+		const int32_t sinks = released + holds * (sunk[i] - gone[i] - released), heap = deposited[i] - gone[i], offset = heap - sinks;
 		const int32_t refused = touched[i] & ((far[i] != 0) | (sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST)), changes = touched[i] & (refused ^ 1);
-		const int32_t flows = larger(released - released_before, 0), room = larger(CARRIED_MOST - digs[i], 0);
-		const int32_t carries = (int32_t)least(bulldozing * (float)flows, (float)room) + smaller(digs[i], CARRIED_MOST);
+		const int32_t flows = larger(released - released_before, 0), room = larger(CARRIED_MOST - gone[i], 0);
+		const int32_t carries = (int32_t)least(bulldozing * (float)flows, (float)room) + smaller(gone[i], CARRIED_MOST);
 		/* Only soil that the floor gives up is carried. What slip digs under a body that does not go down stays there, loosened. */
 		const int32_t carried = larger(smaller(carries, before[i] - offset), 0) * changes;
 		a->touched[i] = changes;
 		a->held[i] = changes & holds;
+		a->below[i] = (over[i] > 0) & (touched[i] ^ 1);
+		a->gap[i] = rests[i] - (ground[i] - deposited[i] + before[i]);
 		a->refused[i] = refused;
 		a->offset[i] = offset;
 		a->deposited[i] = heap;

@@ -41,17 +41,29 @@ SOIL_INLINED float plastic_of(const struct stress_soil *s, float z)
 	return plastic_part(s, z, yield_stress(s, z));
 }
 
-/* A body's surface: its adhesion, Pa, and the tangent of its friction angle. own: 1 where the soil's own cohesion, or friction, counts instead. */
+/* A body's surface: its adhesion, Pa, and the tangent of its friction angle. own: 1 where the soil says it: own_adhesion, or its friction angle. */
 struct stress_surface {
 	float adhesion, tangent, own[2];
 };
 
-/* Returns the most that shear can hold under a normal stress, Pa: of the soil, or along the surface if that is less. *grows: with the stress. */
+/* Returns the adhesion of a surface of which none is given, Pa. Soft soil sticks with all of its cohesion, stiff soil with less. These are the lines
+ * between the rows of NAVFAC DM-7.02 (1986), chapter 3, table 1, at 0, 24, 48, 96 and 192 kPa. */
+SOIL_INLINED float own_adhesion(float cohesion)
+{
+	return least(least(cohesion, 11970 + 0.5f * cohesion), least(26334 + 0.2f * cohesion, 28728 + 0.175f * cohesion));
+}
+
+/*
+ * Returns the most that shear can hold under a normal stress, Pa: of the soil, or along the surface if that is less. *grows: with the stress. Under a
+ * small stress the surface touches with a part of its area. Only that part holds by cohesion or adhesion: stress / cohesion of it, at most all. So a
+ * light body is not held by more than its weight and its friction.
+ */
 SOIL_INLINED float strength_of(const struct stress_surface *surface, const struct stress_soil *s, float stress, float *grows)
 {
-	const float adhesion = either(surface->own[0] > 0, s->cohesion, surface->adhesion), tangent = either(surface->own[1] > 0, s->tan_phi, surface->tangent);
-	const float soil = s->cohesion + s->tan_phi * stress, along = adhesion + tangent * stress;
-	*grows = either(soil <= along, s->tan_phi, tangent);
+	const float adhesion = either(surface->own[0] > 0, own_adhesion(s->cohesion), surface->adhesion), tangent = either(surface->own[1] > 0, s->tan_phi, surface->tangent);
+	const float by = 1 / most(s->cohesion, 1e-18f), touches = least(stress * by, 1), grown = either(stress < s->cohesion, by, 0);
+	const float soil = touches * s->cohesion + s->tan_phi * stress, along = touches * adhesion + tangent * stress;
+	*grows = either(soil <= along, s->tan_phi + grown * s->cohesion, tangent + grown * adhesion);
 	return least(soil, along);
 }
 

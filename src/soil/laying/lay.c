@@ -5,6 +5,8 @@
  * up to the post before it is taken off. Both are rounded down. What is left goes to the heaviest post of the face; of several to the last
  * one, in rows from south to north. So the sum is exact.
  */
+#include <math.h>
+
 #include "soil/laying/strips.h"
 
 #define RATE_BITS 20
@@ -134,13 +136,50 @@ static size_t apart_bytes(size_t width, size_t height)
 	return (width * (height + 3) + 2 * STRIP_FAR_MOST + 3) * sizeof(int16_t) / 8 * 8;
 }
 
+/* Lays an amount of soil around the patch, or beside its faces. */
+static void lay_beside(struct laying_field *field, const struct soil_measured *measured, const struct soil_laid soils[SOIL_CLASSES], int64_t amount,
+		       struct strip_run *runs, int32_t *deposits, struct soil_lay_result *result)
+{
+	const struct soil_laying *laying = field->laying;
+	struct strip strips[STRIPS_MOST];
+	struct face faces[SOIL_FACES] = {{0}};
+	soil_strip_band(field, measured, soils);
+	int count = 1;
+	if (laying->around)
+		soil_strip_around(field, measured, &strips[0], runs);
+	else
+		count = soil_strips(field, strips);
+	for (int i = 0; i < count; i++) {
+		if (!laying->around)
+			soil_strip_beside(field, &strips[i], runs + (size_t)i * (size_t)field->height);
+		faces[strips[i].face].sum += strips[i].sum;
+		if (strips[i].heaviest > 0)
+			find_heaviest(field, &strips[i], &faces[strips[i].face]);
+	}
+	if (!divide(laying, amount, faces)) {
+		result->compacted += amount;
+		result->confined = measured->givers;
+		return;
+	}
+	for (int face = 0; face < SOIL_FACES; face++) {
+		const struct strip *own[2] = {NULL, NULL};
+		for (int i = 0, to = 0; i < count; i++)
+			if (strips[i].face == face && strips[i].sum > 0)
+				own[to++] = &strips[i];
+		if (own[0] != NULL)
+			lay_face(field, own, &faces[face], deposits, result);
+	}
+}
+
 size_t soil_lay_scratch(size_t width, size_t height)
 {
-	return weights_bytes(width, height) + apart_bytes(width, height) + STRIPS_MOST * height * sizeof(struct strip_run);
+	const size_t strips = weights_bytes(width, height) + apart_bytes(width, height) + STRIPS_MOST * height * sizeof(struct strip_run);
+	const size_t front = soil_front_scratch(width, height);
+	return strips > front ? strips : front;
 }
 
 void soil_lay(const struct soil_laying *laying, const struct soil_measured *measured, const struct soil_laid soils[SOIL_CLASSES],
-	      const struct soil_planes *planes, const uint8_t *patch, struct post_rect written, void *scratch, int32_t *deposits,
+	      const struct soil_planes *planes, const uint8_t *patch, const int32_t *carried, struct post_rect written, void *scratch, int32_t *deposits,
 	      struct soil_lay_result *result)
 {
 	*result = (struct soil_lay_result){.posts = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN}};
@@ -154,35 +193,19 @@ void soil_lay(const struct soil_laying *laying, const struct soil_measured *meas
 	};
 	const size_t width = (size_t)field.width, height = (size_t)field.height;
 	field.apart = (int16_t *)((char *)scratch + weights_bytes(width, height));
-	struct strip_run *runs = (struct strip_run *)((char *)field.apart + apart_bytes(width, height));
-	struct strip strips[STRIPS_MOST];
-	struct face faces[SOIL_FACES] = {{0}};
-	soil_strip_band(&field, measured, soils);
-	int count = 1;
-	if (laying->around)
-		soil_strip_around(&field, measured, &strips[0], runs);
-	else
-		count = soil_strips(&field, strips);
-	for (int i = 0; i < count; i++) {
-		if (!laying->around)
-			soil_strip_beside(&field, &strips[i], runs + (size_t)i * height);
-		faces[strips[i].face].sum += strips[i].sum;
-		if (strips[i].heaviest > 0)
-			find_heaviest(&field, &strips[i], &faces[strips[i].face]);
+	struct soil_laying aside = *laying;
+	int64_t rest = measured->carried;
+	if (laying->front) {
+		double left;
+		rest -= soil_lay_front(&field, measured, soils, planes->offset + at, carried + at, scratch, deposits + at, result, &left);
+		const int64_t rolled = (measured->carried * (65536 - laying->pushed)) >> 16;
+		const double part = rest > rolled ? (double)(rest - rolled) / (double)rest : 0;
+		aside.shares[SOIL_LEFT] = (int32_t)lround(65536 * (0.5 * (1 - part) + left * part));
+		aside.shares[SOIL_RIGHT] = 65536 - aside.shares[SOIL_LEFT];
+		field.laying = &aside;
 	}
-	if (!divide(laying, measured->carried, faces)) {
-		result->compacted = measured->carried;
-		result->confined = measured->givers;
-		return;
-	}
-	for (int face = 0; face < SOIL_FACES; face++) {
-		const struct strip *own[2] = {NULL, NULL};
-		for (int i = 0, to = 0; i < count; i++)
-			if (strips[i].face == face && strips[i].sum > 0)
-				own[to++] = &strips[i];
-		if (own[0] != NULL)
-			lay_face(&field, own, &faces[face], deposits + at, result);
-	}
+	if (rest > 0)
+		lay_beside(&field, measured, soils, rest, (struct strip_run *)((char *)field.apart + apart_bytes(width, height)), deposits + at, result);
 	result->posts.x0 += field.x0;
 	result->posts.x1 += field.x0;
 	result->posts.y0 += field.y0;

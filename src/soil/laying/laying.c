@@ -20,7 +20,8 @@ static int32_t fixed(double value)
 struct soil_laid soil_laid_of(double angle, double share, double spacing)
 {
 	double tangent = angle < M_PI / 4 ? fmax(tan(angle), 0.01) : STEEPEST_TAN;
-	return (struct soil_laid){(int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (tangent * spacing)), 1), 1 << 24), fixed(share)};
+	return (struct soil_laid){(int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (tangent * spacing)), 1), 1 << 24), fixed(share),
+				  (int32_t)lround(fmin(tangent * spacing * 0x1p20, 0x1p30))};
 }
 
 /* Computes by how much of its way a body pushes soil ahead of itself: forwards and to the left, each -1 .. 1. A wheel that rolls
@@ -107,18 +108,52 @@ static void share(struct soil_laying *laying, const double push[2])
 		laying->shares[face] = laying->around ? (face == SOIL_AHEAD) * (int32_t)ONE : (int32_t)(shares[face] * ONE);
 }
 
+/* Tells where the body pushes soil that it displaces, and how much. A body that goes down as it goes along slides less: none at 45 degrees. */
+static void put_push(struct soil_laying *laying, const double push[2], double way, double down)
+{
+	const double length = hypot(push[0], push[1]), c = cos(laying->heading), s = sin(laying->heading);
+	if (laying->around || way == 0 || length == 0)
+		return;
+	laying->push[0] = (c * push[0] - s * push[1]) / length;
+	laying->push[1] = (s * push[0] + c * push[1]) / length;
+	laying->pushed = (int32_t)ONE - laying->rolls;
+	laying->slides = fmin(length * length, 1) * fmax(1 - down * down / (way * way), 0);
+}
+
+void soil_laying_ahead(struct soil_laying *laying)
+{
+	laying->front = laying->pushed > 0;
+	/* What rolls, and what finds no room ahead, goes to both sides. */
+	for (int face = 0; face < SOIL_FACES && laying->front; face++)
+		laying->shares[face] = face < SOIL_LEFT ? 0 : (int32_t)ONE / 2;
+}
+
+/* Puts the frame's x axis, and the place of its post, which lies so many posts east and north of the body's centre. */
+static void turn_frame(struct soil_laying *laying, const double ahead[2])
+{
+	const double east = laying->post[0], north = laying->post[1];
+	laying->axis[0] = fixed(ahead[0]);
+	laying->axis[1] = fixed(ahead[1]);
+	laying->at[0] = fixed(east * ahead[0] + north * ahead[1]);
+	laying->at[1] = fixed(north * ahead[0] - east * ahead[1]);
+}
+
+struct soil_laying soil_laying_turned(const struct soil_laying *laying, const double ahead[2])
+{
+	struct soil_laying turned = *laying;
+	turn_frame(&turned, ahead);
+	return turned;
+}
+
 /* Finds the post south-west of the body's centre, and where it lies in the frame. */
 static void place_frame(struct soil_laying *laying, const struct soil_pose *to, double spacing)
 {
 	const double ahead[2] = {cos(laying->heading), sin(laying->heading)};
 	laying->x = (int64_t)floorl(soil_body_from_post(to->x, 0, spacing) / spacing);
 	laying->y = (int64_t)floorl(soil_body_from_post(to->y, 0, spacing) / spacing);
-	double east = -(double)soil_body_from_post(to->x, laying->x, spacing) / spacing;
-	double north = -(double)soil_body_from_post(to->y, laying->y, spacing) / spacing;
-	laying->axis[0] = fixed(ahead[0]);
-	laying->axis[1] = fixed(ahead[1]);
-	laying->at[0] = fixed(east * ahead[0] + north * ahead[1]);
-	laying->at[1] = fixed(north * ahead[0] - east * ahead[1]);
+	laying->post[0] = -(double)soil_body_from_post(to->x, laying->x, spacing) / spacing;
+	laying->post[1] = -(double)soil_body_from_post(to->y, laying->y, spacing) / spacing;
+	turn_frame(laying, ahead);
 }
 
 struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to, double turned,
@@ -150,6 +185,7 @@ struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct s
 		push[0] = 0;
 	}
 	share(&laying, push);
+	put_push(&laying, push, way, dz);
 	place_frame(&laying, to, spacing);
 	laying.widest = (int32_t)ceil(64 * soil_laying_band(shape, spacing));
 	laying.half_width = wheel ? fixed(shape->width / 2 / spacing) : 0;

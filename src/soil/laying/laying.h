@@ -24,6 +24,7 @@ enum { SOIL_AHEAD, SOIL_BEHIND, SOIL_LEFT, SOIL_RIGHT, SOIL_FACES }; /* faces of
 struct soil_laid {
 	int32_t factor; /* in the square of a band's width, 2^-24: soil_lay */
 	int32_t share;  /* of the depth of the hollow that is laid, 2^-16 */
+	int32_t fall;   /* of its surface where it is laid, fixed-point units for each post */
 };
 /* angle: at which displaced soil is laid, rad. share: of the displaced soil, 0 .. 1. spacing: metres. */
 struct soil_laid soil_laid_of(double angle, double share, double spacing);
@@ -37,6 +38,7 @@ struct soil_laying {
 			    * 0: all along its patch */
 	int32_t axis[2];   /* x axis of the frame, 2^-16 */
 	int64_t x, y;      /* the post south-west of the body's centre */
+	double post[2];    /* its place from the centre, posts east and north */
 	int32_t at[2];     /* its place in the frame */
 	int32_t widest;    /* of a band, 2^-6 post */
 	int32_t half_width; /* of a wheel, 2^-16 post; 0: the width of the patch is used */
@@ -45,11 +47,19 @@ struct soil_laying {
 	int32_t beside;    /* beside the patch soil is laid up to this |x|; INT32_MAX: all along */
 	int32_t goes_on;   /* `behind` in 2^-16 post */
 	int32_t shares[SOIL_FACES]; /* of the soil for each face, 2^-16 */
+	double push[2];    /* unit vector in which the body pushes, east and north; 0: it pushes nowhere */
+	double slides;     /* share of its motion by which it slides level and pushes, 0 .. 1: what it displaces by that is carried whole */
+	bool front;        /* the part `pushed` of the soil is laid ahead of the front that pushes; false: all of it by `shares` */
+	int32_t pushed;    /* 2^-16 */
 };
 /* Tells how a contact from one pose to the other lays soil. turned: how far a wheel turned about its axis, rad, or a belt ran, m. rotated: how far another
  * body turned about local axes, rad; NULL: not. */
 struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to, double turned,
 				  const double rotated[3], double spacing);
+/* Lets what a body pushes be laid ahead of the front that pushes it. */
+void soil_laying_ahead(struct soil_laying *laying);
+/* Returns the frame with another x axis: a unit vector, east and north. */
+struct soil_laying soil_laying_turned(const struct soil_laying *laying, const double ahead[2]);
 /* Returns the widest band of a body, in posts. */
 double soil_laying_band(const struct soil_shape *shape, double spacing);
 /* Returns the shadow of a body and all posts on which it may lay soil. shadow: the posts that the body can be above in the contact. */
@@ -72,6 +82,9 @@ struct soil_measured {
 	int32_t deep;            /* depth of the hollow: the most of soil_depth_of */
 	int32_t least[2], most[2]; /* the outermost places of the patch in the frame, x and y */
 	struct post_rect patch;  /* around the posts that the body touches */
+	struct post_rect hollows; /* around the posts below the body that it does not touch. Only if laying->front */
+	int64_t underside;       /* fixed-point units: the highest place of the lower envelope where the body holds a post. Only if laying->front */
+	int64_t moments[6];      /* of the carried soil about the frame's post: 1, x, y, x x, x y, y y; posts east and north, 2^-16 m. Only if laying->front */
 };
 void soil_measured_begin(struct soil_measured *measured);
 
@@ -103,6 +116,15 @@ static inline void soil_measured_add(struct soil_measured *measured, const struc
 	measured->patch = post_rect_around(measured->patch, (struct post_rect){first, y, last + 1, y + 1});
 }
 
+/* Adds what a post gives away to the moments. */
+static inline void soil_measured_moments(struct soil_measured *measured, const struct soil_laying *laying, int64_t x, int64_t y, int32_t carried)
+{
+	const int64_t weight = (carried + 15) >> 4, east = x - laying->x, north = y - laying->y;
+	const int64_t parts[6] = {1, east, north, east * east, east * north, north * north};
+	for (int k = 0; k < 6; k++)
+		measured->moments[k] += weight * parts[k];
+}
+
 /* Adds what another part of the body added up with the same laying. */
 static inline void soil_measured_join(struct soil_measured *measured, const struct soil_measured *part)
 {
@@ -115,6 +137,10 @@ static inline void soil_measured_join(struct soil_measured *measured, const stru
 		measured->most[k] = part->most[k] > measured->most[k] ? part->most[k] : measured->most[k];
 	}
 	measured->patch = post_rect_joined(measured->patch, part->patch);
+	measured->hollows = post_rect_joined(measured->hollows, part->hollows);
+	measured->underside = part->underside > measured->underside ? part->underside : measured->underside;
+	for (int k = 0; k < 6; k++)
+		measured->moments[k] += part->moments[k];
 }
 
 /* A row of posts after a contact. dug and classes may be NULL: then they count as zeros. */
@@ -141,11 +167,11 @@ size_t soil_lay_scratch(size_t width, size_t height);
 /*
  * Lays the soil of one contact: adds to `deposits`, a plane of planes->width posts in a row. Of the planes it reads base and contact. Soil is
  * laid on posts of `written` alone, a part of planes->rect. A post whose contact has SOIL_LOWERED or SOIL_HELD gets nothing, whichever body
- * touches it. patch: a plane in which only the posts that this body touches have one of these bits; it is read if laying->around. With a
+ * touches it. carried: a plane of what each post that this body touches gives away; read if laying->front, else it may be NULL. patch: a plane in which only the posts that this body touches have one of these bits; it is read if laying->around or laying->front. With a
  * single body it is planes->contact. scratch: aligned to 8 bytes. The calls for several bodies may come in any order.
  */
 void soil_lay(const struct soil_laying *laying, const struct soil_measured *measured, const struct soil_laid soils[SOIL_CLASSES],
-	      const struct soil_planes *planes, const uint8_t *patch, struct post_rect written, void *scratch, int32_t *deposits,
+	      const struct soil_planes *planes, const uint8_t *patch, const int32_t *carried, struct post_rect written, void *scratch, int32_t *deposits,
 	      struct soil_lay_result *result);
 
 #endif

@@ -50,6 +50,11 @@ void soil_strip_band(struct laying_field *field, const struct soil_measured *mea
 int soil_strips(const struct laying_field *field, struct strip strips[STRIPS_MOST]);
 /* Weighs a strip beside a face: fills its runs, weights and sums. runs: room for field->height of them. */
 void soil_strip_beside(const struct laying_field *field, struct strip *strip, struct strip_run *runs);
+/* Lays what the body pushes ahead of the front that pushes. offset, carried: of the first post of `written`. Returns how much it laid: the
+ * rest finds no room there. left: which share of that flows off to the left. result: its `posts` in rows and columns of the field. */
+int64_t soil_lay_front(const struct laying_field *field, const struct soil_measured *measured, const struct soil_laid soils[SOIL_CLASSES],
+		       const int32_t *offset, const int32_t *carried, void *scratch, int32_t *deposits, struct soil_lay_result *result, double *left);
+size_t soil_front_scratch(size_t width, size_t height);
 /* Makes and weighs the strip around the patch. */
 void soil_strip_around(const struct laying_field *field, const struct soil_measured *measured, struct strip *strip, struct strip_run *runs);
 

@@ -149,7 +149,7 @@ void soil_sliding_end(struct sliding_field *field, const struct sliding_end *end
 			.changed = changed,
 			.disturbs = end->window ? SOIL_LOWERED : 0,
 			.frees = end->loaded ? SOIL_HELD : 0,
-			.wakes = field->rule->hops > 0,
+			.wakes = field->rule->reach > 0,
 		};
 		end_row(&row, width);
 		/* Neighbours beyond a border were not looked at, so a change there may make soil move. */

@@ -53,13 +53,12 @@ SOIL_LANES static bool any_steep(const int32_t *restrict height, const int32_t *
 	return any != 0;
 }
 
-struct sliding_span soil_sliding_steep_span(const struct sliding_field *field, size_t row)
+struct sliding_span soil_sliding_steep_span(const int32_t *height, size_t stride, size_t width, const int32_t least[2])
 {
-	const int32_t *height = field->heights + row * field->stride;
 	struct sliding_span span = {0, 0};
-	for (int32_t first = 0; first < (int32_t)field->width; first += PART) {
-		int32_t end = first + PART < (int32_t)field->width ? first + PART : (int32_t)field->width;
-		if (!any_steep(height, height + field->stride, (size_t)first, (size_t)end, field->least))
+	for (int32_t first = 0; first < (int32_t)width; first += PART) {
+		int32_t end = first + PART < (int32_t)width ? first + PART : (int32_t)width;
+		if (!any_steep(height, height + stride, (size_t)first, (size_t)end, least))
 			continue;
 		span.first = span.end == 0 ? first : span.first;
 		span.end = end;

@@ -23,7 +23,7 @@ static int32_t *posts(const struct sliding_field *field, void *scratch, size_t *
 size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect rect,
 			       bool blocks, void *scratch)
 {
-	const bool slopes = rule->hops > 0, critical = (planes->classes != NULL && rule->shed == NULL) || (slopes && blocks);
+	const bool slopes = rule->reach > 0, critical = (planes->classes != NULL && rule->shed == NULL) || (slopes && blocks);
 	size_t used = 0;
 	*field = (struct sliding_field){.rule = rule, .planes = planes, .rect = rect, .width = (size_t)(rect.x1 - rect.x0),
 					.height = (size_t)(rect.y1 - rect.y0)};
@@ -41,7 +41,7 @@ size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sl
 		field->sheds = posts(field, scratch, &used);
 	field->stills = part(scratch, &used, field->width * field->height);
 	field->moved = part(scratch, &used, field->width * field->height);
-	if (slopes && !blocks)
+	if (slopes)
 		field->steeps = part(scratch, &used, field->width * field->height);
 	if (rule->directions > 0)
 		field->ends = part(scratch, &used, 4 * (field->width + field->height) * sizeof(int32_t));

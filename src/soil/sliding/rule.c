@@ -10,10 +10,6 @@
 #define OCTAVE 8
 #define FIRST_OCTAVE 4
 
-#define SHORT_HOPS 4 /* 8, 4, 2, 1 */
-#define SHORT_REACH ((1 << SHORT_HOPS) - 1)
-#define NEAR 0.03 /* m: with a smaller spacing there is a longer hop too */
-
 int32_t soil_sliding_with_tolerance(const struct soil_sliding *rule, int32_t critical)
 {
 	return critical < INT32_MAX - rule->tolerance ? critical + rule->tolerance : INT32_MAX;
@@ -56,6 +52,8 @@ int32_t soil_sliding_diagonal(int32_t axial)
 	return axial + (axial >> 2) + (axial >> 3) + (axial >> 5) + (axial >> 7);
 }
 
+#define LEAST_SHARE 940 /* 2^-10: slopes.c lowers a difference in a slope to no less */
+
 /* As slopes.c computes it. */
 static int32_t least_in_slope(const struct soil_sliding *rule)
 {
@@ -64,25 +62,13 @@ static int32_t least_in_slope(const struct soil_sliding *rule)
 		for (int k = 0; k < SOIL_SLOPE_HEIGHTS; k++)
 			most = rule->classes[i].slope[k] > most ? rule->classes[i].slope[k] : most;
 	int32_t least = most > 0 ? rule->apart / most : 1 << 30;
-	return least < 1 << 30 ? least : 1 << 30;
-}
-
-/* The longest hop is as long as it can be: what an interval reads around a block must lie in the blocks beside it. */
-int soil_sliding_ways(double spacing, int iterations, int ways[SOIL_SLOPE_HOPS])
-{
-	const int hops = spacing < NEAR ? SHORT_HOPS + 1 : SHORT_HOPS;
-	for (int i = 0; i < hops; i++) {
-		int shorter = hops - 1 - i;
-		ways[i] = shorter < SHORT_HOPS ? 1 << shorter : SOIL_BLOCK - SHORT_REACH - iterations - 1;
-	}
-	return hops;
+	return (int32_t)((int64_t)(least < 1 << 30 ? least : 1 << 30) * LEAST_SHARE >> 10);
 }
 
 static void prepare_hops(const struct soil_sliding_params *params, struct soil_sliding *rule)
 {
-	rule->hops = soil_sliding_ways(params->spacing, params->iterations, rule->ways);
-	for (int i = 0; i < rule->hops; i++)
-		rule->reach += rule->ways[i];
+	for (int i = 0; i < SOIL_SLOPE_HOPS; i++)
+		rule->reach += soil_sliding_way(i);
 	rule->apart = (int32_t)floor(ldexp(params->spacing, OFFSET_BITS + digits_of(params->spacing)));
 	rule->slope_least = least_in_slope(rule);
 }

@@ -57,7 +57,7 @@ void soil_sliding_shed(struct sliding_field *field, size_t trim, bool last, bool
 	for (size_t y = 0; y < field->height + 2; y++)
 		field->next[y] = (struct sliding_span){0, 0};
 	for (size_t y = around > 0 ? around - 1 : 0; y < top; y++) {
-		const struct sliding_span here = soil_sliding_steep_span(field, y);
+		const struct sliding_span here = soil_sliding_steep_span(field->heights + y * field->stride, field->stride, field->width, field->least);
 		const struct sliding_span span = soil_sliding_wider(soil_sliding_both(here, south), sheds);
 		south = here;
 		if (y < around)

@@ -114,9 +114,9 @@ void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes
 	soil_sliding_begin(&field, &unused);
 	if (rule->steep)
 		soil_sliding_part_steep(&field);
-	if (rule->hops > 0) {
+	if (rule->reach > 0) {
 		soil_sliding_least_in_slopes(&field);
-		if (!soil_sliding_slopes(&field, (char *)scratch + used))
+		if (!soil_sliding_slopes(&field, (size_t)by, (char *)scratch + used))
 			return;
 	}
 	soil_sliding_all_dirty(&field);

@@ -59,7 +59,9 @@ struct sliding_field {
 	int32_t *critical[2];      /* of the soil of each post: axial, diagonal; NULL: `limits` of all posts */
 	uint8_t *stills;           /* 1: the post does not slide */
 	uint8_t *moved;            /* 1: the post gave or got soil in the last iteration */
-	uint8_t *steeps;           /* 1: if its slope is high enough, the post may slide; NULL: the height of slopes does not count */
+	/* NULL: the height of slopes does not count. Over a window: 1: if its slope is high enough, the post may slide. Over blocks: 1: how high its slope
+	 * is changed. */
+	uint8_t *steeps;
 	int32_t *sheds;            /* what each post sheds, and 0 around them (kinematic/shed.h); NULL: another rule counts */
 	int32_t *flows[2][4];      /* of two rows: soil that goes to the post in the east, north, north-east, north-west */
 	int32_t *ends;             /* lines.c: 4 for each line; NULL: soil does not slide along lines */
@@ -83,8 +85,9 @@ void soil_sliding_iterate(struct sliding_field *field, size_t trim, bool last);
 void soil_sliding_shed(struct sliding_field *field, size_t trim, bool last, bool window);
 /* excess.c: all posts count as changed. */
 void soil_sliding_all_dirty(struct sliding_field *field);
-/* excess.c: returns columns of a row that hold all posts which exceed the least critical difference to a neighbour in the row or the next. */
-struct sliding_span soil_sliding_steep_span(const struct sliding_field *field, size_t row);
+/* excess.c: returns columns of a row that hold all posts which differ by more than `least` (axial, diagonal) from a neighbour in the row or the
+ * next. There is a post before the row and behind it, and the next row begins `stride` posts later. */
+struct sliding_span soil_sliding_steep_span(const int32_t *height, size_t stride, size_t width, const int32_t least[2]);
 /* lines.c: soil slides along lines in one direction: x, y, north-east, south-east. */
 void soil_sliding_along(struct sliding_field *field, int direction);
 
@@ -112,8 +115,9 @@ SOIL_INLINED bool sliding_may(int32_t high, int32_t low, int32_t least)
  * Returns the pairs whose heights may have changed. pops: counts posts that joined from before a pool; of a whole line, from 0. */
 struct sliding_reach soil_sliding_walk(const struct sliding_line *line, struct sliding_reach falls, int *pops);
 
-/* slopes.c: finds the critical differences in slopes. Returns false if no soil slides in the field. scratch: soil_sliding_slopes_bytes of it. */
-bool soil_sliding_slopes(struct sliding_field *field, void *scratch);
+/* slopes.c: finds the critical differences in slopes, and keeps extents of the field's posts, less `trim` on each side, in planes->slope. Marks in
+ * field->steeps posts whose extents changed. Returns false if no soil slides in the field. scratch: soil_sliding_slopes_bytes of it. */
+bool soil_sliding_slopes(struct sliding_field *field, size_t trim, void *scratch);
 /* slopes.c: sets the least difference that slides where the height of slopes counts. */
 void soil_sliding_least_in_slopes(struct sliding_field *field);
 size_t soil_sliding_slopes_bytes(const struct soil_sliding *rule, const struct soil_planes *planes);

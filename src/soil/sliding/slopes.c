@@ -1,14 +1,20 @@
 /*
  * Finds how high slopes are. A cohesive soil is stable up to Culmann's height. This is the height of a whole slope, not of the step
- * between two posts. Over blocks each post finds how far its slope rises above it and falls below it.
+ * between two posts. Over blocks each post finds how far its slope rises above it and falls below it: its extents.
  *
  * A slope is followed by hops of 8, 4, 2 and 1 posts in eight directions. Each hop leads to a post that is higher (or lower) by
- * more than the angle of friction gives. With a small spacing a longer hop comes first. Then the height of a post's slope gives the
- * critical difference there.
+ * more than the angle of friction gives. The first hop goes on with the extents that the interval before left in the plane `slope`.
+ * So each interval follows a slope by 8 to 15 posts more, and in the end over its whole height, at any spacing. Extents of a post depend on
+ * posts that are higher or lower alone. So they come to rest where heights are at rest. The height of a post's slope gives the critical
+ * difference there.
  *
- * Soil slides only where two neighbours differ by more than the least critical difference. So rows are computed only in the spans of columns
- * that are near such neighbours.
+ * The plane keeps extents of posts beside which soil could slide: where a neighbour differs by more than the least critical difference, and by more
+ * than the bases do if undisturbed ground is stable. Other posts keep 0. So a change never spreads over undisturbed ground.
+ *
+ * Rows are computed only in the spans of columns that are near such posts.
  */
+
+#include <string.h>
 
 #include "soil/sliding/sliding.h"
 
@@ -22,7 +28,8 @@ struct slopes {
 	int32_t *surfaces;    /* 4 base + offset; SLIDING_STILL: no data */
 	uint32_t *extents[2]; /* 2^-9 m: how far the slope rises above the post (low 16 bits) and falls below it; in turn by hop */
 	size_t width, height, left, below; /* of the planes; where the field begins */
-	struct sliding_span *steep;        /* of each row of the field: columns beside which soil may slide */
+	struct sliding_span *steep;        /* of each row of the field: columns in which a neighbour is steep, or extents are kept */
+	int32_t least[2];                  /* no smaller difference slides in any slope */
 };
 
 static size_t rounded(size_t bytes)
@@ -33,7 +40,7 @@ static size_t rounded(size_t bytes)
 size_t soil_sliding_slopes_bytes(const struct soil_sliding *rule, const struct soil_planes *planes)
 {
 	size_t width = (size_t)(planes->rect.x1 - planes->rect.x0), height = (size_t)(planes->rect.y1 - planes->rect.y0);
-	return rule->hops > 0 ? 3 * rounded(width * height * sizeof(int32_t)) + rounded(height * sizeof(struct sliding_span)) : 0;
+	return rule->reach > 0 ? 3 * rounded(width * height * sizeof(int32_t)) + rounded(height * sizeof(struct sliding_span)) : 0;
 }
 
 /* Returns the columns of a row that a hop must compute, counted from the planes' first column. They are at most `near` posts from a steep
@@ -61,7 +68,7 @@ struct hop {
 	const uint8_t *classes; /* NULL: one soil */
 	int32_t rises[SOIL_CLASSES][2];
 	ptrdiff_t way, stride;
-	bool first;
+	bool first; /* extents are those of the interval before: they count at the hop's end alone */
 };
 
 SOIL_INLINED uint32_t least_of(uint32_t a, uint32_t b)
@@ -84,8 +91,7 @@ SOIL_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32_t 
 			ptrdiff_t at = x + hop->way * (ways[k][0] + ways[k][1] * hop->stride);
 			int32_t other = surfaces[at], difference = (int32_t)((uint32_t)other - (uint32_t)surface), sign = difference >> 31;
 			int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign), least = k < 4 ? axial : diagonal;
-			int32_t by = high >> 11, on_up = begins ? by : (int32_t)(extents[at] & 0xffffu) + by;
-			int32_t on_down = begins ? by : (int32_t)(extents[at] >> 16) + by;
+			int32_t by = high >> 11, on_up = (int32_t)(extents[at] & 0xffffu) + by, on_down = (int32_t)(extents[at] >> 16) + by;
 			int32_t open = (int32_t)(surface != SLIDING_STILL) & (int32_t)(other != SLIDING_STILL) & (int32_t)(high > least);
 			int32_t rises = open & (int32_t)(sign == 0) & (int32_t)(on_up > up), falls = open & (int32_t)(sign != 0) & (int32_t)(on_down > down);
 			up = rises != 0 ? on_up : up;
@@ -125,21 +131,19 @@ static int32_t in_slope(const struct soil_sliding *rule, const struct soil_slidi
 	return rule->apart / cotangent < 1 << 30 ? rule->apart / cotangent : 1 << 30;
 }
 
-/* Posts in later hops and iterations that a hop concerns: in an iteration the posts beside those that slid may become steep. */
-static int64_t after(const struct soil_sliding *rule, int number)
+/* Returns the posts over which the hops after this one go. */
+static int64_t after(int number)
 {
-	int64_t posts = 0;
-	while (++number < rule->hops)
-		posts += rule->ways[number];
-	return posts;
+	return soil_sliding_way(number) - 1;
 }
 
 static void run_hop(const struct slopes *slopes, int number)
 {
 	const struct soil_sliding *rule = slopes->field->rule;
 	const struct soil_planes *planes = slopes->field->planes;
-	const int64_t later = after(rule, number), near = later + rule->iterations + 1;
-	struct hop by = {.way = rule->ways[number], .stride = (ptrdiff_t)slopes->width, .first = number == 0};
+	/* In an iteration the posts beside those that slid may become steep. */
+	const int64_t later = after(number), near = later + rule->iterations + 1;
+	struct hop by = {.way = soil_sliding_way(number), .stride = (ptrdiff_t)slopes->width, .first = number == 0};
 	for (int i = 0; i < rule->class_count; i++)
 		for (int k = 0; k < 2; k++) {
 			int64_t rise = by.way * (int64_t)rule->classes[i].rise[k];
@@ -151,11 +155,36 @@ static void run_hop(const struct slopes *slopes, int number)
 			continue;
 		const struct sliding_span span = span_at(slopes, y, later, near);
 		by.surfaces = slopes->surfaces + y * slopes->width;
-		by.extents = slopes->extents[(number + 1) % 2] + y * slopes->width;
+		by.extents = (number == 0 ? (const uint32_t *)planes->slope : slopes->extents[(number + 1) % 2]) + y * slopes->width;
 		by.classes = planes->classes != NULL ? planes->classes + y * planes->width : NULL;
 		if (span.first < span.end)
 			hop_row(&by, (size_t)span.first, (size_t)span.end, slopes->extents[number % 2] + y * slopes->width);
 	}
+}
+
+/* Returns the size of a difference of two posts; 0: one has no data. */
+static uint32_t apart(int32_t a, int32_t b)
+{
+	const uint32_t difference = (uint32_t)a - (uint32_t)b;
+	return a == SLIDING_STILL || b == SLIDING_STILL ? 0 : difference < 1u << 31 ? difference : 0 - difference;
+}
+
+/*
+ * Returns the share of a slope's steepness that its steepest pair of posts has, 2^-10. A slope falls by g d cos t between neighbours along x or y, if it
+ * heads by t from that axis, and by sqrt(2) g d cos(45 - t) between diagonal ones. The larger cosine is 1 along an axis or a diagonal, and 0.924 between
+ * them. With the tangent q of the smaller angle it is 1 - q^2 / 2 + 3 q^4 / 8, within 0.002.
+ */
+static int32_t share_of_steepest(const int32_t *surface, ptrdiff_t stride)
+{
+	const uint32_t east = apart(surface[1], surface[-1]), north = apart(surface[stride], surface[-stride]);
+	uint32_t high = east > north ? east : north, low = east > north ? north : east;
+	if (high == 0)
+		return 1 << 10;
+	const int bits = 31 - __builtin_clz(high), drop = bits > 20 ? bits - 20 : 0;
+	high >>= drop;
+	low >>= drop;
+	const uint32_t axial = (low << 10) / high, diagonal = ((1024 - axial) << 10) / (1024 + axial), least = least_of(axial, diagonal), square = least * least >> 10;
+	return (int32_t)(1024 - (square >> 1) + (3 * square * square >> 13));
 }
 
 /* Lowers the critical differences of posts to those of their slopes. */
@@ -163,7 +192,7 @@ static void lower_critical(struct sliding_field *field, const struct slopes *slo
 {
 	const struct soil_sliding *rule = field->rule;
 	const struct soil_planes *planes = field->planes;
-	const uint32_t *extents = slopes->extents[(rule->hops - 1) % 2];
+	const uint32_t *extents = slopes->extents[(SOIL_SLOPE_HOPS - 1) % 2];
 	for (size_t y = 0; y < field->height; y++) {
 		const size_t row = y + slopes->below;
 		const struct sliding_span span = span_at(slopes, row, 0, rule->iterations + 1);
@@ -172,6 +201,8 @@ static void lower_critical(struct sliding_field *field, const struct slopes *slo
 			int class = planes->classes != NULL ? planes->classes[row * planes->width + (size_t)x] : 0;
 			class = class < SOIL_CLASSES ? class : SOIL_CLASSES - 1;
 			int32_t limit = in_slope(rule, &rule->classes[class], (int32_t)((extent & 0xffffu) + (extent >> 16)));
+			const int32_t share = share_of_steepest(slopes->surfaces + row * slopes->width + (size_t)x, (ptrdiff_t)slopes->width);
+			limit = (limit >> 10) * share + ((limit & 1023) * share >> 10);
 			limit = limit > rule->slope_least ? limit : rule->slope_least;
 			int32_t *axial = &field->critical[0][y * field->stride + ((size_t)x - slopes->left)];
 			int32_t *diagonal = &field->critical[1][y * field->stride + ((size_t)x - slopes->left)];
@@ -181,17 +212,86 @@ static void lower_critical(struct sliding_field *field, const struct slopes *slo
 	}
 }
 
+/* Gives the least differences that slide in any slope: axial, diagonal. */
+static void least_in_slopes(const struct soil_sliding *rule, int32_t least[2])
+{
+	least[0] = rule->slope_least;
+	least[1] = soil_sliding_diagonal(rule->slope_least);
+	for (int i = 0; i < rule->class_count; i++)
+		for (int k = 0; k < 2; k++)
+			least[k] = rule->classes[i].critical[k] < least[k] ? rule->classes[i].critical[k] : least[k];
+}
+
 void soil_sliding_least_in_slopes(struct sliding_field *field)
 {
-	const struct soil_sliding *rule = field->rule;
-	const int32_t in_slopes[2] = {rule->slope_least, soil_sliding_diagonal(rule->slope_least)};
-	for (int k = 0; k < 2; k++) {
-		int32_t least = soil_sliding_with_tolerance(rule, in_slopes[k]);
-		field->least[k] = least < field->least[k] ? least : field->least[k];
+	int32_t in_slopes[2];
+	least_in_slopes(field->rule, in_slopes);
+	for (int k = 0; k < 2; k++)
+		field->least[k] = soil_sliding_with_tolerance(field->rule, in_slopes[k]);
+}
+
+/* Returns whether soil could slide between two posts of the planes, if the slope was high enough. k: as in `ways`. */
+static bool could_slide_between(const struct slopes *slopes, size_t at, size_t beside, int k)
+{
+	const struct sliding_field *field = slopes->field;
+	int32_t own = slopes->surfaces[at], other = slopes->surfaces[beside], difference = (int32_t)((uint32_t)own - (uint32_t)other);
+	if (own == SLIDING_STILL || other == SLIDING_STILL)
+		return false;
+	const bool gives = difference > 0;
+	int32_t high = gives ? difference : (int32_t)(0u - (uint32_t)difference), more = 1;
+	if (field->rule->undisturbed_stable) {
+		const uint32_t bases = ((uint32_t)field->planes->base[at] - (uint32_t)field->planes->base[beside]) * 4u;
+		more = (int32_t)(gives ? (uint32_t)difference - bases : bases - (uint32_t)difference);
+	}
+	return high > slopes->least[k < 4 ? 0 : 1] && more > 0;
+}
+
+/* Puts the extents of a row into the plane, within a span of columns of the planes. changed: 1 for each that became another, else 0. */
+static void keep_row(const struct slopes *slopes, size_t row, struct sliding_span span, uint8_t *changed)
+{
+	const uint32_t *extents = slopes->extents[(SOIL_SLOPE_HOPS - 1) % 2] + row * slopes->width;
+	uint32_t *const kept = (uint32_t *)slopes->field->planes->slope + row * slopes->width;
+	for (int32_t x = span.first; x < span.end; x++) {
+		const size_t at = row * slopes->width + (size_t)x;
+		bool could = false;
+		for (int k = 0; k < 8 && extents[x] != 0 && !could; k++)
+			could = could_slide_between(slopes, at, at + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)slopes->width), k);
+		const uint32_t extent = could ? extents[x] : 0;
+		changed[x - span.first] = kept[x] != extent;
+		kept[x] = extent;
 	}
 }
 
-bool soil_sliding_slopes(struct sliding_field *field, void *scratch)
+/* Keeps the extents of posts of the field, less `trim` on each side. Marks in field->steeps posts whose extents changed. */
+static void keep(struct sliding_field *field, const struct slopes *slopes, size_t trim)
+{
+	memset(field->steeps, 0, field->width * field->height);
+	for (size_t y = trim; y < field->height - trim; y++) {
+		struct sliding_span span = span_at(slopes, y + slopes->below, 0, 1);
+		const int32_t left = (int32_t)(slopes->left + trim), right = (int32_t)(slopes->left + field->width - trim);
+		span.first = span.first > left ? span.first : left;
+		span.end = span.end < right ? span.end : right;
+		if (span.first < span.end)
+			keep_row(slopes, y + slopes->below, span, field->steeps + y * field->width + ((size_t)span.first - slopes->left));
+	}
+}
+
+/* Returns the columns of a row of the field in which a neighbour is steep, or extents are kept. */
+static struct sliding_span steep_span(const struct slopes *slopes, size_t row)
+{
+	const struct sliding_field *field = slopes->field;
+	const size_t at = (row + slopes->below) * slopes->width + slopes->left;
+	struct sliding_span span = soil_sliding_steep_span(slopes->surfaces + at, slopes->width, field->width, slopes->least);
+	const int32_t *kept = field->planes->slope + at;
+	int32_t first = 0, end = (int32_t)field->width;
+	while (first < end && kept[first] == 0)
+		first++;
+	while (end > first && kept[end - 1] == 0)
+		end--;
+	return soil_sliding_both(span, (struct sliding_span){first, end});
+}
+
+bool soil_sliding_slopes(struct sliding_field *field, size_t trim, void *scratch)
 {
 	const struct soil_planes *planes = field->planes;
 	struct slopes slopes = {
@@ -207,17 +307,19 @@ bool soil_sliding_slopes(struct sliding_field *field, void *scratch)
 	slopes.extents[0] = (void *)((char *)scratch + bytes);
 	slopes.extents[1] = (void *)((char *)scratch + 2 * bytes);
 	slopes.steep = (void *)((char *)scratch + 3 * bytes);
+	least_in_slopes(field->rule, slopes.least);
+	for (size_t y = 0; y < slopes.height; y++)
+		surface_row(planes->base + y * planes->width, planes->offset + y * planes->width, slopes.width, slopes.surfaces + y * slopes.width);
 	for (size_t y = 0; y < field->height; y++) {
-		slopes.steep[y] = soil_sliding_steep_span(field, y);
+		slopes.steep[y] = steep_span(&slopes, y);
 		any = any || slopes.steep[y].first < slopes.steep[y].end;
 	}
 	if (!any)
 		return false;
-	for (size_t y = 0; y < slopes.height; y++)
-		surface_row(planes->base + y * planes->width, planes->offset + y * planes->width, slopes.width, slopes.surfaces + y * slopes.width);
-	for (int number = 0; number < field->rule->hops; number++)
+	for (int number = 0; number < SOIL_SLOPE_HOPS; number++)
 		run_hop(&slopes, number);
 	lower_critical(field, &slopes);
+	keep(field, &slopes, trim);
 	return true;
 }
 

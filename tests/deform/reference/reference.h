@@ -74,6 +74,7 @@ double reference_plate(const struct soil_numbers *soil, double width, double pre
 double reference_janosi(const struct soil_numbers *soil, double pressure, double displacement); /* Pa */
 /* The most shear stress at an object's surface, Pa: the soil shears within itself or slides along the surface. */
 double reference_strength(const struct soil_numbers *soil, const struct soil_interface *interface, double pressure);
+double reference_adhesion(double cohesion); /* Pa: of a surface of which none is given */
 /* Bekker's towed rigid wheel, m; and the resistance that compaction makes at a sinkage, N. */
 double reference_towed(const struct soil_numbers *soil, double load, double width, double diameter);
 double reference_resistance(const struct soil_numbers *soil, double width, double sinkage);

@@ -89,11 +89,18 @@ static struct reference_rest at_rest(double normal, double limit, double load, d
 struct reference_rest reference_rest_flat(const struct soil_numbers *soil, double length, double width, double load,
 					  double slope)
 {
-	double area = length * width, adhesion = soil->cohesion * area, friction = tan(soil->friction_angle);
+	const struct soil_interface none = {.has_friction = false};
+	const double area = length * width;
 	double normal = load * cos(slope);
-	if (load * sin(slope) > adhesion + normal * friction)
-		normal = (load - adhesion * sin(slope)) / (cos(slope) + friction * sin(slope));
-	struct reference_rest rest = at_rest(normal, adhesion + normal * friction, load, slope);
+	if (load * sin(slope) > area * reference_strength(soil, &none, normal / area)) { /* its guide carries it: N cos a + S(N) sin a = W */
+		double low = 0, high = load / cos(slope);
+		for (int i = 0; i < 80; i++) {
+			normal = (low + high) / 2;
+			const double carried = normal * cos(slope) + area * reference_strength(soil, &none, normal / area) * sin(slope);
+			*(carried < load ? &low : &high) = normal;
+		}
+	}
+	struct reference_rest rest = at_rest(normal, area * reference_strength(soil, &none, normal / area), load, slope);
 	rest.sinkage = reference_yield_sinkage(soil, fmin(length, width), normal / area);
 	return rest;
 }
@@ -106,7 +113,14 @@ static struct reference_rest level_at(const struct soil_numbers *soil, double le
 	double upper = deep * cos(slope), lower = (deep - reach * tan(slope)) * cos(slope);
 	double work = reference_yield_work(soil, b, upper) - reference_yield_work(soil, b, fmax(0, lower));
 	double normal = width * work / (cos(slope) * sin(slope));
-	double limit = soil->cohesion * width * reach / cos(slope) + normal * tan(soil->friction_angle);
+	/* Above the depth at which the pressure is the cohesion it touches in part. */
+	double limit = normal * tan(soil->friction_angle);
+	if (soil->cohesion > 0) {
+		double whole = fmin(fmax(reference_yield_sinkage(soil, b, soil->cohesion), lower), upper);
+		double in_part = width * (reference_yield_work(soil, b, whole) - reference_yield_work(soil, b, fmax(0, lower))) / (cos(slope) * sin(slope));
+		double wholly = soil->cohesion * width * reach / cos(slope) * (upper - whole) / (upper - lower);
+		limit += reference_adhesion(soil->cohesion) / soil->cohesion * (in_part + wholly);
+	}
 	struct reference_rest rest = at_rest(normal, limit, load, slope);
 	rest.sinkage = upper;
 	return rest;

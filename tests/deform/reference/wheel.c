@@ -25,9 +25,22 @@ double reference_plate(const struct soil_numbers *soil, double width, double pre
 
 double reference_strength(const struct soil_numbers *soil, const struct soil_interface *interface, double pressure)
 {
-	double own = soil->cohesion + pressure * tan(soil->friction_angle);
+	double touches = soil->cohesion > pressure ? pressure / soil->cohesion : 1;
+	double own = touches * soil->cohesion + pressure * tan(soil->friction_angle);
 	double rubs = pressure * tan(interface->has_friction ? interface->friction_angle : soil->friction_angle);
-	return fmin(own, rubs + (interface->has_adhesion ? interface->adhesion : soil->cohesion));
+	return fmin(own, rubs + touches * (interface->has_adhesion ? interface->adhesion : reference_adhesion(soil->cohesion)));
+}
+
+/* Kilopascals of a table of cohesion and adhesion; between its rows by straight lines, and beyond the last one on. */
+double reference_adhesion(double cohesion)
+{
+	static const double table[][2] = {{0, 0}, {23.94, 23.94}, {47.88, 35.91}, {95.76, 45.486}, {191.52, 62.244}};
+	const double c = cohesion / 1000;
+	size_t row = 1;
+	while (row < sizeof table / sizeof table[0] - 1 && c > table[row][0])
+		row++;
+	const double *low = table[row - 1], *high = table[row];
+	return 1000 * (low[1] + (c - low[0]) * (high[1] - low[1]) / (high[0] - low[0]));
 }
 
 double reference_janosi(const struct soil_numbers *soil, double pressure, double displacement)

@@ -93,6 +93,20 @@ static void stresses(const void *user, double t, double *values)
 	values[SHEAR_MOMENT] = -area * r * shear * cos(t);
 }
 
+/* Adds a part of the arc on which the pressure rises or falls all the way. The strength has a kink where the pressure is the cohesion. */
+static void add_part(const struct arc *arc, double from, double to, double tolerance, double *sums)
+{
+	const double c = arc->soil->cohesion;
+	double low = from, high = to;
+	const bool rises = pressure(arc, to) > pressure(arc, from);
+	for (int i = 0; i < 60; i++) {
+		const double middle = (low + high) / 2;
+		*((pressure(arc, middle) < c) == rises ? &low : &high) = middle;
+	}
+	quadrature_add(stresses, arc, from, low, tolerance, sums);
+	quadrature_add(stresses, arc, low, to, tolerance, sums);
+}
+
 struct reference_rolling_force reference_rolling(const struct soil_numbers *soil, const struct reference_rolling *wheel,
 						 double sinkage)
 {
@@ -105,9 +119,9 @@ struct reference_rolling_force reference_rolling(const struct soil_numbers *soil
 	/* The pressure has a kink where yield begins or ends. */
 	double kink = reference_yield_crossing(soil, wheel->width);
 	double at = kink < sinkage ? angle_of(r, sinkage - kink) : 0;
-	quadrature_add(stresses, &arc, arc.exit, 0, tolerance, sums);
-	quadrature_add(stresses, &arc, 0, at, tolerance, sums);
-	quadrature_add(stresses, &arc, at, arc.entry, tolerance, sums);
+	add_part(&arc, arc.exit, 0, tolerance, sums);
+	add_part(&arc, 0, at, tolerance, sums);
+	add_part(&arc, at, arc.entry, tolerance, sums);
 	return (struct reference_rolling_force){
 		.drawbar = sums[DRAWBAR], .vertical = sums[VERTICAL], .moment = sums[MOMENT],
 		.shear_moment = sums[SHEAR_MOMENT], .shear_vertical = sums[SHEAR_VERTICAL],
