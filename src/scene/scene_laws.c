@@ -52,7 +52,7 @@ static void add(struct scene_laws *out, const char *part, double faces)
 struct moves {
 	double slides;  /* share of its way */
 	double aside;   /* 1: a wheel's sides move into the soil; 0: they move along it */
-	double turns;   /* 1: a wheel's rim slides; 0: it rolls, so that its bars only press down */
+	double turns;   /* 1: a wheel's rim slides; 0: it rolls, so that its bars go straight into the soil */
 };
 static const struct moves unknown = {NAN, NAN, NAN};
 
