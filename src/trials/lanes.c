@@ -14,7 +14,7 @@ struct sums {
 	double count[2], sinkage[2], against[2], drawbar, side, fz, torque; /* torque: of a belt its pull */
 	double overturning, aligning, against_least, against_most;
 	double heap, heap_volume; /* m, m3, at the end */
-	bool sunk;
+	double sunk; /* samples in which the soil did not carry the load */
 };
 
 /* Where a body starts: those of a lane in the order of their passes. */
@@ -121,7 +121,7 @@ static void take(const struct rig *rig, const struct rig_lane *lane, size_t body
 	sums->against[half] -= force[0];
 	sums->against_least = first ? -force[0] : fmin(sums->against_least, -force[0]);
 	sums->against_most = first ? -force[0] : fmax(sums->against_most, -force[0]);
-	sums->sunk |= contact->state == FURROW_SUNK;
+	sums->sunk += contact->state == FURROW_SUNK;
 }
 
 /* Measures the soil ahead of a body's origin that lies above the untouched ground, half a lane to each side. */
@@ -186,7 +186,7 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size
 	};
 	if (driven && row->torque > 0 && row->against < 0 && row->slip > 0)
 		row->efficiency = -row->against * (1 - row->slip) * rig->found.arm / row->torque;
-	row->state = sums->sunk ? RIG_SUNK : state_of(lane, row, sums);
+	row->state = sums->sunk > RIG_SUNK_ABOVE * count ? RIG_SUNK : state_of(lane, row, sums);
 }
 
 /* --- the drive --- */

@@ -27,11 +27,12 @@
 enum rig_state {
 	RIG_STEADY, /* it goes on as it is */
 	RIG_DIGS,   /* it still sinks: over the last quarter of its way by more than RIG_DIGS_ABOVE of its sinkage */
-	RIG_SUNK,   /* the soil does not carry the load */
+	RIG_SUNK,   /* the soil does not carry the load, in more than RIG_SUNK_ABOVE of the last quarter */
 	RIG_SPINS,  /* no slip up to RIG_SLIP_MOST gives so large a torque, or none down to RIG_SLIP_LEAST one so small */
 	RIG_GROWS   /* at a depth: the force against its way differs between the halves of the last quarter by more than RIG_DIGS_ABOVE */
 };
 #define RIG_DIGS_ABOVE 0.05
+#define RIG_SUNK_ABOVE 0.1
 #define RIG_SLIP_LOCKED (-1000.0) /* of a wheel that as good as does not turn */
 #define RIG_SLIP_MOST 0.95
 #define RIG_SLIP_LEAST (-0.9)
