@@ -50,7 +50,7 @@ class Angles(FurrowTest):
             wanted = self.driven(WHEEL, 0.25 - row["sinkage"], angle, 0, 1 - math.cos(math.radians(angle)) * (1 - slip), 2.0)
             for key, value in wanted.items():
                 scale = 600 * 0.25 if key in ("torque", "overturning", "aligning") else 600
-                self.assertAlmostEqual(row[key], value, delta=0.01 * scale, msg=(angle, slip, key))
+                self.assertAlmostEqual(row[key], value, delta=0.015 * scale, msg=(angle, slip, key))
 
     def test_a_blade_is_what_a_drive_by_poses_tells(self):
         for rake in (90, 50):
@@ -59,7 +59,7 @@ class Angles(FurrowTest):
                 reach = 0.03 * math.sin(pitch) + 0.2 * math.cos(pitch)
                 wanted = self.driven(BLADE, reach - 0.1, row["slip_angle"], 90 - rake, None, 1.0)
                 for key in ("against", "side", "fz", "overturning", "aligning"):
-                    self.assertAlmostEqual(row[key], wanted[key], delta=0.01 * wanted["fz"], msg=(rake, row["slip_angle"], key))
+                    self.assertAlmostEqual(row[key], wanted[key], delta=0.01 * max(wanted["fz"], wanted["against"]), msg=(rake, row["slip_angle"], key))
                 self.assertTrue(math.isnan(row["load"]) and row["depth"] == 0.1)
                 self.assertLessEqual(row["against_least"], row["against"])
                 self.assertLessEqual(row["against"], row["against_most"])
@@ -94,7 +94,7 @@ class Angles(FurrowTest):
             self.assertAlmostEqual(locked[key], dragged[key], delta=1e-3 * abs(dragged[key]))
         self.assertLess(locked["torque"], 0)
         still, turns = self.rig("--slip-angle", "90", "--slip", "locked,0.8", "--load", "300")
-        self.assertAlmostEqual(still["drawbar"], 0, delta=0.02 * 300)      # nothing goes along its plane
+        self.assertAlmostEqual(still["drawbar"], 0, delta=0.03 * still["side"])  # nothing goes along its plane
         self.assertGreater(turns["drawbar"], 10 + still["drawbar"])        # its rim does
         self.assertGreater(still["side"], turns["side"])
         self.assertIn("locked", self.ok("rig", "-o", "rig", "--shape", WHEEL, "--slip", "locked", "--spacing", "0.04"))
