@@ -31,8 +31,7 @@ static enum status read_item(const char *option, const char *item, double *list,
 	for (int i = 0; i < found && good; i++)
 		good = parse_number(parts[i], &numbers[i]);
 	if (!good || (found == 3 && !(numbers[2] > 0 && numbers[1] >= numbers[0])))
-		return fail_with(STATUS_USAGE, "rig: --%s %s: is no number and no range; give one as in 0.2 or 0:0.8:0.1%s", option, item,
-				 strcmp(option, "slip") == 0 ? ", or locked" : "");
+		return fail_with(STATUS_USAGE, "rig: --%s %s: is no number and no range; give one as in 0.2 or 0:0.8:0.1", option, item);
 	if (found == 1)
 		return add(option, numbers[0], list, count);
 	const double steps = floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9);

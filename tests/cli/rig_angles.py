@@ -138,7 +138,7 @@ class Angles(FurrowTest):
     def test_what_is_wrong_is_told(self):
         for arguments, part in ((["--yaw", "3", "--slip-angle", "3"], "--slip-angle is the same"), (["--load", "3", "--depth", "0.1"], "loads and depths"),
                                 (["--rake", "40"], "no rake"), (["--slip-angle", "200"], "angle: 200 is out of range; give -180 to 180"),
-                                (["--depth=-1"], "depth: -1 is out of range"), (["--slip", "lock"], "or locked"), (["--speed", "0"], "--speed"),
+                                (["--depth=-1"], "depth: -1 is out of range"), (["--slip", "lock"], "--slip lock: is no number and no range"), (["--speed", "0"], "--speed"),
                                 (["--rake", "0", "--shape", BLADE], "--rake")):
             with self.subTest(arguments=arguments):
                 result = self.furrow("rig", "-o", "r", *arguments)
