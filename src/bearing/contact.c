@@ -361,7 +361,8 @@ enum status bearing_contact_alone(struct bearing *bearing, struct bearing_contac
 struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion)
 {
 	const struct post_rect shadow = soil_shadow(motion->shape, motion->jumped ? &motion->to : &motion->from, &motion->to, bearing->law.spacing);
-	return post_rect_empty(shadow) ? shadow : post_rect_intersect(post_rect_grown(shadow, 2), post_rect_grown(bearing->world, 1));
+	const int64_t around = 2 + soil_faces_reach(&bearing->law, motion);
+	return post_rect_empty(shadow) ? shadow : post_rect_intersect(post_rect_grown(shadow, around), post_rect_grown(bearing->world, 1));
 }
 
 /* Lets member 0 sink into the ground of the window, by a motion. What it displaces is not laid. */

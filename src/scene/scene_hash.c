@@ -243,7 +243,7 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 			add_number(state, scene->soils[i].face_strength);
 		}
 	}
-	if (scene->faces != SCENE_FACES_ON)
+	if (scene->faces != SCENE_FACES_OFF)
 		add_part(state, 'F', (uint64_t)scene->faces);
 	if (scene->normals != SCENE_BODY)
 		add_part(state, 'n', (uint64_t)scene->normals);

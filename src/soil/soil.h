@@ -205,11 +205,19 @@ struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soi
 
 /* The recent motion of a body: its motions, each divided by its way, as a mean in which older ones fade out. So after a long straight way it is the motion for each
  * metre of that way. A body that was set down has none. Axes: east, north, up. */
-struct soil_trend {
+struct soil_recent_motion {
 	double way[3];           /* of the centre, m for each m */
 	double turn[3];          /* rad for each m; a wheel's turning included */
 	double ran;              /* of a belt, m for each m */
 };
+#define SOIL_TREND_NUMBERS 14
+/* whole: its length is the soil's shear modulus; last: it is a twentieth of that, which tells at once where a body turns back. */
+struct soil_trend {
+	struct soil_recent_motion whole, last;
+};
+/* Copies a trend to and from plain numbers, for a record. */
+void soil_trend_save(const struct soil_trend *trend, double numbers[SOIL_TREND_NUMBERS]);
+void soil_trend_load(const double numbers[SOIL_TREND_NUMBERS], struct soil_trend *trend);
 
 /* How a body moved since its last contact: straight, with the attitude of `to`. And how it moves now. Without a last contact from is to. */
 struct soil_motion {
@@ -231,6 +239,9 @@ struct soil_motion {
 
 /* Returns the recent motion of a body after a motion. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
 struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion);
+
+/* Returns how many posts around the shadow of a body its faces read. 0: none of them presses in this motion. Pure. */
+int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *motion);
 
 /* How the soil bears a body. */
 enum soil_state {

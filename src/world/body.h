@@ -143,7 +143,7 @@ enum status world_body_tell(struct world *world, int32_t number, const struct fu
 /* Moves the host's bodies to the states that were set, without a time step. */
 enum status world_move_hosts(struct world *world) FURROW_CHECKED;
 /* The state of a body of a vehicle as numbers, for a record, and back. STATUS_INPUT: they contradict each other. */
-#define WORLD_BODY_NUMBERS 33
+#define WORLD_BODY_NUMBERS (26 + SOIL_TREND_NUMBERS)
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS]);
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS]) FURROW_CHECKED;
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */

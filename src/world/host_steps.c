@@ -167,7 +167,7 @@ static enum status touch(struct world *world, size_t number, const struct soil_p
 		if (!event.contact) { /* off the terrain, or over a hole */
 			status = world_let_go(world, body);
 			body->has_last = false;
-			body->trend = (struct soil_trend){.ran = 0};
+			body->trend = (struct soil_trend){.whole = {.ran = 0}};
 			world_host_absent(world, event.body);
 			continue;
 		}

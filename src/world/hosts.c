@@ -227,7 +227,7 @@ static enum status lift(struct world *world, struct body *body)
 	const enum status status = world_let_go(world, body);
 	world->near.stale = true;
 	body->has_last = false;
-	body->trend = (struct soil_trend){.ran = 0};
+	body->trend = (struct soil_trend){.whole = {.ran = 0}};
 	body->host.fresh = true;
 	body->host.since = body->host.turned = 0;
 	memset(body->host.rotated, 0, sizeof body->host.rotated);

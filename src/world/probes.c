@@ -32,7 +32,7 @@ static struct soil_motion whole_motion(const struct body *body, const struct fur
 	const double unposed = world_rates_unposed(body, state);
 	struct soil_motion motion = {
 		.shape = &object->shape, .interface = object->interface, .from = known ? body->last : *to, .to = *to, .stamped = body->host.stamped,
-		.trend = known ? body->trend : (struct soil_trend){.ran = 0},
+		.trend = known ? body->trend : (struct soil_trend){.whole = {.ran = 0}},
 		.turned = body->host.turned + remainder(to->turn - now->turn, 2 * M_PI) + world_spin(to, state->angular) * unposed, .hosted = true,
 	};
 	if (object->shape.belt) {

@@ -54,11 +54,14 @@ static bool put_force(cJSON *object, const struct world_force *force)
 	return whole;
 }
 
-/* Seven numbers, "number;" each. */
+/* "number;" for each. */
 static bool put_trend(cJSON *object, const struct soil_trend *trend)
 {
-	char text[7 * 32 + 1];
-	snprintf(text, sizeof text, "%a;%a;%a;%a;%a;%a;%a;", trend->way[0], trend->way[1], trend->way[2], trend->turn[0], trend->turn[1], trend->turn[2], trend->ran);
+	double numbers[SOIL_TREND_NUMBERS];
+	char text[SOIL_TREND_NUMBERS * 32 + 1], *at = text;
+	soil_trend_save(trend, numbers);
+	for (int i = 0; i < SOIL_TREND_NUMBERS; i++)
+		at += snprintf(at, 32, "%a;", numbers[i]);
 	return cJSON_AddStringToObject(object, "trend", text) != NULL;
 }
 
@@ -218,13 +221,10 @@ static bool get_numbers(const char *at, size_t count, double *numbers)
 /* Records of earlier versions have none. */
 static bool get_trend(const cJSON *object, struct soil_trend *trend)
 {
-	double n[7];
-	*trend = (struct soil_trend){.ran = 0};
-	if (!cJSON_HasObjectItem(object, "trend"))
-		return true;
-	if (!get_numbers(get_text(object, "trend"), 7, n))
+	double numbers[SOIL_TREND_NUMBERS] = {0};
+	if (cJSON_HasObjectItem(object, "trend") && !get_numbers(get_text(object, "trend"), SOIL_TREND_NUMBERS, numbers))
 		return false;
-	*trend = (struct soil_trend){{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]};
+	soil_trend_load(numbers, trend);
 	return true;
 }
 

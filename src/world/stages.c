@@ -60,7 +60,7 @@ static enum status meet(struct world *world, struct event *event)
 	if (!event->contact) {
 		TRY(world_let_go(world, body));
 		body->has_last = false;
-		body->trend = (struct soil_trend){.ran = 0};
+		body->trend = (struct soil_trend){.whole = {.ran = 0}};
 		body->skipped++;
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;

@@ -3,6 +3,8 @@
 
 #include "world/internal.h"
 
+#define OWN (WORLD_BODY_NUMBERS - SOIL_TREND_NUMBERS)
+
 void world_body_of_vehicle(struct world *world, int32_t number)
 {
 	world_body_hosted(world, (size_t)number)->kind = BODY_VEHICLE;
@@ -24,16 +26,17 @@ void world_body_save(const struct world *world, int32_t number, double numbers[W
 	const struct body *body = world_body_hosted(world, (size_t)number);
 	const struct soil_pose *last = &body->last;
 	const struct furrow_state *now = &body->host.now;
-	const double all[WORLD_BODY_NUMBERS] = {
+	const double all[OWN] = {
 		body->host.placed, body->has_last, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
 		last->turn, body->host.since, body->distance, body->sinkage, body->host.stamped,
 		now->pose.position[0], now->pose.position[1], now->pose.position[2],
 		now->pose.orientation[0], now->pose.orientation[1], now->pose.orientation[2], now->pose.orientation[3],
 		now->linear[0], now->linear[1], now->linear[2], now->angular[0], now->angular[1], now->angular[2],
-		body->trend.way[0], body->trend.way[1], body->trend.way[2], body->trend.turn[0], body->trend.turn[1], body->trend.turn[2], body->trend.ran,
 	};
+	double trend[SOIL_TREND_NUMBERS];
+	soil_trend_save(&body->trend, trend);
 	for (int i = 0; i < WORLD_BODY_NUMBERS; i++)
-		numbers[i] = body->host.placed ? all[i] : 0;
+		numbers[i] = !body->host.placed ? 0 : i < OWN ? all[i] : trend[i - OWN];
 }
 
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS])
@@ -51,7 +54,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	body->host.placed = world->unplaced = true;
 	body->has_last = n[1] != 0;
 	body->last = (struct soil_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
-	body->trend = (struct soil_trend){{n[26], n[27], n[28]}, {n[29], n[30], n[31]}, n[32]};
+	soil_trend_load(n + OWN, &body->trend);
 	body->host.since = n[9];
 	body->distance = n[10];
 	body->sinkage = n[11];

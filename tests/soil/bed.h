@@ -110,7 +110,7 @@ static inline struct soil_motion bed_motion(const struct soil_shape *shape, cons
 static inline struct soil_imprint bed_press(struct bed *bed, const struct soil_motion *motion, int32_t start)
 {
 	const struct soil_laying laying = soil_laying_of(motion->shape, &motion->from, &motion->to, motion->turned, motion->rotated, bed->law.spacing);
-	const struct soil_sink press = {&laying, bed->laid, start};
+	const struct soil_sink press = {.laying = &laying, .soils = bed->laid, .start = start};
 	struct soil_imprint out;
 	assert_ok(soil_sink_body(&bed->law, &bed->planes, motion, &press, bed->work, &out));
 	return out;

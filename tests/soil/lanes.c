@@ -93,7 +93,7 @@ static uint64_t contacts(const struct copy *copy, int *touches)
 			motion.load = i % 3 == 2 ? 600 : 0;
 			motion.stamped = 0.5;
 			const struct soil_laying laying = soil_laying_of(shape, &motion.from, &motion.to, motion.turned, motion.rotated, bed.law.spacing);
-			const struct soil_sink press = {&laying, bed.laid, -100};
+			const struct soil_sink press = {.laying = &laying, .soils = bed.laid, .start = -100};
 			struct soil_probed probed;
 			struct soil_imprint pressed;
 			assert_ok(copy->probe(&bed.law, &bed.planes, &motion, work, &probed));

@@ -83,7 +83,7 @@ static struct told drive(const struct trial *t)
 	for (int i = 0; i <= samples; i++) {
 		const struct soil_motion m = motion_of(t, i, &last);
 		const struct soil_laying laying = soil_laying_of(t->shape, &m.from, &m.to, m.turned, m.rotated, t->spacing);
-		const struct soil_sink sink = {&laying, laid, start};
+		const struct soil_sink sink = {.laying = &laying, .soils = laid, .start = start};
 		struct soil_imprint out;
 		assert_ok(soil_sink_body(&law, &planes, &m, &sink, work, &out));
 		start = out.raised;

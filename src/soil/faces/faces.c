@@ -105,9 +105,29 @@ static void put_soil(const struct soil_numbers *soil, struct soil_faces *faces)
 	faces->unit_weight = (float)soil->unit_weight;
 	faces->wedge_length = (float)tan(M_PI / 4 + soil->friction_angle / 2);
 	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);
-	const double plan = hypot(faces->trend.way[0], faces->trend.way[1]);
+	const double plan = hypot(faces->trend.whole.way[0], faces->trend.whole.way[1]);
 	for (int k = 0; k < 2; k++)
-		faces->d[k] = plan > 1e-9 ? (float)(faces->trend.way[k] / plan) : 0;
+		faces->d[k] = plan > 1e-9 ? (float)(faces->trend.whole.way[k] / plan) : 0;
+}
+
+/* Returns how many posts around a body its faces read: as far as its own heap reaches, and one. */
+static int64_t around_of(const struct soil_law *law, const struct soil_shape *shape)
+{
+	return 1 + (int64_t)ceil(soil_laying_band(shape, law->spacing));
+}
+
+int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *motion)
+{
+	struct soil_body body;
+	struct soil_form form;
+	soil_form_of(law, motion, &body, &form);
+	if (!(form.all_round > 0))
+		return 0;
+	const struct soil_trend trend = soil_trend_after(law, motion);
+	form.bars = (float)soil_bars_carry(motion->shape);
+	soil_trend_put(&body, &trend, &form);
+	/* Whether a mesh is a drum, which rolls, is known only when it is drawn. */
+	return form.kind == FORM_RASTER || slides_most(&form, soil_shape_bound(motion->shape)) > SLID_LEAST ? around_of(law, motion->shape) : 0;
 }
 
 enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
@@ -126,7 +146,7 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 		return STATUS_OK;
 	put_soil(&soil, faces);
 	faces->beyond = (float)(soil_laying_band(shape, law->spacing) * law->spacing);
-	const int64_t around = 1 + (int64_t)ceil((double)faces->beyond / law->spacing);
+	const int64_t around = around_of(law, shape);
 	faces->rect = post_rect_intersect(post_rect_grown(below, around), planes->rect);
 	if (faces->rect.x1 - faces->rect.x0 < 2 || faces->rect.y1 - faces->rect.y0 < 2)
 		return STATUS_OK;

@@ -19,9 +19,8 @@ struct facet_lanes {
 };
 
 /* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. */
-SOIL_INLINED void motion_at(const struct soil_form *f, const float at[3], const float normal[3], float moves[3])
+SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent *m, const float at[3], const float normal[3], float moves[3])
 {
-	const struct soil_recent *m = &f->recent;
 	float rolled[3], turned[3], belt[3];
 	cross3(m->rolling, at, rolled);
 	cross3(m->turning, at, turned);
@@ -32,12 +31,13 @@ SOIL_INLINED void motion_at(const struct soil_form *f, const float at[3], const 
 		moves[k] = m->way[k] + rolls * (rolled[k] + m->ran * belt[k]) + turned[k];
 }
 
-/* Gives the force of a facet for each pascal, m2. moves: of its place, for each metre of the body's way. */
-SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], float tangent,
-			   float force[3], float *presses)
+/* Gives the force of a facet for each pascal, m2. moves: of its place, for each metre of the body's way; lately: the same of the last bit of it. A facet that
+ * backs off does not press: it loses its force within a bit of the way. */
+SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], const float lately[3],
+			   float tangent, float force[3], float *presses)
 {
 	const float size = sqrtf(dot3(moves, moves)), by = 1 / most(size, 1e-9f), v[3] = {moves[0] * by, moves[1] * by, moves[2] * by};
-	const float into = dot3(normal, v), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
+	const float into = least(dot3(normal, v), dot3(normal, lately)), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
 	const float slid = slid_at(f, at[0], at[1]), below = faces_share(slid) * clamped(1 + into * (1 / TRAILS), 0, 1);
 	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * clamped((slid - SLID_LEAST) * (1 / SLID_SIDES), 0, 1);
 	const float share = either(size > 1e-6f, either(under > 0, below, beside), 0) * area;
@@ -73,9 +73,10 @@ SOIL_CLONED static void press_block(const struct soil_form *restrict f, const st
 	place_block(facets, b, axes, l);
 	EACH_LANE {
 		const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
-		float moves[3], force[3], presses;
-		motion_at(f, at, normal, moves);
-		force_of(f, at, normal, l->area[i], l->under[i], moves, tangent, force, &presses);
+		float moves[3], lately[3], force[3], presses;
+		motion_at(f, &f->recent, at, normal, moves);
+		motion_at(f, &f->last, at, normal, lately);
+		force_of(f, at, normal, l->area[i], l->under[i], moves, lately, tangent, force, &presses);
 		for (int k = 0; k < 3; k++)
 			l->force[k][i] = force[k];
 		l->presses[i] = presses;
@@ -126,14 +127,15 @@ void soil_press(const struct soil_body *body, const struct soil_form *form, cons
 void soil_press_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3])
 {
 	const float at[3] = {faces->x[facet], faces->y[facet], faces->z[facet]}, normal[3] = {faces->nx[facet], faces->ny[facet], faces->nz[facet]};
-	float moves[3], before[3], after[3], presses;
-	motion_at(form, at, normal, moves);
+	float moves[3], lately[3], before[3], after[3], presses;
+	motion_at(form, &form->recent, at, normal, moves);
+	motion_at(form, &form->last, at, normal, lately);
 	const float step = STEP * most(sqrtf(dot3(moves, moves)), 0.1f), area = faces->whole[facet];
-	force_of(form, at, normal, area, faces->under[facet], moves, faces->tangent, before, &presses);
+	force_of(form, at, normal, area, faces->under[facet], moves, lately, faces->tangent, before, &presses);
 	for (int j = 0; j < 3; j++) {
 		float moved[3] = {moves[0], moves[1], moves[2]};
 		moved[j] += step;
-		force_of(form, at, normal, area, faces->under[facet], moved, faces->tangent, after, &presses);
+		force_of(form, at, normal, area, faces->under[facet], moved, lately, faces->tangent, after, &presses);
 		for (int k = 0; k < 3; k++)
 			changes[k][j] = (after[k] - before[k]) / step;
 	}

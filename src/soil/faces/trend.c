@@ -10,6 +10,7 @@
 
 #include "soil/shape/body.h"
 
+#define LAST 20.0    /* the short mean forgets so many times as fast */
 #define TURNS_AT 0.5 /* of the distance from the centre that holds the whole body: where turning counts as a way */
 
 static double length_of(const double v[3])
@@ -29,27 +30,46 @@ static double way_of(const struct soil_motion *motion, const double way[3], cons
 	return shape->kind == SOIL_WHEEL || shape->belt ? fmax(counts, (shape->belt ? 1 : soil_body_wheel_radius(shape)) * fabs(motion->turned)) : counts;
 }
 
+/* Lets a motion enter the mean. by: one over its way, 1/m; stays: share that stays of what was before. */
+static void mix(const double way[3], const double spin[3], double ran, double by, double stays, struct soil_recent_motion *mean)
+{
+	for (int k = 0; k < 3; k++) {
+		mean->way[k] = way[k] * by + stays * (mean->way[k] - way[k] * by);
+		mean->turn[k] = spin[k] * by + stays * (mean->turn[k] - spin[k] * by);
+	}
+	mean->ran = ran * by + stays * (mean->ran - ran * by);
+}
+
 struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion)
 {
-	const struct soil_trend *before = &motion->trend;
+	struct soil_trend after = motion->trend;
 	const int64_t moved[3] = {motion->to.x - motion->from.x, motion->to.y - motion->from.y, motion->to.z - motion->from.z};
 	double way[3], spin[3], modulus = 0;
 	if (motion->jumped)
-		return (struct soil_trend){.ran = 0};
+		return (struct soil_trend){.whole = {.ran = 0}};
 	for (int i = 0; i < law->soil_count; i++)
 		modulus += law->soils[i].janosi_shear / law->soil_count;
 	for (int k = 0; k < 3; k++)
 		way[k] = lattice_offset_metres(moved[k]) + motion->beyond[k];
 	soil_form_spin(motion, spin);
-	const double counts = way_of(motion, way, spin), by = counts > 0 ? 1 / counts : 0, stays = counts > 0 ? (double)exp_minus((float)(counts / modulus)) : 1;
-	struct soil_trend after;
-	for (int k = 0; k < 3; k++) {
-		after.way[k] = way[k] * by + stays * (before->way[k] - way[k] * by);
-		after.turn[k] = spin[k] * by + stays * (before->turn[k] - spin[k] * by);
-	}
-	const double ran = motion->shape->belt ? motion->turned * by : 0;
-	after.ran = ran + stays * (before->ran - ran);
+	const double counts = way_of(motion, way, spin), ran = motion->shape->belt ? motion->turned : 0;
+	if (!(counts > 0))
+		return after;
+	mix(way, spin, ran, 1 / counts, (double)exp_minus((float)(counts / modulus)), &after.whole);
+	mix(way, spin, ran, 1 / counts, (double)exp_minus((float)(counts / modulus * LAST)), &after.last);
 	return after;
+}
+
+_Static_assert(sizeof(struct soil_trend) == SOIL_TREND_NUMBERS * sizeof(double), "plain numbers");
+
+void soil_trend_save(const struct soil_trend *trend, double numbers[SOIL_TREND_NUMBERS])
+{
+	memcpy(numbers, trend, sizeof *trend);
+}
+
+void soil_trend_load(const double numbers[SOIL_TREND_NUMBERS], struct soil_trend *trend)
+{
+	memcpy(trend, numbers, sizeof *trend);
 }
 
 static void into_frame(const struct soil_body *body, const double v[3], float out[3])
@@ -59,13 +79,18 @@ static void into_frame(const struct soil_body *body, const double v[3], float ou
 	out[2] = (float)v[2];
 }
 
+static void put_recent(const struct soil_body *body, const struct soil_form *form, const struct soil_recent_motion *motion, struct soil_recent *recent)
+{
+	const double plan = hypot(motion->way[0], motion->way[1]);
+	into_frame(body, motion->way, recent->way);
+	into_frame(body, motion->turn, recent->turn);
+	soil_form_split(form, recent->turn, recent->rolling, recent->turning);
+	recent->ran = (float)motion->ran;
+	recent->along_ground = plan > 0 ? (float)(hypot(plan, soil_form_level_share(plan, motion->way[2]) * motion->way[2]) / plan) : 1;
+}
+
 void soil_trend_put(const struct soil_body *body, const struct soil_trend *trend, struct soil_form *form)
 {
-	struct soil_recent *recent = &form->recent;
-	const double plan = hypot(trend->way[0], trend->way[1]);
-	into_frame(body, trend->way, recent->way);
-	into_frame(body, trend->turn, recent->turn);
-	soil_form_split(form, recent->turn, recent->rolling, recent->turning);
-	recent->ran = (float)trend->ran;
-	recent->along_ground = plan > 0 ? (float)(hypot(plan, soil_form_level_share(plan, trend->way[2]) * trend->way[2]) / plan) : 1;
+	put_recent(body, form, &trend->whole, &form->recent);
+	put_recent(body, form, &trend->last, &form->last);
 }

@@ -10,7 +10,7 @@ struct lane_changes {
 	float stiffness[6][6][LANES], damping[6][6][LANES];
 };
 
-/* The places of the lanes, as a probe needs them: means of both places of a lane, by area. That of holds is by how much the stress there grows, too. */
+/* The places of the lanes, as a probe needs them: means of both places of a lane, by area. */
 struct lane_places {
 	float area[LANES], ground[LANES], stress[LANES], strength[LANES], holds[LANES], sinks[LANES], damps[LANES];
 	float arm[3][LANES], normal[3][LANES], across[2][3][LANES], mobilised[2][LANES], dragged[2][LANES], shears[2][2][LANES], drags[2][2][LANES], bends[3][LANES];
@@ -24,7 +24,7 @@ SOIL_INLINED void add_place(const struct place *place, const float bends[3], int
 	all->ground[i] += place->ground;
 	all->stress[i] += area * place->stress;
 	all->strength[i] += area * place->strength;
-	all->holds[i] += area * place->sinks * place->holds;
+	all->holds[i] += area * place->holds;
 	all->sinks[i] += area * place->sinks;
 	all->damps[i] += area * place->damps;
 	for (int k = 0; k < 3; k++) {
@@ -49,7 +49,7 @@ SOIL_INLINED struct place mean_of(const struct lane_places *all, int i)
 {
 	const float by = 1 / most(all->area[i], 1e-30f);
 	struct place mean = {
-		.area = all->area[i], .ground = all->ground[i], .stress = all->stress[i] * by, .strength = all->strength[i] * by, .holds = all->holds[i] / most(all->sinks[i], 1e-30f),
+		.area = all->area[i], .ground = all->ground[i], .stress = all->stress[i] * by, .strength = all->strength[i] * by, .holds = all->holds[i] * by,
 		.sinks = all->sinks[i] * by, .damps = all->damps[i] * by,
 	};
 	for (int k = 0; k < 3; k++) {

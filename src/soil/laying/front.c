@@ -15,12 +15,16 @@
 
 #define LANE_POSTS 512      /* posts of a lane ahead of the patch, at most */
 #define SMOOTHINGS_LEAST 2  /* of what lanes give, each from a lane to those beside it: lanes cut the lattice unevenly */
-#define SMOOTHINGS_MOST 512
+#define SMOOTHINGS_MOST 1024
 #define FLOWS_OFF 4         /* from an angle whose sine is 1 / 4 on soil flows off at the trailing end */
 #define OBLIQUE_MOST 0.999
-#define HIGHEST 1e4         /* posts */
-#define MIXES 8             /* soil that is pushed mixes along the front, by a standard deviation of this part of its length */
+#define HIGHEST 1e4         /* posts: of a heap */
+/* A heap falls by these parts of the tangent of the angle of repose: from its crest to the ends of the front, and across the front. Both together are as steep as repose. */
+#define TO_ENDS 0.5
+#define ACROSS 0.8660254037844386
+#define MIXES 5             /* soil that is pushed mixes along the front, by a standard deviation of this part of its length */
 #define NEAR_ENDS (3 << 16) /* 2^-16 post: lanes beside each other exchange soil if their patches end at no more from each other */
+#define HALF_POST (1 << 15) /* 2^-16 post: from the last post of a patch to the face of the body, about */
 #define BLURRED 0.5         /* posts squared: a front that is no longer than this has no direction */
 #define DEEPEST 63          /* halvings of a range of levels, at most */
 #define LAID_MOST (1 << 28) /* fixed-point units: the most soil that a post gets */
@@ -165,7 +169,7 @@ static void add_post(const struct front *front, int lane, int64_t x, int64_t y, 
 	if ((field->contact[at] & (SOIL_LOWERED | SOIL_HELD)) != 0 || is_hollow(front, at) || field->base[at] == BASE_NODATA)
 		return;
 	const int64_t height = 4 * (int64_t)field->base[at] + front->offset[at];
-	posts[(*count)++] = (struct lane_post){height + ((front->fall * far) >> 16), (int32_t)at, (int32_t)row, (int32_t)column};
+	posts[(*count)++] = (struct lane_post){height + ((front->fall * (far - HALF_POST)) >> 16), (int32_t)at, (int32_t)row, (int32_t)column};
 }
 
 /* Lists the free posts of a lane ahead of its patch. */
@@ -211,7 +215,8 @@ static void find_rooms(struct front *front, int first, int last)
 {
 	for (int i = first; i <= last; i++) {
 		const double right = (i - first + 0.5) / (1 - front->oblique[0]), left = (last - i + 0.5) / (1 - front->oblique[1]);
-		front->lanes[i].room = room_of(front, i, front->underside + (int64_t)(fmin(fmin(right, left), HIGHEST) * (double)front->fall));
+		const int64_t high = (int64_t)(fmin(fmin(right, left), HIGHEST) * TO_ENDS / ACROSS * (double)front->fall);
+		front->lanes[i].room = room_of(front, i, front->underside + lesser(high, front->field->laying->tall));
 	}
 }
 
@@ -299,6 +304,7 @@ int64_t soil_lay_front(const struct laying_field *field, const struct soil_measu
 	for (int i = 0; i < SOIL_CLASSES; i++)
 		if (measured->classes >> i & 1 && soils[i].fall < front.fall)
 			front.fall = soils[i].fall;
+	front.fall = (int64_t)(ACROSS * (double)front.fall);
 	find_lanes(&front, measured);
 	int64_t *gets = (int64_t *)(front.lanes + front.count), laid = 0;
 	int wide = 0;

@@ -206,6 +206,8 @@ void soil_lay(const struct soil_laying *laying, const struct soil_measured *meas
 	}
 	if (rest > 0)
 		lay_beside(&field, measured, soils, rest, (struct strip_run *)((char *)field.apart + apart_bytes(width, height)), deposits + at, result);
+	if (post_rect_empty(result->posts))
+		return;
 	result->posts.x0 += field.x0;
 	result->posts.x1 += field.x0;
 	result->posts.y0 += field.y0;

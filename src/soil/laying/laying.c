@@ -184,6 +184,7 @@ struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct s
 		laying.heading = 0;
 		push[0] = 0;
 	}
+	laying.tall = (int64_t)(0x1p20 * (soil_shape_reach(shape, to->pitch, to->roll) + soil_shape_reach(shape, -to->pitch, to->roll + M_PI)));
 	share(&laying, push);
 	put_push(&laying, push, way, dz);
 	place_frame(&laying, to, spacing);

@@ -51,6 +51,7 @@ struct soil_laying {
 	double slides;     /* share of its motion by which it slides level and pushes, 0 .. 1: what it displaces by that is carried whole */
 	bool front;        /* the part `pushed` of the soil is laid ahead of the front that pushes; false: all of it by `shares` */
 	int32_t pushed;    /* 2^-16 */
+	int64_t tall;      /* fixed-point units: of the body. What is pushed is heaped no higher */
 };
 /* Tells how a contact from one pose to the other lays soil. turned: how far a wheel turned about its axis, rad, or a belt ran, m. rotated: how far another
  * body turned about local axes, rad; NULL: not. */
