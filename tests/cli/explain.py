@@ -260,7 +260,7 @@ class Explain(FurrowTest):
 end_time: 1
 spacing: 0.05
 soil: {name: dry_sand}
-redistribute: {model: scm}
+redistribute: {model: scm, faces: on}
 objects:
   - {name: rolls, shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, path: {points: [[10, 10], [20, 10]], speed: 1}}
   - {name: too, shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, path: {points: [[10, 20], [20, 20]], speed: 1}}
@@ -282,7 +282,7 @@ objects:
         off = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.faces=off")["laws"]
         self.assertEqual([part["faces"] for part in off["aside"]["parts"] + off["blade"]["parts"]], [0] * 5)
         self.assertGreaterEqual(told["aside"]["error"], told["rolls"]["error"])
-        box = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.model=box", "--set", "soil=null", "--set", "objects.rolls.load=null",
+        box = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.model=box", "--set", "redistribute.faces=null", "--set", "soil=null", "--set", "objects.rolls.load=null",
                         "--set", "objects.too.load=null", "--set", "objects.aside.load=null")
         self.assertEqual(box["laws"], {})
 

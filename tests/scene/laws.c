@@ -9,7 +9,7 @@ static void tell(const char *object, double spacing, struct scene_laws *out)
 {
 	char text[700];
 	struct scene *scene;
-	snprintf(text, sizeof text, "scene: 1\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nobjects:\n  - {name: a, %s}\n", object);
+	snprintf(text, sizeof text, "scene: 1\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm, faces: on}\nobjects:\n  - {name: a, %s}\n", object);
 	if (load_text(text, NULL, 0, &scene) != STATUS_OK)
 		fail_msg("%s: %s", object, failure_message());
 	assert_true(scene_laws_of(scene, &scene->objects[0], spacing, out));
