@@ -111,7 +111,7 @@ def header_of(found):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("furrow")
-    parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'bulldozing: 0'")
+    parser.add_argument("--redistribute", default="faces: on", help="keys for every scene, as in 'faces: off' (faces: on)")
     parser.add_argument("--header", type=pathlib.Path, help="src/scene/scene_faces_errors.h")
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the table goes between its markers `faces`")
     record.add_option(parser)

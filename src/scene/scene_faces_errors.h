@@ -12,19 +12,19 @@ static const struct {
 	double posts;
 	int errors[SCENE_FACES_WHEELS];
 } scene_faces_wheels[SCENE_FACES_ROWS] = {
-	{4, {10, 38, 19, 6}},
-	{8, {3, 9, 11, 4}},
-	{16, {1, 3, 6, 2}},
-	{32, {1, 1, 1, 1}},
+	{4, {10, 7, 3, 5}},
+	{8, {3, 3, 2, 3}},
+	{16, {1, 1, 2, 2}},
+	{32, {1, 1, 1, 2}},
 };
 static const struct {
 	double posts;
 	int error;
 } scene_faces_blades[SCENE_FACES_ROWS] = {
-	{1.6, 111},
-	{3.2, 11},
-	{6.4, 11},
-	{12.8, 9},
+	{1.6, 2},
+	{3.2, 1},
+	{6.4, 1},
+	{12.8, 1},
 };
 
 #endif

@@ -9,13 +9,9 @@
 #include "scene/scene_faces_errors.h"
 
 #define BRAKED (-0.3) /* a slip below it: of the bench's wheels the locked one is nearest */
-#define SLID_LEAST 0.01
-#define SLID_POWER 0.6
-
 static bool has_faces(const struct scene *scene)
 {
-	(void)scene;
-	return true;
+	return scene->faces == SCENE_FACES_ON;
 }
 
 /* Returns true if an object has one place. */
@@ -27,22 +23,6 @@ static bool is_fixed(const struct scene_path *path)
 	return path->count > 0;
 }
 
-/* Returns the share of its way that a rim or a belt slides. That is what it goes beyond what it rolls off. With bars it is what its surface goes over the ground. */
-static double slid_of(const struct scene_object *object)
-{
-	const double turned = object->path.attitude[0], along = turned != 0 ? 1 : scene_slip_way(object, 1, 0, 0);
-	const double goes[2] = {cos(turned), -sin(turned)}, runs = along / (1 - object->slip), off = fmin(runs, fmax(goes[0], 0));
-	const double braked = hypot(goes[0] - off, goes[1]), whole = hypot(goes[0] - runs, goes[1]);
-	const double smooth = braked / fmax(fmax(1, runs * goes[0]), 0.1 * runs);
-	return fmin(object->shape.grousers > 0 ? whole / fmax(1, runs) : smooth, 1);
-}
-
-/* Returns what share 3D-RFT has where so much of the way is slid. */
-static double share_of(double slid)
-{
-	return slid > SLID_LEAST ? pow((slid - SLID_LEAST) / (1 - SLID_LEAST), SLID_POWER) : slid >= 0 ? 0 : (double)NAN;
-}
-
 static void add(struct scene_laws *out, const char *part, double faces)
 {
 	out->parts[out->count++] = (struct scene_law_part){part, faces};
@@ -51,17 +31,18 @@ static void add(struct scene_laws *out, const char *part, double faces)
 /* How a body moves over the ground. NAN: not known. */
 struct moves {
 	double slides;  /* share of its way */
+	double below;   /* share that 3D-RFT has below it */
 	double aside;   /* 1: a wheel's sides move into the soil; 0: they move along it */
 	double turns;   /* 1: a wheel's rim slides; 0: it rolls, so that its bars go straight into the soil */
 };
-static const struct moves unknown = {NAN, NAN, NAN};
+static const struct moves unknown = {NAN, NAN, NAN, NAN};
 
 static void find_parts(const struct scene *scene, const struct soil_shape *shape, const struct moves *moves, struct scene_laws *out)
 {
 	const bool faces = has_faces(scene), wheel = shape->kind == SOIL_WHEEL;
 	*out = (struct scene_laws){.slides = moves->slides, .wheel = wheel, .posts = NAN};
 	const double beside = isnan(moves->slides) ? moves->slides : moves->slides > 0;
-	add(out, wheel ? "rim" : "underside", faces ? share_of(moves->slides) : 0);
+	add(out, wheel ? "rim" : "underside", faces ? moves->below : 0);
 	add(out, wheel ? "sides" : "front and sides", !faces ? 0 : wheel ? moves->aside : beside);
 	if (wheel && shape->grousers > 0)
 		add(out, "bars", faces ? moves->turns : 0);
@@ -75,9 +56,12 @@ static struct moves moves_of(const struct scene_object *object)
 	if (hosted || (object->path.has_attitude && wheel))
 		return unknown;
 	if (is_fixed(&object->path))
-		return (struct moves){0, 0, 0};
+		return (struct moves){0, 0, 0, 0};
 	const bool aside = fabs(sin(turned[0])) > 1e-9;
-	return (struct moves){soil_shape_runs(&object->shape) ? slid_of(object) : 1, aside, aside || object->slip != 0};
+	const double way[2] = {cos(turned[0]), -sin(turned[0])};
+	struct moves moves = {.aside = aside, .turns = aside || object->slip != 0};
+	moves.slides = soil_slid(&object->shape, way, soil_shape_runs(&object->shape) ? 1 / (1 - object->slip) : 0, &moves.below);
+	return moves;
 }
 
 /* --- what the spacing costs --- */

@@ -141,6 +141,10 @@ double soil_own_adhesion(double cohesion);
 /* Returns the share of a surface, 0 .. 1, on which cohesion and adhesion hold under a normal stress, Pa: stress / cohesion, at most 1. */
 double soil_touching_share(const struct soil_numbers *soil, double stress);
 
+/* Returns the share of its way, 0 to 1, that a body slides on level ground. way: how it goes in its own axes, forward and left, of length 1. runs: how far its rim or belt
+ * runs meanwhile; 0: it does not run. *faces: the share that 3D-RFT has below it; Bekker and Janosi have the rest. Pure. */
+double soil_slid(const struct soil_shape *shape, const double way[2], double runs, double *faces);
+
 /* m: a body that slips less in a contact digs nothing. Poses are whole fixed-point units of 2^-20 m, so a wheel that rolls without slip seems to
  * slip by some of them. Then a drive in which nothing slips digs nothing, whether or not it keeps what was dug. */
 #define SOIL_SLIP_LEAST 0x1p-18

@@ -260,7 +260,7 @@ class Explain(FurrowTest):
 end_time: 1
 spacing: 0.05
 soil: {name: dry_sand}
-redistribute: {model: scm}
+redistribute: {model: scm, faces: on}
 objects:
   - {name: rolls, shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, path: {points: [[10, 10], [20, 10]], speed: 1}}
   - {name: too, shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, path: {points: [[10, 20], [20, 20]], speed: 1}}
@@ -278,8 +278,10 @@ objects:
         self.assertAlmostEqual(told["rolls"]["posts_over_radius"], posts, delta=1e-9)
         self.assertIn(f"{posts:.2g} posts over its radius: its level force may be off by about {round(100 * told['rolls']['error'])} % of its load", text)
         self.assertAlmostEqual(told["blade"]["posts_over_depth"], posts / 4, delta=1e-9)
-        self.assertEqual([part["faces"] for part in told["aside"]["parts"]], [1, 1, 1])
-        box = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.model=box", "--set", "soil=null", "--set", "objects.rolls.load=null",
+        self.assertEqual([round(part["faces"], 5) for part in told["aside"]["parts"]], [1, 1, 1])
+        off = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.faces=off")["laws"]
+        self.assertEqual([part["faces"] for part in off["aside"]["parts"] + off["blade"]["parts"]], [0] * 5)
+        box = self.json("explain", scene, "--store", "world.furrow", "--set", "redistribute.model=box", "--set", "redistribute.faces=null", "--set", "soil=null", "--set", "objects.rolls.load=null",
                         "--set", "objects.too.load=null", "--set", "objects.aside.load=null")
         self.assertEqual(box["laws"], {})
 

@@ -98,6 +98,12 @@ class FitSoil(FurrowTest):
         self.assertNotIn("lunar", set_["scene"]["values"].values())
         self.assertIn("no.yaml", self.refused(3, "explain", same, "--set", "soil=no.yaml"))
         self.assertIn("--set soil=utv.xml: not a soil file; give one that ends in .yaml", self.refused(2, "explain", same, "--set", "soil=utv.xml"))
+        # A penetration alone: all else is that of the named soil.
+        self.ok("fit-soil", "--penetration", PENETRATION, "--area", "0.0025", "-o", "faces.yaml")
+        self.ok("drive", self.scene(SCENE + (self.folder / "faces.yaml").read_text()), "--store", "world.furrow", "--overlay", "faces.furrow", "-o", "faces")
+        faces = json.loads((self.folder / "faces/run.json").read_text())["soils"][0]
+        self.assertAlmostEqual(faces["face_strength"], self.json("fit-soil", "--penetration", PENETRATION, "--area", "0.0025")["soil"]["face_strength"], delta=1)
+        self.assertEqual(faces["cohesion"], 1040)
         # Plates alone: the strength is that of the named soil.
         self.ok("fit-soil", PLATE, "-o", "soil.yaml", "--soil", "lete_sand")
         scene = self.scene(SCENE + (self.folder / "soil.yaml").read_text())

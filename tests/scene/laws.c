@@ -6,13 +6,11 @@
 #include "../support/near.h"
 #include "../support/program.h"
 
-#define SHARE(slid) pow(((slid) - 0.01) / 0.99, 0.6) /* of 3D-RFT, where so much is slid */
-
 static void tell(const char *object, double spacing, struct scene_laws *out)
 {
 	char text[700];
 	struct scene *scene;
-	snprintf(text, sizeof text, "scene: 1\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nobjects:\n  - {name: a, %s}\n", object);
+	snprintf(text, sizeof text, "scene: 1\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm, faces: on}\nobjects:\n  - {name: a, %s}\n", object);
 	if (load_text(text, NULL, 0, &scene) != STATUS_OK)
 		fail_msg("%s: %s", object, failure_message());
 	assert_true(scene_laws_of(scene, &scene->objects[0], spacing, out));
@@ -29,7 +27,7 @@ static double share_of(const struct scene_laws *laws, const char *part)
 
 #define WAY "path: {points: [[10, 10], [20, 10]], speed: 1}"
 #define WHEEL "shape: {wheel: {radius: 0.4, width: 0.2}}, load: 900, " WAY
-#define BARS "shape: {wheel: {radius: 0.4, width: 0.2, grousers: 12}}, load: 900, " WAY
+#define BARS "shape: {wheel: {radius: 0.4, width: 0.2, grousers: 60}}, load: 900, " WAY /* so close that they carry the soil between them */
 
 static void a_wheel_presses_by_the_share_of_its_way_that_it_slides(void **state)
 {
@@ -50,17 +48,21 @@ static void a_wheel_presses_by_the_share_of_its_way_that_it_slides(void **state)
 		{BARS ", slip: -1", 0.5, 0, 1},
 		{BARS ", attitude: [90, 0, 0]", 1, 1, 1},
 	};
+	double rim_most = 0;
 	for (size_t i = 0; i < sizeof wheels / sizeof *wheels; i++) {
 		struct scene_laws laws;
 		tell(wheels[i].object, 0.05, &laws);
 		const double slides = wheels[i].slides;
-		assert_near(laws.slides, slides, 1e-12);
-		assert_near(share_of(&laws, "rim"), slides == 0 ? 0 : SHARE(slides), 1e-12);
+		assert_near(laws.slides, slides, 1e-5);
+		const double rim = share_of(&laws, "rim");
+		assert_true(rim == 0 ? slides == 0 : rim > slides - 0.01 && rim <= 1); /* the law's power is below 1 */
+		rim_most = slides < 0.99 ? fmax(rim, rim_most) : rim_most;
 		assert_near(share_of(&laws, "sides"), wheels[i].sides, 0);
 		assert_near(share_of(&laws, "bars"), wheels[i].bars, 0);
 		assert_int_equal(laws.count, wheels[i].bars < 0 ? 2 : 3);
 		assert_true(laws.wheel && fabs(laws.posts - 8) < 1e-12);
 	}
+	assert_true(rim_most > 0.5 && rim_most < 0.9); /* where half of the way is slid */
 }
 
 static void other_bodies_slide_all_of_their_way(void **state)
