@@ -133,7 +133,7 @@ static void gather_memory(struct bearing *bearing, const struct tile_slot *held,
 	if (post_rect_empty(part) || bearing->window.planes.sinkage == NULL)
 		return;
 	bearing_window_part(&bearing->window, part, &planes);
-	planes.base = planes.offset = planes.deposited = NULL;
+	planes.base = planes.offset = planes.deposited = planes.slope = NULL;
 	planes.disturbance = planes.classes = planes.levels = NULL;
 	resident_host_gather(bearing->slots, held, count, &planes);
 }
