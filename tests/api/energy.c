@@ -69,13 +69,13 @@ static const struct soil_of {
 #define SOILS (sizeof soils / sizeof *soils)
 static const double spacings[] = {0.08, 0.04, 0.02, 0.01};
 
-static struct furrow_world *open_world(const struct soil_of *soil, double spacing, double bulldozing, double slip_sinkage)
+static struct furrow_world *open_world(const struct soil_of *soil, double spacing, double bulldozing, double slip_sinkage, double loosening)
 {
 	char scene[400];
 	struct furrow_world *world = NULL;
 	const char *store = support_path("energy.furrow");
-	snprintf(scene, sizeof scene, "{scene: 1, time_step: %g, spacing: %g, soil: {name: %s, damping: 0}, redistribute: {model: scm, bulldozing: %g, slip_sinkage: %g}, cache: {slots: 64}}",
-		 ROW, spacing, soil->name, bulldozing, slip_sinkage);
+	snprintf(scene, sizeof scene, "{scene: 1, time_step: %g, spacing: %g, soil: {name: %s, damping: 0}, redistribute: {model: scm, bulldozing: %g, slip_sinkage: %g, loosening: %g}, cache: {slots: 64}}",
+		 ROW, spacing, soil->name, bulldozing, slip_sinkage, loosening);
 	support_store(store, extent, level);
 	const struct furrow_open open = hosted_open(scene, store);
 	done(furrow_world_open(&open, &world));
@@ -330,7 +330,7 @@ static void sweep(double bulldozing, double slip_sinkage, const double most[4])
 				for (int m = 0; m < MOTIONS; m++) {
 					if (!is_due(s, p, b, m, p == 3 ? 60 : 40))
 						continue;
-					struct furrow_world *world = open_world(&soils[s], spacings[p], bulldozing, slip_sinkage);
+					struct furrow_world *world = open_world(&soils[s], spacings[p], bulldozing, slip_sinkage, 0);
 					const double gave = gives(world, &bodies[b], m, soils[s].deep);
 					done(furrow_world_close(world));
 					worst = support_most(worst, gave);
@@ -404,7 +404,7 @@ static void a_second_push_gives_back_the_elastic_energy(void **state)
 	for (size_t b = 0; b < sizeof pushed / sizeof *pushed; b++)
 		for (size_t p = 0; p < sizeof spaced / sizeof *spaced; p++) {
 			const struct energy_body body = {pushed[b].name, pushed[b].shape, 0, 0, pushed[b].radius > 0 ? pushed[b].radius : pushed[b].side / 2, 0};
-			struct furrow_world *world = open_world(&soils[0], spaced[p], 0.5, 0);
+			struct furrow_world *world = open_world(&soils[0], spaced[p], 0.5, 0, 0.67);
 			struct energy_host host = begin(world, &body, 20 * DEGREES);
 			const double elastic = elastic_energy(&pushed[b], &soils[0]);
 			double most = 0;

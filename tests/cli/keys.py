@@ -163,7 +163,7 @@ ROWS = {
     "redistribute.tolerance": (LOOSE, {"redistribute.tolerance": "0.05"}),
     "redistribute.bulldozing": (SCM, {"redistribute.bulldozing": "1"}),
     "redistribute.slip_sinkage": (SCM, {"redistribute.slip_sinkage": "4"}),
-    "redistribute.loosening": (RUT, {"redistribute.loosening": "0"}),
+    "redistribute.loosening": (RUT, {"redistribute.loosening": "0.67"}),
     "redistribute.hardening": (RUT, {"redistribute.hardening": "0.5"}),
     "redistribute.faces": ({**SCM, "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.faces": "on"}),
     "redistribute.normals": (SCM, {"redistribute.normals": "ground"}),

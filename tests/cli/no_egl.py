@@ -6,7 +6,7 @@ import sqlite3
 
 from furrow_test import MAPS, FurrowTest, main
 
-TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor")
+TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug")
 SCENE = """scene: 1
 time_step: 0.004
 end_time: 2

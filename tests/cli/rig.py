@@ -49,7 +49,7 @@ class Rig(FurrowTest):
             found = []
             for passes in (1, 2, 3, 4):
                 row, = self.rig("--load", "5000", "--slip", "0.2", "--passes", str(passes), "--spacing", "0.04",
-                                "--set", f"redistribute.hardening={hardening}", wheel="wheel: {radius: 0.5, width: 0.3}")
+                                "--set", f"redistribute.hardening={hardening}", "--set", "redistribute.loosening=0.67", wheel="wheel: {radius: 0.5, width: 0.3}")
                 found.append((row["sinkage"], row["drawbar"]))
             deeper = [after[0] - before[0] for before, after in zip(found, found[1:])]
             self.assertTrue(deeper[0] > deeper[1] > deeper[2] > 0, found)

@@ -27,7 +27,7 @@ static inline double gentle(int64_t x, int64_t y)
 #define WHEEL "wheel: {radius: 1.5, width: 1"
 #define SOIL "soil: {name: dry_sand}\n"
 #define SCM SOIL "redistribute: {model: scm}\n"
-#define FIRM_SCM SOIL "redistribute: {model: scm, loosening: 0}\n"
+#define LOOSE_SCM SOIL "redistribute: {model: scm, loosening: 0.67}\n"
 #define DENSE_SCM SOIL "redistribute: {model: scm, hardening: 0.5}\n"
 #define STILL_SCM SOIL "redistribute: {model: scm, slip_sinkage: 0}\n" /* slip does not dig */
 

@@ -11,7 +11,7 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 		double depth, bulldozing, slip_sinkage, loosening;
 	} models[] = {{"sumner", DEFORM_SUMNER, (double)INFINITY, 0, 0, 0},
 		      {"slippage", DEFORM_SLIPPAGE, (double)INFINITY, 0, 0, 0},
-		      {"scm", DEFORM_SCM, 0, 0.5, 1.35, 0.67}};
+		      {"scm", DEFORM_SCM, 0, 0.5, 1.35, 0}};
 	for (size_t i = 0; i < 3; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
 		assert_int_equal(scene->model, models[i].is);
@@ -73,7 +73,7 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 {
 	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
 	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
-	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) | EFFECT_BIT(EFFECT_LOOSE) |
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) |
 							 EFFECT_BIT(EFFECT_LOAD) | EFFECT_BIT(EFFECT_FORCES) | CACHE_EFFECTS);
 	char reason[80];
 	scene_effect_reason(scene, EFFECT_FORCES, reason, sizeof reason); /* forces are summed for the load */
@@ -243,7 +243,7 @@ static void each_model_calls_for_its_own_effects(void **state)
 		{"box", EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER))},
 		{"sumner", EFFECT_BIT(EFFECT_OF(DEFORM_SUMNER)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED)},
 		{"slippage", EFFECT_BIT(EFFECT_OF(DEFORM_SLIPPAGE)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
-		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) | EFFECT_BIT(EFFECT_LOOSE)},
+		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
 	};
 	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
@@ -260,7 +260,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 	} edits[] = {
 		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
 		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
-		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, slip_sinkage: 1.35, loosening: 0.67, hardening: 0, tolerance: 0", true},
+		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, slip_sinkage: 1.35, loosening: 0, hardening: 0, tolerance: 0", true},
 		{"0.4}", "0.4, grousers: 0}", true},
 		{"dry_sand", "lunar", false},
 		{"dry_sand", "dry_sand, bekker_kc: 1", false},
@@ -274,7 +274,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"model: scm", "model: scm, tolerance: 0.002", false},
 		{"model: scm", "model: scm, bulldozing: 0.6", false},
 		{"model: scm", "model: scm, slip_sinkage: 0", false},
-		{"model: scm", "model: scm, loosening: 0", false},
+		{"model: scm", "model: scm, loosening: 0.67", false},
 		{"model: scm", "model: scm, hardening: 0.1", false},
 		{"model: scm", "model: scm, normals: body", true},
 		{"model: scm", "model: scm, normals: ground", false},
