@@ -84,6 +84,7 @@
 #define soil_press_changes LANES_NAME(LANES_OF, press_changes)
 #define soil_ahead_read LANES_NAME(LANES_OF, ahead_read)
 #define soil_ahead_find LANES_NAME(LANES_OF, ahead_find)
+#define soil_ahead_body LANES_NAME(LANES_OF, ahead_body)
 #define soil_ahead_put LANES_NAME(LANES_OF, ahead_put)
 #define soil_form_split LANES_NAME(LANES_OF, form_split)
 #define soil_form_spin LANES_NAME(LANES_OF, form_spin)

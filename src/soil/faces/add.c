@@ -62,9 +62,9 @@ SOIL_INLINED float ground_at(const struct look *look, const struct soil_faces *f
 	return under + faces_way * (ahead - under);
 }
 
-/* Finds how deep the facets of a block are. Adds to what tells how wide the body is in soil, across its way: sums of area, area times place, and its square. */
+/* Finds how deep the facets of a block are. Adds to what tells where the body is in soil, across its way: sums of area, and of area times place. */
 SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, size_t b, const struct look *restrict look, float raised, float size, const float across[restrict 2],
-				    float *restrict deep, float *restrict heap, float sums[restrict 3][LANES])
+				    float *restrict deep, float *restrict heap, float sums[restrict 2][LANES])
 {
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
@@ -75,7 +75,6 @@ SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, siz
 		heap[n] = value_at(look, faces->heaped, &spot);
 		sums[0][i] += in;
 		sums[1][i] += in * aside;
-		sums[2][i] += in * aside * aside;
 	}
 }
 
@@ -183,16 +182,21 @@ static int64_t total(const int32_t lanes[LANES])
 static struct pressing pressing_of(const struct soil_body *body, const struct soil_form *form, const struct look *look, float raised, struct soil_faces *faces)
 {
 	const float c = (float)body->axis[0], s = (float)body->axis[1], across[2] = {s * faces->d[0] - c * faces->d[1], c * faces->d[0] + s * faces->d[1]};
-	float sums[3][LANES] = {{0}}, deepest = 0, all[3] = {0};
+	float sums[2][LANES] = {{0}}, deepest = 0, all[2] = {0}, left = 0, right = 0;
 	for (size_t b = 0; b < faces->count; b += LANES)
 		find_depths(faces, b, look, raised, form->spacing, across, faces->deep, faces->heap, sums);
-	for (size_t n = 0; n < faces->count; n++)
-		deepest = most(deepest, faces->whole[n] > 0 ? faces->deep[n] : 0);
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < 2; k++)
 		for (int i = 0; i < LANES; i++)
 			all[k] += sums[k][i];
-	/* A width of evenly spread area has a twelfth of its square as the mean square from its middle. */
-	const float by = 1 / most(all[0], 1e-12f), middle = all[1] * by, width = sqrtf(12 * most(all[2] * by - middle * middle, 0));
+	/* A facet counts for the width as far as it is in soil, so the width changes evenly as the body sinks. */
+	const float middle = all[1] / most(all[0], 1e-12f), by_size = 1 / form->spacing;
+	for (size_t n = 0; n < faces->count; n++) {
+		const float in = either(faces->whole[n] > 0, least(faces->deep[n] * by_size, 1), 0), aside = faces->x[n] * across[0] + faces->y[n] * across[1] - middle;
+		deepest = most(deepest, either(in > 0, faces->deep[n], 0));
+		left = most(left, in * aside);
+		right = most(right, -in * aside);
+	}
+	const float width = left + right;
 	const float share = width / (NARROW * most(deepest, 1e-6f)), narrow = 1 / (1 + share * share * share * share);
 	const float sand = clamped((SANDS - faces->cohesion) * (1 / SANDY), 0, 1);
 	return (struct pressing){faces->xi, faces->unit_weight, faces->cohesion * (1 - sand), narrow, 1 / form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
@@ -208,7 +212,7 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 	const struct look look = look_of(body, form, faces);
 	const struct spot centre = spot_at(&look, 0, 0);
 	const float deep = most(value_at(&look, faces->found, &centre) + form->reach - up, 0);
-	soil_ahead_put(planes, form, posts, up, deep * faces->wedge_length, faces);
+	soil_ahead_put(planes, body, form, posts, up, deep * faces->wedge_length, faces);
 	const struct pressing pressing = pressing_of(body, form, &look, up, faces);
 	for (size_t b = 0; b < faces->count; b += LANES) {
 		add_block(form, faces, b, &pressing, unit, &block);

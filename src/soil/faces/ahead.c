@@ -4,7 +4,7 @@
  *
  * - ahead: the ground that the body slides towards, as it finds it. Facets that face the way count their depth from it.
  * - under_from: the same below the front half of the body, and the surface as it is below the rear half, where that is the floor of the rut. Facets that face
- *   down count from it. Each line has a front and a rear of its own, so a body of several feet has several.
+ *   down count from it. Below a mesh each line has a front and a rear of its own, so a body of several feet has several.
  * - heaped: the mean height of the heap ahead, over the length of a passive wedge.
  *
  * The law of faces was fitted to plates that push their own heap, so that heap must not count as depth again. What the body finds is the base
@@ -12,8 +12,10 @@
  */
 #include "soil/faces/ahead.h"
 
+#include "soil/shape/body.h"
+
 #define NEAR 0.25f     /* posts: a lower envelope that is higher above the ground is outside of the soil */
-#define HALVES 0.2f    /* of the length of a line in the body: over so much the front half goes over to the rear half */
+#define HALVES 0.2f    /* of a body's radius, or of the length of a line in it: over so much the front half goes over to the rear half */
 #define HOLE (-1e6f)   /* m: there is no soil */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces)
@@ -107,6 +109,22 @@ static void look_ahead(const struct lines *l, float raised, float spacing, float
 	}
 }
 
+/* The same of one round or flat shape, whose middle is known: its front half lies ahead of that. */
+static void put_halves(const struct soil_body *body, const struct soil_form *form, struct soil_faces *faces)
+{
+	const struct post_rect *rect = &faces->rect;
+	const double spacing = (double)form->spacing;
+	const double x0 = -(double)soil_body_from_post(body->motion->to.x, rect->x0, spacing) - body->motion->beyond[0];
+	const double y0 = -(double)soil_body_from_post(body->motion->to.y, rect->y0, spacing) - body->motion->beyond[1];
+	const float by = 1 / most(HALVES * form->radius, form->spacing);
+	size_t at = 0;
+	for (int64_t y = rect->y0; y < rect->y1; y++)
+		for (int64_t x = rect->x0; x < rect->x1; x++, at++) {
+			const float along = (float)(x0 + (double)(x - rect->x0) * spacing) * faces->d[0] + (float)(y0 + (double)(y - rect->y0) * spacing) * faces->d[1];
+			faces->under_from[at] = faces->surface[at] + faces->inside[at] * clamped(0.5f + along * by, 0, 1) * (faces->ahead[at] - faces->surface[at]);
+		}
+}
+
 /* Finds how far the rear is, and where a facet that faces down counts its depth from. */
 static void look_behind(const struct lines *l, struct soil_faces *faces)
 {
@@ -127,40 +145,57 @@ static void look_behind(const struct lines *l, struct soil_faces *faces)
 	}
 }
 
-/* Sets the lower envelope over posts that the body is above, and the undisturbed ground where it does not slide. slides: 1: it does; 0: it does not. */
-static void put_envelope(const struct soil_planes *planes, const struct soil_posts *posts, struct soil_faces *faces, float raised, float spacing, float slides)
+/* Returns the lower envelope of a mesh at a place, m east and north of its centre; FINE_NONE: it is not there. */
+static float mesh_at(const struct soil_fine *fine, float east, float north)
+{
+	const int32_t column = whole_of(clamped((east - fine->x) * fine->by_step, -1e6f, 1e6f)), row = whole_of(clamped((north - fine->y) * fine->by_step, -1e6f, 1e6f));
+	const bool within = column >= 0 && row >= 0 && column < fine->columns && row < fine->rows;
+	return within ? fine->drawn[row * fine->stride + column] : FINE_NONE;
+}
+
+void soil_ahead_body(const struct soil_body *body, const struct soil_form *form, struct soil_faces *faces)
 {
 	const struct post_rect *rect = &faces->rect;
-	const size_t columns = (size_t)(rect->x1 - rect->x0), count = columns * (size_t)(rect->y1 - rect->y0);
-	for (size_t i = 0; i < count; i++)
-		faces->envelope[i] = 1e6f;
-	for (size_t i = 0; i < posts->count; i++) {
-		if (!(posts->over[i] > 0) || posts->base[i] == BASE_NODATA)
-			continue;
-		const size_t at = (size_t)posts->index[i];
-		const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
-		const size_t place = (size_t)y * columns + (size_t)x;
-		faces->envelope[place] = posts->height[i] + posts->above[i];
-	}
-	if (slides < 1)
-		for (size_t i = 0; i < posts->count; i++) {
-			const size_t at = (size_t)posts->index[i];
-			const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
-			const size_t place = (size_t)y * columns + (size_t)x;
-			const float inside = clamped(1 - (faces->envelope[place] + raised - (float)posts->ground[i] * SOIL_UNIT) / (NEAR * spacing), 0, 1);
-			const float still = (1 - slides) * inside * (posts->base[i] == BASE_NODATA ? 0.0f : 1.0f), ground = (float)posts->ground[i] * SOIL_UNIT;
-			faces->under_from[place] += still * (ground - faces->under_from[place]);
-			faces->ahead[place] += still * (ground - faces->ahead[place]);
+	const double spacing = (double)form->spacing;
+	const double x0 = -(double)soil_body_from_post(body->motion->to.x, rect->x0, spacing) - body->motion->beyond[0];
+	const double y0 = -(double)soil_body_from_post(body->motion->to.y, rect->y0, spacing) - body->motion->beyond[1];
+	float *to = faces->envelope;
+	for (int64_t y = rect->y0; y < rect->y1; y++)
+		for (int64_t x = rect->x0; x < rect->x1; x++, to++) {
+			const double east = x0 + (double)(x - rect->x0) * spacing, north = y0 + (double)(y - rect->y0) * spacing;
+			struct lower_place place;
+			if (form->kind == FORM_RASTER)
+				*to = mesh_at(&form->fine, (float)east, (float)north);
+			else
+				*to = soil_lower_at(&body->lower, east, north, &place) ? (float)place.z : FINE_NONE;
 		}
 }
 
-void soil_ahead_put(const struct soil_planes *planes, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge, struct soil_faces *faces)
+/* Where the body does not slide, soil below it counts as it was before the body pressed it. slides: 1: it does; 0: it does not. */
+static void put_still(const struct soil_planes *planes, const struct soil_posts *posts, float raised, float spacing, float slides, struct soil_faces *faces)
+{
+	const struct post_rect *rect = &faces->rect;
+	const size_t columns = (size_t)(rect->x1 - rect->x0);
+	for (size_t i = 0; i < posts->count && slides < 1; i++) {
+		const size_t at = (size_t)posts->index[i];
+		const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
+		const size_t place = (size_t)y * columns + (size_t)x;
+		const float ground = (float)posts->ground[i] * SOIL_UNIT, inside = clamped(1 - (faces->envelope[place] + raised - ground) / (NEAR * spacing), 0, 1);
+		const float still = (1 - slides) * inside * (posts->base[i] == BASE_NODATA ? 0.0f : 1.0f);
+		faces->under_from[place] += still * (ground - faces->under_from[place]);
+		faces->ahead[place] += still * (ground - faces->ahead[place]);
+	}
+}
+
+void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge,
+		    struct soil_faces *faces)
 {
 	const float plan = sqrtf(form->recent.way[0] * form->recent.way[0] + form->recent.way[1] * form->recent.way[1]), slides = clamped(4 * plan, 0, 1);
 	const struct lines lines = lines_of(faces, form->spacing);
-	put_envelope(planes, posts, faces, raised, form->spacing, 1);
 	look_ahead(&lines, raised, form->spacing, wedge, faces);
-	look_behind(&lines, faces);
-	if (slides < 1)
-		put_envelope(planes, posts, faces, raised, form->spacing, slides);
+	if (form->kind == FORM_RASTER)
+		look_behind(&lines, faces);
+	else
+		put_halves(body, form, faces);
+	put_still(planes, posts, raised, form->spacing, slides, faces);
 }

@@ -8,7 +8,10 @@
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces);
 /* Sets the ground as the body finds it. spacing: m. */
 void soil_ahead_find(float spacing, struct soil_faces *faces);
+/* Sets the body's lower envelope over the posts, m above its centre. */
+void soil_ahead_body(const struct soil_body *body, const struct soil_form *form, struct soil_faces *faces);
 /* Carries the ground ahead below the body raised by so much, m. wedge: m, the length of the wedge ahead. */
-void soil_ahead_put(const struct soil_planes *planes, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge, struct soil_faces *faces);
+void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge,
+		    struct soil_faces *faces);
 
 #endif

@@ -165,5 +165,6 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 		return STATUS_OK;
 	soil_ahead_read(planes, law->reference, &body->motion->to, faces);
 	soil_ahead_find(form->spacing, faces);
+	soil_ahead_body(body, form, faces);
 	return STATUS_OK;
 }
