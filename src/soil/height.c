@@ -49,7 +49,8 @@ void soil_height_find(struct soil_contact *b, int32_t start, struct soil_height 
 {
 	const double load = fmax(b->motion->load, 1e-6), unit = (double)b->form.spacing * (double)b->form.spacing / (double)BEAR_UNITS_A_PASCAL / load;
 	const double reach = soil_shape_reach(b->motion->shape, b->motion->to.pitch, b->motion->to.roll);
-	const double deepest = 2 * (b->motion->shape->kind == SOIL_MESH ? soil_shape_bound(b->motion->shape) : reach);
+	/* A body that pushes a heap first touches that, so it may go deeper below it. */
+	const double deepest = (b->form.all_round > 0 ? 3 : 2) * (b->motion->shape->kind == SOIL_MESH ? soil_shape_bound(b->motion->shape) : reach);
 	const int32_t depth = (int32_t)fmin(ldexp(deepest, OFFSET_BITS), 0x1p28);
 	soil_contact_gather(b, start - (int32_t)fmin(ldexp(0.2 * reach, OFFSET_BITS), 0x1p27));
 	int32_t top = first_contact(b->posts);

@@ -8,7 +8,7 @@
  * - heaped: the mean height of the heap ahead, over the length of a passive wedge.
  *
  * The law of faces was fitted to plates that push their own heap, so that heap must not count as depth again. What the body finds is the base
- * and what lies on it `beyond` ahead, where its own heap has ended. All this changes evenly as the body moves.
+ * and what lies on it `beyond` ahead, where its own heap has ended, or goes on falling. All this changes evenly as the body moves.
  */
 #include "soil/faces/ahead.h"
 
@@ -47,7 +47,9 @@ void soil_ahead_find(float spacing, struct soil_faces *faces)
 			const int32_t column = (int32_t)u, row = (int32_t)v, at = row * columns + column;
 			const float p = u - (float)column, q = v - (float)row, *o = faces->offset;
 			const float low = o[at] + p * (o[at + 1] - o[at]), high = o[at + columns] + p * (o[at + columns + 1] - o[at + columns]);
-			faces->found[y * columns + x] = faces->ground[y * columns + x] + low + q * (high - low);
+			/* A heap that still falls there goes on falling. */
+			const float there = low + q * (high - low), on = 2 * there - o[y * columns + x];
+			faces->found[y * columns + x] = faces->ground[y * columns + x] + clamped(on, least(there, 0), there);
 		}
 }
 
