@@ -101,7 +101,7 @@ static void of_motion(const struct motion *motion, double spacing, int rounds)
 		const double told = clock_seconds();
 		measure(&field, &laying, soils, &measured);
 		const double counted = clock_seconds();
-		soil_lay(&laying, &measured, soils, &field.planes, field.planes.contact, field.planes.rect, field.scratch, field.deposits, &result);
+		soil_lay(&laying, &measured, soils, &field.planes, field.planes.contact, NULL, field.planes.rect, field.scratch, field.deposits, &result);
 		us[0][i] = (told - began) * 1e6;
 		us[1][i] = (counted - told) * 1e6;
 		us[2][i] = (clock_seconds() - counted) * 1e6;

@@ -180,7 +180,7 @@ static void of_law(const struct machine *machine)
 		motion = (struct soil_motion){.shape = &wheel, .from = last, .to = last, .load = 5000, .jumped = i == 0, .turned = i > 0 ? 1.25 * SPACING / wheel.radius : 0};
 		motion.to.x += i > 0 ? lattice_offset(SPACING) : 0;
 		const struct soil_laying laying = soil_laying_of(&wheel, &motion.from, &motion.to, motion.turned, NULL, SPACING);
-		const struct soil_sink sink = {&laying, laid, imprint.raised};
+		const struct soil_sink sink = {.laying = &laying, .soils = laid, .start = imprint.raised};
 		bench_must(soil_sink_body(&law, &planes, &motion, &sink, work, &imprint));
 		last = motion.to;
 		last.z += imprint.raised;
@@ -234,7 +234,7 @@ static void of_laying(const struct machine *machine)
 				const struct soil_row row = {.x = patch.x0, .y = y, .count = (int)(patch.x1 - patch.x0), .contact = contact + at, .carried = carried, .offset = offset + at};
 				soil_measure_row(&measured, &laying, soils, &row);
 			}
-			soil_lay(&laying, &measured, soils, &planes, contact, around, scratch, deposits, &result);
+			soil_lay(&laying, &measured, soils, &planes, contact, NULL, around, scratch, deposits, &result);
 		}
 		ns[i] = (processor_seconds() - began) * 1e9 / (double)posts / CALLS;
 	}

@@ -58,7 +58,7 @@ static void measure(double spacing, double heading, int rounds)
 		to.y = lattice_offset(y + i * spacing * sin(heading));
 		const struct soil_motion motion = {.shape = &wheel, .from = last, .to = to, .turned = i > 0 ? turned : 0, .load = LOAD, .jumped = i == 0};
 		const struct soil_laying laying = soil_laying_of(&wheel, &motion.from, &motion.to, motion.turned, NULL, spacing);
-		const struct soil_sink press = {&laying, laid, pressed.raised};
+		const struct soil_sink press = {.laying = &laying, .soils = laid, .start = pressed.raised};
 		const double began = processor_seconds();
 		bench_must(soil_sink_body(&law, &planes, &motion, &press, work, &pressed));
 		us[i] = (processor_seconds() - began) * 1e6;

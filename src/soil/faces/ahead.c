@@ -16,6 +16,7 @@
 
 #define NEAR 0.25f     /* posts: a lower envelope that is higher above the ground is outside of the soil */
 #define HALVES 0.2f    /* of a body's radius, or of the length of a line in it: over so much the front half goes over to the rear half */
+#define SPINS 0.02f    /* of the way of a rim: below this way of its axle a wheel spins on the spot */
 #define HOLE (-1e6f)   /* m: there is no soil */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces)
@@ -192,7 +193,10 @@ static void put_still(const struct soil_planes *planes, const struct soil_posts 
 void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge,
 		    struct soil_faces *faces)
 {
-	const float plan = sqrtf(form->recent.way[0] * form->recent.way[0] + form->recent.way[1] * form->recent.way[1]), slides = clamped(4 * plan, 0, 1);
+	const struct soil_recent *m = &form->recent;
+	const float plan = sqrtf(m->way[0] * m->way[0] + m->way[1] * m->way[1]), up = fabsf(m->way[2]), turns = form->rim_reach * sqrtf(dot3(m->turning, m->turning));
+	/* A body that goes nowhere has no way ahead: not one that turns or sinks, or a wheel that spins on the spot. */
+	const float slides = clamped(4 * plan / (plan + up + turns + SPINS * form->rim_reach * sqrtf(dot3(m->rolling, m->rolling)) + 1e-6f), 0, 1);
 	const struct lines lines = lines_of(faces, form->spacing);
 	look_ahead(&lines, raised, form->spacing, wedge, faces);
 	if (form->kind == FORM_RASTER)
