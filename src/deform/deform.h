@@ -167,7 +167,7 @@ struct deform_params {
 	double bulldozing;   /* scm: share of the plastic flow that is laid around the object, 0 .. 1 */
 	double loosening, hardening; /* scm: as in struct soil_law */
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
-	bool faces;          /* scm: soil presses on an object's faces from every side as it slides; false: on its lower envelope alone */
+	bool faces;          /* scm: the soil's stress acts on an object's faces from every side as it slides; false: on its lower envelope alone */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */

@@ -101,7 +101,7 @@ struct raw_relief {
 	struct raw_relief_class *classes;
 	uint32_t classes_count;
 };
-#define SCENE_LOOSENING 0.67 /* of scene_schema.c: redistribute.loosening, where a scene gives none */
+#define SCENE_LOOSENING 0 /* of scenes that do not give it */
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;

@@ -58,8 +58,8 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	sink->carried[at] = a->carried[i];
 	soil_measured_moments(measured, sink->laying, x, row->y, a->carried[i]);
 	if (a->held[i]) {
-		const int64_t underside = 4 * (int64_t)planes->base[at] + a->offset[i];
-		measured->underside = underside > measured->underside ? underside : measured->underside;
+		const int64_t highest = 4 * (int64_t)planes->base[at] + a->offset[i];
+		measured->highest = highest > measured->highest ? highest : measured->highest;
 	}
 }
 

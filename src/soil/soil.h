@@ -58,7 +58,7 @@ bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
 double soil_shape_ran(const struct soil_shape *shape, double turned);
-#define SOIL_LAW 2 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
+#define SOIL_LAW 3 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
 #define SOIL_SHAPE_POSTS 672 /* the widest body, in posts */
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status soil_shape_check(const struct soil_shape *shape, double spacing) FURROW_CHECKED;
@@ -199,7 +199,7 @@ struct soil_law {
 	double loosening;        /* the share by which deposited soil bears less than soil as it lay; 0: it is as stiff as what it lies on */
 	double hardening;        /* the share by which passes make soil stronger in the end; 0: not */
 	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
-	bool faces;              /* soil presses on a body's faces from every side as it slides; false: on its lower envelope alone */
+	bool faces;              /* soil pushes on a body's faces from every side as it slides; false: on its lower envelope alone */
 };
 
 /* Returns the soil of a post of the planes, by its class and what rasters say of it. at: the post's place in the planes. */
@@ -239,10 +239,10 @@ struct soil_motion {
 	bool jumped;             /* it did not move from `from` to `to`: it was set down */
 };
 
-/* Returns the recent motion of a body after a motion; none where faces do not press. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
+/* Returns the recent motion of a body after a motion; none where faces do not push. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
 struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion);
 
-/* Returns how many posts around the shadow of a body its faces read. 0: none of them presses in this motion. Pure. */
+/* Returns how many posts around the shadow of a body its faces read. 0: none of them pushes in this motion. Pure. */
 int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *motion);
 
 /* How the soil bears a body. */

@@ -4,6 +4,7 @@
  */
 #include "bed.h"
 #include "faces_oracle.h"
+#include "../support/near.h"
 #include "soil/faces/wedge.h"
 #include "../support/program.h"
 
@@ -150,7 +151,7 @@ static void headings_and_places_do_not_show(void **state)
 		const double c = cos(heading), s = sin(heading), own[3] = {c * f.force[0] + s * f.force[1], c * f.force[1] - s * f.force[0], f.force[2]};
 		for (int i = 0; i < 3; i++) {
 			first[i] = k == 0 ? own[i] : first[i];
-			most = fmax(most, fabs(own[i] - first[i]) / hypot(hypot(first[0], first[1]), first[2]));
+			most = support_most(most, fabs(own[i] - first[i]) / hypot(hypot(first[0], first[1]), first[2]));
 		}
 	}
 	print_message("ten headings and places: within %.2f %% of the force\n", most * 100);

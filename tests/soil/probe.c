@@ -256,9 +256,10 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 			assert_true(!mesh || r > 0 || kinds[i].roll != 0 || (ways.worst < 0.8 && ways.least > 0.85 && ways.most < 2.8));
 			assert_true(mesh || ways.worst < 0.4);
 			assert_true(mesh || (!set_down || (stiff.worst < 0.4 && stiff.least > 0.75 && stiff.most < 1.3)));
-			assert_true(!kinds[i].rolls || (stiff.worst < 0.65 && stiff.least > 0.65 && stiff.most < 1.9));
+			/* How cohesion fades with the pressure is in both, but not how it bends within a cell. */
+			assert_true(!kinds[i].rolls || (stiff.worst < 0.65 && stiff.least > 0.63 && stiff.most < 1.9));
 			/* Where the damping of what settles falls with the speed, it is told as constant. */
-			assert_true(slow.least > 0.9);
+			assert_true(slow.least > 0.85); /* and how cohesion fades with it */
 			const struct soil_probed probed = bed_probe(&bed, &d.motion);
 			for (int k = 0; k < 6; k++)
 				assert_true(mesh || (probed.stiffness[k][k] < 0 && probed.damping[k][k] <= 0));

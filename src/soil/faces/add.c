@@ -1,6 +1,6 @@
-/* Adds up what the facets of a body press at a height. */
+/* Adds up what the facets of a body push at a height. */
 #include "soil/faces/ahead.h"
-#include "soil/faces/press.h"
+#include "soil/faces/push.h"
 #include "soil/shape/body.h"
 
 #define LANES POSTS_LANES
@@ -72,22 +72,22 @@ SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, siz
 		const float depth = most(ground_at(look, faces, faces->x[n], faces->y[n], faces->faces_way[n]) - faces->z[n] - raised, 0);
 		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1], in = faces->whole[n] * least(depth * (1 / size), 1);
 		deep[n] = depth;
-		heap[n] = value_at(look, faces->heaped, &spot);
+		heap[n] = value_at(look, faces->heap_ahead, &spot);
 		sums[0][i] += in;
 		sums[1][i] += in * aside;
 	}
 }
 
 /* What holds for all facets of a body at a height. */
-struct pressing {
+struct pushing {
 	float xi, weight, cohesion; /* N/m3, N/m3, Pa */
 	float narrow;               /* 1: the body is narrow, 0: it is wide */
 	float by_size;              /* 1/m: of a facet */
 	float upright;              /* weight of the wedge ahead of an upright wall */
 };
 
-/* Returns what soil presses on a facet for each unit of alpha, Pa, and how that grows with depth. */
-SOIL_INLINED float pressure_of(const struct pressing *p, float depth, float heap, float sole, float weight, float cohesive, float *grows)
+/* Returns what soil pushes on a facet for each unit of alpha, Pa, and how that grows with depth. */
+SOIL_INLINED float pressure_of(const struct pushing *p, float depth, float heap, float sole, float weight, float cohesive, float *grows)
 {
 	const float plain = p->xi * depth, in = least(depth * p->by_size, 1), by_weight = p->weight * weight * (1 / WALL), wide = by_weight * (depth + (1 - p->narrow) * heap);
 	const float fitted = p->narrow * weight / p->upright, mixed = fitted * plain + (1 - p->narrow) * wide, wedge = wide + p->cohesion * cohesive * (1 / WALL), held = PRANDTL / PLATE * p->cohesion;
@@ -104,7 +104,7 @@ struct facet_sums {
 };
 
 /* unit: of the sums, for each newton; by_arm: of moments. */
-SOIL_CLONED static void add_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, const struct pressing *restrict p, float unit,
+SOIL_CLONED static void add_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, const struct pushing *restrict p, float unit,
 				  struct facet_sums *restrict sums)
 {
 	EACH_LANE {
@@ -136,17 +136,17 @@ static void slope_at(const struct look *look, const struct soil_faces *faces, si
 }
 
 /* Adds how the force of a facet changes: with its depth, and with the recent motion of its place. inverse: 1 / the shear modulus, in which a motion counts. */
-static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pressing *p, struct soil_changes *changes)
+static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pushing *p, struct soil_changes *changes)
 {
-	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, press[3] = {faces->px[n], faces->py[n], faces->pz[n]};
+	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
 	float slope[2], bends[3][3], place[3][3], grows;
 	const float pressure = pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
 	slope_at(look, faces, n, f->spacing, slope);
-	soil_press_changes(f, faces, n, bends);
+	soil_push_changes(f, faces, n, bends);
 	const float deeper[3] = {slope[0], slope[1], -1};
 	for (int k = 0; k < 3; k++)
 		for (int j = 0; j < 3; j++)
-			place[k][j] = grows * press[k] * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
+			place[k][j] = grows * push[k] * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
 	/* A motion of the place is that of the centre and the turn across the arm. */
 	for (int k = 0; k < 3; k++) {
 		double row[6];
@@ -161,7 +161,7 @@ static void add_changes(const struct soil_form *f, const struct soil_faces *face
 			changes->stiffness.at[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
 		}
 	}
-	const double force[3] = {(double)(pressure * press[0]), (double)(pressure * press[1]), (double)(pressure * press[2])};
+	const double force[3] = {(double)(pressure * push[0]), (double)(pressure * push[1]), (double)(pressure * push[2])};
 	const double normal[3] = {(double)faces->nx[n], (double)faces->ny[n], (double)faces->nz[n]};
 	const double across = force[0] * normal[0] + force[1] * normal[1] + force[2] * normal[2];
 	changes->normal_force += fabs(across);
@@ -179,7 +179,7 @@ static int64_t total(const int32_t lanes[LANES])
 }
 
 /* Finds depths, and from them how narrow the body is. */
-static struct pressing pressing_of(const struct soil_body *body, const struct soil_form *form, const struct look *look, float raised, struct soil_faces *faces)
+static struct pushing pushing_of(const struct soil_body *body, const struct soil_form *form, const struct look *look, float raised, struct soil_faces *faces)
 {
 	const float c = (float)body->axis[0], s = (float)body->axis[1], across[2] = {s * faces->d[0] - c * faces->d[1], c * faces->d[0] + s * faces->d[1]};
 	float sums[2][LANES] = {{0}}, deepest = 0, all[2] = {0}, left = 0, right = 0;
@@ -199,7 +199,7 @@ static struct pressing pressing_of(const struct soil_body *body, const struct so
 	const float width = left + right;
 	const float share = width / (NARROW * most(deepest, 1e-6f)), narrow = 1 / (1 + share * share * share * share);
 	const float sand = clamped((SANDS - faces->cohesion) * (1 / SANDY), 0, 1);
-	return (struct pressing){faces->xi, faces->unit_weight, faces->cohesion * (1 - sand), narrow, 1 / form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
+	return (struct pushing){faces->xi, faces->unit_weight, faces->cohesion * (1 - sand), narrow, 1 / form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
 }
 
 void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
@@ -213,9 +213,9 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 	const struct spot centre = spot_at(&look, 0, 0);
 	const float deep = most(value_at(&look, faces->found, &centre) + form->reach - up, 0);
 	soil_ahead_put(planes, body, form, posts, up, deep * faces->wedge_length, faces);
-	const struct pressing pressing = pressing_of(body, form, &look, up, faces);
+	const struct pushing pushing = pushing_of(body, form, &look, up, faces);
 	for (size_t b = 0; b < faces->count; b += LANES) {
-		add_block(form, faces, b, &pressing, unit, &block);
+		add_block(form, faces, b, &pushing, unit, &block);
 		for (int k = 0; k < 3; k++) {
 			sums->force[k] += total(block.force[k]);
 			sums->moment[k] += total(block.moment[k]);
@@ -225,7 +225,7 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 		for (size_t i = 0; i < LANES; i++) {
 			sums->grows += changes == NULL ? (double)block.grows[i] : 0;
 			if (changes != NULL && faces->deep[b + i] > 0)
-				add_changes(form, faces, b + i, &look, &pressing, changes);
+				add_changes(form, faces, b + i, &look, &pushing, changes);
 		}
 	}
 }

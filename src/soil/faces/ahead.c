@@ -1,11 +1,10 @@
 /*
- * The ground from which a facet's depth counts. Below a body that presses, the surface is the body itself, so it says nothing. So the ground ahead is
+ * The ground from which a facet's depth counts. Below a body that pushes, the surface is the body itself, so it says nothing. So the ground ahead is
  * carried below the body, line by line against the way in which the body slides:
  *
  * - ahead: the ground that the body slides towards, as it finds it. Facets that face the way count their depth from it.
- * - under_from: the same below the front half of the body, and the surface as it is below the rear half, where that is the floor of the rut. Facets that face
- *   down count from it. Below a mesh each line has a front and a rear of its own, so a body of several feet has several.
- * - heaped: the mean height of the heap ahead, over the length of a passive wedge.
+ * - under_from: the same below the front half of the body. Below the rear half it is the surface as it is: the floor of the rut. Facets that face down count from it. Below a mesh each line has a front and a rear of its own, so a body of several feet has several.
+ * - heap: the mean height of the heap ahead, over the length of a passive wedge.
  *
  * The law of faces was fitted to plates that push their own heap, so that heap must not count as depth again. What the body finds is the base
  * and what lies on it `beyond` ahead, where its own heap has ended, or goes on falling. All this changes evenly as the body moves.
@@ -95,17 +94,17 @@ static void look_ahead(const struct lines *l, float raised, float spacing, float
 		for (int32_t i = 0; i < l->places; i++) {
 			const int32_t at = here * l->line + i * l->step;
 			const float heap = most(faces->surface[at] - faces->found[at], 0);
-			float ahead = faces->found[at], heaped = heap, since = 0, inside = 0;
+			float ahead = faces->found[at], heap_ahead = heap, since = 0, inside = 0;
 			if (k > 0) {
 				const struct between from = between_at(l, here + l->way, i, l->aside);
-				const float reached = value_at(faces->ahead, &from), behind = value_at(faces->heaped, &from);
+				const float reached = value_at(faces->ahead, &from), behind = value_at(faces->heap_ahead, &from);
 				inside = clamped(1 - (faces->envelope[at] + raised - reached) / (NEAR * spacing), 0, 1);
 				ahead += inside * (reached - ahead);
-				heaped = behind + (1 - inside) * mixes * (heap - behind);
+				heap_ahead = behind + (1 - inside) * mixes * (heap - behind);
 				since = inside * (value_at(faces->since, &from) + l->length);
 			}
 			faces->ahead[at] = ahead;
-			faces->heaped[at] = heaped;
+			faces->heap_ahead[at] = heap_ahead;
 			faces->since[at] = since;
 			faces->inside[at] = inside;
 		}
@@ -174,7 +173,7 @@ void soil_ahead_body(const struct soil_body *body, const struct soil_form *form,
 		}
 }
 
-/* Where the body does not slide, soil below it counts as it was before the body pressed it. slides: 1: it does; 0: it does not. */
+/* Where the body does not slide, soil below it counts as it was before the body pushed it. slides: 1: it does; 0: it does not. */
 static void put_still(const struct soil_planes *planes, const struct soil_posts *posts, float raised, float spacing, float slides, struct soil_faces *faces)
 {
 	const struct post_rect *rect = &faces->rect;

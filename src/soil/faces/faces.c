@@ -1,8 +1,8 @@
-/* Lists the facets of a body that press. */
+/* Lists the facets of a body that push. */
 #include "soil/faces/faces.h"
 
 #include "soil/faces/ahead.h"
-#include "soil/faces/press.h"
+#include "soil/faces/push.h"
 #include "soil/faces/slid.h"
 #include "soil/faces/trend.h"
 #include "soil/laying/laying.h"
@@ -160,7 +160,7 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	const struct soil_interface *interface = &body->motion->interface;
 	const double along = fmin(interface->has_friction ? interface->friction_angle : ROUGH * soil.friction_angle, soil.friction_angle);
 	soil_wedge_of(soil.friction_angle, along, &faces->wedge);
-	soil_press(body, form, facets, (const float(*)[3][3])axes, (float)(tan(along) + (double)form->bars * ((double)faces->tan_phi - tan(along))), faces);
+	soil_push(body, form, facets, (const float(*)[3][3])axes, (float)(tan(along) + (double)form->bars * ((double)faces->tan_phi - tan(along))), faces);
 	if (faces->count == 0)
 		return STATUS_OK;
 	soil_ahead_read(planes, law->reference, &body->motion->to, faces);

@@ -1,5 +1,5 @@
 /*
- * The faces of a body: what soil presses on them from every side as it slides. They count beside the law of the lower envelope (law/bear.h), in the
+ * The faces of a body: what soil pushes on them from every side as it slides. They count beside the law of the lower envelope (law/bear.h), in the
  * share that slid.h tells. A contact, its search for the equilibrium height and a probe add the same faces. FACES.md has the law.
  */
 #ifndef FURROW_SOIL_FACES_H
@@ -9,28 +9,29 @@
 #include "soil/faces/wedge.h"
 #include "soil/law/bear.h"
 
-/* Facets that press, in arrays of whole blocks; m from the body's centre in its frame. */
+/* Facets that push, in arrays of whole blocks; m from the body's centre in its frame. */
 #define FACES_EACH(EACH) \
 	EACH(x) EACH(y) EACH(z)             /* middle */ \
 	EACH(nx) EACH(ny) EACH(nz)          /* outward normal */ \
-	EACH(whole) EACH(area)              /* of the facet, and the part that presses, m2 */ \
-	EACH(under)                         /* 1: it is of the underside: FACET_UNDER */ \
+	EACH(whole) EACH(area)              /* of the facet, and the part that pushes, m2 */ \
+	EACH(under)                         /* 1: it is of the lower envelope: FACET_UNDER */ \
 	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
 	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
 	EACH(deep) EACH(heap)               /* at a height: depth below the ground as the body found it; height of the heap upon the wedge ahead; m */
 struct soil_faces {
-	size_t count, room; /* count: a multiple of POSTS_LANES; 0: no facet presses */
+	size_t count, room; /* count: a multiple of POSTS_LANES; 0: no facet pushes */
 #define FACES_ARRAY(name) float *name;
 	FACES_EACH(FACES_ARRAY)
 #undef FACES_ARRAY
 	float *memory;
 	/* The surface of the soil over a rectangle of posts around the body, row by row: m above the centre at motion->to. */
 	struct post_rect rect;
-	/* As it is; as the body finds it, without its own heap; that ahead of each post; where a face that looks down counts its depth from; height of the
-	 * heap ahead; how much of the post is inside of the body; ways in the body from its front, and to its rear; base and offset; lower envelope. */
+	/* surface: as it is. found: as the body finds it, without its own heap. ahead: that ahead of each post. under_from: where a facet that looks down counts its
+	 * depth from. heap_ahead: height of the heap ahead. inside: how much of the post is in the body. since, until: ways in the body from its front, and to its rear.
+	 * ground: the base. envelope: the body's lower one. All m above the centre. */
 #define FACES_PLANES_EACH(EACH) \
-	EACH(surface) EACH(found) EACH(ahead) EACH(under_from) EACH(heaped) EACH(inside) EACH(since) EACH(until) EACH(ground) EACH(offset) EACH(envelope)
+	EACH(surface) EACH(found) EACH(ahead) EACH(under_from) EACH(heap_ahead) EACH(inside) EACH(since) EACH(until) EACH(ground) EACH(offset) EACH(envelope)
 #define FACES_PLANE(name) float *name;
 	FACES_PLANES_EACH(FACES_PLANE)
 #undef FACES_PLANE
@@ -45,11 +46,11 @@ struct soil_faces {
 	float d[2];           /* direction in which it slides, east and north; 0: none */
 };
 
-/* Finds the recent motion of a body at the end of its motion, and lists the facets that press. Sets faces->trend and form->recent. Reads the surface around
- * the body. planes NULL: no facet presses. STATUS_MEMORY. */
+/* Finds the recent motion of a body at the end of its motion, and lists the facets that push. Sets faces->trend and form->recent. Reads the surface around
+ * the body. planes NULL: no facet pushes. STATUS_MEMORY. */
 enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
 			     struct soil_faces *faces) FURROW_CHECKED;
-/* Adds what the facets press with the centre raised by so many fixed-point units, as soil_bear does. posts: as gathered for it. */
+/* Adds what the facets push with the centre raised by so many fixed-point units, as soil_bear does. posts: as gathered for it. */
 void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
 		    struct soil_faces *faces, struct soil_sums *sums, struct soil_changes *changes);
 void soil_faces_finish(struct soil_faces *faces);

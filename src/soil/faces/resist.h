@@ -1,5 +1,5 @@
 /*
- * Three-dimensional resistive force theory: what dry soil presses on a small flat facet that moves through it. The stress is
+ * Three-dimensional resistive force theory: what dry soil pushes on a small flat facet that moves through it. The stress is
  *
  *     xi depth alpha(normal, direction of motion),    xi in N/m3
  *
@@ -14,7 +14,7 @@
 
 #include "soil/law/real.h"
 
-#define RESIST_LIFT 0.55f /* share of the upward stress that is left where a facet moves level: a locked wheel of a rig rode too high (chosen on its trials) */
+#define RESIST_LIFT 0.55f /* share of the upward stress that is left where a facet moves level. Chosen on a rig's locked wheel, which rode too high */
 
 SOIL_INLINED float resist_sum(const float c[20], float x, float y, float w)
 {
@@ -35,8 +35,8 @@ SOIL_INLINED void resist_alpha(const float n[3], const float v[3], float mu, flo
 	const float x = -v[2], y = -m[2], w = dot3(m, v);
 	const float f1 = resist_sum(c1, x, y, w), f2 = resist_sum(c2, x, y, w), f3 = resist_sum(c3, x, y, w);
 	const float a[3] = {f1 * m[0] + f2 * v[0], f1 * m[1] + f2 * v[1], f1 * m[2] + f2 * v[2] - f3};
-	/* The part across the facet presses. The part along it is friction: it does not drive the facet, and is limited. */
-	const float across = dot3(a, m), presses = most(-across, 0);
+	/* The part across the facet pushes. The part along it is friction: it does not drive the facet, and is limited. */
+	const float across = dot3(a, m), pushes = most(-across, 0);
 	float t[3], along[3];
 	for (int k = 0; k < 3; k++) {
 		t[k] = a[k] - across * m[k];
@@ -45,12 +45,12 @@ SOIL_INLINED void resist_alpha(const float n[3], const float v[3], float mu, flo
 	const float drives = most(dot3(t, along), 0) / (dot3(along, along) + 0.02f);
 	for (int k = 0; k < 3; k++)
 		t[k] -= drives * along[k];
-	const float limit = least(mu * presses / most(sqrtf(dot3(t, t)), 1e-12f), 1), lift = RESIST_LIFT + (1 - RESIST_LIFT) * fabsf(v[2]);
-	const float wall[3] = {limit * t[0] - presses * m[0], limit * t[1] - presses * m[1], (limit * t[2] - presses * m[2]) * lift};
+	const float limit = least(mu * pushes / most(sqrtf(dot3(t, t)), 1e-12f), 1), lift = RESIST_LIFT + (1 - RESIST_LIFT) * fabsf(v[2]);
+	const float wall[3] = {limit * t[0] - pushes * m[0], limit * t[1] - pushes * m[1], (limit * t[2] - pushes * m[2]) * lift};
 	/* A facet that leans back. */
-	const float rise[3] = {-up * m[0], -up * m[1], level}, pressed = -dot3(wall, m), climbs = wall[2];
+	const float rise[3] = {-up * m[0], -up * m[1], level}, pushed = -dot3(wall, m), climbs = wall[2];
 	for (int k = 0; k < 3; k++) {
-		const float turned = wall[k] + pressed * (m[k] - n[k]) + climbs * (rise[k] - (k == 2 ? 1 : 0));
+		const float turned = wall[k] + pushed * (m[k] - n[k]) + climbs * (rise[k] - (k == 2 ? 1 : 0));
 		alpha[k] = either(leans, turned, wall[k]);
 	}
 }

@@ -1,15 +1,15 @@
-/* Which share of its way a body slides at a place, and how far soil presses there by the law of faces. Pure. */
+/* Which share of its way a body slides at a place, and how far soil pushes there by the law of faces. Pure. */
 #ifndef FURROW_SOIL_SLID_H
 #define FURROW_SOIL_SLID_H
 
 #include "soil/law/form.h"
 
 #define SLID_LEAST 0.002f /* a smaller share is none: of a wheel that rolls in whole fixed-point units */
-#define SLID_SIDES 0.05f /* a larger share by so much, and the sides press whole */
+#define SLID_SIDES 0.05f /* a larger share by so much, and the sides push whole */
 #define SLID_POWER 0.6f  /* chosen on a smooth wheel of a rig at slip angle 0; from 0.5 to 1 it makes little difference */
 
-/* Gives the way of the body over the ground at a place as if the place were at the body's lowest level, and how its surface runs there: plan, in the frame.
- * Both for each metre of the body's recent way. */
+/* Gives how a place of the body goes over the ground, and how its surface runs there. The place counts as at the body's lowest level. Both in plan, in the
+ * frame, for each metre of the body's recent way. */
 SOIL_INLINED void recent_at(const struct soil_form *f, float x, float y, float goes[2], float runs[2])
 {
 	const struct soil_recent *m = &f->recent;
@@ -52,7 +52,7 @@ SOIL_INLINED float slid_at(const struct soil_form *f, float x, float y)
 	return moved * least(smooth + f->bars * (bars - smooth), 1);
 }
 
-/* Returns by what share soil presses by the law of faces where so much of the way is slid. The rest is the law of the lower envelope. */
+/* Returns by what share soil pushes by the law of faces where so much of the way is slid. The rest is the law of the lower envelope. */
 SOIL_INLINED float faces_share(float slid)
 {
 	const float beyond = (slid - SLID_LEAST) * (1 / (1 - SLID_LEAST));

@@ -1,5 +1,5 @@
 /*
- * The passive wedge of soil ahead of a wide face: how much its weight and its cohesion press on the face, by the face's rake. McKyes, Soil Cutting and
+ * The passive wedge of soil ahead of a wide face: how much its weight and its cohesion push on the face, by the face's rake. McKyes, Soil Cutting and
  * Tillage (1985), after Reece's earthmoving equation: a plane wedge whose angle gives the least force. Pure.
  */
 #ifndef FURROW_SOIL_WEDGE_H

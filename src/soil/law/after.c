@@ -136,7 +136,7 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		const int32_t holds = touches & has_last(sinkage_of(up[i], sunk[i]), largest[i], plastic[i]);
 		/* What slip digs. */
 		digs[i] = larger(smaller(whole_units(more[i]), sunk[i] - 2), 0) * holds;
-		/* And what the body pushes off as it slides: so much of the soil above its underside. */
+		/* And what the body pushes off as it slides: so much of the soil above its lower envelope. */
 		const int32_t below = holds ? sunk[i] : ground[i] - lowest[i], drop = below + before[i] - deposited[i] - digs[i];
 		const int32_t cut = larger(smaller(whole_of(slides * (float)larger(drop, 0)), below - digs[i] - 2), 0) * touches;
 		gone[i] = digs[i] + cut;

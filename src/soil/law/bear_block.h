@@ -87,7 +87,7 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, enum soil_form_kind 
 	return (struct slip){{x * by, y * by}, squares * by, either(f->ground_normals > 0, 1, time)};
 }
 
-/* The same where faces press, too. What the body pushes is not dug, in the share in which faces press. goes, runs: m, in plan. */
+/* The same where faces push, too. What the body pushes is not dug, in the share in which faces push. goes, runs: m, in plan. */
 SOIL_INLINED float digs_beside_faces(const struct soil_form *f, enum soil_form_kind kind, float x, float y, const float goes[2], const float runs[2])
 {
 	const struct slide s = slide_of(goes, runs);

@@ -109,7 +109,7 @@ struct soil_form {
 	enum soil_rolls rolls_about;
 	float roll_axis[3];
 	float bars;                /* share of a rim's circumference along which its grousers carry the soil with them; 0: it has none */
-	float all_round;           /* 1: soil presses on its faces as it slides: `recent` is set. 0: on its lower envelope alone */
+	float all_round;           /* 1: soil pushes on its faces as it slides: `recent` is set. 0: on its lower envelope alone */
 	struct soil_recent recent, last; /* of struct soil_trend: whole, last */
 	float by_way[2];
 	float moved;               /* 0: it stood still; 1: it moved over half a cell */

@@ -19,7 +19,7 @@
 #define FLOWS_OFF 4         /* from an angle whose sine is 1 / 4 on soil flows off at the trailing end */
 #define OBLIQUE_MOST 0.999
 #define HIGHEST 1e4         /* posts: of a heap */
-/* A heap falls by these parts of the tangent of the angle of repose: from its crest to the ends of the front, and across the front. Both together are as steep as repose. */
+/* Parts of the tangent of the angle of repose by which a heap falls to the ends of the front, and across it. Both together are as steep as repose. */
 #define TO_ENDS 0.5
 #define ACROSS 0.8660254037844386
 #define MIXES 5             /* soil that is pushed mixes along the front, by a standard deviation of this part of its length */
@@ -32,7 +32,7 @@
 /* A lane. */
 struct lane {
 	int64_t gives;
-	int64_t room;   /* for soil that stands at the angle of repose to the end of the front, too */
+	int64_t room;   /* for soil that lies at the angle of repose to the end of the front, too */
 	int32_t ends;   /* where its patch ends, 2^-16 post in the frame of the front */
 	int32_t posts;  /* of the patch; 0: none */
 };
@@ -48,7 +48,7 @@ struct front {
 	const int32_t *offset, *carried; /* of the first post of `written` */
 	struct soil_laying frame;        /* its x axis lies across the front */
 	int64_t fall;                    /* of the prism, fixed-point units for each post */
-	int64_t underside;               /* fixed-point units: struct soil_measured */
+	int64_t highest;               /* fixed-point units: struct soil_measured */
 	double oblique[2];               /* 1: soil flows off at the right end, the left end */
 	int32_t reaches;                 /* 2^-16 post: soil is laid so far ahead of the patch */
 	int64_t first;                   /* number of the first lane */
@@ -94,11 +94,11 @@ static int lane_of(const struct front *front, int32_t place)
 	return (int)((place >> 16) - front->first);
 }
 
-/* Tells whether a post lies in a hollow below the body: it would touch the post if that were as high as the ground beside it. */
+/* Tells whether a post lies in a hollow below the body. The body would touch it if it were as high as the ground beside it. */
 static bool is_hollow(const struct front *front, size_t at)
 {
 	const struct laying_field *field = front->field;
-	return (field->patch[at] & SOIL_NEAR) != 0 && 4 * (int64_t)field->base[at] + front->offset[at] + front->carried[at] <= front->underside;
+	return (field->patch[at] & SOIL_NEAR) != 0 && 4 * (int64_t)field->base[at] + front->offset[at] + front->carried[at] <= front->highest;
 }
 
 /* Adds up what lanes give away, and where their patches end. */
@@ -216,7 +216,7 @@ static void find_rooms(struct front *front, int first, int last)
 	for (int i = first; i <= last; i++) {
 		const double right = (i - first + 0.5) / (1 - front->oblique[0]), left = (last - i + 0.5) / (1 - front->oblique[1]);
 		const int64_t high = (int64_t)(fmin(fmin(right, left), HIGHEST) * TO_ENDS / ACROSS * (double)front->fall);
-		front->lanes[i].room = room_of(front, i, front->underside + lesser(high, front->field->laying->tall));
+		front->lanes[i].room = room_of(front, i, front->highest + lesser(high, front->field->laying->tall));
 	}
 }
 
@@ -298,7 +298,7 @@ int64_t soil_lay_front(const struct laying_field *field, const struct soil_measu
 	double ahead[2];
 	across_front(measured, field->laying->push, ahead);
 	front.frame = soil_laying_turned(field->laying, ahead);
-	front.underside = measured->underside;
+	front.highest = measured->highest;
 	front.reaches = field->laying->widest << 10;
 	front.fall = INT64_MAX;
 	for (int i = 0; i < SOIL_CLASSES; i++)

@@ -51,7 +51,7 @@ struct soil_laying {
 	double slides;     /* share of its motion by which it slides level and pushes, 0 .. 1: what it displaces by that is carried whole */
 	bool front;        /* the part `pushed` of the soil is laid ahead of the front that pushes; false: all of it by `shares` */
 	int32_t pushed;    /* 2^-16 */
-	int64_t tall;      /* fixed-point units: of the body. What is pushed is heaped no higher */
+	int64_t tall;      /* fixed-point units: of the body. What is pushed is laid no higher */
 };
 /* Tells how a contact from one pose to the other lays soil. turned: how far a wheel turned about its axis, rad, or a belt ran, m. rotated: how far another
  * body turned about local axes, rad; NULL: not. */
@@ -84,7 +84,7 @@ struct soil_measured {
 	int32_t least[2], most[2]; /* the outermost places of the patch in the frame, x and y */
 	struct post_rect patch;  /* around the posts that the body touches */
 	struct post_rect hollows; /* around the posts below the body that it does not touch. Only if laying->front */
-	int64_t underside;       /* fixed-point units: the highest place of the lower envelope where the body holds a post. Only if laying->front */
+	int64_t highest;       /* fixed-point units: the highest place of the lower envelope where the body holds a post. Only if laying->front */
 	int64_t moments[6];      /* of the carried soil about the frame's post: 1, x, y, x x, x y, y y; posts east and north, 2^-16 m. Only if laying->front */
 };
 void soil_measured_begin(struct soil_measured *measured);
@@ -139,7 +139,7 @@ static inline void soil_measured_join(struct soil_measured *measured, const stru
 	}
 	measured->patch = post_rect_joined(measured->patch, part->patch);
 	measured->hollows = post_rect_joined(measured->hollows, part->hollows);
-	measured->underside = part->underside > measured->underside ? part->underside : measured->underside;
+	measured->highest = part->highest > measured->highest ? part->highest : measured->highest;
 	for (int k = 0; k < 6; k++)
 		measured->moments[k] += part->moments[k];
 }

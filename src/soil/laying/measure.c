@@ -9,7 +9,7 @@ void soil_measured_begin(struct soil_measured *measured)
 	*measured = (struct soil_measured){
 		.least = {INT32_MAX, INT32_MAX},
 		.most = {INT32_MIN, INT32_MIN},
-		.underside = INT64_MIN,
+		.highest = INT64_MIN,
 		.patch = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN},
 	};
 }

@@ -141,8 +141,7 @@ void soil_bars(const struct soil_shape *shape, const struct soil_pose *pose, con
 		}
 }
 
-/* A bar carries the soil before it as far as the wedge reaches that it would push up: about twice the bar's height times tan(45 degrees + phi / 2), which is
- * 3.4 heights at 29 degrees. */
+/* A bar carries the soil before it as far as its wedge reaches. That is about twice its height times tan(45 degrees + phi / 2): 3.4 heights at 29 degrees. */
 #define BAR_WEDGE 3.4
 
 double soil_bars_carry(const struct soil_shape *shape)

@@ -1,21 +1,21 @@
-/* Finds which facets of a body press on the soil as it slides, and the force of each for a unit of strength and depth. */
-#include "soil/faces/press.h"
+/* Finds which facets of a body push on the soil as it slides, and the force of each for a unit of strength and depth. */
+#include "soil/faces/push.h"
 
 #include "soil/faces/resist.h"
 #include "soil/faces/slid.h"
 
 #define LANES POSTS_LANES
 #define EACH_LANE for (int i = 0; i < LANES; i++)
-#define TRAILS 0.1f   /* n . v: a facet of the underside that trails by more does not press */
-#define SIDE_FULL 0.1f /* n . v: a side that moves into the soil by more presses whole */
-#define STEEP 0.3f     /* level part of v: a side that goes up or down more steeply presses less, since a body that sinks is the law of the lower envelope */
+#define TRAILS 0.1f   /* n . v: a facet of the lower envelope that trails by more does not push */
+#define SIDE_FULL 0.1f /* n . v: a side that moves into the soil by more pushes whole */
+#define STEEP 0.3f     /* level part of v: a side that goes up or down more steeply pushes less. A body that sinks is borne from below */
 #define FACES_WAY 0.3f /* n . way: a facet that faces the way by more counts its depth from the ground ahead */
 #define FOLLOWS 2.0f   /* soil follows a smooth rim that spins at most so many times as fast as the body goes */
 
 /* A block of facets in the frame. */
 struct facet_lanes {
 	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: FACET_UNDER */
-	float force[3][LANES], presses[LANES];
+	float force[3][LANES], pushes[LANES];
 };
 
 /* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. */
@@ -32,9 +32,9 @@ SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent 
 }
 
 /* Gives the force of a facet for each pascal, m2. moves: of its place, for each metre of the body's way; lately: the same of the last bit of it. A facet that
- * backs off does not press: it loses its force within a bit of the way. */
+ * backs off does not push: it loses its force within a bit of the way. */
 SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], const float lately[3],
-			   float tangent, float force[3], float *presses)
+			   float tangent, float force[3], float *pushes)
 {
 	const float size = sqrtf(dot3(moves, moves)), by = 1 / most(size, 1e-9f), v[3] = {moves[0] * by, moves[1] * by, moves[2] * by};
 	const float into = least(dot3(normal, v), dot3(normal, lately)), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
@@ -45,7 +45,7 @@ SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const f
 	resist_alpha(normal, v, tangent, alpha);
 	for (int k = 0; k < 3; k++)
 		force[k] = share * alpha[k];
-	*presses = share;
+	*pushes = share;
 }
 
 SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const float axes[2][3][3], struct facet_lanes *l)
@@ -67,19 +67,19 @@ SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const 
 	}
 }
 
-SOIL_CLONED static void press_block(const struct soil_form *restrict f, const struct soil_facets *restrict facets, size_t b, const float axes[restrict 2][3][3], float tangent,
+SOIL_CLONED static void push_block(const struct soil_form *restrict f, const struct soil_facets *restrict facets, size_t b, const float axes[restrict 2][3][3], float tangent,
 				    struct facet_lanes *restrict l)
 {
 	place_block(facets, b, axes, l);
 	EACH_LANE {
 		const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
-		float moves[3], lately[3], force[3], presses;
+		float moves[3], lately[3], force[3], pushes;
 		motion_at(f, &f->recent, at, normal, moves);
 		motion_at(f, &f->last, at, normal, lately);
-		force_of(f, at, normal, l->area[i], l->under[i], moves, lately, tangent, force, &presses);
+		force_of(f, at, normal, l->area[i], l->under[i], moves, lately, tangent, force, &pushes);
 		for (int k = 0; k < 3; k++)
 			l->force[k][i] = force[k];
-		l->presses[i] = presses;
+		l->pushes[i] = pushes;
 	}
 }
 
@@ -94,7 +94,7 @@ static void keep(const struct facet_lanes *l, int i, const float way[2], struct 
 		to[2][k][n] = l->force[k][i];
 	}
 	faces->whole[n] = l->area[i];
-	faces->area[n] = l->presses[i];
+	faces->area[n] = l->pushes[i];
 	faces->under[n] = l->under[i];
 	faces->sole[n] = clamped(-l->normal[2][i], 0, 1);
 	faces->faces_way[n] = clamped((l->normal[0][i] * way[0] + l->normal[1][i] * way[1]) * (1 / FACES_WAY), 0, 1);
@@ -102,19 +102,19 @@ static void keep(const struct facet_lanes *l, int i, const float way[2], struct 
 	faces->cohesive[n] = soil_wedge_at(faces->wedge.cohesion, l->normal[2][i]);
 }
 
-void soil_press(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces)
+void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces)
 {
 	struct facet_lanes lanes;
 	const float c = (float)body->axis[0], s = (float)body->axis[1], way[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};
 	faces->count = 0;
 	faces->tangent = tangent;
 	for (size_t b = 0; b < facets->count; b += LANES) {
-		press_block(form, facets, b, axes, tangent, &lanes);
+		push_block(form, facets, b, axes, tangent, &lanes);
 		for (int i = 0; i < LANES; i++)
-			if (lanes.presses[i] > 0)
+			if (lanes.pushes[i] > 0)
 				keep(&lanes, i, way, faces);
 	}
-	/* The last block is filled with facets that press nothing. */
+	/* The last block is filled with facets that push nothing. */
 	memset(&lanes, 0, sizeof lanes);
 	for (int i = 0; i < LANES; i++)
 		lanes.normal[2][i] = 1;
@@ -124,18 +124,18 @@ void soil_press(const struct soil_body *body, const struct soil_form *form, cons
 
 #define STEP 0.01f /* of a motion, by which a quotient of differences is taken */
 
-void soil_press_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3])
+void soil_push_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3])
 {
 	const float at[3] = {faces->x[facet], faces->y[facet], faces->z[facet]}, normal[3] = {faces->nx[facet], faces->ny[facet], faces->nz[facet]};
-	float moves[3], lately[3], before[3], after[3], presses;
+	float moves[3], lately[3], before[3], after[3], pushes;
 	motion_at(form, &form->recent, at, normal, moves);
 	motion_at(form, &form->last, at, normal, lately);
 	const float step = STEP * most(sqrtf(dot3(moves, moves)), 0.1f), area = faces->whole[facet];
-	force_of(form, at, normal, area, faces->under[facet], moves, lately, faces->tangent, before, &presses);
+	force_of(form, at, normal, area, faces->under[facet], moves, lately, faces->tangent, before, &pushes);
 	for (int j = 0; j < 3; j++) {
 		float moved[3] = {moves[0], moves[1], moves[2]};
 		moved[j] += step;
-		force_of(form, at, normal, area, faces->under[facet], moved, lately, faces->tangent, after, &presses);
+		force_of(form, at, normal, area, faces->under[facet], moved, lately, faces->tangent, after, &pushes);
 		for (int k = 0; k < 3; k++)
 			changes[k][j] = (after[k] - before[k]) / step;
 	}

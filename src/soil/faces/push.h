@@ -1,0 +1,13 @@
+/* Which facets of a body push on the soil, and how: src/soil/faces/push.c. */
+#ifndef FURROW_SOIL_PUSH_H
+#define FURROW_SOIL_PUSH_H
+
+#include "soil/faces/faces.h"
+
+/* Lists the facets that push into the arrays of `faces`, which have room for all, and sets faces->count. axes: of the body, and of its grousers, in the
+ * frame. tangent: of the friction between soil and surface. */
+void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces);
+/* Gives how the force of a facet, for each pascal, changes with the recent motion of its place: rows force, columns motion; m2. */
+void soil_push_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3]);
+
+#endif
