@@ -130,9 +130,10 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 
 enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect changed, const struct tile_slot *held, size_t count)
 {
+	const unsigned planes = bearing->planes & ~PLANE_BIT(PLANE_SLOPE); /* intervals alone read and change that */
 	for (size_t i = 0; i < count; i++)
 		if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[i].tile), changed)))
-			TRY(resident_host_write(bearing->slots, held[i].slot, bearing->planes));
-	resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, changed, bearing->planes);
+			TRY(resident_host_write(bearing->slots, held[i].slot, planes));
+	resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, changed, planes);
 	return STATUS_OK;
 }

@@ -9,7 +9,7 @@ double store_rows_metres(enum row_table table, int32_t post, double step)
 				    : plane_value(row_plane(table), post);
 }
 
-/* Gives the two halves of a post. Of shear: to the east and to the north. Of a slope: above and below. */
+/* Gives the two halves of a post. Of shear they are to the east and to the north; of a slope, what is above and what is below. */
 static void parts_of(enum row_table table, int32_t post, int32_t parts[2])
 {
 	const bool shear = table == ROW_SHEAR;
