@@ -85,13 +85,8 @@ void soil_sliding_iterate(struct sliding_field *field, size_t trim, bool last);
 void soil_sliding_shed(struct sliding_field *field, size_t trim, bool last, bool window);
 /* excess.c: all posts count as changed. */
 void soil_sliding_all_dirty(struct sliding_field *field);
-<<<<<<< HEAD
 /* excess.c: returns columns of a row. They hold all posts that differ by more than `least` (axial, diagonal) from a neighbour in it or in the
  * next row. There is a post before the row and behind it, and the next row begins `stride` posts later. */
-=======
-/* excess.c: returns columns of a row. They hold all posts that differ by more than `least` (axial, diagonal) from a neighbour in the row or the
- * next. There is a post before the row and behind it, and the next row begins `stride` posts later. */
->>>>>>> h-banks
 struct sliding_span soil_sliding_steep_span(const int32_t *height, size_t stride, size_t width, const int32_t least[2]);
 /* lines.c: soil slides along lines in one direction: x, y, north-east, south-east. */
 void soil_sliding_along(struct sliding_field *field, int direction);

@@ -8,13 +8,8 @@
  * posts that are higher or lower alone. So they come to rest where heights are at rest. The height of a post's slope gives the critical
  * difference there.
  *
-<<<<<<< HEAD
- * The plane keeps extents of posts beside which soil could slide. There a neighbour differs by more than the least critical difference, and by more
- * than the bases do if undisturbed ground is stable. Other posts keep 0. So a change never spreads over undisturbed ground.
-=======
  * The plane keeps extents of posts beside which soil could slide. There a neighbour differs by more than the least critical difference. If undisturbed
  * ground is stable it also differs by more than the bases do. Other posts keep 0. So a change never spreads over undisturbed ground.
->>>>>>> h-banks
  *
  * Rows are computed only in the spans of columns that are near such posts.
  */
@@ -175,13 +170,8 @@ static uint32_t apart(int32_t a, int32_t b)
 }
 
 /*
-<<<<<<< HEAD
- * Returns the share of a slope's steepness that its steepest pair of posts has, 2^-10. A slope that heads by t
- * from the axis x or y falls by g d cos t between neighbours along it. Between diagonal ones it falls by sqrt(2) g d cos(45 - t). The larger cosine is 1 along an axis or a diagonal, and 0.924 between
-=======
  * Returns the share of a slope's steepness that its steepest pair of posts has, 2^-10. A slope that heads by t from an axis falls by g d cos t between
  * neighbours along it. Between diagonal ones it falls by sqrt(2) g d cos(45 - t). The larger cosine is 1 along an axis or a diagonal, and 0.924 between
->>>>>>> h-banks
  * them. With the tangent q of the smaller angle it is 1 - q^2 / 2 + 3 q^4 / 8, within 0.002.
  */
 static int32_t share_of_steepest(const int32_t *surface, ptrdiff_t stride)
