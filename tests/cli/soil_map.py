@@ -49,7 +49,7 @@ def tiles(store, level=-2):
     """Each tile's rows, but for which epoch wrote them: {(x, y): {table: row}}"""
     db = sqlite3.connect(store)
     found = {}
-    for table in ("offset", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope"):
+    for table in ("offset", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density"):
         for key, *row in db.execute(f'SELECT key, low, high, codec, hash, blob FROM "{table}"'):
             if (key >> 56) - 32 != level:
                 continue

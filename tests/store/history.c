@@ -306,7 +306,7 @@ static void damage_in_a_history_is_found(void **state)
 		"UPDATE history SET revision = revision + 100",
 		"UPDATE history SET form = 2",
 		"UPDATE history SET key = key + 65536",
-		"UPDATE history SET plane = plane + 1 WHERE plane = 10",
+		"UPDATE history SET plane = plane + 1 WHERE plane = 11",
 		"DELETE FROM revision WHERE revision = 2",
 		"INSERT INTO snapshot VALUES('x', 77, 0, '')",
 	};
