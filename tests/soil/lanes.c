@@ -8,6 +8,7 @@
 #define SIDE 96
 #define LAW 2
 #define LAW_BITS 0xa4d721e8162aa367ull /* of `contacts` by that law, on any machine */
+#define LAYER_BITS 0x0ull /* and of those with layers */
 
 static uint32_t word(uint32_t *seed)
 {
@@ -55,7 +56,7 @@ LANES_COPY(avx512)
 #endif
 
 /* Presses and probes bodies of all forms by a copy of the law, and hashes forces and planes. */
-static uint64_t contacts(const struct copy *copy, int *touches)
+static uint64_t contacts(const struct copy *copy, bool layered, int *touches)
 {
 	struct soil_mesh mesh = mesh_pill(24, 6, 0.15, 0.2);
 	const struct soil_shape shapes[] = {
@@ -73,6 +74,12 @@ static uint64_t contacts(const struct copy *copy, int *touches)
 		const struct soil_numbers soil = bed_soil(soils[round / 8 % 3]);
 		struct bed bed;
 		bed_init(&bed, &soil, round % 4 == 0 ? 0.0137 : 0.021, SIDE, 0.1 * share(&seed), 0.1 * share(&seed));
+		struct soil_numbers below = bed_soil(soils[(round / 8 + 1) % 3]);
+		if (round % 2 == 1)
+			soil_set_rigid(&below);
+		bed.law.soils[0].over = layered ? &below : NULL;
+		bed.law.soils[0].thickness = 0.05;
+		soil_law_set_layers(&bed.law);
 		bed.law.bulldozing = 0.5;
 		bed.law.slip_sinkage = round % 3 == 0 ? 0.5 : 0;
 		bed.law.ground_normals = round % 5 == 4;
@@ -125,12 +132,12 @@ static void all_instruction_sets_give_the_same_bits(void **state)
 #endif
 	};
 	int touches = 0;
-	const uint64_t wanted = contacts(&chosen, &touches);
-	assert_true(touches > 200);
+	const uint64_t wanted = contacts(&chosen, false, &touches), layered = contacts(&chosen, true, &touches);
+	assert_true(touches > 400);
 	/* If this fails, the law gives other bits than before. Then raise SOIL_LAW, so that no drive goes on by another law than it began with. */
 	assert_int_equal(SOIL_LAW, LAW);
-	print_message("the library: hash %llx\n", (unsigned long long)wanted);
-	assert_true(wanted == LAW_BITS);
+	print_message("the library: hash %llx, with layers %llx\n", (unsigned long long)wanted, (unsigned long long)layered);
+	assert_true(wanted == LAW_BITS && layered == LAYER_BITS);
 	for (size_t i = 0; i < COUNT(copies); i++) {
 #if LANES_WIDE
 		if ((i == 1 && !__builtin_cpu_supports("avx2")) || (i == 2 && !(__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
@@ -139,9 +146,9 @@ static void all_instruction_sets_give_the_same_bits(void **state)
 			continue;
 		}
 #endif
-		const uint64_t got = contacts(&copies[i], &touches);
-		print_message("%s: hash %llx\n", copies[i].name, (unsigned long long)got);
-		assert_true(got == wanted);
+		const uint64_t got = contacts(&copies[i], false, &touches), got_layered = contacts(&copies[i], true, &touches);
+		print_message("%s: hash %llx, with layers %llx\n", copies[i].name, (unsigned long long)got, (unsigned long long)got_layered);
+		assert_true(got == wanted && got_layered == layered);
 	}
 }
 

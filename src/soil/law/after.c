@@ -39,12 +39,51 @@ SOIL_INLINED int32_t shear_of(const float axis[2], float x, float y)
 	return (int32_t)(((uint32_t)east & 0xffffu) | (uint32_t)north << 16);
 }
 
-/* Gives the plastic part of sinkages in fixed-point units, m. */
-SOIL_INLINED void put_plastic(const float k[POSTS_LANES], const float n[POSTS_LANES], const float elastic[POSTS_LANES], const float by_elastic[POSTS_LANES],
-			      const int32_t sinkage[POSTS_LANES], float plastic[POSTS_LANES])
+#if SOIL_LAYERED
+/* What lies below the soil of a block of posts. */
+struct layers {
+	float thick[POSTS_LANES], bulb[POSTS_LANES], k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES];
+};
+
+SOIL_INLINED void take_layers(const struct soil_posts *posts, size_t b, struct layers *layers)
 {
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const struct stress_soil soil = {.k = k[i], .n = n[i], .elastic = elastic[i], .by_elastic = by_elastic[i]};
+		layers->thick[i] = posts->thick[b + i];
+		layers->bulb[i] = posts->bulb[b + i];
+		layers->k[i] = posts->base_k[b + i];
+		layers->n[i] = posts->base_n[b + i];
+		layers->elastic[i] = posts->base_elastic[b + i];
+	}
+}
+
+/* What slip digs is missing from the layer. */
+SOIL_INLINED void thin_layers(const float up[POSTS_LANES], const int32_t digs[POSTS_LANES], struct layers *layers)
+{
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const float dug = up[i] * (float)digs[i] * SOIL_UNIT;
+		layers->thick[i] = most(layers->thick[i] - either(layers->thick[i] < LAYER_NONE, dug, 0), 0);
+	}
+}
+#else
+struct layers {
+	float none;
+};
+#endif
+
+/* Gives the plastic part of sinkages in fixed-point units, m. */
+SOIL_INLINED void put_plastic(const float k[POSTS_LANES], const float n[POSTS_LANES], const float elastic[POSTS_LANES], const float by_elastic[POSTS_LANES],
+			      const struct layers *layers, const int32_t sinkage[POSTS_LANES], float plastic[POSTS_LANES])
+{
+	(void)layers;
+	for (int i = 0; i < POSTS_LANES; i++) {
+		struct stress_soil soil = {.k = k[i], .n = n[i], .elastic = elastic[i], .by_elastic = by_elastic[i]};
+#if SOIL_LAYERED
+		soil.thick = layers->thick[i];
+		soil.bulb = layers->bulb[i];
+		soil.base_k = layers->k[i];
+		soil.base_n = layers->n[i];
+		soil.base_elastic = layers->elastic[i];
+#endif
 		plastic[i] = plastic_of(&soil, (float)sinkage[i] * SOIL_UNIT);
 	}
 }
@@ -55,6 +94,10 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
 	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES], shear_x[POSTS_LANES], shear_y[POSTS_LANES];
+	struct layers layers;
+#if SOIL_LAYERED
+	take_layers(posts, b, &layers);
+#endif
 	const int32_t near = (int32_t)fminf((float)AFTER_SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
@@ -84,8 +127,8 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		sunk[i] = over[i] > 0 ? ground[i] - rests[i] : 0;
 		largest[i] = larger(sinkage[i], sinkage_of(up[i], ground[i] - lowest[i]));
 	}
-	put_plastic(k, n, elastic, by_elastic, sinkage, had);
-	put_plastic(k, n, elastic, by_elastic, largest, plastic);
+	put_plastic(k, n, elastic, by_elastic, &layers, sinkage, had);
+	put_plastic(k, n, elastic, by_elastic, &layers, largest, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]);
 		const int32_t may = (swept[i] > 0) & (lowest[i] < ground[i]), touches = may & has_last(deepest, sinkage[i], had[i]);
@@ -97,8 +140,11 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		touched[i] = touches;
 		held[i] = holds;
 	}
-	put_plastic(k, n, elastic, by_elastic, remains, had);
-	put_plastic(k, n, elastic, by_elastic, largest, plastic);
+#if SOIL_LAYERED
+	thin_layers(up, digs, &layers);
+#endif
+	put_plastic(k, n, elastic, by_elastic, &layers, remains, had);
+	put_plastic(k, n, elastic, by_elastic, &layers, largest, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t still = has_last(sinkage_of(up[i], sunk[i] - digs[i]), largest[i], plastic[i]), holds = held[i] & (still | (digs[i] == 0));
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);

@@ -24,7 +24,15 @@ struct block {
 
 SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
 {
-	return (struct stress_soil){p->k[i], p->n[i], p->elastic[i], p->by_elastic[i], p->cohesion[i], p->tan_phi[i], p->modulus[i], p->by_modulus[i], p->damping[i]};
+	struct stress_soil s = {p->k[i], p->n[i], p->elastic[i], p->by_elastic[i], p->cohesion[i], p->tan_phi[i], p->modulus[i], p->by_modulus[i], p->damping[i]};
+#if SOIL_LAYERED
+	s.thick = p->thick[i];
+	s.bulb = p->bulb[i];
+	s.base_k = p->base_k[i];
+	s.base_n = p->base_n[i];
+	s.base_elastic = p->base_elastic[i];
+#endif
+	return s;
 }
 
 SOIL_INLINED bool any_above(const float numbers[LANES], float than)
@@ -161,6 +169,27 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
 
+#if SOIL_LAYERED
+/* As a layer is used up, its shear and its damping go over to those of the soil below it. Of two soils in line the weaker one gives way. */
+SOIL_INLINED float weaker_of(float own, float base, float share)
+{
+	return either(share >= 1, own, own * base / most(share * base + (1 - share) * own, 1e-20f));
+}
+
+SOIL_INLINED void put_layers(struct lane_posts *p, const struct block *l)
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float share = either(s.thick < LAYER_NONE, layer_shears(&s, most(l->was[i], p->up[i] * l->depth[i])), 1);
+		p->cohesion[i] = weaker_of(s.cohesion, p->base_cohesion[i], share);
+		p->tan_phi[i] = weaker_of(s.tan_phi, p->base_tan_phi[i], share);
+		p->modulus[i] = either(share >= 1, s.modulus, share * s.modulus + (1 - share) * p->base_modulus[i]);
+		p->by_modulus[i] = either(share >= 1, s.by_modulus, 1 / p->modulus[i]);
+		p->damping[i] = either(share >= 1, s.damping, share * s.damping + (1 - share) * p->base_damping[i]);
+	}
+}
+#endif
+
 /* Returns the strength of a post's soil at a sinkage along the normal, while it springs back or is loaded anew. stress: where it yields; Pa. */
 SOIL_INLINED float strength_at(const struct soil_form *f, const struct stress_soil *s, float stress, float plastic, float by_elastic, float sinkage)
 {
@@ -176,9 +205,22 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 	return (sqrtf(x * x + y * y) + 4 * sqrtf(mx * mx + my * my) + sqrtf(ex * ex + ey * ey)) * (1 / 6.0f);
 }
 
+/* Returns how much slip can dig of a post, m: rigid ground ends it. */
+SOIL_INLINED float room_above(const struct lane_posts *p, int i)
+{
+#if SOIL_LAYERED
+	const float rigid = either(p->thick[i] < LAYER_NONE, p->base_k[i], p->k[i]), left = either(p->thick[i] < LAYER_NONE, p->thick[i], 0);
+	return either(rigid > LAYER_RIGID, most(left * p->by_up[i] - LAYER_FILM, 0), 1e9f);
+#else
+	(void)p;
+	(void)i;
+	return 1e9f;
+#endif
+}
+
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
  * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
-SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
@@ -190,11 +232,14 @@ SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, const
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
-		const float room = l->depth[i] - 2 * SOIL_UNIT; /* it never digs itself free */
+		const float room = least(l->depth[i] - 2 * SOIL_UNIT, room_above(p, i)); /* it never digs itself free */
 		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
 		l->ground[i] -= l->more[i];
 		l->depth[i] -= l->more[i];
 		l->was[i] = most(l->was[i] - up * l->more[i], 0);
+#if SOIL_LAYERED
+		p->thick[i] = most(p->thick[i] - either(p->thick[i] < LAYER_NONE, up * l->more[i], 0), 0);
+#endif
 	}
 	if (any_above(l->was, 0))
 		EACH_LANE {

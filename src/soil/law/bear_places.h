@@ -128,8 +128,8 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->arm[0] = x;
 	place->arm[1] = y;
 	place->arm[2] = face->height + p->above[i];
-	const float plastic = plastic_part(&s, largest, yields), by_elastic = 1 / most(largest - plastic, 1e-9f);
-	const float springs = clamped((z + SOIL_LEAST - plastic) * by_elastic, 0, 1), share = either(z >= largest, 1, springs);
+	float by_elastic;
+	const float plastic = plastic_part(&s, largest, yields), springs = springs_at(&s, z, largest, yields, plastic, &by_elastic), share = either(z >= largest, 1, springs);
 	const float down = down_at(f, place->arm, p->above[i], place->normal);
 	place->ground = either(least(z, share) > 0, spots->part[lane], 0);
 	/* A flat end that is as wide as several cells bears by its area in plan: all of it on level ground. */

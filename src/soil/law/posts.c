@@ -69,7 +69,7 @@ static void put_springs(const struct soil_law *law, const struct soil_planes *pl
 	const struct soil_numbers *soil = &law->soils[0];
 	const bool one = planes->classes == NULL && (planes->levels == NULL || law->raster_count == 0);
 	const double known = 0.25 * (double)form->radius, k = fmax(soil->bekker_kc * by_width + soil->bekker_kphi, 0);
-	if (!one || form->digs_most > 0 || !(by_width > 0) || walk->above > 0)
+	if (!one || law->layered || form->digs_most > 0 || !(by_width > 0) || walk->above > 0)
 		return;
 	walk->known = (float)known;
 	const double springs = 1.001 * k * pow(known, soil->bekker_n) / soil->elastic_stiffness;
@@ -404,6 +404,30 @@ static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last
 	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
 }
 
+/* Puts what a soil lies over into the same posts. Rigid ground has no shear of its own: the layer keeps its. `thick` is vertical here. */
+static void fill_base(const struct soil_numbers *soil, size_t first, size_t last, struct soil_posts *p)
+{
+	const struct soil_numbers *base = soil->over != NULL ? soil->over : soil, *shears = soil_is_rigid(base) ? soil : base;
+	const bool rigid = soil_is_rigid(base);
+	float *const each[] = {p->thick, p->base_k_c, p->base_k_phi, p->base_n, p->base_elastic, p->base_cohesion, p->base_tan_phi, p->base_modulus, p->base_damping};
+	const float values[] = {
+		soil->over != NULL ? (float)soil->thickness : LAYER_NONE, rigid ? 0 : (float)base->bekker_kc, rigid ? 1e30f : (float)base->bekker_kphi, rigid ? 1 : (float)base->bekker_n,
+		rigid ? 1e30f : bounded(base->elastic_stiffness), (float)shears->cohesion, (float)tan(shears->friction_angle), bounded(shears->janosi_shear), (float)shears->damping,
+	};
+	for (size_t k = 0; k < sizeof values / sizeof values[0]; k++)
+		for (size_t i = first; i < last; i++)
+			each[k][i] = values[k];
+}
+
+/* What was laid on a post is of its upper soil, and what was dug there is missing from it. Thickness is along the normal from here on. */
+static void put_thickness(struct soil_posts *p)
+{
+	for (size_t i = 0; i < soil_posts_end(p); i++) {
+		const float thick = most(p->thick[i] + (float)p->deposited[i] * SOIL_UNIT, 0) * p->up[i];
+		p->thick[i] = either(p->thick[i] < LAYER_NONE, thick, LAYER_NONE);
+	}
+}
+
 static bool same_soil(const struct soil_law *law, const struct soil_planes *planes, size_t a, size_t b)
 {
 	return (planes->classes == NULL || planes->classes[a] == planes->classes[b]) &&
@@ -419,7 +443,10 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 		for (last = one ? p->count : first + 1; last < p->count && same_soil(law, planes, at, (size_t)p->index[last]);)
 			last++;
 		const struct soil_numbers soil = soil_numbers_at(law, planes, at);
-		fill_soil(&soil, first, last < p->count ? last : soil_posts_end(p), p);
+		const size_t end = last < p->count ? last : soil_posts_end(p);
+		fill_soil(&soil, first, end, p);
+		if (p->layered)
+			fill_base(&soil, first, end, p);
 	}
 }
 
@@ -442,6 +469,7 @@ void soil_posts_gather(const struct soil_law *law, const struct soil_planes *pla
 {
 	struct walk walk = walk_of(law, planes, body, form, raised, above);
 	const float axis[2] = {(float)body->axis[0], (float)body->axis[1]};
+	posts->layered = law->layered;
 	put_springs(law, planes, form, by_width, &walk);
 	take_rows(planes, body, form, &walk, posts);
 	if (posts->count == 0)
@@ -450,14 +478,25 @@ void soil_posts_gather(const struct soil_law *law, const struct soil_planes *pla
 	end_lanes(posts);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)
 		put_numbers(axis, (float)(lattice_base_metres(1) / law->spacing), posts, b);
+	if (posts->layered)
+		put_thickness(posts);
 	soil_cover(body, form, posts);
 }
 
-SOIL_CLONED void soil_posts_width(float by_width, struct soil_posts *posts)
+SOIL_CLONED static void put_width(float by_width, size_t count, const float *restrict k_c, const float *restrict k_phi, float *restrict k)
 {
-	float *restrict k = posts->k;
-	const float *restrict k_c = posts->k_c, *restrict k_phi = posts->k_phi;
 	SOIL_APART
-	for (size_t i = 0; i < soil_posts_end(posts); i++)
+	for (size_t i = 0; i < count; i++)
 		k[i] = most(k_c[i] * by_width + k_phi[i], 0); /* k_c may be negative, and a patch small */
+}
+
+void soil_posts_width(float by_width, float bulb, struct soil_posts *posts)
+{
+	const size_t count = soil_posts_end(posts);
+	put_width(by_width, count, posts->k_c, posts->k_phi, posts->k);
+	if (!posts->layered)
+		return;
+	put_width(by_width, count, posts->base_k_c, posts->base_k_phi, posts->base_k);
+	for (size_t i = 0; i < count; i++)
+		posts->bulb[i] = bulb;
 }

@@ -7,6 +7,10 @@
 
 #include "soil/law/real.h"
 
+#ifndef SOIL_LAYERED
+#define SOIL_LAYERED 0 /* 1: of a post whose soil may lie over another. Such ground has functions of its own, so that other ground pays nothing */
+#endif
+
 #define SOIL_UNIT 0x1p-20f         /* m: a fixed-point unit */
 #define SOIL_LEAST 1.2e-6f         /* m: a stored sinkage and a height are each rounded by up to half a unit */
 #define SOIL_STRESS_MOST 1e20f     /* Pa: keeps all numbers finite */
@@ -14,26 +18,60 @@
 /* The soil of a post. k: k_c / b + k_phi, N/m^(n+2), b the width of the contact patch. modulus: of shear, m. */
 struct stress_soil {
 	float k, n, elastic, by_elastic, cohesion, tan_phi, modulus, by_modulus, damping;
+	/* With SOIL_LAYERED: how thick the soil is along the normal, m (LAYER_NONE: endless); the pressure bulb, m; the soil below it. */
+	float thick, bulb, base_k, base_n, base_elastic;
 };
 
-/* Returns the stress that the soil bears at sinkage z, m, when it yields; Pa. */
+/* Returns the stress that soil of these numbers bears at sinkage z, m, when it yields; Pa. */
+SOIL_INLINED float bekker_stress(float k, float n, float elastic, float z)
+{
+	const float bekker = k * power_of(most(z, SOIL_UNIT), n);
+	return either(z > 0, least(least(bekker, z * elastic), SOIL_STRESS_MOST), 0);
+}
+
+/* Returns how that grows with the sinkage, Pa/m. */
+SOIL_INLINED float bekker_growth(float n, float elastic, float yields, float z)
+{
+	const float flows = yields * n / most(z, SOIL_UNIT);
+	return either(yields >= 0.9999999f * elastic * z, elastic, flows);
+}
+
+#include "soil/law/layers.h"
+
+/* Returns the stress that the ground bears at sinkage z, m, when it yields; Pa. */
 SOIL_INLINED float yield_stress(const struct stress_soil *s, float z)
 {
-	const float bekker = s->k * power_of(most(z, SOIL_UNIT), s->n);
-	return either(z > 0, least(least(bekker, z * s->elastic), SOIL_STRESS_MOST), 0);
+	const float own = bekker_stress(s->k, s->n, s->elastic, z);
+	return SOIL_LAYERED ? either(s->thick < LAYER_NONE, layer_stress(s, own, z), own) : own;
 }
 
 /* Returns how the yield stress grows with the sinkage, Pa/m. */
 SOIL_INLINED float yield_growth(const struct stress_soil *s, float yields, float z)
 {
-	const float flows = yields * s->n / most(z, SOIL_UNIT);
-	return either(yields >= 0.9999999f * s->elastic * z, s->elastic, flows);
+	const float own = bekker_growth(s->n, s->elastic, yields, z);
+	return SOIL_LAYERED ? either(s->thick < LAYER_NONE, layer_growth(s, z), own) : own;
 }
 
 /* Returns the plastic part of sinkage z, m: what stays after unloading. */
 SOIL_INLINED float plastic_part(const struct stress_soil *s, float z, float yields)
 {
-	return most(z - yields * s->by_elastic, 0);
+	const float own = most(z - yields * s->by_elastic, 0);
+	return SOIL_LAYERED ? either(s->thick < LAYER_NONE, layer_plastic(s, z, yields), own) : own;
+}
+
+/* Returns which share of the yield stress soil bears that was loaded to a larger sinkage before, m. plastic: the part of it that stays. by_elastic: 1/m,
+ * how the share grows with the sinkage. */
+SOIL_INLINED float springs_at(const struct stress_soil *s, float z, float largest, float yields, float plastic, float *by_elastic)
+{
+	const float own = 1 / most(largest - plastic, 1e-9f), share = clamped((z + SOIL_LEAST - plastic) * own, 0, 1);
+	float grows;
+	if (!SOIL_LAYERED) {
+		*by_elastic = own;
+		return share;
+	}
+	const float springs = layer_springs(s, z + SOIL_LEAST, largest, yields, &grows);
+	*by_elastic = either(s->thick < LAYER_NONE, grows, own);
+	return either(s->thick < LAYER_NONE, springs, share);
 }
 
 SOIL_INLINED float plastic_of(const struct stress_soil *s, float z)
