@@ -209,7 +209,7 @@ ROWS = {
     "cameras[].video": (SHOT, {"cameras.c.video": "true"}),
     "cameras[].stereo": (SHOT, {"cameras.c.stereo": "0.4"}),
 }
-ROWS["soil.rasters.thickness"] = (LAYER, {"soil.rasters": "{thickness: cohesion.png}"})
+ROWS["soil.rasters.thickness"] = (LAYER, {"soil.rasters": "{thickness: west.png}"})
 ROWS["soil.thickness"] = (LAYER, {"soil.thickness": "0.1"})
 ROWS |= {f"soil.rasters.{key}": (SCM, {"soil.rasters": f"{{{key}: {key}.png}}"}) for key in
          ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear", "elastic_stiffness")}

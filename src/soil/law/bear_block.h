@@ -24,7 +24,10 @@ struct block {
 
 SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
 {
-	struct stress_soil s = {p->k[i], p->n[i], p->elastic[i], p->by_elastic[i], p->cohesion[i], p->tan_phi[i], p->modulus[i], p->by_modulus[i], p->damping[i]};
+	struct stress_soil s = {
+		.k = p->k[i], .n = p->n[i], .elastic = p->elastic[i], .by_elastic = p->by_elastic[i], .cohesion = p->cohesion[i], .tan_phi = p->tan_phi[i],
+		.modulus = p->modulus[i], .by_modulus = p->by_modulus[i], .damping = p->damping[i],
+	};
 #if SOIL_LAYERED
 	s.thick = p->thick[i];
 	s.bulb = p->bulb[i];
