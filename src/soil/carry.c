@@ -44,16 +44,21 @@ static double pressure_at(const struct soil_numbers *soil, double width, double 
 	return own * (left + width) / (left + wide);
 }
 
-/* The same as soil_sinkage_guess of a layer. Of shapes other than wheels and boxes only bounds are known. */
-static double guess_of_layer(const struct soil_shape *shape, const struct soil_numbers *soil, double load)
+/* Returns the wheel as which a shape that is no box is guessed. */
+static struct soil_shape as_wheel(const struct soil_shape *shape)
+{
+	const double radius = shape->kind == SOIL_ELLIPSOID ? cbrt(shape->size[0] * shape->size[1] * shape->size[2]) : shape->radius;
+	return (struct soil_shape){.kind = SOIL_WHEEL, .radius = radius, .width = shape->kind == SOIL_WHEEL ? shape->width : shape->kind == SOIL_CYLINDER ? shape->length : radius};
+}
+
+/* The same as soil_sinkage_guess of a layer. */
+static double guess_of_layer(const struct soil_shape *given, const struct soil_numbers *soil, double load)
 {
 	const struct soil_interface smooth = {.has_friction = true, .has_adhesion = true};
-	struct soil_numbers alone = *soil;
-	alone.over = NULL;
-	double low = 0, high = soil_shape_reach(shape, 0, 0);
-	if (shape->kind != SOIL_WHEEL && shape->kind != SOIL_BOX)
-		return fmin(soil_sinkage_guess(shape, &alone, load),
-			    soil->thickness + (soil_is_rigid(soil->over) ? 0 : soil_sinkage_guess(shape, soil->over, load)));
+	const struct soil_shape wheel = as_wheel(given), *shape = given->kind == SOIL_BOX ? given : &wheel;
+	double low = 0, high = soil_shape_reach(given, 0, 0);
+	if (given->kind == SOIL_MESH)
+		return 0;
 	for (int i = 0; i < HALVINGS; i++) {
 		const double middle = (low + high) / 2;
 		*(soil_load_at(shape, &smooth, 0, soil, middle) < load ? &low : &high) = middle;
@@ -75,8 +80,8 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
 	} else if (shape->kind == SOIL_MESH) {
 		sinkage = 0;
 	} else {
-		double radius = shape->kind == SOIL_ELLIPSOID ? cbrt(shape->size[0] * shape->size[1] * shape->size[2]) : shape->radius;
-		double width = shape->kind == SOIL_WHEEL ? shape->width : shape->kind == SOIL_CYLINDER ? shape->length : radius;
+		const struct soil_shape wheel = as_wheel(shape);
+		const double radius = wheel.radius, width = wheel.width;
 		double k = soil->bekker_kc / width + soil->bekker_kphi;
 		sinkage = pow(3 * load / (width * k * fmax(3 - n, 0.1) * sqrt(2 * radius)), 2 / (2 * n + 1));
 	}
@@ -86,7 +91,7 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
 
 double soil_stiffens(const struct soil_shape *shape, const struct soil_numbers *given, double sinkage)
 {
-	const double width = shape->kind == SOIL_WHEEL ? shape->width : shape->kind == SOIL_BOX ? fmin(shape->size[0], shape->size[1]) : 2 * soil_shape_bound(shape);
+	const double width = shape->kind == SOIL_BOX ? fmin(shape->size[0], shape->size[1]) : shape->kind == SOIL_MESH ? soil_shape_bound(shape) : as_wheel(shape).width;
 	struct soil_numbers soil = *given, springs = {.bekker_kphi = 0}, below = {.bekker_kphi = 0};
 	soil_end_layer(&soil);
 	if (soil.over == NULL)

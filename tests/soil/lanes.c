@@ -8,7 +8,7 @@
 #define SIDE 96
 #define LAW 2
 #define LAW_BITS 0xa4d721e8162aa367ull /* of `contacts` by that law, on any machine */
-#define LAYER_BITS 0x0ull /* and of those with layers */
+#define LAYER_BITS 0xeee3b16f102db67cull /* and of those with layers */
 
 static uint32_t word(uint32_t *seed)
 {

@@ -1,8 +1,8 @@
 /*
  * Part of stress.h: a layer of soil over another one. SI. Pure.
  *
- * A plate of width B spreads its pressure p with the depth y as p B^2 / (B + y)^2: the 2:1 method of foundation engineering for a square plate (Bowles
- * 1996, Foundation Analysis and Design, 5-3). So soil within a depth h below the plate gives the part h / (h + B) of its settlement, and soil below that
+ * A square plate of width B spreads its pressure p with the depth y as p B^2 / (B + y)^2. That is the 2:1 method of foundation engineering (Bowles 1996,
+ * Foundation Analysis and Design, 5-3). So soil within a depth h below the plate gives the part h / (h + B) of its settlement, and soil below that
  * gives the rest. Strains of layers add up, as in Steinbrenner 1934. Each soil counts with its secant stiffness p_i(z) / z at the plate's sinkage z, with
  * Bekker's p_i(z) and the elastic limit. So, with r = p_1 / p_2 of the layer and its base,
  *
@@ -23,7 +23,7 @@
 #define FURROW_SOIL_LAYERS_H
 
 #define LAYER_NONE 1e6f   /* m: so thick is soil that lies over no other */
-#define LAYER_LEAST 1e-5f /* m: from here on the last of a layer over rigid ground gets no thinner, and its stress grows evenly instead, as steep as it was */
+#define LAYER_LEAST 1e-5f /* m: so much of a layer over rigid ground is always left. From there its stress grows evenly */
 #define LAYER_FILM 1e-4f  /* m: slip leaves so much of a layer over rigid ground */
 #define LAYER_RIGID 1e25f /* N/m^(n+2): of ground that bears whatever is above it */
 
@@ -115,7 +115,7 @@ SOIL_INLINED float layer_springs(const struct stress_soil *s, float z, float lar
 	return clamped(share, 0, 1);
 }
 
-/* Returns how much of a layer's own shear counts at a sinkage: 1 as long as what is left of it is thicker than its shear modulus. */
+/* Returns how much of a layer's own shear counts at a sinkage. 1: what is left of it is thicker than its shear modulus. */
 SOIL_INLINED float layer_shears(const struct stress_soil *s, float z)
 {
 	const float own = bekker_stress(s->k, s->n, s->elastic, z), ratio = layer_ratio(own, bekker_stress(s->base_k, s->base_n, s->base_elastic, z));
