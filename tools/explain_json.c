@@ -173,6 +173,14 @@ static void add_soils(cJSON *root, const struct scene *scene, const struct repor
 			json_number(number, "value", value);
 			cJSON_AddStringToObject(number, "from", explain_number_from(scene, soil, key));
 		}
+		if (scene->soils[soil].over == NULL)
+			continue;
+		json_number(row, "thickness", scene->soils[soil].thickness);
+		cJSON *over = cJSON_AddObjectToObject(row, "over");
+		cJSON_AddStringToObject(over, "name", scene->base_names[soil]);
+		for (size_t i = 0; !soil_is_rigid(scene->soils[soil].over) && scene_soil_number(scene->soils[soil].over, i, &key, &value); i++)
+			if (!isnan(value) && deform_model_reads(scene->model, key))
+				json_number(over, key, value);
 	}
 }
 

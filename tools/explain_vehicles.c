@@ -56,12 +56,37 @@ static void add_numbers(FILE *stream, const struct scene *scene, int soil, const
 		fputc(';', stream);
 }
 
+/* The numbers of what the soil lies over. */
+static void add_below(FILE *stream, const struct scene *scene, int soil)
+{
+	const struct soil_numbers *over = scene->soils[soil].over;
+	const char *key;
+	double value;
+	bool any = false;
+	for (size_t i = 0; over != NULL && !soil_is_rigid(over) && scene_soil_number(over, i, &key, &value); i++) {
+		if (isnan(value) || !deform_model_reads(scene->model, key))
+			continue;
+		fprintf(stream, "%s %s %.9g", any ? "," : " below", key, value);
+		any = true;
+	}
+	if (any)
+		fputc(';', stream);
+}
+
+static bool same_layer(const struct scene *scene, int a, int b)
+{
+	const struct soil_numbers *one = &scene->soils[a], *other = &scene->soils[b];
+	if (one->over == NULL || other->over == NULL)
+		return one->over == other->over;
+	return one->thickness == other->thickness && strcmp(scene->base_names[a], scene->base_names[b]) == 0;
+}
+
 /* Tells whether explain prints the same of both. */
 static bool same_soil(const struct scene *scene, int a, int b)
 {
 	const char *key;
 	double one, other;
-	if (strcmp(scene->soil_names[a], scene->soil_names[b]) != 0)
+	if (strcmp(scene->soil_names[a], scene->soil_names[b]) != 0 || !same_layer(scene, a, b))
 		return false;
 	for (size_t i = 0; explain_number(scene, a, i, &key, &one); i++) {
 		explain_number(scene, b, i, &key, &other);
@@ -105,11 +130,14 @@ static void print_soil(const struct scene *scene, const struct report_plan *plan
 	if (stream == NULL)
 		return;
 	fprintf(stream, "%s", scene->soil_names[soil]);
+	if (scene->soils[soil].over != NULL)
+		fprintf(stream, ", %.9g m over %s", scene->soils[soil].thickness, scene->base_names[soil]);
 	add_classes(stream, scene, plan, soil);
 	fputc(':', stream);
 	add_numbers(stream, scene, soil, "scene", " the scene's");
 	add_numbers(stream, scene, soil, "name", " the name's");
 	add_numbers(stream, scene, soil, "default", " defaults");
+	add_below(stream, scene, soil);
 	fseek(stream, -1, SEEK_CUR);
 	fputc('\0', stream);
 	print_wrapped(stream, &text);

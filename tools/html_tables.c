@@ -319,7 +319,9 @@ static void soil_title(const struct html_report *report, const cJSON *soil, cons
 
 static void soil_number(const struct html_report *report, const cJSON *soil, const char *key)
 {
-	value_cell(cJSON_GetObjectItemCaseSensitive(soil, key), 1, report->file);
+	const cJSON *value = cJSON_GetObjectItemCaseSensitive(soil, key);
+	/* A soil that lies below is told by its name. */
+	value_cell(cJSON_IsObject(value) ? cJSON_GetObjectItemCaseSensitive(value, "name") : value, 1, report->file);
 }
 
 /* Writes a row for each number of this soil that no earlier soil has. */

@@ -12,6 +12,7 @@ static struct soil_law law_of(const struct deform_params *params)
 	};
 	memcpy(law.soils, params->soils, sizeof law.soils);
 	memcpy(law.rasters, params->rasters, sizeof law.rasters);
+	soil_law_set_layers(&law);
 	return law;
 }
 

@@ -326,6 +326,14 @@ static void add_soils(cJSON *root, const struct report *report)
 		for (size_t n = 0; scene_soil_number(&scene->soils[i], n, &key, &value); n++)
 			if (!isnan(value))
 				json_number(soil, key, value);
+		if (scene->soils[i].over == NULL)
+			continue;
+		json_number(soil, "thickness", scene->soils[i].thickness);
+		cJSON *over = cJSON_AddObjectToObject(soil, "over");
+		cJSON_AddStringToObject(over, "name", scene->base_names[i]);
+		for (size_t n = 0; !soil_is_rigid(scene->soils[i].over) && scene_soil_number(scene->soils[i].over, n, &key, &value); n++)
+			if (!isnan(value))
+				json_number(over, key, value);
 	}
 }
 

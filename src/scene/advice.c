@@ -236,10 +236,10 @@ static void advise_depth(const struct adviser *adviser)
 		for (int k = 0; k < scene->soil_count; k++) {
 			const struct scene_object *object = &scene->objects[i];
 			const double sinks = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[k], object->load) : 0;
-			if (sinks <= scene->depth)
+			if (sinks <= scene->depth || scene->soils[k].over != NULL)
 				continue;
-			advise(adviser, "redistribute.depth: %g m is how deep soil slides, and no firm ground begins there: %s sinks by about %.2g m; give numbers of the "
-					"whole ground, as a plate test on it tells them, or take it away", scene->depth, object->name, sinks);
+			advise(adviser, "redistribute.depth: %g m is how deep soil slides, and no firm ground begins there: %s sinks by about %.2g m; for firm ground "
+					"below give soil.thickness and soil.over, or take it away", scene->depth, object->name, sinks);
 			return;
 		}
 }

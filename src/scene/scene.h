@@ -265,6 +265,8 @@ struct scene {
 	enum scene_faces faces; /* whether stress acts on a body's faces from every side as it slides, or on its lower envelope alone */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
+	struct soil_numbers bases[SOIL_CLASSES]; /* what the soils of the same index lie over, if they do */
+	char base_names[SOIL_CLASSES][64];
 	struct soil_numbers soils[SOIL_CLASSES]; /* with a map, soils[0] is used where the map names no other soil */
 	unsigned soil_given[SOIL_CLASSES]; /* for scene_soil_given */
 	int soil_count;
@@ -349,6 +351,7 @@ char *scene_soil_varied(const char *soil, const double factor[3]);
 bool scene_soil_given(const struct scene *scene, int soil, const char *key);
 /* Soils have more than these, but for the last. A smaller number is probably in a wrong unit. */
 #define SCENE_LEAST_ANGLE 1.6     /* degrees. The largest angle in radians, pi / 2, is less, so it is noticed */
+#define SCENE_RIGID "rigid"        /* what soil.over names ground that bears whatever is on it */
 #define SCENE_LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */
 #define SCENE_LEAST_KPHI 10000.0  /* N/m^(n+2): of the soils in the tables the least has 43120, and the largest 5301 in kN */
 #define SCENE_MOST_SHEAR 0.15     /* m: of the soils in the tables the largest has 0.03. A larger number is probably in cm or mm */

@@ -95,17 +95,31 @@ static enum status fold_class(const struct scene_tree *tree, struct scene_node *
 	return add_text(soil, "value", key, true);
 }
 
+/* What a soil lies over may be a name. */
+static enum status fold_over(const struct scene_node *soil)
+{
+	struct scene_node *over = soil->kind == SCENE_MAPPING ? scene_node_child(soil, "over") : NULL;
+	return over != NULL ? fold_value(over, "name") : STATUS_OK;
+}
+
 static enum status fold_soil(const struct scene_tree *tree)
 {
 	struct scene_node *soil = scene_node_child(tree->root, "soil");
 	struct scene_node *elsewhere = soil != NULL ? scene_node_child(soil, "default") : NULL;
 	struct scene_node *classes = soil != NULL ? scene_node_child(soil, "classes") : NULL;
-	if (elsewhere != NULL)
+	if (soil != NULL)
+		TRY(fold_over(soil));
+	if (elsewhere != NULL) {
 		TRY(fold_value(elsewhere, "name"));
-	if (classes == NULL || classes->kind != SCENE_MAPPING)
+		TRY(fold_over(elsewhere));
+	}
+	if (classes == NULL || (classes->kind != SCENE_MAPPING && classes->kind != SCENE_SEQUENCE))
 		return STATUS_OK;
-	for (struct scene_node *node = classes->first; node != NULL; node = node->next)
-		TRY(fold_class(tree, node, "name"));
+	for (struct scene_node *node = classes->first; node != NULL; node = node->next) {
+		if (classes->kind == SCENE_MAPPING)
+			TRY(fold_class(tree, node, "name"));
+		TRY(fold_over(node));
+	}
 	classes->kind = SCENE_SEQUENCE;
 	return STATUS_OK;
 }

@@ -187,7 +187,7 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 static void fill_soil(const char *name, struct soil_numbers *soil)
 {
 	struct soil_numbers from = {.cohesion = 0};
-	double numbers[sizeof *soil / sizeof(double)], others[sizeof *soil / sizeof(double)];
+	double numbers[offsetof(struct soil_numbers, over) / sizeof(double)], others[sizeof numbers / sizeof(double)];
 	if (strncmp(name, "unnamed", strlen("unnamed")) != 0 &&
 	    soil_named(strcmp(name, "snow") == 0 ? "snow_us" : "dry_sand", &from) != STATUS_OK)
 		return;
@@ -216,7 +216,7 @@ static void add_soil(XXH3_state_t *state, const struct soil_numbers *soil)
 				  soil->damping,	   soil->unit_weight, soil->theta_in,
 				  soil->theta_out,	   soil->theta_stop,  soil->roughness,
 				  soil->compression,	   soil->repose};
-	_Static_assert(sizeof numbers == sizeof *soil - 2 * sizeof(double), "every parameter counts: density in unit_weight, face_strength where it is given");
+	_Static_assert(sizeof numbers == offsetof(struct soil_numbers, over) - 2 * sizeof(double), "every parameter counts: density in unit_weight, face_strength where it is given; add_soils adds layers");
 	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
 		add_number(state, numbers[i]);
 }
@@ -246,6 +246,13 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		if (!isnan(scene->soils[i].face_strength)) {
 			add_part(state, 'x', (size_t)i);
 			add_number(state, scene->soils[i].face_strength);
+		}
+		if (soil.over != NULL) {
+			add_part(state, 'l', (uint64_t)i);
+			add_number(state, soil.thickness);
+			add_soil(state, soil.over);
+			if (!isnan(soil.over->face_strength))
+				add_number(state, soil.over->face_strength);
 		}
 	}
 	if (scene->faces != SCENE_FACES_OFF)

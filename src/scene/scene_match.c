@@ -135,12 +135,12 @@ static enum status unknown_key(const struct scene_tree *tree, const cyaml_schema
 {
 	struct nearest nearest = nearest_begin(node->key);
 	/* Layers are asked for by names that no key is near to. */
-	static const char *const layers[] = {"depth", "thickness", "layer", "layers"};
+	static const char *const layers[] = {"depth", "layer", "layers", "below", "base"};
 	const bool of_soil = node->parent != NULL && node->parent->key != NULL && strcmp(node->parent->key, "soil") == 0;
 	for (size_t i = 0; of_soil && i < sizeof layers / sizeof *layers; i++)
 		if (strcmp(node->key, layers[i]) == 0)
-			return scene_error(tree->file, node, "unknown key: a soil is the same down to any depth, and has no layers; allowed: numbers of the whole ground, "
-					   "as a plate test on it tells them; redistribute.depth is how deep soil slides");
+			return scene_error(tree->file, node, "unknown key; a soil that ends somewhere has a thickness, and lies over another or over rigid ground: write {name: snow_us, thickness: "
+					   "0.1, over: rigid}; redistribute.depth is how deep soil slides");
 	for (; fields->key != NULL; fields++)
 		nearest_offer(&nearest, fields->key);
 	const struct nearest_text asks = nearest_ask(&nearest);

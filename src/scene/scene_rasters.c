@@ -14,6 +14,7 @@ static const char *path_of(const struct raw_rasters *raw, enum soil_number numbe
 		[SOIL_FRICTION_ANGLE] = raw->friction_angle,
 		[SOIL_JANOSI_SHEAR] = raw->janosi_shear,
 		[SOIL_ELASTIC_STIFFNESS] = raw->elastic_stiffness,
+		[SOIL_THICKNESS] = raw->thickness,
 	};
 	return paths[number];
 }
@@ -27,10 +28,20 @@ static struct scene_list models_with_rasters(void)
 	return models;
 }
 
+static bool has_layer(const struct scene *scene)
+{
+	bool has = false;
+	for (int i = 0; i < scene->soil_count; i++)
+		has = has || scene->soils[i].over != NULL;
+	return has;
+}
+
 static enum status take(const struct scene_tree *tree, const char *path, enum soil_number number, struct scene *scene)
 {
 	const char *key = soil_number_key(number);
 	const struct scene_node *node = scene_tree_find(tree, "soil.rasters.%s", key);
+	if (number == SOIL_THICKNESS && !has_layer(scene))
+		return scene_error(tree->file, node, "is of a layer, and no soil lies over another; give soil.over too");
 	if (scene->raster_count == SOIL_RASTERS)
 		return scene_error(tree->file, node, "is one raster too many; allowed: at most %d", SOIL_RASTERS);
 	struct scene_raster *raster = &scene->rasters[scene->raster_count];

@@ -116,13 +116,23 @@ static const cyaml_schema_value_t object_entry = {
 	CYAML_FIELD_FLOAT_PTR("roughness", OPTIONAL, type, own roughness), \
 	CYAML_FIELD_FLOAT_PTR("compression", OPTIONAL, type, own compression)
 
-static const cyaml_schema_field_t class_fields[] = {
-	CYAML_FIELD_INT("value", NEEDED, struct raw_class, value),
+static const cyaml_schema_field_t over_fields[] = {
 	SOIL_FIELDS(struct raw_class, ),
 	CYAML_FIELD_END,
 };
+/* The same keys, and those of a layer. */
+#define LAYER_FIELDS(type, own) \
+	SOIL_FIELDS(type, own), \
+	CYAML_FIELD_FLOAT_PTR("thickness", OPTIONAL, type, own thickness), \
+	CYAML_FIELD_MAPPING_PTR("over", OPTIONAL, type, own over, over_fields)
+
+static const cyaml_schema_field_t class_fields[] = {
+	CYAML_FIELD_INT("value", NEEDED, struct raw_class, value),
+	LAYER_FIELDS(struct raw_class, ),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t elsewhere_fields[] = {
-	SOIL_FIELDS(struct raw_class, ),
+	LAYER_FIELDS(struct raw_class, ),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t class_entry = {
@@ -135,10 +145,11 @@ static const cyaml_schema_field_t raster_fields[] = {
 	CYAML_FIELD_STRING_PTR("friction_angle", OPTIONAL, struct raw_rasters, friction_angle, 1, 4096),
 	CYAML_FIELD_STRING_PTR("janosi_shear", OPTIONAL, struct raw_rasters, janosi_shear, 1, 4096),
 	CYAML_FIELD_STRING_PTR("elastic_stiffness", OPTIONAL, struct raw_rasters, elastic_stiffness, 1, 4096),
+	CYAML_FIELD_STRING_PTR("thickness", OPTIONAL, struct raw_rasters, thickness, 1, 4096),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t soil_fields[] = {
-	SOIL_FIELDS(struct raw_soil, all.),
+	LAYER_FIELDS(struct raw_soil, all.),
 	CYAML_FIELD_STRING_PTR("map", OPTIONAL, struct raw_soil, map, 1, 4096),
 	CYAML_FIELD_SEQUENCE("classes", OPTIONAL_POINTER, struct raw_soil, classes, &class_entry, 1,
 			     SOIL_CLASSES - 1),
@@ -382,6 +393,7 @@ static const struct scene_limit limits[] = {
 	{"soil.theta_stop", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},
 	{"soil.roughness", 0, 0.2, true, "is out of the range in which slides come to rest", NULL, NAN, "the named soil's"},
 	{"soil.compression", 0, 1, false, NULL, NULL, NAN, "the named soil's"},
+	{"soil.thickness", 0, 1000, false, NULL, "m", NAN, "endless; needed with over"},
 	{"soil.value", 0, 255, false, NULL, NULL, NAN, NULL},
 	{"relief.roughness", 0, 10, false, NULL, "m", NAN, NULL},
 	{"relief.wavelength", 0, 1e6, true, NULL, "m", NAN, NULL},
@@ -470,12 +482,13 @@ static const struct scene_limit limits[] = {
 
 const struct scene_limit *scene_limit_of(const char *where)
 {
-	static const char *const soils[] = {"soil.default.", "soil.classes[]."};
+	static const char *const soils[] = {"soil.default.over.", "soil.classes[].over.", "soil.over.", "soil.default.", "soil.classes[]."};
 	char place[160];
 	for (size_t i = 0; i < sizeof soils / sizeof soils[0]; i++)
 		if (strncmp(where, soils[i], strlen(soils[i])) == 0) {
 			snprintf(place, sizeof place, "soil.%s", where + strlen(soils[i]));
 			where = place;
+			break;
 		}
 	for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
 		if (strcmp(limits[i].where, where) == 0)

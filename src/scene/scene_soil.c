@@ -178,12 +178,10 @@ static void fill_in(const struct scene *scene, struct soil_numbers *soil)
 	}
 }
 
-/* Checks the soil written at `where`, and fills soils[index]. */
-static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where,
-			       struct scene *scene, size_t index)
+/* Checks the numbers of the soil written at `where`, and fills them. */
+static enum status fill_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where, const struct scene *scene, struct soil_numbers *soil)
 {
 	const enum deform_model model = scene->model;
-	struct soil_numbers *soil = &scene->soils[index];
 	soil_clear(soil);
 	if (raw->name != NULL)
 		TRY(take_name(tree, raw->name, where, soil));
@@ -191,7 +189,6 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 		const double *value = given(raw, &parameters[i]);
 		if (value != NULL)
 			*number_of(soil, &parameters[i]) = *value * parameters[i].unit;
-		scene->soil_given[index] |= (unsigned)(value != NULL) << i;
 	}
 	weigh(raw, scene, soil);
 	TRY(check_whole(tree, raw->name, where, model, soil));
@@ -233,6 +230,49 @@ static bool is_weighed(const struct raw_class *raw, const struct parameter *para
 {
 	return (parameter->to == offsetof(struct soil_numbers, density) && raw->unit_weight != NULL) ||
 	       (parameter->to == offsetof(struct soil_numbers, unit_weight) && raw->density != NULL);
+}
+
+/* Checks what the soil at `where` lies over, and fills bases[index]. */
+static enum status check_layer(const struct scene_tree *tree, const struct raw_class *raw, const char *where, struct scene *scene, size_t index)
+{
+	struct soil_numbers *soil = &scene->soils[index], *base = &scene->bases[index];
+	char below[48];
+	if (raw->over == NULL && raw->thickness == NULL)
+		return STATUS_OK;
+	if (!deform_model_row(scene->model)->bears)
+		return deform_model_row(scene->model)->numbers == NULL ? STATUS_OK : scene_error(tree->file, scene_tree_find(tree, "%s.%s", where, raw->over != NULL ? "over" : "thickness"),
+				   "model %s knows one soil from the surface down; allowed with: scm", deform_model_row(scene->model)->name);
+	if (raw->over == NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "%s.thickness", where), "is of a layer, and nothing lies below it; give over too: a soil, or rigid");
+	if (raw->thickness == NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "%s.over", where), "lies below a layer whose thickness is not given; give thickness too, in m");
+	snprintf(below, sizeof below, "%s.over", where);
+	snprintf(scene->base_names[index], sizeof scene->base_names[index], "%s", raw->over->name != NULL ? raw->over->name : "unnamed");
+	if (raw->over->name != NULL && strcmp(raw->over->name, SCENE_RIGID) == 0) {
+		for (size_t i = 0; i < PARAMETERS; i++)
+			if (given(raw->over, &parameters[i]) != NULL)
+				return scene_error(tree->file, scene_tree_find(tree, "%s.%s", below, parameters[i].key), "is of soil, and %s ground has no numbers; take it away", SCENE_RIGID);
+		soil_set_rigid(base);
+	} else {
+		TRY(fill_class(tree, raw->over, below, scene, base));
+		TRY(check_unread(raw->over, below, scene));
+		TRY(check_weight(raw->over, below, scene));
+	}
+	soil->over = base;
+	soil->thickness = *raw->thickness;
+	if (scene->depth > 0 && soil_is_rigid(base) && scene->depth > soil->thickness)
+		return scene_error(tree->file, scene_tree_find(tree, "redistribute.depth"), "is how deep soil slides, and rigid ground begins at %g m; allowed: 0 to %g",
+				   soil->thickness, soil->thickness);
+	return STATUS_OK;
+}
+
+/* Checks the soil written at `where`, and fills soils[index]. */
+static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where, struct scene *scene, size_t index)
+{
+	for (size_t i = 0; i < PARAMETERS; i++)
+		scene->soil_given[index] |= (unsigned)(given(raw, &parameters[i]) != NULL) << i;
+	TRY(fill_class(tree, raw, where, scene, &scene->soils[index]));
+	return check_layer(tree, raw, where, scene, index);
 }
 
 /*
@@ -304,6 +344,8 @@ enum status scene_check_bearing(const struct scene_tree *tree, const struct scen
 	double width = contact_width(&object->shape);
 	for (int i = 0; deform_model_reads(scene->model, "bekker_kc") && i < scene->soil_count; i++) {
 		double modulus = modulus_under(&scene->soils[i], width);
+		if (modulus > 0 && scene->soils[i].over != NULL)
+			modulus = modulus_under(scene->soils[i].over, width);
 		if (modulus <= 0)
 			return scene_error(tree->file, scene_tree_find(tree, "objects[0].shape"),
 					   "the soil does not bear it: bekker_kc / b + bekker_kphi is %.4g, and its b is "
@@ -360,9 +402,13 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 static enum status check_bearings(const struct scene_tree *tree, const struct scene *scene, bool mapped)
 {
 	for (int i = 0; i < scene->soil_count; i++) {
-		char where[40];
+		char where[48];
 		snprintf(where, sizeof where, "soil.classes[%d]", i - 1);
 		TRY(check_bearing(tree, scene, i > 0 ? where : mapped ? "soil.default" : "soil", &scene->soils[i]));
+		if (scene->soils[i].over == NULL || soil_is_rigid(scene->soils[i].over))
+			continue;
+		snprintf(where, sizeof where, i > 0 ? "soil.classes[%d].over" : mapped ? "soil.default.over" : "soil.over", i - 1);
+		TRY(check_bearing(tree, scene, where, scene->soils[i].over));
 	}
 	return STATUS_OK;
 }
@@ -404,6 +450,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	if (read)
 		return STATUS_OK;
 	memset(scene->soils, 0, sizeof scene->soils);
+	memset(scene->bases, 0, sizeof scene->bases);
 	if (drawn && soil->rasters != NULL)
 		return scene_tell_unused(scene, "soil.rasters: model %s does not depend on them; take them away, or name model scm",
 					 deform_model_row(scene->model)->name);

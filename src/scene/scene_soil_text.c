@@ -27,23 +27,38 @@ enum status scene_soil_alone(const char *soil, struct scene **out)
 	return fail_with(status, "soil %s: %.400s", soil, why);
 }
 
-char *scene_soil_text(const struct soil_numbers *soil, enum deform_model model)
+/* Writes the numbers that the model reads, each after a comma or, the first one, after `comma`. */
+static int put_numbers(FILE *stream, const struct soil_numbers *soil, enum deform_model model, const char *comma)
 {
-	char *text = NULL, *made = NULL;
-	size_t length;
-	FILE *stream = open_memstream(&text, &length);
-	const char *key, *comma = "";
+	const char *key;
 	double value;
-	if (stream == NULL) {
-		(void)fail_memory("a soil");
-		return NULL;
-	}
-	int failed = fputc('{', stream) < 0;
+	int failed = 0;
 	for (size_t i = 0; scene_soil_number(soil, i, &key, &value); i++) {
 		if (isnan(value) || !deform_model_reads(model, key))
 			continue;
 		failed |= fprintf(stream, "%s%s: %.17g", comma, key, value) < 0;
 		comma = ", ";
+	}
+	return failed;
+}
+
+char *scene_soil_text(const struct soil_numbers *soil, enum deform_model model)
+{
+	char *text = NULL, *made = NULL;
+	size_t length;
+	FILE *stream = open_memstream(&text, &length);
+	if (stream == NULL) {
+		(void)fail_memory("a soil");
+		return NULL;
+	}
+	int failed = fputc('{', stream) < 0;
+	failed |= put_numbers(stream, soil, model, "");
+	if (soil->over != NULL && soil_is_rigid(soil->over))
+		failed |= fprintf(stream, ", thickness: %.17g, over: %s", soil->thickness, SCENE_RIGID) < 0;
+	else if (soil->over != NULL) {
+		failed |= fprintf(stream, ", thickness: %.17g, over: {", soil->thickness) < 0;
+		failed |= put_numbers(stream, soil->over, model, "");
+		failed |= fputc('}', stream) < 0;
 	}
 	failed |= fputc('}', stream) < 0;
 	failed |= fclose(stream) != 0;
@@ -62,10 +77,11 @@ char *scene_soil_varied(const char *soil, const double factor[3])
 		return NULL;
 	struct soil_numbers varied = scene->soils[0];
 	const enum deform_model model = scene->model;
-	scene_destroy(scene);
 	varied.cohesion *= factor[0];
 	varied.friction_angle = atan(tan(varied.friction_angle) * factor[1]);
 	varied.bekker_kc *= factor[2];
 	varied.bekker_kphi *= factor[2];
-	return scene_soil_text(&varied, model);
+	char *text = scene_soil_text(&varied, model); /* it reads what the soil lies over, which is the scene's */
+	scene_destroy(scene);
+	return text;
 }

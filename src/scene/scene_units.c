@@ -130,6 +130,17 @@ static enum status doubt_interfaces(const struct units *units)
 	return STATUS_OK;
 }
 
+/* A soil, and what it lies over. */
+static enum status doubt_layers(const struct units *units, const char *where, const struct raw_class *soil)
+{
+	char below[48];
+	TRY(doubt_class(units, where, soil));
+	if (soil->over == NULL || (soil->over->name != NULL && strcmp(soil->over->name, SCENE_RIGID) == 0))
+		return STATUS_OK;
+	snprintf(below, sizeof below, "%s.over", where);
+	return doubt_class(units, below, soil->over);
+}
+
 /* Soils of models that read these keys. */
 static enum status doubt_soils(const struct units *units)
 {
@@ -137,13 +148,13 @@ static enum status doubt_soils(const struct units *units)
 	if (soil == NULL || !deform_model_reads(units->scene->model, "friction_angle"))
 		return STATUS_OK;
 	if (soil->map == NULL)
-		return doubt_class(units, "soil", &soil->all);
+		return doubt_layers(units, "soil", &soil->all);
 	if (soil->elsewhere != NULL)
-		TRY(doubt_class(units, "soil.default", soil->elsewhere));
+		TRY(doubt_layers(units, "soil.default", soil->elsewhere));
 	for (uint32_t i = 0; i < soil->classes_count; i++) {
 		char where[40];
 		snprintf(where, sizeof where, "soil.classes[%u]", i);
-		TRY(doubt_class(units, where, &soil->classes[i]));
+		TRY(doubt_layers(units, where, &soil->classes[i]));
 	}
 	return STATUS_OK;
 }

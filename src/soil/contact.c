@@ -99,6 +99,7 @@ static enum status begin_mesh(const struct soil_motion *motion, struct soil_work
 	if (surface->drum)
 		soil_form_drum(&b->body, axis, surface->radius, &b->form);
 	b->by_width = width_of_mesh(surface, axis);
+	b->bulb = surface->drum ? 1 + axis[2] * axis[2] : 1;
 	b->round = surface->drum;
 	b->across[0] = axis[1];
 	b->across[1] = -axis[0];
@@ -113,6 +114,7 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .faces = &work->faces, .above = above, .wider = 1, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
+	b->bulb = motion->shape->kind == SOIL_CYLINDER ? 1 + b->body.lower.axis[2] * b->body.lower.axis[2] : 1;
 	if (b->form.kind == FORM_RASTER)
 		TRY(begin_mesh(motion, work, b));
 	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0)
@@ -181,8 +183,12 @@ void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, 
 	float by_width = (float)b->by_width;
 	if (!(by_width > 0))
 		by_width = (b->form.kind == FORM_RASTER ? touched_width(b->posts, &b->form, raised) : counted_width(b->posts, &b->form, raised)) / (float)b->wider;
-	soil_posts_width(by_width, b->posts);
-	soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
+	/* The bulb of a round plate is as wide as the plate: twice its radius. */
+	soil_posts_width(by_width, by_width > 0 ? (b->by_width > 0 ? (float)b->bulb : 2) / by_width : 0, b->posts);
+	if (b->posts->layered)
+		soil_bear_layered(&b->form, b->posts, raised, share, sums, kept, changes);
+	else
+		soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
 	soil_faces_add(b->planes, &b->body, &b->form, b->posts, raised, share, b->faces, sums, changes);
 }
 

@@ -22,6 +22,7 @@ struct soil_contact {
 	struct soil_posts *posts; /* of the scratch memory */
 	struct soil_faces *faces; /* the same */
 	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the area that the body touches */
+	double bulb;       /* of layers: its width, in widths of the contact patch: 2 where that is the radius of a round plate */
 	bool round;        /* it is a mesh of a drum, */
 	double across[2];  /* whose axis is across this direction in plan, or it is 0 */
 	double wider;      /* than its own, the patch that it has together with bodies that abut it */

@@ -91,7 +91,7 @@ static void block_after(const struct soil_work *work, size_t first, double slide
 {
 	const struct soil_contact *b = &work->contact;
 	const float axis[2] = {(float)b->body.axis[0], (float)b->body.axis[1]};
-	soil_after(&b->form, axis, work->raised, b->posts, first, &work->kept, (float)b->law->bulldozing, (float)slides, after);
+	(b->posts->layered ? soil_after_layered : soil_after)(&b->form, axis, work->raised, b->posts, first, &work->kept, (float)b->law->bulldozing, (float)slides, after);
 }
 
 void soil_sink_claim(const struct soil_work *work, uint8_t number, struct soil_claim *claims)

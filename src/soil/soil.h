@@ -83,7 +83,17 @@ struct soil_numbers {
 	double theta_in, theta_out, theta_stop, roughness, compression;
 	double repose; /* rad: model scm: angle of repose of deposited soil */
 	double face_strength; /* N/m3: model scm, of faces: the coefficient of 3D-RFT. NAN: soil_face_strength tells it */
+	/* Under model scm a soil may be a layer over another one, or over rigid ground: src/soil/law/layers.h. NULL: it is endless. The scene owns it. */
+	const struct soil_numbers *over;
+	double thickness; /* m, of the layer. Read where `over` is not NULL */
 };
+#define SOIL_ENDLESS 1000.0         /* m: a layer so thick counts as endless */
+#define SOIL_RIGID_STIFFNESS 1e9    /* Pa/m: rigid ground without a layer springs, as it must have some stiffness */
+/* Sets a soil to rigid ground, over which a layer may lie. */
+void soil_set_rigid(struct soil_numbers *soil);
+bool soil_is_rigid(const struct soil_numbers *soil);
+/* Gives the soil that a layer is if its thickness is 0 or endless: the one below, or itself without that one. Others stay. */
+void soil_end_layer(struct soil_numbers *soil);
 #define SOIL_CLASSES 16 /* the most soils in one scene */
 
 /* Numbers of a soil that may differ from post to post. */
@@ -94,7 +104,8 @@ struct soil_numbers {
 	NUMBER(SOIL_COHESION, cohesion) \
 	NUMBER(SOIL_FRICTION_ANGLE, friction_angle) \
 	NUMBER(SOIL_JANOSI_SHEAR, janosi_shear) \
-	NUMBER(SOIL_ELASTIC_STIFFNESS, elastic_stiffness)
+	NUMBER(SOIL_ELASTIC_STIFFNESS, elastic_stiffness) \
+	NUMBER(SOIL_THICKNESS, thickness)
 #define SOIL_NUMBER(number, key) number,
 enum soil_number { SOIL_NUMBERS_EACH(SOIL_NUMBER) SOIL_NUMBERS };
 #undef SOIL_NUMBER
@@ -156,6 +167,8 @@ double soil_shear_limit(const struct soil_numbers *soil, const struct soil_inter
 /* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
  * wheel. Other shapes: as plates. */
 double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numbers *soil, double load);
+/* Returns how much stiffer than its elastic_stiffness a soil springs below a body at a sinkage, m: a layer over stiffer ground does. 1: it is no layer. */
+double soil_stiffens(const struct soil_shape *shape, const struct soil_numbers *soil, double sinkage);
 /* Returns about what load sinks a wheel that rolls with this slip, or an upright box, by so much, N. `sinkage`: m, above 0. INFINITY:
  * another shape, of which it is not known. */
 double soil_load_at(const struct soil_shape *shape, const struct soil_interface *interface, double slip, const struct soil_numbers *soil,
@@ -194,6 +207,7 @@ struct soil_law {
 	int soil_count;
 	struct soil_raster rasters[SOIL_RASTERS];
 	int raster_count;
+	bool layered;            /* a soil may lie over another one: soil_law_set_layers sets it */
 	double bulldozing;       /* share of the plastic flow that is laid around a body, 0 .. 1 */
 	double slip_sinkage;     /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	double loosening;        /* the share by which deposited soil bears less than soil as it lay; 0: it is as stiff as what it lies on */
@@ -202,6 +216,8 @@ struct soil_law {
 	bool faces;              /* soil pushes on a body's faces from every side as it slides; false: on its lower envelope alone */
 };
 
+/* Ends layers that are 0 or endless everywhere, and sets law->layered. Call it when the soils and rasters are set. */
+void soil_law_set_layers(struct soil_law *law);
 /* Returns the soil of a post of the planes, by its class and what rasters say of it. at: the post's place in the planes. */
 struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at);
 

@@ -16,6 +16,7 @@
 
 #include "soil/soil.h"
 
+#define BARE_RIGID 1e30 /* bekker_kphi of rigid ground without a layer: what yields is beyond what springs */
 #define SUMNER_SAND {0.8, 0.436, 0.2, 0.8, 0.7}
 
 static const struct row {
@@ -81,8 +82,53 @@ void soil_clear(struct soil_numbers *soil)
 	*soil = (struct soil_numbers){
 		.bekker_kc = none, .bekker_kphi = none, .bekker_n = none, .cohesion = none, .friction_angle = none,
 		.janosi_shear = none, .elastic_stiffness = none, .damping = none, .density = none, .unit_weight = none, .repose = none,
-		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none, .face_strength = none,
+		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none, .face_strength = none, .thickness = none,
 	};
+}
+
+void soil_set_rigid(struct soil_numbers *soil)
+{
+	soil_clear(soil);
+	soil->bekker_kphi = INFINITY;
+}
+
+bool soil_is_rigid(const struct soil_numbers *soil)
+{
+	return isinf(soil->bekker_kphi);
+}
+
+void soil_end_layer(struct soil_numbers *soil)
+{
+	const struct soil_numbers *over = soil->over;
+	if (over == NULL || (soil->thickness > 0 && soil->thickness < SOIL_ENDLESS))
+		return;
+	if (soil->thickness >= SOIL_ENDLESS) {
+		soil->over = NULL;
+		soil->thickness = (double)NAN;
+	} else if (!soil_is_rigid(over)) {
+		*soil = *over;
+	} else {
+		/* It springs, and shears as the layer would. */
+		soil->bekker_kc = 0;
+		soil->bekker_kphi = BARE_RIGID;
+		soil->bekker_n = 1;
+		soil->elastic_stiffness = SOIL_RIGID_STIFFNESS;
+		soil->over = NULL;
+		soil->thickness = (double)NAN;
+	}
+}
+
+void soil_law_set_layers(struct soil_law *law)
+{
+	bool by_raster = false;
+	for (int i = 0; i < law->raster_count; i++)
+		by_raster = by_raster || law->rasters[i].number == SOIL_THICKNESS;
+	law->layered = false;
+	for (int i = 0; i < law->soil_count; i++) {
+		if (!by_raster)
+			soil_end_layer(&law->soils[i]);
+		law->layered = law->layered || law->soils[i].over != NULL || law->soils[i].bekker_kphi >= BARE_RIGID; /* slip digs none of it */
+	}
 }
 
 const char *soil_name(size_t index)
@@ -143,5 +189,7 @@ struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soi
 	for (int i = 0; i < law->raster_count && planes->levels != NULL; i++)
 		if (planes->levels[SOIL_RASTERS * at + (size_t)i] != 0)
 			*soil_number_in(&soil, law->rasters[i].number) = soil_raster_value(&law->rasters[i], planes->levels[SOIL_RASTERS * at + (size_t)i]);
+	if (law->layered)
+		soil_end_layer(&soil);
 	return soil;
 }

@@ -5,7 +5,7 @@
  * steps below 2 sqrt(m / k), if its force is taken at the step's start. The coupling takes it at the step's end (coupling.c). So it is
  * stable beyond that, too, but then the motion is no longer the soil's. m is the least effective mass of a soil geom, straight up and
  * down, in the model's first pose. A is the contact's area where the geom carries its share of the weight. K_e is that of the stiffest soil,
- * or of the stiffest post of a raster, which is known once the world is prepared.
+ * or of the stiffest post of a raster, which is known once the world is prepared. A layer over stiffer ground is stiffer than its soil is.
  */
 #include <math.h>
 #include <stdio.h>
@@ -83,8 +83,8 @@ static void allow(struct vehicle *vehicle, const struct scene *scene, const stru
 	const double load = mj_getTotalmass(vehicle->model) * scene->gravity / (double)vehicle->geom_count;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
-		const double area = area_of(&geom->shape, soil_sinkage_guess(&geom->shape, soil, load)), effective = mass_of(vehicle, geom->geom);
-		const double step = 2 * sqrt(effective / (stiffness * area));
+		const double sinkage = soil_sinkage_guess(&geom->shape, soil, load), area = area_of(&geom->shape, sinkage), stiffens = soil_stiffens(&geom->shape, soil, sinkage), effective = mass_of(vehicle, geom->geom);
+		const double step = 2 * sqrt(effective / (stiffness * stiffens * area));
 		if (step >= vehicle->largest_step)
 			continue;
 		vehicle->largest_step = step;
@@ -112,6 +112,9 @@ enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scen
 	const double stiffness = stiffest(scene, &soil);
 	vehicle->largest_step = INFINITY;
 	allow(vehicle, scene, soil, stiffness);
+	for (int i = 0; i < scene->soil_count; i++)
+		if (scene->soils[i].over != NULL)
+			allow(vehicle, scene, &scene->soils[i], scene->soils[i].elastic_stiffness);
 	return check(vehicle, scene, "");
 }
 
@@ -125,6 +128,20 @@ static enum status check_raster(struct vehicle *vehicle, const struct scene *sce
 	return check(vehicle, scene, told);
 }
 
+/* The thinnest layer is the stiffest. */
+static enum status check_thickness(struct vehicle *vehicle, const struct scene *scene, const struct world_raster *raster)
+{
+	char told[120];
+	for (int i = 0; i < scene->soil_count; i++) {
+		struct soil_numbers soil = scene->soils[i];
+		soil.thickness = raster->low;
+		if (soil.over != NULL)
+			allow(vehicle, scene, &soil, soil.elastic_stiffness);
+	}
+	snprintf(told, sizeof told, "; soil.rasters.%s has at least %g %s", raster->key, raster->low, raster->unit);
+	return check(vehicle, scene, told);
+}
+
 enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world)
 {
 	const struct scene *scene = world_scene(world);
@@ -132,6 +149,8 @@ enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world 
 		const struct world_raster raster = world_raster(world, i);
 		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS; v++)
 			TRY(check_raster(&vehicles->list[v], scene, &raster));
+		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == SOIL_THICKNESS; v++)
+			TRY(check_thickness(&vehicles->list[v], scene, &raster));
 	}
 	return STATUS_OK;
 }

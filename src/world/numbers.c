@@ -42,6 +42,23 @@ enum status world_check_bearing(const struct world *world, const char *name, con
 	return STATUS_OK;
 }
 
+/* Rigid ground does not slide, where a layer over it is thinnest either. */
+static enum status check_depth(const struct world *world)
+{
+	const struct scene *scene = world->scene;
+	bool rigid = false;
+	for (int i = 0; i < scene->soil_count; i++)
+		rigid = rigid || (scene->soils[i].over != NULL && soil_is_rigid(scene->soils[i].over));
+	for (int i = 0; rigid && i < scene->raster_count; i++) {
+		double low, high;
+		resident_soil_rasters_range(world->resident.soil_rasters, i, &low, &high);
+		if (scene->rasters[i].number == SOIL_THICKNESS && scene->depth > low)
+			return fail_with(STATUS_INPUT, "redistribute.depth: %g m is how deep soil slides, and rigid ground begins at %g m where %.200s has the least "
+						       "thickness; give at most that", scene->depth, low, scene->rasters[i].path);
+	}
+	return STATUS_OK;
+}
+
 enum status world_open_rasters(struct world *world)
 {
 	const struct scene *scene = world->scene;
@@ -65,6 +82,7 @@ enum status world_open_rasters(struct world *world)
 		};
 	}
 	TRY(resident_soil_rasters_open(&params, &world->resident.soil_rasters));
+	TRY(check_depth(world));
 	for (size_t i = 0; i < scene->object_count; i++)
 		TRY(world_check_bearing(world, scene->objects[i].name, &scene->objects[i].shape));
 	return STATUS_OK;

@@ -121,6 +121,11 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	params->raster_count = world_rasters(world, params->rasters);
+	bool by_raster = false;
+	for (int i = 0; i < params->raster_count; i++)
+		by_raster = by_raster || params->rasters[i].number == SOIL_THICKNESS;
+	for (int i = 0; i < params->soil_count && !by_raster; i++)
+		soil_end_layer(&params->soils[i]);
 	for (size_t i = 0; i < scene->object_count && i < world->body_count; i++)
 		params->loaded_bodies += world->bodies[i]->loaded_body > 0;
 	params->batches = world_batched_bodies(world, params) >= 2;

@@ -29,6 +29,7 @@ LOOSE = {**HEAD, "soil": "{cohesion: 0, friction_angle: 30, unit_weight: 16000}"
          "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 SUMNER = {**HEAD, "soil": "{name: sand}", "redistribute": "{model: sumner, interval: 0.05}", "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 PLAIN = {**HEAD, "objects": f"[{WHEEL % 'sink: 0.2'}]"}
+LAYER = {**SCM, "soil": "{name: snow_us, thickness: 0.05, over: rigid}"}
 MAP = {**SCM, "soil": "{map: map.png, classes: {1: dry_sand, 2: lunar}, default: clayey_38}"}
 VIEW = {**PLAIN, "view": "{size: [48, 32], camera: {chase: a, back: 6, up: 3}, effects: [texture, objects], images: 6}"}
 RELIEF = {**SCM, "relief": "{roughness: 0.05, wavelength: 0.8}"}
@@ -216,6 +217,8 @@ ROWS = {
     "cameras[].video": (SHOT, {"cameras.c.video": "true"}),
     "cameras[].stereo": (SHOT, {"cameras.c.stereo": "0.4"}),
 }
+ROWS["soil.rasters.thickness"] = (LAYER, {"soil.rasters": "{thickness: west.png}"})
+ROWS["soil.thickness"] = (LAYER, {"soil.thickness": "0.1"})
 ROWS |= {f"soil.rasters.{key}": (SCM, {"soil.rasters": f"{{{key}: {key}.png}}"}) for key in
          ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear", "elastic_stiffness")}
 # They need a store that lies on the Earth, and GDAL. These tests drive with two values of each.

@@ -181,7 +181,7 @@ class Checker:
             found[key] = ("text", self.allowed(key, "x" * 70000))
         elif allowed.startswith("a mapping of "):
             found[key] = ("mapping", "")
-            if key == "soil.default":
+            if key in ("soil.default", "soil.over"):
                 self.soils[key] = allowed.removeprefix("a mapping of ").split(", ")
             else:
                 self.crawl(key, found)
@@ -235,6 +235,7 @@ class ScenePage(FurrowTest):
         checker = Checker(self)
         taken = checker.crawl()
         soil = [key.removeprefix("soil.") for key in taken if re.fullmatch(r"soil\.\w+", key)]
+        self.assertEqual(checker.soils["soil.over"] + ["thickness", "over"], checker.soils["soil.default"])
         for place in ("soil.default", "soil.classes[]"):
             self.assertEqual(checker.soils[place] + ["map", "classes", "default", "rasters"], soil)
             self.assertEqual(range_of(checker.allowed(place + ".cohesion", -1)), range_of(self.rows["soil.cohesion"]["range"]))

@@ -34,7 +34,7 @@ static void every_parameter_may_be_given_and_counts_over_the_names(void **state)
 		.bekker_kc = -100, .bekker_kphi = 2000, .bekker_n = 1.5, .cohesion = 7, .friction_angle = 30 * DEGREE,
 		.janosi_shear = 0.03, .elastic_stiffness = 4e6, .damping = 5, .density = 1630, .unit_weight = 16000, .face_strength = 8e5, .repose = 31 * DEGREE,
 		.theta_in = 41 * DEGREE, .theta_out = 21 * DEGREE, .theta_stop = 22 * DEGREE, .roughness = 0.1,
-		.compression = 0.25};
+		.compression = 0.25, .thickness = (double)NAN};
 	static const char *const soils[] = {EVERY, "name: lunar, " EVERY};
 	for (size_t i = 0; i < 2; i++) {
 		struct scene *scene = load_edited(base, "name: dry_sand", soils[i]);

@@ -98,8 +98,8 @@ static void a_soil_goes_with_the_models_that_it_has_the_numbers_for(void **state
 static void only_what_the_model_reads_and_the_soil_lacks_is_asked_for(void **state)
 {
 	struct scene *scene;
-	refuse("{name: snow_us, depth: 0.1}", "scm", ": soil.depth: unknown key: a soil is the same down to any depth, and has no layers; allowed: numbers of the whole ground, "
-	       "as a plate test on it tells them; redistribute.depth is how deep soil slides");
+	refuse("{name: snow_us, depth: 0.1}", "scm", ": soil.depth: unknown key; a soil that ends somewhere has a thickness, and lies over another or over rigid ground: write {name: snow_us, "
+	       "thickness: 0.1, over: rigid}; redistribute.depth is how deep soil slides");
 	refuse("{name: mud, cohesion: 5000}", "slippage", ": mud has no friction_angle, unit_weight, which model slippage reads; give these "
 	       "beside the name, or name one of dry_sand, sandy_loam_15, sandy_loam_22, clayey_38, heavy_clay_25, heavy_clay_40, lean_clay_22, "
 	       "lete_sand, upland_loam_51, snow_us, snow_sweden, lunar");

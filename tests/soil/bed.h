@@ -34,6 +34,26 @@ static inline void bed_init(struct bed *bed, const struct soil_numbers *soil, do
 	assert_ok(soil_work_create(&bed->work));
 }
 
+/* Lets soil that comes onto a post lie loose there, and passes make it denser: before anything else is done with the bed. */
+static inline void bed_loosen(struct bed *bed, double loosening, double hardening)
+{
+	int32_t **const planes[] = {&bed->planes.settled, &bed->planes.loose, &bed->planes.floor, &bed->planes.density};
+	for (size_t k = 0; k < COUNT(planes); k++)
+		assert_non_null(*planes[k] = mem_calloc(bed->posts, sizeof(int32_t)));
+	bed->law.loosening = loosening;
+	bed->law.hardening = hardening;
+}
+
+/* Soil comes into all ruts, so deep. */
+static inline void bed_fill(struct bed *bed, double deep)
+{
+	for (size_t k = 0; k < bed->posts; k++)
+		if (bed->planes.offset[k] < 0) {
+			bed->planes.offset[k] += lattice_offset(deep);
+			bed->planes.deposited[k] += lattice_offset(deep);
+		}
+}
+
 static inline void bed_reset(struct bed *bed)
 {
 	int32_t *const planes[] = {bed->planes.offset, bed->planes.deposited, bed->planes.sinkage, bed->planes.shear, bed->planes.dug};
@@ -44,7 +64,8 @@ static inline void bed_reset(struct bed *bed)
 
 static inline void bed_finish(struct bed *bed)
 {
-	void *const planes[] = {bed->planes.base, bed->planes.offset, bed->planes.deposited, bed->planes.sinkage, bed->planes.shear, bed->planes.dug, bed->planes.contact};
+	void *const planes[] = {bed->planes.base, bed->planes.offset, bed->planes.deposited, bed->planes.sinkage, bed->planes.shear, bed->planes.dug, bed->planes.contact,
+				bed->planes.settled, bed->planes.loose, bed->planes.floor, bed->planes.density};
 	for (size_t k = 0; k < COUNT(planes); k++)
 		mem_free(planes[k]);
 	soil_work_destroy(bed->work);

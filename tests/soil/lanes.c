@@ -8,6 +8,9 @@
 #define SIDE 96
 #define LAW 3
 #define LAW_BITS 0xd9b90010b808fbc5ull /* of `contacts` by that law, on any machine */
+#define LAYER_BITS 0xb40eafabb95ad4eull /* and of those with layers, */
+#define LOOSE_BITS 0xe99f89d226f261daull /* with loose and dense soil, */
+#define LOOSE_LAYER_BITS 0x4fa5764e4cb97388ull /* and with both */
 
 static uint32_t word(uint32_t *seed)
 {
@@ -55,7 +58,7 @@ LANES_COPY(avx512)
 #endif
 
 /* Presses and probes bodies of all forms by a copy of the law, and hashes forces and planes. faces: bodies slide, and soil pushes on their faces. */
-static uint64_t contacts(const struct copy *copy, bool faces, int *touches)
+static uint64_t contacts(const struct copy *copy, bool layered, bool loosens, bool faces, int *touches)
 {
 	struct soil_mesh mesh = mesh_pill(24, 6, 0.15, 0.2);
 	const struct soil_shape shapes[] = {
@@ -74,6 +77,14 @@ static uint64_t contacts(const struct copy *copy, bool faces, int *touches)
 		struct bed bed;
 		bed_init(&bed, &soil, round % 4 == 0 ? 0.0137 : 0.021, SIDE, 0.1 * share(&seed), 0.1 * share(&seed));
 		bed.law.faces = faces;
+		struct soil_numbers below = bed_soil(soils[(round / 8 + 1) % 3]);
+		if (round % 2 == 1)
+			soil_set_rigid(&below);
+		bed.law.soils[0].over = layered ? &below : NULL;
+		bed.law.soils[0].thickness = 0.05;
+		soil_law_set_layers(&bed.law);
+		if (loosens)
+			bed_loosen(&bed, 0.67, round % 3 == 1 ? 0.8 : 0);
 		bed.law.bulldozing = 0.5;
 		bed.law.slip_sinkage = round % 3 == 0 ? 0.5 : 0;
 		bed.law.ground_normals = round % 5 == 4;
@@ -95,6 +106,8 @@ static uint64_t contacts(const struct copy *copy, bool faces, int *touches)
 			motion.stamped = 0.5;
 			if (faces)
 				motion.trend = (struct soil_trend){.whole = {.way = {cos(heading), sin(heading), 0}, .turn = {0, 0, share(&seed)}}, .last = {.way = {cos(heading), sin(heading), 0}}};
+			if (loosens && i % 3 == 2)
+				bed_fill(&bed, 0.004);
 			const struct soil_laying laying = soil_laying_of(shape, &motion.from, &motion.to, motion.turned, motion.rotated, bed.law.spacing);
 			const struct soil_sink press = {.laying = &laying, .soils = bed.laid, .start = -100};
 			struct soil_probed probed;
@@ -107,8 +120,9 @@ static uint64_t contacts(const struct copy *copy, bool faces, int *touches)
 			hash = hash_of(hash, &pressed.forces.force, sizeof pressed.forces.force + sizeof pressed.forces.moment);
 			hash = hash_of(hash, &pressed.raised, sizeof pressed.raised);
 		}
-		const int32_t *const planes[] = {bed.planes.offset, bed.planes.deposited, bed.planes.sinkage, bed.planes.shear, bed.planes.dug};
-		for (size_t k = 0; k < COUNT(planes); k++)
+		const int32_t *const planes[] = {bed.planes.offset, bed.planes.deposited, bed.planes.sinkage, bed.planes.shear, bed.planes.dug,
+						 bed.planes.settled, bed.planes.loose, bed.planes.floor, bed.planes.density};
+		for (size_t k = 0; k < COUNT(planes) && planes[k] != NULL; k++)
 			hash = hash_of(hash, planes[k], bed.posts * sizeof(int32_t));
 		bed_finish(&bed);
 	}
@@ -127,15 +141,20 @@ static void all_instruction_sets_give_the_same_bits(void **state)
 		LANES_ROW(avx512),
 #endif
 	};
+	static const uint64_t pinned[] = {LAW_BITS, LAYER_BITS, LOOSE_BITS, LOOSE_LAYER_BITS};
 	int touches = 0;
-	const uint64_t wanted = contacts(&chosen, false, &touches);
-	assert_true(touches > 200);
+	uint64_t wanted[COUNT(pinned)];
+	for (size_t k = 0; k < COUNT(pinned); k++) {
+		const int before = touches;
+		wanted[k] = contacts(&chosen, k % 2 == 1, k / 2 == 1, false, &touches);
+		print_message("the library: hash %zu %llx of %d touches\n", k, (unsigned long long)wanted[k], touches - before);
+		assert_true(touches - before > 200);
+	}
 	/* If this fails, the law gives other bits than before. Then raise SOIL_LAW, so that no drive goes on by another law than it began with. */
 	assert_int_equal(SOIL_LAW, LAW);
-	print_message("the library: hash %llx\n", (unsigned long long)wanted);
-	assert_true(wanted == LAW_BITS);
-	const uint64_t with_faces = contacts(&chosen, true, &touches);
-	assert_true(with_faces != wanted);
+	assert_memory_equal(wanted, pinned, sizeof wanted);
+	const uint64_t with_faces = contacts(&chosen, false, false, true, &touches);
+	assert_true(with_faces != wanted[0]);
 	for (size_t i = 0; i < COUNT(copies); i++) {
 #if LANES_WIDE
 		if ((i == 1 && !__builtin_cpu_supports("avx2")) || (i == 2 && !(__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
@@ -144,10 +163,12 @@ static void all_instruction_sets_give_the_same_bits(void **state)
 			continue;
 		}
 #endif
-		assert_true(contacts(&copies[i], true, &touches) == with_faces);
-		const uint64_t got = contacts(&copies[i], false, &touches);
-		print_message("%s: hash %llx\n", copies[i].name, (unsigned long long)got);
-		assert_true(got == wanted);
+		assert_true(contacts(&copies[i], false, false, true, &touches) == with_faces);
+		for (size_t k = 0; k < COUNT(pinned); k++) {
+			const uint64_t got = contacts(&copies[i], k % 2 == 1, k / 2 == 1, false, &touches);
+			print_message("%s: hash %zu %llx\n", copies[i].name, k, (unsigned long long)got);
+			assert_true(got == wanted[k]);
+		}
 	}
 }
 

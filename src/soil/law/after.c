@@ -39,28 +39,74 @@ SOIL_INLINED int32_t shear_of(const float axis[2], float x, float y)
 	return (int32_t)(((uint32_t)east & 0xffffu) | (uint32_t)north << 16);
 }
 
-/* The soil of the posts. thick: of the loose layer that is left; under: struct stress_soil. */
+/* The soil of the posts: struct stress_soil. loose: of the loose layer that is left. */
 struct soils {
-	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES], whole[POSTS_LANES], thick[POSTS_LANES], under[POSTS_LANES];
+	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES], whole[POSTS_LANES], loose[POSTS_LANES], under[POSTS_LANES];
+#if SOIL_LAYERED
+	float thick[POSTS_LANES], bulb[POSTS_LANES], base_k[POSTS_LANES], base_n[POSTS_LANES], base_elastic[POSTS_LANES];
+#endif
 };
 
-SOIL_INLINED struct stress_soil soil_at(const struct soils *s, int i)
+SOIL_INLINED struct stress_soil soil_at(const struct soils *soils, int i)
 {
-	return (struct stress_soil){.k = s->k[i], .n = s->n[i], .elastic = s->elastic[i], .by_elastic = s->by_elastic[i], .whole = s->whole[i], .thick = s->thick[i], .under = s->under[i]};
+	struct stress_soil s = {
+		.k = soils->k[i], .n = soils->n[i], .elastic = soils->elastic[i], .by_elastic = soils->by_elastic[i], .whole = soils->whole[i], .loose = soils->loose[i], .under = soils->under[i],
+	};
+#if SOIL_LAYERED
+	s.thick = soils->thick[i];
+	s.bulb = soils->bulb[i];
+	s.base_k = soils->base_k[i];
+	s.base_n = soils->base_n[i];
+	s.base_elastic = soils->base_elastic[i];
+#endif
+	return s;
+}
+
+SOIL_INLINED void take_layers(const struct soil_posts *posts, size_t b, struct soils *soils)
+{
+#if SOIL_LAYERED
+	for (int i = 0; i < POSTS_LANES; i++) {
+		soils->thick[i] = posts->thick[b + i];
+		soils->bulb[i] = posts->bulb[b + i];
+		soils->base_k[i] = posts->base_k[b + i];
+		soils->base_n[i] = posts->base_n[b + i];
+		soils->base_elastic[i] = posts->base_elastic[b + i];
+	}
+#else
+	(void)posts;
+	(void)b;
+	(void)soils;
+#endif
+}
+
+/* What is gone of the ground is missing from the layer. Loose soil on it goes first: what is gone of that, by_loose, m along the normal, is not. */
+SOIL_INLINED void thin_layers(const float up[POSTS_LANES], const int32_t gone[POSTS_LANES], const float by_loose[POSTS_LANES], struct soils *soils)
+{
+#if SOIL_LAYERED
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const float thinner = up[i] * (float)gone[i] * SOIL_UNIT - by_loose[i];
+		soils->thick[i] = most(soils->thick[i] - either(soils->thick[i] < LAYER_NONE, thinner, 0), 0);
+	}
+#else
+	(void)up;
+	(void)gone;
+	(void)by_loose;
+	(void)soils;
+#endif
 }
 
 /* Gives the plastic part of sinkages in fixed-point units, m. */
-SOIL_INLINED void put_plastic_on(const struct soils *soils, const int32_t sinkage[POSTS_LANES], bool layered, float plastic[POSTS_LANES])
+SOIL_INLINED void put_plastic_on(const struct soils *soils, const int32_t sinkage[POSTS_LANES], bool floored, float plastic[POSTS_LANES])
 {
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const struct stress_soil soil = soil_at(soils, i);
-		plastic[i] = plastic_on(&soil, (float)sinkage[i] * SOIL_UNIT, layered);
+		plastic[i] = plastic_on(&soil, (float)sinkage[i] * SOIL_UNIT, floored);
 	}
 }
 
-SOIL_INLINED void put_plastic(const struct soils *soils, const int32_t sinkage[POSTS_LANES], bool layered, float plastic[POSTS_LANES])
+SOIL_INLINED void put_plastic(const struct soils *soils, const int32_t sinkage[POSTS_LANES], bool floored, float plastic[POSTS_LANES])
 {
-	if (layered)
+	if (floored)
 		put_plastic_on(soils, sinkage, true, plastic);
 	else
 		put_plastic_on(soils, sinkage, false, plastic);
@@ -68,7 +114,7 @@ SOIL_INLINED void put_plastic(const struct soils *soils, const int32_t sinkage[P
 
 /* Gives what a touched post remembers. A loose layer is used up where the floor bears more than it does. Then the floor is all that is left. What it
  * remembers of its sinkage goes on. digs: fixed-point units. */
-SOIL_INLINED void put_layers(const struct soil_posts *posts, size_t b, const struct soils *soils, const float by_up[POSTS_LANES], const int32_t digs[POSTS_LANES],
+SOIL_INLINED void put_floors(const struct soil_posts *posts, size_t b, const struct soils *soils, const float by_up[POSTS_LANES], const int32_t digs[POSTS_LANES],
 			     struct soil_after *a)
 {
 	for (int i = 0; i < POSTS_LANES; i++) {
@@ -76,8 +122,8 @@ SOIL_INLINED void put_layers(const struct soil_posts *posts, size_t b, const str
 		const float z = (float)a->sinkage[i] * SOIL_UNIT;
 		float grows;
 		const int32_t thick = larger(posts->loose[b + i] - digs[i], 1), is = posts->loose[b + i] > 0;
-		const int32_t used = is & (floor_stress(&soil, z, &grows) >= yield_stress(&soil, z)) & (z > soil.thick);
-		const int32_t deep = whole_of(clamped((z - soil.thick + soil.under) * 1048576.0f, 0, 1.9e9f)), floor = posts->floor[b + i];
+		const int32_t used = is & (floor_stress(&soil, z, &grows) >= yield_stress(&soil, z)) & (z > soil.loose);
+		const int32_t deep = whole_of(clamped((z - soil.loose + soil.under) * 1048576.0f, 0, 1.9e9f)), floor = posts->floor[b + i];
 		/* The undisturbed surface of the floor lies above the floor by its plastic sinkage. */
 		a->deposited[i] += used * (whole_of(clamped(soil.under * by_up[i] * 1048576.0f, 0, 1.9e9f)) - thick);
 		a->sinkage[i] = used ? larger(floor, deep) : a->sinkage[i];
@@ -91,9 +137,10 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 {
 	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
-	float shear_x[POSTS_LANES], shear_y[POSTS_LANES];
+	float shear_x[POSTS_LANES], shear_y[POSTS_LANES], by_loose[POSTS_LANES] = {0};
 	struct soils soils;
 	int32_t loose = 0;
+	take_layers(posts, b, &soils);
 	const int32_t near = (int32_t)fminf((float)AFTER_SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
@@ -115,7 +162,7 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		soils.elastic[i] = posts->elastic[b + i];
 		soils.by_elastic[i] = posts->by_elastic[b + i];
 		soils.whole[i] = posts->whole[b + i];
-		soils.thick[i] = posts->thick[b + i];
+		soils.loose[i] = posts->loose_thick[b + i];
 		soils.under[i] = posts->under[b + i];
 		loose |= posts->loose[b + i];
 		shear_x[i] = kept->shear_x[b + i];
@@ -127,9 +174,9 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		sunk[i] = over[i] > 0 ? ground[i] - rests[i] : 0;
 		largest[i] = larger(sinkage[i], sinkage_of(up[i], ground[i] - lowest[i]));
 	}
-	const bool layered = posts->layered && loose > 0;
-	put_plastic(&soils, sinkage, layered, had);
-	put_plastic(&soils, largest, layered, plastic);
+	const bool floored = posts->floored && loose > 0;
+	put_plastic(&soils, sinkage, floored, had);
+	put_plastic(&soils, largest, floored, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]);
 		const int32_t may = (swept[i] > 0) & (lowest[i] < ground[i]), touches = may & has_last(deepest, sinkage[i], had[i]);
@@ -145,10 +192,14 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		touched[i] = touches;
 		held[i] = holds;
 	}
-	for (int i = 0; i < POSTS_LANES && layered; i++)
-		soils.thick[i] = either(soils.thick[i] > 0, most(soils.thick[i] - up[i] * (float)digs[i] * SOIL_UNIT, SOIL_UNIT), 0);
-	put_plastic(&soils, remains, layered, had);
-	put_plastic(&soils, largest, layered, plastic);
+	for (int i = 0; i < POSTS_LANES && floored; i++) {
+		const float left = either(soils.loose[i] > 0, most(soils.loose[i] - up[i] * (float)digs[i] * SOIL_UNIT, SOIL_UNIT), 0);
+		by_loose[i] = soils.loose[i] - left;
+		soils.loose[i] = left;
+	}
+	thin_layers(up, gone, by_loose, &soils);
+	put_plastic(&soils, remains, floored, had);
+	put_plastic(&soils, largest, floored, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t still = has_last(sinkage_of(up[i], sunk[i] - gone[i]), largest[i], plastic[i]), holds = held[i] & (still | (gone[i] == 0));
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);
@@ -179,8 +230,8 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		a->density[i] = density + left / 2 * (a->touched[i] & (a->held[i] ^ 1));
 		a->loose[i] = a->floor[i] = 0;
 	}
-	if (layered)
-		put_layers(posts, b, &soils, by_up, digs, a);
+	if (floored)
+		put_floors(posts, b, &soils, by_up, digs, a);
 	for (int i = 0; i < POSTS_LANES; i++)
 		a->shear[i] = shear_of(axis, shear_x[i] * (float)a->held[i], shear_y[i] * (float)a->held[i]);
 }

@@ -18,5 +18,10 @@ struct soil_after {
  * kept: what that kept of an evaluation at this height. Pure. */
 void soil_after(const struct soil_form *form, const float axis[2], int32_t raised, const struct soil_posts *posts, size_t b, const struct soil_kept *kept,
 		float bulldozing, float slides, struct soil_after *after);
+#if !SOIL_LAYERED
+/* The same of posts with layers: after_layered.c. */
+void soil_after_layered(const struct soil_form *form, const float axis[2], int32_t raised, const struct soil_posts *posts, size_t b, const struct soil_kept *kept,
+			float bulldozing, float slides, struct soil_after *after);
+#endif
 
 #endif

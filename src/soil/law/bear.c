@@ -179,8 +179,11 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			take_lanes(posts, b, &lanes);
 		memset(counts.area, 0, sizeof counts.area);
 		memset(counts.grows, 0, sizeof counts.grows);
-		l.layered = posts->layered && are_layered(p);
+		l.floored = posts->floored && are_floored(p);
 		put_depths(f, kind, p, a->raised, &l);
+#if SOIL_LAYERED
+		put_layers(&lanes, &l);
+#endif
 		put_slides(f, kind, p, &l);
 		put_shares(f, &lanes, &l);
 		if (f->digs_most > 0)

@@ -39,5 +39,10 @@ struct soil_kept {
 /* Evaluates the law with the centre raised by so many fixed-point units. share: stresses are divided by it. kept, changes: NULL, or what is asked. */
 void soil_bear(const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept,
 	       struct soil_changes *changes);
+#if !SOIL_LAYERED
+/* The same of posts with layers: bear_layered.c. */
+void soil_bear_layered(const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept,
+		       struct soil_changes *changes);
+#endif
 
 #endif

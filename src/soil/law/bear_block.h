@@ -9,7 +9,7 @@
 
 /* What one evaluation knows of a block of posts. Heights and depths are in metres. */
 struct block {
-	bool layered;                   /* some post has a loose layer on a floor */
+	bool floored;                   /* some post has a loose layer on a floor */
 	float ground[LANES];            /* above the centre, less what slip digs */
 	float depth[LANES];             /* of the end pose below the ground, vertically */
 	float was[LANES], plastic[LANES]; /* along the normal: the largest sinkage before, less what slip digs; its plastic part */
@@ -27,7 +27,18 @@ struct block {
 
 SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
 {
-	return (struct stress_soil){p->k[i], p->n[i], p->elastic[i], p->by_elastic[i], p->cohesion[i], p->tan_phi[i], p->modulus[i], p->by_modulus[i], p->damping[i], p->whole[i], p->thick[i], p->under[i]};
+	struct stress_soil s = {
+		.k = p->k[i], .n = p->n[i], .elastic = p->elastic[i], .by_elastic = p->by_elastic[i], .cohesion = p->cohesion[i], .tan_phi = p->tan_phi[i],
+		.modulus = p->modulus[i], .by_modulus = p->by_modulus[i], .damping = p->damping[i], .whole = p->whole[i], .loose = p->loose_thick[i], .under = p->under[i],
+	};
+#if SOIL_LAYERED
+	s.thick = p->thick[i];
+	s.bulb = p->bulb[i];
+	s.base_k = p->base_k[i];
+	s.base_n = p->base_n[i];
+	s.base_elastic = p->base_elastic[i];
+#endif
+	return s;
 }
 
 SOIL_INLINED bool any_above(const float numbers[LANES], float than)
@@ -157,16 +168,16 @@ SOIL_INLINED float lasted(const struct lane_posts *p, int i, float passed)
 
 /* The law of soil that may lie loose on a floor costs another power. So what needs it is compiled twice. Blocks without a loose layer take the plain one.
  * Tells whether some post has such a layer. */
-SOIL_INLINED bool are_layered(const struct lane_posts *p)
+SOIL_INLINED bool are_floored(const struct lane_posts *p)
 {
-	return any_above(p->thick, 0);
+	return any_above(p->loose_thick, 0);
 }
 
-SOIL_INLINED void put_yields(const struct lane_posts *p, bool layered, struct block *l)
+SOIL_INLINED void put_yields(const struct lane_posts *p, bool floored, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
-		l->yields[i] = yield_stress_on(&s, l->was[i], layered);
+		l->yields[i] = yield_stress_on(&s, l->was[i], floored);
 		l->plastic[i] = plastic_part(&s, l->was[i], l->yields[i]);
 	}
 }
@@ -182,13 +193,34 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 		l->yields[i] = l->plastic[i] = 0;
 	}
 	if (any_above(p->was, 0)) {
-		if (l->layered)
+		if (l->floored)
 			put_yields(p, true, l);
 		else
 			put_yields(p, false, l);
 	}
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
+
+#if SOIL_LAYERED
+/* As a layer is used up, its shear and its damping go over to those of the soil below it. Of two soils in line the weaker one gives way. */
+SOIL_INLINED float weaker_of(float own, float base, float share)
+{
+	return either(share >= 1, own, own * base / most(share * base + (1 - share) * own, 1e-20f));
+}
+
+SOIL_INLINED void put_layers(struct lane_posts *p, const struct block *l)
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float share = either(s.thick < LAYER_NONE, layer_shears(&s, most(l->was[i], p->up[i] * l->depth[i])), 1);
+		p->cohesion[i] = weaker_of(s.cohesion, p->base_cohesion[i], share);
+		p->tan_phi[i] = weaker_of(s.tan_phi, p->base_tan_phi[i], share);
+		p->modulus[i] = either(share >= 1, s.modulus, share * s.modulus + (1 - share) * p->base_modulus[i]);
+		p->by_modulus[i] = either(share >= 1, s.by_modulus, 1 / p->modulus[i]);
+		p->damping[i] = either(share >= 1, s.damping, share * s.damping + (1 - share) * p->base_damping[i]);
+	}
+}
+#endif
 
 /* Returns the strength of a post's soil at a sinkage along the normal, while it springs back or is loaded anew. stress: where it yields; Pa. */
 SOIL_INLINED float strength_at(const struct soil_form *f, const struct stress_soil *s, float stress, float plastic, float by_elastic, float sinkage)
@@ -205,37 +237,56 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 	return (sqrtf(x * x + y * y) + 4 * sqrtf(mx * mx + my * my) + sqrtf(ex * ex + ey * ey)) * (1 / 6.0f);
 }
 
+/* Returns how much slip can dig of a post, m: rigid ground ends it. */
+SOIL_INLINED float room_above(const struct lane_posts *p, int i)
+{
+#if SOIL_LAYERED
+	const bool is = p->thick[i] < LAYER_NONE, loose = p->loose_thick[i] > 0;
+	const float rigid = either(is, p->base_k[i], either(loose, p->whole[i], p->k[i])), left = either(is, p->thick[i] + either(loose, p->loose_thick[i] - p->under[i], 0), p->loose_thick[i]);
+	return either(rigid > LAYER_RIGID, most(left * p->by_up[i] - LAYER_FILM, 0), 1e9f);
+#else
+	(void)p;
+	(void)i;
+	return 1e9f;
+#endif
+}
+
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
  * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
-SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, bool layered, struct block *l)
+SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, bool floored, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
 		const float half = 0.5f * most(lasted(p, i, l->passed[i]), 0), x = p->x[i] + half * f->way[0], y = p->y[i] + half * f->way[1];
 		const float lowest = p->height[i] + p->above[i] - p->lowered[i], up = p->up[i];
 		const float deepest = most(up * (l->ground[i] - lowest), 0), sunk = up * l->depth[i], after = most(l->was[i], deepest);
-		const float stays = least(plastic_on(&s, after, layered), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
+		const float stays = least(plastic_on(&s, after, floored), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
 		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
-		const float room = l->depth[i] - 2 * SOIL_UNIT; /* it never digs itself free */
+		const float room = least(l->depth[i] - 2 * SOIL_UNIT, room_above(p, i)); /* it never digs itself free */
 		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
 		l->ground[i] -= l->more[i];
 		l->depth[i] -= l->more[i];
 		l->was[i] = most(l->was[i] - up * l->more[i], 0);
-		p->thick[i] = layered ? either(p->thick[i] > 0, most(p->thick[i] - up * l->more[i], SOIL_UNIT), 0) : p->thick[i]; /* the floor stays */
+		/* Slip digs the loose soil first, and then what is below. Its floor stays. */
+		const float gone = up * l->more[i], of_loose = floored ? either(p->loose_thick[i] > 0, least(gone, most(p->loose_thick[i] - SOIL_UNIT, 0)), 0) : 0;
+		p->loose_thick[i] -= of_loose;
+#if SOIL_LAYERED
+		p->thick[i] = either(p->thick[i] < LAYER_NONE, most(p->thick[i] - (gone - of_loose), 0), p->thick[i]);
+#endif
 	}
 	if (any_above(l->was, 0))
 		EACH_LANE {
 			const struct stress_soil s = soil_of(p, i);
-			l->plastic[i] = plastic_on(&s, l->was[i], layered);
+			l->plastic[i] = plastic_on(&s, l->was[i], floored);
 		}
 }
 
 SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, struct block *l)
 {
-	if (l->layered)
+	if (l->floored)
 		dig_in(f, kind, p, true, l);
 	else
 		dig_in(f, kind, p, false, l);
@@ -375,11 +426,11 @@ SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind 
 }
 
 /* Gives the plastic part of vertical sinkages, vertically, m. */
-SOIL_INLINED void put_stays(const struct lane_posts *p, const float mosts[LANES], bool layered, float stays[LANES])
+SOIL_INLINED void put_stays(const struct lane_posts *p, const float mosts[LANES], bool floored, float stays[LANES])
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
-		stays[i] = plastic_on(&s, mosts[i] * p->up[i], layered) * p->by_up[i];
+		stays[i] = plastic_on(&s, mosts[i] * p->up[i], floored) * p->by_up[i];
 	}
 }
 
@@ -423,7 +474,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 		}
 	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
 	for (int k = 0; k < 3; k++)
-		if (any && l->layered)
+		if (any && l->floored)
 			put_stays(p, mosts[k], true, stays[k]);
 		else if (any)
 			put_stays(p, mosts[k], false, stays[k]);

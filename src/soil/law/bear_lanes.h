@@ -14,6 +14,9 @@ struct lane_posts {
 #define LANE_REAL(name) float name[LANES];
 	POSTS_LAW_WHOLES_EACH(LANE_WHOLE)
 	POSTS_LAW_REALS_EACH(LANE_REAL)
+#if SOIL_LAYERED
+	POSTS_LAYER_REALS_EACH(LANE_REAL)
+#endif
 #undef LANE_WHOLE
 #undef LANE_REAL
 };
@@ -23,6 +26,9 @@ SOIL_INLINED void take_lanes(const struct soil_posts *posts, size_t b, struct la
 #define LANE_TAKE(name) memcpy(p->name, posts->name + b, sizeof p->name);
 	POSTS_LAW_WHOLES_EACH(LANE_TAKE)
 	POSTS_LAW_REALS_EACH(LANE_TAKE)
+#if SOIL_LAYERED
+	POSTS_LAYER_REALS_EACH(LANE_TAKE)
+#endif
 #undef LANE_TAKE
 }
 
@@ -67,6 +73,9 @@ SOIL_INLINED void take_some(const struct soil_posts *posts, size_t b, uint32_t l
 	EACH_LANE {
 		POSTS_LAW_WHOLES_EACH(LANE_TAKE)
 		POSTS_LAW_REALS_EACH(LANE_TAKE)
+#if SOIL_LAYERED
+		POSTS_LAYER_REALS_EACH(LANE_TAKE)
+#endif
 	}
 #undef LANE_TAKE
 }

@@ -16,12 +16,12 @@ struct spots {
 	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], grows[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], keeps[LANES], holds[LANES];
 };
 
-SOIL_INLINED void put_spot_yields(const struct lane_posts *p, bool layered, struct spots *spots)
+SOIL_INLINED void put_spot_yields(const struct lane_posts *p, bool floored, struct spots *spots)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
-		spots->yields[i] = yield_stress_on(&s, spots->most[i], layered);
-		spots->grows[i] = yield_growth_on(&s, spots->yields[i], spots->most[i], layered);
+		spots->yields[i] = yield_stress_on(&s, spots->most[i], floored);
+		spots->grows[i] = yield_growth_on(&s, spots->yields[i], spots->most[i], floored);
 	}
 }
 
@@ -56,7 +56,7 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 			spots->most[i] = most(spots->most[i], before);
 		}
 	EACH_LANE spots->most[i] *= p->up[i];
-	if (l->layered)
+	if (l->floored)
 		put_spot_yields(p, true, spots);
 	else
 		put_spot_yields(p, false, spots);
@@ -140,8 +140,8 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->arm[0] = x;
 	place->arm[1] = y;
 	place->arm[2] = face->height + p->above[i];
-	const float plastic = plastic_part(&s, largest, yields), by_elastic = 1 / most(largest - plastic, 1e-9f);
-	const float springs = clamped((z + SOIL_LEAST - plastic) * by_elastic, 0, 1), share = either(z >= largest, 1, springs);
+	float by_elastic;
+	const float plastic = plastic_part(&s, largest, yields), springs = springs_at(&s, z, largest, yields, plastic, &by_elastic), share = either(z >= largest, 1, springs);
 	const float down = down_at(f, place->arm, p->above[i], place->normal);
 	place->ground = either(least(z, share) > 0, spots->part[lane], 0);
 	/* A flat end that is as wide as several cells bears by its area in plan: all of it on level ground. */

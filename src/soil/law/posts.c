@@ -70,7 +70,7 @@ static void put_springs(const struct soil_law *law, const struct soil_planes *pl
 	const struct soil_numbers *soil = &law->soils[0];
 	const bool one = planes->classes == NULL && (planes->levels == NULL || law->raster_count == 0);
 	const double known = 0.25 * (double)form->radius, k = fmax(soil->bekker_kc * by_width + soil->bekker_kphi, 0);
-	if (!one || form->digs_most > 0 || !(by_width > 0) || walk->above > 0)
+	if (!one || law->layered || form->digs_most > 0 || !(by_width > 0) || walk->above > 0)
 		return;
 	walk->known = (float)known;
 	const double springs = 1.001 * k * pow(known, soil->bekker_n) / soil->elastic_stiffness;
@@ -158,8 +158,8 @@ SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct
 			const bool touches = (ground + rise + m->above > lowest) & (near <= m->outer);
 			/* Behind the axle the rim is lower at places that are farther ahead, and was so at the motion's start, but less. */
 			const float aside = y - m->leans * root(r2 - x * x);
-			const int32_t layered = (deposited[i] > settled[i]) | (loosens & (loose[i] > 0)); /* then the rut is not the surface */
-			const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * either(layered, 0, sinks);
+			const int32_t is_loose = (deposited[i] > settled[i]) | (loosens & (loose[i] > 0)); /* then the rut is not the surface */
+			const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * either(is_loose, 0, sinks);
 			const float leaves = m->lean * y + sunk - ground - root(r2 - inner * inner) * m->lift;
 			const float springs = (m->springs[0] + m->springs[1] * sunk) * (1 + rise * m->by_reach) + 1e-5f; /* vertically */
 			const bool behind = (x < -m->ran - m->reach) & (x > -m->radius);
@@ -253,7 +253,7 @@ SOIL_INLINED void take_if_any(int32_t *restrict to, const int32_t *restrict from
 }
 
 /* Finds the top layer of the posts of a block: what `loose` and `floor` are, and what it changes in `deposited` and `sinkage`. surface: offsets. */
-SOIL_CLONED static void put_layers(struct soil_posts *restrict p, size_t to)
+SOIL_CLONED static void put_tops(struct soil_posts *restrict p, size_t to)
 {
 	int32_t any = 0;
 	for (int i = 0; i < POSTS_LANES; i++) {
@@ -265,7 +265,7 @@ SOIL_CLONED static void put_layers(struct soil_posts *restrict p, size_t to)
 		p->floor[at] = is.floor;
 		any |= is.loose > 0;
 	}
-	p->layered |= any != 0;
+	p->floored |= any != 0;
 }
 
 /* Copies what the planes have of a block of posts, and where the posts are. */
@@ -294,7 +294,7 @@ SOIL_CLONED static void take_block(const struct run *restrict run, const double 
 	take_if_any(p->floor + to, run->floor);
 	take_if_any(p->density + to, run->density);
 	if (run->settled != NULL)
-		put_layers(p, to);
+		put_tops(p, to);
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const size_t at = to + (size_t)i;
@@ -317,7 +317,7 @@ static void take_few(const struct run *run, size_t count, const double place[2],
 		memcpy(into[k] + to, few[k], sizeof *few);
 	}
 	if (run->settled != NULL)
-		put_layers(p, to);
+		put_tops(p, to);
 	for (size_t i = 0; i < POSTS_LANES; i++) {
 		p->index[to + i] = run->index + (int32_t)(i < count ? i : count - 1);
 		p->x[to + i] = (float)(place[0] + (double)i * step[0]);
@@ -358,7 +358,7 @@ static void take_rows(const struct soil_planes *planes, const struct soil_body *
 {
 	const struct post_rect *below = &walk->below;
 	p->count = 0;
-	p->layered = false;
+	p->floored = false;
 	for (int64_t y = below->y0; y < below->y1; y++) {
 		const double north = walk->corner[1] + (double)(y - below->y0) * (double)form->spacing;
 		const double first[2] = {body->axis[0] * walk->corner[0] + body->axis[1] * north, body->axis[0] * north - body->axis[1] * walk->corner[0]};
@@ -404,7 +404,7 @@ SOIL_CLONED static void put_numbers(const float axis[restrict 2], float scale, s
 		p->shear_x[b + i] = (c * east + s * north) * 0x1p-15f;
 		p->shear_y[b + i] = (c * north - s * east) * 0x1p-15f;
 		p->was[b + i] = (float)p->sinkage[b + i] * SOIL_UNIT;
-		p->thick[b + i] = (float)p->loose[b + i] * SOIL_UNIT * p->up[b + i];
+		p->loose_thick[b + i] = (float)p->loose[b + i] * SOIL_UNIT * p->up[b + i];
 		p->dug[b + i] = (float)p->digs[b + i] * SOIL_UNIT;
 	}
 }
@@ -438,6 +438,32 @@ static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last
 	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
 }
 
+/* Puts what a soil lies over into the same posts. Rigid ground has no shear of its own: the layer keeps its. `thick` is vertical here. */
+static void fill_base(const struct soil_numbers *soil, size_t first, size_t last, struct soil_posts *p)
+{
+	const struct soil_numbers *base = soil->over != NULL ? soil->over : soil, *shears = soil_is_rigid(base) ? soil : base;
+	const bool rigid = soil_is_rigid(base);
+	float *const each[] = {p->thick, p->base_k_c, p->base_k_phi, p->base_n, p->base_elastic, p->base_cohesion, p->base_tan_phi, p->base_modulus, p->base_damping};
+	const float values[] = {
+		soil->over != NULL ? (float)soil->thickness : LAYER_NONE, rigid ? 0 : (float)base->bekker_kc, rigid ? 1e30f : (float)base->bekker_kphi, rigid ? 1 : (float)base->bekker_n,
+		rigid ? 1e30f : bounded(base->elastic_stiffness), (float)shears->cohesion, (float)tan(shears->friction_angle), bounded(shears->janosi_shear), (float)shears->damping,
+	};
+	for (size_t k = 0; k < sizeof values / sizeof values[0]; k++)
+		for (size_t i = first; i < last; i++)
+			each[k][i] = values[k];
+}
+
+/* What was laid on a post is of its upper soil, and what was dug there is missing from it. So the undisturbed surface of the top layer tells how much lies
+ * over the base. Thickness is along the normal from here on. */
+static void put_thickness(struct soil_posts *p)
+{
+	for (size_t i = 0; i < soil_posts_end(p); i++) {
+		const float thick = p->thick[i] + (float)p->deposited[i] * SOIL_UNIT;
+		p->left[i] = (thick - (float)p->loose[i] * SOIL_UNIT) * p->up[i];
+		p->thick[i] = either(p->thick[i] < LAYER_NONE, most(thick, 0) * p->up[i], LAYER_NONE);
+	}
+}
+
 static bool same_soil(const struct soil_law *law, const struct soil_planes *planes, size_t a, size_t b)
 {
 	return (planes->classes == NULL || planes->classes[a] == planes->classes[b]) &&
@@ -453,7 +479,10 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 		for (last = one ? p->count : first + 1; last < p->count && same_soil(law, planes, at, (size_t)p->index[last]);)
 			last++;
 		const struct soil_numbers soil = soil_numbers_at(law, planes, at);
-		fill_soil(&soil, first, last < p->count ? last : soil_posts_end(p), p);
+		const size_t end = last < p->count ? last : soil_posts_end(p);
+		fill_soil(&soil, first, end, p);
+		if (p->layered)
+			fill_base(&soil, first, end, p);
 	}
 }
 
@@ -472,7 +501,7 @@ SOIL_CLONED static void put_strengths(float loosening, float hardening, struct s
 		p->eases[b + i] = either(loose, (1 - loosening) / harder, 1);
 	}
 	/* A loose layer that a body sank into bears as soil that lay there and sank less: k (e z)^n is (1 - loosening) k z^n. */
-	if (p->layered)
+	if (p->floored)
 		for (int i = 0; i < POSTS_LANES; i++) {
 			const float floor = (float)p->floor[b + i], less = power_of(1 - loosening, 1 / p->n[b + i]);
 			p->floor[b + i] = whole_of(clamped(either(floor < 0, -floor * less, floor), 0, 1.9e9f));
@@ -498,6 +527,7 @@ void soil_posts_gather(const struct soil_law *law, const struct soil_planes *pla
 {
 	struct walk walk = walk_of(law, planes, body, form, raised, above);
 	const float axis[2] = {(float)body->axis[0], (float)body->axis[1]};
+	posts->layered = law->layered;
 	put_springs(law, planes, form, by_width, &walk);
 	take_rows(planes, body, form, &walk, posts);
 	if (posts->count == 0)
@@ -508,18 +538,22 @@ void soil_posts_gather(const struct soil_law *law, const struct soil_planes *pla
 		put_strengths((float)law->loosening, (float)law->hardening, posts, b);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)
 		put_numbers(axis, (float)(lattice_base_metres(1) / law->spacing), posts, b);
+	if (posts->layered)
+		put_thickness(posts);
 	soil_cover(body, form, posts);
 }
 
-SOIL_CLONED void soil_posts_width(float by_width, struct soil_posts *posts)
+SOIL_CLONED static void put_width(float by_width, size_t count, const float *restrict k_c, const float *restrict k_phi, float *restrict k)
+{
+	SOIL_APART
+	for (size_t i = 0; i < count; i++)
+		k[i] = most(k_c[i] * by_width + k_phi[i], 0); /* k_c may be negative, and a patch small */
+}
+
+/* Puts the floors below loose layers, and how much less these bear. */
+SOIL_CLONED static void put_floors(struct soil_posts *restrict posts)
 {
 	float *restrict k = posts->k;
-	const float *restrict k_c = posts->k_c, *restrict k_phi = posts->k_phi;
-	SOIL_APART
-	for (size_t i = 0; i < soil_posts_end(posts); i++)
-		k[i] = most(k_c[i] * by_width + k_phi[i], 0); /* k_c may be negative, and a patch small */
-	if (!posts->layered)
-		return;
 	SOIL_APART
 	for (size_t i = 0; i < soil_posts_end(posts); i++) {
 		const struct stress_soil s = {.k = k[i], .n = posts->n[i], .elastic = posts->elastic[i], .by_elastic = posts->by_elastic[i]};
@@ -527,4 +561,35 @@ SOIL_CLONED void soil_posts_width(float by_width, struct soil_posts *posts)
 		posts->under[i] = plastic_of(&s, (float)posts->floor[i] * SOIL_UNIT);
 		k[i] *= posts->eases[i];
 	}
+}
+
+/* Puts the same of floors that are layers, and how thick they are. */
+SOIL_CLONED static void put_layer_floors(struct soil_posts *restrict posts)
+{
+	SOIL_APART
+	for (size_t i = 0; i < soil_posts_end(posts); i++) {
+		const struct stress_soil s = {
+			.n = posts->n[i], .elastic = posts->elastic[i], .by_elastic = posts->by_elastic[i], .bulb = posts->bulb[i], .base_k = posts->base_k[i],
+			.base_n = posts->base_n[i], .base_elastic = posts->base_elastic[i],
+		};
+		const bool is = (posts->thick[i] < LAYER_NONE) & (posts->loose[i] > 0);
+		const float under = layer_under(&s, posts->left[i], posts->whole[i], (float)posts->floor[i] * SOIL_UNIT);
+		posts->under[i] = either(is, under, posts->under[i]);
+		posts->thick[i] = either(is, most(posts->left[i] + under, 0), posts->thick[i]);
+	}
+}
+
+void soil_posts_width(float by_width, float bulb, struct soil_posts *posts)
+{
+	const size_t count = soil_posts_end(posts);
+	put_width(by_width, count, posts->k_c, posts->k_phi, posts->k);
+	if (posts->floored)
+		put_floors(posts);
+	if (!posts->layered)
+		return;
+	put_width(by_width, count, posts->base_k_c, posts->base_k_phi, posts->base_k);
+	for (size_t i = 0; i < count; i++)
+		posts->bulb[i] = bulb;
+	if (posts->floored)
+		put_layer_floors(posts);
 }

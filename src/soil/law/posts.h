@@ -32,7 +32,12 @@
 	EACH(share) EACH(middle_x) EACH(middle_y) /* the part of the post's cell that the body covers: share of a cell's area, its middle from the post */ \
 	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \
 	EACH(room)                  /* m: the body touches the cell if it is raised by less */ \
-	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) EACH(whole) EACH(thick) EACH(under) /* struct stress_soil */
+	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) EACH(whole) EACH(loose_thick) EACH(under) /* struct stress_soil; loose_thick: its `loose` */
+/* What an evaluation of ground with layers reads beside these (layers.h). */
+#define POSTS_LAYER_REALS_EACH(EACH) \
+	EACH(thick)                 /* m along the normal: how thick the post's soil is, or its floor's; LAYER_NONE: it lies over no other */ \
+	EACH(bulb) \
+	EACH(base_k) EACH(base_n) EACH(base_elastic) EACH(base_cohesion) EACH(base_tan_phi) EACH(base_modulus) EACH(base_damping) /* of the soil below */
 /* And what it does not. */
 #define POSTS_WHOLES_EACH(EACH) \
 	POSTS_LAW_WHOLES_EACH(EACH) \
@@ -43,13 +48,17 @@
 	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
 #define POSTS_REALS_EACH(EACH) \
 	POSTS_LAW_REALS_EACH(EACH) \
+	POSTS_LAYER_REALS_EACH(EACH) \
+	EACH(base_k_c) EACH(base_k_phi) \
+	EACH(left)                  /* of a layer below a loose one: what is left of it below the floor, m along the normal; of posts with such */ \
 	EACH(swept)                 /* 1: the body was above the post during its motion */ \
 	EACH(eases)                 /* by how much less the top layer bears than the soil; 1: it is not loose */ \
 	EACH(k_c) EACH(k_phi)       /* of the soil, for soil_posts_width */
 
 struct soil_posts {
 	size_t count, capacity;
-	bool layered; /* some posts have a loose layer on a floor */
+	bool floored; /* some posts have a loose layer on a floor */
+	bool layered; /* the law has layers. Else the arrays of layers are not set */
 	void *memory;
 #define POSTS_WHOLE(name) int32_t *name;
 #define POSTS_REAL(name) float *name;
@@ -76,8 +85,8 @@ SOIL_INLINED size_t soil_posts_end(const struct soil_posts *posts)
  * set `k`, which soil_posts_width does. */
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
 		       int32_t raised, double above, double by_width, struct soil_posts *posts);
-/* Sets `k` for a contact patch of this width: 1/m. */
-void soil_posts_width(float by_width, struct soil_posts *posts);
+/* Sets `k` for a contact patch of this width: 1/m. bulb: of layers, m. */
+void soil_posts_width(float by_width, float bulb, struct soil_posts *posts);
 /* Returns the posts that may be below a body during its motion. */
 struct post_rect soil_posts_below(const struct soil_law *law, const struct soil_motion *motion);
 

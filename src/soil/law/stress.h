@@ -7,6 +7,10 @@
 
 #include "soil/law/real.h"
 
+#ifndef SOIL_LAYERED
+#define SOIL_LAYERED 0 /* 1: of a post whose soil may lie over another. Such ground has functions of its own, so that other ground pays nothing */
+#endif
+
 #define SOIL_UNIT 0x1p-20f         /* m: a fixed-point unit */
 #define SOIL_LEAST 1.2e-6f         /* m: a stored sinkage and a height are each rounded by up to half a unit */
 #define SOIL_STRESS_MOST 1e20f     /* Pa: keeps all numbers finite */
@@ -14,27 +18,69 @@
 /* The soil of a post. k: k_c / b + k_phi, N/m^(n+2), b the width of the contact patch. modulus: of shear, m. */
 struct stress_soil {
 	float k, n, elastic, by_elastic, cohesion, tan_phi, modulus, by_modulus, damping;
-	float whole, thick, under; /* of a loose layer on a floor: k of the floor; thickness of the layer along the normal, m; the floor's plastic sinkage, m */
+	/* Of a loose layer on a floor: k of the floor; thickness of the layer along the normal, m (0: none); the floor's plastic sinkage, m. */
+	float whole, loose, under;
+	/* With SOIL_LAYERED: how thick the soil, or that below a loose layer, is along the normal, m (LAYER_NONE: endless); the pressure bulb, m; the soil
+	 * below it. */
+	float thick, bulb, base_k, base_n, base_elastic;
 };
 
-/* Returns the stress that the soil bears at sinkage z, m, when it yields; Pa. */
+/* Returns the stress that soil of these numbers bears at sinkage z, m, when it yields; Pa. */
+SOIL_INLINED float bekker_stress(float k, float n, float elastic, float z)
+{
+	const float bekker = k * power_of(most(z, SOIL_UNIT), n);
+	return either(z > 0, least(least(bekker, z * elastic), SOIL_STRESS_MOST), 0);
+}
+
+/* Returns how that grows with the sinkage, Pa/m. */
+SOIL_INLINED float bekker_growth(float n, float elastic, float yields, float z)
+{
+	const float flows = yields * n / most(z, SOIL_UNIT);
+	return either(yields >= 0.9999999f * elastic * z, elastic, flows);
+}
+
+#include "soil/law/layers.h"
+
+/* Tells whether the soil that a body presses lies over another one. Loose soil lies on its floor: floor_stress knows what is below that. */
+SOIL_INLINED bool is_layer(const struct stress_soil *s)
+{
+	return SOIL_LAYERED && (s->thick < LAYER_NONE) & !(s->loose > 0);
+}
+
+/* Returns the stress that the ground bears at sinkage z, m, when it yields; Pa. Of loose soil: without its floor. */
 SOIL_INLINED float yield_stress(const struct stress_soil *s, float z)
 {
-	const float bekker = s->k * power_of(most(z, SOIL_UNIT), s->n);
-	return either(z > 0, least(least(bekker, z * s->elastic), SOIL_STRESS_MOST), 0);
+	const float own = bekker_stress(s->k, s->n, s->elastic, z);
+	return SOIL_LAYERED ? either(is_layer(s), layer_stress(s, own, z), own) : own;
 }
 
 /* Returns how the yield stress grows with the sinkage, Pa/m. */
 SOIL_INLINED float yield_growth(const struct stress_soil *s, float yields, float z)
 {
-	const float flows = yields * s->n / most(z, SOIL_UNIT);
-	return either(yields >= 0.9999999f * s->elastic * z, s->elastic, flows);
+	const float own = bekker_growth(s->n, s->elastic, yields, z);
+	return SOIL_LAYERED ? either(is_layer(s), layer_growth(s, z), own) : own;
 }
 
 /* Returns the plastic part of sinkage z, m: what stays after unloading. */
 SOIL_INLINED float plastic_part(const struct stress_soil *s, float z, float yields)
 {
-	return most(z - yields * s->by_elastic, 0);
+	const float own = most(z - yields * s->by_elastic, 0);
+	return SOIL_LAYERED ? either(s->thick < LAYER_NONE, either(s->loose > 0, layer_floor_plastic(s, z, yields), layer_plastic(s, z, yields)), own) : own;
+}
+
+/* Returns which share of the yield stress soil bears that was loaded to a larger sinkage before, m. plastic: the part of it that stays. by_elastic: 1/m,
+ * how the share grows with the sinkage. */
+SOIL_INLINED float springs_at(const struct stress_soil *s, float z, float largest, float yields, float plastic, float *by_elastic)
+{
+	const float own = 1 / most(largest - plastic, 1e-9f), share = clamped((z + SOIL_LEAST - plastic) * own, 0, 1);
+	float grows;
+	if (!SOIL_LAYERED) {
+		*by_elastic = own;
+		return share;
+	}
+	const float springs = layer_springs(s, z + SOIL_LEAST, largest, yields, &grows);
+	*by_elastic = either(s->thick < LAYER_NONE, grows, own);
+	return either(s->thick < LAYER_NONE, springs, share);
 }
 
 SOIL_INLINED float plastic_of(const struct stress_soil *s, float z)
@@ -48,31 +94,37 @@ SOIL_INLINED float plastic_of(const struct stress_soil *s, float z)
  * and yields beyond. */
 SOIL_INLINED float floor_stress(const struct stress_soil *s, float z, float *grows)
 {
-	const float into = z - s->thick, deep = into + s->under, bekker = s->whole * power_of(most(deep, SOIL_UNIT), s->n), springs = into * s->elastic;
+	const float into = z - s->loose, deep = into + s->under, bekker = s->whole * power_of(most(deep, SOIL_UNIT), s->n), springs = into * s->elastic;
+	float flows, rises;
 	*grows = either(bekker < springs, bekker * s->n / most(deep, SOIL_UNIT), s->elastic);
-	return either((into > 0) & (s->thick > 0), least(least(bekker, springs), SOIL_STRESS_MOST), 0);
+	const float own = either((into > 0) & (s->loose > 0), least(least(bekker, springs), SOIL_STRESS_MOST), 0);
+	if (!SOIL_LAYERED)
+		return own;
+	const float yields = layer_floor_stress(s, deep, &flows), loads = layer_above_floor(s, z, &rises);
+	*grows = either(s->thick < LAYER_NONE, either(yields < loads, flows, rises), *grows);
+	return either((s->thick < LAYER_NONE) & (into > 0) & (s->loose > 0), least(least(yields, loads), SOIL_STRESS_MOST), own);
 }
 
-/* The same as yield_stress, yield_growth and plastic_of, of soil that may lie loose on a floor. `layered` false: it does not. */
-SOIL_INLINED float yield_stress_on(const struct stress_soil *s, float z, bool layered)
+/* The same as yield_stress, yield_growth and plastic_of, of soil that may lie loose on a floor. `floored` false: it does not. */
+SOIL_INLINED float yield_stress_on(const struct stress_soil *s, float z, bool floored)
 {
 	float grows;
 	const float yields = yield_stress(s, z);
-	return layered ? most(yields, floor_stress(s, z, &grows)) : yields;
+	return floored ? most(yields, floor_stress(s, z, &grows)) : yields;
 }
 
-SOIL_INLINED float yield_growth_on(const struct stress_soil *s, float yields, float z, bool layered)
+SOIL_INLINED float yield_growth_on(const struct stress_soil *s, float yields, float z, bool floored)
 {
 	float grows;
-	if (!layered)
+	if (!floored)
 		return yield_growth(s, yields, z);
 	const float below = floor_stress(s, z, &grows), loose = yield_stress(s, z), top = yield_growth(s, loose, z);
 	return either(below > loose, grows, top);
 }
 
-SOIL_INLINED float plastic_on(const struct stress_soil *s, float z, bool layered)
+SOIL_INLINED float plastic_on(const struct stress_soil *s, float z, bool floored)
 {
-	return plastic_part(s, z, yield_stress_on(s, z, layered));
+	return plastic_part(s, z, yield_stress_on(s, z, floored));
 }
 
 /* A body's surface: its adhesion, Pa, and the tangent of its friction angle. own: 1 where the soil says it: own_adhesion, or its friction angle. */
