@@ -20,6 +20,9 @@
 
 #define NEAR_HOPS 1  /* posts: passes with at most so many posts of hops after them draw only marked cells */
 
+/* posts: so much farther around steep posts cells are marked. Beside walls of a kilometre soil slid from cells that were not (tests/hard/slopes.c) */
+#define MARKED_MORE CELL
+
 /* std140 twin of slope.frag's block. */
 struct slope_params {
 	int32_t place[4];
@@ -121,7 +124,7 @@ static enum status mark(struct deform *deform, const struct slide_place *place)
 	TRY(deform_program(deform, &request, &deform->steep));
 	int32_t least[2];
 	least_in_slopes(deform, least);
-	const int32_t near = (int32_t)around(deform, NEAR_HOPS), steps = (2 * near + CELL - 1) / CELL, step = (2 * near + steps - 1) / steps;
+	const int32_t near = (int32_t)around(deform, NEAR_HOPS) + MARKED_MORE, steps = (2 * near + CELL - 1) / CELL, step = (2 * near + steps - 1) / steps;
 	assert(around(deform, after(0)) <= near + CELL); /* other hops draw the cells around */
 	const int32_t params[2][4] = {
 		{(int32_t)place->layer, least[0], least[1]},
