@@ -19,10 +19,11 @@
  * Unloaded soil springs back along the elastic curve E: the same with p_i = K_i z, K_i the stiffness of unloading. The plastic sinkage z_0 after p(z) is
  * where E(z_0) = E(z) - p(z). It is less than H over rigid ground.
  *
- * Loose soil (memory.h) of the thickness L lies on the layer as on any floor. It yields alone until the body is through it. The floor is the layer as it
- * was left, at its plastic sinkage u: it springs along E(u + z - L) - E(u), and yields by p(u + z - L). So below L all soil springs by K_1 z, and beyond by
- * K_1 L + E(u + z - L) - E(u). This elastic curve does not depend on what yields, so a cycle of loading gives no energy. H is what lies between the floor
- * and the base now, and u: where no body comes, heights alone say how thick soil is, so none is lost.
+ * Loose soil (memory.h) of the thickness L lies on the layer as on any floor. The floor is the layer as it was left, at its plastic sinkage u: it springs
+ * along E(u + z - L) - E(u), and yields by p(u + z - L). The loose soil yields alone until the body is through it, by Bekker's curve or by p(u + z), whichever
+ * is less: over soft ground all of it goes down together. Down to L all soil springs by K_1 z, and beyond by K_1 L + E(u + z - L) - E(u). This elastic curve
+ * does not depend on what yields, so a cycle of loading gives no energy. H is what lies between the floor and the base, and u: the heights of a post say how
+ * thick its soil is, so none is lost.
  */
 #ifndef FURROW_SOIL_LAYERS_H
 #define FURROW_SOIL_LAYERS_H
@@ -125,6 +126,21 @@ SOIL_INLINED float layer_floor_stress(const struct stress_soil *s, float deep, f
 	floor.k = s->whole;
 	*grows = layer_growth(&floor, deep);
 	return layer_stress(&floor, bekker_stress(floor.k, floor.n, floor.elastic, deep), deep);
+}
+
+/* Returns the yield stress of loose soil alone, Pa: no more than the floor bears if all soil goes down with it. own: of the soil, as if without end. */
+SOIL_INLINED float layer_loose_stress(const struct stress_soil *s, float own, float z)
+{
+	float grows;
+	return least(own, layer_floor_stress(s, most(z, 0) + s->under, &grows));
+}
+
+/* Returns how that grows with the sinkage, Pa/m. own: how that of the soil alone does. */
+SOIL_INLINED float layer_loose_growth(const struct stress_soil *s, float own, float z)
+{
+	float grows;
+	const float floor = layer_floor_stress(s, most(z, 0) + s->under, &grows);
+	return either(bekker_stress(s->k, s->n, s->elastic, z) <= floor, own, grows);
 }
 
 /* Returns by how much the elastic curve of all soil at sinkage z is above that where the body reaches the floor, Pa. *grows: Pa/m. */

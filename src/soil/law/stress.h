@@ -41,24 +41,18 @@ SOIL_INLINED float bekker_growth(float n, float elastic, float yields, float z)
 
 #include "soil/law/layers.h"
 
-/* Tells whether the soil that a body presses lies over another one. Loose soil lies on its floor: floor_stress knows what is below that. */
-SOIL_INLINED bool is_layer(const struct stress_soil *s)
-{
-	return SOIL_LAYERED && (s->thick < LAYER_NONE) & !(s->loose > 0);
-}
-
 /* Returns the stress that the ground bears at sinkage z, m, when it yields; Pa. Of loose soil: without its floor. */
 SOIL_INLINED float yield_stress(const struct stress_soil *s, float z)
 {
 	const float own = bekker_stress(s->k, s->n, s->elastic, z);
-	return SOIL_LAYERED ? either(is_layer(s), layer_stress(s, own, z), own) : own;
+	return SOIL_LAYERED ? either(s->thick < LAYER_NONE, either(s->loose > 0, layer_loose_stress(s, own, z), layer_stress(s, own, z)), own) : own;
 }
 
 /* Returns how the yield stress grows with the sinkage, Pa/m. */
 SOIL_INLINED float yield_growth(const struct stress_soil *s, float yields, float z)
 {
 	const float own = bekker_growth(s->n, s->elastic, yields, z);
-	return SOIL_LAYERED ? either(is_layer(s), layer_growth(s, z), own) : own;
+	return SOIL_LAYERED ? either(s->thick < LAYER_NONE, either(s->loose > 0, layer_loose_growth(s, own, z), layer_growth(s, z)), own) : own;
 }
 
 /* Returns the plastic part of sinkage z, m: what stays after unloading. */
