@@ -230,7 +230,7 @@ class Bases(FormatTest):
         words = " ".join(page.split())
         with contextlib.closing(sqlite3.connect(self.folder / "world.furrow")) as db:
             tables = db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'").fetchall()
-        self.assertEqual(len(tables), 18)
+        self.assertEqual(len(tables), 19)
         for sql, in tables:
             self.assertTrue("`" + sql.removeprefix("CREATE TABLE ") + "`" in words, sql)
 
