@@ -79,7 +79,7 @@ SOIL_INLINED void take_layers(const struct soil_posts *posts, size_t b, struct s
 #endif
 }
 
-/* What is gone of the ground is missing from the layer. Loose soil on it goes first: what is gone of that, by_loose, m along the normal, is not. */
+/* What is gone of the ground is missing from the layer. A loose layer on it goes first: what is gone of that, by_loose, m along the normal, is not. */
 SOIL_INLINED void thin_layers(const float up[POSTS_LANES], const int32_t gone[POSTS_LANES], const float by_loose[POSTS_LANES], struct soils *soils)
 {
 #if SOIL_LAYERED

@@ -270,7 +270,7 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, st
 		l->ground[i] -= l->more[i];
 		l->depth[i] -= l->more[i];
 		l->was[i] = most(l->was[i] - up * l->more[i], 0);
-		/* Slip digs the loose soil first, and then what is below. Its floor stays. */
+		/* Slip digs the loose layer first, and then what is below. Its floor stays. */
 		const float gone = up * l->more[i], of_loose = floored ? either(p->loose_thick[i] > 0, least(gone, most(p->loose_thick[i] - SOIL_UNIT, 0)), 0) : 0;
 		p->loose_thick[i] -= of_loose;
 #if SOIL_LAYERED

@@ -19,11 +19,11 @@
  * Unloaded soil springs back along the elastic curve E: the same with p_i = K_i z, K_i the stiffness of unloading. The plastic sinkage z_0 after p(z) is
  * where E(z_0) = E(z) - p(z). It is less than H over rigid ground.
  *
- * Loose soil (memory.h) of the thickness L lies on the layer as on any floor. The floor is the layer as it was left, at its plastic sinkage u: it springs
- * along E(u + z - L) - E(u), and yields by p(u + z - L). The loose soil yields alone until the body is through it, by Bekker's curve or by p(u + z), whichever
- * is less: over soft ground all of it goes down together. Down to L all soil springs by K_1 z, and beyond by K_1 L + E(u + z - L) - E(u). This elastic curve
- * does not depend on what yields, so a cycle of loading gives no energy. H is what lies between the floor and the base, and u: the heights of a post say how
- * thick its soil is, so none is lost.
+ * A loose layer (memory.h) of the thickness L lies on the layer as on any floor. The floor is the layer as it was left, at its plastic sinkage u. It springs
+ * along E(u + z - L) - E(u), and yields by p(u + z - L). The loose layer yields alone until the body is through it, by Bekker's curve or by p(u + z),
+ * whichever is less. Over soft ground all of it goes down together. Down to L all soil springs by K_1 z, and beyond by K_1 L + E(u + z - L) - E(u). This elastic curve
+ * does not depend on what yields, so a cycle of loading gives no energy. H is u and what lies between the floor and the base. The heights of a post say
+ * how thick its soil is, so none is lost.
  */
 #ifndef FURROW_SOIL_LAYERS_H
 #define FURROW_SOIL_LAYERS_H
@@ -117,7 +117,7 @@ SOIL_INLINED float layer_plastic(const struct stress_soil *s, float z, float yie
 	return least(stays, least(z, either(s->base_k > LAYER_RIGID, most(s->thick - LAYER_LEAST, 0), z)));
 }
 
-/* --- loose soil on a layer --- */
+/* --- loose layer on a layer --- */
 
 /* Returns the yield stress of the floor at its own sinkage, Pa. *grows: Pa/m. */
 SOIL_INLINED float layer_floor_stress(const struct stress_soil *s, float deep, float *grows)
@@ -128,7 +128,7 @@ SOIL_INLINED float layer_floor_stress(const struct stress_soil *s, float deep, f
 	return layer_stress(&floor, bekker_stress(floor.k, floor.n, floor.elastic, deep), deep);
 }
 
-/* Returns the yield stress of loose soil alone, Pa: no more than the floor bears if all soil goes down with it. own: of the soil, as if without end. */
+/* Returns the yield stress of loose layer alone, Pa: no more than the floor bears if all soil goes down with it. own: of the soil, as if without end. */
 SOIL_INLINED float layer_loose_stress(const struct stress_soil *s, float own, float z)
 {
 	float grows;
@@ -152,7 +152,7 @@ SOIL_INLINED float layer_above_floor(const struct stress_soil *s, float z, float
 	return either(into > 0, whole, into * s->elastic);
 }
 
-/* Returns what layer_plastic does, below loose soil. */
+/* Returns what layer_plastic does, below loose layer. */
 SOIL_INLINED float layer_floor_plastic(const struct stress_soil *s, float z, float yields)
 {
 	float grows;

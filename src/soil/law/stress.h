@@ -18,10 +18,9 @@
 /* The soil of a post. k: k_c / b + k_phi, N/m^(n+2), b the width of the contact patch. modulus: of shear, m. */
 struct stress_soil {
 	float k, n, elastic, by_elastic, cohesion, tan_phi, modulus, by_modulus, damping;
-	/* Of a loose layer on a floor: k of the floor; thickness of the layer along the normal, m (0: none); the floor's plastic sinkage, m. */
+	/* A loose layer on a floor. k of the floor; thickness of the layer along the normal, m, 0: none; the floor's plastic sinkage, m. */
 	float whole, loose, under;
-	/* With SOIL_LAYERED: how thick the soil, or that below a loose layer, is along the normal, m (LAYER_NONE: endless); the pressure bulb, m; the soil
-	 * below it. */
+	/* With SOIL_LAYERED. How thick the soil below a loose layer is along the normal, m, LAYER_NONE: endless; the pressure bulb, m; the soil below it. */
 	float thick, bulb, base_k, base_n, base_elastic;
 };
 
@@ -41,7 +40,7 @@ SOIL_INLINED float bekker_growth(float n, float elastic, float yields, float z)
 
 #include "soil/law/layers.h"
 
-/* Returns the stress that the ground bears at sinkage z, m, when it yields; Pa. Of loose soil: without its floor. */
+/* Returns the stress that the ground bears at sinkage z, m, when it yields; Pa. Of a loose layer: without its floor. */
 SOIL_INLINED float yield_stress(const struct stress_soil *s, float z)
 {
 	const float own = bekker_stress(s->k, s->n, s->elastic, z);
