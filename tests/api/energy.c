@@ -439,7 +439,7 @@ static void a_second_push_into_a_layer_gives_back_no_more(void **state)
 		for (size_t b = 0; b < sizeof pushed / sizeof *pushed; b++)
 			for (size_t p = 0; p < sizeof spaced / sizeof *spaced; p++) {
 				const struct energy_body body = {pushed[b].name, pushed[b].shape, 0, 0, pushed[b].radius > 0 ? pushed[b].radius : pushed[b].side / 2, 0};
-				struct furrow_world *world = open_world(&layers[s], spaced[p], 0.5, 0, 0);
+				struct furrow_world *world = open_world(&layers[s], spaced[p], 0.5, 0, 0.67);
 				struct energy_host host = begin(world, &body, 20 * DEGREES);
 				double first = 0, most = 0, gains = 0;
 				for (int i = 0; i < PUSHES; i++) {
