@@ -80,6 +80,8 @@ PAIRS = [
     ("load", SCM, loaded(copy.deepcopy(SCM))),
     ("forces", SCM, SCM | {"output": {"forces": 20}}),
     ("slip", SCM, slipping(copy.deepcopy(SCM))),
+    ("loose", SCM, SCM | {"redistribute": {"model": "scm", "loosening": 0.67}}),
+    ("dense", SCM, SCM | {"redistribute": {"model": "scm", "hardening": 0.5}}),
     ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
     ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),
     ("relief", scene(WHEEL, store="coarse.furrow"), scene(WHEEL, store="coarse.furrow", relief={"roughness": 0.02, "wavelength": 2, "seed": 7})),
