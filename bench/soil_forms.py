@@ -50,6 +50,8 @@ class Soil:
 
     def sticks(self):
         """Pa: the adhesion of a rim of which none is given. Lines between the points of NAVFAC DM-7.02's table, in pounds per square foot."""
+        if self.cohesion <= 500 * 47.880259:        # all of it, to the bit: neither strength is the larger by rounding
+            return self.cohesion
         psf, points = self.cohesion / 47.880259, ((0, 0), (500, 500), (1000, 750), (2000, 950), (4000, 1300))
         for (c, a), (c1, a1) in zip(points, points[1:]):
             if psf <= c1 or c1 == 4000:
@@ -282,7 +284,7 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
             return own - rim
         cuts.update(roots(weaker, -entry, 0.0) + roots(weaker, 0.0, entry))
     if soil.cohesion > 0:     # from where it touches wholly
-        cuts.update(roots(lambda t: stress(t) - soil.cohesion, -entry, 0.0) + roots(lambda t: stress(t) - soil.cohesion, 0.0, entry))
+        cuts.update(roots(lambda t: stress(t) - soil.cohesion, -entry, 0.0, 40) + roots(lambda t: stress(t) - soil.cohesion, 0.0, entry, 40))
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
         cuts.update(roots(lambda t: largest(t) - capped, -entry, entry))
