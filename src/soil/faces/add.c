@@ -10,8 +10,10 @@
 #define PLATE 0.87574f /* alpha of a level plate that moves straight down */
 #define NARROW 3.0f    /* a body is narrow if it is less wide than so many times its depth. The law of faces was fitted to narrow plates; a wide one has a plane wedge */
 #define PRANDTL 5.14f  /* 2 + pi: bearing capacity of a level plate over cohesion */
-#define SANDS 3000.0f  /* Pa: with less cohesion a soil is taken as sand; ... */
-#define SANDY 1500.0f  /* ... with less by so much it is sand whole. Its cohesion is that of a line through shear tests: a narrow body does not feel it */
+/* Faces feel no cohesion of a soil below SANDS - SANDY, and all of it from SANDS on. In tests of sand cohesion is the intercept of a line through high
+ * pressures. Sand stands in no cut. */
+#define SANDS 3000.0f  /* Pa */
+#define SANDY 1500.0f  /* Pa */
 
 /* Where facets look up the ground. */
 struct look {
@@ -135,7 +137,7 @@ static void slope_at(const struct look *look, const struct soil_faces *faces, si
 	slope[1] = (ground_at(look, faces, x, y + spacing, way) - ground_at(look, faces, x, y - spacing, way)) * by;
 }
 
-/* Adds how the force of a facet changes: with its depth, and with the recent motion of its place. inverse: 1 / the shear modulus, in which a motion counts. */
+/* Adds how the force of a facet changes: with its depth, and with the recent motion of its place. */
 static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pushing *p, struct soil_changes *changes)
 {
 	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};

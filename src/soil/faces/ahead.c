@@ -3,8 +3,9 @@
  * carried below the body, line by line against the way in which the body slides:
  *
  * - ahead: the ground that the body slides towards, as it finds it. Facets that face the way count their depth from it.
- * - under_from: the same below the front half of the body. Below the rear half it is the surface as it is: the floor of the rut. Facets that face down count from it. Below a mesh each line has a front and a rear of its own, so a body of several feet has several.
- * - heap: the mean height of the heap ahead, over the length of a passive wedge.
+ * - under_from: the same below the front half of the body. Below the rear half it is the surface as it is: the floor of the rut. Facets that face down count
+ *   from it. Below a mesh each line has a front and a rear of its own, so a body of several feet has several.
+ * - heap_ahead: the mean height of the heap ahead, over the length of a passive wedge.
  *
  * The law of faces was fitted to plates that push their own heap, so that heap must not count as depth again. What the body finds is the base
  * and what lies on it `beyond` ahead, where its own heap has ended, or goes on falling. All this changes evenly as the body moves.
@@ -85,7 +86,7 @@ static float value_at(const float *plane, const struct between *b)
 	return plane[b->first] + b->share * (plane[b->second] - plane[b->first]);
 }
 
-/* Carries the ground from the front to the rear. raised: m, of the body. */
+/* Sets `ahead`, `heap_ahead`, `since` and `inside` of each post, line by line from the front to the rear. raised: height of the body above motion->to, m. */
 static void look_ahead(const struct lines *l, float raised, float spacing, float wedge, struct soil_faces *faces)
 {
 	const float mixes = least(l->length / most(wedge, l->length), 1);

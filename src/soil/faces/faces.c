@@ -72,13 +72,12 @@ static float slides_most(const struct soil_form *form, double bound)
 	return slid_at(form, 0, 0) + turns * (float)bound;
 }
 
-/* Gives the turn of the body's own axes into the frame: rows are forward, left, up. */
-static void axes_of(const struct soil_body *body, bool bars, float axes[3][3])
+/* Gives the turn of the body's own axes into the frame: rows are forward, left, up. A rim is the same however it turns. */
+static void axes_of(const struct soil_body *body, float axes[3][3])
 {
 	const struct soil_pose *to = &body->motion->to;
-	const bool wheel = body->motion->shape->kind == SOIL_WHEEL;
 	double own[3][3];
-	soil_axes(to->yaw, wheel ? 0 : to->pitch, to->roll, wheel && bars ? to->turn : 0, own);
+	soil_axes(to->yaw, body->motion->shape->kind == SOIL_WHEEL ? 0 : to->pitch, to->roll, 0, own);
 	for (int k = 0; k < 3; k++) {
 		axes[k][0] = (float)(body->axis[0] * own[k][0] + body->axis[1] * own[k][1]);
 		axes[k][1] = (float)(body->axis[0] * own[k][1] - body->axis[1] * own[k][0]);
@@ -89,31 +88,37 @@ static void axes_of(const struct soil_body *body, bool bars, float axes[3][3])
 /* Finds the soil below the body's middle. */
 static struct soil_numbers soil_below(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body)
 {
-	if (planes == NULL)
-		return law->soils[0];
 	const struct post_rect *rect = &planes->rect;
 	const int64_t x = (int64_t)llround(body->centre[0] / law->spacing), y = (int64_t)llround(body->centre[1] / law->spacing);
 	const int64_t column = x < rect->x0 ? 0 : x >= rect->x1 ? rect->x1 - rect->x0 - 1 : x - rect->x0, row = y < rect->y0 ? 0 : y >= rect->y1 ? rect->y1 - rect->y0 - 1 : y - rect->y0;
 	return soil_numbers_at(law, planes, (size_t)row * planes->width + (size_t)column);
 }
 
-static void put_soil(const struct soil_numbers *soil, struct soil_faces *faces)
+static void put_soil(const struct soil_numbers *soil, const struct soil_trend *trend, struct soil_faces *faces)
 {
 	faces->xi = (float)soil_face_strength(soil);
 	faces->cohesion = (float)soil->cohesion;
-	faces->tan_phi = (float)tan(soil->friction_angle);
 	faces->unit_weight = (float)soil->unit_weight;
 	faces->wedge_length = (float)tan(M_PI / 4 + soil->friction_angle / 2);
 	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);
-	const double plan = hypot(faces->trend.whole.way[0], faces->trend.whole.way[1]);
+	const double plan = hypot(trend->whole.way[0], trend->whole.way[1]);
 	for (int k = 0; k < 2; k++)
-		faces->d[k] = plan > 1e-9 ? (float)(faces->trend.whole.way[k] / plan) : 0;
+		faces->d[k] = plan > 1e-9 ? (float)(trend->whole.way[k] / plan) : 0;
 }
 
 /* Returns how many posts around a body its faces read: as far as its own heap reaches, and one. */
 static int64_t around_of(const struct soil_law *law, const struct soil_shape *shape)
 {
 	return 1 + (int64_t)ceil(soil_laying_band(shape, law->spacing));
+}
+
+/* Returns the recent motion at the end of a body's motion, and puts it into the form. */
+static struct soil_trend put_trend(const struct soil_law *law, const struct soil_body *body, struct soil_form *form)
+{
+	const struct soil_trend trend = soil_trend_after(law, body->motion);
+	form->bars = (float)soil_bars_carry(body->motion->shape);
+	soil_trend_put(body, &trend, form);
+	return trend;
 }
 
 int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *motion)
@@ -123,9 +128,7 @@ int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *m
 	if (!law->faces || law->ground_normals)
 		return 0;
 	soil_form_of(law, motion, &body, &form);
-	const struct soil_trend trend = soil_trend_after(law, motion);
-	form.bars = (float)soil_bars_carry(motion->shape);
-	soil_trend_put(&body, &trend, &form);
+	put_trend(law, &body, &form);
 	/* Whether a mesh is a drum, which rolls, is known only when it is drawn. */
 	return form.kind == FORM_RASTER || slides_most(&form, soil_shape_bound(motion->shape)) > SLID_LEAST ? around_of(law, motion->shape) : 0;
 }
@@ -138,13 +141,11 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	faces->count = 0;
 	if (!(form->all_round > 0))
 		return STATUS_OK;
-	form->bars = shape->kind == SOIL_WHEEL ? (float)soil_bars_carry(shape) : 0;
-	const struct soil_numbers soil = soil_below(law, planes, body);
-	faces->trend = soil_trend_after(law, body->motion);
-	soil_trend_put(body, &faces->trend, form);
+	const struct soil_trend trend = put_trend(law, body, form);
 	if (planes == NULL || !(slides_most(form, bound) > SLID_LEAST))
 		return STATUS_OK;
-	put_soil(&soil, faces);
+	const struct soil_numbers soil = soil_below(law, planes, body);
+	put_soil(&soil, &trend, faces);
 	faces->beyond = (float)(soil_laying_band(shape, law->spacing) * law->spacing);
 	const int64_t around = around_of(law, shape);
 	faces->rect = post_rect_intersect(post_rect_grown(below, around), planes->rect);
@@ -154,13 +155,13 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	TRY(soil_facets_kept(&faces->cache, &body->smooth, fmin(FACET_POSTS * law->spacing, 2 * bound / FACET_PARTS), &facets));
 	TRY(need(faces, facets->count));
 	TRY(need_posts(faces, (size_t)(faces->rect.x1 - faces->rect.x0) * (size_t)(faces->rect.y1 - faces->rect.y0)));
-	float axes[2][3][3];
-	for (int bars = 0; bars < 2; bars++)
-		axes_of(body, bars != 0, axes[bars]);
+	float axes[3][3];
+	axes_of(body, axes);
 	const struct soil_interface *interface = &body->motion->interface;
 	const double along = fmin(interface->has_friction ? interface->friction_angle : ROUGH * soil.friction_angle, soil.friction_angle);
 	soil_wedge_of(soil.friction_angle, along, &faces->wedge);
-	soil_push(body, form, facets, (const float(*)[3][3])axes, (float)(tan(along) + (double)form->bars * ((double)faces->tan_phi - tan(along))), faces);
+	const double within = (double)(float)tan(soil.friction_angle);
+	soil_push(body, form, facets, (const float(*)[3])axes, (float)(tan(along) + (double)form->bars * (within - tan(along))), faces);
 	if (faces->count == 0)
 		return STATUS_OK;
 	soil_ahead_read(planes, law->reference, &body->motion->to, faces);

@@ -13,7 +13,7 @@
 #define FACES_EACH(EACH) \
 	EACH(x) EACH(y) EACH(z)             /* middle */ \
 	EACH(nx) EACH(ny) EACH(nz)          /* outward normal */ \
-	EACH(whole) EACH(area)              /* of the facet, and the part that pushes, m2 */ \
+	EACH(whole)                         /* area of the facet, m2 */ \
 	EACH(under)                         /* 1: it is of the lower envelope: FACET_UNDER */ \
 	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
 	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
@@ -38,15 +38,14 @@ struct soil_faces {
 	size_t posts;
 	float *planes;
 	struct soil_facets_cache cache;
-	float xi, cohesion, tan_phi, by_modulus, unit_weight, wedge_length; /* of the soil below the body: N/m3, Pa, 1, 1/m, N/m3; length of a wedge over its depth */
+	float xi, cohesion, by_modulus, unit_weight, wedge_length; /* of the soil below the body: N/m3, Pa, 1/m, N/m3; length of a wedge over its depth */
 	struct soil_wedge wedge;
 	float beyond;         /* m: so far ahead of the body the ground is as the body finds it */
-	struct soil_trend trend; /* at the motion's end */
 	float tangent;        /* of the friction along the body's surface */
 	float d[2];           /* direction in which it slides, east and north; 0: none */
 };
 
-/* Finds the recent motion of a body at the end of its motion, and lists the facets that push. Sets faces->trend and form->recent. Reads the surface around
+/* Finds the recent motion of a body at the end of its motion, and lists the facets that push. Sets form->recent and form->bars. Reads the surface around
  * the body. planes NULL: no facet pushes. STATUS_MEMORY. */
 enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
 			     struct soil_faces *faces) FURROW_CHECKED;

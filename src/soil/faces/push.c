@@ -48,26 +48,21 @@ SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const f
 	*pushes = share;
 }
 
-SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const float axes[2][3][3], struct facet_lanes *l)
+SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const float axes[3][3], struct facet_lanes *l)
 {
 	EACH_LANE {
 		const float own[3] = {facets->x[b + (size_t)i], facets->y[b + (size_t)i], facets->z[b + (size_t)i]};
 		const float out[3] = {facets->nx[b + (size_t)i], facets->ny[b + (size_t)i], facets->nz[b + (size_t)i]};
-		const float bar = facets->kind[b + (size_t)i] == FACET_BAR ? 1.0f : 0.0f;
 		for (int k = 0; k < 3; k++) {
-			const float at = own[0] * axes[0][0][k] + own[1] * axes[0][1][k] + own[2] * axes[0][2][k];
-			const float turned = own[0] * axes[1][0][k] + own[1] * axes[1][1][k] + own[2] * axes[1][2][k];
-			const float normal = out[0] * axes[0][0][k] + out[1] * axes[0][1][k] + out[2] * axes[0][2][k];
-			const float normal_turned = out[0] * axes[1][0][k] + out[1] * axes[1][1][k] + out[2] * axes[1][2][k];
-			l->at[k][i] = at + bar * (turned - at);
-			l->normal[k][i] = normal + bar * (normal_turned - normal);
+			l->at[k][i] = own[0] * axes[0][k] + own[1] * axes[1][k] + own[2] * axes[2][k];
+			l->normal[k][i] = out[0] * axes[0][k] + out[1] * axes[1][k] + out[2] * axes[2][k];
 		}
 		l->area[i] = facets->area[b + (size_t)i];
 		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : 0.0f;
 	}
 }
 
-SOIL_CLONED static void push_block(const struct soil_form *restrict f, const struct soil_facets *restrict facets, size_t b, const float axes[restrict 2][3][3], float tangent,
+SOIL_CLONED static void push_block(const struct soil_form *restrict f, const struct soil_facets *restrict facets, size_t b, const float axes[restrict 3][3], float tangent,
 				    struct facet_lanes *restrict l)
 {
 	place_block(facets, b, axes, l);
@@ -94,7 +89,6 @@ static void keep(const struct facet_lanes *l, int i, const float way[2], struct 
 		to[2][k][n] = l->force[k][i];
 	}
 	faces->whole[n] = l->area[i];
-	faces->area[n] = l->pushes[i];
 	faces->under[n] = l->under[i];
 	faces->sole[n] = clamped(-l->normal[2][i], 0, 1);
 	faces->faces_way[n] = clamped((l->normal[0][i] * way[0] + l->normal[1][i] * way[1]) * (1 / FACES_WAY), 0, 1);
@@ -102,7 +96,7 @@ static void keep(const struct facet_lanes *l, int i, const float way[2], struct 
 	faces->cohesive[n] = soil_wedge_at(faces->wedge.cohesion, l->normal[2][i]);
 }
 
-void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces)
+void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[3][3], float tangent, struct soil_faces *faces)
 {
 	struct facet_lanes lanes;
 	const float c = (float)body->axis[0], s = (float)body->axis[1], way[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};

@@ -4,9 +4,9 @@
 
 #include "soil/faces/faces.h"
 
-/* Lists the facets that push into the arrays of `faces`, which have room for all, and sets faces->count. axes: of the body, and of its grousers, in the
+/* Lists the facets that push into the arrays of `faces`, which have room for all, and sets faces->count. axes: forward, left and up of the body in the
  * frame. tangent: of the friction between soil and surface. */
-void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[2][3][3], float tangent, struct soil_faces *faces);
+void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[3][3], float tangent, struct soil_faces *faces);
 /* Gives how the force of a facet, for each pascal, changes with the recent motion of its place: rows force, columns motion; m2. */
 void soil_push_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3]);
 

@@ -6,7 +6,7 @@
  * with alpha a polynomial of three numbers of the facet. With the outward normal n, the direction of motion v and z up these are x1 = -v_z, x2 = -n_z and
  * x3 = n . v, and alpha = f1 n + f2 v - f3 z, f_i the polynomials of degree 3 below. So no angle is computed, and none jumps.
  *
- * Source: L. K. Agarwal, K. I. Goldman and K. Kamrin: S. Agarwal, D. I. Goldman, K. Kamrin, PNAS 120 (2023), doi 10.1073/pnas.2214017120, supplement S3. The numbers were read
+ * Source: S. Agarwal, D. I. Goldman, K. Kamrin, PNAS 120 (2023), doi 10.1073/pnas.2214017120, supplement S3. The numbers were read
  * from public copies of the fit. Pure.
  */
 #ifndef FURROW_SOIL_RESIST_H
