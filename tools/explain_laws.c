@@ -66,8 +66,9 @@ struct told {
 	size_t others[TOLD_MOST], count, more;
 };
 
-static void tell(struct told *told, const char *name, const struct scene_laws *laws)
+static void tell(void *user, const char *name, const struct scene_laws *laws)
 {
+	struct told *told = user;
 	char *text = text_of(laws);
 	if (text == NULL)
 		return;
@@ -110,13 +111,15 @@ static void print_told(struct told *told)
 		free(told->texts[i]);
 }
 
-void explain_laws_text(const struct scene *scene, const struct report_plan *plan)
+typedef void (*laws_fn)(void *user, const char *name, const struct scene_laws *laws);
+
+/* Calls `each` for each object and each soil geom of a vehicle that has laws. */
+static void each_body(const struct scene *scene, const struct report_plan *plan, laws_fn each, void *user)
 {
-	struct told told = {.count = 0};
 	struct scene_laws laws;
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (scene_laws_of(scene, &scene->objects[i], plan->spacing, &laws))
-			tell(&told, scene->objects[i].name, &laws);
+			each(user, scene->objects[i].name, &laws);
 	for (size_t v = 0; v < vehicle_count(plan->vehicles); v++) {
 		struct vehicle_info info;
 		vehicle_info(plan->vehicles, v, &info);
@@ -124,15 +127,21 @@ void explain_laws_text(const struct scene *scene, const struct report_plan *plan
 			struct vehicle_geom geom;
 			vehicle_geom(plan->vehicles, v, g, plan->spacing, &geom);
 			if (scene_laws_of_shape(scene, geom.shape, plan->spacing, &laws))
-				tell(&told, geom.name, &laws);
+				each(user, geom.name, &laws);
 		}
 	}
+}
+
+void explain_laws_text(const struct scene *scene, const struct report_plan *plan)
+{
+	struct told told = {.count = 0};
+	each_body(scene, plan, tell, &told);
 	print_told(&told);
 }
 
 /* --- JSON --- */
 
-static void add(cJSON *root, const char *name, const struct scene_laws *laws)
+static void add(void *root, const char *name, const struct scene_laws *laws)
 {
 	cJSON *object = cJSON_AddObjectToObject(root, name), *parts = cJSON_AddArrayToObject(object, "parts");
 	json_number(object, "slides", laws->slides);
@@ -156,19 +165,5 @@ static void add(cJSON *root, const char *name, const struct scene_laws *laws)
 
 void explain_laws_json(cJSON *root, const struct scene *scene, const struct report_plan *plan)
 {
-	struct scene_laws laws;
-	cJSON *object = cJSON_AddObjectToObject(root, "laws");
-	for (size_t i = 0; i < scene->object_count; i++)
-		if (scene_laws_of(scene, &scene->objects[i], plan->spacing, &laws))
-			add(object, scene->objects[i].name, &laws);
-	for (size_t v = 0; v < vehicle_count(plan->vehicles); v++) {
-		struct vehicle_info info;
-		vehicle_info(plan->vehicles, v, &info);
-		for (size_t g = 0; g < info.geom_count; g++) {
-			struct vehicle_geom geom;
-			vehicle_geom(plan->vehicles, v, g, plan->spacing, &geom);
-			if (scene_laws_of_shape(scene, geom.shape, plan->spacing, &laws))
-				add(object, geom.name, &laws);
-		}
-	}
+	each_body(scene, plan, add, cJSON_AddObjectToObject(root, "laws"));
 }
