@@ -11,7 +11,7 @@
 #define NARROW 3.0f    /* a body is narrow if it is less wide than so many times its depth. The law of faces was fitted to narrow plates; a wide one has a plane wedge */
 #define PRANDTL 5.14f  /* 2 + pi: bearing capacity of a level plate over cohesion */
 /* Faces feel no cohesion of a soil below SANDS - SANDY, and all of it from SANDS on. In tests of sand cohesion is the intercept of a line through high
- * pressures. Sand stands in no cut. */
+ * pressures. A cut in sand falls. */
 #define SANDS 3000.0f  /* Pa */
 #define SANDY 1500.0f  /* Pa */
 
