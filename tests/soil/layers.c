@@ -540,7 +540,7 @@ static void loose_soil_on_a_layer_gives_back_no_more_than_it_takes(void **state)
 			double before = 0, most_force = 0, gain = 0;
 			lay(&bed, &pairs[n], 0.03125, 64, 0, 0, &below);
 			bed_loosen(&bed, LOOSENING, 0);
-			const double step = pairs[n].thickness / 400;
+			const double step = pairs[n].thickness / 160;
 			struct soil_motion motion = stand(&bed, &shapes[i], 0.98, 0.97, 0, 0);
 			motion.hosted = true;
 			motion.stamped = 1;
@@ -549,7 +549,7 @@ static void loose_soil_on_a_layer_gives_back_no_more_than_it_takes(void **state)
 			for (int round = 1, at = 0; round <= 6; round++)
 				for (int again = 0; again < 2; again++) {
 					double taken = 0, given = 0;
-					for (int k = 0, down = 95 + round * 47 - at; k < 2 * down; k++) {
+					for (int k = 0, down = 38 + round * 19 - at; k < 2 * down; k++) {
 						const double way = k < down ? step : -step;
 						at += k < down ? 1 : -1;
 						move(&motion, 0, 0, -way);

@@ -132,7 +132,7 @@ SOIL_INLINED void put_floors(const struct soil_posts *posts, size_t b, const str
 	}
 }
 
-SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis[restrict 2], int32_t raised, const struct soil_posts *restrict posts, size_t b,
+SOIL_CLONED static void put_after(const struct soil_form *restrict f, const float axis[restrict 2], int32_t raised, const struct soil_posts *restrict posts, size_t b,
 				  const struct soil_kept *restrict kept, const float bulldozing, const float slides, struct soil_after *restrict a)
 {
 	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
@@ -234,4 +234,11 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		put_floors(posts, b, &soils, by_up, digs, a);
 	for (int i = 0; i < POSTS_LANES; i++)
 		a->shear[i] = shear_of(axis, shear_x[i] * (float)a->held[i], shear_y[i] * (float)a->held[i]);
+}
+
+/* A function with copies for several instruction sets keeps its name in the shared library whatever its visibility is: the copies stay behind this one. */
+void soil_after(const struct soil_form *form, const float axis[2], int32_t raised, const struct soil_posts *posts, size_t b, const struct soil_kept *kept,
+		float bulldozing, float slides, struct soil_after *after)
+{
+	put_after(form, axis, raised, posts, b, kept, bulldozing, slides, after);
 }
