@@ -10,10 +10,6 @@
 #define PLATE 0.87574f /* alpha of a level plate that moves straight down */
 #define NARROW 3.0f    /* a body is narrow if it is less wide than so many times its depth. The law of faces was fitted to narrow plates; a wide one has a plane wedge */
 #define PRANDTL 5.14f  /* 2 + pi: bearing capacity of a level plate over cohesion */
-/* Faces feel no cohesion of a soil below SANDS - SANDY, and all of it from SANDS on. In tests of sand cohesion is the intercept of a line through high
- * pressures. A cut in sand falls. */
-#define SANDS 3000.0f  /* Pa */
-#define SANDY 1500.0f  /* Pa */
 
 /* Where facets look up the ground. */
 struct look {
@@ -215,8 +211,7 @@ static struct pushing pushing_of(const struct soil_body *body, const struct soil
 	}
 	const float width = left + right;
 	const float share = width / (NARROW * most(deepest, 1e-6f)), narrow = 1 / (1 + share * share * share * share);
-	const float sand = clamped((SANDS - faces->cohesion) * (1 / SANDY), 0, 1);
-	return (struct pushing){faces->xi, faces->unit_weight, faces->cohesion * (1 - sand), narrow, form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
+	return (struct pushing){faces->xi, faces->unit_weight, faces->cohesion, narrow, form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
 }
 
 void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
