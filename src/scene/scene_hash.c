@@ -257,6 +257,10 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	}
 	if (scene->faces != SCENE_FACES_OFF)
 		add_part(state, 'F', (uint64_t)scene->faces);
+	if (deform_model_takes(scene->model, "inertia") && scene->faces == SCENE_FACES_ON && scene->inertia != SCENE_INERTIA) {
+		add_part(state, 'i', 0);
+		add_number(state, scene->inertia);
+	}
 	if (scene->normals != SCENE_BODY)
 		add_part(state, 'n', (uint64_t)scene->normals);
 	if (scene->tolerance != 0) {

@@ -112,9 +112,10 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		float grows, moment[3], belt[3], large = 0;
+		const float in = least(faces->deep[n] * p->by_size, 1), thrown = unit * faces->thrown[n] * in;
 		const float by = unit * pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
-		const float force[3] = {by * faces->px[n], by * faces->py[n], by * faces->pz[n]};
+		const float force[3] = {by * faces->px[n] - thrown * normal[0], by * faces->py[n] - thrown * normal[1], by * faces->pz[n] - thrown * normal[2]};
 		cross3(at, force, moment);
 		cross3(f->belt, normal, belt);
 		for (int k = 0; k < 3; k++) {
@@ -125,7 +126,8 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 		}
 		sums->pull[i] = whole_of(clamped(-dot3(force, belt), -BEAR_MOST, BEAR_MOST));
 		sums->saturated[i] = large > BEAR_MOST ? 1 : 0;
-		sums->grows[i] = either(faces->deep[n] > 0, grows * unit * faces->pz[n], 0);
+		const float more = either(in < 1, unit * faces->thrown[n] * p->by_size * normal[2], 0);
+		sums->grows[i] = either(faces->deep[n] > 0, grows * unit * faces->pz[n] - more, 0);
 	}
 }
 
@@ -137,19 +139,9 @@ static void slope_at(const struct look *look, const struct soil_faces *faces, si
 	slope[1] = (ground_at(look, faces, x, y + spacing, way) - ground_at(look, faces, x, y - spacing, way)) * by;
 }
 
-/* Adds how the force of a facet changes: with its depth, and with the recent motion of its place. */
-static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pushing *p, struct soil_changes *changes)
+/* Adds how the force at a place changes with the motion of the place, which is that of the centre and the turn across the arm. */
+static void add_placed(const float at[3], const float place[3][3], struct soil_matrix *changes)
 {
-	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
-	float slope[2], bends[3][3], place[3][3], grows;
-	const float pressure = pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
-	slope_at(look, faces, n, f->spacing, slope);
-	soil_push_changes(f, faces, n, bends);
-	const float deeper[3] = {slope[0], slope[1], -1};
-	for (int k = 0; k < 3; k++)
-		for (int j = 0; j < 3; j++)
-			place[k][j] = grows * push[k] * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
-	/* A motion of the place is that of the centre and the turn across the arm. */
 	for (int k = 0; k < 3; k++) {
 		double row[6];
 		const double a[3] = {(double)place[k][0], (double)place[k][1], (double)place[k][2]}, r[3] = {(double)at[0], (double)at[1], (double)at[2]};
@@ -158,18 +150,39 @@ static void add_changes(const struct soil_form *f, const struct soil_faces *face
 			row[3 + j] = r[(j + 1) % 3] * a[(j + 2) % 3] - r[(j + 2) % 3] * a[(j + 1) % 3];
 		}
 		for (int j = 0; j < 6; j++) {
-			changes->stiffness.at[k][j] += row[j];
-			changes->stiffness.at[3 + (k + 1) % 3][j] += r[(k + 2) % 3] * row[j];
-			changes->stiffness.at[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
+			changes->at[k][j] += row[j];
+			changes->at[3 + (k + 1) % 3][j] += r[(k + 2) % 3] * row[j];
+			changes->at[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
 		}
 	}
+}
+
+/* Adds how the force of a facet changes: with its depth, with the recent motion of its place, and with its speed. */
+static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pushing *p, struct soil_changes *changes)
+{
+	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
+	float slope[2], bends[3][3], place[3][3], grows;
+	const float pressure = pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
+	slope_at(look, faces, n, f->spacing, slope);
+	soil_push_changes(f, faces, n, bends);
+	const float deeper[3] = {slope[0], slope[1], -1}, in = least(faces->deep[n] * p->by_size, 1), thrown = faces->thrown[n] * in;
+	const float more = either(in < 1, faces->thrown[n] * p->by_size, 0), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
+	const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+	float rates[3][3];
+	for (int k = 0; k < 3; k++)
+		for (int j = 0; j < 3; j++) {
+			place[k][j] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
+			rates[k][j] = -slows * normal[k] * normal[j];
+		}
+	add_placed(at, (const float(*)[3])place, &changes->stiffness);
+	if (slows > 0)
+		add_placed(at, (const float(*)[3])rates, &changes->damping);
 	const double force[3] = {(double)(pressure * push[0]), (double)(pressure * push[1]), (double)(pressure * push[2])};
-	const double normal[3] = {(double)faces->nx[n], (double)faces->ny[n], (double)faces->nz[n]};
-	const double across = force[0] * normal[0] + force[1] * normal[1] + force[2] * normal[2];
-	changes->normal_force += fabs(across);
+	const double across = force[0] * (double)normal[0] + force[1] * (double)normal[1] + force[2] * (double)normal[2];
+	changes->normal_force += fabs(across) + (double)thrown;
 	changes->shear_limit += (double)faces->tangent * fabs(across);
 	for (int k = 0; k < 3; k++)
-		changes->sheared[k] += force[k] - across * normal[k];
+		changes->sheared[k] += force[k] - across * (double)normal[k];
 }
 
 static int64_t total(const int32_t lanes[LANES])
