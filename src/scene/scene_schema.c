@@ -412,7 +412,7 @@ static const struct scene_limit limits[] = {
 	{"redistribute.slip_sinkage", 0, 10, false, NULL, NULL, 1.35, NULL},
 	{"redistribute.loosening", 0, 0.99, false, NULL, NULL, 0, NULL},
 	{"redistribute.hardening", 0, 10, false, NULL, NULL, 0, NULL},
-	{"redistribute.inertia", 0, 10, false, NULL, NULL, SCENE_INERTIA, NULL},
+	{"redistribute.inertia", 0, 10, false, NULL, NULL, 1, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, "is out of range, and the unit is m, not mm", "m", NAN, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.wheel.grousers", 0, 128, false, NULL, NULL, 0, NULL},

@@ -156,9 +156,8 @@ static void weigh(const struct raw_class *raw, const struct scene *scene, struct
 {
 	if (!deform_model_reads(scene->model, "density"))
 		return;
-	const bool faces = deform_model_reads(scene->model, "face_strength");
-	if (raw->unit_weight != NULL && (faces || raw->density == NULL))
-		soil->density = faces ? soil->unit_weight / scene->gravity : (double)NAN;
+	if (raw->unit_weight != NULL && raw->density == NULL)
+		soil->density = deform_model_reads(scene->model, "face_strength") ? soil->unit_weight / scene->gravity : (double)NAN;
 	const bool told = raw->density != NULL || scene->gravity_given || isnan(soil->unit_weight);
 	if (raw->unit_weight == NULL && told && !isnan(soil->density))
 		soil->unit_weight = soil->density * scene->gravity;

@@ -279,6 +279,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"model: scm", "model: scm, normals: body", true},
 		{"model: scm", "model: scm, inertia: 1", true},
 		{"model: scm", "model: scm, faces: on, inertia: 0.5", false},
+		{"dry_sand}\nredistribute: {model: scm", "dry_sand, unit_weight: 15000, density: 1540}\nredistribute: {model: scm, faces: on", false},
 		{"model: scm", "model: scm, normals: ground", false},
 		{"3}\n", "3}\n    load: 5\n", false},
 		{"3}\n", "3}\n    slip: 0.1\n", false},
