@@ -99,7 +99,7 @@ static void put_soil(const struct soil_law *law, const struct soil_numbers *soil
 	faces->xi = (float)soil_face_strength(soil);
 	faces->cohesion = (float)soil->cohesion;
 	faces->unit_weight = (float)soil->unit_weight;
-	faces->inertia = (float)(law->inertia * soil->density);
+	faces->inertia = law->inertia > 0 && soil->density > 0 ? (float)(law->inertia * soil->density) : 0;
 	faces->wedge_length = (float)tan(M_PI / 4 + soil->friction_angle / 2);
 	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);
 	const double plan = hypot(trend->whole.way[0], trend->whole.way[1]);
