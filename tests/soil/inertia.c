@@ -73,9 +73,8 @@ static void a_plate_throws_soil_away(void **state)
 				fast = motion; /* on a path: the same speed by the time that the motion took */
 				fast.seconds = 0.5 * spacings[n] / speeds[i];
 				adds(&bed, &fast, 1.1, more[1]);
-				/* The uppermost facets count by their depth over a post, so half a post of the depth does not count. */
 				for (int face = 0; face < 2; face++) {
-					const double area = sides[face] * (DEPTH - spacings[n] / 2), pressure = 1.1 * density * pow(speeds[i] * into[face], 2);
+					const double area = sides[face] * DEPTH, pressure = 1.1 * density * pow(speeds[i] * into[face], 2);
 					const double out = heading - yaw + face * M_PI / 2;
 					wanted[0] -= pressure * area * cos(out);
 					wanted[1] -= pressure * area * sin(out);
