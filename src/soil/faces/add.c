@@ -155,7 +155,7 @@ static void slope_at(const struct look *look, const struct soil_faces *faces, si
 	slope[1] = (ground_at(look, faces, x, y + spacing, way) - ground_at(look, faces, x, y - spacing, way)) * by;
 }
 
-/* Adds how the force at a place changes with the motion of the place, which is that of the centre and the turn across the arm. */
+/* Adds how the force at a place changes with its motion. A place moves as the centre does, and as the body turns across the arm. */
 static void add_placed(const float at[3], const float place[3][3], struct soil_matrix *changes)
 {
 	for (int k = 0; k < 3; k++) {

@@ -18,7 +18,7 @@
 	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
 	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
-	EACH(into) EACH(thrown)             /* how fast it moves into the soil, m/s; N that the inertia of soil presses if all of it is in soil */ \
+	EACH(into) EACH(thrown)             /* how fast it moves into the soil, m/s; force of the soil's inertia if all of it is in soil, N */ \
 	EACH(tall)                          /* half of its height, m */ \
 	EACH(deep) EACH(found_deep)         /* at a height: depth of its middle below the ground that pushes it, and below that as the body found it, m */ \
 	EACH(heap)                          /* height of the heap upon the wedge ahead, m */

@@ -78,7 +78,7 @@ SOIL_CLONED static void push_block(const struct soil_form *restrict f, const str
 	}
 }
 
-/* Sets how fast a facet moves into the soil, and what the inertia of the soil that it throws away presses on it. */
+/* Sets how fast a facet moves into the soil, and the force by which the inertia of that soil acts on it. */
 static void put_thrown(const struct soil_form *f, const struct facet_lanes *l, int i, struct soil_faces *faces, size_t n)
 {
 	const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
