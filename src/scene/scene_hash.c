@@ -221,6 +221,30 @@ static void add_soil(XXH3_state_t *state, const struct soil_numbers *soil)
 		add_number(state, numbers[i]);
 }
 
+/* Tells whether a soil has a density that is neither its name's, with that weight, nor what makes its weight. */
+static bool has_own_density(const struct scene *scene, int i)
+{
+	const struct soil_numbers *soil = &scene->soils[i];
+	struct soil_numbers named;
+	if (isnan(soil->density) || fabs(soil->density * scene->gravity / soil->unit_weight - 1) < 1e-9)
+		return false;
+	return soil_named(scene->soil_names[i], &named) != STATUS_OK || soil->density != named.density || soil->unit_weight != named.unit_weight;
+}
+
+/* What the inertia of soil depends on, where it is not as by default. */
+static void add_inertia(XXH3_state_t *state, const struct scene *scene)
+{
+	if (scene->inertia != SCENE_INERTIA) {
+		add_part(state, 'i', 0);
+		add_number(state, scene->inertia);
+	}
+	for (int i = 0; i < scene->soil_count && scene->inertia > 0; i++)
+		if (has_own_density(scene, i)) {
+			add_part(state, 'q', (size_t)i);
+			add_number(state, scene->soils[i].density);
+		}
+}
+
 /* Adds the numbers of faces that the scene gives. */
 static void add_faces(XXH3_state_t *state, uint64_t i, const struct soil_numbers *soil)
 {
@@ -266,6 +290,8 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	}
 	if (scene->faces != SCENE_FACES_OFF)
 		add_part(state, 'F', (uint64_t)scene->faces);
+	if (deform_model_takes(scene->model, "inertia") && scene->faces == SCENE_FACES_ON)
+		add_inertia(state, scene);
 	if (scene->normals != SCENE_BODY)
 		add_part(state, 'n', (uint64_t)scene->normals);
 	if (scene->tolerance != 0) {

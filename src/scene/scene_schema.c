@@ -204,6 +204,7 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 			     undisturbed_words, 2),
 	CYAML_FIELD_ENUM_PTR("normals", OPTIONAL, struct raw_redistribute, normals, normals_words, 2),
 	CYAML_FIELD_ENUM_PTR("faces", OPTIONAL, struct raw_redistribute, faces, faces_words, 2),
+	CYAML_FIELD_FLOAT_PTR("inertia", OPTIONAL, struct raw_redistribute, inertia),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {
@@ -413,6 +414,7 @@ static const struct scene_limit limits[] = {
 	{"redistribute.slip_sinkage", 0, 10, false, NULL, NULL, 1.35, NULL},
 	{"redistribute.loosening", 0, 0.99, false, NULL, NULL, 0, NULL},
 	{"redistribute.hardening", 0, 10, false, NULL, NULL, 0, NULL},
+	{"redistribute.inertia", 0, 10, false, NULL, NULL, 1, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, "is out of range, and the unit is m, not mm", "m", NAN, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.wheel.grousers", 0, 128, false, NULL, NULL, 0, NULL},

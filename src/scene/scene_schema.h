@@ -104,10 +104,11 @@ struct raw_relief {
 	uint32_t classes_count;
 };
 #define SCENE_LOOSENING 0 /* of scenes that do not give it */
+#define SCENE_INERTIA 1   /* the same */
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
-	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage, *loosening, *hardening;
+	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage, *loosening, *hardening, *inertia;
 	int *undisturbed; /* enum scene_undisturbed */
 	int *normals;     /* enum scene_normals */
 	int *faces;       /* enum scene_faces */

@@ -218,6 +218,7 @@ struct soil_law {
 	double hardening;        /* the share by which passes make soil stronger in the end; 0: not */
 	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
 	bool faces;              /* soil pushes on a body's faces from every side as it slides; false: on its lower envelope alone */
+	double inertia;          /* of soil that faces push away: lambda of dynamic RFT, 0: none */
 };
 
 /* Ends layers that are 0 or endless everywhere, and sets law->layered. Call it when the soils and rasters are set. */
@@ -251,6 +252,7 @@ struct soil_motion {
 	double rotated[3];       /* rad about local axes since `from`, of a body that a host moves and that is no wheel */
 	double linear[3], angular[3]; /* m/s, rad/s, local axes: what damps; 0 for a body on a path */
 	double runs;             /* m/s of its belt */
+	double seconds;          /* of a body on a path: how long the motion took, for the soil's inertia; 0: not known */
 	struct soil_trend trend; /* its recent motion, up to `from` */
 	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
 	double hollows;          /* m: of a body that pushes: posts that it is above by at most this much are below it, too */

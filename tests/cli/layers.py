@@ -40,11 +40,11 @@ class Layers(FurrowTest):
     def test_a_raster_of_thickness_gives_each_half_its_soil(self):
         """0 is the lower soil, 1000 the upper one, both to the last digit. What is laid goes by the upper one, so nothing is."""
         self.png("t.png", 0, 1000)
-        store, forces, report = self.driven("{name: snow_us, thickness: 0.2, over: dry_sand, rasters: {thickness: t.png}}", model="scm, bulldozing: 0, slip_sinkage: 0")
+        store, forces, report = self.driven("{name: snow_us, thickness: 0.2, over: dry_sand, rasters: {thickness: t.png}}", model="scm, bulldozing: 0, slip_sinkage: 0, faces: off")
         self.assertEqual(report["rasters"]["thickness"]["high"], 1000)
         found = halves(store)
         for half, (soil, name) in enumerate((("dry_sand", "west"), ("snow_us", "east"))):
-            store, alone, _ = self.driven(f"{{name: {soil}}}", model="scm, bulldozing: 0, slip_sinkage: 0")
+            store, alone, _ = self.driven(f"{{name: {soil}}}", model="scm, bulldozing: 0, slip_sinkage: 0, faces: off")
             self.assertGreater(len(forces[name]), 10)
             self.assertEqual(unnamed(forces[name]), unnamed(alone[name]))
             self.assertTrue(len(found[half]) > 3 and found[half] == halves(store)[half])

@@ -121,6 +121,7 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"model: scm", "model: scm, bulldozing: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
 		{"model: scm", "model: scm, loosening: %s", {"0", "0.99"}, {"-0.1", "1"}, "allowed: 0 to 0.99"},
 		{"model: scm", "model: scm, hardening: %s", {"0", "10"}, {"-0.1", "10.1"}, "allowed: 0 to 10"},
+		{"model: scm", "model: scm, inertia: %s", {"0", "10"}, {"-0.1", "10.1"}, "allowed: 0 to 10"},
 		{"model: scm", "model: scm, slip_sinkage: %s", {"0", "10"}, {"-0.1", "10.1"}, "allowed: 0 to 10"},
 		{"0.4}", "0.4, grousers: %s}", {"0", "128"}, {"-1", "129"}, "allowed: 0 to 128"},
 		{"0.4}", "0.4, grousers: 4, grouser_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},

@@ -254,6 +254,20 @@ static void put_times(const struct soil_body *body, struct soil_form *form, cons
 	form->rim_digs = (float)(1 + rolls[1] * (times[1] - 1));
 }
 
+/* Sets how fast the body moves and turns. A body on a path has no rates, but its motion took some time. */
+static void put_speeds(const struct soil_body *body, const double way[3], const double spin[3], struct soil_form *form)
+{
+	const struct soil_motion *motion = body->motion;
+	const double by = motion->seconds > 0 && !motion->jumped ? 1 / motion->seconds : 0;
+	double goes[3], turns[3];
+	for (int k = 0; k < 3; k++) {
+		goes[k] = motion->linear[k] + way[k] * by;
+		turns[k] = motion->angular[k] + spin[k] * by;
+	}
+	put3(form->goes, body, goes);
+	put3(form->turns, body, turns);
+}
+
 static void put_motion(const struct soil_law *law, struct soil_body *body, struct soil_form *form, const double way[3])
 {
 	const struct soil_motion *motion = body->motion;
@@ -267,6 +281,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 	put_rolling(form);
 	put3(form->linear, body, motion->linear);
 	put3(form->angular, body, motion->angular);
+	put_speeds(body, way, spin, form);
 	form->reach = (float)soil_shape_reach(&body->smooth, to->pitch, to->roll);
 	if (wheel)
 		form->reach = form->radius;

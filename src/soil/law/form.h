@@ -132,6 +132,7 @@ struct soil_form {
 	float rates;               /* 1: how it moves now is known; 0: its velocity is 0 or not known, and it counts as going down */
 	float ground_normals;      /* 1: stresses act along the ground's normals; 0: along the body's */
 	float linear[3], angular[3], runs; /* m/s, rad/s, m/s of the belt: how it moves now */
+	float goes[3], turns[3];   /* m/s, rad/s: the same, and of a body on a path the mean of its motion. 0: not known */
 	float bulldozing;
 	struct stress_surface surface;
 };
