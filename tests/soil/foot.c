@@ -59,6 +59,7 @@ static void measure(const struct foot *f, const double size[3], const char *name
 			lo[k] = i == 0 ? v[k] : fmin(lo[k], v[k]);
 			hi[k] = i == 0 ? v[k] : fmax(hi[k], v[k]);
 		}
+		if (getenv("FOOT_EACH")) printf("%d area %.6f fz %.2f\n", i, t.area, t.force[2]);
 		worst = fmax(worst, fabs(v[0]) / v[2]);
 	}
 	/* exact: without friction */

@@ -233,7 +233,7 @@ SOIL_INLINED void room_of(const struct soil_form *restrict f, enum soil_form_kin
 		const float x = p->rise_x[b + i], y = p->rise_y[b + i], steep = sqrtf(x * x + y * y) * f->half_across;
 		const float across = x * p->middle_x[b + i] + y * p->middle_y[b + i], ground = (float)p->ground[b + i] * SOIL_UNIT;
 		const bool edge = kind == FORM_BOX && p->edge_long[b + i] + p->other_long[b + i] > 0; /* it may lie outside the cell */
-		const float near = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], f->half_across);
+		const float near = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], kind == FORM_BOX ? most(f->half_across, p->half_line[b + i]) : f->half_across);
 		const float lowest = either(edge, -f->reach, near);
 		const float room = ground + most(across + steep - lowest, most(-p->height[b + i], -lowest)) - p->above[b + i] + 4 * SOIL_LEAST;
 		p->room[b + i] = either(p->share[b + i] > 0, room, -1e9f);

@@ -116,34 +116,62 @@ static int sole_at(const struct box *box, const int64_t post[2])
 	return -1;
 }
 
-/* Gives the post that bears what is at a place of a cell: the cell's own, or the nearest one beside it that lies below the same sole. Returns false if there
- * is none. */
-static bool bearer_of(const struct box *box, const int64_t cell[2], const double at[2], int sole, int64_t bearer[2])
-{
-	double nearest = 1e9;
-	for (int k = 0; k < 2; k++)
-		bearer[k] = cell[k];
-	if (sole_at(box, cell) == sole)
-		return true;
-	for (int n = 0; n < 9; n++) {
-		const int64_t post[2] = {cell[0] + n % 3 - 1, cell[1] + n / 3 - 1};
-		double from[2];
-		if (sole_at(box, post) != sole)
-			continue;
-		place_of(box, post, from);
-		const double away = hypot(at[0] - from[0], at[1] - from[1]);
-		if (away < nearest) {
-			nearest = away;
-			bearer[0] = post[0];
-			bearer[1] = post[1];
-		}
-	}
-	return nearest < 1e9;
-}
-
 static bool same(const int64_t a[2], const int64_t b[2])
 {
 	return a[0] == b[0] && a[1] == b[1];
+}
+
+/* Gives the posts around a cell, up to `far` posts away, that lie below a sole. Returns how many there are. */
+static int posts_around(const struct box *box, const int64_t cell[2], int far, int sole, int64_t posts[25][2])
+{
+	int count = 0;
+	for (int64_t y = cell[1] - far; y <= cell[1] + far; y++)
+		for (int64_t x = cell[0] - far; x <= cell[0] + far; x++)
+			if (sole_at(box, (const int64_t[2]){x, y}) == sole) {
+				posts[count][0] = x;
+				posts[count++][1] = y;
+			}
+	return count;
+}
+
+/* The posts that can bear what is in a cell: its own if that lies below the sole, or else those beside it that do, or else those next to these. */
+struct bearers {
+	int count;
+	int64_t posts[25][2];
+};
+
+static struct bearers bearers_of(const struct box *box, const int64_t cell[2], int sole)
+{
+	struct bearers bearers;
+	for (int far = 0; far <= 2; far++) {
+		bearers.count = posts_around(box, cell, far, sole, bearers.posts);
+		if (bearers.count > 0)
+			break;
+	}
+	return bearers;
+}
+
+static bool can_bear(const struct bearers *bearers, const int64_t post[2])
+{
+	for (int n = 0; n < bearers->count; n++)
+		if (same(bearers->posts[n], post))
+			return true;
+	return false;
+}
+
+/* Returns true if a post bears what is at a place: it is the nearest of them. */
+static bool bears(const struct box *box, const struct bearers *bearers, const double at[2], const int64_t post[2])
+{
+	double nearest = 1e9;
+	int bearer = 0;
+	for (int n = 0; n < bearers->count; n++) {
+		double from[2];
+		place_of(box, bearers->posts[n], from);
+		const double away = hypot(at[0] - from[0], at[1] - from[1]);
+		bearer = away < nearest ? n : bearer;
+		nearest = fmin(nearest, away);
+	}
+	return same(bearers->posts[bearer], post);
 }
 
 /* Returns what a sole covers of a cell, in plan. */
@@ -197,15 +225,17 @@ struct borne {
 static void add_cell(const struct box *box, const int64_t post[2], const int64_t cell[2], int sole, struct borne *borne)
 {
 	const struct sole *s = &box->soles[sole];
-	int64_t bearer[2];
 	double from[2];
 	if (!same(cell, post) && sole_at(box, cell) == sole)
+		return;
+	const struct bearers bearers = bearers_of(box, cell, sole);
+	if (!can_bear(&bearers, post))
 		return;
 	const struct amounts part = part_below(box, cell, sole);
 	place_of(box, post, from);
 	if (part.area > LEAST_PART * box->spacing * box->spacing) {
 		const double at[2] = {s->middle[0] + part.by[0] / part.area, s->middle[1] + part.by[1] / part.area};
-		if (bearer_of(box, cell, at, sole, bearer) && same(bearer, post)) {
+		if (bears(box, &bearers, at, post)) {
 			const double x = s->middle[0] - from[0], y = s->middle[1] - from[1], a = part.area, u = part.by[0], v = part.by[1];
 			const double moved[5] = {u + a * x, v + a * y, part.by[2] + 2 * x * u + a * x * x, part.by[3] + x * v + y * u + a * x * y, part.by[4] + 2 * y * v + a * y * y};
 			borne->sole.area += a;
@@ -217,7 +247,7 @@ static void add_cell(const struct box *box, const int64_t post[2], const int64_t
 		const struct soil_box_wall *wall = &box->form->walls[w];
 		double at[2];
 		const double length = wall->sole == sole ? edge_in(box, cell, wall, at) : 0;
-		if (length > 0 && bearer_of(box, cell, at, sole, bearer) && same(bearer, post)) {
+		if (length > 0 && bears(box, &bearers, at, post)) {
 			borne->edges[w][0] += length;
 			for (int k = 0; k < 2; k++)
 				borne->edges[w][1 + k] += length * at[k];
@@ -272,10 +302,13 @@ void soil_cover_box(const struct soil_body *body, const struct soil_form *form, 
 		if (posts->base[i] != BASE_NODATA && sole >= 0 && is_inner(&box, post, sole))
 			borne.sole = (struct amounts){d2, {0, 0, d2 * d2 / 12, 0, d2 * d2 / 12}};
 		else if (posts->base[i] != BASE_NODATA && sole >= 0)
-			for (int n = 0; n < 9; n++)
-				add_cell(&box, post, (const int64_t[2]){post[0] + n % 3 - 1, post[1] + n / 3 - 1}, sole, &borne);
+			for (int n = 0; n < 25; n++)
+				add_cell(&box, post, (const int64_t[2]){post[0] + n % 5 - 2, post[1] + n / 5 - 2}, sole, &borne);
 		posts->own[i] = form->tilts >= 1 && sole >= 0 ? (float)(1 + sole) : 0;
 		put_sole(form, &borne, posts, i);
 		put_edges(form, &borne, posts, i);
 	}
+	/* The lanes after the last post. */
+	for (size_t i = posts->count; i < soil_posts_end(posts); i++)
+		posts->own[i] = posts->share[i] = posts->edge_long[i] = posts->other_long[i] = 0;
 }

@@ -95,7 +95,7 @@ SOIL_INLINED void box_face(const struct soil_form *f, float own, float x, float 
 	for (int k = 0; k < 3; k++) {
 		const float height = f->faces[k][0] + f->faces[k][1] * x + f->faces[k][2] * y;
 		const bool higher = (height > face->height) & ((own == 0) | (own == (float)(1 + k)));
-		face->height = most(height, face->height);
+		face->height = either(higher, height, face->height);
 		face->slope[0] = either(higher, f->faces[k][1], face->slope[0]);
 		face->slope[1] = either(higher, f->faces[k][2], face->slope[1]);
 	}
