@@ -17,6 +17,7 @@
 /* The parts of a wall: from the edge up to the level of the sole's other edge, and from there to the ground. Shares of its height. */
 struct wall_parts {
 	float ends[3][LANES];
+	float opens[LANES]; /* 1: the lower part ends below the ground */
 };
 
 /* Puts the wall beside each post: a block whose lines go up the wall. */
@@ -33,6 +34,7 @@ SOIL_INLINED void put_wall_lines(const struct soil_form *f, int w, const struct 
 		parts->ends[0][i] = 0;
 		parts->ends[1][i] = clamped(open * by_rise, 0, whole);
 		parts->ends[2][i] = whole;
+		parts->opens[i] = either((open > 0) & (parts->ends[1][i] < whole), 1, 0);
 		l->centre[0][i] = x;
 		l->centre[1][i] = y;
 		l->end[0][i] = up[0];
@@ -114,6 +116,25 @@ SOIL_INLINED void add_wall_places(const struct soil_form *f, bool asked, float u
 	}
 }
 
+/* Adds how the lower part of a wall grows as the box turns: it ends at the level of the sole's other edge. at: of the last place below. */
+SOIL_INLINED void add_opening(const struct soil_form *f, int w, const struct wall_parts *parts, const float lengths[LANES], const struct spots *at, struct lane_changes *changes)
+{
+	const struct soil_box_wall *wall = &f->walls[w];
+	const float by_level = 1 / sqrtf(most(wall->normal[0] * wall->normal[0] + wall->normal[1] * wall->normal[1], 1e-12f));
+	float row[6][LANES], by[LANES], none[2][2][LANES] = {{{0}}};
+	struct lane_brims opens;
+	memset(&opens, 0, sizeof opens);
+	memset(row, 0, sizeof row);
+	EACH_LANE {
+		const float arm[3] = {at->x[i], at->y[i], at->height[i]}, level[3] = {wall->normal[0] * by_level, wall->normal[1] * by_level, 0};
+		put_both(arm, level, i, opens.normal);
+		row[3][i] = wall->back[1];
+		row[4][i] = -wall->back[0];
+		by[i] = parts->opens[i] * at->keeps[i] * at->yields[i] * lengths[i] * f->spacing;
+	}
+	add_outer(&opens, row, by, none, changes->stiffness);
+}
+
 /* Adds what the walls bear beside a block of posts. */
 SOIL_INLINED void add_walls(const struct soil_form *f, bool asked, float unit, const struct lane_posts *p, const struct block *l, float stresses[7][LANES], struct counts *counts,
 			    struct lane_changes *changes)
@@ -133,6 +154,8 @@ SOIL_INLINED void add_walls(const struct soil_form *f, bool asked, float unit, c
 			memcpy(block.last, parts.ends[n / 2 + 1], sizeof block.last);
 			put_spots(f, FORM_WALL, &posts, &block, n % 2 == 0 ? -0.28867513f : 0.28867513f, &spots);
 			add_wall_places(f, asked, unit, (float)(n / 2), &posts, &spots, stresses, counts, changes);
+			if (asked && n == 1 && f->ground_normals == 0)
+				add_opening(f, w, &parts, w == 0 ? p->edge_long : p->other_long, &spots, changes);
 		}
 	}
 }

@@ -148,6 +148,7 @@ static void put_soles(double sides[3][3], const bool upright[3], struct soil_for
 		flattest = fmax(flattest, up[k]);
 		for (int i = 0; i < 3; i++)
 			a[k][i] = sides[k][2] < 0 ? -sides[k][i] : sides[k][i];
+		a[k][2] = fmax(a[k][2], TILT_LEAST * length); /* an upright side is a wall as soon as it turns either way */
 	}
 	const double tilt = sqrt(fmax(1 - flattest * flattest, 0));
 	form->tilts = tilt > TILT_LEAST ? (float)fmin(tilt / TILT_WHOLE, 1) : 0;
@@ -164,7 +165,7 @@ static void put_soles(double sides[3][3], const bool upright[3], struct soil_for
 	form->wall_count = 0;
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
-			if (!form->is_sole[k] && up[k] > TILT_LEAST && form->is_sole[n])
+			if (!form->is_sole[k] && form->is_sole[n])
 				put_wall(a, k, n, soles > 1, form);
 }
 
