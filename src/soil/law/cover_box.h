@@ -1,7 +1,7 @@
 /*
  * What a tilted box covers of the cells of posts. Its soles are parallelograms in plan. A post below a sole bears the exact part of its cell below that
- * sole. Parts of cells whose post does not lie below the same sole are given to the nearest post that does, up to two
- * posts away. So are the edges from which walls rise.
+ * sole. Parts of cells whose post does not lie below the same sole are given to the nearest post that does, up to two posts away. So are the edges from
+ * which walls rise.
  */
 #ifndef FURROW_SOIL_COVER_BOX_H
 #define FURROW_SOIL_COVER_BOX_H

@@ -1,8 +1,8 @@
 /*
  * The lower envelope of a body at any place: its height, slope and normal, how it bends, and how much lower it was. The last is of the whole motion.
  * Beside the body these go on from its edge. `kind` is known where a loop over lanes is compiled, so each form has its own loop.
- *
- * own: of an end. x is 1 if the lower end alone bears. It is 2 if the higher of its end and its side does at each place.
+ * own: of an end: 1 if the lower end alone bears, 2 if the higher of its end and its side does at each place. Of a box: 1 + the face below which a post lies,
+ * which goes on beside it; 0: the highest face at each place. Of a wall: 1 + its number.
  */
 #ifndef FURROW_SOIL_FACE_H
 #define FURROW_SOIL_FACE_H

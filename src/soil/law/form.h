@@ -11,7 +11,7 @@
 #include "soil/soil.h"
 
 /* The forms that the law knows. A rim: the side of a wheel or of a cylinder whose axis is level enough. An end: a steeper cylinder. */
-enum soil_form_kind { FORM_RIM, FORM_BALL, FORM_CAPSULE, FORM_BOX, FORM_END, FORM_RASTER, FORM_WALL /* of no body: a wall of a box (walls.h) */ };
+enum soil_form_kind { FORM_RIM, FORM_BALL, FORM_CAPSULE, FORM_BOX, FORM_END, FORM_RASTER, FORM_WALL /* of no body: a wall of a box (bear_walls.h) */ };
 
 #define FORM_LEANS_MOST 0.5      /* rise of an axis: up to it a cylinder is a rim, and its lower end a brim beside that */
 #define FORM_LEVEL_LEAST 1e-5    /* length in plan of an axis: an upright one counts as this, so that all numbers are finite */
@@ -110,7 +110,7 @@ struct soil_form {
 	float bulges;              /* 1/m: how the edge of a drum's end bends in plan; 0: it is straight */
 	float along[2];            /* capsule: the axis in plan */
 	float faces[3][3];         /* box: lower faces: height at the centre, slope along the frame's axes */
-	/* A box that is tilted. tilts: 1: its cells are cut along its soles' edges, and its walls bear. Less below TILT_WHOLE, 0: it is level. */
+	/* A box that is tilted. tilts: 1: its cells are cut along its soles' edges, and its walls bear. Less below a tilt of a degree; 0: it is level. */
 	float tilts;
 	struct soil_box_sole soles[3]; /* of `faces` */
 	bool is_sole[3];
