@@ -26,7 +26,7 @@ static double level(int64_t x, int64_t y)
 
 static char foot[300], drum[300]; /* meshes: write_meshes */
 
-enum { WHEEL, LEANING_WHEEL, SPHERE, BOX, LYING, LEANING, UPRIGHT, CAPSULE, ELLIPSOID, FOOT, DRUM, BODIES };
+enum { WHEEL, LEANING_WHEEL, SPHERE, BOX, LYING, LEANING, UPRIGHT, CAPSULE, ELLIPSOID, FOOT, DRUM, TILTED, BODIES };
 
 /* roll, pitch: degrees. reach: m from its centre down. spins: it may turn about its left, m: radius. */
 static const struct energy_body {
@@ -44,6 +44,7 @@ static const struct energy_body {
 	[ELLIPSOID] = {"ellipsoid", "ellipsoid: {radii: [0.2, 0.15, 0.12]}", 0, 0, 0.12, 0},
 	[FOOT] = {"mesh", foot, 0, 0, 0.1, 0},
 	[DRUM] = {"mesh of a wheel", drum, 0, 0, 0.25, 0.25},
+	[TILTED] = {"tilted box", "box: {size: [0.3, 0.2, 0.2]}", 3, 10, 0.134, 0},
 };
 
 /* A block that grows wider upwards, and a wheel of r 0.25, b 0.2 with 96 facets. */

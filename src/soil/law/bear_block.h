@@ -416,7 +416,8 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, int lane,
 				 float x, float y, float depth, float rise)
 {
-	const float print = rise + p->print[i] - height_at(f, kind, p->own[i], x + f->way[0], y + f->way[1]);
+	const float own = kind == FORM_BOX ? 0 : p->own[i]; /* there it may have been another face */
+	const float print = rise + p->print[i] - height_at(f, kind, own, x + f->way[0], y + f->way[1]);
 	/* The rut of a rim that leans, or of such a drum, leans too. A mesh moves along the frame's x axis. */
 	const float slope = kind == FORM_RIM ? f->lean * f->lift : p->slope_y[i], rut = kind == FORM_RIM ? 1 : kind == FORM_RASTER ? either(f->bulges > 0, 1, 0) : 0;
 	const float leans = kind == FORM_RIM || kind == FORM_RASTER ? rut * (1 - l->stamped[lane]) * (p->rise_y[i] - slope) * (y - p->y[i]) : 0;
@@ -442,7 +443,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 	const bool known = any_above(l->was, 0);
 	EACH_LANE {
 		const float x = p->rise_x[i] - p->slope_x[i], y = p->rise_y[i] - p->slope_y[i], squares = x * x + y * y;
-		const float by = f->half_across / sqrtf(most(squares, 1e-8f));
+		const float half = kind == FORM_BOX ? p->half_line[i] : f->half_across, by = half / sqrtf(most(squares, 1e-8f));
 		const bool turns = kind != FORM_RIM && squares >= 1e-8f;
 		l->end[0][i] = either(turns, x * by, f->half_across);
 		l->end[1][i] = either(turns, y * by, 0);

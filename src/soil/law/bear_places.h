@@ -66,12 +66,19 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 	}
 }
 
+/* What the lanes bear, in whole numbers. */
+struct counts {
+	int32_t force[3][LANES], moment[3][LANES], pull[LANES], area[LANES], saturated[LANES];
+	float grows[LANES];
+};
+
 /* One place, as a probe needs it. Amounts are those of the place's share of a post's area. */
 struct place {
 	float arm[3], normal[3], across[2][3];
 	float area, ground;              /* of the surface, and of the ground that bears; posts */
 	float stress, strength, holds;   /* Pa: normal, with damping; the most that shear can be; how that grows with the normal stress */
 	float mobilised[2], dragged[2];  /* shear along `across`: share of the strength; Pa, of damping */
+	float unloads;                   /* 1: it springs back, or is loaded anew */
 	float sinks, damps;              /* growth of the normal stress: Pa/m as the surface goes down, Pa s/m with its speed along the normal */
 	float shears[2][2], drags[2][2]; /* 1/m, Pa s/m: growth of `mobilised` and `dragged` with a way, a speed along `across` */
 };
@@ -151,6 +158,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->stress = yields * share;
 	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
 	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
+	place->unloads = unloads;
 	place->sinks = up * ((1 - unloads) * spots->grows[lane] + unloads * yields * by_elastic);
 	put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, place);
 	const struct slip slip = slip_at(f, kind, place->arm, place->normal, place->across);

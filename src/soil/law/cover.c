@@ -1,6 +1,7 @@
 /* Which posts and which parts of their cells a body covers, how low it is there, and how low it was during its motion. */
 #include "soil/law/cover.h"
 
+#include "soil/law/cover_box.h"
 #include "soil/law/cover_fine.h"
 #include "soil/law/face.h"
 #include "soil/law/grousers.h"
@@ -179,6 +180,11 @@ SOIL_CLONED static void cover_box(const struct soil_form *restrict f, struct soi
 	cover_lanes(f, FORM_BOX, p, b);
 	if (f->half[0] > 0)
 		put_box_parts(f, p, b);
+	for (int i = 0; i < POSTS_LANES; i++) {
+		p->half_line[b + i] = f->half_across;
+		p->edge_long[b + i] = p->edge_x[b + i] = p->edge_y[b + i] = 0;
+		p->other_long[b + i] = p->other_x[b + i] = p->other_y[b + i] = 0;
+	}
 }
 
 SOIL_CLONED static void cover_capsule(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
@@ -214,6 +220,7 @@ SOIL_INLINED float lowest_near(const struct soil_form *f, enum soil_form_kind ki
 	case FORM_CAPSULE:
 	case FORM_END:
 	case FORM_RASTER:
+	case FORM_WALL:
 		break;
 	}
 	return -f->reach;
@@ -225,7 +232,9 @@ SOIL_INLINED void room_of(const struct soil_form *restrict f, enum soil_form_kin
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->rise_x[b + i], y = p->rise_y[b + i], steep = sqrtf(x * x + y * y) * f->half_across;
 		const float across = x * p->middle_x[b + i] + y * p->middle_y[b + i], ground = (float)p->ground[b + i] * SOIL_UNIT;
-		const float lowest = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], f->half_across);
+		const bool edge = kind == FORM_BOX && p->edge_long[b + i] + p->other_long[b + i] > 0; /* it may lie outside the cell */
+		const float near = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], kind == FORM_BOX ? most(f->half_across, p->half_line[b + i]) : f->half_across);
+		const float lowest = either(edge, -f->reach, near);
 		const float room = ground + most(across + steep - lowest, most(-p->height[b + i], -lowest)) - p->above[b + i] + 4 * SOIL_LEAST;
 		p->room[b + i] = either(p->share[b + i] > 0, room, -1e9f);
 	}
@@ -275,6 +284,8 @@ void soil_cover(const struct soil_body *body, const struct soil_form *form, stru
 		soil_cover_fine(form, posts);
 	else
 		cover_all(form, posts);
+	if (form->kind == FORM_BOX && form->tilts > 0)
+		soil_cover_box(body, form, posts);
 	if (form->grousers.rests != NULL)
 		soil_grousers_cover(body, form, posts);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)

@@ -30,6 +30,8 @@
 	EACH(halfway) EACH(begun)   /* raster: how much higher the body was there halfway through its motion, and at its start, m */ \
 	EACH(print)                 /* m: height of the lower envelope where the post was at the motion's start */ \
 	EACH(share) EACH(middle_x) EACH(middle_y) /* the part of the post's cell that the body covers: share of a cell's area, its middle from the post */ \
+	EACH(half_line)             /* box: half of a line across that part, m */ \
+	EACH(edge_long) EACH(edge_x) EACH(edge_y) EACH(other_long) EACH(other_x) EACH(other_y) /* box: edges from which its walls rise: length, posts; middle, m in the frame */ \
 	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \
 	EACH(room)                  /* m: the body touches the cell if it is raised by less */ \
 	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) EACH(whole) EACH(loose_thick) EACH(under) /* struct stress_soil; loose_thick: its `loose` */
