@@ -415,12 +415,12 @@ static float bounded(double value)
 }
 
 /* Puts the numbers of one soil into the posts from `first` to before `last`. */
-SOIL_CLONED static void put_soil(const struct stress_soil *restrict soil, float k_c, float k_phi, size_t first, size_t last, struct soil_posts *restrict p)
+SOIL_CLONED static void put_soil(const struct stress_soil *restrict soil, float k_c, float k_phi, float compact, size_t first, size_t last, struct soil_posts *restrict p)
 {
 	const struct stress_soil s = *soil;
-	float *restrict each[] = {p->k_c, p->k_phi, p->n, p->elastic, p->by_elastic, p->cohesion, p->tan_phi, p->modulus, p->by_modulus, p->damping};
-	const float values[] = {k_c, k_phi, s.n, s.elastic, s.by_elastic, s.cohesion, s.tan_phi, s.modulus, s.by_modulus, s.damping};
-	for (int k = 0; k < 10; k++) {
+	float *restrict each[] = {p->k_c, p->k_phi, p->n, p->elastic, p->by_elastic, p->cohesion, p->tan_phi, p->modulus, p->by_modulus, p->damping, p->compact};
+	const float values[] = {k_c, k_phi, s.n, s.elastic, s.by_elastic, s.cohesion, s.tan_phi, s.modulus, s.by_modulus, s.damping, compact};
+	for (int k = 0; k < 11; k++) {
 		float *restrict to = each[k];
 		const float value = values[k];
 		for (size_t i = first; i < last; i++)
@@ -435,7 +435,7 @@ static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last
 		.cohesion = (float)soil->cohesion, .tan_phi = (float)tan(soil->friction_angle), .modulus = bounded(soil->janosi_shear),
 		.by_modulus = bounded(1 / soil->janosi_shear), .damping = (float)soil->damping,
 	};
-	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
+	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, isnan(soil->compaction) ? 0 : (float)soil->compaction, first, last, p);
 }
 
 /* Puts what a soil lies over into the same posts. Rigid ground has no shear of its own: the layer keeps its. `thick` is vertical here. */
@@ -491,7 +491,9 @@ SOIL_CLONED static void put_strengths(float loosening, float hardening, struct s
 {
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const float harder = 1 + hardening * least((float)p->density[b + i] * SOIL_UNIT, 1);
+		/* The plane has the share of what lacked before any pass that passes have made. */
+		const float compact = p->compact[b + i], made = least((float)p->density[b + i] * SOIL_UNIT, 1);
+		const float harder = 1 + hardening * (compact + (1 - compact) * made);
 		const bool loose = p->loose[b + i] > 0;
 		p->k_c[b + i] *= harder;
 		p->k_phi[b + i] *= harder;
