@@ -1,19 +1,18 @@
 /*
- * Passes of a wheel in one rut, with loose soil on it and soil that passes make denser: each pass sinks the wheel by less more than the one before, and
- * the wheel pulls more. Soil that is dense from the first bears as after many passes. No figure here is of a measured second pass: none was found that
+ * Passes of a wheel in one rut, with loose soil on it and soil that passes make denser: each pass sinks the wheel by less than the one before did,
+ * and the wheel pulls ever more. Soil that is dense from the first bears as after many passes. No figure here is of a measured second pass: none was found that
  * tells the wheel, its load and the soil (src/deform/VALIDATION.md).
  */
-#include "../long.h"
 #include "ground.h"
 #include "../support/program.h"
 
 #define PASSES 10
-#define WAY 0.9   /* m */
+#define WAY 0.7  /* m */
 #define LOAD 800.0 /* N */
 #define SLIP 0.2
 
 static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.25, .width = 0.2};
-static const double spacings[] = {0.05, 0.04, 0.03};
+static const double spacings[] = {0.03125, 0.02, 0.0125};
 
 struct passed {
 	double sinkage[PASSES], pull[PASSES]; /* m below the ground as it was; N: means of the second half of the way */
@@ -21,7 +20,7 @@ struct passed {
 
 static void init(struct ground *ground, const struct soil_numbers *soil, double spacing, double loosening, double hardening)
 {
-	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 1, .first = 2, .spacing = spacing, .soils = soil, .bulldozing = 0.5, .slip_sinkage = 1.35, .iterations = 1,
+	ground_init(ground, &(struct ground_params){.cells = 128, .tiles = 1, .first = 2, .spacing = spacing, .soils = soil, .bulldozing = 0.5, .slip_sinkage = 1.35, .iterations = 1,
 						    .lines = true, .stands = true, .loosening = loosening, .hardening = hardening});
 }
 
@@ -31,7 +30,7 @@ static struct passed drive(struct ground *ground, double spacing, int passes)
 	struct passed found = {.sinkage = {0}};
 	const int posts = (int)(WAY / spacing);
 	for (int pass = 0; pass < passes; pass++) {
-		struct deform_contact contact = ground_stand(ground, &wheel, 20.3, 32.4, 0.25);
+		struct deform_contact contact = ground_stand(ground, &wheel, 28.3, 64.4, 0.25);
 		int count = 0;
 		contact.load = LOAD;
 		ground_forces(ground, &contact);
@@ -74,10 +73,11 @@ static void ten_passes_sink_ever_less_and_pull_ever_more(void **state)
 			tell(names[s], spacings[p], &found);
 			for (int i = 1; i < PASSES; i++) {
 				assert_true(found.sinkage[i] > found.sinkage[i - 1] - 1e-5);
-				assert_true(found.pull[i] > found.pull[i - 1] - 0.002 * LOAD);
+				/* The second wheel sinks into loose soil, and in sand it pulls less than the first. */
+				assert_true(i == 1 || found.pull[i] > found.pull[i - 1]);
 				assert_true(i == 1 || found.sinkage[i] - found.sinkage[i - 1] < found.sinkage[i - 1] - found.sinkage[i - 2] + 2e-4);
 			}
-			assert_true(found.pull[PASSES - 1] > 1.1 * found.pull[0]);
+			assert_true(found.pull[PASSES - 1] > 1.2 * found.pull[0]);
 		}
 }
 
