@@ -378,6 +378,25 @@ static void soil_gives_no_energy_with_loose_soil(void **state)
 	sweep(0.5, 1.35, 0.67, most_where_slip_digs);
 }
 
+/* These gained: loose soil was dug through and its floor went down with the body; a wall found other ground before and after loose soil was used up. */
+static void loose_soil_that_is_dug_or_lies_beside_a_wall_gives_none(void **state)
+{
+	static const struct {
+		int body, motion;
+		size_t soil;
+	} cases[] = {{BOX, ROCK, 3}, {FOOT, PRESS, 0}, {FOOT, HOP, 1}, {FOOT, TOUCHED, 2}};
+	(void)state;
+	write_meshes();
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		for (size_t p = 0; p < (long_run() ? 3 : 2); p++) {
+			struct furrow_world *world = open_world(&soils[cases[i].soil], spacings[p], 0.5, 1.35, 0.67);
+			const double gave = gives(world, &bodies[cases[i].body], cases[i].motion, soils[cases[i].soil].deep);
+			done(furrow_world_close(world));
+			print_message("%s %s, %s, %g m: %.4f of what was put in\n", bodies[cases[i].body].name, motions[cases[i].motion], soils[cases[i].soil].name, spacings[p], gave);
+			assert_true(gave < most_where_slip_digs[p]);
+		}
+}
+
 /* --- a second push --- */
 
 #define PUSHED 0.05      /* m */
@@ -471,6 +490,7 @@ TEST_PROGRAM(energy)
 		cmocka_unit_test(soil_gives_no_energy_where_slip_digs),
 		cmocka_unit_test(soil_gives_no_energy_with_a_rim),
 		cmocka_unit_test(soil_gives_no_energy_with_loose_soil),
+		cmocka_unit_test(loose_soil_that_is_dug_or_lies_beside_a_wall_gives_none),
 		cmocka_unit_test(a_second_push_gives_back_the_elastic_energy),
 		cmocka_unit_test(a_second_push_into_a_layer_gives_back_no_more),
 	};
