@@ -216,7 +216,7 @@ static void add_soil(XXH3_state_t *state, const struct soil_numbers *soil)
 				  soil->damping,	   soil->unit_weight, soil->theta_in,
 				  soil->theta_out,	   soil->theta_stop,  soil->roughness,
 				  soil->compression,	   soil->repose};
-	_Static_assert(sizeof numbers == offsetof(struct soil_numbers, over) - 3 * sizeof(double), "every parameter counts: density in unit_weight, numbers of faces where they are given; add_soils adds layers");
+	_Static_assert(sizeof numbers == offsetof(struct soil_numbers, over) - 3 * sizeof(double), "every parameter counts: density in unit_weight, numbers of faces where they are given; add_soils adds layers and compaction");
 	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
 		add_number(state, numbers[i]);
 }
@@ -281,6 +281,10 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 			soil.compression = former_compression(soil.compression);
 		add_soil(state, &soil);
 		add_faces(state, (uint64_t)i, &scene->soils[i]);
+		if (scene->hardening > 0 && soil.compaction > 0) {
+			add_part(state, 'c', (uint64_t)i);
+			add_number(state, soil.compaction);
+		}
 		if (soil.over != NULL) {
 			add_part(state, 'l', (uint64_t)i);
 			add_number(state, soil.thickness);

@@ -87,6 +87,7 @@ struct soil_numbers {
 	/* Under model scm a soil may be a layer over another one, or over rigid ground: src/soil/law/layers.h. NULL: it is endless. The scene owns it. */
 	const struct soil_numbers *over;
 	double thickness; /* m, of the layer. Read where `over` is not NULL */
+	double compaction; /* 0 .. 1: how dense the soil is before a body passes over it. Read with hardening */
 };
 #define SOIL_ENDLESS 1000.0         /* m: a layer so thick counts as endless */
 #define SOIL_RIGID_STIFFNESS 1e9    /* Pa/m: rigid ground without a layer springs, as it must have some stiffness */
@@ -106,7 +107,8 @@ void soil_end_layer(struct soil_numbers *soil);
 	NUMBER(SOIL_FRICTION_ANGLE, friction_angle) \
 	NUMBER(SOIL_JANOSI_SHEAR, janosi_shear) \
 	NUMBER(SOIL_ELASTIC_STIFFNESS, elastic_stiffness) \
-	NUMBER(SOIL_THICKNESS, thickness)
+	NUMBER(SOIL_THICKNESS, thickness) \
+	NUMBER(SOIL_COMPACTION, compaction)
 #define SOIL_NUMBER(number, key) number,
 enum soil_number { SOIL_NUMBERS_EACH(SOIL_NUMBER) SOIL_NUMBERS };
 #undef SOIL_NUMBER

@@ -36,7 +36,7 @@ const struct soil_model deform_model_scm = {
 		"sinks and springs back by the soil's pressure"},
 	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage", "loosening", "hardening", "normals", "faces", "inertia"),
 	.numbers = EFFECT_LIST("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear",
-			       "elastic_stiffness", "damping", "density", "unit_weight", "face_strength", "face_cohesion", "repose"),
+			       "elastic_stiffness", "damping", "density", "unit_weight", "face_strength", "face_cohesion", "repose", "compaction"),
 	.bears = true,
 	.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
 	.slide = &deform_slide_excess,

@@ -226,12 +226,19 @@ SOIL_INLINED float lowest_near(const struct soil_form *f, enum soil_form_kind ki
 	return -f->reach;
 }
 
+/* Returns how far the undisturbed surface of what lies below a loose layer can be above the post's own, m: walls find that (below_loose). */
+SOIL_INLINED float firm_above(const struct soil_form *f, const struct soil_posts *p, size_t i)
+{
+	const bool walls = f->kind == FORM_RASTER || (f->kind == FORM_RIM && f->lean != 0);
+	return walls && p->loose[i] > 0 ? most((float)p->floor[i] * p->by_up[i] - (float)p->loose[i], 0) * SOIL_UNIT : 0;
+}
+
 SOIL_INLINED void room_of(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->rise_x[b + i], y = p->rise_y[b + i], steep = sqrtf(x * x + y * y) * f->half_across;
-		const float across = x * p->middle_x[b + i] + y * p->middle_y[b + i], ground = (float)p->ground[b + i] * SOIL_UNIT;
+		const float across = x * p->middle_x[b + i] + y * p->middle_y[b + i], ground = (float)p->ground[b + i] * SOIL_UNIT + firm_above(f, p, b + (size_t)i);
 		const bool edge = kind == FORM_BOX && p->edge_long[b + i] + p->other_long[b + i] > 0; /* it may lie outside the cell */
 		const float near = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], kind == FORM_BOX ? most(f->half_across, p->half_line[b + i]) : f->half_across);
 		const float lowest = either(edge, -f->reach, near);
@@ -257,7 +264,7 @@ static void put_raster_room(const struct soil_form *f, struct soil_posts *p)
 {
 	for (size_t i = 0; i < p->count; i++) {
 		const float steep = sqrtf(p->rise_x[i] * p->rise_x[i] + p->rise_y[i] * p->rise_y[i]) * f->half_across;
-		const float across = p->rise_x[i] * p->middle_x[i] + p->rise_y[i] * p->middle_y[i], ground = (float)p->ground[i] * SOIL_UNIT;
+		const float across = p->rise_x[i] * p->middle_x[i] + p->rise_y[i] * p->middle_y[i], ground = (float)p->ground[i] * SOIL_UNIT + firm_above(f, p, i);
 		if (p->share[i] > 0)
 			p->room[i] = ground + most(across + steep, 0) - least(soil_cover_fine_low(f, p->x[i], p->y[i]), p->height[i]) + 4 * SOIL_LEAST;
 	}
