@@ -8,6 +8,7 @@
 #define REACHES 0.01   /* m: how far a probe moves a body, either way */
 #define PARTS 50      /* of that way both ways */
 #define BACK 3e-6      /* m: where a body turns back, what it carries is laid, so there the ground is another one */
+#define RISES 0.0009   /* m: a contact ends where a body rises by a twentieth of a post, too */
 #define FINEST 1.5e-6  /* m */
 #define JUMP 0.005     /* of the body's load */
 #define ARM 0.25       /* m: a turn by so much is a way, and a moment over this is a force */
@@ -26,7 +27,7 @@ static const struct even_body {
 	{"a wheel with bars", "wheel: {radius: 0.25, width: 0.2, grousers: 18, grouser_height: 0.02, grouser_thickness: 0.01}", 0.27, 0.27, 0.3, 0.2, false, false},
 	{"a sphere", "sphere: {radius: 0.15}", 0.15, 0, 0, 0, true, true},
 	{"a box", "box: {size: [0.3, 0.2, 0.2]}", 0.1, 0, 0, 0.3, true, true},
-	{"a cylinder that stands", "cylinder: {radius: 0.12, length: 0.3}", 0.15, 0, 0, 0, true, false},
+	{"a cylinder that stands", "cylinder: {radius: 0.12, length: 0.3}", 0.15, 0, 0, 0, false, false},
 	{"an ellipsoid", "ellipsoid: {radii: [0.2, 0.15, 0.12]}", 0.12, 0, 0, 0.2, true, true},
 };
 #define BODIES (sizeof bodies / sizeof *bodies)
@@ -173,7 +174,7 @@ static void places_and_turns_show_no_jump(void **state)
 			if ((k == 3 || k == 4) && !bodies[b].turned)
 				continue;
 			double step = largest_step(&even, k, -REACHES, -BACK, JUMP * load, &where);
-			step = fmax(step, largest_step(&even, k, BACK, REACHES, fmax(JUMP * load, step), &where));
+			step = fmax(step, largest_step(&even, k, BACK, k == 2 ? RISES : REACHES, fmax(JUMP * load, step), &where));
 			if (step > JUMP * load || getenv("EVEN_TRACE") != NULL)
 				print_message("%s, freedom %d: load %.1f N, step %.3f %% at %.5f mm\n", bodies[b].name, k, load, 100 * step / load, where * 1e3);
 			fails = fails || step > JUMP * load;
