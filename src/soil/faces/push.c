@@ -12,9 +12,12 @@
 #define FACES_WAY 0.3f /* n . way: a facet that faces the way by more counts its depth from the ground ahead */
 #define FOLLOWS 2.0f   /* soil follows a smooth rim that spins at most so many times as fast as the body goes */
 
+#define SOLE_FROM 0.5f /* -n_z: a flat side of a body that looks down more than that bears it, as a standing cylinder's end does, */
+#define SOLE_WHOLE 0.8f /* and wholly from here on */
+
 /* A block of facets in the frame. */
 struct facet_lanes {
-	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: FACET_UNDER */
+	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: it bears the body, 0: it is a side */
 	float force[3][LANES], pushes[LANES];
 };
 
@@ -40,7 +43,7 @@ SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const f
 	const float into = least(dot3(normal, v), dot3(normal, lately)), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
 	const float slid = slid_at(f, at[0], at[1]), below = faces_share(slid) * clamped(1 + into * (1 / TRAILS), 0, 1);
 	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * clamped((slid - SLID_LEAST) * (1 / SLID_SIDES), 0, 1);
-	const float share = either(size > 1e-6f, either(under > 0, below, beside), 0) * area;
+	const float share = either(size > 1e-6f, under * below + (1 - under) * beside, 0) * area;
 	float alpha[3];
 	resist_alpha(normal, v, tangent, alpha);
 	for (int k = 0; k < 3; k++)
@@ -58,7 +61,8 @@ SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const 
 			l->normal[k][i] = out[0] * axes[0][k] + out[1] * axes[1][k] + out[2] * axes[2][k];
 		}
 		l->area[i] = facets->area[b + (size_t)i];
-		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : 0.0f;
+		const float looks = clamped((-l->normal[2][i] - SOLE_FROM) * (1 / (SOLE_WHOLE - SOLE_FROM)), 0, 1);
+		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : facets->kind[b + (size_t)i] == FACET_SIDE ? looks : 0.0f;
 	}
 }
 
