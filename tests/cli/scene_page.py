@@ -58,7 +58,7 @@ SAMPLES = [
           redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "slip_sinkage": 1.2, "loosening": 0.5, "hardening": 0.2, "iterations": 2, "interval": 0.1, "tolerance": 0.1, "normals": "ground",
                                        "undisturbed": "stable"}, output={"forces": 5}),
     scene(WHEEL, soil={"name": "lunar", "rasters": {key: "classes.png" for key in ("friction_angle", "janosi_shear", "elastic_stiffness")}},
-          redistribute={"model": "scm"}, output={"forces": 5}),
+          redistribute={"model": "scm", "faces": "on", "inertia": 0.5}, output={"forces": 5}),
     scene(wheel(shape={"sphere": {"radius": 1}}, path={"points": [[20, 20], [30, 20]], "speed": 5, "loop": True}),
           soil={"name": "mud"}, redistribute={"model": "sumner"}, compute="cpu"),
     scene(wheel(shape={"box": {"size": [1, 1, 1]}}, path={"file": "poses.csv", "rotate": 30, "offset": [1, 2]}), redistribute={"model": "slippage"},
