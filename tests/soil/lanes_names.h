@@ -33,6 +33,7 @@
 #define soil_bear LANES_NAME(LANES_OF, bear)
 #define soil_bear_layered LANES_NAME(LANES_OF, bear_layered)
 #define soil_cover LANES_NAME(LANES_OF, cover)
+#define soil_cover_box LANES_NAME(LANES_OF, cover_box)
 #define soil_cover_fine LANES_NAME(LANES_OF, cover_fine)
 #define soil_cover_fine_low LANES_NAME(LANES_OF, cover_fine_low)
 #define soil_fine_draw LANES_NAME(LANES_OF, fine_draw)
