@@ -26,7 +26,7 @@ static double level(int64_t x, int64_t y)
 
 static char foot[300], drum[300]; /* meshes: write_meshes */
 
-enum { WHEEL, LEANING_WHEEL, BARRED, SPHERE, BOX, LYING, LEANING, UPRIGHT, CAPSULE, ELLIPSOID, FOOT, DRUM, BODIES };
+enum { WHEEL, LEANING_WHEEL, BARRED, SPHERE, BOX, LYING, LEANING, UPRIGHT, CAPSULE, ELLIPSOID, FOOT, DRUM, TILTED, BODIES };
 
 /* roll, pitch: degrees. reach: m from its centre down. spins: it may turn about its left, m: radius. */
 static const struct energy_body {
@@ -45,6 +45,7 @@ static const struct energy_body {
 	[ELLIPSOID] = {"ellipsoid", "ellipsoid: {radii: [0.2, 0.15, 0.12]}", 0, 0, 0.12, 0},
 	[FOOT] = {"mesh", foot, 0, 0, 0.1, 0},
 	[DRUM] = {"mesh of a wheel", drum, 0, 0, 0.25, 0.25},
+	[TILTED] = {"tilted box", "box: {size: [0.3, 0.2, 0.2]}", 3, 10, 0.134, 0},
 };
 
 /* A block that grows wider upwards, and a wheel of r 0.25, b 0.2 with 96 facets. */
@@ -324,7 +325,7 @@ static bool is_due(size_t s, size_t p, int b, int m, size_t part)
 }
 
 /* most: the largest share of what was put in that a round may give, at posts of 8, 4, 2 and 1 cm. */
-static void sweep(double bulldozing, double slip_sinkage, const double most[4])
+static void sweep(double bulldozing, double slip_sinkage, double loosening, const double most[4])
 {
 	bool fails = false;
 	for (size_t p = 0; p < sizeof spacings / sizeof *spacings; p++) {
@@ -339,7 +340,7 @@ static void sweep(double bulldozing, double slip_sinkage, const double most[4])
 						continue;
 					if (!is_due(s, p, b, m, p == 3 ? 60 : 40))
 						continue;
-					struct furrow_world *world = open_world(&soils[s], spacings[p], bulldozing, slip_sinkage, 0);
+					struct furrow_world *world = open_world(&soils[s], spacings[p], bulldozing, slip_sinkage, loosening);
 					const double gave = gives(world, &bodies[b], m, soils[s].deep);
 					done(furrow_world_close(world));
 					worst = support_most(worst, gave);
@@ -348,7 +349,8 @@ static void sweep(double bulldozing, double slip_sinkage, const double most[4])
 					if (!(gave < most[p]) || getenv("ENERGY_TRACE") != NULL)
 						print_message("%s %s, %s, %g m: %.4f of what was put in\n", bodies[b].name, motions[m], soils[s].name, spacings[p], gave);
 				}
-		print_message("bulldozing %g, slip_sinkage %g, faces %s, %g m, %d motions: at most %.5f of what was put in\n", bulldozing, slip_sinkage, faces, spacings[p], count, worst);
+		print_message("bulldozing %g, slip_sinkage %g, loosening %g, faces %s, %g m, %d motions: at most %.5f of what was put in\n", bulldozing, slip_sinkage, loosening, faces,
+			      spacings[p], count, worst);
 	}
 	assert_false(fails);
 }
@@ -362,21 +364,47 @@ static void soil_gives_no_energy_without_a_rim(void **state)
 {
 	(void)state;
 	write_meshes();
-	sweep(0, 0, most_without_rim);
+	sweep(0, 0, 0, most_without_rim);
 }
 
 static void soil_gives_no_energy_where_slip_digs(void **state)
 {
 	(void)state;
 	write_meshes();
-	sweep(0, 1.35, most_where_slip_digs);
+	sweep(0, 1.35, 0, most_where_slip_digs);
 }
 
 static void soil_gives_no_energy_with_a_rim(void **state)
 {
 	(void)state;
 	write_meshes();
-	sweep(0.5, 1.35, most_where_slip_digs);
+	sweep(0.5, 1.35, 0, most_where_slip_digs);
+}
+
+static void soil_gives_no_energy_with_loose_soil(void **state)
+{
+	(void)state;
+	write_meshes();
+	sweep(0.5, 1.35, 0.67, most_where_slip_digs);
+}
+
+/* These gained: loose soil was dug through and its floor went down with the body; a wall found other ground before and after loose soil was used up. */
+static void loose_soil_that_is_dug_or_lies_beside_a_wall_gives_none(void **state)
+{
+	static const struct {
+		int body, motion;
+		size_t soil;
+	} cases[] = {{BOX, ROCK, 3}, {FOOT, PRESS, 0}, {FOOT, HOP, 1}, {FOOT, TOUCHED, 2}};
+	(void)state;
+	write_meshes();
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		for (size_t p = 0; p < (long_run() ? 3 : 2); p++) {
+			struct furrow_world *world = open_world(&soils[cases[i].soil], spacings[p], 0.5, 1.35, 0.67);
+			const double gave = gives(world, &bodies[cases[i].body], cases[i].motion, soils[cases[i].soil].deep);
+			done(furrow_world_close(world));
+			print_message("%s %s, %s, %g m: %.4f of what was put in\n", bodies[cases[i].body].name, motions[cases[i].motion], soils[cases[i].soil].name, spacings[p], gave);
+			assert_true(gave < most_where_slip_digs[p]);
+		}
 }
 
 /* With faces the same bounds hold. */
@@ -385,7 +413,7 @@ static void soil_gives_no_energy_with_faces(void **state)
 	(void)state;
 	write_meshes();
 	faces = "on";
-	sweep(0, 0, most_without_rim);
+	sweep(0, 0, 0, most_without_rim);
 	faces = "off";
 }
 
@@ -394,7 +422,7 @@ static void soil_gives_no_energy_with_faces_and_a_rim(void **state)
 	(void)state;
 	write_meshes();
 	faces = "on";
-	sweep(0.5, 1.35, most_where_slip_digs);
+	sweep(0.5, 1.35, 0, most_where_slip_digs);
 	faces = "off";
 }
 
@@ -553,6 +581,8 @@ TEST_PROGRAM(energy)
 		cmocka_unit_test(soil_gives_no_energy_without_a_rim),
 		cmocka_unit_test(soil_gives_no_energy_where_slip_digs),
 		cmocka_unit_test(soil_gives_no_energy_with_a_rim),
+		cmocka_unit_test(soil_gives_no_energy_with_loose_soil),
+		cmocka_unit_test(loose_soil_that_is_dug_or_lies_beside_a_wall_gives_none),
 		cmocka_unit_test(soil_gives_no_energy_with_faces),
 		cmocka_unit_test(soil_gives_no_energy_with_faces_and_a_rim),
 		cmocka_unit_test(a_second_push_gives_back_the_elastic_energy),

@@ -18,6 +18,7 @@
 	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
 	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
+	EACH(into) EACH(thrown)             /* how fast it moves into the soil, m/s; force of the soil's inertia if all of it is in soil, N */ \
 	EACH(tall)                          /* half of its height, m */ \
 	EACH(deep) EACH(found_deep)         /* at a height: depth of its middle below the ground that pushes it, and below that as the body found it, m */ \
 	EACH(heap)                          /* height of the heap upon the wedge ahead, m */
@@ -43,6 +44,7 @@ struct soil_faces {
 	float xi, cohesion, by_modulus, unit_weight, wedge_length; /* of the soil below the body: N/m3, Pa, 1/m, N/m3; length of a wedge over its depth */
 	struct soil_wedge wedge;
 	float beyond;         /* m: so far ahead of the body the ground is as the body finds it */
+	float inertia;        /* lambda rho of the soil, kg/m3 */
 	float tangent;        /* of the friction along the body's surface */
 	float d[2];           /* direction in which it slides, east and north; 0: none */
 };

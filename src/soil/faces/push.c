@@ -21,17 +21,17 @@ struct facet_lanes {
 	float force[3][LANES], pushes[LANES];
 };
 
-/* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. */
+/* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. A belt grips: soil follows it as it does bars. */
 SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent *m, const float at[3], const float normal[3], float moves[3])
 {
 	float rolled[3], turned[3], belt[3];
 	cross3(m->rolling, at, rolled);
 	cross3(m->turning, at, turned);
 	cross3(f->belt, normal, belt);
-	const float went = sqrtf(dot3(m->way, m->way)), ran = sqrtf(dot3(m->rolling, m->rolling)) * f->rim_reach + fabsf(m->ran);
+	const float went = sqrtf(dot3(m->way, m->way)), ran = sqrtf(dot3(m->rolling, m->rolling)) * f->rim_reach;
 	const float follows = either(FOLLOWS * went < ran, FOLLOWS * went / most(ran, 1e-12f), 1), rolls = follows + f->bars * (1 - follows);
 	for (int k = 0; k < 3; k++)
-		moves[k] = m->way[k] + rolls * (rolled[k] + m->ran * belt[k]) + turned[k];
+		moves[k] = m->way[k] + rolls * rolled[k] + m->ran * belt[k] + turned[k];
 }
 
 /* Gives the force of a facet for each pascal, m2. moves: of its place, for each metre of the body's way; lately: the same of the last bit of it. A facet that
@@ -82,8 +82,19 @@ SOIL_CLONED static void push_block(const struct soil_form *restrict f, const str
 	}
 }
 
+/* Sets how fast a facet moves into the soil, and the force by which the inertia of that soil acts on it. */
+static void put_thrown(const struct soil_form *f, const struct facet_lanes *l, int i, struct soil_faces *faces, size_t n)
+{
+	const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
+	float turned[3];
+	cross3(f->turns, at, turned);
+	const float into = most(dot3(f->goes, normal) + dot3(turned, normal), 0);
+	faces->into[n] = into;
+	faces->thrown[n] = faces->inertia * into * into * l->pushes[i];
+}
+
 /* way: in which the body slides, plan, in the frame. */
-static void keep(const struct facet_lanes *l, int i, const float way[2], struct soil_faces *faces)
+static void keep(const struct soil_form *f, const struct facet_lanes *l, int i, const float way[2], struct soil_faces *faces)
 {
 	const size_t n = faces->count++;
 	float *const to[3][3] = {{faces->x, faces->y, faces->z}, {faces->nx, faces->ny, faces->nz}, {faces->px, faces->py, faces->pz}};
@@ -99,6 +110,7 @@ static void keep(const struct facet_lanes *l, int i, const float way[2], struct 
 	faces->faces_way[n] = clamped((l->normal[0][i] * way[0] + l->normal[1][i] * way[1]) * (1 / FACES_WAY), 0, 1);
 	faces->weight[n] = soil_wedge_at(faces->wedge.weight, l->normal[2][i]);
 	faces->cohesive[n] = soil_wedge_at(faces->wedge.cohesion, l->normal[2][i]);
+	put_thrown(f, l, i, faces, n);
 }
 
 void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[3][3], float tangent, struct soil_faces *faces)
@@ -111,14 +123,14 @@ void soil_push(const struct soil_body *body, const struct soil_form *form, const
 		push_block(form, facets, b, axes, tangent, &lanes);
 		for (int i = 0; i < LANES; i++)
 			if (lanes.pushes[i] > 0)
-				keep(&lanes, i, way, faces);
+				keep(form, &lanes, i, way, faces);
 	}
 	/* The last block is filled with facets that push nothing. */
 	memset(&lanes, 0, sizeof lanes);
 	for (int i = 0; i < LANES; i++)
 		lanes.normal[2][i] = 1;
 	while (faces->count % LANES != 0)
-		keep(&lanes, 0, way, faces);
+		keep(form, &lanes, 0, way, faces);
 }
 
 #define STEP 0.01f /* of a motion, by which a quotient of differences is taken */
