@@ -102,7 +102,7 @@ static double apart(const struct furrow_contact *a, const struct furrow_contact 
 {
 	double most = 0;
 	for (int k = 0; k < 3; k++)
-		most = fmax(most, fmax(fabs(a->force[k] - b->force[k]), fabs(a->moment[k] - b->moment[k]) / ARM));
+		most = support_most(most, support_most(fabs(a->force[k] - b->force[k]), fabs(a->moment[k] - b->moment[k]) / ARM));
 	return most;
 }
 
@@ -145,7 +145,7 @@ static double largest_step(struct even *even, int freedom, double low, double hi
 	for (int i = 0; i < PARTS; i++) {
 		const struct furrow_contact now = at_place(even, freedom, low + by * (i + 1));
 		double at;
-		if (apart(&before, &now) > fmax(worth, most)) {
+		if (apart(&before, &now) > support_most(worth, most)) {
 			const double step = steepest(even, freedom, low + by * i, low + by * (i + 1), &before, &now, &at);
 			if (step > most) {
 				most = step;
@@ -174,7 +174,7 @@ static void places_and_turns_show_no_jump(void **state)
 			if ((k == 3 || k == 4) && !bodies[b].turned)
 				continue;
 			double step = largest_step(&even, k, -REACHES, -BACK, JUMP * load, &where);
-			step = fmax(step, largest_step(&even, k, BACK, k == 2 ? RISES : REACHES, fmax(JUMP * load, step), &where));
+			step = support_most(step, largest_step(&even, k, BACK, k == 2 ? RISES : REACHES, support_most(JUMP * load, step), &where));
 			if (step > JUMP * load || getenv("EVEN_TRACE") != NULL)
 				print_message("%s, freedom %d: load %.1f N, step %.3f %% at %.5f mm\n", bodies[b].name, k, load, 100 * step / load, where * 1e3);
 			fails = fails || step > JUMP * load;

@@ -18,7 +18,7 @@
 #define HALVES 0.2f    /* of a body's radius, or of the length of a line in it: over so much the front half goes over to the rear half */
 #define SPINS 0.02f    /* of the way of a rim: below this way of its axle a wheel spins on the spot */
 #define HOLE (-1e6f)   /* m: there is no soil */
-#define CELL_PARTS 7   /* a cell at an edge of a body is looked at in so many parts each way, so a post that the edge passes does not show */
+#define CELL_PARTS 7   /* of a cell at an edge of a body, each way. So a post that the edge passes does not show */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces)
 {
@@ -157,7 +157,7 @@ static float mesh_at(const struct soil_fine *fine, float east, float north)
 	return within ? fine->drawn[row * fine->stride + column] : FINE_NONE;
 }
 
-/* Returns the lower envelope of a body at a place, m east and north of its centre, m above it; FINE_NONE: it is not above the place. */
+/* Returns how high the lower envelope of a body is at a place, m above its centre. The place is in m east and north of that. FINE_NONE: it is not above it. */
 static float envelope_at(const struct soil_body *body, const struct soil_form *form, double east, double north)
 {
 	struct lower_place place;

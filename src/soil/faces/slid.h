@@ -48,8 +48,8 @@ SOIL_INLINED float slid_at(const struct soil_form *f, float x, float y)
 	const float up = m->way[2] * (2 - m->along_ground), way = sqrtf(s.goes * s.goes + up * up);
 	const float braked = sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]), whole = sqrtf(s.whole[0] * s.whole[0] + s.whole[1] * s.whole[1]);
 	const float smooth = braked / most(most(way, s.along), most(0.1f * s.runs, 1e-9f)), bars = whole / most(most(way, s.runs), 1e-9f);
-	/* Less after a short motion alone. It grows with the cube, so small motions to and fro hardly change what the law of the lower envelope bears. If they did,
-	 * soil would be pressed while it bears little, and spring back with all of its strength. */
+	/* Less after a short motion alone. It grows with the cube, so small motions to and fro hardly change what the law of the lower envelope bears. Else
+	 * soil would sink while it bears little, and spring back with all of its strength. */
 	const float moved = least(most(way, s.runs), 1);
 	return moved * moved * moved * least(smooth + f->bars * (bars - smooth), 1);
 }
