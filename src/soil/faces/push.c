@@ -10,7 +10,7 @@
 #define SIDE_FULL 0.1f /* n . v: a side that moves into the soil by more pushes whole */
 #define STEEP 0.3f     /* level part of v: a side that goes up or down more steeply pushes less. A body that sinks is borne from below */
 #define FACES_WAY 0.3f /* n . way: a facet that faces the way by more counts its depth from the ground ahead */
-#define FOLLOWS 2.0f   /* soil follows a smooth rim that spins at most so many times as fast as the body goes */
+#define FOLLOWS 2.0f   /* soil follows a rim that spins at most so many times as fast as the body goes */
 
 /* A block of facets in the frame. */
 struct facet_lanes {
@@ -26,7 +26,7 @@ SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent 
 	cross3(m->turning, at, turned);
 	cross3(f->belt, normal, belt);
 	const float went = sqrtf(dot3(m->way, m->way)), ran = sqrtf(dot3(m->rolling, m->rolling)) * f->rim_reach + fabsf(m->ran);
-	const float follows = either(FOLLOWS * went < ran, FOLLOWS * went / most(ran, 1e-12f), 1), rolls = follows + f->bars * (1 - follows);
+	const float rolls = either(FOLLOWS * went < ran, FOLLOWS * went / most(ran, 1e-12f), 1);
 	for (int k = 0; k < 3; k++)
 		moves[k] = m->way[k] + rolls * (rolled[k] + m->ran * belt[k]) + turned[k];
 }

@@ -98,12 +98,13 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, enum soil_form_kind 
 	return (struct slip){{x * by, y * by}, squares * by, either(f->ground_normals > 0, 1, time)};
 }
 
-/* The same where faces push, too. What the body pushes is not dug, in the share in which faces push. goes, runs: m, in plan. */
+/* The same where faces push, too. What the body pushes is not dug, in the share in which faces push. A rim digs by its own slip, not by that of its bars:
+ * these scoop. goes, runs: m, in plan. */
 SOIL_INLINED float digs_beside_faces(const struct soil_form *f, enum soil_form_kind kind, float x, float y, const float goes[2], const float runs[2])
 {
 	const struct slide s = slide_of(goes, runs);
 	const float keeps = 1 - faces_share(slid_at(f, x, y)), along = kind == FORM_RIM ? s.braked[0] : sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]);
-	const float aside = kind == FORM_RIM ? keeps * s.braked[1] : 0, ahead = s.spins + keeps * keeps * fabsf(along);
+	const float aside = kind == FORM_RIM ? keeps * s.braked[1] : 0, ahead = most(s.spins - f->bars_beyond * s.runs, 0) + keeps * keeps * fabsf(along);
 	return sqrtf(ahead * ahead + aside * aside);
 }
 
@@ -182,7 +183,48 @@ SOIL_INLINED void put_yields(const struct lane_posts *p, bool floored, struct bl
 	}
 }
 
-SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int32_t raised, struct block *l)
+/* Returns how much slip can dig of a post, m: rigid ground ends it. */
+SOIL_INLINED float room_above(const struct lane_posts *p, int i)
+{
+#if SOIL_LAYERED
+	const bool is = p->thick[i] < LAYER_NONE, loose = p->loose_thick[i] > 0;
+	const float rigid = either(is, p->base_k[i], either(loose, p->whole[i], p->k[i])), left = either(is, p->thick[i] + either(loose, p->loose_thick[i] - p->under[i], 0), p->loose_thick[i]);
+	return either(rigid > LAYER_RIGID, most(left * p->by_up[i] - LAYER_FILM, 0), 1e9f);
+#else
+	(void)p;
+	(void)i;
+	return 1e9f;
+#endif
+}
+
+/* Takes soil off a post, m. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
+SOIL_INLINED void take_off(struct lane_posts *p, int i, bool floored, float by, struct block *l)
+{
+	const float up = p->up[i], gone = up * by;
+	l->ground[i] -= by;
+	l->depth[i] -= by;
+	l->was[i] = most(l->was[i] - gone, 0);
+	/* The loose layer goes first, and then what is below. Its floor stays. */
+	const float of_loose = floored ? either(p->loose_thick[i] > 0, least(gone, most(p->loose_thick[i] - SOIL_UNIT, 0)), 0) : 0;
+	p->loose_thick[i] -= of_loose;
+#if SOIL_LAYERED
+	p->thick[i] = either(p->thick[i] < LAYER_NONE, most(p->thick[i] - (gone - of_loose), 0), p->thick[i]);
+#endif
+}
+
+/* What grousers scoop (faces/trend.c) does not bear, also ahead of where they have reached it. So the wheel comes to the soil lower by that, and both the shear
+ * and what slip digs begin there. The ground loses it as the wheel sinks into it. */
+SOIL_INLINED void scoop(const struct soil_form *f, struct lane_posts *p, bool floored, struct block *l)
+{
+	EACH_LANE {
+		const float by = most(least(f->scooped - p->dug[i], room_above(p, i)), 0);
+		l->more[i] = either((p->over[i] > 0) & (p->up[i] * l->depth[i] > most(l->plastic[i], 0)), most(least(by, l->depth[i] - 2 * SOIL_UNIT), 0), 0);
+		take_off(p, i, floored, by, l);
+	}
+	put_yields(p, floored, l);
+}
+
+SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, int32_t raised, struct block *l)
 {
 	EACH_LANE {
 		l->ground[i] = (float)(p->ground[i] - raised) * SOIL_UNIT - f->beyond;
@@ -197,6 +239,12 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 			put_yields(p, true, l);
 		else
 			put_yields(p, false, l);
+	}
+	if (f->scooped > 0) {
+		if (l->floored)
+			scoop(f, p, true, l);
+		else
+			scoop(f, p, false, l);
 	}
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
@@ -237,22 +285,8 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 	return (sqrtf(x * x + y * y) + 4 * sqrtf(mx * mx + my * my) + sqrtf(ex * ex + ey * ey)) * (1 / 6.0f);
 }
 
-/* Returns how much slip can dig of a post, m: rigid ground ends it. */
-SOIL_INLINED float room_above(const struct lane_posts *p, int i)
-{
-#if SOIL_LAYERED
-	const bool is = p->thick[i] < LAYER_NONE, loose = p->loose_thick[i] > 0;
-	const float rigid = either(is, p->base_k[i], either(loose, p->whole[i], p->k[i])), left = either(is, p->thick[i] + either(loose, p->loose_thick[i] - p->under[i], 0), p->loose_thick[i]);
-	return either(rigid > LAYER_RIGID, most(left * p->by_up[i] - LAYER_FILM, 0), 1e9f);
-#else
-	(void)p;
-	(void)i;
-	return 1e9f;
-#endif
-}
-
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
- * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
+ * dD = |e| (kappa K - D) / K, D what slip has dug, beyond what bars scooped. */
 SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, bool floored, struct block *l)
 {
 	EACH_LANE {
@@ -263,19 +297,12 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, st
 		const float stays = least(plastic_on(&s, after, floored), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
 		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
-		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
+		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) + f->scooped - (p->dug[i] + l->more[i]);
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
 		const float room = least(l->depth[i] - 2 * SOIL_UNIT, room_above(p, i)); /* it never digs itself free */
-		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
-		l->ground[i] -= l->more[i];
-		l->depth[i] -= l->more[i];
-		l->was[i] = most(l->was[i] - up * l->more[i], 0);
-		/* Slip digs the loose layer first, and then what is below. Its floor stays. */
-		const float gone = up * l->more[i], of_loose = floored ? either(p->loose_thick[i] > 0, least(gone, most(p->loose_thick[i] - SOIL_UNIT, 0)), 0) : 0;
-		p->loose_thick[i] -= of_loose;
-#if SOIL_LAYERED
-		p->thick[i] = either(p->thick[i] < LAYER_NONE, most(p->thick[i] - (gone - of_loose), 0), p->thick[i]);
-#endif
+		const float by = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
+		l->more[i] += by;
+		take_off(p, i, floored, by, l);
 	}
 	if (any_above(l->was, 0))
 		EACH_LANE {
