@@ -216,9 +216,22 @@ static void add_soil(XXH3_state_t *state, const struct soil_numbers *soil)
 				  soil->damping,	   soil->unit_weight, soil->theta_in,
 				  soil->theta_out,	   soil->theta_stop,  soil->roughness,
 				  soil->compression,	   soil->repose};
-	_Static_assert(sizeof numbers == offsetof(struct soil_numbers, over) - 2 * sizeof(double), "every parameter counts: density in unit_weight, face_strength where it is given; add_soils adds layers");
+	_Static_assert(sizeof numbers == offsetof(struct soil_numbers, over) - 3 * sizeof(double), "every parameter counts: density in unit_weight, numbers of faces where they are given; add_soils adds layers");
 	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
 		add_number(state, numbers[i]);
+}
+
+/* Adds the numbers of faces that the scene gives. */
+static void add_faces(XXH3_state_t *state, uint64_t i, const struct soil_numbers *soil)
+{
+	if (!isnan(soil->face_strength)) {
+		add_part(state, 'x', i);
+		add_number(state, soil->face_strength);
+	}
+	if (!isnan(soil->face_cohesion)) {
+		add_part(state, 'y', i);
+		add_number(state, soil->face_cohesion);
+	}
 }
 
 static void add_soils(XXH3_state_t *state, const struct scene *scene)
@@ -243,16 +256,12 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		if (!deform_model_reads(scene->model, "compression"))
 			soil.compression = former_compression(soil.compression);
 		add_soil(state, &soil);
-		if (!isnan(scene->soils[i].face_strength)) {
-			add_part(state, 'x', (size_t)i);
-			add_number(state, scene->soils[i].face_strength);
-		}
+		add_faces(state, (uint64_t)i, &scene->soils[i]);
 		if (soil.over != NULL) {
 			add_part(state, 'l', (uint64_t)i);
 			add_number(state, soil.thickness);
 			add_soil(state, soil.over);
-			if (!isnan(soil.over->face_strength))
-				add_number(state, soil.over->face_strength);
+			add_faces(state, (uint64_t)i, soil.over);
 		}
 	}
 	if (scene->faces != SCENE_FACES_OFF)

@@ -109,6 +109,7 @@ static const cyaml_schema_value_t object_entry = {
 	CYAML_FIELD_FLOAT_PTR("density", OPTIONAL, type, own density), \
 	CYAML_FIELD_FLOAT_PTR("unit_weight", OPTIONAL, type, own unit_weight), \
 	CYAML_FIELD_FLOAT_PTR("face_strength", OPTIONAL, type, own face_strength), \
+	CYAML_FIELD_FLOAT_PTR("face_cohesion", OPTIONAL, type, own face_cohesion), \
 	CYAML_FIELD_FLOAT_PTR("repose", OPTIONAL, type, own repose), \
 	CYAML_FIELD_FLOAT_PTR("theta_in", OPTIONAL, type, own theta_in), \
 	CYAML_FIELD_FLOAT_PTR("theta_out", OPTIONAL, type, own theta_out), \
@@ -387,6 +388,7 @@ static const struct scene_limit limits[] = {
 	{"soil.density", 0, 1e5, true, "is out of range, and the unit is kg/m3", "kg/m3", NAN, "unit_weight / gravity, or the named soil's"},
 	{"soil.unit_weight", 0, 1e6, true, NULL, "N/m3", NAN, "density x gravity, or the named soil's"},
 	{"soil.face_strength", 0, 1e12, true, NULL, "N/m3", NAN, "by unit_weight and friction_angle"},
+	{"soil.face_cohesion", 0, 1e9, false, NULL, "Pa", NAN, "cohesion, of which sand has none"},
 	{"soil.repose", 0, 89, true, NULL, "degrees", NAN, "the named soil's, or its friction_angle"},
 	{"soil.theta_in", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},
 	{"soil.theta_out", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},

@@ -76,7 +76,7 @@ struct raw_class {
 	int64_t value; /* in a table of classes: the raster's value of this class */
 	char *name;
 	double *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear;
-	double *elastic_stiffness, *damping, *density, *unit_weight, *face_strength, *repose;
+	double *elastic_stiffness, *damping, *density, *unit_weight, *face_strength, *face_cohesion, *repose;
 	double *theta_in, *theta_out, *theta_stop, *roughness, *compression;
 	double *thickness;
 	struct raw_class *over; /* it has no thickness and no soil below */

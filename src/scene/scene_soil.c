@@ -34,6 +34,7 @@ static const struct parameter {
 	PARAMETER(density, 1, true),
 	PARAMETER(unit_weight, 1, false),
 	PARAMETER(face_strength, 1, true),
+	PARAMETER(face_cohesion, 1, true),
 	PARAMETER(repose, DEGREE, true),
 	PARAMETER(theta_in, DEGREE, false),
 	PARAMETER(theta_out, DEGREE, false),

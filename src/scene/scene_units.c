@@ -110,6 +110,7 @@ static enum status doubt_class(const struct units *units, const char *where, con
 	if (bears)
 		TRY(doubt_moduli(units, where, class));
 	TRY(doubt_cohesion(units, where, "cohesion", class->cohesion));
+	TRY(doubt_cohesion(units, where, "face_cohesion", class->face_cohesion));
 	TRY(doubt_angle(units, where, "friction_angle", class->friction_angle));
 	if (bears)
 		TRY(doubt_shear(units, where, class->janosi_shear));

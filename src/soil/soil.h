@@ -83,6 +83,7 @@ struct soil_numbers {
 	double theta_in, theta_out, theta_stop, roughness, compression;
 	double repose; /* rad: model scm: angle of repose of deposited soil */
 	double face_strength; /* N/m3: model scm, of faces: the coefficient of 3D-RFT. NAN: soil_face_strength tells it */
+	double face_cohesion; /* Pa: model scm: cohesion that faces feel. NAN: soil_face_cohesion tells it */
 	/* Under model scm a soil may be a layer over another one, or over rigid ground: src/soil/law/layers.h. NULL: it is endless. The scene owns it. */
 	const struct soil_numbers *over;
 	double thickness; /* m, of the layer. Read where `over` is not NULL */
@@ -140,6 +141,9 @@ enum status soil_named(const char *name, struct soil_numbers *soil) FURROW_CHECK
  * angle. The fit is of 0.3 to 0.9; beyond that the nearer end counts. NAN: the soil has no unit_weight. Source: S. Agarwal, D. I. Goldman and K. Kamrin,
  * PNAS 120 (2023), supplement, of soil without cohesion. */
 double soil_face_strength(const struct soil_numbers *soil);
+/* Returns the cohesion that faces feel, Pa: the soil's face_cohesion, or its cohesion, of which below 1.3 kPa nothing counts, and from 1.7 kPa on all. The cohesion
+ * of sand in a table is where a line through tests at high pressures meets the axis: dry sand stands in no cut. */
+double soil_face_cohesion(const struct soil_numbers *soil);
 
 /* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */
 struct soil_interface {

@@ -82,7 +82,7 @@ void soil_clear(struct soil_numbers *soil)
 	*soil = (struct soil_numbers){
 		.bekker_kc = none, .bekker_kphi = none, .bekker_n = none, .cohesion = none, .friction_angle = none,
 		.janosi_shear = none, .elastic_stiffness = none, .damping = none, .density = none, .unit_weight = none, .repose = none,
-		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none, .face_strength = none, .thickness = none,
+		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none, .face_strength = none, .face_cohesion = none, .thickness = none,
 	};
 }
 
@@ -160,6 +160,15 @@ double soil_face_strength(const struct soil_numbers *soil)
 {
 	const double m = fmin(fmax(tan(soil->friction_angle), FACE_LEAST), FACE_MOST);
 	return isnan(soil->face_strength) ? soil->unit_weight * m * (89 - m * (386 - m * 894)) : soil->face_strength;
+}
+
+#define SAND_MOST 1300.0  /* Pa: soils of no more cohesion are sands: the table's have 170 to 1300 */
+#define LOAM_LEAST 1700.0 /* Pa: soils of more are loams and clays: sandy_loam_15 has 1720 */
+
+double soil_face_cohesion(const struct soil_numbers *soil)
+{
+	const double felt = fmin(fmax((soil->cohesion - SAND_MOST) / (LOAM_LEAST - SAND_MOST), 0), 1);
+	return isnan(soil->face_cohesion) ? felt * soil->cohesion : soil->face_cohesion;
 }
 
 #define KEY(number, key) [number] = #key,

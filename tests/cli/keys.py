@@ -145,6 +145,7 @@ ROWS = {
     "soil.damping": (CAR, {"soil.damping": "0"}),
     "soil.density": ({**LOOSE, "soil": "{cohesion: 300, friction_angle: 30, density: 1600}"}, {"soil.density": "300"}),
     "soil.face_strength": (SCM, {"soil.face_strength": "1e4"}),
+    "soil.face_cohesion": (SCM, {"soil.face_cohesion": "100"}),
     "soil.unit_weight": ({**LOOSE, "soil": "{cohesion: 300, friction_angle: 30, unit_weight: 16000}"}, {"soil.unit_weight": "3000"}),
     "soil.repose": (SCM, {"soil.repose": "12"}),
     "soil.theta_in": (SUMNER, {"soil.theta_in": "5"}),
@@ -227,7 +228,7 @@ ELSEWHERE = {"output.map": "tests/cli/contract.py", "coordinates": "tests/cli/li
 UNUSED = ("output.delay",)  # kept for scenes that give it; changes nothing
 RASTERS = {"bekker_kc": 5000, "bekker_kphi": 60000, "bekker_n": 2, "cohesion": 9000, "friction_angle": 45, "janosi_shear": 1, "elastic_stiffness": 50000}
 # The same results whatever they are, so it is told by run.json alone.
-TOLD = {"soil.face_strength": lambda run: run["soils"][0].get("face_strength"), "cache.slots": lambda run: run["cache"]["slots"], "cache.memory": lambda run: run["cache"]["slots"], "cache.loaders": lambda run: run["counts"]["threads"],
+TOLD = {"soil.face_strength": lambda run: run["soils"][0].get("face_strength"), "soil.face_cohesion": lambda run: run["soils"][0].get("face_cohesion"), "cache.slots": lambda run: run["cache"]["slots"], "cache.memory": lambda run: run["cache"]["slots"], "cache.loaders": lambda run: run["counts"]["threads"],
         "cache.prefetch": lambda run: run["counts"]["threads"]}
 FOUR = """<mujoco model="four"><option timestep="0.002" integrator="implicit"/><worldbody><body name="car" pos="0 0 0.5"><freejoint/>
 <geom name="hull" type="box" size="0.8 0.3 0.1" mass="80" contype="0" conaffinity="0"/>%s</body></worldbody><actuator><position name="steer" joint="steer" kp="300"/>

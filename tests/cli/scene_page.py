@@ -23,7 +23,7 @@ COLUMNS = ["key", "type", "unit", "range", "default", "what it does", "effect"]
 
 WHEEL = {"name": "a", "shape": {"wheel": {"radius": 0.5, "width": 0.4}}, "path": {"points": [[20, 20], [30, 20]], "speed": 5}}
 NUMBERED = {"name": "dry_sand", "bekker_kc": 990, "bekker_kphi": 1528430, "bekker_n": 1.1, "cohesion": 1040, "friction_angle": 28,
-            "janosi_shear": 0.02, "elastic_stiffness": 4e7, "damping": 3e4, "density": 1631, "unit_weight": 16000, "face_strength": 1e6, "repose": 28, "theta_in": 45,
+            "janosi_shear": 0.02, "elastic_stiffness": 4e7, "damping": 3e4, "density": 1631, "unit_weight": 16000, "face_strength": 1e6, "face_cohesion": 500, "repose": 28, "theta_in": 45,
             "theta_out": 25, "theta_stop": 45, "roughness": 0.2, "compression": 0.3}
 
 

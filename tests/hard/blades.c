@@ -143,8 +143,8 @@ static double heap_of(const struct blade *blade, double *crest)
 static void the_wedge_ahead_of_a_box_saturates(void **state)
 {
 	static const double spacings[] = {0.0625, 0.03125, 0.015625}, headings[] = {0, 30, 45, 77, 200};
-	/* So a box of 1 m, 5 cm deep, in soil that stands at 28 degrees, has so much above the ground that it found. */
-	const double tangent = tan(28 * DEGREES), rise = 0.5 * tangent, above = 0.5 * rise - 0.05, whole = 1e3 * pow(above, 3) / (3 * rise) / (sqrt(0.75) * tangent);
+	/* So a box of 1 m in soil that stands at 28 degrees has so much above the ground, however deep it goes. */
+	const double tangent = tan(28 * DEGREES), rise = 0.5 * tangent, above = 0.5 * rise, whole = 1e3 * pow(above, 3) / (3 * rise) / (sqrt(0.75) * tangent);
 	double crest;
 	(void)state;
 	for (int i = 0; i < 7; i++) {
@@ -154,7 +154,7 @@ static void the_wedge_ahead_of_a_box_saturates(void **state)
 		const double late = heap_of(&blade, &crest);
 		print_message("%g m, heading %g: %.3f l and %.0f mm after 1.5 m, %.3f l and %.0f mm after 4 m\n", blade.spacing, blade.heading, early, 1e3 * first, late, 1e3 * crest);
 		assert_true(fabs(late / early - 1) < 0.03);
-		assert_true(fabs(late / whole - 1) < (blade.spacing > 0.05 ? 0.06 : 0.03) && crest < 0.1);
+		assert_true(fabs(late / whole - 1) < (blade.spacing > 0.05 ? 0.06 : 0.03) && crest < above);
 	}
 }
 

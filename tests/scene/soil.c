@@ -6,7 +6,7 @@
 
 #define EVERY \
 	"bekker_kc: -100, bekker_kphi: 2000, bekker_n: 1.5, cohesion: 7, friction_angle: 30, janosi_shear: 0.03, " \
-	"elastic_stiffness: 4e6, damping: 5, density: 1630, unit_weight: 16000, face_strength: 8e5, repose: 31, theta_in: 41, theta_out: 21, " \
+	"elastic_stiffness: 4e6, damping: 5, density: 1630, unit_weight: 16000, face_strength: 8e5, face_cohesion: 700, repose: 31, theta_in: 41, theta_out: 21, " \
 	"theta_stop: 22, roughness: 0.1, compression: 0.25"
 
 static void a_soil_by_name_is_that_of_the_table(void **state)
@@ -32,7 +32,7 @@ static void every_parameter_may_be_given_and_counts_over_the_names(void **state)
 {
 	const struct soil_numbers all = {
 		.bekker_kc = -100, .bekker_kphi = 2000, .bekker_n = 1.5, .cohesion = 7, .friction_angle = 30 * DEGREE,
-		.janosi_shear = 0.03, .elastic_stiffness = 4e6, .damping = 5, .density = 1630, .unit_weight = 16000, .face_strength = 8e5, .repose = 31 * DEGREE,
+		.janosi_shear = 0.03, .elastic_stiffness = 4e6, .damping = 5, .density = 1630, .unit_weight = 16000, .face_strength = 8e5, .face_cohesion = 700, .repose = 31 * DEGREE,
 		.theta_in = 41 * DEGREE, .theta_out = 21 * DEGREE, .theta_stop = 22 * DEGREE, .roughness = 0.1,
 		.compression = 0.25, .thickness = (double)NAN};
 	static const char *const soils[] = {EVERY, "name: lunar, " EVERY};
@@ -107,6 +107,7 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"dry_sand", "dry_sand, unit_weight: %s", {"1", "1e6"}, {"0", "1.1e6"}, "allowed: above 0 to 1000000"},
 		{"dry_sand", "dry_sand, density: %s", {"0.1", "1e5"}, {"0", "1.1e5"}, "kg/m3; allowed: above 0 to 100000"},
 		{"dry_sand", "dry_sand, face_strength: %s", {"1e-3", "1e12"}, {"0", "1.1e12"}, "allowed: above 0 to 1e+12"},
+		{"dry_sand", "dry_sand, face_cohesion: %s", {"0", "1e9"}, {"-1", "1.1e9"}, "allowed: 0 to 1000000000"},
 		{"dry_sand", "dry_sand, theta_in: %s", {"0.1", "90"}, {"0", "90.1"}, "allowed: above 0 to 90"},
 		{"dry_sand", "dry_sand, theta_out: %s", {"0.1", "90"}, {"0", "90.1"}, "allowed: above 0 to 90"},
 		{"dry_sand", "dry_sand, theta_stop: %s", {"0.1", "90"}, {"0", "90.1"}, "allowed: above 0 to 90"},

@@ -10,10 +10,6 @@
 #define PLATE 0.87574f /* alpha of a level plate that moves straight down */
 #define NARROW 3.0f    /* a body is narrow if it is less wide than so many times its depth. The law of faces was fitted to narrow plates; a wide one has a plane wedge */
 #define PRANDTL 5.14f  /* 2 + pi: bearing capacity of a level plate over cohesion */
-/* Faces feel no cohesion of a soil below SANDS - SANDY, and all of it from SANDS on. In tests of sand cohesion is the intercept of a line through high
- * pressures. A cut in sand falls. */
-#define SANDS 3000.0f  /* Pa */
-#define SANDY 1500.0f  /* Pa */
 
 /* Where facets look up the ground. */
 struct look {
@@ -64,16 +60,24 @@ SOIL_INLINED float ground_at(const struct look *look, const struct soil_faces *f
 	return under + faces_way * (ahead - under);
 }
 
-/* Finds how deep the facets of a block are. Adds to what tells where the body is in soil, across its way: sums of area, and of area times place. */
+/* Returns how much of a facet is in soil. deep: depth of its middle; tall: half of its height; size: of a level facet, which is borne whole from this depth on; m. */
+SOIL_INLINED float share_in(float deep, float tall, float size)
+{
+	return clamped((deep + tall) / most(2 * tall, size), 0, 1);
+}
+
+/* Finds how deep the middles of the facets of a block are: below the ground that pushes them, and below that as the body finds it. Adds to what tells where the body
+ * is in soil, across its way: sums of area, and of area times place. */
 SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, size_t b, const struct look *restrict look, float raised, float size, const float across[restrict 2],
-				    float *restrict deep, float *restrict heap, float sums[restrict 2][LANES])
+				    float *restrict deep, float *restrict found, float *restrict heap, float sums[restrict 2][LANES])
 {
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		const struct spot spot = spot_at(look, faces->x[n], faces->y[n]);
-		const float depth = most(ground_at(look, faces, faces->x[n], faces->y[n], faces->faces_way[n]) - faces->z[n] - raised, 0);
-		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1], in = faces->whole[n] * least(depth * (1 / size), 1);
+		const float depth = ground_at(look, faces, faces->x[n], faces->y[n], faces->faces_way[n]) - faces->z[n] - raised;
+		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1], in = faces->whole[n] * share_in(depth, faces->tall[n], size);
 		deep[n] = depth;
+		found[n] = value_at(look, faces->found, &spot) - faces->z[n] - raised;
 		heap[n] = value_at(look, faces->heap_ahead, &spot);
 		sums[0][i] += in;
 		sums[1][i] += in * aside;
@@ -84,19 +88,25 @@ SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, siz
 struct pushing {
 	float xi, weight, cohesion; /* N/m3, N/m3, Pa */
 	float narrow;               /* 1: the body is narrow, 0: it is wide */
-	float by_size;              /* 1/m: of a facet */
+	float size;                 /* m: of a facet */
 	float upright;              /* weight of the wedge ahead of an upright wall */
 };
 
-/* Returns what soil pushes on a facet for each unit of alpha, Pa, and how that grows with depth. */
-SOIL_INLINED float pressure_of(const struct pushing *p, float depth, float heap, float sole, float weight, float cohesive, float *grows)
+/* Returns what soil pushes on a facet for each unit of alpha, Pa, and how that grows with depth. The depth is a mean over the facet, so a facet that comes out of the soil
+ * loses its force evenly. */
+SOIL_INLINED float pressure_of(const struct pushing *p, const struct soil_faces *faces, size_t n, float *grows)
 {
-	const float plain = p->xi * depth, in = least(depth * p->by_size, 1), by_weight = p->weight * weight * (1 / WALL), wide = by_weight * (depth + (1 - p->narrow) * heap);
-	const float fitted = p->narrow * weight / p->upright, mixed = fitted * plain + (1 - p->narrow) * wide, wedge = wide + p->cohesion * cohesive * (1 / WALL), held = PRANDTL / PLATE * p->cohesion;
-	const float wall = either(mixed > wedge, mixed, wedge) * in, floor = either(plain > held, plain, held * in);
-	*grows = sole * either(plain > held, p->xi, held * either(in < 1, p->by_size, 0)) +
-		 (1 - sole) * (either(mixed > wedge, fitted * p->xi + (1 - p->narrow) * by_weight, by_weight) * in + either(in < 1, either(mixed > wedge, mixed, wedge) * p->by_size, 0));
-	return either(depth > 0, sole * floor + (1 - sole) * wall, 0);
+	const float deep = faces->deep[n], tall = faces->tall[n], weight = faces->weight[n], cohesive = faces->cohesive[n], sole = faces->sole[n];
+	const float in = share_in(deep, tall, p->size), sinks = either(in > 0, either(in < 1, 1 / most(2 * tall, p->size), 0), 0);
+	const float top = clamped(deep + tall, 0, 2 * tall), by_tall = 1 / most(4 * tall, 1e-9f);
+	const float depth = top * top * by_tall + most(deep - tall, 0), deepens = most(2 * top * by_tall, deep > tall ? 1.0f : 0.0f);
+	const float by_weight = p->weight * weight * (1 / WALL), heap = (1 - p->narrow) * faces->heap[n], fitted = p->narrow * weight / p->upright;
+	const float plain = p->xi * depth, wide = by_weight * (depth + heap * in), mixed = fitted * plain + (1 - p->narrow) * wide, held = PRANDTL / PLATE * p->cohesion;
+	const float cohesion = p->cohesion * cohesive * (1 / WALL), wedge = wide + cohesion * in, widens = by_weight * (deepens + heap * sinks);
+	const float wall = most(mixed, wedge), floor = most(plain, held * in);
+	*grows = sole * either(plain > held * in, p->xi * deepens, held * sinks) +
+		 (1 - sole) * either(mixed > wedge, fitted * p->xi * deepens + (1 - p->narrow) * widens, widens + cohesion * sinks);
+	return sole * floor + (1 - sole) * wall;
 }
 
 /* Forces and moments of a block, whole numbers, and for the search how the vertical force grows. */
@@ -112,7 +122,7 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		float grows, moment[3], belt[3], large = 0;
-		const float by = unit * pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
+		const float by = unit * pressure_of(p, faces, n, &grows);
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
 		const float force[3] = {by * faces->px[n], by * faces->py[n], by * faces->pz[n]};
 		cross3(at, force, moment);
@@ -125,7 +135,7 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 		}
 		sums->pull[i] = whole_of(clamped(-dot3(force, belt), -BEAR_MOST, BEAR_MOST));
 		sums->saturated[i] = large > BEAR_MOST ? 1 : 0;
-		sums->grows[i] = either(faces->deep[n] > 0, grows * unit * faces->pz[n], 0);
+		sums->grows[i] = grows * unit * faces->pz[n];
 	}
 }
 
@@ -142,7 +152,7 @@ static void add_changes(const struct soil_form *f, const struct soil_faces *face
 {
 	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
 	float slope[2], bends[3][3], place[3][3], grows;
-	const float pressure = pressure_of(p, faces->deep[n], faces->heap[n], faces->sole[n], faces->weight[n], faces->cohesive[n], &grows);
+	const float pressure = pressure_of(p, faces, n, &grows);
 	slope_at(look, faces, n, f->spacing, slope);
 	soil_push_changes(f, faces, n, bends);
 	const float deeper[3] = {slope[0], slope[1], -1};
@@ -186,22 +196,22 @@ static struct pushing pushing_of(const struct soil_body *body, const struct soil
 	const float c = (float)body->axis[0], s = (float)body->axis[1], across[2] = {s * faces->d[0] - c * faces->d[1], c * faces->d[0] + s * faces->d[1]};
 	float sums[2][LANES] = {{0}}, deepest = 0, all[2] = {0}, left = 0, right = 0;
 	for (size_t b = 0; b < faces->count; b += LANES)
-		find_depths(faces, b, look, raised, form->spacing, across, faces->deep, faces->heap, sums);
+		find_depths(faces, b, look, raised, form->spacing, across, faces->deep, faces->found_deep, faces->heap, sums);
 	for (int k = 0; k < 2; k++)
 		for (int i = 0; i < LANES; i++)
 			all[k] += sums[k][i];
 	/* A facet counts for the width as far as it is in soil, so the width changes evenly as the body sinks. */
-	const float middle = all[1] / most(all[0], 1e-12f), by_size = 1 / form->spacing;
+	const float middle = all[1] / most(all[0], 1e-12f);
 	for (size_t n = 0; n < faces->count; n++) {
-		const float in = either(faces->whole[n] > 0, least(faces->deep[n] * by_size, 1), 0), aside = faces->x[n] * across[0] + faces->y[n] * across[1] - middle;
-		deepest = most(deepest, either(in > 0, faces->deep[n], 0));
-		left = most(left, in * aside);
-		right = most(right, -in * aside);
+		const float in = either(faces->whole[n] > 0, share_in(faces->deep[n], faces->tall[n], form->spacing), 0);
+		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1] - middle, half = 0.5f * sqrtf(faces->whole[n]);
+		deepest = most(deepest, either(in > 0, faces->found_deep[n] + faces->tall[n], 0));
+		left = most(left, in * (aside + half));
+		right = most(right, in * (half - aside));
 	}
 	const float width = left + right;
 	const float share = width / (NARROW * most(deepest, 1e-6f)), narrow = 1 / (1 + share * share * share * share);
-	const float sand = clamped((SANDS - faces->cohesion) * (1 / SANDY), 0, 1);
-	return (struct pushing){faces->xi, faces->unit_weight, faces->cohesion * (1 - sand), narrow, 1 / form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
+	return (struct pushing){faces->xi, faces->unit_weight, faces->cohesion, narrow, form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
 }
 
 void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
@@ -226,7 +236,7 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 		sums->saturated += total(block.saturated);
 		for (size_t i = 0; i < LANES; i++) {
 			sums->grows += changes == NULL ? (double)block.grows[i] : 0;
-			if (changes != NULL && faces->deep[b + i] > 0)
+			if (changes != NULL && faces->deep[b + i] + faces->tall[b + i] > 0)
 				add_changes(form, faces, b + i, &look, &pushing, changes);
 		}
 	}

@@ -96,7 +96,7 @@ static struct soil_numbers soil_below(const struct soil_law *law, const struct s
 static void put_soil(const struct soil_numbers *soil, const struct soil_trend *trend, struct soil_faces *faces)
 {
 	faces->xi = (float)soil_face_strength(soil);
-	faces->cohesion = (float)soil->cohesion;
+	faces->cohesion = (float)soil_face_cohesion(soil);
 	faces->unit_weight = (float)soil->unit_weight;
 	faces->wedge_length = (float)tan(M_PI / 4 + soil->friction_angle / 2);
 	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);

@@ -18,7 +18,9 @@
 	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
 	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
-	EACH(deep) EACH(heap)               /* at a height: depth below the ground as the body found it; height of the heap upon the wedge ahead; m */
+	EACH(tall)                          /* half of its height, m */ \
+	EACH(deep) EACH(found_deep)         /* at a height: depth of its middle below the ground that pushes it, and below that as the body found it, m */ \
+	EACH(heap)                          /* height of the heap upon the wedge ahead, m */
 struct soil_faces {
 	size_t count, room; /* count: a multiple of POSTS_LANES; 0: no facet pushes */
 #define FACES_ARRAY(name) float *name;

@@ -202,11 +202,29 @@ static int64_t filled(const struct lane_post *posts, int count, int64_t level)
 	return sum;
 }
 
-/* Returns how much soil a lane takes up to a level where its patch ends. */
-static int64_t room_of(const struct front *front, int lane, int64_t level)
+/* Returns how high the ground is where the patch of a lane ends, without the heap ahead of the body: as the base lies there, and as much above or below it as the lowest
+ * post of the lane. */
+static int64_t ground_of(const struct front *front, const struct lane_post *posts, int count)
+{
+	int64_t nearest = INT64_MAX, base = 0, above = INT64_MAX;
+	for (int i = 0; i < count; i++) {
+		const int64_t at = 4 * (int64_t)front->field->base[posts[i].at], offset = front->offset[posts[i].at], far = posts[i].key - at - offset;
+		base = far < nearest ? at : base;
+		nearest = lesser(far, nearest);
+		above = lesser(offset, above);
+	}
+	return base + above;
+}
+
+/* Returns how much soil a lane takes up to so much above the lower envelope and the ground, where its patch ends. */
+static int64_t room_of(const struct front *front, int lane, int64_t high)
 {
 	struct lane_post posts[LANE_POSTS];
-	return filled(posts, find_posts(front, lane, posts), level);
+	const int count = find_posts(front, lane, posts);
+	if (count == 0)
+		return 0;
+	const int64_t ground = ground_of(front, posts, count);
+	return filled(posts, count, (ground > front->highest ? ground : front->highest) + high);
 }
 
 /* Finds the rooms of lanes beside each other, from the first to the last. A heap falls to the ends of the front, so that it stays ahead of the body. Beside the trailing
@@ -216,7 +234,7 @@ static void find_rooms(struct front *front, int first, int last)
 	for (int i = first; i <= last; i++) {
 		const double right = (i - first + 0.5) / (1 - front->oblique[0]), left = (last - i + 0.5) / (1 - front->oblique[1]);
 		const int64_t high = (int64_t)(fmin(fmin(right, left), HIGHEST) * TO_ENDS / ACROSS * (double)front->fall);
-		front->lanes[i].room = room_of(front, i, front->highest + lesser(high, front->field->laying->tall));
+		front->lanes[i].room = room_of(front, i, lesser(high, front->field->laying->tall));
 	}
 }
 
