@@ -214,8 +214,9 @@ def scooped(soil, radius, width, bar, along, aside, rim):
     return 2 * volume / (1 + math.sqrt(1 + 4 * volume / (width * soil.tan)))
 
 
-def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, smooth, panels=160):
-    """Today's scm on a rim: force ahead, aside and up. smooth: what the rim below its bars runs. Slip digs by that."""
+def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, smooth, gone=0.0, panels=160):
+    """Today's scm on a rim: force ahead, aside and up. smooth: what the rim below its bars runs. Slip digs by that. gone: how deep bars have scooped. That bears
+    nothing, but the soil below it is sheared."""
     entry = math.acos(max(1 - sinkage / radius, -1))
     step = 2 * entry / panels
     theta = entry - (np.arange(panels) + .5) * step
@@ -232,15 +233,15 @@ def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, smooth, p
         held[i] = (before + e) / 2
         if theta[i] >= 0:
             dug = most - (most - dug) * math.exp(-math.hypot(*held[i]) * digs * math.cos(theta[i]) / soil.janosi)
-            dug = min(dug, radius * (math.cos(theta[i]) - 1) + sinkage)
+            dug = min(dug, max(radius * (math.cos(theta[i]) - 1) + sinkage - gone, 0))
         deep[i] = dug
 
     def yields(z):
         z = np.maximum(z, 0)
         return np.minimum(soil.stiffness * z ** soil.n, soil.elastic * z)
     ahead = theta >= 0
-    sigma = np.where(ahead, yields(radius * (np.cos(theta) - 1) + sinkage - deep),
-                     np.maximum(yields(np.array(sinkage - dug)) - soil.elastic * radius * (1 - np.cos(theta)), 0))
+    sigma = np.where(ahead, yields(radius * (np.cos(theta) - 1) + sinkage - gone - deep),
+                     np.maximum(yields(np.array(sinkage - gone - dug)) - soil.elastic * radius * (1 - np.cos(theta)), 0))
     tau = np.where(sigma > 0, soil.cohesion + sigma * soil.tan, 0)
     s, c = np.sin(theta), np.cos(theta)
     forces = tau * held[:, 0] * c - sigma * s, tau * held[:, 1], sigma * c + tau * held[:, 0] * s
@@ -259,20 +260,20 @@ def wheel_force(soil, radius, width, bar, sinkage, way, angle, rim, kappa=KAPPA)
     c, s = (math.cos(math.radians(angle)), math.sin(math.radians(angle))) if angle != 90 else (0.0, 1.0)
     along, aside = way * c, way * s
     w, press = blend(share(along, aside, rim))
-    sinkage -= scooped(soil, out, width, bar, along, aside, rim)
-    if sinkage <= 0:
+    gone = scooped(soil, out, width, bar, along, aside, rim)
+    if sinkage <= gone:
         return np.zeros(3)
     turn = min(rim, FOLLOW * way) / out
     v = np.stack([along + turn * place[:, 2], np.full(len(place), aside), -turn * place[:, 0]], 1)
     lowest = place[:, 2] + out - sinkage
-    depth = np.maximum(np.where(place[:, 0] * c + place[:, 1] * s > 0, 0, -sinkage) - lowest, 0)      # behind: the rut's floor
+    depth = np.maximum(np.where(place[:, 0] * c + place[:, 1] * s > 0, 0, -sinkage) - lowest - gone, 0)      # behind: the rut's floor
     chord = 2 * math.sqrt(max(2 * out * sinkage - sinkage ** 2, 0)) if sinkage < out else 2 * out
     g = ramp(kind, n, v, w, press)
     on = (depth > 0) & (g > 0)
     mu = np.where((kind == UNDER) & (bar > 0), soil.tan, min(soil.mu, soil.tan))[on]
     f = (stress(soil, n[on], v[on], depth[on], mu, chord * s + width * c, sinkage) * (area * g)[on][:, None]).sum(0)
     if w < 1:
-        f = f + (1 - w) * scm_rim(soil, out, width, sinkage, along, aside, rim, w, kappa, smooth)
+        f = f + (1 - w) * scm_rim(soil, out, width, sinkage, along, aside, rim, w, kappa, smooth, gone)
     return f
 
 

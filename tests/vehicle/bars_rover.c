@@ -1,5 +1,5 @@
 /*
- * A rover of 42 kg on six small wheels with bars, in dry sand under the gravity of Mars: it drives on the level with little slip, and creeps up a slope of 8 degrees. Without faces it stands
+ * A rover of 42 kg on six small wheels with bars, in dry sand under the gravity of Mars: it drives on the level with little slip, and climbs a slope of 8 degrees with much. Without faces it stands
  * still on the level. A measured wheel of about this size, load and bars pulls 0.11 of its load at slip 0.5, and 0.21 at slip 0.9 (VALIDATION.md, "A measured wheel"). The
  * slope takes 0.14. So much slip is to be expected there.
  */
@@ -57,7 +57,7 @@ static void it_climbs(void **state)
 {
 	(void)state;
 	const double slip = drive(8, 8);
-	assert_true(slip > 0 && slip < 0.95);
+	assert_true(slip > 0 && slip < 0.85);
 }
 
 TEST_PROGRAM(bars_rover)

@@ -212,8 +212,8 @@ SOIL_INLINED void take_off(struct lane_posts *p, int i, bool floored, float by, 
 #endif
 }
 
-/* What grousers scoop (faces/trend.c) does not bear, also ahead of where they have reached it. So the wheel comes to the soil lower by that, and both the shear
- * and what slip digs begin there. The ground loses it as the wheel sinks into it. */
+/* What grousers scoop (faces/trend.c) does not bear, also ahead of where they have reached it. Below it the bars shear the soil, from where they touch the ground.
+ * The ground loses it as the wheel sinks into it. */
 SOIL_INLINED void scoop(const struct soil_form *f, struct lane_posts *p, bool floored, struct block *l)
 {
 	EACH_LANE {
@@ -240,13 +240,13 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 		else
 			put_yields(p, false, l);
 	}
+	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 	if (f->scooped > 0) {
 		if (l->floored)
 			scoop(f, p, true, l);
 		else
 			scoop(f, p, false, l);
 	}
-	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
 
 #if SOIL_LAYERED
