@@ -12,7 +12,7 @@
 #include "world_file.h"
 
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
-					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
+					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", NULL};
 
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map",
@@ -20,7 +20,7 @@ static const struct command_option options[] = {
 	{"mesh", "OUT", .help = "the surface of the window as triangles: .obj, .glb (glTF 2.0) or .stl", .files = "obj glb stl",
 	 .instead = true},
 	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
-	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
+	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
 	 .preset = "surface"},
 	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser",
 	 .preset = "0; offset to fixed_point: the deformed level"},
@@ -46,7 +46,7 @@ const char *export_layer_name(int layer)
 enum store_layer export_store_layer(int layer)
 {
 	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_DEPOSITED,
-						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_UNITS, STORE_SURFACE};
+						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_LOOSE, STORE_DENSITY, STORE_UNITS, STORE_SURFACE};
 	return layers[layer];
 }
 
@@ -196,6 +196,27 @@ static enum status to_16_bits(const struct export_request *request, double *valu
 	return STATUS_OK;
 }
 
+/* Reads posts of the layer. What lies loose is the loose layer, and what was deposited since a body touched the post. */
+static enum status read_posts(const struct export_request *request, struct store_reader *reader, struct post_rect part, double *values)
+{
+	const enum store_layer layer = export_store_layer(request->layer);
+	const size_t count = (size_t)(part.x1 - part.x0) * (size_t)(part.y1 - part.y0);
+	enum status status;
+	double *others = NULL;
+	TRY(store_read_posts(reader, layer, (int)request->level, part, values));
+	if (request->layer != LAYER_LOOSE)
+		return STATUS_OK;
+	others = mem_alloc(2 * count, sizeof *others);
+	TRY_MEM(others, "rows to export");
+	TRY_OR(done, store_read_posts(reader, STORE_DEPOSITED, (int)request->level, part, others));
+	TRY_OR(done, store_read_posts(reader, STORE_SETTLED, (int)request->level, part, others + count));
+	for (size_t i = 0; i < count; i++)
+		values[i] = values[i] > 0 || others[i] > others[count + i] ? fmax(values[i] + others[i] - others[count + i], 0) : values[i];
+done:
+	mem_free(others);
+	return status;
+}
+
 static enum status write_rows(const struct export_request *request, struct store_reader *reader,
 			      const struct extent *extent, struct post_rect rect, struct dem_writer *writer)
 {
@@ -213,7 +234,7 @@ static enum status write_rows(const struct export_request *request, struct store
 		struct post_rect part = {rect.x0 - border, rect.y0 + y - border, rect.x1 + border,
 					 rect.y0 + y + rows + border};
 		double *out = values;
-		TRY_OR(done, store_read_posts(reader, export_store_layer(request->layer), (int)request->level, part, values));
+		TRY_OR(done, read_posts(request, reader, part, values));
 		if (request->layer == LAYER_HILLSHADE) {
 			chart_slopes(values, width, rows, extent_spacing(extent, (int)request->level), slopes, slopes + room);
 			shade(request, slopes, slopes + room, width * rows);
@@ -295,7 +316,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 							  : DEM_INT32,
 		.srs = meta->srs,
 		.vertical = request->layer <= LAYER_BASE ? meta->vertical : "",
-		.unit = request->layer < LAYER_SHEAR ? "m" : NULL,
+		.unit = request->layer < LAYER_SHEAR || request->layer == LAYER_LOOSE ? "m" : NULL,
 		.band = layer_names[request->layer],
 		.west = meta->origin[0] + (double)rect.x0 * spacing,
 		.south = meta->origin[1] + (double)rect.y0 * spacing,

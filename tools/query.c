@@ -103,11 +103,11 @@ static enum status ask_point(struct asking *asking, double x, double y)
 		enum plane plane;
 		double value;
 	} state[] = {
-		{PLANE_DEPOSITED, sample.deposited}, {PLANE_PLASTIC_SINKAGE, sample.plastic_sinkage},
+		{PLANE_DEPOSITED, sample.deposited}, {PLANE_PLASTIC_SINKAGE, sample.plastic_sinkage}, {PLANE_SETTLED, sample.loose}, {PLANE_DENSITY, sample.density},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample.planes & PLANE_BIT(state[i].plane))
-			json_number(soil, plane_layer(state[i].plane), state[i].value);
+			json_number(soil, plane_layer(state[i].plane == PLANE_SETTLED ? PLANE_LOOSE : state[i].plane), state[i].value);
 	if (sample.planes & PLANE_BIT(PLANE_SHEAR))
 		add_numbers(soil, plane_layer(PLANE_SHEAR), sample.shear, 2);
 	cJSON_AddItemToArray(asking->points, point);

@@ -286,7 +286,7 @@ const struct command command_rig = {
 	.examples = "furrow rig -o bench --soil dry_sand,clayey_38 --load 500,1000\n"
 		    "furrow rig -o bench --soil my_sand.yaml,dry_sand\n"
 		    "furrow rig -o bench --slip-angle 0,30,90 --slip locked,-0.5,0,0.5\n"
-		    "furrow rig -o b --shape 'box: {size: [0.03, 1, 0.4]}' --depth 0.1 --rake 60\n",
+		    "furrow rig -o b --shape 'box: {size: [0.002, 1, 0.4]}' --depth 0.1 --rake 60\n",
 	.see = "furrow-mobility(1), scene(5)",
 	.run = run,
 };

@@ -8,7 +8,7 @@ static struct soil_law law_of(const struct deform_params *params)
 	struct soil_law law = {
 		.spacing = extent_spacing(params->extent, params->level), .reference = params->reference, .soil_count = params->soil_count,
 		.raster_count = params->raster_count, .bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage,
-		.loosening = params->loosening, .hardening = params->hardening, .ground_normals = params->ground_normals, .faces = params->faces,
+		.loosening = params->loosening, .hardening = params->hardening, .ground_normals = params->ground_normals, .faces = params->faces, .inertia = params->inertia,
 	};
 	memcpy(law.soils, params->soils, sizeof law.soils);
 	memcpy(law.rasters, params->rasters, sizeof law.rasters);

@@ -14,6 +14,7 @@ struct soil_motion bearing_motion_of(const struct deform_contact *contact)
 	memcpy(motion.linear, contact->linear, sizeof motion.linear);
 	memcpy(motion.angular, contact->angular, sizeof motion.angular);
 	motion.runs = contact->runs;
+	motion.seconds = contact->hosted ? 0 : contact->seconds;
 	motion.trend = contact->trend;
 	return motion;
 }

@@ -202,7 +202,8 @@ static enum status read_layer(struct rasterizing *s, enum store_layer layer, flo
 {
 	static const enum plane planes[STORE_LAYERS] = {
 		[STORE_OFFSET] = PLANE_OFFSET, [STORE_DEPOSITED] = PLANE_DEPOSITED, [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE,
-		[STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR, [STORE_SHEAR_NORTH] = PLANE_SHEAR};
+		[STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR, [STORE_SHEAR_NORTH] = PLANE_SHEAR,
+		[STORE_SETTLED] = PLANE_SETTLED, [STORE_LOOSE] = PLANE_LOOSE, [STORE_DENSITY] = PLANE_DENSITY};
 	if (is_heights(layer) || s->params->level < s->working)
 		return read_posts(s, layer, into);
 	return read_tiles(s, layer, planes[layer], into);

@@ -23,7 +23,7 @@ struct deform_contact {
 	const struct soil_shape *shape;
 	struct soil_interface interface; /* for soil that bears */
 	struct soil_pose from, to;
-	double seconds; /* duration of the motion, s; 0: models ignore speeds */
+	double seconds; /* duration of the motion, s; 0: not known */
 	/* wheel: radians turned about its axis during the motion (slip 0: distance / radius); body with a belt: metres that the belt ran
 	 * (slip 0: distance) */
 	double turned;
@@ -168,6 +168,7 @@ struct deform_params {
 	double loosening, hardening; /* scm: as in struct soil_law */
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool faces;          /* scm: the soil's stress acts on an object's faces from every side as it slides; false: on its lower envelope alone */
+	double inertia;      /* scm: of soil that faces push away, a share of rho v^2; 0: none */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */

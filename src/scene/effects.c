@@ -43,7 +43,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"a post has one loose layer; what is deposited on a pressed one makes that its floor",
 		"keeps how thick what came into a rut lies there, and lets it yield as loose"},
 	[EFFECT_DENSE] = {
-		"dense", "redistribute.hardening", "", NONE, "density", "density", 0, LIST("redistribute.hardening"),
+		"dense", "redistribute.hardening", "", NONE, "density", "density", 0, LIST("redistribute.hardening", "soil.compaction"),
 		"each pass over a post adds half of what is left; hardening is what passes add in the end",
 		"makes soil stronger with each pass"},
 	[EFFECT_SOIL_MAP] = {

@@ -262,6 +262,7 @@ struct scene {
 	double bulldozing; /* share of the displaced soil, 0 to 1 */
 	double loosening, hardening; /* by which share deposited soil bears less; by which passes make soil stronger in the end. 0: not */
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
+	double inertia;      /* of soil that faces push away, a share of rho v^2; 0: none */
 	enum scene_faces faces; /* whether stress acts on a body's faces from every side as it slides, or on its lower envelope alone */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */

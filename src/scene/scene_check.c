@@ -43,7 +43,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"slip_sinkage", raw->slip_sinkage},
 		{"loosening", raw->loosening},
 		{"hardening", raw->hardening},
-		{"normals", raw->normals}, {"faces", raw->faces},
+		{"normals", raw->normals}, {"faces", raw->faces}, {"inertia", raw->inertia},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
@@ -79,6 +79,8 @@ static enum status check_redistribute(const struct scene_tree *tree,
 	if (deform_model_takes(scene->model, "slip_sinkage"))
 		scene->slip_sinkage = number(raw->slip_sinkage, "redistribute.slip_sinkage");
 	scene->faces = raw->faces != NULL ? (enum scene_faces)*raw->faces : SCENE_FACES_OFF;
+	if (deform_model_takes(scene->model, "inertia"))
+		scene->inertia = number(raw->inertia, "redistribute.inertia");
 	if (deform_model_takes(scene->model, "loosening"))
 		scene->loosening = number(raw->loosening, "redistribute.loosening");
 	if (deform_model_takes(scene->model, "hardening"))

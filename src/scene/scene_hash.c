@@ -216,9 +216,33 @@ static void add_soil(XXH3_state_t *state, const struct soil_numbers *soil)
 				  soil->damping,	   soil->unit_weight, soil->theta_in,
 				  soil->theta_out,	   soil->theta_stop,  soil->roughness,
 				  soil->compression,	   soil->repose};
-	_Static_assert(sizeof numbers == offsetof(struct soil_numbers, over) - 3 * sizeof(double), "every parameter counts: density in unit_weight, numbers of faces where they are given; add_soils adds layers");
+	_Static_assert(sizeof numbers == offsetof(struct soil_numbers, over) - 3 * sizeof(double), "every parameter counts: density in unit_weight, numbers of faces where they are given; add_soils adds layers and compaction");
 	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
 		add_number(state, numbers[i]);
+}
+
+/* Tells whether a soil has a density that is neither its name's, with that weight, nor what makes its weight. */
+static bool has_own_density(const struct scene *scene, int i)
+{
+	const struct soil_numbers *soil = &scene->soils[i];
+	struct soil_numbers named;
+	if (isnan(soil->density) || fabs(soil->density * scene->gravity / soil->unit_weight - 1) < 1e-9)
+		return false;
+	return soil_named(scene->soil_names[i], &named) != STATUS_OK || soil->density != named.density || soil->unit_weight != named.unit_weight;
+}
+
+/* What the inertia of soil depends on, where it is not as by default. */
+static void add_inertia(XXH3_state_t *state, const struct scene *scene)
+{
+	if (scene->inertia != SCENE_INERTIA) {
+		add_part(state, 'i', 0);
+		add_number(state, scene->inertia);
+	}
+	for (int i = 0; i < scene->soil_count && scene->inertia > 0; i++)
+		if (has_own_density(scene, i)) {
+			add_part(state, 'q', (size_t)i);
+			add_number(state, scene->soils[i].density);
+		}
 }
 
 /* Adds the numbers of faces that the scene gives. */
@@ -257,6 +281,10 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 			soil.compression = former_compression(soil.compression);
 		add_soil(state, &soil);
 		add_faces(state, (uint64_t)i, &scene->soils[i]);
+		if (scene->hardening > 0 && soil.compaction > 0) {
+			add_part(state, 'c', (uint64_t)i);
+			add_number(state, soil.compaction);
+		}
 		if (soil.over != NULL) {
 			add_part(state, 'l', (uint64_t)i);
 			add_number(state, soil.thickness);
@@ -266,6 +294,8 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	}
 	if (scene->faces != SCENE_FACES_OFF)
 		add_part(state, 'F', (uint64_t)scene->faces);
+	if (deform_model_takes(scene->model, "inertia") && scene->faces == SCENE_FACES_ON)
+		add_inertia(state, scene);
 	if (scene->normals != SCENE_BODY)
 		add_part(state, 'n', (uint64_t)scene->normals);
 	if (scene->tolerance != 0) {

@@ -15,6 +15,7 @@ static const char *path_of(const struct raw_rasters *raw, enum soil_number numbe
 		[SOIL_JANOSI_SHEAR] = raw->janosi_shear,
 		[SOIL_ELASTIC_STIFFNESS] = raw->elastic_stiffness,
 		[SOIL_THICKNESS] = raw->thickness,
+		[SOIL_COMPACTION] = raw->compaction,
 	};
 	return paths[number];
 }
@@ -42,6 +43,8 @@ static enum status take(const struct scene_tree *tree, const char *path, enum so
 	const struct scene_node *node = scene_tree_find(tree, "soil.rasters.%s", key);
 	if (number == SOIL_THICKNESS && !has_layer(scene))
 		return scene_error(tree->file, node, "is of a layer, and no soil lies over another; give soil.over too");
+	if (number == SOIL_COMPACTION && !(scene->hardening > 0))
+		return scene_error(tree->file, node, "is how dense the soil is, which counts with redistribute.hardening alone; give that too");
 	if (scene->raster_count == SOIL_RASTERS)
 		return scene_error(tree->file, node, "is one raster too many; allowed: at most %d", SOIL_RASTERS);
 	struct scene_raster *raster = &scene->rasters[scene->raster_count];

@@ -125,6 +125,7 @@ static const cyaml_schema_field_t over_fields[] = {
 #define LAYER_FIELDS(type, own) \
 	SOIL_FIELDS(type, own), \
 	CYAML_FIELD_FLOAT_PTR("thickness", OPTIONAL, type, own thickness), \
+	CYAML_FIELD_FLOAT_PTR("compaction", OPTIONAL, type, own compaction), \
 	CYAML_FIELD_MAPPING_PTR("over", OPTIONAL, type, own over, over_fields)
 
 static const cyaml_schema_field_t class_fields[] = {
@@ -147,6 +148,7 @@ static const cyaml_schema_field_t raster_fields[] = {
 	CYAML_FIELD_STRING_PTR("janosi_shear", OPTIONAL, struct raw_rasters, janosi_shear, 1, 4096),
 	CYAML_FIELD_STRING_PTR("elastic_stiffness", OPTIONAL, struct raw_rasters, elastic_stiffness, 1, 4096),
 	CYAML_FIELD_STRING_PTR("thickness", OPTIONAL, struct raw_rasters, thickness, 1, 4096),
+	CYAML_FIELD_STRING_PTR("compaction", OPTIONAL, struct raw_rasters, compaction, 1, 4096),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t soil_fields[] = {
@@ -204,6 +206,7 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 			     undisturbed_words, 2),
 	CYAML_FIELD_ENUM_PTR("normals", OPTIONAL, struct raw_redistribute, normals, normals_words, 2),
 	CYAML_FIELD_ENUM_PTR("faces", OPTIONAL, struct raw_redistribute, faces, faces_words, 2),
+	CYAML_FIELD_FLOAT_PTR("inertia", OPTIONAL, struct raw_redistribute, inertia),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {
@@ -396,6 +399,7 @@ static const struct scene_limit limits[] = {
 	{"soil.roughness", 0, 0.2, true, "is out of the range in which slides come to rest", NULL, NAN, "the named soil's"},
 	{"soil.compression", 0, 1, false, NULL, NULL, NAN, "the named soil's"},
 	{"soil.thickness", 0, 1000, false, NULL, "m", NAN, "endless; needed with over"},
+	{"soil.compaction", 0, 1, false, NULL, NULL, 0, NULL},
 	{"soil.value", 0, 255, false, NULL, NULL, NAN, NULL},
 	{"relief.roughness", 0, 10, false, NULL, "m", NAN, NULL},
 	{"relief.wavelength", 0, 1e6, true, NULL, "m", NAN, NULL},
@@ -413,6 +417,7 @@ static const struct scene_limit limits[] = {
 	{"redistribute.slip_sinkage", 0, 10, false, NULL, NULL, 1.35, NULL},
 	{"redistribute.loosening", 0, 0.99, false, NULL, NULL, 0, NULL},
 	{"redistribute.hardening", 0, 10, false, NULL, NULL, 0, NULL},
+	{"redistribute.inertia", 0, 10, false, NULL, NULL, 1, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, "is out of range, and the unit is m, not mm", "m", NAN, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.wheel.grousers", 0, 128, false, NULL, NULL, 0, NULL},

@@ -78,12 +78,12 @@ struct raw_class {
 	double *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear;
 	double *elastic_stiffness, *damping, *density, *unit_weight, *face_strength, *face_cohesion, *repose;
 	double *theta_in, *theta_out, *theta_stop, *roughness, *compression;
-	double *thickness;
+	double *thickness, *compaction;
 	struct raw_class *over; /* it has no thickness and no soil below */
 };
 /* Paths of rasters. */
 struct raw_rasters {
-	char *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear, *elastic_stiffness, *thickness;
+	char *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear, *elastic_stiffness, *thickness, *compaction;
 };
 struct raw_soil {
 	struct raw_class all; /* if the scene has one soil, it is this one */
@@ -104,10 +104,11 @@ struct raw_relief {
 	uint32_t classes_count;
 };
 #define SCENE_LOOSENING 0 /* of scenes that do not give it */
+#define SCENE_INERTIA 1   /* the same */
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
-	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage, *loosening, *hardening;
+	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage, *loosening, *hardening, *inertia;
 	int *undisturbed; /* enum scene_undisturbed */
 	int *normals;     /* enum scene_normals */
 	int *faces;       /* enum scene_faces */

@@ -41,6 +41,7 @@ static const struct parameter {
 	PARAMETER(theta_stop, DEGREE, false),
 	PARAMETER(roughness, 1, false),
 	PARAMETER(compression, 1, false),
+	PARAMETER(compaction, 1, true),
 };
 #define PARAMETERS (sizeof parameters / sizeof parameters[0])
 
@@ -173,6 +174,8 @@ static void fill_in(const struct scene *scene, struct soil_numbers *soil)
 		soil->elastic_stiffness = SOIL_USUAL_STIFFNESS;
 	if (deform_model_reads(scene->model, "damping") && isnan(soil->damping))
 		soil->damping = SOIL_USUAL_DAMPING;
+	if (scene->hardening > 0 && isnan(soil->compaction))
+		soil->compaction = 0;
 	if (deform_model_reads(scene->model, "face_strength") && isnan(soil->unit_weight)) {
 		soil->density = SOIL_USUAL_DENSITY;
 		soil->unit_weight = soil->density * scene->gravity;
@@ -273,6 +276,8 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 	for (size_t i = 0; i < PARAMETERS; i++)
 		scene->soil_given[index] |= (unsigned)(given(raw, &parameters[i]) != NULL) << i;
 	TRY(fill_class(tree, raw, where, scene, &scene->soils[index]));
+	if (raw->compaction != NULL && *raw->compaction > 0 && deform_model_reads(scene->model, "compaction") && !(scene->hardening > 0))
+		TRY(scene_tell_unused(scene, "%s.compaction: how dense soil is counts with redistribute.hardening alone; give that, or take it away", where));
 	return check_layer(tree, raw, where, scene, index);
 }
 

@@ -87,6 +87,7 @@ struct soil_numbers {
 	/* Under model scm a soil may be a layer over another one, or over rigid ground: src/soil/law/layers.h. NULL: it is endless. The scene owns it. */
 	const struct soil_numbers *over;
 	double thickness; /* m, of the layer. Read where `over` is not NULL */
+	double compaction; /* 0 .. 1: how dense the soil is before a body passes over it. Read with hardening */
 };
 #define SOIL_ENDLESS 1000.0         /* m: a layer so thick counts as endless */
 #define SOIL_RIGID_STIFFNESS 1e9    /* Pa/m: rigid ground without a layer springs, as it must have some stiffness */
@@ -106,7 +107,8 @@ void soil_end_layer(struct soil_numbers *soil);
 	NUMBER(SOIL_FRICTION_ANGLE, friction_angle) \
 	NUMBER(SOIL_JANOSI_SHEAR, janosi_shear) \
 	NUMBER(SOIL_ELASTIC_STIFFNESS, elastic_stiffness) \
-	NUMBER(SOIL_THICKNESS, thickness)
+	NUMBER(SOIL_THICKNESS, thickness) \
+	NUMBER(SOIL_COMPACTION, compaction)
 #define SOIL_NUMBER(number, key) number,
 enum soil_number { SOIL_NUMBERS_EACH(SOIL_NUMBER) SOIL_NUMBERS };
 #undef SOIL_NUMBER
@@ -218,6 +220,7 @@ struct soil_law {
 	double hardening;        /* the share by which passes make soil stronger in the end; 0: not */
 	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
 	bool faces;              /* soil pushes on a body's faces from every side as it slides; false: on its lower envelope alone */
+	double inertia;          /* of soil that faces push away: lambda of dynamic RFT, 0: none */
 };
 
 /* Ends layers that are 0 or endless everywhere, and sets law->layered. Call it when the soils and rasters are set. */
@@ -253,6 +256,7 @@ struct soil_motion {
 	double rotated[3];       /* rad about local axes since `from`, of a body that a host moves and that is no wheel */
 	double linear[3], angular[3]; /* m/s, rad/s, local axes: what damps; 0 for a body on a path */
 	double runs;             /* m/s of its belt */
+	double seconds;          /* of a body on a path: how long the motion took, for the soil's inertia; 0: not known */
 	struct soil_trend trend; /* its recent motion, up to `from` */
 	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
 	double hollows;          /* m: of a body that pushes: posts that it is above by at most this much are below it, too */

@@ -82,7 +82,7 @@ void soil_clear(struct soil_numbers *soil)
 	*soil = (struct soil_numbers){
 		.bekker_kc = none, .bekker_kphi = none, .bekker_n = none, .cohesion = none, .friction_angle = none,
 		.janosi_shear = none, .elastic_stiffness = none, .damping = none, .density = none, .unit_weight = none, .repose = none,
-		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none, .face_strength = none, .face_cohesion = none, .thickness = none,
+		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none, .face_strength = none, .face_cohesion = none, .thickness = none, .compaction = none,
 	};
 }
 

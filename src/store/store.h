@@ -513,6 +513,9 @@ enum store_layer {
 	STORE_SHEAR, /* its amount, a share of the soil's strength; and its parts to the east and to the north */
 	STORE_SHEAR_EAST,
 	STORE_SHEAR_NORTH,
+	STORE_SETTLED, /* of a loose layer, as the planes have them; and how dense passes have made the soil, a share of 1 */
+	STORE_LOOSE,
+	STORE_DENSITY,
 	STORE_LAYERS
 };
 /* Returns the part of a post's shear that a layer of shear shows. Pure. */
@@ -535,6 +538,8 @@ struct store_sample {
 	unsigned planes; /* the planes that the tile at this point has, a mask of PLANE_BIT */
 	/* at the nearest post: metres; and the mobilised shear to the east and to the north, shares of the soil's strength */
 	double deposited, plastic_sinkage, shear[2];
+	/* At the nearest post: how thick soil lies loose there, m, with what came since a body touched it; how dense passes have made it, a share of 1 */
+	double loose, density;
 };
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 	FURROW_CHECKED;

@@ -71,6 +71,7 @@ static const struct {
 	[STORE_UNITS] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DISTURBANCE, add_as_is},
 	[STORE_DEPOSITED] = {ROW_DEPOSITED, add_metres},  [STORE_PLASTIC_SINKAGE] = {ROW_PLASTIC_SINKAGE, add_metres},
 	[STORE_SHEAR] = {ROW_SHEAR, add_shear}, [STORE_SHEAR_EAST] = {ROW_SHEAR, add_shear}, [STORE_SHEAR_NORTH] = {ROW_SHEAR, add_shear},
+	[STORE_SETTLED] = {ROW_SETTLED, add_metres}, [STORE_LOOSE] = {ROW_LOOSE, add_metres}, [STORE_DENSITY] = {ROW_DENSITY, add_metres},
 };
 
 /* Returns the part of `rect` that this tile provides. The tile is `shift` levels coarser than the posts of `rect`. Neighbouring

@@ -86,6 +86,20 @@ static enum status nearest(struct store_reader *reader, enum store_layer layer, 
 	return STATUS_OK;
 }
 
+/* What lies loose on a post is its loose layer, and what was deposited since a body touched the post (src/soil/law/memory.h). */
+static enum status read_loose(struct store_reader *reader, int level, struct post_rect cell, double u, double v, struct store_sample *sample)
+{
+	double settled = 0, loose = 0;
+	if (sample->planes & PLANE_BIT(PLANE_DENSITY))
+		TRY(nearest(reader, STORE_DENSITY, level, cell, u, v, &sample->density));
+	if (!(sample->planes & (PLANE_BIT(PLANE_SETTLED) | PLANE_BIT(PLANE_LOOSE))))
+		return STATUS_OK;
+	TRY(nearest(reader, STORE_SETTLED, level, cell, u, v, &settled));
+	TRY(nearest(reader, STORE_LOOSE, level, cell, u, v, &loose));
+	sample->loose = loose > 0 || sample->deposited > settled ? fmax(loose + sample->deposited - settled, 0) : 0;
+	return STATUS_OK;
+}
+
 static enum status sample_inside(struct store_reader *reader, double x, double y, struct store_sample *sample)
 {
 	int level;
@@ -108,6 +122,7 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample->planes & PLANE_BIT(state[i].plane))
 			TRY(nearest(reader, state[i].layer, level, cell, u, v, state[i].value));
+	TRY(read_loose(reader, level, cell, u, v, sample));
 	sample->base = lattice_bilinear(base, u, v, 0);
 	sample->nodata = isnan(sample->base);
 	if (sample->nodata)

@@ -190,6 +190,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		memcpy(contact.rotated, event->rotated, sizeof contact.rotated);
 		return contact;
 	}
+	contact.seconds = event->seconds;
 	contact.to.turn = contact.from.turn = body->last.turn;
 	if (body->has_last)
 		roll(body, &contact);

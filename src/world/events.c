@@ -50,6 +50,7 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 		struct track_point before;
 		motion_track_sample(body->track, sample - 1, &before);
 		event->distance = hypot(point.x - before.x, point.y - before.y);
+		event->seconds = point.time - before.time;
 	}
 	return STATUS_OK;
 }

@@ -115,6 +115,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.loosening = scene->loosening, .hardening = scene->hardening,
 		.ground_normals = scene->normals == SCENE_GROUND,
 		.faces = scene->faces == SCENE_FACES_ON,
+		.inertia = scene->inertia,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
 		.batches = !world->params.alone,

@@ -124,6 +124,7 @@ void world_body_pack(const struct world *world, size_t number, struct world_move
 	moved->skipped = body->skipped;
 	moved->has_last = body->has_last;
 	moved->last = body->last;
+	moved->trend = body->trend;
 	moved->distance = body->distance;
 	moved->sinkage = body->sinkage;
 	moved->equilibrium = body->equilibrium;
@@ -145,6 +146,7 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	body->skipped = moved->skipped;
 	body->has_last = moved->has_last;
 	body->last = moved->last;
+	body->trend = moved->trend;
 	body->distance = moved->distance;
 	body->sinkage = moved->sinkage;
 	body->equilibrium = moved->equilibrium;

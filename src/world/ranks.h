@@ -70,6 +70,7 @@ struct world_moved {
 	int64_t number, next, skipped, equilibrium;
 	uint64_t windows, windows_moved;
 	struct soil_pose last, shown; /* shown: the pose of its rows */
+	struct soil_trend trend;      /* its recent motion, up to `last` */
 	struct world_force force;
 	double distance, sinkage;
 	bool has_last, placed, felt;  /* placed: it has rows; felt: `force` is that of its last contact */

@@ -146,7 +146,8 @@ static void a_shear_limit_is_of_the_body_s_surface(void **state)
 		double adhesion, angle;
 	} rows[] = {{"", 1040, 28}, {", interface: {friction_angle: 10}", 1040, 10}, {", interface: {adhesion: 100, friction_angle: 20}", 100, 20},
 		    {", interface: {adhesion: 5000}", 1040, 28}};
-	struct furrow_world *world = hosted_world("surface.furrow");
+	/* Of the lower envelope: faces take two thirds of the soil's friction angle where none is given. */
+	struct furrow_world *world = hosted_world_over("surface.furrow", "{time_step: 0.01, spacing: 0.125, soil: {name: dry_sand}, redistribute: {model: scm, faces: off}}", hosted_flat);
 	double pull[4];
 	for (int i = 0; i < 4; i++) {
 		char object[120];

@@ -31,8 +31,9 @@ static struct furrow_state state_at(const struct way *way, int shape, double spa
 }
 
 /* Returns the worst difference of a component: as a share of the vertical force, or of half of the greatest; moments over 0.25 m. */
-static double worst_on(const struct probing_ground *ground, const struct way *way, int shape)
+static double worst_on(const struct probing_ground *ground, const struct way *way, int shape, bool faces)
 {
+	probing_more = faces ? ", faces: on" : ", faces: off";
 	struct furrow_world *world = probing_world(ground);
 	double worst = 0, greatest = 10;
 	furrow_body body;
@@ -47,7 +48,8 @@ static double worst_on(const struct probing_ground *ground, const struct way *wa
 		done(furrow_get_contacts(world, 1, &body, &told, sizeof told));
 		greatest = support_most(greatest, told.force[2]);
 		const double by = fmax(told.force[2], 0.5 * greatest);
-		assert_true(told.force[2] < 0.002 * greatest || probed.state == told.state);
+		/* Whether faces slide is told by how their friction adds up, which is near its limit. */
+		assert_true(told.force[2] < 0.002 * greatest || probed.state == told.state || faces);
 		for (int k = 0; k < 3; k++)
 			worst = support_most(worst, support_most(fabs(probed.force[k] - told.force[k]), fabs(probed.moment[k] - told.moment[k]) / 0.25) / by);
 		assert_true(told.state == FURROW_AIR || fabs(probed.area - told.area) < 0.02 * told.area + 0.4 * ground->spacing * ground->spacing);
@@ -57,6 +59,7 @@ static double worst_on(const struct probing_ground *ground, const struct way *wa
 		}
 	}
 	done(furrow_world_close(world));
+	probing_more = "";
 	return worst;
 }
 
@@ -76,9 +79,10 @@ static void a_probe_tells_what_the_gpu_does(void **state)
 		for (int shape = 0; shape < 3; shape++)
 			for (int k = 0; k < 2; k++) {
 				const struct way way = {ways[k].degrees, ways[k].turns, rows[i].depth};
-				const double worst = worst_on(&rows[i].ground, &way, shape);
-				print_message("%s, %g m, slope %g, %s at %g degrees: %.3f %%\n", rows[i].ground.soil, rows[i].ground.spacing,
-					      rows[i].ground.degrees, names[shape], way.degrees, worst * 100);
+				const bool faces = (i + (size_t)shape + (size_t)k) % 2 == 1;
+				const double worst = support_most(worst_on(&rows[i].ground, &way, shape, false), faces ? worst_on(&rows[i].ground, &way, shape, true) : 0);
+				print_message("%s, %g m, slope %g, %s at %g degrees%s: %.3f %%\n", rows[i].ground.soil, rows[i].ground.spacing,
+					      rows[i].ground.degrees, names[shape], way.degrees, faces ? ", also with faces" : "", worst * 100);
 				/* A box that slides aslant on a slope remembers the hollow that it left only roughly. */
 				assert_true(worst < (shape == 2 && rows[i].ground.degrees > 0 && way.degrees > 0 ? 0.03 : 0.005));
 			}
@@ -143,6 +147,7 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 	static const double slopes[] = {0, 12};
 	for (int k = 0; k < 2; k++)
 		for (int shape = 0; shape < 3; shape++) {
+			probing_more = ", faces: off";
 			struct furrow_world *world = probing_world(&(struct probing_ground){"stiff.furrow", "dry_sand", 0.015625, slopes[k], 100, 0, 0, false});
 			const struct way way = {20, 1, 0.015};
 			furrow_body body;
@@ -168,6 +173,7 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 			assert_true(stiffness.worst < 0.4 && stiffness.least > 0.75 && stiffness.most < 1.3);
 			assert_true(damping.worst < 0.35 && damping.least > 0.9 && damping.most < 1.45);
 			done(furrow_world_close(world));
+			probing_more = "";
 		}
 }
 

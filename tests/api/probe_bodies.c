@@ -176,7 +176,9 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 	const struct probing_ground ground = {"stiff.furrow", "dry_sand", 0.015625, 6, 100, 0, 0, false};
 	write_foot();
 	for (size_t b = 0; b < sizeof bodies / sizeof *bodies; b++) {
+		probing_more = ", faces: off";
 		struct furrow_world *world = probing_world(&ground);
+		probing_more = "";
 		struct furrow_state at;
 		furrow_body number;
 		done(furrow_body_add(world, bodies[b].shape, &number));

@@ -25,13 +25,15 @@ struct probing_ground {
 	bool bare;               /* no soil is laid around bodies */
 };
 
+static const char *probing_more = ""; /* other keys of `redistribute`: ", KEY: VALUE" */
+
 static inline struct furrow_world *probing_world(const struct probing_ground *ground)
 {
 	char scene[400];
 	struct furrow_world *world = NULL;
 	const char *store = support_path(ground->name);
-	snprintf(scene, sizeof scene, "{scene: 1, time_step: %g, spacing: %.10g, soil: {name: %s}, redistribute: {model: scm, bulldozing: %g}, cache: {slots: %d}}",
-		 ground->time_step > 0 ? ground->time_step : 0.01, ground->spacing, ground->soil, ground->bare ? 0 : 0.5, ground->slots > 0 ? ground->slots : 64);
+	snprintf(scene, sizeof scene, "{scene: 1, time_step: %g, spacing: %.10g, soil: {name: %s}, redistribute: {model: scm, bulldozing: %g%s}, cache: {slots: %d}}",
+		 ground->time_step > 0 ? ground->time_step : 0.01, ground->spacing, ground->soil, ground->bare ? 0 : 0.5, probing_more, ground->slots > 0 ? ground->slots : 64);
 	probing_slope = tan(ground->degrees * DEGREES);
 	probing_base = ground->height;
 	support_store(store, probing_extent, probing_incline);

@@ -22,7 +22,7 @@ struct ground_params {
 	bool lines;                       /* soil slides along lines too */
 	double depth;                     /* m; 0: under scm none below what is laid, otherwise no bottom */
 	bool stands;                      /* undisturbed ground is stable */
-	double bulldozing, slip_sinkage;
+	double bulldozing, slip_sinkage, loosening, hardening;
 	bool ground_normals;
 	uint32_t loaded_bodies;
 };
@@ -62,7 +62,8 @@ static inline unsigned ground_memory(const struct ground_params *params, enum de
 {
 	struct soil_numbers sand;
 	assert_ok(soil_named("dry_sand", &sand));
-	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (deform_slopes_count(model, params->soils != NULL ? params->soils : &sand, 1) ? DEFORM_SLOPES : 0);
+	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (params->loosening > 0 ? DEFORM_LOOSENS : 0) | (params->hardening > 0 ? DEFORM_HARDENS : 0) |
+	        (deform_slopes_count(model, params->soils != NULL ? params->soils : &sand, 1) ? DEFORM_SLOPES : 0);
 }
 
 static inline void ground_init(struct ground *ground, const struct ground_params *params)
@@ -84,7 +85,8 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.extent = &ground->extent, .reference = params->reference, .model = model, .box_radius = 1, .box_repetitions = 1, .soil_count = 1,
 		.iterations = params->iterations != 0 ? params->iterations : 4, .along_lines = params->lines, .relief = (double)INFINITY,
 		.depth = params->depth != 0 ? params->depth : model == DEFORM_SCM ? 0 : (double)INFINITY, .undisturbed_stable = params->stands,
-		.bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage, .ground_normals = params->ground_normals,
+		.bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage, .loosening = params->loosening, .hardening = params->hardening,
+		.ground_normals = params->ground_normals,
 		.loaded_bodies = params->loaded_bodies,
 	};
 	assert_ok(soil_named("dry_sand", &deform.soils[0]));

@@ -25,6 +25,7 @@ SCM = {**HEAD, "soil": "{name: dry_sand}", "redistribute": "{model: scm, interva
        "objects": f"[{WHEEL % 'load: 900, slip: 0.3'}]"}
 RUT = {**SCM, "objects": "[{name: a, shape: {wheel: {radius: 0.5, width: 0.4}}, load: 900, slip: 0.3, path: {points: [[10, 20], [14, 20]], speed: 3}}, "
                          "{name: b, shape: {wheel: {radius: 0.5, width: 0.4}}, load: 900, slip: 0.3, path: {points: [[8.5, 20], [12.5, 20]], speed: 3}}]"}
+DENSE = {**SCM, "redistribute": "{model: scm, interval: 0.05, hardening: 1}"}
 LOOSE = {**HEAD, "soil": "{cohesion: 0, friction_angle: 30, unit_weight: 16000}", "redistribute": "{model: slippage, interval: 0.05, depth: 0.3, undisturbed: slides}",
          "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 SUMNER = {**HEAD, "soil": "{name: sand}", "redistribute": "{model: sumner, interval: 0.05}", "objects": f"[{WHEEL % 'sink: 0.2'}]"}
@@ -167,7 +168,8 @@ ROWS = {
     "redistribute.slip_sinkage": (SCM, {"redistribute.slip_sinkage": "4"}),
     "redistribute.loosening": (RUT, {"redistribute.loosening": "0.67"}),
     "redistribute.hardening": (RUT, {"redistribute.hardening": "0.5"}),
-    "redistribute.faces": ({**SCM, "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.faces": "on"}),
+    "redistribute.faces": ({**SCM, "redistribute": "{model: scm, interval: 0.05, faces: on}", "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.faces": "off"}),
+    "redistribute.inertia": ({**SCM, "redistribute": "{model: scm, interval: 0.05, faces: on}", "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.inertia": "0"}),
     "redistribute.normals": (SCM, {"redistribute.normals": "ground"}),
     "redistribute.undisturbed": (LOOSE, {"redistribute.undisturbed": "stable"}),
     "output.forces": (SCM, {"output.forces": "5"}),
@@ -219,6 +221,8 @@ ROWS = {
     "cameras[].stereo": (SHOT, {"cameras.c.stereo": "0.4"}),
 }
 ROWS["soil.rasters.thickness"] = (LAYER, {"soil.rasters": "{thickness: west.png}"})
+ROWS["soil.rasters.compaction"] = (DENSE, {"soil.rasters": "{compaction: west.png}"})
+ROWS["soil.compaction"] = (DENSE, {"soil.compaction": "0.5"})
 ROWS["soil.thickness"] = (LAYER, {"soil.thickness": "0.1"})
 ROWS |= {f"soil.rasters.{key}": (SCM, {"soil.rasters": f"{{{key}: {key}.png}}"}) for key in
          ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear", "elastic_stiffness")}

@@ -40,15 +40,39 @@ class Layers(FurrowTest):
     def test_a_raster_of_thickness_gives_each_half_its_soil(self):
         """0 is the lower soil, 1000 the upper one, both to the last digit. What is laid goes by the upper one, so nothing is."""
         self.png("t.png", 0, 1000)
-        store, forces, report = self.driven("{name: snow_us, thickness: 0.2, over: dry_sand, rasters: {thickness: t.png}}", model="scm, bulldozing: 0, slip_sinkage: 0")
+        store, forces, report = self.driven("{name: snow_us, thickness: 0.2, over: dry_sand, rasters: {thickness: t.png}}", model="scm, bulldozing: 0, slip_sinkage: 0, faces: off")
         self.assertEqual(report["rasters"]["thickness"]["high"], 1000)
         found = halves(store)
         for half, (soil, name) in enumerate((("dry_sand", "west"), ("snow_us", "east"))):
-            store, alone, _ = self.driven(f"{{name: {soil}}}", model="scm, bulldozing: 0, slip_sinkage: 0")
+            store, alone, _ = self.driven(f"{{name: {soil}}}", model="scm, bulldozing: 0, slip_sinkage: 0, faces: off")
             self.assertGreater(len(forces[name]), 10)
             self.assertEqual(unnamed(forces[name]), unnamed(alone[name]))
             self.assertTrue(len(found[half]) > 3 and found[half] == halves(store)[half])
             self.assertNotEqual(unnamed(forces[("east", "west")[half]]), unnamed(alone[("east", "west")[half]]))
+
+    def test_dense_ground_sinks_less_by_number_class_and_raster(self):
+        """A raster of compaction: each half is the soil of that number, to the last digit."""
+        self.png("c.png", 0, 1)
+        self.png("m.png", 1, 2)
+        harder = "scm, bulldozing: 0, slip_sinkage: 0, hardening: 1"
+        _, rasters, _ = self.driven("{name: dry_sand, rasters: {compaction: c.png}}", model=harder)
+        _, classes, _ = self.driven("{map: m.png, classes: {1: dry_sand, 2: {name: dry_sand, compaction: 1}}, default: dry_sand}", model=harder)
+        alone = {number: self.driven(f"{{name: dry_sand, compaction: {number}}}", model=harder)[1] for number in (0, 1)}
+        for name, number in (("west", 0), ("east", 1)):
+            self.assertGreater(len(rasters[name]), 10)
+            self.assertEqual(unnamed(rasters[name]), unnamed(alone[number][name]))
+            self.assertEqual(unnamed(classes[name]), unnamed(alone[number][name]))
+        mean = [sum(float(row["sinkage"]) for row in alone[number]["east"]) / len(alone[number]["east"]) for number in (0, 1)]
+        self.assertLess(mean[1], 0.8 * mean[0])
+
+    def test_query_and_export_tell_what_lies_loose_and_how_dense_it_is(self):
+        self.flat("{name: dry_sand}", "--set", "redistribute.loosening=0.3", "--set", "redistribute.hardening=1", "--set", "spacing=0.0625")
+        points = [self.json("query", "rut.furrow", repr(4 + 0.95 * t), repr(8 + 1 / 3 + 0.3 * t + side))["soil"] for t in (0, 0.3, 0.6) for side in (0, 0.14)]
+        self.assertEqual({point["density"] for point in points[::2]}, {0.5})
+        self.assertTrue(all(point["loose"] >= 0 for point in points) and max(point["loose"] for point in points) > 1e-4, points)
+        for layer in ("loose", "density"):
+            self.ok("export", "rut.furrow", "-o", f"{layer}.tif", "--layer", layer)
+            self.assertIn("write it as .tif", self.furrow("export", "rut.furrow", "-o", "a.png", "--layer", layer).stderr)
 
     def test_no_thickness_and_an_endless_one_are_the_two_soils(self):
         for thickness, soil in ((0, "clayey_38"), (1000, "snow_us")):

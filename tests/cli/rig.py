@@ -97,9 +97,9 @@ class Rig(FurrowTest):
         self.assertTrue(math.isnan(far["slip"]))
 
     def test_rebound_and_a_rut_make_a_towed_wheel_s_resistance(self):
-        """By the closed form of src/scene/scene_rebound.c, and of Bekker where the soil does not spring back."""
+        """By the closed form of src/scene/scene_rebound.c, and of Bekker where the soil does not spring back. Without faces: a towed wheel is braked a little."""
         shape, soils = "wheel: {radius: 0.35, width: 0.22}", ("sandy_loam_15", "{name: sandy_loam_15, elastic_stiffness: 1e10}")
-        result = self.furrow("rig", "-o", "rig", "--shape", shape, "--soil", ",".join(soils), "--load", "2207", "--torque", "0", "--spacing", "0.0275")
+        result = self.furrow("rig", "-o", "rig", "--shape", shape, "--soil", ",".join(soils), "--load", "2207", "--torque", "0", "--spacing", "0.0275", "--set", "redistribute.faces=off")
         if result.returncode == 4:
             self.skipTest("no GL here: " + result.stderr.strip())
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -111,7 +111,7 @@ class Rig(FurrowTest):
         self.assertAlmostEqual(rigid["drawbar"], -b * k * bekker ** (n + 1) / (n + 1), delta=0.08 * 300)
         self.assertAlmostEqual(first["sinkage"] * 1e3, float(told[0]), delta=0.08 * float(told[0]))
         self.assertAlmostEqual(1 - first["drawbar"] / rigid["drawbar"], float(told[1]) / 100, delta=0.04)
-        second, = self.rig("--soil", soils[0], "--load", "2207", "--torque", "0", "--spacing", "0.0275", "--passes", "2", wheel=shape)
+        second, = self.rig("--soil", soils[0], "--load", "2207", "--torque", "0", "--spacing", "0.0275", "--passes", "2", "--set", "redistribute.faces=off", wheel=shape)
         self.assertLess(abs(second["torque"]), 0.001 * 2207 * r)  # soil that slides into the rut is a step of up to 0.7 N m
         self.assertTrue(0.8 * first["drawbar"] < second["drawbar"] < 0, (first, second))  # nearly all is pressed down already
 

@@ -118,6 +118,7 @@ static void threads_do_not_show_in_the_rows(void **state)
 	static const struct setup setups[] = {
 		{"scm, interval: 0.05", "soil: {name: dry_sand}\nattributes: [dirt]\n", 0.25, 0.05, 64, 256, false},
 		{"scm, interval: 0.02", "soil: {name: dry_sand}\n", 0.25, 0.2, 32, 150, true},
+		{"scm, interval: 0.05, faces: on", "soil: {name: dry_sand}\n", 0.25, 0.05, 64, 256, true},
 	};
 	static const int threads[] = {2, 3, 7};
 	(void)state;

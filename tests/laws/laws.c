@@ -24,6 +24,8 @@ static const char scene_text[] =
 	"  - {name: c, shape: {box: {size: [3, 2, 1], belt: true}}, sink: 0.3,\n"
 	"     path: {points: [[500, 20], [512, 1000]], speed: 20}}\n";
 
+#define FACES "scm with faces" /* `b` and `c` slide */
+
 static bool slides(const char *name)
 {
 	return strcmp(name, "none") != 0 && strcmp(name, "box") != 0;
@@ -36,10 +38,13 @@ static bool slides(const char *name)
 static const char *const *under(const char *name, const char *a, const char *b, const char *c, bool whole)
 {
 	static char text[48];
-	static const char *told[8];
+	static const char *told[9];
+	const bool faces = strcmp(name, FACES) == 0;
 	int count = 0;
-	snprintf(text, sizeof text, "redistribute.model=%s", name);
+	snprintf(text, sizeof text, "redistribute.model=%s", faces ? "scm" : name);
 	told[count++] = text;
+	if (faces)
+		told[count++] = "redistribute.faces=on";
 	if (slides(name)) {
 		told[count++] = "soil.name=dry_sand";
 		told[count++] = "end_time=5"; /* every interval costs */
@@ -53,8 +58,8 @@ static const char *const *under(const char *name, const char *a, const char *b, 
 	return told;
 }
 
-static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
-#define MODELS 5
+static const char *const models[] = {"none", "box", "sumner", "slippage", "scm", FACES};
+#define MODELS 6
 
 static const char *fresh_store(const char *name, struct extent shape)
 {

@@ -45,6 +45,8 @@ objects:
   - {{name: track, shape: {{box: {{size: [3, 2, 1], belt: true}}}}, load: 70000, slip: 0.2, path: {{points: [[100, 20], [101, 170], [20, 100]], speed: 5}}}}
 cache: {{slots: 40}}
 """
+# They are dragged, braked, and go aslant, so each has a recent motion. By the modulus of their soil it shows for some steps.
+PUSHING = LOADED.replace("slip: 0.25", "slip: -0.4, attitude: [25, 0, 0]").replace("slip: 0.2,", "slip: 0.2, attitude: [10, 0, 0],")
 MAP = "soil: {{map: classes.png, classes: {{1: {0}, 2: {1}}}, default: {2}}}\n"
 PICTURES = """view: {size: [160, 90], camera: {overhead: {over: left, height: 40}}, effects: [texture], images: 7}
 """
@@ -66,6 +68,8 @@ SCENES = {
                 LOADED.format(), "gentle.furrow", []),
     "carried later": (HEAD.format(step=0.13, end=16, model="scm, bulldozing: 0.8") +
                       MAP.format("dry_sand", "lete_sand", "snow_us") + LOADED.format(), "gentle.furrow", []),
+    "pushing": (HEAD.format(step=0.05, end=12, model="scm, faces: on, interval: 0.03") + "soil: {name: dry_sand, janosi_shear: 0.3}\n" +
+                PUSHING.format(), "gentle.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }
@@ -85,6 +89,8 @@ def rows(store):
         "SELECT key, low, high, codec, hash, blob FROM pressed ORDER BY key",
         "SELECT key, low, high, codec, hash, blob FROM shear ORDER BY key",
         "SELECT key, low, high, codec, hash, blob FROM dug ORDER BY key",
+        "SELECT key, low, high, codec, hash, blob FROM settled ORDER BY key",
+        "SELECT key, low, high, codec, hash, blob FROM loose ORDER BY key",
         "SELECT value FROM meta WHERE key = 'compacted'")]
     db.close()
     return found

@@ -56,9 +56,10 @@ class Threads(FurrowTest):
 
     def test_many_wheels(self):
         self.synth("plain.furrow", posts="129x129", kind="plain", relief=4)
-        for model in ("box", "scm"):
+        for model in ("box", "scm", "scm, faces: on"):
             with self.subTest(model):
-                self.the_same(self.scene(MANY % model))
+                text = MANY % model
+                self.the_same(self.scene(text.replace("sink: 0.1", "sink: 0.1, slip: -0.5, attitude: [30, 0, 0]") if "faces" in model else text))
 
     def test_a_vehicle_and_its_pictures(self):
         self.synth("plain.furrow", posts="129x129", kind="plain", relief=4)

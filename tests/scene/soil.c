@@ -7,7 +7,7 @@
 #define EVERY \
 	"bekker_kc: -100, bekker_kphi: 2000, bekker_n: 1.5, cohesion: 7, friction_angle: 30, janosi_shear: 0.03, " \
 	"elastic_stiffness: 4e6, damping: 5, density: 1630, unit_weight: 16000, face_strength: 8e5, face_cohesion: 700, repose: 31, theta_in: 41, theta_out: 21, " \
-	"theta_stop: 22, roughness: 0.1, compression: 0.25"
+	"theta_stop: 22, roughness: 0.1, compression: 0.25, compaction: 0.75"
 
 static void a_soil_by_name_is_that_of_the_table(void **state)
 {
@@ -34,7 +34,7 @@ static void every_parameter_may_be_given_and_counts_over_the_names(void **state)
 		.bekker_kc = -100, .bekker_kphi = 2000, .bekker_n = 1.5, .cohesion = 7, .friction_angle = 30 * DEGREE,
 		.janosi_shear = 0.03, .elastic_stiffness = 4e6, .damping = 5, .density = 1630, .unit_weight = 16000, .face_strength = 8e5, .face_cohesion = 700, .repose = 31 * DEGREE,
 		.theta_in = 41 * DEGREE, .theta_out = 21 * DEGREE, .theta_stop = 22 * DEGREE, .roughness = 0.1,
-		.compression = 0.25, .thickness = (double)NAN};
+		.compression = 0.25, .thickness = (double)NAN, .compaction = 0.75};
 	static const char *const soils[] = {EVERY, "name: lunar, " EVERY};
 	for (size_t i = 0; i < 2; i++) {
 		struct scene *scene = load_edited(base, "name: dry_sand", soils[i]);
@@ -121,6 +121,8 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"model: scm", "model: scm, bulldozing: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
 		{"model: scm", "model: scm, loosening: %s", {"0", "0.99"}, {"-0.1", "1"}, "allowed: 0 to 0.99"},
 		{"model: scm", "model: scm, hardening: %s", {"0", "10"}, {"-0.1", "10.1"}, "allowed: 0 to 10"},
+		{"model: scm", "model: scm, inertia: %s", {"0", "10"}, {"-0.1", "10.1"}, "allowed: 0 to 10"},
+		{"dry_sand", "dry_sand, compaction: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
 		{"model: scm", "model: scm, slip_sinkage: %s", {"0", "10"}, {"-0.1", "10.1"}, "allowed: 0 to 10"},
 		{"0.4}", "0.4, grousers: %s}", {"0", "128"}, {"-1", "129"}, "allowed: 0 to 128"},
 		{"0.4}", "0.4, grousers: 4, grouser_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},

@@ -316,7 +316,7 @@ static void add_soils(struct text *text, const char *const *numbers)
 		bool whole = true;
 		assert_int_equal(soil_named(name, &soil), STATUS_OK);
 		for (size_t i = 0; numbers[i] != NULL; i++)
-			whole = whole && (!isnan(number_of(&soil, numbers[i])) || strncmp(numbers[i], "face_", 5) == 0); /* these have formulas */
+			whole = whole && (!isnan(number_of(&soil, numbers[i])) || strncmp(numbers[i], "face_", 5) == 0 || strcmp(numbers[i], "compaction") == 0); /* these have formulas, or are 0 */
 		if (whole)
 			add(text, "%s%s", before, name);
 		before = whole ? ", " : before;

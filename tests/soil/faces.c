@@ -142,16 +142,6 @@ static void a_locked_wheel_feels_the_theory(void **state)
 		}
 }
 
-static void diag(void **state)
-{
-	static const double rims[] = {0, 0.1, 0.3, 0.5, 0.8, 1};
-	for (int k = 0; k < 6; k++) {
-			const struct drive d = {&wheel, 0, 0, 0.25, 0.06, 4 * rims[k], 0.001, 0.002};
-			const struct soil_forces forces = forces_of(0.008, true, &d, 0.4), off = forces_of(0.008, false, &d, 0.4);
-			print_message("DIAG rim %g: %.2f %.2f off %.2f %.2f\n", rims[k], forces.force[0], forces.force[2], off.force[0], off.force[2]);
-	}
-}
-
 static void headings_and_places_do_not_show(void **state)
 {
 	double first[3] = {0}, most = 0;
@@ -296,7 +286,6 @@ TEST_PROGRAM(faces)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_plate_that_is_pushed_sideways_feels_the_theory),
 		cmocka_unit_test(a_locked_wheel_feels_the_theory),
-		cmocka_unit_test(diag),
 		cmocka_unit_test(headings_and_places_do_not_show),
 		cmocka_unit_test(a_wheel_that_rolls_straight_keeps_its_forces),
 		cmocka_unit_test(a_body_that_sinks_straight_keeps_its_bits),

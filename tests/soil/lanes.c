@@ -77,6 +77,7 @@ static uint64_t contacts(const struct copy *copy, bool layered, bool loosens, bo
 		struct bed bed;
 		bed_init(&bed, &soil, round % 4 == 0 ? 0.0137 : 0.021, SIDE, 0.1 * share(&seed), 0.1 * share(&seed));
 		bed.law.faces = faces;
+		bed.law.inertia = 1;
 		struct soil_numbers below = bed_soil(soils[(round / 8 + 1) % 3]);
 		if (round % 2 == 1)
 			soil_set_rigid(&below);

@@ -63,7 +63,7 @@ static double post_of(const struct field *field, enum store_layer layer, int lev
 		return base;
 	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_DEPOSITED] = PLANE_DEPOSITED,
 							[STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR,
-							[STORE_SHEAR_NORTH] = PLANE_SHEAR};
+							[STORE_SHEAR_NORTH] = PLANE_SHEAR, [STORE_SETTLED] = PLANE_SETTLED, [STORE_LOOSE] = PLANE_LOOSE, [STORE_DENSITY] = PLANE_DENSITY};
 	int32_t value = deformed_post(field, layer, planes[layer], level, x, y);
 	return layer == STORE_SURFACE				      ? base + lattice_offset_metres(value)
 	       : layer == STORE_UNITS || planes[layer] == PLANE_DISTURBANCE ? value
@@ -222,6 +222,9 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 	assert_int_equal(sample.planes, (1u << PLANES) - 1);
 	assert_true(sample.deposited == lattice_offset_metres(field_post(&field, PLANE_DEPOSITED, 100, 80)) && sample.deposited != 0);
 	assert_true(sample.plastic_sinkage == lattice_offset_metres(field_post(&field, PLANE_PLASTIC_SINKAGE, 100, 80)) && sample.plastic_sinkage > 0);
+	const double settled = lattice_offset_metres(field_post(&field, PLANE_SETTLED, 100, 80)), loose = lattice_offset_metres(field_post(&field, PLANE_LOOSE, 100, 80));
+	assert_true(sample.loose == (loose > 0 || sample.deposited > settled ? fmax(loose + sample.deposited - settled, 0) : 0));
+	assert_true(sample.density == lattice_offset_metres(field_post(&field, PLANE_DENSITY, 100, 80)));
 	assert_true(sample.shear[0] == shown_post(&field, STORE_SHEAR_EAST, PLANE_SHEAR, 100, 80) / 32768.0 && sample.shear[0] != 0);
 	assert_true(sample.shear[1] == shown_post(&field, STORE_SHEAR_NORTH, PLANE_SHEAR, 100, 80) / 32768.0 && sample.shear[1] != 0);
 	assert_ok(store_sample(reader, 5, 5, &sample));

@@ -1,6 +1,6 @@
 /*
  * A wheel on a straight guide, at an angle to its way, beside integrals along its rim in which the soil shears by the sum of both displacements
- * (Wong and Reece; Ishigami and others, Journal of Field Robotics 24, 2007). Without slip sinkage, since the integrals have none.
+ * (Wong and Reece; Ishigami and others, Journal of Field Robotics 24, 2007). Without slip sinkage and faces, since the integrals have none.
  */
 #include <math.h>
 
@@ -71,7 +71,7 @@ static double driven(const struct soil *soil, double slip, double angle)
 	snprintf(text, sizeof text, "t,drive,go\n0,0,0\n0.5,%g,%g\n", SPEED * cos(angle * RADIANS) / RADIUS / (1 - slip), SPEED);
 	support_write(support_path("controls.csv"), text);
 	snprintf(text, sizeof text, "scene: 1\nend_time: 4\ntime_step: 0.002\nspacing: 0.02\nsoil: {name: %s, damping: 0}\n"
-				    "redistribute: {model: scm, slip_sinkage: 0}\nvehicles:\n  - {name: v, model: wheel.xml, start: {at: [5, 8]}, "
+				    "redistribute: {model: scm, slip_sinkage: 0, faces: off}\nvehicles:\n  - {name: v, model: wheel.xml, start: {at: [5, 8]}, "
 				    "driver: {controls: controls.csv}}\noutput: {vehicles: 20, forces: 20}\n", soil->name);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, level);

@@ -1,6 +1,7 @@
 /*
  * A vehicle on a belt: a hinge drives it, and the soil pulls it as the closed form of a rigid track says (Wong, Theory of Ground Vehicles):
- * (A c + W tan phi) (1 - K / (i l) (1 - exp(-i l / K))). Its body only slides forward and up, so that it stays level.
+ * (A c + W tan phi) (1 - K / (i l) (1 - exp(-i l / K))). Its body only slides forward and up, so that it stays level. Soil bears from below alone: a belt that brakes
+ * as it is set off would sink a little deeper with faces, and pull with that.
  */
 #include <math.h>
 
@@ -50,7 +51,7 @@ static void write_scene(const struct trial *trial, double pull, double seconds)
 	snprintf(text, sizeof text, "t,drive,pull\n0,0,0\n1,%g,0\n%g,%g,%g\n", turns, BEGIN, turns, -pull);
 	support_write(support_path("controls.csv"), text);
 	snprintf(text, sizeof text, "scene: 1\nend_time: %g\ntime_step: 0.002\nspacing: %g\nsoil: {name: %s, damping: 0}\n"
-				    "redistribute: {model: scm, slip_sinkage: 0, bulldozing: 0}\n"
+				    "redistribute: {model: scm, slip_sinkage: 0, bulldozing: 0, faces: off}\n"
 				    "vehicles:\n  - {name: v, model: track.xml, start: {at: [8, 8]}, driver: {controls: controls.csv}}\n"
 				    "output: {vehicles: 20}\n", seconds, trial->spacing, trial->soil);
 	support_write(support_path("scene.yaml"), text);

@@ -66,6 +66,12 @@ SOIL_INLINED float share_in(float deep, float tall, float size)
 	return clamped((deep + tall) / most(2 * tall, size), 0, 1);
 }
 
+/* Returns how that grows with depth, 1/m. in: the share. */
+SOIL_INLINED float sinks_in(float in, float tall, float size)
+{
+	return either(in > 0, either(in < 1, 1 / most(2 * tall, size), 0), 0);
+}
+
 /* Finds how deep the middles of the facets of a block are: below the ground that pushes them, and below that as the body finds it. Adds to what tells where the body
  * is in soil, across its way: sums of area, and of area times place. */
 SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, size_t b, const struct look *restrict look, float raised, float size, const float across[restrict 2],
@@ -97,7 +103,7 @@ struct pushing {
 SOIL_INLINED float pressure_of(const struct pushing *p, const struct soil_faces *faces, size_t n, float *grows)
 {
 	const float deep = faces->deep[n], tall = faces->tall[n], weight = faces->weight[n], cohesive = faces->cohesive[n], sole = faces->sole[n];
-	const float in = share_in(deep, tall, p->size), sinks = either(in > 0, either(in < 1, 1 / most(2 * tall, p->size), 0), 0);
+	const float in = share_in(deep, tall, p->size), sinks = sinks_in(in, tall, p->size);
 	const float top = clamped(deep + tall, 0, 2 * tall), by_tall = 1 / most(4 * tall, 1e-9f);
 	const float depth = top * top * by_tall + most(deep - tall, 0), deepens = most(2 * top * by_tall, deep > tall ? 1.0f : 0.0f);
 	const float by_weight = p->weight * weight * (1 / WALL), heap = (1 - p->narrow) * faces->heap[n], fitted = p->narrow * weight / p->upright;
@@ -122,9 +128,10 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		float grows, moment[3], belt[3], large = 0;
+		const float in = share_in(faces->deep[n], faces->tall[n], p->size), thrown = unit * faces->thrown[n] * in;
 		const float by = unit * pressure_of(p, faces, n, &grows);
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
-		const float force[3] = {by * faces->px[n], by * faces->py[n], by * faces->pz[n]};
+		const float force[3] = {by * faces->px[n] - thrown * normal[0], by * faces->py[n] - thrown * normal[1], by * faces->pz[n] - thrown * normal[2]};
 		cross3(at, force, moment);
 		cross3(f->belt, normal, belt);
 		for (int k = 0; k < 3; k++) {
@@ -135,7 +142,8 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 		}
 		sums->pull[i] = whole_of(clamped(-dot3(force, belt), -BEAR_MOST, BEAR_MOST));
 		sums->saturated[i] = large > BEAR_MOST ? 1 : 0;
-		sums->grows[i] = grows * unit * faces->pz[n];
+		const float more = unit * faces->thrown[n] * sinks_in(in, faces->tall[n], p->size) * normal[2];
+		sums->grows[i] = grows * unit * faces->pz[n] - more;
 	}
 }
 
@@ -147,19 +155,9 @@ static void slope_at(const struct look *look, const struct soil_faces *faces, si
 	slope[1] = (ground_at(look, faces, x, y + spacing, way) - ground_at(look, faces, x, y - spacing, way)) * by;
 }
 
-/* Adds how the force of a facet changes: with its depth, and with the recent motion of its place. */
-static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pushing *p, struct soil_changes *changes)
+/* Adds how the force at a place changes with its motion. A place moves as the centre does, and as the body turns across the arm. */
+static void add_placed(const float at[3], const float place[3][3], struct soil_matrix *changes)
 {
-	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
-	float slope[2], bends[3][3], place[3][3], grows;
-	const float pressure = pressure_of(p, faces, n, &grows);
-	slope_at(look, faces, n, f->spacing, slope);
-	soil_push_changes(f, faces, n, bends);
-	const float deeper[3] = {slope[0], slope[1], -1};
-	for (int k = 0; k < 3; k++)
-		for (int j = 0; j < 3; j++)
-			place[k][j] = grows * push[k] * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
-	/* A motion of the place is that of the centre and the turn across the arm. */
 	for (int k = 0; k < 3; k++) {
 		double row[6];
 		const double a[3] = {(double)place[k][0], (double)place[k][1], (double)place[k][2]}, r[3] = {(double)at[0], (double)at[1], (double)at[2]};
@@ -168,18 +166,39 @@ static void add_changes(const struct soil_form *f, const struct soil_faces *face
 			row[3 + j] = r[(j + 1) % 3] * a[(j + 2) % 3] - r[(j + 2) % 3] * a[(j + 1) % 3];
 		}
 		for (int j = 0; j < 6; j++) {
-			changes->stiffness.at[k][j] += row[j];
-			changes->stiffness.at[3 + (k + 1) % 3][j] += r[(k + 2) % 3] * row[j];
-			changes->stiffness.at[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
+			changes->at[k][j] += row[j];
+			changes->at[3 + (k + 1) % 3][j] += r[(k + 2) % 3] * row[j];
+			changes->at[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
 		}
 	}
+}
+
+/* Adds how the force of a facet changes: with its depth, with the recent motion of its place, and with its speed. */
+static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pushing *p, struct soil_changes *changes)
+{
+	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
+	float slope[2], bends[3][3], place[3][3], grows;
+	const float pressure = pressure_of(p, faces, n, &grows);
+	slope_at(look, faces, n, f->spacing, slope);
+	soil_push_changes(f, faces, n, bends);
+	const float deeper[3] = {slope[0], slope[1], -1}, in = share_in(faces->deep[n], faces->tall[n], p->size), thrown = faces->thrown[n] * in;
+	const float more = faces->thrown[n] * sinks_in(in, faces->tall[n], p->size), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
+	const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+	float rates[3][3];
+	for (int k = 0; k < 3; k++)
+		for (int j = 0; j < 3; j++) {
+			place[k][j] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
+			rates[k][j] = -slows * normal[k] * normal[j];
+		}
+	add_placed(at, (const float(*)[3])place, &changes->stiffness);
+	if (slows > 0)
+		add_placed(at, (const float(*)[3])rates, &changes->damping);
 	const double force[3] = {(double)(pressure * push[0]), (double)(pressure * push[1]), (double)(pressure * push[2])};
-	const double normal[3] = {(double)faces->nx[n], (double)faces->ny[n], (double)faces->nz[n]};
-	const double across = force[0] * normal[0] + force[1] * normal[1] + force[2] * normal[2];
-	changes->normal_force += fabs(across);
+	const double across = force[0] * (double)normal[0] + force[1] * (double)normal[1] + force[2] * (double)normal[2];
+	changes->normal_force += fabs(across) + (double)thrown;
 	changes->shear_limit += (double)faces->tangent * fabs(across);
 	for (int k = 0; k < 3; k++)
-		changes->sheared[k] += force[k] - across * normal[k];
+		changes->sheared[k] += force[k] - across * (double)normal[k];
 }
 
 static int64_t total(const int32_t lanes[LANES])

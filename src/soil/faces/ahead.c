@@ -18,6 +18,7 @@
 #define HALVES 0.2f    /* of a body's radius, or of the length of a line in it: over so much the front half goes over to the rear half */
 #define SPINS 0.02f    /* of the way of a rim: below this way of its axle a wheel spins on the spot */
 #define HOLE (-1e6f)   /* m: there is no soil */
+#define CELL_PARTS 7   /* a cell at an edge of a body is looked at in so many parts each way, so a post that the edge passes does not show */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces)
 {
@@ -99,7 +100,7 @@ static void look_ahead(const struct lines *l, float raised, float spacing, float
 			if (k > 0) {
 				const struct between from = between_at(l, here + l->way, i, l->aside);
 				const float reached = value_at(faces->ahead, &from), behind = value_at(faces->heap_ahead, &from);
-				inside = clamped(1 - (faces->envelope[at] + raised - reached) / (NEAR * spacing), 0, 1);
+				inside = faces->cover[at] * clamped(1 - (faces->envelope[at] + raised - reached) / (NEAR * spacing), 0, 1);
 				ahead += inside * (reached - ahead);
 				heap_ahead = behind + (1 - inside) * mixes * (heap - behind);
 				since = inside * (value_at(faces->since, &from) + l->length);
@@ -156,21 +157,60 @@ static float mesh_at(const struct soil_fine *fine, float east, float north)
 	return within ? fine->drawn[row * fine->stride + column] : FINE_NONE;
 }
 
+/* Returns the lower envelope of a body at a place, m east and north of its centre, m above it; FINE_NONE: it is not above the place. */
+static float envelope_at(const struct soil_body *body, const struct soil_form *form, double east, double north)
+{
+	struct lower_place place;
+	if (form->kind == FORM_RASTER)
+		return mesh_at(&form->fine, (float)east, (float)north);
+	return soil_lower_at(&body->lower, east, north, &place) ? (float)place.z : FINE_NONE;
+}
+
+/* Finds which share of a cell the body is above, and its mean height there. */
+static void put_part(const struct soil_body *body, const struct soil_form *form, double east, double north, float *envelope, float *cover)
+{
+	const double part = (double)form->spacing / CELL_PARTS;
+	float sum = 0, count = 0;
+	for (int i = 0; i < CELL_PARTS; i++)
+		for (int k = 0; k < CELL_PARTS; k++) {
+			const float height = envelope_at(body, form, east + (k - CELL_PARTS / 2) * part, north + (i - CELL_PARTS / 2) * part);
+			sum += height < FINE_NONE ? height : 0;
+			count += height < FINE_NONE ? 1 : 0;
+		}
+	*envelope = count > 0 ? sum / count : FINE_NONE;
+	*cover = count / (CELL_PARTS * CELL_PARTS);
+}
+
+/* Tells whether an edge of the body passes beside a post: it is above some posts beside it, but not above all. */
+static bool at_edge(const float *envelope, int64_t x, int64_t y, int64_t columns, int64_t rows)
+{
+	const bool is = envelope[y * columns + x] < FINE_NONE;
+	for (int64_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < rows; j++)
+		for (int64_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < columns; i++)
+			if ((envelope[j * columns + i] < FINE_NONE) != is)
+				return true;
+	return false;
+}
+
 void soil_ahead_body(const struct soil_body *body, const struct soil_form *form, struct soil_faces *faces)
 {
 	const struct post_rect *rect = &faces->rect;
 	const double spacing = (double)form->spacing;
+	const int64_t columns = rect->x1 - rect->x0, rows = rect->y1 - rect->y0;
 	const double x0 = -(double)soil_body_from_post(body->motion->to.x, rect->x0, spacing) - body->motion->beyond[0];
 	const double y0 = -(double)soil_body_from_post(body->motion->to.y, rect->y0, spacing) - body->motion->beyond[1];
-	float *to = faces->envelope;
-	for (int64_t y = rect->y0; y < rect->y1; y++)
-		for (int64_t x = rect->x0; x < rect->x1; x++, to++) {
-			const double east = x0 + (double)(x - rect->x0) * spacing, north = y0 + (double)(y - rect->y0) * spacing;
-			struct lower_place place;
-			if (form->kind == FORM_RASTER)
-				*to = mesh_at(&form->fine, (float)east, (float)north);
-			else
-				*to = soil_lower_at(&body->lower, east, north, &place) ? (float)place.z : FINE_NONE;
+	/* `until` is not needed yet. */
+	float *heights = faces->until;
+	for (int64_t y = 0; y < rows; y++)
+		for (int64_t x = 0; x < columns; x++)
+			heights[y * columns + x] = envelope_at(body, form, x0 + (double)x * spacing, y0 + (double)y * spacing);
+	for (int64_t y = 0; y < rows; y++)
+		for (int64_t x = 0; x < columns; x++) {
+			const int64_t at = y * columns + x;
+			faces->envelope[at] = heights[at];
+			faces->cover[at] = heights[at] < FINE_NONE ? 1 : 0;
+			if (at_edge(heights, x, y, columns, rows))
+				put_part(body, form, x0 + (double)x * spacing, y0 + (double)y * spacing, &faces->envelope[at], &faces->cover[at]);
 		}
 }
 
@@ -183,7 +223,7 @@ static void put_still(const struct soil_planes *planes, const struct soil_posts 
 		const size_t at = (size_t)posts->index[i];
 		const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
 		const size_t place = (size_t)y * columns + (size_t)x;
-		const float ground = (float)posts->ground[i] * SOIL_UNIT, inside = clamped(1 - (faces->envelope[place] + raised - ground) / (NEAR * spacing), 0, 1);
+		const float ground = (float)posts->ground[i] * SOIL_UNIT, inside = faces->cover[place] * clamped(1 - (faces->envelope[place] + raised - ground) / (NEAR * spacing), 0, 1);
 		const float still = (1 - slides) * inside * (posts->base[i] == BASE_NODATA ? 0.0f : 1.0f);
 		faces->under_from[place] += still * (ground - faces->under_from[place]);
 		faces->ahead[place] += still * (ground - faces->ahead[place]);

@@ -93,11 +93,12 @@ static struct soil_numbers soil_below(const struct soil_law *law, const struct s
 	return soil_numbers_at(law, planes, (size_t)row * planes->width + (size_t)column);
 }
 
-static void put_soil(const struct soil_numbers *soil, const struct soil_trend *trend, struct soil_faces *faces)
+static void put_soil(const struct soil_law *law, const struct soil_numbers *soil, const struct soil_trend *trend, struct soil_faces *faces)
 {
 	faces->xi = (float)soil_face_strength(soil);
 	faces->cohesion = (float)soil_face_cohesion(soil);
 	faces->unit_weight = (float)soil->unit_weight;
+	faces->inertia = law->inertia > 0 && soil->density > 0 ? (float)(law->inertia * soil->density) : 0;
 	faces->wedge_length = (float)tan(M_PI / 4 + soil->friction_angle / 2);
 	faces->by_modulus = (float)fmin(1 / soil->janosi_shear, 1e30);
 	const double plan = hypot(trend->whole.way[0], trend->whole.way[1]);
@@ -143,7 +144,7 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	if (planes == NULL || !(slides_most(form, bound) > SLID_LEAST))
 		return STATUS_OK;
 	const struct soil_numbers soil = soil_below(law, planes, body);
-	put_soil(&soil, &trend, faces);
+	put_soil(law, &soil, &trend, faces);
 	faces->beyond = (float)(soil_laying_band(shape, law->spacing) * law->spacing);
 	const int64_t around = around_of(law, shape);
 	faces->rect = post_rect_intersect(post_rect_grown(below, around), planes->rect);
@@ -156,7 +157,9 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	float axes[3][3];
 	axes_of(body, axes);
 	const struct soil_interface *interface = &body->motion->interface;
-	const double along = fmin(interface->has_friction ? interface->friction_angle : ROUGH * soil.friction_angle, soil.friction_angle);
+	/* The shoes of a belt grip: soil slides on soil. */
+	const double rough = shape->belt ? soil.friction_angle : ROUGH * soil.friction_angle;
+	const double along = fmin(interface->has_friction ? interface->friction_angle : rough, soil.friction_angle);
 	soil_wedge_of(soil.friction_angle, along, &faces->wedge);
 	const double within = (double)(float)tan(soil.friction_angle);
 	soil_push(body, form, facets, (const float(*)[3])axes, (float)(tan(along) + (double)form->bars * (within - tan(along))), faces);

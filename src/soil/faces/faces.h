@@ -14,10 +14,11 @@
 	EACH(x) EACH(y) EACH(z)             /* middle */ \
 	EACH(nx) EACH(ny) EACH(nz)          /* outward normal */ \
 	EACH(whole)                         /* area of the facet, m2 */ \
-	EACH(under)                         /* 1: it is of the lower envelope: FACET_UNDER */ \
+	EACH(under)                         /* 1: it bears the body: FACET_UNDER, and a side that looks down; 0: it is a side or a bar */ \
 	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
 	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
+	EACH(into) EACH(thrown)             /* how fast it moves into the soil, m/s; force of the soil's inertia if all of it is in soil, N */ \
 	EACH(tall)                          /* half of its height, m */ \
 	EACH(deep) EACH(found_deep)         /* at a height: depth of its middle below the ground that pushes it, and below that as the body found it, m */ \
 	EACH(heap)                          /* height of the heap upon the wedge ahead, m */
@@ -31,9 +32,9 @@ struct soil_faces {
 	struct post_rect rect;
 	/* surface: as it is. found: as the body finds it, without its own heap. ahead: that ahead of each post. under_from: where a facet that looks down counts its
 	 * depth from. heap_ahead: height of the heap ahead. inside: how much of the post is in the body. since, until: ways in the body from its front, and to its rear.
-	 * ground: the base. envelope: the body's lower one. All m above the centre. */
+	 * ground: the base. envelope: the body's lower one. All m above the centre. cover: share of the post's cell that the body is above. */
 #define FACES_PLANES_EACH(EACH) \
-	EACH(surface) EACH(found) EACH(ahead) EACH(under_from) EACH(heap_ahead) EACH(inside) EACH(since) EACH(until) EACH(ground) EACH(offset) EACH(envelope)
+	EACH(surface) EACH(found) EACH(ahead) EACH(under_from) EACH(heap_ahead) EACH(inside) EACH(since) EACH(until) EACH(ground) EACH(offset) EACH(envelope) EACH(cover)
 #define FACES_PLANE(name) float *name;
 	FACES_PLANES_EACH(FACES_PLANE)
 #undef FACES_PLANE
@@ -43,6 +44,7 @@ struct soil_faces {
 	float xi, cohesion, by_modulus, unit_weight, wedge_length; /* of the soil below the body: N/m3, Pa, 1/m, N/m3; length of a wedge over its depth */
 	struct soil_wedge wedge;
 	float beyond;         /* m: so far ahead of the body the ground is as the body finds it */
+	float inertia;        /* lambda rho of the soil, kg/m3 */
 	float tangent;        /* of the friction along the body's surface */
 	float d[2];           /* direction in which it slides, east and north; 0: none */
 };

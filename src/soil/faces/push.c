@@ -12,23 +12,26 @@
 #define FACES_WAY 0.3f /* n . way: a facet that faces the way by more counts its depth from the ground ahead */
 #define FOLLOWS 2.0f   /* soil follows a rim that spins at most so many times as fast as the body goes */
 
+#define SOLE_FROM 0.5f /* -n_z: a flat side of a body that looks down more than that bears it, as a standing cylinder's end does, */
+#define SOLE_WHOLE 0.8f /* and wholly from here on */
+
 /* A block of facets in the frame. */
 struct facet_lanes {
-	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: FACET_UNDER */
+	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: it bears the body, 0: it is a side */
 	float force[3][LANES], pushes[LANES];
 };
 
-/* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. */
+/* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. A belt grips: soil follows it whole. */
 SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent *m, const float at[3], const float normal[3], float moves[3])
 {
 	float rolled[3], turned[3], belt[3];
 	cross3(m->rolling, at, rolled);
 	cross3(m->turning, at, turned);
 	cross3(f->belt, normal, belt);
-	const float went = sqrtf(dot3(m->way, m->way)), ran = sqrtf(dot3(m->rolling, m->rolling)) * f->rim_reach + fabsf(m->ran);
+	const float went = sqrtf(dot3(m->way, m->way)), ran = sqrtf(dot3(m->rolling, m->rolling)) * f->rim_reach;
 	const float rolls = either(FOLLOWS * went < ran, FOLLOWS * went / most(ran, 1e-12f), 1);
 	for (int k = 0; k < 3; k++)
-		moves[k] = m->way[k] + rolls * (rolled[k] + m->ran * belt[k]) + turned[k];
+		moves[k] = m->way[k] + rolls * rolled[k] + m->ran * belt[k] + turned[k];
 }
 
 /* Gives the force of a facet for each pascal, m2. moves: of its place, for each metre of the body's way; lately: the same of the last bit of it. A facet that
@@ -40,7 +43,7 @@ SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const f
 	const float into = least(dot3(normal, v), dot3(normal, lately)), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
 	const float slid = slid_at(f, at[0], at[1]), below = faces_share(slid) * clamped(1 + into * (1 / TRAILS), 0, 1);
 	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * clamped((slid - SLID_LEAST) * (1 / SLID_SIDES), 0, 1);
-	const float share = either(size > 1e-6f, either(under > 0, below, beside), 0) * area;
+	const float share = either(size > 1e-6f, under * below + (1 - under) * beside, 0) * area;
 	float alpha[3];
 	resist_alpha(normal, v, tangent, alpha);
 	for (int k = 0; k < 3; k++)
@@ -58,7 +61,8 @@ SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const 
 			l->normal[k][i] = out[0] * axes[0][k] + out[1] * axes[1][k] + out[2] * axes[2][k];
 		}
 		l->area[i] = facets->area[b + (size_t)i];
-		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : 0.0f;
+		const float looks = clamped((-l->normal[2][i] - SOLE_FROM) * (1 / (SOLE_WHOLE - SOLE_FROM)), 0, 1);
+		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : facets->kind[b + (size_t)i] == FACET_SIDE ? looks : 0.0f;
 	}
 }
 
@@ -78,8 +82,19 @@ SOIL_CLONED static void push_block(const struct soil_form *restrict f, const str
 	}
 }
 
+/* Sets how fast a facet moves into the soil, and the force by which the inertia of that soil acts on it. */
+static void put_thrown(const struct soil_form *f, const struct facet_lanes *l, int i, struct soil_faces *faces, size_t n)
+{
+	const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
+	float turned[3];
+	cross3(f->turns, at, turned);
+	const float into = most(dot3(f->goes, normal) + dot3(turned, normal), 0);
+	faces->into[n] = into;
+	faces->thrown[n] = faces->inertia * into * into * l->pushes[i];
+}
+
 /* way: in which the body slides, plan, in the frame. */
-static void keep(const struct facet_lanes *l, int i, const float way[2], struct soil_faces *faces)
+static void keep(const struct soil_form *f, const struct facet_lanes *l, int i, const float way[2], struct soil_faces *faces)
 {
 	const size_t n = faces->count++;
 	float *const to[3][3] = {{faces->x, faces->y, faces->z}, {faces->nx, faces->ny, faces->nz}, {faces->px, faces->py, faces->pz}};
@@ -95,6 +110,7 @@ static void keep(const struct facet_lanes *l, int i, const float way[2], struct 
 	faces->faces_way[n] = clamped((l->normal[0][i] * way[0] + l->normal[1][i] * way[1]) * (1 / FACES_WAY), 0, 1);
 	faces->weight[n] = soil_wedge_at(faces->wedge.weight, l->normal[2][i]);
 	faces->cohesive[n] = soil_wedge_at(faces->wedge.cohesion, l->normal[2][i]);
+	put_thrown(f, l, i, faces, n);
 }
 
 void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[3][3], float tangent, struct soil_faces *faces)
@@ -107,14 +123,14 @@ void soil_push(const struct soil_body *body, const struct soil_form *form, const
 		push_block(form, facets, b, axes, tangent, &lanes);
 		for (int i = 0; i < LANES; i++)
 			if (lanes.pushes[i] > 0)
-				keep(&lanes, i, way, faces);
+				keep(form, &lanes, i, way, faces);
 	}
 	/* The last block is filled with facets that push nothing. */
 	memset(&lanes, 0, sizeof lanes);
 	for (int i = 0; i < LANES; i++)
 		lanes.normal[2][i] = 1;
 	while (faces->count % LANES != 0)
-		keep(&lanes, 0, way, faces);
+		keep(form, &lanes, 0, way, faces);
 }
 
 #define STEP 0.01f /* of a motion, by which a quotient of differences is taken */

@@ -46,8 +46,10 @@ SOIL_INLINED float slid_at(const struct soil_form *f, float x, float y)
 	/* A way up or down counts, too: a body that sinks slides little. */
 	const float up = m->way[2] * (2 - m->along_ground), way = sqrtf(s.goes * s.goes + up * up);
 	const float braked = sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]), share = braked / most(most(way, s.along), most(0.1f * s.runs, 1e-9f));
-	const float moved = least(most(way, s.runs), 1); /* less after a short motion alone */
-	return moved * least(share, 1);
+	/* Less after a short motion alone. It grows with the cube, so small motions to and fro hardly change what the law of the lower envelope bears. If they did,
+	 * soil would be pressed while it bears little, and spring back with all of its strength. */
+	const float moved = least(most(way, s.runs), 1);
+	return moved * moved * moved * least(share, 1);
 }
 
 /* Returns by what share soil pushes by the law of faces where so much of the way is slid. The rest is the law of the lower envelope. */

@@ -19,7 +19,7 @@
 #include "soil/shape/bars.h"
 #include "soil/shape/body.h"
 
-#define LAST 20.0    /* the short mean forgets so many times as fast */
+#define LAST 30.0    /* the short mean forgets so many times as fast */
 #define TURNS_AT 0.5 /* of the distance from the centre that holds the whole body: where turning counts as a way */
 
 static double length_of(const double v[3])

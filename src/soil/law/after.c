@@ -79,18 +79,17 @@ SOIL_INLINED void take_layers(const struct soil_posts *posts, size_t b, struct s
 #endif
 }
 
-/* What is gone of the ground is missing from the layer. A loose layer on it goes first: what is gone of that, by_loose, m along the normal, is not. */
-SOIL_INLINED void thin_layers(const float up[POSTS_LANES], const int32_t gone[POSTS_LANES], const float by_loose[POSTS_LANES], struct soils *soils)
+/* What is gone of the ground is missing from the layer. Where a loose layer lies on it, that goes first (take_loose), so there it is not. */
+SOIL_INLINED void thin_layers(const float up[POSTS_LANES], const int32_t gone[POSTS_LANES], struct soils *soils)
 {
 #if SOIL_LAYERED
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const float thinner = up[i] * (float)gone[i] * SOIL_UNIT - by_loose[i];
-		soils->thick[i] = most(soils->thick[i] - either(soils->thick[i] < LAYER_NONE, thinner, 0), 0);
+		const float thinner = up[i] * (float)gone[i] * SOIL_UNIT;
+		soils->thick[i] = most(soils->thick[i] - either((soils->thick[i] < LAYER_NONE) & (soils->loose[i] <= 0), thinner, 0), 0);
 	}
 #else
 	(void)up;
 	(void)gone;
-	(void)by_loose;
 	(void)soils;
 #endif
 }
@@ -112,19 +111,40 @@ SOIL_INLINED void put_plastic(const struct soils *soils, const int32_t sinkage[P
 		put_plastic_on(soils, sinkage, false, plastic);
 }
 
+/* Takes what is gone off a loose layer, and what is more off its floor. Where the layer is gone the floor is left, as a post without a loose layer. Its
+ * undisturbed surface lies above the floor by its plastic sinkage. loose: of the layer; gone: of the ground, then of the floor alone; fixed-point units. */
+SOIL_INLINED void take_loose(const struct soil_posts *posts, size_t b, const float up[POSTS_LANES], const float by_up[POSTS_LANES], struct soils *soils,
+			     int32_t loose[POSTS_LANES], int32_t ground[POSTS_LANES], int32_t deposited[POSTS_LANES], int32_t sinkage[POSTS_LANES], int32_t largest[POSTS_LANES], int32_t gone[POSTS_LANES])
+{
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const int32_t thick = loose[i], through = (thick > 0) & (gone[i] >= thick), floor = posts->floor[b + i];
+		const float layer = soils->loose[i], under = soils->under[i], was = (float)sinkage[i] * SOIL_UNIT, now = (float)largest[i] * SOIL_UNIT;
+		const int32_t rises = whole_of(clamped(under * by_up[i] * 1048576.0f, 0, 1.9e9f)) - thick;
+		const int32_t deep_was = whole_of(clamped(either(was > layer, was - layer + under, 0) * 1048576.0f, 0, 1.9e9f));
+		const int32_t deep_now = whole_of(clamped(either(now > layer, now - layer + under, 0) * 1048576.0f, 0, 1.9e9f));
+		ground[i] += through * rises;
+		deposited[i] += through * rises;
+		sinkage[i] = through ? larger(floor, deep_was) : sinkage[i];
+		largest[i] = through ? larger(floor, deep_now) : largest[i];
+		gone[i] -= through * thick;
+		soils->k[i] = through ? soils->whole[i] : soils->k[i];
+		loose[i] = through ? 0 : larger(thick - gone[i], smaller(thick, 1));
+		soils->loose[i] = thick > 0 && !through ? most(layer - up[i] * (float)gone[i] * SOIL_UNIT, SOIL_UNIT) : 0;
+	}
+}
+
 /* Gives what a touched post remembers. A loose layer is used up where the floor bears more than it does. Then the floor is all that is left. What it
- * remembers of its sinkage goes on. digs: fixed-point units. */
-SOIL_INLINED void put_floors(const struct soil_posts *posts, size_t b, const struct soils *soils, const float by_up[POSTS_LANES], const int32_t digs[POSTS_LANES],
+ * remembers of its sinkage goes on. loose: what is left of the layer, fixed-point units. */
+SOIL_INLINED void put_floors(const struct soil_posts *posts, size_t b, const struct soils *soils, const float by_up[POSTS_LANES], const int32_t loose[POSTS_LANES],
 			     struct soil_after *a)
 {
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const struct stress_soil soil = soil_at(soils, i);
 		const float z = (float)a->sinkage[i] * SOIL_UNIT;
 		float grows;
-		const int32_t thick = larger(posts->loose[b + i] - digs[i], 1), is = posts->loose[b + i] > 0;
+		const int32_t thick = loose[i], is = thick > 0;
 		const int32_t used = is & (floor_stress(&soil, z, &grows) >= yield_stress(&soil, z)) & (z > soil.loose);
 		const int32_t deep = whole_of(clamped((z - soil.loose + soil.under) * 1048576.0f, 0, 1.9e9f)), floor = posts->floor[b + i];
-		/* The undisturbed surface of the floor lies above the floor by its plastic sinkage. */
 		a->deposited[i] += used * (whole_of(clamped(soil.under * by_up[i] * 1048576.0f, 0, 1.9e9f)) - thick);
 		a->sinkage[i] = used ? larger(floor, deep) : a->sinkage[i];
 		a->loose[i] = is & !used ? thick : 0;
@@ -135,9 +155,9 @@ SOIL_INLINED void put_floors(const struct soil_posts *posts, size_t b, const str
 SOIL_CLONED static void put_after(const struct soil_form *restrict f, const float axis[restrict 2], int32_t raised, const struct soil_posts *restrict posts, size_t b,
 				  const struct soil_kept *restrict kept, const float bulldozing, const float slides, struct soil_after *restrict a)
 {
-	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
+	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES], thick[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
-	float shear_x[POSTS_LANES], shear_y[POSTS_LANES], by_loose[POSTS_LANES] = {0};
+	float shear_x[POSTS_LANES], shear_y[POSTS_LANES];
 	struct soils soils;
 	int32_t loose = 0;
 	take_layers(posts, b, &soils);
@@ -164,11 +184,12 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		soils.whole[i] = posts->whole[b + i];
 		soils.loose[i] = posts->loose_thick[b + i];
 		soils.under[i] = posts->under[b + i];
-		loose |= posts->loose[b + i];
+		thick[i] = posts->loose[b + i];
+		loose |= thick[i];
 		shear_x[i] = kept->shear_x[b + i];
 		shear_y[i] = kept->shear_y[b + i];
 	}
-	int32_t largest[POSTS_LANES], digs[POSTS_LANES], gone[POSTS_LANES], remains[POSTS_LANES], held[POSTS_LANES], touched[POSTS_LANES], sunk[POSTS_LANES];
+	int32_t largest[POSTS_LANES], digs[POSTS_LANES], gone[POSTS_LANES], all[POSTS_LANES], remains[POSTS_LANES], held[POSTS_LANES], touched[POSTS_LANES], sunk[POSTS_LANES];
 	float had[POSTS_LANES], plastic[POSTS_LANES];
 	for (int i = 0; i < POSTS_LANES; i++) {
 		sunk[i] = over[i] > 0 ? ground[i] - rests[i] : 0;
@@ -182,22 +203,24 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		const int32_t may = (swept[i] > 0) & (lowest[i] < ground[i]), touches = may & has_last(deepest, sinkage[i], had[i]);
 		const int32_t holds = touches & has_last(sinkage_of(up[i], sunk[i]), largest[i], plastic[i]);
 		/* What slip digs. */
-		digs[i] = larger(smaller(whole_units(more[i]), sunk[i] - 2), 0) * holds;
+		const float layer = soils.loose[i], z = up[i] * (float)sunk[i] * SOIL_UNIT;
+		const int32_t above = floored ? (layer > 0) & (z > layer) ? whole_of(clamped(soils.under[i] * by_up[i] * 1048576.0f, 0, 1.9e9f)) : 0 : 0;
+		digs[i] = larger(smaller(whole_units(more[i]), sunk[i] + above - 2), 0) * holds;
 		/* And what the body pushes off as it slides: so much of the soil above its lower envelope. */
 		const int32_t below = holds ? sunk[i] : ground[i] - lowest[i], drop = below + before[i] - deposited[i] - digs[i];
 		const int32_t cut = larger(smaller(whole_of(slides * (float)larger(drop, 0)), below - digs[i] - 2), 0) * touches;
-		gone[i] = digs[i] + cut;
-		remains[i] = larger(sinkage[i] - whole_of(up[i] * (float)gone[i]), 0);
-		largest[i] = larger(remains[i], sinkage_of(up[i], ground[i] - gone[i] - lowest[i]));
+		all[i] = gone[i] = digs[i] + cut;
 		touched[i] = touches;
 		held[i] = holds;
 	}
-	for (int i = 0; i < POSTS_LANES && floored; i++) {
-		const float left = either(soils.loose[i] > 0, most(soils.loose[i] - up[i] * (float)digs[i] * SOIL_UNIT, SOIL_UNIT), 0);
-		by_loose[i] = soils.loose[i] - left;
-		soils.loose[i] = left;
+	if (floored)
+		take_loose(posts, b, up, by_up, &soils, thick, ground, deposited, sinkage, largest, gone);
+	for (int i = 0; i < POSTS_LANES; i++) {
+		remains[i] = larger(sinkage[i] - whole_of(up[i] * (float)gone[i]), 0);
+		largest[i] = larger(remains[i], sinkage_of(up[i], ground[i] - gone[i] - lowest[i]));
+		sunk[i] = over[i] > 0 ? ground[i] - rests[i] : 0;
 	}
-	thin_layers(up, gone, by_loose, &soils);
+	thin_layers(up, gone, &soils);
 	put_plastic(&soils, remains, floored, had);
 	put_plastic(&soils, largest, floored, plastic);
 	for (int i = 0; i < POSTS_LANES; i++) {
@@ -205,8 +228,8 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);
 		const int32_t sinks = released + holds * (sunk[i] - gone[i] - released), heap = deposited[i] - gone[i], offset = heap - sinks;
 		const int32_t refused = touched[i] & ((far[i] != 0) | (sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST)), changes = touched[i] & (refused ^ 1);
-		const int32_t flows = larger(released - released_before, 0), room = larger(CARRIED_MOST - gone[i], 0);
-		const int32_t carries = (int32_t)least(bulldozing * (float)flows, (float)room) + smaller(gone[i], CARRIED_MOST);
+		const int32_t flows = larger(released - released_before, 0), room = larger(CARRIED_MOST - all[i], 0);
+		const int32_t carries = (int32_t)least(bulldozing * (float)flows, (float)room) + smaller(all[i], CARRIED_MOST);
 		/* Only soil that the floor gives up is carried. What slip digs under a body that does not go down stays there, loosened. */
 		const int32_t carried = larger(smaller(carries, before[i] - offset), 0) * changes;
 		a->touched[i] = changes;
@@ -231,7 +254,7 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		a->loose[i] = a->floor[i] = 0;
 	}
 	if (floored)
-		put_floors(posts, b, &soils, by_up, digs, a);
+		put_floors(posts, b, &soils, by_up, thick, a);
 	for (int i = 0; i < POSTS_LANES; i++)
 		a->shear[i] = shear_of(axis, shear_x[i] * (float)a->held[i], shear_y[i] * (float)a->held[i]);
 }

@@ -8,15 +8,9 @@
  *
  * Each step is a loop over the lanes without a branch. The loops are compiled for each form of body, with and without what a probe asks.
  */
-#include "soil/law/bear_changes.h"
+#include "soil/law/bear_walls.h"
 
 /* --- sums --- */
-
-/* Whole numbers of each lane. */
-struct counts {
-	int32_t force[3][LANES], moment[3][LANES], pull[LANES], area[LANES], saturated[LANES];
-	float grows[LANES];
-};
 
 /* Adds what one place of each lane bears. */
 SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind, bool asked, float unit, const struct lane_posts *p,
@@ -205,6 +199,8 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		}
 		if ((kind == FORM_RIM && f->lean != 0) || (kind == FORM_RASTER && f->fine.brims != NULL))
 			add_brims(f, kind, asked, unit, p, &l, stresses, &counts, a->changes);
+		if (kind == FORM_BOX && f->tilts > 0)
+			add_walls(f, asked, unit, p, &l, stresses, &counts, a->changes);
 		if (asked)
 			add_changes(f, kind, p, &l, &all, a->changes);
 		count(f, p, unit, &l, (const float(*)[LANES])stresses, &counts, a->sums);

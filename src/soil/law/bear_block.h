@@ -197,18 +197,37 @@ SOIL_INLINED float room_above(const struct lane_posts *p, int i)
 #endif
 }
 
+/* Takes what is dug off a loose layer, and what is more off its floor. A post whose loose layer is gone has its floor alone, whose undisturbed surface is
+ * above the floor by its plastic sinkage. gone: m along the
+ * normal. was: before. */
+SOIL_INLINED void dig_loose(struct lane_posts *p, int i, float gone, float was, struct block *l)
+{
+	const float thick = p->loose_thick[i], floor = (float)p->floor[i] * SOIL_UNIT, under = p->under[i];
+	const bool through = (thick > 0) & (gone >= thick);
+	const float sank = most(either(was > thick, was - thick + under, 0), floor), rise = either(through, under * p->by_up[i], 0);
+	l->was[i] = either(through, most(sank - (gone - thick), 0), l->was[i]);
+	l->ground[i] += rise;
+	l->depth[i] += rise;
+	p->deposited[i] += whole_of(rise * 1048576.0f);
+	p->k[i] = either(through, p->whole[i], p->k[i]);
+	p->loose_thick[i] = either(through, 0, thick - either(thick > 0, gone, 0));
+#if SOIL_LAYERED
+	p->thick[i] = either((p->thick[i] < LAYER_NONE) & (through | (thick <= 0)), most(p->thick[i] - (gone - thick), 0), p->thick[i]);
+#endif
+}
+
 /* Takes soil off a post, m. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
 SOIL_INLINED void take_off(struct lane_posts *p, int i, bool floored, float by, struct block *l)
 {
-	const float up = p->up[i], gone = up * by;
+	const float was = l->was[i], gone = p->up[i] * by;
 	l->ground[i] -= by;
 	l->depth[i] -= by;
-	l->was[i] = most(l->was[i] - gone, 0);
-	/* The loose layer goes first, and then what is below. Its floor stays. */
-	const float of_loose = floored ? either(p->loose_thick[i] > 0, least(gone, most(p->loose_thick[i] - SOIL_UNIT, 0)), 0) : 0;
-	p->loose_thick[i] -= of_loose;
+	l->was[i] = most(was - gone, 0);
+	if (floored)
+		dig_loose(p, i, gone, was, l);
 #if SOIL_LAYERED
-	p->thick[i] = either(p->thick[i] < LAYER_NONE, most(p->thick[i] - (gone - of_loose), 0), p->thick[i]);
+	else
+		p->thick[i] = either(p->thick[i] < LAYER_NONE, most(p->thick[i] - gone, 0), p->thick[i]);
 #endif
 }
 
@@ -292,14 +311,16 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, st
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
 		const float half = 0.5f * most(lasted(p, i, l->passed[i]), 0), x = p->x[i] + half * f->way[0], y = p->y[i] + half * f->way[1];
-		const float lowest = p->height[i] + p->above[i] - p->lowered[i], up = p->up[i];
-		const float deepest = most(up * (l->ground[i] - lowest), 0), sunk = up * l->depth[i], after = most(l->was[i], deepest);
+		const float lowest = p->height[i] + p->above[i] - p->lowered[i], up = p->up[i], was = l->was[i];
+		const float deepest = most(up * (l->ground[i] - lowest), 0), sunk = up * l->depth[i], after = most(was, deepest);
 		const float stays = least(plastic_on(&s, after, floored), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
 		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) + f->scooped - (p->dug[i] + l->more[i]);
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
-		const float room = least(l->depth[i] - 2 * SOIL_UNIT, room_above(p, i)); /* it never digs itself free */
+		/* It never digs itself free: of a body that reached the floor, what is above it counts from the floor's undisturbed surface. */
+		const float above = floored ? either((s.loose > 0) & (sunk > s.loose), s.under * p->by_up[i], 0) : 0;
+		const float room = least(l->depth[i] + above - 2 * SOIL_UNIT, room_above(p, i));
 		const float by = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
 		l->more[i] += by;
 		take_off(p, i, floored, by, l);
@@ -443,7 +464,8 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, int lane,
 				 float x, float y, float depth, float rise)
 {
-	const float print = rise + p->print[i] - height_at(f, kind, p->own[i], x + f->way[0], y + f->way[1]);
+	const float own = kind == FORM_BOX ? 0 : p->own[i]; /* there it may have been another face */
+	const float print = rise + p->print[i] - height_at(f, kind, own, x + f->way[0], y + f->way[1]);
 	/* The rut of a rim that leans, or of such a drum, leans too. A mesh moves along the frame's x axis. */
 	const float slope = kind == FORM_RIM ? f->lean * f->lift : p->slope_y[i], rut = kind == FORM_RIM ? 1 : kind == FORM_RASTER ? either(f->bulges > 0, 1, 0) : 0;
 	const float leans = kind == FORM_RIM || kind == FORM_RASTER ? rut * (1 - l->stamped[lane]) * (p->rise_y[i] - slope) * (y - p->y[i]) : 0;
@@ -469,7 +491,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 	const bool known = any_above(l->was, 0);
 	EACH_LANE {
 		const float x = p->rise_x[i] - p->slope_x[i], y = p->rise_y[i] - p->slope_y[i], squares = x * x + y * y;
-		const float by = f->half_across / sqrtf(most(squares, 1e-8f));
+		const float half = kind == FORM_BOX ? p->half_line[i] : f->half_across, by = half / sqrtf(most(squares, 1e-8f));
 		const bool turns = kind != FORM_RIM && squares >= 1e-8f;
 		l->end[0][i] = either(turns, x * by, f->half_across);
 		l->end[1][i] = either(turns, y * by, 0);

@@ -66,12 +66,19 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 	}
 }
 
+/* What the lanes bear, in whole numbers. */
+struct counts {
+	int32_t force[3][LANES], moment[3][LANES], pull[LANES], area[LANES], saturated[LANES];
+	float grows[LANES];
+};
+
 /* One place, as a probe needs it. Amounts are those of the place's share of a post's area. */
 struct place {
 	float arm[3], normal[3], across[2][3];
 	float area, ground;              /* of the surface, and of the ground that bears; posts */
 	float stress, strength, holds;   /* Pa: normal, with damping; the most that shear can be; how that grows with the normal stress */
 	float mobilised[2], dragged[2];  /* shear along `across`: share of the strength; Pa, of damping */
+	float unloads;                   /* 1: it springs back, or is loaded anew */
 	float sinks, damps;              /* growth of the normal stress: Pa/m as the surface goes down, Pa s/m with its speed along the normal */
 	float shears[2][2], drags[2][2]; /* 1/m, Pa s/m: growth of `mobilised` and `dragged` with a way, a speed along `across` */
 };
@@ -151,6 +158,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->stress = yields * share;
 	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
 	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
+	place->unloads = unloads;
 	place->sinks = up * ((1 - unloads) * spots->grows[lane] + unloads * yields * by_elastic);
 	put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, place);
 	const struct slip slip = slip_at(f, kind, place->arm, place->normal, place->across);
@@ -171,6 +179,21 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
  * soil, downwards ahead of the axle and upwards behind it. */
 #define BRIM_STEPS 4
 
+/* A wall bears beside the post, where no body has passed. So it finds the ground as it is below a loose layer: as if the post had none. Then it does not
+ * change as that layer is used up, and a wall gains nothing by it. Returns how much lower the undisturbed surface of that ground is, m. */
+SOIL_INLINED float below_loose(const struct lane_posts *p, int i)
+{
+	return either(p->loose_thick[i] > 0, (p->loose_thick[i] - p->under[i]) * p->by_up[i], 0);
+}
+
+SOIL_INLINED struct stress_soil firm_soil(const struct lane_posts *p, int i)
+{
+	struct stress_soil s = soil_of(p, i);
+	s.k = either(s.loose > 0, s.whole, s.k);
+	s.loose = 0;
+	return s;
+}
+
 /* The edge of the lower end beside a cell. */
 struct edge {
 	float at[2], lowest, depth; /* its lowest place beside the part that bears; m below the ground there */
@@ -180,7 +203,7 @@ struct edge {
 SOIL_INLINED struct edge edge_of(const struct soil_form *f, const struct lane_posts *p, const struct block *l, int i)
 {
 	const float beside = low_side(f) * f->half_axis * f->level, x = l->centre[0][i], y = l->centre[1][i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
-	const float height = l->ground[i] + rise_x * (x - p->x[i]) + rise_y * (y - p->y[i]) - p->above[i];
+	const float height = l->ground[i] - below_loose(p, i) + rise_x * (x - p->x[i]) + rise_y * (y - p->y[i]) - p->above[i];
 	float depths[3];
 	for (int k = 0; k < 3; k++) {
 		const float along = (float)(k - 1) * f->half_across, strip = half_strip(f, x + along), aside = f->lean * strip + beside;
@@ -213,7 +236,7 @@ SOIL_INLINED void brim_slides(const struct soil_form *f, float back, float each,
 /* Gives the stresses of what bears beside a cell. area, arm and normal are set. mean: m, the sinkage at which soil bears the mean of the pressure; deep: m. */
 SOIL_INLINED void bear_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, int i, float mean, float deep, float since, struct place *place)
 {
-	const struct stress_soil s = soil_of(p, i);
+	const struct stress_soil s = firm_soil(p, i);
 	const float up = p->up[i], each = since * (1.0f / BRIM_STEPS);
 	place->stress = yield_stress(&s, up * mean);
 	place->sinks = place->stress * (s.n + 1) / deep;
@@ -279,7 +302,7 @@ SOIL_INLINED void put_wall(const struct soil_form *f, bool asked, const struct l
 	const float aside[2] = {(c * b->aside[0] + q * b->aside[1]) * by, (c * b->aside[1] - q * b->aside[0]) * by}, flat = most(b->flat * by, 1e-5f), tall = b->tall * by;
 	const float x = c * east + q * north, y = c * north - q * east, half = 0.5f * b->length, along[2] = {-out[1] * half, out[0] * half};
 	/* The part of the edge that is in soil. */
-	const float beside = b->z * by - height_at(f, FORM_RASTER, 0, x, y), ground = l->ground[i] - p->above[i];
+	const float beside = b->z * by - height_at(f, FORM_RASTER, 0, x, y), ground = l->ground[i] - below_loose(p, i) - p->above[i];
 	float depths[3];
 	for (int k = 0; k < 3; k++) {
 		const float u = x + (float)(k - 1) * along[0], v = y + (float)(k - 1) * along[1];

@@ -1,6 +1,7 @@
 /* Which posts and which parts of their cells a body covers, how low it is there, and how low it was during its motion. */
 #include "soil/law/cover.h"
 
+#include "soil/law/cover_box.h"
 #include "soil/law/cover_fine.h"
 #include "soil/law/face.h"
 #include "soil/law/grousers.h"
@@ -179,6 +180,11 @@ SOIL_CLONED static void cover_box(const struct soil_form *restrict f, struct soi
 	cover_lanes(f, FORM_BOX, p, b);
 	if (f->half[0] > 0)
 		put_box_parts(f, p, b);
+	for (int i = 0; i < POSTS_LANES; i++) {
+		p->half_line[b + i] = f->half_across;
+		p->edge_long[b + i] = p->edge_x[b + i] = p->edge_y[b + i] = 0;
+		p->other_long[b + i] = p->other_x[b + i] = p->other_y[b + i] = 0;
+	}
 }
 
 SOIL_CLONED static void cover_capsule(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
@@ -214,9 +220,17 @@ SOIL_INLINED float lowest_near(const struct soil_form *f, enum soil_form_kind ki
 	case FORM_CAPSULE:
 	case FORM_END:
 	case FORM_RASTER:
+	case FORM_WALL:
 		break;
 	}
 	return -f->reach;
+}
+
+/* Returns how far the undisturbed surface of what lies below a loose layer can be above the post's own, m: walls find that (below_loose). */
+SOIL_INLINED float firm_above(const struct soil_form *f, const struct soil_posts *p, size_t i)
+{
+	const bool walls = f->kind == FORM_RASTER || (f->kind == FORM_RIM && f->lean != 0);
+	return walls && p->loose[i] > 0 ? most((float)p->floor[i] * p->by_up[i] - (float)p->loose[i], 0) * SOIL_UNIT : 0;
 }
 
 SOIL_INLINED void room_of(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
@@ -224,8 +238,10 @@ SOIL_INLINED void room_of(const struct soil_form *restrict f, enum soil_form_kin
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->rise_x[b + i], y = p->rise_y[b + i], steep = sqrtf(x * x + y * y) * f->half_across;
-		const float across = x * p->middle_x[b + i] + y * p->middle_y[b + i], ground = (float)p->ground[b + i] * SOIL_UNIT;
-		const float lowest = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], f->half_across);
+		const float across = x * p->middle_x[b + i] + y * p->middle_y[b + i], ground = (float)p->ground[b + i] * SOIL_UNIT + firm_above(f, p, b + (size_t)i);
+		const bool edge = kind == FORM_BOX && p->edge_long[b + i] + p->other_long[b + i] > 0; /* it may lie outside the cell */
+		const float near = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], kind == FORM_BOX ? most(f->half_across, p->half_line[b + i]) : f->half_across);
+		const float lowest = either(edge, -f->reach, near);
 		const float room = ground + most(across + steep - lowest, most(-p->height[b + i], -lowest)) - p->above[b + i] + 4 * SOIL_LEAST;
 		p->room[b + i] = either(p->share[b + i] > 0, room, -1e9f);
 	}
@@ -248,7 +264,7 @@ static void put_raster_room(const struct soil_form *f, struct soil_posts *p)
 {
 	for (size_t i = 0; i < p->count; i++) {
 		const float steep = sqrtf(p->rise_x[i] * p->rise_x[i] + p->rise_y[i] * p->rise_y[i]) * f->half_across;
-		const float across = p->rise_x[i] * p->middle_x[i] + p->rise_y[i] * p->middle_y[i], ground = (float)p->ground[i] * SOIL_UNIT;
+		const float across = p->rise_x[i] * p->middle_x[i] + p->rise_y[i] * p->middle_y[i], ground = (float)p->ground[i] * SOIL_UNIT + firm_above(f, p, i);
 		if (p->share[i] > 0)
 			p->room[i] = ground + most(across + steep, 0) - least(soil_cover_fine_low(f, p->x[i], p->y[i]), p->height[i]) + 4 * SOIL_LEAST;
 	}
@@ -275,6 +291,8 @@ void soil_cover(const struct soil_body *body, const struct soil_form *form, stru
 		soil_cover_fine(form, posts);
 	else
 		cover_all(form, posts);
+	if (form->kind == FORM_BOX && form->tilts > 0)
+		soil_cover_box(body, form, posts);
 	if (form->grousers.rests != NULL)
 		soil_grousers_cover(body, form, posts);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)

@@ -1,8 +1,8 @@
 /*
  * The lower envelope of a body at any place: its height, slope and normal, how it bends, and how much lower it was. The last is of the whole motion.
  * Beside the body these go on from its edge. `kind` is known where a loop over lanes is compiled, so each form has its own loop.
- *
- * own: of an end. x is 1 if the lower end alone bears. It is 2 if the higher of its end and its side does at each place.
+ * own: of an end: 1 if the lower end alone bears, 2 if the higher of its end and its side does at each place. Of a box: 1 + the face below which a post lies,
+ * which goes on beside it; 0: the highest face at each place. Of a wall: 1 + its number.
  */
 #ifndef FURROW_SOIL_FACE_H
 #define FURROW_SOIL_FACE_H
@@ -88,18 +88,35 @@ SOIL_INLINED void capsule_face(const struct soil_form *f, float x, float y, stru
 	put_normal(face->slope, face->normal);
 }
 
-SOIL_INLINED void box_face(const struct soil_form *f, float x, float y, struct face *face)
+SOIL_INLINED void box_face(const struct soil_form *f, float own, float x, float y, struct face *face)
 {
 	face->height = -1e9f;
 	face->slope[0] = face->slope[1] = face->end = 0;
 	for (int k = 0; k < 3; k++) {
 		const float height = f->faces[k][0] + f->faces[k][1] * x + f->faces[k][2] * y;
-		const bool higher = height > face->height;
-		face->height = most(height, face->height);
+		const bool higher = (height > face->height) & ((own == 0) | (own == (float)(1 + k)));
+		face->height = either(higher, height, face->height);
 		face->slope[0] = either(higher, f->faces[k][1], face->slope[0]);
 		face->slope[1] = either(higher, f->faces[k][2], face->slope[1]);
 	}
 	put_normal(face->slope, face->normal);
+}
+
+/* The lower envelope at a wall: the wall, or what is higher. */
+SOIL_INLINED void wall_face(const struct soil_form *f, float own, float x, float y, struct face *face)
+{
+	const struct soil_box_wall *first = &f->walls[0], *second = &f->walls[1];
+	const bool one = own == 1;
+	const float n[3] = {either(one, first->normal[0], second->normal[0]), either(one, first->normal[1], second->normal[1]), either(one, first->normal[2], second->normal[2])};
+	const float at[2] = {either(one, first->at[0], second->at[0]), either(one, first->at[1], second->at[1])}, low = either(one, first->low, second->low);
+	const float height = low - (n[0] * (x - at[0]) + n[1] * (y - at[1])) / n[2];
+	box_face(f, 0, x, y, face);
+	const bool higher = height >= face->height - 1e-6f;
+	face->height = most(height, face->height);
+	for (int k = 0; k < 2; k++)
+		face->slope[k] = either(higher, -n[k] / n[2], face->slope[k]);
+	for (int k = 0; k < 3; k++)
+		face->normal[k] = either(higher, n[k], face->normal[k]);
 }
 
 /* A place between those of a raster. */
@@ -161,7 +178,10 @@ SOIL_INLINED void face_at(const struct soil_form *f, enum soil_form_kind kind, f
 		capsule_face(f, x, y, face);
 		break;
 	case FORM_BOX:
-		box_face(f, x, y, face);
+		box_face(f, own, x, y, face);
+		break;
+	case FORM_WALL:
+		wall_face(f, own, x, y, face);
 		break;
 	case FORM_END:
 		end_face(f, own, x, y, face);

@@ -24,7 +24,7 @@
 #define FINE_ROUND 5e-4f     /* a mesh is round about its axis if turning moves its surface by less than this share of its reach */
 #define FINE_TURNS 0.06f     /* rad between the attitudes of a mesh that is not, at most, */
 #define FINE_ATTITUDES 16    /* unless these are more */
-#define FINE_WALL 0.5547002f /* z of a normal. A smooth piece of the surface that is steeper everywhere is a wall, if it rises from an edge of another */
+#define FINE_WALL ((float)FORM_WALL_LEAST) /* z of a normal. A smooth piece of the surface that is steeper everywhere is a wall, if it rises from an edge of another */
 
 /* Where a triangle looks: not down; down; down, and it is part of a wall. */
 enum { FINE_UP, FINE_SOLE, FINE_SIDE };

@@ -112,11 +112,69 @@ static bool is_cut(const double size[3], const struct soil_pose *pose, double sp
 	return fabs(sin(pose->pitch) * sin(pose->roll)) * thinnest > 0.1 * spacing;
 }
 
+#define TILT_WHOLE 0.0175 /* sine of a sole's tilt: a box that is tilted by less is partly computed as a level one */
+#define TILT_LEAST 1e-6
+
+/* Adds the wall `face` to a box. It rises from the edge that it has in common with a sole. a: half axes of the box in its frame, all upwards. steepest: it
+ * has two such edges, and above each the part that is steepest from there. */
+static void put_wall(double a[3][3], int face, int sole, bool steepest, struct soil_form *form)
+{
+	const int along = 3 - face - sole;
+	const double length = sqrt(a[face][0] * a[face][0] + a[face][1] * a[face][1] + a[face][2] * a[face][2]), level = a[face][0] * a[face][0] + a[face][1] * a[face][1];
+	struct soil_box_wall *wall = &form->walls[form->wall_count++];
+	*wall = (struct soil_box_wall){.sole = sole, .face = face, .low = (float)(-a[face][2] - a[sole][2])};
+	double up[3];
+	for (int k = 0; k < 3; k++) {
+		up[k] = steepest ? (k < 2 ? -a[face][k] * a[face][2] / level : 1) * 2 * length : 2 * a[sole][k];
+		wall->up[k] = (float)up[k];
+		wall->back[k] = (float)(2 * a[face][k]);
+		wall->normal[k] = (float)(a[face][k] / length);
+	}
+	for (int k = 0; k < 2; k++) {
+		wall->at[k] = (float)(-a[face][k] - a[sole][k]);
+		wall->along[k] = (float)a[along][k];
+	}
+	wall->wide = (float)(fabs(a[along][0] * up[1] - a[along][1] * up[0]) / hypot(a[along][0], a[along][1]));
+}
+
+/* Sets the soles and walls of a tilted box. sides: half of its axes, in the frame. */
+static void put_soles(double sides[3][3], const bool upright[3], struct soil_form *form)
+{
+	double a[3][3], up[3], flattest = 0;
+	int soles = 0;
+	for (int k = 0; k < 3; k++) {
+		const double length = sqrt(sides[k][0] * sides[k][0] + sides[k][1] * sides[k][1] + sides[k][2] * sides[k][2]);
+		up[k] = fabs(sides[k][2]) / length;
+		flattest = fmax(flattest, up[k]);
+		for (int i = 0; i < 3; i++)
+			a[k][i] = sides[k][2] < 0 ? -sides[k][i] : sides[k][i];
+		a[k][2] = fmax(a[k][2], TILT_LEAST * length); /* an upright side is a wall as soon as it turns either way */
+	}
+	const double tilt = sqrt(fmax(1 - flattest * flattest, 0));
+	form->tilts = tilt > TILT_LEAST ? (float)fmin(tilt / TILT_WHOLE, 1) : 0;
+	for (int k = 0; k < 3; k++) {
+		const int i = (k + 1) % 3, j = (k + 2) % 3;
+		form->is_sole[k] = up[k] >= FORM_WALL_LEAST && !upright[k];
+		soles += form->is_sole[k];
+		for (int n = 0; n < 2; n++) {
+			form->soles[k].middle[n] = (float)-a[k][n];
+			form->soles[k].half[0][n] = (float)a[i][n];
+			form->soles[k].half[1][n] = (float)a[j][n];
+		}
+	}
+	form->wall_count = 0;
+	for (int k = 0; k < 3; k++)
+		for (int n = 0; n < 3; n++)
+			if (!form->is_sole[k] && form->is_sole[n])
+				put_wall(a, k, n, soles > 1, form);
+}
+
 static void put_box(struct soil_body *body, struct soil_form *form, double spacing)
 {
 	const struct soil_pose *to = &body->motion->to;
 	const double *size = body->motion->shape->size;
 	double sides[3][3];
+	bool uprights[3];
 	soil_body_axes(size, to->yaw, to->pitch, to->roll, sides);
 	body->axis[0] = cos(to->yaw);
 	body->axis[1] = sin(to->yaw);
@@ -124,12 +182,13 @@ static void put_box(struct soil_body *body, struct soil_form *form, double spaci
 	for (int k = 0; k < 3; k++) {
 		double *axis = sides[k];
 		const double squares = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
-		const bool upright = is_upright(sides, k, spacing);
+		const bool upright = uprights[k] = is_upright(sides, k, spacing);
 		into_frame(body, axis);
 		form->faces[k][0] = upright ? -1e9f : (float)(-squares / fabs(axis[2]));
 		form->faces[k][1] = upright ? 0 : (float)(-axis[0] / axis[2]);
 		form->faces[k][2] = upright ? 0 : (float)(-axis[1] / axis[2]);
 	}
+	put_soles(sides, uprights, form);
 	for (int k = 0; k < 3; k++) {
 		const double length = hypot(sides[k][0], sides[k][1]), across[2] = {length > 1e-9 ? -sides[k][1] / length : 1, length > 1e-9 ? sides[k][0] / length : 0};
 		double half = 0;
@@ -254,6 +313,20 @@ static void put_times(const struct soil_body *body, struct soil_form *form, cons
 	form->rim_digs = (float)(1 + rolls[1] * (times[1] - 1));
 }
 
+/* Sets how fast the body moves and turns. A body on a path has no rates, but its motion took some time. */
+static void put_speeds(const struct soil_body *body, const double way[3], const double spin[3], struct soil_form *form)
+{
+	const struct soil_motion *motion = body->motion;
+	const double by = motion->seconds > 0 && !motion->jumped ? 1 / motion->seconds : 0;
+	double goes[3], turns[3];
+	for (int k = 0; k < 3; k++) {
+		goes[k] = motion->linear[k] + way[k] * by;
+		turns[k] = motion->angular[k] + spin[k] * by;
+	}
+	put3(form->goes, body, goes);
+	put3(form->turns, body, turns);
+}
+
 static void put_motion(const struct soil_law *law, struct soil_body *body, struct soil_form *form, const double way[3])
 {
 	const struct soil_motion *motion = body->motion;
@@ -267,6 +340,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 	put_rolling(form);
 	put3(form->linear, body, motion->linear);
 	put3(form->angular, body, motion->angular);
+	put_speeds(body, way, spin, form);
 	form->reach = (float)soil_shape_reach(&body->smooth, to->pitch, to->roll);
 	if (wheel)
 		form->reach = form->radius;

@@ -11,12 +11,13 @@
 #include "soil/soil.h"
 
 /* The forms that the law knows. A rim: the side of a wheel or of a cylinder whose axis is level enough. An end: a steeper cylinder. */
-enum soil_form_kind { FORM_RIM, FORM_BALL, FORM_CAPSULE, FORM_BOX, FORM_END, FORM_RASTER };
+enum soil_form_kind { FORM_RIM, FORM_BALL, FORM_CAPSULE, FORM_BOX, FORM_END, FORM_RASTER, FORM_WALL /* of no body: a wall of a box (bear_walls.h) */ };
 
 #define FORM_LEANS_MOST 0.5      /* rise of an axis: up to it a cylinder is a rim, and its lower end a brim beside that */
 #define FORM_LEVEL_LEAST 1e-5    /* length in plan of an axis: an upright one counts as this, so that all numbers are finite */
 #define FINE_NONE 1e9f      /* m: height of a place that a mesh or a bar is not above */
 #define FORM_BESIDE 2e-9         /* m: a place that lies beside a body by less is below its edge */
+#define FORM_WALL_LEAST 0.5547002 /* z of a normal: steeper faces are walls */
 #define FORM_UPRIGHT 0.05f       /* z of a unit normal: steeper slopes are taken as the one with this z, */
 #define FORM_STEEPEST 19.974984f /* which is this slope, */
 #define FORM_STEEPEST_PART 0.99874922f /* and whose normal has this length in plan */
@@ -60,6 +61,20 @@ struct soil_fine {
 	float aside, sides[2];
 };
 
+/*
+ * The lower faces of a box that is tilted, in plan and in its frame; m from its centre. Each is a parallelogram, and together they are what it covers. A steep
+ * one is a wall: in soil it is narrower than a cell, so it bears beside the edge from which it rises (bear_walls.h). The others are soles, whose posts bear.
+ */
+struct soil_box_sole {
+	float middle[2], half[2][2];
+};
+struct soil_box_wall {
+	int sole, face;               /* of the sole from whose edge it rises; its own among the box' three faces */
+	float at[2], along[2], low;   /* the middle of that edge; half of it; its height */
+	float up[3], back[3];         /* from the edge to the wall's top; across the sole, to its other edge. Both rise */
+	float normal[3], wide;        /* into the box, unit; area in plan for each metre of edge, m */
+};
+
 /* Heights of a wheel's grousers at posts, row by row, m above the centre. FINE_NONE: no bar is there. Drawn by grousers.c. */
 struct soil_grousers {
 	const float *rests, *lowest; /* in the end pose; during the motion. NULL: it has none */
@@ -95,6 +110,12 @@ struct soil_form {
 	float bulges;              /* 1/m: how the edge of a drum's end bends in plan; 0: it is straight */
 	float along[2];            /* capsule: the axis in plan */
 	float faces[3][3];         /* box: lower faces: height at the centre, slope along the frame's axes */
+	/* A box that is tilted. tilts: 1: its cells are cut along its soles' edges, and its walls bear. Less below a tilt of a degree; 0: it is level. */
+	float tilts;
+	struct soil_box_sole soles[3]; /* of `faces` */
+	bool is_sole[3];
+	struct soil_box_wall walls[2];
+	int wall_count;
 	float slabs[3][3];         /* box: in plan it lies in three slabs: unit vector across, half the width; m */
 	/* Ball and ellipsoid: height = tilt . at - drop sqrt(1 - squares), squares = ahead_by (x + skew y)^2 + aside_by y^2 <= (shrinks |at|)^2 */
 	float tilt[2], drop, ahead_by, skew, aside_by, shrinks;
@@ -134,6 +155,7 @@ struct soil_form {
 	float rates;               /* 1: how it moves now is known; 0: its velocity is 0 or not known, and it counts as going down */
 	float ground_normals;      /* 1: stresses act along the ground's normals; 0: along the body's */
 	float linear[3], angular[3], runs; /* m/s, rad/s, m/s of the belt: how it moves now */
+	float goes[3], turns[3];   /* m/s, rad/s: the same, and of a body on a path the mean of its motion. 0: not known */
 	float bulldozing;
 	struct stress_surface surface;
 };

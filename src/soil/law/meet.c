@@ -79,6 +79,7 @@ static bool covers(const struct soil_form *f, float x, float y)
 	case FORM_END:
 		return is_above(f, FORM_END, x, y);
 	case FORM_BOX:
+	case FORM_WALL:
 		break;
 	}
 	return is_above(f, FORM_BOX, x, y);

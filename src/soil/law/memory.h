@@ -26,8 +26,8 @@ struct memory {
 SOIL_INLINED struct memory memory_of(int32_t offset, int32_t deposited, int32_t sinkage, int32_t settled, int32_t loose, int32_t floor)
 {
 	const int32_t came = deposited - settled, was_loose = loose > 0, is_new = came > 0, firm = (sinkage <= loose / 2) & (sinkage >= floor / 4);
-	const int32_t left = loose > sinkage ? loose - sinkage : 0, less = came < 0 ? came : 0;
-	const int32_t joined = came + (was_loose & !firm ? left : 0), remains = loose + less > 1 ? loose + less : 1;
+	const int32_t thick = offset - settled + loose, less = came < 0 ? came : 0; /* from the floor, which stays, to the surface */
+	const int32_t joined = was_loose & !firm ? (thick > came ? thick : came) : came, remains = loose + less > 1 ? loose + less : 1;
 	const int32_t below = was_loose ? (firm ? -sinkage : floor) : sinkage;
 	return (struct memory){
 		.deposited = is_new ? offset : deposited,

@@ -137,6 +137,8 @@ SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct
 	const int32_t *restrict south = base - run->width, *restrict north = base + run->width;
 	const int32_t *restrict deposited = run->deposited != NULL ? run->deposited : base, *restrict sinkage = run->sinkage != NULL ? run->sinkage : base;
 	const int32_t *restrict settled = run->settled != NULL ? run->settled : deposited, *restrict loose = run->settled != NULL ? run->loose : base;
+	const int32_t *restrict floor = run->settled != NULL ? run->floor : base;
+	const float leans = run->settled != NULL && m->lean != 0 ? 1 : 0; /* its wall finds the ground below a loose layer */
 	const int32_t loosens = run->settled != NULL;
 	const float heaps = run->deposited != NULL ? SOIL_UNIT : 0, sinks = run->sinkage != NULL ? SOIL_UNIT : 0, unit = 4 * SOIL_UNIT, r2 = m->radius * m->radius;
 	int32_t firsts[POSTS_LANES], lasts[POSTS_LANES], first = INT32_MAX, last = -1;
@@ -151,7 +153,8 @@ SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct
 			const int32_t here = base[i];
 			const bool holes = (here == BASE_NODATA) | (west[i] == BASE_NODATA) | (east[i] == BASE_NODATA) | (south[i] == BASE_NODATA) | (north[i] == BASE_NODATA);
 			const float rise = (most(further(west[i], here), further(here, east[i])) + most(further(south[i], here), further(here, north[i]))) * unit * m->rise_reach;
-			const float ground = (float)(int32_t)((uint32_t)here - (uint32_t)m->zero) * unit + (float)deposited[i] * heaps - m->raised;
+			const float firm = leans * most(either(floor[i] < 0, -(float)floor[i], (float)floor[i]) - (float)loose[i], 0) * either(loose[i] > 0, SOIL_UNIT, 0);
+			const float ground = (float)(int32_t)((uint32_t)here - (uint32_t)m->zero) * unit + (float)deposited[i] * heaps + firm - m->raised;
 			/* How low the rim is in this cell, and how much its height differs from that at the post now, and at the motion's start. */
 			const float near = most(most(x, -x - m->run) - m->reach, 0), outside = most(m->outer * m->outer - near * near, 0);
 			const float deep = sqrtf(outside) * m->lift, lowest = m->lean * y - m->aside - deep - m->fell;
@@ -203,7 +206,7 @@ static void cut_rim(const struct walk *walk, const struct soil_body *body, const
 	const size_t from = (size_t)columns[0];
 	const struct run part = {.base = row->base + from, .deposited = row->deposited != NULL ? row->deposited + from : NULL,
 				 .sinkage = row->sinkage != NULL ? row->sinkage + from : NULL, .settled = row->settled != NULL ? row->settled + from : NULL,
-				 .loose = row->loose != NULL ? row->loose + from : NULL, .width = row->width};
+				 .loose = row->loose != NULL ? row->loose + from : NULL, .floor = row->floor != NULL ? row->floor + from : NULL, .width = row->width};
 	int32_t end;
 	const int32_t begins = mark_run(&marks, &part, (int32_t)(columns[1] - columns[0]), &end);
 	columns[1] = columns[0] + end;
@@ -225,7 +228,8 @@ static bool mesh_is_near(const struct walk *walk, const struct soil_form *form, 
 	if (base == BASE_NODATA)
 		return false;
 	const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
-	const int64_t height = (int64_t)ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero) - walk->raised;
+	const int32_t loose = row->loose != NULL ? row->loose[column] : 0, floor = loose > 0 ? row->floor[column] : 0, firm = (floor < 0 ? -floor : floor) - loose; /* what walls find */
+	const int64_t height = (int64_t)ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero) - walk->raised + (loose > 0 && firm > 0 ? firm : 0);
 	const float low = soil_cover_fine_low(form, x, y);
 	return low < 0.5f * FINE_NONE && (rise >= 2 * (double)form->spacing || (double)low <= lattice_offset_metres(height) + walk->above + 4 * walk->reach);
 }
@@ -415,12 +419,12 @@ static float bounded(double value)
 }
 
 /* Puts the numbers of one soil into the posts from `first` to before `last`. */
-SOIL_CLONED static void put_soil(const struct stress_soil *restrict soil, float k_c, float k_phi, size_t first, size_t last, struct soil_posts *restrict p)
+SOIL_CLONED static void put_soil(const struct stress_soil *restrict soil, float k_c, float k_phi, float compact, size_t first, size_t last, struct soil_posts *restrict p)
 {
 	const struct stress_soil s = *soil;
-	float *restrict each[] = {p->k_c, p->k_phi, p->n, p->elastic, p->by_elastic, p->cohesion, p->tan_phi, p->modulus, p->by_modulus, p->damping};
-	const float values[] = {k_c, k_phi, s.n, s.elastic, s.by_elastic, s.cohesion, s.tan_phi, s.modulus, s.by_modulus, s.damping};
-	for (int k = 0; k < 10; k++) {
+	float *restrict each[] = {p->k_c, p->k_phi, p->n, p->elastic, p->by_elastic, p->cohesion, p->tan_phi, p->modulus, p->by_modulus, p->damping, p->compact};
+	const float values[] = {k_c, k_phi, s.n, s.elastic, s.by_elastic, s.cohesion, s.tan_phi, s.modulus, s.by_modulus, s.damping, compact};
+	for (int k = 0; k < 11; k++) {
 		float *restrict to = each[k];
 		const float value = values[k];
 		for (size_t i = first; i < last; i++)
@@ -435,7 +439,7 @@ static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last
 		.cohesion = (float)soil->cohesion, .tan_phi = (float)tan(soil->friction_angle), .modulus = bounded(soil->janosi_shear),
 		.by_modulus = bounded(1 / soil->janosi_shear), .damping = (float)soil->damping,
 	};
-	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
+	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, isnan(soil->compaction) ? 0 : (float)soil->compaction, first, last, p);
 }
 
 /* Puts what a soil lies over into the same posts. Rigid ground has no shear of its own: the layer keeps its. `thick` is vertical here. */
@@ -491,7 +495,9 @@ SOIL_CLONED static void put_strengths(float loosening, float hardening, struct s
 {
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const float harder = 1 + hardening * least((float)p->density[b + i] * SOIL_UNIT, 1);
+		/* The plane has the share of what lacked before any pass that passes have made. */
+		const float compact = p->compact[b + i], made = least((float)p->density[b + i] * SOIL_UNIT, 1);
+		const float harder = 1 + hardening * (compact + (1 - compact) * made);
 		const bool loose = p->loose[b + i] > 0;
 		p->k_c[b + i] *= harder;
 		p->k_phi[b + i] *= harder;

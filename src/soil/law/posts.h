@@ -13,7 +13,8 @@
 #define POSTS_LAW_WHOLES_EACH(EACH) \
 	EACH(ground)    /* height of the undisturbed surface above the body's centre, fixed-point units */ \
 	EACH(surface)   /* of the surface as it is; fixed-point units above the centre */ \
-	EACH(deposited) EACH(shear) /* of the planes, before; deposited: of the top layer (memory.h) */
+	EACH(deposited) EACH(shear) /* of the planes, before; deposited: of the top layer (memory.h) */ \
+	EACH(floor)     /* below a loose layer: its largest sinkage (memory.h), fixed-point units */
 #define POSTS_LAW_REALS_EACH(EACH) \
 	EACH(x) EACH(y)             /* m, in the body's frame */ \
 	EACH(rise_x) EACH(rise_y)   /* of the base, along the frame's axes */ \
@@ -30,6 +31,8 @@
 	EACH(halfway) EACH(begun)   /* raster: how much higher the body was there halfway through its motion, and at its start, m */ \
 	EACH(print)                 /* m: height of the lower envelope where the post was at the motion's start */ \
 	EACH(share) EACH(middle_x) EACH(middle_y) /* the part of the post's cell that the body covers: share of a cell's area, its middle from the post */ \
+	EACH(half_line)             /* box: half of a line across that part, m */ \
+	EACH(edge_long) EACH(edge_x) EACH(edge_y) EACH(other_long) EACH(other_x) EACH(other_y) /* box: edges from which its walls rise: length, posts; middle, m in the frame */ \
 	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \
 	EACH(room)                  /* m: the body touches the cell if it is raised by less */ \
 	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) EACH(whole) EACH(loose_thick) EACH(under) /* struct stress_soil; loose_thick: its `loose` */
@@ -43,7 +46,7 @@
 	POSTS_LAW_WHOLES_EACH(EACH) \
 	EACH(index)     /* of the post in the planes */ \
 	EACH(sinkage) EACH(digs) /* of the planes, before; sinkage: of the top layer */ \
-	EACH(settled) EACH(loose) EACH(floor) /* the loose layer and the floor below it, before (memory.h); settled: of the plane */ \
+	EACH(settled) EACH(loose) /* the loose layer, before (memory.h); settled: of the plane */ \
 	EACH(density) /* of the plane, before */ \
 	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
 #define POSTS_REALS_EACH(EACH) \
@@ -52,6 +55,7 @@
 	EACH(base_k_c) EACH(base_k_phi) \
 	EACH(left)                  /* of a layer below a loose one: what is left of it below the floor, m along the normal; of posts with such */ \
 	EACH(swept)                 /* 1: the body was above the post during its motion */ \
+	EACH(compact)               /* how dense the soil is before any pass, 0 .. 1 */ \
 	EACH(eases)                 /* by how much less the top layer bears than the soil; 1: it is not loose */ \
 	EACH(k_c) EACH(k_phi)       /* of the soil, for soil_posts_width */
 
