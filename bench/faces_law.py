@@ -25,7 +25,7 @@ import numpy as np
 
 LIFT = 0.55        # the share of the vertical stress that is left on a facet which moves level
 POWER = 0.6        # w = q ** POWER
-FOLLOW = 2.0       # soil follows a smooth rim that spins by at most this many times the way
+FOLLOW = 2.0       # soil follows a rim that spins by at most this many times the way
 LEAST = 0.002      # below this q nothing of the faces is computed; walls are whole from LEAST + FADE
 FADE = 0.05
 RAMP = 0.1         # of n.v: over it walls begin to press, and soles cease
@@ -199,17 +199,24 @@ def wheel_facets(radius, width, around=180, across=6, rings=8):
 FACETS = {}
 
 
-def share(bars, along, aside, rim):
+def share(along, aside, rim):
     """q: the share of the way that is slid. along, aside: of the way in the wheel's frame; rim: what it runs."""
     way = math.hypot(along, aside)
-    if bars:
-        return min(math.hypot(along - rim, aside) / max(way, rim), 1.0)
     roll = min(rim, max(along, 0.0))
     return min(math.hypot(along - roll, aside) / max(way, rim * along / max(way, 1e-12), 0.1 * rim), 1.0)
 
 
-def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, panels=160):
-    """Today's scm on a rim: force ahead, aside and up."""
+def scooped(soil, radius, width, bar, along, aside, rim):
+    """How deep bars have taken the soil away, on a steady way. Between bars a wheel carries wedges, on average half as thick as the bars are high. So it takes
+    a volume of bar b / 2 for each metre that it spins, and comes upon soil that is still there. The sides of the trench slide in at the friction angle."""
+    spins = rim - min(rim, max(along, 0.0))
+    volume = bar / 2 * spins / max(abs(along) + abs(aside) * radius / width, 1e-9)
+    return 2 * volume / (1 + math.sqrt(1 + 4 * volume / (width * soil.tan)))
+
+
+def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, smooth, gone=0.0, panels=160):
+    """Today's scm on a rim: force ahead, aside and up. smooth: what the rim below its bars runs. Slip digs by that. gone: how deep bars have scooped. That bears
+    nothing, but the soil below it is sheared."""
     entry = math.acos(max(1 - sinkage / radius, -1))
     step = 2 * entry / panels
     theta = entry - (np.arange(panels) + .5) * step
@@ -217,7 +224,7 @@ def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, panels=16
     forth, across = (rim - along * np.cos(theta)) * time, np.full(panels, -aside * time)
     way = np.hypot(forth, across)
     stays = np.exp(-way / soil.janosi)
-    spin, brake = max(rim - along, 0), max(along - rim, 0)
+    spin, brake = max(smooth - along, 0), max(along - rim, 0)
     digs = math.hypot(spin + (1 - w) ** 2 * brake, (1 - w) * aside) * time                           # what is pushed is not dug
     e, dug, held, deep, most = np.zeros(2), 0.0, np.zeros((panels, 2)), np.zeros(panels), kappa * soil.janosi
     for i in range(panels):
@@ -226,15 +233,15 @@ def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, panels=16
         held[i] = (before + e) / 2
         if theta[i] >= 0:
             dug = most - (most - dug) * math.exp(-math.hypot(*held[i]) * digs * math.cos(theta[i]) / soil.janosi)
-            dug = min(dug, radius * (math.cos(theta[i]) - 1) + sinkage)
+            dug = min(dug, max(radius * (math.cos(theta[i]) - 1) + sinkage - gone, 0))
         deep[i] = dug
 
     def yields(z):
         z = np.maximum(z, 0)
         return np.minimum(soil.stiffness * z ** soil.n, soil.elastic * z)
     ahead = theta >= 0
-    sigma = np.where(ahead, yields(radius * (np.cos(theta) - 1) + sinkage - deep),
-                     np.maximum(yields(np.array(sinkage - dug)) - soil.elastic * radius * (1 - np.cos(theta)), 0))
+    sigma = np.where(ahead, yields(radius * (np.cos(theta) - 1) + sinkage - gone - deep),
+                     np.maximum(yields(np.array(sinkage - gone - dug)) - soil.elastic * radius * (1 - np.cos(theta)), 0))
     tau = np.where(sigma > 0, soil.cohesion + sigma * soil.tan, 0)
     s, c = np.sin(theta), np.cos(theta)
     forces = tau * held[:, 0] * c - sigma * s, tau * held[:, 1], sigma * c + tau * held[:, 0] * s
@@ -242,27 +249,31 @@ def scm_rim(soil, radius, width, sinkage, along, aside, rim, w, kappa, panels=16
 
 
 def wheel_force(soil, radius, width, bar, sinkage, way, angle, rim, kappa=KAPPA):
-    """Force on a wheel: ahead in its plane, along its axle, up. bar: height of its bars, 0: smooth. way, rim: m/s; angle: of the way, degrees."""
+    """Force on a wheel: ahead in its plane, along its axle, up. bar: height of its bars, in the share in which they carry the soil; 0: smooth. way, rim (at
+    the radius): m/s; angle: of the way, degrees. Bars make it a drum over their tips, which soil slides along on soil."""
     out = radius + bar
+    smooth, rim = rim, rim * out / radius
     key = out, width
     if key not in FACETS:
         FACETS[key] = wheel_facets(out, width)
     place, n, area, kind = FACETS[key]
     c, s = (math.cos(math.radians(angle)), math.sin(math.radians(angle))) if angle != 90 else (0.0, 1.0)
     along, aside = way * c, way * s
-    q = share(bar > 0, along, aside, rim)
-    w, press = blend(q)
-    turn = (rim if bar > 0 else min(rim, FOLLOW * way)) / radius
+    w, press = blend(share(along, aside, rim))
+    gone = scooped(soil, out, width, bar, along, aside, rim)
+    if sinkage <= gone:
+        return np.zeros(3)
+    turn = min(rim, FOLLOW * way) / out
     v = np.stack([along + turn * place[:, 2], np.full(len(place), aside), -turn * place[:, 0]], 1)
     lowest = place[:, 2] + out - sinkage
-    depth = np.maximum(np.where(place[:, 0] * c + place[:, 1] * s > 0, 0, -sinkage) - lowest, 0)      # behind: the rut's floor
+    depth = np.maximum(np.where(place[:, 0] * c + place[:, 1] * s > 0, 0, -sinkage) - lowest - gone, 0)      # behind: the rut's floor
     chord = 2 * math.sqrt(max(2 * out * sinkage - sinkage ** 2, 0)) if sinkage < out else 2 * out
     g = ramp(kind, n, v, w, press)
     on = (depth > 0) & (g > 0)
     mu = np.where((kind == UNDER) & (bar > 0), soil.tan, min(soil.mu, soil.tan))[on]
     f = (stress(soil, n[on], v[on], depth[on], mu, chord * s + width * c, sinkage) * (area * g)[on][:, None]).sum(0)
     if w < 1:
-        f = f + (1 - w) * scm_rim(soil, out, width, sinkage, along, aside, rim, w, kappa)
+        f = f + (1 - w) * scm_rim(soil, out, width, sinkage, along, aside, rim, w, kappa, smooth, gone)
     return f
 
 

@@ -146,10 +146,10 @@ def drive(furrow, store, folder, lanes, spacing, soil, redistribute=""):
 
 
 def measures(lane, row):
-    """One row in the wheel's own axes. Sinkage is for level ground at height 0."""
+    """One row in the wheel's own axes. Sinkage is for level ground at height 0, of the tips of its bars."""
     way, a = math.radians(lane.direction), math.radians(lane.direction + lane.yaw)
     fx, fy, fz, tx, ty = (float(row[key]) for key in ("fx", "fy", "fz", "tx", "ty"))
-    return {"sinkage": lane.radius - float(row["z"]), "drawbar": fx * math.cos(a) + fy * math.sin(a),
+    return {"sinkage": lane.radius + lane.grouser_height - float(row["z"]), "drawbar": fx * math.cos(a) + fy * math.sin(a),
             "side": fy * math.cos(a) - fx * math.sin(a), "fz": fz, "torque": tx * math.sin(a) - ty * math.cos(a),
             "along": (float(row["x"]) - lane.start[0]) * math.cos(way) + (float(row["y"]) - lane.start[1]) * math.sin(way)}
 

@@ -117,7 +117,8 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	b->bulb = motion->shape->kind == SOIL_CYLINDER ? 1 + b->body.lower.axis[2] * b->body.lower.axis[2] : 1;
 	if (b->form.kind == FORM_RASTER)
 		TRY(begin_mesh(motion, work, b));
-	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0)
+	/* With faces a wheel is a drum over its bars, and leaves the rut of that. */
+	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0 && !(b->form.all_round > 0))
 		TRY(soil_grousers_draw(&b->body, &below, &b->form, &work->grousers));
 	return soil_faces_begin(law, planes, &b->body, below, &b->form, b->faces);
 }

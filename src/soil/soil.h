@@ -235,10 +235,12 @@ struct soil_recent_motion {
 	double turn[3];          /* rad for each m; a wheel's turning included */
 	double ran;              /* of a belt, m for each m */
 };
-#define SOIL_TREND_NUMBERS 14
-/* whole: its length is the soil's shear modulus; last: it is a twentieth of that, which tells at once where a body turns back. */
+#define SOIL_TREND_NUMBERS 15
+/* whole: its length is the soil's shear modulus; last: it is a twentieth of that, which tells at once where a body turns back. scooped: volume of soil that a
+ * wheel's grousers have taken away below it, for each square metre, m; 0 once it is in the air. */
 struct soil_trend {
 	struct soil_recent_motion whole, last;
+	double scooped;
 };
 /* Copies a trend to and from plain numbers, for a record. */
 void soil_trend_save(const struct soil_trend *trend, double numbers[SOIL_TREND_NUMBERS]);

@@ -28,17 +28,18 @@ static double across(const struct soil_shape *shape)
 	return shape->kind == SOIL_WHEEL ? shape->width : 2 * shape->radius;
 }
 
-/* Bars of a wheel cut soil out and carry it, and pull by that. Here they are part of its outline alone: VALIDATION.md, "A measured wheel". */
-static void advise_grousers(const char *key, const struct soil_shape *shape, size_t alike, double spacing, scene_advice_fn tell, void *user)
+/* Bars of a wheel cut soil out and carry it, and pull by that. Without faces they are part of its outline alone: VALIDATION.md, "A measured wheel". */
+static void advise_grousers(const char *key, const struct soil_shape *shape, bool faces, size_t alike, double spacing, scene_advice_fn tell, void *user)
 {
 	char grousers[216], text[400], others[40] = "";
 	if (shape->grousers == 0)
 		return;
 	if (alike > 0)
 		snprintf(others, sizeof others, ", as %zu other%s", alike, alike > 1 ? "s" : "");
-	snprintf(text, sizeof text, "%s: has grousers%s: where such a wheel slips it pulls less here than a smooth one, and more in tests; leave them out, "
-				    "and give the radius of their tips", key, others);
-	tell(user, text);
+	snprintf(text, sizeof text, "%s: has grousers%s: where such a wheel slips it pulls less here than a smooth one, and more in tests; give redistribute.faces: on",
+		 key, others);
+	if (!faces)
+		tell(user, text);
 	snprintf(grousers, sizeof grousers, "%s: grousers", key);
 	scene_advise_grousers(grousers, shape, 0, alike, spacing, tell, user);
 }
@@ -69,7 +70,7 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 			continue;
 		snprintf(key, sizeof key, "vehicles.%s", geom.name);
 		scene_advise_narrow(key, across(geom.shape), alike, spacing, tell, user);
-		advise_grousers(key, geom.shape, alike, spacing, tell, user);
+		advise_grousers(key, geom.shape, scene->faces == SCENE_FACES_ON, alike, spacing, tell, user);
 		scene_advise_posts_below(key, geom.shape, over, alike, spacing, tell, user);
 		if (scene->vehicles[number].driver == SCENE_FOLLOW && scene->vehicles[number].way.speed > 0 && deform_tells_forces(scene->model))
 			scene_advise_scatter(key, geom.shape->radius, alike, spacing, scene->vehicles[number].way.speed, scene->gravity, tell, user);

@@ -372,6 +372,8 @@ void world_host_felt(struct world *world, size_t index, double time, const struc
 	body->host.force = *force;
 	body->host.told = time;
 	body->host.state = world_contact_state_of(force->state);
+	if (body->host.state == FURROW_AIR)
+		body->trend.scooped = 0; /* its bars throw off what they carried, and take nothing */
 }
 
 void world_host_absent(struct world *world, size_t index)

@@ -12,6 +12,7 @@
 #define XI_SHARE 3.0  /* a body is narrow if it is less wide than so many times its depth */
 
 static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.25, .width = 0.1};
+static const struct soil_shape bars = {.kind = SOIL_WHEEL, .radius = 0.25, .width = 0.1, .grousers = 24, .grouser_height = 0.02, .grouser_thickness = 0.003};
 static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.03, 0.06, 0.6}};
 
 static struct bed bed_of(double spacing, bool faces)
@@ -78,7 +79,7 @@ static void reference(const struct drive *d, double size, double force[3])
 	struct faces_oracle_facet *placed = mem_calloc(facets.count, sizeof *placed);
 	assert_non_null(placed);
 	const double centre[3] = {0, 0, d->reach - d->depth};
-	faces_oracle_place(&facets, (const double(*)[3])axes, centre, 0, placed);
+	faces_oracle_place(&facets, (const double(*)[3])axes, centre, placed);
 	for (size_t i = 0; i < facets.count; i++)
 		if (placed[i].at[2] < 0 && facets.area[i] > 0) {
 			const double aside = c * placed[i].at[1] - s * placed[i].at[0];
@@ -190,9 +191,10 @@ static void a_body_that_sinks_straight_keeps_its_bits(void **state)
 
 static void a_probe_tells_what_a_contact_tells(void **state)
 {
-	const struct drive drives[] = {{&wheel, 0.3, 0.9, 0.25, 0.05, 2, 0, 0}, {&plate, 1, 1.2, 0.3, 0.1, 0, 0, 0}};
+	const struct drive drives[] = {{&wheel, 0.3, 0.9, 0.25, 0.05, 2, 0, 0}, {&plate, 1, 1.2, 0.3, 0.1, 0, 0, 0}, {&bars, 0.3, 0.3, 0.27, 0.08, 12, 0, 0}, {&bars, 0.3, 0.9, 0.27, 0.08, 12, 0, 0}};
 	for (size_t k = 0; k < COUNT(drives); k++) {
 		struct bed bed = bed_of(0.01, true);
+		bed.law.slip_sinkage = drives[k].shape == &bars ? 1.35 : 0;
 		const struct soil_motion motion = driven(&bed, &drives[k], 0.1);
 		const struct soil_probed probed = bed_probe(&bed, &motion);
 		const struct soil_forces forces = bed_feel(&bed, &motion, 0);
@@ -256,6 +258,29 @@ static void straight_motions_add_up(void **state)
 	bed_finish(&bed);
 }
 
+/* What bars scoop: on a steady way, and on the spot, where a turn takes 2 pi times half of the bars' height. However it is cut into motions. */
+static void bars_scoop_what_they_carry(void **state)
+{
+	struct bed bed = bed_of(0.01, true);
+	bed.law.slip_sinkage = 1.35;
+	const double reach = 0.27, spins = 4 * reach;
+	for (int spot = 0; spot < 2; spot++)
+		for (int parts = 1; parts <= 100; parts *= 10) {
+			struct soil_trend trend = {.whole = {.ran = 0}};
+			const double way = spot != 0 ? 0 : 5, wanted = spot != 0 ? 2 * M_PI * 0.01 : 0.01 * (spins - 1);
+			for (int i = 0; i < parts; i++) {
+				const struct bed_state a = bed_state(0.5 + way * i / parts, 0.5, bed.height + 0.2, 0, 0, 0), b = bed_state(0.5 + way * (i + 1) / parts, 0.5, bed.height + 0.2, 0, 0, 0);
+				struct soil_motion motion = bed_motion(&bars, &a, &b, NULL);
+				motion.turned = (spot != 0 ? 2 * M_PI : 20) / parts;
+				motion.trend = trend;
+				trend = soil_trend_after(&bed.law, &motion);
+			}
+			print_message("%s in %d motions: %.3f mm scooped, reference %.3f mm\n", spot != 0 ? "on the spot" : "5 m", parts, trend.scooped * 1e3, wanted * 1e3);
+			assert_near(trend.scooped, wanted, 1e-4 * wanted);
+		}
+	bed_finish(&bed);
+}
+
 TEST_PROGRAM(faces)
 {
 	const struct CMUnitTest tests[] = {
@@ -267,6 +292,7 @@ TEST_PROGRAM(faces)
 		cmocka_unit_test(a_probe_tells_what_a_contact_tells),
 		cmocka_unit_test(a_plate_that_turns_back_is_let_go),
 		cmocka_unit_test(straight_motions_add_up),
+		cmocka_unit_test(bars_scoop_what_they_carry),
 	};
 	return cmocka_run_group_tests_name("soil/faces", tests, NULL, NULL);
 }

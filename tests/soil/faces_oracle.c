@@ -118,17 +118,11 @@ void faces_oracle_force(const struct faces_oracle_law *law, const struct faces_o
 	}
 }
 
-void faces_oracle_place(const struct soil_facets *facets, const double axes[3][3], const double centre[3], double turn, struct faces_oracle_facet *out)
+void faces_oracle_place(const struct soil_facets *facets, const double axes[3][3], const double centre[3], struct faces_oracle_facet *out)
 {
 	for (size_t i = 0; i < facets->count; i++) {
 		double at[3] = {(double)facets->x[i], (double)facets->y[i], (double)facets->z[i]};
 		double n[3] = {(double)facets->nx[i], (double)facets->ny[i], (double)facets->nz[i]};
-		double *const turned[2] = {at, n};
-		for (int j = 0; j < 2 && facets->kind[i] == FACET_BAR; j++) {
-			const double x = turned[j][0], z = turned[j][2];
-			turned[j][0] = x * cos(turn) + z * sin(turn);
-			turned[j][2] = z * cos(turn) - x * sin(turn);
-		}
 		out[i].area = (double)facets->area[i];
 		for (int k = 0; k < 3; k++) {
 			out[i].at[k] = centre[k] + at[0] * axes[0][k] + at[1] * axes[1][k] + at[2] * axes[2][k];

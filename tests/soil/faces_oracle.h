@@ -39,7 +39,7 @@ void faces_oracle_alpha(const struct faces_oracle_law *law, const double normal[
 /* Sums force and moment about the twist's centre, N and N m. level: height of the ground, m. A facet presses if its middle is below that. */
 void faces_oracle_force(const struct faces_oracle_law *law, const struct faces_oracle_facet *facets, size_t count, double level,
 			const struct faces_oracle_twist *twist, double force[3], double moment[3]);
-/* Puts a body's facets into the world. axes: the body's own x, y, z; turn: of its bars about its own y axis, rad. */
-void faces_oracle_place(const struct soil_facets *facets, const double axes[3][3], const double centre[3], double turn, struct faces_oracle_facet *out);
+/* Puts a body's facets into the world. axes: the body's own x, y, z. */
+void faces_oracle_place(const struct soil_facets *facets, const double axes[3][3], const double centre[3], struct faces_oracle_facet *out);
 
 #endif

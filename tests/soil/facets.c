@@ -7,7 +7,7 @@
 
 /* Sums over facets, in doubles. tensor: of place times vector; a closed body has its volume three times on the diagonal and zeros beside it. */
 struct sums {
-	double vector[3], area, by_kind[3], volume, tensor[3][3];
+	double vector[3], area, by_kind[2], volume, tensor[3][3];
 };
 
 static double vector_at(const struct soil_facets *f, size_t i, int k)
@@ -125,7 +125,6 @@ static void each_shape_closes_and_has_its_volume(void **state)
 		check_closed(&s, k->volume, 0.005);
 		assert_near(s.area, k->area, 0.005 * k->area);
 		assert_near(s.by_kind[FACET_SIDE], k->sides, 1e-5 * k->area);
-		assert_near(s.by_kind[FACET_BAR], 0, 0);
 	}
 }
 
@@ -171,81 +170,6 @@ static void no_facet_is_larger_than_the_size(void **state)
 		soil_facets_finish(&f);
 		assert_true(f.count == 0 && f.memory == NULL && soil_facets_bytes(&f) == 0);
 	}
-}
-
-/* The area of a wheel's section between its bars' outlines and its rim, exactly. */
-static double bar_section(const struct soil_shape *s)
-{
-	const double h = s->grouser_thickness / 2, r = s->radius;
-	return 2 * h * (r + s->grouser_height) - (h * sqrt(r * r - h * h) + r * r * asin(h / r));
-}
-
-static void bars_close_the_wheel(void **state)
-{
-	static const struct {
-		int bars;
-		double height, thickness;
-	} kinds[] = {{24, 0.005, 0.0015}, {18, 0.02, 0.004}, {2, 0.03, 0.02}, {7, 0.01, 0.08}, {360, 0.006, 0.002}, {30, 0.05, 0.05}};
-	(void)state;
-	for (size_t i = 0; i < COUNT(kinds); i++)
-		for (int fine = 0; fine < 2; fine++) {
-			const struct soil_shape s = {.kind = SOIL_WHEEL, .radius = R, .width = W,
-						     .grousers = kinds[i].bars, .grouser_height = kinds[i].height, .grouser_thickness = kinds[i].thickness};
-			const struct sums sums = sums_for(&s, fine != 0 ? 0.008 : R / 8);
-			const double section = bar_section(&s), h = s.grouser_thickness / 2, inner = sqrt(R * R - h * h);
-			const double volume = W * (M_PI * R * R + s.grousers * section);
-			if (s.grousers > 2)
-				check_closed(&sums, volume, 0.005);
-			assert_near(sums.volume, volume, 0.005 * volume);
-			for (int k = 0; k < 3; k++)
-				assert_near(sums.vector[k], 0, 1e-6 * sums.area);
-			assert_near(sums.by_kind[FACET_SIDE], 2 * M_PI * R * R, 1e-5);
-			assert_near(sums.by_kind[FACET_UNDER], W * R * (2 * M_PI - 2 * s.grousers * asin(h / R)), 1e-5);
-			assert_near(sums.by_kind[FACET_BAR], s.grousers * (2 * section + W * (2 * h + 2 * (R + s.grouser_height - inner))), 1e-5 * s.grousers);
-		}
-}
-
-/* The first bar is straight below the axle. Its faces look forward, back, down and to both sides. */
-static void bars_are_at_their_places(void **state)
-{
-	const struct soil_shape s = {.kind = SOIL_WHEEL, .radius = R, .width = W, .grousers = 12, .grouser_height = 0.02, .grouser_thickness = 0.006};
-	struct soil_facets f = {0};
-	double looks[5] = {0};
-	(void)state;
-	assert_ok(soil_facets_of(&s, 0.01, &f));
-	check(&f);
-	for (size_t i = 0; i < f.count; i++) {
-		if (f.kind[i] != FACET_BAR || fabs(place_at(&f, i, 0)) > 0.01 || f.z[i] > 0)
-			continue;
-		assert_true(place_at(&f, i, 2) < -R + 1e-4 && place_at(&f, i, 2) >= -R - 0.02 - 1e-6);
-		looks[0] += f.nx[i] > 0.99f ? (double)f.area[i] : 0;
-		looks[1] += f.nx[i] < -0.99f ? (double)f.area[i] : 0;
-		looks[2] += f.nz[i] < -0.99f ? (double)f.area[i] : 0;
-		looks[3] += f.ny[i] > 0.99f ? (double)f.area[i] : 0;
-		looks[4] += f.ny[i] < -0.99f ? (double)f.area[i] : 0;
-		assert_true(f.nx[i] > 0.99f ? f.x[i] > 0 : f.nx[i] < -0.99f ? f.x[i] < 0 : true);
-	}
-	const double face = W * (R + 0.02 - sqrt(R * R - 9e-6));
-	for (int k = 0; k < 5; k++)
-		assert_near(looks[k], k < 2 ? face : k == 2 ? W * 0.006 : bar_section(&s), 1e-8);
-	assert_near(f.reach, hypot(hypot(R + 0.02, 0.003), W / 2), 1e-12);
-	assert_near(f.low[2], -hypot(R + 0.02, 0.003), 1e-12);
-	soil_facets_finish(&f);
-}
-
-static void the_drum_goes_over_the_tips(void **state)
-{
-	const struct soil_shape s = {.kind = SOIL_WHEEL, .radius = R, .width = W, .grousers = 12, .grouser_height = 0.02, .grouser_thickness = 0.006};
-	const struct soil_shape smooth = {.kind = SOIL_WHEEL, .radius = R + 0.02, .width = W};
-	struct soil_facets f = {0}, g = {0};
-	(void)state;
-	assert_ok(soil_facets_drum(&s, 0.02, &f));
-	assert_ok(soil_facets_of(&smooth, 0.02, &g));
-	check(&f);
-	assert_true(f.count == g.count && f.room == g.room);
-	assert_memory_equal(f.memory, g.memory, soil_facets_bytes(&f));
-	soil_facets_finish(&f);
-	soil_facets_finish(&g);
 }
 
 /* Turns some or all triangles over. */
@@ -418,8 +342,7 @@ static void the_number_of_facets_is_bounded(void **state)
 	struct known list[KNOWN + 2];
 	(void)state;
 	all_known(list);
-	list[KNOWN] = (struct known){.shape = {.kind = SOIL_WHEEL, .radius = 2, .width = 2, .grousers = 360, .grouser_height = 0.5, .grouser_thickness = 0.03}};
-	list[KNOWN].volume = 2 * (M_PI * 4 + 360 * bar_section(&list[KNOWN].shape));
+	list[KNOWN] = (struct known){.shape = {.kind = SOIL_WHEEL, .radius = 2, .width = 2}, .volume = 8 * M_PI};
 	list[KNOWN + 1] = (struct known){.shape = {.kind = SOIL_ELLIPSOID, .size = {1, 1e-3, 0.03}}, .volume = 4e-5 * M_PI};
 	for (size_t i = 0; i < KNOWN + 2; i++) {
 		static const double sizes[] = {1e-3, 1e-300};
@@ -500,13 +423,7 @@ static void facets_are_kept_by_what_a_shape_is(void **state)
 	assert_ok(soil_facets_kept(&cache, &shapes[0], 0.05, &first));
 	assert_ptr_equal(first, again);
 	assert_true(first->x == place && soil_facets_cache_bytes(&cache) > bytes);
-	/* A bar, a belt: other facets, the same facets. */
-	struct soil_shape bars = shapes[1];
-	bars.grousers = 3;
-	bars.grouser_height = bars.grouser_thickness = 0.01;
-	assert_ok(soil_facets_kept(&cache, &shapes[1], 0.05, &first));
-	assert_ok(soil_facets_kept(&cache, &bars, 0.05, &again));
-	assert_ptr_not_equal(first, again);
+	/* With a belt it has the same facets. */
 	shapes[0].belt = true;
 	assert_ok(soil_facets_kept(&cache, &shapes[0], 0.05, &again));
 	assert_ptr_equal(again->x, place);
@@ -548,9 +465,6 @@ TEST_PROGRAM(facets)
 		cmocka_unit_test(each_shape_closes_and_has_its_volume),
 		cmocka_unit_test(errors_fall_with_the_square_of_the_size),
 		cmocka_unit_test(no_facet_is_larger_than_the_size),
-		cmocka_unit_test(bars_close_the_wheel),
-		cmocka_unit_test(bars_are_at_their_places),
-		cmocka_unit_test(the_drum_goes_over_the_tips),
 		cmocka_unit_test(meshes_look_outwards_however_they_are_wound),
 		cmocka_unit_test(seams_do_not_open_a_mesh),
 		cmocka_unit_test(open_meshes_look_both_ways),

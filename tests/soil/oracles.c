@@ -190,14 +190,14 @@ static void friction_is_limited(void **state)
 #define ROOM 60000
 static struct faces_oracle_facet placed[ROOM];
 
-static size_t place(const struct soil_shape *shape, double size, double yaw, double height, double turn)
+static size_t place(const struct soil_shape *shape, double size, double yaw, double height)
 {
 	struct soil_facets facets = {0};
 	double axes[3][3];
 	assert_ok(soil_facets_of(shape, size, &facets));
 	assert_true(facets.count <= ROOM);
 	soil_axes(yaw, 0, 0, 0, axes);
-	faces_oracle_place(&facets, (const double(*)[3])axes, (const double[3]){0, 0, height}, turn, placed);
+	faces_oracle_place(&facets, (const double(*)[3])axes, (const double[3]){0, 0, height}, placed);
 	const size_t count = facets.count;
 	soil_facets_finish(&facets);
 	return count;
@@ -212,7 +212,7 @@ static void a_box_presses_with_its_wall_and_its_sole(void **state)
 	struct faces_oracle_twist twist = {.centre = {0, 0, 0.2 - depth}};
 	double alpha[3], force[3], moment[3];
 	(void)state;
-	const size_t count = place(&box, 0.005, 0, 0.2 - depth, 0);
+	const size_t count = place(&box, 0.005, 0, 0.2 - depth);
 	twist.velocity[2] = -1;
 	faces_oracle_force(&law, placed, count, 0, &twist, force, moment);
 	assert_near(force[2], law.xi * 0.87574 * depth * 0.06, 1);
@@ -242,7 +242,7 @@ static void a_wheel_is_the_same_on_every_heading(void **state)
 		const double yaw = 0.63 * i, c = cos(yaw), s = sin(yaw);
 		const struct faces_oracle_twist twist = {.centre = {0, 0, 0.22}, .velocity = {c * 0.05 - s * 0.02, s * 0.05 + c * 0.02, 0},
 							 .rate = {-s * 0.4, c * 0.4, 0}};
-		const size_t count = place(&wheel, i == 9 ? 0.005 : 0.01, yaw, 0.22, 0.1);
+		const size_t count = place(&wheel, i == 9 ? 0.005 : 0.01, yaw, 0.22);
 		faces_oracle_force(&law, placed, count, 0, &twist, force, moment);
 		const double along[3] = {c * force[0] + s * force[1], c * force[1] - s * force[0], force[2]};
 		if (i == 0)

@@ -244,7 +244,7 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 	const struct spot centre = spot_at(&look, 0, 0);
 	const float deep = most(value_at(&look, faces->found, &centre) + form->reach - up, 0);
 	soil_ahead_put(planes, body, form, posts, up, deep * faces->wedge_length, faces);
-	const struct pushing pushing = pushing_of(body, form, &look, up, faces);
+	const struct pushing pushing = pushing_of(body, form, &look, up + form->scooped, faces); /* what bars have taken away does not push */
 	for (size_t b = 0; b < faces->count; b += LANES) {
 		add_block(form, faces, b, &pushing, unit, &block);
 		for (int k = 0; k < 3; k++) {

@@ -6,7 +6,6 @@
 #include "soil/faces/slid.h"
 #include "soil/faces/trend.h"
 #include "soil/laying/laying.h"
-#include "soil/shape/bars.h"
 #include "soil/shape/body.h"
 
 #define ROUGH (2 / 3.0)    /* friction angle along a surface of which none is given, over that of the soil: steel on sand, 0.5 to 0.8 (Potyondy 1961) */
@@ -117,8 +116,7 @@ static int64_t around_of(const struct soil_law *law, const struct soil_shape *sh
 static struct soil_trend put_trend(const struct soil_law *law, const struct soil_body *body, struct soil_form *form)
 {
 	const struct soil_trend trend = soil_trend_after(law, body->motion);
-	form->bars = (float)soil_bars_carry(body->motion->shape);
-	soil_trend_put(body, &trend, form);
+	soil_trend_put(law, body, &trend, form);
 	return trend;
 }
 

@@ -49,7 +49,7 @@ struct soil_faces {
 	float d[2];           /* direction in which it slides, east and north; 0: none */
 };
 
-/* Finds the recent motion of a body at the end of its motion, and lists the facets that push. Sets form->recent and form->bars. Reads the surface around
+/* Finds the recent motion of a body at the end of its motion, and lists the facets that push. Sets form->recent, form->last and form->scooped. Reads the surface around
  * the body. planes NULL: no facet pushes. STATUS_MEMORY. */
 enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
 			     struct soil_faces *faces) FURROW_CHECKED;

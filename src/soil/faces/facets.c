@@ -69,11 +69,10 @@ static void put_shape(struct facets_making *m)
 	m->count = 0;
 	switch (s->kind) {
 	case SOIL_WHEEL:
-		soil_facets_put_drum(m, 1, s->radius, s->width, soil_facets_free_rim(s), FACET_UNDER);
-		soil_facets_put_bars(m);
+		soil_facets_put_drum(m, 1, s->radius, s->width);
 		break;
 	case SOIL_CYLINDER:
-		soil_facets_put_drum(m, 2, s->radius, s->length, 1, FACET_UNDER);
+		soil_facets_put_drum(m, 2, s->radius, s->length);
 		break;
 	case SOIL_SPHERE:
 	case SOIL_CAPSULE:
@@ -124,11 +123,10 @@ static size_t choose_size(struct facets_making *m, double asked)
 /* Fills in the box around a body, and how far it reaches. */
 static void put_bounds(const struct soil_shape *s, struct soil_facets *facets)
 {
-	const double out = soil_body_wheel_radius(s), r = s->radius;
+	const double r = s->radius;
 	double high[3] = {r, r, r};
 	facets->reach = soil_shape_bound(s);
 	if (s->kind == SOIL_WHEEL) {
-		high[0] = high[2] = out;
 		high[1] = s->width / 2;
 	} else if (s->kind == SOIL_CYLINDER || s->kind == SOIL_CAPSULE) {
 		high[2] = s->length / 2 + (s->kind == SOIL_CAPSULE ? r : 0);
@@ -193,23 +191,6 @@ done:
 	if (status != STATUS_OK)
 		soil_facets_finish(facets);
 	return status;
-}
-
-struct soil_shape soil_facets_drum_of(const struct soil_shape *shape)
-{
-	struct soil_shape drum = *shape;
-	if (shape->kind == SOIL_WHEEL) {
-		drum.radius += shape->grousers > 0 ? shape->grouser_height : 0;
-		drum.grousers = 0;
-		drum.grouser_height = drum.grouser_thickness = 0;
-	}
-	return drum;
-}
-
-enum status soil_facets_drum(const struct soil_shape *shape, double size, struct soil_facets *facets)
-{
-	const struct soil_shape drum = soil_facets_drum_of(shape);
-	return soil_facets_of(&drum, size, facets);
 }
 
 void soil_facets_finish(struct soil_facets *facets)

@@ -4,18 +4,16 @@
  * A facet is a place, an outward unit normal and an area. The place of a facet of a flat face is the middle of its area. The facets of a curved face
  * are its true sectors: they have its area, and their places are on it. A mesh has its own triangles, cut into parts where they are large.
  *
- *  1. The sum of normal times area is zero, to the rounding of floats, for every closed body. A wheel with a single bar is not closed: see below.
+ *  1. The sum of normal times area is zero, to the rounding of floats, for every closed body.
  *  2. The sum of (place . normal) area / 3 is the volume. The error falls with the square of the size of facets.
  *  3. The facets of a wheel, cylinder, sphere, capsule, ellipsoid or box lie as mirror images about each of the body's own planes.
  *  4. The arrays go on to a multiple of SOIL_FACETS_LANES with facets without area, whose normal is up.
  *
- * Bars (grousers): front, back, tip, and two ends each. They are given at turn 0, and turn with the wheel about its own y axis. A turn by t forwards
- * takes (x, z) to (x cos t + z sin t, z cos t - x sin t). Rim and sides need not turn. What a bar covers of the rim is taken from all of the rim alike,
- * as the bars move over it. With two bars or more the sums above hold.
+ * Grousers have no facets: with them a wheel counts as a drum (shape/bars.h).
  *
  * A mesh is closed if each edge has two triangles that can agree. It is also closed if its triangles, as they are wound, leave no open border that
  * matters. Then its facets look outwards, whether it is wound clockwise or not. An open mesh has facets for both directions. Facets of a closed piece of
- * a mesh inside another piece remain. Only wheels have grousers: a belt has no bars.
+ * a mesh inside another piece remain.
  */
 #ifndef FURROW_SOIL_FACES_FACETS_H
 #define FURROW_SOIL_FACES_FACETS_H
@@ -26,11 +24,10 @@
 #define SOIL_FACETS_MOST 60000 /* facets of one body. With a size that would make more, a larger size is taken */
 
 /*
- * FACET_UNDER: the rim of a wheel, and all of a body that is neither a side nor a bar.
+ * FACET_UNDER: the rim of a wheel, and all of a body that is no side.
  * FACET_SIDE:  flat ends of wheels and cylinders, walls of boxes, and what of a mesh is within 3 degrees of upright in its own axes.
- * FACET_BAR:   a wheel's grousers. Only these turn with it.
  */
-enum soil_facet_kind { FACET_UNDER, FACET_SIDE, FACET_BAR };
+enum soil_facet_kind { FACET_UNDER, FACET_SIDE };
 
 /* Zero it before the first use. */
 struct soil_facets {
@@ -40,20 +37,15 @@ struct soil_facets {
 	double size;                    /* m: the longest that a facet is; the size that was asked for, or a larger one */
 	bool gathered;                  /* the mesh has very many or very small triangles: each facet is the sum of all that look alike within `size` */
 	bool both;                      /* an open mesh: facets look in both directions */
-	double low[3], high[3];         /* m: the box along the body's own axes that holds its surface, with its bars at any turn */
+	double low[3], high[3];         /* m: the box along the body's own axes that holds its surface */
 	double reach;                   /* m: no place of the surface is farther from the body's centre */
 	void *memory;
 };
 
-/* Makes the facets of a body with its bars at turn 0, in place of those that `facets` has. size: m, above 0: the longest that a facet may be in each of
+/* Makes the facets of a body in place of those that `facets` has. size: m, above 0: the longest that a facet may be in each of
  * two directions at right angles. A circle always has 16 sectors or more. Out of memory: STATUS_FAILED, and `facets` is empty. Any thread; `facets`
  * belongs to one. */
 enum status soil_facets_of(const struct soil_shape *shape, double size, struct soil_facets *facets) FURROW_CHECKED;
-/* Returns the drum over the tips of a wheel's bars: a smooth wheel of the same width. Its radius is greater by the height of the bars. Bars close
- * together carry the soil between them, as this does. Any other shape: as it is. */
-struct soil_shape soil_facets_drum_of(const struct soil_shape *shape);
-/* The same as soil_facets_of for that drum. */
-enum status soil_facets_drum(const struct soil_shape *shape, double size, struct soil_facets *facets) FURROW_CHECKED;
 void soil_facets_finish(struct soil_facets *facets);
 size_t soil_facets_bytes(const struct soil_facets *facets);
 

@@ -23,8 +23,7 @@ static bool is_of(const struct soil_facets_entry *e, const struct soil_shape *s,
 	if (s->kind == SOIL_MESH)
 		return same_mesh(&e->mesh, s->mesh);
 	return equal(k->radius, s->radius) && equal(k->width, s->width) && equal(k->length, s->length) && equal(k->size[0], s->size[0]) &&
-	       equal(k->size[1], s->size[1]) && equal(k->size[2], s->size[2]) && k->grousers == s->grousers &&
-	       equal(k->grouser_height, s->grouser_height) && equal(k->grouser_thickness, s->grouser_thickness);
+	       equal(k->size[1], s->size[1]) && equal(k->size[2], s->size[2]);
 }
 
 static void empty(struct soil_facets_entry *e)

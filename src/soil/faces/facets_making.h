@@ -45,11 +45,8 @@ void soil_facets_put(struct facets_making *m, const double at[3], const double v
 /* A rectangle: its middle, and half of each side as vectors. It looks along their cross product. */
 void soil_facets_put_rectangle(struct facets_making *m, const double middle[3], const double half[2][3], enum soil_facet_kind kind);
 /* Shapes that are round: facets_round.c. */
-void soil_facets_put_drum(struct facets_making *m, int axis, double radius, double length, double share, enum soil_facet_kind rim);
+void soil_facets_put_drum(struct facets_making *m, int axis, double radius, double length);
 void soil_facets_put_ball(struct facets_making *m, const double half[3], double straight);
-/* A wheel's bars: facets_bars.c. Returns the share of the rim that they leave free. */
-double soil_facets_free_rim(const struct soil_shape *shape);
-void soil_facets_put_bars(struct facets_making *m);
 
 /* Meshes: facets_mesh.c. begin: STATUS_FAILED: out of memory. many: the triangles are so many, or so small, that their facets must be gathered. */
 enum status soil_facets_mesh_begin(const struct soil_mesh *mesh, double size, struct facets_mesh **out, bool *both, bool *many) FURROW_CHECKED;

@@ -22,11 +22,11 @@ static void put_disc(struct facets_making *m, int axis, int side, double radius,
 	}
 }
 
-/* A drum about one of the body's own axes, with flat ends. m. share: of the rim's area that counts. rim: its kind. */
-void soil_facets_put_drum(struct facets_making *m, int axis, double radius, double length, double share, enum soil_facet_kind rim)
+/* A drum about one of the body's own axes, with flat ends. m. */
+void soil_facets_put_drum(struct facets_making *m, int axis, double radius, double length)
 {
 	const int a = (axis + 1) % 3, b = (axis + 2) % 3, sectors = facets_sectors(radius, m->size, FACETS_CIRCLE), across = facets_parts(length, m->size);
-	const double step = 2 * M_PI / sectors, area = share * radius * step * length / across;
+	const double step = 2 * M_PI / sectors, area = radius * step * length / across;
 	for (int k = 0; k < sectors && !facets_full(m); k++) {
 		const double c = cos((k + 0.5) * step), s = sin((k + 0.5) * step);
 		for (int i = 0; i < across; i++) {
@@ -36,7 +36,7 @@ void soil_facets_put_drum(struct facets_making *m, int axis, double radius, doub
 			at[axis] = length * ((i + 0.5) / across - 0.5);
 			vector[a] = area * c;
 			vector[b] = area * s;
-			soil_facets_put(m, at, vector, rim);
+			soil_facets_put(m, at, vector, FACET_UNDER);
 		}
 	}
 	for (int side = -1; side <= 1; side += 2)

@@ -10,7 +10,7 @@
 #define SIDE_FULL 0.1f /* n . v: a side that moves into the soil by more pushes whole */
 #define STEEP 0.3f     /* level part of v: a side that goes up or down more steeply pushes less. A body that sinks is borne from below */
 #define FACES_WAY 0.3f /* n . way: a facet that faces the way by more counts its depth from the ground ahead */
-#define FOLLOWS 2.0f   /* soil follows a smooth rim that spins at most so many times as fast as the body goes */
+#define FOLLOWS 2.0f   /* soil follows a rim that spins at most so many times as fast as the body goes */
 
 #define SOLE_FROM 0.5f /* -n_z: a flat side of a body that looks down more than that bears it, as a standing cylinder's end does, */
 #define SOLE_WHOLE 0.8f /* and wholly from here on */
@@ -21,7 +21,7 @@ struct facet_lanes {
 	float force[3][LANES], pushes[LANES];
 };
 
-/* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. A belt grips: soil follows it as it does bars. */
+/* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. A belt grips: soil follows it whole. */
 SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent *m, const float at[3], const float normal[3], float moves[3])
 {
 	float rolled[3], turned[3], belt[3];
@@ -29,7 +29,7 @@ SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent 
 	cross3(m->turning, at, turned);
 	cross3(f->belt, normal, belt);
 	const float went = sqrtf(dot3(m->way, m->way)), ran = sqrtf(dot3(m->rolling, m->rolling)) * f->rim_reach;
-	const float follows = either(FOLLOWS * went < ran, FOLLOWS * went / most(ran, 1e-12f), 1), rolls = follows + f->bars * (1 - follows);
+	const float rolls = either(FOLLOWS * went < ran, FOLLOWS * went / most(ran, 1e-12f), 1);
 	for (int k = 0; k < 3; k++)
 		moves[k] = m->way[k] + rolls * rolled[k] + m->ran * belt[k] + turned[k];
 }

@@ -23,7 +23,6 @@ SOIL_INLINED void recent_at(const struct soil_form *f, float x, float y, float g
 /* How a surface that runs over its body slides over the ground. */
 struct slide {
 	float braked[2];   /* what the body goes beyond what it rolls off, plan */
-	float whole[2];    /* what the surface slides, plan */
 	float spins;       /* what the surface runs beyond what the body goes */
 	float goes, runs;  /* lengths of both */
 	float along;       /* part of `runs` along the way */
@@ -33,11 +32,11 @@ SOIL_INLINED struct slide slide_of(const float goes[2], const float runs[2])
 {
 	const float ran = sqrtf(runs[0] * runs[0] + runs[1] * runs[1]), by = 1 / most(ran, 1e-12f), back = -(goes[0] * runs[0] + goes[1] * runs[1]);
 	const float off = least(ran, most(back * by, 0)), went = sqrtf(goes[0] * goes[0] + goes[1] * goes[1]);
-	return (struct slide){{goes[0] + off * runs[0] * by, goes[1] + off * runs[1] * by}, {goes[0] + runs[0], goes[1] + runs[1]}, ran - off, went, ran, back / most(went, 1e-12f)};
+	return (struct slide){{goes[0] + off * runs[0] * by, goes[1] + off * runs[1] * by}, ran - off, went, ran, back / most(went, 1e-12f)};
 }
 
-/* Returns the share of the recent way that the body slid at a place, 0 .. 1. A smooth rim that runs faster than the axle goes slides over soil that stays
- * (the law of the lower envelope shears it). Grousers take the soil along, so for them that is a slide, too. */
+/* Returns the share of the recent way that the body slid at a place, 0 .. 1. A rim that runs faster than the axle goes slides over soil that stays: the law
+ * of the lower envelope shears it. So does the drum over grousers. */
 SOIL_INLINED float slid_at(const struct soil_form *f, float x, float y)
 {
 	const struct soil_recent *m = &f->recent;
@@ -46,12 +45,11 @@ SOIL_INLINED float slid_at(const struct soil_form *f, float x, float y)
 	const struct slide s = slide_of(goes, runs);
 	/* A way up or down counts, too: a body that sinks slides little. */
 	const float up = m->way[2] * (2 - m->along_ground), way = sqrtf(s.goes * s.goes + up * up);
-	const float braked = sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]), whole = sqrtf(s.whole[0] * s.whole[0] + s.whole[1] * s.whole[1]);
-	const float smooth = braked / most(most(way, s.along), most(0.1f * s.runs, 1e-9f)), bars = whole / most(most(way, s.runs), 1e-9f);
+	const float braked = sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]), share = braked / most(most(way, s.along), most(0.1f * s.runs, 1e-9f));
 	/* Less after a short motion alone. It grows with the cube, so small motions to and fro hardly change what the law of the lower envelope bears. Else
 	 * soil would sink while it bears little, and spring back with all of its strength. */
 	const float moved = least(most(way, s.runs), 1);
-	return moved * moved * moved * least(smooth + f->bars * (bars - smooth), 1);
+	return moved * moved * moved * least(share, 1);
 }
 
 /* Returns by what share soil pushes by the law of faces where so much of the way is slid. The rest is the law of the lower envelope. */

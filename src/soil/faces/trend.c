@@ -5,9 +5,18 @@
  *
  * |dx| is the way that counts: that of the centre, of a rim, or of the body's outer parts, where these go farther. So M forgets what is older than a few K, as
  * Janosi's shear does. With several soils K is the mean of theirs: so M is known without the ground.
+ *
+ * What a wheel's grousers scoop. Between its bars a wheel carries wedges of soil, on average half as thick as its bars are high, in the share chi of its rim.
+ * So while its rim runs ds farther than it goes, it takes a volume chi h b ds / 2 from ahead of its middle to behind it. And it comes upon soil
+ * that is still there. For each square metre below the wheel, which is about as long as the radius R of the drum over its tips, it has taken
+ *
+ *     dV = (chi h / 2 ds - V dx) / R,    dx = |ahead| + |aside| R / b
+ *
+ * The sides of the trench slide in at the friction angle, so a trench of depth D takes D + D^2 / (b tan phi) = V.
  */
 #include "soil/faces/trend.h"
 
+#include "soil/shape/bars.h"
 #include "soil/shape/body.h"
 
 #define LAST 30.0    /* the short mean forgets so many times as fast */
@@ -40,6 +49,18 @@ static void mix(const double way[3], const double spin[3], double ran, double by
 	mean->ran = ran * by + stays * (mean->ran - ran * by);
 }
 
+/* Lets what the bars of a wheel do in a motion change what they have scooped. axes: of its attitude. */
+static void scoop(const struct soil_motion *motion, const double way[3], const double axes[3][3], double *scooped)
+{
+	const struct soil_shape *shape = motion->shape;
+	const double share = soil_bars_carry(shape), reach = shape->radius + share * shape->grouser_height, runs = reach * motion->turned;
+	const double plan = fmax(hypot(axes[0][0], axes[0][1]), 1e-9), ahead = (way[0] * axes[0][0] + way[1] * axes[0][1]) / plan;
+	const double aside = (way[0] * axes[0][1] - way[1] * axes[0][0]) / plan;
+	const double spins = fabs(runs) - fmin(fmax(runs < 0 ? -ahead : ahead, 0), fabs(runs)), goes = (fabs(ahead) + fabs(aside) * reach / shape->width) / reach;
+	const double takes = 0.5 * share * shape->grouser_height * spins / reach, stays = (double)exp_minus((float)goes);
+	*scooped = goes > 1e-6 ? *scooped * stays + takes * (1 - stays) / goes : *scooped * (1 - goes) + takes;
+}
+
 struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion)
 {
 	struct soil_trend after = motion->trend;
@@ -52,6 +73,11 @@ struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil
 	for (int k = 0; k < 3; k++)
 		way[k] = lattice_offset_metres(moved[k]) + motion->beyond[k];
 	soil_form_spin(motion, spin);
+	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0 && law->slip_sinkage > 0) {
+		double axes[3][3];
+		soil_axes(motion->to.yaw, 0, motion->to.roll, 0, axes);
+		scoop(motion, way, (const double(*)[3])axes, &after.scooped);
+	}
 	const double counts = way_of(motion, way, spin), ran = motion->shape->belt ? motion->turned : 0;
 	if (!(counts > 0))
 		return after;
@@ -89,8 +115,18 @@ static void put_recent(const struct soil_body *body, const struct soil_form *for
 	recent->along_ground = plan > 0 ? (float)(hypot(plan, soil_form_level_share(plan, motion->way[2]) * motion->way[2]) / plan) : 1;
 }
 
-void soil_trend_put(const struct soil_body *body, const struct soil_trend *trend, struct soil_form *form)
+/* Returns how deep the trench is that bars have scooped, m. Its sides slide in at the mean friction angle of the soils. */
+static double trench_of(const struct soil_law *law, const struct soil_shape *shape, double scooped)
 {
+	double tangent = 0;
+	for (int i = 0; i < law->soil_count; i++)
+		tangent += tan(law->soils[i].friction_angle) / law->soil_count;
+	return fmin(2 * scooped / (1 + sqrt(1 + 4 * scooped / fmax(shape->width * tangent, 1e-9))), shape->radius);
+}
+
+void soil_trend_put(const struct soil_law *law, const struct soil_body *body, const struct soil_trend *trend, struct soil_form *form)
+{
+	form->scooped = trend->scooped > 0 ? (float)trench_of(law, body->motion->shape, trend->scooped) : 0;
 	put_recent(body, form, &trend->whole, &form->recent);
 	put_recent(body, form, &trend->last, &form->last);
 }

@@ -4,7 +4,7 @@
 
 #include "soil/law/form.h"
 
-/* Sets form->recent and form->last, from which the law knows how a body slides. trend: at the motion's end. Pure. */
-void soil_trend_put(const struct soil_body *body, const struct soil_trend *trend, struct soil_form *form);
+/* Sets form->recent, form->last and form->scooped, from which the law knows how a body slides. trend: at the motion's end. Pure. */
+void soil_trend_put(const struct soil_law *law, const struct soil_body *body, const struct soil_trend *trend, struct soil_form *form);
 
 #endif

@@ -174,7 +174,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		memset(counts.area, 0, sizeof counts.area);
 		memset(counts.grows, 0, sizeof counts.grows);
 		l.floored = posts->floored && are_floored(p);
-		put_depths(f, kind, p, a->raised, &l);
+		put_depths(f, kind, &lanes, a->raised, &l);
 #if SOIL_LAYERED
 		put_layers(&lanes, &l);
 #endif

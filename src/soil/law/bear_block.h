@@ -98,12 +98,13 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, enum soil_form_kind 
 	return (struct slip){{x * by, y * by}, squares * by, either(f->ground_normals > 0, 1, time)};
 }
 
-/* The same where faces push, too. What the body pushes is not dug, in the share in which faces push. goes, runs: m, in plan. */
+/* The same where faces push, too. What the body pushes is not dug, in the share in which faces push. A rim digs by its own slip, not by that of its bars:
+ * these scoop. goes, runs: m, in plan. */
 SOIL_INLINED float digs_beside_faces(const struct soil_form *f, enum soil_form_kind kind, float x, float y, const float goes[2], const float runs[2])
 {
 	const struct slide s = slide_of(goes, runs);
 	const float keeps = 1 - faces_share(slid_at(f, x, y)), along = kind == FORM_RIM ? s.braked[0] : sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]);
-	const float aside = kind == FORM_RIM ? keeps * s.braked[1] : 0, ahead = s.spins + keeps * keeps * fabsf(along);
+	const float aside = kind == FORM_RIM ? keeps * s.braked[1] : 0, ahead = most(s.spins - f->bars_beyond * s.runs, 0) + keeps * keeps * fabsf(along);
 	return sqrtf(ahead * ahead + aside * aside);
 }
 
@@ -182,7 +183,67 @@ SOIL_INLINED void put_yields(const struct lane_posts *p, bool floored, struct bl
 	}
 }
 
-SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int32_t raised, struct block *l)
+/* Returns how much slip can dig of a post, m: rigid ground ends it. */
+SOIL_INLINED float room_above(const struct lane_posts *p, int i)
+{
+#if SOIL_LAYERED
+	const bool is = p->thick[i] < LAYER_NONE, loose = p->loose_thick[i] > 0;
+	const float rigid = either(is, p->base_k[i], either(loose, p->whole[i], p->k[i])), left = either(is, p->thick[i] + either(loose, p->loose_thick[i] - p->under[i], 0), p->loose_thick[i]);
+	return either(rigid > LAYER_RIGID, most(left * p->by_up[i] - LAYER_FILM, 0), 1e9f);
+#else
+	(void)p;
+	(void)i;
+	return 1e9f;
+#endif
+}
+
+/* Takes what is dug off a loose layer, and what is more off its floor. A post whose loose layer is gone has its floor alone, whose undisturbed surface is
+ * above the floor by its plastic sinkage. gone: m along the
+ * normal. was: before. */
+SOIL_INLINED void dig_loose(struct lane_posts *p, int i, float gone, float was, struct block *l)
+{
+	const float thick = p->loose_thick[i], floor = (float)p->floor[i] * SOIL_UNIT, under = p->under[i];
+	const bool through = (thick > 0) & (gone >= thick);
+	const float sank = most(either(was > thick, was - thick + under, 0), floor), rise = either(through, under * p->by_up[i], 0);
+	l->was[i] = either(through, most(sank - (gone - thick), 0), l->was[i]);
+	l->ground[i] += rise;
+	l->depth[i] += rise;
+	p->deposited[i] += whole_of(rise * 1048576.0f);
+	p->k[i] = either(through, p->whole[i], p->k[i]);
+	p->loose_thick[i] = either(through, 0, thick - either(thick > 0, gone, 0));
+#if SOIL_LAYERED
+	p->thick[i] = either((p->thick[i] < LAYER_NONE) & (through | (thick <= 0)), most(p->thick[i] - (gone - thick), 0), p->thick[i]);
+#endif
+}
+
+/* Takes soil off a post, m. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
+SOIL_INLINED void take_off(struct lane_posts *p, int i, bool floored, float by, struct block *l)
+{
+	const float was = l->was[i], gone = p->up[i] * by;
+	l->ground[i] -= by;
+	l->depth[i] -= by;
+	l->was[i] = most(was - gone, 0);
+	if (floored)
+		dig_loose(p, i, gone, was, l);
+#if SOIL_LAYERED
+	else
+		p->thick[i] = either(p->thick[i] < LAYER_NONE, most(p->thick[i] - gone, 0), p->thick[i]);
+#endif
+}
+
+/* What grousers scoop (faces/trend.c) does not bear, also ahead of where they have reached it. Below it the bars shear the soil, from where they touch the ground.
+ * The ground loses it as the wheel sinks into it. */
+SOIL_INLINED void scoop(const struct soil_form *f, struct lane_posts *p, bool floored, struct block *l)
+{
+	EACH_LANE {
+		const float by = most(least(f->scooped - p->dug[i], room_above(p, i)), 0);
+		l->more[i] = either((p->over[i] > 0) & (p->up[i] * l->depth[i] > most(l->plastic[i], 0)), most(least(by, l->depth[i] - 2 * SOIL_UNIT), 0), 0);
+		take_off(p, i, floored, by, l);
+	}
+	put_yields(p, floored, l);
+}
+
+SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, int32_t raised, struct block *l)
 {
 	EACH_LANE {
 		l->ground[i] = (float)(p->ground[i] - raised) * SOIL_UNIT - f->beyond;
@@ -199,6 +260,12 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 			put_yields(p, false, l);
 	}
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
+	if (f->scooped > 0) {
+		if (l->floored)
+			scoop(f, p, true, l);
+		else
+			scoop(f, p, false, l);
+	}
 }
 
 #if SOIL_LAYERED
@@ -237,41 +304,8 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 	return (sqrtf(x * x + y * y) + 4 * sqrtf(mx * mx + my * my) + sqrtf(ex * ex + ey * ey)) * (1 / 6.0f);
 }
 
-/* Returns how much slip can dig of a post, m: rigid ground ends it. */
-SOIL_INLINED float room_above(const struct lane_posts *p, int i)
-{
-#if SOIL_LAYERED
-	const bool is = p->thick[i] < LAYER_NONE, loose = p->loose_thick[i] > 0;
-	const float rigid = either(is, p->base_k[i], either(loose, p->whole[i], p->k[i])), left = either(is, p->thick[i] + either(loose, p->loose_thick[i] - p->under[i], 0), p->loose_thick[i]);
-	return either(rigid > LAYER_RIGID, most(left * p->by_up[i] - LAYER_FILM, 0), 1e9f);
-#else
-	(void)p;
-	(void)i;
-	return 1e9f;
-#endif
-}
-
-/* Takes what is dug off a loose layer, and what is more off its floor. A post whose loose layer is gone has its floor alone, whose undisturbed surface is
- * above the floor by its plastic sinkage. gone: m along the
- * normal. was: before. */
-SOIL_INLINED void dig_loose(struct lane_posts *p, int i, float gone, float was, struct block *l)
-{
-	const float thick = p->loose_thick[i], floor = (float)p->floor[i] * SOIL_UNIT, under = p->under[i];
-	const bool through = (thick > 0) & (gone >= thick);
-	const float sank = most(either(was > thick, was - thick + under, 0), floor), rise = either(through, under * p->by_up[i], 0);
-	l->was[i] = either(through, most(sank - (gone - thick), 0), l->was[i]);
-	l->ground[i] += rise;
-	l->depth[i] += rise;
-	p->deposited[i] += whole_of(rise * 1048576.0f);
-	p->k[i] = either(through, p->whole[i], p->k[i]);
-	p->loose_thick[i] = either(through, 0, thick - either(thick > 0, gone, 0));
-#if SOIL_LAYERED
-	p->thick[i] = either((p->thick[i] < LAYER_NONE) & (through | (thick <= 0)), most(p->thick[i] - (gone - thick), 0), p->thick[i]);
-#endif
-}
-
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
- * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
+ * dD = |e| (kappa K - D) / K, D what slip has dug, beyond what bars scooped. */
 SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, bool floored, struct block *l)
 {
 	EACH_LANE {
@@ -282,21 +316,14 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, st
 		const float stays = least(plastic_on(&s, after, floored), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
 		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
-		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
+		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) + f->scooped - (p->dug[i] + l->more[i]);
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
 		/* It never digs itself free: of a body that reached the floor, what is above it counts from the floor's undisturbed surface. */
 		const float above = floored ? either((s.loose > 0) & (sunk > s.loose), s.under * p->by_up[i], 0) : 0;
 		const float room = least(l->depth[i] + above - 2 * SOIL_UNIT, room_above(p, i));
-		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
-		l->ground[i] -= l->more[i];
-		l->depth[i] -= l->more[i];
-		l->was[i] = most(was - up * l->more[i], 0);
-		if (floored)
-			dig_loose(p, i, up * l->more[i], was, l);
-#if SOIL_LAYERED
-		else
-			p->thick[i] = either(p->thick[i] < LAYER_NONE, most(p->thick[i] - up * l->more[i], 0), p->thick[i]);
-#endif
+		const float by = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
+		l->more[i] += by;
+		take_off(p, i, floored, by, l);
 	}
 	if (any_above(l->was, 0))
 		EACH_LANE {

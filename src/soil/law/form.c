@@ -381,14 +381,13 @@ static void put_cell(const struct soil_law *law, const struct soil_body *body, s
 	put(form->cut[1], body, aside[northward]);
 }
 
-/* A ball's lower envelope is that of an ellipsoid. carries: bars that stand close together carry the soil between them, as a drum over their tips does. */
-static void put_lower(const struct soil_motion *motion, bool carries, struct soil_body *body)
+/* A ball's lower envelope is that of an ellipsoid. bars: the share in which bars carry the soil between them, as a drum over their tips does. */
+static void put_lower(const struct soil_motion *motion, double bars, struct soil_body *body)
 {
 	const struct soil_shape *shape = motion->shape;
 	body->smooth = *shape;
 	body->smooth.grousers = 0;
-	if (carries)
-		body->smooth.radius += soil_bars_carry(shape) * shape->grouser_height;
+	body->smooth.radius += bars * shape->grouser_height;
 	if (shape->kind == SOIL_SPHERE) {
 		body->smooth.kind = SOIL_ELLIPSOID;
 		for (int k = 0; k < 3; k++)
@@ -412,9 +411,14 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 		body->centre[k] = lattice_offset_metres(place[k]) + motion->beyond[k];
 		way[k] = jumped ? 0 : lattice_offset_metres(place[k] - before[k]) + motion->beyond[k];
 	}
-	put_lower(motion, form->all_round > 0, body);
+	const double bars = form->all_round > 0 ? soil_bars_carry(motion->shape) : 0;
+	form->bars = (float)bars;
+	form->bars_beyond = (float)(bars > 0 ? bars * motion->shape->grouser_height / (motion->shape->radius + bars * motion->shape->grouser_height) : 0);
+	put_lower(motion, bars, body);
 	if (motion->shape->kind == SOIL_WHEEL)
 		form->radius = (float)body->smooth.radius;
+	if (form->all_round > 0)
+		body->outer = soil_body_wheel_radius(&body->smooth);
 	put_shape(body, form, law->spacing, way);
 	for (int k = 0; k < 2; k++)
 		form->enters[k][0] = form->enters[k][1] = form->half[k];
@@ -437,5 +441,6 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 		.adhesion = interface->has_adhesion ? (float)interface->adhesion : 0,
 		.tangent = interface->has_friction ? (float)tan(interface->friction_angle) : 0,
 		.own = {interface->has_adhesion ? 0 : 1, interface->has_friction ? 0 : 1},
+		.carries = form->bars,
 	};
 }

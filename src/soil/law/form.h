@@ -121,7 +121,7 @@ struct soil_form {
 	float tilt[2], drop, ahead_by, skew, aside_by, shrinks;
 	struct soil_fine fine;     /* raster */
 	struct soil_grousers grousers;
-	float outer;               /* radius of a wheel with its grousers, m */
+	float outer;               /* radius of a wheel with its grousers, m; of a drum over them, where faces push */
 	/* The motion since the last contact: m; rad about the centre, a wheel's turning included; m that a belt ran. */
 	float way[3], spin[3], ran;
 	/* The two parts of spin. A body rolls off the soil as it turns about the axis of its rim, or without one about a level axis. As it yaws it stays,
@@ -129,7 +129,9 @@ struct soil_form {
 	float rolling[3], turning[3];
 	enum soil_rolls rolls_about;
 	float roll_axis[3];
-	float bars;                /* share of a rim's circumference along which its grousers carry the soil with them; 0: it has none */
+	float bars;                /* share of a rim's circumference along which its grousers carry the soil with them; 0: it has none, or `all_round` is 0 */
+	float bars_beyond;         /* by which share of its way the drum over these bars runs farther than the rim does */
+	float scooped;             /* m: how deep its grousers have taken the soil away from below it (struct soil_trend) */
 	float all_round;           /* 1: soil pushes on its faces as it slides: `recent` is set. 0: on its lower envelope alone */
 	struct soil_recent recent, last; /* of struct soil_trend: whole, last */
 	float by_way[2];
@@ -164,7 +166,7 @@ struct soil_body {
 	double axis[2];            /* the frame's x axis: east, north */
 	double centre[3];          /* m: `to` and what lies beyond it, from the south-west post */
 	double way[3];             /* m, along the frame's axes */
-	double outer;              /* m: radius of a wheel with its grousers */
+	double outer;              /* m: radius of a wheel with its grousers; of a drum over them, where faces push */
 	struct soil_shape smooth;  /* without grousers */
 	struct lower_envelope lower;
 };

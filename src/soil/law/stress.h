@@ -120,9 +120,10 @@ SOIL_INLINED float plastic_on(const struct stress_soil *s, float z, bool floored
 	return plastic_part(s, z, yield_stress_on(s, z, floored));
 }
 
-/* A body's surface: its adhesion, Pa, and the tangent of its friction angle. own: 1 where the soil says it: own_adhesion, or its friction angle. */
+/* A body's surface: its adhesion, Pa, and the tangent of its friction angle. own: 1 where the soil says it: own_adhesion, or its friction angle. carries: share of
+ * the surface that carries soil with it, so that soil slides on soil there. */
 struct stress_surface {
-	float adhesion, tangent, own[2];
+	float adhesion, tangent, own[2], carries;
 };
 
 /* Returns the adhesion of a surface of which none is given, Pa. Soft soil sticks with all of its cohesion, stiff soil with less. These are the lines
@@ -139,7 +140,8 @@ SOIL_INLINED float own_adhesion(float cohesion)
  */
 SOIL_INLINED float strength_of(const struct stress_surface *surface, const struct stress_soil *s, float stress, float *grows)
 {
-	const float adhesion = either(surface->own[0] > 0, own_adhesion(s->cohesion), surface->adhesion), tangent = either(surface->own[1] > 0, s->tan_phi, surface->tangent);
+	const float sticks = either(surface->own[0] > 0, own_adhesion(s->cohesion), surface->adhesion), rubs = either(surface->own[1] > 0, s->tan_phi, surface->tangent);
+	const float adhesion = sticks + surface->carries * (s->cohesion - sticks), tangent = rubs + surface->carries * (s->tan_phi - rubs);
 	const float by = 1 / most(s->cohesion, 1e-18f), touches = least(stress * by, 1), grown = either(stress < s->cohesion, by, 0);
 	const float soil = touches * s->cohesion + s->tan_phi * stress, along = touches * adhesion + tangent * stress;
 	*grows = either(soil <= along, s->tan_phi + grown * s->cohesion, tangent + grown * adhesion);
