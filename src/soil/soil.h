@@ -58,7 +58,7 @@ bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
 double soil_shape_ran(const struct soil_shape *shape, double turned);
-#define SOIL_LAW 3 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
+#define SOIL_LAW 4 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
 #define SOIL_SHAPE_POSTS 672 /* the widest body, in posts */
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status soil_shape_check(const struct soil_shape *shape, double spacing) FURROW_CHECKED;
@@ -143,8 +143,8 @@ enum status soil_named(const char *name, struct soil_numbers *soil) FURROW_CHECK
  * angle. The fit is of 0.3 to 0.9; beyond that the nearer end counts. NAN: the soil has no unit_weight. Source: S. Agarwal, D. I. Goldman and K. Kamrin,
  * PNAS 120 (2023), supplement, of soil without cohesion. */
 double soil_face_strength(const struct soil_numbers *soil);
-/* Returns the cohesion that faces feel, Pa: the soil's face_cohesion, or its cohesion, of which below 1.3 kPa nothing counts, and from 1.7 kPa on all. The cohesion
- * of sand in a table is where a line through tests at high pressures meets the axis: dry sand stands in no cut. */
+/* Returns the cohesion that faces feel, Pa: the soil's face_cohesion. Without one it is the cohesion: none of it below 1.3 kPa, all from 1.7 kPa on. Tables of
+ * soils give sand some, from tests at high pressures. But a cut in dry sand falls. */
 double soil_face_cohesion(const struct soil_numbers *soil);
 
 /* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */

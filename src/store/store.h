@@ -538,7 +538,7 @@ struct store_sample {
 	unsigned planes; /* the planes that the tile at this point has, a mask of PLANE_BIT */
 	/* at the nearest post: metres; and the mobilised shear to the east and to the north, shares of the soil's strength */
 	double deposited, plastic_sinkage, shear[2];
-	/* At the nearest post: how thick soil lies loose there, m, with what came since a body touched it; how dense passes have made it, a share of 1 */
+	/* At the nearest post: how thick soil lies loose there, m, with what came since a body touched it. How dense passes have made it, a share of 1 */
 	double loose, density;
 };
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)

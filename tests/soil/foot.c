@@ -3,6 +3,7 @@
  * faces in doubles, at 64 places within a post, and with each other as the box moves a little.
  */
 #include "bed.h"
+#include "../support/near.h"
 #include "../support/program.h"
 
 #define SIDE 64
@@ -215,7 +216,7 @@ static void nothing_jumps(void **state)
 				const double x = spacings[k] * (SIDE / 2 + 0.1) + (turn == 0 ? 3e-6 * i : 0), y = spacings[k] * (SIDE / 2 + 0.3);
 				const struct felt felt = felt_at(&bed, &foot, x, y, DEPTH, 10, true);
 				for (int n = 0; n < 3 && i > 0; n++)
-					most = fmax(most, fabs(felt.at[n] - last.at[n]) / felt.at[2]);
+					most = support_most(most, fabs(felt.at[n] - last.at[n]) / felt.at[2]);
 				last = felt;
 			}
 			print_message("posts of %g mm, %d: steps of at most %.3f %%\n", spacings[k] * 1e3, turn, 100 * most);

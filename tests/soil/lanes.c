@@ -6,7 +6,7 @@
 #include "../support/program.h"
 
 #define SIDE 96
-#define LAW 3
+#define LAW 4
 #define LAW_BITS 0xd9b90010b808fbc5ull /* of `contacts` by that law, on any machine */
 #define LAYER_BITS 0xb40eafabb95ad4eull /* and of those with layers, */
 #define LOOSE_BITS 0xc38ed4b36e2d65c0ull /* with loose and dense soil, */

@@ -72,7 +72,7 @@ SOIL_INLINED float sinks_in(float in, float tall, float size)
 	return either(in > 0, either(in < 1, 1 / most(2 * tall, size), 0), 0);
 }
 
-/* Finds how deep the middles of the facets of a block are: below the ground that pushes them, and below that as the body finds it. Adds to what tells where the body
+/* Finds how deep the middles of the facets of a block are. `deep` is below the ground that pushes them, `found` below it as the body finds it. Adds to what tells where the body
  * is in soil, across its way: sums of area, and of area times place. */
 SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, size_t b, const struct look *restrict look, float raised, float size, const float across[restrict 2],
 				    float *restrict deep, float *restrict found, float *restrict heap, float sums[restrict 2][LANES])

@@ -6,8 +6,8 @@
  * |dx| is the way that counts: that of the centre, of a rim, or of the body's outer parts, where these go farther. So M forgets what is older than a few K, as
  * Janosi's shear does. With several soils K is the mean of theirs: so M is known without the ground.
  *
- * What a wheel's grousers scoop. Between its bars a wheel carries wedges of soil, on average half as thick as its bars are high, in the share chi of its rim.
- * So while its rim runs ds farther than it goes, it takes a volume chi h b ds / 2 from ahead of its middle to behind it. And it comes upon soil
+ * What a wheel's grousers scoop. Between its bars a wheel carries wedges of soil, in the share chi of its rim. On average they are half as thick as its bars are
+ * high. So while its rim runs ds farther than it goes, it moves a volume chi h b ds / 2. It takes that from ahead of its middle to behind it, and comes upon soil
  * that is still there. For each square metre below the wheel, which is about as long as the radius R of the drum over its tips, it has taken
  *
  *     dV = (chi h / 2 ds - V dx) / R,    dx = |ahead| + |aside| R / b

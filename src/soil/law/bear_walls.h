@@ -1,8 +1,8 @@
 /*
- * Part of bear.c: what the walls of a tilted box bear. A wall is a steep lower face. In soil it is narrower than a cell, so it is summed over the edge of
- * the sole from which it rises, beside the post that bears there. What the soil remembers there is what the post remembers, in the shape of the box.
+ * Part of bear.c: what the walls of a tilted box bear. A wall is a steep lower face. In soil it is narrower than a cell. So it is summed over the edge of
+ * the sole from which it rises. The post that bears there bears it, too. What the soil remembers there is what the post remembers, in the shape of the box.
  *
- * Soil presses on both ends of a box. On its lower end the wall feels it. The end across it looks up, or is upright, and the law of the lower envelope
+ * Soil lies at both ends of a box. On its lower end the wall feels it. The end across it looks up, or is upright, and the law of the lower envelope
  * has no soil there. Above the level of the sole's other edge the two hold each other. So from there on a wall bears upwards alone. Below, it
  * bears what the sole's tilt calls for: in even, level ground without friction no level force is left. The wall of a box that is nearly level
  * bears nearly nothing.

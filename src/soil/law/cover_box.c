@@ -134,7 +134,7 @@ static int posts_around(const struct box *box, const int64_t cell[2], int far, i
 	return count;
 }
 
-/* The posts that can bear what is in a cell: its own if that lies below the sole, or else those beside it that do, or else those next to these. */
+/* The posts that can bear what is in a cell: its own, if that lies below the sole. If not, those beside it that do. If none does, those next to these. */
 struct bearers {
 	int count;
 	int64_t posts[25][2];

@@ -202,8 +202,8 @@ static int64_t filled(const struct lane_post *posts, int count, int64_t level)
 	return sum;
 }
 
-/* Returns how high the ground is where the patch of a lane ends, without the heap ahead of the body: as the base lies there, and as much above or below it as the lowest
- * post of the lane. */
+/* Returns how high the ground is where the patch of a lane ends, without the heap ahead of the body. It is as far above or below the base as the lowest post of the
+ * lane. */
 static int64_t ground_of(const struct front *front, const struct lane_post *posts, int count)
 {
 	int64_t nearest = INT64_MAX, base = 0, above = INT64_MAX;
