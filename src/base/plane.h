@@ -21,7 +21,7 @@ enum plane {
 	PLANE_SETTLED, /* int32, 2^-20 m: the deposited thickness when a body last touched the post. What is deposited beyond it is loose */
 	PLANE_LOOSE,   /* int32, 2^-20 m: thickness of a loose layer that a body has touched and not used up, down to the floor */
 	PLANE_FLOOR,   /* int32, 2^-20 m: plastic sinkage of the floor below that layer */
-	PLANE_DENSITY, /* int32, 2^-20: how dense passes have made the soil, a share of 1 */
+	PLANE_DENSITY, /* int32, 2^-20: how dense passes have made the soil: a share of what `soil.compaction` left open */
 	PLANE_SLOPE,   /* two uint16, 2^-9 m: how far a post's slope rises above it; in the high half: falls below it */
 	PLANES
 };

@@ -33,9 +33,8 @@ struct moves {
 	double slides;  /* share of its way */
 	double below;   /* share that 3D-RFT has below it */
 	double aside;   /* 1: a wheel's sides move into the soil; 0: they move along it */
-	double turns;   /* 1: a wheel's rim slides; 0: it rolls, so that its bars go straight into the soil */
 };
-static const struct moves unknown = {NAN, NAN, NAN, NAN};
+static const struct moves unknown = {NAN, NAN, NAN};
 
 static void find_parts(const struct scene *scene, const struct soil_shape *shape, const struct moves *moves, struct scene_laws *out)
 {
@@ -45,7 +44,7 @@ static void find_parts(const struct scene *scene, const struct soil_shape *shape
 	add(out, wheel ? "rim" : "underside", faces ? moves->below : 0);
 	add(out, wheel ? "sides" : "front and sides", !faces ? 0 : wheel ? moves->aside : beside);
 	if (wheel && shape->grousers > 0)
-		add(out, "bars", faces ? moves->turns : 0);
+		add(out, "bars", faces ? moves->below : 0); /* part of a drum over their tips */
 }
 
 static struct moves moves_of(const struct scene_object *object)
@@ -56,10 +55,10 @@ static struct moves moves_of(const struct scene_object *object)
 	if (hosted || (object->path.has_attitude && wheel))
 		return unknown;
 	if (is_fixed(&object->path))
-		return (struct moves){0, 0, 0, 0};
+		return (struct moves){0, 0, 0};
 	const bool aside = fabs(sin(turned[0])) > 1e-9;
 	const double way[2] = {cos(turned[0]), -sin(turned[0])};
-	struct moves moves = {.aside = aside, .turns = aside || object->slip != 0};
+	struct moves moves = {.aside = aside};
 	moves.slides = soil_slid(&object->shape, way, soil_shape_runs(&object->shape) ? 1 / (1 - object->slip) : 0, &moves.below);
 	return moves;
 }

@@ -236,7 +236,7 @@ struct soil_recent_motion {
 	double ran;              /* of a belt, m for each m */
 };
 #define SOIL_TREND_NUMBERS 15
-/* whole: its length is the soil's shear modulus; last: it is a twentieth of that, which tells at once where a body turns back. scooped: volume of soil that a
+/* whole: its length is the soil's shear modulus; last: it is a thirtieth of that, which tells at once where a body turns back. scooped: volume of soil that a
  * wheel's grousers have taken away below it, for each square metre, m; 0 once it is in the air. */
 struct soil_trend {
 	struct soil_recent_motion whole, last;

@@ -138,8 +138,10 @@ static void it_takes_energy_and_is_told_as_damping(void **state)
 		/* What the matrix has more, times the speed, is twice the force: it grows as the square of the speed. */
 		for (int k = 0; k < 3; k++) {
 			double told = 0;
-			for (int j = 0; j < 6; j++)
-				told += (probed[1].damping[k][j] - probed[0].damping[k][j]) * (j < 3 ? motion.linear[j] : motion.angular[j - 3]);
+			for (int j = 0; j < 3; j++) {
+				told += (probed[1].damping[k][j] - probed[0].damping[k][j]) * motion.linear[j];
+				told += (probed[1].damping[k][3 + j] - probed[0].damping[k][3 + j]) * motion.angular[j];
+			}
 			off = support_most(off, fabs(told - 2 * (probed[1].force[k] - probed[0].force[k])));
 			size = support_most(size, fabs(told));
 		}

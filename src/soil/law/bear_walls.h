@@ -121,18 +121,18 @@ SOIL_INLINED void add_opening(const struct soil_form *f, int w, const struct wal
 {
 	const struct soil_box_wall *wall = &f->walls[w];
 	const float by_level = 1 / sqrtf(most(wall->normal[0] * wall->normal[0] + wall->normal[1] * wall->normal[1], 1e-12f));
-	float row[6][LANES], by[LANES], none[2][2][LANES] = {{{0}}};
-	struct lane_brims opens;
-	memset(&opens, 0, sizeof opens);
-	memset(row, 0, sizeof row);
+	float by[LANES], places[6][LANES];
 	EACH_LANE {
 		const float arm[3] = {at->x[i], at->y[i], at->height[i]}, level[3] = {wall->normal[0] * by_level, wall->normal[1] * by_level, 0};
-		put_both(arm, level, i, opens.normal);
-		row[3][i] = wall->back[1];
-		row[4][i] = -wall->back[0];
+		put_both(arm, level, i, places);
 		by[i] = parts->opens[i] * at->keeps[i] * at->yields[i] * lengths[i] * f->spacing;
 	}
-	add_outer(&opens, row, by, none, changes->stiffness);
+	for (int r = 0; r < 6; r++)
+		EACH_LANE {
+			const float grows = by[i] * places[r][i];
+			changes->stiffness[r][3][i] += grows * wall->back[1];
+			changes->stiffness[r][4][i] -= grows * wall->back[0];
+		}
 }
 
 /* Adds what the walls bear beside a block of posts. */
