@@ -235,7 +235,7 @@ class ScenePage(FurrowTest):
         checker = Checker(self)
         taken = checker.crawl()
         soil = [key.removeprefix("soil.") for key in taken if re.fullmatch(r"soil\.\w+", key)]
-        self.assertEqual(checker.soils["soil.over"] + ["thickness", "over"], checker.soils["soil.default"])
+        self.assertEqual(checker.soils["soil.over"] + ["thickness", "compaction", "over"], checker.soils["soil.default"])
         for place in ("soil.default", "soil.classes[]"):
             self.assertEqual(checker.soils[place] + ["map", "classes", "default", "rasters"], soil)
             self.assertEqual(range_of(checker.allowed(place + ".cohesion", -1)), range_of(self.rows["soil.cohesion"]["range"]))
