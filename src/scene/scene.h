@@ -352,7 +352,7 @@ char *scene_soil_varied(const char *soil, const double factor[3]);
 bool scene_soil_given(const struct scene *scene, int soil, const char *key);
 /* Soils have more than these, but for the last. A smaller number is probably in a wrong unit. */
 #define SCENE_LEAST_ANGLE 1.6     /* degrees. The largest angle in radians, pi / 2, is less, so it is noticed */
-#define SCENE_RIGID "rigid"        /* what soil.over names ground that bears whatever is on it */
+#define SCENE_RIGID "rigid"        /* the name of rigid ground in soil.over: it bears any load */
 #define SCENE_LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */
 #define SCENE_LEAST_KPHI 10000.0  /* N/m^(n+2): of the soils in the tables the least has 43120, and the largest 5301 in kN */
 #define SCENE_MOST_SHEAR 0.15     /* m: of the soils in the tables the largest has 0.03. A larger number is probably in cm or mm */

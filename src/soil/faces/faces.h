@@ -14,7 +14,7 @@
 	EACH(x) EACH(y) EACH(z)             /* middle */ \
 	EACH(nx) EACH(ny) EACH(nz)          /* outward normal */ \
 	EACH(whole)                         /* area of the facet, m2 */ \
-	EACH(under)                         /* 1: it bears the body: FACET_UNDER, and a side that looks down; 0: it is a side or a bar */ \
+	EACH(under)                         /* 1: it bears the body: FACET_UNDER, and a side that looks down; 0: it is another side */ \
 	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
 	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \

@@ -62,7 +62,7 @@ SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const 
 		}
 		l->area[i] = facets->area[b + (size_t)i];
 		const float looks = clamped((-l->normal[2][i] - SOLE_FROM) * (1 / (SOLE_WHOLE - SOLE_FROM)), 0, 1);
-		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : facets->kind[b + (size_t)i] == FACET_SIDE ? looks : 0.0f;
+		l->under[i] = facets->kind[b + (size_t)i] == FACET_UNDER ? 1.0f : looks;
 	}
 }
 

@@ -318,7 +318,7 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, st
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) + f->scooped - (p->dug[i] + l->more[i]);
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
-		/* It never digs itself free: of a body that reached the floor, what is above it counts from the floor's undisturbed surface. */
+		/* The body stays in the soil however much slips. Once it has reached the floor, it counts as deep as it is below the floor's undisturbed surface. */
 		const float above = floored ? either((s.loose > 0) & (sunk > s.loose), s.under * p->by_up[i], 0) : 0;
 		const float room = least(l->depth[i] + above - 2 * SOIL_UNIT, room_above(p, i));
 		const float by = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
