@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 LIFT = 0.55        # the share of the vertical stress that is left on a facet which moves level
-POWER = 0.6        # w = q ** POWER
+POWER = 0.7        # w = q ** POWER
 FOLLOW = 2.0       # soil follows a rim that spins by at most this many times the way
 LEAST = 0.002      # below this q nothing of the faces is computed; walls are whole from LEAST + FADE
 FADE = 0.05

@@ -55,7 +55,8 @@ enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_
 	bearing->under = (struct post_rect){0, 0, 0, 0};
 	for (size_t i = 0; i < count; i++) {
 		const struct soil_motion motion = bearing_motion_of(contacts[i].contact);
-		bearing->under = post_rect_joined(bearing->under, post_rect_intersect(soil_posts_below(&bearing->law, &motion), contacts[i].area.read));
+		const struct post_rect known = post_rect_grown(soil_posts_below(&bearing->law, &motion), bearing->law.faces ? SOIL_FACES_KNOW : 0);
+		bearing->under = post_rect_joined(bearing->under, post_rect_intersect(known, contacts[i].area.read));
 	}
 	TRY(open_window(bearing, bearing_meeting_reads(contacts, count)));
 	if (!whole)
@@ -376,7 +377,9 @@ struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct
 static enum status sink_before(struct bearing *bearing, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count)
 {
 	struct bearing_member *member = &bearing->members[0];
-	const struct soil_laying laying = soil_laying_of(motion->shape, &motion->from, &motion->to, motion->turned, motion->rotated, bearing->law.spacing);
+	struct soil_laying laying = soil_laying_of(motion->shape, &motion->from, &motion->to, motion->turned, motion->rotated, bearing->law.spacing);
+	if (bearing->law.faces)
+		soil_laying_ahead(&laying);
 	const struct soil_sink sink = {.laying = &laying, .soils = bearing->laid};
 	size_t all = 1;
 	member->motion = *motion;

@@ -78,7 +78,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
 	if (deform_model_takes(scene->model, "slip_sinkage"))
 		scene->slip_sinkage = number(raw->slip_sinkage, "redistribute.slip_sinkage");
-	scene->faces = raw->faces != NULL ? (enum scene_faces)*raw->faces : SCENE_FACES_OFF;
+	scene->faces = raw->faces != NULL ? (enum scene_faces)*raw->faces : SCENE_FACES_ON;
 	if (deform_model_takes(scene->model, "inertia"))
 		scene->inertia = number(raw->inertia, "redistribute.inertia");
 	if (deform_model_takes(scene->model, "loosening"))

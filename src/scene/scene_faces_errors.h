@@ -12,10 +12,10 @@ static const struct {
 	double posts;
 	int errors[SCENE_FACES_WHEELS];
 } scene_faces_wheels[SCENE_FACES_ROWS] = {
-	{4, {10, 7, 3, 5}},
-	{8, {3, 3, 2, 3}},
-	{16, {1, 1, 2, 2}},
-	{32, {1, 1, 1, 2}},
+	{4, {10, 7, 2, 5}},
+	{8, {3, 4, 2, 3}},
+	{16, {1, 2, 1, 2}},
+	{32, {1, 1, 1, 1}},
 };
 static const struct {
 	double posts;

@@ -292,7 +292,7 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 			add_faces(state, (uint64_t)i, soil.over);
 		}
 	}
-	if (scene->faces != SCENE_FACES_OFF)
+	if (scene->faces != SCENE_FACES_ON)
 		add_part(state, 'F', (uint64_t)scene->faces);
 	if (deform_model_takes(scene->model, "inertia") && scene->faces == SCENE_FACES_ON)
 		add_inertia(state, scene);

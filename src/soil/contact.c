@@ -117,8 +117,8 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	b->bulb = motion->shape->kind == SOIL_CYLINDER ? 1 + b->body.lower.axis[2] * b->body.lower.axis[2] : 1;
 	if (b->form.kind == FORM_RASTER)
 		TRY(begin_mesh(motion, work, b));
-	/* With faces a wheel is a drum over its bars, and leaves the rut of that. */
-	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0 && !(b->form.all_round > 0))
+	/* With faces a drum counts for a wheel's bars, so only their prints need them. */
+	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0 && (above > 0 || !(b->form.all_round > 0)))
 		TRY(soil_grousers_draw(&b->body, &below, &b->form, &work->grousers));
 	return soil_faces_begin(law, planes, &b->body, below, &b->form, b->faces);
 }
@@ -186,11 +186,12 @@ void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, 
 		by_width = (b->form.kind == FORM_RASTER ? touched_width(b->posts, &b->form, raised) : counted_width(b->posts, &b->form, raised)) / (float)b->wider;
 	/* The bulb of a round plate is as wide as the plate: twice its radius. */
 	soil_posts_width(by_width, by_width > 0 ? (b->by_width > 0 ? (float)b->bulb : 2) / by_width : 0, b->posts);
+	soil_faces_look(b->planes, &b->body, &b->form, b->posts, raised, b->faces);
 	if (b->posts->layered)
 		soil_bear_layered(&b->form, b->posts, raised, share, sums, kept, changes);
 	else
 		soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
-	soil_faces_add(b->planes, &b->body, &b->form, b->posts, raised, share, b->faces, sums, changes);
+	soil_faces_add(&b->body, &b->form, share, b->faces, sums, changes);
 }
 
 void soil_contact_turn(const struct soil_contact *b, const double v[3], double out[3])

@@ -53,7 +53,7 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	row->givers += a->carried[i] > 0;
 	row->classes |= a->carried[i] > 0 ? 1u << (class < SOIL_CLASSES ? class : SOIL_CLASSES - 1) : 0;
 	row->deep = deep > row->deep ? deep : row->deep;
-	if (!sink->laying->front)
+	if (!sink->laying->front || sink->carried == NULL)
 		return;
 	sink->carried[at] = a->carried[i];
 	soil_measured_moments(measured, sink->laying, x, row->y, a->carried[i]);
@@ -68,7 +68,7 @@ static void put_hollow(const struct soil_sink *sink, const struct soil_planes *p
 		       struct soil_measured *measured)
 {
 	const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width), y = planes->rect.y0 + (int64_t)(at / planes->width);
-	if (!sink->laying->front || (planes->contact[at] & (SOIL_LOWERED | SOIL_HELD)) != 0)
+	if (!sink->laying->front || sink->carried == NULL || (planes->contact[at] & (SOIL_LOWERED | SOIL_HELD)) != 0)
 		return;
 	planes->contact[at] |= SOIL_NEAR;
 	sink->carried[at] = a->gap[i];

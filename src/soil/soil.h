@@ -58,7 +58,7 @@ bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
 double soil_shape_ran(const struct soil_shape *shape, double turned);
-#define SOIL_LAW 4 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
+#define SOIL_LAW 5 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
 #define SOIL_SHAPE_POSTS 672 /* the widest body, in posts */
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status soil_shape_check(const struct soil_shape *shape, double spacing) FURROW_CHECKED;
@@ -268,6 +268,7 @@ struct soil_motion {
 /* Returns the recent motion of a body after a motion; none where faces do not push. However many pieces a straight motion is cut into, it is the same to rounding. Pure. */
 struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil_motion *motion);
 
+#define SOIL_FACES_KNOW 1  /* posts around those below a body of which its faces read what slip dug */
 /* Returns how many posts around the shadow of a body its faces read. 0: none of them pushes in this motion. Pure. */
 int64_t soil_faces_reach(const struct soil_law *law, const struct soil_motion *motion);
 

@@ -1,5 +1,6 @@
 /* Adds up what the facets of a body push at a height. */
 #include "soil/faces/ahead.h"
+#include "soil/faces/footing.h"
 #include "soil/faces/push.h"
 #include "soil/shape/body.h"
 
@@ -98,21 +99,24 @@ struct pushing {
 	float upright;              /* weight of the wedge ahead of an upright wall */
 };
 
-/* Returns what soil pushes on a facet for each unit of alpha, Pa, and how that grows with depth. The depth is a mean over the facet, so a facet that comes out of the soil
- * loses its force evenly. */
-SOIL_INLINED float pressure_of(const struct pushing *p, const struct soil_faces *faces, size_t n, float *grows)
+/* Finds what soil pushes on the facets of a block for each unit of alpha, Pa, and how that grows with depth. The depth is a mean over the facet, so a facet that comes
+ * out of the soil loses its force evenly. */
+SOIL_CLONED static void find_pressures(const struct soil_faces *restrict faces, size_t b, const struct pushing *restrict p, float *restrict pressure, float *restrict steepens)
 {
-	const float deep = faces->deep[n], tall = faces->tall[n], weight = faces->weight[n], cohesive = faces->cohesive[n], sole = faces->sole[n];
-	const float in = share_in(deep, tall, p->size), sinks = sinks_in(in, tall, p->size);
-	const float top = clamped(deep + tall, 0, 2 * tall), by_tall = 1 / most(4 * tall, 1e-9f);
-	const float depth = top * top * by_tall + most(deep - tall, 0), deepens = most(2 * top * by_tall, deep > tall ? 1.0f : 0.0f);
-	const float by_weight = p->weight * weight * (1 / WALL), heap = (1 - p->narrow) * faces->heap[n], fitted = p->narrow * weight / p->upright;
-	const float plain = p->xi * depth, wide = by_weight * (depth + heap * in), mixed = fitted * plain + (1 - p->narrow) * wide, held = PRANDTL / PLATE * p->cohesion;
-	const float cohesion = p->cohesion * cohesive * (1 / WALL), wedge = wide + cohesion * in, widens = by_weight * (deepens + heap * sinks);
-	const float wall = most(mixed, wedge), floor = most(plain, held * in);
-	*grows = sole * either(plain > held * in, p->xi * deepens, held * sinks) +
-		 (1 - sole) * either(mixed > wedge, fitted * p->xi * deepens + (1 - p->narrow) * widens, widens + cohesion * sinks);
-	return sole * floor + (1 - sole) * wall;
+	EACH_LANE {
+		const size_t n = b + (size_t)i;
+		const float deep = faces->deep[n], tall = faces->tall[n], weight = faces->weight[n], cohesive = faces->cohesive[n], sole = faces->sole[n];
+		const float in = share_in(deep, tall, p->size), sinks = sinks_in(in, tall, p->size);
+		const float top = clamped(deep + tall, 0, 2 * tall), by_tall = 1 / most(4 * tall, 1e-9f);
+		const float depth = top * top * by_tall + most(deep - tall, 0), deepens = most(2 * top * by_tall, deep > tall ? 1.0f : 0.0f);
+		const float by_weight = p->weight * weight * (1 / WALL), heap = (1 - p->narrow) * faces->heap[n], fitted = p->narrow * weight / p->upright;
+		const float plain = p->xi * depth, wide = by_weight * (depth + heap * in), mixed = fitted * plain + (1 - p->narrow) * wide, held = PRANDTL / PLATE * p->cohesion;
+		const float cohesion = p->cohesion * cohesive * (1 / WALL), wedge = wide + cohesion * in, widens = by_weight * (deepens + heap * sinks);
+		const float wall = most(mixed, wedge), floor = most(plain, held * in);
+		steepens[n] = sole * either(plain > held * in, p->xi * deepens, held * sinks) +
+			     (1 - sole) * either(mixed > wedge, fitted * p->xi * deepens + (1 - p->narrow) * widens, widens + cohesion * sinks);
+		pressure[n] = sole * floor + (1 - sole) * wall;
+	}
 }
 
 /* Forces and moments of a block, whole numbers, and for the search how the vertical force grows. */
@@ -122,14 +126,12 @@ struct facet_sums {
 };
 
 /* unit: of the sums, for each newton; by_arm: of moments. */
-SOIL_CLONED static void add_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, const struct pushing *restrict p, float unit,
-				  struct facet_sums *restrict sums)
+SOIL_CLONED static void add_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, float unit, struct facet_sums *restrict sums)
 {
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
-		float grows, moment[3], belt[3], large = 0;
-		const float in = share_in(faces->deep[n], faces->tall[n], p->size), thrown = unit * faces->thrown[n] * in;
-		const float by = unit * pressure_of(p, faces, n, &grows);
+		float moment[3], belt[3], large = 0;
+		const float in = share_in(faces->deep[n], faces->tall[n], f->spacing), thrown = unit * faces->thrown[n] * in, by = unit * faces->pressure[n];
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
 		const float force[3] = {by * faces->px[n] - thrown * normal[0], by * faces->py[n] - thrown * normal[1], by * faces->pz[n] - thrown * normal[2]};
 		cross3(at, force, moment);
@@ -142,8 +144,8 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 		}
 		sums->pull[i] = whole_of(clamped(-dot3(force, belt), -BEAR_MOST, BEAR_MOST));
 		sums->saturated[i] = large > BEAR_MOST ? 1 : 0;
-		const float more = unit * faces->thrown[n] * sinks_in(in, faces->tall[n], p->size) * normal[2];
-		sums->grows[i] = grows * unit * faces->pz[n] - more;
+		const float more = unit * faces->thrown[n] * sinks_in(in, faces->tall[n], f->spacing) * normal[2];
+		sums->grows[i] = faces->steepens[n] * unit * faces->pz[n] - more;
 	}
 }
 
@@ -174,20 +176,20 @@ static void add_placed(const float at[3], const float place[3][3], struct soil_m
 }
 
 /* Adds how the force of a facet changes: with its depth, with the recent motion of its place, and with its speed. */
-static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, const struct pushing *p, struct soil_changes *changes)
+static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, struct soil_changes *changes)
 {
 	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
-	float slope[2], bends[3][3], place[3][3], grows;
-	const float pressure = pressure_of(p, faces, n, &grows);
+	const float pressure = faces->pressure[n], grows = faces->steepens[n];
+	float slope[2], bends[3][3], place[3][3];
 	slope_at(look, faces, n, f->spacing, slope);
-	soil_push_changes(f, faces, n, bends);
-	const float deeper[3] = {slope[0], slope[1], -1}, in = share_in(faces->deep[n], faces->tall[n], p->size), thrown = faces->thrown[n] * in;
-	const float more = faces->thrown[n] * sinks_in(in, faces->tall[n], p->size), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
+	soil_push_changes(f, faces, n, faces->by_modulus, bends);
+	const float deeper[3] = {slope[0], slope[1], -1}, in = share_in(faces->deep[n], faces->tall[n], f->spacing), thrown = faces->thrown[n] * in;
+	const float more = faces->thrown[n] * sinks_in(in, faces->tall[n], f->spacing), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
 	const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
 	float rates[3][3];
 	for (int k = 0; k < 3; k++)
 		for (int j = 0; j < 3; j++) {
-			place[k][j] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j] * faces->by_modulus;
+			place[k][j] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j];
 			rates[k][j] = -slows * normal[k] * normal[j];
 		}
 	add_placed(at, (const float(*)[3])place, &changes->stiffness);
@@ -233,11 +235,9 @@ static struct pushing pushing_of(const struct soil_body *body, const struct soil
 	return (struct pushing){faces->xi, faces->unit_weight, faces->cohesion, narrow, form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
 }
 
-void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
-		    struct soil_faces *faces, struct soil_sums *sums, struct soil_changes *changes)
+void soil_faces_look(const struct soil_planes *planes, const struct soil_body *body, struct soil_form *form, struct soil_posts *posts, int32_t raised, struct soil_faces *faces)
 {
-	const float up = (float)raised * SOIL_UNIT + form->beyond, unit = BEAR_UNITS_A_PASCAL / (share * form->spacing * form->spacing);
-	struct facet_sums block;
+	const float up = (float)raised * SOIL_UNIT + form->beyond;
 	if (faces->count == 0)
 		return;
 	const struct look look = look_of(body, form, faces);
@@ -245,8 +245,23 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 	const float deep = most(value_at(&look, faces->found, &centre) + form->reach - up, 0);
 	soil_ahead_put(planes, body, form, posts, up, deep * faces->wedge_length, faces);
 	const struct pushing pushing = pushing_of(body, form, &look, up + form->scooped, faces); /* what bars have taken away does not push */
+	for (size_t b = 0; b < faces->count; b += LANES)
+		find_pressures(faces, b, &pushing, faces->pressure, faces->steepens);
+	if (!soil_footing_is(form))
+		return;
+	const float c = (float)body->axis[0], s = (float)body->axis[1], way[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};
+	form->sole = soil_footing_share(form, faces, way);
+}
+
+void soil_faces_add(const struct soil_body *body, const struct soil_form *form, float share, struct soil_faces *faces, struct soil_sums *sums, struct soil_changes *changes)
+{
+	const float unit = BEAR_UNITS_A_PASCAL / (share * form->spacing * form->spacing);
+	struct facet_sums block;
+	if (faces->count == 0)
+		return;
+	const struct look look = look_of(body, form, faces);
 	for (size_t b = 0; b < faces->count; b += LANES) {
-		add_block(form, faces, b, &pushing, unit, &block);
+		add_block(form, faces, b, unit, &block);
 		for (int k = 0; k < 3; k++) {
 			sums->force[k] += total(block.force[k]);
 			sums->moment[k] += total(block.moment[k]);
@@ -256,7 +271,7 @@ void soil_faces_add(const struct soil_planes *planes, const struct soil_body *bo
 		for (size_t i = 0; i < LANES; i++) {
 			sums->grows += changes == NULL ? (double)block.grows[i] : 0;
 			if (changes != NULL && faces->deep[b + i] + faces->tall[b + i] > 0)
-				add_changes(form, faces, b + i, &look, &pushing, changes);
+				add_changes(form, faces, b + i, &look, changes);
 		}
 	}
 }

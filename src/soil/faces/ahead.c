@@ -6,21 +6,27 @@
  * - under_from: the same below the front half of the body. Below the rear half it is the surface as it is: the floor of the rut. Facets that face down count
  *   from it. Below a mesh each line has a front and a rear of its own, so a body of several feet has several.
  * - heap_ahead: the mean height of the heap ahead, over the length of a passive wedge.
+ * - laid_ahead: how high soil lies on the base ahead, but for what slip dug. The law of the lower envelope counts its depth from there. It bears what is left where
+ *   a body slides. So it must not count the body's own heap, and must count what the body has pushed off.
+ *
+ * What is carried is the height above the base. So a slope, and a bump that is pushed off, count as they are at each post.
  *
  * The law of faces was fitted to plates that push their own heap, so that heap must not count as depth again. What the body finds is the base
  * and what lies on it `beyond` ahead, where its own heap has ended, or goes on falling. All this changes evenly as the body moves.
  */
 #include "soil/faces/ahead.h"
 
+#include "soil/faces/slid.h"
 #include "soil/shape/body.h"
 
 #define NEAR 0.25f     /* posts: a lower envelope that is higher above the ground is outside of the soil */
 #define HALVES 0.2f    /* of a body's radius, or of the length of a line in it: over so much the front half goes over to the rear half */
 #define SPINS 0.02f    /* of the way of a rim: below this way of its axle a wheel spins on the spot */
 #define HOLE (-1e6f)   /* m: there is no soil */
+#define SLID_COUNTS 0.1f /* share of the way that is slid: from so much more on the law of the lower envelope counts its depth as the faces do */
 #define CELL_PARTS 7   /* of a cell at an edge of a body, each way. So a post that the edge passes does not show */
 
-void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct soil_faces *faces)
+void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct post_rect knows, struct soil_faces *faces)
 {
 	const struct post_rect *rect = &faces->rect;
 	const int64_t zero = to->z - (int64_t)reference * ((int64_t)1 << OFFSET_BITS);
@@ -33,6 +39,8 @@ void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const 
 			const bool hole = base == BASE_NODATA;
 			faces->ground[to_row + i] = hole ? HOLE : (float)height * SOIL_UNIT;
 			faces->offset[to_row + i] = hole ? 0 : (float)planes->offset[from + i] * SOIL_UNIT;
+			const bool known = planes->dug != NULL && y >= knows.y0 && y < knows.y1 && rect->x0 + (int64_t)i >= knows.x0 && rect->x0 + (int64_t)i < knows.x1;
+			faces->laid[to_row + i] = hole || planes->deposited == NULL ? 0 : (float)(planes->deposited[from + i] + (known ? planes->dug[from + i] : 0)) * SOIL_UNIT;
 			faces->surface[to_row + i] = hole ? HOLE : (float)(height + planes->offset[from + i]) * SOIL_UNIT;
 		}
 	}
@@ -96,16 +104,20 @@ static void look_ahead(const struct lines *l, float raised, float spacing, float
 		for (int32_t i = 0; i < l->places; i++) {
 			const int32_t at = here * l->line + i * l->step;
 			const float heap = most(faces->surface[at] - faces->found[at], 0);
-			float ahead = faces->found[at], heap_ahead = heap, since = 0, inside = 0;
+			float ahead = faces->found[at] - faces->ground[at], heap_ahead = heap, since = 0, inside = 0;
+			float laid = faces->laid[at] - heap;
 			if (k > 0) {
 				const struct between from = between_at(l, here + l->way, i, l->aside);
-				const float reached = value_at(faces->ahead, &from), behind = value_at(faces->heap_ahead, &from);
-				inside = faces->cover[at] * clamped(1 - (faces->envelope[at] + raised - reached) / (NEAR * spacing), 0, 1);
+				const float reached = value_at(faces->over_base, &from), behind = value_at(faces->heap_ahead, &from);
+				inside = faces->cover[at] * clamped(1 - (faces->envelope[at] + raised - faces->ground[at] - reached) / (NEAR * spacing), 0, 1);
 				ahead += inside * (reached - ahead);
+				laid += inside * (value_at(faces->laid_ahead, &from) - laid);
 				heap_ahead = behind + (1 - inside) * mixes * (heap - behind);
 				since = inside * (value_at(faces->since, &from) + l->length);
 			}
-			faces->ahead[at] = ahead;
+			faces->over_base[at] = ahead;
+			faces->ahead[at] = faces->ground[at] + ahead;
+			faces->laid_ahead[at] = laid;
 			faces->heap_ahead[at] = heap_ahead;
 			faces->since[at] = since;
 			faces->inside[at] = inside;
@@ -214,15 +226,30 @@ void soil_ahead_body(const struct soil_body *body, const struct soil_form *form,
 		}
 }
 
+/* Returns where a post that was gathered lies in the rectangle of the faces. */
+static size_t place_of(const struct soil_planes *planes, const struct soil_faces *faces, const struct soil_posts *posts, size_t i)
+{
+	const struct post_rect *rect = &faces->rect;
+	const size_t at = (size_t)posts->index[i];
+	const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
+	return (size_t)y * (size_t)(rect->x1 - rect->x0) + (size_t)x;
+}
+
+/* Sets how far the ground of each post is above where the law of the lower envelope counts its depth from. */
+static void put_heaps(const struct soil_planes *planes, const struct soil_form *form, float slides, const struct soil_faces *faces, struct soil_posts *posts)
+{
+	for (size_t i = 0; i < posts->count; i++) {
+		const size_t place = place_of(planes, faces, posts, i);
+		const float slid = clamped((slid_at(form, posts->x[i], posts->y[i]) - SLID_LEAST) * (1 / SLID_COUNTS), 0, 1);
+		posts->heap[i] = posts->base[i] == BASE_NODATA ? 0 : slides * slid * (faces->laid[place] - faces->laid_ahead[place]);
+	}
+}
+
 /* Where the body does not slide, soil below it counts as it was before the body pushed it. slides: 1: it does; 0: it does not. */
 static void put_still(const struct soil_planes *planes, const struct soil_posts *posts, float raised, float spacing, float slides, struct soil_faces *faces)
 {
-	const struct post_rect *rect = &faces->rect;
-	const size_t columns = (size_t)(rect->x1 - rect->x0);
 	for (size_t i = 0; i < posts->count && slides < 1; i++) {
-		const size_t at = (size_t)posts->index[i];
-		const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
-		const size_t place = (size_t)y * columns + (size_t)x;
+		const size_t place = place_of(planes, faces, posts, i);
 		const float ground = (float)posts->ground[i] * SOIL_UNIT, inside = faces->cover[place] * clamped(1 - (faces->envelope[place] + raised - ground) / (NEAR * spacing), 0, 1);
 		const float still = (1 - slides) * inside * (posts->base[i] == BASE_NODATA ? 0.0f : 1.0f);
 		faces->under_from[place] += still * (ground - faces->under_from[place]);
@@ -230,7 +257,7 @@ static void put_still(const struct soil_planes *planes, const struct soil_posts 
 	}
 }
 
-void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, float raised, float wedge,
+void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, struct soil_posts *posts, float raised, float wedge,
 		    struct soil_faces *faces)
 {
 	const struct soil_recent *m = &form->recent;
@@ -244,4 +271,5 @@ void soil_ahead_put(const struct soil_planes *planes, const struct soil_body *bo
 	else
 		put_halves(body, form, faces);
 	put_still(planes, posts, raised, form->spacing, slides, faces);
+	put_heaps(planes, form, slides, faces, posts);
 }

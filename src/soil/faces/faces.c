@@ -2,6 +2,7 @@
 #include "soil/faces/faces.h"
 
 #include "soil/faces/ahead.h"
+#include "soil/faces/footing.h"
 #include "soil/faces/push.h"
 #include "soil/faces/slid.h"
 #include "soil/faces/trend.h"
@@ -106,10 +107,16 @@ static void put_soil(const struct soil_law *law, const struct soil_numbers *soil
 		faces->d[k] = plan > 1e-9 ? (float)(trend->whole.way[k] / plan) : 0;
 }
 
+/* Returns how many posts ahead of a body its own heap has ended. As far as a contact reads. */
+static double beyond_of(const struct soil_shape *shape, double spacing)
+{
+	return M_SQRT2 * soil_laying_band(shape, spacing);
+}
+
 /* Returns how many posts around a body its faces read: as far as its own heap reaches, and one. */
 static int64_t around_of(const struct soil_law *law, const struct soil_shape *shape)
 {
-	return 1 + (int64_t)ceil(soil_laying_band(shape, law->spacing));
+	return 1 + (int64_t)ceil(beyond_of(shape, law->spacing));
 }
 
 /* Returns the recent motion at the end of a body's motion, and puts it into the form. */
@@ -145,7 +152,7 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 		return STATUS_OK;
 	const struct soil_numbers soil = soil_below(law, planes, body);
 	put_soil(law, &soil, &trend, faces);
-	faces->beyond = (float)(soil_laying_band(shape, law->spacing) * law->spacing);
+	faces->beyond = (float)(beyond_of(shape, law->spacing) * law->spacing);
 	const int64_t around = around_of(law, shape);
 	faces->rect = post_rect_intersect(post_rect_grown(below, around), planes->rect);
 	if (faces->rect.x1 - faces->rect.x0 < 2 || faces->rect.y1 - faces->rect.y0 < 2)
@@ -161,11 +168,13 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	const double rough = shape->belt ? soil.friction_angle : ROUGH * soil.friction_angle;
 	const double along = fmin(interface->has_friction ? interface->friction_angle : rough, soil.friction_angle);
 	soil_wedge_of(soil.friction_angle, along, &faces->wedge);
+	const double plan = hypot(trend.whole.way[0], trend.whole.way[1]), way = hypot(plan, trend.whole.way[2]);
+	soil_footing_of(&soil, soil_face_cohesion(&soil), tan(along), way > 0 ? plan / way : 0, &faces->footing);
 	const double within = (double)(float)tan(soil.friction_angle);
 	soil_push(body, form, facets, (const float(*)[3])axes, (float)(tan(along) + (double)form->bars * (within - tan(along))), faces);
 	if (faces->count == 0)
 		return STATUS_OK;
-	soil_ahead_read(planes, law->reference, &body->motion->to, faces);
+	soil_ahead_read(planes, law->reference, &body->motion->to, post_rect_grown(below, SOIL_FACES_KNOW), faces);
 	soil_ahead_find(form->spacing, faces);
 	soil_ahead_body(body, form, faces);
 	return STATUS_OK;

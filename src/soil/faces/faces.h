@@ -20,8 +20,16 @@
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
 	EACH(into) EACH(thrown)             /* how fast it moves into the soil, m/s; force of the soil's inertia if all of it is in soil, N */ \
 	EACH(tall)                          /* half of its height, m */ \
+	EACH(pressure) EACH(steepens)        /* at a height: Pa for each unit of alpha; how that grows with depth, Pa/m */ \
 	EACH(deep) EACH(found_deep)         /* at a height: depth of its middle below the ground that pushes it, and below that as the body found it, m */ \
 	EACH(heap)                          /* height of the heap upon the wedge ahead, m */
+/* Numbers of a soil for footing.c. */
+struct soil_footing {
+	float by_depth, by_width, by_cohesion; /* Pa/m, Pa/m, Pa: parts of its bearing capacity */
+	float by_both, upright;                /* 1 / (Nc tan phi); 1 - h */
+	float k_c, k_phi, n;                   /* Bekker's */
+};
+
 struct soil_faces {
 	size_t count, room; /* count: a multiple of POSTS_LANES; 0: no facet pushes */
 #define FACES_ARRAY(name) float *name;
@@ -32,9 +40,11 @@ struct soil_faces {
 	struct post_rect rect;
 	/* surface: as it is. found: as the body finds it, without its own heap. ahead: that ahead of each post. under_from: where a facet that looks down counts its
 	 * depth from. heap_ahead: height of the heap ahead. inside: how much of the post is in the body. since, until: ways in the body from its front, and to its rear.
-	 * ground: the base. envelope: the body's lower one. All m above the centre. cover: share of the post's cell that the body is above. */
+	 * ground: the base. envelope: the body's lower one. All m above the centre. cover: share of the post's cell that the body is above.
+	 * over_base: `ahead` above the base. laid: deposited and not dug by slip; laid_ahead: the same ahead, without the body's own heap; m. */
 #define FACES_PLANES_EACH(EACH) \
-	EACH(surface) EACH(found) EACH(ahead) EACH(under_from) EACH(heap_ahead) EACH(inside) EACH(since) EACH(until) EACH(ground) EACH(offset) EACH(envelope) EACH(cover)
+	EACH(surface) EACH(found) EACH(ahead) EACH(under_from) EACH(heap_ahead) EACH(inside) EACH(since) EACH(until) EACH(ground) EACH(offset) EACH(envelope) EACH(cover) \
+	EACH(over_base) EACH(laid) EACH(laid_ahead)
 #define FACES_PLANE(name) float *name;
 	FACES_PLANES_EACH(FACES_PLANE)
 #undef FACES_PLANE
@@ -43,6 +53,7 @@ struct soil_faces {
 	struct soil_facets_cache cache;
 	float xi, cohesion, by_modulus, unit_weight, wedge_length; /* of the soil below the body: N/m3, Pa, 1/m, N/m3; length of a wedge over its depth */
 	struct soil_wedge wedge;
+	struct soil_footing footing;
 	float beyond;         /* m: so far ahead of the body the ground is as the body finds it */
 	float inertia;        /* lambda rho of the soil, kg/m3 */
 	float tangent;        /* of the friction along the body's surface */
@@ -53,9 +64,11 @@ struct soil_faces {
  * the body. planes NULL: no facet pushes. STATUS_MEMORY. */
 enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,
 			     struct soil_faces *faces) FURROW_CHECKED;
-/* Adds what the facets push with the centre raised by so many fixed-point units, as soil_bear does. posts: as gathered for it. */
-void soil_faces_add(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share,
-		    struct soil_faces *faces, struct soil_sums *sums, struct soil_changes *changes);
+/* Finds from where depths count with the centre raised by so many fixed-point units: those of the facets, and of posts as gathered for soil_bear. Sets form->sole. */
+void soil_faces_look(const struct soil_planes *planes, const struct soil_body *body, struct soil_form *form, struct soil_posts *posts, int32_t raised, struct soil_faces *faces);
+/* Adds what the facets push at that height, as soil_bear does. */
+void soil_faces_add(const struct soil_body *body, const struct soil_form *form, float share, struct soil_faces *faces, struct soil_sums *sums,
+		    struct soil_changes *changes);
 void soil_faces_finish(struct soil_faces *faces);
 size_t soil_faces_bytes(const struct soil_faces *faces);
 

@@ -1,8 +1,10 @@
 /* Finds which facets of a body push on the soil as it slides, and the force of each for a unit of strength and depth. */
 #include "soil/faces/push.h"
 
+#include "soil/faces/footing.h"
 #include "soil/faces/resist.h"
 #include "soil/faces/slid.h"
+#include "soil/faces/trend.h"
 
 #define LANES POSTS_LANES
 #define EACH_LANE for (int i = 0; i < LANES; i++)
@@ -117,12 +119,13 @@ void soil_push(const struct soil_body *body, const struct soil_form *form, const
 {
 	struct facet_lanes lanes;
 	const float c = (float)body->axis[0], s = (float)body->axis[1], way[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};
+	const bool flat = soil_footing_is(form);
 	faces->count = 0;
 	faces->tangent = tangent;
 	for (size_t b = 0; b < facets->count; b += LANES) {
 		push_block(form, facets, b, axes, tangent, &lanes);
 		for (int i = 0; i < LANES; i++)
-			if (lanes.pushes[i] > 0)
+			if (lanes.pushes[i] > 0 || (flat && lanes.under[i] * lanes.area[i] * -lanes.normal[2][i] > 0))
 				keep(form, &lanes, i, way, faces);
 	}
 	/* The last block is filled with facets that push nothing. */
@@ -135,19 +138,24 @@ void soil_push(const struct soil_body *body, const struct soil_form *form, const
 
 #define STEP 0.01f /* of a motion, by which a quotient of differences is taken */
 
-void soil_push_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float changes[3][3])
+void soil_push_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float by_modulus, float changes[3][3])
 {
 	const float at[3] = {faces->x[facet], faces->y[facet], faces->z[facet]}, normal[3] = {faces->nx[facet], faces->ny[facet], faces->nz[facet]};
-	float moves[3], lately[3], before[3], after[3], pushes;
-	motion_at(form, &form->recent, at, normal, moves);
-	motion_at(form, &form->last, at, normal, lately);
-	const float step = STEP * most(sqrtf(dot3(moves, moves)), 0.1f), area = faces->whole[facet];
-	force_of(form, at, normal, area, faces->under[facet], moves, lately, faces->tangent, before, &pushes);
-	for (int j = 0; j < 3; j++) {
-		float moved[3] = {moves[0], moves[1], moves[2]};
-		moved[j] += step;
-		force_of(form, at, normal, area, faces->under[facet], moved, lately, faces->tangent, after, &pushes);
-		for (int k = 0; k < 3; k++)
-			changes[k][j] = (after[k] - before[k]) / step;
+	const float area = faces->whole[facet], under = faces->under[facet];
+	float means[2][3], before[3], after[3], pushes;
+	motion_at(form, &form->recent, at, normal, means[0]);
+	motion_at(form, &form->last, at, normal, means[1]);
+	force_of(form, at, normal, area, under, means[0], means[1], faces->tangent, before, &pushes);
+	memset(changes, 0, 3 * sizeof *changes);
+	for (int mean = 0; mean < 2; mean++) {
+		const float step = STEP * most(sqrtf(dot3(means[mean], means[mean])), 0.1f), by = by_modulus * (mean == 0 ? 1 : TREND_LAST) / step;
+		for (int j = 0; j < 3; j++) {
+			const float was = means[mean][j];
+			means[mean][j] += step;
+			force_of(form, at, normal, area, under, means[0], means[1], faces->tangent, after, &pushes);
+			means[mean][j] = was;
+			for (int k = 0; k < 3; k++)
+				changes[k][j] += (after[k] - before[k]) * by;
+		}
 	}
 }

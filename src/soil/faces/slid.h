@@ -6,7 +6,7 @@
 
 #define SLID_LEAST 0.002f /* a smaller share is none: of a wheel that rolls in whole fixed-point units */
 #define SLID_SIDES 0.05f /* a larger share by so much, and the sides push whole */
-#define SLID_POWER 0.6f  /* chosen on a smooth wheel of a rig at slip angle 0; from 0.5 to 1 it makes little difference */
+#define SLID_POWER 0.7f  /* chosen on a smooth wheel of a rig at slip angle 0; from 0.5 to 1 it makes little difference */
 
 /* Gives how a place of the body goes over the ground, and how its surface runs there. The place counts as at the body's lowest level. Both in plan, in the
  * frame, for each metre of the body's recent way. */

@@ -19,7 +19,6 @@
 #include "soil/shape/bars.h"
 #include "soil/shape/body.h"
 
-#define LAST 30.0    /* the short mean forgets so many times as fast */
 #define TURNS_AT 0.5 /* of the distance from the centre that holds the whole body: where turning counts as a way */
 
 static double length_of(const double v[3])
@@ -82,7 +81,7 @@ struct soil_trend soil_trend_after(const struct soil_law *law, const struct soil
 	if (!(counts > 0))
 		return after;
 	mix(way, spin, ran, 1 / counts, (double)exp_minus((float)(counts / modulus)), &after.whole);
-	mix(way, spin, ran, 1 / counts, (double)exp_minus((float)(counts / modulus * LAST)), &after.last);
+	mix(way, spin, ran, 1 / counts, (double)exp_minus((float)(counts / modulus * TREND_LAST)), &after.last);
 	return after;
 }
 

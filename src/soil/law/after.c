@@ -161,6 +161,7 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 	struct soils soils;
 	int32_t loose = 0;
 	take_layers(posts, b, &soils);
+	const int32_t rim_above = whole_units(f->bars_beyond * f->outer); /* its drum */
 	const int32_t near = (int32_t)fminf((float)AFTER_SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
@@ -226,7 +227,10 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const int32_t still = has_last(sinkage_of(up[i], sunk[i] - gone[i]), largest[i], plastic[i]), holds = held[i] & (still | (gone[i] == 0));
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);
-		const int32_t sinks = released + holds * (sunk[i] - gone[i] - released), heap = deposited[i] - gone[i], offset = heap - sinks;
+		const int32_t sinks = released + holds * (sunk[i] - gone[i] - released), heap = deposited[i] - gone[i];
+		/* A drum that counts for bars leaves their print, and that of the rim between them. The soil remembers the drum. */
+		const int32_t print = smaller(whole_units(posts->bars[b + i] + f->beyond), lowest[i] + rim_above) - ground[i] + deposited[i];
+		const int32_t offset = (f->bars > 0) & touched[i] & (holds ^ 1) ? smaller(heap, print) : heap - sinks;
 		const int32_t refused = touched[i] & ((far[i] != 0) | (sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST)), changes = touched[i] & (refused ^ 1);
 		const int32_t flows = larger(released - released_before, 0), room = larger(CARRIED_MOST - all[i], 0);
 		const int32_t carries = (int32_t)least(bulldozing * (float)flows, (float)room) + smaller(all[i], CARRIED_MOST);

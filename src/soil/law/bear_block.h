@@ -243,6 +243,17 @@ SOIL_INLINED void scoop(const struct soil_form *f, struct lane_posts *p, bool fl
 	put_yields(p, floored, l);
 }
 
+/* Lets depths count from where faces do. Soil that a body has pushed off counts as if it were there, and as deep as the body has been. */
+SOIL_INLINED void count_ahead(struct lane_posts *p, bool floored, struct block *l)
+{
+	EACH_LANE {
+		const int32_t units = whole_of(p->heap[i] * 1048576.0f);
+		take_off(p, i, floored, p->heap[i], l);
+		p->ground[i] -= units;
+		p->deposited[i] -= units;
+	}
+}
+
 SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, int32_t raised, struct block *l)
 {
 	EACH_LANE {
@@ -253,7 +264,13 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 		l->share[i] = either(p->room[i] > (float)raised * SOIL_UNIT + f->beyond, p->share[i], 0);
 		l->yields[i] = l->plastic[i] = 0;
 	}
-	if (any_above(p->was, 0)) {
+	if (f->all_round > 0) {
+		if (l->floored)
+			count_ahead(p, true, l);
+		else
+			count_ahead(p, false, l);
+	}
+	if (any_above(l->was, 0)) {
 		if (l->floored)
 			put_yields(p, true, l);
 		else
@@ -433,7 +450,7 @@ SOIL_INLINED void put_keeps(const struct soil_form *f, const struct lane_posts *
 {
 	EACH_LANE l->keeps[i] = 1;
 	if (f->all_round > 0)
-		EACH_LANE l->keeps[i] = 1 - faces_share(slid_at(f, p->x[i] + p->middle_x[i], p->y[i] + p->middle_y[i]));
+		EACH_LANE l->keeps[i] = 1 - (1 - f->sole) * faces_share(slid_at(f, p->x[i] + p->middle_x[i], p->y[i] + p->middle_y[i]));
 }
 
 /* The stored sinkage counts for the post's whole cell. Where the body bore at the motion's start, it has the shape of the lower envelope there

@@ -293,6 +293,8 @@ void soil_cover(const struct soil_body *body, const struct soil_form *form, stru
 		cover_all(form, posts);
 	if (form->kind == FORM_BOX && form->tilts > 0)
 		soil_cover_box(body, form, posts);
+	for (size_t i = 0; i < posts->count; i++)
+		posts->bars[i] = FINE_NONE;
 	if (form->grousers.rests != NULL)
 		soil_grousers_cover(body, form, posts);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)

@@ -182,6 +182,10 @@ void soil_grousers_cover(const struct soil_body *body, const struct soil_form *f
 		if (column < 0 || row < 0 || column >= bars->columns || row >= bars->rows || posts->base[i] == BASE_NODATA)
 			continue;
 		const size_t at = (size_t)row * (size_t)bars->columns + (size_t)column;
+		if (form->all_round > 0) { /* a drum counts for them, and they leave their prints */
+			posts->bars[i] = bars->lowest[at];
+			continue;
+		}
 		const float rests = bars->rests[at], passed = bars->lowest[at], rim = posts->swept[i] > 0 || posts->over[i] > 0 ? height - posts->lowered[i] : FINE_NONE;
 		if (rests < 0.5f * FINE_NONE) {
 			posts->above[i] = least(rests - height, 0);

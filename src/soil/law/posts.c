@@ -540,6 +540,7 @@ void soil_posts_gather(const struct soil_law *law, const struct soil_planes *pla
 		return;
 	put_soils(law, planes, posts);
 	end_lanes(posts);
+	memset(posts->heap, 0, soil_posts_end(posts) * sizeof *posts->heap);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)
 		put_strengths((float)law->loosening, (float)law->hardening, posts, b);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)

@@ -34,6 +34,7 @@
 	EACH(half_line)             /* box: half of a line across that part, m */ \
 	EACH(edge_long) EACH(edge_x) EACH(edge_y) EACH(other_long) EACH(other_x) EACH(other_y) /* box: edges from which its walls rise: length, posts; middle, m in the frame */ \
 	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \
+	EACH(heap)                  /* m: of the ground above where a body that slides counts its depth from (faces/ahead.c); below 0: so far below */ \
 	EACH(room)                  /* m: the body touches the cell if it is raised by less */ \
 	EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) EACH(whole) EACH(loose_thick) EACH(under) /* struct stress_soil; loose_thick: its `loose` */
 /* What an evaluation of ground with layers reads beside these (layers.h). */
@@ -55,6 +56,7 @@
 	EACH(base_k_c) EACH(base_k_phi) \
 	EACH(left)                  /* of a layer below a loose one: what is left of it below the floor, m along the normal; of posts with such */ \
 	EACH(swept)                 /* 1: the body was above the post during its motion */ \
+	EACH(bars)                  /* m above the centre: how low grousers were during the motion of a drum that counts for them; FINE_NONE: none was there */ \
 	EACH(compact)               /* how dense the soil is before any pass, 0 .. 1 */ \
 	EACH(eases)                 /* by how much less the top layer bears than the soil; 1: it is not loose */ \
 	EACH(k_c) EACH(k_phi)       /* of the soil, for soil_posts_width */
