@@ -24,7 +24,7 @@
 #define SPINS 0.02f    /* of the way of a rim: below this way of its axle a wheel spins on the spot */
 #define HOLE (-1e6f)   /* m: there is no soil */
 #define SLID_COUNTS 0.1f /* share of the way that is slid: from so much more on the law of the lower envelope counts its depth as the faces do */
-#define CELL_PARTS 7   /* of a cell at an edge of a body, each way. So a post that the edge passes does not show */
+#define CELL_PARTS 5   /* of a cell at an edge of a body, each way. So a post that the edge passes does not show */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct post_rect knows, struct soil_faces *faces)
 {
@@ -46,20 +46,31 @@ void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const 
 	}
 }
 
-/* Sets the ground as the body finds it: the base and what lies on it `beyond` farther ahead. */
-void soil_ahead_find(float spacing, struct soil_faces *faces)
+/* Returns how high the surface lies above the base at a place, m. x, y: posts from the first of the planes. */
+static float offset_at(const struct soil_planes *planes, float x, float y)
 {
-	const int32_t columns = (int32_t)(faces->rect.x1 - faces->rect.x0), rows = (int32_t)(faces->rect.y1 - faces->rect.y0);
+	const float u = clamped(x, 0, (float)planes->width - 1.001f), v = clamped(y, 0, (float)(planes->rect.y1 - planes->rect.y0) - 1.001f);
+	const size_t at = (size_t)v * planes->width + (size_t)u, corners[4] = {at, at + 1, at + planes->width, at + planes->width + 1};
+	const float p = u - (float)(size_t)u, q = v - (float)(size_t)v;
+	float o[4];
+	for (int k = 0; k < 4; k++)
+		o[k] = planes->base[corners[k]] == BASE_NODATA ? 0 : (float)planes->offset[corners[k]] * SOIL_UNIT;
+	const float low = o[0] + p * (o[1] - o[0]), high = o[2] + p * (o[3] - o[2]);
+	return low + q * (high - low);
+}
+
+/* Sets the ground as the body finds it: the base and what lies on it `beyond` farther ahead. */
+void soil_ahead_find(const struct soil_planes *planes, float spacing, struct soil_faces *faces)
+{
+	const struct post_rect *rect = &faces->rect;
 	const float by = faces->beyond / spacing, dx = by * faces->d[0], dy = by * faces->d[1];
-	for (int32_t y = 0; y < rows; y++)
-		for (int32_t x = 0; x < columns; x++) {
-			const float u = clamped((float)x + dx, 0, (float)columns - 1.001f), v = clamped((float)y + dy, 0, (float)rows - 1.001f);
-			const int32_t column = (int32_t)u, row = (int32_t)v, at = row * columns + column;
-			const float p = u - (float)column, q = v - (float)row, *o = faces->offset;
-			const float low = o[at] + p * (o[at + 1] - o[at]), high = o[at + columns] + p * (o[at + columns + 1] - o[at + columns]);
+	size_t at = 0;
+	for (int64_t y = rect->y0; y < rect->y1; y++)
+		for (int64_t x = rect->x0; x < rect->x1; x++, at++) {
+			const float there = offset_at(planes, (float)(x - planes->rect.x0) + dx, (float)(y - planes->rect.y0) + dy);
 			/* A heap that still falls there goes on falling. */
-			const float there = low + q * (high - low), on = 2 * there - o[y * columns + x];
-			faces->found[y * columns + x] = faces->ground[y * columns + x] + clamped(on, least(there, 0), there);
+			const float on = 2 * there - faces->offset[at];
+			faces->found[at] = faces->ground[at] + clamped(on, least(there, 0), there);
 		}
 }
 

@@ -119,6 +119,16 @@ static int64_t around_of(const struct soil_law *law, const struct soil_shape *sh
 	return 1 + (int64_t)ceil(beyond_of(shape, law->spacing));
 }
 
+/* Returns the posts at which facets, and the heap ahead, are looked up. d: where the body slides, east and north. */
+static struct post_rect looked_at(struct post_rect below, const float d[2], int64_t ahead)
+{
+	const struct post_rect near = post_rect_grown(below, 2);
+	return (struct post_rect){
+		near.x0 - (int64_t)ceilf((float)ahead * most(-d[0], 0)), near.y0 - (int64_t)ceilf((float)ahead * most(-d[1], 0)),
+		near.x1 + (int64_t)ceilf((float)ahead * most(d[0], 0)), near.y1 + (int64_t)ceilf((float)ahead * most(d[1], 0)),
+	};
+}
+
 /* Returns the recent motion at the end of a body's motion, and puts it into the form. */
 static struct soil_trend put_trend(const struct soil_law *law, const struct soil_body *body, struct soil_form *form)
 {
@@ -148,13 +158,13 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	if (!(form->all_round > 0))
 		return STATUS_OK;
 	const struct soil_trend trend = put_trend(law, body, form);
-	if (planes == NULL || !(slides_most(form, bound) > SLID_LEAST))
+	form->slides = slides_most(form, bound) > SLID_LEAST ? 1 : 0;
+	if (planes == NULL || !(form->slides > 0))
 		return STATUS_OK;
 	const struct soil_numbers soil = soil_below(law, planes, body);
 	put_soil(law, &soil, &trend, faces);
 	faces->beyond = (float)(beyond_of(shape, law->spacing) * law->spacing);
-	const int64_t around = around_of(law, shape);
-	faces->rect = post_rect_intersect(post_rect_grown(below, around), planes->rect);
+	faces->rect = post_rect_intersect(looked_at(below, faces->d, around_of(law, shape)), planes->rect);
 	if (faces->rect.x1 - faces->rect.x0 < 2 || faces->rect.y1 - faces->rect.y0 < 2)
 		return STATUS_OK;
 	const struct soil_facets *facets;
@@ -175,7 +185,7 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	if (faces->count == 0)
 		return STATUS_OK;
 	soil_ahead_read(planes, law->reference, &body->motion->to, post_rect_grown(below, SOIL_FACES_KNOW), faces);
-	soil_ahead_find(form->spacing, faces);
+	soil_ahead_find(planes, form->spacing, faces);
 	soil_ahead_body(body, form, faces);
 	return STATUS_OK;
 }

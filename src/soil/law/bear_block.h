@@ -103,7 +103,7 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, enum soil_form_kind 
 SOIL_INLINED float digs_beside_faces(const struct soil_form *f, enum soil_form_kind kind, float x, float y, const float goes[2], const float runs[2])
 {
 	const struct slide s = slide_of(goes, runs);
-	const float keeps = 1 - faces_share(slid_at(f, x, y)), along = kind == FORM_RIM ? s.braked[0] : sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]);
+	const float keeps = f->slides > 0 ? 1 - faces_share(slid_at(f, x, y)) : 1, along = kind == FORM_RIM ? s.braked[0] : sqrtf(s.braked[0] * s.braked[0] + s.braked[1] * s.braked[1]);
 	const float aside = kind == FORM_RIM ? keeps * s.braked[1] : 0, ahead = most(s.spins - f->bars_beyond * s.runs, 0) + keeps * keeps * fabsf(along);
 	return sqrtf(ahead * ahead + aside * aside);
 }
@@ -264,7 +264,7 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 		l->share[i] = either(p->room[i] > (float)raised * SOIL_UNIT + f->beyond, p->share[i], 0);
 		l->yields[i] = l->plastic[i] = 0;
 	}
-	if (f->all_round > 0) {
+	if (f->slides > 0) {
 		if (l->floored)
 			count_ahead(p, true, l);
 		else
@@ -449,7 +449,7 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 SOIL_INLINED void put_keeps(const struct soil_form *f, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE l->keeps[i] = 1;
-	if (f->all_round > 0)
+	if (f->slides > 0)
 		EACH_LANE l->keeps[i] = 1 - (1 - f->sole) * faces_share(slid_at(f, p->x[i] + p->middle_x[i], p->y[i] + p->middle_y[i]));
 }
 
