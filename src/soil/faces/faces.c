@@ -164,7 +164,9 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	const struct soil_numbers soil = soil_below(law, planes, body);
 	put_soil(law, &soil, &trend, faces);
 	faces->beyond = (float)(beyond_of(shape, law->spacing) * law->spacing);
-	faces->rect = post_rect_intersect(looked_at(below, faces->d, around_of(law, shape)), planes->rect);
+	const int64_t around = around_of(law, shape);
+	const struct post_rect reads = post_rect_intersect(post_rect_grown(below, around), planes->rect);
+	faces->rect = post_rect_intersect(looked_at(below, faces->d, around), reads);
 	if (faces->rect.x1 - faces->rect.x0 < 2 || faces->rect.y1 - faces->rect.y0 < 2)
 		return STATUS_OK;
 	const struct soil_facets *facets;
@@ -185,7 +187,7 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	if (faces->count == 0)
 		return STATUS_OK;
 	soil_ahead_read(planes, law->reference, &body->motion->to, post_rect_grown(below, SOIL_FACES_KNOW), faces);
-	soil_ahead_find(planes, form->spacing, faces);
+	soil_ahead_find(planes, &reads, form->spacing, faces);
 	soil_ahead_body(body, form, faces);
 	return STATUS_OK;
 }
