@@ -221,7 +221,7 @@ ROWS = {
     "cameras[].stereo": (SHOT, {"cameras.c.stereo": "0.4"}),
 }
 ROWS["soil.rasters.thickness"] = (LAYER, {"soil.rasters": "{thickness: west.png}"})
-ROWS["soil.rasters.compaction"] = (DENSE, {"soil.rasters": "{compaction: west.png}"})
+ROWS["soil.rasters.compaction"] = (DENSE, {"soil.rasters": "{compaction: dense.png}"})
 ROWS["soil.compaction"] = (DENSE, {"soil.compaction": "0.5"})
 ROWS["soil.thickness"] = (LAYER, {"soil.thickness": "0.1"})
 ROWS |= {f"soil.rasters.{key}": (SCM, {"soil.rasters": f"{{{key}: {key}.png}}"}) for key in
@@ -267,6 +267,7 @@ class Keys(FurrowTest):
         self.synth("flat.furrow", posts="65x65", spacing=0.5, kind="plain", relief=0.001)
         write_png16(self.folder / "map.png", 65, 65, lambda x, y: 1 + (x > 22))
         write_png16(self.folder / "west.png", 65, 65, lambda x, y: 2)
+        write_png16(self.folder / "dense.png", 65, 65, lambda x, y: 1)
         for key, value in RASTERS.items():
             write_png16(self.folder / f"{key}.png", 65, 65, lambda x, y: value)
         one = (ROOT / "tests/vehicle/one_wheel.xml").read_text()
