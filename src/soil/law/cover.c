@@ -293,7 +293,7 @@ void soil_cover(const struct soil_body *body, const struct soil_form *form, stru
 		cover_all(form, posts);
 	if (form->kind == FORM_BOX && form->tilts > 0)
 		soil_cover_box(body, form, posts);
-	for (size_t i = 0; i < posts->count; i++)
+	for (size_t i = 0; i < soil_posts_end(posts); i++)
 		posts->bars[i] = FINE_NONE;
 	if (form->grousers.rests != NULL)
 		soil_grousers_cover(body, form, posts);
