@@ -88,6 +88,14 @@ enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearin
 
 /* --- into the ground --- */
 
+static struct soil_laying laying_of(const struct bearing *bearing, const struct soil_motion *motion)
+{
+	struct soil_laying laying = soil_laying_of(motion->shape, &motion->from, &motion->to, motion->turned, motion->rotated, bearing->law.spacing);
+	if (bearing->law.faces)
+		soil_laying_ahead(&laying);
+	return laying;
+}
+
 static int32_t *standing_of(struct bearing *bearing, const struct deform_contact *contact)
 {
 	return contact->loaded_body > 0 ? &bearing->standing[contact->loaded_body - 1] : NULL;
@@ -122,9 +130,7 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		const int32_t *standing = standing_of(bearing, contact);
 		member->motion = bearing_motion_of(contact);
 		member->at = bearing_window_part(&bearing->window, contacts[i].area.read, &member->planes);
-		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, contact->rotated, bearing->law.spacing);
-		if (bearing->law.faces)
-			soil_laying_ahead(&member->laying);
+		member->laying = laying_of(bearing, &member->motion);
 		member->motion.hollows = member->laying.front ? soil_shape_reach(contact->shape, contact->to.pitch, contact->to.roll) : 0;
 		member->laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
 		member->slides = (struct post_rect){0, 0, 0, 0};
@@ -377,9 +383,7 @@ struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct
 static enum status sink_before(struct bearing *bearing, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count)
 {
 	struct bearing_member *member = &bearing->members[0];
-	struct soil_laying laying = soil_laying_of(motion->shape, &motion->from, &motion->to, motion->turned, motion->rotated, bearing->law.spacing);
-	if (bearing->law.faces)
-		soil_laying_ahead(&laying);
+	const struct soil_laying laying = laying_of(bearing, motion);
 	const struct soil_sink sink = {.laying = &laying, .soils = bearing->laid};
 	size_t all = 1;
 	member->motion = *motion;

@@ -61,12 +61,6 @@ SOIL_INLINED float ground_at(const struct look *look, const struct soil_faces *f
 	return under + faces_way * (ahead - under);
 }
 
-/* Returns how much of a facet is in soil. deep: depth of its middle; tall: half of its height; size: of a level facet, which is borne whole from this depth on; m. */
-SOIL_INLINED float share_in(float deep, float tall, float size)
-{
-	return clamped((deep + tall) / most(2 * tall, size), 0, 1);
-}
-
 /* Returns how that grows with depth, 1/m. in: the share. */
 SOIL_INLINED float sinks_in(float in, float tall, float size)
 {
@@ -82,7 +76,7 @@ SOIL_CLONED static void find_depths(const struct soil_faces *restrict faces, siz
 		const size_t n = b + (size_t)i;
 		const struct spot spot = spot_at(look, faces->x[n], faces->y[n]);
 		const float depth = ground_at(look, faces, faces->x[n], faces->y[n], faces->faces_way[n]) - faces->z[n] - raised;
-		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1], in = faces->whole[n] * share_in(depth, faces->tall[n], size);
+		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1], in = faces->whole[n] * soil_facet_in(depth, faces->tall[n], size);
 		deep[n] = depth;
 		found[n] = value_at(look, faces->found, &spot) - faces->z[n] - raised;
 		heap[n] = value_at(look, faces->heap_ahead, &spot);
@@ -106,7 +100,7 @@ SOIL_CLONED static void find_pressures(const struct soil_faces *restrict faces, 
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		const float deep = faces->deep[n], tall = faces->tall[n], weight = faces->weight[n], cohesive = faces->cohesive[n], sole = faces->sole[n];
-		const float in = share_in(deep, tall, p->size), sinks = sinks_in(in, tall, p->size);
+		const float in = soil_facet_in(deep, tall, p->size), sinks = sinks_in(in, tall, p->size);
 		const float top = clamped(deep + tall, 0, 2 * tall), by_tall = 1 / most(4 * tall, 1e-9f);
 		const float depth = top * top * by_tall + most(deep - tall, 0), deepens = most(2 * top * by_tall, deep > tall ? 1.0f : 0.0f);
 		const float by_weight = p->weight * weight * (1 / WALL), heap = (1 - p->narrow) * faces->heap[n], fitted = p->narrow * weight / p->upright;
@@ -131,7 +125,7 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		float moment[3], belt[3], large = 0;
-		const float in = share_in(faces->deep[n], faces->tall[n], f->spacing), thrown = unit * faces->thrown[n] * in, by = unit * faces->pressure[n];
+		const float in = soil_facet_in(faces->deep[n], faces->tall[n], f->spacing), thrown = unit * faces->thrown[n] * in, by = unit * faces->pressure[n];
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
 		const float force[3] = {by * faces->px[n] - thrown * normal[0], by * faces->py[n] - thrown * normal[1], by * faces->pz[n] - thrown * normal[2]};
 		cross3(at, force, moment);
@@ -183,7 +177,7 @@ static void add_changes(const struct soil_form *f, const struct soil_faces *face
 	float slope[2], bends[3][3], place[3][3];
 	slope_at(look, faces, n, f->spacing, slope);
 	soil_push_changes(f, faces, n, faces->by_modulus, bends);
-	const float deeper[3] = {slope[0], slope[1], -1}, in = share_in(faces->deep[n], faces->tall[n], f->spacing), thrown = faces->thrown[n] * in;
+	const float deeper[3] = {slope[0], slope[1], -1}, in = soil_facet_in(faces->deep[n], faces->tall[n], f->spacing), thrown = faces->thrown[n] * in;
 	const float more = faces->thrown[n] * sinks_in(in, faces->tall[n], f->spacing), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
 	const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
 	float rates[3][3];
@@ -214,7 +208,9 @@ static int64_t total(const int32_t lanes[LANES])
 /* Finds depths, and from them how narrow the body is. */
 static struct pushing pushing_of(const struct soil_body *body, const struct soil_form *form, const struct look *look, float raised, struct soil_faces *faces)
 {
-	const float c = (float)body->axis[0], s = (float)body->axis[1], across[2] = {s * faces->d[0] - c * faces->d[1], c * faces->d[0] + s * faces->d[1]};
+	float way[2];
+	soil_faces_way(body, faces, way);
+	const float across[2] = {-way[1], way[0]};
 	float sums[2][LANES] = {{0}}, deepest = 0, all[2] = {0}, left = 0, right = 0;
 	for (size_t b = 0; b < faces->count; b += LANES)
 		find_depths(faces, b, look, raised, form->spacing, across, faces->deep, faces->found_deep, faces->heap, sums);
@@ -224,7 +220,7 @@ static struct pushing pushing_of(const struct soil_body *body, const struct soil
 	/* A facet counts for the width as far as it is in soil, so the width changes evenly as the body sinks. */
 	const float middle = all[1] / most(all[0], 1e-12f);
 	for (size_t n = 0; n < faces->count; n++) {
-		const float in = either(faces->whole[n] > 0, share_in(faces->deep[n], faces->tall[n], form->spacing), 0);
+		const float in = either(faces->whole[n] > 0, soil_facet_in(faces->deep[n], faces->tall[n], form->spacing), 0);
 		const float aside = faces->x[n] * across[0] + faces->y[n] * across[1] - middle, half = 0.5f * sqrtf(faces->whole[n]);
 		deepest = most(deepest, either(in > 0, faces->found_deep[n] + faces->tall[n], 0));
 		left = most(left, in * (aside + half));
@@ -249,7 +245,8 @@ void soil_faces_look(const struct soil_planes *planes, const struct soil_body *b
 		find_pressures(faces, b, &pushing, faces->pressure, faces->steepens);
 	if (!soil_footing_is(form))
 		return;
-	const float c = (float)body->axis[0], s = (float)body->axis[1], way[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};
+	float way[2];
+	soil_faces_way(body, faces, way);
 	form->sole = soil_footing_share(form, faces, way);
 }
 

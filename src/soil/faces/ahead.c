@@ -23,7 +23,7 @@
 #define HALVES 0.2f    /* of a body's radius, or of the length of a line in it: over so much the front half goes over to the rear half */
 #define SPINS 0.02f    /* of the way of a rim: below this way of its axle a wheel spins on the spot */
 #define HOLE (-1e6f)   /* m: there is no soil */
-#define SLID_COUNTS 0.1f /* share of the way that is slid: from so much more on the law of the lower envelope counts its depth as the faces do */
+#define SLID_COUNTS 0.1f /* share of the way: where a body slides by more, the lower envelope counts its depth from where faces do */
 #define CELL_PARTS 7   /* of a cell at an edge of a body, each way. So a post that the edge passes does not show. With 5 a wheel that slides aside differed by 1.5 % from step to step */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct post_rect knows, struct soil_faces *faces)

@@ -60,6 +60,20 @@ struct soil_faces {
 	float d[2];           /* direction in which it slides, east and north; 0: none */
 };
 
+/* Returns how much of a facet is in soil, 0 .. 1. deep: depth of its middle; tall: half of its height; size: of a level facet, which is borne whole from this depth on; m. */
+SOIL_INLINED float soil_facet_in(float deep, float tall, float size)
+{
+	return clamped((deep + tall) / most(2 * tall, size), 0, 1);
+}
+
+/* Gives the direction in which a body slides, in its frame. */
+SOIL_INLINED void soil_faces_way(const struct soil_body *body, const struct soil_faces *faces, float way[2])
+{
+	const float c = (float)body->axis[0], s = (float)body->axis[1];
+	way[0] = c * faces->d[0] + s * faces->d[1];
+	way[1] = c * faces->d[1] - s * faces->d[0];
+}
+
 /* Finds the recent motion of a body at the end of its motion, and lists the facets that push. Sets form->recent, form->last and form->scooped. Reads the surface around
  * the body. planes NULL: no facet pushes. STATUS_MEMORY. */
 enum status soil_faces_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, struct post_rect below, struct soil_form *form,

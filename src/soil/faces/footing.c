@@ -39,7 +39,7 @@ struct sole {
 /* Returns how much of a facet is in soil and looks down, 0 .. 1. size: m, of a facet. */
 static float looks_down(const struct soil_faces *faces, size_t n, float size)
 {
-	return faces->under[n] * faces->sole[n] * clamped((faces->deep[n] + faces->tall[n]) / most(2 * faces->tall[n], size), 0, 1);
+	return faces->under[n] * faces->sole[n] * soil_facet_in(faces->deep[n], faces->tall[n], size);
 }
 
 static void place_along(const struct soil_faces *faces, size_t n, const float way[2], float at[2])

@@ -118,7 +118,8 @@ static void keep(const struct soil_form *f, const struct facet_lanes *l, int i, 
 void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[3][3], float tangent, struct soil_faces *faces)
 {
 	struct facet_lanes lanes;
-	const float c = (float)body->axis[0], s = (float)body->axis[1], way[2] = {c * faces->d[0] + s * faces->d[1], c * faces->d[1] - s * faces->d[0]};
+	float way[2];
+	soil_faces_way(body, faces, way);
 	const bool flat = soil_footing_is(form);
 	faces->count = 0;
 	faces->tangent = tangent;

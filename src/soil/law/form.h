@@ -133,8 +133,8 @@ struct soil_form {
 	float bars_beyond;         /* by which share of its way the drum over these bars runs farther than the rim does */
 	float scooped;             /* m: how deep its grousers have taken the soil away from below it (struct soil_trend) */
 	float all_round;           /* 1: soil pushes on its faces as it slides: `recent` is set. 0: on its lower envelope alone */
-	float slides;              /* 1: it slides at some place, so faces push; 0: the law of the lower envelope bears all */
-	float sole;                /* share of what is slid that the law of the lower envelope bears: of a flat sole (faces/footing.c) */
+	float slides;              /* 1: it slides at some place, so faces push there; 0: nowhere, so the lower envelope bears all */
+	float sole;                /* a flat sole that only slides: the share of the lower envelope's stress that it keeps, 0 .. 1 (faces/footing.c). 0: it has none */
 	struct soil_recent recent, last; /* of struct soil_trend: whole, last */
 	float by_way[2];
 	float moved;               /* 0: it stood still; 1: it moved over half a cell */
