@@ -17,6 +17,7 @@
 #include "soil/faces/ahead.h"
 
 #include "soil/faces/slid.h"
+#include "soil/law/polygon.h"
 #include "soil/shape/body.h"
 
 #define NEAR 0.25f     /* posts: a lower envelope that is higher above the ground is outside of the soil */
@@ -24,6 +25,7 @@
 #define SPINS 0.02f    /* of the way of a rim: below this way of its axle a wheel spins on the spot */
 #define HOLE (-1e6f)   /* m: there is no soil */
 #define SLID_COUNTS 0.1f /* share of the way: where a body slides by more, the lower envelope counts its depth from where faces do */
+#define CELL_LEAST 1e-9 /* a smaller share of a cell is none */
 #define CELL_PARTS 7   /* of a cell at an edge of a body, each way. So a post that the edge passes does not show. With 5 a wheel that slides aside differed by 1.5 % from step to step */
 
 void soil_ahead_read(const struct soil_planes *planes, int32_t reference, const struct soil_pose *to, struct post_rect knows, struct soil_faces *faces)
@@ -205,6 +207,32 @@ static void put_part(const struct soil_body *body, const struct soil_form *form,
 	*cover = count / (CELL_PARTS * CELL_PARTS);
 }
 
+/* Tells whether the outline of a body in plan is a rectangle, as that of an upright wheel or a level box is. half: half its sides along the frame's axes, m. */
+static bool is_rectangle(const struct soil_body *body, const struct soil_form *form, double half[2])
+{
+	const bool wheel = body->motion->shape->kind == SOIL_WHEEL && body->motion->shape->grousers == 0 && form->lean == 0;
+	half[0] = (double)(wheel ? form->radius : form->half[0]);
+	half[1] = (double)form->half[1];
+	return wheel || (form->kind == FORM_BOX && form->tilts == 0);
+}
+
+/* The same as put_part, of a body with a straight outline. */
+static void put_exact_part(const struct soil_body *body, const struct soil_form *form, const double outline[2], double east, double north, float *envelope, float *cover)
+{
+	const double half = 0.5 * (double)form->spacing;
+	struct polygon part = {4, {{east - half, north - half}, {east + half, north - half}, {east + half, north + half}, {east - half, north + half}}};
+	for (int side = 0; side < 4; side++) {
+		const double sign = side % 2 == 0 ? 1 : -1, along[2] = {body->axis[0], body->axis[1]}, aside[2] = {-body->axis[1], body->axis[0]};
+		const double *axis = side < 2 ? along : aside;
+		cut_polygon((const double[]){sign * axis[0], sign * axis[1]}, outline[side / 2], &part);
+	}
+	const struct amounts sum = amounts_of(&part);
+	const double share = sum.area / (4 * half * half);
+	const bool is = share > CELL_LEAST;
+	*envelope = is ? envelope_at(body, form, sum.by[0] / sum.area, sum.by[1] / sum.area) : FINE_NONE;
+	*cover = is && *envelope < FINE_NONE ? (float)share : 0;
+}
+
 /* Tells whether an edge of the body passes beside a post: it is above some posts beside it, but not above all. */
 static bool at_edge(const float *envelope, int64_t x, int64_t y, int64_t columns, int64_t rows)
 {
@@ -225,6 +253,8 @@ void soil_ahead_body(const struct soil_body *body, const struct soil_form *form,
 	const double y0 = -(double)soil_body_from_post(body->motion->to.y, rect->y0, spacing) - body->motion->beyond[1];
 	/* `until` is not needed yet. */
 	float *heights = faces->until;
+	double outline[2];
+	const bool exact = is_rectangle(body, form, outline);
 	for (int64_t y = 0; y < rows; y++)
 		for (int64_t x = 0; x < columns; x++)
 			heights[y * columns + x] = envelope_at(body, form, x0 + (double)x * spacing, y0 + (double)y * spacing);
@@ -233,7 +263,11 @@ void soil_ahead_body(const struct soil_body *body, const struct soil_form *form,
 			const int64_t at = y * columns + x;
 			faces->envelope[at] = heights[at];
 			faces->cover[at] = heights[at] < FINE_NONE ? 1 : 0;
-			if (at_edge(heights, x, y, columns, rows))
+			if (!at_edge(heights, x, y, columns, rows))
+				continue;
+			if (exact)
+				put_exact_part(body, form, outline, x0 + (double)x * spacing, y0 + (double)y * spacing, &faces->envelope[at], &faces->cover[at]);
+			else
 				put_part(body, form, x0 + (double)x * spacing, y0 + (double)y * spacing, &faces->envelope[at], &faces->cover[at]);
 		}
 }
@@ -242,8 +276,8 @@ void soil_ahead_body(const struct soil_body *body, const struct soil_form *form,
 static size_t place_of(const struct soil_planes *planes, const struct soil_faces *faces, const struct soil_posts *posts, size_t i)
 {
 	const struct post_rect *rect = &faces->rect;
-	const size_t at = (size_t)posts->index[i];
-	const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / planes->width) - rect->y0;
+	const uint32_t at = (uint32_t)posts->index[i], width = (uint32_t)planes->width; /* a window's: short divisions */
+	const int64_t x = planes->rect.x0 + (int64_t)(at % width) - rect->x0, y = planes->rect.y0 + (int64_t)(at / width) - rect->y0;
 	return (size_t)y * (size_t)(rect->x1 - rect->x0) + (size_t)x;
 }
 
@@ -252,8 +286,8 @@ static void put_heaps(const struct soil_planes *planes, const struct soil_form *
 {
 	for (size_t i = 0; i < posts->count; i++) {
 		const size_t place = place_of(planes, faces, posts, i);
-		const float slid = clamped((slid_at(form, posts->x[i], posts->y[i]) - SLID_LEAST) * (1 / SLID_COUNTS), 0, 1);
-		posts->heap[i] = posts->base[i] == BASE_NODATA ? 0 : slides * slid * (faces->laid[place] - faces->laid_ahead[place]);
+		const float off = posts->base[i] == BASE_NODATA ? 0 : slides * (faces->laid[place] - faces->laid_ahead[place]);
+		posts->heap[i] = off == 0 ? 0 : off * clamped((slid_at(form, posts->x[i], posts->y[i]) - SLID_LEAST) * (1 / SLID_COUNTS), 0, 1);
 	}
 }
 

@@ -110,8 +110,7 @@ static void keep(const struct soil_form *f, const struct facet_lanes *l, int i, 
 	faces->tall[n] = 0.5f * sqrtf(l->area[i] * most(1 - l->normal[2][i] * l->normal[2][i], 0));
 	faces->sole[n] = clamped(-l->normal[2][i], 0, 1);
 	faces->faces_way[n] = clamped((l->normal[0][i] * way[0] + l->normal[1][i] * way[1]) * (1 / FACES_WAY), 0, 1);
-	faces->weight[n] = soil_wedge_at(faces->wedge.weight, l->normal[2][i]);
-	faces->cohesive[n] = soil_wedge_at(faces->wedge.cohesion, l->normal[2][i]);
+	soil_wedge_at(&faces->wedge, l->normal[2][i], &faces->weight[n], &faces->cohesive[n]);
 	put_thrown(f, l, i, faces, n);
 }
 

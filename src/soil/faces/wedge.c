@@ -55,9 +55,11 @@ void soil_wedge_of(double phi, double delta, struct soil_wedge *wedge)
 	}
 }
 
-float soil_wedge_at(const float table[WEDGE_RAKES], float up)
+void soil_wedge_at(const struct soil_wedge *wedge, float up, float *weight, float *cohesion)
 {
 	const double place = fmin(fmax((acos(fmin(fmax((double)up, 0), 1)) - LEAST_RAKE) / RAKE_STEP, 0), WEDGE_RAKES - 1);
 	const int first = place < WEDGE_RAKES - 2 ? (int)place : WEDGE_RAKES - 2;
-	return table[first] + (float)(place - first) * (table[first + 1] - table[first]);
+	const float share = (float)(place - first);
+	*weight = wedge->weight[first] + share * (wedge->weight[first + 1] - wedge->weight[first]);
+	*cohesion = wedge->cohesion[first] + share * (wedge->cohesion[first + 1] - wedge->cohesion[first]);
 }

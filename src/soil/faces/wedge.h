@@ -14,7 +14,7 @@ struct soil_wedge {
 
 /* Fills the table for a friction angle of the soil and one along the face, rad. Does nothing if it is of these already. A wedge that was zeroed is of none. */
 void soil_wedge_of(double phi, double delta, struct soil_wedge *wedge);
-/* Returns a number of the table for a face whose normal has this z, 0 (upright) to 1; linear between rakes. */
-float soil_wedge_at(const float table[WEDGE_RAKES], float up);
+/* Gives the numbers of both tables for a face whose normal has this z, 0 (upright) to 1; linear between rakes. */
+void soil_wedge_at(const struct soil_wedge *wedge, float up, float *weight, float *cohesion);
 
 #endif
