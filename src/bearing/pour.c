@@ -1,6 +1,6 @@
 #include "bearing/pour.h"
 
-/* Returns the thickness of loose soil that lies on a post: what came since a body touched it, and what is left of an older layer. */
+/* Returns the thickness of the loose layers on a post: of what came since a body touched it, and of an older one. */
 static int64_t loose_on(void *const planes[PLANES], size_t at)
 {
 	const int32_t *deposited = planes[PLANE_DEPOSITED], *settled = planes[PLANE_SETTLED], *loose = planes[PLANE_LOOSE];

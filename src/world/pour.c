@@ -86,7 +86,7 @@ static enum status look_at_post(struct looking *looking, int64_t x, int64_t y)
 	return look_at_soil(world, pour, x, y);
 }
 
-/* --- who stands there --- */
+/* --- bodies in the ground --- */
 
 /* Gives the pose of a body that is somewhere. Returns false if it is nowhere. */
 static bool place_of(const struct body *body, struct soil_pose *pose)
@@ -120,7 +120,7 @@ static enum status look_at_body(const struct looking *looking, const struct body
 			if (amount == 0 || surface + fmax(lattice_offset_metres(amount), 0) < lowest)
 				continue;
 			char why[400];
-			snprintf(why, sizeof why, "is where %.300s stands", body->object->name);
+			snprintf(why, sizeof why, "is below %.300s, which is in the ground there", body->object->name);
 			return refuse(looking->world, STATUS_INPUT, x, y, why, "leave posts below bodies 0, or move the body away first");
 		}
 	return STATUS_OK;

@@ -5,6 +5,7 @@
 #include <cJSON.h>
 
 #include "api/library.h"
+#include "dem/dem.h"
 #include "../support/program.h"
 
 #define UNITS 0x1p20
@@ -354,7 +355,7 @@ static void what_cannot_be_is_refused_and_nothing_changes(void **state)
 	refused(FURROW_INPUT, furrow_pour(world, 124, 124, 2, 1, one, 2, -1, true)); /* a hole */
 	assert_non_null(strstr(furrow_last_error(), "hole"));
 	refused(FURROW_INPUT, furrow_pour(world, 80, 128, 2, 1, one, 2, -1, true)); /* below the ball */
-	assert_non_null(strstr(furrow_last_error(), "stands"));
+	assert_non_null(strstr(furrow_last_error(), "in the ground"));
 	misused(furrow_pour_polygon(world, 2, line, 1, -1, true));
 	misused(furrow_pour_polygon(world, 3, NULL, 1, -1, true));
 	misused(furrow_pour_polygon(world, 3, triangle, NAN, -1, true));
@@ -373,6 +374,69 @@ static void what_cannot_be_is_refused_and_nothing_changes(void **state)
 	open.readonly = true;
 	done(furrow_world_open(&open, &world));
 	misused(furrow_pour(world, 8, 8, 2, 1, one, 2, -1, true));
+	done(furrow_world_close(world));
+}
+
+/* How far the ground in the middle of a picture is, from 20 m above the plain straight down. m */
+static double seen(struct furrow_world *world)
+{
+	static float depth[33 * 33];
+	struct furrow_camera camera = {.size = sizeof camera, .pose = {{22.5, 23.75, 120}, {M_SQRT1_2, 0, M_SQRT1_2, 0}}, .fovy = 0.2, .width = 33, .height = 33};
+	done(furrow_render(world, &camera, NULL, depth));
+	return depth[16 * 33 + 16];
+}
+
+static void pictures_show_what_was_poured(void **state)
+{
+	static const char *const scenes[] = {SCM, ON_CPU("none"), ON_GPU("slippage"), ON_GPU("box")};
+	static double tower[21][21], pit[21][21];
+	for (int i = 0; i < 21 * 21; i++) {
+		tower[i / 21][i % 21] = 15;
+		pit[i / 21][i % 21] = -17;
+	}
+	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
+		for (int before = 0; before < 2; before++) { /* a picture was drawn before the pour, or none */
+			struct furrow_world *world = hosted_world_over("seen.furrow", scenes[i], hosted_flat);
+			if (before)
+				assert_near(seen(world), 20, 0.01);
+			done(furrow_pour(world, 170, 180, 21, 21, &tower[0][0], 21, -1, false));
+			assert_near(seen(world), 5, 0.01);
+			done(furrow_pour(world, 170, 180, 21, 21, &pit[0][0], 21, -1, false));
+			assert_near(seen(world), 22, 0.01);
+			done(furrow_rollback(world));
+			assert_near(seen(world), 20, 0.01);
+			done(furrow_world_close(world));
+		}
+}
+
+/* The western half is of soil 0, the eastern of soil 1. */
+static void a_place_keeps_the_class_of_its_soil_map(void **state)
+{
+	const char *map = support_path("classes.png");
+	struct dem_raster raster = {.path = map, .width = 129, .height = 129, .type = DEM_UINT8, .spacing = 0.25};
+	struct dem_writer *writer;
+	double classes[129];
+	char text[600];
+	for (int i = 0; i < 129; i++)
+		classes[i] = i < 64 ? 1 : 2;
+	assert_int_equal(dem_writer_create(&raster, &writer), STATUS_OK);
+	for (int i = 0; i < 129; i++)
+		assert_int_equal(dem_writer_rows(writer, 1, classes), STATUS_OK);
+	assert_int_equal(dem_writer_publish(writer), STATUS_OK);
+	dem_writer_destroy(writer);
+	snprintf(text, sizeof text, "{scene: 1, time_step: 0.05, spacing: 0.125, soil: {map: \"%s\", classes: {1: {name: dry_sand}, 2: {name: sandy_loam_15}}, "
+		 "default: {name: dry_sand}}, redistribute: {model: scm}}", map);
+	struct furrow_world *world = hosted_world_over("classes.furrow", text, hosted_flat);
+	const double one[] = {1, 1};
+	const int32_t west = point_at(world, 5, 5).soil, east = point_at(world, 25, 5).soil;
+	assert_int_not_equal(west, east);
+	refused(FURROW_INPUT, furrow_pour(world, 40, 40, 2, 1, one, 2, east, true));
+	assert_non_null(strstr(furrow_last_error(), "soil map"));
+	refused(FURROW_INPUT, furrow_pour(world, 200, 40, 2, 1, one, 2, west, true));
+	done(furrow_pour(world, 40, 40, 2, 1, one, 2, west, true));
+	done(furrow_pour(world, 200, 40, 2, 1, one, 2, east, true));
+	done(furrow_pour(world, 100, 40, 2, 1, one, 2, -1, true));
+	assert_balanced(world, 6 << 20);
 	done(furrow_world_close(world));
 }
 
@@ -405,6 +469,8 @@ TEST_PROGRAM(pour)
 		cmocka_unit_test(the_gpu_and_the_cpu_have_the_same_ground),
 		cmocka_unit_test(a_volume_over_a_polygon_is_exact),
 		cmocka_unit_test(what_cannot_be_is_refused_and_nothing_changes),
+		cmocka_unit_test(pictures_show_what_was_poured),
+		cmocka_unit_test(a_place_keeps_the_class_of_its_soil_map),
 		cmocka_unit_test(soil_may_be_poured_below_what_hangs_above),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
