@@ -17,7 +17,7 @@
 #define SCENE_TEXT "{scene: 1, time_step: 0.05, spacing: %.17g, soil: %s%s%s, redistribute: {model: scm, loosening: 0.67, hardening: 0.5, iterations: 8}}"
 
 static const struct command_option options[] = {
-	{"add", "FILE.tif", .help = "a GeoTIFF of changes of heights, one pixel a post; below 0: soil is taken", .unit = "m", .files = "tif tiff"},
+	{"add", "FILE.tif", .help = "a GeoTIFF of changes of heights, one pixel a post; below 0: soil is taken", .unit = "m", .files = "tif tiff", .needed = true},
 	{"polygon", "POLYGON", .help = "where soil comes or goes evenly: POLYGON ((X Y, ...)), or a file of WKT or GeoJSON with one polygon", .files = "wkt txt geojson json",
 	 .instead = true},
 	{"volume", "M3", .help = "with --polygon: the volume; below 0: taken", .unit = "m3"},
@@ -31,7 +31,7 @@ static const struct command_option options[] = {
 	{"scene", "SCENE", .help = "a scene that is driven there: its soils, spacing and relief count. Nothing in it moves", .files = "yaml yml json"},
 	{"snapshot", "NAME", .help = "name what the store holds now, so that furrow restore STORE NAME undoes the edit"},
 	{"dry-run", .help = "say what would be done, and change nothing"},
-	{"json", .help = "one JSON object: added, posts, bounds, lowest, highest, settled, slid_for, revision"},
+	{"json", .help = "one JSON object: added, added_quanta, posts, spacing, bounds, lowest, highest, loose, done, settled, slid_for, revision"},
 	{.name = NULL},
 };
 
@@ -370,9 +370,9 @@ const struct command command_edit = {
 		   "south-west post. furrow export --layer offset writes such a raster. Nodata changes nothing.\n\n"
 		   "Loose soil slides to its repose before the command ends. --dense leaves all as it was given. Walls of a pit stand where nothing has moved the ground before, as cliffs of the terrain do. Posts off the terrain and in holes are "
 		   "refused, and then nothing has changed: leave them out. No GL is needed. A drive that was interrupted does not resume over changed ground; drive anew.\n",
-	.examples = "furrow edit site.furrow --polygon 'POLYGON ((20 20, 30 20, 30 30, 20 30))' --volume 50\n"
-		    "furrow edit site.furrow --polygon pit.geojson --depth -1.5 --dense --snapshot before_pit\n"
-		    "furrow export site.furrow --layer offset -o changes.tif && furrow edit other.furrow --add changes.tif --dense\n",
-	.see = "furrow-restore(1), furrow-snapshot(1), furrow-reset(1), furrow-export(1)",
+	.examples = "furrow edit a.furrow --polygon 'POLYGON ((2 2, 9 2, 5 8))' --volume 50\n"
+		    "furrow edit a.furrow --polygon pit.geojson --depth -1.5 --snapshot before\n"
+		    "furrow edit b.furrow --add changes.tif --dense\n",
+	.see = "furrow-restore(1), furrow-snapshot(1), furrow-reset(1)",
 	.run = run,
 };

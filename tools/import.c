@@ -40,7 +40,7 @@ static const struct command_option options[] = {
 	{"vrt-folder", "FOLDER", .help = "where else a VRT's rasters may lie; otherwise in its own folder and below it", .files = "/"},
 	{"allow-network", .help = "let GDAL read sources from networks, as /vsicurl/URL, and PROJ fetch grids"},
 	{"match-heights", .help = "raise or lower each inset by its median difference from what surrounds it"},
-	{"height-range", "MIN,MAX", .help = "heights that 0 and full scale (255 or 65535) of a heightmap mean: PNG, raw, or a raster of 8 or 16 bits", .unit = "m",
+	{"height-range", "MIN,MAX", .help = "heights that 0 and full scale of a heightmap mean, which is a PNG, raw, or a raster of 8 or 16 bits", .unit = "m",
 	 .preset = "one metre a unit; raw posts of 8 bits need it"},
 	{"pack", "KIND", .help = "how tiles are packed: fast to read, or small", .choices = intake_import_packs, .preset = "fast"},
 	{"jobs", "N", .help = "threads that pack tiles beside the one that reads; 1: one for everything", .preset = "all cores"},

@@ -274,7 +274,7 @@ class PythonPackageTest(unittest.TestCase):
                 assert abs(world.stats["volume"]["added"] - (heights.sum() + heights[:, ::2].sum()) * area - 3.5) < 1e-4
                 raises(ValueError, world.pour, heights[0])
                 raises(ValueError, world.pour, heights, x=3)
-                raises(ValueError, world.pour_polygon, [1, 2, 3])
+                raises(ValueError, world.pour_polygon, [1, 2, 3], 1)
                 for wrong in (dict(column=-1), dict(soil=7)):
                     raises(furrow.Error, world.pour, heights, **wrong)
                 world.rollback()
