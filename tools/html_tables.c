@@ -443,12 +443,20 @@ static bool has_soils(const struct html_run *run)
 	return cJSON_GetArraySize(html_at(run, "soils")) > 0;
 }
 
+/* 0 to the unit where volume is conserved. A run of an older furrow has no added soil. */
+static double balance(const struct html_run *run)
+{
+	const double added = html_number(run, "volume.quanta.added");
+	return html_number(run, "volume.quanta.net") + html_number(run, "volume.quanta.compacted") - (isnan(added) ? 0 : added);
+}
+
 void html_tables_volume(const struct html_report *report)
 {
 	static const struct row list[] = {
 		{"removed, m3", "volume.removed", 1}, {"raised, m3", "volume.raised", 1}, {"net (raised - removed), m3", "volume.net", 1},
-		{"compacted, m3", "volume.compacted", 1}, {"removed, fixed-point units", "volume.quanta.removed", 1}, {"raised, fixed-point units", "volume.quanta.raised", 1},
+		{"compacted, m3", "volume.compacted", 1}, {"added, m3", "volume.added", 1}, {"removed, fixed-point units", "volume.quanta.removed", 1}, {"raised, fixed-point units", "volume.quanta.raised", 1},
 		{"net, fixed-point units", "volume.quanta.net", 1}, {"compacted, fixed-point units", "volume.quanta.compacted", 1},
+		{"added, fixed-point units", "volume.quanta.added", 1},
 	};
 	html_section(report, "volume", "Volume balance");
 	html_volume_plot(report);
@@ -458,15 +466,13 @@ void html_tables_volume(const struct html_report *report)
 	for (size_t i = 0; i < report->count; i++)
 		conserves = conserves || has_soils(&report->runs[i]);
 	if (conserves)
-		html_row_head(report, "net + compacted, fixed-point units");
+		html_row_head(report, "net + compacted - added, fixed-point units");
 	for (size_t i = 0; i < report->count && conserves; i++)
-		html_number_cell(has_soils(&report->runs[i]) ? html_number(&report->runs[i], "volume.quanta.net") + html_number(&report->runs[i], "volume.quanta.compacted")
-							: (double)NAN,
-			    1, report->file);
+		html_number_cell(has_soils(&report->runs[i]) ? balance(&report->runs[i]) : (double)NAN, 1, report->file);
 	if (conserves)
 		fputs("</tr>\n", report->file);
 	html_table_end(report);
-	fputs("<p class=\"small\">A fixed-point unit is 2<sup>-20</sup> m of height at one post. If the model conserves volume, net + compacted is 0.</p>\n", report->file);
+	fputs("<p class=\"small\">A fixed-point unit is 2<sup>-20</sup> m of height at one post. If the model conserves volume, net + compacted - added is 0.</p>\n", report->file);
 	html_section_end(report);
 }
 

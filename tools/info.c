@@ -191,6 +191,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 		json_integer(one, "bytes", numbers->plane_bytes[plane]);
 	}
 	json_integer(object, "compacted", numbers->compacted);
+	json_integer(object, "added", numbers->added);
 	cJSON *history = cJSON_AddObjectToObject(object, "history");
 	json_integer(history, "revisions", numbers->revisions);
 	json_integer(history, "snapshots", numbers->snapshots);
@@ -242,13 +243,13 @@ static void print_place(double value)
 	fputs(text, stdout);
 }
 
-/* In m3, as "compacted" of run.json. Ruts are at the working level. */
-static double compacted_volume(const struct store *store, const struct store_numbers *numbers)
+/* Converts an amount, 2^-20 m summed over posts, to m3, as run.json has it. Ruts are at the working level. */
+static double volume_of(const struct store *store, int64_t amount)
 {
 	const struct extent *extent = &store_meta(store)->extent;
 	int working;
 	const double spacing = store_has_working_level(store, &working) ? extent_spacing(extent, working) : extent->spacing;
-	return (double)numbers->compacted * lattice_offset_metres(1) * spacing * spacing;
+	return (double)amount * lattice_offset_metres(1) * spacing * spacing;
 }
 
 static void print_text(struct store *store, const struct store_numbers *numbers, const double *ruts)
@@ -280,7 +281,9 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	       (double)numbers->base_bytes / ((double)extent->width * (double)extent->height),
 	       (long long)numbers->plane_bytes[PLANE_OFFSET], (long long)soil_sum(numbers->plane_bytes));
 	if (numbers->compacted != 0)
-		printf("compacted  %.6g m3\n", compacted_volume(store, numbers));
+		printf("compacted  %.6g m3\n", volume_of(store, numbers->compacted));
+	if (numbers->added != 0)
+		printf("added      %.6g m3\n", volume_of(store, numbers->added));
 	if (numbers->revisions != 0)
 		printf("history    %lld revisions, %lld names, %lld rows of %lld bytes\n", (long long)numbers->revisions,
 		       (long long)numbers->snapshots, (long long)numbers->history_rows, (long long)numbers->history_bytes);

@@ -6,7 +6,7 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"json", .help = "one JSON object: ok, problems, offset_sum, compacted"},
+	{"json", .help = "one JSON object: ok, problems, offset_sum, compacted, added"},
 	{.name = NULL},
 };
 
@@ -45,6 +45,7 @@ static enum status print_json(cJSON *problems, const struct store_check *check)
 		json_integer(sums, name, check->offset_sum[level - TILE_LEVEL_MIN]);
 	}
 	json_integer(object, "compacted", check->compacted);
+	json_integer(object, "added", check->added);
 	return json_print(object);
 }
 
@@ -83,7 +84,7 @@ const struct command command_verify = {
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
 	.details = "Reads the whole file, and names each problem. offset_sum is by level, in 2^-20 m; it counts a shared post "
-		   "once.\n",
+		   "once. Where soil is conserved, offset_sum of the finest level + compacted is added: what furrow edit and furrow_pour brought.\n",
 	.see = "store(5)",
 	.run = run,
 };

@@ -381,6 +381,38 @@ class World:
                         raise
                     room = count.value
 
+    # --- soil that is brought and taken ---
+
+    def pour(self, heights: Any, *, x: Optional[float] = None, y: Optional[float] = None, column: int = 0, row: int = 0,
+             soil: int = -1, loose: bool = True) -> None:
+        """Changes the heights of a rectangle of posts of the working level: pours a heap, or digs a pit.
+
+        heights: (rows, columns), m; below 0: soil is taken; 0: the post stays. Row 0 is the southernmost.
+        x, y: m, a place of the south-west post; or column and row, in posts. soil: index among the scene's soils; -1: that of each post.
+        loose: what comes lies as soil that a body has moved, and slides in later steps where it is too steep. Otherwise it lies as ground
+        that nothing has touched. stats["volume"]["added"] counts it, m3. rollback takes it back.
+        """
+        array = numpy.ascontiguousarray(heights, dtype=numpy.float64)
+        if array.ndim != 2:
+            raise ValueError(f"furrow: heights has the shape {array.shape}; it must be (rows, columns)")
+        if x is not None or y is not None:
+            if x is None or y is None:
+                raise ValueError("furrow: pour needs x and y together, in metres")
+            spacing = self.info.spacing
+            column, row = _posts_between(x, spacing, spacing)[0], _posts_between(y, spacing, spacing)[0]
+        self._call("furrow_pour", operator.index(column), operator.index(row), array.shape[1], array.shape[0], array.ctypes.data, array.shape[1],
+                   operator.index(soil), bool(loose))
+
+    def pour_polygon(self, xy: Any, volume: float, *, soil: int = -1, loose: bool = True) -> None:
+        """Pours a volume, m3, evenly onto all posts in a polygon; below 0: soil is taken.
+
+        xy: (n, 2), m, local axes: its corners in turn. soil and loose: as in pour.
+        """
+        corners = _array(xy, "xy", 2)
+        if corners.ndim != 2:
+            raise ValueError(f"furrow: xy has the shape {corners.shape}; it must be (n, 2)")
+        self._call("furrow_pour_polygon", len(corners), corners.ctypes.data, volume, operator.index(soil), bool(loose))
+
     # --- looking ---
 
     def render(self, position: Optional[Vector] = None, orientation: Optional[Vector] = None, *,

@@ -466,6 +466,34 @@ struct furrow_rect {
 FURROW_API furrow_status furrow_changes(struct furrow_world *world, uint64_t since, struct furrow_rect *rects, size_t *count,
 					uint64_t *now);
 
+/* --- soil that is brought and taken, by no body --- */
+
+/*
+ * Changes the heights of a rectangle of posts of the working level, from (column, row) on; row 0 is the southernmost. A heap is poured, or a pit dug.
+ * Call it between two steps. furrow_rollback takes it back, and furrow_stats counts it as volume.added: offsets + compacted soil are added soil.
+ * `heights`: m, below 0: soil is taken. Post (c, r) is heights[r * row_stride + c]; row_stride counts posts and is at least `columns`.
+ * They are rounded to 2^-20 m. 0: the post stays.
+ * `soil`: index among the scene's soils, or -1: that of each post. A place keeps the class that a soil map gives it, so another one is refused.
+ * `loose`: what comes lies as soil that a body has moved, and it slides in later steps where it is steeper than repose. Otherwise it lies as ground
+ * that nothing has touched, and stays until a body comes near. A pit's walls stay where nothing has moved the ground before, as cliffs of the
+ * terrain do.
+ * FURROW_USAGE: a NULL, a NaN, a stride below `columns`, no such soil, a readonly world.
+ * FURROW_INPUT: the rectangle is not all on the terrain, or on too many tiles. Or a post that is to change is a hole, or lies below a body in the
+ * ground. Or it would be more than 700 m off its base. Nothing has changed then.
+ * A furrow_world is used by one thread at a time. `heights` stay the caller's.
+ */
+FURROW_API furrow_status furrow_pour(struct furrow_world *world, int64_t column, int64_t row, uint32_t columns, uint32_t rows,
+				     const double *heights, size_t row_stride, int32_t soil, bool loose);
+
+/*
+ * The same for a volume that lies evenly on all posts in a polygon.
+ * `xy`: 2 x `count` numbers, m, local axes: x and y of each corner in turn, at least 3. The last corner is joined to the first. Where outlines cross, a
+ * place that lies inside twice is outside.
+ * `volume`: m3, below 0: taken. It is rounded to units of spacing^2 x 2^-20 m, of which none is lost.
+ * FURROW_INPUT: also a corner off the terrain, or a polygon without a post.
+ */
+FURROW_API furrow_status furrow_pour_polygon(struct furrow_world *world, size_t count, const double *xy, double volume, int32_t soil, bool loose);
+
 /* --- looking --- */
 
 /* What is looked at, and how large the picture is. */

@@ -10,6 +10,7 @@
 #define FURROW_BEARING_H
 
 #include "base/base.h"
+#include "bearing/pour.h"
 #include "deform/deform.h"
 #include "resident/resident.h"
 #include "soil/soil.h"

@@ -80,7 +80,7 @@ static bool is_sidecar(const char *name)
  * name, so it is not left out without an error. */
 static bool is_raster(const char *path)
 {
-	static const char *const endings[] = {".png", ".raw", ".r16", ".tif", ".tiff", ".hgt", ".bil", ".flt",
+	static const char *const endings[] = {".png", ".raw", ".r16", ".r8", ".tif", ".tiff", ".hgt", ".bil", ".flt",
 		".asc", ".dem", ".img", ".vrt", ".dt0", ".dt1", ".dt2"};
 	struct stat file;
 	if (stat(path, &file) != 0)

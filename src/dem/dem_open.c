@@ -51,7 +51,7 @@ bool dem_vertical_note(const char *path, const char *vertical, const char *other
 
 static bool is_raw(const char *path)
 {
-	return dem_path_ends(path, ".raw") || dem_path_ends(path, ".r16");
+	return dem_path_ends(path, ".raw") || dem_path_ends(path, ".r16") || dem_path_ends(path, ".r8");
 }
 
 static bool is_plain(const char *path)
@@ -111,9 +111,6 @@ static enum status grid_open(const struct dem_params *params, struct dem_list *l
 	if (plain && list->count > 1)
 		return fail_with(STATUS_INPUT, "%s: a heightmap has no place among other sources; import it "
 				 "alone, or give it a place with gdal_translate", placeless);
-	if (!plain && params->has_height_range)
-		return fail_with(STATUS_USAGE, "height range: %s is neither a PNG nor a raw heightmap and "
-				 "says itself what it means; leave it out", list->paths[0]);
 	if (plain && params->s_unit != NULL)
 		return fail_with(STATUS_USAGE, "unit %s: %s is a PNG or a raw heightmap; say what its values mean in metres with --height-range",
 				 params->s_unit, list->paths[0]);

@@ -90,6 +90,8 @@ static bool decode(png_structp reader, png_infop header, FILE *file, struct png 
 	png_read_info(reader, header);
 	int64_t width = png_get_image_width(reader, header), height = png_get_image_height(reader, header);
 	int bits = png_get_bit_depth(reader, header), colour = png_get_color_type(reader, header);
+	if (colour == PNG_COLOR_TYPE_PALETTE)
+		png_error(reader, "it has a palette of colours, and a heightmap is grey");
 	if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
 		png_error(reader, "it is in colour, and a heightmap is grey");
 	if (bits < 8)
@@ -164,6 +166,8 @@ enum status dem_png_open(const struct dem_params *params, const char *path, stru
 	for (size_t i = 0; i < params->nodata_count; i++)
 		png->nodata[i] = params->nodata[i];
 	double span = params->has_height_range ? params->height_max - params->height_min : full;
+	if (full == 255 && !params->has_height_range)
+		note("%s: its heights have 8 bits, and are taken as 0 to 255 m; --height-range says what 0 and 255 mean", path);
 	png->meaning = (struct dem_meaning){
 		.scale = span / full,
 		.offset = params->has_height_range ? params->height_min : 0,

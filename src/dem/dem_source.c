@@ -196,6 +196,31 @@ static int64_t panel_of(GDALRasterBandH band)
 	return tiled ? DEM_CACHE_BYTES / 2 / column : 0;
 }
 
+/* Returns what full scale of a band is that a height range may describe; 0: the band says itself what it means. */
+static double full_scale(GDALRasterBandH band)
+{
+	const GDALDataType type = GDALGetRasterDataType(band);
+	int has_scale = 0, has_offset = 0;
+	const double scale = GDALGetRasterScale(band, &has_scale), offset = GDALGetRasterOffset(band, &has_offset);
+	if ((has_scale && scale != 1) || (has_offset && offset != 0))
+		return 0;
+	return type == GDT_Byte ? 255 : type == GDT_UInt16 ? 65535 : 0;
+}
+
+/* Checks that a height range and the band agree. Tells of 8 bits without one. */
+static enum status check_range(struct gdal_source *source, const struct dem_params *params, GDALRasterBandH band)
+{
+	const char *path = source->path;
+	const double full = full_scale(band);
+	if (params->has_height_range && full == 0)
+		return fail_with(STATUS_USAGE, "height range: %s is no heightmap of 8 or 16 bits without a sign, and says itself what it means; leave it out", path);
+	if (params->has_height_range && params->s_unit != NULL)
+		return fail_with(STATUS_USAGE, "unit %s: --height-range says what the values of %s mean in metres; leave one of them out", params->s_unit, path);
+	if (!params->has_height_range && full == 255 && params->s_unit == NULL)
+		dem_source_remark(source, SOURCE_UNIT, "its heights have 8 bits, and are taken as 0 to 255 of its unit; --height-range says what 0 and 255 mean");
+	return STATUS_OK;
+}
+
 /* `unit`: metres of the source's; `lower`: metres that heights are lowered by. A vrt that was written before is replaced. */
 static enum status write_vrt(struct gdal_source *source, const struct dem_params *params, GDALRasterBandH band, double unit, double lower,
 			     int number)
@@ -205,6 +230,11 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	double scale = GDALGetRasterScale(band, &has_scale), offset = GDALGetRasterOffset(band, &has_offset);
 	scale = has_scale && isfinite(scale) && scale != 0 ? scale : 1;
 	offset = has_offset && isfinite(offset) ? offset : 0;
+	if (params->has_height_range) {
+		unit = 1;
+		scale = (params->height_max - params->height_min) / full_scale(band);
+		offset = params->height_min;
+	}
 	bool whole = type != GDT_Float32 && type != GDT_Float64;
 	source->unit = whole ? fabs(scale * unit) : 0;
 	source->whole = whole && dem_unit_exact(source->unit) && fmod(offset * unit - lower, source->unit) == 0;
@@ -292,6 +322,10 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 		return fail_with(STATUS_INPUT, "%s: its first band is %s, not heights; give an elevation "
 				 "raster", path,
 				 GDALGetRasterColorTable(band) != NULL ? "a palette of colours" : "complex");
+	const GDALColorInterp colour = GDALGetRasterColorInterpretation(band);
+	if (colour == GCI_RedBand && GDALGetRasterCount(dataset) >= 3)
+		return fail_with(STATUS_INPUT, "%s: its first band is the red of a picture, not heights; give an elevation raster", path);
+	TRY(check_range(source, params, band));
 	TRY(place_source(source, dataset, params, override));
 	TRY(vertical_unit(source, params, band, &unit, &said));
 	const char *metadata = GDALGetMetadataItem(dataset, "VERTICAL_REFERENCE", NULL);

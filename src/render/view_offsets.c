@@ -58,13 +58,13 @@ double render_view_find_reach(const struct world *world)
 	double relief = all_slides && !isnan(world_resident(world)->meta->low)
 				? world_resident(world)->meta->high - world_resident(world)->meta->low + 2 * raised
 				: 0;
-	return reach + deepest + relief;
+	return reach + deepest + relief + world_poured(world);
 }
 
-/* Returns how far moved soil may rise above what was there, metres. */
+/* Returns how far moved or poured soil may rise above what was there, metres. */
 static double deposit(const struct view *view)
 {
-	return deform_conserves(world_scene(view->world)->model) ? 2 * view->reach : 0;
+	return deform_conserves(world_scene(view->world)->model) ? 2 * view->reach : world_poured(view->world);
 }
 
 /* Finds the range of the offsets around, metres. Soil that is moved or smoothed may become like them. */

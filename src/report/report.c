@@ -225,11 +225,13 @@ static void add_volume(cJSON *root, double spacing, const struct pages_sums *sum
 	json_number(volume, "raised", (double)raised * unit);
 	json_number(volume, "net", (double)(raised - removed) * unit);
 	json_number(volume, "compacted", (double)sums->compacted * unit);
+	json_number(volume, "added", (double)sums->added * unit);
 	cJSON *units = cJSON_AddObjectToObject(volume, "quanta");
 	json_integer(units, "removed", removed);
 	json_integer(units, "raised", raised);
 	json_integer(units, "net", raised - removed);
 	json_integer(units, "compacted", sums->compacted);
+	json_integer(units, "added", sums->added);
 }
 
 /* Adds an interface in the scene's units. null: the soil's own number. Adds nothing if both numbers are the soil's own. */

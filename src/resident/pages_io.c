@@ -86,6 +86,7 @@ static const char *describe(void *user, const struct store_commit_result *result
 		.compacted = before->compacted + describing->more.compacted,
 		.sunk = before->sunk + describing->more.sunk,
 		.slid = before->slid + describing->more.slid,
+		.added = before->added + describing->more.added,
 	};
 	describing->state = record->print(record->user, describing->record, &sums);
 	return describing->state;
@@ -166,15 +167,19 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	TRY(mem_grow(&pages->commit_pages, &pages->commit_room, count, sizeof *pages->commit_pages, "a commit"));
 	for (size_t i = 0; i < count; i++)
 		pages->commit_pages[i] = store_page_of(pages, images[i]);
-	const struct pages_sums tally = tally_of(snapshot), *last = &pages->tallied;
+	struct pages_sums tally = tally_of(snapshot);
+	const struct pages_sums *last = &pages->tallied;
+	tally.added = pages->params.record.added != NULL ? pages->params.record.added(record) : 0;
 	struct describing describing = {
 		.pages = pages,
 		.record = record,
-		.more = {.compacted = tally.compacted - last->compacted, .sunk = tally.sunk - last->sunk, .slid = tally.slid - last->slid},
+		.more = {.compacted = tally.compacted - last->compacted, .sunk = tally.sunk - last->sunk, .slid = tally.slid - last->slid,
+			 .added = tally.added - last->added},
 	};
 	struct store_run run = {
 		.scene_hash = pages->params.record.scene_hash,
 		.compacted = describing.more.compacted,
+		.added = describing.more.added,
 		.describe = describe,
 		.given_up = given_up,
 		.user = &describing,
@@ -199,6 +204,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	pages->io.sums.compacted += run.compacted;
 	pages->io.sums.sunk += describing.more.sunk;
 	pages->io.sums.slid += describing.more.slid;
+	pages->io.sums.added += run.added;
 	count_commit_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	const struct pages_sums sums = pages->io.sums;

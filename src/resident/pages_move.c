@@ -1,4 +1,4 @@
-/* The planes of pages that move to another process, and of those that come from one. */
+/* The planes of pages that move to another process, of those that come from one, and of those that are changed where they are. */
 #include <string.h>
 
 #include "resident/pages_internal.h"
@@ -70,4 +70,37 @@ enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned p
 {
 	struct putting putting = {pages, planes, bytes};
 	return page_cache_put(pages->cache, tile_key(tile), fill, &putting);
+}
+
+/* --- a page is changed in between --- */
+
+struct editing {
+	struct pages *pages;
+	pages_edit_fn fn;
+	void *user;
+};
+
+static enum status edit(void *user, struct tile tile, unsigned planes, const void *bytes)
+{
+	const struct editing *editing = user;
+	struct pages *pages = editing->pages;
+	void *posts[PLANES] = {NULL};
+	(void)bytes; /* pages->moved.bytes */
+	for (int plane = 0; plane < PLANES; plane++) {
+		if (!(pages->planes & PLANE_BIT(plane)))
+			continue;
+		posts[plane] = pages_plane(pages, pages->moved.bytes, (enum plane)plane);
+		if (!(planes & PLANE_BIT(plane)))
+			memset(posts[plane], 0, pages->layout.posts * plane_bytes((enum plane)plane));
+	}
+	editing->fn(editing->user, tile, posts);
+	return STATUS_OK;
+}
+
+enum status resident_pages_edit(struct pages *pages, struct tile tile, pages_edit_fn fn, void *user)
+{
+	struct editing editing = {pages, fn, user};
+	const uint64_t key = tile_key(tile);
+	TRY(resident_pages_take(pages, &key, 1, edit, &editing));
+	return resident_pages_put(pages, tile, pages->planes, pages->moved.bytes);
 }

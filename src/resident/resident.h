@@ -292,10 +292,12 @@ struct pages;
 #define PAGES_TALLY_BYTES 40
 
 /* How much a drive changed the sums of negative and of positive offsets, and how much soil it compacted. In fixed-point units. Then
- * in how many contacts the soil did not carry a load, or not hold it on its slope. */
+ * in how many contacts the soil did not carry a load, or not hold it on its slope. Then how much soil was brought from outside, in fixed-point
+ * units; below 0: taken. */
 struct pages_sums {
 	int64_t below, above, compacted;
 	int64_t sunk, slid;
+	int64_t added;
 };
 
 /* How the record is written that is committed with the pages, so that a drive can be resumed. The record itself is copied as
@@ -308,6 +310,8 @@ struct pages_record {
 	void (*when)(const void *record, int64_t *step, double *time);
 	/* Returns the record's text, which the caller frees with mem_free; NULL: out of memory. On the writer thread. */
 	char *(*print)(const void *user, const void *record, const struct pages_sums *sums);
+	/* Gives the soil that was added since these pages were made, as of a record; NULL: none ever is. On the writer thread. */
+	int64_t (*added)(const void *record);
 };
 
 struct pages_params {
@@ -442,6 +446,11 @@ typedef enum status (*pages_taken_fn)(void *user, struct tile tile, unsigned pla
 enum status resident_pages_take(struct pages *pages, const uint64_t *keys, size_t count, pages_taken_fn fn, void *user) FURROW_CHECKED;
 /* planes 0: all planes become 0. */
 enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned planes, const void *bytes) FURROW_CHECKED;
+/* Lets `fn` change the newest planes of a tile of the working level, wherever its home is, between two steps. `planes`: the posts of each plane of
+ * params.planes, zeros where the tile has none; NULL for other planes. Afterwards the page has changed, and is in no slot. On failure the tile may have
+ * lost what was not committed. */
+typedef void (*pages_edit_fn)(void *user, struct tile tile, void *const planes[PLANES]);
+enum status resident_pages_edit(struct pages *pages, struct tile tile, pages_edit_fn fn, void *user) FURROW_CHECKED;
 
 /*
  * --- coarser levels ---

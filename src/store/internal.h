@@ -278,7 +278,7 @@ void store_run_copy_finish(struct store_run_copy *copy);
 /* Reads the record of a kept revision, and what the header had then. */
 struct store_run_header {
 	bool has_working;
-	int64_t compacted;
+	int64_t compacted, added;
 };
 enum status store_run_copy_kept(struct store *store, int64_t revision, struct store_run_copy *copy, struct store_run_header *header)
 	FURROW_CHECKED;
@@ -298,7 +298,7 @@ struct undo {
 	/* The store as it was at the mark: */
 	int64_t commit; /* its number then, or that of the last rollback to the mark */
 	bool working_stored, has_compacted;
-	int64_t compacted;
+	int64_t compacted, added;
 	struct store_run_copy run;
 };
 
@@ -383,6 +383,7 @@ struct store {
 	bool relief_stored;   /* the file has such a text */
 	struct relief relief; /* what raises the ground now */
 	int64_t compacted; /* soil compacted, as of the last commit; only when writing */
+	int64_t added;     /* soil added, likewise */
 	enum state_rows state_rows[ROW_TABLES]; /* for each table of the soil's state; only when writing */
 	uint64_t base_hash; /* hash of the base (store_identity.c) */
 	int64_t commit; /* number of the last commit */
@@ -482,6 +483,14 @@ enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) 
 enum status store_meta_add_compacted(struct store *store, int64_t more) FURROW_CHECKED;
 /* Reads how much soil was compacted so far, as the file has it now: 2^-20 m, summed over posts. */
 enum status store_meta_compacted(sqlite3 *db, const char *path, int64_t *compacted) FURROW_CHECKED;
+/* The same of soil that was added. store_meta_added_at: up to a kept or pinned revision. store_meta_keep_added: keeps for the present revision what
+ * the other reads. store_meta_put_added: writes the whole amount. */
+enum status store_meta_add_added(struct store *store, int64_t more) FURROW_CHECKED;
+enum status store_meta_put_added(struct store *store, int64_t added) FURROW_CHECKED;
+enum status store_meta_added(sqlite3 *db, const char *path, int64_t *added) FURROW_CHECKED;
+enum status store_meta_added_at(sqlite3 *db, const char *path, int64_t revision, int64_t *added) FURROW_CHECKED;
+enum status store_meta_keep_added(struct store *store) FURROW_CHECKED;
+enum status store_meta_forget_added(struct store *store) FURROW_CHECKED; /* what is kept for revisions before the present one */
 /* Writes the working level, and the relief under it; NULL: none. */
 enum status store_meta_put_working(struct store *store, int level,
 				   const char *relief) FURROW_CHECKED;
@@ -498,6 +507,7 @@ enum status store_meta_working(sqlite3 *db, const char *path, const struct exten
 struct XXH3_state_s;
 void store_hash_words(struct XXH3_state_s *state, const uint64_t *words, size_t count);
 void store_hash_text(struct XXH3_state_s *state, const char *text);
+void store_hash_added(struct XXH3_state_s *state, int64_t added); /* nothing where no soil was added */
 uint64_t store_hash_real(double value); /* returns the bits of a double; 0 for NaN */
 
 /* --- store_identity.c: the identity of a store's base --- */

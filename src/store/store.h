@@ -293,6 +293,7 @@ struct store_run {
 	int64_t step;
 	double time; /* s */
 	int64_t compacted; /* soil compacted since the last commit: 2^-20 m, summed over posts */
+	int64_t added;     /* soil brought from outside since then, below 0: taken; in the same unit */
 	const char *what;  /* what made the commit, for a person; NULL: the scene of store_options */
 	const char *state; /* JSON: everything else that is needed to resume a drive */
 	/* Used instead of `state` if the state depends on what this commit changed. Called inside the transaction, after the
@@ -377,7 +378,7 @@ enum status store_create_part(const char *path, const char *over, const struct s
 struct store_gathering {
 	void *user;
 	/* Returns the state of the gathered record. `runs` has the records of the parts at the commit that is gathered, by store_part.index.
-	 * Their `compacted` is what each part compacted in the run. Called inside the transaction, after the rows are written. NULL: out of
+	 * Their `compacted` and `added` are what each part compacted and added in the run. Called inside the transaction, after the rows are written. NULL: out of
 	 * memory. */
 	const char *(*describe)(void *user, const struct store_run *runs, size_t count, const struct store_commit_result *result);
 };
@@ -475,7 +476,7 @@ void store_plan_writes(struct plan *plan, enum store_table table, int64_t amount
 struct store_numbers {
 	int64_t base_tiles, plane_tiles[PLANES];
 	int64_t file_bytes, base_bytes, plane_bytes[PLANES]; /* blobs as stored */
-	int64_t commits, compacted;
+	int64_t commits, compacted, added;
 	int64_t revisions, snapshots; /* kept revisions, and names */
 	int64_t history_rows, history_bytes; /* rows that commits replaced, blobs as stored */
 	struct store_run last_run; /* scene_hash is NULL if there was no run; owned by the store */
@@ -491,6 +492,7 @@ struct store_check {
 	int64_t tiles;      /* rows checked */
 	int coarsest, finest;
 	int64_t compacted;  /* soil compacted, by the store's record: 2^-20 m */
+	int64_t added;      /* soil brought from outside, likewise. Under conserving models the sum of offsets + compacted is added */
 	/* for each level, at index level - TILE_LEVEL_MIN; a shared post counts once */
 	int64_t offset_sum[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1];
 };

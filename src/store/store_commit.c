@@ -70,7 +70,8 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 	if (store->part.count > 0)
 		TRY(store_part_claim(store, pages, count));
 	TRY(store_meta_add_compacted(store, run->compacted));
-	result->header += run->compacted != 0;
+	TRY(store_meta_add_added(store, run->added));
+	result->header += (run->compacted != 0) + (run->added != 0);
 	TRY(put_run(store, run, result));
 	TRY(store_changes_reserve(&store->changes));
 	return store_sql_exec(store->db, store->path, "committing", "COMMIT");
@@ -93,6 +94,7 @@ enum status store_commit(struct store *store, const struct store_page *pages, si
 		store->relief_stored = store->relief_text != NULL;
 	}
 	store->compacted += run->compacted;
+	store->added += run->added;
 	store->commit++;
 	store_changes_commit(&store->changes, store->commit);
 	return STATUS_OK;

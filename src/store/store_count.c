@@ -32,6 +32,7 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 	for (int plane = 0; plane < PLANES; plane++)
 		TRY(store_rows_count(&store->rows, row_table_of((enum plane)plane), &numbers->plane_tiles[plane], &numbers->plane_bytes[plane]));
 	TRY(store_meta_compacted(store->db, store->path, &numbers->compacted));
+	TRY(store_meta_added(store->db, store->path, &numbers->added));
 	TRY(count_history(store, numbers));
 	TRY(store_last_run(store, &numbers->last_run));
 	numbers->commits = store->last_run.commit;

@@ -103,6 +103,7 @@ static enum status put_record(struct gather *gather)
 		runs[i] = (struct store_run){
 			.scene_hash = head->run.scene_hash, .step = head->run.step, .time = head->run.time, .state = head->run.state,
 			.what = head->run.what, .compacted = head->header.compacted - gather->store->compacted,
+			.added = head->header.added - gather->store->added,
 		};
 	}
 	const struct store_run run = {.scene_hash = first->scene_hash, .step = first->step, .time = first->time, .what = first->what};
@@ -115,17 +116,19 @@ static enum status put_record(struct gather *gather)
 static enum status put_header(struct gather *gather)
 {
 	struct store *store = gather->store;
-	int64_t compacted = 0;
+	int64_t compacted = 0, added = 0;
 	if (gather->has_level && !store->working_stored) {
 		TRY(store_meta_put_working(store, gather->level, gather->relief));
 		gather->result->header += gather->relief != NULL ? 2 : 1;
 	}
 	for (uint32_t i = 0; i < gather->count; i++)
-		if (__builtin_add_overflow(compacted, gather->heads[i].header.compacted - store->compacted, &compacted))
-			return fail_with(STATUS_INPUT, "%s: more soil was compacted than can be counted; it is damaged, restore it", gather->heads[i].path);
+		if (__builtin_add_overflow(compacted, gather->heads[i].header.compacted - store->compacted, &compacted) ||
+		    __builtin_add_overflow(added, gather->heads[i].header.added - store->added, &added))
+			return fail_with(STATUS_INPUT, "%s: more soil was compacted or added than can be counted; it is damaged, restore it", gather->heads[i].path);
 	TRY(store_meta_add_compacted(store, compacted));
+	TRY(store_meta_add_added(store, added));
 	TRY(store_meta_put_integer(store, "gathered", (int64_t)gather->first->part.run));
-	gather->result->header += 1 + (compacted != 0);
+	gather->result->header += 1 + (compacted != 0) + (added != 0);
 	return put_record(gather);
 }
 

@@ -176,7 +176,7 @@ static enum status read_part(struct gather *gather, uint32_t index)
 		TRY(store_run_copy_kept(part, gather->commit, &head->run, &head->header));
 	} else {
 		TRY(store_run_copy(part, &head->run));
-		head->header = (struct store_run_header){part->working_stored, part->compacted};
+		head->header = (struct store_run_header){part->working_stored, part->compacted, part->added};
 	}
 	if (head->header.compacted > COMPACTED_MOST || head->header.compacted < -COMPACTED_MOST)
 		return fail_with(STATUS_INPUT, "%s: it compacted more soil than can be counted; it is damaged, restore it", part->path);

@@ -32,6 +32,15 @@ void store_hash_text(struct XXH3_state_s *state, const char *text)
 	XXH3_64bits_update(state, text, length);
 }
 
+void store_hash_added(struct XXH3_state_s *state, int64_t added)
+{
+	const uint64_t word = (uint64_t)added;
+	if (added == 0)
+		return;
+	store_hash_text(state, "added");
+	store_hash_words(state, &word, 1);
+}
+
 /* --- the content --- */
 
 struct hashing {
@@ -54,6 +63,7 @@ static void add_meta(struct hashing *hashing)
 		store->working_stored ? (uint64_t)(int64_t)store->working : 0, (uint64_t)store->compacted,
 	};
 	store_hash_words(hashing->state, words, sizeof words / sizeof *words);
+	store_hash_added(hashing->state, store->added);
 	if (store->working_stored && store->relief_text != NULL)
 		store_hash_text(hashing->state, store->relief_text);
 	store_hash_text(hashing->state, meta->srs);

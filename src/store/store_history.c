@@ -128,7 +128,7 @@ enum status store_history_keep(struct store *store)
 	int written = 0;
 	for (int i = 0; i < 2 && written == 0; i++)
 		TRY(keep_by(store, texts[i], &written));
-	return STATUS_OK;
+	return store_meta_keep_added(store);
 }
 
 /* What no commit needs that keeps only the last revision. Claims of a part stay. */
@@ -137,6 +137,7 @@ static enum status drop_older(struct store *store)
 	char sql[96];
 	snprintf(sql, sizeof sql, "DELETE FROM history WHERE plane > %d; DELETE FROM revision WHERE revision < %lld", PART_CLAIM,
 		 (long long)store->commit);
+	TRY(store_meta_forget_added(store));
 	return store_sql_exec(store->db, store->path, "dropping what is older", sql);
 }
 

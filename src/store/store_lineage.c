@@ -105,6 +105,7 @@ enum status store_lineage_hash(const struct store *under, const struct lineage *
 	const uint64_t head[] = {under->base_hash, under->working_stored, under->working_stored ? (uint64_t)(int64_t)under->working : 0,
 				 (uint64_t)under->compacted};
 	store_hash_words(state, head, sizeof head / sizeof *head);
+	store_hash_added(state, under->added);
 	if (under->working_stored && under->relief_text != NULL)
 		store_hash_text(state, under->relief_text);
 	for (int table = ROW_OFFSET; table < ROW_TABLES; table++)

@@ -173,9 +173,12 @@ static enum status put_header(struct merging *merging, struct store *out)
 	const struct store_run run = {.scene_hash = "", .what = "merge"};
 	const struct store *base = merging->sides[BASE];
 	int64_t compacted = merging->sides[OURS]->compacted + merging->sides[THEIRS]->compacted - (base != NULL ? base->compacted : 0);
+	int64_t added = merging->sides[OURS]->added + merging->sides[THEIRS]->added - (base != NULL ? base->added : 0);
 	TRY(store_meta_put_working(out, merging->level, merging->relief));
 	if (compacted != 0)
 		TRY(store_meta_put_integer(out, "compacted", compacted));
+	if (added != 0)
+		TRY(store_meta_put_added(out, added));
 	return store_run_put(out, &run, "");
 }
 

@@ -2,9 +2,10 @@
 #include "store/internal.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-#define COMPACTED_MAX (INT64_MAX / 4) /* either way; so that sums of such are numbers too */
+#define COMPACTED_MAX (INT64_MAX / 4) /* either way; so that sums of such are numbers too. The same of added soil */
 #define COMMITS_MOST (INT64_C(1) << 53) /* nobody commits that many */
 
 enum status store_meta_copy(struct store_meta *to, const struct store_meta *from)
@@ -267,23 +268,77 @@ enum status store_meta_working(sqlite3 *db, const char *path, const struct exten
 	return status;
 }
 
-/* Reads the compacted soil. If there is no such key, nothing changes. */
-static enum status get_compacted(struct lookup *lookup, int64_t *compacted)
+/* Reads an amount of soil. If there is no such key, it is 0. */
+static enum status get_soil(struct lookup *lookup, const char *key, int64_t *amount)
 {
 	bool found;
-	TRY(look_up(lookup, "compacted", &found));
-	*compacted = 0;
+	TRY(look_up(lookup, key, &found));
+	*amount = 0;
 	if (!found)
 		return STATUS_OK;
-	return get_integer(lookup, "compacted", -COMPACTED_MAX, COMPACTED_MAX, compacted);
+	return get_integer(lookup, key, -COMPACTED_MAX, COMPACTED_MAX, amount);
+}
+
+static enum status read_soil(sqlite3 *db, const char *path, const char *key, int64_t *amount)
+{
+	struct lookup lookup = {.db = db, .path = path};
+	enum status status = get_soil(&lookup, key, amount);
+	sqlite3_finalize(lookup.statement);
+	return status;
 }
 
 enum status store_meta_compacted(sqlite3 *db, const char *path, int64_t *compacted)
 {
-	struct lookup lookup = {.db = db, .path = path};
-	enum status status = get_compacted(&lookup, compacted);
-	sqlite3_finalize(lookup.statement);
-	return status;
+	return read_soil(db, path, "compacted", compacted);
+}
+
+enum status store_meta_added(sqlite3 *db, const char *path, int64_t *added)
+{
+	return read_soil(db, path, "added", added);
+}
+
+/* The key of what was added up to a revision that is kept. */
+static const char *added_key(int64_t revision, char text[32])
+{
+	snprintf(text, 32, "added %lld", (long long)revision);
+	return text;
+}
+
+enum status store_meta_added_at(sqlite3 *db, const char *path, int64_t revision, int64_t *added)
+{
+	char key[32];
+	return read_soil(db, path, added_key(revision, key), added);
+}
+
+enum status store_meta_put_added(struct store *store, int64_t added)
+{
+	return added != 0 ? store_meta_put_integer(store, "added", added) : store_meta_drop(store, "added");
+}
+
+enum status store_meta_keep_added(struct store *store)
+{
+	char key[32];
+	return store->added != 0 ? store_meta_put_integer(store, added_key(store->commit, key), store->added) : STATUS_OK;
+}
+
+enum status store_meta_forget_added(struct store *store)
+{
+	char sql[112];
+	if (store->added == 0)
+		return STATUS_OK;
+	snprintf(sql, sizeof sql, "DELETE FROM meta WHERE key GLOB 'added [0-9]*' AND CAST(substr(key, 7) AS INTEGER) < %lld",
+		 (long long)store->commit);
+	return store_sql_exec(store->db, store->path, "dropping what is older", sql);
+}
+
+enum status store_meta_add_added(struct store *store, int64_t more)
+{
+	int64_t sum;
+	if (more == 0)
+		return STATUS_OK;
+	if (__builtin_add_overflow(store->added, more, &sum) || sum > COMPACTED_MAX || sum < -COMPACTED_MAX)
+		return fail_with(STATUS_FAILED, "%s: more soil was added than it can count; furrow reset %s", store->path, shell_path(store->path).text);
+	return store_meta_put_added(store, sum);
 }
 
 enum status store_meta_add_compacted(struct store *store, int64_t more)
@@ -421,7 +476,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 	TRY(get_parent(lookup, store));
 	TRY(get_part(lookup, store));
 	TRY(get_working(lookup, &meta->extent, &store->has_working, &store->working));
-	TRY(get_compacted(lookup, &store->compacted));
+	TRY(get_soil(lookup, "compacted", &store->compacted));
+	TRY(get_soil(lookup, "added", &store->added));
 	TRY(get_relief(lookup, store));
 	store->working_stored = store->has_working;
 	if (meta->step < 0)

@@ -265,6 +265,8 @@ enum status store_overlay_begin_as(struct store *store, const struct store *pare
 		TRY(store_meta_put_working(store, parent->working, parent->relief_text));
 	if (parent->compacted != 0)
 		TRY(store_meta_put_integer(store, "compacted", parent->compacted));
+	if (parent->added != 0)
+		TRY(store_meta_put_added(store, parent->added));
 	store->commit = run->commit - 1;
 	return store_run_put_back(store, run, what);
 }

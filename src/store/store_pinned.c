@@ -100,7 +100,7 @@ static enum status put_revision(struct store *store, uint64_t hash)
 	int written = 0;
 	for (int i = 0; i < 2 && written == 0; i++)
 		TRY(put_by(store, texts[i], hash, &written));
-	return STATUS_OK;
+	return store_meta_keep_added(store);
 }
 
 /* An older list, of before a reset, may have the same number for another state. So the hash decides. */
@@ -197,7 +197,7 @@ enum status store_pinned_find(const struct store *store, uint64_t hash, int64_t 
 enum status store_pinned_show(sqlite3 *db, const char *path, int64_t revision)
 {
 	static const char doing[] = "showing what an overlay depends on";
-	char sql[1024];
+	char sql[1200];
 	const long long at = revision;
 	int64_t loose = 0;
 	TRY(store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY"));
@@ -218,10 +218,11 @@ enum status store_pinned_show(sqlite3 *db, const char *path, int64_t revision)
 		 "WHERE revision = %lld AND state IS NOT NULL", at);
 	TRY(store_sql_exec(db, path, doing, sql));
 	snprintf(sql, sizeof sql,
-		 "CREATE TEMP VIEW meta AS SELECT key, value FROM main.meta WHERE key NOT IN ('working', 'compacted', 'relief') "
+		 "CREATE TEMP VIEW meta AS SELECT key, value FROM main.meta WHERE key NOT IN ('working', 'compacted', 'added', 'relief') "
 		 "UNION ALL SELECT 'working', working FROM main.pinned WHERE revision = %lld AND working IS NOT NULL "
 		 "UNION ALL SELECT 'compacted', compacted FROM main.pinned WHERE revision = %lld AND compacted <> 0 "
-		 "UNION ALL SELECT 'relief', relief FROM main.pinned WHERE revision = %lld AND relief IS NOT NULL", at, at, at);
+		 "UNION ALL SELECT 'added', value FROM main.meta WHERE key = 'added %lld' "
+		 "UNION ALL SELECT 'relief', relief FROM main.pinned WHERE revision = %lld AND relief IS NOT NULL", at, at, at, at);
 	TRY(store_sql_exec(db, path, doing, sql));
 	snprintf(sql, sizeof sql, "CREATE TEMP VIEW revision AS SELECT * FROM main.revision WHERE revision <= %lld", at);
 	return store_sql_exec(db, path, doing, sql);

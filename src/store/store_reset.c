@@ -14,7 +14,7 @@ static enum status remove_all(struct store *store, bool force)
 			   "DELETE FROM shear; DELETE FROM dug; DELETE FROM settled; DELETE FROM loose; DELETE FROM floor; DELETE FROM density; DELETE FROM slope; DELETE FROM run; DELETE FROM "
 			   "history; DELETE FROM revision; "
 			   "DELETE FROM snapshot; "
-			   "DELETE FROM meta WHERE key IN ('working', 'compacted', 'relief')"));
+			   "DELETE FROM meta WHERE key IN ('working', 'compacted', 'added', 'relief') OR key GLOB 'added [0-9]*'"));
 	TRY(store_pinned_clear(store));
 	if (store->inherits)
 		TRY(store_overlay_begin(store));
@@ -35,6 +35,7 @@ enum status store_reset(struct store *store, bool force)
 	store->has_working = store->working_stored = parent != NULL && parent->working_stored;
 	store->working = parent != NULL ? parent->working : 0;
 	store->compacted = parent != NULL ? parent->compacted : 0;
+	store->added = parent != NULL ? parent->added : 0;
 	mem_free(store->relief_text);
 	store->relief_text = NULL;
 	if (parent != NULL && parent->relief_text != NULL &&

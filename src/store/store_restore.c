@@ -169,6 +169,7 @@ static enum status put_header(struct store *store, struct kept *kept)
 	else
 		TRY(store_meta_drop(store, "working"));
 	TRY(kept->header.compacted != 0 ? store_meta_put_integer(store, "compacted", kept->header.compacted) : store_meta_drop(store, "compacted"));
+	TRY(store_meta_put_added(store, kept->header.added));
 	const struct store_run run = {.scene_hash = kept->run.scene_hash, .step = kept->run.step, .time = kept->run.time, .what = what};
 	return store_run_put(store, &run, kept->run.state);
 }
@@ -211,6 +212,7 @@ static enum status take_restored(struct store *store, const struct kept *kept)
 	store_changes_commit(&store->changes, store->commit);
 	store->has_working = store->working_stored = kept->header.has_working;
 	store->compacted = kept->header.compacted;
+	store->added = kept->header.added;
 	store->marked = false;
 	for (int table = 0; table < ROW_TABLES; table++)
 		store->state_rows[table] = STATE_UNKNOWN;

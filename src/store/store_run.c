@@ -90,7 +90,8 @@ enum status store_run_copy_kept(struct store *store, int64_t revision, struct st
 	else
 		status = store_sql_fail(store->db, code, store->path, "reading its history");
 	sqlite3_finalize(statement);
-	return status;
+	TRY(status);
+	return store_meta_added_at(store->db, store->path, revision, &header->added);
 }
 
 enum status store_run_put(struct store *store, const struct store_run *run, const char *state)

@@ -89,6 +89,7 @@ enum status store_mark(struct store *store)
 	undo->working_stored = store->working_stored;
 	undo->has_compacted = has_compacted != 0;
 	undo->compacted = store->compacted;
+	undo->added = store->added;
 	store->marked = true;
 	return STATUS_OK;
 failed:
@@ -158,6 +159,7 @@ static enum status put_back_header(struct store *store)
 		TRY(store_meta_drop(store, "working"));
 	if (!undo->working_stored && !store->history.has_level)
 		TRY(store_meta_drop(store, "relief"));
+	TRY(store_meta_put_added(store, undo->added));
 	return undo->has_compacted ? store_meta_put_integer(store, "compacted", undo->compacted) : store_meta_drop(store, "compacted");
 }
 
@@ -206,6 +208,7 @@ enum status store_rollback(struct store *store)
 	undo->commit = store->commit;
 	store->working_stored = undo->working_stored;
 	store->compacted = undo->compacted;
+	store->added = undo->added;
 	/* If that fails it keeps rows too many: they are what they were at the mark still (1). */
 	enum status emptied = empty(undo);
 	(void)emptied;

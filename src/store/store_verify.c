@@ -172,6 +172,7 @@ static enum status check_all(struct verifying *verifying)
 	TRY(check_missing(verifying));
 	TRY(check_top(verifying));
 	TRY(store_meta_compacted(store->db, store->path, &verifying->check->compacted));
+	TRY(store_meta_added(store->db, store->path, &verifying->check->added));
 	return check_identity(verifying);
 }
 

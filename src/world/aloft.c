@@ -6,8 +6,8 @@
  *
  * 1. The object lies above all ground in the windows, by more than the rounding of its lower envelope. So it lowers and holds
  * no post. The base is no higher than the posts of level 0 from which it is interpolated. Offsets have two bounds. A tile
- * without planes has no offset. Under the models none and box, no offset is higher than the highest one so far, or 0. A contact
- * only lowers the ground, and a mean of offsets is no higher than the highest one.
+ * without planes has no offset. Under the models none and box, no offset is higher than the highest one so far, or 0, and what was
+ * poured. A contact only lowers the ground, and a mean of offsets is no higher than the highest one.
  *
  * 2. No soil slides. Under models that move soil every contact also makes relaxation iterations over its window. Undisturbed
  * ground is stable, unless the scene says that it slides. Soil passes only between two written posts of a window of which one
@@ -54,14 +54,14 @@ static enum status highest_base(struct world *world, const struct deform_window 
 }
 
 /* Finds a bound of the offsets, 2^-20 m: the highest one that the store had when it was first asked. A rollback makes it ask anew.
- * No offset is higher now, since the ground only became lower. */
+ * No offset is higher now, but for what was poured: bodies only lower the ground. */
 static enum status highest_offset(struct world *world, int64_t *highest)
 {
 	const struct tile top = {extent_coarsest(&world->resident.meta->extent), 0, 0};
 	double low, high;
 	bool found;
 	enum status status = resident_ground_offset_range(world->resident.ground, top, &low, &high, &found);
-	*highest = high > 0 ? lattice_offset(high) + 1 : 0;
+	*highest = (high > 0 ? lattice_offset(high) + 1 : 0) + world->aloft.poured;
 	return status;
 }
 

@@ -106,6 +106,7 @@ struct world {
 	struct world_aloft {      /* aloft.c */
 		struct key_set seen, old; /* seen: tiles that were looked at; old: those that have planes from before this world */
 		bool asks_touched;
+		int64_t poured;           /* 2^-20 m: by so much pours have raised or lowered a post at most */
 	} aloft;
 	struct crew *crew;        /* crew.c; NULL: one thread computes soil that bears */
 	size_t hands;             /* of world->bearing, with a crew */

@@ -127,7 +127,7 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
 		     put_whole(root, "compacted", sums->compacted) && put_whole(root, "sunk", sums->sunk) &&
-		     put_whole(root, "slid", sums->slid) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+		     put_whole(root, "slid", sums->slid) && (sums->added == 0 || put_whole(root, "added", sums->added)) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
 	whole = whole && put_attached(root, record, scene->object_count);
@@ -146,6 +146,12 @@ static void when(const void *from, int64_t *step, double *time)
 	*time = record->time;
 }
 
+static int64_t added(const void *from)
+{
+	const struct record *record = from;
+	return record->added;
+}
+
 static char *print(const void *scene, const void *record, const struct pages_sums *sums)
 {
 	return world_record_print(record, scene, sums);
@@ -153,7 +159,7 @@ static char *print(const void *scene, const void *record, const struct pages_sum
 
 struct pages_record world_record_pages(const struct scene *scene)
 {
-	return (struct pages_record){world_record_bytes(scene->object_count), scene->hash, scene, when, print};
+	return (struct pages_record){world_record_bytes(scene->object_count), scene->hash, scene, when, print, added};
 }
 
 /* --- reading; each returns false if the value is missing or wrong --- */
@@ -330,6 +336,8 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 	    !get_whole(root, "sunk", 0, &sums->sunk) || sums->sunk > SUM_MOST ||
 	    !get_whole(root, "slid", 0, &sums->slid) || sums->slid > SUM_MOST)
 		return world_record_damaged(store, "its sums");
+	if (cJSON_HasObjectItem(root, "added") && (!get_whole(root, "added", -SUM_MOST, &sums->added) || sums->added > SUM_MOST))
+		return world_record_damaged(store, "its added soil");
 	if (!get_active(root, record))
 		return world_record_damaged(store, "what was awake");
 	return STATUS_OK;

@@ -36,6 +36,7 @@ struct record {
 	int law;              /* by which soil bore: SOIL_LAW; 0: it did not, or a furrow before the first number made it */
 	bool ended;           /* the drive ended with this step */
 	struct pages_sums sums; /* read from the store; not used for writing */
+	int64_t added;        /* soil that was brought since the world was opened, below 0: taken; 2^-20 m, summed over posts */
 	size_t active_count;  /* active blocks, where soil may still relax */
 	struct soil_block active[DEFORM_BLOCKS_MAX];
 	size_t attached_count; /* numbers that another part of the run keeps (struct world_attached); they follow the objects */

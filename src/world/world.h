@@ -163,6 +163,28 @@ enum status world_idle(struct world *world) FURROW_CHECKED;
 FILE *world_commit_log(const struct world *world);       /* the file that gets a line for each commit; NULL: none */
 uint64_t world_revision(const struct world *world);      /* present revision of the ground: world_changes_since */
 
+/* --- soil that is brought and taken --- */
+
+struct world_pour {
+	struct post_rect rect;  /* posts of the working level */
+	const int32_t *amounts; /* 2^-20 m of each post, row by row from the south-west; below 0: taken */
+	int soil;               /* index among the scene's soils; below 0: that of each post */
+	bool loose;             /* it comes loose, and may slide; false: it lies as ground that nothing has touched */
+	bool looks;             /* only finds out whether it would be refused, in a readonly world too; nothing changes */
+};
+/* Changes the ground by these amounts between two steps. The record counts their sum as added. After STATUS_INPUT or STATUS_USAGE nothing has
+ * changed. STATUS_INPUT: the rectangle goes beyond the terrain, or lies on too many tiles. Or a post with an amount is a hole, or has another class in
+ * the soil map. Or it lies below a body in the ground, or would be too far off its base. STATUS_USAGE: the world is readonly, has several
+ * processes, or no such soil. */
+enum status world_pour(struct world *world, const struct world_pour *pour) FURROW_CHECKED;
+/* Parts a volume, m3, below 0: taken, evenly among the posts in a polygon. `xy`: count x 2, local metres. Gives the rectangle around it and the amounts,
+ * which the caller frees with mem_free. To the unit they are the volume; first posts in row order get what is left. STATUS_USAGE: fewer than 3 corners,
+ * a number that is not finite. STATUS_INPUT: a corner is off the terrain, no post is in the polygon, or the volume is too large for it. */
+enum status world_pour_polygon(const struct world *world, size_t count, const double *xy, double volume, struct post_rect *rect, int32_t **amounts)
+	FURROW_CHECKED;
+/* Returns by how much pours have raised or lowered a post at most since the world was opened, m. A rollback does not lower it. */
+double world_poured(const struct world *world);
+
 /* --- what a world is --- */
 
 const struct scene *world_scene(const struct world *world);

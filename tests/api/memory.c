@@ -3,6 +3,8 @@
  * closed. What is committed verifies.
  */
 #include "hosted.h"
+
+#include "store/store.h"
 #include "../support/program.h"
 #include "../support/skip.h"
 
@@ -35,6 +37,13 @@ static bool move(struct furrow_world *world, furrow_body ball)
 		whole = tell(furrow_step(world, 0)) && whole;
 	}
 	return whole;
+}
+
+static bool pour(struct furrow_world *world)
+{
+	static const double heights[2][2] = {{0.5, 0.25}, {0, -0.5}}, corners[] = {5, 5, 7, 5, 6, 8};
+	const bool whole = tell(furrow_pour(world, 63, 63, 2, 2, &heights[0][0], 2, -1, true));
+	return tell(furrow_pour_polygon(world, 3, corners, 0.7, -1, false)) && whole;
 }
 
 static bool ask(struct furrow_world *world, furrow_body ball)
@@ -78,6 +87,7 @@ static bool live(void)
 	bool whole = false;
 	if (tell(furrow_body_add(world, HOSTED_BALL, &ball)) && tell(furrow_place(world, ball, &pose))) {
 		whole = move(world, ball);
+		whole = pour(world) && whole;
 		whole = ask(world, ball) && whole;
 		const bool kept = tell(furrow_checkpoint(world));
 		whole = kept && whole;
@@ -108,6 +118,13 @@ static void a_life_without_memory_ends_with_statuses(void **state)
 	const struct furrow_open open = hosted_open(HOSTED_SCENE, store);
 	done(furrow_world_open(&open, &world));
 	done(furrow_world_close(world));
+	struct store *stored;
+	struct store_check check;
+	assert_int_equal(store_open(store, &(struct store_options){.mode = STORE_READ}, &stored), STATUS_OK);
+	assert_int_equal(store_verify(stored, NULL, NULL, NULL, &check), STATUS_OK);
+	assert_int_equal(check.problems, 0);
+	assert_true(check.added > 0 && check.offset_sum[-1 - TILE_LEVEL_MIN] + check.compacted == check.added); /* whichever pours failed */
+	store_close(stored);
 }
 
 TEST_PROGRAM(memory)

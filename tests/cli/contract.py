@@ -18,7 +18,7 @@ NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": 
 class Usage(FurrowTest):
     def test_help_of_every_command_explains_it(self):
         overview = self.ok("--help")
-        for command in sampled("synth import info verify query export reset branch snapshot log restore merge flatten relink explain drive rig mobility view cache-sim".split()):
+        for command in sampled("synth import info verify query export edit reset branch snapshot log restore merge flatten relink explain drive rig mobility view cache-sim".split()):
             self.assertIn(command, overview)
             self.assertIn("usage: furrow " + command, self.ok(command, "--help"))
 

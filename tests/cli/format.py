@@ -333,7 +333,7 @@ class Deformed(FormatTest):
         with contextlib.closing(sqlite3.connect(self.folder / "s.furrow")) as db:
             state = json.loads(db.execute("SELECT state FROM run").fetchone()[0])
         written = {*state, *state["objects"][0], *state["objects"][0]["force"]}
-        self.assertEqual(written | {"attached"}, named)  # `attached`: only with vehicles
+        self.assertEqual(written | {"attached", "added"}, named)  # only with vehicles, and where soil was added
 
     def test_a_chain_of_overlays(self):
         self.driven(SCENE, 75)

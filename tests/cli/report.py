@@ -243,11 +243,11 @@ class Report(FurrowTest):
                              ("commits", run["io"]["commits"]), ("peak memory, MB", run["memory"]["rss_peak"])):
             self.assertEqual(results[label], [value])
         volume = page.rows("volume")
-        for label, key in (("removed", "removed"), ("raised", "raised"), ("net (raised - removed)", "net"), ("compacted", "compacted")):
+        for label, key in (("removed", "removed"), ("raised", "raised"), ("net (raised - removed)", "net"), ("compacted", "compacted"), ("added", "added")):
             self.assertEqual(volume[label + ", m3"], [run["volume"][key]])
-        for key in ("removed", "raised", "net", "compacted"):
+        for key in ("removed", "raised", "net", "compacted", "added"):
             self.assertEqual(volume[key + ", fixed-point units"], [run["volume"]["quanta"][key]])
-        self.assertEqual(volume["net + compacted, fixed-point units"], [0])
+        self.assertEqual(volume["net + compacted - added, fixed-point units"], [0])
         steps = page.rows("steps")
         self.assertEqual([steps[label][0] for label in steps if label], [run["step_ms"][key] for key in ("p50", "p95", "p99", "max")])
         soils = page.rows("soils")
@@ -556,7 +556,7 @@ class Report(FurrowTest):
         self.without_plots(page, "curves", r"^No curves: .*output\.forces")
         self.without_plots(page, "cache", r"^No cache curve: .*--trace")
         self.assertIn("No soil", page.sentences("soils")[0])
-        self.assertNotIn("net + compacted, fixed-point units", page.rows("volume"))
+        self.assertNotIn("net + compacted - added, fixed-point units", page.rows("volume"))
         way, _, _ = self.ground(page)
         curve = way.curves[-1]
         self.assertAlmostEqual(curve[0][0], 4, delta=way.grain(0))

@@ -22,6 +22,7 @@ CHOSEN = {
     "cache_sim": ["CacheSim.test_what_is_no_trace_is_refused_and_nothing_is_left"],
     "cameras": ["Cameras.test_a_body_that_is_not_there_is_refused"],
     "drive_resume": ["Resume.test_a_damaged_record_is_refused_and_named"],
+    "edit": ["Refusals"],
     "explain": ["Explain.test_what_is_wrong_is_told"],
     "help": ["Help.test_what_is_not_printed_is_refused"],
     "fit_soil": ["FitSoil.test_what_is_wrong_is_refused_and_leaves_nothing", "FitSoil.test_a_name_cannot_break_out_of_the_soil_or_the_page"],

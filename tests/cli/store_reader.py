@@ -431,6 +431,7 @@ class Store:
     def show_pinned(self, db, depended_on):
         for pinned in db.execute("SELECT * FROM pinned WHERE hash = ?", (depended_on,)).fetchall():
             self.working, self.compacted = pinned["working"], pinned["compacted"]
+            self.added = self.meta.get(f"added {pinned['revision']}", 0)
             for number, table in enumerate(TABLES[1:], 1):
                 columns = "key, low, high, " + ("below, above, " if table == "offset" else "") + "codec, revision, hash, blob"
                 kept = db.execute(f"SELECT {columns} FROM replaced WHERE plane = ? AND pinned >= ? ORDER BY pinned DESC", (number, pinned["revision"]))
@@ -465,12 +466,13 @@ class Store:
             self.rows[table] = {key: rows[key] for key in sorted(rows) if (rows[key].low, rows[key].high) != (0, 0)}
 
     def state_hash(self):
-        words = [self.meta["base_hash"], int(self.working is not None), self.working or 0, self.compacted]
+        words, tail = [self.meta["base_hash"], int(self.working is not None), self.working or 0, self.compacted], []
+        added = bits_of(5) + b"added" + bits_of(self.added) if self.added else b""
         for number, table in enumerate(TABLES):
             if number > 0:
                 for key, row in self.rows[table].items():
-                    words += [number, key, row.hash]
-        return signed(xxh3(b"".join(map(bits_of, words))), 64)
+                    tail += [number, key, row.hash]
+        return signed(xxh3(b"".join(map(bits_of, words)) + added + b"".join(map(bits_of, tail))), 64)
 
     def check_file(self, db):
         for name, value in (("application_id", 0x46757277), ("page_size", 8192), ("auto_vacuum", 2)):
@@ -492,7 +494,9 @@ class Store:
         self.step = self.meta["step"]
         self.working = self.meta.get("working")
         self.compacted = self.meta.get("compacted", 0)
-        need(type(self.compacted) is int and abs(self.compacted) < 2**61, "compacted", repr(self.compacted))
+        self.added = self.meta.get("added", 0)
+        for name, amount in (("compacted", self.compacted), ("added", self.added)):
+            need(type(amount) is int and abs(amount) < 2**61, name, repr(amount))
         need(self.cells in [2**i for i in range(3, 11)], "cells", self.cells)
         self.coarsest = 0
         while self.tiles(self.coarsest) != (1, 1):

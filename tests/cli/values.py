@@ -4,6 +4,7 @@ import math
 import pathlib
 import struct
 import sys
+import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import long, main, write_png16
@@ -135,6 +136,87 @@ class Values(RasterTest):
         rasters.gdal("gdal_translate", "-q", "-b", "1", "-b", "1", "-b", "1", self.folder / "one.tif", self.folder / "in.tif")
         self.assertIn("3 bands", self.furrow("import", "in.tif", "-o", "s.furrow").stderr)
         self.assertEqual(self.json("query", "s.furrow", 30, 150)["points"][0]["height"], 3 * 3 + 4)
+
+
+def write_png8(path, side, colour, depth, row):
+    """A PNG of that colour type; row(y): its bytes. With colour type 3 it has a palette."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    palette = chunk(b"PLTE", bytes(range(256)) * 3) if colour == 3 else b""
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, depth, colour, 0, 0, 0)) + palette +
+                     chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row(y) for y in range(side)))) + chunk(b"IEND", b""))
+
+
+class EightBits(RasterTest):
+    """Heightfields of 8 bits, as old terrain engines have them: raw, PNG, PGM, TIFF."""
+
+    SIDE = 24
+
+    def setUp(self):
+        super().setUp()
+        side = self.SIDE
+        self.cells = [(7 * x + 11 * y) % 256 for y in range(side) for x in range(side)]
+        rows = [bytes(self.cells[y * side:(y + 1) * side]) for y in range(side)]
+        self.make("in.tif", side, side, lambda x, y: self.cells[y * side + x], "B", step=1)
+        (self.folder / "in.r8").write_bytes(b"".join(rows))
+        (self.folder / "in.raw").write_bytes(b"".join(rows))
+        write_png8(self.folder / "in.png", side, 0, 8, rows.__getitem__)
+        rasters.gdal("gdal_translate", "-q", "-of", "PNM", self.folder / "in.tif", self.folder / "in.pgm")
+        self.rows = rows
+
+    def test_a_height_range_says_what_they_mean_and_all_of_them_come_back(self):
+        for name in ("in.r8", "in.raw", "in.png", "in.pgm", "in.tif"):
+            for low, high in ((0, 255), (-20, 235), (100, 151)):
+                with self.subTest(name=name, low=low):
+                    self.ok("import", name, "-o", "s.furrow", "--overwrite", "--spacing", 1, "--height-range", f"{low},{high}", "--max-error", 0)
+                    _, _, heights = self.exported("s.furrow")
+                    for height, cell in zip(heights, self.cells):
+                        self.assertAlmostEqual(height, low + cell * (high - low) / 255, delta=1e-5)
+                    self.ok("export", "s.furrow", "-o", "out.r16", "--height-range", f"{low},{high}")
+                    back = struct.unpack(f"<{len(self.cells)}H", (self.folder / "out.r16").read_bytes())
+                    self.assertEqual([round(value / 257) for value in back], self.cells)
+
+    def test_the_bound_of_a_height_is_half_a_step_of_8_bits(self):
+        for name in ("in.r8", "in.png", "in.tif"):
+            self.ok("import", name, "-o", "s.furrow", "--overwrite", "--spacing", 1, "--height-range", "0,510")
+            self.assertEqual(self.json("info", "s.furrow")["max_error"], 1)
+
+    def test_without_a_range_raw_posts_are_refused_and_others_tell_what_they_are_taken_for(self):
+        for name in ("in.r8", "in.raw"):
+            self.assertIn("--height-range MIN,MAX", self.refused(3, "import", name, "-o", "s.furrow"))
+        for name in ("in.png", "in.pgm", "in.tif"):
+            told = self.furrow("import", name, "-o", "s.furrow", "--overwrite", "--spacing", 1)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            self.assertEqual(told.stderr.count("8 bits"), 1, told.stderr)
+            _, _, heights = self.exported("s.furrow")
+            self.assertEqual(heights, self.cells)
+
+    def test_a_raster_of_16_bits_without_a_sign_has_a_range_too(self):
+        self.make("wide.tif", 20, 20, lambda x, y: 3000 * (x % 20) + y, "H", step=1)
+        self.ok("import", "wide.tif", "-o", "s.furrow", "--height-range", "-100,555.35", "--max-error", 0)
+        _, _, heights = self.exported("s.furrow")
+        self.assertAlmostEqual(heights[25], -100 + (3000 * 5 + 1) * 0.01, delta=1e-4)
+
+    def test_what_says_itself_what_it_means_takes_no_range(self):
+        self.make("metres.tif", 20, 20, lambda x, y: x + y)
+        self.make("signed.tif", 20, 20, lambda x, y: x + y, "h")
+        self.make("scaled.tif", 20, 20, lambda x, y: x + y, "B", options=["-a_scale", "0.5"])
+        for name in ("metres.tif", "signed.tif", "scaled.tif"):
+            self.assertIn("leave it out", self.refused(2, "import", name, "-o", "s.furrow", "--height-range", "0,1"))
+        self.assertIn("--height-range", self.refused(2, "import", "in.tif", "-o", "s.furrow", "--height-range", "0,1", "--s-unit", "ft"))
+
+    def test_pictures_are_no_heightfields(self):
+        side = self.SIDE
+        write_png8(self.folder / "palette.png", side, 3, 8, self.rows.__getitem__)
+        write_png8(self.folder / "picture.png", side, 2, 8, lambda y: self.rows[y] * 3)
+        for name in ("palette", "picture"):
+            rasters.gdal("gdal_translate", "-q", self.folder / f"{name}.png", self.folder / f"{name}.tif")
+        for name, why in (("palette.png", "a palette of colours"), ("palette.tif", "a palette of colours"), ("picture.png", "in colour"),
+                          ("picture.tif", "the red of a picture")):
+            for options in ([], ["--height-range", "0,100"]):
+                self.assertIn(why, self.refused(3, "import", name, "-o", "s.furrow", *options))
+        self.assertEqual(list(self.folder.glob("s.furrow*")), [])
 
 
 class Bytes(RasterTest):

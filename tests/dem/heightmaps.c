@@ -41,6 +41,45 @@ static void a_raw_heightmap_is_little_endian_and_starts_in_the_north(void **stat
 	dem_close(dem);
 }
 
+static void a_raw_heightmap_of_8_bits_needs_its_height_range(void **state)
+{
+	static const uint8_t bytes[] = {0, 1, 2, 3, 4, 5, 6, 7, 255};
+	static const char *const names[] = {"small.r8", "small.raw"};
+	for (int i = 0; i < 2; i++) {
+		write_file(names[i], bytes, sizeof bytes);
+		const char *path = in_folder(names[i]);
+		struct dem_params params = params_of(&path, 1);
+		assert_refused(&params, STATUS_INPUT, "--height-range MIN,MAX");
+		params.has_height_range = true;
+		params.height_min = -10;
+		params.height_max = 500;
+		struct dem *dem = open_with(&params);
+		assert_int_equal(dem_info(dem)->width, 3);
+		assert_int_equal(dem_info(dem)->height, 3);
+		assert_true(dem_info(dem)->unit == 2);
+		assert_true(height_at(dem, 0, 2) == -10 && height_at(dem, 1, 2) == -8 && height_at(dem, 0, 0) == 2 && height_at(dem, 2, 0) == 500);
+		dem_close(dem);
+	}
+	/* Twice a square of bytes has 16 bits, whatever range is given; an ending that says otherwise is not believed. */
+	static const struct {
+		const char *name, *why;
+		size_t size;
+	} wrong[] = {{"wrong.r16", "16-bit", 9}, {"wrong.r8", "8-bit", 8}, {"wrong.raw", "8-bit or 16-bit", 7}, {"wrong.r8", "8-bit", 7}};
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		write_file(wrong[i].name, bytes, wrong[i].size);
+		const char *path = in_folder(wrong[i].name);
+		struct dem_params params = params_of(&path, 1);
+		params.has_height_range = true;
+		params.height_max = 1;
+		assert_refused(&params, STATUS_INPUT, wrong[i].why);
+	}
+	write_file("wide.raw", bytes, 8);
+	struct dem *dem = open_one(in_folder("wide.raw"));
+	assert_int_equal(dem_info(dem)->width, 2);
+	assert_true(height_at(dem, 0, 1) == 256);
+	dem_close(dem);
+}
+
 static void write_png(const char *name, enum dem_raster_type type, int width, int height)
 {
 	struct dem_raster raster = {.path = in_folder(name), .width = width, .height = height, .type = type,
@@ -281,6 +320,7 @@ TEST_PROGRAM(heightmaps)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_raw_heightmap_is_little_endian_and_starts_in_the_north),
+		cmocka_unit_test(a_raw_heightmap_of_8_bits_needs_its_height_range),
 		cmocka_unit_test(a_window_is_in_metres_from_the_south_west_post),
 		cmocka_unit_test(a_png_comes_back_as_it_was_written),
 		cmocka_unit_test(a_writer_leaves_nothing_half_made),

@@ -256,6 +256,30 @@ class PythonPackageTest(unittest.TestCase):
                 assert (ball.contact.force == 0).all() and ball.contact.state == furrow.ContactState.AIR
             """)
 
+    def test_soil_is_poured_and_taken(self):
+        self.run_script("""
+            with furrow.World(SCENE, store=store, overlay=work + "/poured.furrow") as world:
+                info = world.info
+                heights = np.zeros((9, 12))
+                heights[2:5, 3:7] = 0.25
+                heights[6, 1] = -0.5
+                world.pour(heights, column=80, row=90, loose=False)
+                read = lambda: world.read("offset", column=80, row=90, columns=12, rows=9)
+                assert (read() == heights).all()
+                world.pour(heights.T[::2].T, x=80 * info.spacing, y=90 * info.spacing)  # every other column; rows need not be contiguous
+                assert (read()[:, :6] == heights[:, :6] + heights[:, ::2]).all()
+                world.pour_polygon([(20, 20), (24, 20), (22, 25)], 3.5)
+                world.checkpoint()
+                area = info.spacing ** 2
+                assert abs(world.stats["volume"]["added"] - (heights.sum() + heights[:, ::2].sum()) * area - 3.5) < 1e-4
+                raises(ValueError, world.pour, heights[0])
+                raises(ValueError, world.pour, heights, x=3)
+                raises(ValueError, world.pour_polygon, [1, 2, 3], 1)
+                for wrong in (dict(column=-1), dict(soil=7)):
+                    raises(furrow.Error, world.pour, heights, **wrong)
+                world.rollback()
+            """)
+
     def test_states_and_contacts_of_many(self):
         self.run_script("""
             with furrow.World(SCENE, store=store, overlay=work + "/many.furrow") as world:

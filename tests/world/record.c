@@ -46,7 +46,7 @@ static char *printed(void)
 	record->active_count = 2;
 	record->active[0] = (struct soil_block){3, 4};
 	record->active[1] = (struct soil_block){INT64_C(1) << 33, 0};
-	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1, 5, SUM_MOST});
+	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1, 5, SUM_MOST, 0});
 	assert_non_null(text);
 	free(record);
 	return text;
@@ -182,7 +182,7 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	for (int64_t i = 0; i < DEFORM_BLOCKS_MAX; i++)
 		record->active[i] = (struct soil_block){i, INT64_MAX - i};
 	memcpy(record->objects, objects, sizeof objects);
-	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0, 0, 0}), *more, *at;
+	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0, 0, 0, 0}), *more, *at;
 	struct record *read = room();
 	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
 	assert_int_equal(read->active_count, DEFORM_BLOCKS_MAX);
