@@ -46,6 +46,7 @@ static enum status open_window(struct bearing *bearing, struct post_rect rect)
 {
 	TRY(bearing_window_need(bearing, rect));
 	memset(bearing->window.planes.contact, 0, window_posts(bearing));
+	bearing_roofs_clear(bearing);
 	return STATUS_OK;
 }
 
@@ -237,6 +238,7 @@ static bool lay(struct bearing *bearing, size_t count, bool alone)
 {
 	struct bearing_window *window = &bearing->window;
 	bool any = false;
+	bearing_roofs_close(bearing);
 	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &bearing->members[i];
 		if (member->feels || member->imprint.measured.carried <= 0)
@@ -248,6 +250,9 @@ static bool lay(struct bearing *bearing, size_t count, bool alone)
 		soil_lay(&member->laying, &member->imprint.measured, bearing->laid, &window->planes, patch, window->carried, member->write, window->scratch, window->deposits,
 			 &member->laid);
 	}
+	bearing_roofs_open(bearing);
+	for (size_t i = 0; i < count && any; i++)
+		bearing->members[i].laid.compacted += bearing_roofs_part(bearing, bearing->members[i].laid.posts);
 	return any;
 }
 
@@ -300,7 +305,8 @@ static enum status slide(struct bearing *bearing, struct bearing_contact *contac
 	}
 	if (post_rect_empty(slide.written))
 		return STATUS_OK;
-	soil_slide_window(&bearing->rule, &window->planes, &slide, window->scratch, window->words, &slid);
+	struct soil_roofs roofs;
+	soil_slide_window_below(&bearing->rule, &window->planes, &slide, bearing_roofs(bearing, &roofs), window->scratch, window->words, &slid);
 	bool first = true;
 	const struct post_rect changed = post_rect_intersect(slide.written, post_rect_grown(post_rect_joined(reached, slide.posts), 1));
 	for (size_t i = 0; i < count; i++) {

@@ -8,6 +8,7 @@
 #include "soil/law/posts.h"
 #include "soil/laying/laying.h"
 #include "soil/sink.h"
+#include "soil/sliding/roofs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +26,12 @@ struct bearing_window {
 	size_t scratch_bytes;
 	uint32_t *words;  /* flags of blocks */
 	size_t word_count;
+	/* Bodies at rest, below which soil does not rise: soil that bears. Made when the first of them is there. */
+	int32_t *highest;
+	size_t highest_posts;
+	void *roof_scratch;
+	size_t roof_bytes;
+	bool roofed;      /* a body is near: read `highest` */
 };
 
 /* The result of a region that waits to be put back. */
@@ -136,6 +143,20 @@ struct soil_motion bearing_motion_of(const struct deform_contact *contact);
 /* Tells the forces of a contact. */
 void bearing_tell(const struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, const struct soil_forces *from,
 		  struct deform_forces *forces);
+
+/* roofs.c */
+/* Marks posts that a body at rest holds, and notes how high soil may rise below it. STATUS_MEMORY. */
+enum status bearing_roof(struct bearing *bearing, const struct soil_shape *shape, const struct soil_pose *pose) FURROW_CHECKED;
+/* The window has no bodies at rest from now on. */
+void bearing_roofs_clear(struct bearing *bearing);
+/* Gives the roofs of the window for sliding. Returns NULL if there are none. */
+const struct soil_roofs *bearing_roofs(const struct bearing *bearing, struct soil_roofs *roofs);
+/* Lets no soil be laid where a body leaves little room, and ends that. */
+void bearing_roofs_close(struct bearing *bearing);
+void bearing_roofs_open(struct bearing *bearing);
+/* Moves laid soil that has no room below a body to other posts on which soil was laid in `laid`. Returns what found none, fixed-point units. */
+int64_t bearing_roofs_part(struct bearing *bearing, struct post_rect laid);
+void bearing_roofs_finish(struct bearing_window *window);
 
 /* hold.c */
 /* Marks posts that bodies at rest hold, in the window. STATUS_MEMORY. */
