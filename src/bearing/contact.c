@@ -199,7 +199,7 @@ static void begin_parties(struct bearing *bearing, size_t count)
 	}
 }
 
-static void commit(struct bearing *bearing, size_t count, bool alone)
+static void commit(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, bool alone)
 {
 	struct bearing_window *window = &bearing->window;
 	struct bearing_member *members = bearing->members;
@@ -208,10 +208,12 @@ static void commit(struct bearing *bearing, size_t count, bool alone)
 	begin_parties(bearing, count);
 	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &members[i];
-		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid, .carried = window->carried + member->at};
+		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid, .carried = window->carried + member->at, .notes = contacts[i].contact->carried != NULL};
 		const struct soil_sink_shared shared = {count > 1 && member->crosses ? bearing->claims + member->at : NULL, window->owners + member->at, (uint8_t)(i + 1)};
 		if (!member->feels)
 			soil_sink_commit(member->work, &sink, alone ? NULL : &shared, &member->imprint);
+		if (!member->feels && contacts[i].contact->carried != NULL)
+			bearing_carried_take(bearing, member, contacts[i].contact, alone ? 0 : (uint8_t)(i + 1));
 	}
 	for (size_t i = 0; i < count; i++)
 		if (members[i].party != i && !members[i].feels) {
@@ -351,9 +353,13 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 		bearing->feels += contacts[i].feels;
 	}
 	const bool alone = count == 1 && bearing->rest_count == 0;
-	commit(bearing, count, alone);
+	TRY(bearing_carried_begin(bearing, contacts, count));
+	commit(bearing, contacts, count, alone);
 	TRY(bearing_hold(bearing, bearing->rests, bearing->rest_count));
 	const bool deposits = lay(bearing, count, alone);
+	for (size_t i = 0; i < count; i++)
+		if (contacts[i].contact->carried != NULL && !contacts[i].feels)
+			TRY(bearing_carried_after(bearing, &bearing->members[i], contacts[i].contact));
 	put_clusters(bearing, count);
 	for (size_t i = 0; i < count; i++)
 		TRY(slide(bearing, contacts, count, i, deposits));

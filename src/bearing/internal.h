@@ -32,6 +32,8 @@ struct bearing_window {
 	void *roof_scratch;
 	size_t roof_bytes;
 	bool roofed;      /* a body is near: read `highest` */
+	int32_t *before;  /* offsets before the contacts; made when a body carries soil */
+	size_t before_posts;
 };
 
 /* The result of a region that waits to be put back. */
@@ -158,7 +160,17 @@ void bearing_roofs_open(struct bearing *bearing);
 int64_t bearing_roofs_part(struct bearing *bearing, struct post_rect laid);
 void bearing_roofs_finish(struct bearing_window *window);
 
+/* carried.c */
+/* Notes the offsets of the window, before bodies that carry soil sink in. Does nothing if none of the contacts' does. STATUS_MEMORY. */
+enum status bearing_carried_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count) FURROW_CHECKED;
+/* Takes soil aboard that lies above the body, of what a contact's member displaced. owner: its number in the window's owners; 0: all touched posts are its. */
+void bearing_carried_take(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact, uint8_t owner);
+/* Lets soil aboard settle after a contact, in the window. Widens what the member reached. STATUS_MEMORY. */
+enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact) FURROW_CHECKED;
+
 /* hold.c */
+/* Returns where a body at rest stands. */
+struct soil_pose bearing_rest_pose(const struct bearing *bearing, const struct deform_rest *rest);
 /* Marks posts that bodies at rest hold, in the window. STATUS_MEMORY. */
 enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
 /* Notes where these bodies rest, which must live while bearing_hold_near is called. STATUS_MEMORY. */

@@ -469,4 +469,6 @@ enum status soil_probe(const struct soil_law *law, const struct soil_planes *pla
 enum status soil_probe_among(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion,
 			     const struct soil_work *const *others, size_t count, struct soil_work *work, struct soil_probed *out) FURROW_CHECKED;
 
+#include "soil/carried.h"
+
 #endif
