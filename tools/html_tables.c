@@ -443,11 +443,18 @@ static bool has_soils(const struct html_run *run)
 	return cJSON_GetArraySize(html_at(run, "soils")) > 0;
 }
 
+/* Returns what bodies of a run carry, fixed-point units; 0: none may carry soil. */
+static double carried(const struct html_run *run)
+{
+	const double units = html_number(run, "volume.quanta.carried");
+	return units > 0 ? units : 0;
+}
+
 /* 0 to the unit where volume is conserved. A run of an older furrow has no added soil. */
 static double balance(const struct html_run *run)
 {
 	const double added = html_number(run, "volume.quanta.added");
-	return html_number(run, "volume.quanta.net") + html_number(run, "volume.quanta.compacted") - (isnan(added) ? 0 : added);
+	return html_number(run, "volume.quanta.net") + html_number(run, "volume.quanta.compacted") + carried(run) - (isnan(added) ? 0 : added);
 }
 
 void html_tables_volume(const struct html_report *report)
@@ -458,15 +465,21 @@ void html_tables_volume(const struct html_report *report)
 		{"net, fixed-point units", "volume.quanta.net", 1}, {"compacted, fixed-point units", "volume.quanta.compacted", 1},
 		{"added, fixed-point units", "volume.quanta.added", 1},
 	};
+	static const struct row aboard[] = {{"carried by bodies, m3", "volume.carried", 1}, {"carried by bodies, fixed-point units", "volume.quanta.carried", 1}};
+	bool carries = false;
+	for (size_t i = 0; i < report->count; i++)
+		carries = carries || html_at(&report->runs[i], "volume.carried") != NULL;
 	html_section(report, "volume", "Volume balance");
 	html_volume_plot(report);
 	html_table(report, "");
 	ROWS(report, list);
+	if (carries)
+		ROWS(report, aboard);
 	bool conserves = false;
 	for (size_t i = 0; i < report->count; i++)
 		conserves = conserves || has_soils(&report->runs[i]);
 	if (conserves)
-		html_row_head(report, "net + compacted - added, fixed-point units");
+		html_row_head(report, carries ? "net + compacted + carried - added, fixed-point units" : "net + compacted - added, fixed-point units");
 	for (size_t i = 0; i < report->count && conserves; i++)
 		html_number_cell(has_soils(&report->runs[i]) ? balance(&report->runs[i]) : (double)NAN, 1, report->file);
 	if (conserves)

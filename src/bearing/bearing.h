@@ -124,6 +124,19 @@ enum status bearing_interval_end(struct bearing *bearing) FURROW_CHECKED;
 /* Returns how many posts around its blocks an interval reads. */
 int64_t bearing_interval_rim(const struct bearing *bearing);
 
+/*
+ * --- soil aboard bodies: soil/carried ---
+ *
+ * A contact of a body that carries takes soil along, and lets soil slide over the edges (deform_contact.carried). Between contacts an interval does. Soil aboard
+ * counts in the tally as compacted: what is aboard of all bodies is a part of that.
+ */
+/* Returns the posts that it reads and may change, within the world. */
+struct post_rect bearing_carried_posts(const struct bearing *bearing, const struct soil_carried *carried, const struct deform_rest *rest);
+/* Lets soil aboard slide, or with `drops` puts all of it on the ground. rests: bodies that hold soil. held: all tiles that have these posts, pinned. *changed: posts whose
+ * planes changed, which are active now; empty: none. */
+enum status bearing_carried_settle(struct bearing *bearing, struct soil_carried *carried, const struct deform_rest *rest, bool drops, const struct deform_rest *rests, size_t count,
+				   const struct tile_slot *held, size_t held_count, struct post_rect *changed) FURROW_CHECKED;
+
 /* --- hands: several threads at once --- */
 
 /* Makes hands, `count` with the bearing itself, which is hand 0. Each computes contacts and regions beside the others, as long as they share no post. A hand

@@ -46,6 +46,7 @@ static enum status open_window(struct bearing *bearing, struct post_rect rect)
 {
 	TRY(bearing_window_need(bearing, rect));
 	memset(bearing->window.planes.contact, 0, window_posts(bearing));
+	bearing_roofs_clear(bearing);
 	return STATUS_OK;
 }
 
@@ -198,7 +199,7 @@ static void begin_parties(struct bearing *bearing, size_t count)
 	}
 }
 
-static void commit(struct bearing *bearing, size_t count, bool alone)
+static void commit(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, bool alone)
 {
 	struct bearing_window *window = &bearing->window;
 	struct bearing_member *members = bearing->members;
@@ -207,10 +208,12 @@ static void commit(struct bearing *bearing, size_t count, bool alone)
 	begin_parties(bearing, count);
 	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &members[i];
-		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid, .carried = window->carried + member->at};
+		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid, .carried = window->carried + member->at, .notes = contacts[i].contact->carried != NULL};
 		const struct soil_sink_shared shared = {count > 1 && member->crosses ? bearing->claims + member->at : NULL, window->owners + member->at, (uint8_t)(i + 1)};
 		if (!member->feels)
 			soil_sink_commit(member->work, &sink, alone ? NULL : &shared, &member->imprint);
+		if (!member->feels && contacts[i].contact->carried != NULL)
+			bearing_carried_take(bearing, member, contacts[i].contact, alone ? 0 : (uint8_t)(i + 1));
 	}
 	for (size_t i = 0; i < count; i++)
 		if (members[i].party != i && !members[i].feels) {
@@ -237,6 +240,7 @@ static bool lay(struct bearing *bearing, size_t count, bool alone)
 {
 	struct bearing_window *window = &bearing->window;
 	bool any = false;
+	bearing_roofs_close(bearing);
 	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &bearing->members[i];
 		if (member->feels || member->imprint.measured.carried <= 0)
@@ -248,6 +252,9 @@ static bool lay(struct bearing *bearing, size_t count, bool alone)
 		soil_lay(&member->laying, &member->imprint.measured, bearing->laid, &window->planes, patch, window->carried, member->write, window->scratch, window->deposits,
 			 &member->laid);
 	}
+	bearing_roofs_open(bearing);
+	for (size_t i = 0; i < count && any; i++)
+		bearing->members[i].laid.compacted += bearing_roofs_part(bearing, bearing->members[i].laid.posts);
 	return any;
 }
 
@@ -300,7 +307,8 @@ static enum status slide(struct bearing *bearing, struct bearing_contact *contac
 	}
 	if (post_rect_empty(slide.written))
 		return STATUS_OK;
-	soil_slide_window(&bearing->rule, &window->planes, &slide, window->scratch, window->words, &slid);
+	struct soil_roofs roofs;
+	soil_slide_window_below(&bearing->rule, &window->planes, &slide, bearing_roofs(bearing, &roofs), window->scratch, window->words, &slid);
 	bool first = true;
 	const struct post_rect changed = post_rect_intersect(slide.written, post_rect_grown(post_rect_joined(reached, slide.posts), 1));
 	for (size_t i = 0; i < count; i++) {
@@ -345,9 +353,13 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 		bearing->feels += contacts[i].feels;
 	}
 	const bool alone = count == 1 && bearing->rest_count == 0;
-	commit(bearing, count, alone);
+	TRY(bearing_carried_begin(bearing, contacts, count));
+	commit(bearing, contacts, count, alone);
 	TRY(bearing_hold(bearing, bearing->rests, bearing->rest_count));
 	const bool deposits = lay(bearing, count, alone);
+	for (size_t i = 0; i < count; i++)
+		if (contacts[i].contact->carried != NULL && !contacts[i].feels)
+			TRY(bearing_carried_after(bearing, &bearing->members[i], contacts[i].contact));
 	put_clusters(bearing, count);
 	for (size_t i = 0; i < count; i++)
 		TRY(slide(bearing, contacts, count, i, deposits));

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "bearing/internal.h"
 
-static struct soil_pose pose_of(const struct bearing *bearing, const struct deform_rest *rest)
+struct soil_pose bearing_rest_pose(const struct bearing *bearing, const struct deform_rest *rest)
 {
 	struct soil_pose pose = rest->pose;
 	if (rest->loaded_body > 0)
@@ -15,7 +15,7 @@ static struct soil_pose pose_of(const struct bearing *bearing, const struct defo
 
 static struct post_rect shadow_of(const struct bearing *bearing, const struct deform_rest *rest)
 {
-	const struct soil_pose pose = pose_of(bearing, rest);
+	const struct soil_pose pose = bearing_rest_pose(bearing, rest);
 	return soil_shadow(rest->shape, &pose, &pose, bearing->law.spacing);
 }
 
@@ -23,8 +23,10 @@ static enum status hold(struct bearing *bearing, const struct deform_rest *rest)
 {
 	struct soil_planes *planes = &bearing->window.planes;
 	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
-	const struct soil_pose pose = pose_of(bearing, rest);
+	const struct soil_pose pose = bearing_rest_pose(bearing, rest);
 	const struct soil_kinematic_contact contact = {.shape = rest->shape};
+	if (bearing->bears)
+		return bearing_roof(bearing, rest->shape, &pose);
 	TRY(bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &contact, planes->width, (size_t)(planes->rect.y1 - planes->rect.y0))));
 	soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);
 	return STATUS_OK;

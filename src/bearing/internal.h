@@ -8,6 +8,7 @@
 #include "soil/law/posts.h"
 #include "soil/laying/laying.h"
 #include "soil/sink.h"
+#include "soil/sliding/roofs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +26,14 @@ struct bearing_window {
 	size_t scratch_bytes;
 	uint32_t *words;  /* flags of blocks */
 	size_t word_count;
+	/* Bodies at rest, below which soil does not rise: soil that bears. Made when the first of them is there. */
+	int32_t *highest;
+	size_t highest_posts;
+	void *roof_scratch;
+	size_t roof_bytes;
+	bool roofed;      /* a body is near: read `highest` */
+	int32_t *before;  /* offsets before the contacts; made when a body carries soil */
+	size_t before_posts;
 };
 
 /* The result of a region that waits to be put back. */
@@ -137,7 +146,31 @@ struct soil_motion bearing_motion_of(const struct deform_contact *contact);
 void bearing_tell(const struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, const struct soil_forces *from,
 		  struct deform_forces *forces);
 
+/* roofs.c */
+/* Marks posts that a body at rest holds, and notes how high soil may rise below it. STATUS_MEMORY. */
+enum status bearing_roof(struct bearing *bearing, const struct soil_shape *shape, const struct soil_pose *pose) FURROW_CHECKED;
+/* The window has no bodies at rest from now on. */
+void bearing_roofs_clear(struct bearing *bearing);
+/* Gives the roofs of the window for sliding. Returns NULL if there are none. */
+const struct soil_roofs *bearing_roofs(const struct bearing *bearing, struct soil_roofs *roofs);
+/* Lets no soil be laid where a body leaves little room, and ends that. */
+void bearing_roofs_close(struct bearing *bearing);
+void bearing_roofs_open(struct bearing *bearing);
+/* Moves laid soil that has no room below a body to other posts on which soil was laid in `laid`. Returns what found none, fixed-point units. */
+int64_t bearing_roofs_part(struct bearing *bearing, struct post_rect laid);
+void bearing_roofs_finish(struct bearing_window *window);
+
+/* carried.c */
+/* Notes the offsets of the window, before bodies that carry soil sink in. Does nothing if none of the contacts' does. STATUS_MEMORY. */
+enum status bearing_carried_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count) FURROW_CHECKED;
+/* Takes soil aboard that lies above the body, of what a contact's member displaced. owner: its number in the window's owners; 0: all touched posts are its. */
+void bearing_carried_take(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact, uint8_t owner);
+/* Lets soil aboard settle after a contact, in the window. Widens what the member reached. STATUS_MEMORY. */
+enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact) FURROW_CHECKED;
+
 /* hold.c */
+/* Returns where a body at rest stands. */
+struct soil_pose bearing_rest_pose(const struct bearing *bearing, const struct deform_rest *rest);
 /* Marks posts that bodies at rest hold, in the window. STATUS_MEMORY. */
 enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
 /* Notes where these bodies rest, which must live while bearing_hold_near is called. STATUS_MEMORY. */

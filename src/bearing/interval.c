@@ -133,10 +133,12 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	struct bearing_region *region = &bearing->main->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
+	struct soil_roofs roofs;
+	bearing_roofs_clear(bearing);
 	TRY(bearing_hold_near(bearing));
 	soil_active_close(&bearing->main->active, planes);
 	bearing->slid++;
-	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);
+	soil_slide_region_below(&bearing->rule, planes, region->blocks, bearing_roofs(bearing, &roofs), bearing->window.scratch, bearing->window.words);
 	TRY(soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words));
 	region->offset = bearing->main->memory + region->at;
 	int32_t *const next = region->offset + width * height;

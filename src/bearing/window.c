@@ -159,5 +159,7 @@ void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held
 
 void bearing_window_finish(struct bearing_window *window)
 {
+	bearing_roofs_finish(window);
+	mem_free(window->before);
 	mem_free_all(window->memory, window->scratch, window->words);
 }

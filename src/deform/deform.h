@@ -18,6 +18,8 @@
 #include "gpu/gpu.h"
 #include "soil/soil.h"
 
+struct soil_carried; /* soil/carried.h */
+
 /* A contact: the object moves straight from `from` to `to` with the attitude of `to`. A first contact has from == to. */
 struct deform_contact {
 	const struct soil_shape *shape;
@@ -39,6 +41,7 @@ struct deform_contact {
 	/* The object is above all ground of its windows before the contact. The distance exceeds the rounding of its lower
 	 * envelope. */
 	bool above;
+	struct soil_carried *carried; /* for soil that bears: what the object carries (soil/carried.h), and may take along; NULL: nothing */
 };
 
 /*

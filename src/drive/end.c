@@ -141,8 +141,21 @@ static const char *ending(const struct drive *drive, enum status status)
 	return status == STATUS_INTERRUPTED ? "interrupted" : "failed";
 }
 
+/* Tells soil that bodies have aboard at the end. */
+static void tell_carried(const struct world *world)
+{
+	for (size_t i = 0; i < world_scene(world)->object_count; i++) {
+		const struct world_aboard aboard = world_aboard(world, i);
+		if (aboard.units > 0)
+			note("objects.%s: has %.4g l of soil aboard, %.4g N; it is not on the ground, and counts as compacted for a drive that does not resume this one",
+			     world_scene(world)->objects[i].name, 1e3 * aboard.volume, aboard.weight);
+	}
+}
+
 static void tell_end(struct drive *drive, const char *ended)
 {
+	if (drive_writes(drive) && world_carries(drive->world))
+		tell_carried(drive->world);
 	if (strcmp(ended, "complete") == 0 && drive_writes(drive)) {
 		tell_on_the_way(drive);
 		report_end_notes(&drive->report, tell_note, NULL);

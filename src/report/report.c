@@ -216,7 +216,8 @@ static void add_io(cJSON *root, const struct report *report, const struct reside
 	json_integer(object, "commits", io->commits);
 }
 
-static void add_volume(cJSON *root, double spacing, const struct pages_sums *sums)
+/* carried: units that bodies carry. The sums count them as compacted. tells: a body may carry some. */
+static void add_volume(cJSON *root, double spacing, const struct pages_sums *sums, bool tells, int64_t carried)
 {
 	double unit = lattice_offset_metres(1) * spacing * spacing;
 	int64_t removed = -sums->below, raised = sums->above;
@@ -224,14 +225,18 @@ static void add_volume(cJSON *root, double spacing, const struct pages_sums *sum
 	json_number(volume, "removed", (double)removed * unit);
 	json_number(volume, "raised", (double)raised * unit);
 	json_number(volume, "net", (double)(raised - removed) * unit);
-	json_number(volume, "compacted", (double)sums->compacted * unit);
+	json_number(volume, "compacted", (double)(sums->compacted - carried) * unit);
 	json_number(volume, "added", (double)sums->added * unit);
+	if (tells)
+		json_number(volume, "carried", (double)carried * unit);
 	cJSON *units = cJSON_AddObjectToObject(volume, "quanta");
 	json_integer(units, "removed", removed);
 	json_integer(units, "raised", raised);
 	json_integer(units, "net", raised - removed);
-	json_integer(units, "compacted", sums->compacted);
+	json_integer(units, "compacted", sums->compacted - carried);
 	json_integer(units, "added", sums->added);
+	if (tells)
+		json_integer(units, "carried", carried);
 }
 
 /* Adds an interface in the scene's units. null: the soil's own number. Adds nothing if both numbers are the soil's own. */
@@ -275,6 +280,13 @@ static void add_objects(cJSON *root, const struct report *report)
 		json_number(object, "load", body->object->load > 0 ? body->object->load : (double)NAN);
 		json_number(object, "slip", body->object->slip);
 		add_interface(object, &body->object->interface);
+		if (body->object->carry) {
+			const struct world_aboard aboard = world_aboard(report->world, i);
+			cJSON *told = cJSON_AddObjectToObject(object, "carried");
+			json_number(told, "volume", aboard.volume);
+			json_number(told, "weight", aboard.weight);
+			json_integer(told, "quanta", aboard.units);
+		}
 		if (body->object->load > 0 && body->has_last)
 			json_number(object, "z", lattice_offset_metres(body->equilibrium));
 		json_integer(object, "skipped", body->skipped);
@@ -487,7 +499,7 @@ char *report_json(const struct report *report, const char *ended)
 	json_integer(root, "working_level", world_resident(report->world)->level);
 	if (world_relief(report->world) != NULL)
 		cJSON_AddRawToObject(root, "relief", store_relief_text(world_resident(report->world)->store));
-	add_volume(root, world_resident(report->world)->spacing, &io.sums);
+	add_volume(root, world_resident(report->world)->spacing, &io.sums, world_carries(report->world), world_carried_total(report->world));
 	add_objects(root, report);
 	add_vehicles(root, report);
 	add_soils(root, report);
@@ -504,7 +516,7 @@ enum status report_gathered(char **json, const struct world_ranked *ranked, int 
 	TRY_MEM(root, "run.json");
 	cJSON *forces = cJSON_GetObjectItemCaseSensitive(root, "forces");
 	cJSON_DeleteItemFromObjectCaseSensitive(root, "volume");
-	add_volume(root, cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(root, "spacing")), &ranked->sums);
+	add_volume(root, cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(root, "spacing")), &ranked->sums, false, 0);
 	if (forces != NULL) {
 		cJSON_DeleteItemFromObjectCaseSensitive(forces, "sunk");
 		cJSON_DeleteItemFromObjectCaseSensitive(forces, "slides");

@@ -123,6 +123,7 @@ struct scene_object {
 	struct scene_path path;
 	struct soil_mesh *mesh; /* owned by the object; it is also shape.mesh. NULL: no mesh */
 	double sink; /* metres that the object sinks below the base at the path's point; 0 if it has a load */
+	bool carry;  /* soil that comes onto it stays on it */
 	double load; /* N that the soil carries; given instead of `sink`, for models that compute forces. 0: no load */
 	/* of a wheel, for models that compute forces: 1 - distance / (radius x angle turned); below 0 if the wheel is dragged. Of a belt:
 	 * 1 - distance / what the belt ran */

@@ -125,6 +125,8 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_part(state, 'l', index);
 		add_number(state, object->load);
 	}
+	if (object->carry)
+		add_part(state, 'k', index);
 	add_way(state, index, &object->path);
 	if (object->slip != 0) {
 		add_part(state, 's', index);

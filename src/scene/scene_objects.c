@@ -71,6 +71,11 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 	if (raw->slip != NULL && !forces)
 		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: %s}", model, scene_models_with_forces().text);
+	if (raw->carry != NULL && *raw->carry && !forces)
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].carry", index), "model %s lets no soil lie on a body; allowed with: redistribute: {model: %s}", model,
+				   scene_models_with_forces().text);
+	if (raw->carry != NULL && *raw->carry && object->shape.kind != SOIL_BOX && object->shape.kind != SOIL_MESH)
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].carry", index), "soil rolls off this shape; allowed with: box, mesh");
 	if (raw->interface != NULL && !forces)
 		return scene_error(tree->file, interface, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: %s}", model, scene_models_with_forces().text);
@@ -108,6 +113,7 @@ static enum status take_object(const struct scene_tree *tree, const struct raw_o
 	object->sink = raw->sink != NULL ? *raw->sink : 0;
 	object->load = raw->load != NULL ? *raw->load : 0;
 	object->slip = raw->slip != NULL ? *raw->slip : 0;
+	object->carry = raw->carry != NULL && *raw->carry;
 	object->interface = interface_of(raw->interface);
 	if (raw->name != NULL)
 		TRY(take_name(tree, scene, index, raw->name, object));

@@ -88,6 +88,7 @@ static const cyaml_schema_field_t object_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("sink", OPTIONAL, struct raw_object, sink),
 	CYAML_FIELD_FLOAT_PTR("load", OPTIONAL, struct raw_object, load),
 	CYAML_FIELD_FLOAT_PTR("slip", OPTIONAL, struct raw_object, slip),
+	CYAML_FIELD_BOOL_PTR("carry", OPTIONAL, struct raw_object, carry),
 	CYAML_FIELD_SEQUENCE("attitude", OPTIONAL_POINTER, struct raw_object, attitude, &float_entry, 3, 3),
 	CYAML_FIELD_MAPPING_PTR("interface", OPTIONAL, struct raw_object, interface, interface_fields),
 	CYAML_FIELD_END,

@@ -67,6 +67,7 @@ struct raw_object {
 	struct raw_shape shape;
 	struct raw_path *path;
 	double *sink, *load, *slip;
+	bool *carry;
 	double *attitude; /* 3: yaw, pitch, roll */
 	uint32_t attitude_count;
 	struct raw_interface *interface;

@@ -53,6 +53,8 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	row->givers += a->carried[i] > 0;
 	row->classes |= a->carried[i] > 0 ? 1u << (class < SOIL_CLASSES ? class : SOIL_CLASSES - 1) : 0;
 	row->deep = deep > row->deep ? deep : row->deep;
+	if (sink->carried != NULL && sink->notes)
+		sink->carried[at] = a->carried[i];
 	if (!sink->laying->front || sink->carried == NULL)
 		return;
 	sink->carried[at] = a->carried[i];

@@ -10,6 +10,7 @@ struct soil_sink {
 	const struct soil_laying *laying;
 	const struct soil_laid *soils; /* SOIL_CLASSES: how each soil is laid */
 	int32_t *carried;              /* a plane of its planes' posts: what those that it touches give away, and how far it is above others. Filled if laying->front. NULL: nothing will be laid */
+	bool notes;                    /* `carried` is filled whatever the laying is */
 	int32_t start;                 /* with a load: where the search begins, fixed-point units above motion->to.z */
 };
 

@@ -58,7 +58,7 @@ bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
 double soil_shape_ran(const struct soil_shape *shape, double turned);
-#define SOIL_LAW 5 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
+#define SOIL_LAW 6 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
 #define SOIL_SHAPE_POSTS 672 /* the widest body, in posts */
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status soil_shape_check(const struct soil_shape *shape, double spacing) FURROW_CHECKED;
@@ -468,5 +468,7 @@ enum status soil_probe(const struct soil_law *law, const struct soil_planes *pla
 /* The same where other bodies may be over the same ground: soil_sink_begin (soil/sink.h) was called for each. */
 enum status soil_probe_among(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion,
 			     const struct soil_work *const *others, size_t count, struct soil_work *work, struct soil_probed *out) FURROW_CHECKED;
+
+#include "soil/carried.h"
 
 #endif

@@ -189,18 +189,22 @@ enum status world_list_body(struct world *world, enum body_kind kind, const stru
 enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	TRY(mem_zeroed(&world->record, 1, world_record_bytes_with(scene->object_count, world->params.attached), "the objects"));
+	const size_t carried = world_carried_numbers(world);
+	TRY(mem_zeroed(&world->record, 1, world_record_bytes_with(scene->object_count, world->params.attached) + carried * sizeof(int64_t), "the objects"));
 	world->record->attached_count = world->params.attached;
+	world->record->carried_count = carried;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		TRY(world_list_body(world, object->path.count == 0 ? BODY_HOST : BODY_PATH, object, NULL));
 		TRY(soil_shape_check(&object->shape, world->resident.spacing));
+		TRY(world_carried_make(world, world->bodies[i]));
 		if (object->path.count == 0)
 			continue;
 		world->bodies[i]->loaded_body = object->load > 0 ? ++loaded_bodies : 0;
 		TRY(make_track(world, world->bodies[i]));
 	}
+	world_carried_record(world, world->record);
 	return STATUS_OK;
 }
 
@@ -209,6 +213,7 @@ void world_body_free(struct body *body)
 	if (body == NULL)
 		return;
 	motion_track_destroy(body->track);
+	soil_carried_destroy(body->carried);
 	if (body->host.owned != NULL)
 		scene_object_finish(body->host.owned);
 	mem_free_all(body->host.owned, body);

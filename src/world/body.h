@@ -80,6 +80,7 @@ struct body {
 	uint64_t met_turn;        /* meet.c: when its contacts waited last, and how many */
 	size_t met;
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
+	struct soil_carried *carried; /* carried.c: soil aboard; NULL: it carries none */
 	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
 	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
 	struct body_failed {
@@ -96,6 +97,14 @@ struct body {
 const struct body *world_body(const struct world *world, size_t number);
 /* Returns how many numbers were given out: those of the scene's objects, of added bodies, and of removed ones. */
 size_t world_body_count(const struct world *world);
+/* What a body carries: units are 2^-20 m, summed over posts; m3; N. All 0: nothing, or there is no such body. */
+struct world_aboard {
+	int64_t units;
+	double volume, weight;
+};
+struct world_aboard world_aboard(const struct world *world, size_t number);
+bool world_carries(const struct world *world);          /* a body may carry soil */
+int64_t world_carried_total(const struct world *world); /* units that all bodies carry */
 /* Gives the present place of a body on its path. `place`: local metres, on the base. `yaw`: radians from east to north. */
 void world_place(const struct world *world, size_t body, double place[3], double *yaw);
 

@@ -174,7 +174,8 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.from = body->has_last ? body->last : event->pose,
 		.to = event->pose,
 		.trend = body->trend,
-		.load = body->object->load,
+		.load = body->object->load > 0 ? body->object->load + world_carried_load(world, body) : 0,
+		.carried = body->carried,
 		.loaded_body = body->loaded_body,
 	};
 	if (world_is_hosted(body)) {

@@ -196,6 +196,13 @@ static enum status add_vehicles(struct forces *forces, double t)
 	return STATUS_OK;
 }
 
+/* Adds the weight of what a body carries. */
+static struct world_force with_load(const struct world *world, const struct body *body, struct world_force force)
+{
+	world_carried_force(world, body, force.force, force.moment);
+	return force;
+}
+
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
 {
 	if (forces == NULL || forces->rate == 0)
@@ -210,7 +217,7 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 			const struct standing *at = &forces->standing[i];
 			const struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
 			if (at->placed && !world->bodies[i]->elsewhere)
-				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, force}));
+				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force)}));
 		}
 		TRY(add_vehicles(forces, t));
 	}

@@ -79,6 +79,14 @@ struct deform_planned world_planned_host(const struct soil_shape *shape)
 	return (struct deform_planned){shape, true, shape->kind == SOIL_WHEEL};
 }
 
+static enum status may_carry(struct world *world, struct scene_object *object, struct soil_carried **carried)
+{
+	struct body body = {.object = object};
+	const enum status status = world_carried_make(world, &body);
+	*carried = body.carried;
+	return status;
+}
+
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number)
 {
 	const struct deform_planned planned = world_planned_host(&object->shape);
@@ -87,6 +95,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 		return fail_with(STATUS_INPUT, "%s: it has a path; a body that is added is the host's: leave the path out, or put it into the "
 					       "scene's objects", object->name);
 	struct scene_object *owned = NULL;
+	struct soil_carried *carried = NULL;
 	enum status status;
 	TRY_OR(failed, soil_shape_check(&object->shape, world->resident.spacing));
 	TRY_OR(failed, world_shape_budget(world, object->name, &object->shape));
@@ -96,12 +105,19 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (world->deform != NULL)
 		TRY_OR(failed, deform_warm(world->deform, &planned));
 	owned = mem_calloc(1, sizeof *owned);
-	TRY_OR(failed, owned != NULL ? world_list_body(world, BODY_HOST, owned, owned) : fail_memory("a body"));
+	TRY_OR(failed, owned != NULL ? STATUS_OK : fail_memory("a body"));
+	if (object->carry)
+		TRY_OR(failed, may_carry(world, object, &carried));
+	TRY_OR(failed, world_list_body(world, BODY_HOST, owned, owned));
 	*owned = *object;
+	world->bodies[world->body_count - 1]->carried = carried;
+	if (carried != NULL)
+		carried->shape = &owned->shape;
 	*number = (int32_t)world->body_count - 1;
 	return STATUS_OK;
 failed:
 	mem_free(owned);
+	soil_carried_destroy(carried);
 	world_names_freed(world, object->name); /* it is free again */
 	return status;
 }

@@ -130,7 +130,7 @@ void world_rotation_between(const double from[4], const double to[4], double rot
 /* Computes the contact at the body's present state. probed->known false: it is not known. */
 enum status world_probes_now(struct world *world, int32_t number, struct soil_probed *probed) FURROW_CHECKED;
 /* told.c: fills a contact from what a probe computed. */
-void world_tell_probed(const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_probed *probed,
+void world_tell_probed(const struct world *world, const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_probed *probed,
 		       double time, struct furrow_contact *contact);
 
 /* --- changes.c --- */
@@ -254,6 +254,26 @@ void world_intervals_from(struct world *world, double time);
 enum status world_intervals(struct world *world, double time, bool at_it) FURROW_CHECKED;
 /* The body no longer rests there: the ground under it may relax again. */
 enum status world_let_go(struct world *world, const struct body *body) FURROW_CHECKED;
+
+/* --- carried.c: soil aboard bodies --- */
+
+/* Lets a body carry soil if its object has `carry`. STATUS_INPUT: there are other ranks. */
+enum status world_carried_make(struct world *world, struct body *body) FURROW_CHECKED;
+bool world_carried_awake(const struct world *world); /* soil aboard may go on sliding, or is to be put down */
+/* Lets soil aboard all bodies settle. rests: how many bodies world->relaxation.rests lists. */
+enum status world_carried_settle(struct world *world, size_t rests) FURROW_CHECKED;
+/* Adds the weight of what a body carries to a force, N, and a moment about its centre, N m. world_carried_load: the weight alone, N. */
+void world_carried_force(const struct world *world, const struct body *body, double force[3], double moment[3]);
+double world_carried_load(const struct world *world, const struct body *body);
+/* Numbers of a record: how many there are, to it, and from it after bodies have theirs. */
+size_t world_carried_numbers(const struct world *world);
+void world_carried_record(const struct world *world, struct record *record);
+enum status world_carried_resume(struct world *world) FURROW_CHECKED;
+/* For a checkpoint. */
+struct carried_saved;
+enum status world_carried_save(const struct world *world, struct carried_saved ***out, size_t *count) FURROW_CHECKED;
+void world_carried_restore(struct world *world, struct carried_saved *const *saved, size_t count);
+void world_carried_saved_free(struct carried_saved **saved, size_t count);
 
 /* --- near.c: bodies near each other --- */
 

@@ -177,7 +177,7 @@ static enum status probe(struct world *world, int32_t number, const struct furro
 	belt = belt != NULL ? belt : &body->host.belt;
 	TRY(probe_one(world, (size_t)number, &state, belt, &probed));
 	if (probed.known)
-		world_tell_probed(body, &state, belt, &probed, world->time, contact);
+		world_tell_probed(world, body, &state, belt, &probed, world->time, contact);
 	return STATUS_OK;
 }
 

@@ -21,6 +21,16 @@ size_t world_record_bytes_with(size_t objects, size_t attached)
 	return world_record_bytes(objects) + attached * sizeof(double);
 }
 
+size_t world_record_bytes_of(const struct record *record, size_t objects)
+{
+	return world_record_bytes_with(objects, record->attached_count) + record->carried_count * sizeof(int64_t);
+}
+
+int64_t *world_record_carried(struct record *record, size_t objects)
+{
+	return (int64_t *)(void *)(world_record_attached(record, objects) + record->attached_count);
+}
+
 double *world_record_attached(struct record *record, size_t objects)
 {
 	return (double *)(void *)&record->objects[objects];
@@ -70,7 +80,27 @@ static bool put_trend(cJSON *object, const struct soil_trend *trend)
 	return cJSON_AddStringToObject(object, "trend", text) != NULL;
 }
 
-static bool put_object(cJSON *objects, const struct record_object *from, const char *name)
+/* "index,number;" for each that is not 0. Without soil aboard the record is as it was before there was any. */
+static bool put_carried(cJSON *object, const int64_t *numbers, size_t count)
+{
+	const size_t most = 2 * 20 + 3;
+	size_t has = 0;
+	for (size_t i = 0; i < count; i++)
+		has += numbers[i] != 0;
+	if (has == 0)
+		return true;
+	char *text = mem_alloc(has * most + 1, 1), *at = text;
+	if (text == NULL)
+		return false;
+	for (size_t i = 0; i < count; i++)
+		if (numbers[i] != 0)
+			at += snprintf(at, most, "%zu,%lld;", i, (long long)numbers[i]);
+	const bool whole = cJSON_AddStringToObject(object, "carried", text) != NULL;
+	mem_free(text);
+	return whole;
+}
+
+static bool put_object(cJSON *objects, const struct record_object *from, const char *name, const int64_t *carried)
 {
 	cJSON *object = cJSON_CreateObject();
 	if (!cJSON_AddItemToArray(objects, object)) {
@@ -84,7 +114,7 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 	       put_real(object, "pitch", from->last.pitch) && put_real(object, "roll", from->last.roll) &&
 	       put_real(object, "turn", from->last.turn) && put_force(object, &from->force) &&
 	       put_real(object, "distance", from->distance) && put_real(object, "sinkage", from->sinkage) &&
-	       put_whole(object, "skipped", from->skipped) && put_trend(object, &from->trend);
+	       put_whole(object, "skipped", from->skipped) && put_trend(object, &from->trend) && put_carried(object, carried, from->carried);
 }
 
 /* "x,y;" for each block. */
@@ -122,14 +152,15 @@ static bool put_attached(cJSON *root, const struct record *record, size_t object
 char *world_record_print(const struct record *record, const struct scene *scene, const struct pages_sums *sums)
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
+	const int64_t *carried = world_record_carried((struct record *)record, scene->object_count);
 	bool whole = cJSON_AddNumberToObject(root, "version", VERSION) != NULL &&
 		     put_whole(root, "law", record->law) && put_whole(root, "level", record->level) &&
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
 		     put_whole(root, "compacted", sums->compacted) && put_whole(root, "sunk", sums->sunk) &&
 		     put_whole(root, "slid", sums->slid) && (sums->added == 0 || put_whole(root, "added", sums->added)) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
-	for (size_t i = 0; i < scene->object_count && whole; i++)
-		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
+	for (size_t i = 0; i < scene->object_count && whole; carried += record->objects[i].carried, i++)
+		whole = put_object(objects, &record->objects[i], scene->objects[i].name, carried);
 	whole = whole && put_attached(root, record, scene->object_count);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
 	cJSON_Delete(root);
@@ -239,6 +270,34 @@ static bool get_trend(const cJSON *object, struct soil_trend *trend)
 	return true;
 }
 
+/* Reads a number of a block's place, and the character `behind` after it. */
+static bool get_place(const char **at, char behind, int64_t *value)
+{
+	char *end;
+	if (**at < '0' || **at > '9')
+		return false;
+	errno = 0;
+	*value = strtoll(*at, &end, 10);
+	*at = end + 1;
+	return errno == 0 && *end == behind;
+}
+
+/* Reads what put_carried wrote. */
+static bool get_carried(const cJSON *object, int64_t *numbers, size_t count)
+{
+	const char *at = get_text(object, "carried");
+	memset(numbers, 0, count * sizeof *numbers);
+	if (!cJSON_HasObjectItem(object, "carried"))
+		return true;
+	while (at != NULL && *at != '\0') {
+		int64_t index, value;
+		if (!get_place(&at, ',', &index) || !get_place(&at, ';', &value) || (uint64_t)index >= count)
+			return false;
+		numbers[index] = value;
+	}
+	return at != NULL;
+}
+
 static bool get_object(const cJSON *object, const char *name, struct record_object *to)
 {
 	const char *named = get_text(object, "name");
@@ -250,18 +309,6 @@ static bool get_object(const cJSON *object, const char *name, struct record_obje
 	       get_real(object, "turn", &to->last.turn) && get_force(object, &to->force) && get_real(object, "distance", &to->distance) &&
 	       to->distance >= 0 && get_real(object, "sinkage", &to->sinkage) &&
 	       get_whole(object, "skipped", 0, &to->skipped) && to->skipped <= to->next && get_trend(object, &to->trend);
-}
-
-/* Reads a number of a block's place, and the character `behind` after it. */
-static bool get_place(const char **at, char behind, int64_t *value)
-{
-	char *end;
-	if (**at < '0' || **at > '9')
-		return false;
-	errno = 0;
-	*value = strtoll(*at, &end, 10);
-	*at = end + 1;
-	return errno == 0 && *end == behind;
 }
 
 static bool get_active(const cJSON *root, struct record *record)
@@ -304,8 +351,9 @@ static enum status parse_objects(const cJSON *objects, const char *store, const 
 		return world_record_damaged(store, why);
 	}
 	const cJSON *object = objects->child;
-	for (size_t i = 0; i < count; i++, object = object->next)
-		if (!get_object(object, scene->objects[i].name, &record->objects[i])) {
+	int64_t *carried = world_record_carried(record, count);
+	for (size_t i = 0; i < count; carried += record->objects[i].carried, i++, object = object->next)
+		if (!get_object(object, scene->objects[i].name, &record->objects[i]) || !get_carried(object, carried, record->objects[i].carried)) {
 			snprintf(why, sizeof why, "object %zu of %zu", i + 1, count);
 			return world_record_damaged(store, why);
 		}

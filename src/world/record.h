@@ -27,6 +27,7 @@ struct record_object {
 	double distance, sinkage; /* m */
 	int64_t skipped;          /* number of path samples without contact */
 	struct world_force force;
+	size_t carried;           /* numbers of soil aboard, in the record's last part; 0: it carries none */
 };
 
 struct record {
@@ -39,12 +40,17 @@ struct record {
 	int64_t added;        /* soil that was brought since the world was opened, below 0: taken; 2^-20 m, summed over posts */
 	size_t active_count;  /* active blocks, where soil may still relax */
 	struct soil_block active[DEFORM_BLOCKS_MAX];
+	size_t carried_count;  /* numbers of soil aboard bodies, of all objects in turn; they follow the attached ones */
 	size_t attached_count; /* numbers that another part of the run keeps (struct world_attached); they follow the objects */
 	struct record_object objects[]; /* one for each of the scene's objects, in its order */
 };
 
 size_t world_record_bytes(size_t objects);
 size_t world_record_bytes_with(size_t objects, size_t attached);
+/* Returns the bytes of a record with all its parts. */
+size_t world_record_bytes_of(const struct record *record, size_t objects);
+/* Returns the numbers of soil aboard (struct soil_carried) of a record with so many objects. */
+int64_t *world_record_carried(struct record *record, size_t objects);
 /* Returns the attached numbers of a record with so many objects. */
 double *world_record_attached(struct record *record, size_t objects);
 /* Returns the functions with which pages write the records of a scene. The scene must stay valid as long as they are used. */

@@ -156,8 +156,9 @@ static enum status interval(struct world *world, size_t *blocks)
 	for (size_t i = 0; i < size.parts; i++)
 		TRY(scatter(world, i));
 	if (*blocks == 0)
-		return STATUS_OK;
-	return world->bearing != NULL ? bearing_interval_end(world->bearing) : deform_interval_end(world->deform);
+		return world_carried_settle(world, rests_of(world));
+	TRY(world->bearing != NULL ? bearing_interval_end(world->bearing) : deform_interval_end(world->deform));
+	return world_carried_settle(world, rests_of(world));
 }
 
 static enum status one_interval(struct world *world, size_t *blocks)
@@ -187,7 +188,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 		TRY_OR(done, world_batches_flush(world));
 		TRY_OR(done, one_interval(world, &blocks));
 		/* If no block is active, none becomes active by itself. */
-		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
+		world->relaxation.intervals = blocks > 0 || world_carried_awake(world) ? world->relaxation.intervals + 1 : over;
 	}
 done:
 	world_stage_enter(world, stage);

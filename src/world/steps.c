@@ -54,6 +54,7 @@ enum status world_fill_record(struct world *world)
 			.skipped = body->skipped,
 		};
 	}
+	world_carried_record(world, record);
 	return STATUS_OK;
 }
 

@@ -95,9 +95,10 @@ static double slip_of(const struct scene_object *object, const struct furrow_sta
 }
 
 /* Tells all but the slip. */
-static enum status fill(struct world *world, const struct scene_object *object, const struct furrow_state *state,
+static enum status fill(struct world *world, const struct body *body, const struct furrow_state *state,
 			const struct world_force *force, double time, enum furrow_contact_state touches, struct furrow_contact *contact)
 {
+	const struct scene_object *object = body->object;
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = touches;
@@ -105,15 +106,19 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	enum status status = normal_at(world, state->pose.position, contact->normal);
 	if (status != STATUS_OK || !world_feels(world))
 		return status;
-	memcpy(contact->force, force->force, sizeof contact->force);
-	memcpy(contact->moment, force->moment, sizeof contact->moment);
+	double carries[3], turns[3];
+	memcpy(carries, force->force, sizeof carries);
+	memcpy(turns, force->moment, sizeof turns);
+	world_carried_force(world, body, carries, turns);
+	memcpy(contact->force, carries, sizeof contact->force);
+	memcpy(contact->moment, turns, sizeof contact->moment);
 	contact->area = force->area;
 	contact->pull = object->shape.belt ? force->pull : (double)NAN;
 	struct soil_pose pose = {.x = 0};
 	status = world_attitude(&object->shape, object->name, &state->pose, &pose);
 	if (status != STATUS_OK)
 		return status;
-	line_of(state->pose.position, soil_shape_reach(&object->shape, pose.pitch, pose.roll), force->force, force->moment, contact->point);
+	line_of(state->pose.position, soil_shape_reach(&object->shape, pose.pitch, pose.roll), carries, turns, contact->point);
 	contact->normal_force = 0;
 	for (int i = 0; i < 3; i++)
 		contact->normal_force += contact->force[i] * contact->normal[i];
@@ -126,7 +131,7 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	return STATUS_OK;
 }
 
-void world_tell_probed(const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_probed *probed,
+void world_tell_probed(const struct world *world, const struct body *body, const struct furrow_state *state, const struct furrow_belt *belt, const struct soil_probed *probed,
 		       double time, struct furrow_contact *contact)
 {
 	const struct scene_object *object = body->object;
@@ -140,13 +145,17 @@ void world_tell_probed(const struct body *body, const struct furrow_state *state
 	contact->area = probed->area;
 	contact->normal_force = probed->normal_force;
 	contact->shear_limit = probed->shear_limit;
-	memcpy(contact->force, probed->force, sizeof contact->force);
-	memcpy(contact->moment, probed->moment, sizeof contact->moment);
+	double force[3], moment[3];
+	memcpy(force, probed->force, sizeof force);
+	memcpy(moment, probed->moment, sizeof moment);
+	world_carried_force(world, body, force, moment);
+	memcpy(contact->force, force, sizeof contact->force);
+	memcpy(contact->moment, moment, sizeof contact->moment);
 	memcpy(contact->normal, probed->normal, sizeof contact->normal);
 	memcpy(contact->stiffness, probed->stiffness, sizeof contact->stiffness);
 	memcpy(contact->damping, probed->damping, sizeof contact->damping);
 	if (world_attitude(&object->shape, object->name, &state->pose, &pose) == STATUS_OK)
-		line_of(state->pose.position, soil_shape_reach(&object->shape, pose.pitch, pose.roll), probed->force, probed->moment,
+		line_of(state->pose.position, soil_shape_reach(&object->shape, pose.pitch, pose.roll), force, moment,
 			contact->point);
 }
 
@@ -162,7 +171,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct furro
 		return STATUS_OK;
 	if (body->kind != BODY_PATH) {
 		struct soil_probed probed;
-		status = fill(world, body->object, &state, &body->host.force, body->host.told, body->host.state, contact);
+		status = fill(world, body, &state, &body->host.force, body->host.told, body->host.state, contact);
 		contact->slip = slip_of(body->object, &state, body->host.belt.speed, contact->normal);
 		if (status == STATUS_OK)
 			status = world_probes_now(world, number, &probed);
@@ -182,7 +191,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct furro
 	else
 		force.sinkage = body->sinkage;
 	/* The soil was last touched at the latest path sample. */
-	enum status filled = fill(world, body->object, &state, &force, motion_track_sample_time(body->track, body->next - 1), touches, contact);
+	enum status filled = fill(world, body, &state, &force, motion_track_sample_time(body->track, body->next - 1), touches, contact);
 	contact->slip = body->object->shape.belt || body->object->path.attitude[0] != 0 ? body->object->slip : slip_of(body->object, &state, 0, (const double[3]){0, 0, 1});
 	return filled;
 }

@@ -115,6 +115,7 @@ ROWS = {
     "objects[].sink": (PLAIN, {"objects.a.sink": "0.1"}),
     "objects[].load": (SCM, {"objects.a.load": "1200"}),
     "objects[].slip": (SCM, {"objects.a.slip": "0.1"}),
+    "objects[].carry": ({**SCM, "objects": "[{name: a, shape: {box: {size: [1, 1, 0.1]}}, path: {points: [[10, 20], [12, 20]], speed: 3}, sink: 0.3}]"}, {"objects.a.carry": "true"}),
     "objects[].attitude": (SCM, {"objects.a.attitude": "[30, 0, 0]"}),
     "objects[].interface.friction_angle": (SCM, {"objects.a.interface": "{friction_angle: 10}"}),
     "objects[].interface.adhesion": (SCM, {"objects.a.interface": "{adhesion: 10}"}),

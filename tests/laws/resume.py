@@ -47,6 +47,15 @@ cache: {{slots: 40}}
 """
 # They are dragged, braked, and go aslant, so each has a recent motion. By the modulus of their soil it shows for some steps.
 PUSHING = LOADED.replace("slip: 0.25", "slip: -0.4, attitude: [25, 0, 0]").replace("slip: 0.2,", "slip: 0.2, attitude: [10, 0, 0],")
+# They scoop soil, lose it where they turn down, and hand it to the ground.
+ABOARD = """output: {forces: 20}
+objects:
+  - {name: plate, shape: {box: {size: [6, 8, 0.5]}}, sink: 1.2, carry: true, path: {points: [[20, 20], [50, 40]], speed: 6}}
+  - {name: lifted, shape: {box: {size: [5, 6, 0.5]}}, carry: true, path: {file: scoop.csv}}
+cache: {slots: 40}
+"""
+SCOOP = "t,x,y,z,yaw,pitch,roll\n" + "".join(f"{t},{x},{y},{z},{yaw},{pitch},0\n" for t, x, y, z, yaw, pitch in (
+    (0, 80, 60, 99.4, 0, 0), (3, 95, 60, 99.4, 0, 0), (5, 96, 60, 102, 0, 0), (8, 110, 80, 102, 50, 0), (10, 110, 80, 103, 50, -55)))
 MAP = "soil: {{map: classes.png, classes: {{1: {0}, 2: {1}}}, default: {2}}}\n"
 PICTURES = """view: {size: [160, 90], camera: {overhead: {over: left, height: 40}}, effects: [texture], images: 7}
 """
@@ -70,6 +79,7 @@ SCENES = {
                       MAP.format("dry_sand", "lete_sand", "snow_us") + LOADED.format(), "gentle.furrow", []),
     "pushing": (HEAD.format(step=0.05, end=12, model="scm, faces: on, interval: 0.03") + "soil: {name: dry_sand, janosi_shear: 0.3}\n" +
                 PUSHING.format(), "gentle.furrow", []),
+    "aboard": (HEAD.format(step=0.07, end=12, model="scm, interval: 0.03") + "soil: {name: dry_sand}\n" + ABOARD, "gentle.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }
@@ -108,6 +118,7 @@ class Campaign:
         self.scene = self.folder / "scene.yaml"
         self.scene.write_text(text)
         (self.folder / "classes.png").write_bytes((test.folder / "classes.png").read_bytes())
+        (self.folder / "scoop.csv").write_text(SCOOP)
         (self.folder / "poses.csv").write_text("t,x,y,z,yaw,pitch,roll\n" + POSES)
         self.counts = dict.fromkeys(("kills", "before_first_epoch", "nothing_new", "not_acknowledged", "interrupts", "resumed", "drives"), 0)
 

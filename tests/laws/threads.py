@@ -61,6 +61,13 @@ class Threads(FurrowTest):
                 text = MANY % model
                 self.the_same(self.scene(text.replace("sink: 0.1", "sink: 0.1, slip: -0.5, attitude: [30, 0, 0]") if "faces" in model else text))
 
+    def test_plates_that_carry(self):
+        self.synth("plain.furrow", posts="129x129", kind="plain", relief=4)
+        text = (MANY % "scm").replace("wheel: {radius: 0.5, width: 0.3}", "box: {size: [1, 1.4, 0.1]}").replace("sink: 0.1", "sink: 0.3, carry: true")
+        one = self.the_same(self.scene(text))
+        self.assertGreater(one[2][0]["carried"], 0.1)
+        self.assertEqual(sum(one[2][0]["quanta"][name] for name in ("net", "compacted", "carried")), 0)
+
     def test_a_vehicle_and_its_pictures(self):
         self.synth("plain.furrow", posts="129x129", kind="plain", relief=4)
         explained = self.furrow("explain", SCENES / "vehicles/offroad.yaml", "--store", "plain.furrow")

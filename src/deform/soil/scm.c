@@ -30,7 +30,7 @@ const struct soil_model deform_model_scm = {
 		"scm", "redistribute.model", "", EFFECT_LIST_NONE, "base, offset, heaped, pressed, shear",
 		"offset, heaped, pressed, shear", 1,
 		EFFECT_LIST("redistribute.bulldozing", "redistribute.normals", "redistribute.faces", "redistribute.inertia", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
-			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "soil.thickness", "soil.over", "soil.density", "soil.unit_weight", "soil.face_strength", "soil.face_cohesion", "objects[].slip",
+			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "soil.thickness", "soil.over", "soil.density", "soil.unit_weight", "soil.face_strength", "soil.face_cohesion", "objects[].slip", "objects[].carry",
 			    "objects[].interface.friction_angle", "objects[].interface.adhesion"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; computed on the CPU, with the same bits on every machine",
 		"sinks and springs back by the soil's pressure"},

@@ -105,6 +105,29 @@ SOIL_LANES void soil_hold_row(const struct contact_row *row)
 	hold(row->count, row->zero, row->base, row->offset, row->rest, row->contact);
 }
 
+bool soil_stands_in_row(const struct contact_row *row)
+{
+	for (int32_t i = 0; i < row->count; i++)
+		if (row->base[i] != BASE_NODATA && row->rest[i] != UNDER_NONE && ground_of(row->base[i], row->zero) + row->offset[i] > (int64_t)row->rest[i] + TOUCH)
+			return true;
+	return false;
+}
+
+bool soil_roof_row(const struct contact_row *row, const int32_t *tops, int32_t *highest)
+{
+	bool any = false;
+	for (int32_t i = 0; i < row->count; i++) {
+		if (row->base[i] == BASE_NODATA || row->rest[i] == UNDER_NONE)
+			continue;
+		const int64_t ground = ground_of(row->base[i], row->zero), room = row->rest[i] - ground;
+		if (room >= OFFSET_LIMIT || room <= -OFFSET_LIMIT || (tops != NULL && tops[i] != UNDER_NONE && ground + row->offset[i] >= -(int64_t)tops[i]))
+			continue;
+		highest[i] = room < highest[i] ? (int32_t)room : highest[i];
+		any = true;
+	}
+	return any;
+}
+
 SOIL_LANES void soil_disturb_row(int32_t count, const uint8_t *restrict contact, const int32_t *restrict offset, uint8_t *restrict disturbance)
 {
 	for (int32_t i = 0; i < count; i++) {

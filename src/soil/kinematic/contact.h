@@ -21,6 +21,11 @@ struct contact_row {
 void soil_contact_row(const struct contact_row *row, const uint32_t kept[SOIL_CLASSES], struct soil_kinematic_tally *tally);
 /* Adds SOIL_HELD where a body at rest touches the ground. Reads base, offset, rest, zero. */
 void soil_hold_row(const struct contact_row *row);
+/* Lowers `highest` (soil/sliding/roofs.h) to the body at rest, but where its upper envelope is below the ground. tops: how far the highest place of the
+ * body is below the zero of `rest`; NULL: no ground is above the body. Returns true if a post has a roof. Reads base, offset, rest, zero. */
+bool soil_roof_row(const struct contact_row *row, const int32_t *tops, int32_t *highest);
+/* Returns true if the ground is above the lower envelope of the body at rest somewhere, beyond rounding. */
+bool soil_stands_in_row(const struct contact_row *row);
 /* Changes the disturbance of posts that were lowered. */
 void soil_disturb_row(int32_t count, const uint8_t *contact, const int32_t *offset, uint8_t *disturbance);
 

@@ -165,3 +165,42 @@ void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct so
 		soil_hold_row(&row);
 	}
 }
+
+/* Gives how far the upper envelope is below the centre at the posts of `below`: the lower envelope of the body upside down. Mirrored in its own x and y axes
+ * every shape but a mesh is itself. */
+static void find_tops(const struct soil_shape *shape, const struct soil_mesh *mirrored, const struct under_motion *motion, void *scratch, struct below *tops)
+{
+	struct soil_shape upside_down = *shape;
+	struct soil_pose pose = *motion->to;
+	struct under_motion turned = *motion;
+	upside_down.mesh = mirrored;
+	pose.pitch = -pose.pitch;
+	pose.roll = -pose.roll;
+	pose.turn = M_PI - pose.turn;
+	turned.shape = &upside_down;
+	turned.from = turned.to = &pose;
+	begin(&turned, scratch, tops);
+}
+
+bool soil_kinematic_roof(const struct soil_kinematic *kinematic, const struct soil_shape *shape, const struct soil_mesh *mirrored, const struct soil_pose *pose,
+			 struct soil_planes *planes, int32_t *highest, void *scratch)
+{
+	const struct under_motion motion = {.shape = shape, .from = pose, .to = pose, .spacing = kinematic->spacing,
+					    .posts = post_rect_intersect(soil_shadow(shape, pose, pose, kinematic->spacing), planes->rect)};
+	struct below below, tops = {.rest = NULL};
+	bool stands = false, any = false;
+	begin(&motion, scratch, &below);
+	for (int64_t y = motion.posts.y0; y < motion.posts.y1 && !post_rect_empty(motion.posts); y++) {
+		const struct contact_row row = row_of(kinematic, planes, &below, pose->z, y);
+		soil_hold_row(&row);
+		stands = stands || soil_stands_in_row(&row);
+	}
+	if (stands && (shape->kind != SOIL_MESH || mirrored != NULL))
+		find_tops(shape, mirrored, &motion, (char *)scratch + room(kinematic, shape, (size_t)(motion.posts.x1 - motion.posts.x0), (size_t)(motion.posts.y1 - motion.posts.y0)), &tops);
+	for (int64_t y = motion.posts.y0; y < motion.posts.y1 && !post_rect_empty(motion.posts); y++) {
+		const struct contact_row row = row_of(kinematic, planes, &below, pose->z, y);
+		const int32_t *top = tops.rest != NULL ? tops.rest + (size_t)(y - tops.posts.y0) * tops.stride : NULL;
+		any |= soil_roof_row(&row, top, highest + (row.offset - planes->offset));
+	}
+	return any;
+}

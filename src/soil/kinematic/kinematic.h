@@ -60,5 +60,9 @@ void soil_kinematic_disturb(const struct soil_planes *planes, struct post_rect p
  * lies against its side. Reads base, offset, contact. scratch: as above. */
 void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct soil_shape *shape, const struct soil_pose *pose,
 			 struct soil_planes *planes, void *scratch);
+/* The same, and notes how high soil may bring posts below the body: lowers `highest`, a plane of the planes' posts (soil/sliding/roofs.h). Returns true if a
+ * post has a roof. mirrored: the mesh of a body that is a mesh, with its z negated; NULL: no ground is above such a body. scratch: twice as many bytes. */
+bool soil_kinematic_roof(const struct soil_kinematic *kinematic, const struct soil_shape *shape, const struct soil_mesh *mirrored, const struct soil_pose *pose,
+			 struct soil_planes *planes, int32_t *highest, void *scratch);
 
 #endif

@@ -22,7 +22,7 @@
 /* A row of posts, and the next one to the north. */
 struct rows {
 	const int32_t *height, *north;
-	const int32_t *ground, *floor;            /* read at the stride, too */
+	const int32_t *ground, *floor, *ceiling;  /* read at the stride, too */
 	const int32_t *axial, *diagonal;
 	size_t stride;
 	int32_t limits[2], least[2], tolerance;
@@ -68,11 +68,11 @@ struct sliding_span soil_sliding_steep_span(const int32_t *height, size_t stride
 
 /* Numbers of two posts. */
 struct pair {
-	int32_t a, b, ground_a, ground_b, floor_a, floor_b, critical_a, critical_b, tolerance;
+	int32_t a, b, ground_a, ground_b, floor_a, floor_b, ceiling_a, ceiling_b, critical_a, critical_b, tolerance;
 };
 
 /* Returns what slides from a to b; below 0 from b to a. */
-SOIL_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood)
+SOIL_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood, bool roofed)
 {
 	int32_t difference = (int32_t)((uint32_t)p->a - (uint32_t)p->b), sign = difference >> 31;
 	int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign);
@@ -83,6 +83,10 @@ SOIL_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood)
 	if (bounded) {
 		int32_t loose = (int32_t)(sign != 0 ? (uint32_t)p->b - (uint32_t)p->floor_b : (uint32_t)p->a - (uint32_t)p->floor_a) >> 3;
 		amount = amount < loose ? amount : loose;
+	}
+	if (roofed) { /* roofs.c */
+		int32_t room = (int32_t)(sign != 0 ? (uint32_t)p->ceiling_a - (uint32_t)p->a : (uint32_t)p->ceiling_b - (uint32_t)p->b) >> 3;
+		amount = amount < room ? amount : room;
 	}
 	if (stood) {
 		uint32_t risen = (uint32_t)difference - ((uint32_t)p->ground_a - (uint32_t)p->ground_b);
@@ -96,10 +100,11 @@ SOIL_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood)
 	return (amount ^ sign) - sign;
 }
 
-SOIL_INLINED void flows_of(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4], bool classes, bool bounded, bool stood)
+SOIL_INLINED void flows_of(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4], bool classes, bool bounded, bool stood,
+			   bool roofed)
 {
 	const int32_t *restrict height = rows->height, *restrict north = rows->north;
-	const int32_t *restrict ground = rows->ground, *restrict floor = rows->floor;
+	const int32_t *restrict ground = rows->ground, *restrict floor = rows->floor, *restrict ceiling = rows->ceiling;
 	const int32_t *restrict axial = rows->axial, *restrict diagonal = rows->diagonal;
 	int32_t *restrict to_east = flows[0], *restrict to_north = flows[1], *restrict to_north_east = flows[2], *restrict to_north_west = flows[3];
 	const int32_t limit = rows->limits[0], limit_diagonal = rows->limits[1], tolerance = rows->tolerance;
@@ -110,12 +115,13 @@ SOIL_INLINED void flows_of(const struct rows *rows, size_t first, size_t end, in
 	.a = height[x], .b = neighbour, .tolerance = tolerance, \
 	.ground_a = stood ? ground[x] : 0, .ground_b = stood ? ground[at] : 0, \
 	.floor_a = bounded ? floor[x] : 0, .floor_b = bounded ? floor[at] : 0, \
+	.ceiling_a = roofed ? ceiling[x] : 0, .ceiling_b = roofed ? ceiling[at] : 0, \
 	.critical_a = classes ? (k ? diagonal[x] : axial[x]) : k ? limit_diagonal : limit, \
 	.critical_b = classes ? (k ? diagonal[at] : axial[at]) : k ? limit_diagonal : limit}
-		to_east[x] = flow_of(PAIR(height[x + 1], x + 1, 0), bounded, stood);
-		to_north[x] = flow_of(PAIR(north[x], x + up, 0), bounded, stood);
-		to_north_east[x] = flow_of(PAIR(north[x + 1], x + up + 1, 1), bounded, stood);
-		to_north_west[x] = flow_of(PAIR(north[x - 1], x + up - 1, 1), bounded, stood);
+		to_east[x] = flow_of(PAIR(height[x + 1], x + 1, 0), bounded, stood, roofed);
+		to_north[x] = flow_of(PAIR(north[x], x + up, 0), bounded, stood, roofed);
+		to_north_east[x] = flow_of(PAIR(north[x + 1], x + up + 1, 1), bounded, stood, roofed);
+		to_north_west[x] = flow_of(PAIR(north[x - 1], x + up - 1, 1), bounded, stood, roofed);
 #undef PAIR
 	}
 }
@@ -124,7 +130,11 @@ typedef void (*flows_fn)(const struct rows *rows, size_t first, size_t end, int3
 #define FLOWS(name, classes, bounded, stood) \
 	SOIL_LANES static void name(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4]) \
 	{ \
-		flows_of(rows, first, end, flows, classes, bounded, stood); \
+		flows_of(rows, first, end, flows, classes, bounded, stood, false); \
+	} \
+	SOIL_LANES static void name##_roofed(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4]) \
+	{ \
+		flows_of(rows, first, end, flows, classes, bounded, stood, true); \
 	}
 FLOWS(flows_plain, false, false, false)
 FLOWS(flows_stood, false, false, true)
@@ -137,9 +147,11 @@ FLOWS(flows_classes_bounded_stood, true, true, true)
 
 static flows_fn flows_for(const struct sliding_field *field)
 {
-	static const flows_fn all[2][2][2] = {{{flows_plain, flows_stood}, {flows_bounded, flows_bounded_stood}},
-					      {{flows_classes, flows_classes_stood}, {flows_classes_bounded, flows_classes_bounded_stood}}};
-	return all[field->critical[0] != NULL][field->floors != NULL][field->grounds != NULL];
+	static const flows_fn all[2][2][2][2] = {
+		{{{flows_plain, flows_stood}, {flows_bounded, flows_bounded_stood}}, {{flows_classes, flows_classes_stood}, {flows_classes_bounded, flows_classes_bounded_stood}}},
+		{{{flows_plain_roofed, flows_stood_roofed}, {flows_bounded_roofed, flows_bounded_stood_roofed}},
+		 {{flows_classes_roofed, flows_classes_stood_roofed}, {flows_classes_bounded_roofed, flows_classes_bounded_stood_roofed}}}};
+	return all[field->ceilings != NULL][field->critical[0] != NULL][field->floors != NULL][field->grounds != NULL];
 }
 
 /* --- changes --- */
@@ -198,6 +210,7 @@ static struct sliding_span flow(const struct sliding_field *field, flows_fn flow
 		.north = field->heights + at + field->stride,
 		.ground = field->grounds != NULL ? field->grounds + at : NULL,
 		.floor = field->floors != NULL ? field->floors + at : NULL,
+		.ceiling = field->ceilings != NULL ? field->ceilings + at : NULL,
 		.axial = field->critical[0] != NULL ? field->critical[0] + at : NULL,
 		.diagonal = field->critical[1] != NULL ? field->critical[1] + at : NULL,
 		.stride = field->stride,

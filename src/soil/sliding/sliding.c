@@ -57,14 +57,22 @@ static void before_last(struct sliding_field *field, const struct soil_slide_win
 {
 	const struct post_rect all = field->planes->rect;
 	bool large = all.x1 - all.x0 > LINES_MOST || all.y1 - all.y0 > LINES_MOST;
+	soil_sliding_close_roofs(field);
 	for (int i = 0; i < field->rule->directions && !large; i++)
 		soil_sliding_along(field, soil_sliding_direction(window->written, i));
+	soil_sliding_open_roofs(field);
 	for (size_t y = 0; y < field->height && field->steeps != NULL; y++)
 		soil_sliding_steep_row(field, y, field->steeps + y * field->width);
 }
 
 void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes *planes, const struct soil_slide_window *window, void *scratch,
 		       uint32_t *words, struct soil_slid *slid)
+{
+	soil_slide_window_below(rule, planes, window, NULL, scratch, words, slid);
+}
+
+void soil_slide_window_below(const struct soil_sliding *rule, const struct soil_planes *planes, const struct soil_slide_window *window,
+			     const struct soil_roofs *roofs, void *scratch, uint32_t *words, struct soil_slid *slid)
 {
 	const struct post_rect written = window->written, posts = window->posts, world = window->world;
 	const struct post_rect blocks = soil_slide_blocks(written);
@@ -75,7 +83,9 @@ void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes
 	scratch = aligned(scratch);
 	size_t used = soil_sliding_field_init(&field, rule, planes, posts, false, scratch);
 	field.deposits = window->deposits;
+	field.roofs = roofs;
 	soil_sliding_begin(&field, slid);
+	soil_sliding_put_roofs(&field);
 	if (rule->steep)
 		soil_sliding_part_steep(&field);
 	soil_sliding_all_dirty(&field);
@@ -102,6 +112,12 @@ void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes
 
 void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect blocks, void *scratch, uint32_t *words)
 {
+	soil_slide_region_below(rule, planes, blocks, NULL, scratch, words);
+}
+
+void soil_slide_region_below(const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect blocks, const struct soil_roofs *roofs,
+			     void *scratch, uint32_t *words)
+{
 	const int64_t by = (int64_t)rule->step * rule->iterations;
 	const struct post_rect posts = {blocks.x0 * SOIL_BLOCK - by, blocks.y0 * SOIL_BLOCK - by, blocks.x1 * SOIL_BLOCK + by, blocks.y1 * SOIL_BLOCK + by};
 	struct sliding_field field;
@@ -111,7 +127,9 @@ void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes
 	memset(words, 0, (size_t)((blocks.x1 - blocks.x0) * (blocks.y1 - blocks.y0)) * sizeof *words);
 	scratch = aligned(scratch);
 	size_t used = soil_sliding_field_init(&field, rule, planes, posts, true, scratch);
+	field.roofs = roofs;
 	soil_sliding_begin(&field, &unused);
+	soil_sliding_put_roofs(&field);
 	if (rule->steep)
 		soil_sliding_part_steep(&field);
 	if (rule->reach > 0) {

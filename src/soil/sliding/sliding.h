@@ -9,6 +9,7 @@
 #define FURROW_SOIL_SLIDING_H
 
 #include "soil/lanes.h"
+#include "soil/sliding/roofs.h"
 #include "soil/soil.h"
 
 #define SLIDING_STILL INT32_MIN      /* a height: the post gives no soil and takes none */
@@ -56,6 +57,9 @@ struct sliding_field {
 	int32_t *heights;          /* of the first post; a row of still posts is before it */
 	int32_t *grounds;          /* 4 base */
 	int32_t *floors;           /* NULL: relaxing soil has no bottom */
+	const struct soil_roofs *roofs; /* NULL: no body keeps posts from rising */
+	int32_t *ceilings;         /* with roofs: how high soil may bring each post, */
+	int32_t *waits;            /* and room for heights of those below a roof, while soil slides along lines */
 	int32_t *critical[2];      /* of the soil of each post: axial, diagonal; NULL: `limits` of all posts */
 	uint8_t *stills;           /* 1: the post does not slide */
 	uint8_t *moved;            /* 1: the post gave or got soil in the last iteration */
@@ -77,6 +81,11 @@ size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sl
 			       bool blocks, void *scratch);
 /* field.c: computes heights, floors and grounds, and which posts are still. Adds to what is told about laid soil. */
 void soil_sliding_begin(struct sliding_field *field, struct soil_slid *slid);
+/* roofs.c: places the field's arrays of roofs, and finds how high soil may bring each post. Call it after soil_sliding_begin. */
+void soil_sliding_put_roofs(struct sliding_field *field);
+/* roofs.c: posts below a roof become still, and slide again. Lines do not know roofs. */
+void soil_sliding_close_roofs(struct sliding_field *field);
+void soil_sliding_open_roofs(struct sliding_field *field);
 /* steep.c: posts that are too far above or below a neighbour become still. */
 void soil_sliding_part_steep(struct sliding_field *field);
 /* excess.c: an iteration over the field, less `trim` posts on each side. last: also fills `moved`. */

@@ -1,0 +1,282 @@
+/* The cells of soil that a body carries: where they are, what is in them, and what that weighs. */
+#include "soil/carried.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "soil/kinematic/rows.h"
+#include "soil/kinematic/under.h"
+#include "soil/shape/body.h"
+
+#define CELL_MOST (1 << 29)  /* fixed-point units: the most soil above a cell */
+#define STEEP 0.2            /* the cosine of a triangle's tilt from which on its wall counts in all cells that it passes through */
+#define NUMBERS_BEFORE (2 + SOIL_CLASSES)
+
+static int half_of(const struct soil_shape *shape, double spacing)
+{
+	return (int)ceil(soil_shape_bound(shape) / spacing) + 2;
+}
+
+static size_t cells_of(int half)
+{
+	return (size_t)(2 * half + 1) * (size_t)(2 * half + 1);
+}
+
+static size_t scratch_bytes(const struct soil_shape *shape, int half)
+{
+	const size_t corners = shape->kind == SOIL_MESH ? shape->mesh->vertex_count * sizeof(struct facet_corner) : 0;
+	return 2 * soil_under_stride(2 * half + 1) * (size_t)(2 * half + 1) * sizeof(int32_t) + corners;
+}
+
+static enum status mirror(const struct soil_mesh *mesh, struct soil_mesh *mirrored)
+{
+	*mirrored = *mesh;
+	TRY(mem_make(&mirrored->vertices, mesh->vertex_count, sizeof *mirrored->vertices, "soil aboard a body"));
+	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+		mirrored->vertices[i][0] = mesh->vertices[i][0];
+		mirrored->vertices[i][1] = mesh->vertices[i][1];
+		mirrored->vertices[i][2] = -mesh->vertices[i][2];
+	}
+	mirrored->low[2] = -mesh->high[2];
+	mirrored->high[2] = -mesh->low[2];
+	return STATUS_OK;
+}
+
+enum status soil_carried_create(const struct soil_shape *shape, double spacing, struct soil_carried **out)
+{
+	struct soil_carried *carried;
+	enum status status;
+	TRY(mem_zeroed(&carried, 1, sizeof *carried, "soil aboard a body"));
+	carried->shape = shape;
+	carried->spacing = spacing;
+	carried->half = half_of(shape, spacing);
+	carried->side = 2 * carried->half + 1;
+	const size_t cells = cells_of(carried->half);
+	TRY_OR(failed, mem_zeroed(&carried->amounts, cells, sizeof *carried->amounts, "soil aboard a body"));
+	TRY_OR(failed, mem_zeroed(&carried->falls, cells, sizeof *carried->falls, "soil aboard a body"));
+	TRY_OR(failed, mem_make(&carried->tops, cells, sizeof *carried->tops, "soil aboard a body"));
+	TRY_OR(failed, mem_make(&carried->before, cells, sizeof *carried->before, "soil aboard a body"));
+	TRY_OR(failed, mem_make(&carried->changes, cells, sizeof *carried->changes, "soil aboard a body"));
+	TRY_OR(failed, mem_make(&carried->posts, cells, sizeof *carried->posts, "soil aboard a body"));
+	TRY_OR(failed, mem_make(&carried->scratch, scratch_bytes(shape, carried->half), 1, "soil aboard a body"));
+	if (shape->kind == SOIL_MESH)
+		TRY_OR(failed, mirror(shape->mesh, &carried->mirrored));
+	for (size_t i = 0; i < cells; i++)
+		carried->tops[i] = CARRIED_OPEN;
+	*out = carried;
+	return STATUS_OK;
+failed:
+	soil_carried_destroy(carried);
+	return status;
+}
+
+void soil_carried_destroy(struct soil_carried *carried)
+{
+	if (carried == NULL)
+		return;
+	mem_free_all(carried->amounts, carried->falls, carried->tops, carried->before, carried->changes, carried->posts, carried->scratch, carried->mirrored.vertices, carried);
+}
+
+/* --- where the cells are --- */
+
+/* Raises tops to a place of the body's surface, m from its centre along the cells' axes. */
+static void raise(struct soil_carried *carried, const double at[3])
+{
+	const long column = lround(at[0] / carried->spacing) + carried->half, row = lround(at[1] / carried->spacing) + carried->half;
+	if (column < 0 || row < 0 || column >= carried->side || row >= carried->side)
+		return;
+	int32_t *top = &carried->tops[row * carried->side + column];
+	const int32_t z = (int32_t)lattice_offset(at[2]);
+	*top = z > *top ? z : *top;
+}
+
+/* Walls of a mesh are hardly above any cell's middle. They count in each cell that they pass through. */
+static void put_walls(struct soil_carried *carried, double axes[3][3])
+{
+	const struct soil_mesh *mesh = carried->shape->mesh;
+	const double by = carried->spacing / 2;
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		double at[3][3], a[3], b[3], longest = 0;
+		for (int i = 0; i < 3; i++)
+			for (int k = 0; k < 3; k++) {
+				const float *v = mesh->vertices[mesh->triangles[t][i]];
+				at[i][k] = v[0] * axes[0][k] + v[1] * axes[1][k] + v[2] * axes[2][k];
+			}
+		for (int k = 0; k < 3; k++) {
+			a[k] = at[1][k] - at[0][k];
+			b[k] = at[2][k] - at[0][k];
+			longest = fmax(longest, fmax(fabs(a[k]), fmax(fabs(b[k]), fabs(a[k] - b[k]))));
+		}
+		const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+		if (fabs(n[2]) > STEEP * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]))
+			continue;
+		const int parts = (int)ceil(2 * longest / by) + 1;
+		for (int i = 0; i <= parts; i++)
+			for (int j = 0; i + j <= parts; j++) {
+				double place[3];
+				for (int k = 0; k < 3; k++)
+					place[k] = at[0][k] + (a[k] * i + b[k] * j) / parts;
+				raise(carried, place);
+			}
+	}
+}
+
+/* The upper envelope is the lower one of the body upside down, mirrored. Mirrored in its own axes every shape but a mesh is itself. */
+static void find_tops(struct soil_carried *carried, const struct soil_pose *pose)
+{
+	struct soil_shape shape = *carried->shape;
+	const int half = carried->half;
+	const size_t stride = soil_under_stride(carried->side), cells = stride * (size_t)carried->side;
+	const struct soil_pose at = {.yaw = -carried->heading, .pitch = -pose->pitch, .roll = -pose->roll, .turn = -pose->turn};
+	int32_t *const under = carried->scratch, *const rest = under + cells;
+	if (shape.kind == SOIL_MESH)
+		shape.mesh = &carried->mirrored;
+	const struct under_motion motion = {.shape = &shape, .from = &at, .to = &at, .spacing = carried->spacing, .posts = {-half, -half, half + 1, half + 1}};
+	soil_under(&motion, (struct facet_corner *)(void *)(rest + cells), under, rest);
+	for (int y = 0; y < carried->side; y++)
+		for (int x = 0; x < carried->side; x++) {
+			const int32_t low = rest[(size_t)y * stride + (size_t)x];
+			carried->tops[y * carried->side + x] = low == UNDER_NONE ? CARRIED_OPEN : -low;
+		}
+	if (shape.kind == SOIL_MESH) {
+		double axes[3][3];
+		soil_axes(-carried->heading, pose->pitch, pose->roll, 0, axes);
+		put_walls(carried, axes);
+	}
+}
+
+/* Soil above cells that the body has left falls; so does soil that a part of the body came down on from above. */
+static void let_fall(struct soil_carried *carried, double turned)
+{
+	const double most = 2 * (carried->spacing + soil_shape_bound(carried->shape) * turned);
+	const int64_t rise = lattice_offset(fmin(most, 500));
+	for (size_t i = 0; i < cells_of(carried->half); i++) {
+		const int32_t top = carried->tops[i], before = carried->before[i];
+		if (carried->amounts[i] == 0 || (top != CARRIED_OPEN && (before == CARRIED_OPEN || (int64_t)top <= (int64_t)before + carried->amounts[i] + rise)))
+			continue;
+		carried->falls[i] += carried->amounts[i];
+		carried->amounts[i] = 0;
+	}
+}
+
+void soil_carried_place(struct soil_carried *carried, const struct soil_pose *pose)
+{
+	const double yawed = carried->placed ? remainder(pose->yaw - carried->yaw, 2 * M_PI) : 0;
+	const double turned = fabs(remainder(pose->pitch - carried->pitch, 2 * M_PI)) + fabs(remainder(pose->roll - carried->roll, 2 * M_PI));
+	const bool was = carried->placed, other = fabs(yawed) > M_PI / 2 && fabs(pose->pitch) > M_PI / 4 && fabs(carried->pitch) > M_PI / 4;
+	/* An attitude near the upright has two triples of angles. The cells stay where they are. */
+	if (other)
+		carried->heading = carried->heading > 0 ? 0 : M_PI;
+	carried->yaw = pose->yaw;
+	carried->placed = true;
+	if (was && !(turned > 0) && !other && pose->turn == carried->turn)
+		return;
+	carried->pitch = pose->pitch;
+	carried->roll = pose->roll;
+	carried->turn = pose->turn;
+	memcpy(carried->before, carried->tops, cells_of(carried->half) * sizeof *carried->before);
+	find_tops(carried, pose);
+	if (was && carried->total > 0) {
+		let_fall(carried, other ? M_PI : turned);
+		carried->awake = true;
+	}
+}
+
+/* Finds the cell nearest to a post. Returns false if it has none. */
+static bool cell_at(const struct soil_carried *carried, const struct soil_pose *pose, int64_t x, int64_t y, size_t *cell)
+{
+	const double c = cos(pose->yaw + carried->heading), s = sin(pose->yaw + carried->heading);
+	const double east = -(double)soil_body_from_post(pose->x, x, carried->spacing), north = -(double)soil_body_from_post(pose->y, y, carried->spacing);
+	const long column = lround((c * east + s * north) / carried->spacing) + carried->half, row = lround((c * north - s * east) / carried->spacing) + carried->half;
+	if (column < 0 || row < 0 || column >= carried->side || row >= carried->side)
+		return false;
+	*cell = (size_t)row * (size_t)carried->side + (size_t)column;
+	return true;
+}
+
+int32_t soil_carried_top_at(const struct soil_carried *carried, const struct soil_pose *pose, int64_t x, int64_t y)
+{
+	size_t cell;
+	return cell_at(carried, pose, x, y, &cell) ? carried->tops[cell] : CARRIED_OPEN;
+}
+
+int32_t soil_carried_add(struct soil_carried *carried, const struct soil_pose *pose, int64_t x, int64_t y, int32_t amount, int class)
+{
+	size_t cell;
+	if (!cell_at(carried, pose, x, y, &cell) || carried->tops[cell] == CARRIED_OPEN)
+		return 0;
+	const int32_t room = CELL_MOST - carried->amounts[cell], fits = amount < room ? amount : room > 0 ? room : 0;
+	carried->amounts[cell] += fits;
+	carried->total += fits;
+	carried->classes[class >= 0 && class < SOIL_CLASSES ? class : SOIL_CLASSES - 1] += fits;
+	carried->awake |= fits > 0;
+	return fits;
+}
+
+/* --- what it weighs --- */
+
+void soil_carried_weigh(const struct soil_carried *carried, const double weights[SOIL_CLASSES], double force[3], double moment[3])
+{
+	const double unit = lattice_offset_metres(1) * carried->spacing * carried->spacing, c = cos(carried->yaw + carried->heading), s = sin(carried->yaw + carried->heading);
+	double weight = 0;
+	int64_t along = 0, across = 0;
+	if (carried->total == 0)
+		return;
+	for (int k = 0; k < SOIL_CLASSES; k++)
+		weight += carried->classes[k] > 0 ? (double)carried->classes[k] * unit * weights[k] : 0;
+	for (int row = 0; row < carried->side; row++)
+		for (int column = 0; column < carried->side; column++) {
+			const size_t i = (size_t)(row * carried->side + column);
+			const int64_t amount = (int64_t)carried->amounts[i] + carried->falls[i];
+			along += amount * (column - carried->half);
+			across += amount * (row - carried->half);
+		}
+	const double x = (double)along / (double)carried->total * carried->spacing, y = (double)across / (double)carried->total * carried->spacing;
+	force[2] -= weight;
+	moment[0] -= (s * x + c * y) * weight;
+	moment[1] += (c * x - s * y) * weight;
+}
+
+/* --- its state --- */
+
+size_t soil_carried_numbers(const struct soil_shape *shape, double spacing)
+{
+	return NUMBERS_BEFORE + 2 * cells_of(half_of(shape, spacing));
+}
+
+void soil_carried_save(const struct soil_carried *carried, int64_t *numbers)
+{
+	const size_t cells = cells_of(carried->half);
+	numbers[0] = carried->heading > 0;
+	numbers[1] = carried->awake;
+	memcpy(numbers + 2, carried->classes, sizeof carried->classes);
+	for (size_t i = 0; i < cells; i++) {
+		numbers[NUMBERS_BEFORE + i] = carried->amounts[i];
+		numbers[NUMBERS_BEFORE + cells + i] = carried->falls[i];
+	}
+}
+
+bool soil_carried_load(const int64_t *numbers, struct soil_carried *carried)
+{
+	const size_t cells = cells_of(carried->half);
+	int64_t total = 0, classes = 0;
+	for (size_t i = 0; i < 2 * cells; i++) {
+		const int64_t amount = numbers[NUMBERS_BEFORE + i];
+		if (amount < 0 || amount > INT32_MAX)
+			return false;
+		total += amount;
+		*(i < cells ? &carried->amounts[i] : &carried->falls[i - cells]) = (int32_t)amount;
+	}
+	for (int k = 0; k < SOIL_CLASSES; k++) {
+		if (numbers[2 + k] < 0 || numbers[2 + k] > total)
+			return false;
+		carried->classes[k] = numbers[2 + k];
+		classes += numbers[2 + k];
+	}
+	carried->heading = numbers[0] != 0 ? M_PI : 0;
+	carried->awake = numbers[1] != 0;
+	carried->total = total;
+	carried->placed = false;
+	return classes == total;
+}
