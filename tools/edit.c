@@ -373,6 +373,6 @@ const struct command command_edit = {
 	.examples = "furrow edit a.furrow --polygon 'POLYGON ((2 2, 9 2, 5 8))' --volume 50\n"
 		    "furrow edit a.furrow --polygon pit.geojson --depth -1.5 --snapshot before\n"
 		    "furrow edit b.furrow --add changes.tif --dense\n",
-	.see = "furrow-restore(1), furrow-snapshot(1), furrow-reset(1)",
+	.see = "furrow-reset(1), furrow-restore(1), furrow-snapshot(1)",
 	.run = run,
 };

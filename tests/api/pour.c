@@ -234,8 +234,10 @@ static void a_rollback_takes_it_back(void **state)
 		pour_heap(world, way == 0);
 		for (int k = 0; k < 5; k++)
 			done(furrow_step(world, 0));
-		if (way == 1) /* what is to be taken back is committed */
+		if (way == 1) { /* what is to be taken back is committed */
 			assert_int_equal(world_begin_commit(world->world), STATUS_OK);
+			assert_int_equal(page_cache_await_commit(world_resident(world->world)->cache), STATUS_OK);
+		}
 		done(furrow_rollback(world));
 		double *after = hosted_read(world, FURROW_OFFSET, &info);
 		assert_memory_equal(before, after, (size_t)(info.columns * info.rows) * sizeof *before);
@@ -243,8 +245,10 @@ static void a_rollback_takes_it_back(void **state)
 		assert_balanced(world, units_of(heights));
 	}
 	free(before);
+	done(furrow_pour(world, 8, 8, 1, 1, (const double[]){0.5}, 1, -1, true));
+	assert_balanced(world, units_of(heights) + (1 << 19));
 	done(furrow_world_close(world));
-	assert_stored("back.furrow", units_of(heights));
+	assert_stored("back.furrow", units_of(heights) + (1 << 19));
 }
 
 /* Steps after it was opened again, or in one run. The posts at its end; freed by the caller. */
@@ -377,13 +381,40 @@ static void what_cannot_be_is_refused_and_nothing_changes(void **state)
 	done(furrow_world_close(world));
 }
 
-/* How far the ground in the middle of a picture is, from 20 m above the plain straight down. m */
-static double seen(struct furrow_world *world)
+/* A body above all ground of before is in the poured soil all the same. */
+static void a_body_presses_what_was_poured(void **state)
+{
+	static const char *const scenes[] = {ON_CPU("none"), ON_GPU("none"), ON_CPU("slippage"), ON_GPU("slippage"), SCM};
+	static double slab[21][21];
+	for (int i = 0; i < 21 * 21; i++)
+		slab[i / 21][i % 21] = 1;
+	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+		struct furrow_world *world = hosted_world_over("pressed.furrow", scenes[i], hosted_flat);
+		furrow_body ball = -1;
+		const struct furrow_pose pose = hosted_pose(22.5, 23.75, 101.7);
+		done(furrow_body_add(world, HOSTED_BALL, &ball));
+		done(furrow_place(world, ball, &pose));
+		hosted_move(world, ball, 22.5, 23.75, 101.6); /* above: nothing is there */
+		done(furrow_pour(world, 170, 180, 21, 21, &slab[0][0], 21, -1, false));
+		hosted_move(world, ball, 22.5, 23.75, 101.4);
+		assert_near(point_at(world, 22.5, 23.75).offset, 0.9, 0.01);
+		done(furrow_world_close(world));
+	}
+}
+
+/* How far the ground in the middle of a picture is. m */
+static double looked(struct furrow_world *world, struct furrow_pose from)
 {
 	static float depth[33 * 33];
-	struct furrow_camera camera = {.size = sizeof camera, .pose = {{22.5, 23.75, 120}, {M_SQRT1_2, 0, M_SQRT1_2, 0}}, .fovy = 0.2, .width = 33, .height = 33};
+	const struct furrow_camera camera = {.size = sizeof camera, .pose = from, .fovy = 0.2, .width = 33, .height = 33};
 	done(furrow_render(world, &camera, NULL, depth));
 	return depth[16 * 33 + 16];
+}
+
+/* From 20 m above the plain straight down. */
+static double seen(struct furrow_world *world)
+{
+	return looked(world, (struct furrow_pose){{22.5, 23.75, 120}, {M_SQRT1_2, 0, M_SQRT1_2, 0}});
 }
 
 static void pictures_show_what_was_poured(void **state)
@@ -401,6 +432,8 @@ static void pictures_show_what_was_poured(void **state)
 				assert_near(seen(world), 20, 0.01);
 			done(furrow_pour(world, 170, 180, 21, 21, &tower[0][0], 21, -1, false));
 			assert_near(seen(world), 5, 0.01);
+			/* To the east, where no ground of before is in the picture. */
+			assert_near(looked(world, hosted_pose(12.5, 23.75, 110)), 8.7, 0.13);
 			done(furrow_pour(world, 170, 180, 21, 21, &pit[0][0], 21, -1, false));
 			assert_near(seen(world), 22, 0.01);
 			done(furrow_rollback(world));
@@ -469,6 +502,7 @@ TEST_PROGRAM(pour)
 		cmocka_unit_test(the_gpu_and_the_cpu_have_the_same_ground),
 		cmocka_unit_test(a_volume_over_a_polygon_is_exact),
 		cmocka_unit_test(what_cannot_be_is_refused_and_nothing_changes),
+		cmocka_unit_test(a_body_presses_what_was_poured),
 		cmocka_unit_test(pictures_show_what_was_poured),
 		cmocka_unit_test(a_place_keeps_the_class_of_its_soil_map),
 		cmocka_unit_test(soil_may_be_poured_below_what_hangs_above),
