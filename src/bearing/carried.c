@@ -28,7 +28,7 @@ enum status bearing_carried_begin(struct bearing *bearing, const struct bearing_
 	return STATUS_OK;
 }
 
-/* Where the body stands after its contact. */
+/* Where the body is after its contact. */
 static struct soil_pose standing(const struct bearing_member *member)
 {
 	struct soil_pose pose = member->motion.to;

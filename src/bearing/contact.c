@@ -263,7 +263,7 @@ static struct post_rect reached_by(const struct bearing_member *member)
 	return post_rect_joined(member->imprint.reached, member->laid.posts);
 }
 
-/* Gives members one cluster if soil may slide on the same posts. */
+/* Gives members one cluster if soil may slide on the same posts. A cluster slides on the rectangle around all of its members, so rectangles of two never overlap. */
 static void put_clusters(struct bearing *bearing, size_t count)
 {
 	struct bearing_member *members = bearing->members;
@@ -271,19 +271,22 @@ static void put_clusters(struct bearing *bearing, size_t count)
 		members[i].cluster = i;
 		if (!members[i].feels && !post_rect_empty(members[i].imprint.reached))
 			members[i].slides = soil_slide_posts(members[i].write, reached_by(&members[i]), bearing->around);
+		members[i].hull = members[i].slides;
 	}
 	for (bool grows = true; grows;) {
 		grows = false;
 		for (size_t i = 0; i < count; i++)
 			for (size_t k = i + 1; k < count; k++) {
-				const struct post_rect a = post_rect_grown(members[i].slides, 1), b = members[k].slides;
-				if (members[k].cluster == members[i].cluster || post_rect_empty(members[i].slides) || post_rect_empty(b) ||
-				    post_rect_empty(post_rect_intersect(a, b)))
+				const struct post_rect a = members[i].hull, b = members[k].hull;
+				if (members[k].cluster == members[i].cluster || post_rect_empty(a) || post_rect_empty(b) ||
+				    post_rect_empty(post_rect_intersect(post_rect_grown(a, 1), b)))
 					continue;
 				const size_t into = members[i].cluster < members[k].cluster ? members[i].cluster : members[k].cluster;
 				const size_t from = members[i].cluster < members[k].cluster ? members[k].cluster : members[i].cluster;
-				for (size_t m = 0; m < count; m++)
+				for (size_t m = 0; m < count; m++) {
 					members[m].cluster = members[m].cluster == from ? into : members[m].cluster;
+					members[m].hull = members[m].cluster == into && !post_rect_empty(members[m].slides) ? post_rect_joined(a, b) : members[m].hull;
+				}
 				grows = true;
 			}
 	}

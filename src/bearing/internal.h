@@ -57,7 +57,8 @@ struct bearing_member {
 	struct post_rect write;    /* posts that it, or its party, may change */
 	bool widened;
 	size_t party;              /* the first of the members that are parts of one body with it: they lay their soil together */
-	size_t cluster;            /* members of one cluster slide together */
+	size_t cluster;            /* members of one cluster slide together, */
+	struct post_rect hull;     /* on these posts: around `slides` of them all */
 	bool feels;                /* it changes nothing */
 	bool crosses;              /* another one may touch its posts */
 };
@@ -169,7 +170,7 @@ void bearing_carried_take(struct bearing *bearing, struct bearing_member *member
 enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact) FURROW_CHECKED;
 
 /* hold.c */
-/* Returns where a body at rest stands. */
+/* Returns the pose of a body at rest. */
 struct soil_pose bearing_rest_pose(const struct bearing *bearing, const struct deform_rest *rest);
 /* Marks posts that bodies at rest hold, in the window. STATUS_MEMORY. */
 enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;

@@ -1,12 +1,12 @@
 /*
  * Soil that a body carries: a plate, a bucket, a blade (Onoue and Nishita's height spans).
  *
- * Above each cell of a grid that goes and yaws with the body stands so much soil on the body's upper envelope, its highest surface in plan. Cells are as large as
- * posts, so a fixed-point unit of a cell is one of a post. A body that only goes and yaws changes no cell. When it pitches or rolls the envelope below the
- * cells changes; soil stays above its place, slides where it is steeper than its angle of repose, and falls where the body is no longer below it.
+ * A grid of cells goes and yaws with the body. Each cell has so much soil above the body's upper envelope, its highest surface in plan. Cells are as large as
+ * posts, so a fixed-point unit of a cell is one of a post. A body that only goes and yaws changes no cell. When it pitches or rolls, the envelope below the cells
+ * changes. Soil remains above its place, and slides where it is too steep. It falls where the body is no longer below it.
  *
- * Soil comes aboard in two ways: a contact gives what lies above the envelope where the body newly passes below it (soil_carried_add), and ground beside the body that
- * stands higher than the load slides on (soil_carried_settle). It leaves over the edges.
+ * Soil comes aboard in two ways. Where the body newly passes below ground, a contact gives what lies above the envelope (soil_carried_add). And soil slides from
+ * ground beside the body that is higher than the load (soil_carried_settle). It leaves over the edges.
  *
  * Invariants: (1) Cells, classes and total agree to the unit. (2) What leaves the cells is on the ground, and the reverse, to the unit. (3) Nothing depends on tiles,
  * windows or threads: the order of cells decides. One thread at a time uses one struct.
@@ -51,7 +51,7 @@ int32_t soil_carried_add(struct soil_carried *carried, const struct soil_pose *p
 
 /* Returns the posts that soil_carried_settle may read and change. */
 struct post_rect soil_carried_reach(const struct soil_carried *carried, const struct soil_pose *pose);
-/* Lets soil slide aboard, over the edges, and from the ground onto the body, until it rests or for some iterations. pose: where the body stands, to which
+/* Lets soil slide aboard, over the edges, and from the ground onto the body, until it rests or for some iterations. pose: where the body is, to which
  * soil_carried_place moved it. planes: offset and deposited of posts of `written` change; their contact tells posts that bodies hold. reference: m, of bases. Returns a
  * rectangle around the changed posts; empty: none. */
 struct post_rect soil_carried_settle(struct soil_carried *carried, const struct soil_pose *pose, const struct soil_sliding *rule, const struct soil_planes *planes, int32_t reference,
@@ -62,7 +62,7 @@ struct post_rect soil_carried_drop(struct soil_carried *carried, const struct so
 /* Computes the force of the load on the body, N, down; and its moment about the body's centre, N m, east and north. weights: of each class, N/m3. Adds to both. */
 void soil_carried_weigh(const struct soil_carried *carried, const double weights[SOIL_CLASSES], double force[3], double moment[3]);
 
-/* Its state as whole numbers, for a record, and back. Where the body stands follows from soil_carried_place. load returns false if they contradict each other. */
+/* Its state as whole numbers, for a record, and back. Where the body is follows from soil_carried_place. load returns false if they contradict each other. */
 size_t soil_carried_numbers(const struct soil_shape *shape, double spacing);
 void soil_carried_save(const struct soil_carried *carried, int64_t *numbers);
 bool soil_carried_load(const int64_t *numbers, struct soil_carried *carried);

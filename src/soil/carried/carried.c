@@ -210,7 +210,8 @@ int32_t soil_carried_add(struct soil_carried *carried, const struct soil_pose *p
 	carried->amounts[cell] += fits;
 	carried->total += fits;
 	carried->classes[class >= 0 && class < SOIL_CLASSES ? class : SOIL_CLASSES - 1] += fits;
-	carried->awake |= fits > 0;
+	if (fits > 0)
+		carried->awake = true;
 	return fits;
 }
 

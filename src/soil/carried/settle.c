@@ -1,9 +1,9 @@
 /*
  * Soil slides aboard a body, over its edges, and from the ground onto it.
  *
- * An iteration has three parts. Aboard, each pair of neighbouring cells exchanges an eighth of what their difference exceeds the critical one by, at most an eighth of
- * what the giver has: all pairs at once, as ground slides. Then each cell at an edge exchanges soil with the post beside the body that is nearest to its neighbour: one
- * after another, in the order of cells. So do the last units of a cell, which have no eighth.
+ * An iteration has three parts. Aboard, each pair of neighbouring cells exchanges an eighth of what their difference exceeds the critical one by. It is at most an eighth
+ * of what the giver has. All pairs do so at once, as ground slides. Then each cell at an edge exchanges soil with a post: the one beside the body that is nearest to its
+ * neighbour. Cells do so one after another, in their order. So do the last units of a cell, which have no eighth.
  */
 #include <math.h>
 #include <string.h>

@@ -105,7 +105,7 @@ SOIL_LANES void soil_hold_row(const struct contact_row *row)
 	hold(row->count, row->zero, row->base, row->offset, row->rest, row->contact);
 }
 
-bool soil_stands_in_row(const struct contact_row *row)
+bool soil_is_inside_row(const struct contact_row *row)
 {
 	for (int32_t i = 0; i < row->count; i++)
 		if (row->base[i] != BASE_NODATA && row->rest[i] != UNDER_NONE && ground_of(row->base[i], row->zero) + row->offset[i] > (int64_t)row->rest[i] + TOUCH)

@@ -25,7 +25,7 @@ void soil_hold_row(const struct contact_row *row);
  * body is below the zero of `rest`; NULL: no ground is above the body. Returns true if a post has a roof. Reads base, offset, rest, zero. */
 bool soil_roof_row(const struct contact_row *row, const int32_t *tops, int32_t *highest);
 /* Returns true if the ground is above the lower envelope of the body at rest somewhere, beyond rounding. */
-bool soil_stands_in_row(const struct contact_row *row);
+bool soil_is_inside_row(const struct contact_row *row);
 /* Changes the disturbance of posts that were lowered. */
 void soil_disturb_row(int32_t count, const uint8_t *contact, const int32_t *offset, uint8_t *disturbance);
 

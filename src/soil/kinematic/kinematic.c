@@ -188,14 +188,14 @@ bool soil_kinematic_roof(const struct soil_kinematic *kinematic, const struct so
 	const struct under_motion motion = {.shape = shape, .from = pose, .to = pose, .spacing = kinematic->spacing,
 					    .posts = post_rect_intersect(soil_shadow(shape, pose, pose, kinematic->spacing), planes->rect)};
 	struct below below, tops = {.rest = NULL};
-	bool stands = false, any = false;
+	bool inside = false, any = false;
 	begin(&motion, scratch, &below);
 	for (int64_t y = motion.posts.y0; y < motion.posts.y1 && !post_rect_empty(motion.posts); y++) {
 		const struct contact_row row = row_of(kinematic, planes, &below, pose->z, y);
 		soil_hold_row(&row);
-		stands = stands || soil_stands_in_row(&row);
+		inside = inside || soil_is_inside_row(&row);
 	}
-	if (stands && (shape->kind != SOIL_MESH || mirrored != NULL))
+	if (inside && (shape->kind != SOIL_MESH || mirrored != NULL))
 		find_tops(shape, mirrored, &motion, (char *)scratch + room(kinematic, shape, (size_t)(motion.posts.x1 - motion.posts.x0), (size_t)(motion.posts.y1 - motion.posts.y0)), &tops);
 	for (int64_t y = motion.posts.y0; y < motion.posts.y1 && !post_rect_empty(motion.posts); y++) {
 		const struct contact_row row = row_of(kinematic, planes, &below, pose->z, y);

@@ -1,6 +1,6 @@
 /*
  * Roofs: bodies at rest below which the ground has no room to rise. Soil that slides towards such a post fills the gap below the body, and then goes
- * elsewhere. So no ground stands inside a body. A post whose ground is above the whole body has no roof.
+ * elsewhere. So no ground is inside a body. A post whose ground is above the whole body has no roof.
  */
 #ifndef FURROW_SOIL_ROOFS_H
 #define FURROW_SOIL_ROOFS_H
