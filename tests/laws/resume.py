@@ -70,6 +70,8 @@ SCENES = {
                       MAP.format("dry_sand", "lete_sand", "snow_us") + LOADED.format(), "gentle.furrow", []),
     "pushing": (HEAD.format(step=0.05, end=12, model="scm, faces: on, interval: 0.03") + "soil: {name: dry_sand, janosi_shear: 0.3}\n" +
                 PUSHING.format(), "gentle.furrow", []),
+    "sheet": (HEAD.format(step=0.05, end=60, model="sheet, tension: 20000, yield: 0.1, rut: 0.6") + "attributes: [dirt]\n" + WHEELS +
+              "cache: {slots: 24}\n", "hills.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }
@@ -91,6 +93,7 @@ def rows(store):
         "SELECT key, low, high, codec, hash, blob FROM dug ORDER BY key",
         "SELECT key, low, high, codec, hash, blob FROM settled ORDER BY key",
         "SELECT key, low, high, codec, hash, blob FROM loose ORDER BY key",
+        "SELECT key, low, high, codec, hash, blob FROM floor ORDER BY key",
         "SELECT value FROM meta WHERE key = 'compacted'")]
     db.close()
     return found
