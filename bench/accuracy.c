@@ -34,7 +34,7 @@ enum { LAPS = 100 };
 
 static void spacing(struct study *study)
 {
-	static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE};
+	static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SHEET};
 	enum { EACH = 7 };
 	for (size_t m = 0; m < sizeof models / sizeof models[0]; m++)
 		for (int k = 0; k < EACH; k++) {
@@ -44,6 +44,11 @@ static void spacing(struct study *study)
 					      accuracy_model_name(models[m]));
 			row->drive.model = models[m];
 			row->drive.spacing = apart_m;
+			if (models[m] != DEFORM_SHEET)
+				continue;
+			row_set(row, "redistribute.tension", ACCURACY_TENSION);
+			row_set(row, "redistribute.stiffness", ACCURACY_STIFFNESS);
+			row_set(row, "redistribute.yield", ACCURACY_YIELD);
 		}
 	rows_measure(study);
 	/* Not sumner: soil slides a post an iteration, so with as many iterations it comes less far. */

@@ -38,7 +38,7 @@
 const struct post_rect accuracy_field = {800, 688, 1121, 1009}; /* 12.5 .. 17.5, 10.75 .. 15.75 m */
 
 /* Those that there is a truth of. Soil that bears has closed forms: bench/validation.c. */
-static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE};
+static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SHEET};
 #define MODELS (sizeof models / sizeof models[0])
 
 static int64_t columns(void)
@@ -192,6 +192,16 @@ struct work {
 	struct thread thread;
 };
 
+/* A drive over the sheet. */
+static void bend(const struct reference_ground *field, struct work *work)
+{
+	memcpy(work->surface, field->base, field_posts() * sizeof *work->surface);
+	for (size_t i = 0; i < work->count; i++)
+		accuracy_sheet(work->surface, field->base, &(struct accuracy_press){work->sweeps[i].rect, work->sweeps[i].under}, false);
+	const struct sweep *last = &work->sweeps[work->count - 1];
+	accuracy_sheet(work->surface, field->base, &(struct accuracy_press){last->rect, last->rest}, true);
+}
+
 static void *drive(void *argument)
 {
 	struct work *work = argument;
@@ -203,6 +213,11 @@ static void *drive(void *argument)
 	for (size_t i = 0; i < field_posts(); i++)
 		field.base[i] = accuracy_height((double)(field.left + (int64_t)i % columns()) * ACCURACY_FINE,
 						(double)(field.bottom + (int64_t)i / columns()) * ACCURACY_FINE);
+	if (work->model == DEFORM_SHEET) {
+		bend(&field, work);
+		reference_ground_finish(&field);
+		return NULL;
+	}
 	for (size_t i = 0; i < work->count; i++) {
 		const struct sweep *sweep = &work->sweeps[i];
 		bench_must(reference_ground_init(&part, (int)(sweep->rect.x1 - sweep->rect.x0),
@@ -266,10 +281,10 @@ static void make(struct accuracy_truth *truth)
 static const char *header(void)
 {
 	static char text[1600];
-	snprintf(text, sizeof text, KIND " 2: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
-				    "%d at the end, until %g m; models none box sumner slippage; %s\n",
+	snprintf(text, sizeof text, KIND " 3: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
+				    "%d at the end, until %g m; models none box sumner slippage, sheet %g %g %g; %s\n",
 		 (long long)accuracy_field.x0, (long long)accuracy_field.x1, (long long)accuracy_field.y0, (long long)accuracy_field.y1,
-		 SWEEP_MOST, ROUND, REST_MOST, TOLERANCE, accuracy_described());
+		 SWEEP_MOST, ROUND, REST_MOST, TOLERANCE, ACCURACY_TENSION, ACCURACY_STIFFNESS, ACCURACY_YIELD, accuracy_described());
 	return text;
 }
 

@@ -49,7 +49,7 @@ CROSSING = scene("scm", 4, "".join(
 # All of it is one group: one rank computes it, and the others have nothing.
 CONVOY = scene("scm", 2, "".join(wheel(f"w{i}", [[20 - 2 * i, 30], [60, 33]], 8) for i in range(4)))
 # Wheels beside each other bend one sheet, over the edges of tiles; two pass close by others that stand.
-SHEET = scene("sheet, tension: 30000, yield: 0.05, rut: 0.5", 3, "".join(
+SHEET = scene("sheet, tension: 3000, yield: 0.05, rut: 0.5", 3, "".join(
     wheel(f"s{i}", [[128 + 12 * x, 126 + 12 * y], [128 - 14 * x, 129 - 14 * y]], 6, "sink: 0.1")
     for i, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1)))) +
     wheel("beside", [[127, 100], [127.5, 130]], 12, "sink: 0.15") + wheel("stands", [[126, 126.5]], 1, "sink: 0.12") + wheel("far", [[20, 100], [60, 101]], 9, "sink: 0.1"))

@@ -1,8 +1,8 @@
 /*
  * A contact of a body with an elastic sheet, over a window. See sheet.h.
  *
- * First the body lets go of what it held at `from`. If the sheet yields, the whole motion holds it down then. What is beyond the yield becomes a rut:
- * the sheet's own surface sinks. At last the body holds it down at the end of the motion.
+ * First the body lets go of what it held at `from`. Where the whole motion goes beyond the yield the sheet's own surface sinks then: a rut. At last the
+ * body holds the sheet down at the end of its motion.
  */
 #include "soil/kinematic/sheet.h"
 
@@ -166,18 +166,15 @@ static void let_go(const struct below *below, const struct soil_planes *planes, 
 		}
 }
 
-/* Holds the sheet down by an envelope. ends: by the end pose, otherwise by the whole motion. */
-static void push(const struct below *below, const struct soil_planes *planes, const struct sheet_grid *grid, bool ends, struct soil_kinematic_tally *tally)
+/* Holds the sheet down to the envelope of the body at the end of its motion. */
+static void push(const struct below *below, const struct soil_planes *planes, const struct sheet_grid *grid, struct soil_kinematic_tally *tally)
 {
-	const int32_t *heights = ends ? below->rest : below->under;
 	for (int64_t y = below->posts.y0; y < below->posts.y1; y++)
 		for (int64_t x = below->posts.x0; x < below->posts.x1; x++) {
-			const size_t at = in_grid(grid, x, y), in = in_planes(planes, x, y);
+			const size_t at = in_grid(grid, x, y);
 			const bool may = (grid->marks[at] & (SHEET_GROUND | SHEET_INSIDE)) == (SHEET_GROUND | SHEET_INSIDE);
-			const int64_t depth = may ? depth_below(below, planes, heights, x, y, grid->surface[at]) : INT64_MIN;
+			const int64_t depth = may ? depth_below(below, planes, below->rest, x, y, grid->surface[at]) : INT64_MIN;
 			const bool refuses = depth >= SOIL_SHEET_MOST || grid->surface[at] - depth < -OFFSET_LIMIT;
-			grid->marks[at] &= (uint8_t)~SHEET_OWN;
-			grid->least[at] = 0;
 			if (depth <= 0)
 				continue;
 			tally->refused += refuses;
@@ -186,37 +183,29 @@ static void push(const struct below *below, const struct soil_planes *planes, co
 			grid->marks[at] = (uint8_t)((grid->marks[at] & ~SHEET_OTHER) | SHEET_OWN);
 			grid->least[at] = (int32_t)depth << SHEET_BITS;
 			grid->deflection[at] = lane_most(grid->deflection[at], grid->least[at]);
-			planes->contact[in] |= ends ? SOIL_LOWERED | SOIL_HELD : SOIL_LOWERED;
+			planes->contact[in_planes(planes, x, y)] |= SOIL_LOWERED | SOIL_HELD;
 		}
 }
 
-/* Makes a rut of what is beyond the yield, where the body touches the sheet. A post has a rut as deep as its own surface is below the base. The rut grows
- * to a share of what the body is deeper than the yield, below the base. So a second contact in the same place adds nothing, and in the end it is that
- * share of the greatest depth. */
-static void yield(const struct sheet_grid *grid, const struct soil_sheet *sheet)
-{
-	for (int32_t y = 0; y < grid->height; y++)
-		for (int32_t x = 0; x < grid->width; x++) {
-			const size_t at = (size_t)y * grid->stride + (size_t)x;
-			const int32_t deflection = grid->deflection[at] >> SHEET_BITS;
-			if (grid->least[at] == 0 || grid->deflection[at] > grid->least[at] || deflection <= sheet->yield)
-				continue;
-			const int64_t rut = grid->surface[at] < 0 ? -(int64_t)grid->surface[at] : 0;
-			const int64_t sinks = ((rut + deflection - sheet->yield) * sheet->share >> 31) - rut;
-			if (sinks <= 0)
-				continue;
-			grid->surface[at] -= (int32_t)sinks;
-			grid->deflection[at] -= (int32_t)sinks << SHEET_BITS;
-		}
-}
-
-/* Forgets what an envelope held. */
-static void lift(const struct below *below, const struct sheet_grid *grid)
+/* Makes a rut of what is beyond the yield. A post has a rut as deep as its own surface is below the base. The rut grows to a share of what the motion's
+ * envelope is deeper than the yield, below the base. So a second contact in the same place adds nothing, and in the end it is that share of the
+ * greatest depth. */
+static void yield(const struct below *below, const struct soil_planes *planes, const struct sheet_grid *grid, const struct soil_sheet *sheet)
 {
 	for (int64_t y = below->posts.y0; y < below->posts.y1; y++)
 		for (int64_t x = below->posts.x0; x < below->posts.x1; x++) {
-			grid->marks[in_grid(grid, x, y)] &= (uint8_t)~SHEET_OWN;
-			grid->least[in_grid(grid, x, y)] = 0;
+			const size_t at = in_grid(grid, x, y);
+			const bool may = (grid->marks[at] & (SHEET_GROUND | SHEET_INSIDE)) == (SHEET_GROUND | SHEET_INSIDE);
+			const int64_t depth = may ? depth_below(below, planes, below->under, x, y, grid->surface[at]) : INT64_MIN;
+			if (depth <= sheet->yield || depth >= SOIL_SHEET_MOST || grid->surface[at] - depth < -OFFSET_LIMIT)
+				continue;
+			const int64_t rut = grid->surface[at] < 0 ? -(int64_t)grid->surface[at] : 0;
+			const int64_t sinks = ((rut + depth - sheet->yield) * sheet->share >> 31) - rut;
+			if (sinks <= 0)
+				continue;
+			grid->surface[at] -= (int32_t)sinks;
+			grid->deflection[at] = lane_most(grid->deflection[at] - (int32_t)(sinks << SHEET_BITS), 0);
+			planes->contact[in_planes(planes, x, y)] |= SOIL_LOWERED;
 		}
 }
 
@@ -235,14 +224,9 @@ void soil_sheet_run(const struct soil_sheet *sheet, const struct soil_kinematic 
 	if (!contact->leaves) {
 		const bool moves = !soil_only_set_down(&body->from, &body->to);
 		envelope(kinematic, body, moves ? &body->from : &body->to, &body->to, planes, memory, &below);
-		if (sheet->yield < SOIL_SHEET_MOST) {
-			push(&below, planes, &grid, false, tally);
-			soil_sheet_begin(&grid, sheet);
-			soil_sheet_relax(&grid, sheet);
-			yield(&grid, sheet);
-			lift(&below, &grid);
-		}
-		push(&below, planes, &grid, true, tally);
+		if (sheet->yield < SOIL_SHEET_MOST)
+			yield(&below, planes, &grid, sheet);
+		push(&below, planes, &grid, tally);
 	}
 	soil_sheet_begin(&grid, sheet);
 	soil_sheet_relax(&grid, sheet);
