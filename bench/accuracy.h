@@ -56,8 +56,9 @@ extern const struct post_rect accuracy_field;
 struct accuracy_truth {
 	double *surfaces[DEFORM_MODELS]; /* of the field */
 };
-/* From the file if that has it, else made, and written there if `path` is not NULL. */
-void accuracy_truth_open(struct accuracy_truth *truth, const char *path);
+/* From the file if that has it, else made, and written there if `path` is not NULL. only: a model whose truth alone is made, and not kept;
+ * DEFORM_MODELS: of all. */
+void accuracy_truth_open(struct accuracy_truth *truth, const char *path, enum deform_model only);
 void accuracy_truth_close(struct accuracy_truth *truth);
 
 /* A body over the field: its lower envelope at posts of a rectangle, m; INFINITY: it is not above the post. */

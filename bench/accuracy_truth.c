@@ -240,6 +240,11 @@ static void *drive(void *argument)
 	return NULL;
 }
 
+static bool is_made(const struct accuracy_truth *truth, size_t m)
+{
+	return truth->surfaces[models[m]] != NULL;
+}
+
 static void make(struct accuracy_truth *truth)
 {
 	struct scene *scene = accuracy_scene(DEFORM_SLIPPAGE, 1, NULL, 0);
@@ -260,10 +265,14 @@ static void make(struct accuracy_truth *truth)
 	}
 	fprintf(stderr, "truth: %zu stations, undersides in %.0f s\n", count, clock_seconds() - began);
 	for (size_t m = 0; m < MODELS; m++) {
+		if (!is_made(truth, m))
+			continue;
 		works[m] = (struct work){.model = models[m], .sweeps = sweeps, .count = count, .surface = truth->surfaces[models[m]]};
 		bench_must(thread_start(&works[m].thread, drive, &works[m], "truth"));
 	}
 	for (size_t m = 0; m < MODELS; m++) {
+		if (!is_made(truth, m))
+			continue;
 		thread_join(&works[m].thread);
 		fprintf(stderr, "truth: %s after %.0f s, last moved by %g m\n", accuracy_model_name(works[m].model),
 			clock_seconds() - began, works[m].moved);
@@ -312,20 +321,23 @@ static void save(const struct accuracy_truth *truth, const char *path)
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; name another file", path));
 }
 
-void accuracy_truth_open(struct accuracy_truth *truth, const char *path)
+void accuracy_truth_open(struct accuracy_truth *truth, const char *path, enum deform_model only)
 {
 	*truth = (struct accuracy_truth){{NULL}};
 	if (!(accuracy_steepest() < tan(params_of(DEFORM_SLIPPAGE).soils[0].friction_angle)))
 		bench_must(fail_with(STATUS_FAILED, "bench: undisturbed ground would slide; make it less steep"));
 	for (size_t m = 0; m < MODELS; m++) {
+		if (only != DEFORM_MODELS && only != models[m])
+			continue;
 		truth->surfaces[models[m]] = mem_alloc(field_posts(), sizeof(double));
 		if (truth->surfaces[models[m]] == NULL)
 			bench_must(fail_memory("bench"));
 	}
-	if (path != NULL && load(truth, path))
+	const bool keeps = path != NULL && only == DEFORM_MODELS;
+	if (keeps && load(truth, path))
 		return;
 	make(truth);
-	if (path != NULL)
+	if (keeps)
 		save(truth, path);
 }
 

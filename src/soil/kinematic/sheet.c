@@ -197,7 +197,7 @@ static void yield(const struct below *below, const struct soil_planes *planes, c
 			const size_t at = in_grid(grid, x, y);
 			const bool may = (grid->marks[at] & (SHEET_GROUND | SHEET_INSIDE)) == (SHEET_GROUND | SHEET_INSIDE);
 			const int64_t depth = may ? depth_below(below, planes, below->under, x, y, grid->surface[at]) : INT64_MIN;
-			if (depth <= sheet->yield || depth >= SOIL_SHEET_MOST || grid->surface[at] - depth < -OFFSET_LIMIT)
+			if (depth <= sheet->yield || grid->surface[at] - depth < -OFFSET_LIMIT)
 				continue;
 			const int64_t rut = grid->surface[at] < 0 ? -(int64_t)grid->surface[at] : 0;
 			const int64_t sinks = ((rut + depth - sheet->yield) * sheet->share >> 31) - rut;

@@ -20,10 +20,11 @@ struct sheet_grid {
 	uint32_t *relax;       /* 0: the post does not move */
 	uint8_t *marks;
 	int32_t *row;          /* room for a row, or for a number of each column */
+	int32_t x[2], y[2];    /* columns and rows around the posts that move: first, one behind the last */
 };
 
 /* Marks posts within `reach` of held ones as SHEET_NEAR, and tells by `relax` which of them move. Others that may change become 0. */
-void soil_sheet_begin(const struct sheet_grid *grid, const struct soil_sheet *sheet);
+void soil_sheet_begin(struct sheet_grid *grid, const struct soil_sheet *sheet);
 /* Moves the sheet towards T lap(w) = k w, at least as deep as `least`. Always takes the same number of rounds. */
 void soil_sheet_relax(const struct sheet_grid *grid, const struct soil_sheet *sheet);
 

@@ -10,7 +10,7 @@
 #include "soil/kinematic/sheet_grid.h"
 
 #define REACH 6.0         /* lengths. There K0 is 0.1 % of what it is at a tenth of a length */
-#define ROUNDS 7.0        /* for each post of the length. Over-relaxation takes the error down by e^-1.4 each */
+#define ROUNDS 5.0        /* for each post of the length. Over-relaxation takes the error down by e^-1.4 each */
 #define ROUNDS_LEAST 12
 #define DEFLECTION_MOST ((SOIL_SHEET_MOST << SHEET_BITS) - 1)
 
@@ -77,9 +77,11 @@ static void mark(const struct sheet_grid *grid, int32_t reach)
 		mark_near(grid, marks_of(grid, y), reach, grid->row);
 }
 
-void soil_sheet_begin(const struct sheet_grid *grid, const struct soil_sheet *sheet)
+void soil_sheet_begin(struct sheet_grid *grid, const struct soil_sheet *sheet)
 {
 	mark(grid, sheet->reach);
+	grid->x[0] = grid->y[0] = INT32_MAX;
+	grid->x[1] = grid->y[1] = 0;
 	for (int32_t y = 0; y < grid->height; y++) {
 		const size_t at = (size_t)y * grid->stride;
 		const uint8_t *own = grid->marks + at, *below = own - grid->stride, *above = own + grid->stride;
@@ -89,6 +91,12 @@ void soil_sheet_begin(const struct sheet_grid *grid, const struct soil_sheet *sh
 			grid->relax[at + (size_t)x] = moves ? sheet->relax[around] : 0;
 			if (may && !moves)
 				grid->deflection[at + (size_t)x] = 0;
+			if (!moves)
+				continue;
+			grid->x[0] = lane_least(grid->x[0], x);
+			grid->x[1] = lane_most(grid->x[1], x + 1);
+			grid->y[0] = lane_least(grid->y[0], y);
+			grid->y[1] = y + 1;
 		}
 	}
 }
@@ -111,11 +119,12 @@ static SOIL_LANES void relax_row(int32_t count, const int32_t *restrict own, con
 void soil_sheet_relax(const struct sheet_grid *grid, const struct soil_sheet *sheet)
 {
 	for (int half = 0; half < 2 * sheet->rounds; half++)
-		for (int32_t y = 0; y < grid->height; y++) {
-			const size_t at = (size_t)y * grid->stride;
+		for (int32_t y = grid->y[0]; y < grid->y[1]; y++) {
+			const size_t at = (size_t)y * grid->stride + (size_t)grid->x[0];
 			int32_t *own = grid->deflection + at;
-			relax_row(grid->width, own, own - grid->stride, own + grid->stride, grid->least + at, grid->relax + at, sheet->over,
-				  (int32_t)((grid->x0 + grid->y0 + y + half) & 1), grid->row);
-			memcpy(own, grid->row, (size_t)grid->width * sizeof *own);
+			const int32_t count = grid->x[1] - grid->x[0];
+			relax_row(count, own, own - grid->stride, own + grid->stride, grid->least + at, grid->relax + at, sheet->over,
+				  (int32_t)((grid->x0 + grid->x[0] + grid->y0 + y + half) & 1), grid->row);
+			memcpy(own, grid->row, (size_t)count * sizeof *own);
 		}
 }
