@@ -4,7 +4,7 @@
  *
  *   bench_accuracy [STUDY...] [--quick] [--truth FILE]
  *
- * Studies, all of them if none is named: spacing, divided, settled, base_format, offset_format, iterations, tolerance,
+ * Studies, all of them if none is named: spacing, sheet, divided, settled, base_format, offset_format, iterations, tolerance,
  * interval, time_step, import_error, durability, pairs. --quick: one timed run of each, and not the longest. --truth:
  * where the truth is kept from one run of the bench to the next; it takes a minute or two to make. Beside what a line is about
  * all is at its default; the store, and so the work, has posts of 1/16 m, the model is slippage.
@@ -50,6 +50,23 @@ static void spacing(struct study *study)
 	for (size_t m = 0; m < sizeof models / sizeof models[0]; m++)
 		if (models[m] != DEFORM_SUMNER)
 			judge_finest(study, m * EACH, EACH);
+	judge_volume(study);
+}
+
+/* An elastic sheet alone, whose truth is made in seconds. Its length is a post and less from 1/8 m on. */
+static void sheet(struct study *study)
+{
+	for (int k = 0; k < 7; k++) {
+		double apart_m = ldexp(1, -k);
+		struct row *row = row_add(study, "sheet", apart_m == ACCURACY_OWN, "\"spacing\": %.9g", apart_m);
+		row->drive.model = DEFORM_SHEET;
+		row->drive.spacing = apart_m;
+		row_set(row, "redistribute.tension", ACCURACY_TENSION);
+		row_set(row, "redistribute.stiffness", ACCURACY_STIFFNESS);
+		row_set(row, "redistribute.yield", ACCURACY_YIELD);
+	}
+	rows_measure(study);
+	judge_finest(study, 0, study->count);
 	judge_volume(study);
 }
 
@@ -203,6 +220,7 @@ static const struct {
 	void (*run)(struct study *study);
 } studies[] = {
 	{"spacing", spacing},
+	{"sheet", sheet},
 	{"divided", divided},
 	{"settled", settled},
 	{"base_format", base_format},
@@ -235,7 +253,10 @@ int main(int argc, char **argv)
 			bench_must(fail_with(STATUS_USAGE, "bench_accuracy: %s: no study goes by that name; see the file's opening", argv[i]));
 	}
 	struct accuracy_truth truth;
-	accuracy_truth_open(&truth, path);
+	bool alone = any;
+	for (size_t i = 0; i < STUDIES; i++)
+		alone = alone && (!asked[i] || studies[i].run == sheet);
+	accuracy_truth_open(&truth, path, alone ? DEFORM_SHEET : DEFORM_MODELS);
 	struct study study = {.truth = &truth, .quick = quick, .runs = quick ? 1 : ACCURACY_RUNS};
 	study.rows = mem_calloc(ACCURACY_ROWS, sizeof *study.rows);
 	if (study.rows == NULL)

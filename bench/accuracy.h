@@ -2,6 +2,7 @@
  * What accuracy costs in time: what the parts of bench_accuracy share. Metres and seconds throughout.
  *
  *   accuracy_scene.c    the ground, the path, the store, the scene's text
+ *   accuracy_sheet.c    the truth of the model sheet
  *   accuracy_truth.c    the same drive in doubles at 1/64 m; how far a surface is from it
  *   accuracy_drive.c    the drive by the product
  *   accuracy_formats.c  the drive through deform.h, slots kept in another texture format: accuracy_rig.c
@@ -29,6 +30,11 @@
 #define ACCURACY_IMPORT_ERROR 0.001    /* what import gives heights in floats: its default */
 #define ACCURACY_REST 2000              /* intervals that the ground may go on sliding once the wheel stands */
 
+/* Of the model sheet: its length is 0.1 m, and half of the wheel's depth is beyond its yield. N/m, Pa/m, m */
+#define ACCURACY_TENSION 500.0
+#define ACCURACY_STIFFNESS 50000.0
+#define ACCURACY_YIELD 0.05
+
 double accuracy_height(double x, double y);
 /* The steepest the ground is, as a tangent: a bound. */
 double accuracy_steepest(void);
@@ -50,9 +56,18 @@ extern const struct post_rect accuracy_field;
 struct accuracy_truth {
 	double *surfaces[DEFORM_MODELS]; /* of the field */
 };
-/* From the file if that has it, else made, and written there if `path` is not NULL. */
-void accuracy_truth_open(struct accuracy_truth *truth, const char *path);
+/* From the file if that has it, else made, and written there if `path` is not NULL. only: a model whose truth alone is made, and not kept;
+ * DEFORM_MODELS: of all. */
+void accuracy_truth_open(struct accuracy_truth *truth, const char *path, enum deform_model only);
 void accuracy_truth_close(struct accuracy_truth *truth);
+
+/* A body over the field: its lower envelope at posts of a rectangle, m; INFINITY: it is not above the post. */
+struct accuracy_press {
+	struct post_rect rect;
+	const double *heights;
+};
+/* Presses an elastic sheet over the field, whose own surface sinks where it yields. last: then it is bent by the body, and does not yield. */
+void accuracy_sheet(double *surface, const double *base, const struct accuracy_press *press, bool last);
 
 /* Posts of a level that hold the field's. */
 struct accuracy_surface {

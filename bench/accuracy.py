@@ -4,6 +4,7 @@
     python3 bench/accuracy.py -o bench-out                          # a release build's programs; --quick: fewer settings
     python3 bench/accuracy.py -o bench-out --publish                # and into docs (BENCHMARKS.md) and bench/ACCURACY.md
     python3 bench/accuracy.py -o bench-out --from accuracy.jsonl    # of lines that are there
+    python3 bench/accuracy.py -o bench-out --sheet --publish        # the study of the elastic sheet alone, a part of ACCURACY.md of its own
 
 Writes accuracy.jsonl, accuracy.md and for each plot NAME.svg, .png and .gnuplot. bench/ACCURACY.md says how to read them.
 """
@@ -40,6 +41,7 @@ def parse():
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True, help="the folder for what is written")
     parser.add_argument("--from", dest="lines", type=pathlib.Path, action="append", help="a file of lines, instead of a run; repeatable")
     parser.add_argument("--quick", action="store_true", help="fewer settings, shorter runs")
+    parser.add_argument("--sheet", action="store_true", help="the study of the elastic sheet alone")
     parser.add_argument("--publish", action="store_true", help="copies chosen plots to docs, rewrites the tables of BENCHMARKS.md and ACCURACY.md")
     record.add_option(parser)
     options = parser.parse_args()
@@ -47,7 +49,7 @@ def parse():
         parser.error("--figures: has the parts of the pages, of this run; give --publish with it, and no --from")
     if options.publish and options.quick:
         parser.error("--publish: a whole run is published, not --quick")
-    for program in () if options.lines else PROGRAMS:
+    for program in () if options.lines else PROGRAMS[:1] if options.sheet else PROGRAMS:
         if not (options.build / "bench" / program).exists():
             parser.error(f"{options.build / 'bench' / program}: not there; meson setup build --buildtype=release && ninja -C build")
     return options
@@ -68,8 +70,8 @@ def listen(child, progress):
 def measured(options, progress):
     """Lines as the programs print them."""
     quick = ["--quick"] * options.quick
-    arguments = {"bench_accuracy": ["--truth", str(options.out / "accuracy.truth"), *quick], "bench_picture_error": quick}
-    for program in PROGRAMS:
+    arguments = {"bench_accuracy": ["sheet"] * options.sheet + ["--truth", str(options.out / "accuracy.truth"), *quick], "bench_picture_error": quick}
+    for program in PROGRAMS[:1] if options.sheet else PROGRAMS:
         path = (options.build / "bench" / program).resolve()
         child = subprocess.Popen([str(path), *arguments[program]], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         listener = threading.Thread(target=listen, args=(child, progress))
@@ -103,7 +105,7 @@ def given(paths):
 
 def gather(options):
     """All lines; accuracy.jsonl is whole or not there."""
-    lines, path, progress = [], options.out / "accuracy.jsonl", pages.Progress("accuracy")
+    lines, path, progress = [], options.out / ("accuracy_sheet.jsonl" if options.sheet else "accuracy.jsonl"), pages.Progress("accuracy")
     source = list(given(options.lines)) if options.lines else measured(options, progress)
     try:
         with pages.aside(path) as file:
@@ -182,6 +184,17 @@ def publish(options, studies, lines, written, kept):
     print("docs/accuracy-*.svg, bench/ACCURACY.md, docs/BENCHMARKS.md: of this run now")
 
 
+def publish_sheet(options, studies, lines, kept):
+    """The table alone, in a part of its own."""
+    text = f"Turned: {studies[0].what}.\n\n" + pages.table(*accuracy_study.rows(studies[0])) + f"\nGL: {gl_of(lines)}.\n"
+    pages.publish(ROOT / "bench/ACCURACY.md", "accuracy_sheet", text)
+    if kept is not None:
+        kept.page("bench/ACCURACY.md accuracy_sheet", text)
+        kept.renderer = gl_of(lines)
+        kept.write(options.figures)
+    print("bench/ACCURACY.md: its part of the sheet is of this run now")
+
+
 def run():
     options = parse()
     options.out.mkdir(parents=True, exist_ok=True)
@@ -193,6 +206,10 @@ def run():
         file.write(text)
     print(text)
     print(f"{options.out / 'accuracy.jsonl'}, {options.out / 'accuracy.md'}: {len(lines)} settings, {len(studies)} studies")
+    if options.sheet:
+        if options.publish:
+            publish_sheet(options, studies, lines, kept)
+        return
     written = write_plots(options, studies)
     print("\n".join(f"{path}" for path in written))
     if options.publish:

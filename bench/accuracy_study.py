@@ -10,6 +10,7 @@ from pages import Told, figure, size
 # In the order of the tables. title, and what is turned.
 STUDIES = {
     "spacing": ("Spacing of posts, by model", "how far the posts lie apart where the ground is worked on"),
+    "sheet": ("Spacing of posts, under an elastic sheet", "how far the posts lie apart; the sheet bends over 0.1 m, and yields at 5 cm"),
     "divided": ("Spacing, over a coarser store", "spacing, over a store of 1 m posts that is divided where the wheel goes"),
     "settled": ("Spacing, slid to rest", "spacing, and with it as much sliding as it asks for: 8 iterations at an interval that goes with its square"),
     "base_format": ("Format of the base", "how the imported heights are kept"),

@@ -38,7 +38,7 @@
 const struct post_rect accuracy_field = {800, 688, 1121, 1009}; /* 12.5 .. 17.5, 10.75 .. 15.75 m */
 
 /* Those that there is a truth of. Soil that bears has closed forms: bench/validation.c. */
-static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE};
+static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SHEET};
 #define MODELS (sizeof models / sizeof models[0])
 
 static int64_t columns(void)
@@ -192,6 +192,16 @@ struct work {
 	struct thread thread;
 };
 
+/* A drive over the sheet. */
+static void bend(const struct reference_ground *field, struct work *work)
+{
+	memcpy(work->surface, field->base, field_posts() * sizeof *work->surface);
+	for (size_t i = 0; i < work->count; i++)
+		accuracy_sheet(work->surface, field->base, &(struct accuracy_press){work->sweeps[i].rect, work->sweeps[i].under}, false);
+	const struct sweep *last = &work->sweeps[work->count - 1];
+	accuracy_sheet(work->surface, field->base, &(struct accuracy_press){last->rect, last->rest}, true);
+}
+
 static void *drive(void *argument)
 {
 	struct work *work = argument;
@@ -203,6 +213,11 @@ static void *drive(void *argument)
 	for (size_t i = 0; i < field_posts(); i++)
 		field.base[i] = accuracy_height((double)(field.left + (int64_t)i % columns()) * ACCURACY_FINE,
 						(double)(field.bottom + (int64_t)i / columns()) * ACCURACY_FINE);
+	if (work->model == DEFORM_SHEET) {
+		bend(&field, work);
+		reference_ground_finish(&field);
+		return NULL;
+	}
 	for (size_t i = 0; i < work->count; i++) {
 		const struct sweep *sweep = &work->sweeps[i];
 		bench_must(reference_ground_init(&part, (int)(sweep->rect.x1 - sweep->rect.x0),
@@ -225,6 +240,11 @@ static void *drive(void *argument)
 	return NULL;
 }
 
+static bool is_made(const struct accuracy_truth *truth, size_t m)
+{
+	return truth->surfaces[models[m]] != NULL;
+}
+
 static void make(struct accuracy_truth *truth)
 {
 	struct scene *scene = accuracy_scene(DEFORM_SLIPPAGE, 1, NULL, 0);
@@ -245,10 +265,14 @@ static void make(struct accuracy_truth *truth)
 	}
 	fprintf(stderr, "truth: %zu stations, undersides in %.0f s\n", count, clock_seconds() - began);
 	for (size_t m = 0; m < MODELS; m++) {
+		if (!is_made(truth, m))
+			continue;
 		works[m] = (struct work){.model = models[m], .sweeps = sweeps, .count = count, .surface = truth->surfaces[models[m]]};
 		bench_must(thread_start(&works[m].thread, drive, &works[m], "truth"));
 	}
 	for (size_t m = 0; m < MODELS; m++) {
+		if (!is_made(truth, m))
+			continue;
 		thread_join(&works[m].thread);
 		fprintf(stderr, "truth: %s after %.0f s, last moved by %g m\n", accuracy_model_name(works[m].model),
 			clock_seconds() - began, works[m].moved);
@@ -266,10 +290,10 @@ static void make(struct accuracy_truth *truth)
 static const char *header(void)
 {
 	static char text[1600];
-	snprintf(text, sizeof text, KIND " 2: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
-				    "%d at the end, until %g m; models none box sumner slippage; %s\n",
+	snprintf(text, sizeof text, KIND " 3: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
+				    "%d at the end, until %g m; models none box sumner slippage, sheet %g %g %g; %s\n",
 		 (long long)accuracy_field.x0, (long long)accuracy_field.x1, (long long)accuracy_field.y0, (long long)accuracy_field.y1,
-		 SWEEP_MOST, ROUND, REST_MOST, TOLERANCE, accuracy_described());
+		 SWEEP_MOST, ROUND, REST_MOST, TOLERANCE, ACCURACY_TENSION, ACCURACY_STIFFNESS, ACCURACY_YIELD, accuracy_described());
 	return text;
 }
 
@@ -297,20 +321,23 @@ static void save(const struct accuracy_truth *truth, const char *path)
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; name another file", path));
 }
 
-void accuracy_truth_open(struct accuracy_truth *truth, const char *path)
+void accuracy_truth_open(struct accuracy_truth *truth, const char *path, enum deform_model only)
 {
 	*truth = (struct accuracy_truth){{NULL}};
 	if (!(accuracy_steepest() < tan(params_of(DEFORM_SLIPPAGE).soils[0].friction_angle)))
 		bench_must(fail_with(STATUS_FAILED, "bench: undisturbed ground would slide; make it less steep"));
 	for (size_t m = 0; m < MODELS; m++) {
+		if (only != DEFORM_MODELS && only != models[m])
+			continue;
 		truth->surfaces[models[m]] = mem_alloc(field_posts(), sizeof(double));
 		if (truth->surfaces[models[m]] == NULL)
 			bench_must(fail_memory("bench"));
 	}
-	if (path != NULL && load(truth, path))
+	const bool keeps = path != NULL && only == DEFORM_MODELS;
+	if (keeps && load(truth, path))
 		return;
 	make(truth);
-	if (path != NULL)
+	if (keeps)
 		save(truth, path);
 }
 

@@ -5,6 +5,7 @@
 
 #include "explain.h"
 #include "json.h"
+#include "soil/kinematic/sheet.h"
 
 static void add_words(cJSON *object, const char *name, const char *const *words)
 {
@@ -238,6 +239,15 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 		cJSON_AddStringToObject(root, "compute", plan->bearing ? "cpu" : "gpu");
 	else
 		cJSON_AddNullToObject(root, "compute");
+	if (deform_is_elastic(scene->model) && plan->body_count > 0) {
+		struct soil_sheet sheet;
+		const double length = sqrt(scene->tension / scene->stiffness);
+		soil_sheet_prepare(&sheet, length, scene->yield, scene->rut, plan->spacing);
+		cJSON *told = cJSON_AddObjectToObject(root, "sheet");
+		json_number(told, "length", length);
+		json_integer(told, "rounds", sheet.rounds);
+		json_integer(told, "reach", sheet.reach);
+	}
 	json_integer(root, "window_tiles", (int64_t)plan->window_tiles);
 	json_integer(root, "batch_windows", (int64_t)plan->batch_windows);
 	json_integer(root, "batch_bytes", (int64_t)plan->batch_bytes);

@@ -5,6 +5,7 @@
 
 #include "explain.h"
 #include "explain_layout.h"
+#include "soil/kinematic/sheet.h"
 
 bool explain_same_effect(const struct plan_line *a, const struct plan_line *b)
 {
@@ -268,6 +269,18 @@ static void print_all_passes(const struct scene *scene, const struct report_plan
 	mem_free_all(passes.first, passes.next);
 }
 
+/* Tells what a contact with an elastic sheet costs. It has no passes. */
+static void print_sheet(const struct scene *scene, double spacing)
+{
+	struct soil_sheet sheet;
+	const double length = sqrt(scene->tension / scene->stiffness);
+	if (!deform_is_elastic(scene->model) || !(spacing > 0) || length > SOIL_SHEET_POSTS * spacing)
+		return;
+	soil_sheet_prepare(&sheet, length, scene->yield, scene->rut, spacing);
+	printf("  the sheet bends over %.3g m, %.3g posts: each contact makes %d rounds over all posts within %d of the body\n", length, length / spacing, sheet.rounds,
+	       (int)sheet.reach);
+}
+
 /* Bearing soil has bodies, and may have no pass. With --all, passes are listed by body. */
 static void print_section(const struct scene *scene, const struct report_plan *plan, bool all)
 {
@@ -276,6 +289,8 @@ static void print_section(const struct scene *scene, const struct report_plan *p
 		return;
 	puts(!passes ? "\nbodies" : bodies && !all ? "\nbodies, and passes" : "\npasses");
 	print_all_passes(scene, plan, all);
+	if (bodies)
+		print_sheet(scene, plan->spacing);
 }
 
 void explain_passes_text(const struct scene *scene, const struct report_plan *plan)

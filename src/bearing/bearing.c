@@ -47,6 +47,8 @@ static void prepare_kinematic(struct bearing *bearing)
 		kinematic->radius = params->box_radius;
 		kinematic->repetitions = params->box_repetitions;
 	}
+	if (bearing->elastic)
+		soil_sheet_prepare(&bearing->sheet, sqrt(params->tension / params->stiffness), params->yield, params->rut, bearing->law.spacing);
 	if (deform_sheds(params->model))
 		soil_kinematic_sumner(kinematic, params->soils, params->soil_count);
 	else if (bearing->conserves)
@@ -67,6 +69,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	bearing->law = law_of(params);
 	bearing->conserves = deform_conserves(params->model);
 	bearing->bears = deform_tells_forces(params->model);
+	bearing->elastic = deform_is_elastic(params->model);
 	if (bearing->conserves)
 		prepare(bearing);
 	if (!bearing->bears)
@@ -152,7 +155,7 @@ int64_t bearing_contact_reach(const struct bearing *bearing, const struct soil_s
 	const double spacing = bearing->law.spacing, band = bearing->conserves ? M_SQRT2 * soil_laying_band(shape, spacing) : 0;
 	const double bound = soil_shape_bound(shape) / spacing;
 	const int64_t border = bearing->conserves ? 1 : (int64_t)bearing->kinematic.radius * bearing->kinematic.repetitions;
-	return (int64_t)ceil(bound + band) + 3 + bearing->around + border;
+	return (int64_t)ceil(bound + band) + 3 + bearing->around + border + 2 * (int64_t)bearing->sheet.reach;
 }
 
 /* --- sums --- */

@@ -87,6 +87,8 @@ void bearing_kinematic_gather(struct bearing *bearing, const struct tile_slot *h
  * may have changed; empty: none. */
 enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, bool alone,
 				  struct post_rect *changed) FURROW_CHECKED;
+/* Instead of bearing_kinematic_run, of an elastic sheet: the body leaves the pose contact->from, and the sheet comes back. */
+void bearing_kinematic_leave(struct bearing *bearing, const struct deform_contact *contact, struct post_rect *changed);
 /* held: pinned tiles. Writes the changed posts that they have. */
 enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect changed, const struct tile_slot *held, size_t count) FURROW_CHECKED;
 

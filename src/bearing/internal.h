@@ -5,6 +5,7 @@
 #include "bearing/bearing.h"
 #include "soil/kinematic/kinematic.h"
 #include "soil/kinematic/shed.h"
+#include "soil/kinematic/sheet.h"
 #include "soil/law/posts.h"
 #include "soil/laying/laying.h"
 #include "soil/sink.h"
@@ -84,6 +85,8 @@ struct bearing {
 	bool bears;                  /* it computes forces; false: it is kinematic */
 	bool held_is_stable;         /* the words of a contact tell all blocks in which soil may slide */
 	struct soil_kinematic kinematic;
+	bool elastic;                /* the ground is the sheet; its plane is `floor` of struct soil_planes */
+	struct soil_sheet sheet;
 	struct soil_laid laid[SOIL_CLASSES];
 	int64_t around;              /* posts around what a contact reached in which soil may slide */
 	struct bearing_member *members;

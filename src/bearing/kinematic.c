@@ -24,7 +24,7 @@ enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform
 	const struct post_rect read = area->read, world = bearing->world;
 	const size_t width = (size_t)(read.x1 - read.x0), height = (size_t)(read.y1 - read.y0);
 	TRY(bearing_window_need(bearing, read));
-	TRY(bearing_scratch_need(bearing, soil_kinematic_room(&bearing->kinematic, &own, width, height)));
+	TRY(bearing_scratch_need(bearing, bearing->elastic ? soil_sheet_room(contact->shape, width, height) : soil_kinematic_room(&bearing->kinematic, &own, width, height)));
 	if (read.x0 < world.x0 || read.y0 < world.y0 || read.x1 > world.x1 || read.y1 > world.y1)
 		bearing_window_clear(bearing);
 	return STATUS_OK;
@@ -105,6 +105,24 @@ static enum status wake(struct bearing *bearing, struct post_rect write, bool al
 	return soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(write), bearing->window.words);
 }
 
+/* A contact with the sheet. leaves: the body is taken away. */
+static void run_sheet(struct bearing *bearing, const struct deform_contact *contact, bool leaves, struct post_rect *changed)
+{
+	struct bearing_window *window = &bearing->window;
+	const struct soil_sheet_contact own = {.body = contact_of(contact), .leaves = leaves};
+	struct soil_kinematic_tally tally = {.compacted = 0};
+	soil_sheet_run(&bearing->sheet, &bearing->kinematic, &own, &window->planes, window->scratch, &tally, changed);
+	bearing->tally.compacted += tally.compacted;
+	bearing->tally.refused += tally.refused;
+	if (bearing->params.disturbance)
+		soil_kinematic_disturb(&window->planes, *changed);
+}
+
+void bearing_kinematic_leave(struct bearing *bearing, const struct deform_contact *contact, struct post_rect *changed)
+{
+	run_sheet(bearing, contact, true, changed);
+}
+
 enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, bool alone,
 				  struct post_rect *changed)
 {
@@ -112,8 +130,12 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 	const struct soil_kinematic_contact own = contact_of(contact);
 	const struct post_rect shadow = shadow_of(bearing, contact), below = post_rect_intersect(shadow, area->write);
 	struct soil_kinematic_tally tally = {.compacted = 0};
-	soil_kinematic_run(&bearing->kinematic, &own, &window->planes, area->write, window->carried, window->scratch, &tally);
 	bearing->contacts++;
+	if (bearing->elastic) {
+		run_sheet(bearing, contact, false, changed);
+		return STATUS_OK;
+	}
+	soil_kinematic_run(&bearing->kinematic, &own, &window->planes, area->write, window->carried, window->scratch, &tally);
 	bearing->tally.compacted += tally.compacted;
 	bearing->tally.refused += tally.refused;
 	if (!bearing->conserves) {

@@ -122,9 +122,10 @@ size_t bearing_window_part(const struct bearing_window *window, struct post_rect
 }
 
 /* What bodies alone read and change. */
-static void drop_memory(struct soil_planes *planes)
+static void drop_memory(const struct bearing *bearing, struct soil_planes *planes)
 {
-	planes->sinkage = planes->shear = planes->dug = planes->settled = planes->loose = planes->floor = planes->density = NULL;
+	planes->sinkage = planes->shear = planes->dug = planes->settled = planes->loose = planes->density = NULL;
+	planes->floor = bearing->elastic ? planes->floor : NULL; /* the sheet's */
 }
 
 static void gather_memory(struct bearing *bearing, const struct tile_slot *held, size_t count, struct post_rect part)
@@ -153,7 +154,7 @@ void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held
 	if (slides)
 		planes.disturbance = planes.levels = NULL;
 	gather_memory(bearing, held, count, slides ? (struct post_rect){0, 0, 0, 0} : post_rect_intersect(part, bearing->under));
-	drop_memory(&planes);
+	drop_memory(bearing, &planes);
 	resident_host_gather(bearing->slots, held, count, &planes);
 }
 

@@ -29,7 +29,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 {
 	struct deform *deform = mem_calloc(1, sizeof *deform);
 	TRY_MEM(deform, "deformation");
-	assert(!deform_model_row(params->model)->bears);
+	assert(!deform_on_cpu(params->model));
 	deform->params = *params;
 	deform->params.batches = params->batches && deform_model_row(params->model)->batch != NULL && gpu_info(params->gpu)->vertices_pass;
 	deform->planes = deform_planes(params->model, params->disturbance, 0);

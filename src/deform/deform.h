@@ -56,7 +56,8 @@ struct deform_contact {
 	MODEL(DEFORM_BOX_FILTER, box) \
 	MODEL(DEFORM_SUMNER, sumner) \
 	MODEL(DEFORM_SLIPPAGE, slippage) \
-	MODEL(DEFORM_SCM, scm)
+	MODEL(DEFORM_SCM, scm) \
+	MODEL(DEFORM_SHEET, sheet)
 
 #define DEFORM_MODEL_NUMBER(number, word) number,
 enum deform_model { DEFORM_MODELS_EACH(DEFORM_MODEL_NUMBER) DEFORM_MODELS };
@@ -96,7 +97,9 @@ struct soil_model {
 	/* Functions and properties of the model. */
 	/* The soil bears: src/bearing computes its contacts, on the CPU, and tells forces. A model that does not bear accepts no load and no slip. */
 	bool bears;
-	soil_contact_fn contact; /* computes one contact over a window and changes the ground; NULL: the soil bears */
+	/* An elastic sheet: soil/kinematic/sheet.h. The CPU alone computes it. A body deflects it far around, and lets go of it when it leaves */
+	bool elastic;
+	soil_contact_fn contact; /* computes one contact over a window and changes the ground; NULL: the CPU alone computes the model */
 	soil_batch_fn batch;     /* computes the contacts of a batch; NULL: the model's contacts are computed alone */
 	const char *shader;      /* file of the shader that computes the contact */
 	unsigned planes;         /* planes that the model stores apart from the offset: a mask of PLANE_BIT */
@@ -132,6 +135,12 @@ bool deform_sheds(enum deform_model model);
 int deform_line_passes(const struct deform_params *params);
 /* Returns true if the soil bears (bearing.h), so that forces are told. Only then an object can have a load. No deform is made for such a model. */
 bool deform_tells_forces(enum deform_model model);
+/* Returns true if the ground is an elastic sheet, which comes back when an object leaves it. */
+bool deform_is_elastic(enum deform_model model);
+/* Returns true if the ground may rise again: the model moves soil, or is elastic. Then offsets + compacted stays the same. */
+bool deform_raises(enum deform_model model);
+/* Returns true if the CPU alone computes the model: its soil bears, or it is an elastic sheet. No deform is made for such a model. */
+bool deform_on_cpu(enum deform_model model);
 /* Each returns the name of an effect that is needed for every object under the model. deform_displace_effect: the effect that
  * computes contacts. deform_slide_effect: the effect that lets soil slide; NULL: soil does not slide. deform_contact_effect: the
  * effect of the textures that tell what an object touched. */
@@ -172,6 +181,9 @@ struct deform_params {
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool faces;          /* scm: the soil's stress acts on an object's faces from every side as it slides; false: on its lower envelope alone */
 	double inertia;      /* scm: of soil that faces push away, a share of rho v^2; 0: none */
+	/* sheet: its tension T, N/m, and the stiffness k of what is below, Pa/m. The deflection up to which it comes back whole, m; INFINITY: it always does.
+	 * Of what is beyond that, the share that stays, 0 .. 1 */
+	double tension, stiffness, yield, rut;
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */

@@ -1,6 +1,7 @@
 /* Finds the posts that a contact can change, and cuts them into windows. */
 #include <math.h>
 
+#include "soil/kinematic/sheet.h"
 #include "soil/shape/affine.h"
 #include "deform/internal.h"
 
@@ -32,8 +33,17 @@ static int64_t floor_to(int64_t v, int64_t step)
 	return v - rest - (rest < 0 ? step : 0);
 }
 
+/* Returns the posts that a body over an elastic sheet may hold down or let go of. */
+static struct post_rect held_down(const struct deform *deform, const struct deform_contact *contact)
+{
+	const struct soil_sheet_contact own = {.body = {.shape = contact->shape, .from = contact->from, .to = contact->to}};
+	return soil_sheet_posts(&own, 0, deform->spacing);
+}
+
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact)
 {
+	if (deform_is_elastic(deform->params.model))
+		return held_down(deform, contact);
 	const struct soil_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
 	return soil_shadow(contact->shape, from, &contact->to, deform->spacing);
 }
@@ -77,6 +87,8 @@ int64_t deform_reach(const struct deform_params *params)
 {
 	if (deform_conserves(params->model))
 		return params->iterations + 2; /* displaced soil is deposited beside the object, then slides by a post an iteration */
+	if (deform_is_elastic(params->model)) /* others within the reach of what may change tell whether it does */
+		return 2 * soil_sheet_reach(sqrt(params->tension / params->stiffness), extent_spacing(params->extent, params->level));
 	return deform_model_row(params->model)->smooths ? params->box_radius : 0;
 }
 
@@ -105,6 +117,17 @@ static enum status too_large(struct post_rect write)
 			 (long long)(write.x1 - write.x0), (long long)(write.y1 - write.y0), DEFORM_WINDOWS_MAX);
 }
 
+/* A sheet's deflection goes some lengths far, and the work to find it grows with its length in posts. */
+static enum status check_sheet(const struct deform *deform)
+{
+	const double length = sqrt(deform->params.tension / deform->params.stiffness);
+	if (!deform_is_elastic(deform->params.model) || length <= SOIL_SHEET_POSTS * deform->spacing)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "redistribute.tension: a sheet of %g N/m on %g Pa/m bends over %.4g m, which is more than %d posts of %g m; give a "
+				       "coarser spacing, %.4g m or more, or less tension",
+			 deform->params.tension, deform->params.stiffness, length, SOIL_SHEET_POSTS, deform->spacing, length / SOIL_SHEET_POSTS);
+}
+
 /* Soil goes from post to post over the whole contact. So the parts of a model that conserves soil are computed as one, and where
  * they are cut does not matter. Windows of other models are computed alone. They are cut at multiples of the core. So cuts depend
  * on the terrain alone, not on the object or the tiles. */
@@ -115,12 +138,13 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 	struct post_rect write = deform_reached(deform, contact), under = below(deform, contact);
 	if (post_rect_empty(write))
 		return STATUS_OK;
+	TRY(check_sheet(deform));
 	int64_t core = deform_core(&deform->params);
 	if (contact->load > 0 && !fits(under, core))
 		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "
 					       "coarser spacing than %g m",
 				 (long long)(under.x1 - under.x0), (long long)(under.y1 - under.y0), deform->spacing);
-	bool one = fits(write, core), whole = deform_conserves(deform->params.model);
+	bool one = fits(write, core), whole = deform_conserves(deform->params.model) || deform_is_elastic(deform->params.model);
 	if (whole && !fits(post_rect_grown(write, deform->border), DEFORM_WHOLE_POSTS))
 		return too_large(write);
 	int64_t x0 = one || whole ? write.x0 : floor_to(write.x0, core), y0 = one || whole ? write.y0 : floor_to(write.y0, core);

@@ -38,7 +38,7 @@ enum status render_view_errors_create(const struct world *world, struct view_err
 		double deep = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
 		errors->lowest = fmin(errors->lowest, -deep);
 	}
-	if (deform_conserves(scene->model))
+	if (deform_raises(scene->model))
 		errors->highest = -errors->lowest;
 	errors->low = errors->lowest;
 	errors->high = errors->highest;
@@ -129,7 +129,7 @@ enum status render_view_errors_contact(struct view *view, const struct world_tou
 	TRY(rise_beside(view, touch, &rise));
 	const double deep = fmax(touch->depth + rise, 0); /* with a load: as the soil was found to carry it in the step before */
 	errors->low = -deep;
-	errors->high = deform_conserves(world_scene(view->world)->model) ? deep : 0;
+	errors->high = deform_raises(world_scene(view->world)->model) ? deep : 0;
 	errors->lowest = fmin(errors->lowest, errors->low);
 	errors->highest = fmax(errors->highest, errors->high);
 	return STATUS_OK;

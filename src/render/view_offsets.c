@@ -64,7 +64,7 @@ double render_view_find_reach(const struct world *world)
 /* Returns how far moved or poured soil may rise above what was there, metres. */
 static double deposit(const struct view *view)
 {
-	return deform_conserves(world_scene(view->world)->model) ? 2 * view->reach : world_poured(view->world);
+	return deform_raises(world_scene(view->world)->model) ? 2 * view->reach : world_poured(view->world);
 }
 
 /* Finds the range of the offsets around, metres. Soil that is moved or smoothed may become like them. */
@@ -90,7 +90,7 @@ static enum status around(struct view *view, struct post_rect rect, double *low,
 enum status render_view_offsets_contact(struct view *view, const struct contact_area *area)
 {
 	const struct world *world = view->world;
-	const bool raises = deform_conserves(world_scene(world)->model);
+	const bool raises = deform_raises(world_scene(world)->model);
 	struct view_contact *contact = &view->contact;
 	*contact = (struct view_contact){.low = -view->reach, .high = deposit(view)};
 	if (area == NULL)

@@ -264,6 +264,9 @@ struct scene {
 	double loosening, hardening; /* by which share deposited soil bears less; by which passes make soil stronger in the end. 0: not */
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	double inertia;      /* of soil that faces push away, a share of rho v^2; 0: none */
+	/* Of an elastic sheet: its tension, N/m, and the stiffness of what it lies on, Pa/m. The deflection up to which it comes back whole, m; INFINITY: it
+	 * always does. Of what is beyond, the share that stays. For other models they are 0 */
+	double tension, stiffness, yield, rut;
 	enum scene_faces faces; /* whether stress acts on a body's faces from every side as it slides, or on its lower envelope alone */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
@@ -284,7 +287,7 @@ struct scene {
 				      classes 0: none */
 	bool disturbance;
 	enum scene_outside outside;
-	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm the CPU, other models the GPU, and the CPU where there is no GL. */
+	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm and sheet the CPU, other models the GPU, and the CPU where there is no GL. */
 	enum scene_compute compute;
 	struct scene_object *objects;
 	size_t object_count;

@@ -44,6 +44,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"loosening", raw->loosening},
 		{"hardening", raw->hardening},
 		{"normals", raw->normals}, {"faces", raw->faces}, {"inertia", raw->inertia},
+		{"tension", raw->tension}, {"stiffness", raw->stiffness}, {"yield", raw->yield}, {"rut", raw->rut},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
@@ -85,6 +86,12 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->loosening = number(raw->loosening, "redistribute.loosening");
 	if (deform_model_takes(scene->model, "hardening"))
 		scene->hardening = number(raw->hardening, "redistribute.hardening");
+	if (deform_is_elastic(scene->model)) {
+		scene->tension = number(raw->tension, "redistribute.tension");
+		scene->stiffness = number(raw->stiffness, "redistribute.stiffness");
+		scene->yield = raw->yield != NULL ? *raw->yield : (double)INFINITY;
+		scene->rut = number(raw->rut, "redistribute.rut");
+	}
 	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
 	return check_parameters(tree, raw);
 }
@@ -101,7 +108,7 @@ struct scene_list scene_models_with_forces(void)
 static enum status check_compute(const struct scene_tree *tree, const int *compute, struct scene *scene)
 {
 	scene->compute = compute != NULL ? (enum scene_compute)*compute : SCENE_ANYWHERE;
-	if (scene->compute != SCENE_GPU || !deform_tells_forces(scene->model))
+	if (scene->compute != SCENE_GPU || !deform_on_cpu(scene->model))
 		return STATUS_OK;
 	return scene_error(tree->file, scene_tree_find(tree, "compute"), "model %s is computed by the CPU alone; allowed with it: cpu",
 			   deform_model_row(scene->model)->name);

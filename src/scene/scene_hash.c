@@ -354,6 +354,12 @@ enum status scene_hash(struct scene *scene)
 		add_object(state, &scene->objects[i]);
 	for (size_t i = 0; i < scene->object_count; i++)
 		add_object_more(state, i, &scene->objects[i]);
+	if (deform_is_elastic(scene->model)) {
+		const double sheet[] = {scene->tension, scene->stiffness, scene->yield, scene->rut};
+		add_part(state, 'S', 0);
+		for (size_t i = 0; i < sizeof sheet / sizeof *sheet; i++)
+			add_number(state, sheet[i]);
+	}
 	if (deform_model_row(scene->model)->numbers != NULL) /* others may have soils to be drawn */
 		add_soils(state, scene);
 	for (size_t i = 0; i < scene->vehicle_count; i++)

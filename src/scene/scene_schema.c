@@ -208,6 +208,10 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 	CYAML_FIELD_ENUM_PTR("normals", OPTIONAL, struct raw_redistribute, normals, normals_words, 2),
 	CYAML_FIELD_ENUM_PTR("faces", OPTIONAL, struct raw_redistribute, faces, faces_words, 2),
 	CYAML_FIELD_FLOAT_PTR("inertia", OPTIONAL, struct raw_redistribute, inertia),
+	CYAML_FIELD_FLOAT_PTR("tension", OPTIONAL, struct raw_redistribute, tension),
+	CYAML_FIELD_FLOAT_PTR("stiffness", OPTIONAL, struct raw_redistribute, stiffness),
+	CYAML_FIELD_FLOAT_PTR("yield", OPTIONAL, struct raw_redistribute, yield),
+	CYAML_FIELD_FLOAT_PTR("rut", OPTIONAL, struct raw_redistribute, rut),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {
@@ -419,6 +423,10 @@ static const struct scene_limit limits[] = {
 	{"redistribute.loosening", 0, 0.99, false, NULL, NULL, 0, NULL},
 	{"redistribute.hardening", 0, 10, false, NULL, NULL, 0, NULL},
 	{"redistribute.inertia", 0, 10, false, NULL, NULL, 1, NULL},
+	{"redistribute.tension", 0, 1e9, true, NULL, "N/m", 2000, NULL},
+	{"redistribute.stiffness", 0, 1e12, true, NULL, "Pa/m", 50000, NULL},
+	{"redistribute.yield", 0, 8, false, NULL, "m", NAN, "it never yields"},
+	{"redistribute.rut", 0, 1, false, NULL, NULL, 1, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, "is out of range, and the unit is m, not mm", "m", NAN, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.wheel.grousers", 0, 128, false, NULL, NULL, 0, NULL},

@@ -109,7 +109,7 @@ struct raw_relief {
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
-	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage, *loosening, *hardening, *inertia;
+	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage, *loosening, *hardening, *inertia, *tension, *stiffness, *yield, *rut;
 	int *undisturbed; /* enum scene_undisturbed */
 	int *normals;     /* enum scene_normals */
 	int *faces;       /* enum scene_faces */

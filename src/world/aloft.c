@@ -177,6 +177,9 @@ enum status world_is_aloft(struct world *world, const struct event *event, struc
 	if (status != STATUS_OK || low <= highest)
 		return status;
 	contact->above = true;
+	/* What an object leaves comes back, so offsets have no bound. Where no tile has planes there is nothing to let go of. */
+	if (deform_is_elastic(world->scene->model))
+		return without_planes(world, windows, count, aloft);
 	if (conserves)
 		return world->bearing != NULL ? without_planes(world, windows, count, aloft) : untouched_soil(world, windows, count, aloft);
 	int64_t offset;

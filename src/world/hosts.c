@@ -240,7 +240,10 @@ enum status world_belts_set(struct world *world, size_t count, const int32_t *nu
 /* Frees the ground that it rested on. It touches nothing until the next step. */
 static enum status lift(struct world *world, struct body *body)
 {
-	const enum status status = world_let_go(world, body);
+	const bool changes = body->has_last && deform_is_elastic(world->scene->model); /* what it held down comes back */
+	if (changes)
+		world_tear(world);
+	enum status status = world_let_go(world, body);
 	world->near.stale = true;
 	body->has_last = false;
 	body->trend = (struct soil_trend){.whole = {.ran = 0}};
@@ -251,6 +254,8 @@ static enum status lift(struct world *world, struct body *body)
 	body->host.force = world_no_force(0);
 	body->host.state = FURROW_AIR;
 	body->host.told = world->time;
+	if (status == STATUS_OK && changes)
+		status = world_end_change(world);
 	return status;
 }
 

@@ -312,6 +312,8 @@ void world_count_windows(struct body *body, const struct deform_contact *contact
 
 /* kinematic.c: computes one contact of a kinematic model on the CPU. `last`: as in world_contact. */
 enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact) FURROW_CHECKED;
+/* A body leaves its pose, rest->from, over an elastic sheet, which comes back. Changes the ground. */
+enum status world_kinematic_leave(struct world *world, const struct deform_contact *rest) FURROW_CHECKED;
 
 /* Computes the forces on a host's body without changing the ground. */
 enum status world_feel(struct world *world, const struct event *event) FURROW_CHECKED;

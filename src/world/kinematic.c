@@ -37,16 +37,20 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 	return STATUS_OK;
 }
 
-/* *changed: the posts that the contact may have changed. */
+/* event: NULL: the body leaves. *changed: the posts that the contact may have changed. */
 static enum status compute(struct world *world, const struct event *event, const struct deform_contact *contact, const struct bearing_area *area,
 			   const struct deform_window *windows, size_t count, struct post_rect *changed)
 {
 	struct held_tiles held = {.count = 0};
 	enum status status;
-	TRY_OR(done, world_tell_contact(world, event, contact, windows, count));
+	if (event != NULL)
+		TRY_OR(done, world_tell_contact(world, event, contact, windows, count));
 	TRY_OR(done, bearing_kinematic_begin(world->bearing, contact, area));
 	TRY_OR(done, gather(world, windows, count, &held));
-	TRY_OR(done, bearing_kinematic_run(world->bearing, contact, area, count == 1 && windows[0].parts == 0, changed));
+	if (event != NULL)
+		TRY_OR(done, bearing_kinematic_run(world->bearing, contact, area, count == 1 && windows[0].parts == 0, changed));
+	else
+		bearing_kinematic_leave(world->bearing, contact, changed);
 	if (!post_rect_empty(*changed))
 		TRY_OR(done, scatter(world, windows, count, *changed, &held));
 done:
@@ -55,19 +59,37 @@ done:
 	return status;
 }
 
+/* Finds the windows of a contact, and all that they read and write. */
+static enum status windows_of(const struct world *world, const struct deform_contact *contact, struct deform_window *windows, size_t *count, struct bearing_area *area)
+{
+	*area = (struct bearing_area){{0, 0, 0, 0}, {0, 0, 0, 0}};
+	TRY(deform_cut(&world->surface, contact, windows, count));
+	for (size_t i = 0; i < *count; i++) {
+		area->read = post_rect_joined(area->read, windows[i].read);
+		area->write = post_rect_joined(area->write, windows[i].write);
+	}
+	return STATUS_OK;
+}
+
+enum status world_kinematic_leave(struct world *world, const struct deform_contact *rest)
+{
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	struct bearing_area area;
+	struct post_rect changed = {0, 0, 0, 0};
+	size_t count;
+	TRY(windows_of(world, rest, windows, &count, &area));
+	return count > 0 ? compute(world, NULL, rest, &area, windows, count, &changed) : STATUS_OK;
+}
+
 enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact)
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	struct bearing_area area = {{0, 0, 0, 0}, {0, 0, 0, 0}};
+	struct bearing_area area;
 	struct post_rect changed = {0, 0, 0, 0};
 	size_t count;
 	bool aloft = false;
-	TRY(deform_cut(&world->surface, contact, windows, &count));
-	for (size_t i = 0; i < count; i++) {
-		area.read = post_rect_joined(area.read, windows[i].read);
-		area.write = post_rect_joined(area.write, windows[i].write);
-	}
+	TRY(windows_of(world, contact, windows, &count, &area));
 	TRY(world_is_aloft(world, event, contact, windows, count, &aloft));
 	if (count > 0 && !aloft)
 		world_forces_met(world->forces, event->body, event); /* rows tell where the body is */

@@ -5,7 +5,7 @@
 
 bool world_is_bearing(const struct world *world)
 {
-	return world_deforms(world) && (deform_tells_forces(world->scene->model) || world->scene->compute == SCENE_CPU || world->facts.without_gl);
+	return world_deforms(world) && (deform_on_cpu(world->scene->model) || world->scene->compute == SCENE_CPU || world->facts.without_gl);
 }
 
 bool world_changes_ground(const struct world *world)

@@ -546,7 +546,7 @@ class Drives(FurrowTest):
     def test_what_no_offset_holds_is_refused_counted_and_told(self):
         store = self.synth()
         (self.folder / "deep.csv").write_text("t,x,y,z\n0,40,40,-1500\n1,44,41,-1500\n")
-        for model in ("none", "box", "sumner", "slippage", "scm"):
+        for model in ("none", "box", "sumner", "slippage", "scm", "sheet"):
             scene = self.scene(f"""
 scene: 1
 time_step: 0.1

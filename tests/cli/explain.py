@@ -297,6 +297,16 @@ objects:
         self.assertGreater(passes, 0)
         self.assertIn(f"\n    passes: {passes} a window, 1 a window that it moved over\n  c: ", text)
 
+    def test_an_elastic_sheet_tells_what_a_contact_costs(self):
+        store = self.synth(posts="257x257", kind="plain")
+        scene = self.scene(BARE + "spacing: 0.25\nredistribute: {model: sheet, tension: 50000, stiffness: 50000}\n")
+        self.assertIn("the sheet bends over 1 m, 4 posts: each contact makes 32 rounds over all posts within 25 of the body", self.ok("explain", scene, "--store", store))
+        plan = self.json("explain", scene, "--store", store)
+        self.assertEqual((plan["compute"], plan["sheet"]), ("cpu", {"length": 1, "rounds": 32, "reach": 25}))
+        self.refused(3, "explain", scene, "--store", store, "--set", "compute=gpu")
+        self.assertIn("more than 16 posts of 0.25 m; give a coarser spacing", self.refused(3, "explain", scene, "--store", store, "--set", "redistribute.tension=1e6"))
+        self.assertNotIn("sheet", self.json("explain", self.scene(BARE), "--store", store))
+
     def slots_note(self, setting):
         plan = self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow", "--set", setting)
         return "".join(note for note in plan["notes"] if note.startswith("cache.slots"))
@@ -481,6 +491,7 @@ class ExplainAndDrive(FurrowTest):
         "everything but soil": BARE + "spacing: 0.5\nredistribute: {model: box, repetitions: 2}\nattributes: [dirt]\n" +
         "view: " + VIEW.replace("size", "effects: [texture, detail, fog, sky, geomorph, skirts], size") + "\n",
         "scm": BARE.replace("sink: 0.2", "load: 900") + "soil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {forces: 5}\n",
+        "sheet": BARE + "redistribute: {model: sheet, yield: 0.1}\nattributes: [dirt]\n",
         "slippage": BARE + "soil: {name: dry_sand}\nredistribute: {model: slippage, iterations: 2}\nattributes: [dirt]\n",
     }
 

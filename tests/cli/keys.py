@@ -29,6 +29,7 @@ DENSE = {**SCM, "redistribute": "{model: scm, interval: 0.05, hardening: 1}"}
 LOOSE = {**HEAD, "soil": "{cohesion: 0, friction_angle: 30, unit_weight: 16000}", "redistribute": "{model: slippage, interval: 0.05, depth: 0.3, undisturbed: slides}",
          "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 SUMNER = {**HEAD, "soil": "{name: sand}", "redistribute": "{model: sumner, interval: 0.05}", "objects": f"[{WHEEL % 'sink: 0.2'}]"}
+SHEET = {**HEAD, "redistribute": "{model: sheet, yield: 0.05, rut: 0.5}", "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 PLAIN = {**HEAD, "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 LAYER = {**SCM, "soil": "{name: snow_us, thickness: 0.05, over: rigid}"}
 MAP = {**SCM, "soil": "{map: map.png, classes: {1: dry_sand, 2: lunar}, default: clayey_38}"}
@@ -171,6 +172,10 @@ ROWS = {
     "redistribute.hardening": (RUT, {"redistribute.hardening": "0.5"}),
     "redistribute.faces": ({**SCM, "redistribute": "{model: scm, interval: 0.05, faces: on}", "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.faces": "off"}),
     "redistribute.inertia": ({**SCM, "redistribute": "{model: scm, interval: 0.05, faces: on}", "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.inertia": "0"}),
+    "redistribute.tension": (SHEET, {"redistribute.tension": "20000"}),
+    "redistribute.stiffness": (SHEET, {"redistribute.stiffness": "5000"}),
+    "redistribute.yield": (SHEET, {"redistribute.yield": "0.03"}),
+    "redistribute.rut": (SHEET, {"redistribute.rut": "0.3"}),
     "redistribute.normals": (SCM, {"redistribute.normals": "ground"}),
     "redistribute.undisturbed": (LOOSE, {"redistribute.undisturbed": "stable"}),
     "output.forces": (SCM, {"output.forces": "5"}),

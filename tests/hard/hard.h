@@ -24,6 +24,7 @@ static const struct hard_model hard_models[] = {
 	{"box", "compute: cpu\nredistribute: {model: box}\n", false},
 	{"sumner", "compute: cpu\nredistribute: {model: sumner, iterations: 2, interval: 0.02}\nsoil: {name: sand}\n", true},
 	{"slippage", "compute: cpu\nredistribute: {model: slippage, iterations: 2, interval: 0.02}\nsoil: {name: dry_sand}\n", true},
+	{"sheet", "redistribute: {model: sheet, yield: 0.1}\n", true},
 	{"scm", "redistribute: {model: scm}\nsoil: {name: dry_sand}\noutput: {forces: 20}\n", true},
 };
 #define HARD_MODELS (sizeof hard_models / sizeof hard_models[0])

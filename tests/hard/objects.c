@@ -65,6 +65,12 @@ static bool is_sumner(const struct hard_model *model)
 	return strcmp(model->name, "sumner") == 0;
 }
 
+/* Its ground bends beside what presses it. */
+static bool bends(const struct hard_model *model)
+{
+	return strcmp(model->name, "sheet") == 0;
+}
+
 /* --- too small, too large, in the wrong place --- */
 
 /* One that stands on a post, one that moves over three, and one between posts. */
@@ -79,6 +85,13 @@ static void an_object_smaller_than_a_post_presses_one_at_most(void **state)
 				"  - {name: off, shape: {sphere: {radius: 0.01}}, sink: 0.01, path: {points: [[60.5, 60.5]], speed: 1}}\n",
 				store, NULL);
 		struct changes one = changes_of(store, 0, (struct post_rect){70, 70, 90, 90});
+		if (bends(model)) { /* and comes back behind what moves */
+			struct changes end = changes_of(store, 0, (struct post_rect){30, 30, 50, 50});
+			assert_true(one.low < -0.009 && one.low > -0.011 && lies_in(one.all, (struct post_rect){80, 80, 81, 81}, 3));
+			assert_true(end.low < -0.009 && end.low > -0.011 && lies_in(end.all, (struct post_rect){42, 40, 43, 41}, 3));
+			mem_free(json);
+			continue;
+		}
 		assert_int_equal(one.lowered, 1);
 		assert_true(one.under.x0 == 80 && one.under.y0 == 80 && one.low < -0.009 && one.low > -0.011);
 		assert_true(model->conserves || one.raised == 0);
@@ -252,7 +265,7 @@ static void starting_deep_inside_the_ground_is_a_hole_and_no_more(void **state)
 		assert_true(rut.low > -5.1 && shaft.low > -30.1);
 		assert_true(lies_in(rut.all, mole, model->conserves ? 8 : is_box(model)));
 		assert_true(lies_in(shaft.all, buried, model->conserves ? 24 : 0));
-		if (!is_sumner(model)) {
+		if (!is_sumner(model) && !bends(model)) {
 			assert_int_equal(shaft.lowered, 9 * 9);
 			/* Behind the wheel nothing is laid: the wall of 5 m there slides in. Under slippage all walls do: they are higher than the
 			 * soil can hold. */

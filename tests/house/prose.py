@@ -25,12 +25,12 @@ WORDS = {
     "epoch": "commit", "wish": "prefetch request", "scout": "prefetcher", "lookout": "prefetcher", "rider": "body",
     "station": "path sample", "awake": "active", "pressed": "plastic sinkage", "heaped": "deposited thickness",
     "dirt": "disturbance", "stands": "is stable", "underside": "lower envelope", "lug": "grouser", "quantum": "fixed-point unit",
-    "survey": "map raster", "sheet": "map layout", "carrier": "loaded body", "press": "contact", "sweep": "swept contact",
+    "survey": "map raster", "carrier": "loaded body", "press": "contact", "sweep": "swept contact",
     "loose soil": "relaxing soil", "ground that slides": "relaxing soil", "what it makes and runs": "resources and passes",
 }
 FORMS = {"epochs": "epoch", "wishes": "wish", "wished": "wish", "scouts": "scout", "lookouts": "lookout", "riders": "rider",
          "stations": "station", "undersides": "underside", "lugs": "lug", "quanta": "quantum", "surveys": "survey",
-         "sheets": "sheet", "carriers": "carrier", "presses": "press", "pressing": "press", "sweeps": "sweep", "swept": None}
+         "carriers": "carrier", "presses": "press", "pressing": "press", "sweeps": "sweep", "swept": None}
 # Names that are not ours to change.
 FOREIGN = re.compile(r"(gl|GL|egl|EGL|sqlite3|SQLITE|SDL|CPL|GDAL|OGR|cJSON|yaml)_?[A-Z0-9_]")
 

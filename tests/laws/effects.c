@@ -34,6 +34,7 @@ static const struct pair pairs[] = {
 	{EFFECT_OF(DEFORM_SUMNER), HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
 	{EFFECT_OF(DEFORM_SLIPPAGE), HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: slippage}\n", false},
 	{EFFECT_OF(DEFORM_SCM), HEAD SPHERE, HEAD SPHERE SCM, false},
+	{EFFECT_OF(DEFORM_SHEET), HEAD SPHERE, HEAD SPHERE "redistribute: {model: sheet, tension: 50000}\n", false},
 	{EFFECT_SPREAD, HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SHED, HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
 	{EFFECT_SLIDE, HEAD SPHERE, HEAD SPHERE SCM, false},
@@ -139,7 +140,7 @@ static bool takes_a_place(const struct plan *plan, const struct plan *instead, c
 	return false;
 }
 
-/* The lines of slots, which every drive has. Where soil bears, the home of tiles is host memory, and otherwise slots of the GPU. */
+/* The lines of slots, which every drive has. Where the CPU alone computes, the home of tiles is host memory, and otherwise slots of the GPU. */
 static bool is_home(const struct plan_line *line)
 {
 	return line->effect == NULL && (line->unit == PLAN_BASE_SLOT || line->unit == PLAN_RING || line->unit == PLAN_HOST_BASE ||
@@ -157,7 +158,7 @@ static int check_lines(const struct plan *less, const struct plan *more, uint64_
 		/* A closed form's underside, where the shape is a mesh instead. */
 		if ((own >> EFFECT_MESH & 1) && strstr(line->name, "under") != NULL)
 			continue;
-		if ((own >> EFFECT_OF(DEFORM_SCM) & 1) && is_home(line))
+		if (((own >> EFFECT_OF(DEFORM_SCM) & 1) || (own >> EFFECT_OF(DEFORM_SHEET) & 1)) && is_home(line))
 			continue;
 		/* As many images of tiles as loaders may bring at once. */
 		if ((own >> EFFECT_LOADERS & 1) && strncmp(line->name, "loads: ", strlen("loads: ")) == 0)

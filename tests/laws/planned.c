@@ -252,12 +252,15 @@ static void few_programs_do_for_all_scenes(void **state)
 }
 
 /* Passes of the model; of bearing soil, which has none, contacts and blocks of relaxing soil. */
-static long long work_of(const char *json, bool bears)
+/* on_cpu: a model that the CPU alone computes; NULL: another one. */
+static long long work_of(const char *json, const char *on_cpu)
 {
 	const char *where = strstr(json, "\"where\"");
-	if (!bears)
+	if (on_cpu == NULL)
 		return support_figure(json, "\"passes\"", "redistribute");
 	assert_int_equal(support_figure(json, "\"passes\"", "redistribute"), 0);
+	if (strcmp(on_cpu, "sheet") == 0)
+		return support_figure(where, "\"sheet\"", "possible");
 	return support_figure(where, "\"scm\"", "possible") + support_figure(where, "\"slide\"", "visited");
 }
 
@@ -267,12 +270,13 @@ static void a_resting_object_runs_no_pass(void **state)
 		"scene: 1\ntime_step: 0.1\nend_time: 4\n"
 		"objects:\n"
 		"  - {name: a, shape: {sphere: {radius: 1.5}}, sink: 0.3, path: {points: [[20, 20], [100, 90]], speed: 10}}\n";
-	static const char *const models[] = {"box", "sumner", "slippage", "scm"};
+	static const char *const models[] = {"box", "sumner", "slippage", "scm", "sheet"};
 	const struct extent wide = {129, 129, 1, 64};
-	for (int m = 0; m < 4; m++) {
+	for (int m = 0; m < 5; m++) {
+		const bool soil = m > 0 && m < 4;
 		char text[512];
 		const char *scene = support_path("rests.yaml"), *store = support_path("rests.furrow");
-		snprintf(text, sizeof text, "%s%sredistribute: {model: %s}\n", scene_text, m > 0 ? SOIL : "", models[m]);
+		snprintf(text, sizeof text, "%s%sredistribute: {model: %s}\n", scene_text, soil ? SOIL : "", models[m]);
 		support_write(scene, text);
 		/* The path takes 10.6 s at 10 m/s; stopped at its end, and with the ground come to rest, further steps add
 		 * nothing. */
@@ -282,8 +286,8 @@ static void a_resting_object_runs_no_pass(void **state)
 		for (int i = 0; i < 2; i++) {
 			support_store(store, wide, gentle);
 			char *json = support_drive(scene, store, (const char *[]){ends[i], NULL});
-			passes[i] = work_of(json, m == 3);
-			if (m > 0)
+			passes[i] = work_of(json, m >= 3 ? models[m] : NULL);
+			if (soil)
 				assert_int_equal(support_figure(json, "\"slide\"", "awake"), 0);
 			repeats = support_counts_repeat(json);
 			mem_free(json);

@@ -35,7 +35,7 @@ def wheel(name, points, speed, more="load: 2000", radius=0.5):
 
 
 def scene(model, end, objects, spacing=0.125, step=0.05, more=""):
-    soil = "" if model == "box" else "soil: {name: dry_sand}\n"
+    soil = "" if model.startswith(("box", "sheet")) else "soil: {name: dry_sand}\n"
     rows = "output: {forces: 20}\n" if model == "scm" else ""
     return (f"scene: 1\ntime_step: {step}\nend_time: {end}\nspacing: {spacing}\nredistribute: {{model: {model}}}\n{soil}{rows}"
             f"cache: {{slots: 24}}\n{more}objects:\n{objects}")
@@ -48,6 +48,11 @@ CROSSING = scene("scm", 4, "".join(
     wheel("late", [[116, 100], [116, 130], [140, 131]], 12, "load: 1500"))
 # All of it is one group: one rank computes it, and the others have nothing.
 CONVOY = scene("scm", 2, "".join(wheel(f"w{i}", [[20 - 2 * i, 30], [60, 33]], 8) for i in range(4)))
+# Wheels beside each other bend one sheet, over the edges of tiles; two pass close by others that stand.
+SHEET = scene("sheet, tension: 3000, yield: 0.05, rut: 0.5", 3, "".join(
+    wheel(f"s{i}", [[128 + 12 * x, 126 + 12 * y], [128 - 14 * x, 129 - 14 * y]], 6, "sink: 0.1")
+    for i, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1)))) +
+    wheel("beside", [[127, 100], [127.5, 130]], 12, "sink: 0.15") + wheel("stands", [[126, 126.5]], 1, "sink: 0.12") + wheel("far", [[20, 100], [60, 101]], 9, "sink: 0.1"))
 ALONE = scene("box", 2, wheel("only", [[20, 30], [60, 33]], 12, "sink: 0.1"))
 # Heaps at both sides of a tile's edge slide for long after what made them has gone, slowly: an iteration each 0.2 s.
 HEAPS = scene("sumner", 4, "".join(
@@ -223,6 +228,9 @@ class TheSame(Ranks):
     def test_rows_that_come_later_than_their_contact(self):
         text = CROSSING.replace("load: 2000", "sink: 0.06").replace("load: 1500", "sink: 0.05")
         self.compare(text.replace("forces: 20", "forces: 3").replace("time_step: 0.05", "time_step: 0.01"), ranks=RANKS[-1:])
+
+    def test_wheels_on_one_elastic_sheet(self):
+        self.compare(SHEET)
 
     def test_forces_that_are_asked_for_long_before_their_row(self):
         self.compare(LATE)

@@ -21,8 +21,8 @@ static const char scene_text[] =
 	"  - {name: b, shape: {sphere: {radius: 2.5}}, sink: 0.3,\n"
 	"     path: {points: [[64, 300], [64, 64], [200, 128]], speed: 40}}\n";
 
-static const char *const models[] = {"none", "box", "slippage", "scm"};
-#define MODELS 4
+static const char *const models[] = {"none", "box", "slippage", "scm", "sheet"};
+#define MODELS 5
 
 static double level_ground(int64_t x, int64_t y)
 {
@@ -50,13 +50,15 @@ static const char *const *with(const char *model, const char *a, const char *b)
 	static char text[48];
 	static const char *told[6];
 	snprintf(text, sizeof text, "redistribute.model=%s", model);
-	const bool soil = strcmp(model, "none") != 0 && strcmp(model, "box") != 0;
+	const bool soil = strcmp(model, "none") != 0 && strcmp(model, "box") != 0 && strcmp(model, "sheet") != 0;
 	int count = 0;
 	told[count++] = text;
 	if (soil) {
 		told[count++] = "soil.name=dry_sand";
 		told[count++] = "end_time=1.5";
 	}
+	if (strcmp(model, "sheet") == 0)
+		told[count++] = "redistribute.yield=0.02";
 	told[count++] = a;
 	told[count++] = b;
 	told[count] = NULL;

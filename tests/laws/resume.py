@@ -80,6 +80,8 @@ SCENES = {
     "pushing": (HEAD.format(step=0.05, end=12, model="scm, faces: on, interval: 0.03") + "soil: {name: dry_sand, janosi_shear: 0.3}\n" +
                 PUSHING.format(), "gentle.furrow", []),
     "aboard": (HEAD.format(step=0.07, end=12, model="scm, interval: 0.03") + "soil: {name: dry_sand}\n" + ABOARD, "gentle.furrow", []),
+    "sheet": (HEAD.format(step=0.05, end=60, model="sheet, tension: 20000, yield: 0.1, rut: 0.6") + "attributes: [dirt]\n" + WHEELS +
+              "cache: {slots: 24}\n", "hills.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }
@@ -101,6 +103,7 @@ def rows(store):
         "SELECT key, low, high, codec, hash, blob FROM dug ORDER BY key",
         "SELECT key, low, high, codec, hash, blob FROM settled ORDER BY key",
         "SELECT key, low, high, codec, hash, blob FROM loose ORDER BY key",
+        "SELECT key, low, high, codec, hash, blob FROM floor ORDER BY key",
         "SELECT value FROM meta WHERE key = 'compacted'")]
     db.close()
     return found

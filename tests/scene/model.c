@@ -35,6 +35,8 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	refuse("model: scm", "model: box, tolerance: 0", "tolerance: is no parameter of model box; allowed with: sumner, slippage, scm");
 	refuse("model: scm", "model: box, depth: 2", "depth: is no parameter of model box");
 	refuse("model: scm", "model: sumner, bulldozing: 1", "is no parameter of model sumner; allowed with: scm");
+	refuse("model: scm", "model: slippage, tension: 1", "is no parameter of model slippage; allowed with: sheet");
+	refuse("model: scm", "model: sheet, bulldozing: 0", "is no parameter of model sheet; allowed with: scm");
 	refuse("model: scm", "model: slippage, bulldozing: 0", "is no parameter of model slippage; allowed with: scm");
 	refuse("model: scm", "model: slippage, slip_sinkage: 1", "is no parameter of model slippage; allowed with: scm");
 	refuse("model: scm", "model: slippage, normals: ground", "normals: is no parameter of model slippage; allowed with: scm");
@@ -243,6 +245,7 @@ static void each_model_calls_for_its_own_effects(void **state)
 		{"box", EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER))},
 		{"sumner", EFFECT_BIT(EFFECT_OF(DEFORM_SUMNER)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED)},
 		{"slippage", EFFECT_BIT(EFFECT_OF(DEFORM_SLIPPAGE)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
+		{"sheet", EFFECT_BIT(EFFECT_OF(DEFORM_SHEET))},
 		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
 	};
 	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
@@ -267,6 +270,11 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"dry_sand", "dry_sand, repose: 1", false},
 		{"dry_sand", "dry_sand, compression: 1", false},
 		{"model: scm", "model: slippage", false},
+		{"model: scm", "model: sheet", false},
+		{"model: scm", "model: sheet, tension: 2001", false},
+		{"model: scm", "model: sheet, stiffness: 50001", false},
+		{"model: scm", "model: sheet, yield: 0.1", false},
+		{"model: scm", "model: sheet, rut: 0.9", false},
 		{"model: scm", "model: scm, iterations: 3", false},
 		{"model: scm", "model: scm, interval: 0.03", false},
 		{"model: scm", "model: scm, depth: 1", false},

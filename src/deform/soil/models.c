@@ -46,6 +46,21 @@ bool deform_tells_forces(enum deform_model model)
 	return rows[model]->bears;
 }
 
+bool deform_is_elastic(enum deform_model model)
+{
+	return rows[model]->elastic;
+}
+
+bool deform_raises(enum deform_model model)
+{
+	return deform_conserves(model) || deform_is_elastic(model);
+}
+
+bool deform_on_cpu(enum deform_model model)
+{
+	return rows[model]->bears || rows[model]->elastic;
+}
+
 unsigned deform_planes(enum deform_model model, bool disturbance, unsigned memory)
 {
 	const unsigned loose = PLANE_BIT(PLANE_SETTLED) | PLANE_BIT(PLANE_LOOSE) | PLANE_BIT(PLANE_FLOOR);
@@ -70,7 +85,7 @@ unsigned deform_memory(const struct deform_params *params)
 
 const char *deform_plane_effect(enum deform_model model, enum plane plane)
 {
-	if (plane == PLANE_SETTLED || plane == PLANE_LOOSE || plane == PLANE_FLOOR)
+	if ((plane == PLANE_SETTLED || plane == PLANE_LOOSE || plane == PLANE_FLOOR) && !deform_is_elastic(model))
 		return "loose";
 	if (plane == PLANE_SLOPE)
 		return deform_slide_effect(model);
