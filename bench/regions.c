@@ -15,7 +15,7 @@
 #include "bench.h"
 #include "regions.h"
 
-enum { RUNS = 7 };
+enum { RUNS = 5 };
 
 static const char *const names[REGIONS_WAYS] = {[WAY_WINDOW] = "window", [WAY_BATCH] = "batch", [WAY_FIXED] = "fixed", [WAY_DYNAMIC] = "dynamic"};
 
@@ -76,12 +76,12 @@ static void measure(struct gpu *gpu, const char *set, const struct regions_job *
 
 int main(int argc, char **argv)
 {
-	static const int footprints[] = {2, 4, 8, 16, 32, 64, 128, 200}, bodies[] = {1, 4, 16, 64, 200}, margins[] = {4, 8, 16, 32, 64};
+	static const int footprints[] = {2, 4, 8, 16, 32, 64, 128, 200}, bodies[] = {1, 4, 16, 64, 200}, margins[] = {2, 4, 8, 16, 32};
 	static const double shares[] = {0, 0.25, 0.5, 0.75, 1};
 	static const struct {
 		enum deform_model model;
 		int repetitions;
-	} models[] = {{DEFORM_NONE, 1}, {DEFORM_BOX_FILTER, 1}, {DEFORM_BOX_FILTER, 4}};
+	} models[] = {{DEFORM_NONE, 1}, {DEFORM_BOX_FILTER, 1}, {DEFORM_BOX_FILTER, 2}};
 	const bool quick = argc > 1 && strcmp(argv[1], "quick") == 0;
 	const int runs = quick ? 3 : RUNS;
 	struct gpu *gpu;
@@ -91,16 +91,18 @@ int main(int argc, char **argv)
 	}
 	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &gpu));
 	printf("{\"bench\": \"gl\", \"renderer\": \"%s\", \"steps\": %d, \"runs\": %d}\n", gpu_info(gpu)->renderer, REGIONS_STEPS, runs);
+	fflush(stdout);
 	for (size_t m = 0; m < sizeof models / sizeof *models; m++) {
-		struct regions_job job = {.model = models[m].model, .repetitions = models[m].repetitions, .footprint = 16, .bodies = 1, .margin = 32};
+		struct regions_job job = {.model = models[m].model, .repetitions = models[m].repetitions, .footprint = 16, .bodies = 1, .margin = 16};
 		for (size_t i = 0; i < sizeof footprints / sizeof *footprints; i++)
 			for (int corner = 0; corner < 2; corner++) {
 				struct regions_job of = job;
 				of.footprint = footprints[i];
-				of.margin = of.footprint > 150 ? 16 : 32; /* the region stays within four tiles */
 				of.crossing = corner;
 				measure(gpu, "footprint", &of, runs);
 			}
+		if (job.repetitions > 1)
+			continue;
 		for (size_t i = 0; i < sizeof bodies / sizeof *bodies; i++)
 			for (int corner = 0; corner < 2; corner++) {
 				struct regions_job of = job;

@@ -7,7 +7,7 @@
 
 #define REGIONS_CELLS 256           /* of a tile */
 #define REGIONS_SPACING 0.0625      /* m: a whole number of units of the lattice, so that places can be moved by whole posts */
-#define REGIONS_STEPS 64            /* of a run */
+#define REGIONS_STEPS 32            /* of a run */
 
 enum regions_way { WAY_WINDOW, WAY_BATCH, WAY_FIXED, WAY_DYNAMIC, REGIONS_WAYS };
 

@@ -5,20 +5,14 @@
 // - RADIUS
 // - BATCH: parts of the windows of a batch. Posts are counted from the first of the layer
 // - STORE: with BATCH: writes the tiles, not the layer
-// - REGION: a fixed region. It reads the tiles and writes the layer. KEPT: it reads the layer, and the tiles around it, and writes the tile
+// - REGION: writes the tile of a fixed region, not the layer
 
 #include "lib/window.glsl"
 
-#if !defined REGION || defined KEPT
 layout(binding = 0, r32i) readonly restrict uniform iimage2DArray offsets;
-#endif
 layout(binding = 1, r8ui) readonly restrict uniform uimage2DArray contacts;
 
-#ifdef REGION
-#include "lib/regions.glsl"
-
-int layer = window.z;
-#elif defined BATCH
+#ifdef BATCH
 #include "lib/part.glsl"
 
 ivec4 window = passed[2]; // the window's posts: first, one behind the last
@@ -26,48 +20,21 @@ const int layer = 0;
 #else
 layout(std140, binding = 0) uniform params {
 	ivec4 given; // posts in x and y; the layer
+#ifdef REGION
+	ivec4 region;  // x, y: from a post in the window to that in the tile
+	ivec4 reached; // posts that the contact writes: first, one behind the last
+#endif
 };
 ivec4 window = ivec4(0, 0, given.xy);
 int layer = given.z;
 #endif
 
-#ifdef KEPT
+#ifdef REGION
 layout(binding = 2, r32i) writeonly restrict uniform iimage2D tile;
-#elif defined REGION
-layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray kept;
 #elif defined STORE
 layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray tiles;
 #else
 layout(location = 0) out int offset_out;
-#endif
-
-#ifdef REGION
-// Around what the contact writes nothing changes, and nothing was touched.
-int offset_at(ivec2 post)
-{
-#ifdef KEPT
-	if (is_written(post))
-		return imageLoad(offsets, ivec3(post, layer)).r;
-#endif
-	return region_offset(post);
-}
-
-uint contact_at(ivec2 post)
-{
-	if (is_written(post))
-		return imageLoad(contacts, ivec3(post, layer)).r;
-	return region_base(post) == BASE_NODATA ? NO_GROUND : 0u;
-}
-#else
-int offset_at(ivec2 post)
-{
-	return imageLoad(offsets, ivec3(post, layer)).r;
-}
-
-uint contact_at(ivec2 post)
-{
-	return imageLoad(contacts, ivec3(post, layer)).r;
-}
 #endif
 
 // a / b rounded down, and the rest; a < 2^24, 0 < b <= 81. A float holds `a` exactly, so the guess is wrong by one at most. A processor
@@ -83,31 +50,27 @@ uint divided(uint a, uint b, out uint rest)
 
 int smooth_at(ivec2 post)
 {
-#ifdef REGION
-	ivec2 low = post - RADIUS, high = post + RADIUS;
-#else
 	ivec2 low = max(post - RADIUS, window.xy), high = min(post + RADIUS, window.zw - 1);
-#endif
 	// The sum of up to 81 offsets exceeds 32 bits, so high and low halves are summed apart. Offsets are counted from the
 	// lowest possible one, since GLSL does not define the division of negative numbers.
 	uint high_sum = 0u, low_sum = 0u, left = 0u, count = 0u, own = 0u;
-	int now = offset_at(post);
+	int now = imageLoad(offsets, ivec3(post, layer)).r;
 	// This loop has a known length, so that it is unrolled.
 	for (int y = -RADIUS; y <= RADIUS; y++)
 		for (int x = -RADIUS; x <= RADIUS; x++) {
 			ivec2 there = post + ivec2(x, y);
-#if defined STORE || defined REGION
+#ifdef STORE
 			const bool inside = true; // a window has as many posts around those that it writes
 #else
 			bool inside = all(greaterThanEqual(there, low)) && all(lessThanEqual(there, high));
 #endif
-			uint contact = inside ? contact_at(there) : NO_GROUND;
+			uint contact = inside ? imageLoad(contacts, ivec3(there, layer)).r : NO_GROUND;
 			own = x == 0 && y == 0 ? contact : own;
 			left |= contact & ~(contact >> 1) & LOWERED; // LOWERED, and not HELD
 			count += (contact & NO_GROUND) == 0u ? 1u : 0u;
 #if RADIUS == 1
 			bool counts = (contact & NO_GROUND) == 0u;
-			uint offset = counts ? uint(offset_at(there)) ^ 0x80000000u : 0u;
+			uint offset = counts ? uint(imageLoad(offsets, ivec3(there, layer)).r) ^ 0x80000000u : 0u;
 			high_sum += offset >> 16;
 			low_sum += offset & 0xffffu;
 #endif
@@ -118,9 +81,9 @@ int smooth_at(ivec2 post)
 	// This one ends at once if it has nothing to do in a whole block of posts.
 	for (int y = low.y; y <= high.y; y++)
 		for (int x = low.x; x <= high.x; x++) {
-			if ((contact_at(ivec2(x, y)) & NO_GROUND) != 0u)
+			if ((imageLoad(contacts, ivec3(x, y, layer)).r & NO_GROUND) != 0u)
 				continue;
-			uint offset = uint(offset_at(ivec2(x, y))) ^ 0x80000000u;
+			uint offset = uint(imageLoad(offsets, ivec3(x, y, layer)).r) ^ 0x80000000u;
 			high_sum += offset >> 16;
 			low_sum += offset & 0xffffu;
 		}
@@ -135,10 +98,10 @@ int smooth_at(ivec2 post)
 void main()
 {
 	ivec2 post = ivec2(gl_FragCoord.xy);
-#ifdef KEPT
-	imageStore(tile, post + own.xy, ivec4(smooth_at(post)));
-#elif defined REGION
-	imageStore(kept, ivec3(post, layer), ivec4(smooth_at(post)));
+#ifdef REGION
+	int offset = smooth_at(post);
+	if (all(greaterThanEqual(post, reached.xy)) && all(lessThan(post, reached.zw)))
+		imageStore(tile, post + region.xy, ivec4(offset));
 #elif defined STORE
 	if (in_part(post))
 		imageStore(tiles, ivec3(post + tile.xy, tile.w), ivec4(smooth_at(post)));

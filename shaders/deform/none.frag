@@ -2,19 +2,16 @@
 // Pure compaction: displaced soil is lost. One fragment for each post of the window.
 // Defines:
 // - CONTACT
-// - REGION: writes the tile of a fixed region. KEPT: writes the offsets to the window's layer instead, since the next pass reads them there
+// - REGION: writes the tile of a fixed region. KEPT: reads that tile, and writes the window's layer
 
 #ifdef REGION
-#define CONTACT_MORE ivec4 region;
+#define CONTACT_MORE ivec4 region, reached;
 #endif
 #include "lib/contact.glsl"
 
-#ifdef REGION
+#if defined REGION && !defined KEPT
 #ifdef CONTACT
 layout(binding = 4, r8ui) writeonly restrict uniform uimage2DArray contacts;
-#endif
-#ifdef KEPT
-layout(binding = 5, r32i) writeonly restrict uniform iimage2DArray kept;
 #endif
 
 void main()
@@ -24,11 +21,8 @@ void main()
 #ifdef CONTACT
 	imageStore(contacts, ivec3(post, zero.z), uvec4(p.contact));
 #endif
-#ifdef KEPT
-	imageStore(kept, ivec3(post, zero.z), ivec4(p.offset));
-#else
-	imageStore(offsets, post + region.xy, ivec4(p.offset));
-#endif
+	if (all(greaterThanEqual(post, reached.xy)) && all(lessThan(post, reached.zw)))
+		imageStore(offsets, post + region.xy, ivec4(p.offset));
 }
 #else
 layout(location = 0) out int offset_out;

@@ -5,7 +5,8 @@
 // - BATCH: the fragments are those of a batch, which has many windows in one texture layer. The numbers of posts are counted from the layer's
 //   first post. The ground is read from the tiles
 // - REGION: the fragments are those of a fixed region. The ground is read from its tile, whose offsets the pass may write in place.
-//   CONTACT_MORE then has `region`: x, y: from a post in the window to that in the tile
+//   CONTACT_MORE then has `region`: x, y: from a post in the window to that in the tile; 1: it has offsets; and `reached`: all posts that the
+//   contact writes. `written` has those that no region before writes
 // - WITH_ENVELOPE: with BATCH: the pass also computes the lower envelope, with the defines of lib/envelope.glsl. So there are no textures of it
 
 #include "lib/int64.glsl"
@@ -93,7 +94,7 @@ contact_result contact_at(ivec2 post)
 	int base = part_base(post), offset = part_offset(post);
 #elif defined REGION
 	int base = imageLoad(bases, post + region.xy).r;
-	int offset = imageLoad(offsets, post + region.xy).r;
+	int offset = region.z != 0 ? imageLoad(offsets, post + region.xy).r : 0;
 #else
 	int base = imageLoad(bases, at).r;
 	int offset = imageLoad(offsets, at).r;

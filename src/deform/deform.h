@@ -238,18 +238,18 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 			   const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
 
 /*
- * Fixed regions: each tile is a region, and each stage is drawn once in each region that the object touches, at most four (fixed.c). Passes
+ * Fixed regions: each tile is a region, and each stage is drawn once in each region that the contact reads, at most four (fixed.c). Passes
  * read and write the tiles themselves, so nothing is gathered or scattered. The result has the same bits as a window's.
  *
  * deform_takes_regions: returns true if a model can be computed so: no stage of it reads all posts of a contact. Pure.
  * deform_is_fixed: returns true if the parameters ask for it, and these windows can: there is one, on two by two tiles at most.
  * deform_fixed: computes such a contact, in the place of deform_compute and deform_scatter. `tiles`: all tiles that hold a post of `read`,
- * pinned, and maybe others. *written: how many regions it was drawn in, 1 to 4.
+ * pinned, and maybe others. *drawn: how many regions it was drawn in, 1 to 4.
  */
 bool deform_takes_regions(enum deform_model model);
 bool deform_is_fixed(const struct deform *deform, const struct deform_window *windows, size_t count);
 enum status deform_fixed(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 const struct tile_slot *tiles, size_t count, size_t *written) FURROW_CHECKED;
+			 const struct tile_slot *tiles, size_t count, size_t *drawn) FURROW_CHECKED;
 
 /*
  * A batch: contacts of one window each that share no post, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each

@@ -1,14 +1,15 @@
 /*
  * Fixed regions: the dissertation's first way to deform a large terrain (its figure 22). A region is a tile, with its own textures. Each
- * stage is drawn once in each region that the object touches, at most four, and writes the region's own planes. So nothing is gathered
+ * stage is drawn once in each region that a contact reads, at most four, and writes the region's own planes. So nothing is gathered
  * or scattered. The other way is a window (deform.c), which has the same bits.
  *
- * A pass cannot read a plane that it writes, but for the fragment's own post. So smoothing writes the window's layer and the tile in
- * turn, and the last pass writes the tile. Lower envelopes and contacts lie in that layer too, at the posts of the window.
+ * A pass cannot read a plane that it writes, but for the fragment's own post. So passes that smoothing reads write the window's layer, and the last
+ * pass writes the tiles. Lower envelopes and contacts lie in that layer too, at the posts of the window. So a pass reads the posts of other
+ * regions there.
  *
- * Invariants: (1) A region writes only its own tile, and posts of the layer that its tile holds. (2) No pass of a stage reads what another
- * pass of the stage writes. So passes of a stage need not wait for each other. A post on a shared edge is computed in each region that
- * holds it, from equal numbers. (3) Posts around those that the contact writes do not change.
+ * Invariants: (1) A region writes only its own tile, and posts of the layer that its tile holds. It writes the tile only at posts that the
+ * contact writes. (2) No pass of a stage reads what another pass of the stage writes. So passes of a stage need not wait for each other. A
+ * post on a shared edge is computed in each region that holds it, from equal numbers.
  */
 #include <assert.h>
 #include <string.h>
@@ -16,28 +17,28 @@
 #include "deform/internal.h"
 
 #define REGIONS 4
+#define NO_GROUND 32 /* lib/window.glsl */
 
 /* Two by two regions: south-west, south-east, north-west, north-east. */
 struct regions {
 	const struct gpu_slot *slots[REGIONS]; /* NULL: there is no tile, so no ground */
-	struct gpu_rect posts[REGIONS];        /* posts of the layer that the contact writes in this region; empty: none */
-	int32_t places[REGIONS][4];            /* x, y: from a post in the window to that in the tile */
-	int32_t own[REGIONS][4];               /* posts in the window that no region before writes: first, one behind the last */
-	int32_t split[2];                      /* first posts in the window of the eastern, and of the northern regions */
-	size_t count;                          /* regions in which posts are written */
-	struct gpu_texture *none;              /* in the place of a texture that a region lacks */
+	struct gpu_rect posts[REGIONS];        /* posts of the layer that this region has; empty: none */
+	int32_t places[REGIONS][4];            /* x, y: from a post in the window to that in the tile; 1: it has offsets */
+	int32_t own[REGIONS][4];               /* written posts in the window that no region before writes: first, one behind the last */
+	size_t count;
 };
 
-/* std140 twins of the blocks of none.frag, lib/regions.glsl and disturbance.frag. */
-struct contact_params_of {
+/* std140 twins of the blocks of none.frag, box.frag and disturbance.frag. */
+struct lower_params {
 	struct contact_params contact;
-	int32_t region[4];
+	int32_t region[4], reached[4];
 };
 struct smooth_params {
-	int32_t window[4], written[4], own[4], split[4], places[REGIONS][4];
+	struct window_params window;
+	int32_t region[4], reached[4];
 };
 struct disturb_params {
-	int32_t region[4];
+	int32_t region[4], reached[4];
 };
 
 bool deform_takes_regions(enum deform_model model)
@@ -64,29 +65,25 @@ bool deform_is_fixed(const struct deform *deform, const struct deform_window *wi
 	       wide <= 2 && high <= 2;
 }
 
-/* Adds the region of a tile. */
+/* Adds the region of a tile. One that the contact writes gets offsets. */
 static enum status add(struct deform *deform, const struct deform_window *window, const struct tile_slot *tile, struct tile first, struct regions *regions)
 {
 	const struct post_rect own = tile_post_rect(deform->params.extent, tile->tile), read = window->read;
-	const struct post_rect written = post_rect_intersect(own, window->write);
+	const struct post_rect has = post_rect_intersect(own, read);
 	const uint32_t east = tile->tile.x - first.x, north = tile->tile.y - first.y, k = east + 2 * north;
-	regions->places[k][0] = (int32_t)(read.x0 - own.x0);
-	regions->places[k][1] = (int32_t)(read.y0 - own.y0);
-	if (east == 1)
-		regions->split[0] = -regions->places[k][0];
-	if (north == 1)
-		regions->split[1] = -regions->places[k][1];
-	if (!post_rect_empty(written)) {
-		struct post_rect only = written;
+	struct post_rect only = post_rect_intersect(own, window->write);
+	if (!post_rect_empty(only)) {
 		TRY(gpu_slots_deform(deform->params.slots, tile->slot));
-		regions->posts[k] = (struct gpu_rect){(uint32_t)(written.x0 - read.x0), (uint32_t)(written.y0 - read.y0),
-						      (uint32_t)(written.x1 - written.x0), (uint32_t)(written.y1 - written.y0)};
 		only.x0 += east == 1 && only.x0 == own.x0;
 		only.y0 += north == 1 && only.y0 == own.y0;
 		deform_posts_in(window, only, regions->own[k]);
-		regions->count++;
 	}
 	regions->slots[k] = gpu_slots_get(deform->params.slots, tile->slot);
+	regions->posts[k] = (struct gpu_rect){(uint32_t)(has.x0 - read.x0), (uint32_t)(has.y0 - read.y0), (uint32_t)(has.x1 - has.x0), (uint32_t)(has.y1 - has.y0)};
+	regions->places[k][0] = (int32_t)(read.x0 - own.x0);
+	regions->places[k][1] = (int32_t)(read.y0 - own.y0);
+	regions->places[k][2] = regions->slots[k]->planes[PLANE_OFFSET] != NULL;
+	regions->count++;
 	return STATUS_OK;
 }
 
@@ -94,17 +91,26 @@ static enum status find(struct deform *deform, const struct deform_window *windo
 {
 	struct tile first;
 	uint32_t wide, high;
-	*regions = (struct regions){.split = {INT32_MAX, INT32_MAX}};
+	*regions = (struct regions){.count = 0};
 	if (!tiles_of(deform, window->read, &first, &wide, &high))
 		return STATUS_OK;
 	for (size_t i = 0; i < count; i++) {
 		const struct tile tile = tiles[i].tile;
-		if (tile.x < first.x || tile.y < first.y || tile.x - first.x >= wide || tile.y - first.y >= high)
-			continue;
-		TRY(add(deform, window, &tiles[i], first, regions));
-		regions->none = regions->slots[tile.x - first.x + 2 * (tile.y - first.y)]->base;
+		if (tile.x >= first.x && tile.y >= first.y && tile.x - first.x < wide && tile.y - first.y < high)
+			TRY(add(deform, window, &tiles[i], first, regions));
 	}
 	return STATUS_OK;
+}
+
+/* Beyond the world there is no ground, and no region. */
+static void clear_beyond(struct deform *deform, const struct deform_window *window)
+{
+	const struct extent *extent = deform->params.extent;
+	const int level = deform->params.level;
+	const struct post_rect read = window->read;
+	if (deform->contacts != NULL && (read.x0 < 0 || read.y0 < 0 || read.x1 > extent_tiles_x(extent, level) * (int64_t)extent->cells + 1 ||
+					 read.y1 > extent_tiles_y(extent, level) * (int64_t)extent->cells + 1))
+		gpu_texture_clear(deform->contacts, 0, deform_window_rect(window), NO_GROUND);
 }
 
 static enum status draw_envelopes(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
@@ -116,107 +122,113 @@ static enum status draw_envelopes(struct deform *deform, const struct deform_con
 		return deform_mesh(deform, contact, window, 0);
 	deform_under_of(deform, contact, window->read.x0, window->read.y0, &under);
 	for (int k = 0; k < REGIONS; k++)
-		if (regions->posts[k].width > 0)
+		if (regions->slots[k] != NULL)
 			TRY(deform_under_run(deform, &under, regions->posts[k], 0));
 	const bool grousers = contact->shape->kind == SOIL_WHEEL && contact->shape->grousers > 0;
 	return grousers ? deform_grousers(deform, contact, window, 0) : STATUS_OK;
 }
 
-/* Runs a pass over a region. Fills its program, its target and its posts. */
-static enum status run(struct deform *deform, const struct regions *regions, int k, enum deform_fixed_pass which, bool first, struct gpu_pass *pass)
+/* Runs a pass over a region. Fills its posts, and, if the pass reads or writes a tile, its program. `first`: of the stage. */
+static enum status run(struct deform *deform, const struct regions *regions, int k, enum deform_fixed_pass which, bool *first, struct gpu_pass *pass)
 {
 	struct deform_request request;
-	deform_programs_fixed(&deform->params, which, &request);
-	TRY(deform_program(deform, &request, &deform->fixed[which]));
-	pass->program = deform->fixed[which];
-	pass->target = deform->scratch[0].to[TO_BARE];
+	if (which != FIXED_PASSES) {
+		deform_programs_fixed(&deform->params, which, &request);
+		TRY(deform_program(deform, &request, &deform->fixed[which]));
+		pass->program = deform->fixed[which];
+	}
 	pass->viewport = regions->posts[k];
-	pass->beside = !first;
+	pass->beside = !*first;
+	*first = false;
 	gpu_pass_run(deform->params.gpu, pass);
 	return STATUS_OK;
 }
 
-/* Lowers the ground. keeps: writes the offsets to the layer, since the next pass reads them there. */
+/* Returns a region's plane. A region that the contact does not write may have none: then that of another region, which nothing is read
+ * from or written to. */
+static struct gpu_texture *plane_of(const struct regions *regions, int k, enum plane plane)
+{
+	const struct gpu_slot *const *slots = regions->slots;
+	for (int i = 0; i < REGIONS; i++) {
+		const int at = (k + i) % REGIONS;
+		if (slots[at] != NULL && slots[at]->planes[plane] != NULL)
+			return slots[at]->planes[plane];
+	}
+	return NULL;
+}
+
+/* Lowers the ground. keeps: writes the offsets to the layer, since smoothing reads them there. */
 static enum status lower(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			 const struct regions *regions, bool keeps)
 {
-	struct contact_params_of params = {deform_contact_params(deform, contact, window, 0), {0}};
+	struct lower_params params = {.contact = deform_contact_params(deform, contact, window, 0)};
 	bool first = true;
+	deform_posts_in(window, window->write, params.reached);
 	for (int k = 0; k < REGIONS; k++) {
-		if (regions->posts[k].width == 0)
+		if (regions->slots[k] == NULL)
 			continue;
 		memcpy(params.region, regions->places[k], sizeof params.region);
 		memcpy(params.contact.written, regions->own[k], sizeof params.contact.written);
-		TRY(run(deform, regions, k, keeps ? FIXED_CONTACT_KEPT : FIXED_CONTACT, first, &(struct gpu_pass){
+		TRY(run(deform, regions, k, keeps ? FIXED_CONTACT_KEPT : FIXED_CONTACT, &first, &(struct gpu_pass){
 			.stage = GPU_CONTACT,
-			.images = {regions->slots[k]->base, regions->slots[k]->planes[PLANE_OFFSET], deform->under, deform->rest, deform->contacts,
-				   keeps ? deform->planes_of[1][PLANE_OFFSET] : NULL},
+			.target = deform->scratch[0].to[keeps ? TO_CONTACT : TO_BARE],
+			.images = {regions->slots[k]->base, plane_of(regions, k, PLANE_OFFSET), deform->under, deform->rest, keeps ? NULL : deform->contacts},
 			.storage = {deform->tally},
 			.params = &params,
 			.params_bytes = sizeof params,
 		}));
-		first = false;
 	}
+	deform->scratch[0].now[PLANE_OFFSET] = 1;
 	return STATUS_OK;
 }
 
-/* Fills the numbers and the textures by which a pass reads the ground around. */
-static void read_around(const struct deform *deform, const struct deform_window *window, const struct regions *regions,
-			struct smooth_params *params, struct gpu_texture *textures[GPU_PASS_TEXTURES])
+/* Smooths once in each region. last: writes the tiles; false: the layer's other plane. */
+static enum status smooth(struct deform *deform, const struct deform_window *window, const struct regions *regions, bool last)
 {
-	*params = (struct smooth_params){
-		.window = {(int32_t)(window->read.x1 - window->read.x0), (int32_t)(window->read.y1 - window->read.y0), 0,
-			   (int32_t)deform->params.extent->cells},
-		.split = {regions->split[0], regions->split[1]},
-	};
-	deform_posts_in(window, window->write, params->written);
-	memcpy(params->places, regions->places, sizeof params->places);
-	for (int k = 0; k < REGIONS; k++) {
-		const struct gpu_slot *slot = regions->slots[k];
-		const bool offsets = slot != NULL && slot->planes[PLANE_OFFSET] != NULL;
-		params->split[2] |= (slot != NULL) << k;
-		params->split[3] |= offsets << k;
-		textures[k] = slot != NULL ? slot->base : regions->none;
-		textures[REGIONS + k] = offsets ? slot->planes[PLANE_OFFSET] : regions->none;
-	}
-}
-
-/* Smooths once in each region. kept: the ground is read from the layer, and the tile is written; false: the other way round. */
-static enum status smooth(struct deform *deform, const struct deform_window *window, const struct regions *regions, bool kept)
-{
-	struct gpu_texture *const layer = deform->planes_of[1][PLANE_OFFSET];
-	struct smooth_params params;
-	struct gpu_pass pass = {.stage = GPU_SMOOTH, .params = &params, .params_bytes = sizeof params};
+	struct layer *scratch = &deform->scratch[0];
+	const int now = scratch->now[PLANE_OFFSET];
+	struct smooth_params params = {.window = deform_window_params(window->read, 0)};
+	struct deform_request request;
 	bool first = true;
-	read_around(deform, window, regions, &params, pass.textures);
-	pass.images[1] = deform->contacts;
-	for (int k = 0; k < REGIONS; k++) {
-		if (regions->posts[k].width == 0)
-			continue;
-		memcpy(params.own, regions->places[k], sizeof params.own);
-		pass.images[0] = kept ? layer : NULL;
-		pass.images[2] = kept ? regions->slots[k]->planes[PLANE_OFFSET] : layer;
-		TRY(run(deform, regions, k, kept ? FIXED_BOX_KEPT : FIXED_BOX, first, &pass));
-		first = false;
+	deform_posts_in(window, window->write, params.reached);
+	if (!last) {
+		deform_programs_box(&deform->params, &request);
+		TRY(deform_program(deform, &request, &deform->box));
 	}
-	return STATUS_OK;
-}
-
-static enum status disturb(struct deform *deform, const struct regions *regions)
-{
-	bool first = true;
 	for (int k = 0; k < REGIONS; k++) {
-		if (regions->posts[k].width == 0)
+		if (regions->slots[k] == NULL)
 			continue;
-		struct disturb_params params;
 		memcpy(params.region, regions->places[k], sizeof params.region);
-		TRY(run(deform, regions, k, FIXED_DISTURBANCE, first, &(struct gpu_pass){
+		TRY(run(deform, regions, k, last ? FIXED_BOX : FIXED_PASSES, &first, &(struct gpu_pass){
+			.stage = GPU_SMOOTH,
+			.program = deform->box,
+			.target = scratch->to[last ? TO_BARE : now == 0 ? TO_SECOND : TO_FIRST],
+			.images = {deform->planes_of[now][PLANE_OFFSET], deform->contacts, last ? plane_of(regions, k, PLANE_OFFSET) : NULL},
+			.params = &params,
+			.params_bytes = last ? sizeof params : sizeof params.window,
+		}));
+	}
+	scratch->now[PLANE_OFFSET] = 1 - now;
+	return STATUS_OK;
+}
+
+static enum status disturb(struct deform *deform, const struct deform_window *window, const struct regions *regions)
+{
+	struct disturb_params params;
+	bool first = true;
+	deform_posts_in(window, window->write, params.reached);
+	for (int k = 0; k < REGIONS; k++) {
+		if (regions->slots[k] == NULL)
+			continue;
+		memcpy(params.region, regions->places[k], sizeof params.region);
+		params.region[2] = 0;
+		TRY(run(deform, regions, k, FIXED_DISTURBANCE, &first, &(struct gpu_pass){
 			.stage = GPU_DISTURBANCE,
-			.images = {regions->slots[k]->planes[PLANE_OFFSET], deform->contacts, regions->slots[k]->planes[PLANE_DISTURBANCE]},
+			.target = deform->scratch[0].to[TO_BARE],
+			.images = {plane_of(regions, k, PLANE_OFFSET), deform->contacts, plane_of(regions, k, PLANE_DISTURBANCE)},
 			.params = &params,
 			.params_bytes = sizeof params,
 		}));
-		first = false;
 	}
 	return STATUS_OK;
 }
@@ -226,24 +238,22 @@ static enum status run_stages(struct deform *deform, const struct deform_contact
 {
 	const bool smooths = deform_model_row(deform->params.model)->smooths && !deform_is_contact_only(contact);
 	const int times = smooths ? deform->params.box_repetitions : 0;
+	clear_beyond(deform, window);
 	TRY(draw_envelopes(deform, contact, window, regions));
-	/* The last of the passes that follow writes the tiles. */
-	bool kept = times % 2 == 1;
-	TRY(lower(deform, contact, window, regions, kept));
-	for (int i = 0; i < times; i++, kept = !kept)
-		TRY(smooth(deform, window, regions, kept));
-	assert(!kept);
-	return deform->params.disturbance ? disturb(deform, regions) : STATUS_OK;
+	TRY(lower(deform, contact, window, regions, times > 0));
+	for (int i = 1; i <= times; i++)
+		TRY(smooth(deform, window, regions, i == times));
+	return deform->params.disturbance ? disturb(deform, window, regions) : STATUS_OK;
 }
 
 enum status deform_fixed(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 const struct tile_slot *tiles, size_t count, size_t *written)
+			 const struct tile_slot *tiles, size_t count, size_t *drawn)
 {
 	struct regions regions;
 	assert(deform_is_fixed(deform, window, 1));
 	TRY(find(deform, window, tiles, count, &regions));
 	TRY(run_stages(deform, contact, window, &regions));
-	*written = regions.count;
+	*drawn = regions.count;
 	return gpu_check(deform->params.gpu, "deformation");
 }
 
@@ -256,7 +266,7 @@ enum status deform_fixed_warm(struct deform *deform, const struct deform_contact
 	const uint32_t side = (uint32_t)(window->read.x1 - window->read.x0);
 	const struct gpu_rect all = {0, 0, side, side};
 	struct gpu_slot slot = {.base = NULL};
-	struct regions regions = {.slots = {&slot}, .posts = {all}, .split = {INT32_MAX, INT32_MAX}, .count = 1};
+	struct regions regions = {.slots = {&slot}, .posts = {all}, .places = {{0, 0, 1}}, .count = 1};
 	enum status status;
 	TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base));
 	TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]));
@@ -264,7 +274,6 @@ enum status deform_fixed_warm(struct deform *deform, const struct deform_contact
 	gpu_texture_clear(slot.base, 0, all, BASE_NODATA);
 	gpu_texture_clear(slot.planes[PLANE_OFFSET], 0, all, 0);
 	gpu_texture_clear(slot.planes[PLANE_DISTURBANCE], 0, all, 0);
-	regions.none = slot.base;
 	TRY_OR(done, run_stages(deform, contact, window, &regions));
 done:
 	gpu_texture_destroy(slot.planes[PLANE_DISTURBANCE]);

@@ -152,10 +152,10 @@ void deform_programs_disturbance(struct deform_request *out)
 
 void deform_programs_fixed(const struct deform_params *params, enum deform_fixed_pass pass, struct deform_request *out)
 {
-	const bool contact = pass <= FIXED_CONTACT_KEPT, box = pass == FIXED_BOX || pass == FIXED_BOX_KEPT;
+	const bool contact = pass <= FIXED_CONTACT_KEPT, box = pass == FIXED_BOX;
 	begin(out, "full.vert", contact ? deform_model_row(params->model)->shader : box ? "deform/box.frag" : "deform/disturbance.frag");
 	define(out, "REGION", true);
-	define(out, "KEPT", pass == FIXED_CONTACT_KEPT || pass == FIXED_BOX_KEPT);
+	define(out, "KEPT", pass == FIXED_CONTACT_KEPT);
 	define(out, "CONTACT", contact && deform_needs_contacts(params));
 	if (box)
 		define_number(out, "RADIUS", params->box_radius);
@@ -270,9 +270,8 @@ static void each_fixed(struct each *each, const struct deform_planned *object)
 		const char *effect;
 	} passes[] = {
 		{FIXED_CONTACT, true, displace},
-		{FIXED_CONTACT_KEPT, times % 2 == 1, displace},
-		{FIXED_BOX, times > 1, model},
-		{FIXED_BOX_KEPT, times > 0, model},
+		{FIXED_CONTACT_KEPT, times > 0, displace},
+		{FIXED_BOX, times > 0, model},
 		{FIXED_DISTURBANCE, params->disturbance, "dirt"},
 	};
 	for (size_t i = 0; i < sizeof passes / sizeof *passes && params->fixed; i++)
