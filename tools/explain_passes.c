@@ -56,6 +56,8 @@ const char *explain_each_of(enum plan_unit unit)
 		[PLAN_RESULT_POST] = "a post of blocks that slide",
 		[PLAN_WINDOW] = "a window",
 		[PLAN_MOVED] = "a window that it moved over",
+		[PLAN_REGION] = "a fixed region, of four at most",
+		[PLAN_REGION_MOVED] = "a fixed region that it moved over, of four at most",
 		[PLAN_BATCH] = "a batch of windows",
 		[PLAN_BATCH_DRAW] = "an array, or bodies of a kind, in a batch",
 		[PLAN_BATCH_STORE] = "an array that a batch writes",

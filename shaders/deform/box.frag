@@ -5,6 +5,7 @@
 // - RADIUS
 // - BATCH: parts of the windows of a batch. Posts are counted from the first of the layer
 // - STORE: with BATCH: writes the tiles, not the layer
+// - REGION: writes the tile of a fixed region, not the layer
 
 #include "lib/window.glsl"
 
@@ -19,12 +20,18 @@ const int layer = 0;
 #else
 layout(std140, binding = 0) uniform params {
 	ivec4 given; // posts in x and y; the layer
+#ifdef REGION
+	ivec4 region;  // x, y: from a post in the window to that in the tile
+	ivec4 reached; // posts that the contact writes: first, one behind the last
+#endif
 };
 ivec4 window = ivec4(0, 0, given.xy);
 int layer = given.z;
 #endif
 
-#ifdef STORE
+#ifdef REGION
+layout(binding = 2, r32i) writeonly restrict uniform iimage2D tile;
+#elif defined STORE
 layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray tiles;
 #else
 layout(location = 0) out int offset_out;
@@ -91,7 +98,11 @@ int smooth_at(ivec2 post)
 void main()
 {
 	ivec2 post = ivec2(gl_FragCoord.xy);
-#ifdef STORE
+#ifdef REGION
+	int offset = smooth_at(post);
+	if (all(greaterThanEqual(post, reached.xy)) && all(lessThan(post, reached.zw)))
+		imageStore(tile, post + region.xy, ivec4(offset));
+#elif defined STORE
 	if (in_part(post))
 		imageStore(tiles, ivec3(post + tile.xy, tile.w), ivec4(smooth_at(post)));
 #else

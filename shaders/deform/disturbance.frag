@@ -1,6 +1,6 @@
 #version 450 core
 // The disturbance plane: how much the soil was disturbed, kept beside the offset. One fragment for each post.
-// Define: BATCH: parts of the windows of a batch. Offset and disturbance are those of the tiles
+// Defines: BATCH: parts of the windows of a batch; REGION: a fixed region. Offset and disturbance are then those of the tiles
 
 #ifdef BATCH
 #include "lib/part.glsl"
@@ -8,6 +8,15 @@
 layout(binding = 0, r32i) readonly restrict uniform iimage2DArray offsets;
 layout(binding = 1, r8ui) readonly restrict uniform uimage2DArray contacts;
 layout(binding = 2, r8ui) restrict uniform uimage2DArray disturbances;
+#elif defined REGION
+layout(binding = 0, r32i) readonly restrict uniform iimage2D offsets;
+layout(binding = 1, r8ui) readonly restrict uniform uimage2DArray contacts;
+layout(binding = 2, r8ui) restrict uniform uimage2D disturbances;
+
+layout(std140, binding = 0) uniform params {
+	ivec4 region;  // x, y: from a post in the window to that in the tile; the layer
+	ivec4 reached; // posts that the contact writes: first, one behind the last
+};
 #else
 layout(binding = 0) uniform isampler2DArray offsets;
 layout(binding = 1) uniform usampler2DArray contacts;
@@ -36,6 +45,15 @@ void main()
 	uint before = imageLoad(disturbances, there).r;
 	uint after = disturbed(before, imageLoad(contacts, ivec3(post, 0)).r, imageLoad(offsets, there).r);
 	imageStore(disturbances, there, uvec4(after));
+}
+#elif defined REGION
+void main()
+{
+	ivec2 post = ivec2(gl_FragCoord.xy), there = post + region.xy;
+	uint before = imageLoad(disturbances, there).r;
+	uint after = disturbed(before, imageLoad(contacts, ivec3(post, region.z)).r, imageLoad(offsets, there).r);
+	if (all(greaterThanEqual(post, reached.xy)) && all(lessThan(post, reached.zw)))
+		imageStore(disturbances, there, uvec4(after));
 }
 #else
 void main()

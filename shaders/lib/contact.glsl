@@ -4,6 +4,9 @@
 // - CONTACT_MORE: members that a model adds to the parameters
 // - BATCH: the fragments are those of a batch, which has many windows in one texture layer. The numbers of posts are counted from the layer's
 //   first post. The ground is read from the tiles
+// - REGION: the fragments are those of a fixed region. The ground is read from its tile, whose offsets the pass may write in place.
+//   CONTACT_MORE then has `region`: x, y: from a post in the window to that in the tile; 1: it has offsets; and `reached`: all posts that the
+//   contact writes. `written` has those that no region before writes
 // - WITH_ENVELOPE: with BATCH: the pass also computes the lower envelope, with the defines of lib/envelope.glsl. So there are no textures of it
 
 #include "lib/int64.glsl"
@@ -12,6 +15,9 @@
 
 #ifdef BATCH
 #include "lib/part_ground.glsl"
+#elif defined REGION
+layout(binding = 0, r32i) readonly restrict uniform iimage2D bases;
+layout(binding = 1, r32i) restrict uniform iimage2D offsets;
 #else
 layout(binding = 0, r32i) readonly restrict uniform iimage2DArray bases;
 layout(binding = 1, r32i) readonly restrict uniform iimage2DArray offsets;
@@ -86,6 +92,9 @@ contact_result contact_at(ivec2 post)
 	if (!in_part(post))
 		discard;
 	int base = part_base(post), offset = part_offset(post);
+#elif defined REGION
+	int base = imageLoad(bases, post + region.xy).r;
+	int offset = region.z != 0 ? imageLoad(offsets, post + region.xy).r : 0;
 #else
 	int base = imageLoad(bases, at).r;
 	int offset = imageLoad(offsets, at).r;

@@ -54,6 +54,8 @@ enum plan_unit {
 	/* units of work; counted over the whole drive */
 	PLAN_WINDOW,       /* windows of an object that were computed alone */
 	PLAN_MOVED,        /* of these, windows in which the object moved */
+	PLAN_REGION,       /* fixed regions in which an object's contacts were computed, each for each contact */
+	PLAN_REGION_MOVED, /* of these, regions in which the object moved */
 	PLAN_BATCH,        /* batches of windows that were computed together */
 	PLAN_BATCH_DRAW,   /* draws in them of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
 	PLAN_BATCH_STORE,  /* draws in them that write tiles: one for each array */

@@ -189,6 +189,7 @@ struct deform_params {
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
+	bool fixed;          /* contacts are computed in fixed regions, where they can be; only if deform_takes_regions, and without batches */
 };
 
 /* What else a post remembers, a mask: what slip has dug; loose layers; how dense passes have made it; how high its slope is. */
@@ -250,6 +251,20 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
  * deform slots, if they have none. */
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
+
+/*
+ * Fixed regions: each tile is a region, and each stage is drawn once in each region that the contact reads, at most four (fixed.c). Passes
+ * read and write the tiles themselves, so nothing is gathered or scattered. The result has the same bits as a window's.
+ *
+ * deform_takes_regions: returns true if a model can be computed so: no stage of it reads all posts of a contact. Pure.
+ * deform_is_fixed: returns true if the parameters ask for it, and these windows can: there is one, on two by two tiles at most.
+ * deform_fixed: computes such a contact, in the place of deform_compute and deform_scatter. `tiles`: all tiles that hold a post of `read`,
+ * pinned, and maybe others. *drawn: how many regions it was drawn in, 1 to 4.
+ */
+bool deform_takes_regions(enum deform_model model);
+bool deform_is_fixed(const struct deform *deform, const struct deform_window *windows, size_t count);
+enum status deform_fixed(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			 const struct tile_slot *tiles, size_t count, size_t *drawn) FURROW_CHECKED;
 
 /*
  * A batch: contacts of one window each that share no post, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
@@ -340,7 +355,7 @@ enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
  * Adds to the plan what a deform with these parameters will allocate and run (base/plan.h). Each of the objects is prepared with
  * deform_warm. `params`: gpu and slots may be NULL. The extent may be NULL too; then every object fits one window. Pure.
  *
- * Passes are listed by object for PLAN_WINDOW and PLAN_MOVED. For PLAN_FACETS, PLAN_HELD, PLAN_RESTING and PLAN_ATLAS they are for
+ * Passes are listed by object for PLAN_WINDOW, PLAN_MOVED, PLAN_REGION and PLAN_REGION_MOVED. For PLAN_FACETS, PLAN_HELD, PLAN_RESTING and PLAN_ATLAS they are for
  * all objects together (-1), as deform_figures counts them.
  */
 void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, struct plan *plan);

@@ -95,6 +95,7 @@ struct deform {
 	struct batch *batch;                   /* batch.c; NULL: every window is computed alone */
 	struct gpu_program *under_program[2 * SOIL_SHAPES]; /* every program is linked when it is first needed */
 	struct gpu_program *box, *contact, *disturbance;
+	struct gpu_program *fixed[FIXED_PASSES];
 	struct gpu_program *spread[SPREAD_PASSES];
 	struct gpu_program *held;
 	struct gpu_program *facet;
@@ -307,6 +308,9 @@ struct scatter_from {
 };
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *from,
 				const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
+
+/* fixed.c: runs the programs of a contact once, over a window outside the world. */
+enum status deform_fixed_warm(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window) FURROW_CHECKED;
 
 /* batch.c */
 enum status deform_batch_create(struct deform *deform) FURROW_CHECKED;

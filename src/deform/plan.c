@@ -52,6 +52,18 @@ static void plan_windows(const struct deform_params *params, const struct deform
 		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DISTURBANCE, 1);
 }
 
+/* The same stages in fixed regions. A contact that needs more than one window, or more than four tiles, is computed by windows. */
+static void plan_regions(const struct deform_params *params, const struct deform_planned *object, int number, struct plan *plan)
+{
+	const char *displace = deform_displace_effect(params->model);
+	add_passes(plan, displace, number, PLAN_REGION, GPU_ENVELOPE, object->shape->kind != SOIL_MESH);
+	add_passes(plan, displace, number, PLAN_REGION, GPU_CONTACT, 1);
+	if (deform_model_row(params->model)->smooths && object->moves)
+		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_REGION_MOVED, GPU_SMOOTH, params->box_repetitions);
+	if (params->disturbance)
+		add_passes(plan, "dirt", number, PLAN_REGION, GPU_DISTURBANCE, 1);
+}
+
 /* What some of the objects call for, once. */
 struct any {
 	const char *facets; /* the effect that does; NULL: none */
@@ -103,6 +115,8 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 	deform_plan_planes(params, plan);
 	for (size_t i = 0; i < count; i++) {
 		deform_programs_each(params, &objects[i], add_program, plan);
+		if (params->fixed)
+			plan_regions(params, &objects[i], (int)i, plan);
 		plan_windows(params, &objects[i], (int)i, plan);
 		look(&objects[i], &any);
 	}

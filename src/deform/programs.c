@@ -150,6 +150,17 @@ void deform_programs_disturbance(struct deform_request *out)
 	begin(out, "full.vert", "deform/disturbance.frag");
 }
 
+void deform_programs_fixed(const struct deform_params *params, enum deform_fixed_pass pass, struct deform_request *out)
+{
+	const bool contact = pass <= FIXED_CONTACT_KEPT, box = pass == FIXED_BOX;
+	begin(out, "full.vert", contact ? deform_model_row(params->model)->shader : box ? "deform/box.frag" : "deform/disturbance.frag");
+	define(out, "REGION", true);
+	define(out, "KEPT", pass == FIXED_CONTACT_KEPT);
+	define(out, "CONTACT", contact && deform_needs_contacts(params));
+	if (box)
+		define_number(out, "RADIUS", params->box_radius);
+}
+
 void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out)
 {
 	static const struct {
@@ -248,6 +259,28 @@ static void each_slide(struct each *each, enum deform_over over)
 	}
 }
 
+static void each_fixed(struct each *each, const struct deform_planned *object)
+{
+	const struct deform_params *params = each->params;
+	const char *displace = deform_displace_effect(params->model), *model = deform_model_row(params->model)->effect.name;
+	const int times = deform_model_row(params->model)->smooths && object->moves ? params->box_repetitions : 0;
+	const struct {
+		enum deform_fixed_pass pass;
+		bool wanted;
+		const char *effect;
+	} passes[] = {
+		{FIXED_CONTACT, true, displace},
+		{FIXED_CONTACT_KEPT, times > 0, displace},
+		{FIXED_BOX, times > 0, model},
+		{FIXED_DISTURBANCE, params->disturbance, "dirt"},
+	};
+	for (size_t i = 0; i < sizeof passes / sizeof *passes && params->fixed; i++)
+		if (passes[i].wanted) {
+			deform_programs_fixed(params, passes[i].pass, &each->request);
+			add(each, passes[i].effect);
+		}
+}
+
 static void each_batch(struct each *each, const struct deform_planned *object)
 {
 	const struct deform_params *params = each->params;
@@ -302,5 +335,6 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		deform_programs_disturbance(&each.request);
 		add(&each, "dirt");
 	}
+	each_fixed(&each, object);
 	each_batch(&each, object);
 }

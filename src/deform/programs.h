@@ -47,6 +47,11 @@ void deform_programs_disturbance(struct deform_request *out);
 enum deform_batch_pass {
 	BATCH_WHEELS, BATCH_SIDEWAYS_WHEELS, BATCH_SPHERES, BATCH_OTHERS, BATCH_GATHER, BATCH_BOX, BATCH_BOX_STORE, BATCH_STORE, BATCH_DISTURBANCE
 };
+/* Passes over a fixed region that read or write its tile (fixed.c). FIXED_CONTACT_KEPT writes offsets to the window's layer, where smoothing
+ * reads them. FIXED_BOX is the last pass of smoothing. */
+enum deform_fixed_pass { FIXED_CONTACT, FIXED_CONTACT_KEPT, FIXED_BOX, FIXED_DISTURBANCE, FIXED_PASSES };
+void deform_programs_fixed(const struct deform_params *params, enum deform_fixed_pass pass, struct deform_request *out);
+
 #define DEFORM_BATCH_RECORD 25 /* numbers of 16 bytes for each window */
 void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out);
 

@@ -76,6 +76,7 @@ struct gpu_stats {
 	uint32_t textures;  /* textures that exist now */
 	uint64_t bytes;     /* of textures and buffers that exist now */
 	uint64_t uploads, upload_bytes, read_backs, read_back_bytes;
+	uint64_t copies, copy_bytes; /* from texture to texture: the bytes of the texels that were written */
 	uint32_t ring_segments; /* segments of the ring of pass parameters (PLAN_RING) */
 	uint32_t unplanned;     /* programs linked after gpu_seal */
 };

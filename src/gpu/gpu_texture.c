@@ -295,6 +295,8 @@ void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t fr
 	glCopyImageSubData(source.name, source.kind, 0, (GLint)from_x, (GLint)from_y, source.layer, into.name, into.kind,
 			   0, (GLint)to_rect.x, (GLint)to_rect.y, into.layer, (GLsizei)to_rect.width,
 			   (GLsizei)to_rect.height, 1);
+	to->gpu->stats.copies++;
+	to->gpu->stats.copy_bytes += gpu_rect_bytes(to, to_rect);
 }
 
 bool gpu_format_is_integer(enum gpu_format format)

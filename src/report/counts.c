@@ -86,12 +86,16 @@ static void add_object_units(cJSON *units, const struct report *report)
 {
 	cJSON *windows = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_WINDOW));
 	cJSON *moved = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_MOVED));
+	cJSON *regions = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_REGION));
+	cJSON *regions_moved = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_REGION_MOVED));
 	for (size_t i = 0; i < world_body_count(report->world); i++) {
 		const struct body *body = world_body(report->world, i);
 		if (body == NULL)
 			continue;
 		json_integer(windows, body->object->name, (int64_t)body->windows);
 		json_integer(moved, body->object->name, (int64_t)body->windows_moved);
+		json_integer(regions, body->object->name, (int64_t)body->regions);
+		json_integer(regions_moved, body->object->name, (int64_t)body->regions_moved);
 	}
 }
 

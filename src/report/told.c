@@ -18,7 +18,7 @@ static int64_t samples_on_ground(const struct body *body)
 /* A body with a load is moved until the soil bears it, so it has contacts, but perhaps no post below it. */
 static bool is_untouched(const struct body *body)
 {
-	return body->kind == BODY_PATH && samples_on_ground(body) > 0 && (body->near == 0 || body->windows == 0);
+	return body->kind == BODY_PATH && samples_on_ground(body) > 0 && (body->near == 0 || body->windows + body->regions == 0);
 }
 
 static void tell_untouched(const struct world *world, scene_advice_fn tell, void *user)

@@ -20,6 +20,7 @@ enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
 enum scene_outside { SCENE_STOP, SCENE_SKIP };
 enum scene_compute { SCENE_ANYWHERE, SCENE_GPU, SCENE_CPU };
 enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
+enum scene_regions { SCENE_WINDOWS, SCENE_FIXED_REGIONS };
 enum scene_normals { SCENE_BODY, SCENE_GROUND };
 enum scene_faces { SCENE_FACES_ON, SCENE_FACES_OFF };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
@@ -289,6 +290,8 @@ struct scene {
 	enum scene_outside outside;
 	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm and sheet the CPU, other models the GPU, and the CPU where there is no GL. */
 	enum scene_compute compute;
+	/* Where the GPU computes contacts: in windows, which are gathered from tiles and scattered; or in the tiles. It changes no bit. */
+	enum scene_regions regions;
 	struct scene_object *objects;
 	size_t object_count;
 	struct scene_vehicle *vehicles;

@@ -45,6 +45,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"hardening", raw->hardening},
 		{"normals", raw->normals}, {"faces", raw->faces}, {"inertia", raw->inertia},
 		{"tension", raw->tension}, {"stiffness", raw->stiffness}, {"yield", raw->yield}, {"rut", raw->rut},
+		{"regions", raw->regions},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
@@ -93,6 +94,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->rut = number(raw->rut, "redistribute.rut");
 	}
 	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
+	scene->regions = raw->regions != NULL ? (enum scene_regions)*raw->regions : SCENE_WINDOWS;
 	return check_parameters(tree, raw);
 }
 
@@ -108,6 +110,9 @@ struct scene_list scene_models_with_forces(void)
 static enum status check_compute(const struct scene_tree *tree, const int *compute, struct scene *scene)
 {
 	scene->compute = compute != NULL ? (enum scene_compute)*compute : SCENE_ANYWHERE;
+	if (scene->compute == SCENE_CPU && scene->regions == SCENE_FIXED_REGIONS)
+		return scene_error(tree->file, scene_tree_find(tree, "redistribute.regions"),
+				   "fixed regions are of the GPU, and compute: cpu asks for the CPU; take one of them away");
 	if (scene->compute != SCENE_GPU || !deform_on_cpu(scene->model))
 		return STATUS_OK;
 	return scene_error(tree->file, scene_tree_find(tree, "compute"), "model %s is computed by the CPU alone; allowed with it: cpu",

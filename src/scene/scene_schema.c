@@ -183,6 +183,7 @@ static const cyaml_strval_t model_words[] = {DEFORM_MODELS_EACH(MODEL_WORD)};
 static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t faces_words[] = {{"on", SCENE_FACES_ON}, {"off", SCENE_FACES_OFF}};
 static const cyaml_strval_t normals_words[] = {{"body", SCENE_BODY}, {"ground", SCENE_GROUND}};
+static const cyaml_strval_t regions_words[] = {{"window", SCENE_WINDOWS}, {"fixed", SCENE_FIXED_REGIONS}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t camera_words[] = {{"mounted", SCENE_MOUNTED}, {"fixed", SCENE_FIXED}, {"chase", SCENE_CHASE},
 					      {"overhead", SCENE_OVERHEAD}, {"poses", SCENE_BY_POSES}};
@@ -212,6 +213,7 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("stiffness", OPTIONAL, struct raw_redistribute, stiffness),
 	CYAML_FIELD_FLOAT_PTR("yield", OPTIONAL, struct raw_redistribute, yield),
 	CYAML_FIELD_FLOAT_PTR("rut", OPTIONAL, struct raw_redistribute, rut),
+	CYAML_FIELD_ENUM_PTR("regions", OPTIONAL, struct raw_redistribute, regions, regions_words, 2),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {

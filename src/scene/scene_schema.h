@@ -113,6 +113,7 @@ struct raw_redistribute {
 	int *undisturbed; /* enum scene_undisturbed */
 	int *normals;     /* enum scene_normals */
 	int *faces;       /* enum scene_faces */
+	int *regions;     /* enum scene_regions */
 };
 struct raw_output {
 	double *forces;

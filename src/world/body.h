@@ -81,6 +81,7 @@ struct body {
 	size_t met;
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
 	struct soil_carried *carried; /* carried.c: soil aboard; NULL: it carries none */
+	uint64_t regions, regions_moved; /* the same of fixed regions, in which contacts are computed in the place of windows */
 	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
 	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
 	struct body_failed {

@@ -219,6 +219,22 @@ enum status world_feel(struct world *world, const struct event *event)
 	return bearing_contact_at(world, event, &contact, true);
 }
 
+/* Computes the only window of a contact in fixed regions. */
+static enum status compute_fixed(struct world *world, struct body *body, const struct deform_contact *contact, const struct deform_window *window)
+{
+	struct held_tiles held;
+	size_t regions = 0;
+	enum status status;
+	TRY(world_hold(world, window->read, &held));
+	TRY_OR(done, deform_fixed(world->deform, contact, window, held.tiles, held.count, &regions));
+	TRY_OR(done, world_mark(world, window->write, &held));
+	body->regions += regions;
+	body->regions_moved += deform_is_contact_only(contact) ? 0 : regions;
+done:
+	world_release(world, &held);
+	return status;
+}
+
 /* Computes a window, and writes it if it is the only one. */
 static enum status compute_window(struct world *world, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer, bool only)
 {
@@ -246,6 +262,8 @@ static enum status compute_windows(struct world *world, const struct event *even
 				   const struct deform_window *windows, size_t count)
 {
 	TRY(world_tell_contact(world, event, contact, windows, count));
+	if (deform_is_fixed(world->deform, windows, count))
+		return compute_fixed(world, world_body_at(world, event->body), contact, &windows[0]);
 	for (size_t i = 0; i < count; i++)
 		TRY(compute_window(world, contact, &windows[i], (uint32_t)i, count == 1));
 	world_count_windows(world_body_at(world, event->body), contact, deform_windows_computed(windows, count));

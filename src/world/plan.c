@@ -119,7 +119,8 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.tension = scene->tension, .stiffness = scene->stiffness, .yield = scene->yield, .rut = scene->rut,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
-		.batches = !world->params.alone,
+		.batches = !world->params.alone && scene->regions == SCENE_WINDOWS,
+		.fixed = scene->regions == SCENE_FIXED_REGIONS,
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	params->raster_count = world_rasters(world, params->rasters);

@@ -130,6 +130,8 @@ void world_body_pack(const struct world *world, size_t number, struct world_move
 	moved->equilibrium = body->equilibrium;
 	moved->windows = body->windows;
 	moved->windows_moved = body->windows_moved;
+	moved->regions = body->regions;
+	moved->regions_moved = body->regions_moved;
 	world_forces_pack(world->forces, number, moved);
 }
 
@@ -153,6 +155,8 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	body->raised = body->loaded_body > 0 && body->has_last ? body->equilibrium - body->last.z : 0;
 	body->windows = moved->windows;
 	body->windows_moved = moved->windows_moved;
+	body->regions = moved->regions;
+	body->regions_moved = moved->regions_moved;
 	world->record->objects[number].force = moved->force;
 	if (!here)
 		return STATUS_OK;

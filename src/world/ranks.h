@@ -68,7 +68,7 @@ void world_forget_events(struct world *world);
 /* The state of a body that moves to another rank. Forces must be settled. It has no pointers. */
 struct world_moved {
 	int64_t number, next, skipped, equilibrium;
-	uint64_t windows, windows_moved;
+	uint64_t windows, windows_moved, regions, regions_moved;
 	struct soil_pose last, shown; /* shown: the pose of its rows */
 	struct soil_trend trend;      /* its recent motion, up to `last` */
 	struct world_force force;

@@ -490,6 +490,7 @@ class ExplainAndDrive(FurrowTest):
         "bare": BARE,
         "everything but soil": BARE + "spacing: 0.5\nredistribute: {model: box, repetitions: 2}\nattributes: [dirt]\n" +
         "view: " + VIEW.replace("size", "effects: [texture, detail, fog, sky, geomorph, skirts], size") + "\n",
+        "fixed regions": BARE + "spacing: 0.5\nredistribute: {model: box, regions: fixed, repetitions: 3}\nattributes: [dirt]\n",
         "scm": BARE.replace("sink: 0.2", "load: 900") + "soil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {forces: 5}\n",
         "sheet": BARE + "redistribute: {model: sheet, yield: 0.1}\nattributes: [dirt]\n",
         "slippage": BARE + "soil: {name: dry_sand}\nredistribute: {model: slippage, iterations: 2}\nattributes: [dirt]\n",

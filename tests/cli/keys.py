@@ -162,6 +162,7 @@ ROWS = {
     "redistribute.model": (SUMNER, {"redistribute.model": "box", "redistribute.interval": "null", "soil": "null"}),
     "redistribute.radius": ({**PLAIN, "redistribute": "{model: box}"}, {"redistribute.radius": "2"}),
     "redistribute.repetitions": ({**PLAIN, "redistribute": "{model: box}"}, {"redistribute.repetitions": "3"}),
+    "redistribute.regions": ({**PLAIN, "redistribute": "{model: box}"}, {"redistribute.regions": "fixed"}),  # it changes no ground, but counts
     "redistribute.iterations": (LOOSE, {"redistribute.iterations": "3"}),
     "redistribute.interval": (LOOSE, {"redistribute.interval": "0.3"}),
     "redistribute.depth": (LOOSE, {"redistribute.depth": "0.02"}),
@@ -239,6 +240,7 @@ UNUSED = ("output.delay",)  # kept for scenes that give it; changes nothing
 RASTERS = {"bekker_kc": 5000, "bekker_kphi": 60000, "bekker_n": 2, "cohesion": 9000, "friction_angle": 45, "janosi_shear": 1, "elastic_stiffness": 50000}
 # The same results whatever they are, so it is told by run.json alone.
 TOLD = {"soil.face_strength": lambda run: run["soils"][0].get("face_strength"), "soil.face_cohesion": lambda run: run["soils"][0].get("face_cohesion"), "cache.slots": lambda run: run["cache"]["slots"], "cache.memory": lambda run: run["cache"]["slots"], "cache.loaders": lambda run: run["counts"]["threads"],
+        "redistribute.regions": lambda run: run["counts"]["units"]["region"],
         "cache.prefetch": lambda run: run["counts"]["threads"]}
 FOUR = """<mujoco model="four"><option timestep="0.002" integrator="implicit"/><worldbody><body name="car" pos="0 0 0.5"><freejoint/>
 <geom name="hull" type="box" size="0.8 0.3 0.1" mass="80" contype="0" conaffinity="0"/>%s</body></worldbody><actuator><position name="steer" joint="steer" kp="300"/>

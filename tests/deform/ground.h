@@ -31,6 +31,7 @@ struct ground_params {
 	bool stands;                     /* undisturbed ground does */
 	bool touched;                    /* deform_is_touched is asked */
 	bool batches;                    /* contacts may be computed together */
+	bool fixed;                      /* contacts are computed in fixed regions */
 };
 
 struct ground {
@@ -111,6 +112,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.undisturbed_stable = params->stands,
 		.touched = params->touched,
 		.batches = params->batches,
+		.fixed = params->fixed,
 	};
 	assert_ok(soil_named("dry_sand", &deform.soils[0]));
 	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)

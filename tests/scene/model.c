@@ -34,6 +34,8 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	refuse("model: scm", "model: none, interval: 2", "interval: is no parameter of model none");
 	refuse("model: scm", "model: box, tolerance: 0", "tolerance: is no parameter of model box; allowed with: sumner, slippage, scm");
 	refuse("model: scm", "model: box, depth: 2", "depth: is no parameter of model box");
+	refuse("model: scm", "model: slippage, regions: fixed", "regions: is no parameter of model slippage; allowed with: none, box");
+	refuse("model: scm", "model: scm, regions: window", "regions: is no parameter of model scm; allowed with: none, box");
 	refuse("model: scm", "model: sumner, bulldozing: 1", "is no parameter of model sumner; allowed with: scm");
 	refuse("model: scm", "model: slippage, tension: 1", "is no parameter of model slippage; allowed with: sheet");
 	refuse("model: scm", "model: sheet, bulldozing: 0", "is no parameter of model sheet; allowed with: scm");

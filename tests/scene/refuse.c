@@ -25,6 +25,8 @@ static const struct {
 	{"time_step: 0.02", "store: b", ":3: store: is written twice"},
 	{"slots: 256", "loaders: 3", ":23: cache.loaders: is written twice"},
 	{"{model: box}", "{model: scm}\ncompute: gpu", ":10: compute: model scm is computed by the CPU alone; allowed with it: cpu"},
+	{"{model: box}", "{model: box, regions: fixed}\ncompute: cpu", ":9: redistribute.regions: fixed regions are of the GPU, and compute: cpu asks for the CPU; take one of them away"},
+	{"{model: box}", "{model: box, regions: dynamic}", ":9: redistribute.regions: \"dynamic\" is unknown; allowed: window, fixed"},
 	{"{model: box}", "{model: box}\ncompute: both", ":10: compute: \"both\" is unknown; allowed: gpu, cpu"},
 	/* wrong types */
 	{"scene: 1", "scene: one", ":1: scene: \"one\" is not a whole number; allowed: a whole number, 1"},

@@ -47,11 +47,11 @@ const struct soil_model deform_model_box = {
 	.volume = "compacted",
 	.effect = {
 		"box", "redistribute.model", "", EFFECT_LIST("deform/box.frag", "deform/gather.frag", "deform/store.frag"), "base, offset", "offset", 4,
-		EFFECT_LIST("redistribute.radius", "redistribute.repetitions"),
+		EFFECT_LIST("redistribute.radius", "redistribute.repetitions", "redistribute.regions"),
 		"reads as many posts around the trail as the radius times the repetitions: 32 at most",
 		"smooths the trail: the mean of the posts around"},
 	.contact_effect = "displace",
-	.keys = EFFECT_LIST("radius", "repetitions"),
+	.keys = EFFECT_LIST("radius", "repetitions", "regions"),
 	.contact = contact,
 	.batch = batch,
 	.shader = "deform/none.frag",

@@ -1,0 +1,5 @@
+#version 450 core
+// Depth alone.
+void main()
+{
+}
