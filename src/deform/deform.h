@@ -169,6 +169,8 @@ struct deform_params {
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool faces;          /* scm: the soil's stress acts on an object's faces from every side as it slides; false: on its lower envelope alone */
 	double inertia;      /* scm: of soil that faces push away, a share of rho v^2; 0: none */
+	bool thrown;         /* scm: a part of what slip digs flies off; what contacts throw is told, and the caller lets it land */
+	double gravity;      /* m/s2; read if `thrown` */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */

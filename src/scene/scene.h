@@ -22,6 +22,7 @@ enum scene_compute { SCENE_ANYWHERE, SCENE_GPU, SCENE_CPU };
 enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_normals { SCENE_BODY, SCENE_GROUND };
 enum scene_faces { SCENE_FACES_ON, SCENE_FACES_OFF };
+enum scene_thrown { SCENE_THROWN_OFF, SCENE_THROWN_ON };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED, SCENE_MOUNTED, SCENE_BY_POSES };
 
@@ -35,6 +36,7 @@ enum scene_effect {
 	EFFECT_SLIP,
 	EFFECT_LOOSE,
 	EFFECT_DENSE,
+	EFFECT_THROWN,
 	EFFECT_SOIL_MAP,
 	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
@@ -264,6 +266,7 @@ struct scene {
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	double inertia;      /* of soil that faces push away, a share of rho v^2; 0: none */
 	enum scene_faces faces; /* whether stress acts on a body's faces from every side as it slides, or on its lower envelope alone */
+	enum scene_thrown thrown; /* whether soil that slip digs flies off */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
 	struct soil_numbers bases[SOIL_CLASSES]; /* what the soils of the same index lie over, if they do */

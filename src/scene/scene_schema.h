@@ -112,6 +112,7 @@ struct raw_redistribute {
 	int *undisturbed; /* enum scene_undisturbed */
 	int *normals;     /* enum scene_normals */
 	int *faces;       /* enum scene_faces */
+	int *thrown;      /* enum scene_thrown */
 };
 struct raw_output {
 	double *forces;

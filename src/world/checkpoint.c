@@ -20,6 +20,7 @@ struct checkpoint {
 	struct body *bodies;      /* body_count of them; all zero where a number has no body */
 	size_t body_count;
 	struct forces_saved *forces; /* NULL: nobody asks for any */
+	struct thrown_saved *thrown; /* NULL: nothing is thrown */
 	bool begun; /* as world.begun */
 };
 
@@ -30,6 +31,7 @@ void world_checkpoint_free(struct checkpoint *saved)
 	mem_free(saved->record);
 	mem_free(saved->bodies);
 	world_forces_saved_free(saved->forces);
+	mem_free(saved->thrown);
 	mem_free(saved);
 }
 
@@ -52,7 +54,7 @@ static enum status save(struct world *world, struct checkpoint **out)
 		.intervals = world->relaxation.intervals,
 		.revision = world->changes.revision,
 		.begun = world_has_begun(world),
-		.record = copy_of(world->record, world_record_bytes_with(objects, world->record->attached_count)),
+		.record = copy_of(world->record, world_record_bytes_of(world->record, objects)),
 		.bodies = mem_calloc(world->body_count + 1, sizeof *saved->bodies),
 		.body_count = world->body_count,
 	};
@@ -62,6 +64,7 @@ static enum status save(struct world *world, struct checkpoint **out)
 		if (world->bodies[i] != NULL)
 			saved->bodies[i] = *world->bodies[i];
 	TRY_OR(failed, world_forces_save(world->forces, &saved->forces));
+	TRY_OR(failed, world_thrown_save(world, &saved->thrown));
 	TRY_OR(failed, world_tally(world, &saved->tally));
 	*out = saved;
 	return STATUS_OK;
@@ -162,13 +165,14 @@ enum status world_rollback(struct world *world)
 	world->step = saved->step;
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;
-	memcpy(world->record, saved->record, world_record_bytes_with(objects, world->record->attached_count));
+	memcpy(world->record, saved->record, world_record_bytes_of(world->record, objects));
 	world_batches_forget(world); /* contacts of a step that failed */
 	world_meetings_forget(world);
 	world_happened_clear(world); /* it names bodies that may go now */
 	restore_bodies(world, saved);
 	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
+	world_thrown_restore(world, saved->thrown);
 	world->events.count = world->rows.count = 0;
 	resident_ground_forget_offsets(world->resident.ground); /* higher ground may be back than what was read since the checkpoint */
 	resident_pyramid_forget(world->resident.pyramid);

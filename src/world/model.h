@@ -107,6 +107,7 @@ struct world {
 		struct key_set seen, old; /* seen: tiles that were looked at; old: those that have planes from before this world */
 		bool asks_touched;
 	} aloft;
+	struct thrown *thrown;    /* thrown.c; NULL: the scene throws no soil */
 	struct crew *crew;        /* crew.c; NULL: one thread computes soil that bears */
 	size_t hands;             /* of world->bearing, with a crew */
 	struct meetings *meetings; /* meet.c; NULL: no soil bears */

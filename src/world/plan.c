@@ -116,6 +116,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.ground_normals = scene->normals == SCENE_GROUND,
 		.faces = scene->faces == SCENE_FACES_ON,
 		.inertia = scene->inertia,
+		.thrown = scene->thrown == SCENE_THROWN_ON, .gravity = scene->gravity,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
 		.batches = !world->params.alone,

@@ -105,9 +105,11 @@ int world_law(const struct world *world)
 static bool is_of_this_scene(const struct world *world, const struct store_run *run, bool *ended)
 {
 	const size_t attached = world->params.attached;
-	struct record *record = mem_calloc(1, world_record_bytes_with(world->scene->object_count, attached));
-	if (record != NULL)
+	struct record *record = mem_calloc(1, world_record_bytes_of(world->record, world->scene->object_count));
+	if (record != NULL) {
 		record->attached_count = attached;
+		record->thrown.room = world->record->thrown.room;
+	}
 	const bool is = record != NULL && run->scene_hash != NULL && strcmp(run->scene_hash, world->scene->hash) == 0 &&
 			world_record_parse(run, world->facts.path, world->scene, record) == STATUS_OK &&
 			record->law == world_law(world);
@@ -162,6 +164,7 @@ enum status world_resume(struct world *world)
 		return fail_with(STATUS_INPUT, "%s: its last drive was made by a furrow whose soil bears otherwise, so it would not go on as it began; resume "
 				 "it with that, or drive without --resume: it then goes over those ruts", store);
 	TRY(check(world));
+	TRY(world_thrown_resume(world));
 	restore(world);
 	if (world->facts.resumed.nothing_left)
 		note("%s: this scene was driven to step %lld, %g s, already; nothing is left to do", store,

@@ -54,6 +54,7 @@ enum status world_fill_record(struct world *world)
 			.skipped = body->skipped,
 		};
 	}
+	world_thrown_record(world, record);
 	return STATUS_OK;
 }
 
@@ -73,6 +74,7 @@ enum status world_begin(struct world *world)
 {
 	world_enter(world, WORLD_READY);
 	world_intervals_from(world, world->time);
+	world_thrown_from(world, world->time);
 	resident_look_ahead_begin(world->ahead, world->facts.resumed.time);
 	page_cache_hold(world->resident.cache, true);
 	if (!world->facts.resumed.is)

@@ -170,6 +170,7 @@ ROWS = {
     "redistribute.hardening": (RUT, {"redistribute.hardening": "0.5"}),
     "redistribute.faces": ({**SCM, "redistribute": "{model: scm, interval: 0.05, faces: on}", "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.faces": "off"}),
     "redistribute.inertia": ({**SCM, "redistribute": "{model: scm, interval: 0.05, faces: on}", "objects": f"[{WHEEL % 'load: 900, slip: -0.5'}]"}, {"redistribute.inertia": "0"}),
+    "redistribute.thrown": ({**SCM, "objects": f"[{WHEEL % 'load: 900, slip: 0.8'}]"}, {"redistribute.thrown": "on"}),
     "redistribute.normals": (SCM, {"redistribute.normals": "ground"}),
     "redistribute.undisturbed": (LOOSE, {"redistribute.undisturbed": "stable"}),
     "output.forces": (SCM, {"output.forces": "5"}),
