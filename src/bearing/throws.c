@@ -90,6 +90,7 @@ void bearing_throw_of(const struct soil_motion *motion, double gravity, struct b
 		return;
 	for (int k = 0; k < 3; k++)
 		out->speed[k] = lattice_offset_metres(way[k]) / motion->seconds;
+	out->seconds = motion->seconds;
 	out->half_width = half_width_of(motion->shape, out->radius);
 	const double slip = out->run + dot(out->speed, out->back);
 	if (!(slip * motion->seconds > SOIL_SLIP_LEAST))
@@ -131,11 +132,11 @@ int bearing_throw_grains(const struct bearing_throw *how, const int64_t centre[3
 	for (int i = 0; i < count; i++) {
 		struct bearing_grain *grain = &grains[i];
 		const double up = angle + THROWN_SPREAD * degree * by_chance(&seed), aside = THROWN_SPREAD * degree * by_chance(&seed);
-		const double at = how->half_width * by_chance(&seed);
-		*grain = (struct bearing_grain){.since = since, .volume = volume / count + (i < volume % count)};
+		const double at = how->half_width * by_chance(&seed), before = 0.5 * (1 + by_chance(&seed)) * how->seconds;
+		*grain = (struct bearing_grain){.since = since - llround(before * UNITS), .volume = volume / count + (i < volume % count)};
 		for (int k = 0; k < 3; k++) {
 			const double back = how->back[k] * cos(aside) + how->along[k] * sin(aside);
-			grain->from[k] = centre[k] + llround((how->radius * (back * sin(angle) - how->up[k] * cos(angle)) + at * how->along[k]) * UNITS);
+			grain->from[k] = centre[k] + llround((how->radius * (back * sin(angle) - how->up[k] * cos(angle)) + at * how->along[k] - before * how->speed[k]) * UNITS);
 			grain->velocity[k] = speed_units(how->speed[k] + how->run * (back * cos(up) + how->up[k] * sin(up)));
 		}
 	}

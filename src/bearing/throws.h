@@ -12,7 +12,7 @@
 /* Which share of the dug soil is thrown: F / (F + THROWN_HALF). F is the Froude number of the slip, u^2 / (g r): u the slip speed, g gravity, r the rim's radius.
  * At F = 1 the rim's slip would hold soil on it no longer than gravity does. This law and the constant are chosen, not measured. */
 #define THROWN_HALF 1.0
-#define THROWN_GRAINS 16    /* the most grains of a contact */
+#define THROWN_GRAINS 32    /* the most grains of a contact */
 #define THROWN_SPREAD 5.0   /* degrees: how far a grain leaves beside the tangent at most, up or down and aside; chosen */
 #define THROWN_LEAST 10.0   /* degrees: the least and the steepest angle at which it leaves, from the ground */
 #define THROWN_MOST 80.0
@@ -21,6 +21,7 @@
 /* How a contact throws. Vectors are east, north, up. */
 struct bearing_throw {
 	double share;         /* of what slip digs, 0 .. 1; 0: it throws nothing, and the rest is not set */
+	double seconds;       /* how long the motion took, above 0 */
 	double speed[3];      /* m/s: of the body */
 	double run;           /* m/s, above 0: of its surface along `back`, where that is lowest, beside the body */
 	double back[3], up[3], along[3]; /* unit vectors: along the surface, away from the ground, and across both */
@@ -44,9 +45,9 @@ void bearing_grain_save(const struct bearing_grain *grain, int64_t numbers[GRAIN
 bool bearing_grain_load(const int64_t numbers[GRAIN_NUMBERS], struct bearing_grain *grain);
 
 /*
- * Divides a volume into grains that leave together. centre: of the body, as in struct soil_pose. sinkage: m, how deep the rim is in the ground. It leaves the ground at
- * its rear at the angle whose cosine is 1 - sinkage / radius; there a grain leaves along the tangent, with the rim's velocity over the ground. since: when. Place, time and
- * number of a grain decide by how much it leaves beside that. Returns how many grains there are, 1 .. THROWN_GRAINS; 0: there is no volume.
+ * Divides a volume into grains that leave during the motion, which ends at `since`. centre: of the body then, as in struct soil_pose. sinkage: m, how deep the rim is in the ground. It leaves the ground at
+ * its rear at the angle whose cosine is 1 - sinkage / radius; there a grain leaves along the tangent, with the rim's velocity over the ground. since: 2^-20 s. Place, time and
+ * number of a grain decide when it leaves, and by how much beside that. Returns how many grains there are, 1 .. THROWN_GRAINS; 0: there is no volume.
  */
 int bearing_throw_grains(const struct bearing_throw *how, const int64_t centre[3], double sinkage, int64_t since, int64_t volume, struct bearing_grain grains[THROWN_GRAINS]);
 

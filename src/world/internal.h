@@ -262,8 +262,8 @@ enum status world_let_go(struct world *world, const struct body *body) FURROW_CH
 enum status world_thrown_make(struct world *world) FURROW_CHECKED;
 void world_thrown_free(struct thrown *thrown);
 bool world_thrown_flies(const struct world *world); /* soil is in flight */
-/* Adds grains. What has no room flies with the last one. Needs world->thrown. */
-void world_thrown_add(struct world *world, const struct bearing_grain *grains, size_t count);
+/* Adds grains that left by now, 2^-20 s. What has no room flies with the last one. Needs world->thrown. */
+void world_thrown_add(struct world *world, int64_t now, const struct bearing_grain *grains, size_t count);
 /* Lets fly what a contact at this time, s, threw. */
 void world_thrown_take(struct world *world, double time, const struct bearing_contact *contact);
 /* Lets grains fly, and those land that meet the ground, until before `time`, or with `at_it` until then. rests: how many bodies world->relaxation.rests lists. Needs world->thrown. */

@@ -62,11 +62,11 @@ bool world_thrown_flies(const struct world *world)
 
 /* --- contacts throw --- */
 
-void world_thrown_add(struct world *world, const struct bearing_grain *grains, size_t count)
+void world_thrown_add(struct world *world, int64_t now, const struct bearing_grain *grains, size_t count)
 {
 	struct thrown *thrown = world->thrown;
 	if (thrown->count == 0 && count > 0) /* what is over is over */
-		thrown->ticks = grains[0].since >> TICK_BITS;
+		thrown->ticks = now >> TICK_BITS;
 	for (size_t i = 0; i < count; i++)
 		if (thrown->count < WORLD_THROWN_MOST)
 			thrown->list[thrown->count++] = grains[i];
@@ -80,9 +80,10 @@ void world_thrown_take(struct world *world, double time, const struct bearing_co
 	if (world->thrown == NULL || contact->feels || contact->thrown == 0)
 		return;
 	const int soil = contact->thrown_class < SOIL_CLASSES ? contact->thrown_class : SOIL_CLASSES - 1;
-	const int count = bearing_throw_grains(&contact->throws, contact->thrown_from, fmax(contact->forces.sinkage, 0), llround(time * 0x1p20), contact->thrown, grains);
+	const int64_t now = llround(time * 0x1p20);
+	const int count = bearing_throw_grains(&contact->throws, contact->thrown_from, fmax(contact->forces.sinkage, 0), now, contact->thrown, grains);
 	world->thrown->sums.thrown[soil] += contact->thrown;
-	world_thrown_add(world, grains, (size_t)count);
+	world_thrown_add(world, now, grains, (size_t)count);
 }
 
 /* --- flight --- */
