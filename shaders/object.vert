@@ -1,6 +1,9 @@
 #version 450 core
 // Places the corners of an object's triangles relative to the eye. All objects of one shape are instances of one draw.
 #include "lib/picture.glsl"
+#if defined FOG || defined GRAINS
+#include "lib/body.glsl"
+#endif
 #ifdef FOG
 #include "lib/sky.glsl"
 #include "lib/haze.glsl"
@@ -42,7 +45,11 @@ void main()
 	normal = at.forward.xyz * float(steps.x) + at.left.xyz * float(steps.y) + at.up.xyz * float(steps.z);
 	place = centre + from_centre;
 	open = 0.45 + 0.55 * smoothstep(-1.0, 0.4, from_centre.z / at.size.x);
+#ifdef GRAINS
+	surface = vec4(mix(soil_colours[0], soil_colours[1], fract(dot(at.forward.xyz, vec3(1e4, 3e4, 7e4)))), 0.0);
+#else
 	surface = surfaces[which.w >> 30];
+#endif
 #ifdef FOG
 	air = haze_between(place);
 #endif

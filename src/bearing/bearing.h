@@ -11,6 +11,7 @@
 
 #include "base/base.h"
 #include "bearing/pour.h"
+#include "bearing/throws.h"
 #include "deform/deform.h"
 #include "resident/resident.h"
 #include "soil/soil.h"
@@ -39,6 +40,11 @@ struct bearing_contact {
 	bool feels;               /* its forces alone are asked; it changes nothing */
 	struct deform_forces forces;
 	struct post_rect changed; /* posts whose planes it may have changed; empty: none */
+	/* With params.thrown: what it threw, fixed-point units, and how. It is gone from the ground, and counts in the tally as compacted until bearing_thrown_land. */
+	int64_t thrown;
+	struct bearing_throw throws;
+	uint8_t thrown_class;     /* of the soil at its centre */
+	int64_t thrown_from[3];   /* its centre, 2^-20 m */
 };
 /*
  * Computes the contacts of bodies that meet the ground together. Each finds the ground as it was before. At each post the lowest body bears. Their order
@@ -138,6 +144,24 @@ struct post_rect bearing_carried_posts(const struct bearing *bearing, const stru
  * planes changed, which are active now; empty: none. */
 enum status bearing_carried_settle(struct bearing *bearing, struct soil_carried *carried, const struct deform_rest *rest, bool drops, const struct deform_rest *rests, size_t count,
 				   const struct tile_slot *held, size_t held_count, struct post_rect *changed) FURROW_CHECKED;
+/* --- thrown soil that lands --- */
+
+/* Where soil comes down. */
+struct bearing_landing {
+	int64_t x, y;   /* 2^-20 m from the south-west post */
+	int64_t volume; /* fixed-point units */
+};
+/* Returns the posts that landings may change, within the world. */
+struct post_rect bearing_thrown_posts(const struct bearing *bearing, const struct bearing_landing *landings, size_t count);
+/*
+ * Puts soil on the ground: on the four posts around each place, by their shares of its cell. What a body holds, or has no data, gives its share to the nearest free post at
+ * most BEARING_LANDS_NEAR posts away. What finds none stays compacted: *lost, fixed-point units. rests: bodies that hold soil. held: all tiles that have posts of
+ * bearing_thrown_posts, pinned. *changed: posts whose planes changed, which are active now; empty: none. The order of landings does not show, unless a post
+ * becomes too high.
+ */
+#define BEARING_LANDS_NEAR 8
+enum status bearing_thrown_land(struct bearing *bearing, const struct bearing_landing *landings, size_t count, const struct deform_rest *rests, size_t rest_count,
+				const struct tile_slot *held, size_t held_count, struct post_rect *changed, int64_t *lost) FURROW_CHECKED;
 
 /* --- hands: several threads at once --- */
 

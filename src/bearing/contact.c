@@ -1,4 +1,5 @@
 /* Contacts of bodies with the ground: from the tiles into a window, the bodies into the ground, and back. */
+#include <math.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -141,6 +142,8 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		member->party = i;
 		member->widened = false;
 		member->feels = contacts[i].feels;
+		if (bearing->params.thrown)
+			bearing_throw_of(&member->motion, bearing->params.gravity, &member->throws);
 		TRY(soil_sink_begin(&bearing->law, &member->planes, &member->motion, standing != NULL ? *standing : 0, member->work));
 	}
 	return STATUS_OK;
@@ -210,7 +213,8 @@ static void commit(struct bearing *bearing, const struct bearing_contact *contac
 	begin_parties(bearing, count);
 	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &members[i];
-		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid, .carried = window->carried + member->at, .notes = contacts[i].contact->carried != NULL};
+		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid, .carried = window->carried + member->at, .notes = contacts[i].contact->carried != NULL,
+						.throws = bearing->params.thrown ? (int32_t)lround(65536 * member->throws.share) : 0};
 		const struct soil_sink_shared shared = {count > 1 && member->crosses ? bearing->claims + member->at : NULL, window->owners + member->at, (uint8_t)(i + 1)};
 		if (!member->feels)
 			soil_sink_commit(member->work, &sink, alone ? NULL : &shared, &member->imprint);
@@ -332,9 +336,25 @@ static enum status slide(struct bearing *bearing, struct bearing_contact *contac
 
 /* --- a meeting --- */
 
+/* Tells what a member threw. */
+static void tell_thrown(const struct bearing *bearing, const struct bearing_member *member, struct bearing_contact *contact)
+{
+	const struct soil_planes *planes = &bearing->window.planes;
+	const struct soil_pose *to = &member->motion.to;
+	const int64_t x = llround(lattice_offset_metres(to->x) / bearing->law.spacing), y = llround(lattice_offset_metres(to->y) / bearing->law.spacing);
+	contact->thrown = member->imprint.thrown;
+	contact->throws = member->throws;
+	contact->thrown_from[0] = to->x;
+	contact->thrown_from[1] = to->y;
+	contact->thrown_from[2] = to->z + member->imprint.raised;
+	contact->thrown_class = 0;
+	if (planes->classes != NULL && x >= planes->rect.x0 && y >= planes->rect.y0 && x < planes->rect.x1 && y < planes->rect.y1)
+		contact->thrown_class = planes->classes[(size_t)(y - planes->rect.y0) * planes->width + (size_t)(x - planes->rect.x0)];
+}
+
 static void add_tally(struct bearing *bearing, const struct bearing_member *member, enum deform_state state)
 {
-	bearing->tally.compacted += member->imprint.compacted + member->laid.compacted;
+	bearing->tally.compacted += member->imprint.compacted + member->imprint.thrown + member->laid.compacted;
 	bearing->tally.refused += member->imprint.refused + member->laid.refused;
 	bearing->tally.confined += member->laid.confined;
 	bearing->tally.sunk += state == DEFORM_SUNK;
@@ -373,6 +393,8 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 		if (contacts[i].feels)
 			continue;
 		add_tally(bearing, &bearing->members[i], contacts[i].forces.state);
+		if (bearing->params.thrown)
+			tell_thrown(bearing, &bearing->members[i], &contacts[i]);
 		if (standing != NULL)
 			*standing = bearing->members[i].imprint.raised;
 	}

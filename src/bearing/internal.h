@@ -54,6 +54,7 @@ struct bearing_member {
 	struct soil_laying laying;
 	struct soil_imprint imprint;
 	struct soil_lay_result laid;
+	struct bearing_throw throws;  /* how it throws soil */
 	struct post_rect slides;   /* where soil may slide */
 	struct post_rect write;    /* posts that it, or its party, may change */
 	bool widened;

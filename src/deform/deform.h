@@ -184,6 +184,8 @@ struct deform_params {
 	/* sheet: its tension T, N/m, and the stiffness k of what is below, Pa/m. The deflection up to which it comes back whole, m; INFINITY: it always does.
 	 * Of what is beyond that, the share that stays, 0 .. 1 */
 	double tension, stiffness, yield, rut;
+	bool thrown;         /* scm: a part of what slip digs flies off; what contacts throw is told, and the caller lets it land */
+	double gravity;      /* m/s2; read if `thrown` */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */

@@ -259,7 +259,8 @@ static enum status draw_frame(struct render *render, const struct render_camera 
 	if (counted)
 		gpu_counter_end(render->ground_samples);
 	TRY(status);
-	return render->objects != NULL ? render_objects_draw(render, camera, &axes, &view, params) : STATUS_OK;
+	TRY(render->objects != NULL ? render_objects_draw(render, camera, &axes, &view, params) : STATUS_OK);
+	return render->grains != NULL ? render_grains_draw(render, camera, params) : STATUS_OK;
 }
 
 enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct render_view *view,
@@ -338,6 +339,8 @@ static enum status measure_unseen(struct render *render, const struct gpu_slot *
 	TRY_OR(done, draw_kinds(render, slot, kinds, params));
 	if (render->objects != NULL)
 		TRY_OR(done, render_objects_draw_unseen(render, params));
+	if (render->grains != NULL)
+		TRY_OR(done, render_grains_draw_unseen(render, params));
 done:
 	render->measuring = false;
 	render->screen = shown;
@@ -385,6 +388,8 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 		TRY(measure_unseen(render, slot, kinds, &params));
 	if (render->objects != NULL)
 		TRY(render_objects_draw_unseen(render, &params));
+	if (render->grains != NULL)
+		TRY(render_grains_draw_unseen(render, &params));
 	return render->effects >> EFFECT_SKY & 1 ? draw_sky(render, &params) : STATUS_OK;
 }
 

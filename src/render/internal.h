@@ -91,6 +91,7 @@ enum status render_sky_program(struct render *render, struct gpu_program **out) 
 
 /* --- objects.c --- */
 struct render_objects;
+struct render_grains;
 /* Makes render->objects, or sets it to NULL if no object is shown. Call render_objects_destroy even after a failure. */
 enum status render_objects_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
 void render_objects_destroy(struct render_objects *objects); /* objects may be NULL */
@@ -104,6 +105,15 @@ enum status render_objects_draw_unseen(struct render *render, const struct pictu
 /* Call this after the ground was drawn and before the sky. `params`: those of the frame; values for a tile are overwritten. */
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
 				const struct render_view *view, struct picture_params *params) FURROW_CHECKED;
+
+/* --- grains.c; render->grains is NULL if none are shown --- */
+enum status render_grains_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
+void render_grains_destroy(struct render_grains *grains); /* grains may be NULL */
+void render_grains_plan(const struct render_params *params, struct plan *plan);
+enum status render_grains_warm(struct render *render) FURROW_CHECKED;
+/* As render_objects_draw_unseen and render_objects_draw. Call the first only if there are grains. */
+enum status render_grains_draw_unseen(struct render *render, const struct picture_params *params) FURROW_CHECKED;
+enum status render_grains_draw(struct render *render, const struct render_camera *camera, struct picture_params *params) FURROW_CHECKED;
 
 /* --- shade_map.c: maps of the shadows that the terrain casts on itself --- */
 struct render_shade;
@@ -195,6 +205,7 @@ struct render {
 	uint64_t triangles;
 	struct gpu_counter *ground_samples; /* counts samples of the ground */
 	struct render_objects *objects; /* NULL: no objects are shown */
+	struct render_grains *grains; /* NULL: no grains are shown */
 	struct render_tiles tiles; /* counts of the last frame */
 	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
 	struct render_shade *shade;    /* NULL: the terrain casts no shadows */

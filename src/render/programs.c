@@ -174,6 +174,7 @@ enum status render_warm(struct render *render, bool deformed, bool divided, bool
 			TRY(warm_variant(render, variant));
 	if (render->effects >> EFFECT_SKY & 1)
 		TRY(render_sky_program(render, &program));
+	TRY(render_grains_warm(render));
 	return render_objects_warm(render);
 }
 
@@ -233,5 +234,6 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}
 	render_objects_plan(params, plan);
+	render_grains_plan(params, plan);
 	render_shade_plan(params, plan);
 }

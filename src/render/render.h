@@ -41,6 +41,7 @@ struct render_params {
 	/* objects that may be drawn, with EFFECT_OBJECTS; must stay valid longer than the render */
 	const struct scene_object *objects;
 	size_t object_count;
+	size_t grains;        /* the most grains of soil that a picture shows; 0: none */
 	bool layers;          /* render_show_layer will be called; plans do not count layers */
 	bool measures;        /* render_measure will be called */
 	bool classes;         /* the slots have classes of soil, which render_measure tells */
@@ -57,6 +58,12 @@ struct render_object {
 	bool posed;              /* `axes` count instead of the four angles: forward, left, up, with what it turned */
 	double axes[3][3];
 	double turned;           /* radians about its own left axis, forwards: of a wheel, or of a ball that rolls */
+};
+
+/* A grain of soil in the air. */
+struct render_grain {
+	double at[3], radius; /* absolute metres, metres */
+	uint32_t number;      /* by which its form differs from that of others */
 };
 
 /* What the colours of the ground show. */
@@ -99,6 +106,8 @@ void render_view(const struct render *render, const struct render_camera *camera
  * none. Without EFFECT_OBJECTS none is shown: render_shows_objects returns false, and their places need not be computed. */
 bool render_shows_objects(const struct render *render);
 void render_set_objects(struct render *render, const struct render_object *objects, size_t count);
+/* Copies the grains that pictures show from now on, at most render_params.grains. Without those it does nothing. */
+void render_set_grains(struct render *render, const struct render_grain *grains, size_t count);
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct render_selection *selection) FURROW_CHECKED;
 /* Sets the layer that pictures show from the next frame on. At the start it is RENDER_NATURAL. Other layers have light and

@@ -60,10 +60,32 @@ enum status render_view_object(struct view *view, size_t index, struct render_ob
 	return STATUS_OK;
 }
 
+static enum status set_grains(struct view *view)
+{
+	const size_t count = world_grains(view->world, 0, NULL);
+	struct world_grain *from = NULL;
+	struct render_grain *grains = NULL;
+	enum status status;
+	if (count == 0) {
+		render_set_grains(view->render, NULL, 0);
+		return STATUS_OK;
+	}
+	TRY_OR(done, mem_make(&from, count, sizeof *from, "the picture's grains"));
+	TRY_OR(done, mem_make(&grains, count, sizeof *grains, "the picture's grains"));
+	world_grains(view->world, count, from);
+	for (size_t i = 0; i < count; i++)
+		grains[i] = (struct render_grain){{from[i].at[0], from[i].at[1], from[i].at[2]}, from[i].radius, from[i].number};
+	render_set_grains(view->render, grains, count);
+done:
+	mem_free_all(from, grains);
+	return status;
+}
+
 enum status render_view_set_objects(struct view *view)
 {
 	struct world *world = view->world;
 	const struct scene *scene = world_scene(world);
+	TRY(set_grains(view));
 	if (!render_shows_objects(view->render))
 		return STATUS_OK;
 	const struct world_figures *figures = world_figures(world);

@@ -379,6 +379,26 @@ static void add_rasters(cJSON *root, const struct report *report)
 	}
 }
 
+/* What a drive threw, also before it was resumed. */
+static void add_thrown(cJSON *root, const struct report *report)
+{
+	struct world_thrown_figures figures;
+	const double spacing = world_resident(report->world)->spacing, unit = lattice_offset_metres(1) * spacing * spacing;
+	if (!world_thrown_figures(report->world, &figures))
+		return;
+	const double mean = figures.thrown > 0 ? figures.mass / (double)figures.thrown : 0;
+	cJSON *thrown = cJSON_AddObjectToObject(root, "thrown");
+	json_number(thrown, "mass", figures.mass);
+	json_number(thrown, "in_flight_mass", mean * (double)figures.flying);
+	json_number(thrown, "volume", (double)figures.thrown * unit);
+	json_integer(thrown, "grains", (int64_t)figures.grains);
+	cJSON *units = cJSON_AddObjectToObject(thrown, "quanta");
+	json_integer(units, "thrown", figures.thrown);
+	json_integer(units, "landed", figures.landed);
+	json_integer(units, "in_flight", figures.flying);
+	json_integer(units, "lost", figures.lost);
+}
+
 static void add_slide(cJSON *root, const struct report *report)
 {
 	struct world_recorded recorded;
@@ -500,6 +520,7 @@ char *report_json(const struct report *report, const char *ended)
 	if (world_relief(report->world) != NULL)
 		cJSON_AddRawToObject(root, "relief", store_relief_text(world_resident(report->world)->store));
 	add_volume(root, world_resident(report->world)->spacing, &io.sums, world_carries(report->world), world_carried_total(report->world));
+	add_thrown(root, report);
 	add_objects(root, report);
 	add_vehicles(root, report);
 	add_soils(root, report);

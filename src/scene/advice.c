@@ -166,7 +166,7 @@ static void advise_time(const struct adviser *adviser)
 				"then, or give a longer path",
 		       last, scene->end_time);
 	/* Vehicles have weight, and soil where the model reads it. Loads are newtons. */
-	if (scene->vehicle_count == 0 && scene->gravity != scene_absent("gravity") && !weighs_soil(scene))
+	if (scene->vehicle_count == 0 && scene->gravity != scene_absent("gravity") && scene->thrown == SCENE_THROWN_OFF && !weighs_soil(scene))
 		advise(adviser, "gravity: %g m/s2 changes nothing: a load is in N, and a soil has its unit_weight; give those for "
 				"where it is, and take gravity away",
 		       scene->gravity);

@@ -46,6 +46,10 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"dense", "redistribute.hardening", "", NONE, "density", "density", 0, LIST("redistribute.hardening", "soil.compaction"),
 		"each pass over a post adds half of what is left; hardening is what passes add in the end",
 		"makes soil stronger with each pass"},
+	[EFFECT_THROWN] = {
+		"thrown", "redistribute.thrown", "", LIST("object.vert", "object.frag"), "base, offset, dug", "offset, heaped", 0, LIST("redistribute.thrown", "gravity"),
+		"at most 16,384 grains at once; what is thrown beyond that flies with the grain that left last",
+		"lets rims that slip throw soil, which flies and lands"},
 	[EFFECT_SOIL_MAP] = {
 		"soil_map", "soil.map", "", NONE, "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
@@ -213,6 +217,8 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_LOOSE);
 	if (scene->hardening > 0)
 		effects |= EFFECT_BIT(EFFECT_DENSE);
+	if (scene->thrown == SCENE_THROWN_ON && scene_slips(scene))
+		effects |= EFFECT_BIT(EFFECT_THROWN);
 	if (scene->raster_count > 0)
 		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);
 	if (feels(scene))
@@ -342,6 +348,8 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 		snprintf(text, size, "%s: %g", key, scene->slip_sinkage);
 	else if (effect == EFFECT_LOOSE || effect == EFFECT_DENSE)
 		snprintf(text, size, "%s: %g", key, effect == EFFECT_LOOSE ? scene->loosening : scene->hardening);
+	else if (effect == EFFECT_THROWN)
+		snprintf(text, size, "%s: on", key);
 	else if (effect == EFFECT_PREFETCH)
 		snprintf(text, size, "%s: %g", key, scene->prefetch);
 	else if (effect == EFFECT_LOADERS)

@@ -23,6 +23,7 @@ enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_regions { SCENE_WINDOWS, SCENE_FIXED_REGIONS };
 enum scene_normals { SCENE_BODY, SCENE_GROUND };
 enum scene_faces { SCENE_FACES_ON, SCENE_FACES_OFF };
+enum scene_thrown { SCENE_THROWN_OFF, SCENE_THROWN_ON };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED, SCENE_MOUNTED, SCENE_BY_POSES };
 
@@ -36,6 +37,7 @@ enum scene_effect {
 	EFFECT_SLIP,
 	EFFECT_LOOSE,
 	EFFECT_DENSE,
+	EFFECT_THROWN,
 	EFFECT_SOIL_MAP,
 	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
@@ -269,6 +271,7 @@ struct scene {
 	 * always does. Of what is beyond, the share that stays. For other models they are 0 */
 	double tension, stiffness, yield, rut;
 	enum scene_faces faces; /* whether stress acts on a body's faces from every side as it slides, or on its lower envelope alone */
+	enum scene_thrown thrown; /* whether soil that slip digs flies off */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
 	struct soil_numbers bases[SOIL_CLASSES]; /* what the soils of the same index lie over, if they do */

@@ -43,7 +43,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"slip_sinkage", raw->slip_sinkage},
 		{"loosening", raw->loosening},
 		{"hardening", raw->hardening},
-		{"normals", raw->normals}, {"faces", raw->faces}, {"inertia", raw->inertia},
+		{"normals", raw->normals}, {"faces", raw->faces}, {"inertia", raw->inertia}, {"thrown", raw->thrown},
 		{"tension", raw->tension}, {"stiffness", raw->stiffness}, {"yield", raw->yield}, {"rut", raw->rut},
 		{"regions", raw->regions},
 	};
@@ -93,6 +93,9 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->yield = raw->yield != NULL ? *raw->yield : (double)INFINITY;
 		scene->rut = number(raw->rut, "redistribute.rut");
 	}
+	scene->thrown = raw->thrown != NULL ? (enum scene_thrown)*raw->thrown : SCENE_THROWN_OFF;
+	if (scene->thrown == SCENE_THROWN_ON && !(scene->slip_sinkage > 0) && deform_model_takes(scene->model, "thrown"))
+		return scene_error(tree->file, scene_tree_find(tree, "redistribute.thrown"), "what is thrown is what slip digs, and slip_sinkage: 0 digs nothing; give slip_sinkage, or take thrown away");
 	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
 	scene->regions = raw->regions != NULL ? (enum scene_regions)*raw->regions : SCENE_WINDOWS;
 	return check_parameters(tree, raw);

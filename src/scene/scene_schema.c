@@ -182,6 +182,7 @@ static const cyaml_schema_field_t relief_fields[] = {
 static const cyaml_strval_t model_words[] = {DEFORM_MODELS_EACH(MODEL_WORD)};
 static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t faces_words[] = {{"on", SCENE_FACES_ON}, {"off", SCENE_FACES_OFF}};
+static const cyaml_strval_t thrown_words[] = {{"off", SCENE_THROWN_OFF}, {"on", SCENE_THROWN_ON}};
 static const cyaml_strval_t normals_words[] = {{"body", SCENE_BODY}, {"ground", SCENE_GROUND}};
 static const cyaml_strval_t regions_words[] = {{"window", SCENE_WINDOWS}, {"fixed", SCENE_FIXED_REGIONS}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
@@ -214,6 +215,7 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("yield", OPTIONAL, struct raw_redistribute, yield),
 	CYAML_FIELD_FLOAT_PTR("rut", OPTIONAL, struct raw_redistribute, rut),
 	CYAML_FIELD_ENUM_PTR("regions", OPTIONAL, struct raw_redistribute, regions, regions_words, 2),
+	CYAML_FIELD_ENUM_PTR("thrown", OPTIONAL, struct raw_redistribute, thrown, thrown_words, 2),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {

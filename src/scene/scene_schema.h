@@ -114,6 +114,7 @@ struct raw_redistribute {
 	int *normals;     /* enum scene_normals */
 	int *faces;       /* enum scene_faces */
 	int *regions;     /* enum scene_regions */
+	int *thrown;      /* enum scene_thrown */
 };
 struct raw_output {
 	double *forces;

@@ -65,6 +65,15 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	}
 }
 
+/* Takes the thrown share of what slip dug at a post out of what the post gives away. Returns it. */
+static int32_t throw_off(const struct soil_sink *sink, const struct soil_planes *planes, size_t at, struct soil_after *a, int i)
+{
+	const int32_t digs = planes->dug != NULL ? a->dug[i] - planes->dug[at] : 0, gives = digs < a->carried[i] ? digs : a->carried[i];
+	const int32_t thrown = gives > 0 ? (int32_t)(((int64_t)gives * sink->throws) >> 16) : 0;
+	a->carried[i] -= thrown;
+	return thrown;
+}
+
 /* Notes a post of a hollow below a body that pushes. */
 static void put_hollow(const struct soil_sink *sink, const struct soil_planes *planes, size_t at, const struct soil_after *a, int i,
 		       struct soil_measured *measured)
@@ -144,6 +153,8 @@ void soil_sink_commit(const struct soil_work *work, const struct soil_sink *sink
 			}
 			out->refused += after.refused[i];
 			out->compacted += after.lost[i];
+			if (after.touched[i] && sink->throws > 0)
+				out->thrown += throw_off(sink, planes, at, &after, (int)i);
 			if (after.touched[i])
 				put_post(sink, planes, at, &after, (int)i, &row, &out->measured);
 			if (after.below[i])

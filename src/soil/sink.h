@@ -11,6 +11,7 @@ struct soil_sink {
 	const struct soil_laid *soils; /* SOIL_CLASSES: how each soil is laid */
 	int32_t *carried;              /* a plane of its planes' posts: what those that it touches give away, and how far it is above others. Filled if laying->front. NULL: nothing will be laid */
 	bool notes;                    /* `carried` is filled whatever the laying is */
+	int32_t throws;                /* share of what slip digs that is thrown, 2^-16: it is not laid. 0: none */
 	int32_t start;                 /* with a load: where the search begins, fixed-point units above motion->to.z */
 };
 
@@ -20,6 +21,7 @@ struct soil_imprint {
 	struct soil_measured measured; /* for soil_lay */
 	struct post_rect reached;      /* around the posts that it changed, and those that it may have freed */
 	int64_t compacted;             /* fixed-point units, summed over posts */
+	int64_t thrown;                /* the same: what is to fly off, of what posts gave away */
 	uint64_t refused;              /* posts whose change would leave the range of an offset */
 	int32_t raised;                /* with a load: the equilibrium height above motion->to.z, fixed-point units */
 	int tries;                     /* evaluations of the search */

@@ -189,10 +189,12 @@ enum status world_list_body(struct world *world, enum body_kind kind, const stru
 enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	const size_t carried = world_carried_numbers(world);
-	TRY(mem_zeroed(&world->record, 1, world_record_bytes_with(scene->object_count, world->params.attached) + carried * sizeof(int64_t), "the objects"));
+	const size_t carried = world_carried_numbers(world), grains = world_grains_most(world);
+	TRY(mem_zeroed(&world->record, 1, world_record_bytes_with(scene->object_count, world->params.attached) + carried * sizeof(int64_t) + grains * sizeof(struct bearing_grain), "the objects"));
 	world->record->attached_count = world->params.attached;
 	world->record->carried_count = carried;
+	world->record->thrown.room = grains;
+	TRY(world_thrown_make(world));
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
@@ -225,6 +227,8 @@ void world_free_bodies(struct world *world)
 		world_body_free(world->bodies[i]);
 	world->body_count = 0;
 	world_names_free(world);
+	world_thrown_free(world->thrown);
+	world->thrown = NULL;
 	mem_free_all(world->bodies, world->relaxation.rests, world->record);
 }
 

@@ -22,6 +22,7 @@ struct checkpoint {
 	struct forces_saved *forces; /* NULL: nobody asks for any */
 	struct carried_saved **carried; /* soil aboard: `carried_count` bodies */
 	size_t carried_count;
+	struct thrown_saved *thrown; /* NULL: nothing is thrown */
 	bool begun; /* as world.begun */
 };
 
@@ -33,6 +34,7 @@ void world_checkpoint_free(struct checkpoint *saved)
 	mem_free(saved->bodies);
 	world_forces_saved_free(saved->forces);
 	world_carried_saved_free(saved->carried, saved->carried_count);
+	mem_free(saved->thrown);
 	mem_free(saved);
 }
 
@@ -66,6 +68,7 @@ static enum status save(struct world *world, struct checkpoint **out)
 			saved->bodies[i] = *world->bodies[i];
 	TRY_OR(failed, world_forces_save(world->forces, &saved->forces));
 	TRY_OR(failed, world_carried_save(world, &saved->carried, &saved->carried_count));
+	TRY_OR(failed, world_thrown_save(world, &saved->thrown));
 	TRY_OR(failed, world_tally(world, &saved->tally));
 	*out = saved;
 	return STATUS_OK;
@@ -174,6 +177,7 @@ enum status world_rollback(struct world *world)
 	world_carried_restore(world, saved->carried, saved->carried_count);
 	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
+	world_thrown_restore(world, saved->thrown);
 	world->events.count = world->rows.count = 0;
 	resident_ground_forget_offsets(world->resident.ground); /* higher ground may be back than what was read since the checkpoint */
 	resident_pyramid_forget(world->resident.pyramid);

@@ -274,6 +274,26 @@ struct carried_saved;
 enum status world_carried_save(const struct world *world, struct carried_saved ***out, size_t *count) FURROW_CHECKED;
 void world_carried_restore(struct world *world, struct carried_saved *const *saved, size_t count);
 void world_carried_saved_free(struct carried_saved **saved, size_t count);
+/* --- thrown.c: soil in flight. Where the scene throws none, world->thrown is NULL, and these do nothing --- */
+
+#define WORLD_THROWN_TICKS 64   /* in a second: then grains are looked at */
+/* Makes world->thrown if the scene throws soil. STATUS_INPUT: there are other ranks. */
+enum status world_thrown_make(struct world *world) FURROW_CHECKED;
+void world_thrown_free(struct thrown *thrown);
+bool world_thrown_flies(const struct world *world); /* soil is in flight */
+/* Adds grains that left by now, 2^-20 s. What has no room flies with the last one. Needs world->thrown. */
+void world_thrown_add(struct world *world, int64_t now, const struct bearing_grain *grains, size_t count);
+/* Lets fly what a contact at this time, s, threw. */
+void world_thrown_take(struct world *world, double time, const struct bearing_contact *contact);
+/* Lets grains fly, and those land that meet the ground, until before `time`, or with `at_it` until then. rests: how many bodies world->relaxation.rests lists. Needs world->thrown. */
+enum status world_thrown_until(struct world *world, double time, bool at_it, size_t rests) FURROW_CHECKED;
+void world_thrown_from(struct world *world, double time); /* all before this time, s, is over: at the start, and when resumed */
+void world_thrown_record(const struct world *world, struct record *record);
+enum status world_thrown_resume(struct world *world) FURROW_CHECKED; /* from world->record */
+/* For a checkpoint. *out is freed by mem_free; NULL: nothing is thrown. */
+struct thrown_saved;
+enum status world_thrown_save(const struct world *world, struct thrown_saved **out) FURROW_CHECKED;
+void world_thrown_restore(struct world *world, const struct thrown_saved *saved);
 
 /* --- near.c: bodies near each other --- */
 

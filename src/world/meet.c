@@ -307,6 +307,7 @@ static enum status end(struct world *world, struct group *group)
 	for (size_t i = 0; i < group->count; i++) {
 		const struct waiting_contact *waiting = &m->list[group->order[i]];
 		world_forces_felt(world->forces, waiting->event.body, &waiting->event, &group->contacts[i].forces);
+		world_thrown_take(world, waiting->event.time, &group->contacts[i]);
 		count_windows(world, waiting, &group->contacts[i]);
 	}
 	return STATUS_OK;

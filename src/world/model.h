@@ -108,6 +108,7 @@ struct world {
 		bool asks_touched;
 		int64_t poured;           /* 2^-20 m: by so much pours have raised or lowered a post at most */
 	} aloft;
+	struct thrown *thrown;    /* thrown.c; NULL: the scene throws no soil */
 	struct crew *crew;        /* crew.c; NULL: one thread computes soil that bears */
 	size_t hands;             /* of world->bearing, with a crew */
 	struct meetings *meetings; /* meet.c; NULL: no soil bears */

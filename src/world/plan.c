@@ -117,6 +117,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.faces = scene->faces == SCENE_FACES_ON,
 		.inertia = scene->inertia,
 		.tension = scene->tension, .stiffness = scene->stiffness, .yield = scene->yield, .rut = scene->rut,
+		.thrown = scene->thrown == SCENE_THROWN_ON, .gravity = scene->gravity,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
 		.batches = !world->params.alone && scene->regions == SCENE_WINDOWS,

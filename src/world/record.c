@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/json.h"
+#include "bearing/bearing.h"
 
 #define VERSION 3
 #define SUM_MOST (INT64_MAX / 4) /* so that sums and differences are still numbers */
@@ -23,12 +24,17 @@ size_t world_record_bytes_with(size_t objects, size_t attached)
 
 size_t world_record_bytes_of(const struct record *record, size_t objects)
 {
-	return world_record_bytes_with(objects, record->attached_count) + record->carried_count * sizeof(int64_t);
+	return world_record_bytes_with(objects, record->attached_count) + record->carried_count * sizeof(int64_t) + record->thrown.room * sizeof(struct bearing_grain);
 }
 
 int64_t *world_record_carried(struct record *record, size_t objects)
 {
 	return (int64_t *)(void *)(world_record_attached(record, objects) + record->attached_count);
+}
+
+struct bearing_grain *world_record_grains(struct record *record, size_t objects)
+{
+	return (struct bearing_grain *)(void *)(world_record_carried(record, objects) + record->carried_count);
 }
 
 double *world_record_attached(struct record *record, size_t objects)
@@ -149,6 +155,33 @@ static bool put_attached(cJSON *root, const struct record *record, size_t object
 	return whole;
 }
 
+/* The sums, and "number,...;" for each grain in flight. Where nothing is thrown the record is as it was before there was that. */
+static bool put_thrown(cJSON *root, const struct record *record, size_t objects)
+{
+	const size_t most = GRAIN_NUMBERS * 21 + 1;
+	const struct bearing_grain *grains = world_record_grains((struct record *)record, objects);
+	int64_t numbers[GRAIN_NUMBERS];
+	char sums[SOIL_CLASSES * 21 + 1], *at = sums;
+	if (record->thrown.room == 0)
+		return true;
+	for (int i = 0; i < SOIL_CLASSES; i++)
+		at += snprintf(at, 22, "%lld;", (long long)record->thrown.thrown[i]);
+	char *text = mem_alloc(record->thrown.count * most + 1, 1);
+	if (text == NULL)
+		return false;
+	at = text;
+	*at = '\0';
+	for (size_t i = 0; i < record->thrown.count; i++) {
+		bearing_grain_save(&grains[i], numbers);
+		for (int k = 0; k < GRAIN_NUMBERS; k++)
+			at += snprintf(at, 22, "%lld%c", (long long)numbers[k], k + 1 < GRAIN_NUMBERS ? ',' : ';');
+	}
+	const bool whole = cJSON_AddStringToObject(root, "thrown", sums) != NULL && put_whole(root, "landed", record->thrown.landed) &&
+			   put_whole(root, "lost", record->thrown.lost) && cJSON_AddStringToObject(root, "grains", text) != NULL;
+	mem_free(text);
+	return whole;
+}
+
 char *world_record_print(const struct record *record, const struct scene *scene, const struct pages_sums *sums)
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
@@ -161,7 +194,7 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     put_whole(root, "slid", sums->slid) && (sums->added == 0 || put_whole(root, "added", sums->added)) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; carried += record->objects[i].carried, i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name, carried);
-	whole = whole && put_attached(root, record, scene->object_count);
+	whole = whole && put_attached(root, record, scene->object_count) && put_thrown(root, record, scene->object_count);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
 	cJSON_Delete(root);
 	if (printed != NULL)
@@ -335,6 +368,42 @@ static bool get_attached(const cJSON *root, size_t objects, struct record *recor
 	return get_numbers(at, record->attached_count, numbers);
 }
 
+/* Reads `count` whole numbers with `between` between them, and a `;` after the last. Moves *at behind that. */
+static bool get_wholes(const char **at, size_t count, char between, int64_t *numbers)
+{
+	for (size_t i = 0; i < count; i++) {
+		char *end;
+		errno = 0;
+		if (*at == NULL || strchr("-0123456789", **at) == NULL || **at == '\0')
+			return false;
+		numbers[i] = strtoll(*at, &end, 10);
+		if (errno != 0 || *end != (i + 1 < count ? between : ';'))
+			return false;
+		*at = end + 1;
+	}
+	return true;
+}
+
+static bool get_thrown(const cJSON *root, size_t objects, struct record *record)
+{
+	struct record_thrown *thrown = &record->thrown;
+	struct bearing_grain *grains = world_record_grains(record, objects);
+	const char *sums = get_text(root, "thrown"), *at = get_text(root, "grains");
+	int64_t numbers[GRAIN_NUMBERS];
+	thrown->count = 0;
+	if (thrown->room == 0)
+		return sums == NULL && at == NULL;
+	if (at == NULL || !get_wholes(&sums, SOIL_CLASSES, ';', thrown->thrown) || *sums != '\0' || !get_whole(root, "landed", 0, &thrown->landed) ||
+	    !get_whole(root, "lost", 0, &thrown->lost))
+		return false;
+	while (*at != '\0') {
+		if (thrown->count == thrown->room || !get_wholes(&at, GRAIN_NUMBERS, ',', numbers) || !bearing_grain_load(numbers, &grains[thrown->count]))
+			return false;
+		thrown->count++;
+	}
+	return true;
+}
+
 enum status world_record_damaged(const char *store, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged: %s; drive without --resume, "
@@ -404,6 +473,8 @@ enum status world_record_parse(const struct store_run *run, const char *store, c
 	TRY_OR(done, parse_objects(cJSON_GetObjectItemCaseSensitive(root, "objects"), store, scene, record));
 	if (!get_attached(root, scene->object_count, record))
 		TRY_OR(done, world_record_damaged(store, "the state of its vehicles"));
+	if (!get_thrown(root, scene->object_count, record))
+		TRY_OR(done, world_record_damaged(store, "its thrown soil"));
 done:
 	cJSON_Delete(root);
 	return status;

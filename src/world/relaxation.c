@@ -180,16 +180,20 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	int64_t over = world_intervals_by(world, time);
 	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
 		over--;
-	if (world->relaxation.intervals >= over)
+	if (world->relaxation.intervals >= over && !world_thrown_flies(world))
 		return STATUS_OK;
 	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
 	while (world->relaxation.intervals < over) {
 		size_t blocks = 0;
 		TRY_OR(done, world_batches_flush(world));
+		if (world_thrown_flies(world))
+			TRY_OR(done, world_thrown_until(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, true, rests_of(world)));
 		TRY_OR(done, one_interval(world, &blocks));
-		/* If no block is active, none becomes active by itself. */
-		world->relaxation.intervals = blocks > 0 || world_carried_awake(world) ? world->relaxation.intervals + 1 : over;
+		/* If no block is active, none becomes active by itself, by what lands, or by soil aboard. */
+		world->relaxation.intervals = blocks > 0 || world_thrown_flies(world) || world_carried_awake(world) ? world->relaxation.intervals + 1 : over;
 	}
+	if (world_thrown_flies(world))
+		TRY_OR(done, world_thrown_until(world, time, at_it, rests_of(world)));
 done:
 	world_stage_enter(world, stage);
 	return status;

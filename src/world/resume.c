@@ -111,6 +111,7 @@ static bool is_of_this_scene(const struct world *world, const struct store_run *
 	if (record != NULL) {
 		record->attached_count = attached;
 		record->carried_count = world->record->carried_count;
+		record->thrown.room = world->record->thrown.room;
 	}
 	const bool is = record != NULL && run->scene_hash != NULL && strcmp(run->scene_hash, world->scene->hash) == 0 &&
 			world_record_parse(run, world->facts.path, world->scene, record) == STATUS_OK &&
@@ -167,6 +168,7 @@ enum status world_resume(struct world *world)
 				 "it with that, or drive without --resume: it then goes over those ruts", store);
 	TRY(check(world));
 	TRY(world_carried_resume(world));
+	TRY(world_thrown_resume(world));
 	restore(world);
 	if (world->facts.resumed.nothing_left)
 		note("%s: this scene was driven to step %lld, %g s, already; nothing is left to do", store,

@@ -55,6 +55,7 @@ enum status world_fill_record(struct world *world)
 		};
 	}
 	world_carried_record(world, record);
+	world_thrown_record(world, record);
 	return STATUS_OK;
 }
 
@@ -74,6 +75,7 @@ enum status world_begin(struct world *world)
 {
 	world_enter(world, WORLD_READY);
 	world_intervals_from(world, world->time);
+	world_thrown_from(world, world->time);
 	resident_look_ahead_begin(world->ahead, world->facts.resumed.time);
 	page_cache_hold(world->resident.cache, true);
 	if (!world->facts.resumed.is)

@@ -277,7 +277,8 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
 		.classes_drawn = scene_draws_classes(scene),
 	};
-	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached) + world_carried_numbers(world) * sizeof(int64_t);
+	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached) + world_carried_numbers(world) * sizeof(int64_t) +
+			       world_grains_most(world) * sizeof(struct bearing_grain);
 	params->queue_bytes = world_queue_bytes(world, params);
 }
 

@@ -203,6 +203,25 @@ void world_set_commits(struct world *world, const struct world_commits *commits)
 void world_set_figures(struct world *world, const struct world_figures *figures);
 const struct world_figures *world_figures(const struct world *world);
 
+/* Soil in flight (redistribute.thrown). Volumes are fixed-point units: 2^-20 m of height at one post. thrown = landed + lost + flying. */
+struct world_thrown_figures {
+	size_t grains;                         /* in flight */
+	int64_t thrown, landed, lost, flying;  /* lost: over the world's edge, in a hole, or where no post was free */
+	double mass;                           /* kg: of what was thrown */
+};
+/* Fills the figures of the drive so far. Returns false if the scene throws no soil. */
+bool world_thrown_figures(const struct world *world, struct world_thrown_figures *figures);
+struct world_grain {
+	double at[3];  /* local metres; z absolute */
+	double radius; /* m: of a ball of its volume */
+	uint32_t number; /* of any kind: it stays the same while the grain flies */
+};
+#define WORLD_THROWN_MOST 16384 /* grains in flight at once */
+/* Returns how many there may be: WORLD_THROWN_MOST, or 0 if the scene throws no soil. */
+size_t world_grains_most(const struct world *world);
+/* Gives where grains are at world_time, at most `room`. Returns how many are in flight. */
+size_t world_grains(const struct world *world, size_t room, struct world_grain *grains);
+
 /* Commits everything so far. world_rollback can restore this state. On failure it restores that of the earlier checkpoint. */
 enum status world_checkpoint(struct world *world) FURROW_CHECKED;
 /* Restores ground, bodies, forces, time and rows to the last checkpoint. STATUS_FAILED: there is none. */

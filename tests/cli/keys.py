@@ -177,6 +177,7 @@ ROWS = {
     "redistribute.stiffness": (SHEET, {"redistribute.stiffness": "5000"}),
     "redistribute.yield": (SHEET, {"redistribute.yield": "0.03"}),
     "redistribute.rut": (SHEET, {"redistribute.rut": "0.3"}),
+    "redistribute.thrown": ({**SCM, "objects": f"[{WHEEL % 'load: 900, slip: 0.8'}]"}, {"redistribute.thrown": "on"}),
     "redistribute.normals": (SCM, {"redistribute.normals": "ground"}),
     "redistribute.undisturbed": (LOOSE, {"redistribute.undisturbed": "stable"}),
     "output.forces": (SCM, {"output.forces": "5"}),

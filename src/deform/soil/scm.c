@@ -34,7 +34,7 @@ const struct soil_model deform_model_scm = {
 			    "objects[].interface.friction_angle", "objects[].interface.adhesion"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; computed on the CPU, with the same bits on every machine",
 		"sinks and springs back by the soil's pressure"},
-	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage", "loosening", "hardening", "normals", "faces", "inertia"),
+	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage", "loosening", "hardening", "normals", "faces", "inertia", "thrown"),
 	.numbers = EFFECT_LIST("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear",
 			       "elastic_stiffness", "damping", "density", "unit_weight", "face_strength", "face_cohesion", "repose", "compaction"),
 	.bears = true,
