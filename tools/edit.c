@@ -13,7 +13,7 @@
 
 #define UNITS 0x1p20      /* of a metre */
 #define SETTLE_STEP 1.0   /* s of simulated time */
-#define SETTLE_MOST 3600  /* steps; soil that slides for longer goes on in the next drive */
+#define SETTLE_MOST 1000  /* steps; soil that slides for longer goes on in the next drive */
 #define SCENE_TEXT "{scene: 1, time_step: 0.05, spacing: %.17g, soil: %s%s%s, redistribute: {model: scm, loosening: 0.67, hardening: 0.5, iterations: 8}}"
 
 static const struct command_option options[] = {
@@ -225,7 +225,7 @@ static enum status settle(struct edit *edit)
 	struct world_recorded recorded;
 	struct progress progress;
 	enum status status = STATUS_OK;
-	progress_start(&progress, edit->store, "steps of sliding");
+	progress_start(&progress, edit->store, "s of sliding at most");
 	world_recorded(world, &recorded);
 	for (int i = 0; recorded.active > 0 && i < SETTLE_MOST && !interrupted; i++) {
 		TRY_OR(done, progress_step(&progress, i, SETTLE_MOST));

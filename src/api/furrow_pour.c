@@ -22,11 +22,7 @@ static enum status run(struct furrow_world *world, struct poured *poured, int32_
 /* Sets the rectangle, and makes its amounts, which are 0. STATUS_INPUT: it is not all on the terrain. */
 static enum status make(const struct furrow_world *world, struct post_rect rect, struct poured *poured)
 {
-	const struct resident *resident = world_resident(world->world);
-	const int64_t width = extent_posts(resident->meta->extent.width, resident->level), height = extent_posts(resident->meta->extent.height, resident->level);
-	if (rect.x0 < 0 || rect.y0 < 0 || rect.x1 > width || rect.y1 > height)
-		return fail_with(STATUS_INPUT, "pour: posts %lld, %lld to %lld, %lld are not all on the terrain, which has %lld x %lld; leave those beyond it out",
-				 (long long)rect.x0, (long long)rect.y0, (long long)rect.x1 - 1, (long long)rect.y1 - 1, (long long)width, (long long)height);
+	TRY(world_pour_rect(world->world, rect));
 	poured->pour.rect = rect;
 	poured->amounts = mem_calloc((size_t)(rect.x1 - rect.x0) * (size_t)(rect.y1 - rect.y0), sizeof *poured->amounts);
 	return poured->amounts != NULL ? STATUS_OK : fail_memory("posts");

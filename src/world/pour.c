@@ -173,12 +173,22 @@ static uint32_t tiles_most(const struct world *world)
 	return images < most ? (uint32_t)images : most;
 }
 
-static enum status check(struct world *world, const struct world_pour *pour)
+enum status world_pour_rect(const struct world *world, struct post_rect rect)
 {
 	const struct extent *extent = &world->resident.meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, world->resident.level), extent_posts(extent->height, world->resident.level)};
 	const uint32_t most = tiles_most(world);
-	const size_t tiles = world_tiles_in(world, pour->rect);
+	if (rect.x0 < 0 || rect.y0 < 0 || rect.x1 > all.x1 || rect.y1 > all.y1)
+		return fail_with(STATUS_INPUT, "pour: posts %lld, %lld to %lld, %lld are not all on the terrain, which has %lld x %lld; leave those beyond it out",
+				 (long long)rect.x0, (long long)rect.y0, (long long)rect.x1 - 1, (long long)rect.y1 - 1, (long long)all.x1, (long long)all.y1);
+	if (world_tiles_in(world, rect) > most)
+		return fail_with(STATUS_INPUT, "pour: it lies on %zu tiles, and %u is the most at once, as memory allows; pour one part after the other",
+				 world_tiles_in(world, rect), most);
+	return STATUS_OK;
+}
+
+static enum status check(struct world *world, const struct world_pour *pour)
+{
 	if (world_is_torn(world))
 		return fail_with(STATUS_FAILED, "pour: the last step failed half-way; roll back first, or close the world");
 	if (world->ranks != NULL)
@@ -188,13 +198,7 @@ static enum status check(struct world *world, const struct world_pour *pour)
 	if (pour->soil >= world->scene->soil_count)
 		return fail_with(STATUS_USAGE, "pour: soil %d is none; the scene has %d, from 0 on; -1: the soil of each post", pour->soil,
 				 world->scene->soil_count);
-	if (pour->rect.x0 < 0 || pour->rect.y0 < 0 || pour->rect.x1 > all.x1 || pour->rect.y1 > all.y1)
-		return fail_with(STATUS_INPUT, "pour: posts %lld, %lld to %lld, %lld are not all on the terrain, which has %lld x %lld; leave those beyond it out",
-				 (long long)pour->rect.x0, (long long)pour->rect.y0, (long long)pour->rect.x1 - 1, (long long)pour->rect.y1 - 1,
-				 (long long)all.x1, (long long)all.y1);
-	if (tiles > most)
-		return fail_with(STATUS_INPUT, "pour: it lies on %zu tiles, and %u is the most at once, as memory allows; pour one part after the other", tiles, most);
-	return STATUS_OK;
+	return world_pour_rect(world, pour->rect);
 }
 
 /* --- pouring --- */

@@ -110,10 +110,11 @@ enum status world_pour_polygon(const struct world *world, size_t count, const do
 	double bounds[4];
 	TRY(check_polygon(world, count, xy, volume, bounds));
 	const double spacing = world->resident.spacing;
-	struct polygon polygon = {count, xy, spacing, mem_alloc(count, sizeof *polygon.crossings)};
-	TRY_MEM(polygon.crossings, "a polygon");
 	area.rect = (struct post_rect){(int64_t)ceil(bounds[0] / spacing), (int64_t)ceil(bounds[1] / spacing), (int64_t)floor(bounds[2] / spacing) + 1,
 				       (int64_t)floor(bounds[3] / spacing) + 1};
+	TRY(world_pour_rect(world, area.rect));
+	struct polygon polygon = {count, xy, spacing, mem_alloc(count, sizeof *polygon.crossings)};
+	TRY_MEM(polygon.crossings, "a polygon");
 	enum status status = STATUS_OK;
 	if (!post_rect_empty(area.rect)) {
 		area.amounts = mem_calloc((size_t)(area.rect.x1 - area.rect.x0) * (size_t)(area.rect.y1 - area.rect.y0), sizeof *area.amounts);

@@ -177,6 +177,8 @@ struct world_pour {
  * the soil map. Or it lies below a body in the ground, or would be too far off its base. STATUS_USAGE: the world is readonly, has several
  * processes, or no such soil. */
 enum status world_pour(struct world *world, const struct world_pour *pour) FURROW_CHECKED;
+/* Checks a rectangle before its amounts are made. STATUS_INPUT: it goes beyond the terrain, or lies on more tiles than may change at once. */
+enum status world_pour_rect(const struct world *world, struct post_rect rect) FURROW_CHECKED;
 /* Parts a volume, m3, below 0: taken, evenly among the posts in a polygon. `xy`: count x 2, local metres. Gives the rectangle around it and the amounts,
  * which the caller frees with mem_free. To the unit they are the volume; first posts in row order get what is left. STATUS_USAGE: fewer than 3 corners,
  * a number that is not finite. STATUS_INPUT: a corner is off the terrain, no post is in the polygon, or the volume is too large for it. */

@@ -249,6 +249,8 @@ class Refusals(Edit):
         for arguments, why in ((["--volume", 1e9], "2048 m"), (["--depth", 701], "700 m is the most"), (["--volume", 1e-12], "no post would change"),
                                (["--volume", 1, "--soil", "cheese"], "cheese")):
             self.assertIn(why, self.refused(3, "edit", "world.furrow", "--polygon", SQUARE, *arguments))
+        whole = "POLYGON ((0 0, 64 0, 64 64, 0 64))"
+        self.assertIn("pour one part after the other", self.refused(3, "edit", "world.furrow", "--polygon", whole, "--volume", 1, "--spacing", 0.002))
         self.refused(3, "edit", "missing.furrow", "--polygon", SQUARE, "--volume", 1)
         self.assertEqual(path.read_bytes(), before)
         self.refused(3, "edit", "world.furrow", "--polygon", SQUARE, "--volume", 1, "--snapshot", "1")  # no name

@@ -54,6 +54,18 @@ class NoEgl(FurrowTest):
         files = {name: (self.folder / out / name).read_bytes() for name in ("objects.csv", "volume.csv") + (("vehicles.csv",) if vehicle else ())}
         return rows, files
 
+    def test_an_edit(self):
+        for name, env in (("seeing", {}), ("blind", self.blind)):
+            self.synth(f"{name}.furrow", posts="65x65", spacing=0.5, kind="plain", relief=0.5)
+            self.ok("edit", f"{name}.furrow", "--polygon", "POLYGON ((5 5, 12 5, 9 13))", "--volume", 20, env=env)
+        contents = []
+        for name in ("seeing", "blind"):
+            store = sqlite3.connect(self.folder / f"{name}.furrow")
+            self.addCleanup(store.close)
+            contents.append([store.execute(f'SELECT key, hash, blob FROM "{table}" ORDER BY key').fetchall() for table in TABLES])
+        self.assertGreater(len(contents[0][0]), 0)
+        self.assertEqual(contents[0], contents[1])
+
     def test_a_drive(self):
         with_picture = ("--set", "view={camera: {fixed: {eye: [1, 1, 10], target: [10, 10, 0]}}, size: [64, 48], images: 25}")
         self.scene((SCENE % "scm").replace(", vehicles: 20", ""))

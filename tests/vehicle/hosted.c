@@ -360,6 +360,48 @@ static void it_stands_in_pictures(void **unused)
 	done(furrow_world_close(world));
 }
 
+/* Soil is poured beside a vehicle, and not below its wheel. A rollback takes the later pour back, and the vehicle's way with it. */
+static void soil_is_poured_beside_it(void **unused)
+{
+	static double slab[17][17];
+	const double at[2] = {16.5, 4.5};
+	struct furrow_point point;
+	for (int i = 0; i < 17 * 17; i++)
+		slab[i / 17][i % 17] = 0.1;
+	prepare("");
+	struct furrow_world *world = opened(support_path("poured.furrow"), NULL);
+	const struct furrow_vehicle_state began = state_of(world);
+	const double *p = began.state.pose.position;
+	const int64_t column = lround(p[0] / 0.0625) - 8, row = lround(p[1] / 0.0625) - 8;
+	refused(FURROW_INPUT, furrow_pour(world, column, row, 17, 17, &slab[0][0], 17, -1, false));
+	assert_non_null(strstr(furrow_last_error(), "cart.wheel"));
+	done(furrow_pour(world, 256, 64, 17, 17, &slab[0][0], 17, -1, false));
+	for (int i = 0; i < 10; i++)
+		done(furrow_step(world, 0));
+	done(furrow_checkpoint(world));
+	const struct furrow_vehicle_state before = state_of(world);
+	for (int way = 0; way < 2; way++) {
+		done(furrow_pour(world, 256, 64, 17, 17, &slab[0][0], 17, -1, true));
+		for (int i = 0; i < 10; i++)
+			done(furrow_step(world, 0));
+		done(furrow_points(world, 1, at, &point));
+		assert_near(point.offset, 0.2, 1e-4);
+		done(furrow_rollback(world));
+		const struct furrow_vehicle_state back = state_of(world);
+		assert_same_state(&before, &back);
+		done(furrow_points(world, 1, at, &point));
+		assert_near(point.offset, 0.1, 1e-4);
+	}
+	done(furrow_world_close(world));
+	struct store *store;
+	struct store_check check;
+	assert_int_equal(store_open(support_path("poured.furrow"), &(struct store_options){.mode = STORE_READ}, &store), STATUS_OK);
+	assert_int_equal(store_verify(store, NULL, NULL, NULL, &check), STATUS_OK);
+	assert_int_equal(check.added, 17 * 17 * lround(0.1 * 0x1p20));
+	assert_int_equal(check.offset_sum[-2 - TILE_LEVEL_MIN] + check.compacted, check.added);
+	store_close(store);
+}
+
 TEST_PROGRAM(hosted)
 {
 	const struct CMUnitTest tests[] = {
@@ -371,6 +413,7 @@ TEST_PROGRAM(hosted)
 		cmocka_unit_test(what_cannot_be_is_refused),
 		cmocka_unit_test(a_vehicle_that_is_not_stepped_changes_no_file),
 		cmocka_unit_test(it_stands_in_pictures),
+		cmocka_unit_test(soil_is_poured_beside_it),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
