@@ -124,8 +124,9 @@ enum status deform_check_sheet(const struct deform_params *params)
 	if (!deform_is_elastic(params->model) || length <= SOIL_SHEET_POSTS * spacing)
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "redistribute.tension: a sheet of %g N/m on %g Pa/m bends over %.4g m, which is more than %d posts of %g m; give a "
-				       "coarser spacing, %.4g m or more, or less tension",
-			 params->tension, params->stiffness, length, SOIL_SHEET_POSTS, spacing, length / SOIL_SHEET_POSTS);
+				       "coarser spacing, or a tension of at most %s N/m",
+			 params->tension, params->stiffness, length, SOIL_SHEET_POSTS, spacing,
+			 number_at_most(params->stiffness * SOIL_SHEET_POSTS * SOIL_SHEET_POSTS * spacing * spacing, 4).text);
 }
 
 /* Soil goes from post to post over the whole contact. So the parts of a model that conserves soil are computed as one, and where
