@@ -73,6 +73,7 @@ PAIRS = [
     ("sumner", scene(WHEEL), scene(WHEEL, "sumner", soil={"name": "sand", "compression": 0.3})),
     ("slippage", scene(WHEEL), scene(WHEEL, "slippage", **SAND)),
     ("scm", scene(WHEEL), SCM),
+    ("sheet", scene(WHEEL), scene(WHEEL, "sheet")),
     ("soil_map", SCM, MAPPED),
     ("soil_rasters", SCM, SCM | {"soil": SAND["soil"] | {"rasters": {"cohesion": "classes.png"}}}),
     ("mesh", scene(BRICK), scene({"mesh": {"file": "brick.obj"}})),

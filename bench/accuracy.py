@@ -103,9 +103,13 @@ def given(paths):
                 yield line
 
 
+def lines_of(options):
+    return "accuracy_sheet.jsonl" if options.sheet else "accuracy.jsonl"
+
+
 def gather(options):
     """All lines; accuracy.jsonl is whole or not there."""
-    lines, path, progress = [], options.out / ("accuracy_sheet.jsonl" if options.sheet else "accuracy.jsonl"), pages.Progress("accuracy")
+    lines, path, progress = [], options.out / lines_of(options), pages.Progress("accuracy")
     source = list(given(options.lines)) if options.lines else measured(options, progress)
     try:
         with pages.aside(path) as file:
@@ -205,7 +209,7 @@ def run():
     with pages.aside(options.out / "accuracy.md") as file:
         file.write(text)
     print(text)
-    print(f"{options.out / 'accuracy.jsonl'}, {options.out / 'accuracy.md'}: {len(lines)} settings, {len(studies)} studies")
+    print(f"{options.out / lines_of(options)}, {options.out / 'accuracy.md'}: {len(lines)} settings, {len(studies)} studies")
     if options.sheet:
         if options.publish:
             publish_sheet(options, studies, lines, kept)

@@ -20,7 +20,7 @@ import looks
 import tested
 from record import FIGURES, ROOT
 
-LONG = ("deform", "frame", "ranks", "ranks_again", "scale", "track", "vehicles_rest", "measured_wheel", "converge", "ablation", "accuracy",
+LONG = ("deform", "frame", "ranks", "ranks_again", "scale", "track", "vehicles_rest", "measured_wheel", "converge", "ablation", "accuracy", "accuracy_sheet",
         "store_full", "paging")
 SLIP_SINKAGE = 1.27  # as bench/measured_wheel.py fits it; a fit takes minutes
 BUSY = 0.5  # a load above which other programs take a core's time that is worth telling
@@ -80,6 +80,8 @@ def steps(options):
         Step("ablation", [], [python, bench / "ablation.py", "--build", options.build, "-o", options.build / "bench-out"]),
         Step("accuracy", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out",
                                                              "--publish"]),
+        Step("accuracy_sheet", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out",
+                                                                   "--sheet", "--publish"]),
         Step("paging", [], [python, bench / "paging.py", furrow, "--runs", 1, *big]),
     ]
 

@@ -228,6 +228,8 @@ int64_t deform_contact_reach(const struct deform *deform, const struct soil_shap
 enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
+/* STATUS_INPUT: the model is an elastic sheet, and it bends over too many posts. deform_windows and deform_cut find that too. Pure. */
+enum status deform_check_sheet(const struct deform_params *params) FURROW_CHECKED;
 /* Finds the same windows as deform_windows, but needs only the parameters and allocates no memory. gpu and slots may be NULL.
  * Pure. */
 enum status deform_cut(const struct deform_params *params, const struct deform_contact *contact,

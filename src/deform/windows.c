@@ -118,14 +118,15 @@ static enum status too_large(struct post_rect write)
 }
 
 /* A sheet's deflection goes some lengths far, and the work to find it grows with its length in posts. */
-static enum status check_sheet(const struct deform *deform)
+enum status deform_check_sheet(const struct deform_params *params)
 {
-	const double length = sqrt(deform->params.tension / deform->params.stiffness);
-	if (!deform_is_elastic(deform->params.model) || length <= SOIL_SHEET_POSTS * deform->spacing)
+	const double length = sqrt(params->tension / params->stiffness), spacing = extent_spacing(params->extent, params->level);
+	if (!deform_is_elastic(params->model) || length <= SOIL_SHEET_POSTS * spacing)
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "redistribute.tension: a sheet of %g N/m on %g Pa/m bends over %.4g m, which is more than %d posts of %g m; give a "
-				       "coarser spacing, %.4g m or more, or less tension",
-			 deform->params.tension, deform->params.stiffness, length, SOIL_SHEET_POSTS, deform->spacing, length / SOIL_SHEET_POSTS);
+				       "coarser spacing, or a tension of at most %s N/m",
+			 params->tension, params->stiffness, length, SOIL_SHEET_POSTS, spacing,
+			 number_at_most(params->stiffness * SOIL_SHEET_POSTS * SOIL_SHEET_POSTS * spacing * spacing, 4).text);
 }
 
 /* Soil goes from post to post over the whole contact. So the parts of a model that conserves soil are computed as one, and where
@@ -138,7 +139,7 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 	struct post_rect write = deform_reached(deform, contact), under = below(deform, contact);
 	if (post_rect_empty(write))
 		return STATUS_OK;
-	TRY(check_sheet(deform));
+	TRY(deform_check_sheet(&deform->params));
 	int64_t core = deform_core(&deform->params);
 	if (contact->load > 0 && !fits(under, core))
 		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "

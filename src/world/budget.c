@@ -69,6 +69,7 @@ static enum status check_active(const struct world *world)
 
 static enum status shape_budget(struct world *world, const struct deform_params *params, const char *name, const struct soil_shape *shape)
 {
+	TRY(deform_check_sheet(params));
 	const size_t tiles = window_tiles(world, params, shape);
 	if (tiles > WORLD_TILES_MOST)
 		return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the most; import with larger "

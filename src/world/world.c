@@ -172,8 +172,22 @@ static enum status start_home(struct world *world)
 }
 
 /* Makes what computes the ground: deform or bearing, and what lets contacts be computed together. */
+/* An elastic sheet keeps its state in a plane in which scm keeps what it remembers of loose layers. */
+static enum status check_sheet_ground(const struct world *world)
+{
+	struct store_numbers numbers;
+	if (!world_deforms(world) || !deform_is_elastic(world->scene->model) || !world->resident.was_deformed || world->resident.store == NULL)
+		return STATUS_OK;
+	TRY(store_count(world->resident.store, &numbers));
+	if (numbers.plane_tiles[PLANE_SETTLED] == 0 && numbers.plane_tiles[PLANE_LOOSE] == 0)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "redistribute.model: this store has loose soil of a drive under scm, which an elastic sheet cannot lie on; furrow reset it, or take "
+				       "another store");
+}
+
 static enum status start_surface(struct world *world)
 {
+	TRY(check_sheet_ground(world));
 	struct deform_params deform;
 	world_deform_params(world, &deform);
 	if (world->resident.slots != NULL && world_computes_together(world))

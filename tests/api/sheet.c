@@ -140,6 +140,29 @@ static void a_sheet_that_is_too_long_for_its_posts_is_refused(void **state)
 	(void)furrow_world_close(world);
 }
 
+static void loose_soil_of_scm_is_refused(void **state)
+{
+	(void)state;
+	struct furrow_world *world = hosted_world_over("loose.furrow", "{scene: 1, time_step: 0.01, spacing: 0.125, soil: {name: dry_sand}, redistribute: {model: scm, loosening: 0.5}}",
+						       hosted_flat);
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 8);
+	done(furrow_world_close(world));
+	world = NULL;
+	const struct furrow_open open = hosted_open("{scene: 1, time_step: 0.01, spacing: 0.125, redistribute: {model: sheet}}", support_path("loose.furrow"));
+	furrow_status status = furrow_world_open(&open, &world);
+	if (status == FURROW_OK) {
+		ball = -1;
+		done(furrow_body_add(world, HOSTED_BALL, &ball));
+		const struct furrow_pose pose = hosted_pose(10, 16, 100.4);
+		done(furrow_place(world, ball, &pose));
+		status = furrow_step(world, 0);
+	}
+	assert_int_equal(status, FURROW_INPUT);
+	assert_non_null(strstr(furrow_last_error(), "this store has loose soil of a drive under scm"));
+	(void)furrow_world_close(world);
+}
+
 TEST_PROGRAM(sheet)
 {
 	const struct CMUnitTest tests[] = {
@@ -147,6 +170,7 @@ TEST_PROGRAM(sheet)
 		cmocka_unit_test(beyond_the_yield_a_rut_stays),
 		cmocka_unit_test(a_rollback_brings_back_what_was_pressed),
 		cmocka_unit_test(a_sheet_that_is_too_long_for_its_posts_is_refused),
+		cmocka_unit_test(loose_soil_of_scm_is_refused),
 	};
 	return cmocka_run_group_tests_name("api/sheet", tests, NULL, NULL);
 }

@@ -43,6 +43,7 @@ SCENES = [
      "cannot tell them apart"),
     ({"relief": "{roughness: 0.01, wavelength: 0.48828122}", "spacing": 0.4}, rf"relief: .* give a spacing of at most {NUMBER}", [{"spacing": "{0}"}],
      "show no waves of %g m"),
+    ({"redistribute": "{model: sheet, tension: 1e9}"}, rf"bends over .*, or a tension of at most {NUMBER}", [{"redistribute.tension": "{0}"}], "which is more than %d posts"),
     ({"end_time": 10, "objects.a.path.speed": 8.10002e-05}, rf"the whole path takes .*: give end_time {NUMBER}", [{"end_time": "{0}"}], "give end_time %s"),
     ({"output": "{forces: 3}", "objects.a.path.speed": 1.99999}, rf"output.forces: .* no object comes to more than {NUMBER} posts", [{"output.forces": "{0}"}],
      "no object comes to more than %s posts"),

@@ -57,20 +57,21 @@ static void no_other_effect_is_told(void **state)
 	static const char rest[] = "end_time: 1\nobjects:\n"
 				   "  - {name: a, shape: {sphere: {radius: 1.5}}, sink: 0.3, path: {points: [[20, 20], [30, 30]], speed: 10}}\n";
 	static const char *const told[] = {"displace", "box", "sumner", "slippage", "scm", "spread", "shed", "slide", "dirt", "pyramid",
-					   "draw", "slots"};
-	static const bool wanted[MODELS][12] = {
+					   "draw", "slots", "sheet"};
+	static const bool wanted[SHEET + 1][13] = {
 		{true, false, false, false, false, false, false, false, false, false, false, true},
 		{true, true, false, false, false, false, false, false, true, false, false, true},
 		{false, false, true, false, false, true, true, false, false, false, false, true},
 		{false, false, false, true, false, true, false, true, false, false, false, true},
 		{false, false, false, false, true, true, false, true, true, false, false, true},
+		{false, false, false, false, false, false, false, false, false, false, false, true, true},
 	};
-	for (int m = 0; m < MODELS; m++) {
+	for (int m = 0; m <= SHEET; m++) {
 		const char *store = support_path("told.furrow");
 		support_store(store, extent, smooth);
 		char *json = drive(scene_of("told.yaml", m, rest), store, "out", false, false, 0), *from = strstr(json, "\"where\"");
 		strstr(from, "}\n\t}")[0] = '\0';
-		for (int i = 0; i < 12; i++) {
+		for (int i = 0; i < 13; i++) {
 			char quoted[32];
 			snprintf(quoted, sizeof quoted, "\"%s\"", told[i]);
 			assert_int_equal(strstr(from, quoted) != NULL, wanted[m][i]);
