@@ -31,12 +31,12 @@ static bool drops(const struct body *body)
 	return body->host.removed && body->carried->total > 0;
 }
 
-bool world_carried_awake(const struct world *world)
+bool world_carried_unsettled(const struct world *world)
 {
-	bool awake = false;
-	for (size_t i = 0; i < world->body_count && !awake; i++)
-		awake = carries(world->bodies[i]) && ((world->bodies[i]->carried->awake && world->bodies[i]->has_last) || drops(world->bodies[i]));
-	return awake;
+	bool unsettled = false;
+	for (size_t i = 0; i < world->body_count && !unsettled; i++)
+		unsettled = carries(world->bodies[i]) && ((world->bodies[i]->carried->unsettled && world->bodies[i]->has_last) || drops(world->bodies[i]));
+	return unsettled;
 }
 
 int64_t world_carried_total(const struct world *world)
@@ -239,6 +239,6 @@ void world_carried_restore(struct world *world, struct carried_saved *const *sav
 		(void)soil_carried_load(saved[i]->numbers, to); /* it was saved by this world */
 		if (saved[i]->placed)
 			soil_carried_place(to, &saved[i]->pose);
-		to->awake = saved[i]->numbers[1] != 0;
+		to->unsettled = saved[i]->numbers[1] != 0;
 	}
 }

@@ -259,7 +259,7 @@ enum status world_let_go(struct world *world, const struct body *body) FURROW_CH
 
 /* Lets a body carry soil if its object has `carry`. STATUS_INPUT: there are other ranks. */
 enum status world_carried_make(struct world *world, struct body *body) FURROW_CHECKED;
-bool world_carried_awake(const struct world *world); /* soil aboard may go on sliding, or is to be put down */
+bool world_carried_unsettled(const struct world *world); /* soil aboard may go on sliding, or is to be put down */
 /* Lets soil aboard all bodies settle. rests: how many bodies world->relaxation.rests lists. */
 enum status world_carried_settle(struct world *world, size_t rests) FURROW_CHECKED;
 /* Adds the weight of what a body carries to a force, N, and a moment about its centre, N m. world_carried_load: the weight alone, N. */

@@ -188,7 +188,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 		TRY_OR(done, world_batches_flush(world));
 		TRY_OR(done, one_interval(world, &blocks));
 		/* If no block is active, none becomes active by itself. */
-		world->relaxation.intervals = blocks > 0 || world_carried_awake(world) ? world->relaxation.intervals + 1 : over;
+		world->relaxation.intervals = blocks > 0 || world_carried_unsettled(world) ? world->relaxation.intervals + 1 : over;
 	}
 done:
 	world_stage_enter(world, stage);
