@@ -33,7 +33,7 @@ struct soil_carried {
 	double yaw, pitch, roll, turn;  /* for which `tops` are */
 	double heading;                 /* of the cells above the body's yaw, rad: 0, or pi after an attitude was told by its other angles */
 	bool placed;                    /* tops are known */
-	bool awake;                     /* soil may go on sliding */
+	bool unsettled;                 /* soil may go on sliding */
 	int64_t total;                  /* fixed-point units, summed over amounts and falls */
 	int64_t classes[SOIL_CLASSES];  /* of it, by class of soil */
 };

@@ -31,12 +31,12 @@ static bool drops(const struct body *body)
 	return body->host.removed && body->carried->total > 0;
 }
 
-bool world_carried_awake(const struct world *world)
+bool world_carried_unsettled(const struct world *world)
 {
-	bool awake = false;
-	for (size_t i = 0; i < world->body_count && !awake; i++)
-		awake = carries(world->bodies[i]) && ((world->bodies[i]->carried->awake && world->bodies[i]->has_last) || drops(world->bodies[i]));
-	return awake;
+	bool unsettled = false;
+	for (size_t i = 0; i < world->body_count && !unsettled; i++)
+		unsettled = carries(world->bodies[i]) && ((world->bodies[i]->carried->unsettled && world->bodies[i]->has_last) || drops(world->bodies[i]));
+	return unsettled;
 }
 
 int64_t world_carried_total(const struct world *world)
@@ -73,13 +73,27 @@ double world_carried_load(const struct world *world, const struct body *body)
 	return -force[2];
 }
 
-struct world_aboard world_aboard(const struct world *world, size_t number)
+struct world_aboard world_aboard_of(const struct world *world, const struct body *body)
 {
-	const struct body *body = world_body(world, number);
 	if (!carries(body))
 		return (struct world_aboard){0, 0, 0};
 	const double unit = lattice_offset_metres(1) * world->resident.spacing * world->resident.spacing;
 	return (struct world_aboard){body->carried->total, (double)body->carried->total * unit, world_carried_load(world, body)};
+}
+
+struct world_aboard world_aboard(const struct world *world, size_t number)
+{
+	return world_aboard_of(world, world_body(world, number));
+}
+
+void world_carried_plan(const struct world *world, struct plan *plan)
+{
+	uint64_t bytes = 0;
+	for (size_t i = 0; i < world->scene->object_count; i++)
+		if (world->scene->objects[i].carry) /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
+			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * (sizeof(int64_t) + 18);
+	if (bytes > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = "scm", .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
 }
 
 /* --- settling between contacts --- */
@@ -225,6 +239,6 @@ void world_carried_restore(struct world *world, struct carried_saved *const *sav
 		(void)soil_carried_load(saved[i]->numbers, to); /* it was saved by this world */
 		if (saved[i]->placed)
 			soil_carried_place(to, &saved[i]->pose);
-		to->awake = saved[i]->numbers[1] != 0;
+		to->unsettled = saved[i]->numbers[1] != 0;
 	}
 }

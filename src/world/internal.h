@@ -259,12 +259,15 @@ enum status world_let_go(struct world *world, const struct body *body) FURROW_CH
 
 /* Lets a body carry soil if its object has `carry`. STATUS_INPUT: there are other ranks. */
 enum status world_carried_make(struct world *world, struct body *body) FURROW_CHECKED;
-bool world_carried_awake(const struct world *world); /* soil aboard may go on sliding, or is to be put down */
+bool world_carried_unsettled(const struct world *world); /* soil aboard may go on sliding, or is to be put down */
 /* Lets soil aboard all bodies settle. rests: how many bodies world->relaxation.rests lists. */
 enum status world_carried_settle(struct world *world, size_t rests) FURROW_CHECKED;
 /* Adds the weight of what a body carries to a force, N, and a moment about its centre, N m. world_carried_load: the weight alone, N. */
 void world_carried_force(const struct world *world, const struct body *body, double force[3], double moment[3]);
 double world_carried_load(const struct world *world, const struct body *body);
+struct world_aboard world_aboard_of(const struct world *world, const struct body *body); /* as world_aboard; body may be NULL */
+/* Adds the plan's line of the memory for soil aboard; none where no object carries. */
+void world_carried_plan(const struct world *world, struct plan *plan);
 /* Numbers of a record: how many there are, to it, and from it after bodies have theirs. */
 size_t world_carried_numbers(const struct world *world);
 void world_carried_record(const struct world *world, struct record *record);

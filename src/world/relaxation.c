@@ -190,7 +190,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 			TRY_OR(done, world_thrown_until(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, true, rests_of(world)));
 		TRY_OR(done, one_interval(world, &blocks));
 		/* If no block is active, none becomes active by itself, by what lands, or by soil aboard. */
-		world->relaxation.intervals = blocks > 0 || world_thrown_flies(world) || world_carried_awake(world) ? world->relaxation.intervals + 1 : over;
+		world->relaxation.intervals = blocks > 0 || world_thrown_flies(world) || world_carried_unsettled(world) ? world->relaxation.intervals + 1 : over;
 	}
 	if (world_thrown_flies(world))
 		TRY_OR(done, world_thrown_until(world, time, at_it, rests_of(world)));

@@ -23,7 +23,7 @@ struct furrow_contact world_contact_unknown(void)
 {
 	struct furrow_contact contact = {
 		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
-		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .pull = NAN, .state = FURROW_UNKNOWN,
+		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .pull = NAN, .carried = NAN, .state = FURROW_UNKNOWN,
 	};
 	for (int i = 0; i < 6; i++)
 		for (int k = 0; k < 6; k++)
@@ -101,6 +101,7 @@ static enum status fill(struct world *world, const struct body *body, const stru
 	const struct scene_object *object = body->object;
 	*contact = world_contact_unknown();
 	contact->time = time;
+	contact->carried = world_aboard_of(world, body).volume;
 	contact->state = touches;
 	contact->sinkage = touches == FURROW_AIR ? 0 : force->sinkage;
 	enum status status = normal_at(world, state->pose.position, contact->normal);
@@ -139,6 +140,7 @@ void world_tell_probed(const struct world *world, const struct body *body, const
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = world_contact_state_of((enum deform_state)probed->state);
+	contact->carried = world_aboard_of(world, body).volume;
 	contact->slip = slip_of(object, state, belt->speed, probed->normal);
 	contact->pull = object->shape.belt ? probed->pull : (double)NAN;
 	contact->sinkage = probed->sinkage;

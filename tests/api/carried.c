@@ -68,6 +68,10 @@ static void what_a_body_carries_weighs_on_it(void **state)
 	assert_true(contact.force[0] == 0 && contact.force[1] == 0);
 	for (int k = 0; k < 3; k++)
 		assert_true(probed.force[k] == contact.force[k] && probed.moment[k] == contact.moment[k]);
+	assert_true(fabs(contact.carried * 16000 + contact.force[2]) < 1e-9 * -contact.force[2] && probed.carried == contact.carried);
+	_Alignas(double) char older[offsetof(struct furrow_contact, carried)];
+	done(furrow_get_contacts(world, 1, &plate, (struct furrow_contact *)(void *)older, sizeof older));
+	assert_memory_equal(older + offsetof(struct furrow_contact, force), contact.force, sizeof contact.force);
 	/* All of it lands when the body is removed. */
 	const double before = sum_of(world);
 	done(furrow_body_remove(world, plate));

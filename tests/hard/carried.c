@@ -21,8 +21,9 @@ static double flat(int64_t x, int64_t y)
 struct way {
 	double spacing, tilt; /* m; degrees */
 	uint32_t cells;
-	const char *threads;  /* a setting */
 	double until;         /* s */
+	int threads;          /* 0: as many as are worth it */
+	bool pair;            /* another plate goes beside it, 8 m to the north */
 };
 
 static long long carried_by(const char *json, const char *name)
@@ -44,19 +45,25 @@ static void write_way(const struct way *way)
 static char *drive(const struct way *way, const char *store)
 {
 	char text[900];
-	const char *settings[] = {way->threads, NULL};
 	support_store(store, (struct extent){129, 129, 0.25, way->cells}, flat);
 	write_way(way);
 	snprintf(text, sizeof text,
 		 "scene: 1\nspacing: %g\ntime_step: 0.1\nend_time: %g\nsoil: {name: dry_sand, unit_weight: %g}\nredistribute: {model: scm}\noutput: {forces: 10}\n"
-		 "objects:\n  - {name: plate, shape: {box: {size: [1, 2, 0.1]}}, carry: true, path: {file: plate.csv}}\n", way->spacing, way->until, WEIGHT);
+		 "objects:\n  - {name: plate, shape: {box: {size: [1, 2, 0.1]}}, carry: true, path: {file: plate.csv}}\n%s", way->spacing, way->until, WEIGHT,
+		 way->pair ? "  - {name: other, shape: {box: {size: [1, 2, 0.1]}}, carry: true, path: {file: plate.csv, offset: [0, 8]}}\n" : "");
 	support_write(support_path("carried.yaml"), text);
-	char *json = support_drive(support_path("carried.yaml"), store, way->threads != NULL ? settings : NULL);
+	struct scene *scene = support_scene(support_path("carried.yaml"), NULL);
+	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out"), .threads = way->threads};
+	struct drive_result result;
+	must(drive_run(&params, &result));
+	scene_destroy(scene);
+	char *json = result.json;
+	assert_int_equal(support_figure(json, "\"counts\"", "unplanned"), 0);
 	const struct store_check check = support_verify(store);
 	const long long offsets = check.offset_sum[-(int)lround(log2(0.25 / way->spacing)) - TILE_LEVEL_MIN];
 	const long long compacted = support_figure(json, "\"quanta\"", "compacted"), carried = support_figure(json, "\"quanta\"", "carried");
 	assert_int_equal(offsets + compacted + carried, 0);
-	assert_int_equal(carried, carried_by(json, "quanta"));
+	assert_true(way->pair ? carried > carried_by(json, "quanta") : carried == carried_by(json, "quanta"));
 	return json;
 }
 
@@ -82,7 +89,7 @@ static double row_at(double time, int number)
 
 static void a_plate_keeps_its_soil_for_20_m(void **state)
 {
-	static const struct way ways[] = {{0.0625, 0, 32, NULL, 5}, {0.0625, 0, 32, NULL, 14}, {0.03125, 0, 16, NULL, 5}, {0.03125, 0, 16, NULL, 14}};
+	static const struct way ways[] = {{0.0625, 0, 32, 5, 0, false}, {0.0625, 0, 32, 14, 0, false}, {0.03125, 0, 16, 5, 0, false}, {0.03125, 0, 16, 14, 0, false}};
 	long long units = 0;
 	(void)state;
 	for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
@@ -114,7 +121,7 @@ static void a_tilted_plate_empties(void **state)
 	static const double tilts[] = {-50, 60, -20};
 	(void)state;
 	for (size_t i = 0; i < sizeof tilts / sizeof *tilts; i++) {
-		struct way way = {0.0625, tilts[i], 32, NULL, 14};
+		struct way way = {0.0625, tilts[i], 32, 14, 0, false};
 		const char *store = support_path("carried.furrow");
 		char *json = drive(&way, store);
 		const long long before = carried_by(json, "quanta");
@@ -132,7 +139,7 @@ static void a_tilted_plate_empties(void **state)
 
 static void tiles_and_threads_do_not_show(void **state)
 {
-	static const struct way ways[] = {{0.0625, 60, 32, NULL, 17}, {0.0625, 60, 8, NULL, 17}, {0.0625, 60, 128, NULL, 17}};
+	static const struct way ways[] = {{0.0625, 60, 32, 15.1, 1, true}, {0.0625, 60, 8, 15.1, 1, true}, {0.0625, 60, 128, 15.1, 3, true}, {0.0625, 60, 32, 15.1, 2, true}};
 	const int64_t side = (int64_t)lround(32 / 0.0625);
 	double *first = NULL;
 	long long units = 0;

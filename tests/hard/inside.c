@@ -55,7 +55,8 @@ static double inside(const struct parked *p, double z, const char *store, double
 	return 1e3 * sum * p->spacing * p->spacing;
 }
 
-static double park(const struct parked *p, double *beside)
+/* carried: fixed-point units that the plate has aboard then; NULL: it does not carry. */
+static double park(const struct parked *p, double *beside, long long *carried)
 {
 	const char *store = support_path("inside.furrow");
 	const double z = LOW + p->gap + plate[2] / 2 * cos(p->pitch * M_PI / 180) + plate[0] / 2 * fabs(sin(p->pitch * M_PI / 180));
@@ -65,10 +66,17 @@ static double park(const struct parked *p, double *beside)
 	write_path("blade.csv", p, LOW + 0.15, 0, 2.9, 0.85);
 	snprintf(model, sizeof model, "redistribute: {model: scm, bulldozing: 1}\nsoil: {name: %s}\noutput: {forces: 5}\n", p->soil);
 	snprintf(rest, sizeof rest,
-		 "spacing: %g\ntime_step: 0.1\nend_time: 3.5\nobjects:\n  - {name: plate, shape: {box: {size: [1, 2, 0.1]}}, path: {file: plate.csv}}\n"
-		 "  - {name: blade, shape: {box: {size: [0.2, 2, 0.6]}}, path: {file: blade.csv}}\n", p->spacing);
-	const struct hard_model scm = {"scm", model, true};
-	mem_free(hard_drive(&scm, rest, store, NULL));
+		 "spacing: %g\ntime_step: 0.1\nend_time: 3.5\nobjects:\n  - {name: plate, shape: {box: {size: [1, 2, 0.1]}}, carry: %s, path: {file: plate.csv}}\n"
+		 "  - {name: blade, shape: {box: {size: [0.2, 2, 0.6]}}, path: {file: blade.csv}}\n", p->spacing,
+		 carried != NULL ? "true" : "false");
+	const struct hard_model scm = {carried == NULL ? "scm" : "scm with carry", model, carried == NULL};
+	char *json = hard_drive(&scm, rest, store, NULL);
+	if (carried != NULL) {
+		const struct store_check check = support_verify(store);
+		*carried = support_figure(json, "\"quanta\"", "carried");
+		assert_int_equal(check.offset_sum[-(int)lround(log2(0.25 / p->spacing)) - TILE_LEVEL_MIN] + support_figure(json, "\"quanta\"", "compacted") + *carried, 0);
+	}
+	mem_free(json);
 	return inside(p, z, store, beside);
 }
 
@@ -83,9 +91,24 @@ static void no_ground_stands_inside_a_parked_plate(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const struct parked *p = &cases[i];
 		double beside;
-		const double litres = park(p, &beside);
+		const double litres = park(p, &beside, NULL);
 		print_message("%g m gap, pitch %g, heading %g, %g m: %.6f l of ground inside the plate, %.1f l against it\n", p->gap, p->pitch, p->heading, p->spacing, litres, beside);
 		assert_true(beside > 5); /* the soil came to it */
+		assert_true(litres < 1e-3);
+	}
+}
+
+static void what_is_higher_than_a_plate_that_carries_slides_onto_it(void **state)
+{
+	static const struct parked cases[] = {{-0.09, 0, 0, 0.0625, 32, "dry_sand"}, {-0.09, 0, 22.5, 0.03125, 32, "lunar"}, {-0.09, 0, 135, 0.0625, 16, "dry_sand"}};
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const struct parked *p = &cases[i];
+		long long carried;
+		double beside;
+		const double litres = park(p, &beside, &carried), aboard = 1e3 * ldexp((double)carried, -OFFSET_BITS) * p->spacing * p->spacing;
+		print_message("heading %g, %g m: %.3f l aboard, %.6f l of ground inside the plate, %.1f l against it\n", p->heading, p->spacing, aboard, litres, beside);
+		assert_true(aboard > 1);
 		assert_true(litres < 1e-3);
 	}
 }
@@ -94,6 +117,7 @@ TEST_PROGRAM(inside)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_ground_stands_inside_a_parked_plate),
+		cmocka_unit_test(what_is_higher_than_a_plate_that_carries_slides_onto_it),
 	};
 	return cmocka_run_group_tests_name("inside", tests, support_enter, support_leave);
 }

@@ -179,7 +179,7 @@ void soil_carried_place(struct soil_carried *carried, const struct soil_pose *po
 	find_tops(carried, pose);
 	if (was && carried->total > 0) {
 		let_fall(carried, other ? M_PI : turned);
-		carried->awake = true;
+		carried->unsettled = true;
 	}
 }
 
@@ -211,7 +211,7 @@ int32_t soil_carried_add(struct soil_carried *carried, const struct soil_pose *p
 	carried->total += fits;
 	carried->classes[class >= 0 && class < SOIL_CLASSES ? class : SOIL_CLASSES - 1] += fits;
 	if (fits > 0)
-		carried->awake = true;
+		carried->unsettled = true;
 	return fits;
 }
 
@@ -250,7 +250,7 @@ void soil_carried_save(const struct soil_carried *carried, int64_t *numbers)
 {
 	const size_t cells = cells_of(carried->half);
 	numbers[0] = carried->heading > 0;
-	numbers[1] = carried->awake;
+	numbers[1] = carried->unsettled;
 	memcpy(numbers + 2, carried->classes, sizeof carried->classes);
 	for (size_t i = 0; i < cells; i++) {
 		numbers[NUMBERS_BEFORE + i] = carried->amounts[i];
@@ -276,7 +276,7 @@ bool soil_carried_load(const int64_t *numbers, struct soil_carried *carried)
 		classes += numbers[2 + k];
 	}
 	carried->heading = numbers[0] != 0 ? M_PI : 0;
-	carried->awake = numbers[1] != 0;
+	carried->unsettled = numbers[1] != 0;
 	carried->total = total;
 	carried->placed = false;
 	return classes == total;

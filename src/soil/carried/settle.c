@@ -314,7 +314,7 @@ struct post_rect soil_carried_settle(struct soil_carried *carried, const struct 
 		if (!st.moved)
 			break;
 	}
-	carried->awake = st.moved;
+	carried->unsettled = st.moved;
 	return st.changed;
 }
 
@@ -335,6 +335,6 @@ struct post_rect soil_carried_drop(struct soil_carried *carried, const struct so
 				change_ground(&st, post, falls);
 			}
 		}
-	carried->awake = false;
+	carried->unsettled = false;
 	return st.changed;
 }
