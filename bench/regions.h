@@ -25,6 +25,8 @@ struct field;
 /* Makes the ground of a job. Several fields can share a gpu. */
 struct field *regions_open(struct gpu *gpu, const struct regions_job *job, enum regions_way way);
 void regions_close(struct field *field);
+/* Returns seconds since some time: of the processor, where GL is software and draws in the calling thread; otherwise of the clock. */
+double regions_seconds(struct gpu *gpu);
 /* Runs all steps over undeformed ground. Returns the seconds until the GPU has finished. Ends with the ground in the tiles. */
 double regions_run(struct field *field);
 /* Returns a hash of the offsets of all tiles. */

@@ -17,7 +17,7 @@
 
 #define DEEPEST 0.2 /* m: of all spheres */
 #define RANGE 0.25f /* m: deepest offset that the normalised map holds */
-enum { STEPS = 32, RINGS = 16, SECTORS = 48, TIMED = 200 };
+enum { STEPS = 32, RINGS = 16, SECTORS = 48, TIMED = 60 };
 
 extern const struct shader_text regions_shaders[];
 
@@ -223,7 +223,7 @@ static void press_envelope(struct envelope *envelope, const struct below *of, do
 static double microseconds(struct gpu *gpu, struct below *below, struct envelope *envelope)
 {
 	gpu_finish(gpu);
-	const double began = clock_seconds();
+	const double began = regions_seconds(gpu);
 	for (int i = 0; i < TIMED; i++) {
 		if (envelope != NULL)
 			press_envelope(envelope, below, i % (below->travel + 1));
@@ -231,7 +231,7 @@ static double microseconds(struct gpu *gpu, struct below *below, struct envelope
 			press_below(below, i % (below->travel + 1));
 	}
 	gpu_finish(gpu);
-	return (clock_seconds() - began) * 1e6 / TIMED;
+	return (regions_seconds(gpu) - began) * 1e6 / TIMED;
 }
 
 static void tell(const char *way, int footprint, const double *metres, const struct below *below, double *us, int runs)

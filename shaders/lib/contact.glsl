@@ -4,9 +4,9 @@
 // - CONTACT_MORE: members that a model adds to the parameters
 // - BATCH: the fragments are those of a batch, which has many windows in one texture layer. The numbers of posts are counted from the layer's
 //   first post. The ground is read from the tiles
-// - REGION: the fragments are those of a fixed region. The ground is read from its tile, whose offsets the pass may write in place.
-//   CONTACT_MORE then has `region`: x, y: from a post in the window to that in the tile; 1: it has offsets; and `reached`: all posts that the
-//   contact writes. `written` has those that no region before writes
+// - REGION: the fragments are those of a fixed region. The ground is read from its tile, whose offsets the pass may write in place. `written` has
+//   posts that no region before writes. CONTACT_MORE has two more numbers. `region`: from a post in the window to that in the tile; 1: the
+//   tile has offsets. `reached`: all posts that the contact writes
 // - WITH_ENVELOPE: with BATCH: the pass also computes the lower envelope, with the defines of lib/envelope.glsl. So there are no textures of it
 
 #include "lib/int64.glsl"

@@ -157,6 +157,13 @@ static void hull_of(const struct deform *deform, const struct batched *batched, 
 	}
 }
 
+/* Area of a quadrilateral whose corners are those of a strip; it may be turned, but is a parallelogram. */
+static double area_of(float hull[4][2])
+{
+	return fabs(((double)hull[1][0] - (double)hull[0][0]) * ((double)hull[2][1] - (double)hull[0][1]) -
+		    ((double)hull[1][1] - (double)hull[0][1]) * ((double)hull[2][0] - (double)hull[0][0]));
+}
+
 static void record(const struct deform *deform, const struct part *part, int reach, struct record *record)
 {
 	const struct batched *of = part->of;
@@ -169,10 +176,14 @@ static void record(const struct deform *deform, const struct part *part, int rea
 				record->posts);
 	else
 		memset(record->posts, 0, sizeof record->posts);
+	float around[4][2];
+	rectangle(record->posts, record->hull);
 	if (of->group == OTHERS)
-		rectangle(record->posts, record->hull);
-	else
-		hull_of(deform, of, reach, record->hull);
+		return;
+	/* On a corner of four tiles the object is larger than its part on one. */
+	hull_of(deform, of, reach, around);
+	if (post_rect_empty(posts) || area_of(around) < area_of(record->hull)) /* warm.c draws an empty part */
+		memcpy(record->hull, around, sizeof around);
 }
 
 void deform_batch_record(struct deform *deform)

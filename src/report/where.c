@@ -17,7 +17,8 @@ static void add_windows(cJSON *where, const struct report *report, const struct 
 		uint64_t visited = world_counts(report->world)->windows.computed;
 		if ((effect > EFFECT_SPREAD && effect < EFFECT_DISTURBANCE) || (used >> effect & 1) == 0)
 			continue;
-		if (deform_model_row(model)->smooths && effect == (int)EFFECT_OF(model)) /* not where an object is only at rest */
+		/* Not where an object is only at rest. In fixed regions there are more passes than contacts. */
+		if (deform_model_row(model)->smooths && effect == (int)EFFECT_OF(model) && world_scene(report->world)->regions == SCENE_WINDOWS)
 			visited = gpu->passes[GPU_SMOOTH] / (uint64_t)world_scene(report->world)->box_repetitions;
 		add(where, scene_effect_row((enum scene_effect)effect)->name, visited, world_counts(report->world)->windows.due);
 	}

@@ -147,6 +147,31 @@ class Compute(FurrowTest):
             text = HEAD % (4, 0.125) + f"cache: {{slots: 12, loaders: 1, prefetch: 0}}\nredistribute: {{model: {model}}}\n" + SOILS[model.split(",")[0]] + WHEELS
             self.compare(model, text, self.ground(32))
 
+    def test_fixed_regions_leave_what_windows_leave(self):
+        """Also with few slots, in small tiles, where a large body is left to windows, and where one way goes on with what the other began."""
+        box = "{model: box, radius: 2, repetitions: %d}"
+        slots = "cache: {slots: 12, loaders: 1, prefetch: 0}\n"
+        for what, text, tile, ways in (("none", HEAD % (3, 0.125) + "redistribute: {model: none}\n" + WHEELS, 64, (True, False)),
+                                        ("box", HEAD % (3, 0.125) + f"redistribute: {box % 3}\nattributes: [disturbance]\n" + WHEELS, 64, (True, False)),
+                                        ("few slots", slots + HEAD % (3, 0.125) + f"redistribute: {box % 2}\n" + WHEELS, 32, (True, True)),  # the ball is on three tiles in a row
+                                        ("turned", HEAD % (2, 0.125) + f"redistribute: {box % 1}\nattributes: [disturbance]\n" + TURNED, 64, (True, False)),
+                                        ("large", HEAD % (0.3, 0.125) + f"redistribute: {box % 3}\n" + LARGE, 32, (False, True))):
+            with self.subTest(what):
+                base = self.ground(tile)
+                windows, fixed = self.left(text, "gpu", base), self.left(text, "gpu", base, "--set", "redistribute.regions=fixed")
+                self.assertTrue(windows[0] == fixed[0] and windows[1] == fixed[1], what)
+                self.assertEqual(windows[2]["volume"], fixed[2]["volume"])
+                units = fixed[2]["counts"]["units"]
+                self.assertEqual((sum(units["region"].values()) > 0, sum(units["window"].values()) > 0), ways, units)
+                self.assertEqual(sum(windows[2]["counts"]["units"]["region"].values()), 0)
+        text = HEAD % (3, 0.125) + f"redistribute: {box % 2}\n" + WHEELS
+        base = self.ground(64)
+        whole = self.left(text, "gpu", base)
+        self.left(text, "gpu", base, "--steps", 23, overlay="mixed.furrow")
+        rows, csv, run = self.left(text, "gpu", base, "--resume", "--set", "redistribute.regions=fixed", overlay="mixed.furrow")
+        self.assertEqual(run["resumed_from"], 23)
+        self.assertTrue(rows == whole[0] and csv == whole[1])
+
     def test_it_is_told(self):
         base = self.ground(64)
         self.scene(HEAD % (1, 0.125) + "redistribute: {model: box}\n" + WHEELS)
