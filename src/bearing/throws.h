@@ -28,8 +28,8 @@ struct bearing_throw {
 	double radius;        /* m: of the rim, or half the height of a body with a belt */
 	double half_width;    /* m along `along` */
 };
-/* Tells how a body throws that moved so. gravity: m/s2. One that was set down, that does not slip backwards below, or whose motion took no known time throws nothing. */
-void bearing_throw_of(const struct soil_motion *motion, double gravity, struct bearing_throw *out);
+/* Tells how a body throws that moved so. seconds: how long that took; 0: not known. gravity: m/s2. One that was set down, that does not slip backwards below, or whose time is not known throws nothing. */
+void bearing_throw_of(const struct soil_motion *motion, double seconds, double gravity, struct bearing_throw *out);
 
 /* A grain in flight, from where it left. */
 struct bearing_grain {
