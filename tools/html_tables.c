@@ -443,6 +443,14 @@ static bool has_soils(const struct html_run *run)
 	return cJSON_GetArraySize(html_at(run, "soils")) > 0;
 }
 
+static bool throws(const struct html_report *report)
+{
+	bool any = false;
+	for (size_t i = 0; i < report->count; i++)
+		any = any || html_at(&report->runs[i], "thrown") != NULL;
+	return any;
+}
+
 void html_tables_volume(const struct html_report *report)
 {
 	static const struct row list[] = {
@@ -450,10 +458,16 @@ void html_tables_volume(const struct html_report *report)
 		{"compacted, m3", "volume.compacted", 1}, {"removed, fixed-point units", "volume.quanta.removed", 1}, {"raised, fixed-point units", "volume.quanta.raised", 1},
 		{"net, fixed-point units", "volume.quanta.net", 1}, {"compacted, fixed-point units", "volume.quanta.compacted", 1},
 	};
+	static const struct row thrown[] = {
+		{"thrown, kg", "thrown.mass", 1}, {"of that in flight, kg", "thrown.in_flight_mass", 1}, {"thrown, fixed-point units", "thrown.quanta.thrown", 1},
+		{"landed, fixed-point units", "thrown.quanta.landed", 1}, {"in flight, fixed-point units", "thrown.quanta.in_flight", 1}, {"lost, fixed-point units", "thrown.quanta.lost", 1},
+	};
 	html_section(report, "volume", "Volume balance");
 	html_volume_plot(report);
 	html_table(report, "");
 	ROWS(report, list);
+	if (throws(report))
+		ROWS(report, thrown);
 	bool conserves = false;
 	for (size_t i = 0; i < report->count; i++)
 		conserves = conserves || has_soils(&report->runs[i]);

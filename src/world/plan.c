@@ -362,6 +362,7 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 		objects[scene->object_count + i] = world_planned_host(added[i]);
 	world_deform_params(world, &params);
 	world_crew_plan(world, plan);
+	world_thrown_plan(world, plan);
 	if (world_is_bearing(world))
 		bearing_plan(&params, plan);
 	else

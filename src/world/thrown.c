@@ -60,6 +60,19 @@ bool world_thrown_flies(const struct world *world)
 	return world->thrown != NULL && world->thrown->count > 0;
 }
 
+uint64_t world_grains_bytes(const struct world *world)
+{
+	const size_t grain = 2 * sizeof(struct bearing_grain) + sizeof(struct bearing_landing); /* flying, and in the record */
+	return world_grains_most(world) > 0 ? sizeof(struct thrown) + world_grains_most(world) * grain : 0;
+}
+
+void world_thrown_plan(const struct world *world, struct plan *plan)
+{
+	if (world_grains_most(world) > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = scene_effect_row(EFFECT_THROWN)->name, .object = -1, .amount = 1, .bytes = world_grains_bytes(world)},
+			 "grains in flight");
+}
+
 /* --- contacts throw --- */
 
 void world_thrown_add(struct world *world, int64_t now, const struct bearing_grain *grains, size_t count)
