@@ -83,6 +83,7 @@ PAIRS = [
     ("slip", SCM, slipping(copy.deepcopy(SCM))),
     ("loose", SCM, SCM | {"redistribute": {"model": "scm", "loosening": 0.67}}),
     ("dense", SCM, SCM | {"redistribute": {"model": "scm", "hardening": 0.5}}),
+    ("thrown", slipping(copy.deepcopy(SCM)), slipping(copy.deepcopy(SCM | {"redistribute": {"model": "scm", "thrown": "on"}}))),
     ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
     ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),
     ("relief", scene(WHEEL, store="coarse.furrow"), scene(WHEEL, store="coarse.furrow", relief={"roughness": 0.02, "wavelength": 2, "seed": 7})),

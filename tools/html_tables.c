@@ -457,6 +457,14 @@ static double balance(const struct html_run *run)
 	return html_number(run, "volume.quanta.net") + html_number(run, "volume.quanta.compacted") + carried(run) - (isnan(added) ? 0 : added);
 }
 
+static bool throws(const struct html_report *report)
+{
+	bool any = false;
+	for (size_t i = 0; i < report->count; i++)
+		any = any || html_at(&report->runs[i], "thrown") != NULL;
+	return any;
+}
+
 void html_tables_volume(const struct html_report *report)
 {
 	static const struct row list[] = {
@@ -466,6 +474,10 @@ void html_tables_volume(const struct html_report *report)
 		{"added, fixed-point units", "volume.quanta.added", 1},
 	};
 	static const struct row aboard[] = {{"carried by bodies, m3", "volume.carried", 1}, {"carried by bodies, fixed-point units", "volume.quanta.carried", 1}};
+	static const struct row thrown[] = {
+		{"thrown, kg", "thrown.mass", 1}, {"of that in flight, kg", "thrown.in_flight_mass", 1}, {"thrown, fixed-point units", "thrown.quanta.thrown", 1},
+		{"landed, fixed-point units", "thrown.quanta.landed", 1}, {"in flight, fixed-point units", "thrown.quanta.in_flight", 1}, {"lost, fixed-point units", "thrown.quanta.lost", 1},
+	};
 	bool carries = false;
 	for (size_t i = 0; i < report->count; i++)
 		carries = carries || html_at(&report->runs[i], "volume.carried") != NULL;
@@ -475,6 +487,8 @@ void html_tables_volume(const struct html_report *report)
 	ROWS(report, list);
 	if (carries)
 		ROWS(report, aboard);
+	if (throws(report))
+		ROWS(report, thrown);
 	bool conserves = false;
 	for (size_t i = 0; i < report->count; i++)
 		conserves = conserves || has_soils(&report->runs[i]);

@@ -143,7 +143,7 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		member->widened = false;
 		member->feels = contacts[i].feels;
 		if (bearing->params.thrown)
-			bearing_throw_of(&member->motion, bearing->params.gravity, &member->throws);
+			bearing_throw_of(&member->motion, contact->seconds, bearing->params.gravity, &member->throws);
 		TRY(soil_sink_begin(&bearing->law, &member->planes, &member->motion, standing != NULL ? *standing : 0, member->work));
 	}
 	return STATUS_OK;

@@ -7,6 +7,7 @@
 
 #include "bearing/internal.h"
 
+#define HIGHEST (INT32_MAX / 2) /* fixed-point units: no post is raised above that */
 #define PART 256 /* of a cell, by which a place shares its volume among four posts */
 
 /* A place on the ground: the south-west post of its cell, and how far it lies in the cell, of PART. */
@@ -40,47 +41,58 @@ struct post_rect bearing_thrown_posts(const struct bearing *bearing, const struc
 	return post_rect_intersect(all, bearing->world);
 }
 
-/* Adds soil to a post. Returns false if it cannot take it. */
-static bool put(const struct bearing *bearing, int64_t x, int64_t y, int64_t volume, struct post_rect *changed)
+/* Tells whether a post can take soil. */
+static bool takes(const struct soil_planes *planes, int64_t x, int64_t y, int64_t volume)
 {
-	const struct soil_planes *planes = &bearing->window.planes;
 	if (x < planes->rect.x0 || y < planes->rect.y0 || x >= planes->rect.x1 || y >= planes->rect.y1)
 		return false;
 	const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(x - planes->rect.x0);
-	if (planes->base[at] == BASE_NODATA || (planes->contact[at] & (SOIL_LOWERED | SOIL_HELD)) != 0)
+	if (planes->base[at] == BASE_NODATA || (planes->contact[at] & (SOIL_LOWERED | SOIL_HELD)) != 0 || volume > HIGHEST)
 		return false;
-	if (volume > INT32_MAX / 2 || planes->offset[at] > INT32_MAX / 2 - volume || planes->deposited[at] > INT32_MAX / 2 - volume)
-		return false;
+	return planes->offset[at] <= HIGHEST - volume && planes->deposited[at] <= HIGHEST - volume;
+}
+
+static void put(const struct soil_planes *planes, int64_t x, int64_t y, int64_t volume, struct post_rect *changed)
+{
+	const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(x - planes->rect.x0);
 	planes->offset[at] += (int32_t)volume;
 	planes->deposited[at] += (int32_t)volume;
 	*changed = post_rect_joined(*changed, (struct post_rect){x, y, x + 1, y + 1});
-	return true;
 }
 
-/* Adds soil to the nearest post that takes it: around (x, y) in squares, in each from south to north. Returns false if none does. */
-static bool put_near(const struct bearing *bearing, int64_t x, int64_t y, int64_t volume, struct post_rect *changed)
+/* Adds soil to the nearest post that takes it; of several to the first one from the south-west. Returns false if none does. */
+static bool put_near(const struct soil_planes *planes, int64_t x, int64_t y, int64_t volume, struct post_rect *changed)
 {
-	for (int64_t far = 0; far <= BEARING_LANDS_NEAR; far++)
-		for (int64_t dy = -far; dy <= far; dy++)
-			for (int64_t dx = -far; dx <= far; dx += far > 0 && dy != -far && dy != far ? 2 * far : 1)
-				if (put(bearing, x + dx, y + dy, volume, changed))
-					return true;
-	return false;
+	int64_t nearest = INT64_MAX, to_x = 0, to_y = 0;
+	for (int64_t dy = -BEARING_LANDS_NEAR; dy <= BEARING_LANDS_NEAR; dy++)
+		for (int64_t dx = -BEARING_LANDS_NEAR; dx <= BEARING_LANDS_NEAR; dx++)
+			if (dx * dx + dy * dy < nearest && takes(planes, x + dx, y + dy, volume)) {
+				nearest = dx * dx + dy * dy;
+				to_x = x + dx;
+				to_y = y + dy;
+			}
+	if (nearest == INT64_MAX)
+		return false;
+	put(planes, to_x, to_y, volume, changed);
+	return true;
 }
 
 /* Puts down what landed at one place. Returns what found no post. */
 static int64_t land(const struct bearing *bearing, const struct bearing_landing *landing, struct post_rect *changed)
 {
+	const struct soil_planes *planes = &bearing->window.planes;
 	const struct place at = place_of(bearing, landing);
 	const int64_t nearest_x = at.x + (2 * at.east > PART), nearest_y = at.y + (2 * at.north > PART);
 	int64_t rest = landing->volume;
 	for (int k = 0; k < 4; k++) {
 		const int64_t weight = (int64_t)(k % 2 == 0 ? PART - at.east : at.east) * (k < 2 ? PART - at.north : at.north);
 		const int64_t part = landing->volume * weight / (PART * PART);
-		if (part > 0 && put(bearing, at.x + k % 2, at.y + k / 2, part, changed))
-			rest -= part;
+		if (part == 0 || !takes(planes, at.x + k % 2, at.y + k / 2, part))
+			continue;
+		put(planes, at.x + k % 2, at.y + k / 2, part, changed);
+		rest -= part;
 	}
-	return rest == 0 || put_near(bearing, nearest_x, nearest_y, rest, changed) ? 0 : rest;
+	return rest == 0 || put_near(planes, nearest_x, nearest_y, rest, changed) ? 0 : rest;
 }
 
 enum status bearing_thrown_land(struct bearing *bearing, const struct bearing_landing *landings, size_t count, const struct deform_rest *rests, size_t rest_count,

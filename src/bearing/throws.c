@@ -26,10 +26,10 @@ static void scaled(const double v[3], double by, double out[3])
 }
 
 /* Computes how fast the body turns, rad/s, and the radius of its surface. Returns false if it does not turn about an axis that is nearly level. */
-static bool turns(const struct soil_motion *motion, double axes[3][3], double spin[3], double *radius)
+static bool turns(const struct soil_motion *motion, double seconds, double axes[3][3], double spin[3], double *radius)
 {
 	const struct soil_shape *shape = motion->shape;
-	const double by = 1 / motion->seconds;
+	const double by = 1 / seconds;
 	*radius = soil_shape_reach(shape, motion->to.pitch, motion->to.roll);
 	if (shape->kind == SOIL_WHEEL) {
 		*radius = shape->radius + (shape->grousers > 0 ? shape->grouser_height : 0);
@@ -42,11 +42,11 @@ static bool turns(const struct soil_motion *motion, double axes[3][3], double sp
 }
 
 /* Finds the run of the surface where it is lowest. Returns false if it does not run. */
-static bool runs(const struct soil_motion *motion, double axes[3][3], struct bearing_throw *out)
+static bool runs(const struct soil_motion *motion, double seconds, double axes[3][3], struct bearing_throw *out)
 {
 	double spin[3], down[3], run[3];
 	if (motion->shape->belt) {
-		const double ran = soil_shape_ran(motion->shape, motion->turned) / motion->seconds;
+		const double ran = soil_shape_ran(motion->shape, motion->turned) / seconds;
 		out->radius = soil_shape_reach(motion->shape, 0, 0);
 		out->run = fabs(ran);
 		scaled(axes[0], ran > 0 ? -1 : 1, out->back);
@@ -54,7 +54,7 @@ static bool runs(const struct soil_motion *motion, double axes[3][3], struct bea
 		memcpy(out->along, axes[1], sizeof out->along);
 		return out->run > 0;
 	}
-	if (!turns(motion, axes, spin, &out->radius))
+	if (!turns(motion, seconds, axes, spin, &out->radius))
 		return false;
 	const double fast = sqrt(dot(spin, spin));
 	scaled(spin, 1 / fast, out->along);
@@ -78,22 +78,22 @@ static double half_width_of(const struct soil_shape *shape, double radius)
 	return shape->kind == SOIL_BOX ? shape->size[1] / 2 : radius / 2;
 }
 
-void bearing_throw_of(const struct soil_motion *motion, double gravity, struct bearing_throw *out)
+void bearing_throw_of(const struct soil_motion *motion, double seconds, double gravity, struct bearing_throw *out)
 {
 	double axes[3][3];
 	*out = (struct bearing_throw){.share = 0};
-	if (motion->jumped || !(motion->seconds > 0) || !(gravity > 0))
+	if (motion->jumped || !(seconds > 0) || !(gravity > 0))
 		return;
 	const int64_t way[3] = {motion->to.x - motion->from.x, motion->to.y - motion->from.y, motion->to.z - motion->from.z};
 	soil_axes(motion->to.yaw, motion->shape->kind == SOIL_WHEEL ? 0 : motion->to.pitch, motion->to.roll, 0, axes);
-	if (!runs(motion, axes, out))
+	if (!runs(motion, seconds, axes, out))
 		return;
 	for (int k = 0; k < 3; k++)
-		out->speed[k] = lattice_offset_metres(way[k]) / motion->seconds;
-	out->seconds = motion->seconds;
+		out->speed[k] = lattice_offset_metres(way[k]) / seconds;
+	out->seconds = seconds;
 	out->half_width = half_width_of(motion->shape, out->radius);
 	const double slip = out->run + dot(out->speed, out->back);
-	if (!(slip * motion->seconds > SOIL_SLIP_LEAST))
+	if (!(slip * seconds > SOIL_SLIP_LEAST))
 		return;
 	const double froude = slip * slip / (gravity * out->radius);
 	out->share = froude / (froude + THROWN_HALF);

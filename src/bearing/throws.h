@@ -28,8 +28,8 @@ struct bearing_throw {
 	double radius;        /* m: of the rim, or half the height of a body with a belt */
 	double half_width;    /* m along `along` */
 };
-/* Tells how a body throws that moved so. gravity: m/s2. One that was set down, that does not slip backwards below, or whose motion took no known time throws nothing. */
-void bearing_throw_of(const struct soil_motion *motion, double gravity, struct bearing_throw *out);
+/* Tells how a body throws that moved so. seconds: how long that took; 0: not known. gravity: m/s2. One that was set down, that does not slip backwards below, or whose time is not known throws nothing. */
+void bearing_throw_of(const struct soil_motion *motion, double seconds, double gravity, struct bearing_throw *out);
 
 /* A grain in flight, from where it left. */
 struct bearing_grain {
@@ -45,9 +45,10 @@ void bearing_grain_save(const struct bearing_grain *grain, int64_t numbers[GRAIN
 bool bearing_grain_load(const int64_t numbers[GRAIN_NUMBERS], struct bearing_grain *grain);
 
 /*
- * Divides a volume into grains that leave during the motion, which ends at `since`. centre: of the body then, as in struct soil_pose. sinkage: m, how deep the rim is in the ground. It leaves the ground at
- * its rear at the angle whose cosine is 1 - sinkage / radius; there a grain leaves along the tangent, with the rim's velocity over the ground. since: 2^-20 s. Place, time and
- * number of a grain decide when it leaves, and by how much beside that. Returns how many grains there are, 1 .. THROWN_GRAINS; 0: there is no volume.
+ * Divides a volume into grains that leave during the motion, which ends at `since`, 2^-20 s. centre: of the body then, as in struct soil_pose. sinkage: m, how
+ * deep the rim is in the ground. The cosine of the angle at which it comes out behind is 1 - sinkage / radius. There a grain leaves along the tangent, with the
+ * rim's velocity over the ground. Place, time and number of a grain decide when it leaves, and by how much beside that. Returns how many grains there are,
+ * 1 .. THROWN_GRAINS; 0: there is no volume.
  */
 int bearing_throw_grains(const struct bearing_throw *how, const int64_t centre[3], double sinkage, int64_t since, int64_t volume, struct bearing_grain grains[THROWN_GRAINS]);
 

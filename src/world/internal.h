@@ -282,6 +282,7 @@ void world_carried_saved_free(struct carried_saved **saved, size_t count);
 #define WORLD_THROWN_TICKS 64   /* in a second: then grains are looked at */
 /* Makes world->thrown if the scene throws soil. STATUS_INPUT: there are other ranks. */
 enum status world_thrown_make(struct world *world) FURROW_CHECKED;
+void world_thrown_plan(const struct world *world, struct plan *plan);
 void world_thrown_free(struct thrown *thrown);
 bool world_thrown_flies(const struct world *world); /* soil is in flight */
 /* Adds grains that left by now, 2^-20 s. What has no room flies with the last one. Needs world->thrown. */

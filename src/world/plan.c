@@ -365,6 +365,7 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 	world_deform_params(world, &params);
 	world_crew_plan(world, plan);
 	world_carried_plan(world, plan);
+	world_thrown_plan(world, plan);
 	if (world_is_bearing(world))
 		bearing_plan(&params, plan);
 	else

@@ -60,6 +60,19 @@ bool world_thrown_flies(const struct world *world)
 	return world->thrown != NULL && world->thrown->count > 0;
 }
 
+uint64_t world_grains_bytes(const struct world *world)
+{
+	const size_t grain = 2 * sizeof(struct bearing_grain) + sizeof(struct bearing_landing); /* flying, and in the record */
+	return world_grains_most(world) > 0 ? sizeof(struct thrown) + world_grains_most(world) * grain : 0;
+}
+
+void world_thrown_plan(const struct world *world, struct plan *plan)
+{
+	if (world_grains_most(world) > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = scene_effect_row(EFFECT_THROWN)->name, .object = -1, .amount = 1, .bytes = world_grains_bytes(world)},
+			 "grains in flight");
+}
+
 /* --- contacts throw --- */
 
 void world_thrown_add(struct world *world, int64_t now, const struct bearing_grain *grains, size_t count)
@@ -98,6 +111,7 @@ struct look {
 	struct tile tile;
 	int64_t zero;           /* 2^-20 m: height of the reference */
 	int64_t cells_x, cells_y; /* of the world */
+	double cells;           /* 2^-INTERPOLATES cells in 2^-20 m */
 };
 
 static enum status look_at_tile(struct look *look, int64_t x, int64_t y)
@@ -114,21 +128,15 @@ static enum status look_at_tile(struct look *look, int64_t x, int64_t y)
 	return STATUS_OK;
 }
 
-static uint32_t cell_of(int64_t at, double spacing, int64_t *cell)
-{
-	const double posts = lattice_offset_metres(at) / spacing, whole = floor(posts);
-	*cell = (int64_t)whole;
-	return (uint32_t)lround((posts - whole) * (1 << INTERPOLATES));
-}
-
 static enum status look_at(struct look *look, const int64_t place[3], enum where *where)
 {
-	const double spacing = look->world->resident.spacing;
-	const int64_t cells = look->world->resident.meta->extent.cells;
-	int64_t x, y;
-	const uint32_t east = cell_of(place[0], spacing, &x), north = cell_of(place[1], spacing, &y);
+	const int64_t cells = look->world->resident.meta->extent.cells, mask = (1 << INTERPOLATES) - 1;
+	/* By products: a function of the library for each rounding would cost as much as all else. */
+	const int64_t fine_x = (int64_t)((double)place[0] * look->cells), fine_y = (int64_t)((double)place[1] * look->cells);
+	const int64_t x = fine_x >> INTERPOLATES, y = fine_y >> INTERPOLATES;
+	const uint32_t east = (uint32_t)(fine_x & mask), north = (uint32_t)(fine_y & mask);
 	*where = BEYOND;
-	if (x < 0 || y < 0 || x >= look->cells_x || y >= look->cells_y)
+	if (place[0] < 0 || place[1] < 0 || x >= look->cells_x || y >= look->cells_y)
 		return STATUS_OK;
 	TRY(look_at_tile(look, x, y));
 	const size_t side = (size_t)cells + 1, at = (size_t)(y % cells) * side + (size_t)(x % cells);
@@ -242,6 +250,7 @@ static enum status tick(struct world *world, int64_t until, size_t rests)
 	const struct extent *extent = &world->resident.meta->extent;
 	struct look look = {
 		.world = world, .zero = (int64_t)world->surface.reference * ((int64_t)1 << OFFSET_BITS),
+		.cells = (1 << INTERPOLATES) / (world->resident.spacing * 0x1p20),
 		.cells_x = extent_posts(extent->width, world->resident.level) - 1, .cells_y = extent_posts(extent->height, world->resident.level) - 1,
 	};
 	size_t landed = 0, stay = 0;

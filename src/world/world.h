@@ -221,6 +221,7 @@ struct world_grain {
 #define WORLD_THROWN_MOST 16384 /* grains in flight at once */
 /* Returns how many there may be: WORLD_THROWN_MOST, or 0 if the scene throws no soil. */
 size_t world_grains_most(const struct world *world);
+uint64_t world_grains_bytes(const struct world *world); /* memory that is kept for them */
 /* Gives where grains are at world_time, at most `room`. Returns how many are in flight. */
 size_t world_grains(const struct world *world, size_t room, struct world_grain *grains);
 

@@ -119,6 +119,63 @@ static void a_rollback_does_not_show_what_computes(void **state)
 	}
 }
 
+/* Offsets + compacted = 0, and thrown = landed + lost + in flight, to the unit. */
+static struct world_thrown_figures thrown_now(struct furrow_world *world)
+{
+	struct world_thrown_figures figures;
+	assert_true(world_thrown_figures(world->world, &figures));
+	assert_true(figures.thrown == figures.landed + figures.lost + figures.flying);
+	return figures;
+}
+
+/* A wheel throws soil. After a rollback the same grains are in flight, and land in the same places. One whose host spins it throws, too. */
+static void soil_in_flight_goes_back(void **state)
+{
+	static const char scene[] = "{scene: 1, time_step: 0.01, spacing: 0.0625, soil: {name: dry_sand}, redistribute: {model: scm, thrown: on}, objects: ["
+				    "{name: a, shape: {wheel: {radius: 0.3, width: 0.2}}, load: 600, slip: 0.8, path: {points: [[10, 16], [20, 16]], speed: 1}}]}";
+	struct furrow_world *world = hosted_world_over("thrown.furrow", scene, hosted_flat);
+	struct furrow_info info = {.size = sizeof info};
+	for (int i = 0; i < 60; i++)
+		done(furrow_step(world, 0));
+	done(furrow_checkpoint(world));
+	const struct world_thrown_figures first = thrown_now(world);
+	assert_true(first.grains > 100 && first.flying > 0);
+	struct world_thrown_figures last[2];
+	double *offsets[2];
+	for (int i = 0; i < 2; i++) {
+		for (int k = 0; k < 50; k++)
+			done(furrow_step(world, i == 0 ? 0 : 0.01));
+		last[i] = thrown_now(world);
+		assert_true(last[i].landed > first.landed && last[i].thrown > first.thrown);
+		offsets[i] = hosted_read(world, FURROW_OFFSET, &info);
+		done(furrow_rollback(world));
+		const struct world_thrown_figures back = thrown_now(world);
+		assert_memory_equal(&back, &first, sizeof back);
+	}
+	assert_memory_equal(&last[0], &last[1], sizeof last[0]);
+	assert_memory_equal(offsets[0], offsets[1], (size_t)(info.columns * info.rows) * sizeof(double));
+	free(offsets[0]);
+	free(offsets[1]);
+	furrow_body wheel = -1;
+	done(furrow_body_add(world, "{shape: {wheel: {radius: 0.3, width: 0.2}}}", &wheel));
+	int64_t before = 0;
+	for (int spins = 0; spins < 2; spins++) {
+		before = thrown_now(world).thrown;
+		done(furrow_rollback(world));
+		done(furrow_body_add(world, "{shape: {wheel: {radius: 0.3, width: 0.2}}}", &wheel));
+		struct furrow_state at = {.pose = {{10, 24, 100.27}, {1, 0, 0, 0}}, .linear = {0.5, 0, 0}, .angular = {0, spins ? 12 : 0.5 / 0.3, 0}};
+		done(furrow_place(world, wheel, &at.pose));
+		for (int k = 0; k < 40; k++) {
+			at.pose.position[0] += 0.005;
+			done(furrow_set_states(world, 1, &wheel, &at));
+			done(furrow_step(world, 0.01));
+		}
+		if (spins)
+			assert_true(thrown_now(world).thrown > before);
+	}
+	done(furrow_world_close(world));
+}
+
 /* A commit that nobody asked for, as its age makes it. */
 static void force_commit(struct furrow_world *world)
 {
@@ -447,6 +504,7 @@ TEST_PROGRAM(rollback)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),
 		cmocka_unit_test(a_rollback_does_not_show_what_computes),
+		cmocka_unit_test(soil_in_flight_goes_back),
 		cmocka_unit_test(a_failed_checkpoint_changes_no_rollback),
 		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
 		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),

@@ -23,7 +23,7 @@ struct ground_params {
 	double depth;                     /* m; 0: under scm none below what is laid, otherwise no bottom */
 	bool stands;                      /* undisturbed ground is stable */
 	double bulldozing, slip_sinkage, loosening, hardening;
-	bool ground_normals;
+	bool ground_normals, thrown;
 	uint32_t loaded_bodies;
 };
 
@@ -87,7 +87,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.depth = params->depth != 0 ? params->depth : model == DEFORM_SCM ? 0 : (double)INFINITY, .undisturbed_stable = params->stands,
 		.bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage, .loosening = params->loosening, .hardening = params->hardening,
 		.ground_normals = params->ground_normals,
-		.loaded_bodies = params->loaded_bodies,
+		.thrown = params->thrown, .gravity = 9.81, .loaded_bodies = params->loaded_bodies,
 	};
 	assert_ok(soil_named("dry_sand", &deform.soils[0]));
 	if (params->soils != NULL)

@@ -29,6 +29,7 @@ static inline double gentle(int64_t x, int64_t y)
 #define SCM SOIL "redistribute: {model: scm}\n"
 #define LOOSE_SCM SOIL "redistribute: {model: scm, loosening: 0.67}\n"
 #define DENSE_SCM SOIL "redistribute: {model: scm, hardening: 0.5}\n"
+#define THROWN_SCM SOIL "redistribute: {model: scm, thrown: on}\n"
 #define STILL_SCM SOIL "redistribute: {model: scm, slip_sinkage: 0}\n" /* slip does not dig */
 
 #define CAMERA "size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, images: 2"
