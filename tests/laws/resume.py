@@ -70,6 +70,8 @@ SCENES = {
                       MAP.format("dry_sand", "lete_sand", "snow_us") + LOADED.format(), "gentle.furrow", []),
     "pushing": (HEAD.format(step=0.05, end=12, model="scm, faces: on, interval: 0.03") + "soil: {name: dry_sand, janosi_shear: 0.3}\n" +
                 PUSHING.format(), "gentle.furrow", []),
+    "thrown": (HEAD.format(step=0.05, end=12, model="scm, thrown: on, interval: 0.03") + "soil: {name: dry_sand}\n" +
+               LOADED.format().replace("slip: 0.25", "slip: 0.7"), "gentle.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }
