@@ -44,7 +44,7 @@ enum status world_thrown_make(struct world *world)
 	struct thrown *thrown;
 	TRY(mem_zeroed(&thrown, 1, sizeof *thrown, "thrown soil"));
 	world->thrown = thrown;
-	thrown->gravity = (int32_t)lround(fmin(world->scene->gravity, 60) * 0x1p20);
+	thrown->gravity = (int32_t)lround(world->scene->gravity * 0x1p20);
 	TRY(mem_make(&thrown->list, WORLD_THROWN_MOST, sizeof *thrown->list, "thrown soil"));
 	return mem_make(&thrown->landings, WORLD_THROWN_MOST, sizeof *thrown->landings, "thrown soil");
 }
