@@ -53,7 +53,7 @@ bool bearing_grain_load(const int64_t numbers[GRAIN_NUMBERS], struct bearing_gra
 int bearing_throw_grains(const struct bearing_throw *how, const int64_t centre[3], double sinkage, int64_t since, int64_t volume, struct bearing_grain grains[THROWN_GRAINS]);
 
 #define GRAIN_LONGEST (1 << 26) /* 2^-20 s: the longest flight, 64 s */
-/* Gives where a grain is after `flown`, 0 .. GRAIN_LONGEST. gravity: 2^-20 m/s2, up to 2^26. */
+/* Gives where a grain is after `flown`, 0 .. GRAIN_LONGEST. gravity: 2^-20 m/s2, up to 2^30. */
 void bearing_grain_at(const struct bearing_grain *grain, int32_t gravity, int64_t flown, int64_t place[3]);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * Grains of thrown soil in the picture: one draw of a small ball for all of them, each stretched and turned by its own number, lit as objects are. They stand in depth
- * and in numbers as objects do. They cast no shadow.
+ * Grains of thrown soil in the picture. One draw shows all of them, as small balls, each stretched and turned by its own number. They are lit as objects are, and stand
+ * in depth and in numbers as objects do. They cast no shadow.
  */
 #include <assert.h>
 #include <math.h>

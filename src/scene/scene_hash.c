@@ -298,8 +298,10 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		add_part(state, 'F', (uint64_t)scene->faces);
 	if (deform_model_takes(scene->model, "inertia") && scene->faces == SCENE_FACES_ON)
 		add_inertia(state, scene);
-	if (scene->thrown != SCENE_THROWN_OFF)
+	if (scene->thrown != SCENE_THROWN_OFF) {
 		add_part(state, 'T', (uint64_t)scene->thrown);
+		add_number(state, scene->gravity);
+	}
 	if (scene->normals != SCENE_BODY)
 		add_part(state, 'n', (uint64_t)scene->normals);
 	if (scene->tolerance != 0) {

@@ -4,8 +4,8 @@
  * Grains are looked at every WORLD_THROWN_TICKS-th of a second of simulated time, whatever the steps are. Of a grain that is below the ground then, the last place
  * above it is found by halving. A ridge that is thinner than the way of a tick may be flown through.
  *
- * Invariants: (1) What was thrown is what landed, was lost, and is in flight, to the unit. (2) In the tally soil in flight counts as compacted, and so does what was
- * lost: beyond the world's edge, in a hole, or where no post was free. So offsets + compacted = 0 holds at any time, and in every store. (3) All grains of a tick are
+ * Invariants: (1) What was thrown is what landed, was lost, and is in flight, to the unit. (2) In the tally soil in flight counts as compacted. So does what was lost:
+ * beyond the world's edge, in a hole, or where no post was free. So offsets + compacted = 0 holds at any time, and in every store. (3) All grains of a tick are
  * looked at before the first one lands. So their order does not show.
  */
 #include <math.h>
@@ -44,7 +44,7 @@ enum status world_thrown_make(struct world *world)
 	struct thrown *thrown;
 	TRY(mem_zeroed(&thrown, 1, sizeof *thrown, "thrown soil"));
 	world->thrown = thrown;
-	thrown->gravity = (int32_t)lround(fmin(world->scene->gravity, 60) * 0x1p20);
+	thrown->gravity = (int32_t)lround(world->scene->gravity * 0x1p20);
 	TRY(mem_make(&thrown->list, WORLD_THROWN_MOST, sizeof *thrown->list, "thrown soil"));
 	return mem_make(&thrown->landings, WORLD_THROWN_MOST, sizeof *thrown->landings, "thrown soil");
 }
