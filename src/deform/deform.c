@@ -33,7 +33,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	deform->params = *params;
 	deform->params.batches = params->batches && deform_model_row(params->model)->batch != NULL && gpu_info(params->gpu)->vertices_pass;
 	assert(!params->fixed || (deform_takes_regions(params->model) && !params->batches));
-	deform->planes = deform_planes(params->model, params->disturbance, 0);
+	deform->planes = deform_planes(params->model, params->disturbance, deform_marks(params));
 	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
 	deform->border = deform_border(params);

@@ -44,6 +44,7 @@ struct record {
 	int level;            /* the working level */
 	int law;              /* by which soil bore: SOIL_LAW; 0: it did not, or a furrow before the first number made it */
 	bool ended;           /* the drive ended with this step */
+	struct store_marks marks; /* the store's time; its `time` is that of `time` above */
 	struct pages_sums sums; /* read from the store; not used for writing */
 	int64_t added;        /* soil that was brought since the world was opened, below 0: taken; 2^-20 m, summed over posts */
 	size_t active_count;  /* active blocks, where soil may still relax */
