@@ -109,7 +109,9 @@ enum status bearing_thrown_land(struct bearing *bearing, const struct bearing_la
 	TRY(bearing_window_need(bearing, rect));
 	bearing_window_clear(bearing);
 	bearing_window_gather(bearing, held, held_count, true, true);
+	bearing_roofs_clear(bearing);
 	TRY(bearing_hold(bearing, rests, rest_count));
+	bearing_roofs_close(bearing);
 	for (size_t i = 0; i < held_count; i++)
 		TRY(resident_host_write(bearing->slots, held[i].slot, written));
 	for (size_t i = 0; i < count; i++) {
