@@ -226,6 +226,9 @@ static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_
 			((int32_t *)field->planes[PLANE_FLOOR])[i] = (int32_t)(h >> 8 & 0x3ffff);
 			((int32_t *)field->planes[PLANE_DENSITY])[i] = (int32_t)(h >> 10 & 0xfffff);
 			((int32_t *)field->planes[PLANE_SLOPE])[i] = (int32_t)(h * 2654435761u);
+			((int32_t *)field->planes[PLANE_HEALED])[i] = (int32_t)(h >> 2 & 0x3ffff);
+			((int32_t *)field->planes[PLANE_RISEN])[i] = (int32_t)(h >> 11 & 0xffff);
+			((int32_t *)field->planes[PLANE_GROWN])[i] = (int32_t)(h >> 1);
 		}
 }
 
