@@ -72,7 +72,7 @@ float mark_left(int until, int whole)
 #ifdef OFFSET
 // Interpolates between the four posts around the pixel.
 #define BETWEEN(of, at, part) mix(mix(of(at), of(at + ivec2(1, 0)), part.x), mix(of(at + ivec2(0, 1)), of(at + ivec2(1, 1)), part.x), part.y)
-#define PRESSED(at) mark_left(imageLoad(risen_posts, at).r, marks.z)
+#define BENT(at) mark_left(imageLoad(risen_posts, at).r, marks.z)
 #define TORN(at) mark_left(imageLoad(grown_posts, at).r, marks.w)
 #endif
 
@@ -117,14 +117,14 @@ void main()
 #endif
 #endif
 #ifdef VEGETATION
-	float pressed = 0.0, torn = 0.0;
+	float bent = 0.0, torn = 0.0;
 #ifdef OFFSET
 	ivec2 stem = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
 	vec2 beside = post - vec2(stem);
-	pressed = BETWEEN(PRESSED, stem, beside);
+	bent = BETWEEN(BENT, stem, beside);
 	torn = BETWEEN(TORN, stem, beside);
 #endif
-	albedo = overgrown(albedo, origin.xy + post * origin.z, plants_cover(post), pressed, torn);
+	albedo = overgrown(albedo, origin.xy + post * origin.z, plants_cover(post), bent, torn);
 #endif
 #ifdef TERRAIN_SHADOW
 	vec3 broad_normal = normalize(vec3(-gradient, 1.0));

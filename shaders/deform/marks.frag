@@ -10,7 +10,7 @@ layout(binding = 4) uniform isampler2DArray grown;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 window; // posts in x and y; the layer
-	ivec4 mark;   // quarter seconds: now, what the darkest disturbance takes to heal, when pressed stems have risen, when torn cover has grown
+	ivec4 mark;   // quarter seconds: now, what the darkest disturbance takes to heal, when bent stems have risen, when torn cover has grown
 };
 
 #ifdef HEALS
@@ -39,8 +39,8 @@ void main()
 	healed_out = lowered ? max(before, until(shades)) : before;
 #endif
 #ifdef GROWS
-	int pressed = texelFetch(risen, post, 0).r, torn = texelFetch(grown, post, 0).r;
-	risen_out = lowered ? max(pressed, mark.z) : pressed;
+	int bent = texelFetch(risen, post, 0).r, torn = texelFetch(grown, post, 0).r;
+	risen_out = lowered ? max(bent, mark.z) : bent;
 	grown_out = lowered ? max(torn, mark.w) : torn;
 #endif
 }

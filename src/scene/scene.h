@@ -246,13 +246,13 @@ struct scene_raster {
 	uint64_t hash[2]; /* of the file's bytes */
 };
 
-/* Plants on the ground. A body presses them down, and tears them where it slips. */
+/* Plants on the ground. A body bends them, and tears them where it slips. */
 struct scene_vegetation {
 	bool present;
 	double cover[SOIL_CLASSES]; /* share of the ground that they cover, 0 to 1, by class of soil */
 	double height;              /* m */
 	double tears;               /* the slip at which nothing is left */
-	double rises, grows;        /* s: until pressed stems stand again, and until torn cover has grown back */
+	double rises, grows;        /* s: until bent stems stand again, and until torn cover has grown back */
 };
 
 struct scene {

@@ -44,6 +44,8 @@ enum status world_check_age(const struct world *world, double time)
 
 struct plane_marks world_marks_at(const struct world *world, double time)
 {
+	if (world->record == NULL) /* it was made and not opened */
+		return (struct plane_marks){.now = 0};
 	return store_marks_at(&world->record->marks, time);
 }
 

@@ -281,6 +281,7 @@ static void keys_of_a_level_come_in_order_until_told_to_stop(void **state)
 
 TEST_PROGRAM(posts)
 {
+	field_marks = true;
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(posts_are_those_of_the_definition),
 		cmocka_unit_test(a_terrain_that_ends_with_its_tiles_ends_with_posts),

@@ -59,7 +59,7 @@ void soil_kinematic_disturb(const struct soil_planes *planes, struct post_rect p
 /* Marks that fade, as base/plane.h has them. */
 struct soil_mark {
 	int32_t now, heals;   /* the time, and what the darkest disturbance takes to heal */
-	int32_t risen, grown; /* when what a contact presses now has risen, and what it tears now has grown */
+	int32_t risen, grown; /* when what a contact bends now has risen, and what it tears now has grown */
 };
 /* Planes of marks that fade, with the rows of a struct soil_planes; NULL: not kept. */
 struct soil_marks {
