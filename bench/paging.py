@@ -89,7 +89,7 @@ def contents(overlay):
     """What a drive left: a hash over its rows, and the sum of offsets by level as `furrow verify` gives it."""
     database = sqlite3.connect(f"file:{overlay}?mode=ro", uri=True)
     rows = hashlib.sha256()
-    for table in ('"offset"', "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density"):
+    for table in ('"offset"', "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "healed", "risen", "grown"):
         for row in database.execute(f"SELECT key, hash FROM {table} ORDER BY key"):
             rows.update(b"%d %d\n" % row)
     sums = dict(database.execute('SELECT (key >> 56) - 32, sum(below + above) FROM "offset" GROUP BY 1 ORDER BY 1'))

@@ -46,9 +46,34 @@ layout(binding = 0, r32i) readonly uniform iimage2D base_posts;
 #ifdef OFFSET
 layout(binding = 1, r32i) readonly uniform iimage2D offset_posts;
 #define OFFSET_POST(at) imageLoad(offset_posts, at).r
-#ifdef DISTURBANCE
+#ifdef HEALS
+layout(binding = 2, r32i) readonly uniform iimage2D healed_posts;
+#define SHADES(at) mark_left(imageLoad(healed_posts, at).r, marks.y)
+#elif defined DISTURBANCE
 layout(binding = 2, r8ui) readonly uniform uimage2D disturbance_posts;
+#define SHADES(at) (float(imageLoad(disturbance_posts, at).r) / 255.0)
 #endif
+#ifdef VEGETATION
+layout(binding = 3, r32i) readonly uniform iimage2D risen_posts;
+layout(binding = 4, r32i) readonly uniform iimage2D grown_posts;
+#endif
+#endif
+#ifdef VEGETATION
+#include "lib/plants.glsl"
+#endif
+
+#if defined HEALS || defined VEGETATION
+// Returns what is left of a mark, 0 to 1.
+float mark_left(int until, int whole)
+{
+	return clamp(float(until - marks.x) / float(max(whole, 1)), 0.0, 1.0);
+}
+#endif
+#ifdef OFFSET
+// Interpolates between the four posts around the pixel.
+#define BETWEEN(of, at, part) mix(mix(of(at), of(at + ivec2(1, 0)), part.x), mix(of(at + ivec2(0, 1)), of(at + ivec2(1, 1)), part.x), part.y)
+#define BENT(at) mark_left(imageLoad(risen_posts, at).r, marks.z)
+#define TORN(at) mark_left(imageLoad(grown_posts, at).r, marks.w)
 #endif
 
 void main()
@@ -87,12 +112,19 @@ void main()
 #ifdef DISTURBANCE
 	ivec2 at = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
 	vec2 part = post - vec2(at);
-	vec4 disturbance = vec4(imageLoad(disturbance_posts, at).r, imageLoad(disturbance_posts, at + ivec2(1, 0)).r,
-			 imageLoad(disturbance_posts, at + ivec2(0, 1)).r, imageLoad(disturbance_posts, at + ivec2(1, 1)).r);
-	vec2 row = mix(disturbance.xz, disturbance.yw, part.x);
-	float wet = mix(row.x, row.y, part.y) / 255.0;
+	float wet = BETWEEN(SHADES, at, part);
 	albedo *= 1.0 - 0.4 * wet;
 #endif
+#endif
+#ifdef VEGETATION
+	float bent = 0.0, torn = 0.0;
+#ifdef OFFSET
+	ivec2 stem = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
+	vec2 beside = post - vec2(stem);
+	bent = BETWEEN(BENT, stem, beside);
+	torn = BETWEEN(TORN, stem, beside);
+#endif
+	albedo = overgrown(albedo, origin.xy + post * origin.z, plants_cover(post), bent, torn);
 #endif
 #ifdef TERRAIN_SHADOW
 	vec3 broad_normal = normalize(vec3(-gradient, 1.0));

@@ -12,7 +12,7 @@
 #include "world_file.h"
 
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
-					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", NULL};
+					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", NULL};
 
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map",
@@ -20,7 +20,7 @@ static const struct command_option options[] = {
 	{"mesh", "OUT", .help = "the surface of the window as triangles: .obj, .glb (glTF 2.0) or .stl", .files = "obj glb stl",
 	 .instead = true},
 	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
-	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
+	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, disturbance, bent and torn plants as shares, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
 	 .preset = "surface"},
 	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser",
 	 .preset = "0; offset to fixed_point: the deformed level"},
@@ -46,7 +46,7 @@ const char *export_layer_name(int layer)
 enum store_layer export_store_layer(int layer)
 {
 	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_DEPOSITED,
-						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_LOOSE, STORE_DENSITY, STORE_UNITS, STORE_SURFACE};
+						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_LOOSE, STORE_DENSITY, STORE_UNITS, STORE_SURFACE, STORE_SOIL, STORE_RISEN, STORE_GROWN};
 	return layers[layer];
 }
 
@@ -196,6 +196,30 @@ static enum status to_16_bits(const struct export_request *request, double *valu
 	return STATUS_OK;
 }
 
+/* Makes shares of posts that were read: of disturbance the stored number, of a mark that fades when it is gone. */
+static enum status read_marks(const struct export_request *request, struct store_reader *reader, struct post_rect part, double *values)
+{
+	const enum plane plane = request->layer == LAYER_BENT ? PLANE_RISEN : request->layer == LAYER_TORN ? PLANE_GROWN : PLANE_HEALED;
+	const size_t count = (size_t)(part.x1 - part.x0) * (size_t)(part.y1 - part.y0);
+	const int32_t whole = plane_mark_whole(&request->marks, plane);
+	double *healed = NULL;
+	if (request->layer == LAYER_DISTURBANCE) {
+		TRY(mem_make(&healed, count, sizeof *healed, "rows to export"));
+		const enum status status = store_read_posts(reader, STORE_HEALED, (int)request->level, part, healed);
+		if (status != STATUS_OK) {
+			mem_free(healed);
+			return status;
+		}
+	}
+	for (size_t i = 0; i < count; i++) {
+		const double until = healed != NULL ? healed[i] : values[i];
+		const int32_t left = isnan(until) ? 0 : plane_mark_left((int32_t)ldexp(until, PLANE_TIME_BITS), request->marks.now, whole);
+		values[i] = (healed != NULL && values[i] > left ? values[i] : isnan(values[i]) ? (double)NAN : left) / PLANE_MARK_MOST;
+	}
+	mem_free(healed);
+	return STATUS_OK;
+}
+
 /* Reads posts of the layer. What lies loose is the loose layer, and what was deposited since a body touched the post. */
 static enum status read_posts(const struct export_request *request, struct store_reader *reader, struct post_rect part, double *values)
 {
@@ -204,6 +228,8 @@ static enum status read_posts(const struct export_request *request, struct store
 	enum status status;
 	double *others = NULL;
 	TRY(store_read_posts(reader, layer, (int)request->level, part, values));
+	if (request->layer >= LAYER_DISTURBANCE)
+		return read_marks(request, reader, part, values);
 	if (request->layer != LAYER_LOOSE)
 		return STATUS_OK;
 	others = mem_alloc(2 * count, sizeof *others);
@@ -305,7 +331,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 	struct post_rect rect;
 	TRY(export_find_rect(request, extent, &rect));
 	TRY(check_size(rect));
-	bool metres = request->layer < LAYER_QUANTA;
+	bool metres = request->layer != LAYER_QUANTA && request->layer != LAYER_HILLSHADE;
 	struct dem_raster raster = {
 		.path = request->path,
 		.width = rect.x1 - rect.x0,
@@ -356,7 +382,10 @@ static enum status run(const struct arguments *arguments)
 	request.store = arguments_at(arguments, 0);
 	TRY(store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store));
 	int working;
+	struct store_marks marks;
 	enum status status;
+	TRY_OR(done, store_marks(store, &marks));
+	request.marks = store_marks_at(&marks, marks.time);
 	TRY_OR(done, export_place_window(&request, store_meta(store)));
 	if (!export_is_ruts(&request))
 		relief_tell_missing(request.store, store);

@@ -19,7 +19,10 @@ enum export_layer {
 	LAYER_LOOSE,
 	LAYER_DENSITY,
 	LAYER_QUANTA,
-	LAYER_HILLSHADE
+	LAYER_HILLSHADE,
+	LAYER_DISTURBANCE,
+	LAYER_BENT,
+	LAYER_TORN
 };
 
 struct export_request {
@@ -27,6 +30,7 @@ struct export_request {
 	const char *path;  /* to write */
 	const char *store; /* path, as given */
 	int layer;
+	struct plane_marks marks; /* the store's time */
 	int64_t level;
 	bool png, raw, mesh; /* path's ending; mesh: --mesh */
 	bool map;            /* a picture with a frame and a legend */

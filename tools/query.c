@@ -15,7 +15,7 @@
 static const struct command_option options[] = {
 	{"ray", "X,Y,Z,DX,DY,DZ", .help = "where a ray from there first meets the ground, from above or below", .repeats = true},
 	{"srs", "SRS", .help = "what X and Y are in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
-	{"json", .help = "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt), and local: metres from the south-west post, as scenes and --window take them"},
+	{"json", .help = "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt, 0 to 255, and bent and torn plants, shares), and local: metres from the south-west post, as scenes and --window take them"},
 	{.name = NULL},
 };
 
@@ -27,6 +27,7 @@ struct asking {
 	cJSON *points, *rays; /* NULL: print lines */
 	cJSON *only;          /* the last one */
 	bool guessed;         /* a hint was given */
+	struct plane_marks marks; /* the store's time */
 };
 
 /* What a line or an option says: so many numbers. */
@@ -64,6 +65,12 @@ static void add_numbers(cJSON *object, const char *name, const double *values, s
 		cJSON_AddItemToArray(array, cJSON_CreateNumber(values[i]));
 }
 
+/* Returns the shades that are left of a mark that fades. until: s of the store's time. */
+static int32_t left_of(const struct asking *asking, enum plane plane, double until)
+{
+	return plane_mark_left((int32_t)ldexp(until, PLANE_TIME_BITS), asking->marks.now, plane_mark_whole(&asking->marks, plane));
+}
+
 static enum status ask_point(struct asking *asking, double x, double y)
 {
 	struct store_sample sample;
@@ -71,6 +78,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	TRY(to_local(asking, &local_x, &local_y));
 	TRY(store_sample(asking->reader, local_x, local_y, &sample));
 	bool nodata = sample.nodata || sample.outside;
+	const unsigned healing = (unsigned)left_of(asking, PLANE_HEALED, sample.healed), dirt = sample.disturbance > healing ? sample.disturbance : healing;
 	if (sample.outside)
 		tell_outside(asking, x, y);
 	if (asking->points == NULL) {
@@ -78,7 +86,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 			printf("%.15g %.15g %s\n", x, y, sample.outside ? "outside" : "nodata");
 		else
 			printf("%.15g %.15g height %.6f base %.6f offset %.6f dirt %u\n", x, y, sample.height,
-			       sample.base, sample.offset, sample.disturbance);
+			       sample.base, sample.offset, dirt);
 		return STATUS_OK;
 	}
 	struct resident_height surface;
@@ -98,7 +106,11 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	cJSON_AddBoolToObject(point, "nodata", nodata);
 	cJSON_AddBoolToObject(point, "outside", sample.outside);
 	cJSON *soil = cJSON_AddObjectToObject(point, "soil");
-	json_integer(soil, "dirt", sample.disturbance);
+	json_integer(soil, "dirt", dirt);
+	if (sample.planes & PLANE_BIT(PLANE_RISEN)) {
+		json_number(soil, "bent", left_of(asking, PLANE_RISEN, sample.risen) / (double)PLANE_MARK_MOST);
+		json_number(soil, "torn", left_of(asking, PLANE_GROWN, sample.grown) / (double)PLANE_MARK_MOST);
+	}
 	const struct {
 		enum plane plane;
 		double value;
@@ -261,6 +273,9 @@ static enum status no_pairs(const struct arguments *arguments)
 static enum status ask(struct asking *asking, struct store *store, const struct arguments *arguments)
 {
 	const bool told = arguments_count(arguments) > 1 || arguments_flag(arguments, "ray");
+	struct store_marks marks;
+	TRY(store_marks(store, &marks));
+	asking->marks = store_marks_at(&marks, marks.time);
 	TRY(store_reader_create(store, &asking->reader));
 	TRY(resident_newest_create(store, NULL, &asking->newest));
 	if (arguments_flag(arguments, "json")) {

@@ -331,7 +331,7 @@ class World:
         """Posts of a rectangle: (rows, columns) float64, row 0 the southernmost. NaN where there is no post.
 
         layer: "surface", "base", "offset", "deposited", "sinkage" (m), "shear_x", "shear_y"
-            (shares of the soil's strength, -1 to 1) or "disturbance" (0 to 1).
+            (shares of the soil's strength, -1 to 1), "disturbance", or "bent" or "torn" plants (0 to 1).
         The rectangle is x, y (m, its south-west corner), width and height (m), and holds the posts in it, its sides included; or
         column, row, columns and rows, in posts. level: None is the working level, the finest.
         out: (rows, columns) float64 to fill, whose rows are contiguous each; nothing is copied.

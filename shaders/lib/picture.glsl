@@ -34,6 +34,11 @@ layout(std140, binding = 0) uniform picture {
 	// xyz: the middle of each map along these axes, m; w: the value of that depth
 	vec4 shade_middle[4];
 	vec4 shade_scale[4]; // xyz: from metres along these axes to -1 .. 1 and depth; w: size of a texel, m
+#if defined HEALS || defined VEGETATION
+	ivec4 marks;    // quarter seconds: the store's time; what marks take to heal, to rise, to grow
+	vec4 plants;    // x: height, m
+	vec4 cover[4];  // for each soil class, the share of the ground that plants cover
+#endif
 };
 
 const float half_base_metre = 1.0 / 131072.0; // metres in two units of a base height, 2^-17

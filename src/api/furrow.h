@@ -431,7 +431,7 @@ struct furrow_hit {
 FURROW_API furrow_status furrow_rays(struct furrow_world *world, size_t count, const double *origin, const double *direction,
 				     struct furrow_hit *hits);
 
-/* Metres, but for SHEAR: -1 to 1, and DISTURBANCE: 0 to 1. */
+/* Metres, but for SHEAR: -1 to 1, and DISTURBANCE, BENT, TORN: 0 to 1. */
 enum furrow_layer {
 	FURROW_SURFACE,     /* base + offset */
 	FURROW_BASE,        /* as imported */
@@ -440,7 +440,9 @@ enum furrow_layer {
 	FURROW_SINKAGE,     /* plastic sinkage */
 	FURROW_SHEAR_X,     /* mobilised shear to the east, a share of the soil's strength: how far it is sheared under a contact */
 	FURROW_SHEAR_Y,     /* and to the north; both are 0 where nothing is in contact */
-	FURROW_DISTURBANCE
+	FURROW_DISTURBANCE, /* as it is now, if it heals */
+	FURROW_BENT,        /* share of plants that lie flat, and of plants that are gone */
+	FURROW_TORN
 };
 
 /*

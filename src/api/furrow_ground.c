@@ -167,6 +167,10 @@ static enum store_layer layer_of(enum furrow_layer layer)
 		return STORE_PLASTIC_SINKAGE;
 	case FURROW_DISTURBANCE:
 		return STORE_SOIL;
+	case FURROW_BENT:
+		return STORE_RISEN;
+	case FURROW_TORN:
+		return STORE_GROWN;
 	case FURROW_SHEAR_X:
 		return STORE_SHEAR_EAST;
 	case FURROW_SHEAR_Y:
@@ -180,7 +184,7 @@ static enum status check_read(const struct furrow_world *world, enum furrow_laye
 {
 	const int coarsest = extent_coarsest(&world_resident(world->world)->meta->extent);
 	TRY(api_library_need(posts, "posts"));
-	if ((int)layer < 0 || (int)layer > (int)FURROW_DISTURBANCE)
+	if ((int)layer < 0 || (int)layer > (int)FURROW_TORN)
 		return fail_with(STATUS_USAGE, "layer: %d is none; give one of enum furrow_layer", (int)layer);
 	if (level < world_resident(world->world)->level || level > coarsest)
 		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world_resident(world->world)->level, coarsest);
@@ -199,22 +203,45 @@ static void fill_nan(double *posts, size_t columns, size_t rows, size_t stride)
 			posts[r * stride + c] = NAN;
 }
 
+/* Makes shares of posts that were read: of disturbance the stored number, of marks that fade when they are gone. healed: the latter of disturbance. */
+static void share(const struct furrow_world *world, enum store_layer layer, size_t count, const double *healed, double *values)
+{
+	const struct plane_marks marks = world_marks_at(world->world, world_time(world->world));
+	const enum plane plane = layer == STORE_RISEN ? PLANE_RISEN : layer == STORE_GROWN ? PLANE_GROWN : PLANE_HEALED;
+	for (size_t i = 0; i < count; i++) {
+		const double until = healed != NULL ? healed[i] : layer == STORE_SOIL ? 0 : values[i];
+		const int32_t left = isnan(until) ? 0 : plane_mark_left((int32_t)ldexp(until, PLANE_TIME_BITS), marks.now, plane_mark_whole(&marks, plane));
+		const double kept = layer == STORE_SOIL ? fmax(values[i], left) : left;
+		values[i] = isnan(values[i]) ? values[i] : kept / DISTURBANCE_MOST;
+	}
+}
+
+/* Reads posts; marks as shares. others: room for as many. */
+static enum status read_part(struct furrow_world *world, enum store_layer layer, int level, struct post_rect part, double *values, double *others)
+{
+	const bool heals = layer == STORE_SOIL && world_marks_at(world->world, 0).heals > 0;
+	TRY(world_read_posts(world->world, layer, level, part, values));
+	if (heals)
+		TRY(world_read_posts(world->world, STORE_HEALED, level, part, others));
+	if (layer == STORE_SOIL || layer == STORE_RISEN || layer == STORE_GROWN)
+		share(world, layer, (size_t)(part.x1 - part.x0) * (size_t)(part.y1 - part.y0), heals ? others : NULL, values);
+	return STATUS_OK;
+}
+
 static enum status read_rows(struct furrow_world *world, enum store_layer layer, int level, struct post_rect rect, double *posts, size_t stride)
 {
 	const size_t columns = (size_t)(rect.x1 - rect.x0);
 	const int64_t at_once = columns < 65536 ? 65536 / (int64_t)columns + 1 : 1; /* rows: a block of memory of about half a MB */
 	const int64_t all = rect.y1 - rect.y0;
-	double *values = mem_alloc((size_t)(at_once < all ? at_once : all) * columns, sizeof *values);
+	const size_t room = (size_t)(at_once < all ? at_once : all) * columns;
+	double *values = mem_alloc(2 * room, sizeof *values);
 	enum status status;
 	TRY_OR(done, values != NULL ? STATUS_OK : fail_memory("posts"));
 	for (int64_t y = rect.y0; y < rect.y1; y += at_once) {
 		const int64_t end = y + at_once < rect.y1 ? y + at_once : rect.y1;
-		TRY_OR(done, world_read_posts(world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values));
+		TRY_OR(done, read_part(world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values, values + room));
 		for (int64_t r = y; r < end; r++)
-			for (size_t c = 0; c < columns; c++) {
-				const double value = values[(size_t)(r - y) * columns + c];
-				posts[(size_t)(r - rect.y0) * stride + c] = layer == STORE_SOIL ? value / DISTURBANCE_MOST : value;
-			}
+			memcpy(posts + (size_t)(r - rect.y0) * stride, values + (size_t)(r - y) * columns, columns * sizeof *posts);
 	}
 done:
 	mem_free(values);

@@ -61,7 +61,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_HOST_OFFSET] = "host_offset", [PLAN_HOST_DISTURBANCE] = "host_dirt", [PLAN_HOST_DEPOSITED] = "host_heaped",
 		[PLAN_HOST_SINKAGE] = "host_pressed", [PLAN_HOST_SHEAR] = "host_shear", [PLAN_HOST_DUG] = "host_dug",
 		[PLAN_HOST_SETTLED] = "host_settled", [PLAN_HOST_LOOSE] = "host_loose", [PLAN_HOST_FLOOR] = "host_floor", [PLAN_HOST_DENSITY] = "host_density",
-		[PLAN_HOST_SLOPE] = "host_slope",
+		[PLAN_HOST_SLOPE] = "host_slope", [PLAN_HOST_HEALED] = "host_healed", [PLAN_HOST_RISEN] = "host_risen", [PLAN_HOST_GROWN] = "host_grown",
 		[PLAN_WINDOW_POST] = "window_post", [PLAN_WINDOW_SCRATCH] = "window_scratch", [PLAN_RESULT_POST] = "result_post",
 		[PLAN_WINDOW] = "window", [PLAN_MOVED] = "moved", [PLAN_BATCH] = "batch", [PLAN_BATCH_DRAW] = "batch_draw",
 		[PLAN_BATCH_STORE] = "batch_store", [PLAN_BATCH_ENVELOPE] = "batch_underside",

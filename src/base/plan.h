@@ -47,7 +47,7 @@ enum plan_unit {
 	PLAN_HOST_NUMBERS, /* and numbers of the soil, from rasters */
 	/* planes of tiles in host memory, in the order of enum plane: PLAN_HOST_OFFSET + plane */
 	PLAN_HOST_OFFSET, PLAN_HOST_DISTURBANCE, PLAN_HOST_DEPOSITED, PLAN_HOST_SINKAGE, PLAN_HOST_SHEAR, PLAN_HOST_DUG, PLAN_HOST_SETTLED, PLAN_HOST_LOOSE,
-	PLAN_HOST_FLOOR, PLAN_HOST_DENSITY, PLAN_HOST_SLOPE,
+	PLAN_HOST_FLOOR, PLAN_HOST_DENSITY, PLAN_HOST_SLOPE, PLAN_HOST_HEALED, PLAN_HOST_RISEN, PLAN_HOST_GROWN,
 	PLAN_WINDOW_POST,  /* posts for which the window of bearing soil has room */
 	PLAN_WINDOW_SCRATCH, /* bytes of scratch memory beside that window, for laying and sliding */
 	PLAN_RESULT_POST,  /* posts of relaxing bearing soil that were computed, before they are put back */

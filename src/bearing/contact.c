@@ -80,6 +80,8 @@ enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearin
 		const struct post_rect changed = contacts[i].changed, touched = post_rect_intersect(changed, bearing->under);
 		if (!post_rect_empty(changed))
 			resident_host_scatter(bearing->slots, held, held_count, &bearing->window.planes, changed, bearing->planes & wide);
+		if (!post_rect_empty(changed))
+			bearing_marks_scatter(bearing, held, held_count, changed);
 		if (!post_rect_empty(touched))
 			resident_host_scatter(bearing->slots, held, held_count, &bearing->window.planes, touched, bearing->planes & ~wide);
 	}
@@ -311,6 +313,7 @@ static enum status slide(struct bearing *bearing, struct bearing_contact *contac
 		first = false;
 		if (bearing->params.disturbance)
 			soil_kinematic_disturb(&window->planes, post_rect_intersect(members[i].imprint.reached, contacts[i].area.write));
+		bearing_mark(bearing, contacts[i].contact, post_rect_intersect(members[i].imprint.reached, contacts[i].area.write));
 	}
 	bearing->tally.compacted += (int64_t)slid.compacted;
 	bearing->tally.refused += slid.refused;

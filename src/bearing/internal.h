@@ -15,6 +15,7 @@
 /* Memory of a window's planes. Made for the largest window so far. */
 struct bearing_window {
 	struct soil_planes planes;
+	struct soil_marks marks; /* of the same posts */
 	int32_t *deposits;
 	int32_t *carried; /* what each post gives away; soil that bears: set at posts that a body touched which pushes */
 	uint8_t *owners, *patch; /* soil that bears: which body touched a post last; the posts that one body touched, as soil_lay reads them */
@@ -116,6 +117,11 @@ void bearing_window_finish(struct bearing_window *window);
 
 /* Gives the planes of a part of the window. Returns where it begins. */
 size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes);
+
+/* window.c: puts marks that fade back into these tiles. */
+void bearing_marks_scatter(struct bearing *bearing, const struct tile_slot *held, size_t count, struct post_rect changed);
+/* kinematic.c: writes marks that fade, in the window, at these posts. Does nothing where none are kept. */
+void bearing_mark(struct bearing *bearing, const struct deform_contact *contact, struct post_rect posts);
 
 /* hands.c */
 void bearing_hands_finish(struct bearing *bearing);

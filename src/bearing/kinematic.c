@@ -18,6 +18,14 @@ static struct post_rect shadow_of(const struct bearing *bearing, const struct de
 	return soil_shadow(contact->shape, from, &contact->to, bearing->law.spacing);
 }
 
+void bearing_mark(struct bearing *bearing, const struct deform_contact *contact, struct post_rect posts)
+{
+	if (deform_marks(&bearing->params) == 0)
+		return;
+	const struct soil_mark mark = deform_mark_of(&bearing->params, contact);
+	soil_kinematic_mark(&bearing->window.planes, &bearing->window.marks, posts, &mark);
+}
+
 enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area)
 {
 	const struct soil_kinematic_contact own = contact_of(contact);
@@ -117,6 +125,7 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 	bearing->tally.compacted += tally.compacted;
 	bearing->tally.refused += tally.refused;
 	if (!bearing->conserves) {
+		bearing_mark(bearing, contact, post_rect_intersect(shadow, window->planes.rect));
 		/* Where the body lowered no post, it left none, and nothing is smoothed. */
 		const struct post_rect lowered = posts_with(&window->planes, post_rect_intersect(shadow, area->read), SOIL_LOWERED);
 		*changed = post_rect_empty(lowered) ? lowered : post_rect_intersect(area->write, post_rect_grown(lowered, bearing->kinematic.radius));
@@ -125,6 +134,7 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 	*changed = redistribute(bearing, contact, area, below);
 	if (bearing->params.disturbance)
 		soil_kinematic_disturb(&window->planes, below);
+	bearing_mark(bearing, contact, below);
 	return wake(bearing, area->write, alone);
 }
 
@@ -135,5 +145,6 @@ enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect 
 		if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[i].tile), changed)))
 			TRY(resident_host_write(bearing->slots, held[i].slot, planes));
 	resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, changed, planes);
+	bearing_marks_scatter(bearing, held, count, changed);
 	return STATUS_OK;
 }

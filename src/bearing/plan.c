@@ -39,7 +39,8 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 		enum plane plane;
 		const char *name;
 	} memories[] = {{PLANE_DUG, "window: dug"}, {PLANE_SETTLED, "window: settled"}, {PLANE_LOOSE, "window: loose"}, {PLANE_FLOOR, "window: floor"},
-			{PLANE_DENSITY, "window: density"}, {PLANE_SLOPE, "window: slope"}};
+			{PLANE_DENSITY, "window: density"}, {PLANE_SLOPE, "window: slope"}, {PLANE_HEALED, "window: healed"}, {PLANE_RISEN, "window: risen"},
+			{PLANE_GROWN, "window: grown"}};
 	for (size_t i = 0; i < sizeof memories / sizeof *memories; i++)
 		if (deform_planes(params->model, params->disturbance, deform_memory(params)) & PLANE_BIT(memories[i].plane))
 			add(plan, deform_plane_effect(params->model, memories[i].plane), PLAN_WINDOW_POST, sizeof(int32_t), memories[i].name);

@@ -25,6 +25,8 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 		{&p->dug, bearing->planes & PLANE_BIT(PLANE_DUG)}, {&p->settled, bearing->planes & PLANE_BIT(PLANE_SETTLED)},
 		{&p->loose, bearing->planes & PLANE_BIT(PLANE_LOOSE)}, {&p->floor, bearing->planes & PLANE_BIT(PLANE_FLOOR)},
 		{&p->density, bearing->planes & PLANE_BIT(PLANE_DENSITY)}, {&p->slope, bearing->planes & PLANE_BIT(PLANE_SLOPE)},
+		{&bearing->window.marks.healed, bearing->planes & PLANE_BIT(PLANE_HEALED)}, {&bearing->window.marks.risen, bearing->planes & PLANE_BIT(PLANE_RISEN)},
+		{&bearing->window.marks.grown, bearing->planes & PLANE_BIT(PLANE_GROWN)},
 		{&bearing->window.deposits, bearing->conserves},
 		{&bearing->window.carried, bearing->conserves},
 	};
@@ -97,11 +99,36 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 	return need_words(bearing, (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2));
 }
 
+static int32_t *mark_of(const struct bearing_window *window, enum plane plane)
+{
+	return plane == PLANE_HEALED ? window->marks.healed : plane == PLANE_RISEN ? window->marks.risen : window->marks.grown;
+}
+
+static void gather_marks(struct bearing *bearing, const struct tile_slot *held, size_t count, struct post_rect part)
+{
+	struct soil_planes planes;
+	if ((bearing->planes & PLANE_MARKS) == 0)
+		return;
+	const size_t at = bearing_window_part(&bearing->window, part, &planes);
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++)
+		if (bearing->planes & PLANE_BIT(plane))
+			resident_host_gather_mark(bearing->slots, held, count, &planes, (enum plane)plane, mark_of(&bearing->window, (enum plane)plane) + at);
+}
+
+void bearing_marks_scatter(struct bearing *bearing, const struct tile_slot *held, size_t count, struct post_rect changed)
+{
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++)
+		if (bearing->planes & PLANE_BIT(plane))
+			resident_host_scatter_mark(bearing->slots, held, count, &bearing->window.planes, (enum plane)plane, mark_of(&bearing->window, (enum plane)plane),
+						   changed);
+}
+
 void bearing_window_clear(struct bearing *bearing)
 {
 	const struct soil_planes *planes = &bearing->window.planes;
 	memset(planes->contact, 0, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0));
 	resident_host_gather(bearing->slots, NULL, 0, planes);
+	gather_marks(bearing, NULL, 0, planes->rect);
 }
 
 size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes)
@@ -155,6 +182,8 @@ void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held
 	gather_memory(bearing, held, count, slides ? (struct post_rect){0, 0, 0, 0} : post_rect_intersect(part, bearing->under));
 	drop_memory(&planes);
 	resident_host_gather(bearing->slots, held, count, &planes);
+	if (!slides)
+		gather_marks(bearing, held, count, part);
 }
 
 void bearing_window_finish(struct bearing_window *window)

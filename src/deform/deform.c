@@ -32,7 +32,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	assert(!deform_model_row(params->model)->bears);
 	deform->params = *params;
 	deform->params.batches = params->batches && deform_model_row(params->model)->batch != NULL && gpu_info(params->gpu)->vertices_pass;
-	deform->planes = deform_planes(params->model, params->disturbance, 0);
+	deform->planes = deform_planes(params->model, params->disturbance, deform_marks(params));
 	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
 	deform->border = deform_border(params);

@@ -39,6 +39,8 @@ struct deform_contact {
 	/* The object is above all ground of its windows before the contact. The distance exceeds the rounding of its lower
 	 * envelope. */
 	bool above;
+	int32_t now;  /* the store's time at `to`, quarter seconds; for marks that fade */
+	int32_t torn; /* how much of the cover below it the body tears, 0 to PLANE_MARK_MOST */
 };
 
 /*
@@ -173,12 +175,19 @@ struct deform_params {
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
+	int32_t heals, rises, grows; /* what the darkest marks that fade take, as in struct plane_marks; 0: no such plane */
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
 };
 
-/* What else a post remembers, a mask: what slip has dug; loose layers; how dense passes have made it; how high its slope is. */
-enum { DEFORM_DIGS = 1, DEFORM_LOOSENS = 2, DEFORM_HARDENS = 4, DEFORM_SLOPES = 8 };
+/* What else a post remembers, a mask: what slip has dug; loose layers; how dense passes have made it; how high its slope is. Then marks that fade:
+ * disturbance, and those of plants. */
+enum { DEFORM_DIGS = 1, DEFORM_LOOSENS = 2, DEFORM_HARDENS = 4, DEFORM_SLOPES = 8, DEFORM_HEALS = 16, DEFORM_GROWS = 32 };
 unsigned deform_memory(const struct deform_params *params);
+/* Returns those that are marks. A contact of every model writes them. */
+unsigned deform_marks(const struct deform_params *params);
+/* Returns the marks of a contact: soil/kinematic/kinematic.h. Pure. */
+struct soil_mark;
+struct soil_mark deform_mark_of(const struct deform_params *params, const struct deform_contact *contact);
 /* Tells whether a soil's limit depends on the height of the slope. */
 bool deform_slopes_count(enum deform_model model, const struct soil_numbers *soils, int count);
 /* Returns the planes that a model keeps, a mask of PLANE_BIT. */

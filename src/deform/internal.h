@@ -4,6 +4,7 @@
 
 #include "deform/deform.h"
 #include "deform/programs.h"
+#include "soil/kinematic/kinematic.h"
 #include "soil/kinematic/shed.h"
 #include "soil/laying/laying.h"
 #include "soil/shape/affine.h"
@@ -25,6 +26,7 @@ enum scratch_target {
 	 * turn to `under` and to `deposits`. */
 	TO_SLOPES_FIRST, TO_SLOPES_0, TO_SLOPES_1,
 	TO_DISTURBANCE, /* disturbance plane 1 */
+	TO_MARKS,       /* the planes 1 of marks that fade */
 	TO_HELD,    /* only the texture `contacts` */
 	TO_BARE,    /* no attachment: the pass writes images and buffers */
 	SCRATCH_TARGETS
@@ -94,7 +96,7 @@ struct deform {
 	struct interval *interval;
 	struct batch *batch;                   /* batch.c; NULL: every window is computed alone */
 	struct gpu_program *under_program[2 * SOIL_SHAPES]; /* every program is linked when it is first needed */
-	struct gpu_program *box, *contact, *disturbance;
+	struct gpu_program *box, *contact, *disturbance, *marks;
 	struct gpu_program *spread[SPREAD_PASSES];
 	struct gpu_program *held;
 	struct gpu_program *facet;
@@ -122,6 +124,7 @@ void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 /* Each returns a property of the deform that depends on its parameters only. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
 bool deform_has_classes(const struct deform_params *params);
+const char *deform_marks_effect(const struct deform_params *params); /* stages.c: whose pass it is that writes marks that fade */
 int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
 bool deform_is_bounded(const struct deform_params *params); /* the layer of soil that can relax has a bottom */
 /* the height difference of two posts may not fit 32 bits: the relief exceeds SOIL_STEEP_RELIEF */

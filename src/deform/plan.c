@@ -50,6 +50,8 @@ static void plan_windows(const struct deform_params *params, const struct deform
 	}
 	if (params->disturbance)
 		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DISTURBANCE, 1);
+	if (deform_marks(params) != 0)
+		add_passes(plan, deform_marks_effect(params), number, PLAN_WINDOW, GPU_DISTURBANCE, 1);
 }
 
 /* What some of the objects call for, once. */

@@ -150,6 +150,13 @@ void deform_programs_disturbance(struct deform_request *out)
 	begin(out, "full.vert", "deform/disturbance.frag");
 }
 
+void deform_programs_marks(const struct deform_params *params, struct deform_request *out)
+{
+	begin(out, "full.vert", "deform/marks.frag");
+	define(out, "HEALS", params->heals > 0);
+	define(out, "GROWS", params->rises > 0);
+}
+
 void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out)
 {
 	static const struct {
@@ -301,6 +308,10 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 	if (params->disturbance) {
 		deform_programs_disturbance(&each.request);
 		add(&each, "dirt");
+	}
+	if (deform_marks(params) != 0) {
+		deform_programs_marks(params, &each.request);
+		add(&each, deform_marks_effect(params));
 	}
 	each_batch(&each, object);
 }

@@ -40,6 +40,7 @@ void deform_programs_steep(struct deform_request *out); /* marks where soil may 
 void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out);
 void deform_programs_held(struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);
+void deform_programs_marks(const struct deform_params *params, struct deform_request *out);
 
 /* Passes over a batch of windows (batch.c). */
 /* Contacts of straight wheels, of wheels that also move sideways, of spheres, of other shapes. Then the copy of the ground, before them, and

@@ -22,7 +22,7 @@ struct rows {
 
 bool deform_needs_contacts(const struct deform_params *params)
 {
-	return !deform_model_row(params->model)->blind || params->disturbance;
+	return !deform_model_row(params->model)->blind || params->disturbance || deform_marks(params) != 0;
 }
 
 bool deform_has_classes(const struct deform_params *params)
@@ -45,9 +45,10 @@ static enum gpu_format format_of(enum plane plane)
 static void rows_of(const struct deform_params *params, struct rows *rows)
 {
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
-	const char *touched = deform_contact_effect(params->model);
+	const bool plants = deform_model_row(params->model)->blind && !params->disturbance && params->heals == 0;
+	const char *touched = plants ? "vegetation" : deform_contact_effect(params->model);
 	bool contacts = deform_needs_contacts(params), conserves = deform_conserves(params->model);
-	unsigned planes = deform_planes(params->model, params->disturbance, 0);
+	unsigned planes = deform_planes(params->model, params->disturbance, deform_marks(params));
 	rows->count = 0;
 	add(rows, true, (struct row){"window's base", displace, GPU_R32I, PLACE(bases)});
 	add(rows, true, (struct row){"under", displace, GPU_R32I, PLACE(under)});
@@ -164,6 +165,8 @@ static enum status make_targets(struct deform *deform, uint32_t number, bool atl
 		}
 	}
 	attach(&of[TO_DISTURBANCE], deform->planes_of[1][PLANE_DISTURBANCE], number);
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++)
+		attach(&of[TO_MARKS], deform->planes_of[1][plane], number);
 	for (int k = 0; k < SCRATCH_TARGETS; k++)
 		if (of[k].count > 0)
 			TRY(gpu_target_create(gpu, of[k].list, of[k].count, (struct gpu_attachment){NULL, 0}, &deform->scratch[number].to[k]));

@@ -103,6 +103,40 @@ enum status deform_disturb(struct deform *deform, struct post_rect read, uint32_
 	return STATUS_OK;
 }
 
+const char *deform_marks_effect(const struct deform_params *params)
+{
+	return params->heals > 0 ? "dirt" : "vegetation";
+}
+
+/* The pass that writes marks that fade. */
+static enum status mark(struct deform *deform, const struct deform_contact *contact, struct post_rect read, uint32_t layer)
+{
+	struct deform_request request;
+	deform_programs_marks(&deform->params, &request);
+	TRY(deform_program(deform, &request, &deform->marks));
+	struct layer *scratch = &deform->scratch[layer];
+	const struct soil_mark mark = deform_mark_of(&deform->params, contact);
+	const struct {
+		int32_t window[4], mark[4];
+	} params = {
+		.window = {(int32_t)(read.x1 - read.x0), (int32_t)(read.y1 - read.y0), (int32_t)layer},
+		.mark = {mark.now, mark.heals, mark.risen, mark.grown},
+	};
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_DISTURBANCE,
+		.program = deform->marks,
+		.target = scratch->to[TO_MARKS],
+		.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},
+		.textures = {deform->planes_of[scratch->now[PLANE_OFFSET]][PLANE_OFFSET], deform->contacts, deform->planes_of[0][PLANE_HEALED],
+			     deform->planes_of[0][PLANE_RISEN], deform->planes_of[0][PLANE_GROWN]},
+		.params = &params,
+		.params_bytes = sizeof params,
+	});
+	scratch->now[PLANE_HEALED] = deform->params.heals > 0;
+	scratch->now[PLANE_RISEN] = scratch->now[PLANE_GROWN] = deform->params.rises > 0;
+	return STATUS_OK;
+}
+
 void deform_begin_layer(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
 	struct layer *scratch = &deform->scratch[layer];
@@ -119,5 +153,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_contact
 	deform_begin_layer(deform, contact, window, layer);
 	TRY(deform_envelope(deform, contact, window, layer));
 	TRY(deform_model_row(deform->params.model)->contact(deform, contact, window, layer));
+	if (deform_marks(&deform->params) != 0)
+		TRY(mark(deform, contact, window->read, layer));
 	return deform->params.disturbance ? deform_disturb(deform, window->read, layer) : STATUS_OK;
 }

@@ -293,15 +293,15 @@ void gpu_counter_take(struct gpu_counter *counter, uint64_t *samples, uint64_t *
  * also holds soil classes (R8UI) if they were loaded. A deform slot holds planes (base/plane.h), each a texture of its own
  * format. A base slot has a deform slot only while its tile is deformed.
  *
- * Offset and disturbance are drawn. So every deformed tile has them, also coarser tiles. The other planes are the soil's state
+ * Offset, disturbance and marks that fade are drawn. So every deformed tile has them, also coarser tiles. The other planes are the soil's state
  * at the working level. If gpu_slots_deform or an upload needs one of them, all are made.
  */
-#define GPU_DRAWN_PLANES (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE))
+#define GPU_DRAWN_PLANES (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE) | PLANE_MARKS)
 struct gpu_slot {
 	struct gpu_texture *base;           /* NULL: no tile was ever loaded into this slot */
 	struct gpu_texture *classes;        /* NULL: no soil classes were ever loaded into this slot */
 	struct gpu_texture *planes[PLANES]; /* NULL: the tile is not deformed, or the slots lack this plane; it counts as zeros */
-	struct gpu_target *target;          /* FBO with offset and disturbance as colours 0 and 1; NULL: the tile is not deformed */
+	struct gpu_target *target;          /* FBO with the drawn planes as colours, in the planes' order; NULL: the tile is not deformed */
 };
 /* Returns the array of which a texture of a slot is a layer, and its layer. NULL: it is none (gpu_slots_in_arrays). */
 struct gpu_texture *gpu_texture_array(const struct gpu_texture *texture, uint32_t *layer);
@@ -381,7 +381,7 @@ enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, stru
 				    const size_t places[PLANES]) FURROW_CHECKED;
 enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				  const size_t places[PLANES]) FURROW_CHECKED;
-/* Copies every 2^steps-th post of slot `fine` inside `rect` into slot `coarse`, to (to_x, to_y): offset and disturbance. `rect`
+/* Copies every 2^steps-th post of slot `fine` inside `rect` into slot `coarse`, to (to_x, to_y): the drawn planes. `rect`
  * is in posts of `fine`; its first post must also be a post of the coarse level. A fine slot that is not deformed counts as
  * zeros. A coarse slot that is not deformed first gets a deform slot of zeros, with the drawn planes. */
 enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gpu_rect rect, int steps,

@@ -7,7 +7,7 @@ static const enum gpu_format formats[PLANES] = {
 	[PLANE_OFFSET] = GPU_R32I,  [PLANE_DISTURBANCE] = GPU_R8UI,   [PLANE_DEPOSITED] = GPU_R32I,
 	[PLANE_PLASTIC_SINKAGE] = GPU_R32I, [PLANE_SHEAR] = GPU_R32I,   [PLANE_DUG] = GPU_R32I,
 	[PLANE_SETTLED] = GPU_R32I, [PLANE_LOOSE] = GPU_R32I, [PLANE_FLOOR] = GPU_R32I, [PLANE_DENSITY] = GPU_R32I,
-	[PLANE_SLOPE] = GPU_R32I,
+	[PLANE_SLOPE] = GPU_R32I,   [PLANE_HEALED] = GPU_R32I, [PLANE_RISEN] = GPU_R32I, [PLANE_GROWN] = GPU_R32I,
 };
 
 enum status gpu_slots_in_arrays(struct gpu_slots *slots)
@@ -246,7 +246,7 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 		.steps = shift,
 	};
 	slots->decimated++;
-	gpu_pass_run(slots->gpu, &(struct gpu_pass){
+	struct gpu_pass pass = {
 		.stage = GPU_PYRAMID,
 		.program = program,
 		.target = to->slot.target,
@@ -254,6 +254,11 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 		.textures = {from->slot.planes[PLANE_OFFSET], from->slot.planes[PLANE_DISTURBANCE]},
 		.params = &params,
 		.params_bytes = sizeof params,
-	});
+	};
+	size_t marks = 2;
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++)
+		if (slots->planes & PLANE_BIT(plane))
+			pass.textures[marks++] = from->slot.planes[plane];
+	gpu_pass_run(slots->gpu, &pass);
 	return gpu_check(slots->gpu, "decimation");
 }

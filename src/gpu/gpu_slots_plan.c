@@ -5,9 +5,12 @@ static const struct gpu_program_request subdivide[2] = {
 	{.vertex = "full.vert", .fragment = "subdivide.frag"},
 	{.vertex = "full.vert", .fragment = "subdivide.frag", .defines = {"RELIEF"}},
 };
-static const struct gpu_program_request decimate[2] = {
-	{.vertex = "full.vert", .fragment = "decimate.frag"},
-	{.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"DISTURBANCE"}},
+#define DECIMATE(...) {.vertex = "full.vert", .fragment = "decimate.frag", .defines = {__VA_ARGS__}}
+static const struct gpu_program_request decimate[4][2] = { /* by how many marks that fade, and with disturbance */
+	{{.vertex = "full.vert", .fragment = "decimate.frag"}, DECIMATE("DISTURBANCE")},
+	{DECIMATE("MARKS 1"), DECIMATE("DISTURBANCE", "MARKS 1")},
+	{DECIMATE("MARKS 2"), DECIMATE("DISTURBANCE", "MARKS 2")},
+	{DECIMATE("MARKS 3"), DECIMATE("DISTURBANCE", "MARKS 3")},
 };
 
 const struct gpu_program_request *gpu_slots_subdivide_request(bool relief)
@@ -17,7 +20,7 @@ const struct gpu_program_request *gpu_slots_subdivide_request(bool relief)
 
 const struct gpu_program_request *gpu_slots_decimate_request(unsigned planes)
 {
-	return &decimate[(planes & PLANE_BIT(PLANE_DISTURBANCE)) != 0];
+	return &decimate[__builtin_popcount(planes & PLANE_MARKS)][(planes & PLANE_BIT(PLANE_DISTURBANCE)) != 0];
 }
 
 static void add_program(struct plan *plan, const char *effect, const struct gpu_program_request *request)
@@ -62,7 +65,7 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, enum gpu_divi
 	}
 	for (int plane = 0; plane < PLANES; plane++) {
 		const bool drawn = GPU_DRAWN_PLANES & PLANE_BIT(plane);
-		const char *of = effect == NULL ? NULL : plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : effect;
+		const char *of = effect == NULL ? NULL : plane == PLANE_DISTURBANCE || plane == PLANE_HEALED ? "dirt" : PLANE_MARKS & PLANE_BIT(plane) ? "vegetation" : plane == PLANE_DUG ? "slip" : effect;
 		const uint64_t bytes = posts * plane_bytes((enum plane)plane);
 		if (!(planes & PLANE_BIT(plane)))
 			continue;
@@ -93,7 +96,7 @@ void gpu_slots_plan_mirror(uint32_t cells, unsigned planes, const char *classes_
 		add_texture(plan, classes_effect, PLAN_CLASS_SLOT, posts, "classes");
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & GPU_DRAWN_PLANES & PLANE_BIT(plane))
-			add_texture(plan, plane == PLANE_DISTURBANCE ? "dirt" : effect, PLAN_DEFORM_SLOT, posts * plane_bytes((enum plane)plane),
+			add_texture(plan, plane == PLANE_DISTURBANCE || plane == PLANE_HEALED ? "dirt" : PLANE_MARKS & PLANE_BIT(plane) ? "vegetation" : effect, PLAN_DEFORM_SLOT, posts * plane_bytes((enum plane)plane),
 				    plane_name((enum plane)plane));
 	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_RING, .effect = effect, .object = -1, .amount = 1, .bytes = GPU_RING_BYTES},
 		 "parameters");

@@ -34,6 +34,16 @@ static void project(const struct render *render, const struct render_axes *axes,
 	memcpy(matrix, both, sizeof both);
 }
 
+static void fill_marks(const struct render *render, struct picture_params *params)
+{
+	const struct scene_vegetation *plants = render->vegetation;
+	memcpy(params->marks, (const int32_t[]){render->marks.now, render->marks.heals, render->marks.rises, render->marks.grows}, sizeof params->marks);
+	for (int i = 0; i < SOIL_CLASSES && plants != NULL; i++)
+		params->cover[i / 4][i % 4] = (float)plants->cover[i];
+	if (plants != NULL)
+		to_floats(params->plants, plants->height, 0, 0, 0);
+}
+
 static void fill_frame(const struct render *render, const struct render_camera *camera,
 		       const struct render_axes *axes, struct picture_params *params)
 {
@@ -48,6 +58,7 @@ static void fill_frame(const struct render *render, const struct render_camera *
 		  sin(light->height), render_body_exposure(light) - 1);
 	render_body_fill(light, render->soils, params);
 	render_shade_fill(render, camera->eye, params);
+	fill_marks(render, params);
 
 	/* Clear air over large terrains; over small ones enough haze to soften the world's edge. */
 	double across = hypot((double)(render->extent.width - 1), (double)(render->extent.height - 1)) * render->extent.spacing;
@@ -177,6 +188,12 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 	};
 	if (render->disturbance)
 		pass.images[2] = slot->planes[PLANE_DISTURBANCE];
+	else if (render->heals)
+		pass.images[2] = slot->planes[PLANE_HEALED];
+	if (render->vegetation != NULL) {
+		pass.images[3] = slot->planes[PLANE_RISEN];
+		pass.images[4] = slot->planes[PLANE_GROWN];
+	}
 	const bool smooth = ground != NULL && render->shading == NULL && !render->measuring;
 	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? (smooth ? RENDER_SMOOTH : RENDER_PLAIN) : smooth ? RENDER_LEVEL0 : RENDER_OFFSET;
 	TRY(render_tile_program(render, variant, &pass.program));
@@ -400,11 +417,21 @@ enum status render_draw_unseen(struct render *render, bool deformed, bool divide
 		TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]));
 	if (deformed && render->disturbance)
 		TRY_OR(done, gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]));
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN && deformed; plane++)
+		if (plane == PLANE_HEALED ? render->heals : render->vegetation != NULL)
+			TRY_OR(done, gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[plane]));
 	TRY_OR(done, draw_unseen(render, &slot, &(struct kinds){deformed, divided, smooth}));
 	TRY_OR(done, gpu_check(gpu, "drawing before the first picture"));
 done:
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++)
+		gpu_texture_destroy(slot.planes[plane]);
 	gpu_texture_destroy(slot.planes[PLANE_DISTURBANCE]);
 	gpu_texture_destroy(slot.planes[PLANE_OFFSET]);
 	gpu_texture_destroy(slot.base);
 	return status;
+}
+
+void render_set_marks(struct render *render, const struct plane_marks *marks)
+{
+	render->marks = *marks;
 }

@@ -37,6 +37,10 @@ struct picture_params {
 	float reaches[RENDER_STRIDES]; /* only for programs with the define REACHES */
 	float shade_across[4], shade_along[4];
 	float shade_middle[RENDER_SHADES][4], shade_scale[RENDER_SHADES][4];
+	/* only for programs with the define HEALS or VEGETATION */
+	int32_t marks[4];
+	float plants[4];
+	float cover[SOIL_CLASSES / 4][4];
 };
 
 /* A camera's axes (unit vectors, at right angles), and the size of its pixels. */
@@ -181,7 +185,9 @@ struct render {
 	int32_t reference;
 	double low, high;
 	uint64_t effects;
-	bool disturbance;
+	bool disturbance, heals, cover_by_class; /* as in render_params */
+	const struct scene_vegetation *vegetation;
+	struct plane_marks marks;
 	double pixel_error; /* pixels; 0: distance alone decides the detail */
 	struct scene_light light;
 	const struct scene *soils; /* scene whose soil classes are drawn, for the effect SPLAT; or NULL */

@@ -24,7 +24,12 @@ static bool is_interpolated(unsigned variant)
 	return variant == RENDER_LEVEL0 || variant == RENDER_SMOOTH;
 }
 
-static struct gpu_program_request request_of(uint64_t effects, const char *body, bool disturbance, bool by_error, unsigned variant)
+/* The planes beside the offset that a picture shows. */
+struct shown {
+	bool disturbance, heals, vegetation, by_class;
+};
+
+static struct gpu_program_request request_of(uint64_t effects, const char *body, struct shown shown, bool by_error, unsigned variant)
 {
 	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
 	size_t count = 0;
@@ -38,8 +43,12 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	const bool offset = variant == RENDER_OFFSET || variant == RENDER_LEVEL0;
 	if (offset)
 		request.defines[count++] = "OFFSET";
-	if (offset && disturbance)
+	if (offset && (shown.disturbance || shown.heals))
 		request.defines[count++] = "DISTURBANCE";
+	if (offset && shown.heals)
+		request.defines[count++] = "HEALS";
+	if (shown.vegetation)
+		request.defines[count++] = shown.by_class ? "VEGETATION 2" : "VEGETATION 1";
 	if (is_interpolated(variant))
 		request.defines[count++] = "LEVEL0";
 	request.defines[count] = body;
@@ -51,7 +60,7 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 static struct gpu_program_request layer_request_of(const struct render *render, unsigned variant)
 {
 	uint64_t shape = render->effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_SHADOW));
-	struct gpu_program_request request = request_of(shape, NULL, render->disturbance, render->pixel_error > 0, variant);
+	struct gpu_program_request request = request_of(shape, NULL, (struct shown){render->disturbance, render->heals, false, false}, render->pixel_error > 0, variant);
 	size_t count = 0;
 	while (request.defines[count] != NULL)
 		count++;
@@ -64,7 +73,7 @@ static struct gpu_program_request layer_request_of(const struct render *render, 
 static struct gpu_program_request measure_request_of(uint64_t effects, bool classes, bool by_error, unsigned variant)
 {
 	uint64_t shape = effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS));
-	struct gpu_program_request request = request_of(shape, NULL, false, by_error, variant);
+	struct gpu_program_request request = request_of(shape, NULL, (struct shown){false, false, false, false}, by_error, variant);
 	size_t count = 0;
 	while (request.defines[count] != NULL)
 		count++;
@@ -135,7 +144,8 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 	struct gpu_program **program = natural ? &render->tile_programs[variant] : &render->layer_programs[variant];
 	if (*program == NULL) {
 		const char *body = render_body_define(&render->light);
-		struct gpu_program_request request = natural ? request_of(render->effects, body, render->disturbance, render->pixel_error > 0, variant) :
+		struct gpu_program_request request = natural ? request_of(render->effects, body, (struct shown){render->disturbance, render->heals, render->vegetation != NULL, render->cover_by_class},
+									  render->pixel_error > 0, variant) :
 							       layer_request_of(render, variant);
 		TRY(gpu_program_get(render->gpu, &request, program));
 	}
@@ -202,7 +212,8 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	const char *picture = scene_effect_row(EFFECT_PICTURE)->name, *by_error = scene_effect_row(EFFECT_PIXEL_ERROR)->name;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided, smooth)) {
-			struct gpu_program_request request = request_of(effects, body, params->disturbance, params->pixel_error > 0, variant);
+			struct gpu_program_request request = request_of(effects, body, (struct shown){params->disturbance, params->heals, params->vegetation != NULL, params->cover_by_class},
+									   params->pixel_error > 0, variant);
 			add_program(plan, asks_reaches(effects, params->pixel_error > 0) ? by_error : picture, &request);
 			request = measure_request_of(effects, params->classes, params->pixel_error > 0, variant);
 			if (params->measures && !is_interpolated(variant))

@@ -33,6 +33,9 @@ struct render_params {
 	int width, height;
 	uint64_t effects;     /* EFFECT_BIT of each */
 	bool disturbance;
+	bool heals;           /* disturbance heals: the slots have PLANE_HEALED in place of it */
+	const struct scene_vegetation *vegetation; /* must stay valid longer than the render; NULL: none is drawn */
+	bool cover_by_class;  /* the slots have classes of soil, and vegetation differs between them */
 	const struct scene_light *light; /* the planet and the sun; NULL: the default of a scene */
 	/* for the effect splat: its soils are the classes in the slots. Must stay valid longer than the render; NULL: none */
 	const struct scene *soils;
@@ -101,6 +104,8 @@ bool render_shows_objects(const struct render *render);
 void render_set_objects(struct render *render, const struct render_object *objects, size_t count);
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct render_selection *selection) FURROW_CHECKED;
+/* Sets the time at which marks that fade are shown, from the next frame on. At the start none is left. */
+void render_set_marks(struct render *render, const struct plane_marks *marks);
 /* Sets the layer that pictures show from the next frame on. At the start it is RENDER_NATURAL. Other layers have light and
  * shade, but no haze and no texture. */
 void render_show_layer(struct render *render, const struct render_layer *layer);

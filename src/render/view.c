@@ -136,6 +136,8 @@ static enum status draw(struct view *view, bool complete)
 {
 	struct render_camera camera;
 	TRY(render_view_update(view));
+	const struct plane_marks marks = world_marks_at(view->world, world_time(view->world));
+	render_set_marks(view->render, &marks);
 	render_view_place_camera(view, world_time(view->world), &camera);
 	TRY(render_view_shade(view, &camera, complete));
 	TRY(render_view_find_tiles(view, &camera, complete));
@@ -235,7 +237,10 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.width = scene->view.width,
 		.height = scene->view.height,
 		.effects = scene->view.effects,
-		.disturbance = scene->disturbance,
+		.disturbance = scene->disturbance && scene->heals <= 0,
+		.heals = scene->heals > 0,
+		.vegetation = scene->vegetation.present ? &scene->vegetation : NULL,
+		.cover_by_class = scene_covers_by_class(scene),
 		.pixel_error = scene->view.pixel_error,
 		.samples = scene->view.samples,
 		.objects = scene->objects,

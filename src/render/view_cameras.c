@@ -263,6 +263,8 @@ static enum status draw(struct view *view, struct view_camera *this, struct pict
 {
 	struct render_camera camera;
 	TRY(place(view, this, world_time(view->world), true, &camera));
+	const struct plane_marks marks = world_marks_at(view->world, world_time(view->world));
+	render_set_marks(view->render, &marks);
 	if (frame == 0)
 		tell_below(view, this->camera, camera.eye);
 	TRY(render_view_shade(view, &camera, true));

@@ -90,7 +90,9 @@ static enum status plan_view(const struct world *world, bool planes, struct repo
 static const char *drawn_classes_effect(const struct scene *scene)
 {
 	const bool ground = scene->view.effects & EFFECT_BIT(EFFECT_SPLAT);
-	return scene_draws_classes(scene) ? scene_effect_row(ground ? EFFECT_SPLAT : EFFECT_CAMERAS)->name : NULL;
+	if (!scene_draws_classes(scene))
+		return scene_covers_by_class(scene) ? scene_effect_row(EFFECT_VEGETATION)->name : NULL;
+	return scene_effect_row(ground ? EFFECT_SPLAT : EFFECT_CAMERAS)->name;
 }
 
 static enum status plan_lines(const struct world *world, struct report_plan *out)

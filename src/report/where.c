@@ -13,7 +13,7 @@ static void add_windows(cJSON *where, const struct report *report, const struct 
 {
 	const enum deform_model model = world_scene(report->world)->model;
 	const uint64_t used = world_effects(report->world);
-	for (int effect = EFFECT_MODEL; effect <= EFFECT_DISTURBANCE; effect++) {
+	for (int effect = EFFECT_MODEL; effect <= EFFECT_VEGETATION; effect++) {
 		uint64_t visited = world_counts(report->world)->windows.computed;
 		if ((effect > EFFECT_SPREAD && effect < EFFECT_DISTURBANCE) || (used >> effect & 1) == 0)
 			continue;

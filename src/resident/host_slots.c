@@ -192,6 +192,11 @@ enum status resident_host_decimate(struct host_slots *slots, uint32_t fine, stru
 	decimate_i32(offset != NULL ? offset + first : NULL, shift, into, stride, (int32_t *)(void *)to->planes[PLANE_OFFSET]->posts + at);
 	if (drawn & PLANE_BIT(PLANE_DISTURBANCE))
 		decimate_u8(disturbance != NULL ? disturbance + first : NULL, shift, into, stride, to->planes[PLANE_DISTURBANCE]->posts + at);
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++) {
+		const int32_t *mark = host_tile_plane(slots, from, plane);
+		if (drawn & PLANE_BIT(plane))
+			decimate_i32(mark != NULL ? mark + first : NULL, shift, into, stride, (int32_t *)(void *)to->planes[plane]->posts + at);
+	}
 	resident_host_changed(slots, coarse, into);
 	mutex_lock(&slots->mutex);
 	slots->figures.decimated++;

@@ -119,7 +119,7 @@ void resident_host_scatter(struct host_slots *slots, const struct tile_slot *hel
 		if (!part_of(slots, from, rect, held[i].tile, &part))
 			continue;
 		for (int plane = 0; plane < PLANES; plane++) {
-			if (!(planes & slots->planes & PLANE_BIT(plane)))
+			if (!(planes & slots->planes & ~PLANE_MARKS & PLANE_BIT(plane)))
 				continue;
 			const size_t bytes = plane_bytes((enum plane)plane);
 			char *to = (char *)resident_host_plane(slots, held[i].slot, (enum plane)plane) + part.tile * bytes;
@@ -127,5 +127,35 @@ void resident_host_scatter(struct host_slots *slots, const struct tile_slot *hel
 			for (size_t y = 0; y < part.rows; y++, to += part.side * bytes, row += part.width * bytes)
 				memcpy(to, row, part.across * bytes);
 		}
+	}
+}
+
+/* --- marks that fade --- */
+
+void resident_host_gather_mark(const struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *rows, enum plane plane,
+			       int32_t *into)
+{
+	const struct part all = {.across = (size_t)(rows->rect.x1 - rows->rect.x0), .rows = (size_t)(rows->rect.y1 - rows->rect.y0), .width = rows->width};
+	struct part part;
+	if (post_rect_empty(rows->rect))
+		return;
+	take_rows(&all, sizeof *into, NULL, into);
+	for (size_t i = 0; i < count; i++)
+		if (part_of(slots, rows, rows->rect, held[i].tile, &part))
+			take_rows(&part, sizeof *into, host_tile_plane(slots, &host_entry(slots, held[i].slot)->tile, plane), into);
+}
+
+void resident_host_scatter_mark(struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *rows, enum plane plane,
+				const int32_t *from, struct post_rect rect)
+{
+	struct part part;
+	rect = post_rect_intersect(rect, rows->rect);
+	for (size_t i = 0; i < count; i++) {
+		if (!part_of(slots, rows, rect, held[i].tile, &part))
+			continue;
+		int32_t *to = (int32_t *)resident_host_plane(slots, held[i].slot, plane) + part.tile;
+		const int32_t *row = from + part.window;
+		for (size_t y = 0; y < part.rows; y++, to += part.side, row += part.width)
+			memcpy(to, row, part.across * sizeof *to);
 	}
 }

@@ -43,16 +43,21 @@ static enum status copy_posts(struct pages *pages, const struct page_image *fine
 	const size_t stride = pages->layout.cells + 1, step = (size_t)1 << steps;
 	void *into[PLANES];
 	TRY(pages->home->planes(pages, coarse, pages->planes & GPU_DRAWN_PLANES, true, into));
-	const int32_t *offset = pages->home->plane(pages, fine, PLANE_OFFSET);
-	const bool disturbed = pages->planes & PLANE_BIT(PLANE_DISTURBANCE);
-	const uint8_t *disturbance = disturbed ? pages->home->plane(pages, fine, PLANE_DISTURBANCE) : NULL;
-	for (size_t y = 0; y < rect.height; y += step)
-		for (size_t x = 0; x < rect.width; x += step) {
-			const size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
-			((int32_t *)into[PLANE_OFFSET])[to] = offset[from];
-			if (disturbed)
-				((uint8_t *)into[PLANE_DISTURBANCE])[to] = disturbance[from];
-		}
+	const unsigned drawn = pages->planes & GPU_DRAWN_PLANES;
+	for (int plane = 0; plane < PLANES; plane++) {
+		if (!(drawn & PLANE_BIT(plane)))
+			continue;
+		const void *posts = pages->home->plane(pages, fine, (enum plane)plane);
+		const bool narrow = plane_bytes((enum plane)plane) == 1;
+		for (size_t y = 0; y < rect.height; y += step)
+			for (size_t x = 0; x < rect.width; x += step) {
+				const size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
+				if (narrow)
+					((uint8_t *)into[plane])[to] = ((const uint8_t *)posts)[from];
+				else
+					((int32_t *)into[plane])[to] = ((const int32_t *)posts)[from];
+			}
+	}
 	return STATUS_OK;
 }
 

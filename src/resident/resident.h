@@ -250,6 +250,13 @@ void resident_host_gather(const struct host_slots *slots, const struct tile_slot
 void resident_host_scatter(struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *from,
 			   struct post_rect rect, unsigned planes);
 
+/* The same two for a plane of marks that fade, whose posts are not in struct soil_planes. rows: the rectangle and the width of `into`, or of `from`. Posts of
+ * no tile are 0. */
+void resident_host_gather_mark(const struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *rows, enum plane plane,
+			       int32_t *into);
+void resident_host_scatter_mark(struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *rows, enum plane plane,
+				const int32_t *from, struct post_rect rect);
+
 /* Copies every 2^steps-th post of slot `fine` inside `rect` into slot `coarse`, as gpu_slots_decimate does. */
 enum status resident_host_decimate(struct host_slots *slots, uint32_t fine, struct gpu_rect rect, int steps, uint32_t coarse,
 				   uint32_t to_x, uint32_t to_y) FURROW_CHECKED;

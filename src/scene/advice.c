@@ -249,7 +249,7 @@ static void advise_attributes(const struct adviser *adviser)
 	const struct scene *scene = adviser->scene;
 	if (scene->disturbance && !scene->view.present && !scene->view.left_out)
 		advise(adviser, "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at %zu byte a post; add a view, or take "
-				"it away", plane_bytes(PLANE_DISTURBANCE));
+				"it away", plane_bytes(scene->heals > 0 ? PLANE_HEALED : PLANE_DISTURBANCE));
 }
 
 /* --- objects --- */

@@ -74,8 +74,13 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"a post bears at most 134 MPa, in steps of a sixteenth of a pascal",
 		"sums the soil's forces on each object"},
 	[EFFECT_DISTURBANCE] = {
-		"dirt", "attributes", "", LIST("deform/disturbance.frag"), "offset, dirt", "dirt", 0, NONE,
+		"dirt", "attributes", "", LIST("deform/disturbance.frag", "deform/marks.frag"), "offset, dirt", "dirt", 0, LIST("attributes.disturbance.heals"),
 		"256 shades: 255 is the dirtiest", "keeps where the ground was disturbed"},
+	[EFFECT_VEGETATION] = {
+		"vegetation", "attributes", "", LIST("deform/marks.frag"), "risen, grown", "risen, grown", 0,
+		LIST("attributes.vegetation.cover", "attributes.vegetation.classes", "attributes.vegetation.classes[].value", "attributes.vegetation.classes[].cover",
+		     "attributes.vegetation.height", "attributes.vegetation.tears", "attributes.vegetation.rises", "attributes.vegetation.grows", "objects[].slip"),
+		"times in quarter seconds, up to 8.5 years", "keeps where plants are pressed and torn"},
 	[EFFECT_SUBDIVIDE] = {
 		"subdivide", "spacing", "", LIST("subdivide.frag"), "base", "base", 1, LIST("spacing"),
 		"at most 14 levels below the source's", "interpolates between the source's posts"},
@@ -205,6 +210,8 @@ static uint64_t object_effects(const struct scene *scene)
 	uint64_t effects = model_effects(scene->model);
 	if (scene->disturbance)
 		effects |= EFFECT_BIT(EFFECT_DISTURBANCE);
+	if (scene->vegetation.present)
+		effects |= EFFECT_BIT(EFFECT_VEGETATION);
 	if (scene->soil_map != NULL && deform_model_row(scene->model)->numbers != NULL)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (scene->slip_sinkage > 0 && scene_slips(scene))
@@ -273,6 +280,14 @@ bool scene_draws_classes(const struct scene *scene)
 	const uint64_t both = EFFECT_BIT(EFFECT_SPLAT) | EFFECT_BIT(EFFECT_TEXTURE);
 	const bool shown = (scene->view.effects & both) == both || (images_of(scene) >> SCENE_IMAGE_CLASS & 1);
 	return scene->view.present && shown && scene->soil_map != NULL;
+}
+
+bool scene_covers_by_class(const struct scene *scene)
+{
+	bool differs = false;
+	for (int i = 1; i < SOIL_CLASSES; i++)
+		differs |= scene->vegetation.cover[i] != scene->vegetation.cover[0];
+	return scene->view.present && scene->vegetation.present && differs;
 }
 
 bool scene_moves_bodies(const struct scene *scene)

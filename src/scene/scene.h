@@ -42,6 +42,7 @@ enum scene_effect {
 	EFFECT_LOAD,
 	EFFECT_FORCES,
 	EFFECT_DISTURBANCE,
+	EFFECT_VEGETATION,
 	EFFECT_SUBDIVIDE,
 	EFFECT_RELIEF,
 	EFFECT_PYRAMID,
@@ -241,6 +242,15 @@ struct scene_raster {
 	uint64_t hash[2]; /* of the file's bytes */
 };
 
+/* Plants on the ground. A body bends them, and tears them where it slips. */
+struct scene_vegetation {
+	bool present;
+	double cover[SOIL_CLASSES]; /* share of the ground that they cover, 0 to 1, by class of soil */
+	double height;              /* m */
+	double tears;               /* the slip at which nothing is left */
+	double rises, grows;        /* s: until bent stems stand again, and until torn cover has grown back */
+};
+
 struct scene {
 	char *file;   /* path as the caller gave it; "scene text" if the scene was read from a text */
 	char *folder; /* folder where the files named in the scene are looked for: "" or ends in '/'; absolute if hosted */
@@ -282,6 +292,9 @@ struct scene {
 	struct relief_spec relief; /* below the source's level; its classes are indices of soils;
 				      classes 0: none */
 	bool disturbance;
+	double heals;            /* s: what the darkest disturbance takes to heal; 0: it stays */
+	struct scene_vegetation vegetation;
+	double elapsed;          /* s of the store's time that pass before the drive begins */
 	enum scene_outside outside;
 	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm the CPU, other models the GPU, and the CPU where there is no GL. */
 	enum scene_compute compute;
@@ -425,6 +438,7 @@ bool scene_measures(const struct scene *scene); /* some camera does */
 /* Returns true if pictures show which soil is where, by the map of soils. Then the soil class of each post must be loaded for
  * all drawn tiles. */
 bool scene_draws_classes(const struct scene *scene);
+bool scene_covers_by_class(const struct scene *scene); /* returns true if pictures show vegetation that differs between classes of soil */
 /* Writes into `text` which setting turns on an effect that the scene uses: "redistribute.model: box",
  * "objects.front_left.load". */
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size);

@@ -18,6 +18,7 @@ static const struct alias {
 	{"objects[].shape.wheel", "lug_height", "grouser_height"},
 	{"objects[].shape.wheel", "lug_thickness", "grouser_thickness"},
 	{"attributes[]", "dirt", "disturbance"},
+	{"attributes", "dirt", "disturbance"},
 	{"redistribute.undisturbed", "stands", "stable"},
 	{NULL, "heaped", "deposited"},
 	{NULL, "pressed", "plastic_sinkage"},

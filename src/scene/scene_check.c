@@ -120,22 +120,6 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 	return scene_tell_unused(scene, "output.delay: forces are known at the end of their step; take it away");
 }
 
-static enum status check_attributes(const struct scene_tree *tree, const struct raw_scene *raw,
-				    struct scene *scene)
-{
-	const char *disturbance = scene_name_now(scene_effect_row(EFFECT_DISTURBANCE)->name);
-	for (uint32_t i = 0; i < raw->attributes_count; i++) {
-		const struct scene_node *node = scene_tree_find(tree, "attributes[%u]", i);
-		if (strcmp(raw->attributes[i], disturbance) != 0)
-			return scene_error(tree->file, node, "%s is unknown; allowed: %s",
-					   scene_quote(raw->attributes[i]).text, disturbance);
-		if (scene->disturbance)
-			return scene_error(tree->file, node, "%s is named twice; allowed: once", disturbance);
-		scene->disturbance = true;
-	}
-	return STATUS_OK;
-}
-
 static enum status check_coordinates(const struct raw_scene *raw, struct scene *scene)
 {
 	if (raw->coordinates == NULL || strcmp(raw->coordinates, "local") == 0)
@@ -201,14 +185,15 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	TRY(check_coordinates(raw, scene));
 	TRY(check_redistribute(tree, raw->redistribute, scene));
 	TRY(check_compute(tree, raw->compute, scene));
-	TRY(check_attributes(tree, raw, scene));
 	TRY(check_output(tree, raw->output, scene));
+	scene->vegetation.present = raw->attributes != NULL && raw->attributes->vegetation != NULL; /* the rest later, by class of soil */
 	TRY(scene_check_objects(tree, raw, scene));
 	TRY(scene_check_vehicles(tree, raw, scene));
 	TRY(scene_check_view(tree, raw, scene));
 	TRY(scene_check_cameras(tree, raw, scene));
 	TRY(scene_check_soil(tree, raw, scene));
 	TRY(scene_check_relief(tree, raw, scene));
+	TRY(scene_check_attributes(tree, raw, scene));
 	TRY(scene_check_units(tree, raw, scene));
 	return scene_hash(scene);
 }

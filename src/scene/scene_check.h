@@ -37,6 +37,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 /* Part of scene_check_soil. `raw` may be NULL. */
 enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_rasters *raw, struct scene *scene) FURROW_CHECKED;
 /* Call this after scene_check_soil. */
+enum status scene_check_attributes(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED; /* after the soil */
 enum status scene_check_relief(const struct scene_tree *tree, const struct raw_scene *raw,
 			       struct scene *scene) FURROW_CHECKED;
 #define SCENE_RASTER_BYTES ((uint64_t)1 << 30) /* the largest file of a map or raster of the soil */

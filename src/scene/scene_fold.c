@@ -173,9 +173,39 @@ static enum status fold_vehicles(const struct scene_tree *tree)
 	return STATUS_OK;
 }
 
+/* `[disturbance]` is `{disturbance: {}}`, and cover by class is folded as relief is. */
+static enum status fold_attributes(const struct scene_tree *tree)
+{
+	struct scene_node *attributes = scene_node_child(tree->root, "attributes");
+	if (attributes == NULL)
+		return STATUS_OK;
+	if (attributes->kind == SCENE_SCALAR)
+		return scene_error(tree->file, attributes, "is a single value; allowed: a list or a mapping");
+	for (struct scene_node *node = attributes->first; node != NULL && attributes->kind == SCENE_SEQUENCE; node = node->next) {
+		if (node->kind != SCENE_SCALAR || (strcmp(node->text, "disturbance") != 0 && strcmp(node->text, "vegetation") != 0))
+			return scene_error(tree->file, node, "%s is unknown; allowed: disturbance, vegetation", scene_quote(node->kind == SCENE_SCALAR ? node->text : "{}").text);
+		for (const struct scene_node *other = attributes->first; other != node; other = other->next)
+			if (strcmp(other->key, node->text) == 0)
+				return scene_error(tree->file, node, "%s is named twice; allowed: once", node->text);
+		node->key = node->text;
+		node->text = NULL;
+		node->kind = SCENE_MAPPING;
+	}
+	attributes->kind = SCENE_MAPPING;
+	struct scene_node *vegetation = scene_node_child(attributes, "vegetation");
+	struct scene_node *classes = vegetation != NULL && vegetation->kind == SCENE_MAPPING ? scene_node_child(vegetation, "classes") : NULL;
+	if (classes == NULL || classes->kind != SCENE_MAPPING)
+		return STATUS_OK;
+	for (struct scene_node *node = classes->first; node != NULL; node = node->next)
+		TRY(fold_class(tree, node, "cover"));
+	classes->kind = SCENE_SEQUENCE;
+	return STATUS_OK;
+}
+
 enum status scene_fold(struct scene_tree *tree)
 {
 	drop_view(tree);
+	TRY(fold_attributes(tree));
 	TRY(fold_cameras(tree));
 	TRY(fold_soil(tree));
 	TRY(fold_relief(tree));

@@ -356,6 +356,20 @@ enum status scene_hash(struct scene *scene)
 		add_soils(state, scene);
 	for (size_t i = 0; i < scene->vehicle_count; i++)
 		add_vehicle(state, i, &scene->vehicles[i]);
+	if (scene->heals > 0) {
+		add_text(state, "heals");
+		add_number(state, scene->heals);
+	}
+	if (scene->vegetation.present) {
+		add_text(state, "vegetation");
+		add_number(state, scene->vegetation.tears);
+		add_number(state, scene->vegetation.rises);
+		add_number(state, scene->vegetation.grows);
+	}
+	if (scene->elapsed > 0) {
+		add_text(state, "elapsed");
+		add_number(state, scene->elapsed);
+	}
 	if (scene->relief.classes > 0)
 		add_relief(state, scene);
 	XXH128_hash_t hash = XXH3_128bits_digest(state);

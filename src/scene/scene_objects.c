@@ -52,10 +52,10 @@ static enum status make_name(const struct scene *scene, struct scene_object *obj
 
 /* Checks the keys that need a model that computes forces. */
 static enum status check_forces(const struct scene_tree *tree, const struct raw_object *raw,
-				const struct scene_object *object, enum deform_model kind, size_t index)
+				const struct scene_object *object, const struct scene *scene, size_t index)
 {
-	const char *model = deform_model_row(kind)->name;
-	const bool forces = deform_tells_forces(kind);
+	const char *model = deform_model_row(scene->model)->name;
+	const bool forces = deform_tells_forces(scene->model);
 	const struct scene_node *load = scene_tree_find(tree, "objects[%zu].load", index);
 	const struct scene_node *slip = scene_tree_find(tree, "objects[%zu].slip", index);
 	const struct scene_node *interface = scene_tree_find(tree, "objects[%zu].interface", index);
@@ -68,9 +68,9 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 		return scene_error(tree->file, load, "its poses say z already; allowed with: poses t,x,y, or points");
 	if (raw->slip != NULL && !soil_shape_runs(&object->shape))
 		return scene_error(tree->file, slip, "only a wheel or a belt slips; allowed with: wheel, or belt: true of a box or a mesh");
-	if (raw->slip != NULL && !forces)
+	if (raw->slip != NULL && !forces && !scene->vegetation.present)
 		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
-				   "{model: %s}", model, scene_models_with_forces().text);
+				   "{model: %s}, or attributes: [vegetation]", model, scene_models_with_forces().text);
 	if (raw->interface != NULL && !forces)
 		return scene_error(tree->file, interface, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: %s}", model, scene_models_with_forces().text);
@@ -142,7 +142,7 @@ static enum status check_taken(const struct scene_tree *tree, const struct raw_o
 {
 	scene_level_pitch(&object->shape, &object->path);
 	TRY(take_attitude(tree, raw, index, object));
-	return check_forces(tree, raw, object, scene->model, index);
+	return check_forces(tree, raw, object, scene, index);
 }
 
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,

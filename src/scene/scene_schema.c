@@ -336,6 +336,32 @@ static const cyaml_schema_field_t stuck_fields[] = {
 	CYAML_FIELD_FLOAT("below", NEEDED, struct raw_stuck, below),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t disturbance_fields[] = {
+	CYAML_FIELD_FLOAT_PTR("heals", OPTIONAL, struct raw_disturbance, heals),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t cover_fields[] = {
+	CYAML_FIELD_INT("value", NEEDED, struct raw_cover, value),
+	CYAML_FIELD_FLOAT("cover", NEEDED, struct raw_cover, cover),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t cover_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_cover, cover_fields)};
+static const cyaml_schema_field_t vegetation_fields[] = {
+	CYAML_FIELD_FLOAT_PTR("cover", OPTIONAL, struct raw_vegetation, cover),
+	CYAML_FIELD_FLOAT_PTR("height", OPTIONAL, struct raw_vegetation, height),
+	CYAML_FIELD_FLOAT_PTR("tears", OPTIONAL, struct raw_vegetation, tears),
+	CYAML_FIELD_FLOAT_PTR("rises", OPTIONAL, struct raw_vegetation, rises),
+	CYAML_FIELD_FLOAT_PTR("grows", OPTIONAL, struct raw_vegetation, grows),
+	CYAML_FIELD_SEQUENCE("classes", OPTIONAL_POINTER, struct raw_vegetation, classes, &cover_entry, 1, SOIL_CLASSES - 1),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t attributes_fields[] = {
+	CYAML_FIELD_MAPPING_PTR("disturbance", OPTIONAL, struct raw_attributes, disturbance, disturbance_fields),
+	CYAML_FIELD_MAPPING_PTR("vegetation", OPTIONAL, struct raw_attributes, vegetation, vegetation_fields),
+	CYAML_FIELD_FLOAT_PTR("elapsed", OPTIONAL, struct raw_attributes, elapsed),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_INT_PTR("scene", OPTIONAL, struct raw_scene, scene),
 	CYAML_FIELD_STRING_PTR("store", OPTIONAL, struct raw_scene, store, 1, 4096),
@@ -349,8 +375,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("redistribute", OPTIONAL, struct raw_scene, redistribute,
 				redistribute_fields),
 	CYAML_FIELD_ENUM_PTR("compute", OPTIONAL, struct raw_scene, compute, compute_words, 2),
-	CYAML_FIELD_SEQUENCE("attributes", OPTIONAL_POINTER, struct raw_scene, attributes,
-			     &word_entry, 0, CYAML_UNLIMITED),
+	CYAML_FIELD_MAPPING_PTR("attributes", OPTIONAL, struct raw_scene, attributes, attributes_fields),
 	CYAML_FIELD_ENUM_PTR("outside", OPTIONAL, struct raw_scene, outside, outside_words, 2),
 	CYAML_FIELD_SEQUENCE("objects", OPTIONAL_POINTER, struct raw_scene, objects, &object_entry,
 			     0, SCENE_OBJECTS),
@@ -407,6 +432,15 @@ static const struct scene_limit limits[] = {
 	{"relief.classes[].value", 0, 255, false, NULL, NULL, NAN, NULL},
 	{"relief.classes[].roughness", 0, 10, false, NULL, "m", NAN, NULL},
 	{"relief.classes[].wavelength", 0, 1e6, true, NULL, "m", NAN, "relief.wavelength"},
+	{"attributes.disturbance.heals", 64, 134217728, false, "is out of range, and the unit is s (86400 is a day)", "s", NAN, "never"},
+	{"attributes.vegetation.cover", 0, 1, false, "is out of range, since cover is a share (0.8 for 80 %)", NULL, 1, NULL},
+	{"attributes.vegetation.height", 0, 2, true, NULL, "m", 0.15, NULL},
+	{"attributes.vegetation.tears", 0, 1, true, NULL, NULL, 0.5, NULL},
+	{"attributes.vegetation.rises", 64, 134217728, false, "is out of range, and the unit is s (86400 is a day)", "s", 259200, NULL},
+	{"attributes.vegetation.grows", 64, 134217728, false, "is out of range, and the unit is s (86400 is a day)", "s", 7776000, NULL},
+	{"attributes.vegetation.classes[].value", 0, 255, false, NULL, NULL, NAN, NULL},
+	{"attributes.vegetation.classes[].cover", 0, 1, false, NULL, NULL, NAN, NULL},
+	{"attributes.elapsed", 0, 134217728, false, NULL, "s", 0, NULL},
 	{"redistribute.radius", 1, 4, false, NULL, "posts", 1, NULL},
 	{"redistribute.repetitions", 1, 8, false, NULL, NULL, 1, NULL},
 	{"redistribute.iterations", 1, 8, false, NULL, NULL, 1, NULL},

@@ -103,6 +103,23 @@ struct raw_relief {
 	struct raw_relief_class *classes;
 	uint32_t classes_count;
 };
+struct raw_disturbance {
+	double *heals;
+};
+struct raw_cover {
+	int64_t value; /* the raster's value of this class */
+	double cover;
+};
+struct raw_vegetation {
+	double *cover, *height, *tears, *rises, *grows;
+	struct raw_cover *classes;
+	uint32_t classes_count;
+};
+struct raw_attributes {
+	struct raw_disturbance *disturbance;
+	struct raw_vegetation *vegetation;
+	double *elapsed;
+};
 #define SCENE_LOOSENING 0 /* of scenes that do not give it */
 #define SCENE_INERTIA 1   /* the same */
 struct raw_redistribute {
@@ -215,8 +232,7 @@ struct raw_scene {
 	struct raw_soil *soil;
 	struct raw_relief *relief;
 	struct raw_redistribute *redistribute;
-	char **attributes;
-	uint32_t attributes_count;
+	struct raw_attributes *attributes;
 	int *outside; /* enum scene_outside */
 	int *compute; /* enum scene_compute */
 	struct raw_object *objects;

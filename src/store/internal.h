@@ -15,12 +15,13 @@
 #include "store/store.h"
 
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
-#define STORE_VERSION 7
+#define STORE_VERSION 8
 #define STORE_VERSION_OLDEST 3 /* it is read too: its shear, a length without direction, counts as none */
 #define STORE_VERSION_SHEAR 4  /* the first with a shear that is read */
 #define STORE_VERSION_HISTORY 5 /* the first that can keep a history */
 #define STORE_VERSION_PINS 6    /* the first that can keep what overlays depend on */
 #define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose layers */
+#define STORE_VERSION_MARKS 8   /* the first that keeps marks that fade */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
@@ -50,7 +51,7 @@ enum status store_sql_integer(sqlite3 *db, const char *path, const char *sql, in
 
 /* The table of the base, and one table for each plane. */
 enum row_table { ROW_BASE, ROW_OFFSET, ROW_DISTURBANCE, ROW_DEPOSITED, ROW_PLASTIC_SINKAGE, ROW_SHEAR, ROW_DUG, ROW_SETTLED, ROW_LOOSE, ROW_FLOOR, ROW_DENSITY, ROW_SLOPE,
-		 ROW_TABLES };
+		 ROW_HEALED, ROW_RISEN, ROW_GROWN, ROW_TABLES };
 
 static inline enum row_table row_table_of(enum plane plane)
 {
@@ -66,7 +67,7 @@ static inline enum plane row_plane(enum row_table table)
 /* Returns true for tables of the soil's state. They have rows at the working level only. */
 static inline bool row_is_state(enum row_table table)
 {
-	return table >= ROW_DEPOSITED;
+	return table >= ROW_DEPOSITED && table < ROW_HEALED;
 }
 
 struct row {

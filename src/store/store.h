@@ -441,6 +441,9 @@ enum store_table {
 	STORE_FLOOR_TABLE,
 	STORE_DENSITY_TABLE,
 	STORE_SLOPE_TABLE,
+	STORE_HEALED_TABLE,
+	STORE_RISEN_TABLE,
+	STORE_GROWN_TABLE,
 	STORE_META_TABLE,
 	STORE_RUN_TABLE,
 	STORE_HISTORY_TABLE,
@@ -483,6 +486,18 @@ struct store_numbers {
 enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;
 /* Gives only the last run, as store_count does. */
 enum status store_last_run(struct store *store, struct store_run *run) FURROW_CHECKED;
+/* The time of a store, in which marks fade. It adds up over drives, from the first one that keeps such marks on. */
+struct store_marks {
+	bool any;                    /* a drive kept such marks; otherwise all else is 0 */
+	double since, time;          /* s: how old the store was when the last drive began, and how long that drive took up to the last commit */
+	double heals, rises, grows;  /* s: what the darkest marks take; 0: no drive kept such ones */
+};
+/* Reads it as the last commit has it. STATUS_INPUT: the record is damaged. */
+enum status store_marks(struct store *store, struct store_marks *marks) FURROW_CHECKED;
+/* The same of the record that store_last_run() read last. Reads nothing. */
+enum status store_last_marks(const struct store *store, struct store_marks *marks) FURROW_CHECKED;
+/* Returns that time and what marks take in fixed point, `time` s after the last drive began. Pure. */
+struct plane_marks store_marks_at(const struct store_marks *marks, double time);
 /* Returns true if that last run is of the parent: the overlay began with it and has no commit of its own. Call it after store_last_run(). */
 bool store_run_inherited(const struct store *store);
 
@@ -508,6 +523,9 @@ enum store_layer {
 	STORE_OFFSET,
 	STORE_UNITS,
 	STORE_SOIL, /* disturbance */
+	STORE_HEALED, /* marks that fade: when they are gone, s of the store's time */
+	STORE_RISEN,
+	STORE_GROWN,
 	STORE_DEPOSITED, /* from here on: the soil's state */
 	STORE_PLASTIC_SINKAGE,
 	STORE_SHEAR, /* its amount, a share of the soil's strength; and its parts to the east and to the north */
@@ -540,6 +558,7 @@ struct store_sample {
 	double deposited, plastic_sinkage, shear[2];
 	/* At the nearest post: how thick soil lies loose there, m, with what came since a body touched it. How dense passes have made it, a share of 1 */
 	double loose, density;
+	double healed, risen, grown; /* at the nearest post: when its marks are gone, s of the store's time; 0: it never had one */
 };
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 	FURROW_CHECKED;

@@ -23,6 +23,8 @@ static enum status page_posts(void *user, enum row_table table, const struct cli
 {
 	const struct store_page *page = (const struct store_page *)user + item->index;
 	*posts = page->planes[PLANE_OFFSET];
+	if (table >= ROW_HEALED)
+		*posts = page->planes[row_plane(table)];
 	if (table != ROW_DISTURBANCE)
 		return STATUS_OK;
 	const uint8_t *disturbance = page->planes[PLANE_DISTURBANCE];
@@ -65,7 +67,9 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 	}
 	TRY(climb_table(store, ROW_OFFSET, pages, count, run, result));
 	TRY(climb_table(store, ROW_DISTURBANCE, pages, count, run, result));
-	for (int table = ROW_DEPOSITED; table < ROW_TABLES; table++)
+	for (int table = ROW_HEALED; table <= ROW_GROWN; table++)
+		TRY(climb_table(store, (enum row_table)table, pages, count, run, result));
+	for (int table = ROW_DEPOSITED; row_is_state((enum row_table)table); table++)
 		TRY(store_state_put(store, (enum row_table)table, pages, count, run, result));
 	if (store->part.count > 0)
 		TRY(store_part_claim(store, pages, count));

@@ -10,6 +10,7 @@
  */
 #include "store/internal.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { OURS, THEIRS, BASE, SIDES }; /* BASE: what both began with */
@@ -135,6 +136,10 @@ static enum status join(void *user, enum row_table table, const struct climb_ite
 	for (size_t i = 0; i < side * side; i++) {
 		int32_t ours = merging->posts[OURS][i], theirs = merging->posts[THEIRS][i], base = merging->posts[BASE][i];
 		scratch[i] = ours == base ? theirs : ours;
+		if (PLANE_MARKS & PLANE_BIT(row_plane(table))) { /* as if both had made their marks on one ground */
+			scratch[i] = ours > theirs ? ours : theirs;
+			continue;
+		}
 		if (ours == base || theirs == base || ours == theirs)
 			continue;
 		int64_t x = own.x0 + (int64_t)(i % side), y = own.y0 + (int64_t)(i / side);
@@ -168,6 +173,22 @@ static enum status seek_conflicts(struct merging *merging, struct store_conflict
 
 /* --- the new overlay --- */
 
+/* The store's time: the later one, as the record has it. Empty without marks that fade. */
+static enum status age_of(struct merging *merging, char *text, size_t room)
+{
+	struct store_marks marks[2];
+	TRY(store_marks(merging->sides[OURS], &marks[0]));
+	TRY(store_marks(merging->sides[THEIRS], &marks[1]));
+	const double ours = marks[0].since + marks[0].time, theirs = marks[1].since + marks[1].time;
+	const struct store_marks *later = marks[1].any && (!marks[0].any || theirs > ours) ? &marks[1] : &marks[0], *other = later == &marks[0] ? &marks[1] : &marks[0];
+	const struct store_marks *plants = later->rises > 0 ? later : other;
+	text[0] = '\0';
+	if (later->any)
+		snprintf(text, room, "{\"since\":\"%a\",\"heals\":\"%a\",\"rises\":\"%a\",\"grows\":\"%a\"}", later->since + later->time,
+			 later->heals > 0 ? later->heals : other->heals, plants->rises, plants->grows);
+	return STATUS_OK;
+}
+
 static enum status put_header(struct merging *merging, struct store *out)
 {
 	const struct store_run run = {.scene_hash = "", .what = "merge"};
@@ -176,7 +197,9 @@ static enum status put_header(struct merging *merging, struct store *out)
 	TRY(store_meta_put_working(out, merging->level, merging->relief));
 	if (compacted != 0)
 		TRY(store_meta_put_integer(out, "compacted", compacted));
-	return store_run_put(out, &run, "");
+	char age[256];
+	TRY(age_of(merging, age, sizeof age));
+	return store_run_put(out, &run, age);
 }
 
 static enum status put_rows(struct merging *merging, struct store *out, int32_t *scratch)

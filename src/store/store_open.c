@@ -87,7 +87,8 @@ static enum status adapt(struct store *store, bool writing, int version)
 	int64_t sheared = 0, ruts = 0;
 	if (version < STORE_VERSION_SHEAR)
 		TRY(store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM shear)", &sheared));
-	TRY(store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM heaped) AND EXISTS (SELECT 1 FROM pressed)", &ruts));
+	if (version < STORE_VERSION_LOOSE)
+		TRY(store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM heaped) AND EXISTS (SELECT 1 FROM pressed)", &ruts));
 	TRY(writing ? store_schema_raise(store->db, store->path, version) : store_schema_hide(store->db, store->path, version));
 	if ((sheared != 0 || ruts != 0) && store->wanted == NULL && (store->over == NULL || store->over->inherits))
 		note("%s: an older furrow drove there; its ruts stay, what lies deposited on them counts as loose%s%s", store->path,

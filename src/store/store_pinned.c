@@ -199,10 +199,11 @@ enum status store_pinned_show(sqlite3 *db, const char *path, int64_t revision)
 	static const char doing[] = "showing what an overlay depends on";
 	char sql[1024];
 	const long long at = revision;
-	int64_t loose = 0;
+	int64_t loose = 0, marks = 0;
 	TRY(store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY"));
 	TRY(store_sql_integer(db, path, "SELECT count(*) FROM main.sqlite_schema WHERE name = 'settled'", &loose));
-	for (int table = ROW_OFFSET; table < (loose != 0 ? ROW_TABLES : ROW_SETTLED); table++) { /* an older file lacks some tables, which are hidden */
+	TRY(store_sql_integer(db, path, "SELECT count(*) FROM main.sqlite_schema WHERE name = 'healed'", &marks));
+	for (int table = ROW_OFFSET; table < (marks != 0 ? ROW_TABLES : loose != 0 ? ROW_HEALED : ROW_SETTLED); table++) { /* an older file lacks some tables, which are hidden */
 		const char *name = store_rows_sql_name((enum row_table)table), *sums = table == ROW_OFFSET ? "below, above, " : "";
 		snprintf(sql, sizeof sql,
 			 "CREATE TEMP VIEW %s AS SELECT key, low, high, %scodec, revision, hash, blob FROM main.replaced AS kept "

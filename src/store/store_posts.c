@@ -52,6 +52,11 @@ static double add_as_is(const struct reading *reading, double was, int32_t post)
 	return was + post;
 }
 
+static double add_time(const struct reading *reading, double was, int32_t post)
+{
+	return was + ldexp(post, -PLANE_TIME_BITS);
+}
+
 static double add_shear(const struct reading *reading, double was, int32_t post)
 {
 	return was + ldexp(post, -PLANE_SHEAR_BITS);
@@ -69,6 +74,7 @@ static const struct {
 } added[STORE_LAYERS] = {
 	[STORE_SURFACE] = {ROW_OFFSET, add_metres}, [STORE_OFFSET] = {ROW_OFFSET, add_metres},
 	[STORE_UNITS] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DISTURBANCE, add_as_is},
+	[STORE_HEALED] = {ROW_HEALED, add_time},   [STORE_RISEN] = {ROW_RISEN, add_time},   [STORE_GROWN] = {ROW_GROWN, add_time},
 	[STORE_DEPOSITED] = {ROW_DEPOSITED, add_metres},  [STORE_PLASTIC_SINKAGE] = {ROW_PLASTIC_SINKAGE, add_metres},
 	[STORE_SHEAR] = {ROW_SHEAR, add_shear}, [STORE_SHEAR_EAST] = {ROW_SHEAR, add_shear}, [STORE_SHEAR_NORTH] = {ROW_SHEAR, add_shear},
 	[STORE_SETTLED] = {ROW_SETTLED, add_metres}, [STORE_LOOSE] = {ROW_LOOSE, add_metres}, [STORE_DENSITY] = {ROW_DENSITY, add_metres},

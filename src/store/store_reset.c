@@ -11,7 +11,8 @@ static enum status remove_all(struct store *store, bool force)
 	TRY(store_sql_exec(store->db, store->path, "resetting it",
 			   "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
 			   "DELETE FROM pressed; "
-			   "DELETE FROM shear; DELETE FROM dug; DELETE FROM settled; DELETE FROM loose; DELETE FROM floor; DELETE FROM density; DELETE FROM slope; DELETE FROM run; DELETE FROM "
+			   "DELETE FROM shear; DELETE FROM dug; DELETE FROM settled; DELETE FROM loose; DELETE FROM floor; DELETE FROM density; DELETE FROM slope; "
+			   "DELETE FROM healed; DELETE FROM risen; DELETE FROM grown; DELETE FROM run; DELETE FROM "
 			   "history; DELETE FROM revision; "
 			   "DELETE FROM snapshot; "
 			   "DELETE FROM meta WHERE key IN ('working', 'compacted', 'relief')"));

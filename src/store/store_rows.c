@@ -51,6 +51,9 @@ static const struct table tables[ROW_TABLES] = {
 	PLANE_TABLE("floor"),
 	PLANE_TABLE("density"),
 	PLANE_TABLE("slope"),
+	PLANE_TABLE("healed"),
+	PLANE_TABLE("risen"),
+	PLANE_TABLE("grown"),
 };
 
 enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
@@ -221,6 +224,7 @@ static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 	static const int32_t most[ROW_TABLES] = {
 		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX, [ROW_DUG] = INT32_MAX,
 		[ROW_LOOSE] = INT32_MAX, [ROW_FLOOR] = INT32_MAX, [ROW_DENSITY] = INT32_MAX,
+		[ROW_HEALED] = INT32_MAX, [ROW_RISEN] = INT32_MAX, [ROW_GROWN] = INT32_MAX,
 	};
 	bool fits = true;
 	for (size_t i = 0; i < count && table == ROW_SHEAR; i++)

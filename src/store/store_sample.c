@@ -118,6 +118,9 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, &sample->plastic_sinkage},
 		{PLANE_SHEAR, STORE_SHEAR_EAST, &sample->shear[0]},
 		{PLANE_SHEAR, STORE_SHEAR_NORTH, &sample->shear[1]},
+		{PLANE_HEALED, STORE_HEALED, &sample->healed},
+		{PLANE_RISEN, STORE_RISEN, &sample->risen},
+		{PLANE_GROWN, STORE_GROWN, &sample->grown},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample->planes & PLANE_BIT(state[i].plane))

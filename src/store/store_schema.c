@@ -8,6 +8,9 @@
  *   3: no table `dug`; its `shear` has another meaning, a length that only grew, and counts as none.
  *   4: no history; who made the last commit, and when, is not known. No overlays that show the deformation of their parent.
  *
+ *   6: no tables for loose layers.
+ *   7: no tables for marks that fade.
+ *
  * A store gets version 6, with two more tables, when it first keeps what an overlay depends on (store_pinned.c).
  */
 #include "store/internal.h"
@@ -33,6 +36,8 @@ static const struct object objects[] = {
 	{"dirt", PLANE_TABLE("dirt")},
 	{"dug", PLANE_TABLE("dug")},
 	{"floor", PLANE_TABLE("floor")},
+	{"grown", PLANE_TABLE("grown")},
+	{"healed", PLANE_TABLE("healed")},
 	{"heaped", PLANE_TABLE("heaped")},
 	{"history",
 	 "CREATE TABLE history(plane INTEGER NOT NULL, key INTEGER NOT NULL, revision INTEGER NOT NULL, form INTEGER NOT NULL, "
@@ -53,6 +58,7 @@ static const struct object objects[] = {
 	{"revision",
 	 "CREATE TABLE revision(revision INTEGER PRIMARY KEY, scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, "
 	 "state TEXT NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL, working INTEGER, compacted INTEGER NOT NULL)"},
+	{"risen", PLANE_TABLE("risen")},
 	{"run",
 	 "CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, "
 	 "scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL, "
@@ -75,7 +81,8 @@ static const struct object older_run = {
 /* Returns a table as a store of this version has it; NULL: it has no such table. */
 static const struct object *object_of(size_t index, int version)
 {
-	static const char *const since_history[] = {"history", "revision", "snapshot"}, *const since_loose[] = {"density", "floor", "loose", "settled", "slope"};
+	static const char *const since_history[] = {"history", "revision", "snapshot"}, *const since_loose[] = {"density", "floor", "loose", "settled", "slope"},
+				 *const since_marks[] = {"grown", "healed", "risen"};
 	const char *name = objects[index].name;
 	if (strcmp(name, "dug") == 0 && version < STORE_VERSION_SHEAR)
 		return NULL;
@@ -86,6 +93,9 @@ static const struct object *object_of(size_t index, int version)
 			return NULL;
 	for (size_t i = 0; i < sizeof since_loose / sizeof *since_loose; i++)
 		if (strcmp(name, since_loose[i]) == 0 && version < STORE_VERSION_LOOSE)
+			return NULL;
+	for (size_t i = 0; i < sizeof since_marks / sizeof *since_marks; i++)
+		if (strcmp(name, since_marks[i]) == 0 && version < STORE_VERSION_MARKS)
 			return NULL;
 	return strcmp(name, "run") == 0 && version < STORE_VERSION_HISTORY ? &older_run : &objects[index];
 }
@@ -167,7 +177,10 @@ enum status store_schema_hide(sqlite3 *db, const char *path, int version)
 	if (version < STORE_VERSION_SHEAR)
 		TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
 				   "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0"));
-	TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE settled AS SELECT * FROM main.heaped LIMIT 0; "
+	TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE healed AS SELECT * FROM main.heaped LIMIT 0; "
+			   "CREATE TEMP TABLE risen AS SELECT * FROM main.heaped LIMIT 0; CREATE TEMP TABLE grown AS SELECT * FROM main.heaped LIMIT 0"));
+	if (version < STORE_VERSION_LOOSE)
+		TRY(store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE settled AS SELECT * FROM main.heaped LIMIT 0; "
 			   "CREATE TEMP TABLE loose AS SELECT * FROM main.heaped LIMIT 0; CREATE TEMP TABLE floor AS SELECT * FROM main.heaped LIMIT 0; "
 			   "CREATE TEMP TABLE density AS SELECT * FROM main.heaped LIMIT 0; CREATE TEMP TABLE slope AS SELECT * FROM main.heaped LIMIT 0"));
 	if (version >= STORE_VERSION_HISTORY)

@@ -15,10 +15,11 @@ static const char *const names[STORE_TABLES] = {
 	[STORE_DEPOSITED_TABLE] = "heaped",   [STORE_PLASTIC_SINKAGE_TABLE] = "pressed", [STORE_SHEAR_TABLE] = "shear",
 	[STORE_DUG_TABLE] = "dug",         [STORE_SETTLED_TABLE] = "settled", [STORE_LOOSE_TABLE] = "loose",
 	[STORE_FLOOR_TABLE] = "floor",     [STORE_DENSITY_TABLE] = "density", [STORE_SLOPE_TABLE] = "slope",
+	[STORE_HEALED_TABLE] = "healed", [STORE_RISEN_TABLE] = "risen", [STORE_GROWN_TABLE] = "grown",
 	[STORE_META_TABLE] = "meta",       [STORE_RUN_TABLE] = "run",
 	[STORE_HISTORY_TABLE] = "history", [STORE_REVISION_TABLE] = "revision", [STORE_NO_TABLE] = "other",
 };
-static_assert((int)STORE_BASE_TABLE == (int)ROW_BASE && (int)STORE_SLOPE_TABLE == (int)ROW_SLOPE, "tables in one order");
+static_assert((int)STORE_BASE_TABLE == (int)ROW_BASE && (int)STORE_GROWN_TABLE == (int)ROW_GROWN, "tables in one order");
 
 const char *store_table_name(enum store_table table)
 {

@@ -62,7 +62,8 @@ static enum status empty(struct undo *undo)
 	TRY_OR(failed, store_sql_exec(undo->rows.db, name, "emptying it",
 				      "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
 				      "DELETE FROM pressed; DELETE FROM shear; DELETE FROM dug; "
-				      "DELETE FROM settled; DELETE FROM loose; DELETE FROM floor; DELETE FROM density; DELETE FROM slope; COMMIT"));
+				      "DELETE FROM settled; DELETE FROM loose; DELETE FROM floor; DELETE FROM density; DELETE FROM slope; "
+				      "DELETE FROM healed; DELETE FROM risen; DELETE FROM grown; COMMIT"));
 	undo->kept = 0;
 	return STATUS_OK;
 failed:

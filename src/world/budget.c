@@ -159,7 +159,7 @@ static uint64_t mirror_bytes(const struct world *world)
 	const uint64_t side = tile_posts(&world->resident.meta->extent);
 	if (!world_is_bearing(world) || !(world->scene->view.present || world->params.draws))
 		return 0;
-	uint64_t post = sizeof(int32_t) + (scene_draws_classes(world->scene) ? 1 : 0);
+	uint64_t post = sizeof(int32_t) + (scene_draws_classes(world->scene) || scene_covers_by_class(world->scene) ? 1 : 0);
 	for (int plane = 0; plane < PLANES; plane++)
 		post += world_planes(world) & GPU_DRAWN_PLANES & PLANE_BIT(plane) ? plane_bytes((enum plane)plane) : 0;
 	return world->facts.limits.slots * side * side * post;

@@ -188,12 +188,16 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		contact.seconds = event->seconds;
 		contact.turned = event->turned;
 		memcpy(contact.rotated, event->rotated, sizeof contact.rotated);
-		return contact;
+	} else {
+		contact.seconds = event->seconds;
+		contact.to.turn = contact.from.turn = body->last.turn;
+		if (body->has_last)
+			roll(body, &contact);
 	}
-	contact.seconds = event->seconds;
-	contact.to.turn = contact.from.turn = body->last.turn;
-	if (body->has_last)
-		roll(body, &contact);
+	if (world_keeps_marks(world->scene)) {
+		contact.now = world_marks_at(world, event->time).now;
+		contact.torn = world_torn(world, &contact);
+	}
 	return contact;
 }
 

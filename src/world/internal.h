@@ -44,6 +44,13 @@ enum world_stage world_stage_enter(struct world *world, enum world_stage stage);
 enum status world_resume(struct world *world) FURROW_CHECKED;
 void world_tell_unfinished(const struct world *world); /* prints a note that an unfinished run could be resumed, but is not */
 
+/* age.c */
+bool world_keeps_marks(const struct scene *scene); /* marks that fade */
+/* Sets the store's time, in world->record. Call it after world_resume or world_tell_unfinished, which read the last record. STATUS_INPUT: the store is too old for such marks. */
+enum status world_begin_age(struct world *world) FURROW_CHECKED;
+enum status world_check_age(const struct world *world, double time) FURROW_CHECKED; /* the same, `time` s after the scene's start */
+/* Returns how much of the cover below it a contact tears, 0 to PLANE_MARK_MOST; 0: the scene has no vegetation. */
+int32_t world_torn(const struct world *world, const struct deform_contact *contact);
 enum status world_fill_record(struct world *world) FURROW_CHECKED; /* steps.c */
 
 /* --- ruts.c --- */

@@ -45,7 +45,8 @@ enum status world_settle_level(struct world *world)
 unsigned world_planes(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	unsigned planes = deform_planes(scene->model, scene->disturbance, (world->facts.slip_sinkage > 0 ? DEFORM_DIGS : 0) |
+	unsigned planes = deform_planes(scene->model, scene->disturbance && scene->heals <= 0, (scene->heals > 0 ? DEFORM_HEALS : 0) |
+								    (scene->vegetation.present ? DEFORM_GROWS : 0) | (world->facts.slip_sinkage > 0 ? DEFORM_DIGS : 0) |
 								    (scene->loosening > 0 ? DEFORM_LOOSENS : 0) | (scene->hardening > 0 ? DEFORM_HARDENS : 0) |
 								    (deform_slopes_count(scene->model, scene->soils, scene->soil_count) ? DEFORM_SLOPES : 0));
 	if (scene->object_count > 0 || scene_moves_bodies(scene))
@@ -67,7 +68,7 @@ bool world_needs_soil_map(const struct scene *scene)
 {
 	bool read = deform_model_row(scene->model)->numbers != NULL &&
 		    (scene->object_count > 0 || scene_moves_bodies(scene));
-	return scene->soil_map != NULL && (read || scene_draws_classes(scene));
+	return scene->soil_map != NULL && (read || scene_draws_classes(scene) || scene_covers_by_class(scene));
 }
 
 enum status world_open_soil_map(struct world *world)
@@ -117,9 +118,14 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.faces = scene->faces == SCENE_FACES_ON,
 		.inertia = scene->inertia,
 		.touched = world_asks_touched(world),
-		.disturbance = scene->disturbance,
-		.batches = !world->params.alone,
+		.disturbance = scene->disturbance && scene->heals <= 0,
+		.batches = !world->params.alone && !world_keeps_marks(scene),
 	};
+	const struct store_marks marks = {.heals = scene->heals, .rises = scene->vegetation.rises, .grows = scene->vegetation.grows};
+	const struct plane_marks whole = store_marks_at(&marks, 0);
+	params->heals = whole.heals;
+	params->rises = whole.rises;
+	params->grows = whole.grows;
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	params->raster_count = world_rasters(world, params->rasters);
 	bool by_raster = false;

@@ -119,6 +119,13 @@ static bool put_attached(cJSON *root, const struct record *record, size_t object
 	return whole;
 }
 
+/* The store's time: without marks that fade the record is as it was before there were any. store_age.c reads it. */
+static bool put_marks(cJSON *root, const struct store_marks *marks)
+{
+	return !marks->any || (put_real(root, "since", marks->since) && (marks->heals <= 0 || put_real(root, "heals", marks->heals)) &&
+			       (marks->rises <= 0 || (put_real(root, "rises", marks->rises) && put_real(root, "grows", marks->grows))));
+}
+
 char *world_record_print(const struct record *record, const struct scene *scene, const struct pages_sums *sums)
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
@@ -127,7 +134,7 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
 		     put_whole(root, "compacted", sums->compacted) && put_whole(root, "sunk", sums->sunk) &&
-		     put_whole(root, "slid", sums->slid) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+		     put_whole(root, "slid", sums->slid) && put_marks(root, &record->marks) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
 	whole = whole && put_attached(root, record, scene->object_count);

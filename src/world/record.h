@@ -35,6 +35,7 @@ struct record {
 	int level;            /* the working level */
 	int law;              /* by which soil bore: SOIL_LAW; 0: it did not, or a furrow before the first number made it */
 	bool ended;           /* the drive ended with this step */
+	struct store_marks marks; /* the store's time; its `time` is that of `time` above */
 	struct pages_sums sums; /* read from the store; not used for writing */
 	size_t active_count;  /* active blocks, where soil may still relax */
 	struct soil_block active[DEFORM_BLOCKS_MAX];

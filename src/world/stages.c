@@ -159,6 +159,7 @@ enum status world_step_to(struct world *world, double until)
 {
 	const struct step step = {until};
 	enum status status = STATUS_OK;
+	TRY(world_check_age(world, until));
 	world->stage.now = 0;
 	world->stage.since = clock_seconds();
 	for (int i = 0; i < WORLD_STAGES && status == STATUS_OK; i++) {

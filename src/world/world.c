@@ -64,10 +64,10 @@ enum status world_open(const struct world_params *params, struct world **out)
 	TRY(resident_ground_create(world->resident.store, world->facts.limits.ground, &world->resident.ground));
 	TRY(world_find_ruts(world));
 	if (params->resume)
-		return world_resume(world);
-	if (!params->readonly)
+		TRY(world_resume(world));
+	else if (!params->readonly)
 		world_tell_unfinished(world);
-	return STATUS_OK;
+	return world_begin_age(world);
 }
 
 /* --- starting --- */
@@ -145,7 +145,7 @@ static bool has_large_passes(const struct world *world, const struct deform_para
 static enum status start_gpu(struct world *world, const struct gpu_params *params)
 {
 	TRY(gpu_create(params, &world->resident.gpu));
-	const unsigned planes = world->resident.host != NULL ? world_planes(world) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE)) : world_planes(world);
+	const unsigned planes = world->resident.host != NULL ? world_planes(world) & GPU_DRAWN_PLANES : world_planes(world);
 	return gpu_slots_create(world->resident.gpu, world->resident.meta->extent.cells, world->facts.limits.slots, planes, &world->resident.slots);
 }
 
@@ -275,7 +275,7 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.tally = world_is_bearing(world) ? tally_bytes : NULL,
 		.classes = world_needs_soil_map(scene) ? soil_classes : NULL,
 		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
-		.classes_drawn = scene_draws_classes(scene),
+		.classes_drawn = scene_draws_classes(scene) || scene_covers_by_class(scene),
 	};
 	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached);
 	params->queue_bytes = world_queue_bytes(world, params);

@@ -169,6 +169,8 @@ const struct scene *world_scene(const struct world *world);
 const struct world_params *world_params(const struct world *world); /* those that it was opened with; without `store`, `overlay` and `staged` */
 double world_time(const struct world *world);        /* s of simulated time since the scene's start */
 int64_t world_steps_done(const struct world *world); /* since the scene's start */
+/* Returns the store's time, `time` s after the scene's start, and what marks that fade take. Pure. */
+struct plane_marks world_marks_at(const struct world *world, double time);
 /* The ground in memory. Who reads it must not change its parts. */
 const struct resident *world_resident(const struct world *world);
 /* Returns what the GPU, or the CPU, computes the ground with. NULL: nothing. At most one of both is there. */

@@ -230,7 +230,7 @@ class Bases(FormatTest):
         words = " ".join(page.split())
         with contextlib.closing(sqlite3.connect(self.folder / "world.furrow")) as db:
             tables = db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'").fetchall()
-        self.assertEqual(len(tables), 19)
+        self.assertEqual(len(tables), 22)
         for sql, in tables:
             self.assertTrue("`" + sql.removeprefix("CREATE TABLE ") + "`" in words, sql)
 
@@ -250,7 +250,7 @@ class Deformed(FormatTest):
     def deformation_rows(self, store):
         """What the page says of rows of offsets and soil beside their posts, from the posts."""
         side = store.cells + 1
-        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-15), ("dug", 2**-20), ("settled", 2**-20), ("loose", 2**-20), ("floor", 2**-20), ("density", 2**-20), ("slope", 2**-9)):
+        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-15), ("dug", 2**-20), ("settled", 2**-20), ("loose", 2**-20), ("floor", 2**-20), ("density", 2**-20), ("slope", 2**-9), ("healed", 0.25), ("risen", 0.25), ("grown", 0.25)):
             rows = store.rows[table]
             for row in rows.values():
                 if table not in ("offset", "dirt"):
@@ -333,7 +333,7 @@ class Deformed(FormatTest):
         with contextlib.closing(sqlite3.connect(self.folder / "s.furrow")) as db:
             state = json.loads(db.execute("SELECT state FROM run").fetchone()[0])
         written = {*state, *state["objects"][0], *state["objects"][0]["force"]}
-        self.assertEqual(written | {"attached"}, named)  # `attached`: only with vehicles
+        self.assertEqual(written | {"attached", "since", "heals", "rises", "grows"}, named)  # only with vehicles, and with marks that fade
 
     def test_a_chain_of_overlays(self):
         self.driven(SCENE, 75)
@@ -399,7 +399,7 @@ class Deformed(FormatTest):
         self.assertEqual(point["soil"], {"dirt": 0, "deposited": -3 / 2**20, "plastic_sinkage": 0.5 + 2**-20, "shear": [3 / 2**15, 3 / 2**15]})
         self.assertEqual(info["compacted"], -5)
         self.assertEqual({name: found["tiles"] for name, found in info["soil"].items()},
-                         {"dirt": 0, "deposited": 16, "plastic_sinkage": 16, "shear": 16, "dug": 0, "settled": 0, "loose": 0, "floor": 0, "density": 0, "slope": 0})
+                         {"dirt": 0, "deposited": 16, "plastic_sinkage": 16, "shear": 16, "dug": 0, "settled": 0, "loose": 0, "floor": 0, "density": 0, "slope": 0, "healed": 0, "risen": 0, "grown": 0})
         self.assertEqual((info["tiles"]["soil"], info["bytes"]["soil"]), (48, 48 * 4))
         if has_gdal():
             self.assertIn("2 m apart", self.ok("export", path, "-o", "heaped.tif", "--layer", "heaped"))

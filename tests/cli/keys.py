@@ -38,6 +38,10 @@ CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{na
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
 SHAPE = {**PLAIN}
+HEALS = {**PLAIN, "attributes": "{disturbance: {heals: 100}}"}
+PLANTS = {**PLAIN, "attributes": "{vegetation: {cover: 0.7}}", "objects": f"[{WHEEL % 'sink: 0.2, slip: 0.2'}]"}
+GREEN = {**VIEW, "attributes": PLANTS["attributes"]}
+COVERED = {**MAP, "view": VIEW["view"], "attributes": "{vegetation: {cover: 0.7, classes: [{value: 1, cover: 0.2}]}}"}
 CAMERA = "{name: c, kind: %s, size: [32, 24], rate: 4, %s}"
 SHOT = {**PLAIN, "cameras": f"[{CAMERA % ('mounted', 'on: a, pose: {at: [-3, 0, 2], yaw: 3, pitch: -30}')}]"}
 
@@ -75,7 +79,16 @@ ROWS = {
     "relief.classes[].roughness": ({**MAP, "relief": "{roughness: 0.05, wavelength: 0.8, classes: [{value: 1, roughness: 0.01}]}"}, {"relief.classes.0.roughness": "0.02"}),
     "relief.classes[].wavelength": ({**MAP, "relief": "{roughness: 0.05, wavelength: 0.8, classes: [{value: 1, roughness: 0.03}]}"}, {"relief.classes.0.wavelength": "1.6"}),
     "compute": (SCM, {"compute": "gpu"}),  # it is refused; with other models it changes nothing
-    "attributes": (PLAIN, {"attributes": "[disturbance]"}),
+    "attributes.disturbance.heals": (HEALS, {"attributes.disturbance.heals": "200"}),
+    "attributes.elapsed": (HEALS, {"attributes.elapsed": "300"}),
+    "attributes.vegetation.cover": (GREEN, {"attributes.vegetation.cover": "0.2"}),
+    "attributes.vegetation.height": (GREEN, {"attributes.vegetation.height": "0.9"}),
+    "attributes.vegetation.tears": (PLANTS, {"attributes.vegetation.tears": "0.9"}),
+    "attributes.vegetation.rises": (PLANTS, {"attributes.vegetation.rises": "90"}),
+    "attributes.vegetation.grows": (PLANTS, {"attributes.vegetation.grows": "90"}),
+    "attributes.vegetation.classes": (COVERED, {"attributes.vegetation.classes": "{1: 0.9}"}),
+    "attributes.vegetation.classes[].value": (COVERED, {"attributes.vegetation.classes.0.value": "2"}),
+    "attributes.vegetation.classes[].cover": (COVERED, {"attributes.vegetation.classes.0.cover": "0.9"}),
     "outside": (pathed("points: [[1, 20], [-5, 20]], speed: 20"), {"outside": "skip"}),
     "objects": (PLAIN, {"objects": f"[{WHEEL % 'sink: 0.1'}]"}),
     "vehicles": ({**CAR, "objects": PLAIN["objects"], "vehicles": "[]", "output": "{forces: 50}"}, {"vehicles": CAR["vehicles"]}),
@@ -303,7 +316,7 @@ class Keys(FurrowTest):
                 left["run"] = TOLD[key](run)
         if overlay.exists():
             with sqlite3.connect(overlay) as rows:
-                left["ground"] = {table: rows.execute(f"SELECT * FROM {table}").fetchall() for table in ("offset", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "dirt")
+                left["ground"] = {table: rows.execute(f"SELECT * FROM {table}").fetchall() for table in ("offset", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "dirt", "healed", "risen", "grown")
                                   if rows.execute("SELECT count(*) FROM sqlite_master WHERE name = ?", (table,)).fetchone()[0]}
         return left
 

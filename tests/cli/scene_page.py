@@ -65,6 +65,8 @@ SAMPLES = [
           soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}}),
     scene(WHEEL, redistribute={"model": "scm"}, spacing=0.25, soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}},
           relief={"roughness": 0.02, "wavelength": 2, "seed": 7, "classes": [{"value": 1, "roughness": 0.1, "wavelength": 3}]}),
+    scene(WHEEL, attributes={"disturbance": {"heals": 86400}, "vegetation": {"cover": 0.9, "height": 0.2, "tears": 0.4, "rises": 3600, "grows": 86400,
+          "classes": [{"value": 1, "cover": 0.2}]}, "elapsed": 60}, soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}}),
     scene(wheel(shape={"mesh": {"file": "foot.obj", "scale": 2, "belt": True}})),
     scene(wheel(shape={"box": {"size": [1, 1, 1], "belt": True}}, load=100), soil={"name": "lunar"}, redistribute={"model": "scm"}),
     scene(wheel(shape={"cylinder": {"radius": 0.5, "length": 1}}), wheel(name="b", shape={"capsule": {"radius": 0.5, "length": 1}}),
@@ -176,6 +178,10 @@ class Checker:
         return found
 
     def visit(self, key, found):
+        if key == "attributes":  # a list of names is right, too
+            found[key] = ("mapping", "")
+            self.crawl(key, found)
+            return
         allowed = self.allowed(key, [])
         if allowed == "text":
             found[key] = ("text", self.allowed(key, "x" * 70000))

@@ -25,7 +25,7 @@ SCHEMA = {
     "offset": '"offset"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, above INTEGER NOT NULL, '
               "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
     **{plane: plane + "(key INTEGER PRIMARY KEY, low REAL, high REAL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
-              "hash INTEGER NOT NULL, blob BLOB NOT NULL)" for plane in ("dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope")},
+              "hash INTEGER NOT NULL, blob BLOB NOT NULL)" for plane in ("dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown")},
     "run": "run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
            "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL, "
            "what TEXT NOT NULL)",
@@ -36,7 +36,7 @@ SCHEMA = {
                 "compacted INTEGER NOT NULL)",
     "snapshot": "snapshot(name TEXT PRIMARY KEY, revision INTEGER NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL) WITHOUT ROWID",
 }
-TABLES = ("base", "offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope")  # by the number that is hashed
+TABLES = ("base", "offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown")  # by the number that is hashed
 META = {int: ("width", "height", "cells", "pack", "base_hash"),
         float: ("spacing", "step", "max_error", "origin_x", "origin_y"),
         str: ("srs", "vertical", "sources")}
@@ -477,7 +477,7 @@ class Store:
             found = db.execute(f"PRAGMA {name}").fetchone()[0]
             need(found == value, name, found)
         self.version = db.execute("PRAGMA user_version").fetchone()[0]
-        need(self.version == 7, "user_version", self.version)
+        need(self.version == 8, "user_version", self.version)
         schema = {**SCHEMA, **PINS_SCHEMA}
         found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))
         need(found == sorted("CREATE TABLE " + words for words in schema.values()), "tables", found)

@@ -16,7 +16,7 @@ static uint64_t below(uint64_t bound)
 	return fuzz_below(&random_state, bound);
 }
 
-static const char *const tables[ROW_TABLES] = {"base", "\"offset\"", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope"};
+static const char *const tables[ROW_TABLES] = {"base", "\"offset\"", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown"};
 
 /* --- single values --- */
 

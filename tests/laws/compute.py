@@ -8,7 +8,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli"))
 from furrow_test import FurrowTest, main, write_png16
 
-TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope")
+TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown")
 HEAD = "scene: 1\ntime_step: 0.05\nend_time: %g\nspacing: %g\noutside: skip\noutput: {forces: 20}\n"
 SOILS = {"none": "", "box": "", "sumner": "soil: {name: sand}\n", "slippage": "soil: {name: dry_sand}\n"}
 WHEELS = """objects:

@@ -24,7 +24,7 @@ RANKS = [int(n) for n in os.environ.get("RANKS", "2,3").split(",")]
 KILLS = int(os.environ.get("KILLS", "4" if FULL else "1"))
 SEED = int(os.environ.get("RANKS_SEED", "1"))
 MODELS = pathlib.Path(os.environ.get("SCENES", "")) / "vehicles"
-TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope")
+TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown")
 # Rows name the commit that wrote them, which may differ.
 COMMIT = ("revision", "epoch")
 
@@ -201,6 +201,9 @@ class TheSame(Ranks):
 
     def test_bodies_that_slide_keep_their_recent_motion(self):
         self.compare(SLIDING)
+
+    def test_marks_that_fade(self):
+        self.compare(CROSSING.replace("objects:", "attributes: {disturbance: {heals: 500}, vegetation: {tears: 0.5, rises: 300, grows: 900}, elapsed: 9}\nobjects:"))
 
     def test_what_the_cpu_computes(self):
         for name, text in (("spread", SPREAD), ("heaps", HEAPS), ("sides", BOTH_SIDES)):

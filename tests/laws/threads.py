@@ -9,7 +9,7 @@ from furrow_test import FurrowTest, main
 
 THREADS = (0, 1, 3)
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
-TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope")
+TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown")
 COMMIT = ("revision", "epoch")  # of the commit that wrote a row, which differs
 # Wheels in all directions, some of them together on a tile: 0.125 m, a path sample for each wheel and step.
 MANY = """scene: 1

@@ -122,7 +122,7 @@ static void every_allocation_that_fails_is_told(void **state)
 			resident_host_tile_finish(slots, &tile);
 		resident_host_destroy(slots);
 	}
-	assert_int_equal(nth - 1, 3 + 3 + PLANES + PLANES + 2 + 1);
+	assert_int_equal(nth - 1, 3 + 3 + PLANES + PLANES + 5 + 1);
 }
 
 /* --- windows --- */
@@ -261,6 +261,24 @@ static struct post_rect any_rect(void)
 	return (struct post_rect){x, y, x + 1 + random_word() % most, y + 1 + random_word() % most};
 }
 
+/* Marks that fade are no planes of the soil. */
+static void gather(struct land *land, struct window *window, const struct tile_slot *held, size_t count, const struct soil_planes *planes, unsigned asked)
+{
+	resident_host_gather(land->slots, held, count, planes);
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++)
+		if (asked & PLANE_BIT(plane))
+			resident_host_gather_mark(land->slots, held, count, planes, (enum plane)plane, window->planes[plane]);
+}
+
+static void scatter(struct land *land, struct window *window, const struct tile_slot *held, size_t count, const struct soil_planes *planes, struct post_rect part,
+		    unsigned asked)
+{
+	resident_host_scatter(land->slots, held, count, planes, part, asked);
+	for (int plane = PLANE_HEALED; plane <= PLANE_GROWN; plane++)
+		if (asked & PLANE_BIT(plane))
+			resident_host_scatter_mark(land->slots, held, count, planes, (enum plane)plane, window->planes[plane], part);
+}
+
 static void a_window_is_what_its_tiles_have_and_goes_back_into_all_of_them(void **state)
 {
 	static struct land land;
@@ -280,7 +298,7 @@ static void a_window_is_what_its_tiles_have_and_goes_back_into_all_of_them(void 
 		if (width > (size_t)(rect.x1 - rect.x0))
 			for (size_t i = 0; i < WIDE * WIDE; i++)
 				window.base[i] = 77;
-		resident_host_gather(land.slots, held, count, &planes);
+		gather(&land, &window, held, count, &planes, asked);
 		check_window(&land, &window, &planes, asked);
 		const struct post_rect part = post_rect_intersect(post_rect_intersect(any_rect(), rect), world);
 		many += count >= 16;
@@ -290,9 +308,9 @@ static void a_window_is_what_its_tiles_have_and_goes_back_into_all_of_them(void 
 		for (size_t i = 0; i < count; i++)
 			must(resident_host_write(land.slots, held[i].slot, asked));
 		change(&land, &window, &planes, part, asked);
-		resident_host_scatter(land.slots, held, count, &planes, part, asked);
+		scatter(&land, &window, held, count, &planes, part, asked);
 		const struct soil_planes again = planes_of(&window, rect, width, asked);
-		resident_host_gather(land.slots, held, count, &again);
+		gather(&land, &window, held, count, &again, asked);
 		check_window(&land, &window, &again, asked);
 	}
 	assert_true(many > 10 && beyond > 20);
@@ -301,12 +319,12 @@ static void a_window_is_what_its_tiles_have_and_goes_back_into_all_of_them(void 
 		const struct tile_slot one = land.held[t];
 		const int64_t x = one.tile.x * CELLS, y = one.tile.y * CELLS;
 		const struct soil_planes planes = planes_of(&window, (struct post_rect){x, y, x + CELLS + 1, y + CELLS + 1}, CELLS + 1, ALL);
-		resident_host_gather(land.slots, &one, 1, &planes);
+		gather(&land, &window, &one, 1, &planes, ALL);
 		check_window(&land, &window, &planes, ALL);
 	}
 	const struct soil_planes none = planes_of(&window, (struct post_rect){3, 3, 3, 9}, 4, ALL);
 	window.base[0] = 77;
-	resident_host_gather(land.slots, NULL, 0, &none);
+	gather(&land, &window, NULL, 0, &none, ALL);
 	assert_int_equal(window.base[0], 77);
 	resident_host_destroy(land.slots);
 }

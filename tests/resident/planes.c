@@ -91,7 +91,7 @@ static void assert_no_coarser_state(struct rig *rig)
 			resident_host_get(rig->host, slot, &held);
 		for (int plane = PLANE_DISTURBANCE; plane < PLANES; plane++) {
 			const bool there = rig->host != NULL ? held.planes[plane] != NULL : gpu_slots_get(rig->slots, slot)->planes[plane] != NULL;
-			assert_true(there == (plane == PLANE_DISTURBANCE));
+			assert_true(there == ((GPU_DRAWN_PLANES & PLANE_BIT(plane)) != 0));
 		}
 		page_cache_unpin(rig->cache, tile_key(tile));
 	}

@@ -112,6 +112,7 @@ static void each_key_calls_for_its_own(void **state)
 	} keys[] = {
 		{object, "redistribute.model", "box", EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER)), "redistribute.model: box"},
 		{object, "attributes", "[disturbance]", EFFECT_BIT(EFFECT_DISTURBANCE), "attributes.disturbance"},
+		{object, "attributes", "{vegetation: {}}", EFFECT_BIT(EFFECT_VEGETATION), "attributes.vegetation"},
 		{object, "objects.a.shape.wheel.grousers", "5", EFFECT_BIT(EFFECT_GROUSERS), "objects.a.shape.wheel.grousers"},
 		{object, "cache.loaders", "3", EFFECT_BIT(EFFECT_LOADERS), "cache.loaders: 3"},
 		{object, "cache.prefetch", "0.5", EFFECT_BIT(EFFECT_PREFETCH), "cache.prefetch: 0.5"},

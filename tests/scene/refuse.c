@@ -42,7 +42,7 @@ static const struct {
 	{"store: world.furrow", "store:", ":2: store: is empty; allowed: text"},
 	{"{name: dry_sand}", "dry_sand", ":8: soil: is a single value; allowed: a mapping of name"},
 	{"{model: box}", "box", ":9: redistribute: is a single value; allowed: a mapping of model"},
-	{"[disturbance]", "disturbance", ":10: attributes: is a single value; allowed: a list"},
+	{"[disturbance]", "disturbance", ":10: attributes: is a single value; allowed: a list or a mapping"},
 	{"[[10, 10], [90, 40]]", "[10, 10]", ":15: objects[0].path.points[0]: is a single value; "
 					     "allowed: a list of 2"},
 	{"[90, 40]", "[90, 40, 1]", ":15: objects[0].path.points[1]: holds 3; allowed: a list of 2"},
@@ -116,7 +116,7 @@ static const struct {
 	/* unknown words */
 	{"model: box", "model: bxo", ":9: redistribute.model: \"bxo\" is unknown; allowed: none, box"},
 	{"outside: stop", "outside: ignore", ":11: outside: \"ignore\" is unknown; allowed: stop, skip"},
-	{"[disturbance]", "[dust]", ":10: attributes[0]: \"dust\" is unknown; allowed: disturbance"},
+	{"[disturbance]", "[dust]", ":10: attributes[0]: \"dust\" is unknown; allowed: disturbance, vegetation"},
 	{"fog, sky", "fogg, sky", ":21: view.effects[2]: \"fogg\" is unknown; allowed: texture, detail, "
 				  "fog, sky, geomorph, skirts"},
 	{"fog, sky", "dirt, sky", ":21: view.effects[2]: \"dirt\" is unknown"},

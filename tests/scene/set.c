@@ -74,7 +74,7 @@ static void all_settings_are_told_as_text(void **state)
 	assert_string_equal(told(scene, "cache.slots"), "16");
 	assert_string_equal(told(scene, "objects.front_left.sink"), "0.05");
 	assert_string_equal(told(scene, "objects.front_left.path.points"), "[[1, 2], [3, 4]]");
-	assert_string_equal(told(scene, "attributes"), "[disturbance]");
+	assert_string_equal(told(scene, "attributes.disturbance"), "{}");
 	assert_string_equal(told(scene, "store"), "\"a: \\\"b\\\" <c>.furrow\"");
 	assert_null(told(scene, "objects.front_left.name"));
 	assert_null(told(scene, "objects"));

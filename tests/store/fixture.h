@@ -205,6 +205,8 @@ static UNUSED void field_free(struct field *field)
 		free(field->planes[plane]);
 }
 
+static UNUSED bool field_marks; /* field_dig makes marks that fade, too */
+
 /* A rut of random posts around (cx, cy). */
 static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_t radius, uint32_t seed)
 {
@@ -226,6 +228,11 @@ static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_
 			((int32_t *)field->planes[PLANE_FLOOR])[i] = (int32_t)(h >> 8 & 0x3ffff);
 			((int32_t *)field->planes[PLANE_DENSITY])[i] = (int32_t)(h >> 10 & 0xfffff);
 			((int32_t *)field->planes[PLANE_SLOPE])[i] = (int32_t)(h * 2654435761u);
+			if (!field_marks)
+				continue;
+			((int32_t *)field->planes[PLANE_HEALED])[i] = (int32_t)(h >> 2 & 0x3ffff);
+			((int32_t *)field->planes[PLANE_RISEN])[i] = (int32_t)(h >> 11 & 0xffff);
+			((int32_t *)field->planes[PLANE_GROWN])[i] = (int32_t)(h >> 1);
 		}
 }
 

@@ -14,7 +14,7 @@ static void take_note(const char *text)
 /* The tables of version 6, and of version 5. */
 static void tables_of(const char *path, int version)
 {
-	raw_sql(path, "DROP TABLE settled; DROP TABLE loose; DROP TABLE floor; DROP TABLE density; DROP TABLE slope; PRAGMA user_version=6");
+	raw_sql(path, "DROP TABLE healed; DROP TABLE risen; DROP TABLE grown; DROP TABLE settled; DROP TABLE loose; DROP TABLE floor; DROP TABLE density; DROP TABLE slope; PRAGMA user_version=6");
 	if (version == 5)
 		raw_sql(path, "DROP TABLE pinned; DROP TABLE replaced; PRAGMA user_version=5");
 }

@@ -63,11 +63,13 @@ static double post_of(const struct field *field, enum store_layer layer, int lev
 		return base;
 	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_DEPOSITED] = PLANE_DEPOSITED,
 							[STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR,
-							[STORE_SHEAR_NORTH] = PLANE_SHEAR, [STORE_SETTLED] = PLANE_SETTLED, [STORE_LOOSE] = PLANE_LOOSE, [STORE_DENSITY] = PLANE_DENSITY};
+							[STORE_SHEAR_NORTH] = PLANE_SHEAR, [STORE_SETTLED] = PLANE_SETTLED, [STORE_LOOSE] = PLANE_LOOSE, [STORE_DENSITY] = PLANE_DENSITY,
+							[STORE_HEALED] = PLANE_HEALED, [STORE_RISEN] = PLANE_RISEN, [STORE_GROWN] = PLANE_GROWN};
 	int32_t value = deformed_post(field, layer, planes[layer], level, x, y);
 	return layer == STORE_SURFACE				      ? base + lattice_offset_metres(value)
 	       : layer == STORE_UNITS || planes[layer] == PLANE_DISTURBANCE ? value
 	       : planes[layer] == PLANE_SHEAR			      ? value / 32768.0
+	       : PLANE_MARKS & PLANE_BIT(planes[layer])		      ? value / 4.0
 								      : lattice_offset_metres(value);
 }
 
@@ -279,6 +281,7 @@ static void keys_of_a_level_come_in_order_until_told_to_stop(void **state)
 
 TEST_PROGRAM(posts)
 {
+	field_marks = true;
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(posts_are_those_of_the_definition),
 		cmocka_unit_test(a_terrain_that_ends_with_its_tiles_ends_with_posts),

@@ -364,6 +364,7 @@ static void content_is_what_the_rows_mean(void **state)
 
 TEST_PROGRAM(verify)
 {
+	field_marks = true;
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_sound_store_has_no_problem),
 		cmocka_unit_test(a_flipped_byte_is_named),

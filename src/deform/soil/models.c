@@ -51,7 +51,8 @@ unsigned deform_planes(enum deform_model model, bool disturbance, unsigned memor
 	const unsigned loose = PLANE_BIT(PLANE_SETTLED) | PLANE_BIT(PLANE_LOOSE) | PLANE_BIT(PLANE_FLOOR);
 	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | (memory & DEFORM_DIGS ? PLANE_BIT(PLANE_DUG) : 0) |
 	       (memory & DEFORM_LOOSENS ? loose : 0) | (memory & DEFORM_HARDENS ? PLANE_BIT(PLANE_DENSITY) : 0) |
-	       (memory & DEFORM_SLOPES ? PLANE_BIT(PLANE_SLOPE) : 0) | rows[model]->planes;
+	       (memory & DEFORM_SLOPES ? PLANE_BIT(PLANE_SLOPE) : 0) | (memory & DEFORM_HEALS ? PLANE_BIT(PLANE_HEALED) : 0) |
+	       (memory & DEFORM_GROWS ? PLANE_BIT(PLANE_RISEN) | PLANE_BIT(PLANE_GROWN) : 0) | rows[model]->planes;
 }
 
 bool deform_slopes_count(enum deform_model model, const struct soil_numbers *soils, int count)
@@ -65,7 +66,21 @@ bool deform_slopes_count(enum deform_model model, const struct soil_numbers *soi
 unsigned deform_memory(const struct deform_params *params)
 {
 	return (params->slip_sinkage > 0 ? DEFORM_DIGS : 0) | (params->loosening > 0 ? DEFORM_LOOSENS : 0) | (params->hardening > 0 ? DEFORM_HARDENS : 0) |
-	       (deform_has_slopes(params) ? DEFORM_SLOPES : 0);
+	       (deform_has_slopes(params) ? DEFORM_SLOPES : 0) | deform_marks(params);
+}
+
+unsigned deform_marks(const struct deform_params *params)
+{
+	return (params->heals > 0 ? DEFORM_HEALS : 0) | (params->rises > 0 ? DEFORM_GROWS : 0);
+}
+
+struct soil_mark deform_mark_of(const struct deform_params *params, const struct deform_contact *contact)
+{
+	return (struct soil_mark){
+		.now = contact->now, .heals = params->heals,
+		.risen = params->rises > 0 ? plane_mark(contact->now, PLANE_MARK_MOST, params->rises) : 0,
+		.grown = params->grows > 0 && contact->torn > 0 ? plane_mark(contact->now, contact->torn, params->grows) : 0,
+	};
 }
 
 const char *deform_plane_effect(enum deform_model model, enum plane plane)
@@ -74,7 +89,9 @@ const char *deform_plane_effect(enum deform_model model, enum plane plane)
 		return "loose";
 	if (plane == PLANE_SLOPE)
 		return deform_slide_effect(model);
-	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : plane == PLANE_DENSITY ? "dense" : deform_displace_effect(model);
+	if (plane == PLANE_RISEN || plane == PLANE_GROWN)
+		return "vegetation";
+	return plane == PLANE_DISTURBANCE || plane == PLANE_HEALED ? "dirt" : plane == PLANE_DUG ? "slip" : plane == PLANE_DENSITY ? "dense" : deform_displace_effect(model);
 }
 
 const char *deform_displace_effect(enum deform_model model)

@@ -5,6 +5,7 @@
 
 #define OFFSET_LIMIT (1 << 30)   /* fixed-point units: 1024 m */
 #define TOUCH 4                  /* fixed-point units; the envelopes of a motion and of its end pose are rounded separately */
+#define SHADES 255               /* of disturbance: PLANE_MARK_MOST */
 #define CARRIED_MOST (1 << 23)   /* the most soil that one post gives away, so that sums of it fit 32 bits */
 
 /* Returns how far the ground is above the zero of the lower envelopes. */
@@ -105,10 +106,33 @@ SOIL_LANES void soil_hold_row(const struct contact_row *row)
 	hold(row->count, row->zero, row->base, row->offset, row->rest, row->contact);
 }
 
+/* Returns how dark a post is that was lowered to this offset. */
+SOIL_INLINED int32_t shades_of(int32_t offset)
+{
+	const int32_t down = offset < 0 ? -offset >> 10 : 0;
+	return 96 + down < SHADES ? 96 + down : SHADES;
+}
+
 SOIL_LANES void soil_disturb_row(int32_t count, const uint8_t *restrict contact, const int32_t *restrict offset, uint8_t *restrict disturbance)
 {
 	for (int32_t i = 0; i < count; i++) {
-		const int32_t down = offset[i] < 0 ? -offset[i] >> 10 : 0, depth = 96 + down < 255 ? 96 + down : 255;
+		const int32_t depth = shades_of(offset[i]);
 		disturbance[i] = (uint8_t)((contact[i] & SOIL_LOWERED) && disturbance[i] < depth ? depth : disturbance[i]);
 	}
+}
+
+/* The same as plane_mark(), in 32 bits, as marks.frag has it. */
+SOIL_LANES void soil_heal_row(int32_t count, const uint8_t *restrict contact, const int32_t *restrict offset, int32_t now, int32_t heals, int32_t *restrict healed)
+{
+	const int32_t each = heals / SHADES, rest = heals % SHADES;
+	for (int32_t i = 0; i < count; i++) {
+		const int32_t shades = shades_of(offset[i]), until = now + shades * each + (shades * rest + SHADES - 1) / SHADES;
+		healed[i] = (contact[i] & SOIL_LOWERED) && healed[i] < until ? until : healed[i];
+	}
+}
+
+SOIL_LANES void soil_mark_row(int32_t count, const uint8_t *restrict contact, int32_t until, int32_t *restrict plane)
+{
+	for (int32_t i = 0; i < count; i++)
+		plane[i] = (contact[i] & SOIL_LOWERED) && plane[i] < until ? until : plane[i];
 }

@@ -22,6 +22,9 @@ void soil_contact_row(const struct contact_row *row, const uint32_t kept[SOIL_CL
 /* Adds SOIL_HELD where a body at rest touches the ground. Reads base, offset, rest, zero. */
 void soil_hold_row(const struct contact_row *row);
 /* Changes the disturbance of posts that were lowered. */
+/* The same for disturbance that heals, and for a plane whose marks are all gone at `until`. heals: quarter seconds of the darkest disturbance. */
+void soil_heal_row(int32_t count, const uint8_t *contact, const int32_t *offset, int32_t now, int32_t heals, int32_t *healed);
+void soil_mark_row(int32_t count, const uint8_t *contact, int32_t until, int32_t *plane);
 void soil_disturb_row(int32_t count, const uint8_t *contact, const int32_t *offset, uint8_t *disturbance);
 
 /* Posts, counted from the planes' first one: the first, and one behind the last. */

@@ -117,6 +117,20 @@ void soil_kinematic_disturb(const struct soil_planes *planes, struct post_rect p
 	}
 }
 
+void soil_kinematic_mark(const struct soil_planes *planes, const struct soil_marks *marks, struct post_rect posts, const struct soil_mark *mark)
+{
+	const int32_t count = (int32_t)(posts.x1 - posts.x0);
+	for (int64_t y = posts.y0; y < posts.y1 && count > 0; y++) {
+		const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(posts.x0 - planes->rect.x0);
+		if (marks->healed != NULL)
+			soil_heal_row(count, planes->contact + at, planes->offset + at, mark->now, mark->heals, marks->healed + at);
+		if (marks->risen != NULL)
+			soil_mark_row(count, planes->contact + at, mark->risen, marks->risen + at);
+		if (marks->grown != NULL)
+			soil_mark_row(count, planes->contact + at, mark->grown, marks->grown + at);
+	}
+}
+
 static int64_t clamp(int64_t v, int64_t low, int64_t high)
 {
 	return v < low ? low : v > high ? high : v;

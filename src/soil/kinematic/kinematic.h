@@ -56,6 +56,18 @@ void soil_kinematic_run(const struct soil_kinematic *kinematic, const struct soi
 /* Changes the disturbance of lowered posts, by contact and offset. posts: those below the body (soil_shadow), or more; within the planes. */
 void soil_kinematic_disturb(const struct soil_planes *planes, struct post_rect posts);
 
+/* Marks that fade, as base/plane.h has them. */
+struct soil_mark {
+	int32_t now, heals;   /* the time, and what the darkest disturbance takes to heal */
+	int32_t risen, grown; /* when what a contact bends now has risen, and what it tears now has grown */
+};
+/* Planes of marks that fade, with the rows of a struct soil_planes; NULL: not kept. */
+struct soil_marks {
+	int32_t *healed, *risen, *grown;
+};
+/* Marks lowered posts in those that there are. Reads contact and offset. posts: as above. */
+void soil_kinematic_mark(const struct soil_planes *planes, const struct soil_marks *marks, struct post_rect posts, const struct soil_mark *mark);
+
 /* Marks the posts that a body at rest in a pose holds: adds SOIL_HELD to planes->contact. It does not rest on soil above its lower envelope, which
  * lies against its side. Reads base, offset, contact. scratch: as above. */
 void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct soil_shape *shape, const struct soil_pose *pose,
