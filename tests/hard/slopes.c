@@ -37,7 +37,7 @@ static void a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots(voi
 				support_store(store, hard_world, heights[i]);
 				char *json = hard_drive(&hard_models[m], along, store, k == 0 ? few : all);
 				assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
-				if (hard_models[m].conserves)
+				if (hard_models[m].conserves && strcmp(hard_models[m].name, "sheet") != 0) /* a sheet comes to rest as it moves */
 					assert_int_equal(support_figure(json, "\"slide\"", "awake"), 0);
 				mem_free(json);
 				hashes[k] = support_hash(store);
