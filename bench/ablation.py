@@ -85,6 +85,7 @@ PAIRS = [
     ("dense", SCM, SCM | {"redistribute": {"model": "scm", "hardening": 0.5}}),
     ("thrown", slipping(copy.deepcopy(SCM)), slipping(copy.deepcopy(SCM | {"redistribute": {"model": "scm", "thrown": "on"}}))),
     ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
+    ("vegetation", scene(WHEEL), scene(WHEEL, attributes=["vegetation"])),
     ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),
     ("relief", scene(WHEEL, store="coarse.furrow"), scene(WHEEL, store="coarse.furrow", relief={"roughness": 0.02, "wavelength": 2, "seed": 7})),
     ("loaders", scene(WHEEL, **cache(0, 0)), scene(WHEEL, **cache(2, 0))),
