@@ -102,7 +102,7 @@ ELSEWHERE = {
     "so all would be unknown": "cli/mobility", "its cells are %g m wide": "cli/mobility", "leave %s out and give metres": "cli/contract", "inside as": "cli/contract",
     "is no result of this study": "cli/study", "these come from resampling": "any finer spacing will do", "n would be": "no number to type",
     "names no body of the model": "cli/cameras", "no post lies in --window": "windows", "pictures take": "a progress line", "computed together": "a table",
-    "inset      ": "windows", "<svg": "a picture", "is no number of slots;": "a range",
+    "its pixels are %.10g m apart": "cli/edit", "inset      ": "windows", "<svg": "a picture", "is no number of slots;": "a range",
 }
 
 
