@@ -174,9 +174,9 @@ static void push(const struct below *below, const struct soil_planes *planes, co
 			const size_t at = in_grid(grid, x, y);
 			const bool may = (grid->marks[at] & (SHEET_GROUND | SHEET_INSIDE)) == (SHEET_GROUND | SHEET_INSIDE);
 			const int64_t depth = may ? depth_below(below, planes, below->rest, x, y, grid->surface[at]) : INT64_MIN;
-			const bool refuses = depth >= SOIL_SHEET_MOST || grid->surface[at] - depth < -OFFSET_LIMIT;
 			if (depth <= 0)
 				continue;
+			const bool refuses = depth >= SOIL_SHEET_MOST || grid->surface[at] - depth < -OFFSET_LIMIT;
 			tally->refused += refuses;
 			if (refuses || ((grid->marks[at] & SHEET_OTHER) && depth << SHEET_BITS <= grid->deflection[at]))
 				continue;
