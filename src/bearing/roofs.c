@@ -34,21 +34,6 @@ static enum status need(struct bearing *bearing)
 	return STATUS_OK;
 }
 
-/* Makes a mesh upside down. */
-static enum status mirror(const struct soil_mesh *mesh, struct soil_mesh *mirrored)
-{
-	*mirrored = *mesh;
-	TRY(mem_make(&mirrored->vertices, mesh->vertex_count, sizeof *mirrored->vertices, "bodies at rest"));
-	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-		mirrored->vertices[i][0] = mesh->vertices[i][0];
-		mirrored->vertices[i][1] = mesh->vertices[i][1];
-		mirrored->vertices[i][2] = -mesh->vertices[i][2];
-	}
-	mirrored->low[2] = -mesh->high[2];
-	mirrored->high[2] = -mesh->low[2];
-	return STATUS_OK;
-}
-
 enum status bearing_roof(struct bearing *bearing, const struct soil_shape *shape, const struct soil_pose *pose)
 {
 	struct bearing_window *window = &bearing->window;
@@ -66,7 +51,7 @@ enum status bearing_roof(struct bearing *bearing, const struct soil_shape *shape
 		for (size_t i = 0, count = posts_of(bearing); i < count; i++)
 			window->highest[i] = SOIL_ROOF_NONE;
 	if (shape->kind == SOIL_MESH)
-		TRY(mirror(shape->mesh, &mirrored));
+		TRY(soil_kinematic_mirror(shape->mesh, &mirrored));
 	window->roofed |= soil_kinematic_roof(&kinematic, shape, mirrored.vertices != NULL ? &mirrored : NULL, pose, planes, window->highest, window->scratch);
 	mem_free(mirrored.vertices);
 	return STATUS_OK;

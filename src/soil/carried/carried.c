@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "soil/kinematic/kinematic.h"
 #include "soil/kinematic/rows.h"
 #include "soil/kinematic/under.h"
 #include "soil/shape/body.h"
@@ -29,20 +30,6 @@ static size_t scratch_bytes(const struct soil_shape *shape, int half)
 	return 2 * soil_under_stride(2 * half + 1) * (size_t)(2 * half + 1) * sizeof(int32_t) + corners;
 }
 
-static enum status mirror(const struct soil_mesh *mesh, struct soil_mesh *mirrored)
-{
-	*mirrored = *mesh;
-	TRY(mem_make(&mirrored->vertices, mesh->vertex_count, sizeof *mirrored->vertices, "soil aboard a body"));
-	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-		mirrored->vertices[i][0] = mesh->vertices[i][0];
-		mirrored->vertices[i][1] = mesh->vertices[i][1];
-		mirrored->vertices[i][2] = -mesh->vertices[i][2];
-	}
-	mirrored->low[2] = -mesh->high[2];
-	mirrored->high[2] = -mesh->low[2];
-	return STATUS_OK;
-}
-
 enum status soil_carried_create(const struct soil_shape *shape, double spacing, struct soil_carried **out)
 {
 	struct soil_carried *carried;
@@ -61,7 +48,7 @@ enum status soil_carried_create(const struct soil_shape *shape, double spacing, 
 	TRY_OR(failed, mem_make(&carried->posts, cells, sizeof *carried->posts, "soil aboard a body"));
 	TRY_OR(failed, mem_make(&carried->scratch, scratch_bytes(shape, carried->half), 1, "soil aboard a body"));
 	if (shape->kind == SOIL_MESH)
-		TRY_OR(failed, mirror(shape->mesh, &carried->mirrored));
+		TRY_OR(failed, soil_kinematic_mirror(shape->mesh, &carried->mirrored));
 	for (size_t i = 0; i < cells; i++)
 		carried->tops[i] = CARRIED_OPEN;
 	*out = carried;

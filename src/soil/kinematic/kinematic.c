@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "soil/kinematic/contact.h"
 #include "soil/kinematic/under.h"
 
@@ -178,6 +179,20 @@ void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct so
 		const struct contact_row row = row_of(kinematic, planes, &below, pose->z, y);
 		soil_hold_row(&row);
 	}
+}
+
+enum status soil_kinematic_mirror(const struct soil_mesh *mesh, struct soil_mesh *mirrored)
+{
+	*mirrored = *mesh;
+	TRY(mem_make(&mirrored->vertices, mesh->vertex_count, sizeof *mirrored->vertices, "a mesh upside down"));
+	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+		mirrored->vertices[i][0] = mesh->vertices[i][0];
+		mirrored->vertices[i][1] = mesh->vertices[i][1];
+		mirrored->vertices[i][2] = -mesh->vertices[i][2];
+	}
+	mirrored->low[2] = -mesh->high[2];
+	mirrored->high[2] = -mesh->low[2];
+	return STATUS_OK;
 }
 
 /* Gives how far the upper envelope is below the centre at the posts of `below`: the lower envelope of the body upside down. Mirrored in its own x and y axes
