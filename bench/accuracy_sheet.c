@@ -6,7 +6,7 @@
 #include "accuracy.h"
 #include "bench.h"
 
-#define STILL 1e-9   /* m: by which the deflection changes at last */
+#define STILL 1e-9   /* m: rounds end where no deflection changes by more */
 #define ROUNDS 4000
 
 /* Solves T lap(w) = k w over a window, at least as deep as `least`. w: 0 beyond the window, which has one post more on each side. */

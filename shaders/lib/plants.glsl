@@ -5,7 +5,7 @@ layout(binding = 5) uniform usampler2D cover_classes;
 
 const vec3 standing_colour = vec3(0.055, 0.115, 0.022), dry_colour = vec3(0.13, 0.16, 0.045), bent_colour = vec3(0.27, 0.31, 0.13);
 
-// Returns a number from 0 to 1 for a whole place.
+// Returns a number from 0 to 1 that looks random, the same each time for the same cell.
 float plants_random(ivec2 at)
 {
 	uint v = uint(at.x) * 0x9e3779b9u ^ uint(at.y) * 0x85ebca6bu;

@@ -36,6 +36,9 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 			     struct scene *scene) FURROW_CHECKED;
 /* Part of scene_check_soil. `raw` may be NULL. */
 enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_rasters *raw, struct scene *scene) FURROW_CHECKED;
+/* Gives the soil of a class that `node` names by its value, and notes it in `given`. STATUS_INPUT: soil.classes has no such class, or it was given before. */
+enum status scene_check_class(const struct scene_tree *tree, const struct scene_node *node, int value, const struct scene *scene, bool given[SOIL_CLASSES],
+			      uint8_t *soil) FURROW_CHECKED;
 /* Call this after scene_check_soil. */
 enum status scene_check_attributes(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED; /* after the soil */
 enum status scene_check_relief(const struct scene_tree *tree, const struct raw_scene *raw,

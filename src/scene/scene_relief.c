@@ -12,12 +12,8 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_r
 {
 	const struct raw_relief_class *class = &raw->classes[index];
 	const struct scene_node *node = scene_tree_find(tree, "relief.classes[%u].value", index);
-	const uint8_t soil = scene->soil_class[class->value];
-	if (soil == 0)
-		return scene_error(tree->file, node, "%d is no class of soil.classes; allowed: a value that it has", (int)class->value);
-	if (given[soil])
-		return scene_error(tree->file, node, "%d is another class; allowed: each value once", (int)class->value);
-	given[soil] = true;
+	uint8_t soil;
+	TRY(scene_check_class(tree, node, (int)class->value, scene, given, &soil));
 	scene->relief.waves[soil] =
 		(struct relief_waves){class->roughness, class->wavelength != NULL ? *class->wavelength : raw->wavelength};
 	return STATUS_OK;

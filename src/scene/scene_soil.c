@@ -270,6 +270,17 @@ static enum status check_layer(const struct scene_tree *tree, const struct raw_c
 	return STATUS_OK;
 }
 
+enum status scene_check_class(const struct scene_tree *tree, const struct scene_node *node, int value, const struct scene *scene, bool given[SOIL_CLASSES], uint8_t *soil)
+{
+	*soil = scene->soil_class[value];
+	if (*soil == 0)
+		return scene_error(tree->file, node, "%d is no class of soil.classes; allowed: a value that it has", value);
+	if (given[*soil])
+		return scene_error(tree->file, node, "%d is another class; allowed: each value once", value);
+	given[*soil] = true;
+	return STATUS_OK;
+}
+
 /* Checks the soil written at `where`, and fills soils[index]. */
 static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where, struct scene *scene, size_t index)
 {
