@@ -107,7 +107,7 @@ static enum status fill(const struct polygon *polygon, double volume, struct are
 enum status world_pour_polygon(const struct world *world, size_t count, const double *xy, double volume, struct post_rect *rect, int32_t **amounts)
 {
 	struct area area = {.amounts = NULL};
-	double bounds[4];
+	double bounds[4] = {0};
 	TRY(check_polygon(world, count, xy, volume, bounds));
 	const double spacing = world->resident.spacing;
 	area.rect = (struct post_rect){(int64_t)ceil(bounds[0] / spacing), (int64_t)ceil(bounds[1] / spacing), (int64_t)floor(bounds[2] / spacing) + 1,
