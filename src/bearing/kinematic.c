@@ -113,22 +113,29 @@ static enum status wake(struct bearing *bearing, struct post_rect write, bool al
 	return soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(write), bearing->window.words);
 }
 
-/* A contact with the sheet. leaves: the body is taken away. */
-static void run_sheet(struct bearing *bearing, const struct deform_contact *contact, bool leaves, struct post_rect *changed)
+/* A contact with the sheet. below: posts below the body. */
+static void run_sheet(struct bearing *bearing, const struct deform_contact *contact, struct post_rect below, struct post_rect *changed)
 {
 	struct bearing_window *window = &bearing->window;
-	const struct soil_sheet_contact own = {.body = contact_of(contact), .leaves = leaves};
+	const struct soil_sheet_contact own = {.body = contact_of(contact), .leaves = contact->leaves};
+	const bool marks = bearing->params.disturbance || deform_marks(&bearing->params) != 0;
 	struct soil_kinematic_tally tally = {.compacted = 0};
 	soil_sheet_run(&bearing->sheet, &bearing->kinematic, &own, &window->planes, window->scratch, &tally, changed);
 	bearing->tally.compacted += tally.compacted;
 	bearing->tally.refused += tally.refused;
+	/* What the body touches is marked, even where it lies as before. */
+	const struct post_rect touched = contact->leaves || !marks ? (struct post_rect){0, 0, 0, 0} : posts_with(&window->planes, below, SOIL_LOWERED);
+	if (post_rect_empty(touched))
+		return;
 	if (bearing->params.disturbance)
-		soil_kinematic_disturb(&window->planes, *changed);
+		soil_kinematic_disturb(&window->planes, touched);
+	bearing_mark(bearing, contact, touched);
+	*changed = post_rect_joined(*changed, touched);
 }
 
 void bearing_kinematic_leave(struct bearing *bearing, const struct deform_contact *contact, struct post_rect *changed)
 {
-	run_sheet(bearing, contact, true, changed);
+	run_sheet(bearing, contact, (struct post_rect){0, 0, 0, 0}, changed);
 }
 
 enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, bool alone,
@@ -140,7 +147,7 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 	struct soil_kinematic_tally tally = {.compacted = 0};
 	bearing->contacts++;
 	if (bearing->elastic) {
-		run_sheet(bearing, contact, false, changed);
+		run_sheet(bearing, contact, below, changed);
 		return STATUS_OK;
 	}
 	soil_kinematic_run(&bearing->kinematic, &own, &window->planes, area->write, window->carried, window->scratch, &tally);

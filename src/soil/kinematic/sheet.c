@@ -203,8 +203,9 @@ static void yield(const struct below *below, const struct soil_planes *planes, c
 			const int64_t sinks = ((rut + depth - sheet->yield) * sheet->share >> 31) - rut;
 			if (sinks <= 0)
 				continue;
-			grid->surface[at] -= (int32_t)sinks;
-			grid->deflection[at] = lane_most(grid->deflection[at] - (int32_t)(sinks << SHEET_BITS), 0);
+			const int64_t left = grid->deflection[at] - (sinks << SHEET_BITS);
+			grid->surface[at] = (int32_t)(grid->surface[at] - sinks);
+			grid->deflection[at] = left > 0 ? (int32_t)left : 0;
 			planes->contact[in_planes(planes, x, y)] |= SOIL_LOWERED;
 		}
 }
