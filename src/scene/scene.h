@@ -304,7 +304,7 @@ struct scene {
 	struct scene_vegetation vegetation;
 	double elapsed;          /* s of the store's time that pass before the drive begins */
 	enum scene_outside outside;
-	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm and sheet the CPU, other models the GPU, and the CPU where there is no GL. */
+	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm and sheet the CPU, other models the GPU, and the CPU where there is no GL. scm takes no SCENE_GPU. */
 	enum scene_compute compute;
 	/* Where the GPU computes contacts: in windows, which are gathered from tiles and scattered; or in the tiles. It changes no bit. */
 	enum scene_regions regions;

@@ -113,7 +113,7 @@ class Compute(FurrowTest):
         yield "sheet, turned", HEAD % (2.5, 0.125) + sheet % ("3000", 8) + "attributes: {disturbance: {heals: 300}, vegetation: {rises: 100}}\n" + TURNED, 32, "plain", 0
         yield "sheet, stiff", HEAD % (2, 0.25) + sheet % ("10", 0.02) + BESIDE, 256, "ridged", 40
         yield "sheet, long", HEAD % (0.3, 0.125) + sheet % ("200000", 1) + BESIDE, 32, "dunes", 3
-        yield "large, sheet", HEAD % (0.1, 0.25) + sheet % ("100000", 0.1) + LARGE, 64, "dunes", 3
+        yield "large, sheet", HEAD % (0.3, 0.25) + sheet % ("100000", 0.1) + LARGE, 64, "dunes", 3
         yield "large, box", HEAD % (0.3, 0.125) + "redistribute: {model: box, radius: 2, repetitions: 3}\nattributes: [disturbance]\n" + LARGE, 32, "dunes", 3
         yield "large, slippage", HEAD % (0.2, 0.125) + "redistribute: {model: slippage}\n" + SOILS["slippage"] + LARGE, 64, "dunes", 3
         yield "large, sumner", HEAD % (0.2, 0.125) + "redistribute: {model: sumner, iterations: 2}\n" + SOILS["sumner"] + LARGE, 64, "dunes", 3
@@ -150,7 +150,7 @@ class Compute(FurrowTest):
     def test_few_slots(self):
         """Tiles leave their slots and come back."""
         for model in ("box", "slippage, interval: 0.1", "sheet, yield: 0.1, rut: 0.5"):
-            text = HEAD % (4, 0.125) + f"cache: {{slots: 12, loaders: 1, prefetch: 0}}\nredistribute: {{model: {model}}}\n" + SOILS[model.split(",")[0]] + WHEELS
+            text = HEAD % (4, 0.125) + f"cache: {{slots: {16 if 'sheet' in model else 12}, loaders: 1, prefetch: 0}}\nredistribute: {{model: {model}}}\n" + SOILS[model.split(",")[0]] + WHEELS
             self.compare(model, text, self.ground(32))
 
     def test_fixed_regions_leave_what_windows_leave(self):

@@ -235,6 +235,9 @@ class TheSame(Ranks):
     def test_wheels_on_one_elastic_sheet(self):
         self.compare(SHEET)
 
+    def test_wheels_on_one_elastic_sheet_that_the_gpu_bends(self):
+        self.compare("compute: gpu\n" + SHEET.replace("end_time: 3", "end_time: 1"), ranks=RANKS[:1])
+
     def test_forces_that_are_asked_for_long_before_their_row(self):
         self.compare(LATE)
 

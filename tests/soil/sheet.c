@@ -234,6 +234,25 @@ static void beyond_the_yield_a_share_stays_however_often_it_is_pressed(void **st
 	}
 }
 
+/* A rut deeper than a deflection can be: what is left beyond it is no deflection. */
+static void a_body_far_below_leaves_a_rut_and_no_more(void **state)
+{
+	(void)state;
+	struct bed bed;
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.5};
+	make(&bed, 0, 60, level, 0.1, 0.05, 0.05, 1);
+	const struct soil_pose pose = over(&bed, 30, 30, 0.5, 40);
+	meet(&bed, &ball, pose, pose, false);
+	assert_near(deflection(&bed, 30, 30), 0.05, 4 * 0x1p-20);
+	assert_near(deepest(&bed), 40, 4 * 0x1p-20);
+	meet(&bed, &ball, pose, pose, true);
+	assert_near(deepest(&bed), 40 - 0.05, 4 * 0x1p-20);
+	for (int64_t i = 0; i < bed.width * bed.width; i++)
+		assert_int_equal(bed.floor[i], 0);
+	assert_true(bed.tally.refused == 0);
+	drop(&bed);
+}
+
 /* One stands, the other passes close by and goes. What stands is never below the sheet, and all comes back. */
 static void bodies_beside_each_other_keep_what_they_press(void **state)
 {
@@ -300,6 +319,7 @@ TEST_PROGRAM(sheet)
 		cmocka_unit_test(the_sheet_lies_on_the_body_or_hangs_free),
 		cmocka_unit_test(below_the_yield_the_rebound_is_whole),
 		cmocka_unit_test(beyond_the_yield_a_share_stays_however_often_it_is_pressed),
+		cmocka_unit_test(a_body_far_below_leaves_a_rut_and_no_more),
 		cmocka_unit_test(bodies_beside_each_other_keep_what_they_press),
 		cmocka_unit_test(posts_farther_away_change_nothing),
 	};
