@@ -149,7 +149,7 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 		return STATUS_OK;
 	TRY(deform_check_sheet(&deform->params));
 	int64_t core = deform_core(&deform->params);
-	if (contact->load > 0 && !fits(under, core))
+	if (contact->load > 0 && !deform_is_elastic(deform->params.model) && !fits(under, core))
 		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "
 					       "coarser spacing than %g m",
 				 (long long)(under.x1 - under.x0), (long long)(under.y1 - under.y0), deform->spacing);

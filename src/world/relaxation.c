@@ -201,7 +201,7 @@ done:
 
 enum status world_let_go(struct world *world, struct body *body)
 {
-	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last, .leaves = deform_is_elastic(world->scene->model)};
+	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last, .loaded_body = body->loaded_body, .leaves = deform_is_elastic(world->scene->model)};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	if (!body->has_last || body->elsewhere || !deform_raises(world->scene->model))
