@@ -5,7 +5,7 @@
 #include "lib/sheet.glsl"
 
 layout(binding = 0, r32i) restrict uniform iimage2DArray bents;
-layout(binding = 1, r32i) readonly restrict uniform iimage2DArray presseds;
+layout(binding = 1, r32i) readonly restrict uniform iimage2DArray holders;
 
 uint bent(int x, int y)
 {
@@ -20,7 +20,7 @@ void main()
 	if (x >= written.z)
 		return;
 	ivec3 at = ivec3(x, y, zero.z);
-	uint pressed = uint(imageLoad(presseds, at).r), around = pressed >> 29;
+	uint holder = uint(imageLoad(holders, at).r), around = holder >> 29;
 	if (around == 0u || around > MOVES_LAST)
 		return;
 	uint own = bent(x, y), sum = bent(x - 1, y) + bent(x + 1, y) + bent(x, y - 1) + bent(x, y + 1), high, low;
@@ -30,5 +30,5 @@ void main()
 	umulExtended(law.y, own, high, low);
 	given = i64_add(i64_sub(given, i64(int(high), low)), i64(0, 1u << 30));
 	int wanted = int(uint(given.hi) << 1 | given.lo >> 31); // it fits: the weights of the neighbours are less than 2^32 together
-	imageStore(bents, at, ivec4(max(min(wanted, DEFLECTION_MOST), int(pressed & DEPTH_MASK))));
+	imageStore(bents, at, ivec4(max(min(wanted, DEFLECTION_MOST), int(holder & DEPTH_MASK))));
 }

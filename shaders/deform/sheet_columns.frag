@@ -7,7 +7,7 @@
 
 layout(binding = 0, r32i) readonly restrict uniform iimage2DArray marks;
 layout(binding = 1, r32i) restrict uniform iimage2DArray aboves; // of a column, posts that have a marked one below
-layout(binding = 2, r32i) restrict uniform iimage2DArray presseds;
+layout(binding = 2, r32i) restrict uniform iimage2DArray holders;
 layout(binding = 3, r32i) writeonly restrict uniform iimage2DArray bents;
 layout(binding = 4, r8ui) readonly restrict uniform uimage2DArray contacts;
 
@@ -24,12 +24,12 @@ uint ground_at(ivec2 post)
 
 void decide(ivec3 at, bool near)
 {
-	uint pressed = uint(imageLoad(presseds, at).r);
-	if ((imageLoad(contacts, at).r & NO_GROUND) != 0u || pressed >> 29 == OF_OTHERS)
+	uint holder = uint(imageLoad(holders, at).r);
+	if ((imageLoad(contacts, at).r & NO_GROUND) != 0u || holder >> 29 == OF_OTHERS)
 		return;
 	uint around = ground_at(at.xy - ivec2(1, 0)) + ground_at(at.xy + ivec2(1, 0)) + ground_at(at.xy - ivec2(0, 1)) + ground_at(at.xy + ivec2(0, 1));
 	if (near)
-		imageStore(presseds, at, ivec4(int((pressed & DEPTH_MASK) | (around + 1u) << 29)));
+		imageStore(holders, at, ivec4(int((holder & DEPTH_MASK) | (around + 1u) << 29)));
 	else
 		imageStore(bents, at, ivec4(0));
 }

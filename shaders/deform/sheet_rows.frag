@@ -4,12 +4,12 @@
 #include "lib/sheet.glsl"
 #include "lib/rows.glsl"
 
-layout(binding = 0, r32i) readonly restrict uniform iimage2DArray presseds;
+layout(binding = 0, r32i) readonly restrict uniform iimage2DArray holders;
 layout(binding = 1, r32i) writeonly restrict uniform iimage2DArray marks;
 
 bool is_held(int x, int y)
 {
-	return uint(imageLoad(presseds, ivec3(x, y, zero.z)).r) >> 29 >= OF_OTHERS;
+	return uint(imageLoad(holders, ivec3(x, y, zero.z)).r) >> 29 >= OF_OTHERS;
 }
 
 void main()

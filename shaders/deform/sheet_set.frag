@@ -5,7 +5,7 @@
 #include "lib/tally.glsl"
 
 layout(binding = 0, r32i) readonly restrict uniform iimage2DArray bents;
-layout(binding = 1, r32i) readonly restrict uniform iimage2DArray presseds;
+layout(binding = 1, r32i) readonly restrict uniform iimage2DArray holders;
 layout(binding = 2, r8ui) readonly restrict uniform uimage2DArray contacts;
 layout(binding = 3, r32i) readonly restrict uniform iimage2DArray before; // offsets
 layout(binding = 4, r32i) restrict uniform iimage2DArray surfaces;        // becomes offsets
@@ -22,9 +22,9 @@ void main()
 		ivec3 at = ivec3(x, y, zero.z);
 		if ((imageLoad(contacts, at).r & NO_GROUND) != 0u)
 			continue;
-		uint pressed = uint(imageLoad(presseds, at).r);
+		uint holder = uint(imageLoad(holders, at).r);
 		int deflection = (imageLoad(bents, at).r + (1 << (SHEET_BITS - 1))) >> SHEET_BITS, offset = imageLoad(surfaces, at).r - deflection;
-		bool held = pressed >> 29 == OF_OTHERS || (pressed & DEPTH_MASK) != 0u;
+		bool held = holder >> 29 == OF_OTHERS || (holder & DEPTH_MASK) != 0u;
 		fell = i64_add(fell, i64_sub(i64_from(imageLoad(before, at).r), i64_from(offset)));
 		imageStore(surfaces, at, ivec4(offset));
 		imageStore(floors, at, ivec4(2 * deflection + int(held)));

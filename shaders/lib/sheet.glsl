@@ -15,8 +15,8 @@ const int SHEET_BITS = 6;          // more binary digits of a deflection while i
 const int SHEET_MOST = 1 << 23;    // fixed-point units
 const int DEFLECTION_MOST = (SHEET_MOST << SHEET_BITS) - 1;
 
-// A post of the texture `pressed`: how deep the body holds the post at least, in 29 bits, as finely as its deflection; and above them what holds it.
-// Those that move have one more than the number of their neighbours with ground instead.
+// A post of the texture `holders`. Its low 29 bits are how deep the body holds the post at least, as finely as its deflection. Above them is what holds
+// it. Posts that move have one more than the number of their neighbours with ground there.
 const uint DEPTH_MASK = (1u << 29) - 1u, OF_OTHERS = 6u, OF_THIS = 7u, MOVES_LAST = 5u;
 
 bool is_written(ivec2 post)

@@ -118,7 +118,7 @@ static enum status wake(struct bearing *bearing, struct post_rect write, bool al
 static void stand(struct bearing *bearing, const struct deform_contact *contact, struct soil_sheet_contact *own, struct deform_forces *told)
 {
 	struct bearing_window *window = &bearing->window;
-	const struct soil_sheet_standing found = soil_sheet_stand(&bearing->sheet, &bearing->kinematic, own, contact->load, bearing->params.tension, &window->planes, window->scratch);
+	const struct soil_sheet_rest found = soil_sheet_rest(&bearing->sheet, &bearing->kinematic, own, contact->load, bearing->params.tension, &window->planes, window->scratch);
 	own->body.to.z = found.z;
 	if (contact->loaded_body > 0)
 		bearing->standing[contact->loaded_body - 1] = (int32_t)(found.z - contact->to.z);
@@ -130,7 +130,7 @@ static void stand(struct bearing *bearing, const struct deform_contact *contact,
 	};
 }
 
-/* A contact with the sheet. below: posts below the body. told: NULL, or for a body with a load: how it stands. */
+/* A contact with the sheet. below: posts below the body. told: NULL, or for a body with a load: where it rests. */
 static void run_sheet(struct bearing *bearing, const struct deform_contact *contact, struct post_rect below, struct deform_forces *told, struct post_rect *changed)
 {
 	struct bearing_window *window = &bearing->window;

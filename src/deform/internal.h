@@ -85,7 +85,7 @@ struct deform {
 	struct gpu_texture *under, *rest;
 	/* what a contact did to each post: the bits LOWERED, HELD. NULL if no pass needs them */
 	struct gpu_texture *contacts;
-	struct gpu_texture *bent, *pressed; /* sheet: deflections, and what holds posts down (lib/sheet.glsl) */
+	struct gpu_texture *bent, *holders; /* sheet: deflections, and what holds posts down (lib/sheet.glsl) */
 	struct gpu_texture *carried, *deposits; /* conserving models: soil before and after deform_spread, fixed-point units */
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
 	struct gpu_texture *heights[2], *stills, *floors;

@@ -172,7 +172,7 @@ void deform_programs_sheet(enum sheet_pass pass, struct deform_request *out)
 {
 	static const char *const files[SHEET_PASSES] = {
 		[SHEET_FREE] = "deform/sheet_free.frag",
-		[SHEET_PRESS] = "deform/sheet_press.frag",
+		[SHEET_CONTACT] = "deform/sheet_contact.frag",
 		[SHEET_MARK_ROWS] = "deform/sheet_rows.frag",
 		[SHEET_MARK_COLUMNS] = "deform/sheet_columns.frag",
 		[SHEET_BEND] = "deform/sheet_bend.frag",

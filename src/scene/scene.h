@@ -435,7 +435,7 @@ bool scene_laws_of_shape(const struct scene *scene, const struct soil_shape *sha
 /* Returns how much of a level way counts for the slip of a wheel or a belt, m. That is what leads along its heading `yaw`, rad. Where the scene turns it
  * against its way, all of the way counts. */
 double scene_slip_way(const struct scene_object *object, double x, double y, double yaw);
-/* Returns about how deep the object stands in the ground, m: its sink, or a guess by its load. Pure. */
+/* Returns about how deep the object rests in the ground, m: its sink, or a guess by its load. Pure. */
 double scene_sinkage_guess(const struct scene *scene, const struct scene_object *object);
 /* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
 bool scene_moves_bodies(const struct scene *scene);

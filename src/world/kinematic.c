@@ -106,7 +106,7 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	TRY(compute(world, event, contact, &area, windows, count, &told, &changed));
 	if (contact->load > 0)
 		world_forces_felt(world->forces, event->body, event, &told);
-	if (contact->load > 0 && contact->loaded_body == 0) /* nothing else keeps where it stands */
+	if (contact->load > 0 && contact->loaded_body == 0) /* nothing else keeps its height */
 		contact->to.z = told.z;
 	world_count_windows(body, contact, due);
 	return STATUS_OK;

@@ -1,5 +1,5 @@
 /* The two ways to change the ground behind one face. On the GPU (deform) kinematic models are computed. On the CPU (bearing) soil that bears is, and
- * kinematic models where the scene asks for it, or where there is no GL, and an elastic sheet unless it asks for the GPU. */
+ * kinematic models where the scene asks for it, or where there is no GL. An elastic sheet is computed there unless the scene asks for the GPU. */
 
 #include "world/internal.h"
 

@@ -93,7 +93,10 @@ class Compute(FurrowTest):
         self.assertEqual(gpu[2]["refused_posts"], cpu[2]["refused_posts"], what)
 
     def compare(self, what, text, base):
-        self.same(what, self.left(text, "gpu", base), self.left(text, "cpu", base))
+        gpu, cpu = self.left(text, "gpu", base), self.left(text, "cpu", base)
+        self.same(what, gpu, cpu)
+        for key, table in (("heals", "healed"), ("vegetation", "risen")):
+            self.assertEqual(len(gpu[0][table]) > 0, key in text, f"{what}: {table}")
 
     def scenes(self):
         yield "none", HEAD % (4, 0.125) + "redistribute: {model: none}\nattributes: [disturbance]\n" + WHEELS, 64, "dunes", 3

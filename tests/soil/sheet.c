@@ -133,12 +133,12 @@ static void a_point_load_bends_the_sheet_as_bessels_function(void **state)
 }
 
 /* Finds where a body with a load stands, and presses it there. tension: N/m. */
-static struct soil_sheet_standing stand(struct bed *bed, const struct soil_shape *shape, struct soil_pose pose, double load, double tension)
+static struct soil_sheet_rest stand(struct bed *bed, const struct soil_shape *shape, struct soil_pose pose, double load, double tension)
 {
 	const struct soil_sheet_contact contact = {.body = {.shape = shape, .from = pose, .to = pose}};
 	void *scratch = mem_alloc(1, soil_sheet_room(shape, (size_t)bed->width, (size_t)bed->width, true));
 	assert_non_null(scratch);
-	const struct soil_sheet_standing standing = soil_sheet_stand(&bed->sheet, &bed->kinematic, &contact, load, tension, &bed->planes, scratch);
+	const struct soil_sheet_rest standing = soil_sheet_rest(&bed->sheet, &bed->kinematic, &contact, load, tension, &bed->planes, scratch);
 	mem_free(scratch);
 	const struct soil_pose from = pose;
 	pose.z = standing.z;
@@ -155,7 +155,7 @@ static void a_load_on_a_post_bends_the_sheet_as_bessels_function(void **state)
 		const int64_t middle = 1000, around = 2 * soil_sheet_reach(length, d) + 4;
 		const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.4 * d};
 		make(&bed, middle - around, 2 * around + 1, level, d, length, INFINITY, 1);
-		const struct soil_sheet_standing standing = stand(&bed, &ball, over(&bed, (double)middle, (double)middle, ball.radius, 0), load, tension);
+		const struct soil_sheet_rest standing = stand(&bed, &ball, over(&bed, (double)middle, (double)middle, ball.radius, 0), load, tension);
 		assert_true(standing.posts == 1 && !standing.sunk);
 		assert_near(ldexp((double)standing.sinkage, -OFFSET_BITS), deflection(&bed, middle, middle), 4 * 0x1p-20);
 		assert_near(lattice_offset_metres(standing.z), ball.radius - deflection(&bed, middle, middle), 4 * 0x1p-20);
@@ -191,7 +191,7 @@ static void a_body_stands_where_the_sheet_bears_its_load(void **state)
 		const struct soil_pose aside = over(&bed, 70, 60, 0.25, 0.02);
 		if (cases[i].beside)
 			meet(&bed, &other, aside, aside, false);
-		const struct soil_sheet_standing standing = stand(&bed, &ball, over(&bed, 60.3, 60.2, 0.8, 0), cases[i].load, stiffness * length * length);
+		const struct soil_sheet_rest standing = stand(&bed, &ball, over(&bed, 60.3, 60.2, 0.8, 0), cases[i].load, stiffness * length * length);
 		double push = 0;
 		for (int64_t y = 50; y < 70; y++)
 			for (int64_t x = 50; x < (cases[i].beside ? 65 : 70); x++)
@@ -218,7 +218,7 @@ static void no_sheet_bears_what_is_too_heavy(void **state)
 	assert_true(stand(&bed, &ball, over(&bed, 30, 30, 0.3, 0), 1e9, 500).sunk);
 	/* No post is below it. */
 	const struct soil_pose beside = over(&bed, 10.5, 10.5, 0.02, 0);
-	const struct soil_sheet_standing standing = stand(&bed, &grain, beside, 10, 500);
+	const struct soil_sheet_rest standing = stand(&bed, &grain, beside, 10, 500);
 	assert_true(standing.posts == 0 && standing.z == beside.z && !standing.sunk);
 	drop(&bed);
 }

@@ -88,8 +88,8 @@ static enum status envelope(struct bending *bending, const struct deform_contact
 	return deform_envelope(bending->deform, contact, window, bending->layer);
 }
 
-/* The body lets go, and presses. */
-static enum status press(struct bending *bending, const struct deform_contact *contact, const struct deform_window *window)
+/* The body lets go, and holds posts down. */
+static enum status touch(struct bending *bending, const struct deform_contact *contact, const struct deform_window *window)
 {
 	struct deform *deform = bending->deform;
 	struct deform_contact before = *contact;
@@ -99,7 +99,7 @@ static enum status press(struct bending *bending, const struct deform_contact *c
 		.textures = {deform->bases, deform->planes_of[0][PLANE_OFFSET], deform->planes_of[0][PLANE_FLOOR], deform->rest},
 	}));
 	TRY(envelope(bending, contact, window));
-	return run(bending, SHEET_PRESS, GPU_CONTACT, TO_CONTACT, bending->window, &(struct gpu_pass){
+	return run(bending, SHEET_CONTACT, GPU_CONTACT, TO_CONTACT, bending->window, &(struct gpu_pass){
 		.textures = {deform->bases, deform->planes_of[0][PLANE_OFFSET], deform->planes_of[1][PLANE_FLOOR], deform->under, deform->rest},
 		.storage = {deform->tally},
 	});
@@ -110,9 +110,9 @@ static enum status find(struct bending *bending)
 {
 	struct deform *deform = bending->deform;
 	const int32_t *written = bending->params.written, rows[4] = {0, 0, 0, bending->params.window[1]}, columns[4] = {0, written[0], 0, written[2]};
-	TRY(run(bending, SHEET_MARK_ROWS, GPU_BEND, TO_BARE, deform_rows(rows), &(struct gpu_pass){.images = {deform->pressed, deform->under}}));
+	TRY(run(bending, SHEET_MARK_ROWS, GPU_BEND, TO_BARE, deform_rows(rows), &(struct gpu_pass){.images = {deform->holders, deform->under}}));
 	return run(bending, SHEET_MARK_COLUMNS, GPU_BEND, TO_BARE, deform_rows(columns), &(struct gpu_pass){
-		.images = {deform->under, deform->rest, deform->pressed, deform->bent, deform->contacts},
+		.images = {deform->under, deform->rest, deform->holders, deform->bent, deform->contacts},
 	});
 }
 
@@ -129,10 +129,10 @@ static enum status bend(struct bending *bending, struct post_rect read)
 	struct deform *deform = bending->deform;
 	for (int half = 0; half < 2 * bending->rounds; half++) {
 		bending->params.window[3] = (int32_t)((read.x0 + read.y0 + half) & 1);
-		TRY(run(bending, SHEET_BEND, GPU_BEND, TO_BARE, strips(bending, 2), &(struct gpu_pass){.images = {deform->bent, deform->pressed}}));
+		TRY(run(bending, SHEET_BEND, GPU_BEND, TO_BARE, strips(bending, 2), &(struct gpu_pass){.images = {deform->bent, deform->holders}}));
 	}
 	return run(bending, SHEET_SET, GPU_BEND, TO_BARE, strips(bending, SET_ABREAST), &(struct gpu_pass){
-		.images = {deform->bent, deform->pressed, deform->contacts, deform->planes_of[0][PLANE_OFFSET], deform->planes_of[1][PLANE_OFFSET],
+		.images = {deform->bent, deform->holders, deform->contacts, deform->planes_of[0][PLANE_OFFSET], deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[1][PLANE_FLOOR]},
 		.storage = {deform->tally},
 	});
@@ -142,7 +142,7 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 {
 	struct bending bending = {.deform = deform, .layer = layer};
 	prepare(&bending, contact, window);
-	TRY(press(&bending, contact, window));
+	TRY(touch(&bending, contact, window));
 	TRY(find(&bending));
 	TRY(bend(&bending, window->read));
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_FLOOR] = 1;
@@ -155,7 +155,7 @@ const struct soil_model deform_model_sheet = {
 	.volume = "exact: offsets + compacted",
 	.effect = {
 		"sheet", "redistribute.model", "",
-		EFFECT_LIST("deform/sheet_free.frag", "deform/sheet_press.frag", "deform/sheet_rows.frag", "deform/sheet_columns.frag", "deform/sheet_bend.frag",
+		EFFECT_LIST("deform/sheet_free.frag", "deform/sheet_contact.frag", "deform/sheet_rows.frag", "deform/sheet_columns.frag", "deform/sheet_bend.frag",
 			    "deform/sheet_set.frag"),
 		"base, offset, floor", "offset, floor", 97,
 		EFFECT_LIST("redistribute.tension", "redistribute.stiffness", "redistribute.yield", "redistribute.rut"),

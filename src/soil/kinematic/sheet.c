@@ -42,11 +42,11 @@ static size_t kept_bytes(size_t posts)
 	return 2 * ALIGNED(posts * sizeof(int32_t)) + ALIGNED(posts);
 }
 
-size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height, bool stands)
+size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height, bool loaded)
 {
 	const size_t envelope = ALIGNED(soil_under_stride((int64_t)width) * height * sizeof(int32_t));
 	const size_t corners = shape->kind == SOIL_MESH ? shape->mesh->vertex_count * sizeof(struct facet_corner) : 0;
-	return 64 + grid_bytes(width, height) + 2 * envelope + ALIGNED(corners) + (stands ? kept_bytes((width + 2) * (height + 2)) : 0);
+	return 64 + grid_bytes(width, height) + 2 * envelope + ALIGNED(corners) + (loaded ? kept_bytes((width + 2) * (height + 2)) : 0);
 }
 
 static void *take(char **memory, size_t bytes)
@@ -285,22 +285,22 @@ static int64_t force_at(struct search *search, int64_t depth, int64_t *posts)
 }
 
 /* Finds the depth by regula falsi; the end that stays counts half the next time (Dowell and Jarratt 1971). depth: where the search begins. */
-static int64_t find_depth(struct search *search, int64_t load, int64_t depth, struct soil_sheet_standing *standing)
+static int64_t find_depth(struct search *search, int64_t load, int64_t depth, struct soil_sheet_rest *rest)
 {
 	enum { TRIALS = 30 };
 	const int64_t near = load / 4000 + 1;
-	int64_t low = 0, high = depth, short_of = -load, beyond = force_at(search, high, &standing->posts) - load;
+	int64_t low = 0, high = depth, short_of = -load, beyond = force_at(search, high, &rest->posts) - load;
 	while (beyond < -near && high < SOIL_SHEET_MOST - 1) {
 		low = high;
 		short_of = beyond;
 		high = 2 * high < SOIL_SHEET_MOST - 1 ? 2 * high : SOIL_SHEET_MOST - 1;
-		beyond = force_at(search, high, &standing->posts) - load;
+		beyond = force_at(search, high, &rest->posts) - load;
 	}
-	standing->sunk = beyond < -near;
+	rest->sunk = beyond < -near;
 	for (int i = 0, side = 0; i < TRIALS && beyond > near && high - low > 1; i++) {
 		const int64_t guess = low + (int64_t)((double)(high - low) * (double)-short_of / ((double)beyond - (double)short_of));
 		const int64_t middle = guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
-		const int64_t over = force_at(search, middle, &standing->posts) - load;
+		const int64_t over = force_at(search, middle, &rest->posts) - load;
 		if (over >= -near && over <= near)
 			return middle;
 		if (over < 0) {
@@ -318,14 +318,14 @@ static int64_t find_depth(struct search *search, int64_t load, int64_t depth, st
 	return high;
 }
 
-struct soil_sheet_standing soil_sheet_stand(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,
+struct soil_sheet_rest soil_sheet_rest(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,
 					    double load, double tension, const struct soil_planes *planes, void *scratch)
 {
 	const struct soil_kinematic_contact *body = &contact->body;
 	const struct post_rect inside = post_rect_intersect(soil_sheet_posts(contact, sheet->reach, kinematic->spacing), planes->rect);
 	const struct post_rect written = post_rect_intersect(post_rect_grown(soil_sheet_posts(contact, 0, kinematic->spacing), sheet->reach), inside);
 	struct search search = {.sheet = sheet, .planes = planes};
-	struct soil_sheet_standing standing = {.z = body->to.z};
+	struct soil_sheet_rest rest = {.z = body->to.z};
 	int64_t below_base;
 	char *memory = place(planes, scratch, &search.grid);
 	unpack(planes, written, &search.grid);
@@ -336,13 +336,13 @@ struct soil_sheet_standing soil_sheet_stand(const struct soil_sheet *sheet, cons
 			      grid_bytes((size_t)search.grid.width, (size_t)search.grid.height));
 	search.deepest = deepest_of(&search, &below_base);
 	if (search.deepest == INT64_MIN)
-		return standing;
+		return rest;
 	const double units = ldexp(load / tension, OFFSET_BITS + SHEET_BITS);
 	const int64_t least = 64, begin = search.deepest < least ? least : search.deepest < SOIL_SHEET_MOST / 2 ? search.deepest : SOIL_SHEET_MOST / 2;
-	const int64_t depth = find_depth(&search, units < 0x1p60 ? (int64_t)units : (int64_t)1 << 60, begin, &standing);
-	standing.z -= depth - search.deepest;
-	standing.sinkage = below_base + depth - search.deepest > 0 ? below_base + depth - search.deepest : 0;
-	return standing;
+	const int64_t depth = find_depth(&search, units < 0x1p60 ? (int64_t)units : (int64_t)1 << 60, begin, &rest);
+	rest.z -= depth - search.deepest;
+	rest.sinkage = below_base + depth - search.deepest > 0 ? below_base + depth - search.deepest : 0;
+	return rest;
 }
 
 void soil_sheet_run(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,

@@ -54,21 +54,21 @@ struct soil_sheet_contact {
 /* Returns all posts that a contact may read or change, and more if the body turns. reach: of the sheet. */
 struct post_rect soil_sheet_posts(const struct soil_sheet_contact *contact, int64_t reach, double spacing);
 
-/* Returns the bytes of scratch memory for a window of so many posts. stands: soil_sheet_stand is called. */
-size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height, bool stands);
+/* Returns the bytes of scratch memory for a window of so many posts. loaded: soil_sheet_rest is called. */
+size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height, bool loaded);
 
-/* Where a body with a load stands on a sheet. */
-struct soil_sheet_standing {
+/* Where a body with a load rests on a sheet. */
+struct soil_sheet_rest {
 	int64_t z;       /* 2^-20 m: height of its origin */
 	int64_t sinkage; /* fixed-point units: its greatest depth below the base, where the sheet bears it; 0: it is above the base */
 	int64_t posts;   /* that it holds; 0: no post is below it */
 	bool sunk;       /* a sheet that it deflects by 8 m does not bear it */
 };
 /*
- * Finds the height at which a sheet bears a body: there T lap(w) - k w, summed over the posts that it holds, is its load, within 1/4000. contact->body.to.z is
+ * Finds the height at which a sheet bears a body. There k w - T lap(w), summed over the posts that it holds, is its load, within 1/4000. contact->body.to.z is
  * where the search begins. load: N; tension: N/m. Takes some solutions, 6 to 30. Changes no offset and no floor. `planes` and `scratch` as for soil_sheet_run.
  */
-struct soil_sheet_standing soil_sheet_stand(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,
+struct soil_sheet_rest soil_sheet_rest(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,
 					    double load, double tension, const struct soil_planes *planes, void *scratch);
 
 /*

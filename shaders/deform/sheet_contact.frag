@@ -14,7 +14,7 @@ layout(binding = 4) uniform isampler2DArray rests;
 layout(location = 0) out int surface_out; // where the post may change; elsewhere its offset
 layout(location = 1) out uint contact_out;
 layout(location = 2) out int bent_out;    // its deflection
-layout(location = 3) out int pressed_out;
+layout(location = 3) out int holder_out;
 
 // Returns how far the sheet's own surface sinks, fixed-point units.
 uint sinks(int base, int under, int surface)
@@ -31,17 +31,17 @@ void main()
 {
 	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), zero.z);
 	int base = texelFetch(bases, at, 0).r, offset = texelFetch(offsets, at, 0).r, held = texelFetch(floors, at, 0).r;
-	bool ground = base != BASE_NODATA, may = ground && is_written(at.xy), presses = may && zero.w == 0;
+	bool ground = base != BASE_NODATA, may = ground && is_written(at.xy), acts = may && zero.w == 0;
 	int deflection = ground ? deflection_of(held) : 0, surface = surface_of(offset, deflection), rest = texelFetch(rests, at, 0).r;
 	uint contact = ground ? 0u : NO_GROUND, by = ground && (held & 1) != 0 ? OF_OTHERS : 0u, least = 0u;
-	uint sunk = presses && law.z < uint(SHEET_MOST) ? sinks(base, texelFetch(unders, at, 0).r, surface) : 0u;
+	uint sunk = acts && law.z < uint(SHEET_MOST) ? sinks(base, texelFetch(unders, at, 0).r, surface) : 0u;
 	if (sunk > 0u) {
 		surface = int(uint(surface) - sunk);
 		deflection = sunk < uint(deflection) ? deflection - int(sunk) : 0;
 		contact |= LOWERED;
 	}
 	i64 depth = depth_below(base, rest, surface);
-	bool deeper = presses && rest != UNDER_NONE && i64_less(i64(0, 0u), depth);
+	bool deeper = acts && rest != UNDER_NONE && i64_less(i64(0, 0u), depth);
 	bool refuses = deeper && (!i64_less(depth, i64_from(SHEET_MOST)) || i64_less(i64_sub(i64_from(surface), depth), i64_from(-OFFSET_LIMIT)));
 	if (refuses)
 		tally_add(REFUSED, 1u);
@@ -54,5 +54,5 @@ void main()
 	surface_out = may ? surface : offset;
 	contact_out = contact;
 	bent_out = deflection << SHEET_BITS;
-	pressed_out = int(by << 29 | least);
+	holder_out = int(by << 29 | least);
 }
