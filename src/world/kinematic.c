@@ -87,7 +87,7 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct bearing_area area;
 	struct post_rect changed = {0, 0, 0, 0};
-	struct deform_forces told;
+	struct deform_forces told = {.z = 0};
 	size_t count;
 	bool aloft = false;
 	TRY(windows_of(world, contact, windows, &count, &area));
