@@ -112,8 +112,8 @@ class Compute(FurrowTest):
         for model in ("none", "box", "sumner", "slippage"):
             yield f"turned, {model}", HEAD % (2.5, 0.125) + f"redistribute: {{model: {model}}}\nattributes: [disturbance]\n" + SOILS[model] + TURNED, 32, "plain", 0
         sheet = "redistribute: {model: sheet, tension: %s, yield: %g, rut: 0.6}\n"
-        yield "sheet", HEAD % (3, 0.125) + sheet % ("10000", 0.1) + "attributes: [disturbance]\n" + WHEELS, 64, "dunes", 3
-        yield "sheet, turned", HEAD % (2.5, 0.125) + sheet % ("3000", 8) + "attributes: {disturbance: {heals: 300}, vegetation: {rises: 100}}\n" + TURNED, 32, "plain", 0
+        yield "sheet", HEAD % (1.5, 0.125) + sheet % ("10000", 0.1) + "attributes: [disturbance]\n" + WHEELS, 64, "dunes", 3
+        yield "sheet, turned", HEAD % (1.2, 0.125) + sheet % ("3000", 8) + "attributes: {disturbance: {heals: 300}, vegetation: {rises: 100}}\n" + TURNED, 32, "plain", 0
         yield "sheet, stiff", HEAD % (2, 0.25) + sheet % ("10", 0.02) + BESIDE, 256, "ridged", 40
         yield "sheet, long", HEAD % (0.3, 0.125) + sheet % ("200000", 1) + BESIDE, 32, "dunes", 3
         yield "large, sheet", HEAD % (0.3, 0.25) + sheet % ("100000", 0.1) + LARGE, 64, "dunes", 3
