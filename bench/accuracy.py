@@ -4,7 +4,8 @@
     python3 bench/accuracy.py -o bench-out                          # a release build's programs; --quick: fewer settings
     python3 bench/accuracy.py -o bench-out --publish                # and into docs (BENCHMARKS.md) and bench/ACCURACY.md
     python3 bench/accuracy.py -o bench-out --from accuracy.jsonl    # of lines that are there
-    python3 bench/accuracy.py -o bench-out --sheet --publish        # the study of the elastic sheet alone, a part of ACCURACY.md of its own
+    python3 bench/accuracy.py -o bench-out --sheet                  # the study of the elastic sheet alone, a part of ACCURACY.md of its own; to publish it:
+    python3 bench/accuracy.py --build build -o build/bench-out --sheet --publish --figures bench/figures/accuracy_sheet.json
 
 Writes accuracy.jsonl, accuracy.md and for each plot NAME.svg, .png and .gnuplot. bench/ACCURACY.md says how to read them.
 """

@@ -304,7 +304,7 @@ int main(int argc, char **argv)
 	for (int model = 0; model < DEFORM_MODELS; model++)
 		one = one || says(argc, argv, deform_model_row((enum deform_model)model)->name);
 	for (int model = 0; model < DEFORM_MODELS; model++)
-		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && !deform_on_cpu((enum deform_model)model) && (!one || says(argc, argv, deform_model_row((enum deform_model)model)->name)); s++)
+		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && !deform_for_cpu((enum deform_model)model) && (!one || says(argc, argv, deform_model_row((enum deform_model)model)->name)); s++)
 			for (int wheels = 1; wheels <= WHEELS_MOST; wheels *= 4)
 				for (int dirt = 0; dirt < (spacings[s] == 0.125 ? 2 : 1); dirt++)
 					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1,

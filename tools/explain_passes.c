@@ -271,7 +271,7 @@ static void print_all_passes(const struct scene *scene, const struct report_plan
 	mem_free_all(passes.first, passes.next);
 }
 
-/* Tells what a contact with an elastic sheet costs. It has no passes. */
+/* Tells what a contact with an elastic sheet costs. On the CPU it has no passes. */
 static void print_sheet(const struct scene *scene, double spacing)
 {
 	struct soil_sheet sheet;

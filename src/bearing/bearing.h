@@ -90,9 +90,9 @@ enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform
 /* held: pinned tiles that together make a rectangle. */
 void bearing_kinematic_gather(struct bearing *bearing, const struct tile_slot *held, size_t count);
 /* alone: the contact is not so large that the GPU would cut it into parts. Makes blocks in which soil may slide active. *changed: posts whose planes it
- * may have changed; empty: none. */
+ * may have changed; empty: none. *told: of a body with a load, over an elastic sheet: height, sinkage, area, state; else unchanged. */
 enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, bool alone,
-				  struct post_rect *changed) FURROW_CHECKED;
+				  struct deform_forces *told, struct post_rect *changed) FURROW_CHECKED;
 /* Instead of bearing_kinematic_run, of an elastic sheet: the body leaves the pose contact->from, and the sheet comes back. */
 void bearing_kinematic_leave(struct bearing *bearing, const struct deform_contact *contact, struct post_rect *changed);
 /* held: pinned tiles. Writes the changed posts that they have. */

@@ -23,8 +23,8 @@ enum status bearing_area(const struct bearing *bearing, const struct deform_cont
 
 bool bearing_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest)
 {
-	if (bearing->elastic) /* what it left far away is another contact's */
-		return !soil_only_set_down(&contact->from, &contact->to) || (contact->from.x == contact->to.x && contact->from.y == contact->to.y);
+	if (bearing->elastic)
+		return deform_covers_sheet(contact);
 	const struct post_rect shadow = soil_shadow(contact->shape, rest, rest, bearing->law.spacing), all = area->write;
 	const struct post_rect held = post_rect_intersect(post_rect_grown(shadow, bearing->rule.step), bearing->world);
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);

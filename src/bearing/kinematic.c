@@ -2,6 +2,7 @@
  * A contact of a kinematic model: from the tiles into a window, the lower envelope into the ground, and back. All of the body is one window, however
  * large. What the GPU computes in several windows has the same bits.
  */
+#include <math.h>
 #include <string.h>
 
 #include "bearing/internal.h"
@@ -32,7 +33,7 @@ enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform
 	const struct post_rect read = area->read, world = bearing->world;
 	const size_t width = (size_t)(read.x1 - read.x0), height = (size_t)(read.y1 - read.y0);
 	TRY(bearing_window_need(bearing, read));
-	TRY(bearing_scratch_need(bearing, bearing->elastic ? soil_sheet_room(contact->shape, width, height) : soil_kinematic_room(&bearing->kinematic, &own, width, height)));
+	TRY(bearing_scratch_need(bearing, bearing->elastic ? soil_sheet_room(contact->shape, width, height, contact->load > 0) : soil_kinematic_room(&bearing->kinematic, &own, width, height)));
 	if (read.x0 < world.x0 || read.y0 < world.y0 || read.x1 > world.x1 || read.y1 > world.y1)
 		bearing_window_clear(bearing);
 	return STATUS_OK;
@@ -113,26 +114,55 @@ static enum status wake(struct bearing *bearing, struct post_rect write, bool al
 	return soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(write), bearing->window.words);
 }
 
-/* A contact with the sheet. leaves: the body is taken away. */
-static void run_sheet(struct bearing *bearing, const struct deform_contact *contact, bool leaves, struct post_rect *changed)
+/* Finds how deep a sheet bears a body with a load, and puts it there. */
+static void stand(struct bearing *bearing, const struct deform_contact *contact, struct soil_sheet_contact *own, struct deform_forces *told)
 {
 	struct bearing_window *window = &bearing->window;
-	const struct soil_sheet_contact own = {.body = contact_of(contact), .leaves = leaves};
+	const struct soil_sheet_rest found = soil_sheet_rest(&bearing->sheet, &bearing->kinematic, own, contact->load, bearing->params.tension, &window->planes, window->scratch);
+	own->body.to.z = found.z;
+	if (contact->loaded_body > 0)
+		bearing->standing[contact->loaded_body - 1] = (int32_t)(found.z - contact->to.z);
+	bearing->tally.sunk += found.sunk;
+	*told = (struct deform_forces){
+		.force = {0, 0, found.sunk || found.posts == 0 ? 0 : contact->load}, .sinkage = ldexp((double)found.sinkage, -OFFSET_BITS),
+		.area = (double)found.posts * bearing->law.spacing * bearing->law.spacing, .z = found.z,
+		.state = found.sunk ? DEFORM_SUNK : found.posts > 0 ? DEFORM_TOUCHING : DEFORM_AIR,
+	};
+}
+
+/* A contact with the sheet. below: posts below the body. told: NULL, or for a body with a load: where it rests. */
+static void run_sheet(struct bearing *bearing, const struct deform_contact *contact, struct post_rect below, struct deform_forces *told, struct post_rect *changed)
+{
+	struct bearing_window *window = &bearing->window;
+	struct soil_sheet_contact own = {.body = contact_of(contact), .leaves = contact->leaves};
+	if (contact->loaded_body > 0) { /* its path is that of a body which nothing raises */
+		own.body.from.z += bearing->standing[contact->loaded_body - 1];
+		own.body.to.z += bearing->standing[contact->loaded_body - 1];
+	}
+	if (told != NULL)
+		stand(bearing, contact, &own, told);
+	const bool marks = bearing->params.disturbance || deform_marks(&bearing->params) != 0;
 	struct soil_kinematic_tally tally = {.compacted = 0};
 	soil_sheet_run(&bearing->sheet, &bearing->kinematic, &own, &window->planes, window->scratch, &tally, changed);
 	bearing->tally.compacted += tally.compacted;
 	bearing->tally.refused += tally.refused;
+	/* What the body touches is marked, even where it lies as before. */
+	const struct post_rect touched = contact->leaves || !marks ? (struct post_rect){0, 0, 0, 0} : posts_with(&window->planes, below, SOIL_LOWERED);
+	if (post_rect_empty(touched))
+		return;
 	if (bearing->params.disturbance)
-		soil_kinematic_disturb(&window->planes, *changed);
+		soil_kinematic_disturb(&window->planes, touched);
+	bearing_mark(bearing, contact, touched);
+	*changed = post_rect_joined(*changed, touched);
 }
 
 void bearing_kinematic_leave(struct bearing *bearing, const struct deform_contact *contact, struct post_rect *changed)
 {
-	run_sheet(bearing, contact, true, changed);
+	run_sheet(bearing, contact, (struct post_rect){0, 0, 0, 0}, NULL, changed);
 }
 
 enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, bool alone,
-				  struct post_rect *changed)
+				  struct deform_forces *told, struct post_rect *changed)
 {
 	struct bearing_window *window = &bearing->window;
 	const struct soil_kinematic_contact own = contact_of(contact);
@@ -140,7 +170,7 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 	struct soil_kinematic_tally tally = {.compacted = 0};
 	bearing->contacts++;
 	if (bearing->elastic) {
-		run_sheet(bearing, contact, false, changed);
+		run_sheet(bearing, contact, below, contact->load > 0 ? told : NULL, changed);
 		return STATUS_OK;
 	}
 	soil_kinematic_run(&bearing->kinematic, &own, &window->planes, area->write, window->carried, window->scratch, &tally);

@@ -36,6 +36,7 @@ struct deform_contact {
 	double load;    /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched, starting near to.z */
 	/* with a load: number of the loaded body, 1 to params.loaded_bodies; 0: its equilibrium height is not kept */
 	uint32_t loaded_body;
+	bool leaves;    /* sheet: the object is taken away from `from`; `to` must be the same */
 	bool hosted;    /* a host moves the object, so the motion may be much shorter than a post */
 	double stamped; /* hosted: 1: the hollow below `from` has the shape of the object; 0: it is a flat rut, along which the object came */
 	/* The object is above all ground of its windows before the contact. The distance exceeds the rounding of its lower
@@ -99,7 +100,7 @@ struct soil_model {
 	/* Functions and properties of the model. */
 	/* The soil bears: src/bearing computes its contacts, on the CPU, and tells forces. A model that does not bear accepts no load and no slip. */
 	bool bears;
-	/* An elastic sheet: soil/kinematic/sheet.h. The CPU alone computes it. A body deflects it far around, and lets go of it when it leaves */
+	/* An elastic sheet: soil/kinematic/sheet.h. A body deflects it far around, and lets go of it when it leaves */
 	bool elastic;
 	soil_contact_fn contact; /* computes one contact over a window and changes the ground; NULL: the CPU alone computes the model */
 	soil_batch_fn batch;     /* computes the contacts of a batch; NULL: the model's contacts are computed alone */
@@ -141,8 +142,10 @@ bool deform_tells_forces(enum deform_model model);
 bool deform_is_elastic(enum deform_model model);
 /* Returns true if the ground may rise again: the model moves soil, or is elastic. Then offsets + compacted stays the same. */
 bool deform_raises(enum deform_model model);
-/* Returns true if the CPU alone computes the model: its soil bears, or it is an elastic sheet. No deform is made for such a model. */
+/* Returns true if the CPU alone computes the model: its soil bears. No deform is made for such a model. */
 bool deform_on_cpu(enum deform_model model);
+/* Returns true if the CPU computes the model unless the GPU is asked for: also an elastic sheet, which takes many passes over small windows. */
+bool deform_for_cpu(enum deform_model model);
 /* Each returns the name of an effect that is needed for every object under the model. deform_displace_effect: the effect that
  * computes contacts. deform_slide_effect: the effect that lets soil slide; NULL: soil does not slide. deform_contact_effect: the
  * effect of the textures that tell what an object touched. */
@@ -318,6 +321,8 @@ enum status deform_wake_swept(struct deform *deform, const struct deform_window 
 /* Returns true if the contact reads everything that the object rests on in a pose, and around it. Then nothing need be made
  * active when the object leaves that pose. */
 bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct soil_pose *rest);
+/* The same over an elastic sheet: what an object left far away must come back first. Pure. */
+bool deform_covers_sheet(const struct deform_contact *contact);
 /*
  * Touched posts: posts whose planes may have changed since the deform was made, and posts named with deform_touch. Only if the
  * parameters ask for it. They include posts that contacts wrote, and posts that sliding soil can have reached. After a contact

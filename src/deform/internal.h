@@ -16,6 +16,7 @@
 /* FBOs over one layer of the scratch textures. FBOs that the parameters do not need are NULL. */
 enum scratch_target {
 	TO_UNDER,   /* under, rest */
+	TO_FREED,   /* sheet: floor plane 1 */
 	TO_CONTACT, /* the textures that the model's contact pass writes */
 	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* box: offset plane 1 */
@@ -84,6 +85,7 @@ struct deform {
 	struct gpu_texture *under, *rest;
 	/* what a contact did to each post: the bits LOWERED, HELD. NULL if no pass needs them */
 	struct gpu_texture *contacts;
+	struct gpu_texture *bent, *holders; /* sheet: deflections, and what holds posts down (lib/sheet.glsl) */
 	struct gpu_texture *carried, *deposits; /* conserving models: soil before and after deform_spread, fixed-point units */
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
 	struct gpu_texture *heights[2], *stills, *floors;
@@ -98,6 +100,7 @@ struct deform {
 	struct gpu_program *under_program[2 * SOIL_SHAPES]; /* every program is linked when it is first needed */
 	struct gpu_program *box, *contact, *disturbance, *marks;
 	struct gpu_program *fixed[FIXED_PASSES];
+	struct gpu_program *sheet[SHEET_PASSES];
 	struct gpu_program *spread[SPREAD_PASSES];
 	struct gpu_program *held;
 	struct gpu_program *facet;
@@ -211,6 +214,11 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 /* stages.c: runs the contact pass of a model whose parameters are only struct contact_params. */
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
+
+/* soil/sheet.c: tells how an elastic sheet bends; in how many passes; and which posts around a contact's shadow may change. */
+struct soil_sheet deform_sheet(const struct deform_params *params);
+int deform_sheet_passes(const struct deform_params *params);
+struct post_rect deform_sheet_changes(const struct deform_params *params, struct post_rect shadow);
 
 /* soil/spread.c: returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
 #define DEFORM_ROWS_ABREAST 4

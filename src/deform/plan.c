@@ -40,8 +40,11 @@ static void plan_windows(const struct deform_params *params, const struct deform
 			 struct plan *plan)
 {
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
-	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != SOIL_MESH);
-	add_passes(plan, displace, number, PLAN_WINDOW, GPU_CONTACT, 1);
+	const bool elastic = deform_is_elastic(params->model);
+	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind == SOIL_MESH ? 0 : elastic ? 2 : 1);
+	add_passes(plan, displace, number, PLAN_WINDOW, GPU_CONTACT, elastic ? 2 : 1);
+	if (elastic)
+		add_passes(plan, displace, number, PLAN_WINDOW, GPU_BEND, deform_sheet_passes(params));
 	if (deform_model_row(params->model)->smooths && object->moves)
 		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {

@@ -168,6 +168,19 @@ void deform_programs_marks(const struct deform_params *params, struct deform_req
 	define(out, "GROWS", params->rises > 0);
 }
 
+void deform_programs_sheet(enum sheet_pass pass, struct deform_request *out)
+{
+	static const char *const files[SHEET_PASSES] = {
+		[SHEET_FREE] = "deform/sheet_free.frag",
+		[SHEET_CONTACT] = "deform/sheet_contact.frag",
+		[SHEET_MARK_ROWS] = "deform/sheet_rows.frag",
+		[SHEET_MARK_COLUMNS] = "deform/sheet_columns.frag",
+		[SHEET_BEND] = "deform/sheet_bend.frag",
+		[SHEET_SET] = "deform/sheet_set.frag",
+	};
+	begin(out, "full.vert", files[pass]);
+}
+
 void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out)
 {
 	static const struct {
@@ -322,8 +335,14 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 {
 	struct each each = {.params = params, .each = fn, .user = user};
 	each_envelope(&each, object);
-	deform_programs_contact(params, &each.request);
-	add(&each, deform_displace_effect(params->model));
+	for (int pass = 0; pass < SHEET_PASSES && deform_is_elastic(params->model); pass++) {
+		deform_programs_sheet((enum sheet_pass)pass, &each.request);
+		add(&each, deform_displace_effect(params->model));
+	}
+	if (!deform_is_elastic(params->model)) {
+		deform_programs_contact(params, &each.request);
+		add(&each, deform_displace_effect(params->model));
+	}
 	if (deform_model_row(params->model)->smooths && object->moves) {
 		deform_programs_box(params, &each.request);
 		add(&each, deform_model_row(params->model)->effect.name);

@@ -41,6 +41,9 @@ void deform_programs_slope(const struct deform_params *params, enum slope_hop ho
 void deform_programs_held(struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);
 void deform_programs_marks(const struct deform_params *params, struct deform_request *out);
+/* Passes of an elastic sheet, in their order (soil/sheet.c). */
+enum sheet_pass { SHEET_FREE, SHEET_CONTACT, SHEET_MARK_ROWS, SHEET_MARK_COLUMNS, SHEET_BEND, SHEET_SET, SHEET_PASSES };
+void deform_programs_sheet(enum sheet_pass pass, struct deform_request *out);
 
 /* Passes over a batch of windows (batch.c). */
 /* Contacts of straight wheels, of wheels that also move sideways, of spheres, of other shapes. Then the copy of the ground, before them, and

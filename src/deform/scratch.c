@@ -14,7 +14,7 @@ struct row {
 	size_t place; /* offset of its pointer in struct deform */
 };
 struct rows {
-	struct row list[11 + 2 * PLANES];
+	struct row list[13 + 2 * PLANES];
 	size_t count;
 };
 
@@ -54,6 +54,8 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	add(rows, true, (struct row){"under", displace, GPU_R32I, PLACE(under)});
 	add(rows, contacts, (struct row){"rest", touched, GPU_R32I, PLACE(rest)});
 	add(rows, contacts, (struct row){"contacts", touched, GPU_R8UI, PLACE(contacts)});
+	add(rows, deform_is_elastic(params->model), (struct row){"bent", displace, GPU_R32I, PLACE(bent)});
+	add(rows, deform_is_elastic(params->model), (struct row){"holders", displace, GPU_R32I, PLACE(holders)});
 	add(rows, conserves, (struct row){"carried", "spread", GPU_R32I, PLACE(carried)});
 	add(rows, conserves, (struct row){"deposits", "spread", GPU_R32I, PLACE(deposits)});
 	add(rows, conserves, (struct row){"heights", slide, GPU_R32I, PLACE(heights[0])});
@@ -145,6 +147,10 @@ static enum status make_targets(struct deform *deform, uint32_t number, bool atl
 	attach(&of[TO_CONTACT], deform->planes_of[1][PLANE_OFFSET], number);
 	attach(&of[TO_CONTACT], deform->contacts, number);
 	attach(&of[TO_CONTACT], deform->carried, number);
+	attach(&of[TO_CONTACT], deform->bent, number);
+	attach(&of[TO_CONTACT], deform->holders, number);
+	if (deform_is_elastic(deform->params.model))
+		attach(&of[TO_FREED], deform->planes_of[1][PLANE_FLOOR], number);
 	for (int i = 0; i < 2 && deform_model_row(deform->params.model)->smooths; i++)
 		attach(&of[TO_FIRST + i], deform->planes_of[i][PLANE_OFFSET], number);
 	bool conserves = deform_conserves(deform->params.model);

@@ -151,7 +151,8 @@ enum status deform_run_stages(struct deform *deform, const struct deform_contact
 			      const struct deform_window *window, uint32_t layer)
 {
 	deform_begin_layer(deform, contact, window, layer);
-	TRY(deform_envelope(deform, contact, window, layer));
+	if (!deform_is_elastic(deform->params.model)) /* its contact draws two */
+		TRY(deform_envelope(deform, contact, window, layer));
 	TRY(deform_model_row(deform->params.model)->contact(deform, contact, window, layer));
 	if (deform_marks(&deform->params) != 0)
 		TRY(mark(deform, contact, window->read, layer));

@@ -68,9 +68,17 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 	return post_rect_intersect(post_rect_grown(rect, deform->reach), world_of(deform));
 }
 
+bool deform_covers_sheet(const struct deform_contact *contact)
+{
+	const struct soil_pose *from = &contact->from, *to = &contact->to;
+	return !soil_only_set_down(from, to) || (from->x == to->x && from->y == to->y);
+}
+
 bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct soil_pose *rest)
 {
 	const struct deform_contact standing = {.shape = contact->shape, .from = *rest, .to = *rest};
+	if (deform_is_elastic(deform->params.model))
+		return deform_covers_sheet(contact);
 	struct post_rect held = post_rect_intersect(post_rect_grown(deform_shadow(deform, &standing), deform_slide_step(deform)), world_of(deform));
 	struct post_rect all = deform_reached(deform, contact);
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
@@ -141,7 +149,7 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 		return STATUS_OK;
 	TRY(deform_check_sheet(&deform->params));
 	int64_t core = deform_core(&deform->params);
-	if (contact->load > 0 && !fits(under, core))
+	if (contact->load > 0 && !deform_is_elastic(deform->params.model) && !fits(under, core))
 		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "
 					       "coarser spacing than %g m",
 				 (long long)(under.x1 - under.x0), (long long)(under.y1 - under.y0), deform->spacing);
@@ -162,6 +170,10 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 		windows[i].whole = write;
 		windows[i].parts = (uint32_t)*count;
 	}
+	/* A sheet reads as far again as it changes. */
+	const struct post_rect changes = deform_is_elastic(deform->params.model) ? deform_sheet_changes(&deform->params, deform_shadow(deform, contact)) : write;
+	for (size_t i = 0; i < *count; i++)
+		windows[i].write = post_rect_intersect(windows[i].write, changes);
 	return STATUS_OK;
 }
 

@@ -48,7 +48,7 @@ static double deepest(const struct scene *scene)
 	double deep = OFFSETS_LEAST;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
-		deep = fmax(deep, object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink);
+		deep = fmax(deep, scene_sinkage_guess(scene, object));
 	}
 	return chart_round_range(deep);
 }

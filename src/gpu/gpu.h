@@ -46,6 +46,7 @@ enum gpu_stage {
 	GPU_FACETS,    /* the same, computed from triangles */
 	GPU_CONTACT,
 	GPU_SMOOTH,
+	GPU_BEND,      /* an elastic sheet bends */
 	GPU_SPREAD,
 	GPU_SLIDE,     /* relaxation over a window */
 	GPU_HOLD,      /* objects at rest on ground blocks that relax */

@@ -9,7 +9,8 @@ static const struct {
 } stages[GPU_STAGES] = {
 	[GPU_ENVELOPE] = {"underside", GPU_DISPLACE}, [GPU_FACETS] = {"facets", GPU_DISPLACE},
 	[GPU_CONTACT] = {"press", GPU_DISPLACE},
-	[GPU_SMOOTH] = {"smooth", GPU_REDISTRIBUTE},   [GPU_SPREAD] = {"spread", GPU_REDISTRIBUTE},
+	[GPU_SMOOTH] = {"smooth", GPU_REDISTRIBUTE},   [GPU_BEND] = {"bend", GPU_REDISTRIBUTE},
+	[GPU_SPREAD] = {"spread", GPU_REDISTRIBUTE},
 	[GPU_SLIDE] = {"slide", GPU_REDISTRIBUTE},     [GPU_HOLD] = {"hold", GPU_REDISTRIBUTE},
 	[GPU_SETTLE] = {"settle", GPU_REDISTRIBUTE},   [GPU_DISTURBANCE] = {"dirt", GPU_ATTRIBUTES},
 	[GPU_PYRAMID] = {"pyramid", GPU_DECIMATE},     [GPU_TERRAIN] = {"terrain", GPU_RENDER},

@@ -35,7 +35,7 @@ enum status render_view_errors_create(const struct world *world, struct view_err
 	errors->bounds.extent = &world_resident(world)->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
-		double deep = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
+		double deep = scene_sinkage_guess(scene, object);
 		errors->lowest = fmin(errors->lowest, -deep);
 	}
 	if (deform_raises(scene->model))

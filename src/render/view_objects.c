@@ -33,7 +33,7 @@ static enum status height_at(struct world *world, const struct body *body, const
 	if (object->path.has_z)
 		return STATUS_OK;
 	TRY(resident_ground_height(world_resident(world)->ground, point->qx, point->qy, &ground, known));
-	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world_scene(world)->soils[0], object->load) : object->sink;
+	double depth = scene_sinkage_guess(world_scene(world), object);
 	*height = *known ? ground + lattice_offset(soil_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
 			   body->last.z + body->raised;
 	*known = *known || body->has_last || body->distance > 0;

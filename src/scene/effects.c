@@ -70,7 +70,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"finds the lower envelope of a wheel's grousers"},
 	[EFFECT_LOAD] = {
 		"load", "objects.load", "", NONE, STATE, "height", 1, LIST("objects[].load"),
-		"the object sinks no deeper than it is high",
+		"the object sinks no deeper than it is high, and deflects a sheet by less than 8 m",
 		"finds how deep the soil carries a load"},
 	[EFFECT_FORCES] = {
 		"forces", "output.forces", "", NONE, STATE, "forces", 1,

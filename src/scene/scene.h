@@ -304,7 +304,7 @@ struct scene {
 	struct scene_vegetation vegetation;
 	double elapsed;          /* s of the store's time that pass before the drive begins */
 	enum scene_outside outside;
-	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm and sheet the CPU, other models the GPU, and the CPU where there is no GL. */
+	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm and sheet the CPU, other models the GPU, and the CPU where there is no GL. scm takes no SCENE_GPU. */
 	enum scene_compute compute;
 	/* Where the GPU computes contacts: in windows, which are gathered from tiles and scattered; or in the tiles. It changes no bit. */
 	enum scene_regions regions;
@@ -435,6 +435,8 @@ bool scene_laws_of_shape(const struct scene *scene, const struct soil_shape *sha
 /* Returns how much of a level way counts for the slip of a wheel or a belt, m. That is what leads along its heading `yaw`, rad. Where the scene turns it
  * against its way, all of the way counts. */
 double scene_slip_way(const struct scene_object *object, double x, double y, double yaw);
+/* Returns about how deep the object rests in the ground, m: its sink, or a guess by its load. Pure. */
+double scene_sinkage_guess(const struct scene *scene, const struct scene_object *object);
 /* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
 bool scene_moves_bodies(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of

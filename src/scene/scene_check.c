@@ -110,6 +110,15 @@ struct scene_list scene_models_with_forces(void)
 	return models;
 }
 
+struct scene_list scene_models_with_loads(void)
+{
+	struct scene_list models = {.length = 0};
+	for (int model = 0; model < DEFORM_MODELS; model++)
+		if (deform_tells_forces((enum deform_model)model) || deform_is_elastic((enum deform_model)model))
+			scene_list_add(&models, deform_model_row((enum deform_model)model)->name);
+	return models;
+}
+
 static enum status check_compute(const struct scene_tree *tree, const int *compute, struct scene *scene)
 {
 	scene->compute = compute != NULL ? (enum scene_compute)*compute : SCENE_ANYWHERE;

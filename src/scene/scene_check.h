@@ -58,6 +58,7 @@ enum status scene_check_units(const struct scene_tree *tree, const struct raw_sc
 			      struct scene *scene) FURROW_CHECKED;
 /* Returns the names of the models that compute forces. */
 struct scene_list scene_models_with_forces(void);
+struct scene_list scene_models_with_loads(void); /* those that bear a body with a load */
 /* Tells which objects have so few posts below them that forces are off, and by how much. Part of scene_advise. */
 void scene_advise_posts(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 /* Tells of the wheel that the soil's rebound pushes most, if the scene writes forces. Part of scene_advise. */

@@ -61,9 +61,11 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 	const struct scene_node *interface = scene_tree_find(tree, "objects[%zu].interface", index);
 	if (raw->load != NULL && raw->sink != NULL)
 		return scene_error(tree->file, load, "sink is given too; allowed: one of sink, load");
-	if (raw->load != NULL && !forces)
+	if (raw->load != NULL && !forces && !deform_is_elastic(scene->model))
 		return scene_error(tree->file, load, "model %s computes no force that carries it; allowed with: "
-				   "redistribute: {model: %s}", model, scene_models_with_forces().text);
+				   "redistribute: {model: %s}", model, scene_models_with_loads().text);
+	if (raw->load != NULL && !forces && scene->compute == SCENE_GPU)
+		return scene_error(tree->file, load, "the CPU finds how deep a sheet bears it; allowed with: compute: cpu, or without compute");
 	if (raw->load != NULL && object->path.has_z)
 		return scene_error(tree->file, load, "its poses say z already; allowed with: poses t,x,y, or points");
 	if (raw->slip != NULL && !soil_shape_runs(&object->shape))

@@ -42,6 +42,17 @@ bool scene_is_turned(const struct scene_object *object)
 	return object->path.has_attitude || attitude[0] != 0 || attitude[1] != 0 || attitude[2] != 0;
 }
 
+double scene_sinkage_guess(const struct scene *scene, const struct scene_object *object)
+{
+	if (!(object->load > 0))
+		return object->sink;
+	if (!deform_is_elastic(scene->model))
+		return soil_sinkage_guess(&object->shape, &scene->soils[0], object->load);
+	/* As if the sheet bore it evenly, over its length around half of the body. */
+	const double across = sqrt(scene->tension / scene->stiffness) + soil_shape_bound(&object->shape) / 2;
+	return fmin(object->load / (scene->stiffness * M_PI * across * across), 4);
+}
+
 double scene_slip_way(const struct scene_object *object, double x, double y, double yaw)
 {
 	return object->path.attitude[0] != 0 ? hypot(x, y) : x * cos(yaw) + y * sin(yaw);

@@ -205,7 +205,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 /* A contact with soil that bears. It waits for others of this time: world_meetings_flush computes it. */
 static enum status bearing_contact_at(struct world *world, const struct event *event, const struct deform_contact *contact, bool feels)
 {
-	const struct body *body = world_body_at(world, event->body);
+	struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
 	TRY(bearing_area(world->bearing, contact, &area));
 	if (!feels && body->has_last && !bearing_covers(world->bearing, contact, &area, &body->last))
@@ -262,19 +262,35 @@ static enum status write_window(struct world *world, const struct deform_window 
 	return status;
 }
 
-static enum status compute_windows(struct world *world, const struct event *event, const struct deform_contact *contact,
-				   const struct deform_window *windows, size_t count)
+static enum status compute_each(struct world *world, struct body *body, const struct deform_contact *contact, const struct deform_window *windows, size_t count)
 {
-	TRY(world_tell_contact(world, event, contact, windows, count));
-	if (deform_is_fixed(world->deform, windows, count))
-		return compute_fixed(world, world_body_at(world, event->body), contact, &windows[0]);
 	for (size_t i = 0; i < count; i++)
 		TRY(compute_window(world, contact, &windows[i], (uint32_t)i, count == 1));
-	world_count_windows(world_body_at(world, event->body), contact, deform_windows_computed(windows, count));
+	world_count_windows(body, contact, deform_windows_computed(windows, count));
 	/* Several windows read the ground as it was before any of them changed it. */
 	for (size_t i = 0; count > 1 && i < count; i++)
 		TRY(write_window(world, &windows[i], (uint32_t)i));
 	return STATUS_OK;
+}
+
+static enum status compute_windows(struct world *world, const struct event *event, const struct deform_contact *contact,
+				   const struct deform_window *windows, size_t count)
+{
+	struct body *body = world_body_at(world, event->body);
+	TRY(world_tell_contact(world, event, contact, windows, count));
+	if (deform_is_fixed(world->deform, windows, count))
+		return compute_fixed(world, body, contact, &windows[0]);
+	return compute_each(world, body, contact, windows, count);
+}
+
+enum status world_contact_leave(struct world *world, struct body *body, const struct deform_contact *rest)
+{
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count = 0;
+	TRY(deform_windows(world->deform, rest, windows, &count));
+	const enum status status = compute_each(world, body, rest, windows, count);
+	world_happened_relaxes(world);
+	return status;
 }
 
 /* Computes windows at once. */
@@ -289,7 +305,7 @@ static enum status compute_alone(struct world *world, const struct event *event,
 /* A contact that the GPU computes. */
 static enum status deform_contact_at(struct world *world, const struct event *event, struct deform_contact *contact, bool waits)
 {
-	const struct body *body = world_body_at(world, event->body);
+	struct body *body = world_body_at(world, event->body);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	bool aloft = false, waiting = false;

@@ -90,7 +90,7 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 		return status;
 	event.pose = (struct soil_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
 	double reach = soil_shape_reach(&object.shape, 0, 0);
-	double sink = object.load > 0 ? soil_sinkage_guess(&object.shape, &world->scene->soils[0], object.load) : object.sink;
+	double sink = scene_sinkage_guess(world->scene, &object);
 	event.pose.z = height + lattice_offset(reach - sink);
 	event.sinkage = sink;
 	world->dropping = &body;

@@ -40,11 +40,8 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 	/* A body that the soil carries follows the ground from sample to sample. Contacts add the equilibrium height to both poses. */
 	if (body->object->path.has_z && !carried)
 		event->pose.z = lattice_offset(point.z);
-	else if (carried)
-		event->pose.z = ground + lattice_offset(reach - soil_sinkage_guess(&body->object->shape, &world->scene->soils[0],
-										   body->object->load));
 	else
-		event->pose.z = ground + lattice_offset(reach - body->object->sink);
+		event->pose.z = ground + lattice_offset(reach - scene_sinkage_guess(world->scene, body->object));
 	event->sinkage = lattice_offset_metres(ground - event->pose.z) + reach;
 	if (sample > 0) {
 		struct track_point before;

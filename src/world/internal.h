@@ -260,7 +260,7 @@ void world_intervals_from(struct world *world, double time);
 /* Runs all relaxation intervals before `time`. If `at_it`, also the one that is due exactly at `time`. */
 enum status world_intervals(struct world *world, double time, bool at_it) FURROW_CHECKED;
 /* The body no longer rests there: the ground under it may relax again. */
-enum status world_let_go(struct world *world, const struct body *body) FURROW_CHECKED;
+enum status world_let_go(struct world *world, struct body *body) FURROW_CHECKED;
 
 /* --- carried.c: soil aboard bodies --- */
 
@@ -343,8 +343,10 @@ void world_count_windows(struct body *body, const struct deform_contact *contact
 
 /* kinematic.c: computes one contact of a kinematic model on the CPU. `last`: as in world_contact. */
 enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact) FURROW_CHECKED;
-/* A body leaves its pose, rest->from, over an elastic sheet, which comes back. Changes the ground. */
+/* A body leaves its pose, rest->from, over an elastic sheet, which comes back. Changes the ground. world_kinematic_leave: computed on the CPU.
+ * world_contact_leave: on the GPU. */
 enum status world_kinematic_leave(struct world *world, const struct deform_contact *rest) FURROW_CHECKED;
+enum status world_contact_leave(struct world *world, struct body *body, const struct deform_contact *rest) FURROW_CHECKED;
 
 /* Computes the forces on a host's body without changing the ground. */
 enum status world_feel(struct world *world, const struct event *event) FURROW_CHECKED;

@@ -37,9 +37,9 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 	return STATUS_OK;
 }
 
-/* event: NULL: the body leaves. *changed: the posts that the contact may have changed. */
+/* event: NULL: the body leaves. *told: as bearing_kinematic_run tells. *changed: the posts that the contact may have changed. */
 static enum status compute(struct world *world, const struct event *event, const struct deform_contact *contact, const struct bearing_area *area,
-			   const struct deform_window *windows, size_t count, struct post_rect *changed)
+			   const struct deform_window *windows, size_t count, struct deform_forces *told, struct post_rect *changed)
 {
 	struct held_tiles held = {.count = 0};
 	enum status status;
@@ -48,7 +48,7 @@ static enum status compute(struct world *world, const struct event *event, const
 	TRY_OR(done, bearing_kinematic_begin(world->bearing, contact, area));
 	TRY_OR(done, gather(world, windows, count, &held));
 	if (event != NULL)
-		TRY_OR(done, bearing_kinematic_run(world->bearing, contact, area, count == 1 && windows[0].parts == 0, changed));
+		TRY_OR(done, bearing_kinematic_run(world->bearing, contact, area, count == 1 && windows[0].parts == 0, told, changed));
 	else
 		bearing_kinematic_leave(world->bearing, contact, changed);
 	if (!post_rect_empty(*changed))
@@ -78,7 +78,7 @@ enum status world_kinematic_leave(struct world *world, const struct deform_conta
 	struct post_rect changed = {0, 0, 0, 0};
 	size_t count;
 	TRY(windows_of(world, rest, windows, &count, &area));
-	return count > 0 ? compute(world, NULL, rest, &area, windows, count, &changed) : STATUS_OK;
+	return count > 0 ? compute(world, NULL, rest, &area, windows, count, NULL, &changed) : STATUS_OK;
 }
 
 enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact)
@@ -87,6 +87,7 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct bearing_area area;
 	struct post_rect changed = {0, 0, 0, 0};
+	struct deform_forces told = {.z = 0};
 	size_t count;
 	bool aloft = false;
 	TRY(windows_of(world, contact, windows, &count, &area));
@@ -102,7 +103,11 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	if (count == 0 || aloft)
 		return STATUS_OK;
 	world->counts.windows.computed += due;
-	TRY(compute(world, event, contact, &area, windows, count, &changed));
+	TRY(compute(world, event, contact, &area, windows, count, &told, &changed));
+	if (contact->load > 0)
+		world_forces_felt(world->forces, event->body, event, &told);
+	if (contact->load > 0 && contact->loaded_body == 0) /* nothing else keeps its height */
+		contact->to.z = told.z;
 	world_count_windows(body, contact, due);
 	return STATUS_OK;
 }

@@ -199,15 +199,15 @@ done:
 	return status;
 }
 
-enum status world_let_go(struct world *world, const struct body *body)
+enum status world_let_go(struct world *world, struct body *body)
 {
-	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last};
+	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last, .loaded_body = body->loaded_body, .leaves = deform_is_elastic(world->scene->model)};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	if (!body->has_last || body->elsewhere || !deform_raises(world->scene->model))
 		return STATUS_OK;
 	if (deform_is_elastic(world->scene->model))
-		return world_kinematic_leave(world, &rest);
+		return world->bearing != NULL ? world_kinematic_leave(world, &rest) : world_contact_leave(world, body, &rest);
 	TRY(deform_cut(&world->surface, &rest, windows, &count));
 	for (size_t i = 0; i < count; i++)
 		TRY(world_wake(world, windows[i].write));

@@ -63,7 +63,7 @@ static enum status add_place(const struct world *world, double x, double y, doub
 	*(post.value >= 0 ? &met->values[post.value] : &met->none) += weight;
 	for (int i = 0; i < SOIL_RASTERS; i++)
 		met->numbers[i] += post.has[i] ? weight : 0;
-	if (object != NULL && object->load > 0) {
+	if (object != NULL && object->load > 0 && deform_tells_forces(world->scene->model)) {
 		const double carries = soil_load_at(&object->shape, &object->interface, object->slip, &post.numbers, sinks_at_most(&object->shape));
 		if (!(least[post.soil] <= carries)) { /* or nothing yet: NAN */
 			least[post.soil] = carries;

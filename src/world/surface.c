@@ -1,11 +1,13 @@
 /* The two ways to change the ground behind one face. On the GPU (deform) kinematic models are computed. On the CPU (bearing) soil that bears is, and
- * kinematic models where the scene asks for it, or where there is no GL. */
+ * kinematic models where the scene asks for it, or where there is no GL. An elastic sheet is computed there unless the scene asks for the GPU. */
 
 #include "world/internal.h"
 
 bool world_is_bearing(const struct world *world)
 {
-	return world_deforms(world) && (deform_on_cpu(world->scene->model) || world->scene->compute == SCENE_CPU || world->facts.without_gl);
+	const enum scene_compute asked = world->scene->compute;
+	const enum deform_model model = world->scene->model;
+	return world_deforms(world) && (deform_on_cpu(model) || (asked != SCENE_GPU && deform_for_cpu(model)) || asked == SCENE_CPU || world->facts.without_gl);
 }
 
 bool world_changes_ground(const struct world *world)

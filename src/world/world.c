@@ -171,7 +171,6 @@ static enum status start_home(struct world *world)
 	return status == STATUS_OK && world->params.draws ? start_gpu(world, &gpu) : status;
 }
 
-/* Makes what computes the ground: deform or bearing, and what lets contacts be computed together. */
 /* An elastic sheet keeps its state in a plane in which scm keeps what it remembers of loose layers. */
 static enum status check_sheet_ground(const struct world *world)
 {
@@ -185,6 +184,7 @@ static enum status check_sheet_ground(const struct world *world)
 				       "another store");
 }
 
+/* Makes what computes the ground: deform or bearing, and what lets contacts be computed together. */
 static enum status start_surface(struct world *world)
 {
 	TRY(check_sheet_ground(world));

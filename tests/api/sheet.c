@@ -3,12 +3,13 @@
 #include "../support/program.h"
 #include "rut.h"
 
-#define SHEET "{scene: 1, time_step: 0.01, spacing: 0.125, redistribute: {model: sheet, tension: 20000%s}, cache: {slots: 64}}"
+#define SHEET "{scene: 1, time_step: 0.01, spacing: 0.125, %sredistribute: {model: sheet, tension: 20000%s}, cache: {slots: 64}}"
 
-static struct furrow_world *world_of(const char *more)
+/* state: that of a test. What is there: the GPU bends the sheet. */
+static struct furrow_world *world_of(void **state, const char *more)
 {
 	char scene[256];
-	snprintf(scene, sizeof scene, SHEET, more);
+	snprintf(scene, sizeof scene, SHEET, *state == NULL ? "" : "compute: gpu, ", more);
 	return hosted_world_over("sheet.furrow", scene, hosted_flat);
 }
 
@@ -42,8 +43,7 @@ static void assert_pressed(struct furrow_world *world, double deep)
 
 static void what_a_body_presses_comes_back_however_it_goes(void **state)
 {
-	(void)state;
-	struct furrow_world *world = world_of("");
+	struct furrow_world *world = world_of(state, "");
 	furrow_body ball = hosted_ball(world, 10, 16);
 	const struct furrow_pose away = hosted_pose(20, 20, 100.5);
 	/* It goes along, over edges of tiles, and rises in one step, or in small ones. */
@@ -78,8 +78,7 @@ static void what_a_body_presses_comes_back_however_it_goes(void **state)
 
 static void beyond_the_yield_a_rut_stays(void **state)
 {
-	(void)state;
-	struct furrow_world *world = world_of(", yield: 0.04, rut: 0.5");
+	struct furrow_world *world = world_of(state, ", yield: 0.04, rut: 0.5");
 	furrow_body ball = hosted_ball(world, 10, 16);
 	double lowest;
 	make_rut(world, ball, 10, 16, 40);
@@ -93,8 +92,7 @@ static void beyond_the_yield_a_rut_stays(void **state)
 
 static void a_rollback_brings_back_what_was_pressed(void **state)
 {
-	(void)state;
-	struct furrow_world *world = world_of(", yield: 0.04");
+	struct furrow_world *world = world_of(state, ", yield: 0.04");
 	struct furrow_info info;
 	furrow_body ball = hosted_ball(world, 10, 16);
 	make_rut(world, ball, 10, 16, 20);
@@ -163,12 +161,22 @@ static void loose_soil_of_scm_is_refused(void **state)
 	(void)furrow_world_close(world);
 }
 
+static int on_the_gpu(void **state)
+{
+	static bool gpu = true;
+	*state = &gpu;
+	return 0;
+}
+
 TEST_PROGRAM(sheet)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_body_presses_comes_back_however_it_goes),
 		cmocka_unit_test(beyond_the_yield_a_rut_stays),
 		cmocka_unit_test(a_rollback_brings_back_what_was_pressed),
+		cmocka_unit_test_setup(what_a_body_presses_comes_back_however_it_goes, on_the_gpu),
+		cmocka_unit_test_setup(beyond_the_yield_a_rut_stays, on_the_gpu),
+		cmocka_unit_test_setup(a_rollback_brings_back_what_was_pressed, on_the_gpu),
 		cmocka_unit_test(a_sheet_that_is_too_long_for_its_posts_is_refused),
 		cmocka_unit_test(loose_soil_of_scm_is_refused),
 	};

@@ -303,7 +303,12 @@ objects:
         self.assertIn("the sheet bends over 1 m, 4 posts: each contact makes 32 rounds over all posts within 25 of the body", self.ok("explain", scene, "--store", store))
         plan = self.json("explain", scene, "--store", store)
         self.assertEqual((plan["compute"], plan["sheet"]), ("cpu", {"length": 1, "rounds": 32, "reach": 25}))
-        self.refused(3, "explain", scene, "--store", store, "--set", "compute=gpu")
+        plan = self.json("explain", scene, "--store", store, "--set", "compute=gpu")
+        passes = {row["stage"]: row["amount"] for row in plan["passes"] if row["object"] == plan["passes"][0]["object"] and row["unit"] == "window"}
+        # Where it lets go and where it presses; two that find which posts move, two a round, and one that sets them.
+        self.assertEqual((plan["compute"], passes), ("gpu", {"underside": 2, "press": 2, "bend": 2 + 2 * 32 + 1}))
+        self.assertIn("the ground is computed by the GPU\n", self.ok("explain", scene, "--store", store, "--set", "compute=gpu"))
+        self.assertEqual((self.json("explain", scene, "--store", store)["passes"], self.json("explain", scene, "--store", store)["programs"]), ([], []))
         self.assertIn("more than 16 posts of 0.25 m; give a coarser spacing", self.refused(3, "explain", scene, "--store", store, "--set", "redistribute.tension=1e6"))
         self.assertNotIn("sheet", self.json("explain", self.scene(BARE), "--store", store))
 
@@ -493,6 +498,7 @@ class ExplainAndDrive(FurrowTest):
         "fixed regions": BARE + "spacing: 0.5\nredistribute: {model: box, regions: fixed, repetitions: 3}\nattributes: [dirt]\n",
         "scm": BARE.replace("sink: 0.2", "load: 900") + "soil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {forces: 5}\n",
         "sheet": BARE + "redistribute: {model: sheet, yield: 0.1}\nattributes: [dirt]\n",
+        "sheet on the GPU": BARE + "compute: gpu\nredistribute: {model: sheet, yield: 0.1}\nattributes: [dirt]\n",
         "slippage": BARE + "soil: {name: dry_sand}\nredistribute: {model: slippage, iterations: 2}\nattributes: [dirt]\n",
     }
 

@@ -113,6 +113,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.touched = params->touched,
 		.batches = params->batches,
 		.fixed = params->fixed,
+		.tension = 2000, .stiffness = 50000, .yield = 0.05, .rut = 0.5,
 	};
 	assert_ok(soil_named("dry_sand", &deform.soils[0]));
 	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)

@@ -338,6 +338,19 @@ static void compaction_runs_what_is_planned(void **state)
 	hold_all_to_plan(scenarios, sizeof scenarios / sizeof *scenarios);
 }
 
+static void a_sheet_runs_what_is_planned(void **state)
+{
+	static const struct scenario scenarios[] = {
+		{"sheet, a wheel that leans", DEFORM_SHEET, .count = 1, .objects = {{&wheel, true, true}}},
+		{"sheet, a mesh alone", DEFORM_SHEET, .count = 1, .objects = {{&cone, true}}},
+		{"sheet, all with dirt", DEFORM_SHEET, .dirt = true, .count = 5,
+		 .objects = {{&wheel, true}, {&ball, true}, {&crate, true}, {&cone, true}, {&lugged, false}}},
+		{"sheet, of several windows", DEFORM_SHEET, .tiles = 10, .count = 1, .objects = {{&hall, true}}},
+	};
+	need_gl();
+	hold_all_to_plan(scenarios, sizeof scenarios / sizeof *scenarios);
+}
+
 static void sliding_runs_what_is_planned(void **state)
 {
 	static const struct scenario scenarios[] = {
@@ -377,6 +390,7 @@ TEST_PROGRAM(plan)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_is_planned_without_objects),
 		cmocka_unit_test(compaction_runs_what_is_planned),
+		cmocka_unit_test(a_sheet_runs_what_is_planned),
 		cmocka_unit_test(sliding_runs_what_is_planned),
 	};
 	return cmocka_run_group_tests_name("deform/plan", tests, find_gl, NULL);

@@ -10,7 +10,7 @@ from furrow_test import FurrowTest, main, write_png16
 
 TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown")
 HEAD = "scene: 1\ntime_step: 0.05\nend_time: %g\nspacing: %g\noutside: skip\noutput: {forces: 20}\n"
-SOILS = {"none": "", "box": "", "sumner": "soil: {name: sand}\n", "slippage": "soil: {name: dry_sand}\n"}
+SOILS = {"none": "", "box": "", "sheet": "", "sumner": "soil: {name: sand}\n", "slippage": "soil: {name: dry_sand}\n"}
 WHEELS = """objects:
   - {name: wheel, shape: {wheel: {radius: 0.5, width: 0.4}}, sink: 0.15, path: {points: [[20, 20], [34, 26], [22, 33]], speed: 8}}
   - {name: lugs, shape: {wheel: {radius: 0.6, width: 0.5, grousers: 9}}, sink: 0.2, path: {points: [[34, 20], [20, 31]], speed: 9}}
@@ -93,7 +93,10 @@ class Compute(FurrowTest):
         self.assertEqual(gpu[2]["refused_posts"], cpu[2]["refused_posts"], what)
 
     def compare(self, what, text, base):
-        self.same(what, self.left(text, "gpu", base), self.left(text, "cpu", base))
+        gpu, cpu = self.left(text, "gpu", base), self.left(text, "cpu", base)
+        self.same(what, gpu, cpu)
+        for key, table in (("heals", "healed"), ("vegetation", "risen")):
+            self.assertEqual(len(gpu[0][table]) > 0, key in text, f"{what}: {table}")
 
     def scenes(self):
         yield "none", HEAD % (4, 0.125) + "redistribute: {model: none}\nattributes: [disturbance]\n" + WHEELS, 64, "dunes", 3
@@ -108,6 +111,12 @@ class Compute(FurrowTest):
         yield "beside", HEAD % (2, 0.125) + "redistribute: {model: sumner, iterations: 2, interval: 0.05}\nsoil: {name: sand, theta_in: 8}\n" + BESIDE, 64, "dunes", 3
         for model in ("none", "box", "sumner", "slippage"):
             yield f"turned, {model}", HEAD % (2.5, 0.125) + f"redistribute: {{model: {model}}}\nattributes: [disturbance]\n" + SOILS[model] + TURNED, 32, "plain", 0
+        sheet = "redistribute: {model: sheet, tension: %s, yield: %g, rut: 0.6}\n"
+        yield "sheet", HEAD % (1.5, 0.125) + sheet % ("10000", 0.1) + "attributes: [disturbance]\n" + WHEELS, 64, "dunes", 3
+        yield "sheet, turned", HEAD % (1.2, 0.125) + sheet % ("3000", 8) + "attributes: {disturbance: {heals: 300}, vegetation: {rises: 100}}\n" + TURNED, 32, "plain", 0
+        yield "sheet, stiff", HEAD % (2, 0.25) + sheet % ("10", 0.02) + BESIDE, 256, "ridged", 40
+        yield "sheet, long", HEAD % (0.3, 0.125) + sheet % ("200000", 1) + BESIDE, 32, "dunes", 3
+        yield "large, sheet", HEAD % (0.3, 0.25) + sheet % ("100000", 0.1) + LARGE, 64, "dunes", 3
         yield "large, box", HEAD % (0.3, 0.125) + "redistribute: {model: box, radius: 2, repetitions: 3}\nattributes: [disturbance]\n" + LARGE, 32, "dunes", 3
         yield "large, slippage", HEAD % (0.2, 0.125) + "redistribute: {model: slippage}\n" + SOILS["slippage"] + LARGE, 64, "dunes", 3
         yield "large, sumner", HEAD % (0.2, 0.125) + "redistribute: {model: sumner, iterations: 2}\n" + SOILS["sumner"] + LARGE, 64, "dunes", 3
@@ -129,7 +138,7 @@ class Compute(FurrowTest):
             self.compare(what, text.replace("[20, 20]", "[21, 20.5]"), f"{what}-stiff.furrow")
 
     def test_one_goes_on_with_what_the_other_began(self):
-        for model in ("box, repetitions: 2", "slippage, interval: 0.05"):
+        for model in ("box, repetitions: 2", "slippage, interval: 0.05", "sheet, yield: 0.1, rut: 0.5"):
             base = self.ground(64)
             text = HEAD % (3, 0.125) + f"redistribute: {{model: {model}}}\n" + SOILS[model.split(",")[0]] + WHEELS
             whole = self.left(text, "gpu", base)
@@ -143,8 +152,8 @@ class Compute(FurrowTest):
 
     def test_few_slots(self):
         """Tiles leave their slots and come back."""
-        for model in ("box", "slippage, interval: 0.1"):
-            text = HEAD % (4, 0.125) + f"cache: {{slots: 12, loaders: 1, prefetch: 0}}\nredistribute: {{model: {model}}}\n" + SOILS[model.split(",")[0]] + WHEELS
+        for model in ("box", "slippage, interval: 0.1", "sheet, yield: 0.1, rut: 0.5"):
+            text = HEAD % (4, 0.125) + f"cache: {{slots: {16 if 'sheet' in model else 12}, loaders: 1, prefetch: 0}}\nredistribute: {{model: {model}}}\n" + SOILS[model.split(",")[0]] + WHEELS
             self.compare(model, text, self.ground(32))
 
     def test_fixed_regions_leave_what_windows_leave(self):

@@ -35,6 +35,7 @@ static const struct pair pairs[] = {
 	{EFFECT_OF(DEFORM_SLIPPAGE), HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: slippage}\n", false},
 	{EFFECT_OF(DEFORM_SCM), HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_OF(DEFORM_SHEET), HEAD SPHERE, HEAD SPHERE "redistribute: {model: sheet, tension: 50000}\n", false},
+	{EFFECT_OF(DEFORM_SHEET), HEAD SPHERE, "compute: gpu\n" HEAD SPHERE "redistribute: {model: sheet, tension: 50000}\n", false},
 	{EFFECT_SPREAD, HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SHED, HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
 	{EFFECT_SLIDE, HEAD SPHERE, HEAD SPHERE SCM, false},

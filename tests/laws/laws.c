@@ -26,10 +26,16 @@ static const char scene_text[] =
 
 #define FACES "scm with faces" /* `b` and `c` slide */
 #define SHEET "sheet" /* all bodies go deeper than it yields */
+#define BENT "sheet on the GPU"
+
+static bool is_sheet(const char *name)
+{
+	return strncmp(name, SHEET, strlen(SHEET)) == 0;
+}
 
 static bool slides(const char *name)
 {
-	return strcmp(name, "none") != 0 && strcmp(name, "box") != 0 && strcmp(name, SHEET) != 0;
+	return strcmp(name, "none") != 0 && strcmp(name, "box") != 0 && !is_sheet(name);
 }
 
 /* Enough where few tiles matter: `b` turns at (64, 100) and crosses the rut that `a` left near (102, 102). */
@@ -39,20 +45,23 @@ static bool slides(const char *name)
 static const char *const *under(const char *name, const char *a, const char *b, const char *c, bool whole)
 {
 	static char text[48];
-	static const char *told[10];
-	const bool faces = strcmp(name, FACES) == 0;
+	static const char *told[11];
+	const bool faces = strcmp(name, FACES) == 0, bent = strcmp(name, BENT) == 0;
 	int count = 0;
-	snprintf(text, sizeof text, "redistribute.model=%s", faces ? "scm" : name);
+	snprintf(text, sizeof text, "redistribute.model=%s", faces ? "scm" : bent ? SHEET : name);
 	told[count++] = text;
 	if (faces)
 		told[count++] = "redistribute.faces=on";
-	if (strcmp(name, SHEET) == 0) {
+	if (bent)
+		told[count++] = "compute=gpu";
+	if (is_sheet(name)) {
 		told[count++] = "redistribute.yield=0.1";
 		told[count++] = "redistribute.rut=0.7";
 	}
-	if (slides(name)) {
+	if (slides(name))
 		told[count++] = "soil.name=dry_sand";
-		told[count++] = "end_time=5"; /* every interval costs */
+	if (slides(name) || bent) {
+		told[count++] = "end_time=5"; /* every interval, and every bend, costs */
 	} else if (!whole) {
 		told[count++] = SHORT;
 	}
@@ -63,8 +72,8 @@ static const char *const *under(const char *name, const char *a, const char *b, 
 	return told;
 }
 
-static const char *const models[] = {"none", "box", "sumner", "slippage", "scm", FACES, SHEET};
-#define MODELS 7
+static const char *const models[] = {"none", "box", "sumner", "slippage", "scm", FACES, SHEET, BENT};
+#define MODELS 8
 
 static const char *fresh_store(const char *name, struct extent shape)
 {
@@ -173,7 +182,7 @@ static void no_time_step_shows_in_the_rut(void **state)
 		uint64_t first = 0;
 		for (int i = 0; i < 4; i++) {
 			/* Of the two steps between the longest and the shortest, each with every other model; a sheet has a step of a second instead. */
-			const bool other = i == 1 + m % 2, sheet = strcmp(models[m], SHEET) == 0;
+			const bool other = i == 1 + m % 2, sheet = is_sheet(models[m]);
 			if (other && !sheet)
 				continue;
 			const char *path = fresh_store("step.furrow", extent);

@@ -52,7 +52,7 @@ CONVOY = scene("scm", 2, "".join(wheel(f"w{i}", [[20 - 2 * i, 30], [60, 33]], 8)
 SHEET = scene("sheet, tension: 3000, yield: 0.05, rut: 0.5", 3, "".join(
     wheel(f"s{i}", [[128 + 12 * x, 126 + 12 * y], [128 - 14 * x, 129 - 14 * y]], 6, "sink: 0.1")
     for i, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1)))) +
-    wheel("beside", [[127, 100], [127.5, 130]], 12, "sink: 0.15") + wheel("stands", [[126, 126.5]], 1, "sink: 0.12") + wheel("far", [[20, 100], [60, 101]], 9, "sink: 0.1"))
+    wheel("beside", [[127, 100], [127.5, 130]], 12, "sink: 0.15") + wheel("stands", [[126, 126.5]], 1, "sink: 0.12") + wheel("far", [[20, 100], [60, 101]], 9, "load: 900"))
 ALONE = scene("box", 2, wheel("only", [[20, 30], [60, 33]], 12, "sink: 0.1"))
 # Heaps at both sides of a tile's edge slide for long after what made them has gone, slowly: an iteration each 0.2 s.
 HEAPS = scene("sumner", 4, "".join(
@@ -234,6 +234,9 @@ class TheSame(Ranks):
 
     def test_wheels_on_one_elastic_sheet(self):
         self.compare(SHEET)
+
+    def test_wheels_on_one_elastic_sheet_that_the_gpu_bends(self):
+        self.compare("compute: gpu\n" + SHEET.replace("end_time: 3", "end_time: 1").replace("load: 900", "sink: 0.1"), ranks=RANKS[:1])
 
     def test_forces_that_are_asked_for_long_before_their_row(self):
         self.compare(LATE)

@@ -80,8 +80,10 @@ SCENES = {
     "pushing": (HEAD.format(step=0.05, end=12, model="scm, faces: on, interval: 0.03") + "soil: {name: dry_sand, janosi_shear: 0.3}\n" +
                 PUSHING.format(), "gentle.furrow", []),
     "aboard": (HEAD.format(step=0.07, end=12, model="scm, interval: 0.03") + "soil: {name: dry_sand}\n" + ABOARD, "gentle.furrow", []),
-    "sheet": (HEAD.format(step=0.05, end=60, model="sheet, tension: 20000, yield: 0.1, rut: 0.6") + "attributes: [dirt]\n" + WHEELS +
+    "sheet": (HEAD.format(step=0.05, end=60, model="sheet, tension: 20000, yield: 0.1, rut: 0.6") + "attributes: [dirt]\n" + WHEELS.replace("sink: 0.4", "load: 30000") +
               "cache: {slots: 24}\n", "hills.furrow", []),
+    "bent": (HEAD.format(step=0.05, end=20, model="sheet, tension: 20000, yield: 0.1, rut: 0.6") + "compute: gpu\nattributes: [dirt]\n" + WHEELS +
+             "cache: {slots: 24}\n", "hills.furrow", []),
     "thrown": (HEAD.format(step=0.05, end=12, model="scm, thrown: on, interval: 0.03") + "soil: {name: dry_sand}\n" +
                LOADED.format().replace("slip: 0.25", "slip: 0.7"), "gentle.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,

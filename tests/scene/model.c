@@ -85,7 +85,7 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 	scene_destroy(scene);
 	refuse("3}\n", "3}\n    load: 1\n    sink: 0\n", ":9: objects[0].load: sink is given too; allowed: one of sink, load");
 	refuse("scm}\nobjects:\n  - name: a\n", "box}\nobjects:\n  - name: a\n    load: 4\n", ":7: objects[0].load: model box computes no "
-	       "force that carries it; allowed with: redistribute: {model: scm}");
+	       "force that carries it; allowed with: redistribute: {model: scm, sheet}");
 	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    load: 4\n", "model sumner computes no force");
 	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    slip: 0.1\n", ":7: objects[0].slip: model sumner does "
 	       "not depend on it; allowed with: redistribute: {model: scm}");

@@ -59,7 +59,7 @@ static void drop(struct bed *bed)
 static void meet(struct bed *bed, const struct soil_shape *shape, struct soil_pose from, struct soil_pose to, bool leaves)
 {
 	const struct soil_sheet_contact contact = {.body = {.shape = shape, .from = from, .to = to}, .leaves = leaves};
-	void *scratch = mem_alloc(1, soil_sheet_room(shape, (size_t)bed->width, (size_t)bed->width));
+	void *scratch = mem_alloc(1, soil_sheet_room(shape, (size_t)bed->width, (size_t)bed->width, false));
 	assert_non_null(scratch);
 	soil_sheet_run(&bed->sheet, &bed->kinematic, &contact, &bed->planes, scratch, &bed->tally, &bed->changed);
 	mem_free(scratch);
@@ -130,6 +130,97 @@ static void a_point_load_bends_the_sheet_as_bessels_function(void **state)
 		assert_near(worst, 0, 0.02);
 		drop(&bed);
 	}
+}
+
+/* Finds where a body with a load stands, and presses it there. tension: N/m. */
+static struct soil_sheet_rest stand(struct bed *bed, const struct soil_shape *shape, struct soil_pose pose, double load, double tension)
+{
+	const struct soil_sheet_contact contact = {.body = {.shape = shape, .from = pose, .to = pose}};
+	void *scratch = mem_alloc(1, soil_sheet_room(shape, (size_t)bed->width, (size_t)bed->width, true));
+	assert_non_null(scratch);
+	const struct soil_sheet_rest standing = soil_sheet_rest(&bed->sheet, &bed->kinematic, &contact, load, tension, &bed->planes, scratch);
+	mem_free(scratch);
+	const struct soil_pose from = pose;
+	pose.z = standing.z;
+	meet(bed, shape, from, pose, false);
+	return standing;
+}
+
+static void a_load_on_a_post_bends_the_sheet_as_bessels_function(void **state)
+{
+	(void)state;
+	for (int posts = 4; posts <= 16; posts *= 2) {
+		struct bed bed;
+		const double length = 0.5, d = length / posts, tension = 3000, load = 250;
+		const int64_t middle = 1000, around = 2 * soil_sheet_reach(length, d) + 4;
+		const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.4 * d};
+		make(&bed, middle - around, 2 * around + 1, level, d, length, INFINITY, 1);
+		const struct soil_sheet_rest standing = stand(&bed, &ball, over(&bed, (double)middle, (double)middle, ball.radius, 0), load, tension);
+		assert_true(standing.posts == 1 && !standing.sunk);
+		assert_near(ldexp((double)standing.sinkage, -OFFSET_BITS), deflection(&bed, middle, middle), 4 * 0x1p-20);
+		assert_near(lattice_offset_metres(standing.z), ball.radius - deflection(&bed, middle, middle), 4 * 0x1p-20);
+		double worst = 0;
+		for (int64_t y = -3 * posts; y <= 3 * posts; y++)
+			for (int64_t x = -3 * posts; x <= 3 * posts; x++) {
+				const double r = hypot((double)x, (double)y) * d;
+				if (r < fmax(length / 2, 3 * d) || r > 3 * length)
+					continue;
+				const double error = fabs(deflection(&bed, middle + x, middle + y) / (load * k0(r / length) / (2 * M_PI * tension)) - 1);
+				worst = error > worst || isnan(error) ? error : worst;
+			}
+		print_message("l = %d posts: %g N on %g N/m: P K0(r / l) / (2 pi T) is off by %.2f %% at most\n", posts, load, tension, 100 * worst);
+		assert_near(worst, 0, 0.02);
+		drop(&bed);
+	}
+}
+
+/* What presses on all posts below a body is its load, also where the sheet yields, and where another body stands beside it. */
+static void a_body_stands_where_the_sheet_bears_its_load(void **state)
+{
+	(void)state;
+	static const struct {
+		double load, yield;
+		bool beside;
+	} cases[] = {{300, INFINITY, false}, {3000, INFINITY, false}, {30, INFINITY, true}, {3000, 0.01, false}};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.8}, other = {.kind = SOIL_BOX, .size = {0.5, 0.5, 0.5}};
+	double last = 0;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct bed bed;
+		const double d = 0.1, length = 0.3, stiffness = 20000;
+		make(&bed, 0, 120, level, d, length, cases[i].yield, 0.5);
+		const struct soil_pose aside = over(&bed, 70, 60, 0.25, 0.02);
+		if (cases[i].beside)
+			meet(&bed, &other, aside, aside, false);
+		const struct soil_sheet_rest standing = stand(&bed, &ball, over(&bed, 60.3, 60.2, 0.8, 0), cases[i].load, stiffness * length * length);
+		double push = 0;
+		for (int64_t y = 50; y < 70; y++)
+			for (int64_t x = 50; x < (cases[i].beside ? 65 : 70); x++)
+				push += pressure(&bed, x, y) * stiffness * d * d;
+		/* A deflection is known to a micrometre. */
+		assert_near(push / cases[i].load, 1, 0.002 + (cases[i].beside ? 0.05 : 0));
+		assert_true(standing.posts > 0 && !standing.sunk);
+		const double sinks = ldexp((double)standing.sinkage, -OFFSET_BITS);
+		if (i == 1)
+			assert_true(sinks > 2 * last);
+		if (i == 3)
+			assert_true(sinks > last); /* a rut is deeper */
+		last = sinks;
+		drop(&bed);
+	}
+}
+
+static void no_sheet_bears_what_is_too_heavy(void **state)
+{
+	(void)state;
+	struct bed bed;
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.3}, grain = {.kind = SOIL_SPHERE, .radius = 0.02};
+	make(&bed, 0, 60, level, 0.1, 0.1, INFINITY, 1);
+	assert_true(stand(&bed, &ball, over(&bed, 30, 30, 0.3, 0), 1e9, 500).sunk);
+	/* No post is below it. */
+	const struct soil_pose beside = over(&bed, 10.5, 10.5, 0.02, 0);
+	const struct soil_sheet_rest standing = stand(&bed, &grain, beside, 10, 500);
+	assert_true(standing.posts == 0 && standing.z == beside.z && !standing.sunk);
+	drop(&bed);
 }
 
 static void the_sheet_lies_on_the_body_or_hangs_free(void **state)
@@ -234,6 +325,25 @@ static void beyond_the_yield_a_share_stays_however_often_it_is_pressed(void **st
 	}
 }
 
+/* A rut deeper than a deflection can be: what is left beyond it is no deflection. */
+static void a_body_far_below_leaves_a_rut_and_no_more(void **state)
+{
+	(void)state;
+	struct bed bed;
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.5};
+	make(&bed, 0, 60, level, 0.1, 0.05, 0.05, 1);
+	const struct soil_pose pose = over(&bed, 30, 30, 0.5, 40);
+	meet(&bed, &ball, pose, pose, false);
+	assert_near(deflection(&bed, 30, 30), 0.05, 4 * 0x1p-20);
+	assert_near(deepest(&bed), 40, 4 * 0x1p-20);
+	meet(&bed, &ball, pose, pose, true);
+	assert_near(deepest(&bed), 40 - 0.05, 4 * 0x1p-20);
+	for (int64_t i = 0; i < bed.width * bed.width; i++)
+		assert_int_equal(bed.floor[i], 0);
+	assert_true(bed.tally.refused == 0);
+	drop(&bed);
+}
+
 /* One stands, the other passes close by and goes. What stands is never below the sheet, and all comes back. */
 static void bodies_beside_each_other_keep_what_they_press(void **state)
 {
@@ -297,9 +407,13 @@ TEST_PROGRAM(sheet)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_point_load_bends_the_sheet_as_bessels_function),
+		cmocka_unit_test(a_load_on_a_post_bends_the_sheet_as_bessels_function),
+		cmocka_unit_test(a_body_stands_where_the_sheet_bears_its_load),
+		cmocka_unit_test(no_sheet_bears_what_is_too_heavy),
 		cmocka_unit_test(the_sheet_lies_on_the_body_or_hangs_free),
 		cmocka_unit_test(below_the_yield_the_rebound_is_whole),
 		cmocka_unit_test(beyond_the_yield_a_share_stays_however_often_it_is_pressed),
+		cmocka_unit_test(a_body_far_below_leaves_a_rut_and_no_more),
 		cmocka_unit_test(bodies_beside_each_other_keep_what_they_press),
 		cmocka_unit_test(posts_farther_away_change_nothing),
 	};

@@ -58,7 +58,12 @@ bool deform_raises(enum deform_model model)
 
 bool deform_on_cpu(enum deform_model model)
 {
-	return rows[model]->bears || rows[model]->elastic;
+	return rows[model]->contact == NULL;
+}
+
+bool deform_for_cpu(enum deform_model model)
+{
+	return deform_on_cpu(model) || rows[model]->elastic;
 }
 
 unsigned deform_planes(enum deform_model model, bool disturbance, unsigned memory)

@@ -36,11 +36,17 @@ static size_t grid_bytes(size_t width, size_t height)
 	return 4 * ALIGNED(posts * sizeof(int32_t)) + ALIGNED(posts) + ALIGNED((width + 2) * sizeof(int32_t));
 }
 
-size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height)
+/* A copy of deflections, surfaces and marks. */
+static size_t kept_bytes(size_t posts)
+{
+	return 2 * ALIGNED(posts * sizeof(int32_t)) + ALIGNED(posts);
+}
+
+size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height, bool loaded)
 {
 	const size_t envelope = ALIGNED(soil_under_stride((int64_t)width) * height * sizeof(int32_t));
 	const size_t corners = shape->kind == SOIL_MESH ? shape->mesh->vertex_count * sizeof(struct facet_corner) : 0;
-	return 64 + grid_bytes(width, height) + 2 * envelope + corners;
+	return 64 + grid_bytes(width, height) + 2 * envelope + ALIGNED(corners) + (loaded ? kept_bytes((width + 2) * (height + 2)) : 0);
 }
 
 static void *take(char **memory, size_t bytes)
@@ -203,10 +209,140 @@ static void yield(const struct below *below, const struct soil_planes *planes, c
 			const int64_t sinks = ((rut + depth - sheet->yield) * sheet->share >> 31) - rut;
 			if (sinks <= 0)
 				continue;
-			grid->surface[at] -= (int32_t)sinks;
-			grid->deflection[at] = lane_most(grid->deflection[at] - (int32_t)(sinks << SHEET_BITS), 0);
+			const int64_t left = grid->deflection[at] - (sinks << SHEET_BITS);
+			grid->surface[at] = (int32_t)(grid->surface[at] - sinks);
+			grid->deflection[at] = left > 0 ? (int32_t)left : 0;
 			planes->contact[in_planes(planes, x, y)] |= SOIL_LOWERED;
 		}
+}
+
+/* --- a body with a load --- */
+
+/* A search for the height at which the sheet bears a body. */
+struct search {
+	const struct soil_sheet *sheet;
+	const struct soil_planes *planes;
+	struct sheet_grid grid;
+	struct below below; /* the body at the height where the search begins */
+	int32_t *deflection, *surface; /* as the body finds them */
+	uint8_t *marks;
+	size_t posts;       /* of the grid, with those around it */
+	int64_t deepest;    /* fixed-point units: how far it is below the sheet there, at its deepest post; INT64_MIN: below none */
+};
+
+static void keep(struct search *search, char *memory)
+{
+	const struct sheet_grid *grid = &search->grid;
+	const size_t first = grid->stride + 1;
+	search->posts = grid->stride * ((size_t)grid->height + 2);
+	search->deflection = take(&memory, search->posts * sizeof(int32_t));
+	search->surface = take(&memory, search->posts * sizeof(int32_t));
+	search->marks = take(&memory, search->posts);
+	memcpy(search->deflection, grid->deflection - first, search->posts * sizeof(int32_t));
+	memcpy(search->surface, grid->surface - first, search->posts * sizeof(int32_t));
+	memcpy(search->marks, grid->marks - first, search->posts);
+}
+
+/* Returns how far the body is below the sheet at its deepest post. *below_base: how far below the base. */
+static int64_t deepest_of(const struct search *search, int64_t *below_base)
+{
+	const struct sheet_grid *grid = &search->grid;
+	const struct below *below = &search->below;
+	int64_t deepest = INT64_MIN;
+	*below_base = INT64_MIN;
+	for (int64_t y = below->posts.y0; y < below->posts.y1; y++)
+		for (int64_t x = below->posts.x0; x < below->posts.x1; x++) {
+			const size_t at = in_grid(grid, x, y);
+			const bool may = (grid->marks[at] & (SHEET_GROUND | SHEET_INSIDE)) == (SHEET_GROUND | SHEET_INSIDE);
+			const int64_t depth = may ? depth_below(below, search->planes, below->rest, x, y, grid->surface[at]) : INT64_MIN;
+			if (depth == INT64_MIN)
+				continue;
+			deepest = depth > deepest ? depth : deepest;
+			*below_base = depth - grid->surface[at] > *below_base ? depth - grid->surface[at] : *below_base;
+		}
+	return deepest;
+}
+
+/* Returns the force on the body where its deepest post is so far below the sheet. */
+static int64_t force_at(struct search *search, int64_t depth, int64_t *posts)
+{
+	struct sheet_grid *grid = &search->grid;
+	const size_t first = grid->stride + 1;
+	struct below lower = search->below;
+	struct soil_kinematic_tally unused = {.compacted = 0};
+	memcpy(grid->deflection - first, search->deflection, search->posts * sizeof(int32_t));
+	memcpy(grid->surface - first, search->surface, search->posts * sizeof(int32_t));
+	memcpy(grid->marks - first, search->marks, search->posts);
+	memset(grid->least - first, 0, search->posts * sizeof(int32_t));
+	lower.zero += search->deepest - depth;
+	lower.under = lower.rest;
+	if (search->sheet->yield < SOIL_SHEET_MOST)
+		yield(&lower, search->planes, grid, search->sheet);
+	push(&lower, search->planes, grid, &unused);
+	soil_sheet_begin(grid, search->sheet);
+	soil_sheet_relax(grid, search->sheet);
+	return soil_sheet_force(grid, search->sheet, posts);
+}
+
+/* Finds the depth by regula falsi; the end that stays counts half the next time (Dowell and Jarratt 1971). depth: where the search begins. */
+static int64_t find_depth(struct search *search, int64_t load, int64_t depth, struct soil_sheet_rest *rest)
+{
+	enum { TRIALS = 30 };
+	const int64_t near = load / 4000 + 1;
+	int64_t low = 0, high = depth, short_of = -load, beyond = force_at(search, high, &rest->posts) - load;
+	while (beyond < -near && high < SOIL_SHEET_MOST - 1) {
+		low = high;
+		short_of = beyond;
+		high = 2 * high < SOIL_SHEET_MOST - 1 ? 2 * high : SOIL_SHEET_MOST - 1;
+		beyond = force_at(search, high, &rest->posts) - load;
+	}
+	rest->sunk = beyond < -near;
+	for (int i = 0, side = 0; i < TRIALS && beyond > near && high - low > 1; i++) {
+		const int64_t guess = low + (int64_t)((double)(high - low) * (double)-short_of / ((double)beyond - (double)short_of));
+		const int64_t middle = guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
+		const int64_t over = force_at(search, middle, &rest->posts) - load;
+		if (over >= -near && over <= near)
+			return middle;
+		if (over < 0) {
+			low = middle;
+			short_of = over;
+			beyond = side < 0 ? beyond / 2 + near + 1 : beyond;
+			side = -1;
+		} else {
+			high = middle;
+			beyond = over;
+			short_of = side > 0 ? short_of / 2 : short_of;
+			side = 1;
+		}
+	}
+	return high;
+}
+
+struct soil_sheet_rest soil_sheet_rest(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,
+					    double load, double tension, const struct soil_planes *planes, void *scratch)
+{
+	const struct soil_kinematic_contact *body = &contact->body;
+	const struct post_rect inside = post_rect_intersect(soil_sheet_posts(contact, sheet->reach, kinematic->spacing), planes->rect);
+	const struct post_rect written = post_rect_intersect(post_rect_grown(soil_sheet_posts(contact, 0, kinematic->spacing), sheet->reach), inside);
+	struct search search = {.sheet = sheet, .planes = planes};
+	struct soil_sheet_rest rest = {.z = body->to.z};
+	int64_t below_base;
+	char *memory = place(planes, scratch, &search.grid);
+	unpack(planes, written, &search.grid);
+	envelope(kinematic, body, &body->from, &body->from, planes, memory, &search.below);
+	let_go(&search.below, planes, &search.grid);
+	envelope(kinematic, body, &body->to, &body->to, planes, memory, &search.below);
+	keep(&search, memory + soil_sheet_room(body->shape, (size_t)search.grid.width, (size_t)search.grid.height, false) - 64 -
+			      grid_bytes((size_t)search.grid.width, (size_t)search.grid.height));
+	search.deepest = deepest_of(&search, &below_base);
+	if (search.deepest == INT64_MIN)
+		return rest;
+	const double units = ldexp(load / tension, OFFSET_BITS + SHEET_BITS);
+	const int64_t least = 64, begin = search.deepest < least ? least : search.deepest < SOIL_SHEET_MOST / 2 ? search.deepest : SOIL_SHEET_MOST / 2;
+	const int64_t depth = find_depth(&search, units < 0x1p60 ? (int64_t)units : (int64_t)1 << 60, begin, &rest);
+	rest.z -= depth - search.deepest;
+	rest.sinkage = below_base + depth - search.deepest > 0 ? below_base + depth - search.deepest : 0;
+	return rest;
 }
 
 void soil_sheet_run(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,

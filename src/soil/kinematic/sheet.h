@@ -25,6 +25,8 @@ struct soil_sheet {
 	int32_t reach;       /* posts around a held one that the sheet's deflection reaches */
 	int32_t yield;       /* fixed-point units; SOIL_SHEET_MOST: it does not yield */
 	uint32_t share;      /* 2^-31: of what is beyond the yield, what stays */
+	uint32_t spring;     /* (spacing / length)^2 = spring x 2^-spring_bits; at least 2^30 */
+	int spring_bits;
 };
 
 /* Prepares a sheet. length: sqrt(T / k), m, at most SOIL_SHEET_POSTS spacings. yield: m, may be INFINITY. share: 0 .. 1. spacing: m between posts. */
@@ -52,8 +54,22 @@ struct soil_sheet_contact {
 /* Returns all posts that a contact may read or change, and more if the body turns. reach: of the sheet. */
 struct post_rect soil_sheet_posts(const struct soil_sheet_contact *contact, int64_t reach, double spacing);
 
-/* Returns the bytes of scratch memory for a window of so many posts. */
-size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height);
+/* Returns the bytes of scratch memory for a window of so many posts. loaded: soil_sheet_rest is called. */
+size_t soil_sheet_room(const struct soil_shape *shape, size_t width, size_t height, bool loaded);
+
+/* Where a body with a load rests on a sheet. */
+struct soil_sheet_rest {
+	int64_t z;       /* 2^-20 m: height of its origin */
+	int64_t sinkage; /* fixed-point units: its greatest depth below the base, where the sheet bears it; 0: it is above the base */
+	int64_t posts;   /* that it holds; 0: no post is below it */
+	bool sunk;       /* a sheet that it deflects by 8 m does not bear it */
+};
+/*
+ * Finds the height at which a sheet bears a body. There k w - T lap(w), summed over the posts that it holds, is its load, within 1/4000. contact->body.to.z is
+ * where the search begins. load: N; tension: N/m. Takes some solutions, 6 to 30. Changes no offset and no floor. `planes` and `scratch` as for soil_sheet_run.
+ */
+struct soil_sheet_rest soil_sheet_rest(const struct soil_sheet *sheet, const struct soil_kinematic *kinematic, const struct soil_sheet_contact *contact,
+					    double load, double tension, const struct soil_planes *planes, void *scratch);
 
 /*
  * Computes a contact over a window. planes: base, offset, floor and contact must be there, over soil_sheet_posts() where the world has posts.

@@ -28,4 +28,7 @@ void soil_sheet_begin(struct sheet_grid *grid, const struct soil_sheet *sheet);
 /* Moves the sheet towards T lap(w) = k w, at least as deep as `least`. Always takes the same number of rounds. */
 void soil_sheet_relax(const struct sheet_grid *grid, const struct soil_sheet *sheet);
 
+/* Returns the force of the sheet on what holds it, over its tension: as finely as a deflection. *posts: how many posts the body holds. */
+int64_t soil_sheet_force(const struct sheet_grid *grid, const struct soil_sheet *sheet, int64_t *posts);
+
 #endif

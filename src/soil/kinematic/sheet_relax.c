@@ -30,6 +30,9 @@ void soil_sheet_prepare(struct soil_sheet *sheet, double length, double yield, d
 		.yield = (int32_t)fmin(ldexp(yield, OFFSET_BITS), SOIL_SHEET_MOST),
 		.share = (uint32_t)floor(ldexp(share, 31)),
 	};
+	int exponent;
+	sheet->spring = (uint32_t)floor(ldexp(frexp(spring, &exponent), 31));
+	sheet->spring_bits = 31 - exponent;
 	for (int count = 0; count < 5; count++)
 		sheet->relax[count] = (uint32_t)fmax(1, fmin(floor(ldexp(relaxation / (count + spring), 31)), UINT32_MAX));
 }
@@ -99,6 +102,25 @@ void soil_sheet_begin(struct sheet_grid *grid, const struct soil_sheet *sheet)
 			grid->y[1] = y + 1;
 		}
 	}
+}
+
+int64_t soil_sheet_force(const struct sheet_grid *grid, const struct soil_sheet *sheet, int64_t *posts)
+{
+	int64_t force = 0;
+	*posts = 0;
+	for (int32_t y = grid->y[0]; y < grid->y[1]; y++)
+		for (int32_t x = grid->x[0]; x < grid->x[1]; x++) {
+			const size_t at = (size_t)y * grid->stride + (size_t)x;
+			const uint8_t *marks = grid->marks + at;
+			const int32_t *own = grid->deflection + at;
+			if (!(*marks & SHEET_OWN))
+				continue;
+			const int around = (marks[-1] & 1) + (marks[1] & 1) + (marks[-(ptrdiff_t)grid->stride] & 1) + (marks[grid->stride] & 1);
+			const int64_t sum = (int64_t)own[-1] + own[1] + own[-(ptrdiff_t)grid->stride] + own[grid->stride];
+			force += (int64_t)((uint64_t)sheet->spring * (uint32_t)*own >> sheet->spring_bits) + (int64_t)around * *own - sum;
+			++*posts;
+		}
+	return force;
 }
 
 /* --- how far they move --- */
