@@ -356,8 +356,8 @@ static void own_support(const mjModel *model, int geom, const double d[3], doubl
 void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, const double direction[3], double place[3])
 {
 	double own[3], at[3];
-	mju_rotVecMatT(own, direction, &data->geom_xmat[9 * geom]);
+	mju_mulMatTVec3(own, &data->geom_xmat[9 * geom], direction);
 	own_support(model, geom, own, at);
-	mju_rotVecMat(place, at, &data->geom_xmat[9 * geom]);
+	mju_mulMatVec3(place, &data->geom_xmat[9 * geom], at);
 	mju_addTo3(place, &data->geom_xpos[3 * geom]);
 }

@@ -29,7 +29,7 @@ static void read_model(void *argument)
 
 static enum status refuse(const char *where, const char *path, const char *why)
 {
-	return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo reads", where, path, why);
+	return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo " VEHICLE_MUJOCO_VERSION " reads", where, path, why);
 }
 
 static enum status read(struct vehicle *vehicle, const char *where)
@@ -46,7 +46,7 @@ static enum status read(struct vehicle *vehicle, const char *where)
 	TRY_MEM(vehicle->data, "a vehicle");
 	const char *warning = vehicle_guard_warning();
 	if (warning[0] != '\0')
-		note("%s: %s: MuJoCo says: %s", where, vehicle->scene->model, warning);
+		note("%s: %s: MuJoCo " VEHICLE_MUJOCO_VERSION " says: %s", where, vehicle->scene->model, warning);
 	return STATUS_OK;
 }
 
@@ -60,7 +60,7 @@ static void fit(struct vehicle *vehicle, const struct scene *scene)
 	for (int i = 0; i < model->ngeom; i++)
 		if (vehicle_is_fixed(model, i))
 			model->geom_contype[i] = model->geom_conaffinity[i] = 0;
-	mju_zero(vehicle->data->ctrl, model->nu);
+	mju_zero(vehicle->data->ctrl, (int)model->nu);
 }
 
 static enum status check_timestep(struct vehicle *vehicle, const struct scene *scene, const char *where)
@@ -105,7 +105,7 @@ static enum status find_joints(struct vehicle *vehicle)
 
 static enum status sum_model(struct vehicle *vehicle)
 {
-	const int bytes = mj_sizeModel(vehicle->model);
+	const mjtSize bytes = mj_sizeModel(vehicle->model);
 	void *buffer = mem_calloc((size_t)bytes, 1);
 	TRY_MEM(buffer, "a vehicle");
 	mj_saveModel(vehicle->model, NULL, buffer, bytes);
@@ -155,9 +155,10 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
-	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nu + 1, sizeof *vehicle->host_controls);
-	TRY_MEM(vehicle->pushed != NULL && vehicle->host_controls != NULL, "a vehicle");
-	for (int i = 0; i < vehicle->model->nu; i++)
+	vehicle->row_actuators = mem_calloc(2 * (size_t)vehicle->model->nactuator + 1, sizeof *vehicle->row_actuators);
+	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nactuator + 1, sizeof *vehicle->host_controls);
+	TRY_MEM(vehicle->pushed != NULL && vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
+	for (int i = 0; i < vehicle->model->nactuator; i++)
 		vehicle->host_controls[i] = (double)NAN;
 	TRY(vehicle_check_step(vehicle, scene));
 	return vehicle_make_driver(vehicle, where);
@@ -171,5 +172,5 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->data);
 	if (vehicle->model != NULL)
 		mj_deleteModel(vehicle->model);
-	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->host_controls);
+	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls);
 }
