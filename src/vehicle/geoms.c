@@ -68,7 +68,8 @@ static bool is_soil_geom(const struct vehicle *vehicle, int geom)
 
 /* --- shapes --- */
 
-/* Finds the freedom of a hinge that turns the geom's body, or the bodies that it is fixed to, about an axis near the geom's middle; -1: there is none.
+/* Finds the freedom of a hinge that turns the geom's body about an axis near the geom's middle; -1: there is none. It may be a hinge of a body to
+ * which that body is fixed.
  * `axis`: how it must look, in MuJoCo's axes; NULL: in any way. `far`: m, how far the hinge may be from the middle. */
 static int turns(const struct vehicle *vehicle, int geom, const double *axis, double far)
 {

@@ -16,7 +16,7 @@ void vehicle_spec_tell(const struct spec *spec, const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	note("%s: %s: %s", spec->where, spec->path, text);
+	note("vehicles.%s: %s", spec->scene->name, text);
 }
 
 void vehicle_spec_name(struct spec_names *names, const char *name)
@@ -112,6 +112,7 @@ static void make(void *argument)
 		spec->status = vehicle_spec_servos(spec);
 	if (spec->status != STATUS_OK)
 		return;
+	mj_clearCache(mj_getCache()); /* it knows files by their second of change alone */
 	const double given = mass_of_file(spec);
 	spec->model = mj_compile(spec->spec, NULL);
 	if (spec->model == NULL) {

@@ -1,7 +1,7 @@
 /*
  * Reads a model as MuJoCo's spec, mends what files of strangers lack, and compiles it.
  *
- * A URDF says nothing of how its root moves, and has no actuators; links have no mass, or an inertia that no body can have; meshes lie in packages.
+ * A URDF says nothing of how its root moves, and has no actuators. Links may have no mass, or an inertia that no body can have. Meshes lie in packages.
  * What is done about it is told, one line for each kind.
  */
 #ifndef FURROW_VEHICLE_SPEC_H
@@ -25,7 +25,7 @@ struct spec {
 /* Makes vehicle->model and vehicle->data. STATUS_INPUT: MuJoCo refuses the model; a joint that the driver names is not there. */
 enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, const char *where) FURROW_CHECKED;
 
-/* Notes "WHERE: MODEL: " and the rest. */
+/* Notes "vehicles.NAME: " and the rest. */
 void vehicle_spec_tell(const struct spec *spec, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Names for a message: the first ones, and how many more there are. */
