@@ -2,7 +2,8 @@
  * A ball that MuJoCo moves and Furrow's soil carries: it falls, rolls and comes to rest in its own rut.
  *
  *     furrow synth -o plain.furrow --kind plain --posts 257x257 --spacing 0.25 --relief 2
- *     cc mujoco_ball.c -o mujoco_ball $(pkg-config --cflags --libs furrow) -lmujoco
+ *     MUJOCO=the folder of MuJoCo 4: mujoco-4.0.0 where tools/packages.sh brought it
+ *     cc mujoco_ball.c -o mujoco_ball $(pkg-config --cflags --libs furrow) -I$MUJOCO/include $MUJOCO/libmujoco.so.4.0.0 -Wl,-rpath,$MUJOCO
  *     ./mujoco_ball mujoco_ball.xml plain.furrow mujoco_ball.furrow
  *
  * The model has no ground: the soil's force is applied to the body, as any other force from outside. For whole vehicles,

@@ -9,6 +9,7 @@
 #include "fleet/fleet.h"
 #include "help.h"
 #include "screen.h"
+#include "vehicle/vehicle.h"
 
 static int report(enum status status)
 {
@@ -73,7 +74,7 @@ int main(int argc, char **argv)
 		return 0;
 	}
 	if (argc >= 2 && (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0 || strcmp(argv[1], "version") == 0)) {
-		puts("furrow " FURROW_VERSION);
+		printf("furrow " FURROW_VERSION "\nvehicles: %s\n", vehicle_engine() != NULL ? vehicle_engine() : "no, this build has no MuJoCo");
 		return 0;
 	}
 	if (argc < 2) {

@@ -33,7 +33,7 @@ void help_overview(FILE *out)
 		fill_words(&fill, command->summary);
 		fill_end(&fill);
 	}
-	fputs("\nfurrow --version      the version\n"
+	fputs("\nfurrow --version      the version, and that of MuJoCo\n"
 	      "furrow --print KIND   a completion script (bash, zsh, fish), or a manual page\n"
 	      "                      (man, man COMMAND)\n\nexit status:\n", out);
 	fill_blocks(out, width, command_statuses);

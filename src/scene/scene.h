@@ -144,6 +144,13 @@ struct scene_texts {
 	size_t count;
 };
 
+/* Whether a root without a joint is held: the model says it; a URDF says no. */
+enum scene_fixed { SCENE_FIXED_BY_MODEL, SCENE_FIXED_NO, SCENE_FIXED_YES };
+/* 0: by the joint and the vehicle's weight. */
+struct scene_servo {
+	double kv, torque; /* N m s; N m. N s/m and N for slides */
+};
+
 /* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
 struct scene_vehicle {
 	char *name;
@@ -151,6 +158,9 @@ struct scene_vehicle {
 	uint64_t model_hash[2]; /* hash of the model's bytes; files that the model names are not in it */
 	double at[2], yaw;      /* where it starts: in the unit of `coordinates`; rad from east to north */
 	int line;               /* where the scene's file gives that place; 0: --set does */
+	enum scene_fixed fixed; /* whether its root is held where it is set */
+	struct scene_texts model_path;   /* folders of packages, resolved relative to the scene's file */
+	struct scene_servo servo;        /* of joints that the driver names and that have no actuator */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */

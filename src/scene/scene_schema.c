@@ -302,6 +302,7 @@ static const cyaml_schema_field_t cache_fields[] = {
 static const cyaml_schema_field_t start_fields[] = {
 	CYAML_FIELD_SEQUENCE_FIXED("at", NEEDED, struct raw_start, at, &float_entry, 2),
 	CYAML_FIELD_FLOAT_PTR("yaw", OPTIONAL, struct raw_start, yaw),
+	CYAML_FIELD_BOOL_PTR("fixed", OPTIONAL, struct raw_start, fixed),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t way_fields[] = {
@@ -330,11 +331,19 @@ static const cyaml_schema_field_t driver_fields[] = {
 	CYAML_FIELD_SEQUENCE("hold", OPTIONAL_POINTER, struct raw_driver, hold, &control_entry, 1, 256),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t servo_fields[] = {
+	CYAML_FIELD_FLOAT_PTR("kv", OPTIONAL, struct raw_servo, kv),
+	CYAML_FIELD_FLOAT_PTR("torque", OPTIONAL, struct raw_servo, torque),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t folder_entry = {CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char *, 1, 4096)};
 static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_vehicle, name, 1, 64),
 	CYAML_FIELD_STRING_PTR("model", NEEDED, struct raw_vehicle, model, 1, 4096),
 	CYAML_FIELD_MAPPING("start", NEEDED, struct raw_vehicle, start, start_fields),
 	CYAML_FIELD_SEQUENCE("soil", OPTIONAL_POINTER, struct raw_vehicle, soil, &pattern_entry, 1, 256),
+	CYAML_FIELD_SEQUENCE("model_path", OPTIONAL_POINTER, struct raw_vehicle, model_path, &folder_entry, 1, 64),
+	CYAML_FIELD_MAPPING_PTR("servo", OPTIONAL, struct raw_vehicle, servo, servo_fields),
 	CYAML_FIELD_MAPPING_PTR("driver", OPTIONAL, struct raw_vehicle, driver, driver_fields),
 	CYAML_FIELD_END,
 };
@@ -495,6 +504,8 @@ static const struct scene_limit limits[] = {
 	{"output.vehicles", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"vehicles[].start.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"vehicles[].servo.kv", 0, 1e12, true, NULL, "N m s", NAN, "torque / 0.1 rad/s"},
+	{"vehicles[].servo.torque", 0, 1e12, true, NULL, "N m", NAN, "the joint's limit, or by the weight"},
 	{"vehicles[].driver.path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].driver.path.speed", 0, 1000, true, NULL, "m/s", NAN, NULL},
 	{"vehicles[].driver.path.line", 1, 1e6, false, NULL, NULL, NAN, "the only line"},

@@ -203,6 +203,10 @@ struct raw_cache {
 struct raw_start {
 	double at[2];
 	double *yaw; /* degrees */
+	bool *fixed;
+};
+struct raw_servo {
+	double *kv, *torque;
 };
 struct raw_control {
 	char *actuator;
@@ -221,6 +225,9 @@ struct raw_vehicle {
 	struct raw_start start;
 	char **soil; /* patterns of geoms' names */
 	uint32_t soil_count;
+	char **model_path;
+	uint32_t model_path_count;
+	struct raw_servo *servo;
 	struct raw_driver *driver;
 };
 struct raw_stuck {

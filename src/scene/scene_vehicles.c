@@ -44,6 +44,17 @@ static enum status take_file(const struct scene_tree *tree, const struct scene_n
 	return scene_file_hash(*path, scene_told(tree->file, node, name).text, most, hash);
 }
 
+/* Resolves folders relative to the scene's file. */
+static enum status take_folders(const struct scene_tree *tree, char *const *from, uint32_t count, struct scene_texts *texts)
+{
+	TRY(mem_zeroed(&texts->list, count + 1, sizeof *texts->list, "reading the vehicles"));
+	for (; texts->count < count; texts->count++) {
+		texts->list[texts->count] = scene_file_beside(tree->folder, from[texts->count]);
+		TRY_MEM(texts->list[texts->count], "reading the vehicles");
+	}
+	return STATUS_OK;
+}
+
 static enum status check_follow(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
 {
 	char where[48];
@@ -106,6 +117,12 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	vehicle->line = at->setting == NULL ? at->line : 0;
 	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
 	vehicle->yaw = (raw->start.yaw != NULL ? *raw->start.yaw : scene_absent("vehicles[].start.yaw")) * M_PI / 180;
+	vehicle->fixed = raw->start.fixed == NULL ? SCENE_FIXED_BY_MODEL : *raw->start.fixed ? SCENE_FIXED_YES : SCENE_FIXED_NO;
+	TRY(take_folders(tree, raw->model_path, raw->model_path_count, &vehicle->model_path));
+	if (raw->servo != NULL) {
+		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
+		vehicle->servo.torque = raw->servo->torque != NULL ? *raw->servo->torque : 0;
+	}
 	return raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : STATUS_OK;
 }
 
@@ -141,6 +158,7 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
 	mem_free_all(vehicle->name, vehicle->model, vehicle->controls, vehicle->way.points, vehicle->values);
 	finish_texts(&vehicle->soil);
+	finish_texts(&vehicle->model_path);
 	finish_texts(&vehicle->steer);
 	finish_texts(&vehicle->drive);
 	finish_texts(&vehicle->held);

@@ -4,7 +4,7 @@
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"
 
-#define BRAKE 1e12 /* kg m2: inertia of a wheel that does not turn */
+#define BRAKE 1e6 /* times its own inertia: that of a wheel that does not turn. With more, MuJoCo's solver of constraints does not converge */
 
 /* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
 static double work_of(const struct vehicle *vehicle, const double *before)
@@ -54,7 +54,7 @@ static void brake(const struct vehicle *vehicle, bool braked)
 		const struct soil_geom *geom = &vehicle->geoms[g];
 		if (geom->dof < 0)
 			continue;
-		vehicle->model->dof_armature[geom->dof] = braked ? BRAKE : geom->armature;
+		vehicle->model->dof_armature[geom->dof] = braked ? BRAKE * vehicle->model->dof_M0[geom->dof] : geom->armature;
 		if (!braked)
 			vehicle->data->qvel[geom->dof] = 0;
 	}

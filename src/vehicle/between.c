@@ -70,9 +70,8 @@ static void read_model(void *argument)
 	struct reading *reading = argument;
 	struct between *between = reading->between;
 	mj_defaultVFS(reading->files);
-	if (mj_makeEmptyFileVFS(reading->files, FILE_NAME, (int)reading->size) != 0)
+	if (mj_addBufferVFS(reading->files, FILE_NAME, reading->text, (int)reading->size) != 0)
 		return;
-	memcpy(reading->files->filedata[mj_findFileVFS(reading->files, FILE_NAME)], reading->text, reading->size);
 	between->model = mj_loadXML(FILE_NAME, reading->files, reading->error, sizeof reading->error);
 	if (between->model != NULL)
 		between->data = mj_makeData(between->model);

@@ -112,6 +112,8 @@ static enum status take_names(struct vehicle_check *check, const struct vehicle_
 {
 	static const char *const folders[] = {"meshdir", "texturedir", "assetdir"};
 	const bool include = vehicle_xml_is(xml->name, xml->name_length, "include");
+	if (check->urdf && vehicle_xml_is(xml->name, xml->name_length, "mesh"))
+		return STATUS_OK; /* spec_meshes.c looks for them */
 	if (names_file(attribute) && vehicle_xml_is(xml->name, xml->name_length, "skin"))
 		return fail_with(STATUS_INPUT, "%s: %s: files of skins are not read; take the skin out, since nothing here draws it", check->where,
 				 check->path);
@@ -211,6 +213,22 @@ static enum status add_element(struct vehicle_check *check, const struct vehicle
 
 /* --- the text --- */
 
+static bool has_text(const char *text, size_t length, const char *part)
+{
+	const size_t of = strlen(part);
+	for (size_t i = 0; i + of <= length; i++)
+		if (memcmp(text + i, part, of) == 0)
+			return true;
+	return false;
+}
+
+/* A URDF is often what a macro language makes; this is what it was made from. */
+static enum status refuse_xacro(const struct vehicle_check *check, const char *part, size_t length)
+{
+	return fail_with(STATUS_INPUT, "%s: %s: it has parts of xacro, a macro language (%.*s); expand it first: xacro %s > model.urdf", check->where, check->path,
+			 (int)(length < 60 ? length : 60), part, check->path);
+}
+
 static enum status check_text(struct vehicle_check *check, const char *path, const char *text, size_t length)
 {
 	struct vehicle_xml xml = vehicle_xml_begin(text, length);
@@ -223,13 +241,20 @@ static enum status check_text(struct vehicle_check *check, const char *path, con
 		}
 		struct element element = {.size = 0};
 		struct vehicle_xml_attribute attribute;
+		check->urdf = check->urdf || (xml.depth == 1 && vehicle_xml_is(xml.name, xml.name_length, "robot"));
+		if (check->urdf && has_text(xml.name, xml.name_length, "xacro:"))
+			return refuse_xacro(check, xml.name, xml.name_length);
 		if (xml.depth > DEPTH_MOST)
 			return refuse(check, "elements in each other", xml.depth, DEPTH_MOST);
 		if (in_default == 0 && vehicle_xml_is(xml.name, xml.name_length, "default"))
 			in_default = xml.depth;
 		while (vehicle_xml_attribute(&xml, &attribute)) {
+			if (check->urdf && (has_text(attribute.value, attribute.value_length, "${") || has_text(attribute.value, attribute.value_length, "$(")))
+				return refuse_xacro(check, attribute.value, attribute.value_length);
 			TRY(check_limits(check, &xml, &attribute));
 			TRY(take_names(check, &xml, &attribute));
+			check->welded = check->welded || (xml.depth == 2 && vehicle_xml_is(xml.name, xml.name_length, "link") && vehicle_xml_is(attribute.name, attribute.name_length, "name") &&
+							  vehicle_xml_is(attribute.value, attribute.value_length, "world"));
 			take_number(&element, &attribute);
 		}
 		TRY(add_element(check, &xml, &element, in_default > 0));
@@ -285,7 +310,7 @@ static enum status check_all(struct vehicle_check *check)
 	return check->bytes <= BYTES_MOST ? STATUS_OK : refuse(check, "bytes of its textures, height fields and numerics", check->bytes, BYTES_MOST);
 }
 
-enum status vehicle_check_model(const char *where, const char *path)
+enum status vehicle_check_model(const char *where, const char *path, bool *urdf, bool *welded)
 {
 	struct vehicle_check check = {.where = where, .path = path};
 	enum status status = check_all(&check);
@@ -294,5 +319,7 @@ enum status vehicle_check_model(const char *where, const char *path)
 	for (size_t i = 0; i < check.folder_count; i++)
 		mem_free(check.folders[i]);
 	mem_free_all(check.names, check.reach);
+	*urdf = check.urdf;
+	*welded = check.welded;
 	return status;
 }

@@ -22,11 +22,13 @@ struct vehicle_check {
 	double bytes;                          /* that hfields, textures and other lists take */
 	char *reach;                           /* an absolute path; names must not lead out of this folder */
 	size_t texts;                          /* bytes of XML */
+	bool urdf, welded;                     /* its outermost element is `robot`; it has a link `world` */
 };
 
 /* Refuses a model that takes more memory than a vehicle needs, or that names files out of its reach. STATUS_INPUT: the message
- * begins with `where`, and names the limit. MuJoCo can then read the model: it may still refuse it. */
-enum status vehicle_check_model(const char *where, const char *path) FURROW_CHECKED;
+ * begins with `where`, and names the limit. MuJoCo can then read the model: it may still refuse it. *urdf: it is one. *welded: that has a link
+ * named world. */
+enum status vehicle_check_model(const char *where, const char *path, bool *urdf, bool *welded) FURROW_CHECKED;
 
 /* --- check_files.c --- */
 enum status vehicle_check_name_add(struct vehicle_check *check, const char *text, size_t length, bool include) FURROW_CHECKED;
@@ -37,6 +39,8 @@ enum status vehicle_check_reach(struct vehicle_check *check) FURROW_CHECKED;
 enum status vehicle_check_name(struct vehicle_check *check, const char *name) FURROW_CHECKED;
 /* Reads a part of the model: at most VEHICLE_CHECK_TEXTS with those before. *text is to be freed with mem_free. */
 enum status vehicle_check_read(struct vehicle_check *check, const char *path, char **text, size_t *length) FURROW_CHECKED;
+/* Looks at the file of a mesh of a URDF. `name`: as the model names it. */
+enum status vehicle_check_mesh_file(const char *where, const char *model, const char *path, const char *name) FURROW_CHECKED;
 #define VEHICLE_CHECK_TEXTS ((size_t)64 << 20)
 #define VEHICLE_CHECK_FILE ((int64_t)64 << 20) /* bytes of one mesh, image or height field */
 /* --- check_mesh.c --- */

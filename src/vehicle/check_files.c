@@ -150,17 +150,11 @@ static enum status check_mesh(const char *path, bool obj, size_t bytes, const ch
 	return status;
 }
 
-static enum status check_place(struct vehicle_check *check, const char *path, const char *name)
+/* Looks at what a name leads to; a folder may be the first part of a name. */
+static enum status check_regular(struct vehicle_check *check, const char *path, const char *name)
 {
-	char real[PATH_MAX];
 	struct stat found;
-	if (stat(path, &found) != 0)
-		return STATUS_OK; /* MuJoCo does not find it there */
-	if (realpath(path, real) == NULL)
-		return refuse(check, name, strerror(errno), beside);
-	if (!is_below(real, check->reach))
-		return refuse(check, name, "it lies neither in the model's folder nor in the one above", beside);
-	if (S_ISDIR(found.st_mode))
+	if (stat(path, &found) != 0 || S_ISDIR(found.st_mode))
 		return STATUS_OK;
 	if (!S_ISREG(found.st_mode))
 		return refuse(check, name, "not a file", "name a file");
@@ -171,6 +165,25 @@ static enum status check_place(struct vehicle_check *check, const char *path, co
 	if (dot != NULL && (strcasecmp(dot, ".obj") == 0 || strcasecmp(dot, ".msh") == 0))
 		TRY(check_mesh(path, strcasecmp(dot, ".obj") == 0, (size_t)found.st_size, &problem));
 	return problem != NULL ? refuse(check, name, problem, "export it again") : STATUS_OK;
+}
+
+enum status vehicle_check_mesh_file(const char *where, const char *model, const char *path, const char *name)
+{
+	struct vehicle_check check = {.where = where, .path = model, .reach = ""};
+	return check_regular(&check, path, name);
+}
+
+static enum status check_place(struct vehicle_check *check, const char *path, const char *name)
+{
+	char real[PATH_MAX];
+	struct stat found;
+	if (stat(path, &found) != 0)
+		return STATUS_OK; /* MuJoCo does not find it there */
+	if (realpath(path, real) == NULL)
+		return refuse(check, name, strerror(errno), beside);
+	if (!is_below(real, check->reach))
+		return refuse(check, name, "it lies neither in the model's folder nor in the one above", beside);
+	return check_regular(check, path, name);
 }
 
 /* Checks where one form of a name leads. `folder`: where the file is looked for; NULL: the model's folder. */

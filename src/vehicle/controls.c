@@ -129,5 +129,5 @@ void vehicle_table_control(struct vehicle *vehicle, double time)
 	const double *row = &driver->table[low * width], *after = low + 1 < driver->row_count ? row + width : row;
 	const double share = after != row ? fmin(fmax((time - row[0]) / (after[0] - row[0]), 0), 1) : 0;
 	for (size_t i = 0; i < driver->held_count; i++)
-		vehicle->data->ctrl[driver->held[i]] = row[1 + i] + share * (after[1 + i] - row[1 + i]);
+		*vehicle_ctrl(vehicle, driver->held[i]) = row[1 + i] + share * (after[1 + i] - row[1 + i]);
 }

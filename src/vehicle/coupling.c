@@ -96,12 +96,12 @@ static void lay_out(struct step *step)
 	step->free = step->force + step->rows;
 }
 
-/* Damping of the joints, which the engine's steps take at their end. With integrator implicit that of motors is, too. */
+/* Damping of the joints, which the engine's steps take at their end. With the implicit integrators that of motors is, too. */
 static double damping_of(const mjModel *model, int dof)
 {
 	double damping = model->dof_damping[dof];
-	for (int i = 0; i < model->nu && model->opt.integrator == mjINT_IMPLICIT; i++) {
-		const double *gear = &model->actuator_gear[6 * i];
+	for (int i = 0; i < model->nactuator && (model->opt.integrator == mjINT_IMPLICIT || model->opt.integrator == mjINT_IMPLICITFAST); i++) {
+		const double *gear = vehicle_gear(model, i);
 		if (model->actuator_trntype[i] == mjTRN_JOINT && model->jnt_dofadr[model->actuator_trnid[2 * i]] == dof &&
 		    model->actuator_biastype[i] == mjBIAS_AFFINE)
 			damping -= model->actuator_biasprm[i * mjNBIAS + 2] * gear[0] * gear[0];
@@ -113,7 +113,7 @@ static double damping_of(const mjModel *model, int dof)
 static void fill_mass(const struct step *step, double *mass)
 {
 	const mjModel *model = step->vehicle->model;
-	mj_fullM(model, mass, step->vehicle->data->qM);
+	mj_fullM(model, step->vehicle->data, mass);
 	for (int i = 0; i < model->nv; i++)
 		mass[i * model->nv + i] += step->h * damping_of(model, i);
 }

@@ -7,7 +7,7 @@
 static enum status no_actuator(const struct vehicle *vehicle, const char *where, const char *key, const char *name)
 {
 	char names[VEHICLE_NAMES];
-	vehicle_list_names(vehicle->model, mjOBJ_ACTUATOR, 0, vehicle->model->nu, names);
+	vehicle_list_names(vehicle->model, mjOBJ_ACTUATOR, 0, (int)vehicle->model->nactuator, names);
 	return fail_with(STATUS_INPUT, "%s: driver.%s: %.64s names no actuator of the model; there are: %s", where, key, name, names);
 }
 
@@ -16,10 +16,10 @@ static enum status find(const struct vehicle *vehicle, const char *where, const 
 			size_t *count)
 {
 	const mjModel *model = vehicle->model;
-	*out = mem_calloc((size_t)model->nu + 1, sizeof **out);
+	*out = mem_calloc((size_t)model->nactuator + 1, sizeof **out);
 	if (*out == NULL)
 		return fail_memory("a driver");
-	for (int i = 0; i < model->nu; i++) {
+	for (int i = 0; i < model->nactuator; i++) {
 		const char *name = mj_id2name(model, mjOBJ_ACTUATOR, i);
 		if (name != NULL && vehicle_matches(patterns, name, false))
 			(*out)[(*count)++] = i;
@@ -175,7 +175,7 @@ static void drive(struct vehicle *vehicle, double time)
 		return;
 	case SCENE_HOLD:
 		for (size_t i = 0; i < driver->held_count; i++)
-			vehicle->data->ctrl[driver->held[i]] = driver->values[i];
+			*vehicle_ctrl(vehicle, driver->held[i]) = driver->values[i];
 		return;
 	case SCENE_IDLE:
 		return;
@@ -184,11 +184,11 @@ static void drive(struct vehicle *vehicle, double time)
 
 void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 {
-	mju_zero(vehicle->data->ctrl, vehicle->model->nu);
+	mju_zero(vehicle->data->ctrl, (int)vehicle->model->nu);
 	if (!drives)
 		return;
 	drive(vehicle, time);
-	for (int i = 0; i < vehicle->model->nu; i++)
+	for (int i = 0; i < vehicle->model->nactuator; i++)
 		if (!isnan(vehicle->host_controls[i]))
-			vehicle->data->ctrl[i] = vehicle->host_controls[i];
+			*vehicle_ctrl(vehicle, i) = vehicle->host_controls[i];
 }

@@ -6,9 +6,14 @@
 
 #include "vehicle/internal.h"
 
-#define PARALLEL 1e-6 /* 1 - cosine of the greatest angle between a wheel's axis and its joint */
+#define PARALLEL 1.4e-3 /* 1 - cosine of the greatest angle between a wheel's axis and its joint: 3 degrees */
 #define BELT "belt:"  /* how names in custom begin that are of a belt */
-#define MIDDLE 1e-4   /* of the radius: how far the joint's axis may be from the wheel's middle */
+#define MIDDLE 0.05   /* of the radius: how far the joint's axis may be from the wheel's middle */
+#define BINS 72       /* directions around, in which a mesh must be equally wide to be a wheel, */
+#define ROUND 0.97    /* of its radius at least */
+#define TREAD 0.9     /* of its radius: what of a mesh reaches so far is the wheel's width */
+#define VALLEY 0.8    /* of its radius: corners between this and ROUND in the middle of the tread lie between bars */
+#define UPRIGHT 0.5   /* how much of a wheel's axle may look up: a mesh that turns about an upright axis is no wheel */
 #define GROUSERS_MAX 128
 
 bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none)
@@ -63,22 +68,24 @@ static bool is_soil_geom(const struct vehicle *vehicle, int geom)
 
 /* --- shapes --- */
 
-/* Finds the freedom of a joint of the geom's body that turns it about its own z axis; -1: there is none. */
-static int turns(const mjModel *model, int geom)
+/* Finds the freedom of a hinge that turns the geom's body about an axis near the geom's middle; -1: there is none. It may be a hinge of a body to
+ * which that body is fixed.
+ * `axis`: how it must look, in MuJoCo's axes; NULL: in any way. `far`: m, how far the hinge may be from the middle. */
+static int turns(const struct vehicle *vehicle, int geom, const double *axis, double far)
 {
-	const int body = model->geom_bodyid[geom];
-	const double *pos = &model->geom_pos[3 * geom];
-	double mat[9];
-	mju_quat2Mat(mat, &model->geom_quat[4 * geom]);
-	const double axis[3] = {mat[2], mat[5], mat[8]};
+	const mjModel *model = vehicle->model;
+	const mjData *data = vehicle->data;
+	int body = model->geom_bodyid[geom];
+	while (body > 0 && model->body_jntnum[body] == 0)
+		body = model->body_parentid[body];
 	for (int j = model->body_jntadr[body]; j >= 0 && j < model->body_jntadr[body] + model->body_jntnum[body]; j++) {
-		const double *along = &model->jnt_axis[3 * j];
+		const double *along = &data->xaxis[3 * j];
 		double from[3], beside[3];
-		if (model->jnt_type[j] != mjJNT_HINGE || fabs(mju_dot3(along, axis)) < 1 - PARALLEL)
+		if (model->jnt_type[j] != mjJNT_HINGE || (axis != NULL && fabs(mju_dot3(along, axis)) < 1 - PARALLEL))
 			continue;
-		mju_sub3(from, pos, &model->jnt_pos[3 * j]);
-		mju_addScl3(beside, from, axis, -mju_dot3(from, axis));
-		if (mju_norm3(beside) <= MIDDLE * model->geom_size[3 * geom])
+		mju_sub3(from, &data->geom_xpos[3 * geom], &data->xanchor[3 * j]);
+		mju_addScl3(beside, from, along, -mju_dot3(from, along));
+		if (mju_norm3(beside) <= far)
 			return model->jnt_dofadr[j];
 	}
 	return -1;
@@ -162,6 +169,71 @@ static enum status check_belts(const struct vehicle *vehicle, const char *where)
 	return STATUS_OK;
 }
 
+/* A mesh seen along an axle: `left` along it, `forward` and `up` across, in the geom's axes. */
+struct turned {
+	double forward[3], left[3], up[3];
+	double radius, low, high; /* m: high - low is the width of its tread */
+};
+
+static void set_across(struct turned *turned)
+{
+	const double any[3] = {fabs(turned->left[0]) < 0.5, fabs(turned->left[0]) >= 0.5, 0};
+	mju_cross(turned->up, turned->left, any);
+	mju_normalize3(turned->up);
+	mju_cross(turned->forward, turned->left, turned->up);
+}
+
+/* Finds radius and width. Returns false if it is not round, or has bars: those are kept as the mesh. */
+static bool measure_round(const float *corners, int count, struct turned *turned)
+{
+	double reach[BINS] = {0};
+	turned->radius = 0;
+	turned->low = INFINITY;
+	turned->high = -INFINITY;
+	for (int turn = 0; turn < 3; turn++) /* the radius, the width, valleys between bars */
+		for (int i = 0; i < count; i++) {
+			const double at[3] = {(double)corners[3 * i], (double)corners[3 * i + 1], (double)corners[3 * i + 2]};
+			const double x = mju_dot3(at, turned->forward), y = mju_dot3(at, turned->left), z = mju_dot3(at, turned->up), from = hypot(x, z);
+			if (turn == 0) {
+				for (int bin = 0; bin < BINS; bin++)
+					reach[bin] = fmax(reach[bin], x * cos(2 * M_PI * bin / BINS) + z * sin(2 * M_PI * bin / BINS));
+				turned->radius = fmax(turned->radius, from);
+			} else if (turn == 1 && from >= TREAD * turned->radius) {
+				turned->low = fmin(turned->low, y);
+				turned->high = fmax(turned->high, y);
+			} else if (turn == 2 && from >= VALLEY * turned->radius && from < ROUND * turned->radius &&
+				   fabs(y - (turned->low + turned->high) / 2) < (turned->high - turned->low) / 4) {
+				return false;
+			}
+		}
+	for (int bin = 0; bin < BINS; bin++)
+		if (reach[bin] < ROUND * turned->radius)
+			return false;
+	return turned->high > turned->low && fabs(turned->high + turned->low) / 2 <= MIDDLE * turned->radius;
+}
+
+/* Takes a mesh that is round about a level hinge as a wheel: it rolls without corners, and costs a fraction. Returns false if it is none. */
+static bool make_mesh_wheel(const struct vehicle *vehicle, struct soil_geom *out)
+{
+	const mjModel *model = vehicle->model;
+	const double *mat = &vehicle->data->geom_xmat[9 * out->geom];
+	const int mesh = model->geom_dataid[out->geom], dof = turns(vehicle, out->geom, NULL, INFINITY);
+	struct turned turned;
+	if (dof < 0 || fabs(vehicle->data->xaxis[3 * model->dof_jntid[dof] + 2]) > UPRIGHT)
+		return false;
+	mju_mulMatTVec3(turned.left, mat, &vehicle->data->xaxis[3 * model->dof_jntid[dof]]);
+	if (mju_dot3(turned.left, mat + 3) < 0) /* to the vehicle's left */
+		mju_scl3(turned.left, turned.left, -1);
+	set_across(&turned);
+	if (!measure_round(&model->mesh_vert[3 * model->mesh_vertadr[mesh]], model->mesh_vertnum[mesh], &turned) ||
+	    turns(vehicle, out->geom, NULL, MIDDLE * turned.radius) != dof)
+		return false;
+	out->dof = dof;
+	out->shape = (struct soil_shape){.kind = SOIL_WHEEL, .radius = turned.radius, .width = turned.high - turned.low};
+	set_axes(out, turned.forward, turned.left, turned.up);
+	return true;
+}
+
 static enum status make_mesh(const struct vehicle *vehicle, struct soil_geom *out)
 {
 	enum status status = vehicle_make_mesh(vehicle->model, out->geom, &out->mesh);
@@ -172,7 +244,7 @@ static enum status make_mesh(const struct vehicle *vehicle, struct soil_geom *ou
 static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
 {
 	const mjModel *model = vehicle->model;
-	const double *size = &model->geom_size[3 * out->geom];
+	const double *size = &model->geom_size[3 * out->geom], *mat = &vehicle->data->geom_xmat[9 * out->geom];
 	out->dof = -1;
 	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 1, 0}, (const double[]){0, 0, 1});
 	switch (model->geom_type[out->geom]) {
@@ -189,9 +261,11 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 		out->shape = (struct soil_shape){.kind = SOIL_ELLIPSOID, .size = {size[0], size[1], size[2]}};
 		return STATUS_OK;
 	case mjGEOM_MESH:
+		if (make_mesh_wheel(vehicle, out))
+			return set_grousers(model, out, where);
 		return make_mesh(vehicle, out);
 	case mjGEOM_CYLINDER:
-		out->dof = turns(model, out->geom);
+		out->dof = turns(vehicle, out->geom, (const double[]){mat[2], mat[5], mat[8]}, MIDDLE * size[0]);
 		if (out->dof >= 0)
 			return make_wheel(vehicle, out, where);
 		out->shape = (struct soil_shape){.kind = SOIL_CYLINDER, .radius = size[0], .length = 2 * size[1]};
@@ -298,8 +372,7 @@ const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint)
 	const mjModel *model = vehicle->model;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		const bool wheel = geom->shape.kind == SOIL_WHEEL && model->geom_bodyid[geom->geom] == model->jnt_bodyid[joint];
-		if (wheel || (geom->shape.belt && geom->dof == model->jnt_dofadr[joint]))
+		if ((geom->shape.kind == SOIL_WHEEL || geom->shape.belt) && geom->dof == model->jnt_dofadr[joint])
 			return geom;
 	}
 	return NULL;
@@ -356,8 +429,8 @@ static void own_support(const mjModel *model, int geom, const double d[3], doubl
 void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, const double direction[3], double place[3])
 {
 	double own[3], at[3];
-	mju_rotVecMatT(own, direction, &data->geom_xmat[9 * geom]);
+	mju_mulMatTVec3(own, &data->geom_xmat[9 * geom], direction);
 	own_support(model, geom, own, at);
-	mju_rotVecMat(place, at, &data->geom_xmat[9 * geom]);
+	mju_mulMatVec3(place, &data->geom_xmat[9 * geom], at);
 	mju_addTo3(place, &data->geom_xpos[3 * geom]);
 }

@@ -1,6 +1,6 @@
 #include "vehicle/guard.h"
 
-#include <mujoco/mujoco.h>
+#include "vehicle_mujoco.h"
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdio.h>
@@ -66,7 +66,7 @@ enum status vehicle_guard(const char *what, void (*call)(void *argument), void *
 	}
 	back = NULL;
 	end();
-	return failed ? fail_with(STATUS_FAILED, "%s: MuJoCo says: %s; change the model", what, error_text) : STATUS_OK;
+	return failed ? fail_with(STATUS_FAILED, "%s: MuJoCo " VEHICLE_MUJOCO_VERSION " says: %s; change the model", what, error_text) : STATUS_OK;
 }
 
 const char *vehicle_guard_warning(void)

@@ -29,16 +29,18 @@ void vehicle_joints(const struct vehicles *vehicles, size_t index, double *value
 void vehicle_actuators(const struct vehicles *vehicles, size_t index, double *controls, double *forces)
 {
 	const struct vehicle *vehicle = &vehicles->list[index];
-	if (controls != NULL)
-		mju_copy(controls, vehicle->data->ctrl, vehicle->model->nu);
-	if (forces != NULL)
-		mju_copy(forces, vehicle->data->actuator_force, vehicle->model->nu);
+	for (int i = 0; i < vehicle->model->nactuator; i++) {
+		if (controls != NULL)
+			controls[i] = *vehicle_ctrl(vehicle, i);
+		if (forces != NULL)
+			forces[i] = vehicle->data->actuator_force[vehicle->model->actuator_outadr[i]];
+	}
 }
 
 void vehicle_set_controls(struct vehicles *vehicles, size_t index, const double *controls)
 {
 	struct vehicle *vehicle = &vehicles->list[index];
-	mju_copy(vehicle->host_controls, controls, vehicle->model->nu);
+	mju_copy(vehicle->host_controls, controls, (int)vehicle->model->nactuator);
 }
 
 static const struct soil_geom *geom_of(const struct vehicles *vehicles, int32_t number, const struct vehicle **of)

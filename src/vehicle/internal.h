@@ -2,7 +2,7 @@
 #ifndef FURROW_VEHICLE_INTERNAL_H
 #define FURROW_VEHICLE_INTERNAL_H
 
-#include <mujoco/mujoco.h>
+#include "vehicle_mujoco.h"
 
 #include "vehicle/guard.h"
 #include "vehicle/vehicle.h"
@@ -72,6 +72,7 @@ struct vehicle {
 	int *joints;                /* joints with one number: columns q */
 	size_t joint_count;
 	double *row_joints;         /* room for a row */
+	double *row_actuators;      /* room for a row: controls, forces */
 	double largest_step, largest_mass, largest_area; /* bound.c */
 	size_t largest_geom;
 	/* State between steps; state.c keeps it in the record. */
@@ -85,7 +86,7 @@ struct vehicle {
 	double *room;               /* numbers for coupling.c */
 	struct contact *contacts;   /* geom_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
-	double *host_controls;      /* nu: what a host has set; NaN: the driver sets it */
+	double *host_controls;      /* nactuator: what a host has set; NaN: the driver sets it */
 };
 
 /* A geom that pictures show. */
@@ -121,6 +122,17 @@ struct vehicles {
 };
 
 /* --- load.c --- */
+/* Return the first control of an actuator, and its first gear. An actuator may have several of both: a motor by its voltage, a PID by its place and rate. */
+static inline double *vehicle_ctrl(const struct vehicle *vehicle, int actuator)
+{
+	return vehicle->data->ctrl + vehicle->model->actuator_ctrladr[actuator];
+}
+
+static inline const double *vehicle_gear(const mjModel *model, int actuator)
+{
+	return model->actuator_gear + 6 * model->actuator_outadr[actuator];
+}
+
 #define VEHICLE_WHERE 300
 /* Writes where the scene names the vehicle, for a message. */
 void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE]);

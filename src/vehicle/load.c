@@ -3,52 +3,12 @@
 #include <stdio.h>
 #include <xxhash.h>
 
-#include "vehicle/check.h"
 #include "vehicle/internal.h"
 #include "vehicle/load.h"
+#include "vehicle/spec.h"
 
-#define WHOLE 1e-6 /* of a step: how far the number of engine steps may be from a whole one */
-
-struct reading {
-	const char *path;
-	mjModel *model;
-	mjData *data;
-	char error[400];
-};
-
-static void read_model(void *argument)
-{
-	struct reading *reading = argument;
-	reading->model = mj_loadXML(reading->path, NULL, reading->error, sizeof reading->error);
-	if (reading->model == NULL)
-		return;
-	reading->data = mj_makeData(reading->model);
-	if (reading->data != NULL)
-		mj_forward(reading->model, reading->data);
-}
-
-static enum status refuse(const char *where, const char *path, const char *why)
-{
-	return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo reads", where, path, why);
-}
-
-static enum status read(struct vehicle *vehicle, const char *where)
-{
-	struct reading reading = {.path = vehicle->scene->model, .error = ""};
-	TRY(vehicle_check_model(where, vehicle->scene->model));
-	enum status status = vehicle_guard(where, read_model, &reading);
-	vehicle->model = reading.model;
-	vehicle->data = reading.data;
-	if (status != STATUS_OK) /* what MuJoCo refuses is wrong with the file */
-		return fail_with(STATUS_INPUT, "%s", failure_message());
-	if (vehicle->model == NULL)
-		return refuse(where, vehicle->scene->model, reading.error[0] != '\0' ? reading.error : "MuJoCo does not read it");
-	TRY_MEM(vehicle->data, "a vehicle");
-	const char *warning = vehicle_guard_warning();
-	if (warning[0] != '\0')
-		note("%s: %s: MuJoCo says: %s", where, vehicle->scene->model, warning);
-	return STATUS_OK;
-}
+#define WHOLE 1e-6 /* of a step of the engine: a time step that is longer than some by less has no more */
+#define STEPS_MOST 1e4
 
 /* The world's gravity counts, and nothing of the model's own world. */
 static void fit(struct vehicle *vehicle, const struct scene *scene)
@@ -60,22 +20,23 @@ static void fit(struct vehicle *vehicle, const struct scene *scene)
 	for (int i = 0; i < model->ngeom; i++)
 		if (vehicle_is_fixed(model, i))
 			model->geom_contype[i] = model->geom_conaffinity[i] = 0;
-	mju_zero(vehicle->data->ctrl, model->nu);
+	mju_zero(vehicle->data->ctrl, (int)model->nu);
 }
 
-static enum status check_timestep(struct vehicle *vehicle, const struct scene *scene, const char *where)
+/* Steps of the engine divide a time step, and are at most as long as the model asks for. */
+static enum status set_timestep(struct vehicle *vehicle, const struct scene *scene, const char *where)
 {
 	mjModel *model = vehicle->model;
 	if (scene->time_step == 0) { /* nothing will move: outline.c */
 		vehicle->engine_steps = 1;
 		return STATUS_OK;
 	}
-	const double steps = scene->time_step / model->opt.timestep, whole = round(steps);
-	if (!(whole >= 1 && whole <= 1e6) || fabs(steps - whole) > WHOLE * whole)
-		return fail_with(STATUS_INPUT, "%s: its timestep, %g s, does not divide the scene's time_step, %g s; change one of them", where,
-				 model->opt.timestep, scene->time_step);
-	vehicle->engine_steps = (int)whole;
-	model->opt.timestep = scene->time_step / whole;
+	const double steps = fmax(ceil(scene->time_step / model->opt.timestep - WHOLE), 1);
+	if (!(steps <= STEPS_MOST))
+		return fail_with(STATUS_INPUT, "%s: its timestep of %g s makes %.3g steps of MuJoCo in a time_step of %g s; allowed: %g; shorten time_step, or give the model a longer timestep",
+				 where, model->opt.timestep, steps, scene->time_step, STEPS_MOST);
+	vehicle->engine_steps = (int)steps;
+	model->opt.timestep = scene->time_step / steps;
 	if (model->opt.integrator == mjINT_RK4)
 		model->opt.integrator = mjINT_EULER; /* forces of the soil are known at the start of a step only */
 	return STATUS_OK;
@@ -105,7 +66,7 @@ static enum status find_joints(struct vehicle *vehicle)
 
 static enum status sum_model(struct vehicle *vehicle)
 {
-	const int bytes = mj_sizeModel(vehicle->model);
+	const mjtSize bytes = mj_sizeModel(vehicle->model);
 	void *buffer = mem_calloc((size_t)bytes, 1);
 	TRY_MEM(buffer, "a vehicle");
 	mj_saveModel(vehicle->model, NULL, buffer, bytes);
@@ -145,9 +106,9 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 {
 	char where[VEHICLE_WHERE];
 	vehicle_where(vehicle, scene, where);
-	TRY(read(vehicle, where));
+	TRY(vehicle_compile(vehicle, scene, where));
 	fit(vehicle, scene);
-	TRY(check_timestep(vehicle, scene, where));
+	TRY(set_timestep(vehicle, scene, where));
 	TRY(sum_model(vehicle));
 	TRY(vehicle_find_geoms(vehicle, where));
 	doubt_sizes(vehicle, where);
@@ -155,9 +116,10 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
-	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nu + 1, sizeof *vehicle->host_controls);
-	TRY_MEM(vehicle->pushed != NULL && vehicle->host_controls != NULL, "a vehicle");
-	for (int i = 0; i < vehicle->model->nu; i++)
+	vehicle->row_actuators = mem_calloc(2 * (size_t)vehicle->model->nactuator + 1, sizeof *vehicle->row_actuators);
+	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nactuator + 1, sizeof *vehicle->host_controls);
+	TRY_MEM(vehicle->pushed != NULL && vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
+	for (int i = 0; i < vehicle->model->nactuator; i++)
 		vehicle->host_controls[i] = (double)NAN;
 	TRY(vehicle_check_step(vehicle, scene));
 	return vehicle_make_driver(vehicle, where);
@@ -171,5 +133,5 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->data);
 	if (vehicle->model != NULL)
 		mj_deleteModel(vehicle->model);
-	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->host_controls);
+	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls);
 }

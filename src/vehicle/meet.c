@@ -40,7 +40,7 @@ static void place_parts(const struct vehicles *vehicles, size_t v, const double 
 		const int geom = between->parts[i].geom, here = between->parts[i].here;
 		const double *mat = &vehicle->data->geom_xmat[9 * geom];
 		double *to = &between->data->geom_xpos[3 * here], own[9];
-		mju_rotVecMat(to, &between->model->geom_pos[3 * here], mat);
+		mju_mulMatVec3(to, mat, &between->model->geom_pos[3 * here]);
 		mju_addTo3(to, &vehicle->data->geom_xpos[3 * geom]);
 		mju_addTo3(to, shift);
 		mju_quat2Mat(own, &between->model->geom_quat[4 * here]);
@@ -90,8 +90,8 @@ static void set_axes(struct meeting *meeting, const double normal[3])
 static int find_touches(const struct between *between, const int types[2], const int here[2], double margin, struct touch touches[mjMAXCONPAIR])
 {
 	const mjModel *model = between->model;
-	const mjData *data = between->data;
-	mjContact found[mjMAXCONPAIR];
+	mjData *data = between->data;
+	mjPreContact found[mjMAXCONPAIR];
 	if (types[0] == mjGEOM_BOX && types[1] == mjGEOM_BOX)
 		return vehicle_boxes_touch((const double *const[]){data->geom_xpos + 3 * here[0], data->geom_xpos + 3 * here[1]},
 				     (const double *const[]){data->geom_xmat + 9 * here[0], data->geom_xmat + 9 * here[1]},
@@ -102,7 +102,7 @@ static int find_touches(const struct between *between, const int types[2], const
 	for (int i = 0; i < count; i++) {
 		touches[i].gap = found[i].dist;
 		mju_copy3(touches[i].place, found[i].pos);
-		mju_scl3(touches[i].normal, found[i].frame, first == 0 ? 1 : -1);
+		mju_scl3(touches[i].normal, found[i].normal, first == 0 ? 1 : -1);
 	}
 	return count;
 }

@@ -6,7 +6,7 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	*out = NULL;
 	if (scene->vehicle_count == 0)
 		return STATUS_OK;
-	return fail_with(STATUS_INPUT, "%s: vehicles: this build has no MuJoCo; install libmujoco-dev and build again with -Dvehicle=enabled",
+	return fail_with(STATUS_INPUT, "%s: vehicles: this build has no MuJoCo; run tools/packages.sh, which brings it, and build again with -Dvehicle=enabled",
 			 scene->file);
 }
 
@@ -29,7 +29,7 @@ struct world_figures vehicle_figures(const struct vehicles *vehicles)
 
 static enum status none(void)
 {
-	return fail_with(STATUS_FAILED, "vehicles: this build has no MuJoCo; install libmujoco-dev and build again with -Dvehicle=enabled");
+	return fail_with(STATUS_FAILED, "vehicles: this build has no MuJoCo; run tools/packages.sh, which brings it, and build again with -Dvehicle=enabled");
 }
 
 enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world)
@@ -171,4 +171,9 @@ enum status vehicle_rollback(struct vehicles *vehicles)
 {
 	(void)vehicles;
 	return none();
+}
+
+const char *vehicle_engine(void)
+{
+	return NULL;
 }

@@ -14,15 +14,15 @@ static int joint_of(const struct vehicle *vehicle, const struct soil_geom *geom)
 static double torque_of(const mjModel *model, int joint)
 {
 	double most = 0;
-	for (int i = 0; i < model->nu; i++) {
+	for (int i = 0; i < model->nactuator; i++) {
 		if (model->actuator_trntype[i] != mjTRN_JOINT || model->actuator_trnid[2 * i] != joint)
 			continue;
-		const double gear = fabs(model->actuator_gear[6 * i]);
-		const double *force = model->actuator_forcerange + 2 * i, *control = model->actuator_ctrlrange + 2 * i;
+		const double gear = fabs(vehicle_gear(model, i)[0]);
+		const double *force = model->actuator_forcerange + 2 * i, *control = model->actuator_ctrlrange + 2 * model->actuator_ctrladr[i];
 		const bool motor = model->actuator_gaintype[i] == mjGAIN_FIXED && model->actuator_biastype[i] == mjBIAS_NONE;
 		if (model->actuator_forcelimited[i])
 			most += gear * fmax(fabs(force[0]), fabs(force[1]));
-		else if (motor && model->actuator_ctrllimited[i])
+		else if (motor && model->actuator_ctrllimited[model->actuator_ctrladr[i]])
 			most += gear * fabs(model->actuator_gainprm[mjNGAIN * i]) * fmax(fabs(control[0]), fabs(control[1]));
 		else
 			return INFINITY;

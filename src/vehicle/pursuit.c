@@ -38,8 +38,8 @@ static struct wheel wheel_of(const struct vehicle *vehicle, int actuator, bool u
 	double from[3], own[3], axis[3];
 	struct wheel wheel = {.radius = 0};
 	mju_sub3(from, belt ? &data->geom_xpos[3 * driven->geom] : &data->xanchor[3 * joint], &data->xpos[3 * vehicle->root]);
-	mju_rotVecMatT(own, from, &data->xmat[9 * vehicle->root]);
-	mju_rotVecMatT(axis, &data->xaxis[3 * joint], &data->xmat[9 * vehicle->root]);
+	mju_mulMatTVec3(own, &data->xmat[9 * vehicle->root], from);
+	mju_mulMatTVec3(axis, &data->xmat[9 * vehicle->root], &data->xaxis[3 * joint]);
 	wheel.x = own[0];
 	wheel.y = own[1];
 	wheel.side = axis[up ? 2 : 1] >= 0 ? 1 : -1;
@@ -149,12 +149,12 @@ static void drive(struct vehicle *vehicle, double middle, double curvature, doub
 	for (size_t i = 0; i < driver->drive_count; i++) {
 		const int actuator = driver->drive[i];
 		const struct wheel wheel = wheel_of(vehicle, actuator, false);
-		const double side = 1 - curvature * wheel.y, gear = model->actuator_gear[6 * actuator];
+		const double side = 1 - curvature * wheel.y, gear = vehicle_gear(model, actuator)[0];
 		const double way = copysign(hypot(side, curvature * (wheel.x - middle)), side);
 		const double each = mj_getTotalmass(model) * needs * wheel.radius / (double)driver->drive_count;
 		const double gain = model->actuator_gainprm[actuator * mjNGAIN];
-		vehicle->data->ctrl[actuator] = is_servo(model, actuator) ? gear * wheel.side * speed * way / wheel.radius
-									  : wheel.side * each / (gear * (gain != 0 ? gain : 1));
+		*vehicle_ctrl(vehicle, actuator) = is_servo(model, actuator) ? gear * wheel.side * speed * way / wheel.radius
+									     : wheel.side * each / (gear * (gain != 0 ? gain : 1));
 	}
 }
 
@@ -165,7 +165,7 @@ static void steer(struct vehicle *vehicle, double middle, double curvature)
 		const int actuator = driver->steer[i];
 		const struct wheel wheel = wheel_of(vehicle, actuator, true);
 		const double angle = atan2(curvature * (wheel.x - middle), fmax(1 - curvature * wheel.y, 1e-3));
-		vehicle->data->ctrl[actuator] = vehicle->model->actuator_gear[6 * actuator] * wheel.side * angle;
+		*vehicle_ctrl(vehicle, actuator) = vehicle_gear(vehicle->model, actuator)[0] * wheel.side * angle;
 	}
 }
 

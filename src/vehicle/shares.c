@@ -74,14 +74,19 @@ static void find_fixed(struct statics *statics, double soil)
 	const mjModel *model = statics->vehicle->model;
 	const mjData *data = statics->data;
 	const int nv = model->nv;
-	mj_fullM(model, statics->fixed, data->qM);
+	mj_fullM(model, data, statics->fixed);
 	mju_scl(statics->fixed, statics->fixed, FREE, nv * nv);
 	for (int j = 0; j < model->njnt; j++)
 		if (model->jnt_type[j] == mjJNT_HINGE || model->jnt_type[j] == mjJNT_SLIDE)
 			statics->fixed[model->jnt_dofadr[j] * (nv + 1)] += model->jnt_stiffness[j];
-	for (int a = 0; a < model->nu; a++)
-		if (model->actuator_biastype[a] == mjBIAS_AFFINE)
-			add_outer(statics->fixed, data->actuator_moment + a * nv, fmax(-model->actuator_biasprm[mjNBIAS * a + 1], 0), nv);
+	for (int a = 0; a < model->nactuator; a++)
+		if (model->actuator_biastype[a] == mjBIAS_AFFINE) {
+			mju_zero(statics->motion, nv);
+			const int output = model->actuator_outadr[a], from = data->moment_rowadr[output];
+			for (int i = from; i < from + data->moment_rownnz[output]; i++)
+				statics->motion[data->moment_colind[i]] = data->actuator_moment[i];
+			add_outer(statics->fixed, statics->motion, fmax(-model->actuator_biasprm[mjNBIAS * a + 1], 0), nv);
+		}
 	for (int i = 0; i < data->ne; i++)
 		add_outer(statics->fixed, data->efc_J + i * nv, RIGID * soil, nv);
 }

@@ -50,6 +50,7 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	*out = NULL;
 	if (scene->vehicle_count == 0)
 		return STATUS_OK;
+	TRY(vehicle_mujoco_load());
 	struct vehicles *vehicles = mem_calloc(1, sizeof *vehicles);
 	TRY_MEM(vehicles, "the vehicles");
 	vehicles->scene = scene;
@@ -139,8 +140,8 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->kinetic = vehicle_kinetic(vehicle);
 	row->work = vehicle->work;
 	row->joints = vehicle->row_joints;
-	row->controls = data->ctrl;
-	row->forces = data->actuator_force;
+	row->controls = vehicle->row_actuators;
+	row->forces = vehicle->row_actuators + model->nactuator;
 }
 
 bool vehicle_rows_due(struct vehicles *vehicles)
@@ -158,6 +159,7 @@ void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *ro
 {
 	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
 	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
+	vehicle_actuators(vehicles, index, vehicles->list[index].row_actuators, vehicles->list[index].row_actuators + vehicles->list[index].model->nactuator);
 	fill_row(&vehicles->list[index], row);
 }
 
@@ -289,7 +291,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.own_gravity = {vehicle->gravity[0], vehicle->gravity[1], vehicle->gravity[2]},
 		.geom_count = vehicle->geom_count,
 		.joint_count = vehicle->joint_count,
-		.actuator_count = (size_t)vehicle->model->nu,
+		.actuator_count = (size_t)vehicle->model->nactuator,
 		.largest_step = vehicle->largest_step,
 		.largest_geom = vehicle->geoms[vehicle->largest_geom].name,
 		.largest_mass = vehicle->largest_mass,

@@ -21,6 +21,9 @@
 
 struct vehicles; /* all vehicles of a scene */
 
+/* Returns what moves vehicles, with its version, "MuJoCo 4.0.0"; NULL: this build has none. Any thread. */
+const char *vehicle_engine(void);
+
 /* Reads the models of a scene. Changes nothing. *out is NULL if the scene has no vehicles. STATUS_INPUT: a model cannot be read or
  * does not fit the scene, its time_step is too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
 enum status vehicle_load(const struct scene *scene, struct vehicles **out) FURROW_CHECKED;

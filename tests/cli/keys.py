@@ -38,6 +38,7 @@ RELIEF = {**SCM, "relief": "{roughness: 0.05, wavelength: 0.8}"}
 CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{name: dry_sand}", "redistribute": "{model: scm}", "output": "{vehicles: 50}",
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
+URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
 SHAPE = {**PLAIN}
 HEALS = {**PLAIN, "attributes": "{disturbance: {heals: 100}}"}
 PLANTS = {**PLAIN, "attributes": "{vegetation: {cover: 0.7}}", "objects": f"[{WHEEL % 'sink: 0.2, slip: 0.2'}]"}
@@ -138,6 +139,10 @@ ROWS = {
     "vehicles[].start.at": (CAR, {"vehicles.car.start.at": "[21, 20]"}),
     "vehicles[].start.yaw": (CAR, {"vehicles.car.start.yaw": "40"}),
     "vehicles[].soil": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel", "four").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.soil": "[left_fl, left_rl, right_fr]"}),
+    "vehicles[].start.fixed": (URDF, {"vehicles.car.start.fixed": "true"}),
+    "vehicles[].model_path": (URDF, {"vehicles.car.model_path": "[packages]"}),
+    "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
+    "vehicles[].servo.torque": (URDF, {"vehicles.car.servo.torque": "0.1"}),
     "vehicles[].driver.path.points": (WAY, {"vehicles.car.driver.path.points": "[[20, 20], [24, 24]]"}),
     "vehicles[].driver.path.speed": (WAY, {"vehicles.car.driver.path.speed": "1"}),
     "vehicles[].driver.path.smooth": (WAY, {"vehicles.car.driver.path.smooth": "true"}),
@@ -298,6 +303,13 @@ class Keys(FurrowTest):
                  "eyes.csv": "t,x,y,z,yaw,pitch,roll\n0,12,10,20,90,-40,0\n", "eyes2.csv": "t,x,y,z,yaw,pitch,roll\n0,12,12,20,90,-40,0\n"}
         for file, half in (("a.obj", 0.6), ("b.obj", 1.2)):
             texts[file] = "".join(f"v {x} {y} {z}\n" for x in (-1, 1) for y in (-half, half) for z in (-0.5, 0.5)) + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+        inertial = '<inertial><mass value="%g"/><inertia ixx="%g" iyy="%g" izz="%g" ixy="0" ixz="0" iyz="0"/></inertial>'
+        texts["cart.urdf"] = "<robot name='cart'><link name='base'>" + inertial % (80, 5, 8, 8) + "<collision><geometry><mesh filename='package://parts/hull.obj' scale='.5 .3 .2'/></geometry></collision></link>" + "".join(
+            f"<link name='{name}'>" + inertial % (8, .2, .3, .2) + "<collision><origin rpy='1.5708 0 0'/><geometry><cylinder radius='.3' length='.2'/></geometry></collision></link>"
+            f"<joint name='wheel_{name}' type='continuous'><parent link='base'/><child link='{name}'/><origin xyz='{x} {y} -.2'/><axis xyz='0 1 0'/></joint>"
+            for name, x, y in (("fl", .6, .5), ("fr", .6, -.5), ("rl", -.6, .5), ("rr", -.6, -.5))) + "</robot>"
+        (self.folder / "packages" / "parts").mkdir(parents=True)
+        (self.folder / "packages" / "parts" / "hull.obj").write_text(texts["a.obj"])
         for name, text in texts.items():
             (self.folder / name).write_text(text)
 

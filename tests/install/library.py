@@ -55,7 +55,7 @@ class LibraryTest(unittest.TestCase):
             self.assertNotIn("undefined", result.stdout + result.stderr)
 
     def test_pkg_config(self):
-        self.assertEqual(prefix.package_config("--modversion"), prefix.run("furrow", "--version", env=prefix.environment).stdout.split()[-1:])
+        self.assertEqual(prefix.package_config("--modversion"), prefix.run("furrow", "--version", env=prefix.environment).stdout.split()[1:2])
         self.assertEqual(prefix.package_config("--libs"), [f"-L{prefix.libdir}", "-lfurrow"])
         self.assertEqual(prefix.package_config("--cflags"), [f"-I{prefix.prefix / 'include'}"])
         self.assertIn("-lsqlite3", prefix.package_config("--static", "--libs"))

@@ -1,5 +1,5 @@
 /* MuJoCo's errors and warnings neither end the process nor write a file, and its handlers are given back. */
-#include <mujoco/mujoco.h>
+#include "vehicle_mujoco.h"
 #include <unistd.h>
 
 #include "../support.h"
@@ -28,7 +28,7 @@ static void an_error_is_a_status(void **state)
 {
 	(void)state;
 	assert_int_equal(vehicle_guard("car", fails, NULL), STATUS_FAILED);
-	assert_string_equal(failure_message(), "car: MuJoCo says: too many wheels; change the model");
+	assert_string_equal(failure_message(), "car: MuJoCo " VEHICLE_MUJOCO_VERSION " says: too many wheels; change the model");
 	assert_null(mju_user_error);
 	assert_null(mju_user_warning);
 }
@@ -68,6 +68,7 @@ static void the_handlers_of_others_stay(void **state)
 
 TEST_PROGRAM(guard)
 {
+	must(vehicle_mujoco_load());
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_error_is_a_status),
 		cmocka_unit_test(a_warning_is_kept),

@@ -61,8 +61,16 @@ static void a_step_that_does_not_fit_is_refused(void **state)
 	char keys[64], says[160];
 	(void)state;
 	rig_model("", "", "");
-	rig_refused("time_step: 0.003", "", STATUS_INPUT, "its timestep, 0.002 s, does not divide the scene's time_step, 0.003 s");
-	rig_refused("time_step: 0.001", "", STATUS_INPUT, "does not divide");
+	/* The engine's steps divide a time step, and are no longer than the model's. */
+	for (int i = 0; i < 3; i++) {
+		must(rig_load((const char *const[]){"time_step: 0.0025", "time_step: 0.001", "time_step: 0.002000001"}[i], "", &scene, &vehicles));
+		vehicle_info(vehicles, 0, &info);
+		assert_int_equal(info.engine_steps, i == 0 ? 2 : 1);
+		assert_true(fabs(vehicles->list[0].model->opt.timestep * info.engine_steps - scene->time_step) < 1e-15);
+		vehicle_destroy(vehicles);
+		scene_destroy(scene);
+	}
+	rig_model("", "", "");
 	must(rig_load(STEP, "", &scene, &vehicles));
 	vehicle_info(vehicles, 0, &info);
 	/* 2 sqrt(m / (K_e A)): a vertical force on the wheel moves the whole of 100 kg. */

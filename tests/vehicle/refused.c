@@ -15,7 +15,7 @@ static void it_says_what_to_do(void **state)
 	support_write(support_path("scene.yaml"), scene_text);
 	must(scene_load(support_path("scene.yaml"), NULL, 0, &scene));
 	assert_int_equal(vehicle_load(scene, &vehicles), STATUS_INPUT);
-	assert_non_null(strstr(failure_message(), "vehicles: this build has no MuJoCo; install libmujoco-dev"));
+	assert_non_null(strstr(failure_message(), "vehicles: this build has no MuJoCo; run tools/packages.sh"));
 	assert_null(vehicles);
 	scene->vehicle_count = 0;
 	must(vehicle_load(scene, &vehicles));

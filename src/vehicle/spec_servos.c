@@ -1,0 +1,107 @@
+/*
+ * Servos on the joints that a driver names, where the model has no actuator: a URDF has none.
+ *
+ * A joint that is driven gets a velocity servo, one that steers or is held a position servo. The torque is the joint's own limit, or what lifts
+ * the vehicle at the end of its largest shape, shared by the joints that drive.
+ */
+#include <fnmatch.h>
+#include <math.h>
+#include <string.h>
+
+#include "vehicle/spec.h"
+
+#define REACH_LEAST 0.05 /* m */
+#define SLACK 0.1        /* rad/s: how far a driven joint is behind at full torque */
+#define BEND 0.02        /* rad: how far a held joint gives at full torque */
+
+static bool any_actuator(const struct spec *spec, const char *pattern)
+{
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_ACTUATOR); each != NULL; each = mjs_nextElement(spec->spec, each))
+		if (fnmatch(pattern, mjs_getString(mjs_getName(each)), 0) == 0)
+			return true;
+	return false;
+}
+
+static bool turns(const mjsJoint *joint)
+{
+	return joint->type == mjJNT_HINGE || joint->type == mjJNT_SLIDE;
+}
+
+static double largest_size(const struct spec *spec)
+{
+	double size = REACH_LEAST;
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_GEOM); each != NULL; each = mjs_nextElement(spec->spec, each)) {
+		const mjsGeom *geom = mjs_asGeom(each);
+		for (int i = 0; i < 3 && geom->type != mjGEOM_PLANE && geom->type != mjGEOM_MESH; i++)
+			size = isfinite(geom->size[i]) ? fmax(size, geom->size[i]) : size;
+	}
+	return size;
+}
+
+static double own_weight(const struct spec *spec)
+{
+	double mass = 0;
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_BODY); each != NULL; each = mjs_nextElement(spec->spec, each))
+		mass += mjs_asBody(each)->explicitinertial ? mjs_asBody(each)->mass : 0;
+	return fmax(mass, 1) * spec->gravity;
+}
+
+static enum status add_servo(struct spec *spec, const mjsJoint *joint, bool drives, double share, struct spec_names *told, double *torque)
+{
+	const char *name = mjs_getString(mjs_getName(joint->element));
+	mjsActuator *servo = mjs_addActuator(spec->spec, NULL);
+	TRY_MEM(servo, "a vehicle");
+	const struct scene_servo *given = &spec->scene->servo;
+	const double limit = joint->actfrcrange[1];
+	*torque = given->torque > 0 ? given->torque : limit > 0 ? limit : own_weight(spec) * largest_size(spec) * share;
+	(void)mjs_setName(servo->element, name);
+	servo->trntype = mjTRN_JOINT;
+	mjs_setString(servo->target, name);
+	servo->forcelimited = mjLIMITED_TRUE;
+	servo->forcerange[0] = -*torque;
+	servo->forcerange[1] = *torque;
+	double damped = 1;
+	if (drives)
+		(void)mjs_setToVelocity(servo, given->kv > 0 ? given->kv : *torque / SLACK);
+	else
+		(void)mjs_setToPosition(servo, *torque / BEND, NULL, &damped, NULL, 0);
+	vehicle_spec_name(told, name);
+	return STATUS_OK;
+}
+
+static size_t count_joints(const struct spec *spec, const struct scene_texts *patterns)
+{
+	size_t count = 0;
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_JOINT); each != NULL; each = mjs_nextElement(spec->spec, each))
+		count += turns(mjs_asJoint(each)) && vehicle_matches(patterns, mjs_getString(mjs_getName(each)), false);
+	return count;
+}
+
+static enum status add_servos(struct spec *spec, const struct scene_texts *patterns, bool drives)
+{
+	struct spec_names told = {.count = 0};
+	double torque = 0;
+	for (size_t i = 0; i < patterns->count; i++) {
+		const struct scene_texts one = {&patterns->list[i], 1};
+		if (any_actuator(spec, patterns->list[i]))
+			continue;
+		const double share = 1.0 / fmax((double)count_joints(spec, &one), 1);
+		for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_JOINT); each != NULL; each = mjs_nextElement(spec->spec, each)) {
+			const mjsJoint *joint = mjs_asJoint(each);
+			if (turns(joint) && vehicle_matches(&one, mjs_getString(mjs_getName(each)), false))
+				TRY(add_servo(spec, joint, drives, share, &told, &torque));
+		}
+	}
+	if (told.count > 0)
+		vehicle_spec_tell(spec, "%s ha%s no actuator: %s gets a %s servo, the last with at most %.3g N m; servo: {torque: N} sets it", told.text, told.count > 1 ? "ve" : "s",
+				  told.count > 1 ? "each" : "it", drives ? "velocity" : "position", torque);
+	return STATUS_OK;
+}
+
+enum status vehicle_spec_servos(struct spec *spec)
+{
+	const struct scene_vehicle *scene = spec->scene;
+	TRY(add_servos(spec, &scene->drive, true));
+	TRY(add_servos(spec, &scene->steer, false));
+	return add_servos(spec, &scene->held, false);
+}
