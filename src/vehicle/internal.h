@@ -100,7 +100,8 @@ struct figure {
 struct between;
 
 struct vehicles {
-	const struct scene *scene;
+	const struct scene *scene;  /* the file's, or `divided` */
+	struct scene divided;       /* a copy with a shorter time_step */
 	struct world *world;        /* NULL: not joined yet */
 	struct vehicle *list;
 	size_t count, geom_count;   /* geom_count: soil geoms of all vehicles */
@@ -180,8 +181,10 @@ void vehicle_show(struct vehicles *vehicles); /* brings the places of figures up
 
 /* --- bound.c --- */
 
-/* Finds the longest step that is stable. STATUS_INPUT: the scene's time_step is longer. */
-enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+/* Finds the longest step that is stable with the soils of the scene. */
+void vehicle_find_bound(struct vehicle *vehicle, const struct scene *scene);
+/* Divides the scene's time_step into steps that are stable for all vehicles, told once. STATUS_INPUT: into more than makes sense. */
+enum status vehicle_divide_step(struct vehicles *vehicles) FURROW_CHECKED;
 
 /* --- driver.c --- */
 

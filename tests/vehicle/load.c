@@ -85,6 +85,17 @@ static void a_step_that_does_not_fit_is_refused(void **state)
 	scene_destroy(scene);
 	const double steps = ceil(info.largest_step / 0.002);
 	snprintf(keys, sizeof keys, "time_step: %g", steps * 0.002);
+	/* A longer one is divided, by the least whole number that does. */
+	for (int parts = 2; parts < 4; parts++) {
+		snprintf(keys, sizeof keys, "time_step: %.17g", info.largest_step * (parts - 0.5));
+		must(rig_load(keys, "", &scene, &vehicles));
+		assert_true(fabs(vehicle_scene(vehicles, scene)->time_step - scene->time_step / parts) < 1e-15);
+		assert_int_equal(vehicles->list[0].engine_steps, (int)ceil(vehicle_scene(vehicles, scene)->time_step / 0.002 - 1e-6));
+		vehicle_destroy(vehicles);
+		scene_destroy(scene);
+	}
+	/* Not without end. */
+	snprintf(keys, sizeof keys, "time_step: %.17g", info.largest_step * 51);
 	snprintf(says, sizeof says, "is longer than %s s, the longest that is stable (car.wheel: 100 kg",
 		 number_at_most(info.largest_step, 3).text);
 	rig_refused(keys, "", STATUS_INPUT, says);
