@@ -65,6 +65,7 @@ struct vehicle {
 	double gravity[3];          /* m/s2: of the model's own option, in place of which the scene's counts */
 	double origin[3];           /* m, local: where MuJoCo's origin is */
 	int root;                   /* the body whose place is the vehicle's */
+	int keyframe;               /* of the model: the pose and the controls of the start; -1: the first pose, and no controls */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
 	size_t geom_count;
@@ -193,7 +194,7 @@ enum status vehicle_make_driver(struct vehicle *vehicle, const char *where) FURR
 /* Converts the path to local metres. */
 enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world) FURROW_CHECKED;
 void vehicle_free_driver(struct driver *driver);
-/* Sets the controls for a time, s. `drives` false: it settles, and all controls are 0. */
+/* Sets the controls for a time, s. `drives` false: it settles, and wheels get none. */
 void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 
 /* --- controls.c --- */
