@@ -20,8 +20,10 @@ static enum status step_vehicles(struct furrow_world *host, double seconds)
 	if (count < 1 || (seconds != 0 && fabs(seconds - count * time_step) > 1e-9 * seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no whole number of time_steps of %g s, which vehicles need; give a multiple, or 0 for one", seconds,
 				 time_step);
+	/* The vehicles may have divided it. */
+	const double parts = round(time_step / world_scene(world)->time_step);
 	enum status status;
-	for (double i = 0; i < count; i++)
+	for (double i = 0; i < count * parts; i++)
 		TRY_OR(failed, drive_step(host->drive));
 	return STATUS_OK;
 failed:
@@ -40,7 +42,7 @@ static enum status step(struct furrow_world *host, double seconds)
 	struct world *world = host->world;
 	if (!(seconds >= 0) || !isfinite(seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
-	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world_time(world) + seconds;
+	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * world_scene(world)->time_step : world_time(world) + seconds;
 	if (until > TIME_MOST)
 		return fail_with(STATUS_USAGE, "step: %g s from %g s on lead beyond %g s, where time does not tell steps of a microsecond apart; give %g s or less",
 				 until - world_time(world), world_time(world), TIME_MOST, fmax(TIME_MOST - world_time(world), 0));

@@ -101,7 +101,7 @@ static enum status start(struct furrow_world *host, const struct furrow_open *op
 	TRY(drive_start(host->drive));
 	TRY(drive_begin(host->drive));
 	const struct world *world = host->world;
-	const bool whole = world_time(world) == world_step_time(host->scene, world_steps_done(world)); /* steps from the scene's start */
+	const bool whole = world_time(world) == world_step_time(world_scene(world), world_steps_done(world)); /* steps from the scene's start */
 	host->origin = whole ? 0 : world_time(world);
 	host->steps = whole ? world_steps_done(world) : 0;
 	return api_library_checkpoint(host);

@@ -63,6 +63,7 @@ static enum status prepare(struct drive *drive)
 	if (drive->params.map)
 		TRY(report_map_check(drive->scene));
 	TRY(vehicle_load(drive->scene, &drive->vehicles));
+	drive->scene = vehicle_scene(drive->vehicles, drive->scene);
 	const struct world_params world = world_params_of(drive);
 	return world_open(&world, &drive->world);
 }

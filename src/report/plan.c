@@ -316,7 +316,7 @@ static enum status check_world(const struct scene *scene, const char *store, str
 	struct scene driven;
 	struct store_meta assumed;
 	enum status status;
-	scene_unwatched(scene, &driven);
+	scene_unwatched(vehicle_scene(vehicles, scene), &driven);
 	TRY_OR(done, world_open_plan(&driven, store != NULL ? store : scene->store, false, &assumed, &world));
 	TRY_OR(done, vehicle_check_rasters(vehicles, world));
 done:
@@ -340,7 +340,7 @@ static enum status plan_world(const struct scene *scene, const char *path, bool 
 	struct scene driven;
 	struct store_meta assumed;
 	enum status status;
-	scene_unwatched(scene, &driven);
+	scene_unwatched(vehicle_scene(out->vehicles, scene), &driven);
 	TRY_OR(done, world_open_plan(&driven, path, keep_history, &assumed, &world));
 	TRY_OR(done, vehicle_check_rasters(out->vehicles, world));
 	if (path != NULL && (out->store = mem_strdup(path)) == NULL)

@@ -158,6 +158,7 @@ struct scene_vehicle {
 	uint64_t model_hash[2]; /* hash of the model's bytes; files that the model names are not in it */
 	double at[2], yaw;      /* where it starts: in the unit of `coordinates`; rad from east to north */
 	int line;               /* where the scene's file gives that place; 0: --set does */
+	char *keyframe;         /* of the model, for its first pose and its controls; NULL: none */
 	enum scene_fixed fixed; /* whether its root is held where it is set */
 	struct scene_texts model_path;   /* folders of packages, resolved relative to the scene's file */
 	struct scene_servo servo;        /* of joints that the driver names and that have no actuator */

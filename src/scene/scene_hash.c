@@ -179,6 +179,8 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 	add_texts(state, &vehicle->held);
 	for (size_t i = 0; i < vehicle->held.count; i++)
 		add_number(state, vehicle->values[i]);
+	if (vehicle->keyframe != NULL)
+		add_text(state, vehicle->keyframe);
 	if (vehicle->fixed != SCENE_FIXED_BY_MODEL)
 		add_whole(state, 1000 + (uint64_t)vehicle->fixed);
 	if (vehicle->servo.kv > 0 || vehicle->servo.torque > 0) {

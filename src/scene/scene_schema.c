@@ -303,6 +303,7 @@ static const cyaml_schema_field_t start_fields[] = {
 	CYAML_FIELD_SEQUENCE_FIXED("at", NEEDED, struct raw_start, at, &float_entry, 2),
 	CYAML_FIELD_FLOAT_PTR("yaw", OPTIONAL, struct raw_start, yaw),
 	CYAML_FIELD_BOOL_PTR("fixed", OPTIONAL, struct raw_start, fixed),
+	CYAML_FIELD_STRING_PTR("keyframe", OPTIONAL, struct raw_start, keyframe, 1, 256),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t way_fields[] = {

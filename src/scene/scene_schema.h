@@ -204,6 +204,7 @@ struct raw_start {
 	double at[2];
 	double *yaw; /* degrees */
 	bool *fixed;
+	char *keyframe;
 };
 struct raw_servo {
 	double *kv, *torque;

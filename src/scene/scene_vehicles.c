@@ -117,6 +117,8 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	vehicle->line = at->setting == NULL ? at->line : 0;
 	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
 	vehicle->yaw = (raw->start.yaw != NULL ? *raw->start.yaw : scene_absent("vehicles[].start.yaw")) * M_PI / 180;
+	if (raw->start.keyframe != NULL)
+		TRY(mem_text(&vehicle->keyframe, raw->start.keyframe, "reading the vehicles"));
 	vehicle->fixed = raw->start.fixed == NULL ? SCENE_FIXED_BY_MODEL : *raw->start.fixed ? SCENE_FIXED_YES : SCENE_FIXED_NO;
 	TRY(take_folders(tree, raw->model_path, raw->model_path_count, &vehicle->model_path));
 	if (raw->servo != NULL) {
@@ -156,7 +158,7 @@ static void finish_texts(struct scene_texts *texts)
 
 void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
-	mem_free_all(vehicle->name, vehicle->model, vehicle->controls, vehicle->way.points, vehicle->values);
+	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
 	finish_texts(&vehicle->steer);

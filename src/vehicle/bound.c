@@ -66,6 +66,8 @@ static double area_of(const struct soil_shape *shape, double sinkage)
 	}
 }
 
+#define PARTS_MOST 50.0 /* of a time_step: a model that needs more has a geom that is too light for its soil */
+
 static double stiffest(const struct scene *scene, const struct soil_numbers **soil)
 {
 	double most = 0;
@@ -106,7 +108,7 @@ static enum status check(const struct vehicle *vehicle, const struct scene *scen
 			 vehicle->largest_mass, vehicle->largest_area, raster);
 }
 
-enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene)
+void vehicle_find_bound(struct vehicle *vehicle, const struct scene *scene)
 {
 	const struct soil_numbers *soil = &scene->soils[0];
 	const double stiffness = stiffest(scene, &soil);
@@ -115,7 +117,27 @@ enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scen
 	for (int i = 0; i < scene->soil_count; i++)
 		if (scene->soils[i].over != NULL)
 			allow(vehicle, scene, &scene->soils[i], scene->soils[i].elastic_stiffness);
-	return check(vehicle, scene, "");
+}
+
+enum status vehicle_divide_step(struct vehicles *vehicles)
+{
+	const struct scene *scene = vehicles->scene;
+	const struct vehicle *shortest = &vehicles->list[0];
+	for (size_t v = 1; v < vehicles->count; v++)
+		if (vehicles->list[v].largest_step < shortest->largest_step)
+			shortest = &vehicles->list[v];
+	const double parts = ceil(scene->time_step / shortest->largest_step * (1 - 1e-12));
+	if (!(parts > 1))
+		return STATUS_OK;
+	if (!(parts <= PARTS_MOST))
+		return check(shortest, scene, "");
+	vehicles->divided = *scene;
+	vehicles->divided.time_step = scene->time_step / parts;
+	vehicles->scene = &vehicles->divided;
+	note("time_step: %g s is longer than %s s, the longest that is stable (%s: %.3g kg on %.3g m2 of soil): each is made in %g steps of %.4g s", scene->time_step,
+	     number_at_most(shortest->largest_step, 3).text, shortest->geoms[shortest->largest_geom].name, shortest->largest_mass, shortest->largest_area, parts,
+	     vehicles->divided.time_step);
+	return STATUS_OK;
 }
 
 /* The stiffest post of a raster may be of any soil. */

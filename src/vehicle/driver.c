@@ -182,13 +182,48 @@ static void drive(struct vehicle *vehicle, double time)
 	}
 }
 
+/* Returns true if an actuator turns a wheel or a belt: it stays at 0 while brakes hold the vehicle. */
+static bool turns_wheel(const struct vehicle *vehicle, int actuator)
+{
+	const mjModel *model = vehicle->model;
+	return model->actuator_trntype[actuator] == mjTRN_JOINT && vehicle_driven(vehicle, model->actuator_trnid[2 * actuator]) != NULL;
+}
+
+/* Returns true if the actuator pulls its joint to a place, as legs and arms have it. */
+static bool holds_place(const struct vehicle *vehicle, int actuator)
+{
+	return vehicle->model->actuator_biastype[actuator] == mjBIAS_AFFINE && vehicle->model->actuator_biasprm[mjNBIAS * actuator + 1] < 0;
+}
+
+/* While it settles wheels are braked. What holds a place, as legs do, holds that of the start. */
+static void settle(struct vehicle *vehicle)
+{
+	const enum scene_driver driver = vehicle->scene->driver;
+	double *keep = vehicle->row_actuators;
+	for (int i = 0; i < vehicle->model->nactuator; i++)
+		keep[i] = *vehicle_ctrl(vehicle, i);
+	if (driver == SCENE_HOLD || driver == SCENE_CONTROLS)
+		drive(vehicle, 0);
+	for (int i = 0; i < vehicle->model->nactuator; i++)
+		if (turns_wheel(vehicle, i))
+			*vehicle_ctrl(vehicle, i) = 0;
+		else if (!holds_place(vehicle, i))
+			*vehicle_ctrl(vehicle, i) = keep[i];
+}
+
 void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 {
-	mju_zero(vehicle->data->ctrl, (int)vehicle->model->nu);
-	if (!drives)
+	const mjModel *model = vehicle->model;
+	if (vehicle->keyframe >= 0)
+		mju_copy(vehicle->data->ctrl, model->key_ctrl + vehicle->keyframe * model->nu, (int)model->nu);
+	else
+		mju_zero(vehicle->data->ctrl, (int)model->nu);
+	if (!drives) {
+		settle(vehicle);
 		return;
+	}
 	drive(vehicle, time);
-	for (int i = 0; i < vehicle->model->nactuator; i++)
+	for (int i = 0; i < model->nactuator; i++)
 		if (!isnan(vehicle->host_controls[i]))
 			*vehicle_ctrl(vehicle, i) = vehicle->host_controls[i];
 }

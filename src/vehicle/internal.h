@@ -65,6 +65,7 @@ struct vehicle {
 	double gravity[3];          /* m/s2: of the model's own option, in place of which the scene's counts */
 	double origin[3];           /* m, local: where MuJoCo's origin is */
 	int root;                   /* the body whose place is the vehicle's */
+	int keyframe;               /* of the model: the pose and the controls of the start; -1: the first pose, and no controls */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
 	size_t geom_count;
@@ -100,7 +101,8 @@ struct figure {
 struct between;
 
 struct vehicles {
-	const struct scene *scene;
+	const struct scene *scene;  /* the file's, or `divided` */
+	struct scene divided;       /* a copy with a shorter time_step */
 	struct world *world;        /* NULL: not joined yet */
 	struct vehicle *list;
 	size_t count, geom_count;   /* geom_count: soil geoms of all vehicles */
@@ -180,8 +182,10 @@ void vehicle_show(struct vehicles *vehicles); /* brings the places of figures up
 
 /* --- bound.c --- */
 
-/* Finds the longest step that is stable. STATUS_INPUT: the scene's time_step is longer. */
-enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+/* Finds the longest step that is stable with the soils of the scene. */
+void vehicle_find_bound(struct vehicle *vehicle, const struct scene *scene);
+/* Divides the scene's time_step into steps that are stable for all vehicles, told once. STATUS_INPUT: into more than makes sense. */
+enum status vehicle_divide_step(struct vehicles *vehicles) FURROW_CHECKED;
 
 /* --- driver.c --- */
 
@@ -190,7 +194,7 @@ enum status vehicle_make_driver(struct vehicle *vehicle, const char *where) FURR
 /* Converts the path to local metres. */
 enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world) FURROW_CHECKED;
 void vehicle_free_driver(struct driver *driver);
-/* Sets the controls for a time, s. `drives` false: it settles, and all controls are 0. */
+/* Sets the controls for a time, s. `drives` false: it settles, and wheels get none. */
 void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 
 /* --- controls.c --- */

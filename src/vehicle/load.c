@@ -23,10 +23,17 @@ static void fit(struct vehicle *vehicle, const struct scene *scene)
 	mju_zero(vehicle->data->ctrl, (int)model->nu);
 }
 
+void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE])
+{
+	snprintf(where, VEHICLE_WHERE, "%.200s: vehicles.%s", scene->file, vehicle->scene->name);
+}
+
 /* Steps of the engine divide a time step, and are at most as long as the model asks for. */
-static enum status set_timestep(struct vehicle *vehicle, const struct scene *scene, const char *where)
+enum status vehicle_set_timestep(struct vehicle *vehicle, const struct scene *scene)
 {
 	mjModel *model = vehicle->model;
+	char where[VEHICLE_WHERE];
+	vehicle_where(vehicle, scene, where);
 	if (scene->time_step == 0) { /* nothing will move: outline.c */
 		vehicle->engine_steps = 1;
 		return STATUS_OK;
@@ -97,18 +104,12 @@ static void doubt_sizes(const struct vehicle *vehicle, const char *where)
 		     where, vehicle->geoms[first].name, soil_shape_bound(&vehicle->geoms[first].shape), others);
 }
 
-void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE])
-{
-	snprintf(where, VEHICLE_WHERE, "%.200s: vehicles.%s", scene->file, vehicle->scene->name);
-}
-
 enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 {
 	char where[VEHICLE_WHERE];
 	vehicle_where(vehicle, scene, where);
 	TRY(vehicle_compile(vehicle, scene, where));
 	fit(vehicle, scene);
-	TRY(set_timestep(vehicle, scene, where));
 	TRY(sum_model(vehicle));
 	TRY(vehicle_find_geoms(vehicle, where));
 	doubt_sizes(vehicle, where);
@@ -121,7 +122,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY_MEM(vehicle->pushed != NULL && vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
 	for (int i = 0; i < vehicle->model->nactuator; i++)
 		vehicle->host_controls[i] = (double)NAN;
-	TRY(vehicle_check_step(vehicle, scene));
+	vehicle_find_bound(vehicle, scene);
 	return vehicle_make_driver(vehicle, where);
 }
 

@@ -177,3 +177,9 @@ const char *vehicle_engine(void)
 {
 	return NULL;
 }
+
+const struct scene *vehicle_scene(const struct vehicles *vehicles, const struct scene *scene)
+{
+	(void)vehicles;
+	return scene;
+}

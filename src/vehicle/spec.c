@@ -91,6 +91,26 @@ static void tell_mass(const struct spec *spec, double given)
 		vehicle_spec_tell(spec, "its links' inertials have %.4g kg together, and the model has %.4g kg: links without an inertial get the mass of their shapes, at 1000 kg/m3", given, mass);
 }
 
+/* --- the pose --- */
+
+/* The pose of a keyframe. Joints that the driver holds by servos of ours start where these hold them. */
+static void set_pose(struct spec *spec)
+{
+	const mjModel *model = spec->model;
+	const struct scene_texts *held = &spec->scene->held;
+	if (spec->scene->keyframe != NULL)
+		spec->keyframe = mj_name2id(model, mjOBJ_KEY, spec->scene->keyframe);
+	if (spec->keyframe >= 0)
+		mj_resetDataKeyframe(model, spec->data, spec->keyframe);
+	for (size_t i = 0; spec->urdf && i < held->count; i++) {
+		const int joint = mj_name2id(model, mjOBJ_JOINT, held->list[i]);
+		if (joint < 0 || (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE))
+			continue;
+		const double *range = model->jnt_range + 2 * joint, value = spec->scene->values[i];
+		spec->data->qpos[model->jnt_qposadr[joint]] = model->jnt_limited[joint] ? fmin(fmax(value, range[0]), range[1]) : value;
+	}
+}
+
 /* --- all --- */
 
 static void make(void *argument)
@@ -122,8 +142,10 @@ static void make(void *argument)
 	}
 	tell_mass(spec, given);
 	spec->data = mj_makeData(spec->model);
-	if (spec->data != NULL)
-		mj_forward(spec->model, spec->data);
+	if (spec->data == NULL)
+		return;
+	set_pose(spec);
+	mj_forward(spec->model, spec->data);
 }
 
 /* One line of MuJoCo's message. */
@@ -139,7 +161,7 @@ static void join_lines(char *text)
 
 enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, const char *where)
 {
-	struct spec spec = {.where = where, .path = vehicle->scene->model, .scene = vehicle->scene, .gravity = scene->gravity};
+	struct spec spec = {.where = where, .path = vehicle->scene->model, .scene = vehicle->scene, .gravity = scene->gravity, .keyframe = -1};
 	TRY(vehicle_check_model(where, spec.path, &spec.urdf, &spec.welded));
 	enum status status = vehicle_guard(where, make, &spec);
 	vehicle->model = spec.model;
@@ -154,6 +176,12 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 		return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo " VEHICLE_MUJOCO_VERSION " reads", where, spec.path,
 				 spec.error[0] != '\0' ? spec.error : "MuJoCo does not read it");
 	TRY_MEM(vehicle->data, "a vehicle");
+	vehicle->keyframe = spec.keyframe;
+	if (vehicle->scene->keyframe != NULL && spec.keyframe < 0) {
+		char names[VEHICLE_NAMES];
+		vehicle_list_names(vehicle->model, mjOBJ_KEY, 0, (int)vehicle->model->nkey, names);
+		return fail_with(STATUS_INPUT, "%s: start.keyframe: %.64s is no keyframe of the model; there are: %s", where, vehicle->scene->keyframe, names);
+	}
 	const char *warning = vehicle_guard_warning();
 	if (warning[0] != '\0')
 		note("%s: %s: MuJoCo " VEHICLE_MUJOCO_VERSION " says: %s", where, spec.path, warning);

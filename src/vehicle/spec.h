@@ -18,6 +18,7 @@ struct spec {
 	mjSpec *spec;
 	mjModel *model;
 	mjData *data;
+	int keyframe;               /* -1: none */
 	char error[400];
 	enum status status;         /* of what is not MuJoCo's */
 };

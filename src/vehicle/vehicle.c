@@ -39,6 +39,9 @@ static enum status load(const struct scene *scene, struct vehicles *vehicles)
 		vehicles->list[i].scene = &scene->vehicles[i];
 		TRY(vehicle_read(&vehicles->list[i], scene));
 	}
+	TRY(vehicle_divide_step(vehicles));
+	for (size_t i = 0; i < vehicles->count; i++)
+		TRY(vehicle_set_timestep(&vehicles->list[i], vehicles->scene));
 	TRY(make_lists(vehicles));
 	TRY(vehicle_check_cameras(vehicles));
 	TRY(vehicle_between_create(vehicles));
@@ -61,6 +64,11 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	}
 	*out = vehicles;
 	return STATUS_OK;
+}
+
+const struct scene *vehicle_scene(const struct vehicles *vehicles, const struct scene *scene)
+{
+	return vehicles != NULL ? vehicles->scene : scene;
 }
 
 void vehicle_destroy(struct vehicles *vehicles)

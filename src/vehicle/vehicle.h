@@ -25,8 +25,11 @@ struct vehicles; /* all vehicles of a scene */
 const char *vehicle_engine(void);
 
 /* Reads the models of a scene. Changes nothing. *out is NULL if the scene has no vehicles. STATUS_INPUT: a model cannot be read or
- * does not fit the scene, its time_step is too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
+ * does not fit the scene, its time_step is far too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
 enum status vehicle_load(const struct scene *scene, struct vehicles **out) FURROW_CHECKED;
+/* Returns the scene as it is to be driven: `scene`, or a copy with a time_step that is stable for the vehicles, of which it is a whole part. It lives as
+ * long as the vehicles. NULL: there are none. */
+const struct scene *vehicle_scene(const struct vehicles *vehicles, const struct scene *scene);
 void vehicle_destroy(struct vehicles *vehicles); /* takes NULL */
 /* Returns how many numbers the vehicles add to the run's record (world_attach). For NULL: 0. */
 size_t vehicle_attached(const struct vehicles *vehicles);

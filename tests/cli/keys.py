@@ -139,6 +139,7 @@ ROWS = {
     "vehicles[].start.at": (CAR, {"vehicles.car.start.at": "[21, 20]"}),
     "vehicles[].start.yaw": (CAR, {"vehicles.car.start.yaw": "40"}),
     "vehicles[].soil": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel", "four").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.soil": "[left_fl, left_rl, right_fr]"}),
+    "vehicles[].start.keyframe": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel.xml", "four.xml").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.start.keyframe": "turned"}),
     "vehicles[].start.fixed": (URDF, {"vehicles.car.start.fixed": "true"}),
     "vehicles[].model_path": (URDF, {"vehicles.car.model_path": "[packages]"}),
     "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
@@ -263,7 +264,7 @@ TOLD = {"soil.face_strength": lambda run: run["soils"][0].get("face_strength"), 
         "cache.prefetch": lambda run: run["counts"]["threads"]}
 FOUR = """<mujoco model="four"><option timestep="0.002" integrator="implicit"/><worldbody><body name="car" pos="0 0 0.5"><freejoint/>
 <geom name="hull" type="box" size="0.8 0.3 0.1" mass="80" contype="0" conaffinity="0"/>%s</body></worldbody><actuator><position name="steer" joint="steer" kp="300"/>
-<velocity name="drive_a" joint="fl" kv="80"/><velocity name="drive_b" joint="fr" kv="80"/><velocity name="drive_c" joint="rl" kv="80"/><velocity name="drive_d" joint="rr" kv="80"/></actuator></mujoco>"""
+<velocity name="drive_a" joint="fl" kv="80"/><velocity name="drive_b" joint="fr" kv="80"/><velocity name="drive_c" joint="rl" kv="80"/><velocity name="drive_d" joint="rr" kv="80"/></actuator><keyframe><key name="turned" qpos="0 0 .5 1 0 0 0 .4 0 0 0 0" ctrl=".4 0 0 0 0"/></keyframe></mujoco>"""
 WHEELS = "".join(f'<body name="{name}" pos="{x} {y} -0.2">{steer}<joint name="{name}" axis="0 1 0"/><geom name="{"left" if y > 0 else "right"}_{name}" type="cylinder" size="0.3 0.1" '
                  'euler="90 0 0" mass="8"/></body>' for name, x, y, steer in (("fl", 0.6, 0.4, '<joint name="steer" axis="0 0 1" damping="5"/>'), ("fr", 0.6, -0.4, ""), ("rl", -0.6, 0.4, ""),
                                                                               ("rr", -0.6, -0.4, "")))

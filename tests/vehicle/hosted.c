@@ -402,9 +402,46 @@ static void soil_is_poured_beside_it(void **unused)
 	store_close(store);
 }
 
+/* A time_step that is too long for the soil is divided: to a host and to the command it is still one step, with the bits of a scene that gives
+ * the part. */
+static void a_step_that_is_divided_is_one_step(void **state)
+{
+	double steps[2] = {0.014, 0};
+	struct furrow_vehicle_state ends[2];
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		char *text, overlay[32];
+		prepare("");
+		text = support_text(support_path("scene.yaml"));
+		char *at = strstr(text, "time_step: 0.002"), changed[1200];
+		assert_non_null(at);
+		snprintf(changed, sizeof changed, "%.*stime_step: %.17g%s", (int)(at - text), text, steps[i], at + strlen("time_step: 0.002"));
+		free(text);
+		support_write(support_path("scene.yaml"), changed);
+		snprintf(overlay, sizeof overlay, "divided%d.furrow", i);
+		struct furrow_world *world = opened(support_path(overlay), NULL);
+		const double part = world_scene(world->world)->time_step;
+		steps[1] = part;
+		assert_true(i == 1 || part < steps[0]);
+		const double parts = round(steps[0] / part);
+		for (int step = 0; step < 5; step++) {
+			if (i == 0)
+				done(furrow_step(world, step < 3 ? 0 : steps[0]));
+			for (double k = 0; i == 1 && k < parts; k++)
+				done(furrow_step(world, 0));
+			assert_true(fabs(world_time(world->world) - (step + 1) * steps[0]) < 1e-12);
+		}
+		ends[i] = state_of(world);
+		done(furrow_world_close(world));
+	}
+	assert_same_state(&ends[0], &ends[1]);
+	assert_true(ends[0].distance > 0);
+}
+
 TEST_PROGRAM(hosted)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_step_that_is_divided_is_one_step),
 		cmocka_unit_test(it_drives_as_the_command_drives_it),
 		cmocka_unit_test(a_failed_step_loses_nothing),
 		cmocka_unit_test(a_scenes_end_ends_nothing),

@@ -85,6 +85,17 @@ static void a_step_that_does_not_fit_is_refused(void **state)
 	scene_destroy(scene);
 	const double steps = ceil(info.largest_step / 0.002);
 	snprintf(keys, sizeof keys, "time_step: %g", steps * 0.002);
+	/* A longer one is divided, by the least whole number that does. */
+	for (int parts = 2; parts < 4; parts++) {
+		snprintf(keys, sizeof keys, "time_step: %.17g", info.largest_step * (parts - 0.5));
+		must(rig_load(keys, "", &scene, &vehicles));
+		assert_true(fabs(vehicle_scene(vehicles, scene)->time_step - scene->time_step / parts) < 1e-15);
+		assert_int_equal(vehicles->list[0].engine_steps, (int)ceil(vehicle_scene(vehicles, scene)->time_step / 0.002 - 1e-6));
+		vehicle_destroy(vehicles);
+		scene_destroy(scene);
+	}
+	/* Not without end. */
+	snprintf(keys, sizeof keys, "time_step: %.17g", info.largest_step * 51);
 	snprintf(says, sizeof says, "is longer than %s s, the longest that is stable (car.wheel: 100 kg",
 		 number_at_most(info.largest_step, 3).text);
 	rig_refused(keys, "", STATUS_INPUT, says);
@@ -171,6 +182,35 @@ static void each_allocation_that_fails_is_told(void **state)
 	scene_destroy(scene);
 }
 
+static void a_keyframe_is_the_first_pose(void **state)
+{
+	struct vehicles *vehicles;
+	struct scene *scene;
+	char text[4096];
+	(void)state;
+	snprintf(text, sizeof text, rig_wheel, "", "", "");
+	char *end = strstr(text, "</mujoco>");
+	snprintf(end, sizeof text - (size_t)(end - text), "<keyframe><key name=\"half\" qpos=\"0 0 2 1 0 0 0 0.5\" ctrl=\"7\"/></keyframe></mujoco>");
+	support_write(support_path("model.xml"), text);
+	must(rig_load(STEP, "", &scene, &vehicles));
+	vehicle_destroy(vehicles);
+	scene_destroy(scene);
+	must(scene_load(support_path("scene.yaml"), &(struct scene_setting){"vehicles.car.start.keyframe", "half"}, 1, &scene));
+	must(vehicle_load(scene, &vehicles));
+	struct vehicle *car = &vehicles->list[0];
+	assert_true(car->data->qpos[2] == 2 && car->data->qpos[7] == 0.5);
+	vehicle_control(car, 0, true); /* nobody drives it */
+	assert_true(car->data->ctrl[0] == 7);
+	vehicle_control(car, 0, false); /* brakes hold a wheel */
+	assert_true(car->data->ctrl[0] == 0);
+	vehicle_destroy(vehicles);
+	scene_destroy(scene);
+	must(scene_load(support_path("scene.yaml"), &(struct scene_setting){"vehicles.car.start.keyframe", "full"}, 1, &scene));
+	assert_int_equal(vehicle_load(scene, &vehicles), STATUS_INPUT);
+	assert_non_null(strstr(failure_message(), "start.keyframe: full is no keyframe of the model; there are: half"));
+	scene_destroy(scene);
+}
+
 static void gravity_is_the_scene_s(void **state)
 {
 	struct vehicles *vehicles;
@@ -192,6 +232,7 @@ TEST_PROGRAM(load)
 		cmocka_unit_test(wheels_are_cylinders_that_turn_about_their_axis),
 		cmocka_unit_test(the_same_model_has_the_same_sum),
 		cmocka_unit_test(each_allocation_that_fails_is_told),
+		cmocka_unit_test(a_keyframe_is_the_first_pose),
 		cmocka_unit_test(gravity_is_the_scene_s),
 	};
 	return cmocka_run_group_tests_name("models of vehicles", tests, support_enter, support_leave);

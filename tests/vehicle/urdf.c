@@ -6,7 +6,7 @@
 #include "vehicle/internal.h"
 #include "../support/program.h"
 
-#define STEP "time_step: 0.001"
+#define STEP "time_step: 0.002"
 #define INERTIAL(mass, moments) "<inertial><mass value='" mass "'/><inertia " moments " ixy='0' ixz='0' iyz='0'/></inertial>"
 #define ROUND "ixx='.2' iyy='.3' izz='.2'"
 
