@@ -61,7 +61,26 @@ void soil_carried_destroy(struct soil_carried *carried)
 
 /* --- where the cells are --- */
 
-/* Soil above cells that the body has left falls; so does soil that a part of the body came down on from above. */
+/* Finds the neighbour of a cell that the body has left, to which the body pushes the soil above it: its edge there came up, and in below that soil. Returns false if there is none. */
+static bool find_pushed(const struct soil_carried *carried, size_t cell, size_t *to)
+{
+	const int side = carried->side, row = (int)(cell / (size_t)side), column = (int)(cell % (size_t)side);
+	int32_t most = 0;
+	for (int y = row - 1; y <= row + 1; y++)
+		for (int x = column - 1; x <= column + 1; x++) {
+			if (y < 0 || x < 0 || y >= side || x >= side)
+				continue;
+			const size_t i = (size_t)(y * side + x);
+			if (carried->tops[i] == CARRIED_OPEN || carried->before[i] == CARRIED_OPEN || carried->tops[i] <= carried->before[i] || carried->tops[i] - carried->before[i] <= most ||
+			    carried->amounts[i] > CARRIED_MOST - carried->amounts[cell])
+				continue;
+			most = carried->tops[i] - carried->before[i];
+			*to = i;
+		}
+	return most > 0;
+}
+
+/* Soil above cells that the body has left falls, unless the body pushes it inward; so does soil that a part of the body came down on from above. */
 static void let_fall(struct soil_carried *carried, double turned)
 {
 	const double most = 2 * (carried->spacing + soil_shape_bound(carried->shape) * turned);
@@ -70,7 +89,9 @@ static void let_fall(struct soil_carried *carried, double turned)
 		const int32_t top = carried->tops[i], before = carried->before[i];
 		if (carried->amounts[i] == 0 || (top != CARRIED_OPEN && (before == CARRIED_OPEN || (int64_t)top <= (int64_t)before + carried->amounts[i] + rise)))
 			continue;
-		carried->falls[i] += carried->amounts[i];
+		size_t to;
+		int32_t *const goes = top == CARRIED_OPEN && find_pushed(carried, i, &to) ? &carried->amounts[to] : &carried->falls[i];
+		*goes += carried->amounts[i];
 		carried->amounts[i] = 0;
 	}
 }
