@@ -360,6 +360,41 @@ static void soil_over_the_edge_of_the_world_is_not_lost(void **state)
 	done(furrow_world_close(d.world));
 }
 
+/* A hole of 2 m. */
+static double holed(int64_t x, int64_t y)
+{
+	return fabs((double)x * STORE - 5) < 1 && fabs((double)y * STORE - 5) < 1 ? NAN : GROUND;
+}
+
+/* What falls over a hole lands on its brim, or stays aboard until there is ground. */
+static void soil_over_a_hole_is_not_lost(void **state)
+{
+	(void)state;
+	struct dig d = open_dig(0.04, 0.5, holed);
+	d.x = 1.5;
+	d.y = 5;
+	d.z = GROUND + 2;
+	add_bucket(&d, "bucket", true);
+	dig(&d, 0.1, 0.6);
+	const long long full = carried_units(&d);
+	go(&d, 5, d.z, 0);
+	assert_int_equal(carried_units(&d), full);
+	go(&d, d.x, d.z, -120);
+	rest(&d, 2);
+	print_message("over the hole: %.2f of %.2f l aboard\n", litres(&d, carried_units(&d)), litres(&d, full));
+	assert_true(full > 0 && carried_units(&d) > 0);
+	assert_int_equal(ledger(&d), carried_units(&d));
+	go(&d, 7.5, d.z, -120);
+	rest(&d, 2);
+	/* Its back is now above, and nearly level: some soil lies on it. */
+	assert_true(carried_units(&d) < full / 10);
+	assert_int_equal(ledger(&d), carried_units(&d));
+	done(furrow_body_remove(d.world, d.body));
+	rest(&d, 1);
+	assert_int_equal(ledger(&d), 0);
+	done(furrow_world_close(d.world));
+}
+
 /* A lid does not touch the load: contacts feel ground alone. The load stays as it is. */
 static void a_lid_closes_upon_the_load(void **state)
 {
@@ -392,6 +427,7 @@ TEST_PROGRAM(buckets)
 		cmocka_unit_test(a_bucket_through_a_corner_of_tiles_keeps_its_load),
 		cmocka_unit_test(awkward_ways_keep_the_ledger),
 		cmocka_unit_test(soil_over_the_edge_of_the_world_is_not_lost),
+		cmocka_unit_test(soil_over_a_hole_is_not_lost),
 		cmocka_unit_test(a_lid_closes_upon_the_load),
 	};
 	return cmocka_run_group_tests_name("buckets", tests, support_enter, support_leave);
