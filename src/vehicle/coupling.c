@@ -65,14 +65,14 @@ struct step {
 
 size_t vehicle_coupling_room(const struct vehicle *vehicle)
 {
-	const size_t rows = 6 * (vehicle->geom_count + vehicle->carrier_count), nv = (size_t)vehicle->model->nv;
+	const size_t rows = 6 * (vehicle->geom_count + vehicle->carrying_count), nv = (size_t)vehicle->model->nv;
 	return nv * nv + 2 * rows * nv + 2 * rows * rows + 2 * rows + 8 * nv + 64;
 }
 
 enum status vehicle_make_room(struct vehicle *vehicle)
 {
 	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
-	vehicle->contacts = mem_calloc(vehicle->geom_count + vehicle->carrier_count, sizeof *vehicle->contacts);
+	vehicle->contacts = mem_calloc(vehicle->geom_count + vehicle->carrying_count, sizeof *vehicle->contacts);
 	return vehicle->room != NULL && vehicle->contacts != NULL ? STATUS_OK : fail_memory("a vehicle");
 }
 
@@ -409,7 +409,7 @@ static bool begin(struct step *step)
 			mju_zero3(geom->mean);
 	}
 	step->touching = step->count;
-	for (size_t i = 0; i < vehicle->geom_count && vehicle->carrier_count > 0; i++)
+	for (size_t i = 0; i < vehicle->geom_count && vehicle->carrying_count > 0; i++)
 		if (vehicle->geoms[i].load > 0)
 			step->list[step->count++] = (struct contact){.geom = &vehicle->geoms[i], .is_load = true};
 	step->rows = 6 * step->count;

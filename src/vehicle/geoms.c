@@ -303,7 +303,7 @@ static enum status let_carry(struct vehicle *vehicle, struct soil_geom *geom, co
 	if (geom->shape.belt)
 		return fail_with(STATUS_INPUT, "%s: carry: %s is a belt, which would take its soil along; leave it out of carry", where, geom->name);
 	geom->carries = true;
-	vehicle->carrier_count++;
+	vehicle->carrying_count++;
 	set_hinge_axes(vehicle, geom);
 	return STATUS_OK;
 }
@@ -316,7 +316,7 @@ static struct soil_geom *soil_geom_of(const struct vehicle *vehicle, int geom)
 	return NULL;
 }
 
-static enum status find_carriers(struct vehicle *vehicle, const char *where)
+static enum status find_carrying(struct vehicle *vehicle, const char *where)
 {
 	for (int i = 0; i < vehicle->model->ngeom; i++) {
 		char name[256];
@@ -329,7 +329,7 @@ static enum status find_carriers(struct vehicle *vehicle, const char *where)
 					 where, name);
 		TRY(let_carry(vehicle, geom, where));
 	}
-	return vehicle->scene->carry.count == 0 || vehicle->carrier_count > 0 ? STATUS_OK : no_geom(vehicle, "carry", where);
+	return vehicle->scene->carry.count == 0 || vehicle->carrying_count > 0 ? STATUS_OK : no_geom(vehicle, "carry", where);
 }
 
 enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
@@ -346,7 +346,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 	if (vehicle->geom_count == 0)
 		return no_geom(vehicle, "soil", where);
 	TRY(check_belts(vehicle, where));
-	return find_carriers(vehicle, where);
+	return find_carrying(vehicle, where);
 }
 
 void vehicle_free_geoms(struct vehicle *vehicle)

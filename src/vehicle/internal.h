@@ -69,7 +69,7 @@ struct vehicle {
 	int root;                   /* the body whose place is the vehicle's */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
-	size_t geom_count, carrier_count; /* carrier_count: of them carry soil */
+	size_t geom_count, carrying_count; /* carrying_count: of them carry soil */
 	struct driver driver;
 	int *joints;                /* joints with one number: columns q */
 	size_t joint_count;
@@ -85,7 +85,7 @@ struct vehicle {
 	struct trail trail;         /* of the whole drive; in the record */
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
-	struct contact *contacts;   /* geom_count + carrier_count: room for coupling.c */
+	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 	double *host_controls;      /* nu: what a host has set; NaN: the driver sets it */
 };
@@ -109,8 +109,8 @@ struct vehicles {
 	struct furrow_state *states;
 	struct furrow_belt *belts;
 	struct furrow_contact *contacts;
-	const struct soil_shape **carriers; /* shapes of the soil geoms that carry */
-	size_t carrier_count;
+	const struct soil_shape **aboard_shapes; /* shapes of the soil geoms that carry */
+	size_t carrying_count;
 	struct scene_object *drawn; /* what pictures show, in the order of `figures` */
 	struct figure *figures;
 	struct world_place *places; /* of the figures */

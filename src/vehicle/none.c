@@ -21,7 +21,7 @@ size_t vehicle_attached(const struct vehicles *vehicles)
 	return 0;
 }
 
-const struct soil_shape *const *vehicle_carriers(const struct vehicles *vehicles, size_t *count)
+const struct soil_shape *const *vehicle_aboard_shapes(const struct vehicles *vehicles, size_t *count)
 {
 	(void)vehicles;
 	*count = 0;

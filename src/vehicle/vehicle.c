@@ -17,7 +17,7 @@ static enum status make_lists(struct vehicles *vehicles)
 {
 	for (size_t v = 0; v < vehicles->count; v++) {
 		vehicles->geom_count += vehicles->list[v].geom_count;
-		vehicles->carrier_count += vehicles->list[v].carrier_count;
+		vehicles->carrying_count += vehicles->list[v].carrying_count;
 		vehicles->attached += vehicle_state_numbers(&vehicles->list[v]);
 	}
 	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
@@ -25,15 +25,15 @@ static enum status make_lists(struct vehicles *vehicles)
 	vehicles->belts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->belts);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
 	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
-	vehicles->carriers = mem_calloc(vehicles->carrier_count + 1, sizeof *vehicles->carriers);
+	vehicles->aboard_shapes = mem_calloc(vehicles->carrying_count + 1, sizeof *vehicles->aboard_shapes);
 	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->belts == NULL || vehicles->contacts == NULL ||
-	    vehicles->record == NULL || vehicles->carriers == NULL)
+	    vehicles->record == NULL || vehicles->aboard_shapes == NULL)
 		return fail_memory("the vehicles");
-	size_t carrier = 0;
+	size_t next = 0;
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
 			if (vehicles->list[v].geoms[g].carries)
-				vehicles->carriers[carrier++] = &vehicles->list[v].geoms[g].shape;
+				vehicles->aboard_shapes[next++] = &vehicles->list[v].geoms[g].shape;
 	return STATUS_OK;
 }
 
@@ -77,7 +77,7 @@ void vehicle_destroy(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		vehicle_forget(&vehicles->list[v]);
 	vehicle_free_figures(vehicles);
-	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles->carriers, vehicles);
+	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles->aboard_shapes, vehicles);
 }
 
 size_t vehicle_attached(const struct vehicles *vehicles)
@@ -85,10 +85,10 @@ size_t vehicle_attached(const struct vehicles *vehicles)
 	return vehicles != NULL ? vehicles->attached : 0;
 }
 
-const struct soil_shape *const *vehicle_carriers(const struct vehicles *vehicles, size_t *count)
+const struct soil_shape *const *vehicle_aboard_shapes(const struct vehicles *vehicles, size_t *count)
 {
-	*count = vehicles != NULL ? vehicles->carrier_count : 0;
-	return vehicles != NULL ? (const struct soil_shape *const *)vehicles->carriers : NULL;
+	*count = vehicles != NULL ? vehicles->carrying_count : 0;
+	return vehicles != NULL ? (const struct soil_shape *const *)vehicles->aboard_shapes : NULL;
 }
 
 enum status vehicle_record(struct vehicles *vehicles)

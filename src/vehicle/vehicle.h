@@ -30,7 +30,7 @@ size_t vehicle_attached(const struct vehicles *vehicles);
 
 /* Returns the shapes of the soil geoms that carry soil, in the order in which vehicle_join adds them; valid as long as the vehicles. *count: how many.
  * `vehicles` may be NULL. */
-const struct soil_shape *const *vehicle_carriers(const struct vehicles *vehicles, size_t *count);
+const struct soil_shape *const *vehicle_aboard_shapes(const struct vehicles *vehicles, size_t *count);
 
 /* Finds the longest stable step again, with the highest elastic stiffness of the scene's rasters. Needs a world that is prepared, or prepared for
  * a plan; without a store no raster is known. STATUS_INPUT: the scene's time_step is longer. NULL: there are no vehicles. */

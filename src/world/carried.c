@@ -124,8 +124,8 @@ void world_carried_plan(const struct world *world, struct plan *plan)
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		if (world->scene->objects[i].carry)
 			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * each;
-	for (size_t i = 0; i < world->params.carrier_count; i++)
-		bytes += soil_carried_numbers(world->params.carriers[i], world->resident.spacing) * each;
+	for (size_t i = 0; i < world->params.carrying_count; i++)
+		bytes += soil_carried_numbers(world->params.aboard_shapes[i], world->resident.spacing) * each;
 	if (bytes > 0)
 		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = "scm", .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
 }
@@ -218,13 +218,13 @@ size_t world_carried_numbers(const struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		count += numbers_of(&world->scene->objects[i], world->resident.spacing);
-	for (size_t i = 0; i < world->params.carrier_count; i++)
-		count += soil_carried_numbers(world->params.carriers[i], world->resident.spacing);
+	for (size_t i = 0; i < world->params.carrying_count; i++)
+		count += soil_carried_numbers(world->params.aboard_shapes[i], world->resident.spacing);
 	return count;
 }
 
 /* Returns the body of a vehicle that carries, the first from number *at on, and moves *at behind it. NULL: there is none. */
-static struct body *next_carrier(const struct world *world, size_t *at)
+static struct body *next_aboard(const struct world *world, size_t *at)
 {
 	while (*at < world->body_count) {
 		struct body *body = world->bodies[(*at)++];
@@ -245,7 +245,7 @@ void world_carried_record(const struct world *world, struct record *record)
 		numbers += count;
 	}
 	size_t at = 0;
-	for (const struct body *body = next_carrier(world, &at); body != NULL; body = next_carrier(world, &at)) {
+	for (const struct body *body = next_aboard(world, &at); body != NULL; body = next_aboard(world, &at)) {
 		soil_carried_save(body->carried, numbers);
 		numbers += soil_carried_numbers(&body->object->shape, world->resident.spacing);
 	}
@@ -272,7 +272,7 @@ enum status world_carried_rejoin(struct world *world)
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		numbers += world->record->objects[i].carried;
 	size_t at = 0;
-	for (const struct body *body = next_carrier(world, &at); body != NULL; body = next_carrier(world, &at)) {
+	for (const struct body *body = next_aboard(world, &at); body != NULL; body = next_aboard(world, &at)) {
 		if (!soil_carried_load(numbers, body->carried))
 			return world_record_damaged(world->facts.path, "the soil aboard its vehicles");
 		if (body->host.placed)

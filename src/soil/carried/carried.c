@@ -61,7 +61,7 @@ void soil_carried_destroy(struct soil_carried *carried)
 
 /* --- where the cells are --- */
 
-/* Finds the neighbour of a cell that the body has left, to which the body pushes the soil above it: its edge there came up, and in below that soil. Returns false if there is none. */
+/* Finds the neighbour to which the body pushes soil above a cell that it has left. Its edge there came up, and in below that soil. Returns false if there is none. */
 static bool find_pushed(const struct soil_carried *carried, size_t cell, size_t *to)
 {
 	const int side = carried->side, row = (int)(cell / (size_t)side), column = (int)(cell % (size_t)side);
@@ -80,7 +80,7 @@ static bool find_pushed(const struct soil_carried *carried, size_t cell, size_t 
 	return most > 0;
 }
 
-/* Soil above cells that the body has left falls, unless the body pushes it inward; so does soil that a part of the body came down on from above. */
+/* Soil above cells that the body has left falls, unless the body pushes it inward. So does soil that a part of the body came down on from above. */
 static void let_fall(struct soil_carried *carried, double turned)
 {
 	const double most = 2 * (carried->spacing + soil_shape_bound(carried->shape) * turned);
