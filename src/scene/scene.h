@@ -163,6 +163,7 @@ struct scene_vehicle {
 	struct scene_texts model_path;   /* folders of packages, resolved relative to the scene's file */
 	struct scene_servo servo;        /* of joints that the driver names and that have no actuator */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
+	struct scene_texts carry;        /* patterns of those that carry soil; none: no geom */
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
@@ -450,6 +451,9 @@ double scene_slip_way(const struct scene_object *object, double x, double y, dou
 double scene_sinkage_guess(const struct scene *scene, const struct scene_object *object);
 /* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
 bool scene_moves_bodies(const struct scene *scene);
+/* Tell whether geoms of vehicles may carry soil; and whether those or objects may. */
+bool scene_vehicles_carry(const struct scene *scene);
+bool scene_carries(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
  * `scene`, so do not destroy `out`. */
 void scene_unwatched(const struct scene *scene, struct scene *out);

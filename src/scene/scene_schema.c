@@ -345,6 +345,7 @@ static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_SEQUENCE("soil", OPTIONAL_POINTER, struct raw_vehicle, soil, &pattern_entry, 1, 256),
 	CYAML_FIELD_SEQUENCE("model_path", OPTIONAL_POINTER, struct raw_vehicle, model_path, &folder_entry, 1, 64),
 	CYAML_FIELD_MAPPING_PTR("servo", OPTIONAL, struct raw_vehicle, servo, servo_fields),
+	CYAML_FIELD_SEQUENCE("carry", OPTIONAL_POINTER, struct raw_vehicle, carry, &pattern_entry, 1, 256),
 	CYAML_FIELD_MAPPING_PTR("driver", OPTIONAL, struct raw_vehicle, driver, driver_fields),
 	CYAML_FIELD_END,
 };

@@ -29,7 +29,7 @@ struct soil_carried {
 	int32_t *falls;                 /* soil that the body does not hold up any more, until it is put on the ground */
 	int32_t *changes;               /* for soil_carried_settle: of each cell in an iteration, */
 	ptrdiff_t *posts;               /* and the post beside the body with which it exchanges soil, in the planes; -1: none */
-	void *scratch;
+	void *scratch;                  /* struct soil_carried_cells: shares of cells, and sills between them */
 	double yaw, pitch, roll, turn;  /* for which `tops` are */
 	double heading;                 /* of the cells above the body's yaw, rad: 0, or pi after an attitude was told by its other angles */
 	bool placed;                    /* tops are known */

@@ -17,6 +17,7 @@ static enum status make_lists(struct vehicles *vehicles)
 {
 	for (size_t v = 0; v < vehicles->count; v++) {
 		vehicles->geom_count += vehicles->list[v].geom_count;
+		vehicles->carrying_count += vehicles->list[v].carrying_count;
 		vehicles->attached += vehicle_state_numbers(&vehicles->list[v]);
 	}
 	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
@@ -24,9 +25,15 @@ static enum status make_lists(struct vehicles *vehicles)
 	vehicles->belts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->belts);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
 	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
+	vehicles->aboard_shapes = mem_calloc(vehicles->carrying_count + 1, sizeof *vehicles->aboard_shapes);
 	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->belts == NULL || vehicles->contacts == NULL ||
-	    vehicles->record == NULL)
+	    vehicles->record == NULL || vehicles->aboard_shapes == NULL)
 		return fail_memory("the vehicles");
+	size_t next = 0;
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			if (vehicles->list[v].geoms[g].carries)
+				vehicles->aboard_shapes[next++] = &vehicles->list[v].geoms[g].shape;
 	return STATUS_OK;
 }
 
@@ -79,12 +86,18 @@ void vehicle_destroy(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		vehicle_forget(&vehicles->list[v]);
 	vehicle_free_figures(vehicles);
-	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles);
+	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles->aboard_shapes, vehicles);
 }
 
 size_t vehicle_attached(const struct vehicles *vehicles)
 {
 	return vehicles != NULL ? vehicles->attached : 0;
+}
+
+const struct soil_shape *const *vehicle_aboard_shapes(const struct vehicles *vehicles, size_t *count)
+{
+	*count = vehicles != NULL ? vehicles->carrying_count : 0;
+	return vehicles != NULL ? (const struct soil_shape *const *)vehicles->aboard_shapes : NULL;
 }
 
 enum status vehicle_record(struct vehicles *vehicles)
@@ -99,7 +112,7 @@ enum status vehicle_record(struct vehicles *vehicles)
 
 static enum status add_body(struct world *world, struct soil_geom *geom)
 {
-	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape};
+	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape, .carry = geom->carries};
 	TRY_MEM(object.name, "a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
 	if (status != STATUS_OK) {
@@ -121,8 +134,10 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
-	if (recorded != NULL)
-		return vehicle_restore(vehicles, recorded);
+	if (recorded != NULL) {
+		TRY(vehicle_restore(vehicles, recorded));
+		return world_carried_rejoin(world);
+	}
 	vehicle_save(vehicles, vehicles->record);
 	world_attach(world, vehicles->record);
 	vehicle_show(vehicles);
@@ -163,12 +178,24 @@ bool vehicle_rows_due(struct vehicles *vehicles)
 	return true;
 }
 
+struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t vehicle, size_t number, bool *carries)
+{
+	const struct soil_geom *geom = &vehicles->list[vehicle].geoms[number];
+	*carries = geom->carries;
+	return geom->carries ? world_aboard(vehicles->world, (size_t)geom->number) : (struct world_aboard){0, 0, 0};
+}
+
 void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *row)
 {
 	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
 	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
 	vehicle_actuators(vehicles, index, vehicles->list[index].row_actuators, vehicles->list[index].row_actuators + vehicles->list[index].model->nactuator);
 	fill_row(&vehicles->list[index], row);
+	for (size_t g = 0; g < vehicles->list[index].geom_count; g++) {
+		bool carries;
+		const struct world_aboard aboard = vehicle_geom_aboard(vehicles, index, g, &carries);
+		row->aboard = (struct world_aboard){row->aboard.units + aboard.units, row->aboard.volume + aboard.volume, row->aboard.weight + aboard.weight};
+	}
 }
 
 static enum deform_state state_of(enum furrow_contact_state state)

@@ -65,6 +65,37 @@ void world_carried_force(const struct world *world, const struct body *body, dou
 	soil_carried_weigh(body->carried, weights, force, moment);
 }
 
+/* Finds the centre of the soil aboard, m from the body's centre along local axes. What falls counts as level with that. */
+static void find_centre(const struct soil_carried *carried, double centre[3])
+{
+	const double c = cos(carried->yaw + carried->heading), s = sin(carried->yaw + carried->heading);
+	double sums[3] = {0, 0, 0};
+	for (int row = 0; row < carried->side; row++)
+		for (int column = 0; column < carried->side; column++) {
+			const size_t i = (size_t)(row * carried->side + column);
+			const double amount = (double)carried->amounts[i] + (double)carried->falls[i];
+			sums[0] += amount * (column - carried->half);
+			sums[1] += amount * (row - carried->half);
+			if (carried->amounts[i] > 0 && carried->tops[i] != CARRIED_OPEN)
+				sums[2] += (double)carried->amounts[i] * lattice_offset_metres(carried->tops[i] + carried->amounts[i] / 2);
+		}
+	const double x = sums[0] / (double)carried->total * carried->spacing, y = sums[1] / (double)carried->total * carried->spacing;
+	centre[0] = c * x - s * y;
+	centre[1] = s * x + c * y;
+	centre[2] = sums[2] / (double)carried->total;
+}
+
+bool world_body_load(const struct world *world, int32_t number, double *weight, double centre[3])
+{
+	const struct body *body = world_body_at(world, (size_t)number);
+	*weight = centre[0] = centre[1] = centre[2] = 0;
+	if (!carries(body) || body->carried->total == 0)
+		return false;
+	*weight = world_carried_load(world, body);
+	find_centre(body->carried, centre);
+	return true;
+}
+
 double world_carried_load(const struct world *world, const struct body *body)
 {
 	double force[3] = {0}, moment[3];
@@ -89,9 +120,12 @@ struct world_aboard world_aboard(const struct world *world, size_t number)
 void world_carried_plan(const struct world *world, struct plan *plan)
 {
 	uint64_t bytes = 0;
+	const size_t each = sizeof(int64_t) + 18; /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->scene->objects[i].carry) /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
-			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * (sizeof(int64_t) + 18);
+		if (world->scene->objects[i].carry)
+			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * each;
+	for (size_t i = 0; i < world->params.carrying_count; i++)
+		bytes += soil_carried_numbers(world->params.aboard_shapes[i], world->resident.spacing) * each;
 	if (bytes > 0)
 		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = "scm", .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
 }
@@ -110,17 +144,37 @@ static int by_place(const void *a, const void *b, void *user)
 	return *(const size_t *)a < *(const size_t *)b ? -1 : 1;
 }
 
-static enum status settle(struct world *world, struct body *body, size_t rests)
+static struct bearing_laden laden_of(const struct body *body)
 {
-	const struct deform_rest rest = {&body->object->shape, body->last, body->loaded_body};
-	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &rest);
+	return (struct bearing_laden){body->carried, {&body->object->shape, body->last, body->loaded_body}};
+}
+
+/* Lists other bodies that may be below what falls from one. */
+static size_t others_of(const struct world *world, const struct body *body, const size_t *order, size_t count, struct bearing_laden *others)
+{
+	const struct bearing_laden own = laden_of(body);
+	const struct post_rect reach = bearing_carried_posts(world->bearing, own.carried, &own.rest);
+	size_t found = 0;
+	for (size_t i = 0; i < count; i++) {
+		const struct body *other = world->bodies[order[i]];
+		const struct bearing_laden laden = laden_of(other);
+		if (other != body && !other->host.removed && other->has_last && !post_rect_empty(post_rect_intersect(reach, bearing_carried_posts(world->bearing, laden.carried, &laden.rest))))
+			others[found++] = laden;
+	}
+	return found;
+}
+
+static enum status settle(struct world *world, struct body *body, size_t rests, const struct bearing_laden *others, size_t other_count)
+{
+	const struct bearing_aboard how = {laden_of(body), drops(body), others, other_count, world->relaxation.rests, rests};
+	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &how.body.rest);
 	struct held_tiles held;
 	struct post_rect changed;
 	enum status status;
 	if (post_rect_empty(posts))
 		return STATUS_OK;
 	TRY(world_hold(world, posts, &held));
-	TRY_OR(done, bearing_carried_settle(world->bearing, body->carried, &rest, drops(body), world->relaxation.rests, rests, held.tiles, held.count, &changed));
+	TRY_OR(done, bearing_carried_settle(world->bearing, &how, held.tiles, held.count, &changed));
 	if (!post_rect_empty(changed))
 		TRY_OR(done, world_mark(world, changed, &held));
 done:
@@ -130,29 +184,33 @@ done:
 
 enum status world_carried_settle(struct world *world, size_t rests)
 {
-	size_t *order, count = 0;
+	struct bearing_laden *others = NULL;
+	size_t *order = NULL, count = 0;
 	enum status status = STATUS_OK;
 	if (!world_carries(world))
 		return STATUS_OK;
-	TRY(mem_make(&order, world->body_count, sizeof *order, "soil aboard bodies"));
+	TRY_OR(done, mem_make(&order, world->body_count, sizeof *order, "soil aboard bodies"));
+	TRY_OR(done, mem_make(&others, world->body_count, sizeof *others, "soil aboard bodies"));
 	for (size_t i = 0; i < world->body_count; i++)
 		if (carries(world->bodies[i]) && (world->bodies[i]->has_last || drops(world->bodies[i])) && !world->bodies[i]->elsewhere)
 			order[count++] = i;
 	if (count > 1)
 		qsort_r(order, count, sizeof *order, by_place, world->bodies);
-	for (size_t i = 0; i < count; i++)
-		TRY_OR(done, settle(world, world->bodies[order[i]], rests));
+	for (size_t i = 0; i < count; i++) {
+		struct body *body = world->bodies[order[i]];
+		TRY_OR(done, settle(world, body, rests, others, others_of(world, body, order, count, others)));
+	}
 done:
-	mem_free(order);
+	mem_free_all(order, others);
 	return status;
 }
 
 /* --- the record, and checkpoints --- */
 
-/* Returns how many numbers the record keeps of an object of the scene. A host's bodies begin anew. */
+/* Returns how many numbers the record keeps of an object of the scene. Bodies that a host adds begin anew. */
 static size_t numbers_of(const struct scene_object *object, double spacing)
 {
-	return object->carry && object->path.count > 0 ? soil_carried_numbers(&object->shape, spacing) : 0;
+	return object->carry ? soil_carried_numbers(&object->shape, spacing) : 0;
 }
 
 size_t world_carried_numbers(const struct world *world)
@@ -160,7 +218,20 @@ size_t world_carried_numbers(const struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		count += numbers_of(&world->scene->objects[i], world->resident.spacing);
+	for (size_t i = 0; i < world->params.carrying_count; i++)
+		count += soil_carried_numbers(world->params.aboard_shapes[i], world->resident.spacing);
 	return count;
+}
+
+/* Returns the body of a vehicle that carries, the first from number *at on, and moves *at behind it. NULL: there is none. */
+static struct body *next_aboard(const struct world *world, size_t *at)
+{
+	while (*at < world->body_count) {
+		struct body *body = world->bodies[(*at)++];
+		if (carries(body) && body->kind == BODY_VEHICLE)
+			return body;
+	}
+	return NULL;
 }
 
 void world_carried_record(const struct world *world, struct record *record)
@@ -172,6 +243,11 @@ void world_carried_record(const struct world *world, struct record *record)
 		if (count > 0)
 			soil_carried_save(world->bodies[i]->carried, numbers);
 		numbers += count;
+	}
+	size_t at = 0;
+	for (const struct body *body = next_aboard(world, &at); body != NULL; body = next_aboard(world, &at)) {
+		soil_carried_save(body->carried, numbers);
+		numbers += soil_carried_numbers(&body->object->shape, world->resident.spacing);
 	}
 }
 
@@ -186,6 +262,22 @@ enum status world_carried_resume(struct world *world)
 		if (count > 0 && record->objects[i].next > 0)
 			soil_carried_place(world->bodies[i]->carried, &record->objects[i].last);
 		numbers += count;
+	}
+	return STATUS_OK;
+}
+
+enum status world_carried_rejoin(struct world *world)
+{
+	const int64_t *numbers = world_record_carried(world->record, world->scene->object_count);
+	for (size_t i = 0; i < world->scene->object_count; i++)
+		numbers += world->record->objects[i].carried;
+	size_t at = 0;
+	for (const struct body *body = next_aboard(world, &at); body != NULL; body = next_aboard(world, &at)) {
+		if (!soil_carried_load(numbers, body->carried))
+			return world_record_damaged(world->facts.path, "the soil aboard its vehicles");
+		if (body->host.placed)
+			soil_carried_place(body->carried, &body->last);
+		numbers += soil_carried_numbers(&body->object->shape, world->resident.spacing);
 	}
 	return STATUS_OK;
 }

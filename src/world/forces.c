@@ -27,6 +27,7 @@ struct entry {
 	struct soil_pose pose;
 	double slip;
 	struct world_force force;
+	struct world_aboard aboard;
 };
 
 struct forces {
@@ -184,6 +185,13 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	return STATUS_OK;
 }
 
+/* Adds the weight of what a body carries. */
+static struct world_force with_load(const struct world *world, const struct body *body, struct world_force force)
+{
+	world_carried_force(world, body, force.force, force.moment);
+	return force;
+}
+
 /* Adds the rows of bodies of vehicles. */
 static enum status add_vehicles(struct forces *forces, double t)
 {
@@ -191,16 +199,9 @@ static enum status add_vehicles(struct forces *forces, double t)
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
 		if (body != NULL && body->kind == BODY_VEHICLE && body->host.placed && !body->elsewhere)
-			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force}));
+			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, with_load(world, body, body->host.force), world_aboard_of(world, body)}));
 	}
 	return STATUS_OK;
-}
-
-/* Adds the weight of what a body carries. */
-static struct world_force with_load(const struct world *world, const struct body *body, struct world_force force)
-{
-	world_carried_force(world, body, force.force, force.moment);
-	return force;
 }
 
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
@@ -217,7 +218,8 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 			const struct standing *at = &forces->standing[i];
 			const struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
 			if (at->placed && !world->bodies[i]->elsewhere)
-				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force)}));
+				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force),
+						      world_aboard_of(world, world->bodies[i])}));
 		}
 		TRY(add_vehicles(forces, t));
 	}
@@ -235,6 +237,7 @@ static enum status give_row(struct forces *forces, const struct entry *entry)
 		.slip = entry->slip,
 		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
 		.force = entry->force,
+		.aboard = entry->aboard,
 	};
 	if (!world_feels(world)) {
 		for (int i = 0; i < 3; i++)

@@ -99,7 +99,7 @@ class Runner:
         return result.returncode, PROGRESS.sub("", result.stdout)
 
 
-@chosen_tests(6)  # of twelve
+@chosen_tests(6)  # of thirteen
 class Tutorials(unittest.TestCase):
     maxDiff = None
 
@@ -175,6 +175,15 @@ class Tutorials(unittest.TestCase):
 
     def test_a_rover_on_mars(self):
         self.page("rover-on-mars.md", needs=["gdal_translate"])
+
+    def test_digging(self):
+        folder = self.page("digging.md").folder
+        for out, most, least in (("dig", 28.2e-3, 0.8), ("scoop", 0.54e-3, 0.8)):
+            with open(folder / out / "vehicles.csv", newline="") as file:
+                carried = [float(row["carried"]) for row in csv.DictReader(file)]
+            lifted = max(volume for volume, later in zip(carried, carried[15:]) if volume > 0 and abs(volume - later) < 0.01 * volume)
+            self.assertTrue(least * most < lifted < 1.5 * most, (out, lifted))
+            self.assertEqual(carried[-1], 0)
 
     def test_soil_from_your_own_tests(self):
         self.page("../SOIL-TESTS.md")
