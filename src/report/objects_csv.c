@@ -1,5 +1,5 @@
 /* objects.csv: the forces of the soil on each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. With vehicles
- * there is one more, their work on the soil. */
+ * there is one more, their work on the soil. Bodies that carry soil have it, too, and what is aboard. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,11 +8,11 @@
 #include "report/rows_file.h"
 
 #define COLUMNS "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual"
-static const char header_of_objects[] = COLUMNS "\n", header_of_vehicles[] = COLUMNS ",work\n";
+static const char header_of_objects[] = COLUMNS "\n", header_of_vehicles[] = COLUMNS ",work\n", header_of_carriers[] = COLUMNS ",work,carried,carried_weight\n";
 
 const char *report_objects_columns(void)
 {
-	return "t, x, y, z, sinkage, fx, fy, fz, tx, ty, tz, slip, contact_area, load, residual; with vehicles work, too";
+	return "t, x, y, z, sinkage, fx, fy, fz, tx, ty, tz, slip, contact_area, load, residual; with vehicles work, too; with carry work, carried, carried_weight";
 }
 
 bool report_objects_column(const char *name)
@@ -22,7 +22,7 @@ bool report_objects_column(const char *name)
 		if (strcmp(name, texts[i]) == 0)
 			return false;
 	const size_t length = strlen(name);
-	for (const char *at = header_of_vehicles; *at != '\0'; at += strcspn(at, ",\n") + 1)
+	for (const char *at = header_of_carriers; *at != '\0'; at += strcspn(at, ",\n") + 1)
 		if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\n'))
 			return true;
 	return false;
@@ -47,17 +47,23 @@ static enum status write_row(const struct report_rows *rows, const struct world_
 		[DEFORM_TOUCHING] = "touching", [DEFORM_SLIDES] = "slides", [DEFORM_SUNK] = "sunk", [DEFORM_AIR] = "air",
 	};
 	const char *soil = row->soil >= 0 ? world_scene(rows->world)->soil_names[row->soil] : "";
-	char load[32] = "", work[32] = "";
-	if (world_scene(rows->world)->vehicle_count > 0)
+	const struct body *body = world_body(rows->world, row->body);
+	const bool tells = world_carries(rows->world), carries = body->carried != NULL;
+	char load[32] = "", work[32] = "", aboard[64] = "";
+	if (world_scene(rows->world)->vehicle_count > 0 || tells)
 		strcpy(work, ",");
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
-	if (world_body(rows->world, row->body)->kind == BODY_VEHICLE)
+	if (body->kind == BODY_VEHICLE || carries)
 		snprintf(work, sizeof work, ",%.9g", force->work);
-	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g%s\n", row->time, object->name,
+	if (carries)
+		snprintf(aboard, sizeof aboard, ",%.9g,%.9g", row->aboard.volume, row->aboard.weight);
+	else if (tells)
+		strcpy(aboard, ",,");
+	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g%s%s\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
 			      force->force[2], force->moment[0], force->moment[1], force->moment[2], row->slip, force->area, load, soil,
-			      states[force->state], force->residual, work);
+			      states[force->state], force->residual, work, aboard);
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 
@@ -93,7 +99,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	TRY_MEM(rows, "objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory};
 	bool begins;
-	const char *header = world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
+	const char *header = world_carries(world) ? header_of_carriers : world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
 	enum status status;
 	TRY_OR(failed, report_rows_file_open(world, path, header, &rows->file, &begins));
 	if (begins && fputs(header, rows->file) < 0)

@@ -269,6 +269,16 @@ static void add_way(cJSON *object, const struct body *body, double time)
 	mem_free(places);
 }
 
+/* Returns the struck capacity of a body as its path is level, m3; NaN: out of memory. */
+static double capacity_of(const struct body *body)
+{
+	const double *attitude = body->object->path.attitude;
+	struct soil_part whole = {.shape = &body->object->shape};
+	double capacity;
+	soil_axes(attitude[0], attitude[1], attitude[2], 0, whole.axes);
+	return soil_struck_capacity(&whole, 1, &capacity) == STATUS_OK ? capacity : (double)NAN;
+}
+
 static void add_objects(cJSON *root, const struct report *report)
 {
 	cJSON *objects = cJSON_AddObjectToObject(root, "objects");
@@ -286,6 +296,8 @@ static void add_objects(cJSON *root, const struct report *report)
 			json_number(told, "volume", aboard.volume);
 			json_number(told, "weight", aboard.weight);
 			json_integer(told, "quanta", aboard.units);
+			json_number(told, "capacity", capacity_of(body));
+			json_number(told, "gravity", world_scene(report->world)->gravity);
 		}
 		if (body->object->load > 0 && body->has_last)
 			json_number(object, "z", lattice_offset_metres(body->equilibrium));

@@ -69,7 +69,8 @@ struct world_row {
 	double position[3];  /* m, of the body's origin */
 	/* index of the soil at the post nearest to the origin, in the scene's soils; -1: outside the terrain */
 	int soil;
-	struct world_force force;
+	struct world_force force;     /* with the weight of what it carries */
+	struct world_aboard aboard;
 };
 /* Gives the rows of the steps since world_rows_clear, in order. A step adds its rows at its end; one that fails adds none. */
 const struct world_row *world_rows(const struct world *world, size_t *count);

@@ -27,6 +27,7 @@ struct entry {
 	struct soil_pose pose;
 	double slip;
 	struct world_force force;
+	struct world_aboard aboard;
 };
 
 struct forces {
@@ -117,6 +118,16 @@ static struct world_force force_of(const struct deform_forces *from)
 	return force;
 }
 
+/* Takes the next path sample of a body. One that carries soil does work from a sample to the next if the soil bears it at both. */
+static void stand(const struct forces *forces, size_t body, struct standing next)
+{
+	struct standing *standing = &forces->standing[body];
+	next.force.work = standing->force.work;
+	if (forces->world->bodies[body]->carried != NULL && standing->felt && next.felt)
+		next.force.work += world_work_between(&standing->pose, &standing->force, &next.pose, &next.force);
+	*standing = next;
+}
+
 void world_forces_felt(struct forces *forces, size_t body, const struct event *event, const struct deform_forces *from)
 {
 	if (forces == NULL)
@@ -125,7 +136,7 @@ void world_forces_felt(struct forces *forces, size_t body, const struct event *e
 	struct standing *standing = standing_of(forces, body);
 	forces->saturated += from->saturated;
 	if (standing != NULL)
-		*standing = (struct standing){event->pose, force, true, true, true};
+		stand(forces, body, (struct standing){event->pose, force, true, true, true});
 	else if (world_body(forces->world, body)->kind == BODY_HOST)
 		world_host_felt(forces->world, body, event->time, &force);
 }
@@ -150,13 +161,11 @@ void world_forces_absent(struct forces *forces, size_t body, const struct event 
 	struct standing *standing = standing_of(forces, body);
 	if (standing == NULL)
 		return;
-	const int64_t z = event->contact ? event->pose.z : standing->pose.z; /* there may be no ground */
+	struct standing next = {.pose = event->pose, .force = standing->force, .placed = true};
+	next.pose.z = event->contact ? event->pose.z : standing->pose.z; /* there may be no ground */
 	if (event->contact || !world_feels(forces->world)) /* in the air above it; the record has the same */
-		standing->force = world_no_force(z);
-	standing->pose = event->pose;
-	standing->pose.z = z;
-	standing->placed = true;
-	standing->felt = standing->met = false;
+		next.force = world_no_force(next.pose.z);
+	stand(forces, body, next);
 }
 
 bool world_forces_known(const struct forces *forces, size_t body, struct world_force *force)
@@ -191,7 +200,7 @@ static enum status add_vehicles(struct forces *forces, double t)
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
 		if (body != NULL && body->kind == BODY_VEHICLE && body->host.placed && !body->elsewhere)
-			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force}));
+			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force, world_aboard_of(world, body)}));
 	}
 	return STATUS_OK;
 }
@@ -215,9 +224,10 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 			return STATUS_OK;
 		for (size_t i = 0; i < world->scene->object_count; i++) {
 			const struct standing *at = &forces->standing[i];
-			const struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
+			struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
+			force.work = at->force.work;
 			if (at->placed && !world->bodies[i]->elsewhere)
-				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force)}));
+				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force), world_aboard_of(world, world->bodies[i])}));
 		}
 		TRY(add_vehicles(forces, t));
 	}
@@ -235,6 +245,7 @@ static enum status give_row(struct forces *forces, const struct entry *entry)
 		.slip = entry->slip,
 		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
 		.force = entry->force,
+		.aboard = entry->aboard,
 	};
 	if (!world_feels(world)) {
 		for (int i = 0; i < 3; i++)
