@@ -37,16 +37,16 @@ static void print_aboard(const struct scene *scene, const struct report_plan *pl
 {
 	const uint64_t bytes = bytes_of(&plan->plan, "soil aboard bodies");
 	char text[400], names[160] = "";
-	size_t carriers = 0;
+	size_t carrying = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (scene->objects[i].carry && carriers++ < 3)
-			snprintf(names + strlen(names), sizeof names - strlen(names), "%s%.40s", carriers > 1 ? ", " : "", scene->objects[i].name);
+		if (scene->objects[i].carry && carrying++ < 3)
+			snprintf(names + strlen(names), sizeof names - strlen(names), "%s%.40s", carrying > 1 ? ", " : "", scene->objects[i].name);
 	if (bytes == 0)
 		return;
 	begin(begun);
-	if (carriers > 3)
-		snprintf(names + strlen(names), sizeof names - strlen(names), " and %zu more", carriers - 3);
-	snprintf(text, sizeof text, "carry: soil stays aboard %s: %s. It settles after each contact, and for each %g s of simulated time while it moves", carriers > 0 ? names : "bodies",
+	if (carrying > 3)
+		snprintf(names + strlen(names), sizeof names - strlen(names), " and %zu more", carrying - 3);
+	snprintf(text, sizeof text, "carry: soil stays aboard %s: %s. It settles after each contact, and for each %g s of simulated time while it moves", carrying > 0 ? names : "bodies",
 		 layout_bytes(bytes).text, scene->interval);
 	layout_wrapped(text, 4);
 }

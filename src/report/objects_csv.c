@@ -8,7 +8,7 @@
 #include "report/rows_file.h"
 
 #define COLUMNS "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual"
-static const char header_of_objects[] = COLUMNS "\n", header_of_vehicles[] = COLUMNS ",work\n", header_of_carriers[] = COLUMNS ",work,carried,carried_weight\n";
+static const char header_of_objects[] = COLUMNS "\n", header_of_vehicles[] = COLUMNS ",work\n", header_of_loads[] = COLUMNS ",work,carried,carried_weight\n";
 
 const char *report_objects_columns(void)
 {
@@ -22,7 +22,7 @@ bool report_objects_column(const char *name)
 		if (strcmp(name, texts[i]) == 0)
 			return false;
 	const size_t length = strlen(name);
-	for (const char *at = header_of_carriers; *at != '\0'; at += strcspn(at, ",\n") + 1)
+	for (const char *at = header_of_loads; *at != '\0'; at += strcspn(at, ",\n") + 1)
 		if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\n'))
 			return true;
 	return false;
@@ -99,7 +99,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	TRY_MEM(rows, "objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory};
 	bool begins;
-	const char *header = world_carries(world) ? header_of_carriers : world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
+	const char *header = world_carries(world) ? header_of_loads : world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
 	enum status status;
 	TRY_OR(failed, report_rows_file_open(world, path, header, &rows->file, &begins));
 	if (begins && fputs(header, rows->file) < 0)

@@ -314,7 +314,7 @@ objects:
         told = self.ok("explain", scene, "--store", store, "--set", "objects.a.slip=0.4").split("\nbeside ruts\n")[1].split("\n\n")[0]
         bytes_of = {row["name"]: row["bytes"] for row in self.json("explain", scene, "--store", store, "--set", "objects.a.slip=0.4")["buffers"]}
         told = " ".join(told.split())
-        self.assertIn(f"carry: soil stays aboard c: {bytes_of['soil aboard bodies'] / 1024:.3g} KiB. It settles after each contact, and for each 1 s", told)
+        self.assertIn(f"carry: soil stays aboard c: {bytes_of['soil aboard bodies'] / 1024:.3g} KiB. It settles after each contact, and for each 0.05 s", told)
         self.assertIn(f"thrown: rims that slip throw soil, which flies as grains and lands: {bytes_of['grains in flight'] / 2 ** 20:.3g} MiB", told)
         self.assertIn("disturbance: marks fade, the darkest in 86400 s: 4 bytes a post", told)
         self.assertIn("vegetation: plants are pressed and torn, rise and grow back: 8 bytes a post", told)
