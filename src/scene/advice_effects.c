@@ -1,4 +1,5 @@
-/* Finds effects that a scene asks for and that nothing in it can show: thrown soil without a rim that slips, a sheet too stiff for its posts, plants that no picture has. */
+/* Finds effects that a scene asks for and that nothing in it can show. These are thrown soil without a rim that slips, a sheet too stiff for its posts, and plants that no
+ * picture has. */
 #include <math.h>
 #include <stdio.h>
 
