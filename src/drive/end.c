@@ -144,11 +144,11 @@ static const char *ending(const struct drive *drive, enum status status)
 /* Tells soil that bodies have aboard at the end. */
 static void tell_carried(const struct world *world)
 {
-	for (size_t i = 0; i < world_scene(world)->object_count; i++) {
+	for (size_t i = 0; i < world_body_count(world); i++) {
 		const struct world_aboard aboard = world_aboard(world, i);
 		if (aboard.units > 0)
-			note("objects.%s: has %.4g l of soil aboard, %.4g N; it is not on the ground, and counts as compacted for a drive that does not resume this one",
-			     world_scene(world)->objects[i].name, 1e3 * aboard.volume, aboard.weight);
+			note("%s.%s: has %.4g l of soil aboard, %.4g N; it is not on the ground, and counts as compacted for a drive that does not resume this one",
+			     world_body(world, i)->kind == BODY_VEHICLE ? "vehicles" : "objects", world_body(world, i)->object->name, 1e3 * aboard.volume, aboard.weight);
 	}
 }
 

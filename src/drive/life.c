@@ -35,9 +35,13 @@ static struct world_params world_params_of(const struct drive *drive)
 {
 	const struct drive_params *params = &drive->params;
 	const struct world_ranks *ranks = params->ranks;
+	size_t carriers;
+	const struct soil_shape *const *shapes = vehicle_carriers(drive->vehicles, &carriers);
 	return (struct world_params){
 		.scene = drive->scene,
 		.attached = vehicle_attached(drive->vehicles),
+		.carriers = shapes,
+		.carrier_count = carriers,
 		.store = ranks != NULL ? ranks->over : params->store,
 		.overlay = ranks != NULL ? ranks->part : params->overlay,
 		.staged = params->staged,

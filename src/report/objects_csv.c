@@ -8,7 +8,14 @@
 #include "report/rows_file.h"
 
 #define COLUMNS "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual"
-static const char header_of_objects[] = COLUMNS "\n", header_of_vehicles[] = COLUMNS ",work\n", header_of_loads[] = COLUMNS ",work,carried,carried_weight\n";
+#define CARRIED ",carried,carried_weight"
+static const char header_of_all[] = COLUMNS ",work" CARRIED "\n";
+
+/* The first line of the file: columns that a scene has no use for are left out. */
+static const char *header_of(const struct scene *scene)
+{
+	return scene_carries(scene) ? header_of_all : scene->vehicle_count > 0 ? COLUMNS ",work\n" : COLUMNS "\n";
+}
 
 const char *report_objects_columns(void)
 {
@@ -22,7 +29,7 @@ bool report_objects_column(const char *name)
 		if (strcmp(name, texts[i]) == 0)
 			return false;
 	const size_t length = strlen(name);
-	for (const char *at = header_of_loads; *at != '\0'; at += strcspn(at, ",\n") + 1)
+	for (const char *at = header_of_all; *at != '\0'; at += strcspn(at, ",\n") + 1)
 		if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\n'))
 			return true;
 	return false;
@@ -48,7 +55,7 @@ static enum status write_row(const struct report_rows *rows, const struct world_
 	};
 	const char *soil = row->soil >= 0 ? world_scene(rows->world)->soil_names[row->soil] : "";
 	const struct body *body = world_body(rows->world, row->body);
-	const bool tells = world_carries(rows->world), carries = body->carried != NULL;
+	const bool tells = scene_carries(world_scene(rows->world)), carries = body->carried != NULL;
 	char load[32] = "", work[32] = "", aboard[64] = "";
 	if (world_scene(rows->world)->vehicle_count > 0 || tells)
 		strcpy(work, ",");
@@ -99,7 +106,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	TRY_MEM(rows, "objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory};
 	bool begins;
-	const char *header = world_carries(world) ? header_of_loads : world_scene(world)->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
+	const char *header = header_of(world_scene(world));
 	enum status status;
 	TRY_OR(failed, report_rows_file_open(world, path, header, &rows->file, &begins));
 	if (begins && fputs(header, rows->file) < 0)

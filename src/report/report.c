@@ -269,6 +269,16 @@ static void add_way(cJSON *object, const struct body *body, double time)
 	mem_free(places);
 }
 
+/* Adds what a body carries, or several do together. */
+static cJSON *add_carried(cJSON *object, const char *name, const struct world_aboard *aboard)
+{
+	cJSON *told = cJSON_AddObjectToObject(object, name);
+	json_number(told, "volume", aboard->volume);
+	json_number(told, "weight", aboard->weight);
+	json_integer(told, "quanta", aboard->units);
+	return told;
+}
+
 /* Returns the struck capacity of a body as its path is level, m3; NaN: out of memory. */
 static double capacity_of(const struct body *body)
 {
@@ -277,6 +287,26 @@ static double capacity_of(const struct body *body)
 	double capacity;
 	soil_axes(attitude[0], attitude[1], attitude[2], 0, whole.axes);
 	return soil_struck_capacity(&whole, 1, &capacity) == STATUS_OK ? capacity : (double)NAN;
+}
+
+/* Adds what all soil geoms of a vehicle carry, and what each does. Adds nothing if none may. */
+static void add_vehicle_carried(cJSON *vehicle, const struct vehicles *vehicles, size_t index, const struct vehicle_info *info)
+{
+	struct world_aboard all = {0, 0, 0};
+	cJSON *geoms = cJSON_CreateObject();
+	for (size_t g = 0; g < info->geom_count; g++) {
+		struct vehicle_geom geom;
+		bool carries;
+		double capacity;
+		const struct world_aboard one = vehicle_geom_aboard(vehicles, index, g, &carries);
+		if (!carries)
+			continue;
+		vehicle_geom(vehicles, index, g, 1, &geom);
+		json_number(add_carried(geoms, geom.name, &one), "capacity", vehicle_geom_capacity(vehicles, index, g, &capacity) == STATUS_OK ? capacity : (double)NAN);
+		all = (struct world_aboard){all.units + one.units, all.volume + one.volume, all.weight + one.weight};
+	}
+	if (geoms == NULL || geoms->child == NULL || !cJSON_AddItemToObject(add_carried(vehicle, "carried", &all), "geoms", geoms))
+		cJSON_Delete(geoms);
 }
 
 static void add_objects(cJSON *root, const struct report *report)
@@ -292,10 +322,7 @@ static void add_objects(cJSON *root, const struct report *report)
 		add_interface(object, &body->object->interface);
 		if (body->object->carry) {
 			const struct world_aboard aboard = world_aboard(report->world, i);
-			cJSON *told = cJSON_AddObjectToObject(object, "carried");
-			json_number(told, "volume", aboard.volume);
-			json_number(told, "weight", aboard.weight);
-			json_integer(told, "quanta", aboard.units);
+			cJSON *told = add_carried(object, "carried", &aboard);
 			json_number(told, "capacity", capacity_of(body));
 			json_number(told, "gravity", world_scene(report->world)->gravity);
 		}
@@ -323,6 +350,7 @@ static void add_vehicles(cJSON *root, const struct report *report)
 		json_number(vehicle, "distance", info.distance);
 		json_number(vehicle, "kinetic", info.kinetic);
 		json_number(vehicle, "work", info.work);
+		add_vehicle_carried(vehicle, report->vehicles, i, &info);
 		cJSON_AddBoolToObject(vehicle, "arrived", info.arrived);
 		json_number(vehicle, "stuck_since", info.stuck ? info.stuck_at : (double)NAN);
 		double places[VEHICLE_TRAIL + 1][2];

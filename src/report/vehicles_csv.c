@@ -7,7 +7,7 @@
 
 #include "report/rows_file.h"
 
-static const char fixed[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work";
+static const char fixed[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work", carried[] = ",carried,carried_weight";
 
 /* What a column after the fixed ones has. The file has them in this order. */
 enum kind { JOINT, CONTROL, FORCE, KINDS };
@@ -24,6 +24,7 @@ struct report_vehicles {
 	struct vehicles *vehicles;
 	const char *directory;
 	FILE *file;
+	bool carries; /* a vehicle may carry soil */
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
@@ -46,6 +47,8 @@ static enum status write_row(const struct report_vehicles *rows, const struct ve
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", row->time, info.name, row->position[0],
 			      row->position[1], row->position[2], row->roll, row->pitch, row->yaw, row->velocity[0], row->velocity[1],
 			      row->velocity[2], row->kinetic, row->work);
+	if (rows->carries && printed > 0)
+		printed = fprintf(rows->file, ",%.9g,%.9g", row->aboard.volume, row->aboard.weight);
 	for (size_t i = 0; i < rows->count && printed > 0; i++) {
 		const struct column *column = &rows->columns[i];
 		const int index = column->index[row->vehicle];
@@ -118,6 +121,7 @@ static enum status make_header(struct report_vehicles *rows)
 	FILE *stream = open_memstream(&rows->header, &size);
 	TRY_MEM(stream, "vehicles.csv");
 	fputs(fixed, stream);
+	fputs(rows->carries ? carried : "", stream);
 	for (size_t i = 0; i < rows->count; i++)
 		fprintf(stream, ",%c:%s", letters[rows->columns[i].kind], rows->columns[i].name);
 	fputc('\n', stream);
@@ -137,7 +141,7 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 	}
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
 	TRY_MEM(rows, "vehicles.csv");
-	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory};
+	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .carries = scene_vehicles_carry(world_scene(world))};
 	enum status status;
 	TRY_OR(failed, find_columns(rows));
 	bool begins = false;

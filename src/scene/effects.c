@@ -296,6 +296,22 @@ bool scene_covers_by_class(const struct scene *scene)
 	return scene->view.present && scene->vegetation.present && differs;
 }
 
+bool scene_vehicles_carry(const struct scene *scene)
+{
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		if (scene->vehicles[i].carry.count > 0)
+			return true;
+	return false;
+}
+
+bool scene_carries(const struct scene *scene)
+{
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].carry)
+			return true;
+	return scene_vehicles_carry(scene);
+}
+
 bool scene_moves_bodies(const struct scene *scene)
 {
 	return scene->hosted || scene->vehicle_count > 0;

@@ -152,6 +152,7 @@ struct scene_vehicle {
 	double at[2], yaw;      /* where it starts: in the unit of `coordinates`; rad from east to north */
 	int line;               /* where the scene's file gives that place; 0: --set does */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
+	struct scene_texts carry;        /* patterns of those that carry soil; none: no geom */
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
@@ -437,6 +438,9 @@ bool scene_laws_of_shape(const struct scene *scene, const struct soil_shape *sha
 double scene_slip_way(const struct scene_object *object, double x, double y, double yaw);
 /* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
 bool scene_moves_bodies(const struct scene *scene);
+/* Tell whether geoms of vehicles may carry soil; and whether those or objects may. */
+bool scene_vehicles_carry(const struct scene *scene);
+bool scene_carries(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
  * `scene`, so do not destroy `out`. */
 void scene_unwatched(const struct scene *scene, struct scene *out);

@@ -180,6 +180,10 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 	for (size_t i = 0; i < vehicle->held.count; i++)
 		add_number(state, vehicle->values[i]);
 	add_way(state, index, &vehicle->way);
+	if (vehicle->carry.count > 0) {
+		add_part(state, 'K', index);
+		add_texts(state, &vehicle->carry);
+	}
 }
 
 /*

@@ -335,6 +335,7 @@ static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_STRING_PTR("model", NEEDED, struct raw_vehicle, model, 1, 4096),
 	CYAML_FIELD_MAPPING("start", NEEDED, struct raw_vehicle, start, start_fields),
 	CYAML_FIELD_SEQUENCE("soil", OPTIONAL_POINTER, struct raw_vehicle, soil, &pattern_entry, 1, 256),
+	CYAML_FIELD_SEQUENCE("carry", OPTIONAL_POINTER, struct raw_vehicle, carry, &pattern_entry, 1, 256),
 	CYAML_FIELD_MAPPING_PTR("driver", OPTIONAL, struct raw_vehicle, driver, driver_fields),
 	CYAML_FIELD_END,
 };

@@ -219,8 +219,8 @@ struct raw_driver {
 struct raw_vehicle {
 	char *name, *model;
 	struct raw_start start;
-	char **soil; /* patterns of geoms' names */
-	uint32_t soil_count;
+	char **soil, **carry; /* patterns of geoms' names */
+	uint32_t soil_count, carry_count;
 	struct raw_driver *driver;
 };
 struct raw_stuck {

@@ -102,6 +102,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	TRY(take_name(tree, scene, index, raw->name, &vehicle->name));
 	TRY(take_file(tree, scene_tree_find(tree, "vehicles[%zu].model", index), raw->model, MODEL_BYTES, &vehicle->model, vehicle->model_hash));
 	TRY(take_texts(raw->soil, raw->soil_count, &vehicle->soil));
+	TRY(take_texts(raw->carry, raw->carry_count, &vehicle->carry));
 	const struct scene_node *at = scene_tree_find(tree, "vehicles[%zu].start.at", index);
 	vehicle->line = at->setting == NULL ? at->line : 0;
 	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
@@ -141,6 +142,7 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
 	mem_free_all(vehicle->name, vehicle->model, vehicle->controls, vehicle->way.points, vehicle->values);
 	finish_texts(&vehicle->soil);
+	finish_texts(&vehicle->carry);
 	finish_texts(&vehicle->steer);
 	finish_texts(&vehicle->drive);
 	finish_texts(&vehicle->held);

@@ -19,6 +19,12 @@
  * -r e F. Where the lower envelope leans, e F has normal stress in it, and the belt's pull has not. This difference, as the probe told it, is
  * a torque besides.
  *
+ * Soil aboard a geom is a load: a mass m at a place r of the geom, found at the coupling step's start. It is in the same system, as one more contact:
+ *
+ *     F = -m g - m (u - u_h) / h
+ *
+ * of the velocity at r, with u_h at the engine step's start. So the load has weight and inertia, and no step is unstable by it. Without soil aboard it is absent.
+ *
  * Shear of the soil is elastic at rest and would swing for ever. So along the ground each contact is damped at about half of what is
  * critical. Only changes of the velocity v at the contact are: -c (v - w), where w follows v within some periods of the swing. A
  * wheel that slips steadily feels nothing of it, and a body at rest does not creep. It is a dashpot in series with a spring, so it
@@ -44,11 +50,13 @@ struct contact {
 	double critical[2], pace[2]; /* N s/m: c; 1/s: how fast w follows */
 	double arm[3];          /* m: from the origin to the contact */
 	double forward[3];      /* the body's own x axis */
+	bool is_load;           /* not a contact, but the soil aboard the geom */
 };
 
 struct step {
 	struct vehicle *vehicle;
-	struct contact *list;   /* of geoms that touch; room for all soil geoms */
+	struct contact *list;   /* of geoms that touch, and then loads; room for all soil geoms */
+	size_t touching;        /* of them that touch */
 	size_t count, rows;     /* rows: 6 count */
 	double h;               /* s */
 	double later;           /* s: of the coupling step after this step of the engine */
@@ -57,14 +65,14 @@ struct step {
 
 size_t vehicle_coupling_room(const struct vehicle *vehicle)
 {
-	const size_t rows = 6 * vehicle->geom_count, nv = (size_t)vehicle->model->nv;
+	const size_t rows = 6 * (vehicle->geom_count + vehicle->carrier_count), nv = (size_t)vehicle->model->nv;
 	return nv * nv + 2 * rows * nv + 2 * rows * rows + 2 * rows + 8 * nv + 64;
 }
 
 enum status vehicle_make_room(struct vehicle *vehicle)
 {
 	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
-	vehicle->contacts = mem_calloc(vehicle->geom_count, sizeof *vehicle->contacts);
+	vehicle->contacts = mem_calloc(vehicle->geom_count + vehicle->carrier_count, sizeof *vehicle->contacts);
 	return vehicle->room != NULL && vehicle->contacts != NULL ? STATUS_OK : fail_memory("a vehicle");
 }
 
@@ -197,7 +205,7 @@ static void set_damping(struct step *step, size_t index)
 			continue;
 		/* Several contacts share the mass. What joints and motors hold nearly still seems heavy. Its swing would be slow, and w would lag behind
 		 * a steady slip for minutes. */
-		const double shared = fmax(inverse * (double)step->count, carried > 0 ? LIGHT / carried : 0);
+		const double shared = fmax(inverse * (double)step->touching, carried > 0 ? LIGHT / carried : 0);
 		contact->critical[k] = DAMPING * 2 * sqrt(spring / shared);
 		contact->pace[k] = sqrt(spring * shared) / PERIODS;
 	}
@@ -240,7 +248,7 @@ static void take_resisting(struct step *step)
 	_Static_assert(VEHICLE_ABREAST % 2 == 0, "two matrices of a contact");
 	double(*list[VEHICLE_ABREAST])[6];
 	size_t listed = 0;
-	for (size_t i = 0; i < step->count; i++) {
+	for (size_t i = 0; i < step->touching; i++) {
 		struct contact *contact = &step->list[i];
 		const struct furrow_contact *from = &contact->geom->contact;
 		const double length = soil_shape_bound(&contact->geom->shape);
@@ -248,12 +256,12 @@ static void take_resisting(struct step *step)
 		scale_back(from->damping, length, contact->damping);
 		list[listed++] = contact->stiffness;
 		list[listed++] = contact->damping;
-		if (listed < VEHICLE_ABREAST && i + 1 < step->count)
+		if (listed < VEHICLE_ABREAST && i + 1 < step->touching)
 			continue;
 		vehicle_make_negative(list, listed);
 		listed = 0;
 	}
-	for (size_t i = 0; i < step->count; i++) {
+	for (size_t i = 0; i < step->touching; i++) {
 		struct contact *contact = &step->list[i];
 		const double length = soil_shape_bound(&contact->geom->shape);
 		scale((const double(*)[6])contact->stiffness, length, contact->stiffness);
@@ -274,10 +282,33 @@ static void damp(struct contact *contact, const double *free, double *force)
 	}
 }
 
+/* Fills the same for a load. The velocity at its place is [1, -r x] u. */
+static void fill_load(struct step *step, size_t index)
+{
+	struct contact *contact = &step->list[index];
+	const struct vehicle *vehicle = step->vehicle;
+	const double *r = contact->geom->load_at, weight = contact->geom->load, *free = step->free + 6 * index;
+	const double at[3][6] = {{1, 0, 0, 0, r[2], -r[1]}, {0, 1, 0, -r[2], 0, r[0]}, {0, 0, 1, r[1], -r[0], 0}};
+	const double rate = weight / (mju_norm3(vehicle->model->opt.gravity) * step->h);
+	const size_t nv = (size_t)vehicle->model->nv;
+	double *force = step->force + 6 * index;
+	for (size_t i = 0; i < 6; i++) {
+		force[i] = -weight * at[2][i];
+		for (size_t j = 0; j < 6; j++) {
+			contact->gain[i][j] = -rate * (at[0][i] * at[0][j] + at[1][i] * at[1][j] + at[2][i] * at[2][j]);
+			force[i] += contact->gain[i][j] * (free[j] - mju_dot(step->jacobian + (6 * index + j) * nv, vehicle->data->qvel, (int)nv));
+		}
+	}
+}
+
 /* Fills the force without what the other forces change, for one contact. */
 static void fill_rows(struct step *step, size_t index)
 {
 	struct contact *contact = &step->list[index];
+	if (contact->is_load) {
+		fill_load(step, index);
+		return;
+	}
 	const struct soil_geom *geom = contact->geom;
 	const double *free = step->free + 6 * index, h = step->h;
 	double *force = step->force + 6 * index, moved[6], at[6];
@@ -377,6 +408,10 @@ static bool begin(struct step *step)
 		else
 			mju_zero3(geom->mean);
 	}
+	step->touching = step->count;
+	for (size_t i = 0; i < vehicle->geom_count && vehicle->carrier_count > 0; i++)
+		if (vehicle->geoms[i].load > 0)
+			step->list[step->count++] = (struct contact){.geom = &vehicle->geoms[i], .is_load = true};
 	step->rows = 6 * step->count;
 	lay_out(step);
 	if (step->count == 0)
@@ -386,7 +421,7 @@ static bool begin(struct step *step)
 		set_forward(&step->list[i]);
 	const bool whole = vehicle_factor(step->mass, (size_t)vehicle->model->nv);
 	fill_jacobians(step);
-	for (size_t i = 0; i < step->count; i++) {
+	for (size_t i = 0; i < step->touching; i++) {
 		set_directions(&step->list[i]);
 		set_damping(step, i);
 	}
@@ -416,7 +451,7 @@ void vehicle_couple(struct vehicle *vehicle, double h, double later)
 	if (!whole || !vehicle_solve(step.system, step.force, step.rows))
 		for (size_t r = 0; r < step.rows; r++) /* told as a motion that diverges */
 			step.force[r] = NAN;
-	for (size_t i = 0; i < step.count; i++) {
+	for (size_t i = 0; i < step.touching; i++) {
 		double *force = step.force + 6 * i;
 		limit(&step.list[i], force);
 		mju_copy(step.list[i].geom->force, force, 6);
@@ -424,7 +459,7 @@ void vehicle_couple(struct vehicle *vehicle, double h, double later)
 	const size_t nv = (size_t)vehicle->model->nv;
 	for (size_t r = 0; r < step.rows; r++)
 		mju_addToScl(data->qfrc_applied, step.jacobian + r * nv, step.force[r], (int)nv);
-	for (size_t i = 0; i < step.count; i++) {
+	for (size_t i = 0; i < step.touching; i++) {
 		step.list[i].geom->pulled = turn_back(&step.list[i], data->qfrc_applied);
 		follow(&step, i);
 	}
@@ -477,7 +512,7 @@ bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *iner
 	mju_copy(velocity, data->qfrc_smooth, nv);
 	for (size_t r = 0; r < step.rows; r++)
 		mju_addToScl(velocity, step.jacobian + r * (size_t)nv, step.force[r], nv);
-	for (size_t i = 0; i < step.count; i++)
+	for (size_t i = 0; i < step.touching; i++)
 		(void)turn_back(&step.list[i], velocity);
 	if (!vehicle_factor(inertia, (size_t)nv))
 		return false;

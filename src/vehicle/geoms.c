@@ -10,6 +10,7 @@
 #define BELT "belt:"  /* how names in custom begin that are of a belt */
 #define MIDDLE 1e-4   /* of the radius: how far the joint's axis may be from the wheel's middle */
 #define GROUSERS_MAX 128
+#define LEVEL 0.5     /* sine of the steepest hinge about which a geom that carries soil is taken to roll */
 
 bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none)
 {
@@ -229,9 +230,10 @@ static enum status make_geom(const struct vehicle *vehicle, size_t index, const 
 	return STATUS_OK;
 }
 
-static enum status no_geom(const struct vehicle *vehicle, const char *where)
+static enum status no_geom(const struct vehicle *vehicle, const char *key, const char *where)
 {
-	if (vehicle->scene->soil.count == 0)
+	const struct scene_texts *patterns = strcmp(key, "soil") == 0 ? &vehicle->scene->soil : &vehicle->scene->carry;
+	if (patterns->count == 0)
 		return fail_with(STATUS_INPUT, "%s: no geom of it collides, so none presses the ground; let geoms of moving bodies collide, or name them in soil",
 				 where);
 	char names[200] = "", name[80];
@@ -241,8 +243,93 @@ static enum status no_geom(const struct vehicle *vehicle, const char *where)
 		vehicle_geom_name(vehicle->model, told, name, sizeof name);
 		length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", told > 0 ? ", " : "", name);
 	}
-	return fail_with(STATUS_INPUT, "%s: soil: %.64s names no geom of a body that moves; the model has: %s%s", where, vehicle->scene->soil.list[0], names,
+	return fail_with(STATUS_INPUT, "%s: %s: %.64s names no geom of a body that moves; the model has: %s%s", where, key, patterns->list[0], names,
 			 told < vehicle->model->ngeom ? ", ..." : "");
+}
+
+/* --- geoms that carry soil --- */
+
+/* Finds the level axis about which joints turn a geom: that of its own body's hinge, or of the nearest one above, in MuJoCo's axes. Returns false if there is none. */
+static bool find_hinge(const struct vehicle *vehicle, int geom, double axis[3])
+{
+	const mjModel *model = vehicle->model;
+	for (int body = model->geom_bodyid[geom]; body > 0; body = model->body_parentid[body])
+		for (int j = 0; j < model->body_jntnum[body]; j++) {
+			const int joint = model->body_jntadr[body] + j;
+			mju_copy3(axis, &vehicle->data->xaxis[3 * joint]);
+			if (model->jnt_type[joint] == mjJNT_HINGE && fabs(axis[2]) < LEVEL)
+				return true;
+		}
+	return false;
+}
+
+/*
+ * Lets the body's forward axis lie along the hinge that turns the geom, so that a bucket that curls and dumps rolls about it. With an axis across,
+ * it would pitch through the upright, where a small lean turns yaw by any angle, and the cells of its soil with it.
+ */
+static void set_hinge_axes(const struct vehicle *vehicle, struct soil_geom *out)
+{
+	const double *mat = &vehicle->data->geom_xmat[9 * out->geom];
+	double hinge[3], forward[3], left[3], up[3] = {mat[6], mat[7], mat[8]};
+	struct soil_mesh *mesh = out->mesh;
+	if (mesh == NULL || !find_hinge(vehicle, out->geom, hinge))
+		return;
+	mju_mulMatTVec(forward, mat, hinge, 3, 3);
+	mju_normalize3(forward);
+	mju_addToScl3(up, forward, -mju_dot3(up, forward));
+	mju_normalize3(up);
+	mju_cross(left, up, forward);
+	set_axes(out, forward, left, up);
+	for (int k = 0; k < 3; k++) {
+		mesh->low[k] = INFINITY;
+		mesh->high[k] = -INFINITY;
+	}
+	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+		float *at = mesh->vertices[i];
+		const double from[3] = {(double)at[0], (double)at[1], (double)at[2]};
+		const double to[3] = {mju_dot3(from, forward), mju_dot3(from, left), mju_dot3(from, up)};
+		for (int k = 0; k < 3; k++) {
+			at[k] = (float)to[k];
+			mesh->low[k] = fmin(mesh->low[k], (double)at[k]);
+			mesh->high[k] = fmax(mesh->high[k], (double)at[k]);
+		}
+	}
+}
+
+static enum status let_carry(struct vehicle *vehicle, struct soil_geom *geom, const char *where)
+{
+	if (geom->shape.kind != SOIL_BOX && geom->shape.kind != SOIL_MESH)
+		return fail_with(STATUS_INPUT, "%s: carry: soil rolls off %s; name boxes and meshes, or make a mesh of it", where, geom->name);
+	if (geom->shape.belt)
+		return fail_with(STATUS_INPUT, "%s: carry: %s is a belt, which would take its soil along; leave it out of carry", where, geom->name);
+	geom->carries = true;
+	vehicle->carrier_count++;
+	set_hinge_axes(vehicle, geom);
+	return STATUS_OK;
+}
+
+static struct soil_geom *soil_geom_of(const struct vehicle *vehicle, int geom)
+{
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		if (vehicle->geoms[g].geom == geom)
+			return &vehicle->geoms[g];
+	return NULL;
+}
+
+static enum status find_carriers(struct vehicle *vehicle, const char *where)
+{
+	for (int i = 0; i < vehicle->model->ngeom; i++) {
+		char name[256];
+		struct soil_geom *geom = soil_geom_of(vehicle, i);
+		vehicle_geom_name(vehicle->model, i, name, sizeof name);
+		if (!vehicle_matches(&vehicle->scene->carry, name, false))
+			continue;
+		if (geom == NULL)
+			return fail_with(STATUS_INPUT, "%s: carry: %.64s does not press the ground, so no soil comes onto it; name it in soil, too, or leave it out of carry",
+					 where, name);
+		TRY(let_carry(vehicle, geom, where));
+	}
+	return vehicle->scene->carry.count == 0 || vehicle->carrier_count > 0 ? STATUS_OK : no_geom(vehicle, "carry", where);
 }
 
 enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
@@ -257,8 +344,9 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 		TRY(make_geom(vehicle, index, where));
 	}
 	if (vehicle->geom_count == 0)
-		return no_geom(vehicle, where);
-	return check_belts(vehicle, where);
+		return no_geom(vehicle, "soil", where);
+	TRY(check_belts(vehicle, where));
+	return find_carriers(vehicle, where);
 }
 
 void vehicle_free_geoms(struct vehicle *vehicle)

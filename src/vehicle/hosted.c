@@ -75,6 +75,11 @@ bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow
 	/* The engine's steps went on from the probe's state: this force they applied last. */
 	mju_copy3(contact->force, geom->force);
 	mju_copy3(contact->moment, geom->force + 3);
+	if (geom->load > 0) {
+		contact->force[2] -= geom->load;
+		contact->moment[0] -= geom->load_at[1] * geom->load;
+		contact->moment[1] += geom->load_at[0] * geom->load;
+	}
 	contact->time = world_time(vehicles->world);
 	return true;
 }

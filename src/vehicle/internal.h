@@ -17,6 +17,8 @@ struct soil_geom {
 	struct soil_mesh *mesh;   /* of the shape; owned; NULL: none */
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
 	int32_t number;             /* its body in the world */
+	bool carries;               /* soil that comes onto it stays on it */
+	double load, load_at[3];    /* of that soil at the step's start: N; m from the body's origin, along local axes */
 	struct furrow_state now;     /* where the coupling step ends if the velocity stays as it is at its start */
 	struct furrow_state touched; /* up to which its motion has changed the ground */
 	struct furrow_belt now_belt, touched_belt; /* its belt then; 0: it has none */
@@ -67,7 +69,7 @@ struct vehicle {
 	int root;                   /* the body whose place is the vehicle's */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
-	size_t geom_count;
+	size_t geom_count, carrier_count; /* carrier_count: of them carry soil */
 	struct driver driver;
 	int *joints;                /* joints with one number: columns q */
 	size_t joint_count;
@@ -83,7 +85,7 @@ struct vehicle {
 	struct trail trail;         /* of the whole drive; in the record */
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
-	struct contact *contacts;   /* geom_count: room for coupling.c */
+	struct contact *contacts;   /* geom_count + carrier_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 	double *host_controls;      /* nu: what a host has set; NaN: the driver sets it */
 };
@@ -107,6 +109,8 @@ struct vehicles {
 	struct furrow_state *states;
 	struct furrow_belt *belts;
 	struct furrow_contact *contacts;
+	const struct soil_shape **carriers; /* shapes of the soil geoms that carry */
+	size_t carrier_count;
 	struct scene_object *drawn; /* what pictures show, in the order of `figures` */
 	struct figure *figures;
 	struct world_place *places; /* of the figures */
@@ -127,7 +131,8 @@ void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, cha
 
 /* --- geoms.c --- */
 
-/* Finds the soil geoms of a model and makes their shapes. STATUS_INPUT: there is none, or one has a shape that cannot touch the ground. */
+/* Finds the soil geoms of a model, makes their shapes, and finds those that carry soil. STATUS_INPUT: there is none, one has a shape that cannot
+ * touch the ground, or one carries that cannot. */
 enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
 void vehicle_free_geoms(struct vehicle *vehicle);
 /* Returns true if `name` matches one of the patterns. `none`: the answer if there are no patterns. */

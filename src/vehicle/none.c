@@ -21,6 +21,27 @@ size_t vehicle_attached(const struct vehicles *vehicles)
 	return 0;
 }
 
+const struct soil_shape *const *vehicle_carriers(const struct vehicles *vehicles, size_t *count)
+{
+	(void)vehicles;
+	*count = 0;
+	return NULL;
+}
+
+struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t vehicle, size_t geom, bool *carries)
+{
+	(void)vehicles, (void)vehicle, (void)geom;
+	*carries = false;
+	return (struct world_aboard){0, 0, 0};
+}
+
+enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicle, size_t geom, double *capacity)
+{
+	(void)vehicles, (void)vehicle, (void)geom;
+	*capacity = 0;
+	return STATUS_OK;
+}
+
 struct world_figures vehicle_figures(const struct vehicles *vehicles)
 {
 	(void)vehicles;

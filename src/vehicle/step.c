@@ -130,6 +130,17 @@ static void go_on(struct furrow_state *state, struct furrow_belt *belt, double s
 	mju_copy4(state->pose.orientation, orientation);
 }
 
+/* Parts the load of the soil aboard from the ground's force. The load has weight and mass wherever the geom is, and the ground does not pull: coupling.c. */
+static void part_load(const struct vehicles *vehicles, struct soil_geom *geom)
+{
+	double *force = geom->contact.force, *moment = geom->contact.moment;
+	if (!geom->carries || !world_body_load(vehicles->world, geom->number, &geom->load, geom->load_at))
+		return;
+	force[2] += geom->load;
+	moment[0] += geom->load_at[1] * geom->load;
+	moment[1] -= geom->load_at[0] * geom->load;
+}
+
 static enum status ask(struct vehicles *vehicles)
 {
 	size_t count = 0;
@@ -148,6 +159,7 @@ static enum status ask(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			geom->contact = vehicles->contacts[count++];
+			part_load(vehicles, geom);
 			if (geom->contact.state == FURROW_UNKNOWN && geom->is_touched)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
 						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));

@@ -17,6 +17,7 @@ static enum status make_lists(struct vehicles *vehicles)
 {
 	for (size_t v = 0; v < vehicles->count; v++) {
 		vehicles->geom_count += vehicles->list[v].geom_count;
+		vehicles->carrier_count += vehicles->list[v].carrier_count;
 		vehicles->attached += vehicle_state_numbers(&vehicles->list[v]);
 	}
 	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
@@ -24,9 +25,15 @@ static enum status make_lists(struct vehicles *vehicles)
 	vehicles->belts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->belts);
 	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
 	vehicles->record = mem_calloc(vehicles->attached + 1, sizeof *vehicles->record);
+	vehicles->carriers = mem_calloc(vehicles->carrier_count + 1, sizeof *vehicles->carriers);
 	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->belts == NULL || vehicles->contacts == NULL ||
-	    vehicles->record == NULL)
+	    vehicles->record == NULL || vehicles->carriers == NULL)
 		return fail_memory("the vehicles");
+	size_t carrier = 0;
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			if (vehicles->list[v].geoms[g].carries)
+				vehicles->carriers[carrier++] = &vehicles->list[v].geoms[g].shape;
 	return STATUS_OK;
 }
 
@@ -70,12 +77,18 @@ void vehicle_destroy(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		vehicle_forget(&vehicles->list[v]);
 	vehicle_free_figures(vehicles);
-	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles);
+	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles->carriers, vehicles);
 }
 
 size_t vehicle_attached(const struct vehicles *vehicles)
 {
 	return vehicles != NULL ? vehicles->attached : 0;
+}
+
+const struct soil_shape *const *vehicle_carriers(const struct vehicles *vehicles, size_t *count)
+{
+	*count = vehicles != NULL ? vehicles->carrier_count : 0;
+	return vehicles != NULL ? (const struct soil_shape *const *)vehicles->carriers : NULL;
 }
 
 enum status vehicle_record(struct vehicles *vehicles)
@@ -90,7 +103,7 @@ enum status vehicle_record(struct vehicles *vehicles)
 
 static enum status add_body(struct world *world, struct soil_geom *geom)
 {
-	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape};
+	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape, .carry = geom->carries};
 	TRY_MEM(object.name, "a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
 	if (status != STATUS_OK) {
@@ -112,8 +125,10 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
-	if (recorded != NULL)
-		return vehicle_restore(vehicles, recorded);
+	if (recorded != NULL) {
+		TRY(vehicle_restore(vehicles, recorded));
+		return world_carried_rejoin(world);
+	}
 	vehicle_save(vehicles, vehicles->record);
 	world_attach(world, vehicles->record);
 	vehicle_show(vehicles);
@@ -154,11 +169,47 @@ bool vehicle_rows_due(struct vehicles *vehicles)
 	return true;
 }
 
+struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t vehicle, size_t number, bool *carries)
+{
+	const struct soil_geom *geom = &vehicles->list[vehicle].geoms[number];
+	*carries = geom->carries;
+	return geom->carries ? world_aboard(vehicles->world, (size_t)geom->number) : (struct world_aboard){0, 0, 0};
+}
+
+enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicle, size_t number, double *capacity)
+{
+	const struct vehicle *of = &vehicles->list[vehicle];
+	const int body = of->model->geom_bodyid[of->geoms[number].geom];
+	struct soil_part *parts;
+	size_t count = 0;
+	TRY(mem_make(&parts, of->geom_count, sizeof *parts, "the capacity of a bucket"));
+	for (size_t g = 0; g < of->geom_count; g++) {
+		const struct soil_geom *geom = &of->geoms[g];
+		double own[9];
+		if (!geom->carries || of->model->geom_bodyid[geom->geom] != body)
+			continue;
+		struct soil_part *part = &parts[count++];
+		part->shape = &geom->shape;
+		mju_copy3(part->at, &of->model->geom_pos[3 * geom->geom]);
+		mju_quat2Mat(own, &of->model->geom_quat[4 * geom->geom]);
+		for (int k = 0; k < 3; k++)
+			mju_mulMatVec(part->axes[k], own, (const double[]){geom->axes[k], geom->axes[3 + k], geom->axes[6 + k]}, 3, 3);
+	}
+	const enum status status = soil_struck_capacity(parts, count, capacity);
+	mem_free(parts);
+	return status;
+}
+
 void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *row)
 {
 	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
 	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
 	fill_row(&vehicles->list[index], row);
+	for (size_t g = 0; g < vehicles->list[index].geom_count; g++) {
+		bool carries;
+		const struct world_aboard aboard = vehicle_geom_aboard(vehicles, index, g, &carries);
+		row->aboard = (struct world_aboard){row->aboard.units + aboard.units, row->aboard.volume + aboard.volume, row->aboard.weight + aboard.weight};
+	}
 }
 
 static enum deform_state state_of(enum furrow_contact_state state)

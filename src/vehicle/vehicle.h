@@ -28,6 +28,10 @@ void vehicle_destroy(struct vehicles *vehicles); /* takes NULL */
 /* Returns how many numbers the vehicles add to the run's record (world_attach). For NULL: 0. */
 size_t vehicle_attached(const struct vehicles *vehicles);
 
+/* Returns the shapes of the soil geoms that carry soil, in the order in which vehicle_join adds them; valid as long as the vehicles. *count: how many.
+ * `vehicles` may be NULL. */
+const struct soil_shape *const *vehicle_carriers(const struct vehicles *vehicles, size_t *count);
+
 /* Finds the longest stable step again, with the highest elastic stiffness of the scene's rasters. Needs a world that is prepared, or prepared for
  * a plan; without a store no raster is known. STATUS_INPUT: the scene's time_step is longer. NULL: there are no vehicles. */
 enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world) FURROW_CHECKED;
@@ -53,6 +57,7 @@ struct vehicle_row {
 	double roll, pitch, yaw; /* degrees, as in a path file */
 	double velocity[3];    /* m/s */
 	double kinetic, work;  /* J: kinetic energy; what its actuators have done since the start */
+	struct world_aboard aboard; /* soil that its geoms carry */
 	const double *joints;  /* joint_count numbers */
 	const double *controls, *forces; /* actuator_count numbers; N or N m before `gear`, in the last step of the engine */
 };
@@ -60,6 +65,12 @@ struct vehicle_row {
 bool vehicle_rows_due(struct vehicles *vehicles);
 /* Gives the row of a vehicle now. Its arrays are valid until the next call. */
 void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *row);
+
+/* Returns the soil aboard a soil geom, 0 .. geom_count - 1. *carries: whether it may have any. */
+struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t vehicle, size_t geom, bool *carries);
+/* Computes the struck capacity of the bucket that a soil geom is or is a part of, m3: of all geoms that carry on its body of the model, with that body's z axis up.
+ * STATUS_MEMORY. */
+enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicle, size_t geom, double *capacity) FURROW_CHECKED;
 
 /* Facts about a vehicle. Those above `settled` are known once it is loaded. */
 struct vehicle_info {

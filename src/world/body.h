@@ -156,6 +156,12 @@ enum status world_move_hosts(struct world *world) FURROW_CHECKED;
 #define WORLD_BODY_NUMBERS (26 + SOIL_TREND_NUMBERS)
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS]);
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS]) FURROW_CHECKED;
+/* Puts soil back aboard the bodies of vehicles, as the record of a resumed run has it. Call it when all were added and restored, before
+ * world_begin. STATUS_INPUT: the record contradicts itself. */
+enum status world_carried_rejoin(struct world *world) FURROW_CHECKED;
+/* Gives the load of soil that a body has aboard: its weight, N, and its centre, m from the body's origin along local axes. Returns false if it has
+ * none; then both are 0. */
+bool world_body_load(const struct world *world, int32_t number, double *weight, double centre[3]);
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct furrow_state *state) FURROW_CHECKED;
 /*

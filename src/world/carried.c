@@ -65,6 +65,37 @@ void world_carried_force(const struct world *world, const struct body *body, dou
 	soil_carried_weigh(body->carried, weights, force, moment);
 }
 
+/* Finds the centre of the soil aboard, m from the body's centre along local axes. What falls counts as level with that. */
+static void find_centre(const struct soil_carried *carried, double centre[3])
+{
+	const double c = cos(carried->yaw + carried->heading), s = sin(carried->yaw + carried->heading);
+	double sums[3] = {0, 0, 0};
+	for (int row = 0; row < carried->side; row++)
+		for (int column = 0; column < carried->side; column++) {
+			const size_t i = (size_t)(row * carried->side + column);
+			const double amount = (double)carried->amounts[i] + (double)carried->falls[i];
+			sums[0] += amount * (column - carried->half);
+			sums[1] += amount * (row - carried->half);
+			if (carried->amounts[i] > 0 && carried->tops[i] != CARRIED_OPEN)
+				sums[2] += (double)carried->amounts[i] * lattice_offset_metres(carried->tops[i] + carried->amounts[i] / 2);
+		}
+	const double x = sums[0] / (double)carried->total * carried->spacing, y = sums[1] / (double)carried->total * carried->spacing;
+	centre[0] = c * x - s * y;
+	centre[1] = s * x + c * y;
+	centre[2] = sums[2] / (double)carried->total;
+}
+
+bool world_body_load(const struct world *world, int32_t number, double *weight, double centre[3])
+{
+	const struct body *body = world_body_at(world, (size_t)number);
+	*weight = centre[0] = centre[1] = centre[2] = 0;
+	if (!carries(body) || body->carried->total == 0)
+		return false;
+	*weight = world_carried_load(world, body);
+	find_centre(body->carried, centre);
+	return true;
+}
+
 double world_carried_load(const struct world *world, const struct body *body)
 {
 	double force[3] = {0}, moment[3];
@@ -89,9 +120,12 @@ struct world_aboard world_aboard(const struct world *world, size_t number)
 void world_carried_plan(const struct world *world, struct plan *plan)
 {
 	uint64_t bytes = 0;
+	const size_t each = sizeof(int64_t) + 18; /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->scene->objects[i].carry) /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
-			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * (sizeof(int64_t) + 18);
+		if (world->scene->objects[i].carry)
+			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * each;
+	for (size_t i = 0; i < world->params.carrier_count; i++)
+		bytes += soil_carried_numbers(world->params.carriers[i], world->resident.spacing) * each;
 	if (bytes > 0)
 		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = "scm", .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
 }
@@ -149,10 +183,10 @@ done:
 
 /* --- the record, and checkpoints --- */
 
-/* Returns how many numbers the record keeps of an object of the scene. A host's bodies begin anew. */
+/* Returns how many numbers the record keeps of an object of the scene. Bodies that a host adds begin anew. */
 static size_t numbers_of(const struct scene_object *object, double spacing)
 {
-	return object->carry && object->path.count > 0 ? soil_carried_numbers(&object->shape, spacing) : 0;
+	return object->carry ? soil_carried_numbers(&object->shape, spacing) : 0;
 }
 
 size_t world_carried_numbers(const struct world *world)
@@ -160,7 +194,20 @@ size_t world_carried_numbers(const struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		count += numbers_of(&world->scene->objects[i], world->resident.spacing);
+	for (size_t i = 0; i < world->params.carrier_count; i++)
+		count += soil_carried_numbers(world->params.carriers[i], world->resident.spacing);
 	return count;
+}
+
+/* Returns the body of a vehicle that carries, the first from number *at on, and moves *at behind it. NULL: there is none. */
+static struct body *next_carrier(const struct world *world, size_t *at)
+{
+	while (*at < world->body_count) {
+		struct body *body = world->bodies[(*at)++];
+		if (carries(body) && body->kind == BODY_VEHICLE)
+			return body;
+	}
+	return NULL;
 }
 
 void world_carried_record(const struct world *world, struct record *record)
@@ -172,6 +219,11 @@ void world_carried_record(const struct world *world, struct record *record)
 		if (count > 0)
 			soil_carried_save(world->bodies[i]->carried, numbers);
 		numbers += count;
+	}
+	size_t at = 0;
+	for (const struct body *body = next_carrier(world, &at); body != NULL; body = next_carrier(world, &at)) {
+		soil_carried_save(body->carried, numbers);
+		numbers += soil_carried_numbers(&body->object->shape, world->resident.spacing);
 	}
 }
 
@@ -186,6 +238,22 @@ enum status world_carried_resume(struct world *world)
 		if (count > 0 && record->objects[i].next > 0)
 			soil_carried_place(world->bodies[i]->carried, &record->objects[i].last);
 		numbers += count;
+	}
+	return STATUS_OK;
+}
+
+enum status world_carried_rejoin(struct world *world)
+{
+	const int64_t *numbers = world_record_carried(world->record, world->scene->object_count);
+	for (size_t i = 0; i < world->scene->object_count; i++)
+		numbers += world->record->objects[i].carried;
+	size_t at = 0;
+	for (const struct body *body = next_carrier(world, &at); body != NULL; body = next_carrier(world, &at)) {
+		if (!soil_carried_load(numbers, body->carried))
+			return world_record_damaged(world->facts.path, "the soil aboard its vehicles");
+		if (body->host.placed)
+			soil_carried_place(body->carried, &body->last);
+		numbers += soil_carried_numbers(&body->object->shape, world->resident.spacing);
 	}
 	return STATUS_OK;
 }

@@ -69,7 +69,7 @@ struct world_row {
 	double position[3];  /* m, of the body's origin */
 	/* index of the soil at the post nearest to the origin, in the scene's soils; -1: outside the terrain */
 	int soil;
-	struct world_force force;     /* with the weight of what it carries */
+	struct world_force force; /* with the load of what it carries */
 	struct world_aboard aboard;
 };
 /* Gives the rows of the steps since world_rows_clear, in order. A step adds its rows at its end; one that fails adds none. */

@@ -193,6 +193,13 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	return STATUS_OK;
 }
 
+/* Adds the weight of what a body carries. */
+static struct world_force with_load(const struct world *world, const struct body *body, struct world_force force)
+{
+	world_carried_force(world, body, force.force, force.moment);
+	return force;
+}
+
 /* Adds the rows of bodies of vehicles. */
 static enum status add_vehicles(struct forces *forces, double t)
 {
@@ -200,16 +207,9 @@ static enum status add_vehicles(struct forces *forces, double t)
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
 		if (body != NULL && body->kind == BODY_VEHICLE && body->host.placed && !body->elsewhere)
-			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, body->host.force, world_aboard_of(world, body)}));
+			TRY(add_entry(forces, &(struct entry){t, i, body->host.shown, body->host.slip, with_load(world, body, body->host.force), world_aboard_of(world, body)}));
 	}
 	return STATUS_OK;
-}
-
-/* Adds the weight of what a body carries. */
-static struct world_force with_load(const struct world *world, const struct body *body, struct world_force force)
-{
-	world_carried_force(world, body, force.force, force.moment);
-	return force;
 }
 
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
@@ -227,7 +227,8 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 			struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
 			force.work = at->force.work;
 			if (at->placed && !world->bodies[i]->elsewhere)
-				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force), world_aboard_of(world, world->bodies[i])}));
+				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force),
+						      world_aboard_of(world, world->bodies[i])}));
 		}
 		TRY(add_vehicles(forces, t));
 	}

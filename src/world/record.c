@@ -37,6 +37,15 @@ struct bearing_grain *world_record_grains(struct record *record, size_t objects)
 	return (struct bearing_grain *)(void *)(world_record_carried(record, objects) + record->carried_count);
 }
 
+/* Returns how many of the numbers of soil aboard are of the bodies of vehicles. They follow those of the objects. */
+static size_t carried_by_vehicles(const struct record *record, size_t objects)
+{
+	size_t count = record->carried_count;
+	for (size_t i = 0; i < objects; i++)
+		count -= record->objects[i].carried;
+	return count;
+}
+
 double *world_record_attached(struct record *record, size_t objects)
 {
 	return (double *)(void *)&record->objects[objects];
@@ -87,7 +96,7 @@ static bool put_trend(cJSON *object, const struct soil_trend *trend)
 }
 
 /* "index,number;" for each that is not 0. Without soil aboard the record is as it was before there was any. */
-static bool put_carried(cJSON *object, const int64_t *numbers, size_t count)
+static bool put_carried(cJSON *object, const char *name, const int64_t *numbers, size_t count)
 {
 	const size_t most = 2 * 20 + 3;
 	size_t has = 0;
@@ -101,7 +110,7 @@ static bool put_carried(cJSON *object, const int64_t *numbers, size_t count)
 	for (size_t i = 0; i < count; i++)
 		if (numbers[i] != 0)
 			at += snprintf(at, most, "%zu,%lld;", i, (long long)numbers[i]);
-	const bool whole = cJSON_AddStringToObject(object, "carried", text) != NULL;
+	const bool whole = cJSON_AddStringToObject(object, name, text) != NULL;
 	mem_free(text);
 	return whole;
 }
@@ -120,7 +129,7 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 	       put_real(object, "pitch", from->last.pitch) && put_real(object, "roll", from->last.roll) &&
 	       put_real(object, "turn", from->last.turn) && put_force(object, &from->force) &&
 	       put_real(object, "distance", from->distance) && put_real(object, "sinkage", from->sinkage) &&
-	       put_whole(object, "skipped", from->skipped) && put_trend(object, &from->trend) && put_carried(object, carried, from->carried);
+	       put_whole(object, "skipped", from->skipped) && put_trend(object, &from->trend) && put_carried(object, "carried", carried, from->carried);
 }
 
 /* "x,y;" for each block. */
@@ -201,6 +210,7 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     put_whole(root, "slid", sums->slid) && (sums->added == 0 || put_whole(root, "added", sums->added)) && put_marks(root, &record->marks) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; carried += record->objects[i].carried, i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name, carried);
+	whole = whole && put_carried(root, "aboard", carried, carried_by_vehicles(record, scene->object_count));
 	whole = whole && put_attached(root, record, scene->object_count) && put_thrown(root, record, scene->object_count);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
 	cJSON_Delete(root);
@@ -326,11 +336,11 @@ static bool get_place(const char **at, char behind, int64_t *value)
 }
 
 /* Reads what put_carried wrote. */
-static bool get_carried(const cJSON *object, int64_t *numbers, size_t count)
+static bool get_carried(const cJSON *object, const char *name, int64_t *numbers, size_t count)
 {
-	const char *at = get_text(object, "carried");
+	const char *at = get_text(object, name);
 	memset(numbers, 0, count * sizeof *numbers);
-	if (!cJSON_HasObjectItem(object, "carried"))
+	if (!cJSON_HasObjectItem(object, name))
 		return true;
 	while (at != NULL && *at != '\0') {
 		int64_t index, value;
@@ -367,6 +377,14 @@ static bool get_active(const cJSON *root, struct record *record)
 		record->active_count++;
 	}
 	return true;
+}
+
+static bool get_aboard(const cJSON *root, size_t objects, struct record *record)
+{
+	int64_t *numbers = world_record_carried(record, objects);
+	for (size_t i = 0; i < objects; i++)
+		numbers += record->objects[i].carried;
+	return get_carried(root, "aboard", numbers, carried_by_vehicles(record, objects));
 }
 
 static bool get_attached(const cJSON *root, size_t objects, struct record *record)
@@ -432,7 +450,7 @@ static enum status parse_objects(const cJSON *objects, const char *store, const 
 	const cJSON *object = objects->child;
 	int64_t *carried = world_record_carried(record, count);
 	for (size_t i = 0; i < count; carried += record->objects[i].carried, i++, object = object->next)
-		if (!get_object(object, scene->objects[i].name, &record->objects[i]) || !get_carried(object, carried, record->objects[i].carried)) {
+		if (!get_object(object, scene->objects[i].name, &record->objects[i]) || !get_carried(object, "carried", carried, record->objects[i].carried)) {
 			snprintf(why, sizeof why, "object %zu of %zu", i + 1, count);
 			return world_record_damaged(store, why);
 		}
@@ -483,6 +501,8 @@ enum status world_record_parse(const struct store_run *run, const char *store, c
 	TRY_OR(done, parse_objects(cJSON_GetObjectItemCaseSensitive(root, "objects"), store, scene, record));
 	if (!get_attached(root, scene->object_count, record))
 		TRY_OR(done, world_record_damaged(store, "the state of its vehicles"));
+	if (!get_aboard(root, scene->object_count, record))
+		TRY_OR(done, world_record_damaged(store, "the soil aboard its vehicles"));
 	if (!get_thrown(root, scene->object_count, record))
 		TRY_OR(done, world_record_damaged(store, "its thrown soil"));
 done:

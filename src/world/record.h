@@ -49,7 +49,7 @@ struct record {
 	int64_t added;        /* soil that was brought since the world was opened, below 0: taken; 2^-20 m, summed over posts */
 	size_t active_count;  /* active blocks, where soil may still relax */
 	struct soil_block active[DEFORM_BLOCKS_MAX];
-	size_t carried_count;  /* numbers of soil aboard, of all objects in turn; they follow the attached ones */
+	size_t carried_count;  /* numbers of soil aboard, of all objects in turn and then of bodies of vehicles; they follow the attached ones */
 	struct record_thrown thrown; /* its grains follow the numbers of soil aboard */
 	size_t attached_count; /* numbers that another part of the run keeps (struct world_attached); they follow the objects */
 	struct record_object objects[]; /* one for each of the scene's objects, in its order */

@@ -48,6 +48,8 @@ struct world_recorded {
 };
 
 struct world_params {
+	const struct soil_shape *const *carriers; /* of bodies that a vehicle will add and that carry soil, in their order; must stay valid as long as the world */
+	size_t carrier_count;
 	size_t attached;           /* numbers that another part of the run adds to each record, such as the state of vehicles: world_attach */
 	const struct scene *scene; /* must stay valid longer than the world */
 	/* path; overrides the store that the scene names; NULL: the scene must name one. Like overlay, it is read while the world opens */
