@@ -25,7 +25,7 @@ struct html_digging {
  * time is what it brought; the rest was spilled. Members are numbers of rows.
  */
 struct html_cycle {
-	size_t low, peak, end;         /* end: the low after it; the last row if it was not dumped */
+	size_t low, peak, end;         /* end: the low after it, or the last row */
 	size_t fills, half;            /* 1 % of what it brought was aboard for the first time; half of it */
 	size_t holds, held;            /* the first row of that time; its middle */
 	size_t dumps, fallen, emptied; /* the last row before 1 % of what it held had left; the first at which half, and 99 %, had left */

@@ -39,11 +39,12 @@ static enum status find_hold(const struct html_body *body, struct html_cycle *cy
 	return STATUS_OK;
 }
 
-/* Fills the phases of a cycle whose low, peak and end are known. */
-static enum status find_phases(const struct html_body *body, struct html_cycle *cycle)
+/* Fills the phases of a cycle whose low, peak and end are known. A fall of less than `swing` from what it holds is no dump. */
+static enum status find_phases(const struct html_body *body, double swing, struct html_cycle *cycle)
 {
 	const double *volume = body->digging->values[DIG_VOLUME];
 	TRY(find_hold(body, cycle));
+	cycle->dumped = volume[cycle->held] - volume[cycle->end] >= swing;
 	const double low = volume[cycle->low], brought = volume[cycle->held] - low;
 	for (cycle->fills = cycle->low; cycle->fills + 1 < cycle->peak && volume[cycle->fills + 1] <= low + 0.01 * brought;)
 		cycle->fills++;
@@ -96,9 +97,9 @@ enum status html_digging_cycles(const struct html_body *body, struct html_cycle 
 		const bool over = i == body->count;
 		if (over ? !search.falls && volume[search.peak] - volume[search.low] < swing : !look(&search, volume, i, swing))
 			continue;
-		struct html_cycle cycle = {.low = search.low, .peak = search.peak, .end = search.falls ? search.end : body->count - 1, .dumped = search.falls};
+		struct html_cycle cycle = {.low = search.low, .peak = search.peak, .end = search.falls && !over ? search.end : body->count - 1};
 		if (*count < most) {
-			TRY(find_phases(body, &cycle));
+			TRY(find_phases(body, swing, &cycle));
 			list[*count] = cycle;
 		}
 		++*count;

@@ -137,10 +137,10 @@ class Digging(FurrowTest):
         self.assertEqual(told["largest fill, share of the struck capacity"][1], "–")
         self.assertEqual(set(plots), {"carried mass over time", "bucket fill over time", "horizontal cutting force over time", "whole cutting force over time", "work on the soil over time"})
         self.assertGreater(told["bucket, 1"][-1], 0.9 * told["bucket, 1"][3])
-        self.assertLess(told["plate, 1"][-1], told["plate, 1"][3])  # what slides off its edges
+        self.assertEqual(told["plate, 1"][-1], "–")  # what slides off its edges is no dump
 
     def closed_form(self):
-        """A bucket that takes 60 l over 4 m at 800 N, spills 10 l, and dumps, where it pushes at 200 N; then 30 l over 2 m at 500 N, which it keeps. Rows each 0.1 s, at 1 m/s."""
+        """A bucket that takes 60 l over 4 m at 800 N, spills 10 l, and dumps, where it pushes at 200 N; then 40 l over 2 m at 500 N. It spills 10 l and keeps 30. Rows each 0.1 s, at 1 m/s."""
         shutil.copytree(self.made / "dig", self.folder / "dig")
         work = 0
         with open(self.folder / "dig/objects.csv", "w") as out:
@@ -149,7 +149,7 @@ class Digging(FurrowTest):
                 t = i / 10
                 digs = 800 if 1 < t <= 5 else 200 if 8 < t <= 8.5 else 500 if 12 < t <= 14 else 0
                 work += digs * 0.1
-                carried = 0.06 * (t - 1) / 4 if 1 < t <= 5 else 0.06 - 0.02 * (t - 5) if 5 < t <= 5.5 else 0.05 if 5 < t <= 8 else 0.05 * (8.9 - t) / 0.9 if 8 < t <= 8.9 else 0.03 * (t - 12) / 2 if 12 < t <= 14 else 0.03 if t > 14 else 0
+                carried = 0.06 * (t - 1) / 4 if 1 < t <= 5 else 0.06 - 0.02 * (t - 5) if 5 < t <= 5.5 else 0.05 if 5 < t <= 8 else 0.05 * (8.9 - t) / 0.9 if 8 < t <= 8.9 else 0.04 * (t - 12) / 2 if 12 < t <= 14 else 0.04 - 0.02 * (t - 14) if 14 < t <= 14.5 else 0.03 if t > 14 else 0
                 weight = UNIT_WEIGHT * carried
                 out.write(f"{t},bucket,{t},4,{1 if 5 < t < 9 else 0},0,{-digs * 0.6:.9g},{-digs * 0.8:.9g},{digs * 0.75 - weight:.9g},0,0,0,0,0.1,,sandy_loam_15,touching,0,{work:.9g},{carried:.9g},{weight:.9g}\n")
 
@@ -171,7 +171,7 @@ class Digging(FurrowTest):
         #     fills from, to, place, m3, kg, fill, J, J/m3, held s, m, dumped from, to, place, m3
         for got, value in zip(first, [1, 5.4, "2.70, 4.00", 0.05, 0.05 * mass, 1.25, 3200, 64000, 2.6, 2.6, 8, 8.9, "8.50, 4.00", 0.05]):
             self.assertEqual(got, value) if isinstance(value, str) else self.assertAlmostEqual(got, value, delta=1e-6 * value)
-        for got, value in zip(second, [12, 14, "13.00, 4.00", 0.03, 0.03 * mass, 0.75, 1000, 1000 / 0.03, 6, 6, "–", "–", "–", "–"]):
+        for got, value in zip(second, [12, 14.4, "12.80, 4.00", 0.03, 0.03 * mass, 0.75, 1000, 1000 / 0.03, 5.6, 5.6, "–", "–", "–", "–"]):
             self.assertEqual(got, value) if isinstance(value, str) else self.assertAlmostEqual(got, value, delta=1e-6 * value)
         self.assertNotIn("bucket, 3", told)
         for name, value in (("horizontal cutting force", 800), ("whole cutting force", 1000), ("carried mass", 0.06 * mass), ("bucket fill", 1.5), ("work on the soil", 4.3)):
