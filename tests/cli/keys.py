@@ -138,6 +138,7 @@ ROWS = {
     "vehicles[].start.at": (CAR, {"vehicles.car.start.at": "[21, 20]"}),
     "vehicles[].start.yaw": (CAR, {"vehicles.car.start.yaw": "40"}),
     "vehicles[].soil": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel", "four").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.soil": "[left_fl, left_rl, right_fr]"}),
+    "vehicles[].carry": ({**CAR, "vehicles": "[{name: car, model: tray.xml, start: {at: [20, 20]}, soil: [tray], driver: {hold: {along: 0.1, lift: -0.1, tip: 0.3}}}]"}, {"vehicles.car.carry": "[tray]"}),
     "vehicles[].driver.path.points": (WAY, {"vehicles.car.driver.path.points": "[[20, 20], [24, 24]]"}),
     "vehicles[].driver.path.speed": (WAY, {"vehicles.car.driver.path.speed": "1"}),
     "vehicles[].driver.path.smooth": (WAY, {"vehicles.car.driver.path.smooth": "true"}),
@@ -293,7 +294,7 @@ class Keys(FurrowTest):
         for key, value in RASTERS.items():
             write_png16(self.folder / f"{key}.png", 65, 65, lambda x, y: value)
         one = (ROOT / "tests/vehicle/one_wheel.xml").read_text()
-        texts = {"one_wheel.xml": one, "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
+        texts = {"one_wheel.xml": one, "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
                  "poses.csv": "t,x,y,yaw,pitch,roll\n".replace(",yaw,pitch,roll", "") + "0,10,20\n0.6,11,20\n", "lying.csv": "t,x,y,z,yaw,pitch,roll\n0,10,20,0.3,0,0,90\n0.6,11,20,0.3,0,0,90\n", "other.csv": "t,x,y\n0,10,20\n0.6,11,23\n",
                  "eyes.csv": "t,x,y,z,yaw,pitch,roll\n0,12,10,20,90,-40,0\n", "eyes2.csv": "t,x,y,z,yaw,pitch,roll\n0,12,12,20,90,-40,0\n"}
         for file, half in (("a.obj", 0.6), ("b.obj", 1.2)):

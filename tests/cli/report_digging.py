@@ -35,6 +35,27 @@ WAYS = {"bucket.csv": [(0, 4, 4, 0.4, 180, 40, 0), (0.5, 4, 4, 0.15, 180, 40, 0)
 HEAD = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual,work,carried,carried_weight\n"
 
 
+# A tub of 0.4 x 0.3 x 0.2 m inside, of five plates of 2 cm; its body is turned in the model's first pose, and its level attitude is its own.
+TUB = """<mujoco model="tub"><worldbody><body name="base" pos="0 0 0.5"><freejoint/><geom name="skid" type="box" size="0.5 0.4 0.1" mass="100"/>
+<body name="tub" pos="0 0 1" euler="0 -30 0"><joint name="tilt" axis="0 1 0" damping="100" stiffness="10000"/>
+<geom name="floor" type="box" size="0.22 0.17 0.01" pos="0 0 -0.01" mass="5"/>
+<geom name="front" type="box" size="0.01 0.17 0.1" pos="0.21 0 0.1" mass="2"/><geom name="back" type="box" size="0.01 0.17 0.1" pos="-0.21 0 0.1" mass="2"/>
+<geom name="left" type="box" size="0.2 0.1 0.01" pos="0 0.16 0.1" euler="90 0 0" mass="2"/><geom name="right" type="box" size="0.2 0.01 0.1" pos="0 -0.16 0.1" mass="2"/>
+</body></body></worldbody></mujoco>
+"""
+TUBS = """scene: 1
+time_step: 0.002
+end_time: 0.1
+spacing: 0.0625
+soil: {name: sandy_loam_15}
+redistribute: {model: scm}
+store: flat.furrow
+vehicles:
+  - {name: car, model: tub.xml, start: {at: [8, 8]}, soil: [skid, floor, front, back, left, right], carry: [floor, front, back, left, right]}
+output: {forces: 50}
+"""
+
+
 class Digging(FurrowTest):
     @classmethod
     def setUpClass(cls):
@@ -116,6 +137,19 @@ class Digging(FurrowTest):
         told = self.run_of()["objects"]["bucket"]["carried"]["capacity"]
         print(f"capacity {told:g}, closed form {area * width:g} m3", file=sys.stderr)
         self.assertAlmostEqual(told, area * width, delta=0.01 * area * width)
+
+    def test_plates_of_one_body_are_one_bucket(self):
+        (self.made / "tub.xml").write_text(TUB)
+        (self.made / "tubs.yaml").write_text(TUBS)
+        self.call("drive", "tubs.yaml", "-o", "tubs", "--overlay", "tubs.furrow")
+        geoms = json.loads((self.made / "tubs/run.json").read_text())["vehicles"]["car"]["carried"]["geoms"]
+        self.assertEqual(sorted(geoms), ["car.back", "car.floor", "car.front", "car.left", "car.right"])
+        for told in geoms.values():
+            self.assertAlmostEqual(told["capacity"], 0.4 * 0.3 * 0.2, delta=0.01 * 0.024)
+        shutil.copytree(self.made / "tubs", self.folder / "tubs")
+        told = self.report("tubs").rows("digging")
+        self.assertEqual(told["of the whole drive"], ["car.floor", "car.front", "car.back", "car.left", "car.right"])
+        self.assertNotIn("car.skid", told["of the whole drive"])
 
     # --- the page ---
 
