@@ -67,8 +67,8 @@ struct soil_part {
 	const struct soil_shape *shape; /* box or mesh; others have no part in it */
 	double at[3], axes[3][3];       /* m; unit vectors */
 };
-/* Computes the struck capacity of a body at level attitude, m3: the volume between its upper envelope and a straightedge that rests on it (struck.c). It is 0 where nothing stands up
- * around a hollow. Sampled 512 times along the longer side. Any thread. STATUS_MEMORY. */
+/* Computes the struck capacity of a body at level attitude, m3: the volume between its upper envelope and a straightedge that rests on it (struck.c). It is 0 where
+ * no wall is around a hollow. Sampled 512 times along the longer side. Any thread. STATUS_MEMORY. */
 enum status soil_struck_capacity(const struct soil_part *parts, size_t count, double *capacity) FURROW_CHECKED;
 
 /* Its state as whole numbers, for a record, and back. Where the body is follows from soil_carried_place. load returns false if they contradict each other. */

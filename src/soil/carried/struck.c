@@ -2,8 +2,8 @@
  * The struck capacity of a body: the soil that it holds when a straightedge has levelled it, as SAE J296 measures buckets.
  *
  * The body's upper envelope is sampled on a grid. The straightedge rests on the body along each row, and along each column: its height is the upper convex hull of the
- * envelope there. Over a row it goes from one end of the body to the other, without its gaps. The soil reaches as high as the lower one of both. So a side that is open,
- * or lower than the plane between cutting edge and back, holds no more than stands behind it.
+ * envelope there. Over a row it goes from one end of the body to the other, without its gaps. The soil reaches as high as the lower one of both. So a side
+ * that is open, or low, holds back no more soil than is behind it.
  */
 #include <math.h>
 #include <string.h>
