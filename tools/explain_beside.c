@@ -33,21 +33,31 @@ static void begin(bool *begun)
 	*begun = true;
 }
 
+/* Adds a name to a list of three at most. */
+static void add_name(char names[200], size_t *count, const char *vehicle, const char *name)
+{
+	if ((*count)++ < 3)
+		snprintf(names + strlen(names), 200 - strlen(names), "%s%.30s%s%.30s", *count > 1 ? ", " : "", vehicle, vehicle[0] != '\0' ? "." : "", name);
+}
+
 static void print_aboard(const struct scene *scene, const struct report_plan *plan, bool *begun)
 {
 	const uint64_t bytes = bytes_of(&plan->plan, "soil aboard bodies");
-	char text[400], names[160] = "";
+	char text[400], names[200] = "";
 	size_t carrying = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (scene->objects[i].carry && carrying++ < 3)
-			snprintf(names + strlen(names), sizeof names - strlen(names), "%s%.40s", carrying > 1 ? ", " : "", scene->objects[i].name);
-	if (bytes == 0)
+		if (scene->objects[i].carry)
+			add_name(names, &carrying, "", scene->objects[i].name);
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		for (size_t k = 0; k < scene->vehicles[i].carry.count; k++)
+			add_name(names, &carrying, scene->vehicles[i].name, scene->vehicles[i].carry.list[k]);
+	if (carrying == 0)
 		return;
 	begin(begun);
 	if (carrying > 3)
 		snprintf(names + strlen(names), sizeof names - strlen(names), " and %zu more", carrying - 3);
-	snprintf(text, sizeof text, "carry: soil stays aboard %s: %s. It settles after each contact, and for each %g s of simulated time while it moves", carrying > 0 ? names : "bodies",
-		 layout_bytes(bytes).text, scene->interval);
+	snprintf(text, sizeof text, "carry: soil stays aboard %s%s%s. It settles after each contact, and for each %g s of simulated time while it moves", names,
+		 bytes > 0 ? ": " : "", bytes > 0 ? layout_bytes(bytes).text : "", scene->interval);
 	layout_wrapped(text, 4);
 }
 
