@@ -303,8 +303,8 @@ static void tell_text(const struct edit *edit, bool done)
 {
 	const struct post_rect *rect = &edit->bounds;
 	const double s = edit->spacing;
-	printf("%s: %s%.6g m3 %s %lld posts, %.6g m apart, within %s\n", edit->store, done ? "" : "would be changed: ", fabs((double)edit->sum / UNITS * s * s),
-	       edit->sum < 0 ? "taken from" : "added to", (long long)edit->posts, s,
+	printf("%s: %s%.6g m3 %s %lld post%s, %.6g m apart, within %s\n", edit->store, done ? "" : "would be changed: ", fabs((double)edit->sum / UNITS * s * s),
+	       edit->sum < 0 ? "taken from" : "added to", (long long)edit->posts, edit->posts == 1 ? "" : "s", s,
 	       number_window((double)rect->x0 * s, (double)rect->y0 * s, (double)(rect->x1 - 1) * s, (double)(rect->y1 - 1) * s).text);
 	printf("  changes of %.6g to %.6g m, %s\n", edit->lowest, edit->highest, edit->loose ? "loose" : "dense");
 	if (done && edit->slid_for > 0)

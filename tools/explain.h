@@ -26,6 +26,9 @@ const char *explain_number_from(const struct scene *scene, int soil, const char 
 void explain_laws_text(const struct scene *scene, const struct report_plan *plan);
 void explain_laws_json(cJSON *root, const struct scene *scene, const struct report_plan *plan);
 
+/* explain_beside.c: soil aboard bodies and in the air, marks on the ground, and what they cost */
+void explain_beside_text(const struct scene *scene, const struct report_plan *plan);
+
 /* explain_passes.c */
 bool explain_same_effect(const struct plan_line *a, const struct plan_line *b);
 size_t explain_count(const struct plan *plan, enum plan_kind kind); /* lines of that kind */

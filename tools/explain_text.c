@@ -110,6 +110,7 @@ void explain_text(const struct scene *scene, const struct report_plan *plan, boo
 	explain_soils_text(scene, plan);
 	explain_vehicles_text(plan);
 	explain_laws_text(scene, plan);
+	explain_beside_text(scene, plan);
 	explain_sun_text(plan);
 	explain_cameras_text(scene, plan);
 	if (all) {

@@ -7,10 +7,11 @@
  *
  * and between two rows, with the means of F and M:
  *
- *     push     = F . dp                dp: the way of the centre, in space
+ *     push     = F . dp                dp: the way of the centre, in space. F without the weight of soil aboard
  *     soil     = torque - push         of a vehicle the soil's part is the column `work`, and the torque's work follows from it
  *     torque   = -(M . a) ds / (r (1 - slip))      only of a wheel; a: its axle, to the left; ds: its way along the ground
  *     axle's torque = -(M . a)         of a wheel, and of a vehicle's soil geom; a: level, to the left of the way
+ *     Of a shape that carries soil, and does not turn by itself, the column `work` has its turns, too: push = -work.
  *     by slip  = slip x torque         a wheel with the torque's force T / r loses T / r x slip x rim's way to slip (Wong, ch. 4)
  *
  * F, M: the soil's force and moment on the object.
@@ -78,9 +79,15 @@ static void find_direction(const struct html_row *last, struct html_row *row, do
 	}
 }
 
+/* The soil's force without the weight of what is aboard. */
+static double cuts(const struct html_row *row, int axis)
+{
+	return row->force[axis] + (axis == 2 && isfinite(row->weight) ? row->weight : 0);
+}
+
 static double weight_of(const struct html_row *row)
 {
-	return row->load > 0 ? row->load : row->force[2];
+	return row->load > 0 ? row->load : cuts(row, 2);
 }
 
 static void fill_forces(struct html_body *body, const struct html_row *row, const double tangent[3], size_t at)
@@ -90,7 +97,7 @@ static void fill_forces(struct html_body *body, const struct html_row *row, cons
 	body->values[HTML_GRADE][at] = grade;
 	body->values[HTML_DRAWBAR][at] = dot(row->force, tangent) - grade;
 	const double level = hypot(tangent[0], tangent[1]);
-	if (row->radius > 0 || isfinite(row->work)) /* a wheel, or a soil geom of a vehicle */
+	if (row->radius > 0 || (isnan(row->radius) && isfinite(row->work))) /* a wheel, or a soil geom of a vehicle */
 		body->values[HTML_TORQUE][at] = (row->moment[0] * tangent[1] - row->moment[1] * tangent[0]) / level;
 	if (weight_of(row) > 0)
 		body->steepest = fmax(body->steepest, fabs(tangent[2]));
@@ -119,9 +126,11 @@ static void add_energy(struct html_energy *energy, const struct html_row *a, con
 {
 	double push = 0, climb = 0;
 	for (int k = 0; k < 3; k++)
-		push += (a->force[k] + b->force[k]) / 2 * (b->place[k] - a->place[k]);
+		push += (cuts(a, k) + cuts(b, k)) / 2 * (b->place[k] - a->place[k]);
 	climb = (weight_of(a) + weight_of(b)) / 2 * (b->place[2] - a->place[2]);
 	const bool told = isfinite(a->work) && isfinite(b->work);
+	if (told && a->radius == 0)
+		push = a->work - b->work;
 	const double soil = told ? b->work - a->work : torque_between(a, b, went) - push, torque = soil + push;
 	const double slip = (a->slip + b->slip) / 2;
 	energy->soil += soil / 1e3;

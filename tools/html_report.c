@@ -73,6 +73,7 @@ enum status html_report_write(const struct html_report *report)
 	TRY(html_map_write(report));
 	TRY(html_cameras_write(report));
 	TRY(html_curves_write(report));
+	TRY(html_digging_write(report));
 	TRY(html_curves_rut(report));
 	html_tables_volume(report);
 	TRY(html_curves_steps(report));

@@ -6,6 +6,7 @@
 
 struct html_row {
 	double time, place[3], force[3], moment[3], sinkage, slip, load, work;
+	double carried, weight;     /* m3 and N of soil aboard, a part of `force`; NaN: it carries none */
 	double values[HTML_VALUES]; /* of a vehicle */
 	bool flat;                  /* a wheel that rolls by its way in plan: its path gives its heights, and it has no load */
 	double radius;              /* of a wheel; 0: it does not turn; NaN: not known how it turns */

@@ -165,6 +165,8 @@ static enum status take_row(struct table *table, const char *name, struct html_r
 			body->values[k][at] = row->values[k];
 	else
 		html_forces_take(body, row, went);
+	if (!table->vehicles)
+		TRY(html_digging_take(body, row));
 	body->count++;
 	*body->last = *row;
 	return STATUS_OK;
@@ -247,7 +249,7 @@ enum status html_rows_objects(struct html_run *run)
 		{"t", PLACE(time), 0, false}, {"x", PLACE(place[0]), 0, false}, {"y", PLACE(place[1]), 0, false}, {"z", PLACE(place[2]), 0, false},
 		{"sinkage", PLACE(sinkage), 0, false}, {"slip", PLACE(slip), 0, false}, {"fx", PLACE(force[0]), 0, false}, {"fy", PLACE(force[1]), 0, false},
 		{"fz", PLACE(force[2]), 0, false}, {"tx", PLACE(moment[0]), 0, false}, {"ty", PLACE(moment[1]), 0, false}, {"tz", PLACE(moment[2]), 0, false},
-		{"load", PLACE(load), 0, true}, {"work", PLACE(work), 0, true},
+		{"load", PLACE(load), 0, true}, {"work", PLACE(work), 0, true}, {"carried", PLACE(carried), 0, true}, {"carried_weight", PLACE(weight), 0, true},
 	};
 	return read_file(run, "objects.csv", false, columns, sizeof columns / sizeof *columns, &run->objects);
 }
@@ -306,6 +308,7 @@ void html_bodies_finish(struct html_bodies *bodies)
 		for (int k = 0; k < HTML_VALUES; k++)
 			mem_free(body->values[k]);
 		mem_free(body->last);
+		html_digging_finish(body->digging);
 	}
 	mem_free(bodies->list);
 	*bodies = (struct html_bodies){.count = 0};

@@ -55,6 +55,7 @@ struct html_body {
 	struct html_energy energy;    /* of an object */
 	double floor, rise;           /* m: height in the first row; how much higher it is in the last one */
 	double steepest;              /* of an object: largest grade resistance over the weight, a share of 1 */
+	struct html_digging *digging; /* of one that carries soil, for each row what is aboard; NULL: it carries none */
 };
 
 struct html_bodies {
@@ -100,6 +101,9 @@ const struct html_bodies *html_ways(const struct html_run *run);
 
 /* html_forces.c: computes what a row of an object tells, with the row before. */
 void html_forces_take(struct html_body *body, struct html_row *row, double went);
+/* html_digging.c: takes what a row tells of soil aboard; nothing, if the body carries none. Call it after html_forces_take. */
+enum status html_digging_take(struct html_body *body, const struct html_row *row) FURROW_CHECKED;
+void html_digging_finish(struct html_digging *digging); /* takes NULL */
 /* html_rows.c: reads a file of rows; the bodies stay empty if it is not there. */
 enum status html_rows_objects(struct html_run *run) FURROW_CHECKED;
 enum status html_rows_vehicles(struct html_run *run) FURROW_CHECKED;

@@ -89,6 +89,7 @@ const struct command command_report = {
 		   "  sinkage, slip, traction, drawbar   objects.csv (output.forces in the scene)\n"
 		   "    pull, torque, energy\n"
 		   "  speed, work, energy of vehicles    vehicles.csv (output.vehicles)\n"
+		   "  digging of bodies with carry       objects.csv, run.json\n"
 		   "  rut profile, across the way        the store or overlay that was deformed\n"
 		   "  page cache: misses over slots      the trace (drive --trace FILE)\n\n"
 		   "If a folder does not have the data for a section, one sentence gives the reason. More: docs/REPORT.md\n",

@@ -22,6 +22,7 @@ struct fleet_row {
 	double time, slip, position[3];
 	int64_t body;
 	struct world_force force;
+	struct world_aboard aboard;
 	int32_t soil;
 };
 

@@ -25,6 +25,7 @@ enum status fleet_rows_take(void *user, const struct world_row *rows, size_t cou
 			.position = {row->position[0], row->position[1], row->position[2]},
 			.body = (int64_t)row->body,
 			.force = row->force,
+			.aboard = row->aboard,
 			.soil = row->soil,
 		}));
 	return STATUS_OK;
@@ -75,6 +76,7 @@ static enum status write_some(struct fleet *fleet, const struct fleet_row *from,
 			.position = {from[i].position[0], from[i].position[1], from[i].position[2]},
 			.soil = from[i].soil,
 			.force = from[i].force,
+			.aboard = from[i].aboard,
 		};
 		if (!world_ranked(fleet->world, rows[i].body))
 			return fail_with(STATUS_FAILED, "ranks: a row came of a body that there is not; report this");

@@ -1,5 +1,5 @@
 /* objects.csv: the forces of the soil on each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. With vehicles
- * there is one more, their work on the soil; where something carries soil, two more. */
+ * there is one more, their work on the soil. Bodies that carry soil have it, too, and what is aboard. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,14 +14,12 @@ static const char header_of_all[] = COLUMNS ",work" CARRIED "\n";
 /* The first line of the file: columns that a scene has no use for are left out. */
 static const char *header_of(const struct scene *scene)
 {
-	if (scene_carries(scene))
-		return scene->vehicle_count > 0 ? header_of_all : COLUMNS CARRIED "\n";
-	return scene->vehicle_count > 0 ? COLUMNS ",work\n" : COLUMNS "\n";
+	return scene_carries(scene) ? header_of_all : scene->vehicle_count > 0 ? COLUMNS ",work\n" : COLUMNS "\n";
 }
 
 const char *report_objects_columns(void)
 {
-	return "t, x, y, z, sinkage, fx, fy, fz, tx, ty, tz, slip, contact_area, load, residual; with vehicles work, and with carry carried and carried_weight, too";
+	return "t, x, y, z, sinkage, fx, fy, fz, tx, ty, tz, slip, contact_area, load, residual; with vehicles work, too; with carry work, carried, carried_weight";
 }
 
 bool report_objects_column(const char *name)
@@ -56,19 +54,23 @@ static enum status write_row(const struct report_rows *rows, const struct world_
 		[DEFORM_TOUCHING] = "touching", [DEFORM_SLIDES] = "slides", [DEFORM_SUNK] = "sunk", [DEFORM_AIR] = "air",
 	};
 	const char *soil = row->soil >= 0 ? world_scene(rows->world)->soil_names[row->soil] : "";
-	char load[32] = "", work[32] = "", carried[64] = "";
-	if (world_scene(rows->world)->vehicle_count > 0)
+	const struct body *body = world_body(rows->world, row->body);
+	const bool tells = scene_carries(world_scene(rows->world)), carries = body->carried != NULL;
+	char load[32] = "", work[32] = "", aboard[64] = "";
+	if (world_scene(rows->world)->vehicle_count > 0 || tells)
 		strcpy(work, ",");
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
-	if (world_body(rows->world, row->body)->kind == BODY_VEHICLE)
+	if (body->kind == BODY_VEHICLE || carries)
 		snprintf(work, sizeof work, ",%.9g", force->work);
-	if (scene_carries(world_scene(rows->world)))
-		snprintf(carried, sizeof carried, ",%.9g,%.9g", row->aboard.volume, row->aboard.weight);
+	if (carries)
+		snprintf(aboard, sizeof aboard, ",%.9g,%.9g", row->aboard.volume, row->aboard.weight);
+	else if (tells)
+		strcpy(aboard, ",,");
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g%s%s\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
 			      force->force[2], force->moment[0], force->moment[1], force->moment[2], row->slip, force->area, load, soil,
-			      states[force->state], force->residual, work, carried);
+			      states[force->state], force->residual, work, aboard);
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 

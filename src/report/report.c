@@ -269,6 +269,7 @@ static void add_way(cJSON *object, const struct body *body, double time)
 	mem_free(places);
 }
 
+/* Adds what a body carries, or several do together. */
 static cJSON *add_carried(cJSON *object, const char *name, const struct world_aboard *aboard)
 {
 	cJSON *told = cJSON_AddObjectToObject(object, name);
@@ -276,6 +277,16 @@ static cJSON *add_carried(cJSON *object, const char *name, const struct world_ab
 	json_number(told, "weight", aboard->weight);
 	json_integer(told, "quanta", aboard->units);
 	return told;
+}
+
+/* Returns the struck capacity of a body as its path is level, m3; NaN: out of memory. */
+static double capacity_of(const struct body *body)
+{
+	const double *attitude = body->object->path.attitude;
+	struct soil_part whole = {.shape = &body->object->shape};
+	double capacity;
+	soil_axes(attitude[0], attitude[1], attitude[2], 0, whole.axes);
+	return soil_struck_capacity(&whole, 1, &capacity) == STATUS_OK ? capacity : (double)NAN;
 }
 
 /* Adds what all soil geoms of a vehicle carry, and what each does. Adds nothing if none may. */
@@ -286,11 +297,12 @@ static void add_vehicle_carried(cJSON *vehicle, const struct vehicles *vehicles,
 	for (size_t g = 0; g < info->geom_count; g++) {
 		struct vehicle_geom geom;
 		bool carries;
+		double capacity;
 		const struct world_aboard one = vehicle_geom_aboard(vehicles, index, g, &carries);
 		if (!carries)
 			continue;
 		vehicle_geom(vehicles, index, g, 1, &geom);
-		add_carried(geoms, geom.name, &one);
+		json_number(add_carried(geoms, geom.name, &one), "capacity", vehicle_geom_capacity(vehicles, index, g, &capacity) == STATUS_OK ? capacity : (double)NAN);
 		all = (struct world_aboard){all.units + one.units, all.volume + one.volume, all.weight + one.weight};
 	}
 	if (geoms == NULL || geoms->child == NULL || !cJSON_AddItemToObject(add_carried(vehicle, "carried", &all), "geoms", geoms))
@@ -310,7 +322,9 @@ static void add_objects(cJSON *root, const struct report *report)
 		add_interface(object, &body->object->interface);
 		if (body->object->carry) {
 			const struct world_aboard aboard = world_aboard(report->world, i);
-			add_carried(object, "carried", &aboard);
+			cJSON *told = add_carried(object, "carried", &aboard);
+			json_number(told, "capacity", capacity_of(body));
+			json_number(told, "gravity", world_scene(report->world)->gravity);
 		}
 		if (body->object->load > 0 && body->has_last)
 			json_number(object, "z", lattice_offset_metres(body->equilibrium));

@@ -248,8 +248,8 @@ static void advise_attributes(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
 	if (scene->disturbance && !scene->view.present && !scene->view.left_out)
-		advise(adviser, "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at %zu byte a post; add a view, or take "
-				"it away", plane_bytes(scene->heals > 0 ? PLANE_HEALED : PLANE_DISTURBANCE));
+		advise(adviser, "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at %s a post; add a view, or take "
+				"it away", scene->heals > 0 ? "4 bytes" : "1 byte");
 }
 
 /* --- objects --- */
@@ -494,6 +494,7 @@ void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tel
 	advise_ground(&adviser);
 	advise_depth(&adviser);
 	advise_attributes(&adviser);
+	scene_advise_effects(scene, spacing, tell, user);
 	for (size_t i = 0; i < scene->object_count; i++) {
 		advise_shape(&adviser, &scene->objects[i]);
 		advise_path(&adviser, &scene->objects[i]);

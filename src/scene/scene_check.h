@@ -63,6 +63,8 @@ struct scene_list scene_models_with_loads(void); /* those that bear a body with 
 void scene_advise_posts(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 /* Tells of the wheel that the soil's rebound pushes most, if the scene writes forces. Part of scene_advise. */
 void scene_advise_rebound(const struct scene *scene, scene_advice_fn tell, void *user);
+/* advice_effects.c: tells effects that nothing in the scene can show. spacing: m; 0: not known. */
+void scene_advise_effects(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 void scene_drop_doubts(struct scene *scene); /* frees the notes of scene_check_units */
 
 /* Computes scene->hash from all settings that decide the ground. The cache, the view, the output, the store's name and the end

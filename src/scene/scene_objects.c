@@ -78,6 +78,8 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 				   scene_models_with_forces().text);
 	if (raw->carry != NULL && *raw->carry && object->shape.kind != SOIL_BOX && object->shape.kind != SOIL_MESH)
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].carry", index), "soil rolls off this shape; allowed with: box, mesh");
+	if (raw->carry != NULL && *raw->carry && object->shape.belt)
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].carry", index), "a belt would take its soil along; allowed with: belt: false");
 	if (raw->interface != NULL && !forces)
 		return scene_error(tree->file, interface, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: %s}", model, scene_models_with_forces().text);

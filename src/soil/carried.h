@@ -62,6 +62,15 @@ struct post_rect soil_carried_drop(struct soil_carried *carried, const struct so
 /* Computes the force of the load on the body, N, down; and its moment about the body's centre, N m, east and north. weights: of each class, N/m3. Adds to both. */
 void soil_carried_weigh(const struct soil_carried *carried, const double weights[SOIL_CLASSES], double force[3], double moment[3]);
 
+/* A part of a body: its place and axes (forward, left, up) in the axes of the whole. */
+struct soil_part {
+	const struct soil_shape *shape; /* box or mesh; others have no part in it */
+	double at[3], axes[3][3];       /* m; unit vectors */
+};
+/* Computes the struck capacity of a body at level attitude, m3: the volume between its upper envelope and a straightedge that rests on it (struck.c). It is 0 where
+ * no wall is around a hollow. Sampled 512 times along the longer side. Any thread. STATUS_MEMORY. */
+enum status soil_struck_capacity(const struct soil_part *parts, size_t count, double *capacity) FURROW_CHECKED;
+
 /* Its state as whole numbers, for a record, and back. Where the body is follows from soil_carried_place. load returns false if they contradict each other. */
 size_t soil_carried_numbers(const struct soil_shape *shape, double spacing);
 void soil_carried_save(const struct soil_carried *carried, int64_t *numbers);

@@ -35,6 +35,13 @@ struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t 
 	return (struct world_aboard){0, 0, 0};
 }
 
+enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicle, size_t geom, double *capacity)
+{
+	(void)vehicles, (void)vehicle, (void)geom;
+	*capacity = 0;
+	return STATUS_OK;
+}
+
 struct world_figures vehicle_figures(const struct vehicles *vehicles)
 {
 	(void)vehicles;

@@ -185,6 +185,30 @@ struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t 
 	return geom->carries ? world_aboard(vehicles->world, (size_t)geom->number) : (struct world_aboard){0, 0, 0};
 }
 
+enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicle, size_t number, double *capacity)
+{
+	const struct vehicle *of = &vehicles->list[vehicle];
+	const int body = of->model->geom_bodyid[of->geoms[number].geom];
+	struct soil_part *parts;
+	size_t count = 0;
+	TRY(mem_make(&parts, of->geom_count, sizeof *parts, "the capacity of a bucket"));
+	for (size_t g = 0; g < of->geom_count; g++) {
+		const struct soil_geom *geom = &of->geoms[g];
+		double own[9];
+		if (!geom->carries || of->model->geom_bodyid[geom->geom] != body)
+			continue;
+		struct soil_part *part = &parts[count++];
+		part->shape = &geom->shape;
+		mju_copy3(part->at, &of->model->geom_pos[3 * geom->geom]);
+		mju_quat2Mat(own, &of->model->geom_quat[4 * geom->geom]);
+		for (int k = 0; k < 3; k++)
+			mju_mulMatVec(part->axes[k], own, (const double[]){geom->axes[k], geom->axes[3 + k], geom->axes[6 + k]}, 3, 3);
+	}
+	const enum status status = soil_struck_capacity(parts, count, capacity);
+	mem_free(parts);
+	return status;
+}
+
 void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *row)
 {
 	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};

@@ -74,6 +74,9 @@ void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *
 
 /* Returns the soil aboard a soil geom, 0 .. geom_count - 1. *carries: whether it may have any. */
 struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t vehicle, size_t geom, bool *carries);
+/* Computes the struck capacity of the bucket that a soil geom is or is a part of, m3: of all geoms that carry on its body of the model, with that body's z axis up.
+ * STATUS_MEMORY. */
+enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicle, size_t geom, double *capacity) FURROW_CHECKED;
 
 /* Facts about a vehicle. Those above `settled` are known once it is loaded. */
 struct vehicle_info {

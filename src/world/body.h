@@ -18,7 +18,7 @@ struct world_force {
 	double force[3], moment[3]; /* N, N m */
 	double sinkage, area;       /* m below the base; m2 */
 	double residual, pull;      /* N: struct deform_forces */
-	double work;                /* J: what a body of a vehicle has done on the soil since the start; of others 0 */
+	double work;                /* J: work on the soil since the start, of a vehicle's body or of one that carries soil along its path; else 0 */
 	int64_t z;                  /* 2^-20 m */
 	enum deform_state state;
 };

@@ -101,7 +101,7 @@ double world_carried_load(const struct world *world, const struct body *body)
 	double force[3] = {0}, moment[3];
 	memset(moment, 0, sizeof moment);
 	world_carried_force(world, body, force, moment);
-	return -force[2];
+	return 0 - force[2]; /* never -0 */
 }
 
 struct world_aboard world_aboard_of(const struct world *world, const struct body *body)

@@ -118,6 +118,16 @@ static struct world_force force_of(const struct deform_forces *from)
 	return force;
 }
 
+/* Takes the next path sample of a body. One that carries soil does work from a sample to the next if the soil bears it at both. */
+static void stand(const struct forces *forces, size_t body, struct standing next)
+{
+	struct standing *standing = &forces->standing[body];
+	next.force.work = standing->force.work;
+	if (forces->world->bodies[body]->carried != NULL && standing->felt && next.felt)
+		next.force.work += world_work_between(&standing->pose, &standing->force, &next.pose, &next.force);
+	*standing = next;
+}
+
 void world_forces_felt(struct forces *forces, size_t body, const struct event *event, const struct deform_forces *from)
 {
 	if (forces == NULL)
@@ -126,7 +136,7 @@ void world_forces_felt(struct forces *forces, size_t body, const struct event *e
 	struct standing *standing = standing_of(forces, body);
 	forces->saturated += from->saturated;
 	if (standing != NULL)
-		*standing = (struct standing){event->pose, force, true, true, true};
+		stand(forces, body, (struct standing){event->pose, force, true, true, true});
 	else if (world_body(forces->world, body)->kind == BODY_HOST)
 		world_host_felt(forces->world, body, event->time, &force);
 }
@@ -151,13 +161,11 @@ void world_forces_absent(struct forces *forces, size_t body, const struct event 
 	struct standing *standing = standing_of(forces, body);
 	if (standing == NULL)
 		return;
-	const int64_t z = event->contact ? event->pose.z : standing->pose.z; /* there may be no ground */
+	struct standing next = {.pose = event->pose, .force = standing->force, .placed = true};
+	next.pose.z = event->contact ? event->pose.z : standing->pose.z; /* there may be no ground */
 	if (event->contact || !world_feels(forces->world)) /* in the air above it; the record has the same */
-		standing->force = world_no_force(z);
-	standing->pose = event->pose;
-	standing->pose.z = z;
-	standing->placed = true;
-	standing->felt = standing->met = false;
+		next.force = world_no_force(next.pose.z);
+	stand(forces, body, next);
 }
 
 bool world_forces_known(const struct forces *forces, size_t body, struct world_force *force)
@@ -216,7 +224,8 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 			return STATUS_OK;
 		for (size_t i = 0; i < world->scene->object_count; i++) {
 			const struct standing *at = &forces->standing[i];
-			const struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
+			struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
+			force.work = at->force.work;
 			if (at->placed && !world->bodies[i]->elsewhere)
 				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force),
 						      world_aboard_of(world, world->bodies[i])}));

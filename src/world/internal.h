@@ -430,6 +430,8 @@ struct forces_saved;
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out) FURROW_CHECKED;
 void world_forces_restore(struct forces *forces, const struct forces_saved *saved);
 void world_forces_saved_free(struct forces_saved *saved); /* saved may be NULL */
+/* work.c: returns the work that a body does on the soil on its way between two poses, J, by the means of force and moment. Any thread. */
+double world_work_between(const struct soil_pose *from, const struct world_force *before, const struct soil_pose *to, const struct world_force *after);
 /* For world_body_pack and world_body_unpack. A body that is packed has no rows here until it is unpacked. */
 void world_forces_pack(const struct forces *forces, size_t body, struct world_moved *moved);
 void world_forces_unpack(struct forces *forces, size_t body, const struct world_moved *moved);

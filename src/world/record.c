@@ -76,7 +76,7 @@ static bool put_force(cJSON *object, const struct world_force *force)
 		     put_real(to, "pull", force->pull);
 	for (int i = 0; i < 6 && whole; i++)
 		whole = put_real(to, names[i], i < 3 ? force->force[i] : force->moment[i - 3]);
-	return whole;
+	return whole && (!(fabs(force->work) > 0) || put_real(to, "work", force->work)); /* only bodies that carry soil have any */
 }
 
 /* "number;" for each. Without any motion the record is as it was before there was a trend. */
@@ -289,6 +289,9 @@ static bool get_force(const cJSON *object, struct world_force *force)
 	force->pull = 0; /* records of earlier versions have none */
 	if (cJSON_HasObjectItem(from, "pull"))
 		whole = whole && get_real(from, "pull", &force->pull);
+	force->work = 0;
+	if (cJSON_HasObjectItem(from, "work"))
+		whole = whole && get_real(from, "work", &force->work);
 	force->state = whole ? (enum deform_state)state : DEFORM_AIR;
 	for (int i = 0; i < 6 && whole; i++)
 		whole = get_real(from, names[i], i < 3 ? &force->force[i] : &force->moment[i - 3]);

@@ -115,6 +115,7 @@ static void only_boxes_and_meshes_under_scm_carry(void **state)
 	struct furrow_world *world = hosted_world("carried.furrow");
 	furrow_body body = -1;
 	refused(FURROW_INPUT, furrow_body_add(world, "{shape: {sphere: {radius: 0.5}}, carry: true}", &body));
+	refused(FURROW_INPUT, furrow_body_add(world, "{shape: {box: {size: [1, 0.4, 0.3], belt: true}}, carry: true}", &body));
 	done(furrow_world_close(world));
 	world = hosted_world_over("carried.furrow", "{time_step: 0.01, spacing: 0.125, redistribute: {model: box}}", hosted_flat);
 	refused(FURROW_INPUT, furrow_body_add(world, PLATE, &body));

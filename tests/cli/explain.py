@@ -312,6 +312,42 @@ objects:
         self.assertIn("more than 16 posts of 0.25 m; give a coarser spacing", self.refused(3, "explain", scene, "--store", store, "--set", "redistribute.tension=1e6"))
         self.assertNotIn("sheet", self.json("explain", self.scene(BARE), "--store", store))
 
+    def test_what_is_beside_ruts_is_told_with_its_cost(self):
+        store = self.synth(posts="257x257", kind="plain")
+        scene = self.scene(BARE.replace("c, shape: {sphere: {radius: 2}}, sink: 0.2", "c, shape: {box: {size: [2, 2, 1]}}, sink: 0.2, carry: true") +
+                           "spacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm, thrown: on}\nattributes: {disturbance: {heals: 86400}, vegetation: {cover: 0.5}}\n", "beside.yaml")
+        told = self.ok("explain", scene, "--store", store, "--set", "objects.a.slip=0.4").split("\nbeside ruts\n")[1].split("\n\n")[0]
+        bytes_of = {row["name"]: row["bytes"] for row in self.json("explain", scene, "--store", store, "--set", "objects.a.slip=0.4")["buffers"]}
+        told = " ".join(told.split())
+        self.assertIn(f"carry: soil stays aboard c: {bytes_of['soil aboard bodies'] / 1024:.3g} KiB. It settles after each contact, and for each 0.05 s", told)
+        self.assertIn(f"thrown: rims that slip throw soil, which flies as grains and lands: {bytes_of['grains in flight'] / 2 ** 20:.3g} MiB", told)
+        self.assertIn("disturbance: marks fade, the darkest in 86400 s: 4 bytes a post", told)
+        self.assertIn("vegetation: plants are pressed and torn, rise and grow back: 8 bytes a post", told)
+        self.assertNotIn("beside ruts", self.ok("explain", self.scene(BARE), "--store", store))
+        for line in self.ok("explain", scene, "--store", store, "--all").splitlines():
+            self.assertNotIn("null", line)
+
+    def test_effects_that_nothing_shows_are_told(self):
+        store = self.synth(posts="257x257", kind="plain")
+
+        def told(text, word):
+            notes = self.json("explain", self.scene(text, "shows.yaml"), "--store", store)["notes"]
+            return [note for note in notes if note.startswith(word)]
+
+        ball = "scene: 1\ntime_step: 0.1\nend_time: 3\nspacing: 0.25\nobjects:\n  - {name: a, shape: %s, sink: 0.1, path: {points: [[20, 20], [50, 20]], speed: 10}%s}\n"
+        thrown = ball + "soil: {name: dry_sand}\nredistribute: {model: scm, thrown: on}\n"
+        self.assertEqual(told(thrown % ("{box: {size: [2, 2, 1]}}", ""), "redistribute.thrown"),
+                         ["redistribute.thrown: rims that slip throw soil, and no object turns; add a wheel with a slip, or take thrown away"])
+        self.assertEqual(told(thrown % ("{wheel: {radius: 1, width: 1}}", ""), "redistribute.thrown"),
+                         ["redistribute.thrown: nothing slips, so nothing is thrown; give a wheel a slip, or take thrown away"])
+        self.assertEqual(told(thrown % ("{wheel: {radius: 1, width: 1}}", ", slip: 0.3"), "redistribute.thrown"), [])
+        sheet = ball % ("{box: {size: [2, 2, 1]}}", "") + "redistribute: {model: sheet, tension: 1000, stiffness: %s}\n"
+        self.assertRegex("".join(told(sheet % "1e6", "redistribute.stiffness")), "bends over 0.0316 m, and posts are 0.25 m apart")
+        self.assertEqual(told(sheet % "1000", "redistribute.stiffness"), [])
+        plants = ball % ("{box: {size: [2, 2, 1]}}", "") + "attributes: {vegetation: {cover: 0.5}}\n"
+        self.assertRegex("".join(told(plants, "attributes.vegetation")), "no picture shows it")
+        self.assertEqual(told(plants + f"view: {VIEW}\n", "attributes.vegetation"), [])
+
     def slots_note(self, setting):
         plan = self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow", "--set", setting)
         return "".join(note for note in plan["notes"] if note.startswith("cache.slots"))
