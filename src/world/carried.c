@@ -86,14 +86,41 @@ struct world_aboard world_aboard(const struct world *world, size_t number)
 	return world_aboard_of(world, world_body(world, number));
 }
 
-void world_carried_plan(const struct world *world, struct plan *plan)
+bool world_heap(const struct world *world, size_t number, struct world_heap *heap)
+{
+	const struct body *body = world_body(world, number);
+	struct soil_pose pose;
+	if (!carries(body) || body->carried->total == 0 || body->host.removed)
+		return false;
+	const struct soil_carried *carried = body->carried;
+	pose = body->last;
+	if (body->kind != BODY_PATH && world_attitude(&body->object->shape, body->object->name, &body->host.now.pose, &pose) != STATUS_OK)
+		return false;
+	/* Since the cells were placed, angles may be told by the other triple, whose yaw differs by half a turn. */
+	*heap = (struct world_heap){
+		.at = {lattice_offset_metres(pose.x), lattice_offset_metres(pose.y), lattice_offset_metres(pose.z)},
+		.heading = carried->yaw + carried->heading + remainder(pose.yaw - carried->yaw, M_PI),
+		.spacing = carried->spacing, .side = carried->side, .amounts = carried->amounts, .tops = carried->tops,
+	};
+	for (int k = 1; k < SOIL_CLASSES; k++)
+		heap->class = carried->classes[k] > carried->classes[heap->class] ? k : heap->class;
+	return true;
+}
+
+uint64_t world_carried_bytes(const struct world *world)
 {
 	uint64_t bytes = 0;
-	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->scene->objects[i].carry) /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
-			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * (sizeof(int64_t) + 18);
+	for (size_t i = 0; i < world->body_count; i++)
+		if (carries(world->bodies[i])) /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
+			bytes += soil_carried_numbers(&world->bodies[i]->object->shape, world->resident.spacing) * (sizeof(int64_t) + 18);
+	return bytes;
+}
+
+void world_carried_plan(const struct world *world, struct plan *plan)
+{
+	const uint64_t bytes = world_carried_bytes(world);
 	if (bytes > 0)
-		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = "scm", .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
+		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = scene_effect_row(EFFECT_CARRIED)->name, .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
 }
 
 /* --- settling between contacts --- */
