@@ -4,6 +4,12 @@
 #include "base/memory.h"
 #include "bearing/internal.h"
 
+/* Returns what is aboard or has begun to fall off: all of that counts as compacted. */
+static int64_t held_by(const struct soil_carried *carried)
+{
+	return carried->total + carried->fell_total;
+}
+
 static size_t posts_of(const struct bearing *bearing)
 {
 	const struct soil_planes *planes = &bearing->window.planes;
@@ -63,10 +69,10 @@ void bearing_carried_take(struct bearing *bearing, struct bearing_member *member
 enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact)
 {
 	const struct soil_pose pose = standing(member);
-	const int64_t total = contact->carried->total;
+	const int64_t aboard = held_by(contact->carried);
 	soil_carried_place(contact->carried, &pose);
 	const struct post_rect changed = soil_carried_settle(contact->carried, &pose, &bearing->rule, &bearing->window.planes, bearing->law.reference, member->write);
-	bearing->tally.compacted += contact->carried->total - total;
+	bearing->tally.compacted += held_by(contact->carried) - aboard;
 	if (post_rect_empty(changed))
 		return STATUS_OK;
 	member->imprint.reached = post_rect_empty(member->imprint.reached) ? changed : post_rect_around(member->imprint.reached, changed);
@@ -85,7 +91,7 @@ enum status bearing_carried_settle(struct bearing *bearing, struct soil_carried 
 	const struct soil_pose pose = bearing_rest_pose(bearing, rest);
 	const struct post_rect rect = bearing_carried_posts(bearing, carried, rest);
 	const unsigned written = bearing->planes & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
-	const int64_t total = carried->total;
+	const int64_t aboard = held_by(carried);
 	*changed = (struct post_rect){0, 0, 0, 0};
 	if (post_rect_empty(rect))
 		return STATUS_OK;
@@ -97,7 +103,7 @@ enum status bearing_carried_settle(struct bearing *bearing, struct soil_carried 
 	soil_carried_place(carried, &pose);
 	*changed = drops ? soil_carried_drop(carried, &pose, &bearing->window.planes, bearing->law.reference, rect)
 			 : soil_carried_settle(carried, &pose, &bearing->rule, &bearing->window.planes, bearing->law.reference, rect);
-	bearing->tally.compacted += carried->total - total;
+	bearing->tally.compacted += held_by(carried) - aboard;
 	if (post_rect_empty(*changed))
 		return STATUS_OK;
 	for (size_t i = 0; i < held_count; i++)

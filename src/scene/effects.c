@@ -228,7 +228,7 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_LOOSE);
 	if (scene->hardening > 0)
 		effects |= EFFECT_BIT(EFFECT_DENSE);
-	if (scene->thrown == SCENE_THROWN_ON && scene_slips(scene))
+	if (scene_throws(scene))
 		effects |= EFFECT_BIT(EFFECT_THROWN);
 	if (scene->raster_count > 0)
 		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);

@@ -66,3 +66,11 @@ bool scene_slips(const struct scene *scene)
 	}
 	return false;
 }
+
+bool scene_throws(const struct scene *scene)
+{
+	bool throws = scene->slip_sinkage > 0 && scene_slips(scene);
+	for (size_t i = 0; i < scene->object_count; i++)
+		throws |= scene->objects[i].carry;
+	return scene->thrown == SCENE_THROWN_ON && throws;
+}

@@ -17,7 +17,8 @@ enum status world_carried_make(struct world *world, struct body *body)
 		return STATUS_OK;
 	if (world->ranks != NULL)
 		return fail_with(STATUS_INPUT, "%s: carry: soil aboard a body does not go from rank to rank; drive with one process, or take carry away", body->object->name);
-	return soil_carried_create(&body->object->shape, world->resident.spacing, &body->carried);
+	TRY(soil_carried_create(&body->object->shape, world->resident.spacing, &body->carried));
+	return world_grains_most(world) > 0 ? soil_carried_let_fly(body->carried) : STATUS_OK;
 }
 
 static bool carries(const struct body *body)
@@ -137,7 +138,7 @@ static int by_place(const void *a, const void *b, void *user)
 	return *(const size_t *)a < *(const size_t *)b ? -1 : 1;
 }
 
-static enum status settle(struct world *world, struct body *body, size_t rests)
+static enum status settle(struct world *world, struct body *body, double time, size_t rests)
 {
 	const struct deform_rest rest = {&body->object->shape, body->last, body->loaded_body};
 	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &rest);
@@ -150,12 +151,13 @@ static enum status settle(struct world *world, struct body *body, size_t rests)
 	TRY_OR(done, bearing_carried_settle(world->bearing, body->carried, &rest, drops(body), world->relaxation.rests, rests, held.tiles, held.count, &changed));
 	if (!post_rect_empty(changed))
 		TRY_OR(done, world_mark(world, changed, &held));
+	world_falls_take(world, body, &rest.pose, time);
 done:
 	world_release(world, &held);
 	return status;
 }
 
-enum status world_carried_settle(struct world *world, size_t rests)
+enum status world_carried_settle(struct world *world, double time, size_t rests)
 {
 	size_t *order, count = 0;
 	enum status status = STATUS_OK;
@@ -168,7 +170,7 @@ enum status world_carried_settle(struct world *world, size_t rests)
 	if (count > 1)
 		qsort_r(order, count, sizeof *order, by_place, world->bodies);
 	for (size_t i = 0; i < count; i++)
-		TRY_OR(done, settle(world, world->bodies[order[i]], rests));
+		TRY_OR(done, settle(world, world->bodies[order[i]], time, rests));
 done:
 	mem_free(order);
 	return status;

@@ -3,7 +3,8 @@
  *
  * An iteration has three parts. Aboard, each pair of neighbouring cells exchanges an eighth of what their difference exceeds the critical one by. It is at most an eighth
  * of what the giver has. All pairs do so at once, as ground slides. Then each cell at an edge exchanges soil with a post: the one beside the body that is nearest to its
- * neighbour. Cells do so one after another, in their order. So do the last units of a cell, which have no eighth.
+ * neighbour. Cells do so one after another, in their order. So do the last units of a cell, which have no eighth. Where soil flies, what leaves the body high above the
+ * ground waits in `fell` in place of that.
  */
 #include <math.h>
 #include <string.h>
@@ -86,8 +87,8 @@ static void change_ground(struct settling *st, ptrdiff_t post, int32_t amount)
 	st->moved = true;
 }
 
-/* Takes soil off the account of classes: of each class its share. */
-static void leave(struct soil_carried *carried, int64_t amount)
+/* Takes soil off the account of classes: of each class its share. to: NULL, or the account to which that is added. */
+static void leave(struct soil_carried *carried, int64_t amount, int64_t to[SOIL_CLASSES])
 {
 	int64_t rest = amount;
 	for (int k = 0; k < SOIL_CLASSES && carried->total > 0; k++) {
@@ -95,13 +96,36 @@ static void leave(struct soil_carried *carried, int64_t amount)
 		const int64_t takes = part < rest ? part : rest;
 		carried->classes[k] -= takes;
 		rest -= takes;
+		if (to != NULL)
+			to[k] += takes;
 	}
 	for (int k = 0; k < SOIL_CLASSES && rest > 0; k++) {
 		const int64_t takes = carried->classes[k] < rest ? carried->classes[k] : rest;
 		carried->classes[k] -= takes;
 		rest -= takes;
+		if (to != NULL)
+			to[k] += takes;
 	}
 	carried->total -= amount;
+}
+
+/* Tells whether soil flies that leaves the body so high above its centre, over a post. */
+static bool flies(const struct settling *st, int64_t from, ptrdiff_t post)
+{
+	return st->carried->fell != NULL && st->pose->z + from - ground_at(st, post) > lattice_offset(SOIL_FALLS_FROM);
+}
+
+/* Lets soil leave a cell into the air. Returns how much does. */
+static int32_t fly(struct settling *st, size_t cell, int32_t from, int32_t amount)
+{
+	struct soil_carried *carried = st->carried;
+	const int32_t room = OFFSET_LIMIT - carried->fell[cell], all = amount < room ? amount : room > 0 ? room : 0;
+	carried->fell_from[cell] = carried->fell[cell] > 0 && carried->fell_from[cell] > from ? carried->fell_from[cell] : from;
+	carried->fell[cell] += all;
+	carried->fell_total += all;
+	leave(carried, all, carried->fell_classes);
+	st->moved |= all > 0;
+	return all;
 }
 
 /* Returns how much soil a post can take, of an amount. */
@@ -123,9 +147,16 @@ static void put_down(struct settling *st, int column, int row, int32_t *soil)
 		post = post_of(st, column, row, BESIDE, true);
 	if (post < 0)
 		return;
+	/* What the body turned away from was on its surface of before. */
+	const size_t cell = (size_t)(row * st->carried->side + column);
+	const int32_t from = st->carried->before[cell] != CARRIED_OPEN ? st->carried->before[cell] : 0;
+	if (!is_covered(st->carried, column, row) && flies(st, from, post)) {
+		*soil -= fly(st, cell, from, *soil);
+		return;
+	}
 	const int32_t falls = fits(st, post, *soil);
 	*soil -= falls;
-	leave(st->carried, falls);
+	leave(st->carried, falls, NULL);
 	change_ground(st, post, falls);
 }
 
@@ -186,17 +217,22 @@ static void slide_aboard(struct settling *st)
 }
 
 /* Soil slides between a cell at an edge and a post beside the body. */
-static void slide_over(struct settling *st, size_t cell, ptrdiff_t post, int diagonal)
+static void slide_over(struct settling *st, size_t cell, size_t beside, int diagonal)
 {
 	struct soil_carried *carried = st->carried;
 	const struct soil_planes *planes = st->planes;
+	const ptrdiff_t post = carried->posts[beside];
 	const int64_t apart = st->pose->z + height_of(carried, cell) - ground_at(st, post);
+	if (apart > 0 && flies(st, carried->tops[cell], post)) {
+		carried->amounts[cell] -= fly(st, beside, carried->tops[cell], flow_of(st, apart - st->critical[diagonal], carried->amounts[cell]));
+		return;
+	}
 	if (apart > 0) {
 		const int32_t flow = fits(st, post, flow_of(st, apart - st->critical[diagonal], carried->amounts[cell]));
 		if (flow == 0)
 			return;
 		carried->amounts[cell] -= flow;
-		leave(carried, flow);
+		leave(carried, flow, NULL);
 		change_ground(st, post, flow);
 		return;
 	}
@@ -223,7 +259,7 @@ static void slide_edges(struct settling *st)
 			for (int k = 0; k < 8; k++) {
 				const size_t beside = (size_t)((row + ways[k][1]) * side + column + ways[k][0]);
 				if (carried->tops[beside] == CARRIED_OPEN && carried->posts[beside] >= 0)
-					slide_over(st, cell, carried->posts[beside], ways[k][0] != 0 && ways[k][1] != 0);
+					slide_over(st, cell, beside, ways[k][0] != 0 && ways[k][1] != 0);
 			}
 		}
 }
@@ -254,10 +290,14 @@ static void slide_crumbs(struct settling *st)
 				continue;
 			const size_t to = (size_t)((row + ways[lowest][1]) * side + column + ways[lowest][0]);
 			const bool open = carried->tops[to] == CARRIED_OPEN;
+			if (open && flies(st, carried->tops[cell], carried->posts[to])) {
+				carried->amounts[cell] -= fly(st, to, carried->tops[cell], carried->amounts[cell]);
+				continue;
+			}
 			const int32_t all = open ? fits(st, carried->posts[to], carried->amounts[cell]) : carried->amounts[cell];
 			carried->amounts[cell] -= all;
 			if (open && all > 0) {
-				leave(carried, all);
+				leave(carried, all, NULL);
 				change_ground(st, carried->posts[to], all);
 			} else {
 				carried->amounts[to] += open ? 0 : all;
@@ -327,11 +367,16 @@ struct post_rect soil_carried_drop(struct soil_carried *carried, const struct so
 			for (int k = 0; k < 2; k++) {
 				int32_t *soil = k == 0 ? &carried->falls[cell] : &carried->amounts[cell];
 				const ptrdiff_t post = *soil > 0 ? post_of(&st, column, row, 1, true) : -1;
+				const int32_t from = carried->tops[cell] != CARRIED_OPEN ? carried->tops[cell] : 0;
+				if (post >= 0 && flies(&st, from, post)) {
+					*soil -= fly(&st, cell, from, *soil);
+					continue;
+				}
 				const int32_t falls = post >= 0 ? fits(&st, post, *soil) : 0;
 				if (falls == 0)
 					continue;
 				*soil -= falls;
-				leave(carried, falls);
+				leave(carried, falls, NULL);
 				change_ground(&st, post, falls);
 			}
 		}
