@@ -4,13 +4,14 @@
  *
  *     bench_grains [GRAINS] [--figures FILE]      default 10000 grains
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 
 #include "bench.h"
 #include "record.h"
-#include "world/internal.h"
+#include "world/made.h"
 
 enum { CELLS = 256, STEPS = 192, REST = 16 };
 #define SPACING 0.0625 /* m */
@@ -38,8 +39,7 @@ static void add(struct world *world, size_t count, double up)
 			.from = {SECOND / 16 * (int64_t)(24 + (by_chance >> 16 & 127)), SECOND / 16 * (int64_t)(24 + (by_chance >> 24 & 127)), height},
 			.since = now, .volume = 1000, .velocity = {(int32_t)(by_chance & 1023) * 512, 0, (int32_t)(up * SECOND)},
 		};
-		world_thrown_count(world, (const int64_t[SOIL_CLASSES]){grain.volume});
-		world_thrown_add(world, now, &grain, 1);
+		world_made_throw(world, &grain, 1);
 	}
 }
 
@@ -70,7 +70,7 @@ static double ms_a_step(struct world *world, const char *how, size_t grains, dou
 
 static void drain(struct world *world)
 {
-	while (world_thrown_flies(world)) {
+	while (world_grains(world, 0, NULL) > 0) {
 		bench_must(world_step(world));
 		world_rows_clear(world);
 	}

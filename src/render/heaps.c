@@ -2,8 +2,8 @@
  * Soil aboard bodies in the picture: a surface over the cells that have some, lit as ground that was dug. Its light, depth and numbers are those of ground. It casts no
  * shadow. All bodies' soil is one draw, or one for each HEAP_QUADS quads. Where no body has soil aboard, nothing is written to the GPU and nothing is drawn.
  *
- * A cell is a quad whose corners lie between cells, at the mean height of the soil around. Where the body's surface is higher beside it, as at a wall, the soil goes on for half a
- * cell, since the wall is somewhere in the cell. Where it is lower, the soil slopes down to it. Beside the body it ends in an upright side.
+ * A cell is a quad whose corners lie between cells, at the mean height of the soil around. Where the body's surface is higher beside it, there is a wall somewhere in the cell.
+ * The soil goes on for half a cell there. Where it is lower, the soil slopes down to it. Beside the body it ends in an upright side.
  */
 #include <math.h>
 #include <string.h>
