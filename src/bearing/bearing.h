@@ -140,10 +140,24 @@ int64_t bearing_interval_rim(const struct bearing *bearing);
  */
 /* Returns the posts that it reads and may change, within the world. */
 struct post_rect bearing_carried_posts(const struct bearing *bearing, const struct soil_carried *carried, const struct deform_rest *rest);
-/* Lets soil aboard slide, or with `drops` puts all of it on the ground. rests: bodies that hold soil. held: all tiles that have these posts, pinned. *changed: posts whose
- * planes changed, which are active now; empty: none. */
-enum status bearing_carried_settle(struct bearing *bearing, struct soil_carried *carried, const struct deform_rest *rest, bool drops, const struct deform_rest *rests, size_t count,
-				   const struct tile_slot *held, size_t held_count, struct post_rect *changed) FURROW_CHECKED;
+/* A body that carries, and where it is. */
+struct bearing_carrier {
+	struct soil_carried *carried;
+	struct deform_rest rest;
+};
+/* How soil aboard a body settles. */
+struct bearing_aboard {
+	struct bearing_carrier body;
+	bool drops;                           /* all of it falls: the body was removed */
+	const struct bearing_carrier *others; /* other bodies that carry: what falls there is theirs */
+	size_t other_count;
+	const struct deform_rest *rests;      /* bodies that hold soil */
+	size_t rest_count;
+};
+/* Lets soil aboard slide, or drops it. STATUS_MEMORY. held: all tiles that have the posts of bearing_carried_posts, pinned. *changed: posts whose planes changed, which are active now;
+ * empty: none. */
+enum status bearing_carried_settle(struct bearing *bearing, const struct bearing_aboard *how, const struct tile_slot *held, size_t held_count,
+				   struct post_rect *changed) FURROW_CHECKED;
 /* --- thrown soil that lands --- */
 
 /* Where soil comes down. */

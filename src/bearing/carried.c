@@ -3,6 +3,9 @@
 
 #include "base/memory.h"
 #include "bearing/internal.h"
+#include "soil/carried/around.h"
+
+#define CARRIED_BESIDE 5 /* posts around a body to which its soil falls */
 
 /* Returns what is aboard or has begun to fall off: all of that counts as compacted. */
 static int64_t held_by(const struct soil_carried *carried)
@@ -66,12 +69,27 @@ void bearing_carried_take(struct bearing *bearing, struct bearing_member *member
 		}
 }
 
-enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact)
+/* Tells whether another body may be below what falls from a member. Then soil falls in the next interval, when nothing else moves. */
+static bool is_near_others(const struct bearing *bearing, const struct bearing_member *member, size_t count)
+{
+	const struct post_rect reach = post_rect_grown(soil_shadow(member->motion.shape, &member->motion.to, &member->motion.to, bearing->law.spacing), CARRIED_BESIDE);
+	bool near = false;
+	for (size_t i = 0; i < count && !near; i++) {
+		const struct bearing_member *other = &bearing->members[i];
+		near = other != member && !post_rect_empty(post_rect_intersect(reach, soil_shadow(other->motion.shape, &other->motion.to, &other->motion.to, bearing->law.spacing)));
+	}
+	for (size_t i = 0; i < bearing->rest_count && !near; i++)
+		near = !post_rect_empty(post_rect_intersect(reach, soil_shadow(bearing->rests[i].shape, &bearing->rests[i].pose, &bearing->rests[i].pose, bearing->law.spacing)));
+	return near;
+}
+
+enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact, size_t count)
 {
 	const struct soil_pose pose = standing(member);
 	const int64_t aboard = held_by(contact->carried);
 	soil_carried_place(contact->carried, &pose);
-	const struct post_rect changed = soil_carried_settle(contact->carried, &pose, &bearing->rule, &bearing->window.planes, bearing->law.reference, member->write);
+	const struct soil_carried_around around = {.planes = &bearing->window.planes, .reference = bearing->law.reference, .written = member->write, .alone = is_near_others(bearing, member, count)};
+	const struct post_rect changed = soil_carried_settle_among(contact->carried, &pose, &bearing->rule, &around);
 	bearing->tally.compacted += held_by(contact->carried) - aboard;
 	if (post_rect_empty(changed))
 		return STATUS_OK;
@@ -85,13 +103,37 @@ struct post_rect bearing_carried_posts(const struct bearing *bearing, const stru
 	return post_rect_intersect(soil_carried_reach(carried, &pose), bearing->world);
 }
 
-enum status bearing_carried_settle(struct bearing *bearing, struct soil_carried *carried, const struct deform_rest *rest, bool drops, const struct deform_rest *rests, size_t count,
-				   const struct tile_slot *held, size_t held_count, struct post_rect *changed)
+/* Returns the soil aboard a body and others. */
+static int64_t aboard(const struct bearing_aboard *how)
 {
-	const struct soil_pose pose = bearing_rest_pose(bearing, rest);
-	const struct post_rect rect = bearing_carried_posts(bearing, carried, rest);
+	int64_t total = held_by(how->body.carried);
+	for (size_t i = 0; i < how->other_count; i++)
+		total += held_by(how->others[i].carried);
+	return total;
+}
+
+/* Lists the others as they are. */
+static enum status place_others(const struct bearing *bearing, const struct bearing_aboard *how, struct soil_carried_other **out)
+{
+	*out = NULL;
+	if (how->other_count == 0)
+		return STATUS_OK;
+	TRY(mem_make(out, how->other_count, sizeof **out, "soil aboard bodies"));
+	for (size_t i = 0; i < how->other_count; i++) {
+		(*out)[i] = (struct soil_carried_other){how->others[i].carried, bearing_rest_pose(bearing, &how->others[i].rest)};
+		soil_carried_place(how->others[i].carried, &(*out)[i].pose);
+	}
+	return STATUS_OK;
+}
+
+enum status bearing_carried_settle(struct bearing *bearing, const struct bearing_aboard *how, const struct tile_slot *held, size_t held_count, struct post_rect *changed)
+{
+	struct soil_carried *carried = how->body.carried;
+	const struct soil_pose pose = bearing_rest_pose(bearing, &how->body.rest);
+	const struct post_rect rect = bearing_carried_posts(bearing, carried, &how->body.rest);
 	const unsigned written = bearing->planes & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
-	const int64_t aboard = held_by(carried);
+	const int64_t total = aboard(how);
+	struct soil_carried_other *others;
 	*changed = (struct post_rect){0, 0, 0, 0};
 	if (post_rect_empty(rect))
 		return STATUS_OK;
@@ -99,11 +141,13 @@ enum status bearing_carried_settle(struct bearing *bearing, struct soil_carried 
 	bearing_window_clear(bearing);
 	bearing_roofs_clear(bearing);
 	bearing_window_gather(bearing, held, held_count, true, true);
-	TRY(bearing_hold(bearing, rests, count));
+	TRY(bearing_hold(bearing, how->rests, how->rest_count));
+	TRY(place_others(bearing, how, &others));
 	soil_carried_place(carried, &pose);
-	*changed = drops ? soil_carried_drop(carried, &pose, &bearing->window.planes, bearing->law.reference, rect)
-			 : soil_carried_settle(carried, &pose, &bearing->rule, &bearing->window.planes, bearing->law.reference, rect);
-	bearing->tally.compacted += held_by(carried) - aboard;
+	const struct soil_carried_around around = {&bearing->window.planes, bearing->law.reference, rect, others, how->other_count, false};
+	*changed = how->drops ? soil_carried_drop_among(carried, &pose, &around) : soil_carried_settle_among(carried, &pose, &bearing->rule, &around);
+	bearing->tally.compacted += aboard(how) - total;
+	mem_free(others);
 	if (post_rect_empty(*changed))
 		return STATUS_OK;
 	for (size_t i = 0; i < held_count; i++)

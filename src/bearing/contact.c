@@ -387,7 +387,7 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 	const bool deposits = lay(bearing, count, alone);
 	for (size_t i = 0; i < count; i++)
 		if (contacts[i].contact->carried != NULL && !contacts[i].feels)
-			TRY(bearing_carried_after(bearing, &bearing->members[i], contacts[i].contact));
+			TRY(bearing_carried_after(bearing, &bearing->members[i], contacts[i].contact, count));
 	put_clusters(bearing, count);
 	for (size_t i = 0; i < count; i++)
 		TRY(slide(bearing, contacts, count, i, deposits));

@@ -176,8 +176,8 @@ void bearing_roofs_finish(struct bearing_window *window);
 enum status bearing_carried_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count) FURROW_CHECKED;
 /* Takes soil aboard that lies above the body, of what a contact's member displaced. owner: its number in the window's owners; 0: all touched posts are its. */
 void bearing_carried_take(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact, uint8_t owner);
-/* Lets soil aboard settle after a contact, in the window. Widens what the member reached. STATUS_MEMORY. */
-enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact) FURROW_CHECKED;
+/* Lets soil aboard settle after a contact of one of `count` members, in the window. Widens what the member reached. STATUS_MEMORY. */
+enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact, size_t count) FURROW_CHECKED;
 
 /* hold.c */
 /* Returns the pose of a body at rest. */

@@ -3,7 +3,8 @@
  * shadow. All bodies' soil is one draw, or one for each HEAP_QUADS quads. Where no body has soil aboard, nothing is written to the GPU and nothing is drawn.
  *
  * A cell is a quad whose corners lie between cells, at the mean height of the soil around. Where the body's surface is higher beside it, there is a wall somewhere in the cell.
- * The soil goes on for half a cell there. Where it is lower, the soil slopes down to it. Beside the body it ends in an upright side.
+ * The soil goes on for half a cell there. Where it is lower, the soil slopes down to it. Beside the body it ends in an upright side, where the
+ * cell's share says that the body ends.
  */
 #include <math.h>
 #include <string.h>
@@ -131,6 +132,12 @@ void render_heaps_destroy(struct render_heaps *heaps)
 
 enum beside { SOIL, WALL, FLOOR, OPEN };
 
+/* Returns the height of the soil in a cell, fixed-point units. */
+static int64_t surface_of(const struct render_heap *heap, size_t cell)
+{
+	return heap->tops[cell] + (int64_t)heap->amounts[cell] * RENDER_HEAP_SHARES / (heap->shares != NULL ? heap->shares[cell] : RENDER_HEAP_SHARES);
+}
+
 /* Finds what a cell is for soil beside it that is so high, fixed-point units. */
 static enum beside beside_of(const struct render_heap *heap, int column, int row, int64_t height)
 {
@@ -148,6 +155,7 @@ static enum beside beside_of(const struct render_heap *heap, int column, int row
 struct around {
 	int soils;              /* cells with soil, of the four */
 	int64_t height, floor;  /* fixed-point units: means over these, of the soil's surface and of the body's */
+	double share;           /* mean over these, of a cell */
 	enum beside cells[4];   /* south-west, south-east, north-west, north-east in the cells' axes */
 };
 
@@ -159,12 +167,14 @@ static struct around around_of(const struct render_heap *heap, int column, int r
 		if (beside_of(heap, c, r, 0) != SOIL)
 			continue;
 		const size_t cell = (size_t)r * (size_t)heap->side + (size_t)c;
-		around.height += (int64_t)heap->tops[cell] + heap->amounts[cell];
+		around.height += surface_of(heap, cell);
+		around.share += heap->shares != NULL ? (double)heap->shares[cell] / RENDER_HEAP_SHARES : 1;
 		around.floor += heap->tops[cell];
 		around.soils++;
 	}
 	for (int k = 0; k < 4 && around.soils > 0; k++)
 		around.cells[k] = beside_of(heap, column - 1 + k % 2, row - 1 + k / 2, around.height / around.soils);
+	around.share /= around.soils > 0 ? around.soils : 1;
 	around.height /= around.soils > 0 ? around.soils : 1;
 	around.floor /= around.soils > 0 ? around.soils : 1;
 	return around;
@@ -181,11 +191,13 @@ static double height_of(const struct around *around)
 	return lattice_offset_metres(slopes ? around->floor : around->height);
 }
 
-/* Returns by how many cells a corner is moved toward a wall along an axis. a, b: the two cells before it; c, d: those after. */
-static double moved(enum beside a, enum beside b, enum beside c, enum beside d)
+/* Returns by how many cells a corner is moved along an axis: toward a wall, or back to where the body ends in the cells. a, b: the two cells before it; c, d: those
+ * after. share: of these cells above the body. */
+static double moved(enum beside a, enum beside b, enum beside c, enum beside d, double share)
 {
-	const bool before = a == WALL && b == WALL, after = c == WALL && d == WALL;
-	return before == after ? 0 : before ? -0.5 : 0.5;
+	const double before = a == WALL && b == WALL ? -0.5 : a == OPEN && b == OPEN ? 1 - share : 0;
+	const double after = c == WALL && d == WALL ? 0.5 : c == OPEN && d == OPEN ? share - 1 : 0;
+	return before + after;
 }
 
 /* Returns the slope along an axis between the corners `step` before and after one, m for each cell. */
@@ -202,7 +214,7 @@ static struct heap_point point_of(const struct render_heap *heap, const double *
 	const struct around around = around_of(heap, column, row);
 	const enum beside *is = around.cells;
 	const double middle = 0.5 * heap->side;
-	const double x = (column - middle + moved(is[0], is[2], is[1], is[3])) * heap->spacing, y = (row - middle + moved(is[0], is[1], is[2], is[3])) * heap->spacing;
+	const double x = (column - middle + moved(is[0], is[2], is[1], is[3], around.share)) * heap->spacing, y = (row - middle + moved(is[0], is[1], is[2], is[3], around.share)) * heap->spacing;
 	const double slopes[2] = {slope_of(heights, at, 1, column == 0, column == heap->side), slope_of(heights, at, wide, row == 0, row == heap->side)};
 	const double length = sqrt(slopes[0] * slopes[0] + slopes[1] * slopes[1] + heap->spacing * heap->spacing);
 	return (struct heap_point){{(float)x, (float)y, (float)heights[at]}, {(float)(-slopes[0] / length), (float)(-slopes[1] / length), (float)(heap->spacing / length)}};

@@ -79,7 +79,9 @@ struct render_heap {
 	int side;
 	int class;       /* of the soil */
 	const int32_t *amounts, *tops;
+	const uint8_t *shares; /* how much of each cell is above the body, of RENDER_HEAP_SHARES; NULL: all of each */
 };
+#define RENDER_HEAP_SHARES 64
 
 /* What the colours of the ground show. */
 enum render_layer_kind {

@@ -90,7 +90,7 @@ static enum status heap_of(struct view *view, size_t number, struct render_heap 
 	*there = world_heap(view->world, number, &from);
 	if (!*there)
 		return STATUS_OK;
-	*heap = (struct render_heap){.heading = from.heading, .spacing = from.spacing, .side = from.side, .class = from.class, .amounts = from.amounts, .tops = from.tops};
+	*heap = (struct render_heap){.heading = from.heading, .spacing = from.spacing, .side = from.side, .class = from.class, .amounts = from.amounts, .tops = from.tops, .shares = from.shares};
 	memcpy(heap->at, from.at, sizeof heap->at);
 	if (body->kind == BODY_PATH) {
 		TRY(render_view_object(view, number, &shown, there));

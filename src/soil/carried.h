@@ -29,7 +29,7 @@ struct soil_carried {
 	int32_t *falls;                 /* soil that the body does not hold up any more, until it is put on the ground */
 	int32_t *changes;               /* for soil_carried_settle: of each cell in an iteration, */
 	ptrdiff_t *posts;               /* and the post beside the body with which it exchanges soil, in the planes; -1: none */
-	void *scratch;
+	void *scratch;                  /* struct soil_carried_cells: shares of cells, and sills between them */
 	double yaw, pitch, roll, turn;  /* for which `tops` are */
 	double heading;                 /* of the cells above the body's yaw, rad: 0, or pi after an attitude was told by its other angles */
 	bool placed;                    /* tops are known */
@@ -56,6 +56,9 @@ void soil_carried_fallen(struct soil_carried *carried, const struct soil_pose *p
 bool soil_carried_catch(struct soil_carried *carried, const struct soil_pose *pose, const int64_t before[3], const int64_t now[3], int64_t volume);
 /* Takes what was caught aboard, as soil of a class. */
 void soil_carried_keep(struct soil_carried *carried, int class);
+
+/* Returns how much of each cell is above the body, in 64ths of a cell. */
+const uint8_t *soil_carried_shares(const struct soil_carried *carried);
 
 /* Moves it to a pose of its body: finds the upper envelope if the attitude changed. */
 void soil_carried_place(struct soil_carried *carried, const struct soil_pose *pose);

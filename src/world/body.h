@@ -114,6 +114,7 @@ struct world_heap {
 	double spacing;     /* m */
 	int side, class;    /* cells; the class of most of the soil */
 	const int32_t *amounts, *tops;
+	const uint8_t *shares; /* how much of each cell is above the body, of 64 */
 };
 /* Returns false if there is none. */
 bool world_heap(const struct world *world, size_t number, struct world_heap *heap);

@@ -101,7 +101,7 @@ bool world_heap(const struct world *world, size_t number, struct world_heap *hea
 	*heap = (struct world_heap){
 		.at = {lattice_offset_metres(pose.x), lattice_offset_metres(pose.y), lattice_offset_metres(pose.z)},
 		.heading = carried->yaw + carried->heading + remainder(pose.yaw - carried->yaw, M_PI),
-		.spacing = carried->spacing, .side = carried->side, .amounts = carried->amounts, .tops = carried->tops,
+		.spacing = carried->spacing, .side = carried->side, .amounts = carried->amounts, .tops = carried->tops, .shares = soil_carried_shares(carried),
 	};
 	for (int k = 1; k < SOIL_CLASSES; k++)
 		heap->class = carried->classes[k] > carried->classes[heap->class] ? k : heap->class;
@@ -138,20 +138,40 @@ static int by_place(const void *a, const void *b, void *user)
 	return *(const size_t *)a < *(const size_t *)b ? -1 : 1;
 }
 
-static enum status settle(struct world *world, struct body *body, double time, size_t rests)
+static struct bearing_carrier carrier_of(const struct body *body)
 {
-	const struct deform_rest rest = {&body->object->shape, body->last, body->loaded_body};
-	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &rest);
+	return (struct bearing_carrier){body->carried, {&body->object->shape, body->last, body->loaded_body}};
+}
+
+/* Lists other bodies that may be below what falls from one. */
+static size_t others_of(const struct world *world, const struct body *body, const size_t *order, size_t count, struct bearing_carrier *others)
+{
+	const struct bearing_carrier own = carrier_of(body);
+	const struct post_rect reach = bearing_carried_posts(world->bearing, own.carried, &own.rest);
+	size_t found = 0;
+	for (size_t i = 0; i < count; i++) {
+		const struct body *other = world->bodies[order[i]];
+		const struct bearing_carrier carrier = carrier_of(other);
+		if (other != body && !other->host.removed && other->has_last && !post_rect_empty(post_rect_intersect(reach, bearing_carried_posts(world->bearing, carrier.carried, &carrier.rest))))
+			others[found++] = carrier;
+	}
+	return found;
+}
+
+static enum status settle(struct world *world, struct body *body, double time, size_t rests, const struct bearing_carrier *others, size_t other_count)
+{
+	const struct bearing_aboard how = {carrier_of(body), drops(body), others, other_count, world->relaxation.rests, rests};
+	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &how.body.rest);
 	struct held_tiles held;
 	struct post_rect changed;
 	enum status status;
 	if (post_rect_empty(posts))
 		return STATUS_OK;
 	TRY(world_hold(world, posts, &held));
-	TRY_OR(done, bearing_carried_settle(world->bearing, body->carried, &rest, drops(body), world->relaxation.rests, rests, held.tiles, held.count, &changed));
+	TRY_OR(done, bearing_carried_settle(world->bearing, &how, held.tiles, held.count, &changed));
 	if (!post_rect_empty(changed))
 		TRY_OR(done, world_mark(world, changed, &held));
-	world_falls_take(world, body, &rest.pose, time);
+	world_falls_take(world, body, &how.body.rest.pose, time);
 done:
 	world_release(world, &held);
 	return status;
@@ -159,20 +179,24 @@ done:
 
 enum status world_carried_settle(struct world *world, double time, size_t rests)
 {
-	size_t *order, count = 0;
+	struct bearing_carrier *others = NULL;
+	size_t *order = NULL, count = 0;
 	enum status status = STATUS_OK;
 	if (!world_carries(world))
 		return STATUS_OK;
-	TRY(mem_make(&order, world->body_count, sizeof *order, "soil aboard bodies"));
+	TRY_OR(done, mem_make(&order, world->body_count, sizeof *order, "soil aboard bodies"));
+	TRY_OR(done, mem_make(&others, world->body_count, sizeof *others, "soil aboard bodies"));
 	for (size_t i = 0; i < world->body_count; i++)
 		if (carries(world->bodies[i]) && (world->bodies[i]->has_last || drops(world->bodies[i])) && !world->bodies[i]->elsewhere)
 			order[count++] = i;
 	if (count > 1)
 		qsort_r(order, count, sizeof *order, by_place, world->bodies);
-	for (size_t i = 0; i < count; i++)
-		TRY_OR(done, settle(world, world->bodies[order[i]], time, rests));
+	for (size_t i = 0; i < count; i++) {
+		struct body *body = world->bodies[order[i]];
+		TRY_OR(done, settle(world, body, time, rests, others, others_of(world, body, order, count, others)));
+	}
 done:
-	mem_free(order);
+	mem_free_all(order, others);
 	return status;
 }
 

@@ -40,22 +40,22 @@ def draft(soil, depth, rake, crest):
 
 
 class Blade(FurrowTest):
-    def rows(self, soil, rake):
-        result = self.furrow("rig", "-o", "rig", "--shape", f"box: {{size: [0.001, {WIDTH}, 0.6]}}", "--soil", soil, "--depth", ",".join(map(repr, DEPTHS)), "--rake", repr(rake),
+    def rows(self, soil, rake, depths=DEPTHS):
+        result = self.furrow("rig", "-o", "rig", "--shape", f"box: {{size: [0.001, {WIDTH}, 0.6]}}", "--soil", soil, "--depth", ",".join(map(repr, depths)), "--rake", repr(rake),
                              "--spacing", "0.01", "--way", "1.5", "--json", "--set", "redistribute.faces=on")
         if result.returncode == 4:
             self.skipTest("no GL here: " + result.stderr.strip())
         self.assertEqual(result.returncode, 0, result.stderr)
         return json.loads(result.stdout)["rows"]
 
-    def beside(self, name, rakes):
+    def beside(self, name, rakes, depths=DEPTHS, within=0.25):
         for rake in rakes:
             before = 0
-            for row in self.rows(name, rake):
+            for row in self.rows(name, rake, depths):
                 # The told crest may be that of the windrows beside the blade. No crest ahead of it is higher than this.
                 crest = min(row["heap"], 0.25 * WIDTH * math.tan(math.radians(SOILS[name][1])))
                 wanted = draft(SOILS[name], row["depth"], rake, crest)
-                self.assertLess(abs(row["against"] / wanted - 1), 0.25, (name, rake, row["depth"], row["against"], wanted))
+                self.assertLess(abs(row["against"] / wanted - 1), within, (name, rake, row["depth"], row["against"], wanted))
                 self.assertGreater(row["against"], 1.5 * before)
                 before = row["against"]
 
@@ -64,6 +64,10 @@ class Blade(FurrowTest):
 
     def test_clay(self):
         self.beside("clayey_38", (60,))
+
+    def test_steps_of_5_cm(self):
+        # The table of FACES.md. Flat blades deep in sand fall short: 0.69 of the equation at 30 degrees and 15 cm.
+        self.beside("dry_sand", (30, 45, 60, 90), (0.05, 0.1, 0.15, 0.2), 0.32)
 
     @long
     def test_clay_and_loam(self):

@@ -23,7 +23,7 @@ struct way {
 	uint32_t cells;
 	double until;         /* s */
 	int threads;          /* 0: as many as are worth it */
-	bool pair;            /* another plate goes beside it, 8 m to the north */
+	bool pair;            /* another plate is below it where it is tilted */
 };
 
 static long long carried_by(const char *json, const char *name)
@@ -39,6 +39,8 @@ static void write_way(const struct way *way)
 		 "t,x,y,z,yaw,pitch,roll\n0,6,6,%.9g,0,0,0\n2,%.9g,6,%.9g,0,0,0\n4,%.9g,6,%.9g,0,0,0\n14,%.9g,%.9g,%.9g,0,0,0\n16,%.9g,%.9g,%.9g,0,%.9g,0\n20,%.9g,%.9g,%.9g,0,%.9g,0\n",
 		 LOW - 0.1, x, LOW - 0.1, x + 0.05, LOW + 0.9, x + WAY, y + WAY, LOW + 0.9, x + WAY, y + WAY, LOW + 0.9, way->tilt, x + WAY, y + WAY, LOW + 0.9, way->tilt);
 	support_write(support_path("plate.csv"), text);
+	snprintf(text, sizeof text, "t,x,y,z,yaw,pitch,roll\n0,%.9g,%.9g,%.9g,30,0,0\n20,%.9g,%.9g,%.9g,30,0,0\n", x + WAY, y + WAY, LOW + 0.35, x + WAY, y + WAY, LOW + 0.35);
+	support_write(support_path("other.csv"), text);
 }
 
 /* Drives, and holds the ledger to its law: offsets + carried + compacted = 0. Returns run.json. */
@@ -50,7 +52,7 @@ static char *drive(const struct way *way, const char *store)
 	snprintf(text, sizeof text,
 		 "scene: 1\nspacing: %g\ntime_step: 0.1\nend_time: %g\nsoil: {name: dry_sand, unit_weight: %g}\nredistribute: {model: scm}\noutput: {forces: 10}\n"
 		 "objects:\n  - {name: plate, shape: {box: {size: [1, 2, 0.1]}}, carry: true, path: {file: plate.csv}}\n%s", way->spacing, way->until, WEIGHT,
-		 way->pair ? "  - {name: other, shape: {box: {size: [1, 2, 0.1]}}, carry: true, path: {file: plate.csv, offset: [0, 8]}}\n" : "");
+		 way->pair ? "  - {name: other, shape: {box: {size: [3, 3, 0.1]}}, carry: true, path: {file: other.csv}}\n" : "");
 	support_write(support_path("carried.yaml"), text);
 	struct scene *scene = support_scene(support_path("carried.yaml"), NULL);
 	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out"), .threads = way->threads};

@@ -307,10 +307,10 @@ static void place_bucket(struct render *render)
 			const int32_t top = carried->tops[row * carried->side + column];
 			const double soil = 0.24 - 0.577 * (along + 0.35) - 0.4 * across * across - lattice_offset_metres(top == CARRIED_OPEN ? 0 : top);
 			if (top != CARRIED_OPEN && soil > 0)
-				carried->amounts[row * carried->side + column] = (int32_t)lattice_offset(soil);
+				carried->amounts[row * carried->side + column] = (int32_t)(lattice_offset(soil) * soil_carried_shares(carried)[row * carried->side + column] / 64);
 		}
 	render_set_objects(render, &placed, 1);
-	must(render_set_heaps(render, &(struct render_heap){.at = {x, y, z}, .ground = z - 0.6, .heading = yaw, .spacing = spacing, .side = carried->side, .amounts = carried->amounts, .tops = carried->tops}, 1));
+	must(render_set_heaps(render, &(struct render_heap){.at = {x, y, z}, .ground = z - 0.6, .heading = yaw, .spacing = spacing, .side = carried->side, .amounts = carried->amounts, .tops = carried->tops, .shares = soil_carried_shares(carried)}, 1));
 	soil_carried_destroy(carried);
 }
 

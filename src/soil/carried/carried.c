@@ -5,13 +5,10 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "soil/carried/tops.h"
 #include "soil/kinematic/kinematic.h"
-#include "soil/kinematic/rows.h"
-#include "soil/kinematic/under.h"
 #include "soil/shape/body.h"
 
-#define CELL_MOST (1 << 29)  /* fixed-point units: the most soil above a cell */
-#define STEEP 0.2            /* the cosine of a triangle's tilt from which on its wall counts in all cells that it passes through */
 #define NUMBERS_BEFORE (2 + SOIL_CLASSES)
 
 static int half_of(const struct soil_shape *shape, double spacing)
@@ -22,12 +19,6 @@ static int half_of(const struct soil_shape *shape, double spacing)
 static size_t cells_of(int half)
 {
 	return (size_t)(2 * half + 1) * (size_t)(2 * half + 1);
-}
-
-static size_t scratch_bytes(const struct soil_shape *shape, int half)
-{
-	const size_t corners = shape->kind == SOIL_MESH ? shape->mesh->vertex_count * sizeof(struct facet_corner) : 0;
-	return 2 * soil_under_stride(2 * half + 1) * (size_t)(2 * half + 1) * sizeof(int32_t) + corners;
 }
 
 enum status soil_carried_create(const struct soil_shape *shape, double spacing, struct soil_carried **out)
@@ -46,7 +37,9 @@ enum status soil_carried_create(const struct soil_shape *shape, double spacing, 
 	TRY_OR(failed, mem_make(&carried->before, cells, sizeof *carried->before, "soil aboard a body"));
 	TRY_OR(failed, mem_make(&carried->changes, cells, sizeof *carried->changes, "soil aboard a body"));
 	TRY_OR(failed, mem_make(&carried->posts, cells, sizeof *carried->posts, "soil aboard a body"));
-	TRY_OR(failed, mem_make(&carried->scratch, scratch_bytes(shape, carried->half), 1, "soil aboard a body"));
+	struct soil_carried_cells *known = NULL;
+	TRY_OR(failed, soil_carried_cells_make(shape, carried->side, &known));
+	carried->scratch = known;
 	if (shape->kind == SOIL_MESH)
 		TRY_OR(failed, soil_kinematic_mirror(shape->mesh, &carried->mirrored));
 	for (size_t i = 0; i < cells; i++)
@@ -62,7 +55,8 @@ void soil_carried_destroy(struct soil_carried *carried)
 {
 	if (carried == NULL)
 		return;
-	mem_free_all(carried->amounts, carried->falls, carried->tops, carried->before, carried->changes, carried->posts, carried->scratch, carried->fell, carried->fell_from, carried->caught, carried->mirrored.vertices, carried);
+	soil_carried_cells_free(carried->scratch);
+	mem_free_all(carried->amounts, carried->falls, carried->tops, carried->before, carried->changes, carried->posts, carried->fell, carried->fell_from, carried->caught, carried->mirrored.vertices, carried);
 }
 
 enum status soil_carried_let_fly(struct soil_carried *carried)
@@ -88,72 +82,6 @@ void soil_carried_fallen(struct soil_carried *carried, const struct soil_pose *p
 }
 
 /* --- where the cells are --- */
-
-/* Raises tops to a place of the body's surface, m from its centre along the cells' axes. */
-static void raise(struct soil_carried *carried, const double at[3])
-{
-	const long column = lround(at[0] / carried->spacing) + carried->half, row = lround(at[1] / carried->spacing) + carried->half;
-	if (column < 0 || row < 0 || column >= carried->side || row >= carried->side)
-		return;
-	int32_t *top = &carried->tops[row * carried->side + column];
-	const int32_t z = (int32_t)lattice_offset(at[2]);
-	*top = z > *top ? z : *top;
-}
-
-/* Walls of a mesh are hardly above any cell's middle. They count in each cell that they pass through. */
-static void put_walls(struct soil_carried *carried, double axes[3][3])
-{
-	const struct soil_mesh *mesh = carried->shape->mesh;
-	const double by = carried->spacing / 2;
-	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-		double at[3][3], a[3], b[3], longest = 0;
-		for (int i = 0; i < 3; i++)
-			for (int k = 0; k < 3; k++) {
-				const float *v = mesh->vertices[mesh->triangles[t][i]];
-				at[i][k] = v[0] * axes[0][k] + v[1] * axes[1][k] + v[2] * axes[2][k];
-			}
-		for (int k = 0; k < 3; k++) {
-			a[k] = at[1][k] - at[0][k];
-			b[k] = at[2][k] - at[0][k];
-			longest = fmax(longest, fmax(fabs(a[k]), fmax(fabs(b[k]), fabs(a[k] - b[k]))));
-		}
-		const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-		if (fabs(n[2]) > STEEP * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]))
-			continue;
-		const int parts = (int)ceil(2 * longest / by) + 1;
-		for (int i = 0; i <= parts; i++)
-			for (int j = 0; i + j <= parts; j++) {
-				double place[3];
-				for (int k = 0; k < 3; k++)
-					place[k] = at[0][k] + (a[k] * i + b[k] * j) / parts;
-				raise(carried, place);
-			}
-	}
-}
-
-/* The upper envelope is the lower one of the body upside down, mirrored. Mirrored in its own axes every shape but a mesh is itself. */
-static void find_tops(struct soil_carried *carried, const struct soil_pose *pose)
-{
-	struct soil_shape shape = *carried->shape;
-	const int half = carried->half;
-	const size_t stride = soil_under_stride(carried->side), cells = stride * (size_t)carried->side;
-	const struct soil_pose at = {.yaw = -carried->heading, .pitch = -pose->pitch, .roll = -pose->roll, .turn = -pose->turn};
-	int32_t *const under = carried->scratch, *const rest = under + cells;
-	if (shape.kind == SOIL_MESH)
-		shape.mesh = &carried->mirrored;
-	const struct under_motion motion = {.shape = &shape, .from = &at, .to = &at, .spacing = carried->spacing, .posts = {-half, -half, half + 1, half + 1}};
-	soil_under(&motion, (struct facet_corner *)(void *)(rest + cells), under, rest);
-	for (int y = 0; y < carried->side; y++)
-		for (int x = 0; x < carried->side; x++) {
-			const int32_t low = rest[(size_t)y * stride + (size_t)x];
-			carried->tops[y * carried->side + x] = low == UNDER_NONE ? CARRIED_OPEN : -low;
-		}
-	if (shape.kind == SOIL_MESH) {
-		double axes[3][3];
-		soil_axes(-carried->heading, pose->pitch, pose->roll, 0, axes);
-		put_walls(carried, axes);
-	}
-}
 
 /* Soil above cells that the body has left falls; so does soil that a part of the body came down on from above. */
 static void let_fall(struct soil_carried *carried, double turned)
@@ -185,15 +113,15 @@ void soil_carried_place(struct soil_carried *carried, const struct soil_pose *po
 	carried->roll = pose->roll;
 	carried->turn = pose->turn;
 	memcpy(carried->before, carried->tops, cells_of(carried->half) * sizeof *carried->before);
-	find_tops(carried, pose);
+	soil_carried_find_tops(carried, pose);
 	if (was && carried->total > 0) {
 		let_fall(carried, other ? M_PI : turned);
 		carried->unsettled = true;
 	}
 }
 
-/* Finds the cell nearest to a place, m from the body's centre. Returns false if there is none. */
-static bool cell_of(const struct soil_carried *carried, const struct soil_pose *pose, double east, double north, size_t *cell)
+/* Finds the cell nearest to a place, m from the body's centre. Returns false if it has none. */
+static bool cell_near(const struct soil_carried *carried, const struct soil_pose *pose, double east, double north, size_t *cell)
 {
 	const double c = cos(pose->yaw + carried->heading), s = sin(pose->yaw + carried->heading);
 	const long column = lround((c * east + s * north) / carried->spacing) + carried->half, row = lround((c * north - s * east) / carried->spacing) + carried->half;
@@ -203,10 +131,15 @@ static bool cell_of(const struct soil_carried *carried, const struct soil_pose *
 	return true;
 }
 
-/* Finds the cell nearest to a post. Returns false if it has none. */
+/* The same at a post. */
 static bool cell_at(const struct soil_carried *carried, const struct soil_pose *pose, int64_t x, int64_t y, size_t *cell)
 {
-	return cell_of(carried, pose, -(double)soil_body_from_post(pose->x, x, carried->spacing), -(double)soil_body_from_post(pose->y, y, carried->spacing), cell);
+	return cell_near(carried, pose, -(double)soil_body_from_post(pose->x, x, carried->spacing), -(double)soil_body_from_post(pose->y, y, carried->spacing), cell);
+}
+
+bool soil_carried_cell(const struct soil_carried *carried, const struct soil_pose *pose, int64_t x, int64_t y, size_t *cell)
+{
+	return cell_near(carried, pose, lattice_offset_metres(x - pose->x), lattice_offset_metres(y - pose->y), cell);
 }
 
 int32_t soil_carried_top_at(const struct soil_carried *carried, const struct soil_pose *pose, int64_t x, int64_t y)
@@ -219,10 +152,10 @@ bool soil_carried_catch(struct soil_carried *carried, const struct soil_pose *po
 {
 	const double east = lattice_offset_metres(now[0] - pose->x), north = lattice_offset_metres(now[1] - pose->y), reach = carried->half * carried->spacing;
 	size_t cell;
-	if (!(fabs(east) < 2 * reach && fabs(north) < 2 * reach) || !cell_of(carried, pose, east, north, &cell) || carried->tops[cell] == CARRIED_OPEN)
+	if (!(fabs(east) < 2 * reach && fabs(north) < 2 * reach) || !cell_near(carried, pose, east, north, &cell) || carried->tops[cell] == CARRIED_OPEN)
 		return false;
-	const int64_t height = pose->z + carried->tops[cell] + carried->amounts[cell];
-	if (before[2] < height || now[2] > height || volume > CELL_MOST - (int64_t)carried->amounts[cell] - carried->caught[cell])
+	const int64_t height = pose->z + soil_carried_height(carried, cell);
+	if (before[2] < height || now[2] > height || volume > CARRIED_MOST - (int64_t)carried->amounts[cell] - carried->caught[cell])
 		return false;
 	carried->caught[cell] += (int32_t)volume;
 	carried->caught_total += volume;
@@ -248,13 +181,19 @@ int32_t soil_carried_add(struct soil_carried *carried, const struct soil_pose *p
 	size_t cell;
 	if (!cell_at(carried, pose, x, y, &cell) || carried->tops[cell] == CARRIED_OPEN)
 		return 0;
-	const int32_t room = CELL_MOST - carried->amounts[cell], fits = amount < room ? amount : room > 0 ? room : 0;
+	const int32_t room = CARRIED_MOST - carried->amounts[cell], fits = amount < room ? amount : room > 0 ? room : 0;
 	carried->amounts[cell] += fits;
 	carried->total += fits;
 	carried->classes[class >= 0 && class < SOIL_CLASSES ? class : SOIL_CLASSES - 1] += fits;
 	if (fits > 0)
 		carried->unsettled = true;
 	return fits;
+}
+
+const uint8_t *soil_carried_shares(const struct soil_carried *carried)
+{
+	const struct soil_carried_cells *cells = carried->scratch;
+	return cells->shares;
 }
 
 /* --- what it weighs --- */
