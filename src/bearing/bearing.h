@@ -141,15 +141,15 @@ int64_t bearing_interval_rim(const struct bearing *bearing);
 /* Returns the posts that it reads and may change, within the world. */
 struct post_rect bearing_carried_posts(const struct bearing *bearing, const struct soil_carried *carried, const struct deform_rest *rest);
 /* A body that carries, and where it is. */
-struct bearing_carrier {
+struct bearing_laden {
 	struct soil_carried *carried;
 	struct deform_rest rest;
 };
 /* How soil aboard a body settles. */
 struct bearing_aboard {
-	struct bearing_carrier body;
+	struct bearing_laden body;
 	bool drops;                           /* all of it falls: the body was removed */
-	const struct bearing_carrier *others; /* other bodies that carry: what falls there is theirs */
+	const struct bearing_laden *others; /* other bodies that carry: what falls there is theirs */
 	size_t other_count;
 	const struct deform_rest *rests;      /* bodies that hold soil */
 	size_t rest_count;

@@ -138,29 +138,29 @@ static int by_place(const void *a, const void *b, void *user)
 	return *(const size_t *)a < *(const size_t *)b ? -1 : 1;
 }
 
-static struct bearing_carrier carrier_of(const struct body *body)
+static struct bearing_laden laden_of(const struct body *body)
 {
-	return (struct bearing_carrier){body->carried, {&body->object->shape, body->last, body->loaded_body}};
+	return (struct bearing_laden){body->carried, {&body->object->shape, body->last, body->loaded_body}};
 }
 
 /* Lists other bodies that may be below what falls from one. */
-static size_t others_of(const struct world *world, const struct body *body, const size_t *order, size_t count, struct bearing_carrier *others)
+static size_t others_of(const struct world *world, const struct body *body, const size_t *order, size_t count, struct bearing_laden *others)
 {
-	const struct bearing_carrier own = carrier_of(body);
+	const struct bearing_laden own = laden_of(body);
 	const struct post_rect reach = bearing_carried_posts(world->bearing, own.carried, &own.rest);
 	size_t found = 0;
 	for (size_t i = 0; i < count; i++) {
 		const struct body *other = world->bodies[order[i]];
-		const struct bearing_carrier carrier = carrier_of(other);
-		if (other != body && !other->host.removed && other->has_last && !post_rect_empty(post_rect_intersect(reach, bearing_carried_posts(world->bearing, carrier.carried, &carrier.rest))))
-			others[found++] = carrier;
+		const struct bearing_laden laden = laden_of(other);
+		if (other != body && !other->host.removed && other->has_last && !post_rect_empty(post_rect_intersect(reach, bearing_carried_posts(world->bearing, laden.carried, &laden.rest))))
+			others[found++] = laden;
 	}
 	return found;
 }
 
-static enum status settle(struct world *world, struct body *body, double time, size_t rests, const struct bearing_carrier *others, size_t other_count)
+static enum status settle(struct world *world, struct body *body, double time, size_t rests, const struct bearing_laden *others, size_t other_count)
 {
-	const struct bearing_aboard how = {carrier_of(body), drops(body), others, other_count, world->relaxation.rests, rests};
+	const struct bearing_aboard how = {laden_of(body), drops(body), others, other_count, world->relaxation.rests, rests};
 	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &how.body.rest);
 	struct held_tiles held;
 	struct post_rect changed;
@@ -179,7 +179,7 @@ done:
 
 enum status world_carried_settle(struct world *world, double time, size_t rests)
 {
-	struct bearing_carrier *others = NULL;
+	struct bearing_laden *others = NULL;
 	size_t *order = NULL, count = 0;
 	enum status status = STATUS_OK;
 	if (!world_carries(world))

@@ -52,7 +52,7 @@ static char *drive(const struct way *way, const char *store)
 	snprintf(text, sizeof text,
 		 "scene: 1\nspacing: %g\ntime_step: 0.1\nend_time: %g\nsoil: {name: dry_sand, unit_weight: %g}\nredistribute: {model: scm}\noutput: {forces: 10}\n"
 		 "objects:\n  - {name: plate, shape: {box: {size: [1, 2, 0.1]}}, carry: true, path: {file: plate.csv}}\n%s", way->spacing, way->until, WEIGHT,
-		 way->pair ? "  - {name: other, shape: {box: {size: [3, 3, 0.1]}}, carry: true, path: {file: other.csv}}\n" : "");
+		 way->pair ? "  - {name: other, shape: {box: {size: [1.5, 1.5, 0.1]}}, carry: true, path: {file: other.csv}}\n" : "");
 	support_write(support_path("carried.yaml"), text);
 	struct scene *scene = support_scene(support_path("carried.yaml"), NULL);
 	struct drive_params params = {.scene = scene, .store = store, .directory = support_path("out"), .threads = way->threads};
