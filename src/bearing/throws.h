@@ -53,7 +53,7 @@ bool bearing_grain_load(const int64_t numbers[GRAIN_NUMBERS], struct bearing_gra
 int bearing_throw_grains(const struct bearing_throw *how, const int64_t centre[3], double sinkage, int64_t since, int64_t volume, struct bearing_grain grains[THROWN_GRAINS]);
 
 /* Soil that falls off a body. */
-#define FALL_GRAINS 8       /* the most grains of a fall */
+#define FALL_GRAINS 4       /* the most grains of a fall */
 struct bearing_fall {
 	int64_t from[3];    /* as in struct bearing_grain: where the last of it leaves */
 	double speed[3];    /* m/s: of the body there */

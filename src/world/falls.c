@@ -62,10 +62,8 @@ static void take(void *user, const int64_t from[3], int32_t amount)
 	const struct soil_pose *pose = falling->pose;
 	const double from_centre[3] = {lattice_offset_metres(from[0] - pose->x), lattice_offset_metres(from[1] - pose->y), lattice_offset_metres(from[2] - pose->z)};
 	struct bearing_grain grains[FALL_GRAINS];
-	/* When half of all grains fly, a fall is one grain. */
-	const bool few = world_grains(world, 0, NULL) > WORLD_THROWN_MOST / 2;
 	struct bearing_fall fall = {.from = {from[0], from[1], from[2]}, .spread = spacing / 2, .seconds = world->scene->interval, .volume = amount,
-				    .most = few ? amount : lattice_offset(GRAIN_SHARE * spacing) + 1};
+				    .most = lattice_offset(GRAIN_SHARE * spacing) + 1};
 	if (falling->body->kind == BODY_PATH)
 		path_speed(falling->body, falling->time, from_centre, fall.speed);
 	else
