@@ -11,6 +11,8 @@
 
 #include "world/internal.h"
 
+#define RASTER_MOST (512 * 512) /* places of a body in which its upper envelope is looked at, unless it has more cells */
+
 enum status world_carried_make(struct world *world, struct body *body)
 {
 	if (!body->object->carry)
@@ -89,9 +91,13 @@ struct world_aboard world_aboard(const struct world *world, size_t number)
 void world_carried_plan(const struct world *world, struct plan *plan)
 {
 	uint64_t bytes = 0;
-	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->scene->objects[i].carry) /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
-			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * (sizeof(int64_t) + 18);
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		if (!world->scene->objects[i].carry)
+			continue;
+		/* Two numbers of a record for each cell, eleven of its own, and the raster of places in them. */
+		const uint64_t cells = soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) / 2, places = cells > RASTER_MOST ? cells : RASTER_MOST;
+		bytes += cells * (2 * sizeof(int64_t) + 58) + 3 * sizeof(int32_t) * (64 * cells < places ? 64 * cells : places);
+	}
 	if (bytes > 0)
 		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = "scm", .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
 }
