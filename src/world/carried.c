@@ -11,6 +11,8 @@
 
 #include "world/internal.h"
 
+#define RASTER_MOST (512 * 512) /* places of a body in which its upper envelope is looked at, unless it has more cells */
+
 enum status world_carried_make(struct world *world, struct body *body)
 {
 	if (!body->object->carry)
@@ -111,9 +113,13 @@ bool world_heap(const struct world *world, size_t number, struct world_heap *hea
 uint64_t world_carried_bytes(const struct world *world)
 {
 	uint64_t bytes = 0;
-	for (size_t i = 0; i < world->body_count; i++)
-		if (carries(world->bodies[i])) /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
-			bytes += soil_carried_numbers(&world->bodies[i]->object->shape, world->resident.spacing) * (sizeof(int64_t) + 18);
+	for (size_t i = 0; i < world->body_count; i++) {
+		if (!carries(world->bodies[i]))
+			continue;
+		/* Two numbers of a record for each cell, eleven of its own, three where soil flies, and the raster of places in them. */
+		const uint64_t cells = soil_carried_numbers(&world->bodies[i]->object->shape, world->resident.spacing) / 2, places = cells > RASTER_MOST ? cells : RASTER_MOST;
+		bytes += cells * (2 * sizeof(int64_t) + 58 + (world->bodies[i]->carried->fell != NULL ? 12 : 0)) + 3 * sizeof(int32_t) * (64 * cells < places ? 64 * cells : places);
+	}
 	return bytes;
 }
 

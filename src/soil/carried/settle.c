@@ -2,10 +2,10 @@
  * Soil slides aboard a body, over its edges, and from the ground onto it.
  *
  * An iteration has three parts. Aboard, each pair of neighbouring cells exchanges an eighth of what their difference exceeds the critical one by. It is at most an eighth
- * of what the giver has. All pairs do so at once, as ground slides. Then each cell at an edge exchanges soil with what is beside it: a cell of another body that carries, if
- * one is below, else the post beside the body that is nearest to its neighbour. Cells do so one after another, in their order. So do the last units of a cell, which have no eighth.
+ * of what the giver has. All pairs do so at once, as ground slides. Then each cell at an edge exchanges soil with what is beside it. That is a cell of another body that
+ * carries, if one is below. Else it is the post beside the body that is nearest to its neighbour. Cells do so one after another, in their order. So do the last units of a cell, which have no eighth.
  *
- * A cell of which a share is above the body has its middle nearer to its neighbours and to its edge, so the critical difference is less in proportion. Beside
+ * Where only a share of a cell is above the body, its middle is nearer to its neighbours and to its edge. So the critical difference is less in proportion. Beside
  * a wall, what exceeds the sill counts, too: only that passes over it.
  * Where soil flies, what leaves the body high above what is below waits in `fell` in place of that.
  */
