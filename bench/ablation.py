@@ -26,6 +26,7 @@ SIDE, FINE, SPEED = 128, 16, 2.0  # metres of the terrain; posts a metre of its 
 # --- the scenes ---
 
 WHEEL = {"wheel": {"radius": 0.5, "width": 0.4}}
+PLATE = {"box": {"size": [0.8, 1.2, 0.05]}}
 BRICK = {"box": {"size": [0.8, 0.4, 0.4]}}
 SAND = {"soil": {"name": "dry_sand"}}
 
@@ -51,6 +52,11 @@ def cache(loaders, prefetch):
 def slipping(made):
     for thing in made["objects"]:
         thing["slip"] = 0.2
+    return made
+
+
+def carrying(made):
+    made["objects"][0]["carry"] = True
     return made
 
 
@@ -84,6 +90,7 @@ PAIRS = [
     ("loose", SCM, SCM | {"redistribute": {"model": "scm", "loosening": 0.67}}),
     ("dense", SCM, SCM | {"redistribute": {"model": "scm", "hardening": 0.5}}),
     ("thrown", slipping(copy.deepcopy(SCM)), slipping(copy.deepcopy(SCM | {"redistribute": {"model": "scm", "thrown": "on"}}))),
+    ("carried", scene(PLATE, "scm", **SAND), carrying(scene(PLATE, "scm", **SAND))),
     ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
     ("vegetation", scene(WHEEL), scene(WHEEL, attributes=["vegetation"])),
     ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),

@@ -13,8 +13,7 @@ enum status export_check_picture(const struct export_request *request)
 {
 	const double *range = request->range;
 	const char *command = request->command, *layer = export_layer_name(request->layer);
-	if (request->layer == LAYER_QUANTA || request->layer == LAYER_HILLSHADE || request->layer == LAYER_LOOSE || request->layer == LAYER_DENSITY ||
-	    request->layer >= LAYER_DISTURBANCE)
+	if (request->layer == LAYER_QUANTA || request->layer == LAYER_HILLSHADE || request->layer == LAYER_LOOSE || request->layer == LAYER_DENSITY)
 		return fail_with(STATUS_USAGE, "%s: a map has no %s; write it as .tif, or --layer offset as a map", command, layer);
 	if (request->layer <= LAYER_BASE || !request->has_range)
 		return STATUS_OK;
@@ -34,8 +33,8 @@ enum status export_check_picture(const struct export_request *request)
 static enum chart_ramp ramp_of(int layer)
 {
 	return layer <= LAYER_BASE      ? CHART_RAMP_HEIGHTS
-	       : layer == LAYER_PRESSED ? CHART_RAMP_GREEN
-	       : layer == LAYER_SHEAR   ? CHART_RAMP_ROSE
+	       : layer == LAYER_PRESSED || layer == LAYER_BENT ? CHART_RAMP_GREEN
+	       : layer == LAYER_SHEAR || layer == LAYER_DISTURBANCE || layer == LAYER_TORN ? CHART_RAMP_ROSE
 					: CHART_RAMP_SIGNED;
 }
 
@@ -49,7 +48,10 @@ static const char *title_of(int layer)
 					     [LAYER_SHEAR] = "Shear",
 					     [LAYER_SHEAR_X] = "Shear, eastward",
 					     [LAYER_SHEAR_Y] = "Shear, northward",
-					     [LAYER_OFFSET] = "Offset"};
+					     [LAYER_OFFSET] = "Offset",
+					     [LAYER_DISTURBANCE] = "Disturbance",
+					     [LAYER_BENT] = "Bent plants",
+					     [LAYER_TORN] = "Torn plants"};
 	return titles[layer];
 }
 
@@ -104,7 +106,7 @@ static enum status draw(const struct export_request *request, const struct store
 						: request->store,
 		.subtitle = subtitle,
 		.layer = head,
-		.share = request->layer >= LAYER_SHEAR && request->layer <= LAYER_SHEAR_Y,
+		.share = (request->layer >= LAYER_SHEAR && request->layer <= LAYER_SHEAR_Y) || request->layer >= LAYER_DISTURBANCE,
 		.ramp = ramp_of(request->layer),
 		.range = {request->range[0], request->range[1]},
 		.grid = request->grid,
@@ -132,6 +134,7 @@ enum status export_picture(const struct export_request *request, struct store *s
 		.exaggerate = request->exaggerate,
 		.progress = progress_step,
 		.progress_user = &progress,
+		.marks = request->marks,
 	};
 	TRY(export_find_rect(request, &meta->extent, &params.rect));
 	params.level =

@@ -10,15 +10,15 @@
 #define DPI_MOST 1200.0
 #define PIXELS_LEAST 100.0
 
-/* The first of export's layers, in its order. */
+/* Those of export's layers of which there are maps, in its order. */
 static const char *const layers[] = {"surface", "base",    "offset",  "deposited", "plastic_sinkage",
-				     "shear",   "shear_x", "shear_y", NULL};
+				     "shear",   "shear_x", "shear_y", "disturbance", "bent", "torn", NULL};
 /* In the order of enum chart_grid. */
 static const char *const grids[] = {"metres", "local", "degrees", "none", NULL};
 
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write", .files = "png svg pdf", .needed = true},
-	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left",
+	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left: lengths, shares of the soil's strength, and shares of disturbance, of bent and of torn plants",
 	 .choices = layers, .preset = "surface"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all, or what changed, see below"},
 	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
@@ -79,11 +79,14 @@ static enum status run(const struct arguments *arguments)
 {
 	struct export_request request = {.command = "map", .map = true, .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
+	struct store_marks marks;
 	enum status status;
 	TRY_OR(done, read_request(arguments, &request));
 	if (chart_missing() != NULL)
 		TRY_OR(done, fail_with(STATUS_FAILED, "map: %s", chart_missing()));
 	TRY_OR(done, store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store));
+	TRY_OR(done, store_marks(store, &marks));
+	request.marks = store_marks_at(&marks, marks.time);
 	TRY_OR(done, export_place_window(&request, store_meta(store)));
 	if (request.layer <= LAYER_BASE)
 		relief_tell_missing(request.store, store);

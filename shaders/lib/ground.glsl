@@ -1,5 +1,6 @@
 // The material of the ground and its look. One number gives the material: sand 0, grass 1, soil 2, rock 3, snow 4. Between two whole
-// numbers a place has both materials. With SPLAT the classes of the soil map give the material, except where rock shows.
+// numbers a place has both materials. With SPLAT the classes of the soil map give the material, except where rock shows. With HEAP it is that
+// of heap_class.
 //
 // There are two textures. The near one repeats every few metres. A second material of a place shows in its hollows. The far one repeats
 // every hundred metres and more, and makes the borders between materials uneven. Both are filtered: details smaller than a pixel
@@ -7,7 +8,7 @@
 #include "lib/body.glsl"
 #include "lib/ground_map.glsl"
 #include "lib/tone.glsl"
-#ifdef SPLAT
+#if defined SPLAT && !defined HEAP
 layout(binding = 5) uniform usampler2D class_map;
 #endif
 
@@ -42,7 +43,7 @@ float ground_pixel(vec3 place, vec2 gradient)
 	return 0.75 * ground_log2(square) - 0.5 * ground_log2(facing) + pattern.w;
 }
 
-#ifdef SPLAT
+#if defined SPLAT && !defined HEAP
 // Finds the two soil classes with the largest weights at a place, from the four posts around it. Noise moves the borders. part: the
 // share of the second class among the two.
 void ground_classes(vec2 post, float noise, out int one, out int other, out float part)
@@ -107,7 +108,12 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 #ifdef SPLAT
 	int one, other;
 	float part;
+#ifdef HEAP
+	one = other = heap_class;
+	part = 0.0;
+#else
 	ground_classes(post, noise, one, other, part);
+#endif
 	vec4 soil = soils[one], beside = soils[other];
 	if (stony > part) {
 		beside = stony > 0.5 ? soil : vec4(1.0, 1.0, 1.0, 3.0);

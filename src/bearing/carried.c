@@ -7,6 +7,12 @@
 
 #define CARRIED_BESIDE 5 /* posts around a body to which its soil falls */
 
+/* Returns what is aboard or has begun to fall off: all of that counts as compacted. */
+static int64_t held_by(const struct soil_carried *carried)
+{
+	return carried->total + carried->fell_total;
+}
+
 static size_t posts_of(const struct bearing *bearing)
 {
 	const struct soil_planes *planes = &bearing->window.planes;
@@ -80,11 +86,11 @@ static bool is_near_others(const struct bearing *bearing, const struct bearing_m
 enum status bearing_carried_after(struct bearing *bearing, struct bearing_member *member, const struct deform_contact *contact, size_t count)
 {
 	const struct soil_pose pose = standing(member);
-	const int64_t total = contact->carried->total;
+	const int64_t aboard = held_by(contact->carried);
 	soil_carried_place(contact->carried, &pose);
 	const struct soil_carried_around around = {.planes = &bearing->window.planes, .reference = bearing->law.reference, .written = member->write, .alone = is_near_others(bearing, member, count)};
 	const struct post_rect changed = soil_carried_settle_among(contact->carried, &pose, &bearing->rule, &around);
-	bearing->tally.compacted += contact->carried->total - total;
+	bearing->tally.compacted += held_by(contact->carried) - aboard;
 	if (post_rect_empty(changed))
 		return STATUS_OK;
 	member->imprint.reached = post_rect_empty(member->imprint.reached) ? changed : post_rect_around(member->imprint.reached, changed);
@@ -100,9 +106,9 @@ struct post_rect bearing_carried_posts(const struct bearing *bearing, const stru
 /* Returns the soil aboard a body and others. */
 static int64_t aboard(const struct bearing_aboard *how)
 {
-	int64_t total = how->body.carried->total;
+	int64_t total = held_by(how->body.carried);
 	for (size_t i = 0; i < how->other_count; i++)
-		total += how->others[i].carried->total;
+		total += held_by(how->others[i].carried);
 	return total;
 }
 

@@ -143,6 +143,26 @@ int bearing_throw_grains(const struct bearing_throw *how, const int64_t centre[3
 	return count > 0 ? count : 0;
 }
 
+int bearing_fall_grains(const struct bearing_fall *fall, int64_t since, struct bearing_grain grains[FALL_GRAINS])
+{
+	const int64_t wanted = (fall->volume + fall->most - 1) / fall->most;
+	const int count = wanted < FALL_GRAINS ? (int)wanted : FALL_GRAINS;
+	uint64_t seed = (uint64_t)since;
+	for (int k = 0; k < 3; k++)
+		seed = mixed(seed ^ (uint64_t)fall->from[k]);
+	for (int i = 0; i < count; i++) {
+		struct bearing_grain *grain = &grains[i];
+		const double longest = fmin(fall->seconds, (double)since / UNITS), before = 0.5 * (1 + by_chance(&seed)) * longest;
+		const double beside[3] = {fall->spread * by_chance(&seed), fall->spread * by_chance(&seed), 0};
+		*grain = (struct bearing_grain){.since = since - (int64_t)(before * UNITS), .volume = fall->volume / count + (i < fall->volume % count)};
+		for (int k = 0; k < 3; k++) {
+			grain->from[k] = fall->from[k] + llround((beside[k] - before * fall->speed[k]) * UNITS);
+			grain->velocity[k] = speed_units(fall->speed[k]);
+		}
+	}
+	return count > 0 ? count : 0;
+}
+
 void bearing_grain_at(const struct bearing_grain *grain, int32_t gravity, int64_t flown, int64_t place[3])
 {
 	const int64_t half = (int64_t)1 << (THROWN_BITS - 1);

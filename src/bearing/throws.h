@@ -1,5 +1,5 @@
 /*
- * Thrown soil: what a surface that runs over the ground takes along of the soil that slip digs, how it leaves, and how it flies.
+ * Thrown soil: what a surface that runs over the ground takes along of the soil that slip digs, how it leaves, and how it flies. Soil that falls off bodies flies alike.
  *
  * A grain is a packet of soil. Its volume is whole fixed-point units, 2^-20 m of height at one post. Its flight is a parabola in whole numbers, by the time
  * since it left, so no step size shows. All functions are pure. Any thread may call them.
@@ -51,6 +51,20 @@ bool bearing_grain_load(const int64_t numbers[GRAIN_NUMBERS], struct bearing_gra
  * 1 .. THROWN_GRAINS; 0: there is no volume.
  */
 int bearing_throw_grains(const struct bearing_throw *how, const int64_t centre[3], double sinkage, int64_t since, int64_t volume, struct bearing_grain grains[THROWN_GRAINS]);
+
+/* Soil that falls off a body. */
+#define FALL_GRAINS 4       /* the most grains of a fall */
+struct bearing_fall {
+	int64_t from[3];    /* as in struct bearing_grain: where the last of it leaves */
+	double speed[3];    /* m/s: of the body there */
+	double spread;      /* m: it leaves so far beside that at most, east and north */
+	double seconds;     /* s: how long it takes to leave */
+	int64_t volume;     /* fixed-point units */
+	int64_t most;       /* of a grain, above 0, unless there are FALL_GRAINS */
+};
+/* Divides it into grains that leave with the body's velocity until `since`, 2^-20 s, 0 or more. Place, time and number of a grain decide when and where beside that.
+ * Returns how many there are, 1 .. FALL_GRAINS; 0: there is no volume. */
+int bearing_fall_grains(const struct bearing_fall *fall, int64_t since, struct bearing_grain grains[FALL_GRAINS]);
 
 #define GRAIN_LONGEST (1 << 26) /* 2^-20 s: the longest flight, 64 s */
 /* Gives where a grain is after `flown`, 0 .. GRAIN_LONGEST. gravity: 2^-20 m/s2, up to 2^30. */

@@ -74,7 +74,8 @@ struct chart_raster_params {
 	const struct store_meta *meta;
 	bool deformed;         /* the store has a working level, `working` */
 	int working;
-	/* STORE_OFFSET, STORE_DEPOSITED, STORE_PLASTIC_SINKAGE, one of STORE_SHEAR's; or heights: STORE_SURFACE, STORE_BASE */
+	/* STORE_OFFSET, STORE_DEPOSITED, STORE_PLASTIC_SINKAGE, one of STORE_SHEAR's; or heights: STORE_SURFACE, STORE_BASE. Of STORE_SOIL, STORE_RISEN and STORE_GROWN
+	 * the values are shares: how disturbed the ground is, how bent and how torn plants are */
 	enum store_layer layer;
 	int level;             /* level of the pixels, TILE_LEVEL_MIN to the coarsest */
 	struct post_rect rect; /* not empty, within the terrain; held whole in memory, 8 to 12 bytes a pixel */
@@ -84,6 +85,7 @@ struct chart_raster_params {
 	uint64_t tiles_most;
 	store_progress_fn progress; /* called to tell progress; if it does not return STATUS_OK, the work stops. May be NULL */
 	void *progress_user;
+	struct plane_marks marks;   /* for such shares: the time at which they are shown */
 };
 /* Makes a map raster. On failure `out` is all zero. */
 enum status chart_raster_create(const struct chart_raster_params *params, struct chart_raster *out) FURROW_CHECKED;

@@ -105,8 +105,25 @@ static enum status find_tiles(struct rasterizing *s, struct key_list *list)
 	return STATUS_OK;
 }
 
-static float value_of(enum store_layer layer, int32_t post)
+static bool is_mark(enum store_layer layer)
 {
+	return layer == STORE_HEALED || layer == STORE_RISEN || layer == STORE_GROWN;
+}
+
+/* Returns the share that is left of a mark that is gone at a time, in quarter seconds. */
+static float left_of(const struct rasterizing *s, enum store_layer layer, int32_t until)
+{
+	const enum plane plane = layer == STORE_HEALED ? PLANE_HEALED : layer == STORE_RISEN ? PLANE_RISEN : PLANE_GROWN;
+	const struct plane_marks *marks = &s->params->marks;
+	return (float)plane_mark_left(until, marks->now, plane_mark_whole(marks, plane)) / PLANE_MARK_MOST;
+}
+
+static float value_of(const struct rasterizing *s, enum store_layer layer, int32_t post)
+{
+	if (layer == STORE_SOIL)
+		return (float)post / PLANE_MARK_MOST;
+	if (is_mark(layer))
+		return left_of(s, layer, post);
 	if (layer == STORE_SHEAR || layer == STORE_SHEAR_EAST || layer == STORE_SHEAR_NORTH)
 		return (float)ldexp(plane_shear(post, store_shear_part(layer)), -PLANE_SHEAR_BITS);
 	return (float)lattice_offset_metres(post);
@@ -132,7 +149,7 @@ static void splat(const struct rasterizing *s, struct tile tile, enum store_laye
 		int64_t py = ((y + half) >> shift) - raster->rect.y0;
 		float *row = into + (py < last_y ? py : last_y) * raster->width;
 		for (int64_t x = part.x0; x < part.x1; x++) {
-			float value = value_of(layer, posts[(y - own.y0) * side + x - own.x0]);
+			float value = value_of(s, layer, posts[(y - own.y0) * side + x - own.x0]);
 			int64_t px = ((x + half) >> shift) - raster->rect.x0;
 			float *pixel = row + (px < last_x ? px : last_x);
 			if (layer == STORE_OFFSET ? is_shown(value, *pixel) : fabsf(value) > fabsf(*pixel))
@@ -163,6 +180,8 @@ static enum status read_tiles(struct rasterizing *s, enum store_layer layer, enu
 		struct tile tile = tile_from_key(list.keys[i]);
 		unsigned present;
 		TRY_OR(done, store_read_deformed(s->params->reader, tile, PLANE_BIT(plane), planes, &present));
+		for (size_t k = side * side; k-- > 0 && plane == PLANE_DISTURBANCE && present != 0;)
+			posts[k] = ((const uint8_t *)posts)[k]; /* from the end, since they lie in the same memory */
 		if (present != 0)
 			splat(s, tile, layer, posts, into);
 		TRY_OR(done, chart_raster_tell(s, 1));
@@ -190,8 +209,14 @@ static enum status read_posts(struct rasterizing *s, enum store_layer layer, flo
 		TRY_OR(done, store_read_posts(s->params->reader, layer, s->params->level, part, values));
 		size_t count = (size_t)(part.y1 - part.y0) * raster->width;
 		float *to = into + (size_t)(y - rect.y0) * raster->width;
-		for (size_t i = 0; i < count; i++)
-			to[i] = isnan(values[i]) && !is_heights(layer) ? 0 : (float)values[i];
+		for (size_t i = 0; i < count; i++) {
+			float value = isnan(values[i]) && !is_heights(layer) ? 0 : (float)values[i];
+			if (layer == STORE_SOIL)
+				value /= PLANE_MARK_MOST;
+			else if (is_mark(layer))
+				value = isnan(values[i]) ? 0 : left_of(s, layer, (int32_t)ldexp(values[i], PLANE_TIME_BITS));
+			to[i] = layer == STORE_HEALED ? fmaxf(to[i], value) : value;
+		}
 	}
 done:
 	mem_free(values);
@@ -203,7 +228,8 @@ static enum status read_layer(struct rasterizing *s, enum store_layer layer, flo
 	static const enum plane planes[STORE_LAYERS] = {
 		[STORE_OFFSET] = PLANE_OFFSET, [STORE_DEPOSITED] = PLANE_DEPOSITED, [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE,
 		[STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR, [STORE_SHEAR_NORTH] = PLANE_SHEAR,
-		[STORE_SETTLED] = PLANE_SETTLED, [STORE_LOOSE] = PLANE_LOOSE, [STORE_DENSITY] = PLANE_DENSITY};
+		[STORE_SETTLED] = PLANE_SETTLED, [STORE_LOOSE] = PLANE_LOOSE, [STORE_DENSITY] = PLANE_DENSITY,
+		[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_HEALED] = PLANE_HEALED, [STORE_RISEN] = PLANE_RISEN, [STORE_GROWN] = PLANE_GROWN};
 	if (is_heights(layer) || s->params->level < s->working)
 		return read_posts(s, layer, into);
 	return read_tiles(s, layer, planes[layer], into);
@@ -230,6 +256,8 @@ static enum status fill(struct rasterizing *s)
 	float *values = s->raster->values;
 	if (s->deformed || is_heights(layer))
 		TRY(read_layer(s, layer, values));
+	if (s->deformed && layer == STORE_SOIL) /* the ground is as disturbed as the stronger mark says */
+		TRY(read_layer(s, STORE_HEALED, values));
 	if (s->offset != NULL && s->offset != values)
 		TRY(read_layer(s, STORE_OFFSET, s->offset));
 	return chart_raster_shade(s);

@@ -277,6 +277,7 @@ static enum status draw_frame(struct render *render, const struct render_camera 
 		gpu_counter_end(render->ground_samples);
 	TRY(status);
 	TRY(render->objects != NULL ? render_objects_draw(render, camera, &axes, &view, params) : STATUS_OK);
+	TRY(render->heaps != NULL ? render_heaps_draw(render, camera, &axes, params) : STATUS_OK);
 	return render->grains != NULL ? render_grains_draw(render, camera, params) : STATUS_OK;
 }
 
@@ -358,6 +359,8 @@ static enum status measure_unseen(struct render *render, const struct gpu_slot *
 		TRY_OR(done, render_objects_draw_unseen(render, params));
 	if (render->grains != NULL)
 		TRY_OR(done, render_grains_draw_unseen(render, params));
+	if (render->heaps != NULL)
+		TRY_OR(done, render_heaps_draw_unseen(render, params));
 done:
 	render->measuring = false;
 	render->screen = shown;
@@ -407,6 +410,8 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 		TRY(render_objects_draw_unseen(render, &params));
 	if (render->grains != NULL)
 		TRY(render_grains_draw_unseen(render, &params));
+	if (render->heaps != NULL)
+		TRY(render_heaps_draw_unseen(render, &params));
 	return render->effects >> EFFECT_SKY & 1 ? draw_sky(render, &params) : STATUS_OK;
 }
 

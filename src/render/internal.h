@@ -96,6 +96,7 @@ enum status render_sky_program(struct render *render, struct gpu_program **out) 
 /* --- objects.c --- */
 struct render_objects;
 struct render_grains;
+struct render_heaps;
 /* Makes render->objects, or sets it to NULL if no object is shown. Call render_objects_destroy even after a failure. */
 enum status render_objects_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
 void render_objects_destroy(struct render_objects *objects); /* objects may be NULL */
@@ -118,6 +119,15 @@ enum status render_grains_warm(struct render *render) FURROW_CHECKED;
 /* As render_objects_draw_unseen and render_objects_draw. Call the first only if there are grains. */
 enum status render_grains_draw_unseen(struct render *render, const struct picture_params *params) FURROW_CHECKED;
 enum status render_grains_draw(struct render *render, const struct render_camera *camera, struct picture_params *params) FURROW_CHECKED;
+
+/* --- heaps.c; render->heaps is NULL if no body may carry soil --- */
+enum status render_heaps_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
+void render_heaps_destroy(struct render_heaps *heaps); /* heaps may be NULL */
+void render_heaps_plan(const struct render_params *params, struct plan *plan);
+enum status render_heaps_warm(struct render *render) FURROW_CHECKED;
+/* As render_objects_draw_unseen and render_objects_draw. Call them only if there are heaps. */
+enum status render_heaps_draw_unseen(struct render *render, const struct picture_params *params) FURROW_CHECKED;
+enum status render_heaps_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes, struct picture_params *params) FURROW_CHECKED;
 
 /* --- shade_map.c: maps of the shadows that the terrain casts on itself --- */
 struct render_shade;
@@ -212,6 +222,7 @@ struct render {
 	struct gpu_counter *ground_samples; /* counts samples of the ground */
 	struct render_objects *objects; /* NULL: no objects are shown */
 	struct render_grains *grains; /* NULL: no grains are shown */
+	struct render_heaps *heaps;   /* NULL: no soil aboard bodies is shown */
 	struct render_tiles tiles; /* counts of the last frame */
 	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
 	struct render_shade *shade;    /* NULL: the terrain casts no shadows */

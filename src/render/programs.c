@@ -185,6 +185,7 @@ enum status render_warm(struct render *render, bool deformed, bool divided, bool
 	if (render->effects >> EFFECT_SKY & 1)
 		TRY(render_sky_program(render, &program));
 	TRY(render_grains_warm(render));
+	TRY(render_heaps_warm(render));
 	return render_objects_warm(render);
 }
 
@@ -246,5 +247,6 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	}
 	render_objects_plan(params, plan);
 	render_grains_plan(params, plan);
+	render_heaps_plan(params, plan);
 	render_shade_plan(params, plan);
 }

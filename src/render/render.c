@@ -99,6 +99,7 @@ static enum status make(struct render *render, const struct render_params *param
 	TRY(render_shade_create(render));
 	TRY(render_objects_create(render, params));
 	TRY(render_grains_create(render, params));
+	TRY(render_heaps_create(render, params));
 	return render_screen_init(render, (uint32_t)params->width, (uint32_t)params->height, params->samples > 1 ? (uint32_t)params->samples : 1,
 				  &render->own);
 }
@@ -145,6 +146,7 @@ void render_destroy(struct render *render)
 		return;
 	render_objects_destroy(render->objects);
 	render_grains_destroy(render->grains);
+	render_heaps_destroy(render->heaps);
 	render_shade_destroy(render->shade);
 	gpu_counter_destroy(render->ground_samples);
 	render_screen_finish(&render->own);

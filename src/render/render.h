@@ -45,6 +45,7 @@ struct render_params {
 	const struct scene_object *objects;
 	size_t object_count;
 	size_t grains;        /* the most grains of soil that a picture shows; 0: none */
+	bool heaps;           /* render_set_heaps will be called */
 	bool layers;          /* render_show_layer will be called; plans do not count layers */
 	bool measures;        /* render_measure will be called */
 	bool classes;         /* the slots have classes of soil, which render_measure tells */
@@ -68,6 +69,19 @@ struct render_grain {
 	double at[3], radius; /* absolute metres, metres */
 	uint32_t number;      /* by which its form differs from that of others */
 };
+
+/* Soil aboard a body, as struct soil_carried has it: side x side cells, row by row. Rows go along `heading`, and the first one is on their right. */
+struct render_heap {
+	double at[3];    /* absolute metres: the middle of the middle cell, where tops are 0 */
+	double ground;   /* absolute metres: of the ground below, whose look the soil has */
+	double heading;  /* rad, from east to north */
+	double spacing;  /* m: of cells */
+	int side;
+	int class;       /* of the soil */
+	const int32_t *amounts, *tops;
+	const uint8_t *shares; /* how much of each cell is above the body, of RENDER_HEAP_SHARES; NULL: all of each */
+};
+#define RENDER_HEAP_SHARES 64
 
 /* What the colours of the ground show. */
 enum render_layer_kind {
@@ -111,6 +125,8 @@ bool render_shows_objects(const struct render *render);
 void render_set_objects(struct render *render, const struct render_object *objects, size_t count);
 /* Copies the grains that pictures show from now on, at most render_params.grains. Without those it does nothing. */
 void render_set_grains(struct render *render, const struct render_grain *grains, size_t count);
+/* Sets the soil aboard bodies that pictures show from now on. The lists are read in this call alone. Without render_params.heaps it does nothing. STATUS_MEMORY. */
+enum status render_set_heaps(struct render *render, const struct render_heap *heaps, size_t count) FURROW_CHECKED;
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct render_selection *selection) FURROW_CHECKED;
 /* Sets the time at which marks that fade are shown, from the next frame on. At the start none is left. */
@@ -129,7 +145,7 @@ bool render_shade_view(const struct render *render, const struct render_camera *
 enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct render_view *view,
 			      const struct render_selection *selection) FURROW_CHECKED;
 /* Draws the last frame again as numbers. A pixel has four floats: the normal east and north, the height above the eye (m), and a code.
- * Codes: 0 sky; 1 + class of the soil; -1 an object; -2 an object whose normal points down. Of slots without classes the class is 0. The depth
+ * Codes: 0 sky; 1 + class of the soil, of the ground or aboard a body; -1 an object; -2 an object whose normal points down. Of slots without classes the class is 0. The depth
  * texture becomes the same again. Counts as a frame in render_tiles. */
 enum status render_measure(struct render *render, const struct render_camera *camera, const struct render_selection *selection) FURROW_CHECKED;
 uint64_t render_triangles(const struct render *render); /* returns the triangles of the last frame */

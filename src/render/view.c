@@ -244,6 +244,7 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.pixel_error = scene->view.pixel_error,
 		.samples = scene->view.samples,
 		.grains = world_grains_most(world),
+		.heaps = world_carries(world),
 		.objects = scene->objects,
 		.object_count = scene->object_count,
 		.light = &world_facts(world)->light,

@@ -81,11 +81,55 @@ done:
 	return status;
 }
 
+/* Gives the soil aboard a body, where the body is shown. */
+static enum status heap_of(struct view *view, size_t number, struct render_heap *heap, bool *there)
+{
+	const struct body *body = world_body(view->world, number);
+	struct world_heap from;
+	struct render_object shown;
+	*there = world_heap(view->world, number, &from);
+	if (!*there)
+		return STATUS_OK;
+	*heap = (struct render_heap){.heading = from.heading, .spacing = from.spacing, .side = from.side, .class = from.class, .amounts = from.amounts, .tops = from.tops, .shares = from.shares};
+	memcpy(heap->at, from.at, sizeof heap->at);
+	if (body->kind == BODY_PATH) {
+		TRY(render_view_object(view, number, &shown, there));
+		memcpy(heap->at, shown.at, sizeof heap->at);
+		heap->heading += remainder(shown.yaw - body->last.yaw, M_PI);
+	}
+	int64_t ground;
+	bool known;
+	TRY(resident_ground_height(world_resident(view->world)->ground, lattice_offset(heap->at[0]), lattice_offset(heap->at[1]), &ground, &known));
+	heap->ground = known ? lattice_offset_metres(ground) : heap->at[2];
+	return STATUS_OK;
+}
+
+static enum status set_heaps(struct view *view)
+{
+	const size_t bodies = world_carried_total(view->world) > 0 ? world_body_count(view->world) : 0;
+	struct render_heap *heaps = NULL;
+	size_t count = 0;
+	enum status status = STATUS_OK;
+	if (bodies == 0)
+		return render_set_heaps(view->render, NULL, 0);
+	TRY(mem_make(&heaps, bodies, sizeof *heaps, "the picture's soil aboard bodies"));
+	for (size_t i = 0; i < bodies; i++) {
+		bool there;
+		TRY_OR(done, heap_of(view, i, &heaps[count], &there));
+		count += there;
+	}
+	TRY_OR(done, render_set_heaps(view->render, heaps, count));
+done:
+	mem_free(heaps);
+	return status;
+}
+
 enum status render_view_set_objects(struct view *view)
 {
 	struct world *world = view->world;
 	const struct scene *scene = world_scene(world);
 	TRY(set_grains(view));
+	TRY(set_heaps(view));
 	if (!render_shows_objects(view->render))
 		return STATUS_OK;
 	const struct world_figures *figures = world_figures(world);

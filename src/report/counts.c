@@ -60,7 +60,7 @@ static uint64_t all_bytes(const struct report *report, const struct gpu_stats *g
 	struct bearing_figures bearing = {.bytes = 0};
 	if (world_bearing(report->world) != NULL)
 		bearing_figures(world_bearing(report->world), &bearing);
-	return gpu->bytes + bearing.bytes + world_grains_bytes(report->world) + (world_resident(report->world)->host != NULL ? io->host_bytes : 0);
+	return gpu->bytes + bearing.bytes + world_grains_bytes(report->world) + world_carried_bytes(report->world) + (world_resident(report->world)->host != NULL ? io->host_bytes : 0);
 }
 
 static void add_memory_units(cJSON *units, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io,

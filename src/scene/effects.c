@@ -50,6 +50,10 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"thrown", "redistribute.thrown", "", LIST("object.vert", "object.frag"), "base, offset, dug", "offset, heaped", 0, LIST("redistribute.thrown", "gravity"),
 		"at most 16,384 grains at once; what is thrown beyond that flies with the grain that left last",
 		"lets rims that slip throw soil, which flies and lands"},
+	[EFFECT_CARRIED] = {
+		"carried", "objects.carry", "", LIST("heap.vert", "heap.frag", "measure_heap.frag"), "base, offset, heaped", "offset, heaped, colour, depth", 0, LIST("objects[].carry", "vehicles[].carry"),
+		"at most 512 m of soil above a place of the body; in pictures from 1 mm on, without a shadow on the ground",
+		"keeps soil that comes onto a body, and draws it"},
 	[EFFECT_SOIL_MAP] = {
 		"soil_map", "soil.map", "", NONE, "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
@@ -224,7 +228,7 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_LOOSE);
 	if (scene->hardening > 0)
 		effects |= EFFECT_BIT(EFFECT_DENSE);
-	if (scene->thrown == SCENE_THROWN_ON && scene_slips(scene))
+	if (scene_throws(scene))
 		effects |= EFFECT_BIT(EFFECT_THROWN);
 	if (scene->raster_count > 0)
 		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);
@@ -234,6 +238,8 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_PREFETCH);
 	for (size_t i = 0; i < scene->object_count; i++)
 		effects |= scene_object_effects(&scene->objects[i]);
+	if (scene_carries(scene))
+		effects |= EFFECT_BIT(EFFECT_CARRIED);
 	return effects;
 }
 
@@ -348,11 +354,12 @@ void scene_unwatched(const struct scene *scene, struct scene *out)
 /* Returns the first object that uses the effect. */
 static const struct scene_object *caller(const struct scene *scene, enum scene_effect effect)
 {
-	const bool called = effect == EFFECT_MESH || effect == EFFECT_GROUSERS || effect == EFFECT_LOAD;
+	const bool called = effect == EFFECT_MESH || effect == EFFECT_GROUSERS || effect == EFFECT_LOAD || effect == EFFECT_CARRIED;
 	for (size_t i = 0; i < scene->object_count && called; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		if ((effect == EFFECT_MESH && object->shape.kind == SOIL_MESH) ||
-		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0))
+		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0) ||
+		    (effect == EFFECT_CARRIED && object->carry))
 			return object;
 	}
 	return NULL;
@@ -361,8 +368,8 @@ static const struct scene_object *caller(const struct scene *scene, enum scene_e
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size)
 {
 	const struct effect_row *row = scene_effect_row(effect);
-	const char *key = row->key;
 	const struct scene_object *object = caller(scene, effect);
+	const char *key = effect == EFFECT_CARRIED && object == NULL ? "vehicles.carry" : row->key;
 	if (object != NULL) /* objects.NAME.load */
 		snprintf(text, size, "objects.%s%s", object->name, key + strlen("objects"));
 	else if (strcmp(key, "redistribute.model") == 0)

@@ -38,6 +38,7 @@ enum scene_effect {
 	EFFECT_LOOSE,
 	EFFECT_DENSE,
 	EFFECT_THROWN,
+	EFFECT_CARRIED,
 	EFFECT_SOIL_MAP,
 	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
@@ -420,6 +421,8 @@ uint64_t scene_effects(const struct scene *scene, int level);
 uint64_t scene_object_effects(const struct scene_object *object);
 /* Returns false if no body of the scene can slip. Such a body never moves, or it is a wheel of slip 0 that rolls straight ahead. */
 bool scene_slips(const struct scene *scene);
+/* Returns true if soil may fly: where redistribute.thrown is on, and something slips or carries. */
+bool scene_throws(const struct scene *scene);
 /* Returns true if an object's path or the scene turns it otherwise than along its way. */
 bool scene_is_turned(const struct scene_object *object);
 /* By which law the soil acts on a part of a body: Bekker's and Janosi's below it, or 3D-RFT where it slides. That is 3D resistive force theory. */

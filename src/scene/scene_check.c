@@ -60,8 +60,8 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 	return STATUS_OK;
 }
 
-static enum status check_redistribute(const struct scene_tree *tree,
-				      const struct raw_redistribute *raw, struct scene *scene)
+/* carries: an object may carry soil. */
+static enum status check_redistribute(const struct scene_tree *tree, const struct raw_redistribute *raw, bool carries, struct scene *scene)
 {
 	const struct raw_redistribute none = {.model = DEFORM_MODEL_DEFAULT};
 	if (raw == NULL)
@@ -94,8 +94,8 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->rut = number(raw->rut, "redistribute.rut");
 	}
 	scene->thrown = raw->thrown != NULL ? (enum scene_thrown)*raw->thrown : SCENE_THROWN_OFF;
-	if (scene->thrown == SCENE_THROWN_ON && !(scene->slip_sinkage > 0) && deform_model_takes(scene->model, "thrown"))
-		return scene_error(tree->file, scene_tree_find(tree, "redistribute.thrown"), "what is thrown is what slip digs, and slip_sinkage: 0 digs nothing; give slip_sinkage, or take thrown away");
+	if (scene->thrown == SCENE_THROWN_ON && !(scene->slip_sinkage > 0) && !carries && deform_model_takes(scene->model, "thrown"))
+		return scene_error(tree->file, scene_tree_find(tree, "redistribute.thrown"), "what is thrown is what slip digs and what falls off bodies with carry, and slip_sinkage: 0 digs nothing; give slip_sinkage or carry, or take thrown away");
 	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
 	scene->regions = raw->regions != NULL ? (enum scene_regions)*raw->regions : SCENE_WINDOWS;
 	return check_parameters(tree, raw);
@@ -207,7 +207,10 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 
 	TRY(check_memory(tree, cache, scene));
 	TRY(check_coordinates(raw, scene));
-	TRY(check_redistribute(tree, raw->redistribute, scene));
+	bool carries = false;
+	for (uint32_t i = 0; i < raw->objects_count; i++)
+		carries |= raw->objects[i].carry != NULL && *raw->objects[i].carry;
+	TRY(check_redistribute(tree, raw->redistribute, carries, scene));
 	TRY(check_compute(tree, raw->compute, scene));
 	TRY(check_output(tree, raw->output, scene));
 	scene->vegetation.present = raw->attributes != NULL && raw->attributes->vegetation != NULL; /* the rest later, by class of soil */

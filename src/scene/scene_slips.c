@@ -77,3 +77,8 @@ bool scene_slips(const struct scene *scene)
 	}
 	return false;
 }
+
+bool scene_throws(const struct scene *scene)
+{
+	return scene->thrown == SCENE_THROWN_ON && ((scene->slip_sinkage > 0 && scene_slips(scene)) || scene_carries(scene));
+}

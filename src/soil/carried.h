@@ -36,11 +36,29 @@ struct soil_carried {
 	bool unsettled;                 /* soil may go on sliding */
 	int64_t total;                  /* fixed-point units, summed over amounts and falls */
 	int64_t classes[SOIL_CLASSES];  /* of it, by class of soil */
+	/* NULL: no soil flies. Else, of each cell, what left the body there until soil_carried_fallen; and how high above the body's centre that was */
+	int32_t *fell, *fell_from;
+	int64_t fell_total, fell_classes[SOIL_CLASSES];
+	int32_t *caught;                /* of each cell, what came down there, until soil_carried_keep */
+	int64_t caught_total;
 };
 
 /* Makes it for a shape, empty. STATUS_MEMORY. destroy takes NULL. */
 enum status soil_carried_create(const struct soil_shape *shape, double spacing, struct soil_carried **out) FURROW_CHECKED;
 void soil_carried_destroy(struct soil_carried *carried);
+/* From now on soil that leaves the body from so far above the ground does not land at once. It waits in `fell`, and is not in `total` any more. STATUS_MEMORY. */
+#define SOIL_FALLS_FROM 0.1 /* m; chosen: as far as a grain falls in 0.14 s */
+enum status soil_carried_let_fly(struct soil_carried *carried) FURROW_CHECKED;
+/* Calls `take` for each cell from which soil fell, in the order of cells, and forgets it. from: where it left, 2^-20 m, as in struct soil_pose. */
+void soil_carried_fallen(struct soil_carried *carried, const struct soil_pose *pose, void (*take)(void *user, const int64_t from[3], int32_t amount), void *user);
+/* Tells whether a grain comes down onto the soil aboard, or onto the body, on its way between two places, 2^-20 m. Then it waits for soil_carried_keep. A cell that is
+ * full catches none. */
+bool soil_carried_catch(struct soil_carried *carried, const struct soil_pose *pose, const int64_t before[3], const int64_t now[3], int64_t volume);
+/* Takes what was caught aboard, as soil of a class. */
+void soil_carried_keep(struct soil_carried *carried, int class);
+
+/* Returns how much of each cell is above the body, in 64ths of a cell. */
+const uint8_t *soil_carried_shares(const struct soil_carried *carried);
 
 /* Moves it to a pose of its body: finds the upper envelope if the attitude changed. */
 void soil_carried_place(struct soil_carried *carried, const struct soil_pose *pose);

@@ -54,6 +54,9 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		struct vehicle_geom geom;
 		char key[200];
 		vehicle_geom(vehicles, number, i, spacing, &geom);
+		snprintf(key, sizeof key, "vehicles.%s", geom.name);
+		if (geom.shape->kind == SOIL_BOX) /* a blade, a foot */
+			scene_advise_narrow(key, fmin(geom.shape->size[0], geom.shape->size[1]), 0, spacing, tell, user);
 		const double over = bears_over(scene, &info, &geom);
 		size_t alike = 0;
 		bool first = over > 0;
@@ -68,7 +71,6 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		}
 		if (!first)
 			continue;
-		snprintf(key, sizeof key, "vehicles.%s", geom.name);
 		scene_advise_narrow(key, across(geom.shape), alike, spacing, tell, user);
 		advise_grousers(key, geom.shape, scene->faces == SCENE_FACES_ON, alike, spacing, tell, user);
 		scene_advise_posts_below(key, geom.shape, over, alike, spacing, tell, user);

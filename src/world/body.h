@@ -106,6 +106,18 @@ struct world_aboard {
 struct world_aboard world_aboard(const struct world *world, size_t number);
 bool world_carries(const struct world *world);          /* a body may carry soil */
 int64_t world_carried_total(const struct world *world); /* units that all bodies carry */
+uint64_t world_carried_bytes(const struct world *world); /* memory that is kept for it */
+/* Soil aboard a body, for pictures: cells as struct soil_carried has them. It is valid until the next step. */
+struct world_heap {
+	double at[3];       /* m: the body's centre */
+	double heading;     /* rad: of the cells */
+	double spacing;     /* m */
+	int side, class;    /* cells; the class of most of the soil */
+	const int32_t *amounts, *tops;
+	const uint8_t *shares; /* how much of each cell is above the body, of 64 */
+};
+/* Returns false if there is none. */
+bool world_heap(const struct world *world, size_t number, struct world_heap *heap);
 /* Gives the present place of a body on its path. `place`: local metres, on the base. `yaw`: radians from east to north. */
 void world_place(const struct world *world, size_t body, double place[3], double *yaw);
 

@@ -11,13 +11,16 @@
 
 #include "world/internal.h"
 
+#define RASTER_MOST (512 * 512) /* places of a body in which its upper envelope is looked at, unless it has more cells */
+
 enum status world_carried_make(struct world *world, struct body *body)
 {
 	if (!body->object->carry)
 		return STATUS_OK;
 	if (world->ranks != NULL)
 		return fail_with(STATUS_INPUT, "%s: carry: soil aboard a body does not go from rank to rank; drive with one process, or take carry away", body->object->name);
-	return soil_carried_create(&body->object->shape, world->resident.spacing, &body->carried);
+	TRY(soil_carried_create(&body->object->shape, world->resident.spacing, &body->carried));
+	return world_grains_most(world) > 0 ? soil_carried_let_fly(body->carried) : STATUS_OK;
 }
 
 static bool carries(const struct body *body)
@@ -49,7 +52,7 @@ int64_t world_carried_total(const struct world *world)
 
 bool world_carries(const struct world *world)
 {
-	bool any = false;
+	bool any = world->params.carrying_count > 0; /* vehicles add their bodies late */
 	for (size_t i = 0; i < world->body_count && !any; i++)
 		any = carries(world->bodies[i]);
 	return any;
@@ -117,17 +120,52 @@ struct world_aboard world_aboard(const struct world *world, size_t number)
 	return world_aboard_of(world, world_body(world, number));
 }
 
-void world_carried_plan(const struct world *world, struct plan *plan)
+bool world_heap(const struct world *world, size_t number, struct world_heap *heap)
+{
+	const struct body *body = world_body(world, number);
+	struct soil_pose pose;
+	if (!carries(body) || body->carried->total == 0 || body->host.removed)
+		return false;
+	const struct soil_carried *carried = body->carried;
+	pose = body->last;
+	if (body->kind != BODY_PATH && world_attitude(&body->object->shape, body->object->name, &body->host.now.pose, &pose) != STATUS_OK)
+		return false;
+	/* Since the cells were placed, angles may be told by the other triple, whose yaw differs by half a turn. */
+	*heap = (struct world_heap){
+		.at = {lattice_offset_metres(pose.x), lattice_offset_metres(pose.y), lattice_offset_metres(pose.z)},
+		.heading = carried->yaw + carried->heading + remainder(pose.yaw - carried->yaw, M_PI),
+		.spacing = carried->spacing, .side = carried->side, .amounts = carried->amounts, .tops = carried->tops, .shares = soil_carried_shares(carried),
+	};
+	for (int k = 1; k < SOIL_CLASSES; k++)
+		heap->class = carried->classes[k] > carried->classes[heap->class] ? k : heap->class;
+	return true;
+}
+
+/* Two numbers of a record for each cell, eleven of its own, three where soil flies, and the raster of places in them. */
+static uint64_t bytes_of(const struct world *world, const struct scene_object *object, bool flies)
+{
+	const uint64_t cells = soil_carried_numbers(&object->shape, world->resident.spacing) / 2, places = cells > RASTER_MOST ? cells : RASTER_MOST;
+	return cells * (2 * sizeof(int64_t) + 58 + (flies ? 12 : 0)) + 3 * sizeof(int32_t) * (64 * cells < places ? 64 * cells : places);
+}
+
+uint64_t world_carried_bytes(const struct world *world)
 {
 	uint64_t bytes = 0;
-	const size_t each = sizeof(int64_t) + 18; /* two numbers of a record for each cell; seven of its own, with the envelope's scratch memory */
-	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->scene->objects[i].carry)
-			bytes += soil_carried_numbers(&world->scene->objects[i].shape, world->resident.spacing) * each;
-	for (size_t i = 0; i < world->params.carrying_count; i++)
-		bytes += soil_carried_numbers(world->params.aboard_shapes[i], world->resident.spacing) * each;
+	for (size_t i = 0; i < world->body_count; i++)
+		if (carries(world->bodies[i]) && world->bodies[i]->kind != BODY_VEHICLE) /* those of vehicles are told before they are added */
+			bytes += bytes_of(world, world->bodies[i]->object, world->bodies[i]->carried->fell != NULL);
+	for (size_t i = 0; i < world->params.carrying_count; i++) {
+		const struct scene_object object = {.shape = *world->params.aboard_shapes[i]};
+		bytes += bytes_of(world, &object, scene_throws(world->scene));
+	}
+	return bytes;
+}
+
+void world_carried_plan(const struct world *world, struct plan *plan)
+{
+	const uint64_t bytes = world_carried_bytes(world);
 	if (bytes > 0)
-		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = "scm", .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
+		plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = scene_effect_row(EFFECT_CARRIED)->name, .object = -1, .amount = 1, .bytes = bytes}, "soil aboard bodies");
 }
 
 /* --- settling between contacts --- */
@@ -164,7 +202,7 @@ static size_t others_of(const struct world *world, const struct body *body, cons
 	return found;
 }
 
-static enum status settle(struct world *world, struct body *body, size_t rests, const struct bearing_laden *others, size_t other_count)
+static enum status settle(struct world *world, struct body *body, double time, size_t rests, const struct bearing_laden *others, size_t other_count)
 {
 	const struct bearing_aboard how = {laden_of(body), drops(body), others, other_count, world->relaxation.rests, rests};
 	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &how.body.rest);
@@ -177,12 +215,13 @@ static enum status settle(struct world *world, struct body *body, size_t rests, 
 	TRY_OR(done, bearing_carried_settle(world->bearing, &how, held.tiles, held.count, &changed));
 	if (!post_rect_empty(changed))
 		TRY_OR(done, world_mark(world, changed, &held));
+	world_falls_take(world, body, &how.body.rest.pose, time);
 done:
 	world_release(world, &held);
 	return status;
 }
 
-enum status world_carried_settle(struct world *world, size_t rests)
+enum status world_carried_settle(struct world *world, double time, size_t rests)
 {
 	struct bearing_laden *others = NULL;
 	size_t *order = NULL, count = 0;
@@ -198,7 +237,7 @@ enum status world_carried_settle(struct world *world, size_t rests)
 		qsort_r(order, count, sizeof *order, by_place, world->bodies);
 	for (size_t i = 0; i < count; i++) {
 		struct body *body = world->bodies[order[i]];
-		TRY_OR(done, settle(world, body, rests, others, others_of(world, body, order, count, others)));
+		TRY_OR(done, settle(world, body, time, rests, others, others_of(world, body, order, count, others)));
 	}
 done:
 	mem_free_all(order, others);

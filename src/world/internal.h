@@ -268,7 +268,7 @@ enum status world_let_go(struct world *world, struct body *body) FURROW_CHECKED;
 enum status world_carried_make(struct world *world, struct body *body) FURROW_CHECKED;
 bool world_carried_unsettled(const struct world *world); /* soil aboard may go on sliding, or is to be put down */
 /* Lets soil aboard all bodies settle. rests: how many bodies world->relaxation.rests lists. */
-enum status world_carried_settle(struct world *world, size_t rests) FURROW_CHECKED;
+enum status world_carried_settle(struct world *world, double time, size_t rests) FURROW_CHECKED;
 /* Adds the weight of what a body carries to a force, N, and a moment about its centre, N m. world_carried_load: the weight alone, N. */
 void world_carried_force(const struct world *world, const struct body *body, double force[3], double moment[3]);
 double world_carried_load(const struct world *world, const struct body *body);
@@ -305,6 +305,16 @@ enum status world_thrown_resume(struct world *world) FURROW_CHECKED; /* from wor
 struct thrown_saved;
 enum status world_thrown_save(const struct world *world, struct thrown_saved **out) FURROW_CHECKED;
 void world_thrown_restore(struct world *world, const struct thrown_saved *saved);
+
+/* Counts soil as thrown, by class. Needs world->thrown. */
+void world_thrown_count(struct world *world, const int64_t classes[SOIL_CLASSES]);
+
+/* --- falls.c: soil that falls off bodies, or onto them --- */
+/* Lets what left a body fly. pose, time: of the body then, s. body may be NULL. */
+void world_falls_take(struct world *world, struct body *body, const struct soil_pose *pose, double time);
+/* Tells whether a grain comes down on a body that carries, on its way between two places, 2^-20 m. Then it is aboard after world_falls_aboard. */
+bool world_falls_caught(struct world *world, const int64_t before[3], const int64_t now[3], int64_t volume);
+void world_falls_aboard(struct world *world, int class);
 
 /* --- near.c: bodies near each other --- */
 

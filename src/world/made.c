@@ -1,4 +1,6 @@
 /* Worlds of parts that a test or a bench made. */
+#include <math.h>
+
 #include "world/made.h"
 #include "world/internal.h"
 
@@ -85,4 +87,13 @@ void world_made_set_ranks(struct world *world, const struct world_ranks *ranks)
 struct record *world_made_record(struct world *world)
 {
 	return world->record;
+}
+
+void world_made_throw(struct world *world, const struct bearing_grain *grains, size_t count)
+{
+	int64_t classes[SOIL_CLASSES] = {0};
+	for (size_t i = 0; i < count; i++)
+		classes[0] += grains[i].volume;
+	world_thrown_count(world, classes);
+	world_thrown_add(world, llround(world->time * 0x1p20), grains, count);
 }

@@ -7,6 +7,7 @@
 #ifndef FURROW_WORLD_MADE_H
 #define FURROW_WORLD_MADE_H
 
+#include "bearing/throws.h"
 #include "world/record.h"
 #include "world/world.h"
 
@@ -40,6 +41,9 @@ enum status world_made_set_down(struct world *world, struct body *body, int64_t 
 enum status world_made_contact(struct world *world, const struct event *event) FURROW_CHECKED;
 /* Computes all contacts that are due until a time in s, and sets the world's time to it. Nothing relaxes after them, and no commit begins. */
 enum status world_made_contacts(struct world *world, double until) FURROW_CHECKED;
+
+/* Lets grains fly, which leave now, as soil of class 0 that was thrown. The scene throws soil. */
+void world_made_throw(struct world *world, const struct bearing_grain *grains, size_t count);
 
 /* Sets who steps the world with it; NULL: nobody. `ranks` stays the caller's. */
 void world_made_set_ranks(struct world *world, const struct world_ranks *ranks);

@@ -308,6 +308,7 @@ static enum status end(struct world *world, struct group *group)
 		const struct waiting_contact *waiting = &m->list[group->order[i]];
 		world_forces_felt(world->forces, waiting->event.body, &waiting->event, &group->contacts[i].forces);
 		world_thrown_take(world, waiting->event.time, &group->contacts[i]);
+		world_falls_take(world, world_body_at(world, waiting->event.body), &waiting->contact.to, waiting->event.time);
 		count_windows(world, waiting, &group->contacts[i]);
 	}
 	return STATUS_OK;

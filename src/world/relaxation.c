@@ -156,9 +156,9 @@ static enum status interval(struct world *world, size_t *blocks)
 	for (size_t i = 0; i < size.parts; i++)
 		TRY(scatter(world, i));
 	if (*blocks == 0)
-		return world_carried_settle(world, rests_of(world));
+		return world_carried_settle(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, rests_of(world));
 	TRY(world->bearing != NULL ? bearing_interval_end(world->bearing) : deform_interval_end(world->deform));
-	return world_carried_settle(world, rests_of(world));
+	return world_carried_settle(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, rests_of(world));
 }
 
 static enum status one_interval(struct world *world, size_t *blocks)

@@ -32,7 +32,7 @@ struct thrown {
 
 size_t world_grains_most(const struct world *world)
 {
-	return world->scene->thrown == SCENE_THROWN_ON && world_feels(world) && scene_slips(world->scene) ? WORLD_THROWN_MOST : 0;
+	return scene_throws(world->scene) && world_feels(world) ? WORLD_THROWN_MOST : 0;
 }
 
 enum status world_thrown_make(struct world *world)
@@ -99,6 +99,12 @@ void world_thrown_take(struct world *world, double time, const struct bearing_co
 	world_thrown_add(world, now, grains, (size_t)count);
 }
 
+void world_thrown_count(struct world *world, const int64_t classes[SOIL_CLASSES])
+{
+	for (int i = 0; i < SOIL_CLASSES; i++)
+		world->thrown->sums.thrown[i] += classes[i];
+}
+
 /* --- flight --- */
 
 enum where { IN_AIR, IN_GROUND, OVER_HOLE, BEYOND };
@@ -112,6 +118,7 @@ struct look {
 	int64_t zero;           /* 2^-20 m: height of the reference */
 	int64_t cells_x, cells_y; /* of the world */
 	double cells;           /* 2^-INTERPOLATES cells in 2^-20 m */
+	bool catches;           /* grains may come down on bodies */
 };
 
 static enum status look_at_tile(struct look *look, int64_t x, int64_t y)
@@ -178,6 +185,15 @@ static enum status fly(struct look *look, struct bearing_grain *grain, int64_t u
 	*stays = flown <= grain->flown;
 	if (*stays)
 		return STATUS_OK;
+	if (look->catches && flown <= GRAIN_LONGEST) {
+		int64_t before[3];
+		bearing_grain_at(grain, thrown->gravity, grain->flown, before);
+		bearing_grain_at(grain, thrown->gravity, flown, place);
+		if (world_falls_caught(look->world, before, place, grain->volume)) {
+			thrown->sums.landed += grain->volume;
+			return STATUS_OK;
+		}
+	}
 	if (flown <= GRAIN_LONGEST) {
 		bearing_grain_at(grain, thrown->gravity, flown, place);
 		TRY(look_at(look, place, &where));
@@ -244,6 +260,15 @@ static enum status land_all(struct world *world, size_t count, size_t rests)
 
 /* --- ticks --- */
 
+/* Returns the class of which most was thrown so far: grains have none, and what bodies carry has. */
+static int most_thrown(const struct thrown *thrown)
+{
+	int most = 0;
+	for (int i = 1; i < SOIL_CLASSES; i++)
+		most = thrown->sums.thrown[i] > thrown->sums.thrown[most] ? i : most;
+	return most;
+}
+
 static enum status tick(struct world *world, int64_t until, size_t rests)
 {
 	struct thrown *thrown = world->thrown;
@@ -251,7 +276,7 @@ static enum status tick(struct world *world, int64_t until, size_t rests)
 	struct look look = {
 		.world = world, .zero = (int64_t)world->surface.reference * ((int64_t)1 << OFFSET_BITS),
 		.cells = (1 << INTERPOLATES) / (world->resident.spacing * 0x1p20),
-		.cells_x = extent_posts(extent->width, world->resident.level) - 1, .cells_y = extent_posts(extent->height, world->resident.level) - 1,
+		.catches = world_carries(world), .cells_x = extent_posts(extent->width, world->resident.level) - 1, .cells_y = extent_posts(extent->height, world->resident.level) - 1,
 	};
 	size_t landed = 0, stay = 0;
 	enum status status;
@@ -266,6 +291,8 @@ static enum status tick(struct world *world, int64_t until, size_t rests)
 done:
 	world_release(world, &look.held);
 	TRY(status);
+	if (look.catches)
+		world_falls_aboard(world, most_thrown(thrown));
 	return landed > 0 ? land_all(world, landed, rests) : STATUS_OK;
 }
 

@@ -81,13 +81,25 @@ static void what_a_body_carries_weighs_on_it(void **state)
 	done(furrow_world_close(world));
 }
 
-static void a_rollback_puts_it_back_aboard(void **state)
+#define FALLS "{time_step: 0.01, spacing: 0.125, soil: {name: dry_sand, unit_weight: 16000}, redistribute: {model: scm, interval: 0.05, thrown: on}}"
+
+/* Rolls back to where the plate is full, or to where its soil falls. */
+static void rolls_back(const char *scene, bool falls)
 {
-	struct furrow_world *world = hosted_world_over("carried.furrow", SCENE, hosted_flat);
+	struct furrow_world *world = hosted_world_over("carried.furrow", scene, hosted_flat);
 	const furrow_body plate = plate_in(world);
 	dig(world, plate);
+	for (int i = 1; i <= 12 && falls; i++) {
+		struct furrow_state state = hosted_state(11.5, 16, 100.8);
+		const double half = 0.5 * M_PI / 3 * i / 12;
+		state.pose.orientation[0] = cos(half);
+		state.pose.orientation[2] = sin(half);
+		done(furrow_set_states(world, 1, &plate, &state));
+		done(furrow_step(world, 0.02));
+	}
 	done(furrow_checkpoint(world));
 	const struct furrow_contact kept = contact_of(world, plate);
+	const double landed = sum_of(world);
 	struct furrow_contact ends[2];
 	double *offsets[2];
 	struct furrow_info info;
@@ -101,13 +113,27 @@ static void a_rollback_puts_it_back_aboard(void **state)
 			assert_true(back.force[k] == kept.force[k] && back.moment[k] == kept.moment[k]);
 	}
 	print_message("%g N before, %g N after it was tipped\n", kept.force[2], ends[0].force[2]);
-	assert_true(ends[0].force[2] > 0.5 * kept.force[2]);
+	assert_true(!falls || sum_of(world) == landed);
+	tip(world, plate);
+	assert_true(!falls || sum_of(world) > landed + 0.01); /* some was in the air */
+	assert_true(falls || ends[0].force[2] > 0.5 * kept.force[2]);
 	for (int k = 0; k < 3; k++)
 		assert_true(ends[0].force[k] == ends[1].force[k] && ends[0].moment[k] == ends[1].moment[k]);
 	assert_memory_equal(offsets[0], offsets[1], (size_t)(info.columns * info.rows) * sizeof **offsets);
 	free(offsets[0]);
 	free(offsets[1]);
 	done(furrow_world_close(world));
+}
+
+static void a_rollback_puts_it_back_aboard(void **state)
+{
+	rolls_back(SCENE, false);
+}
+
+static void a_rollback_puts_it_back_into_the_air(void **state)
+{
+	rolls_back(FALLS, false);
+	rolls_back(FALLS, true);
 }
 
 static void only_boxes_and_meshes_under_scm_carry(void **state)
@@ -127,6 +153,7 @@ TEST_PROGRAM(carried)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_body_carries_weighs_on_it),
 		cmocka_unit_test(a_rollback_puts_it_back_aboard),
+		cmocka_unit_test(a_rollback_puts_it_back_into_the_air),
 		cmocka_unit_test(only_boxes_and_meshes_under_scm_carry),
 	};
 	return cmocka_run_group_tests_name("carried", tests, support_enter, support_leave);

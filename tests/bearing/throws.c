@@ -180,6 +180,32 @@ static void what_finds_no_post_is_told(void **state)
 }
 
 /* A record keeps every number of a grain, and takes no nonsense. */
+/* What falls off a body is divided to the unit, leaves near its place with the body's velocity, and none in a time before the start. */
+static void a_fall_is_divided_into_grains(void **state)
+{
+	static const int64_t volumes[] = {0, 1, 999, 1000, 1001, 123457, 1000000007};
+	const int64_t second = 1 << THROWN_BITS;
+	for (size_t v = 0; v < sizeof volumes / sizeof *volumes; v++) {
+		struct bearing_fall fall = {.from = {5 * second, 7 * second, 3 * second}, .speed = {1.5, -2, 0.25}, .spread = 0.05, .seconds = 0.1, .volume = volumes[v], .most = 1000};
+		struct bearing_grain grains[FALL_GRAINS];
+		const int64_t since = v % 2 == 0 ? 40 * second : second / 64;
+		const int count = bearing_fall_grains(&fall, since, grains);
+		int64_t sum = 0;
+		assert_true(count <= FALL_GRAINS && count == (volumes[v] + 999) / 1000 + (volumes[v] > 1000 * FALL_GRAINS ? FALL_GRAINS - (volumes[v] + 999) / 1000 : 0));
+		for (int i = 0; i < count; i++) {
+			const double before = (double)(since - grains[i].since) / (double)second;
+			sum += grains[i].volume;
+			assert_true(grains[i].volume > 0 && grains[i].since >= 0 && before >= 0 && before <= 0.1);
+			for (int k = 0; k < 3; k++) {
+				assert_true(grains[i].velocity[k] == (int32_t)(fall.speed[k] * (double)second));
+				const double beside = lattice_offset_metres(grains[i].from[k] - fall.from[k]) + before * fall.speed[k];
+				assert_true(fabs(beside) <= (k < 2 ? 0.05 : 0) + 1e-5);
+			}
+		}
+		assert_int_equal(sum, volumes[v]);
+	}
+}
+
 static void a_grain_survives_the_record(void **state)
 {
 	const struct bearing_grain grain = {{-5, INT64_C(1) << 50, 77}, 1 << 22, 12345, {-(1 << 24), 1 << 20, 3}, 999};
@@ -210,6 +236,7 @@ TEST_PROGRAM(throws)
 		cmocka_unit_test(a_belt_throws),
 		cmocka_unit_test(what_lands_is_what_was_thrown),
 		cmocka_unit_test(what_finds_no_post_is_told),
+		cmocka_unit_test(a_fall_is_divided_into_grains),
 		cmocka_unit_test(a_grain_survives_the_record),
 	};
 	return cmocka_run_group_tests_name("bearing/throws", tests, NULL, NULL);

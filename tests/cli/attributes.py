@@ -8,7 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FurrowTest, has_gdal, main  # noqa: E402
+from furrow_test import MAPS, FurrowTest, has_gdal, main  # noqa: E402
 
 TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug", "settled", "loose", "floor", "density", "slope", "healed", "risen", "grown")
 BALL = "objects: [{name: ball, shape: {sphere: {radius: 1}}, sink: %g, path: {points: [[%g, %g]], speed: 1, delay: %g}}]\n"
@@ -196,6 +196,23 @@ class Attributes(FurrowTest):
                 self.assertAlmostEqual(told, soil[name] / (255 if name == "dirt" else 1), 6, (layer, x, y))
                 seen.add(told > 0)
             self.assertEqual(seen, {False, True}, layer)
+
+    @unittest.skipUnless(has_gdal() and MAPS, "gdallocationinfo is the witness of maps")
+    def test_maps_show_what_query_tells(self):
+        """A map is grey where nothing is, and coloured where a mark is; the stronger, the more."""
+        self.left(self.head(12, step=0.1, model="none") + PLANTS + CROSS, "map.furrow")
+        west, south = self.json("info", "map.furrow").get("origin", (0, 0))
+        for layer, name in (("disturbance", "dirt"), ("bent", "bent"), ("torn", "torn")):
+            told = self.ok("map", "map.furrow", "-o", f"{layer}.png", "--layer", layer, "--window", "18,18,48,48", "--world-file", "--grid", "none")
+            self.assertIn(f"a map of {layer}", told)
+            shown = []
+            for x, y in ((20, 20), (32, 33), (24, 24.25), (40, 24.25), (30, 20), (46, 40)):
+                bands = subprocess.run(["gdallocationinfo", "-valonly", "-geoloc", f"{layer}.png", str(west + x), str(south + y)], cwd=self.folder, capture_output=True, text=True).stdout.split()
+                red, green, blue = map(int, bands[:3])
+                shown.append((self.soil("map.furrow", x, y)[1][name], max(red, green, blue) - min(red, green, blue)))
+            for mark, colour in shown:
+                self.assertTrue(colour > 15 if mark > 0 else colour < 8, (layer, shown))
+            self.assertEqual({mark > 0 for mark, _ in shown}, {False, True})
 
     def test_merged_and_branched_stores_keep_their_time(self):
         heals = 2000

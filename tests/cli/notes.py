@@ -336,6 +336,16 @@ class Notes(FurrowTest):
         explained = self.json("explain", "scm.yaml", "--store", "world.furrow", "--set", "spacing=0.0078125")["notes"]
         self.assertEqual([note for note in explained if "forces may be off" in note], [])
 
+    def test_a_blade_thinner_than_the_posts_are_apart_is_told(self):
+        self.synth("plain.furrow", posts="161x161", spacing=0.5, kind="plain", relief=0.2)
+        scene = pathlib.Path(__file__).parents[2] / "tools" / "scenes" / "vehicles" / "dozer.yaml"
+        for spacing, told in ((0.0625, ["vehicles.dozer.blade: is 0.04 m across, and posts are 0.0625 m apart: it can pass between them and leave nothing; give a spacing of at most 0.04"]), (0.03125, [])):
+            result = self.furrow("explain", scene, "--store", "plain.furrow", "--set", f"spacing={spacing}", "--json")
+            if result.returncode == 4 or "this build has no MuJoCo" in result.stderr:
+                self.skipTest(result.stderr.strip())
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual([note for note in json.loads(result.stdout)["notes"] if "pass between them" in note], told)
+
 
 if __name__ == "__main__":
     main()

@@ -65,6 +65,7 @@ class Blade(FurrowTest):
     def test_clay(self):
         self.beside("clayey_38", (60,))
 
+    @long
     def test_steps_of_5_cm(self):
         # The table of FACES.md. Flat blades deep in sand fall short: 0.69 of the equation at 30 degrees and 15 cm.
         self.beside("dry_sand", (30, 45, 60, 90), (0.05, 0.1, 0.15, 0.2), 0.32)

@@ -14,6 +14,8 @@
 
 #define STANDING "objects:\n  - {name: a, shape: {box: {size: [2, 2, 1]}}, sink: 0.2, path: {points: [[40, 40]], speed: 1}}\n"
 
+#define PLATE(how) "objects:\n  - {name: a, shape: {box: {size: [4, 4, 0.4]}}, sink: 0.8, " how PATH "}\n"
+
 #define VIEW_BY_ERROR(effects) "view: {" CAMERA ", pixel_error: 4, effects: [" effects "]}\n"
 #define SAMPLED "view: {" CAMERA ", samples: 4}\n"
 
@@ -45,6 +47,9 @@ static const struct pair pairs[] = {
 	{EFFECT_THROWN, HEAD SPHERE SCM, HEAD SPHERE THROWN_SCM, false},
 	{EFFECT_THROWN, HEAD SPHERE SCM VIEW("objects"), HEAD SPHERE THROWN_SCM VIEW("objects"), false},
 	{EFFECT_THROWN, HEAD SPHERE SCM VIEW(""), HEAD SPHERE THROWN_SCM VIEW(""), false},
+	{EFFECT_CARRIED, HEAD PLATE("") SCM, HEAD PLATE("carry: true, ") SCM, true},
+	{EFFECT_CARRIED, HEAD PLATE("") SCM VIEW("objects"), HEAD PLATE("carry: true, ") SCM VIEW("objects"), false},
+	{EFFECT_CARRIED, HEAD PLATE("") SCM VIEW("texture"), HEAD PLATE("carry: true, ") SCM VIEW("texture"), false},
 	{EFFECT_SOIL_MAP, HEAD SPHERE SCM, HEAD SPHERE MAP, true},
 	{EFFECT_SOIL_RASTERS, HEAD SPHERE SCM, HEAD SPHERE RASTERS, true},
 	{EFFECT_MESH, HEAD SPHERE, HEAD OBJECT("mesh: {file: block.obj}"), false},

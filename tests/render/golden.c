@@ -18,6 +18,7 @@
 #include "../gpu/staged.h"
 #include "../support/program.h"
 #include "../support/skip.h"
+#include "soil/carried.h"
 #include "render/internal.h"
 
 #define WIDTH 320
@@ -134,6 +135,7 @@ struct golden {
 	enum scene_body body;
 	double azimuth, height; /* of the sun; height 0: as usual */
 	enum render_layer_kind layer;
+	bool bucket, grains; /* in place of the wheel and the ball: a full bucket; a wheel, and what it throws */
 };
 
 struct shown {
@@ -252,9 +254,31 @@ static void select_all(struct shown *shown, const struct render_view *view, stru
 
 /* --- drawing --- */
 
-static const struct scene_object objects[2] = {
+/* A bucket of plates, 0.8 x 1 x 0.5 m, open in front and above: its corners by plate. */
+#define PLATES 4
+static float bucket_corners[8 * PLATES][3];
+static uint32_t bucket_triangles[12 * PLATES][3];
+static const struct soil_mesh bucket = {.vertices = bucket_corners, .triangles = bucket_triangles, .vertex_count = 8 * PLATES, .triangle_count = 12 * PLATES, .low = {-0.4, -0.5, -0.25}, .high = {0.4, 0.5, 0.25}};
+
+static void make_bucket(void)
+{
+	static const float plates[PLATES][6] = {{-0.4f, 0.4f, -0.5f, 0.5f, -0.25f, -0.22f}, {-0.4f, -0.37f, -0.5f, 0.5f, -0.25f, 0.25f},
+						{-0.4f, 0.4f, -0.5f, -0.47f, -0.25f, 0.25f}, {-0.4f, 0.4f, 0.47f, 0.5f, -0.25f, 0.25f}};
+	static const uint32_t sides[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+	for (uint32_t p = 0; p < PLATES; p++) {
+		for (int i = 0; i < 8; i++)
+			for (int k = 0; k < 3; k++)
+				bucket_corners[8 * p + (uint32_t)i][k] = plates[p][2 * k + (i >> k & 1)];
+		for (int i = 0; i < 12; i++)
+			for (int k = 0; k < 3; k++)
+				bucket_triangles[12 * p + (uint32_t)i][k] = 8 * p + sides[i][k];
+	}
+}
+
+static const struct scene_object objects[3] = {
 	{.name = "wheel", .shape = {.kind = SOIL_WHEEL, .radius = 0.45, .width = 0.5, .grousers = 14, .grouser_height = 0.05, .grouser_thickness = 0.07}},
 	{.name = "ball", .shape = {.kind = SOIL_SPHERE, .radius = 0.5}},
+	{.name = "bucket", .shape = {.kind = SOIL_MESH, .mesh = &bucket}},
 };
 
 static void place_objects(struct render *render)
@@ -266,6 +290,46 @@ static void place_objects(struct render *render)
 	for (int i = 0; i < 2; i++)
 		placed[i].at[2] += height_at(placed[i].at[0], placed[i].at[1]);
 	render_set_objects(render, placed, 2);
+}
+
+/* A bucket in the air, yawed by -35 degrees, with a heap that falls from the back by 30 degrees. */
+static void place_bucket(struct render *render)
+{
+	const double x = MIDDLE_X + 0.8, y = MIDDLE_Y + 0.3, z = height_at(x, y) + 0.6, yaw = -35 * DEGREES, spacing = 0.04;
+	const struct soil_pose pose = {.x = lattice_offset(x), .y = lattice_offset(y), .z = lattice_offset(z), .yaw = yaw};
+	const struct render_object placed = {.object = 2, .at = {x, y, z}, .yaw = yaw};
+	struct soil_carried *carried;
+	must(soil_carried_create(&objects[2].shape, spacing, &carried));
+	soil_carried_place(carried, &pose);
+	for (int row = 0; row < carried->side; row++)
+		for (int column = 0; column < carried->side; column++) {
+			const double along = (column - carried->half) * spacing, across = (row - carried->half) * spacing;
+			const int32_t top = carried->tops[row * carried->side + column];
+			const double soil = 0.24 - 0.577 * (along + 0.35) - 0.4 * across * across - lattice_offset_metres(top == CARRIED_OPEN ? 0 : top);
+			if (top != CARRIED_OPEN && soil > 0)
+				carried->amounts[row * carried->side + column] = (int32_t)(lattice_offset(soil) * soil_carried_shares(carried)[row * carried->side + column] / 64);
+		}
+	render_set_objects(render, &placed, 1);
+	must(render_set_heaps(render, &(struct render_heap){.at = {x, y, z}, .ground = z - 0.6, .heading = yaw, .spacing = spacing, .side = carried->side, .amounts = carried->amounts, .tops = carried->tops, .shares = soil_carried_shares(carried)}, 1));
+	soil_carried_destroy(carried);
+}
+
+#define GRAINS 600
+
+/* A wheel that spins, and grains on their parabolas behind it. */
+static void place_wheel_and_grains(struct render *render)
+{
+	static struct render_grain grains[GRAINS];
+	const double x = MIDDLE_X + 0.4, y = MIDDLE_Y + 1, low = height_at(x, y) - 0.1;
+	const struct render_object placed = {.object = 0, .at = {x, y, low + 0.45}, .yaw = 80 * DEGREES, .turned = 0.2};
+	for (int i = 0; i < GRAINS; i++) {
+		const double time = 0.6 * (i + 0.5) / GRAINS, angle = (35 + 8 * strewn(i, 1)) * DEGREES, speed = 4 + 0.4 * strewn(i, 2), aside = 0.22 * strewn(i, 3) + 0.3 * time * strewn(i, 4);
+		const double back = 0.2 + speed * cos(angle) * time, up = 0.1 + speed * sin(angle) * time - 4.905 * time * time;
+		const double c = cos(80 * DEGREES), s = sin(80 * DEGREES);
+		grains[i] = (struct render_grain){{x - c * back - s * aside, y - s * back + c * aside, low + up}, 0.012 + 0.006 * strewn(i, 5), (uint32_t)i};
+	}
+	render_set_objects(render, &placed, 1);
+	render_set_grains(render, grains, GRAINS);
 }
 
 static void draw(const struct golden *golden, uint8_t *pixels)
@@ -285,7 +349,7 @@ static void draw(const struct golden *golden, uint8_t *pixels)
 	const struct render_params params = {
 		.gpu = gpu, .slots = shown.slots, .extent = &extent, .low = 0, .high = 820, .width = WIDTH, .height = HEIGHT,
 		.effects = golden->effects, .disturbance = golden->dirt, .light = &light, .soils = &soils, .pixel_error = golden->pixel_error,
-		.samples = golden->samples, .objects = objects, .object_count = 2, .layers = golden->layer != RENDER_NATURAL,
+		.samples = golden->samples, .objects = objects, .object_count = golden->bucket ? 3 : 2, .heaps = golden->bucket, .grains = golden->grains ? GRAINS : 0, .layers = golden->layer != RENDER_NATURAL,
 	};
 	must(render_create(&params, &render));
 	struct render_camera camera = {.fov = 0.9};
@@ -295,7 +359,7 @@ static void draw(const struct golden *golden, uint8_t *pixels)
 	camera.target[2] += height_at(camera.target[0], camera.target[1]);
 	render_view(render, &camera, &view);
 	select_all(&shown, &view, &selection);
-	place_objects(render);
+	(golden->bucket ? place_bucket : golden->grains ? place_wheel_and_grains : place_objects)(render);
 	if (golden->layer != RENDER_NATURAL)
 		render_show_layer(render, &(struct render_layer){golden->layer, -0.2, 0.2});
 	must(render_frame(render, &camera, &selection));
@@ -405,6 +469,8 @@ static void is_as_its_golden(void **state)
 #define BESIDE .eye = {603.4, 521.6, 1.2}, .target = {605.3, 524.6, 0.25}
 #define CLOSE .eye = {602.8, 523.2, 0.8}, .target = {604.6, 524.9, 0.45}
 #define RUT .eye = {603.1, 521.5, 1.2}, .target = {604.4, 524.4, 0}
+#define FULL .eye = {606.2, 523.7, 1.55}, .target = {604.8, 524.3, 0.62}
+#define BEHIND .eye = {602.4, 522.7, 1.0}, .target = {604.4, 524.4, 0.45}
 #define ROUGH .eye = {200, 180, 45}, .target = {420, 420, -10}
 #define SEAM .eye = {470, 110, 10}, .target = {520, 190, -6}
 #define TIGHT .mean = 0.5, .share = 0.004
@@ -426,6 +492,9 @@ static const struct golden goldens[] = {
 	{"moon", ALL, WIDE, TIGHT, .body = SCENE_MOON},
 	{"evening", ALL, WIDE, TIGHT, .azimuth = 270 * DEGREES, .height = 8 * DEGREES},
 	{"rut", TEXTURE | DETAIL, RUT, TIGHT, .deformed = true, .dirt = true, .azimuth = 60 * DEGREES, .height = 30 * DEGREES},
+	{"bucket", TEXTURE | DETAIL | SKY | OBJECTS | SHADOW, FULL, TIGHT, .deformed = true, .bucket = true, .azimuth = 200 * DEGREES, .height = 40 * DEGREES},
+	{"bucket_splat", TEXTURE | SPLAT | FOG | OBJECTS, FULL, TIGHT, .bucket = true},
+	{"grains", TEXTURE | DETAIL | SKY | OBJECTS | SHADOW, BEHIND, TIGHT, .deformed = true, .grains = true, .azimuth = 250 * DEGREES, .height = 40 * DEGREES},
 	{"offsets", 0, NEAR, TIGHT, .deformed = true, .layer = RENDER_OFFSETS},
 };
 #define GOLDENS (sizeof goldens / sizeof *goldens)
@@ -433,6 +502,7 @@ static const struct golden goldens[] = {
 static int open_gpu(void **state)
 {
 	fill_heights();
+	make_bucket();
 	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &gpu);
 	if (status == STATUS_NO_GL) {
 		print_message("%s\n", failure_message());

@@ -56,7 +56,29 @@ void soil_carried_destroy(struct soil_carried *carried)
 	if (carried == NULL)
 		return;
 	soil_carried_cells_free(carried->scratch);
-	mem_free_all(carried->amounts, carried->falls, carried->tops, carried->before, carried->changes, carried->posts, carried->mirrored.vertices, carried);
+	mem_free_all(carried->amounts, carried->falls, carried->tops, carried->before, carried->changes, carried->posts, carried->fell, carried->fell_from, carried->caught, carried->mirrored.vertices, carried);
+}
+
+enum status soil_carried_let_fly(struct soil_carried *carried)
+{
+	TRY(mem_zeroed(&carried->fell, cells_of(carried->half), sizeof *carried->fell, "soil that falls off a body"));
+	TRY(mem_zeroed(&carried->caught, cells_of(carried->half), sizeof *carried->caught, "soil that falls off a body"));
+	return mem_zeroed(&carried->fell_from, cells_of(carried->half), sizeof *carried->fell_from, "soil that falls off a body");
+}
+
+void soil_carried_fallen(struct soil_carried *carried, const struct soil_pose *pose, void (*take)(void *user, const int64_t from[3], int32_t amount), void *user)
+{
+	const double c = cos(pose->yaw + carried->heading), s = sin(pose->yaw + carried->heading);
+	for (size_t i = 0; i < cells_of(carried->half) && carried->fell_total > 0; i++) {
+		if (carried->fell[i] == 0)
+			continue;
+		const double along = ((int)(i % (size_t)carried->side) - carried->half) * carried->spacing, across = ((int)(i / (size_t)carried->side) - carried->half) * carried->spacing;
+		const int64_t from[3] = {pose->x + lattice_offset(c * along - s * across), pose->y + lattice_offset(s * along + c * across), pose->z + carried->fell_from[i]};
+		take(user, from, carried->fell[i]);
+		carried->fell_total -= carried->fell[i];
+		carried->fell[i] = 0;
+	}
+	memset(carried->fell_classes, 0, sizeof carried->fell_classes);
 }
 
 /* --- where the cells are --- */
@@ -147,6 +169,34 @@ int32_t soil_carried_top_at(const struct soil_carried *carried, const struct soi
 	return cell_at(carried, pose, x, y, &cell) ? carried->tops[cell] : CARRIED_OPEN;
 }
 
+bool soil_carried_catch(struct soil_carried *carried, const struct soil_pose *pose, const int64_t before[3], const int64_t now[3], int64_t volume)
+{
+	const double east = lattice_offset_metres(now[0] - pose->x), north = lattice_offset_metres(now[1] - pose->y), reach = carried->half * carried->spacing;
+	size_t cell;
+	if (!(fabs(east) < 2 * reach && fabs(north) < 2 * reach) || !cell_near(carried, pose, east, north, &cell) || carried->tops[cell] == CARRIED_OPEN)
+		return false;
+	const int64_t height = pose->z + soil_carried_height(carried, cell);
+	if (before[2] < height || now[2] > height || volume > CARRIED_MOST - (int64_t)carried->amounts[cell] - carried->caught[cell])
+		return false;
+	carried->caught[cell] += (int32_t)volume;
+	carried->caught_total += volume;
+	return true;
+}
+
+void soil_carried_keep(struct soil_carried *carried, int class)
+{
+	if (carried->caught_total == 0)
+		return;
+	for (size_t i = 0; i < cells_of(carried->half); i++) {
+		carried->amounts[i] += carried->caught[i];
+		carried->caught[i] = 0;
+	}
+	carried->total += carried->caught_total;
+	carried->classes[class] += carried->caught_total;
+	carried->caught_total = 0;
+	carried->unsettled = true;
+}
+
 int32_t soil_carried_add(struct soil_carried *carried, const struct soil_pose *pose, int64_t x, int64_t y, int32_t amount, int class)
 {
 	size_t cell;
@@ -159,6 +209,12 @@ int32_t soil_carried_add(struct soil_carried *carried, const struct soil_pose *p
 	if (fits > 0)
 		carried->unsettled = true;
 	return fits;
+}
+
+const uint8_t *soil_carried_shares(const struct soil_carried *carried)
+{
+	const struct soil_carried_cells *cells = carried->scratch;
+	return cells->shares;
 }
 
 /* --- what it weighs --- */

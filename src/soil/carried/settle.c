@@ -2,11 +2,12 @@
  * Soil slides aboard a body, over its edges, and from the ground onto it.
  *
  * An iteration has three parts. Aboard, each pair of neighbouring cells exchanges an eighth of what their difference exceeds the critical one by. It is at most an eighth
- * of what the giver has. All pairs do so at once, as ground slides. Then each cell at an edge exchanges soil with what is beside it: a cell of another body that carries, if
- * one is below, else the post beside the body that is nearest to its neighbour. Cells do so one after another, in their order. So do the last units of a cell, which have no eighth.
+ * of what the giver has. All pairs do so at once, as ground slides. Then each cell at an edge exchanges soil with what is beside it. That is a cell of another body that
+ * carries, if one is below. Else it is the post beside the body that is nearest to its neighbour. Cells do so one after another, in their order. So do the last units of a cell, which have no eighth.
  *
- * A cell of which a share is above the body has its middle nearer to its neighbours and to its edge, so the critical difference is less in proportion. Beside
+ * Where only a share of a cell is above the body, its middle is nearer to its neighbours and to its edge. So the critical difference is less in proportion. Beside
  * a wall, what exceeds the sill counts, too: only that passes over it.
+ * Where soil flies, what leaves the body high above what is below waits in `fell` in place of that.
  */
 #include <math.h>
 #include <string.h>
@@ -137,29 +138,52 @@ static void change_ground(struct settling *st, ptrdiff_t post, int32_t amount)
 	st->moved = true;
 }
 
-/* Takes soil off the account of classes: of each class its share. to: gets it, NULL: the ground does. */
-static void leave(struct soil_carried *carried, int64_t amount, struct soil_carried *to)
+/* Takes soil off the account of classes: of each class its share. to: NULL, or the account to which that is added. */
+static void leave(struct soil_carried *carried, int64_t amount, int64_t to[SOIL_CLASSES])
 {
-	int64_t rest = amount, before[SOIL_CLASSES];
-	memcpy(before, carried->classes, sizeof before);
+	int64_t rest = amount;
 	for (int k = 0; k < SOIL_CLASSES && carried->total > 0; k++) {
 		const int64_t part = (int64_t)((long double)carried->classes[k] * (long double)amount / (long double)carried->total);
 		const int64_t takes = part < rest ? part : rest;
 		carried->classes[k] -= takes;
 		rest -= takes;
+		if (to != NULL)
+			to[k] += takes;
 	}
 	for (int k = 0; k < SOIL_CLASSES && rest > 0; k++) {
 		const int64_t takes = carried->classes[k] < rest ? carried->classes[k] : rest;
 		carried->classes[k] -= takes;
 		rest -= takes;
+		if (to != NULL)
+			to[k] += takes;
 	}
 	carried->total -= amount;
-	if (to == NULL)
-		return;
-	for (int k = 0; k < SOIL_CLASSES; k++)
-		to->classes[k] += before[k] - carried->classes[k];
-	to->total += amount;
-	to->unsettled = true;
+}
+
+/* Tells whether soil flies that leaves the body so high above its centre, over what is beside. */
+static bool flies(const struct settling *st, int64_t from, ptrdiff_t beside)
+{
+	return st->carried->fell != NULL && st->pose->z + from - height_beside(st, beside) > lattice_offset(SOIL_FALLS_FROM);
+}
+
+/* Lets soil leave a cell into the air. Returns how much does. */
+static int32_t fly(struct settling *st, size_t cell, int64_t from, int32_t amount)
+{
+	struct soil_carried *carried = st->carried;
+	const int32_t room = OFFSET_LIMIT - carried->fell[cell], all = amount < room ? amount : room > 0 ? room : 0;
+	carried->fell_from[cell] = carried->fell[cell] > 0 && carried->fell_from[cell] > from ? carried->fell_from[cell] : (int32_t)from;
+	carried->fell[cell] += all;
+	carried->fell_total += all;
+	leave(carried, all, carried->fell_classes);
+	st->moved |= all > 0;
+	return all;
+}
+
+/* Returns how high above the body's centre soil of a cell leaves the body. */
+static int32_t leaves_from(const struct soil_carried *carried, size_t cell)
+{
+	const struct soil_carried_cells *cells = carried->scratch;
+	return cells->lips[cell] != CARRIED_OPEN ? cells->lips[cell] : carried->tops[cell] != CARRIED_OPEN ? carried->tops[cell] : 0;
 }
 
 /* Gives soil of this body to what is beside a cell. */
@@ -172,7 +196,9 @@ static void give(struct settling *st, ptrdiff_t beside, int32_t amount)
 		return;
 	}
 	const struct soil_carried_other *other = other_of(st, beside, &cell);
-	leave(st->carried, amount, other->carried);
+	leave(st->carried, amount, other->carried->classes);
+	other->carried->total += amount;
+	other->carried->unsettled = true;
 	other->carried->amounts[cell] += amount;
 	st->moved = true;
 }
@@ -203,6 +229,13 @@ static void put_down(struct settling *st, int column, int row, int32_t *soil)
 		below = post_of(st, column, row, BESIDE, true);
 	if (below == NOTHING)
 		return;
+	/* What the body turned away from was on its surface of before. */
+	const size_t cell = (size_t)(row * st->carried->side + column);
+	const int32_t from = st->carried->before[cell] != CARRIED_OPEN ? st->carried->before[cell] : 0;
+	if (!is_covered(st->carried, column, row) && flies(st, from, below)) {
+		*soil -= fly(st, cell, from, *soil);
+		return;
+	}
 	const int32_t falls = fits(st, below, *soil);
 	*soil -= falls;
 	give(st, below, falls);
@@ -297,12 +330,17 @@ static void slide_aboard(struct settling *st)
 }
 
 /* Soil slides between a cell at an edge and what is beside the body. */
-static void slide_over(struct settling *st, size_t cell, ptrdiff_t beside, bool diagonal)
+static void slide_over(struct settling *st, size_t cell, size_t to, bool diagonal)
 {
 	struct soil_carried *carried = st->carried;
 	const struct soil_carried_cells *cells = carried->scratch;
 	const struct soil_planes *planes = st->planes;
+	const ptrdiff_t beside = carried->posts[to];
 	const int64_t over = excess_beside(st, cell, beside, diagonal);
+	if (over > 0 && flies(st, leaves_from(carried, cell), beside)) {
+		carried->amounts[cell] -= fly(st, to, leaves_from(carried, cell), flow_of(st, over, cells->shares[cell], carried->amounts[cell]));
+		return;
+	}
 	if (over > 0) {
 		const int32_t flow = fits(st, beside, flow_of(st, over, cells->shares[cell], carried->amounts[cell]));
 		if (flow == 0)
@@ -337,7 +375,7 @@ static void slide_edges(struct settling *st)
 			for (int k = 0; k < 8; k++) {
 				const size_t beside = (size_t)((row + ways[k][1]) * side + column + ways[k][0]);
 				if (carried->tops[beside] == CARRIED_OPEN && carried->posts[beside] != NOTHING)
-					slide_over(st, cell, carried->posts[beside], ways[k][0] != 0 && ways[k][1] != 0);
+					slide_over(st, cell, beside, ways[k][0] != 0 && ways[k][1] != 0);
 			}
 		}
 }
@@ -372,6 +410,10 @@ static void slide_crumbs(struct settling *st)
 				continue;
 			const size_t to = (size_t)((row + ways[lowest][1]) * side + column + ways[lowest][0]);
 			const bool open = carried->tops[to] == CARRIED_OPEN;
+			if (open && flies(st, leaves_from(carried, cell), carried->posts[to])) {
+				carried->amounts[cell] -= fly(st, to, leaves_from(carried, cell), carried->amounts[cell]);
+				continue;
+			}
 			const int32_t all = open ? fits(st, carried->posts[to], carried->amounts[cell]) : carried->amounts[cell];
 			carried->amounts[cell] -= all;
 			if (open && all > 0)
@@ -454,6 +496,10 @@ struct post_rect soil_carried_drop_among(struct soil_carried *carried, const str
 					continue;
 				ptrdiff_t below = other_below(&st, column, row, st.pose->z + lattice_offset(soil_shape_bound(carried->shape)));
 				below = below == NOTHING ? post_of(&st, column, row, 1, true) : below;
+				if (below != NOTHING && flies(&st, leaves_from(carried, cell), below)) {
+					*soil -= fly(&st, cell, leaves_from(carried, cell), *soil);
+					continue;
+				}
 				const int32_t falls = below != NOTHING ? fits(&st, below, *soil) : 0;
 				if (falls == 0)
 					continue;

@@ -1,5 +1,5 @@
 /*
- * The upper envelope below cells. A raster of places, up to 8 x 8 in a cell, tells which of them are above the body, and how high it is there. Walls of a mesh are
+ * The upper envelope below cells. A raster has up to 8 x 8 places in a cell. It tells which of them are above the body, and how high that is. Walls of a mesh are
  * hardly above the middle of any place. So each place also has a barrier: the highest of the walls that pass through it, or the envelope.
  *
  * In a cell soil lies on one basin: around its lowest place, or around that of another hollow in it if that is larger. The way to a place is the lowest

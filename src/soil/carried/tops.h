@@ -1,4 +1,4 @@
-/* The upper envelope below the cells of a body that carries soil: how much of each cell is above the body, and over which sills soil passes. Pure. */
+/* The upper envelope below the cells of a body that carries soil. It tells how much of each cell is above the body, and over which sills soil passes. Pure. */
 #ifndef FURROW_SOIL_CARRIED_TOPS_H
 #define FURROW_SOIL_CARRIED_TOPS_H
 
