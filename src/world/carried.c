@@ -166,6 +166,7 @@ size_t world_carried_numbers(const struct world *world)
 void world_carried_record(const struct world *world, struct record *record)
 {
 	int64_t *numbers = world_record_carried(record, world->scene->object_count);
+	record->carried = world_carried_total(world);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const size_t count = numbers_of(&world->scene->objects[i], world->resident.spacing);
 		record->objects[i].carried = count;

@@ -31,8 +31,8 @@ class Thrown(FurrowTest):
         run = self.drive(self.scene(scene or SCENE), "--store", store, *more)
         check = self.json("verify", store)
         self.assertTrue(check["ok"])
-        self.assertEqual(check["offset_sum"]["-4"] + check["compacted"], 0)
-        self.assertEqual(run["volume"]["quanta"]["net"] + run["volume"]["quanta"]["compacted"], 0)
+        self.assertEqual(check["offset_sum"]["-4"] + check["compacted"] + check["in_flight"], 0)
+        self.assertEqual(run["volume"]["quanta"]["net"] + run["volume"]["quanta"]["compacted"] + run["volume"]["quanta"].get("in_flight", 0), 0)
         if "thrown" in run:
             units = run["thrown"]["quanta"]
             self.assertEqual(units["thrown"], units["landed"] + units["in_flight"] + units["lost"])
