@@ -435,7 +435,7 @@ void fleet_close(struct fleet *fleet)
 	key_set_finish(&fleet->changed);
 	fleet_rows_finish(fleet);
 	store_staged_finish(&fleet->staged);
-	mem_free_all(fleet->mine, fleet->owners, fleet->next, fleet->planned_bodies);
+	mem_free_all(fleet->mine, fleet->owners, fleet->next, fleet->planned_bodies, fleet->aboard, fleet->grain_links);
 	fleet_together_finish(&fleet->together);
 	mem_free_all(fleet->sent.bytes, fleet->over, fleet->parts, fleet->part, fleet);
 }

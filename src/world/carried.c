@@ -15,8 +15,6 @@ enum status world_carried_make(struct world *world, struct body *body)
 {
 	if (!body->object->carry)
 		return STATUS_OK;
-	if (world->ranks != NULL)
-		return fail_with(STATUS_INPUT, "%s: carry: soil aboard a body does not go from rank to rank; drive with one process, or take carry away", body->object->name);
 	return soil_carried_create(&body->object->shape, world->resident.spacing, &body->carried);
 }
 
@@ -35,7 +33,7 @@ bool world_carried_unsettled(const struct world *world)
 {
 	bool unsettled = false;
 	for (size_t i = 0; i < world->body_count && !unsettled; i++)
-		unsettled = carries(world->bodies[i]) && ((world->bodies[i]->carried->unsettled && world->bodies[i]->has_last) || drops(world->bodies[i]));
+		unsettled = carries(world->bodies[i]) && !world->bodies[i]->elsewhere && ((world->bodies[i]->carried->unsettled && world->bodies[i]->has_last) || drops(world->bodies[i]));
 	return unsettled;
 }
 
@@ -188,6 +186,37 @@ enum status world_carried_resume(struct world *world)
 			soil_carried_place(world->bodies[i]->carried, &record->objects[i].last);
 		numbers += count;
 	}
+	return STATUS_OK;
+}
+
+/* --- other ranks --- */
+
+#define POSE_NUMBERS 5 /* placed, yaw, pitch, roll, turn */
+
+size_t world_carried_moves(const struct world *world, size_t number)
+{
+	const struct body *body = world_body(world, number);
+	return carries(body) ? POSE_NUMBERS + soil_carried_numbers(&body->object->shape, world->resident.spacing) : 0;
+}
+
+void world_carried_pack(const struct world *world, size_t number, int64_t *numbers)
+{
+	const struct soil_carried *from = world_body(world, number)->carried;
+	const double pose[] = {from->yaw, from->pitch, from->roll, from->turn};
+	numbers[0] = from->placed;
+	memcpy(numbers + 1, pose, sizeof pose);
+	soil_carried_save(from, numbers + POSE_NUMBERS);
+}
+
+enum status world_carried_unpack(struct world *world, size_t number, const int64_t *numbers, bool here)
+{
+	struct soil_carried *to = world_body(world, number)->carried;
+	double pose[POSE_NUMBERS - 1];
+	if (!soil_carried_load(numbers + POSE_NUMBERS, to))
+		return fail_with(STATUS_FAILED, "ranks: the soil aboard a body that came is damaged; start all ranks with the same version of furrow");
+	memcpy(pose, numbers + 1, sizeof pose);
+	if (here && numbers[0] != 0)
+		soil_carried_place(to, &(struct soil_pose){.yaw = pose[0], .pitch = pose[1], .roll = pose[2], .turn = pose[3]});
 	return STATUS_OK;
 }
 
