@@ -54,7 +54,7 @@ static enum status get_numbers(struct fleet_bytes *bytes, int64_t *numbers, size
 	return STATUS_OK;
 }
 
-enum status fleet_aboard_get(struct fleet *fleet, struct fleet_bytes *bytes, bool takes, bool here)
+enum status fleet_aboard_get(struct fleet *fleet, struct fleet_bytes *bytes, bool takes, bool places)
 {
 	int64_t body;
 	TRY(fleet_get(bytes, &body, sizeof body));
@@ -63,5 +63,46 @@ enum status fleet_aboard_get(struct fleet *fleet, struct fleet_bytes *bytes, boo
 		return fail_with(STATUS_FAILED, "ranks: soil came aboard a body that carries none; start all ranks with the same version of furrow");
 	TRY(mem_grow(&fleet->aboard, &fleet->aboard_room, count, sizeof *fleet->aboard, "soil aboard bodies"));
 	TRY(get_numbers(bytes, fleet->aboard, count));
-	return takes ? world_carried_unpack(fleet->world, (size_t)body, fleet->aboard, here) : STATUS_OK;
+	return takes ? world_carried_unpack(fleet->world, (size_t)body, fleet->aboard, places) : STATUS_OK;
+}
+
+enum status fleet_aboard_put_all(struct fleet *fleet, bool vehicles)
+{
+	const struct world *world = fleet->world;
+	uint32_t count = 0;
+	const size_t at = fleet->sent.size;
+	TRY(fleet_put(&fleet->sent, &count, sizeof count));
+	for (size_t i = 0; i < world_body_count(world); i++) {
+		if (!world_ranked(world, i) || world_body(world, i)->elsewhere || world_carried_moves(world, i) == 0 ||
+		    (vehicles && world_body(world, i)->kind != BODY_VEHICLE))
+			continue;
+		TRY(fleet_aboard_put(fleet, &fleet->sent, i));
+		count++;
+	}
+	memcpy(fleet->sent.bytes + at, &count, sizeof count);
+	return STATUS_OK;
+}
+
+enum status fleet_aboard_get_all(struct fleet *fleet, int rank, struct fleet_bytes *bytes, bool places)
+{
+	uint32_t count;
+	TRY(fleet_get(bytes, &count, sizeof count));
+	for (uint32_t i = 0; i < count; i++)
+		TRY(fleet_aboard_get(fleet, bytes, rank != fleet->rank, places));
+	return STATUS_OK;
+}
+
+static enum status get_loads(void *user, int rank, struct fleet_bytes *bytes)
+{
+	return fleet_aboard_get_all(user, rank, bytes, true);
+}
+
+enum status fleet_loads(void *user)
+{
+	struct fleet *fleet = user;
+	struct fleet_told told;
+	enum status status = fleet_begin(fleet, FLEET_LOADS, STATUS_OK);
+	if (status == STATUS_OK)
+		status = fleet_aboard_put_all(fleet, true);
+	return fleet_tell(fleet, FLEET_LOADS, status, &told, get_loads, fleet);
 }

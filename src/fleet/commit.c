@@ -30,32 +30,6 @@ static enum status put_bodies(struct fleet *fleet)
 	return STATUS_OK;
 }
 
-/* Soil aboard all bodies of this rank, those of vehicles, too. */
-static enum status put_aboard(struct fleet *fleet)
-{
-	const struct world *world = fleet->world;
-	uint32_t count = 0;
-	const size_t at = fleet->sent.size;
-	TRY(fleet_put(&fleet->sent, &count, sizeof count));
-	for (size_t i = 0; i < world_body_count(world); i++) {
-		if (!world_ranked(world, i) || world_body(world, i)->elsewhere || world_carried_moves(world, i) == 0)
-			continue;
-		TRY(fleet_aboard_put(fleet, &fleet->sent, i));
-		count++;
-	}
-	memcpy(fleet->sent.bytes + at, &count, sizeof count);
-	return STATUS_OK;
-}
-
-static enum status get_aboard(struct fleet *fleet, int rank, struct fleet_bytes *bytes)
-{
-	uint32_t count;
-	TRY(fleet_get(bytes, &count, sizeof count));
-	for (uint32_t i = 0; i < count; i++)
-		TRY(fleet_aboard_get(fleet, bytes, rank != fleet->rank, false));
-	return STATUS_OK;
-}
-
 static enum status put_blocks(struct fleet *fleet)
 {
 	const struct soil_block *blocks = NULL;
@@ -99,7 +73,7 @@ static enum status get_all(void *user, int rank, struct fleet_bytes *bytes)
 	struct sharing *sharing = user;
 	TRY(fleet_rows_get(sharing->fleet, bytes));
 	TRY(get_bodies(sharing->fleet, rank, bytes));
-	TRY(get_aboard(sharing->fleet, rank, bytes));
+	TRY(fleet_aboard_get_all(sharing->fleet, rank, bytes, false));
 	TRY(fleet_grains_get_share(sharing->fleet, rank, bytes));
 	return get_blocks(sharing, rank, bytes);
 }
@@ -114,7 +88,7 @@ static enum status put_record(struct fleet *fleet)
 	TRY(fleet_begin(fleet, FLEET_COMMIT, STATUS_OK));
 	TRY(fleet_rows_put(fleet));
 	TRY(put_bodies(fleet));
-	TRY(put_aboard(fleet));
+	TRY(fleet_aboard_put_all(fleet, false));
 	TRY(fleet_grains_put_share(fleet));
 	return put_blocks(fleet);
 }

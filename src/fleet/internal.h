@@ -9,7 +9,7 @@
 #include "fleet/groups.h"
 
 /* What an exchange is for. If ranks are in different ones, one of them has failed, and tells so. */
-enum fleet_kind { FLEET_AGREE, FLEET_STEP, FLEET_COMMIT, FLEET_PROBE, FLEET_END, FLEET_FIGURES };
+enum fleet_kind { FLEET_AGREE, FLEET_STEP, FLEET_COMMIT, FLEET_PROBE, FLEET_LOADS, FLEET_END, FLEET_FIGURES };
 
 /* Bytes that are put together for a message, or read from one. */
 struct fleet_bytes {
@@ -143,8 +143,12 @@ enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struc
 /* --- aboard.c --- */
 /* Appends the soil aboard a body that carries some, with its number. */
 enum status fleet_aboard_put(struct fleet *fleet, struct fleet_bytes *bytes, size_t body) FURROW_CHECKED;
-/* Reads it. takes: this world's body gets it. here: this rank computes its contacts. */
-enum status fleet_aboard_get(struct fleet *fleet, struct fleet_bytes *bytes, bool takes, bool here) FURROW_CHECKED;
+/* Reads it. takes: this world's body gets it. places: as world_carried_unpack. */
+enum status fleet_aboard_get(struct fleet *fleet, struct fleet_bytes *bytes, bool takes, bool places) FURROW_CHECKED;
+/* Append the soil aboard all bodies of this rank, or all bodies of vehicles; and read those of a rank. */
+enum status fleet_aboard_put_all(struct fleet *fleet, bool vehicles) FURROW_CHECKED;
+enum status fleet_aboard_get_all(struct fleet *fleet, int rank, struct fleet_bytes *bytes, bool places) FURROW_CHECKED;
+enum status fleet_loads(void *user) FURROW_CHECKED; /* of struct world_ranks */
 
 /* --- grains.c: soil in flight --- */
 /* Append the tiles of this rank's grains to fleet->sent, and how many there were; and read those of a rank. */

@@ -280,6 +280,8 @@ void world_carried_plan(const struct world *world, struct plan *plan);
 size_t world_carried_numbers(const struct world *world);
 void world_carried_record(const struct world *world, struct record *record);
 enum status world_carried_resume(struct world *world) FURROW_CHECKED;
+/* Gives all ranks the soil aboard bodies of vehicles, at the end of a step. */
+enum status world_carried_tell(const struct world *world) FURROW_CHECKED;
 /* For a checkpoint. */
 struct carried_saved;
 enum status world_carried_save(const struct world *world, struct carried_saved ***out, size_t *count) FURROW_CHECKED;

@@ -36,6 +36,8 @@ struct world_ranks {
 	bool (*has)(void *user, uint64_t key);
 	/* Takes rows of bodies here, after each step that has some, and before each commit. */
 	enum status (*rows)(void *user, const struct world_row *rows, size_t count);
+	/* Gives all ranks the soil aboard bodies of vehicles, at the end of each step where such bodies carry some: every rank moves the vehicles. */
+	enum status (*loads)(void *user);
 	/* Before the run's last commit. `status`: how this rank ended. */
 	enum status (*end)(void *user, enum status status);
 	/* When this rank has closed its ground: puts what all ranks have committed into `over`. Fills `figures`. */
@@ -84,11 +86,11 @@ enum status world_tally(const struct world *world, struct deform_tally *tally) F
 void world_body_pack(const struct world *world, size_t number, struct world_moved *moved);
 /* `here`: this rank computes its contacts from now on. STATUS_FAILED: there is no such body. */
 enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here) FURROW_CHECKED;
-/* Soil aboard a body, as whole numbers: how many there are (0: the body carries none), and to and from them. `here`: as above. STATUS_FAILED: they
- * contradict each other. */
+/* Soil aboard a body, as whole numbers: how many there are (0: the body carries none), and to and from them. places: the soil goes to its place above the body, too;
+ * false: it is only kept for the record. STATUS_FAILED: the numbers contradict each other. */
 size_t world_carried_moves(const struct world *world, size_t number);
 void world_carried_pack(const struct world *world, size_t number, int64_t *numbers);
-enum status world_carried_unpack(struct world *world, size_t number, const int64_t *numbers, bool here) FURROW_CHECKED;
+enum status world_carried_unpack(struct world *world, size_t number, const int64_t *numbers, bool places) FURROW_CHECKED;
 /*
  * Soil in flight: each rank has grains that may come down on its ground, and its own share of what was thrown, landed and lost. Functions with a number need it
  * below world_grains_here().
