@@ -1,6 +1,6 @@
 /*
- * Soil aboard a body, as a part of a message: the body's number, how many of its numbers are not 0, and each of these with its index. Most cells are
- * empty.
+ * Soil aboard a body, as a part of a message. First comes the body's number, then how many numbers of its soil are not 0, then each of these with its index.
+ * Most cells are empty.
  */
 #include "fleet/internal.h"
 

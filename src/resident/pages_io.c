@@ -115,7 +115,7 @@ static enum status tell_volume(const struct pages_volume *volume, const struct s
 	if (volume->file == NULL)
 		return STATUS_OK;
 	if (fprintf(volume->file, "%.9g,%lld,%.12g,%.12g,%.12g\n", run->time, (long long)run->step, (double)-sums->below * volume->unit, (double)sums->above * volume->unit,
-		    (double)sums->compacted * volume->unit) < 0 || fflush(volume->file) != 0)
+		    (double)(sums->compacted - sums->carried - sums->in_flight) * volume->unit) < 0 || fflush(volume->file) != 0)
 		return fail_with(STATUS_FAILED, "volume.csv: %s; free some disk space", strerror(errno));
 	return STATUS_OK;
 }

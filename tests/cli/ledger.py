@@ -46,6 +46,10 @@ class Ledger(FurrowTest):
         run = self.drive(self.scene(SCENE), "--store", "world.furrow")
         units = self.closed(run)
         self.assertGreater(min(units["carried"], units["in_flight"]), 1000)
+        rows = (self.folder / "out/volume.csv").read_text().splitlines()
+        last = dict(zip(rows[0].split(","), rows[-1].split(",")))
+        for key in ("removed", "raised", "compacted"):
+            self.assertAlmostEqual(float(last[key]), run["volume"][key], delta=1e-9)
         self.assertEqual(units["carried"], run["objects"]["plate"]["carried"]["quanta"])
         self.assertEqual(units["in_flight"], run["thrown"]["quanta"]["in_flight"])
         said = self.ok("info", "world.furrow")
