@@ -462,6 +462,15 @@ class Refused(Ranks):
         self.assertFalse((self.folder / "many.furrow").exists())
         self.run_command(command + ["--set", "view.images=0"])
 
+    def test_more_grains_than_one_process_has_room_for(self):
+        wheels = "".join(wheel(f"t{i}", [[20 + 24 * (i % 5), 30 + 9 * i], [50 + 24 * (i % 5), 31 + 9 * i]], 16, "load: 900, slip: 0.7") for i in range(14))
+        self.scene(scene("scm", 2, wheels, step=0.02).replace("model: scm", "model: scm, thrown: on"))
+        said = self.run_command(self.command(2, "scene.yaml", "many"), expect=1)
+        self.assertIn("redistribute.thrown: ranks: more than 16384 grains fly at once", said)
+        step, time_, state = self.record("many")[0]
+        self.assertLess(step, 100)
+        self.assertTrue(json.loads(self.ok("verify", "many.furrow", "--json"))["ok"])
+
     def test_a_rank_without_gl(self):
         drive = self.command(1, "scene.yaml", "many")
         blind = ["env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", "EGL_PLATFORM=surfaceless", *drive]
