@@ -2,7 +2,8 @@
  * Soil in flight. A grain belongs to the rank that has the ground on which it may come down before the next plan. So it names the tiles of that ground, as an active
  * block does, and goes where they go. Scenes that throw soil make a plan before each step (horizon_of in step.c).
  *
- * One process has room for WORLD_THROWN_MOST grains; what is more flies with the one that left last. Ranks cannot tell which one that is, so they end there.
+ * One process has room for WORLD_THROWN_MOST grains; what is more flies with the one that left last. Ranks cannot tell which one that is, so they end there. Where bodies
+ * carry, a fall may be one grain as soon as half as many fly, so ranks end there.
  */
 #include "fleet/internal.h"
 
@@ -64,12 +65,22 @@ enum status fleet_grains_get_links(struct fleet *fleet, int rank, struct fleet_b
 
 enum status fleet_grains_check(struct fleet *fleet)
 {
-	if (fleet->grains <= WORLD_THROWN_MOST)
+	const uint64_t most = world_carries(fleet->world) ? WORLD_THROWN_MOST / 2 : WORLD_THROWN_MOST;
+	if (fleet->grains <= most)
 		return STATUS_OK;
 	fleet->failed = true; /* all ranks know it */
 	world_tear(fleet->world);
-	return fail_with(STATUS_FAILED, "redistribute.thrown: ranks: more than %d grains fly at once, and one process has no room for more; drive with one process, or take "
-					"thrown away", WORLD_THROWN_MOST);
+	return fail_with(STATUS_FAILED, "redistribute.thrown: ranks: more than %d grains fly at once, and then all of them would have to be on one rank; drive with one "
+					"process, or take thrown away", (int)most);
+}
+
+enum status fleet_grains_allowed(const struct fleet *fleet)
+{
+	const struct world *world = fleet->world;
+	if (world_grains_most(world) == 0 || !world_carries(world) || world_scene(world)->soil_count < 2)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "redistribute.thrown: ranks: a grain that comes down on a body with carry has the soil that was thrown most, and a rank knows only its own share of "
+				       "that; drive with one process, or over one soil, or take thrown or carry away");
 }
 
 /* --- moving --- */

@@ -156,6 +156,7 @@ enum status fleet_grains_put_links(struct fleet *fleet) FURROW_CHECKED;
 enum status fleet_grains_get_links(struct fleet *fleet, int rank, struct fleet_bytes *bytes) FURROW_CHECKED;
 /* STATUS_FAILED on all ranks: more grains fly than one process has room for. Then the world is torn. */
 enum status fleet_grains_check(struct fleet *fleet) FURROW_CHECKED;
+enum status fleet_grains_allowed(const struct fleet *fleet) FURROW_CHECKED; /* STATUS_INPUT: ranks cannot drive this scene. The same on all ranks */
 /* Append the grains that leave this rank to the messages that are not empty, out[rank], and forget them here. */
 enum status fleet_grains_move(struct fleet *fleet, struct fleet_bytes *out) FURROW_CHECKED;
 enum status fleet_grains_take(struct fleet *fleet, struct fleet_bytes *in) FURROW_CHECKED;

@@ -176,6 +176,7 @@ static bool leaves(struct fleet *fleet, double until)
 
 static enum status put_plan(struct fleet *fleet, double until)
 {
+	TRY(fleet_grains_allowed(fleet));
 	TRY(fleet_begin(fleet, FLEET_STEP, STATUS_OK));
 	TRY(fleet_rows_put(fleet));
 	TRY(put_links(fleet, until));

@@ -61,13 +61,15 @@ struct post_rect world_slides_from(const struct world *world, struct post_rect c
 }
 
 #define STEEPEST 8.0 /* a rim on a slope runs so many times faster than the body goes in plan, at most */
+#define WHIRLS 128.0 /* 1/s: a corner of a path turns a body at once, and that speed is measured over 2^-6 s */
 
 /* Returns how far grains come that a body on a path throws until then, m. */
 static double path_throws(const struct world *world, const struct body *body, double seconds)
 {
 	const struct scene_object *object = body->object;
 	const double runs = 1 + (object->slip < 1 ? STEEPEST / (1 - object->slip) : 0);
-	return runs * (motion_track_fastest(body->track) * seconds + world->resident.spacing); /* a sample's motion is of a post's way */
+	const double whirls = body->carried != NULL ? WHIRLS * soil_shape_bound(&object->shape) * seconds : 0; /* of soil that falls off it */
+	return runs * (motion_track_fastest(body->track) * seconds + world->resident.spacing) + whirls; /* a sample's motion is of a post's way */
 }
 
 /* The same of a body that a host moves: by its motion since its last contact, and by its rates. */
