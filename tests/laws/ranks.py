@@ -471,6 +471,14 @@ class Refused(Ranks):
         self.assertLess(step, 100)
         self.assertTrue(json.loads(self.ok("verify", "many.furrow", "--json"))["ok"])
 
+    def test_grains_that_come_down_on_bodies_over_several_soils(self):
+        made = subprocess.run(["gdal_translate", "-q", "-ot", "Byte", "plain.tif", "classes.tif"], cwd=self.folder, capture_output=True, check=False)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.scene(THROWING.replace("{name: dry_sand}", "{map: classes.tif, classes: {1: dry_sand}, default: sandy_loam_15}"))
+        said = self.run_command(self.command(2, "scene.yaml", "many"), expect=1)
+        self.assertIn("a grain that comes down on a body with carry has the soil that was thrown most", said)
+        self.assertEqual(list(self.folder.glob("many.furrow*")), [])
+
     def test_a_rank_without_gl(self):
         drive = self.command(1, "scene.yaml", "many")
         blind = ["env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", "EGL_PLATFORM=surfaceless", *drive]
