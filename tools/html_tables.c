@@ -450,11 +450,17 @@ static double carried(const struct html_run *run)
 	return units > 0 ? units : 0;
 }
 
+static double in_flight(const struct html_run *run)
+{
+	const double units = html_number(run, "volume.quanta.in_flight");
+	return units > 0 ? units : 0;
+}
+
 /* 0 to the unit where volume is conserved. A run of an older furrow has no added soil. */
 static double balance(const struct html_run *run)
 {
 	const double added = html_number(run, "volume.quanta.added");
-	return html_number(run, "volume.quanta.net") + html_number(run, "volume.quanta.compacted") + carried(run) - (isnan(added) ? 0 : added);
+	return html_number(run, "volume.quanta.net") + html_number(run, "volume.quanta.compacted") + carried(run) + in_flight(run) - (isnan(added) ? 0 : added);
 }
 
 static bool throws(const struct html_report *report)
@@ -478,6 +484,10 @@ void html_tables_volume(const struct html_report *report)
 		{"thrown, kg", "thrown.mass", 1}, {"of that in flight, kg", "thrown.in_flight_mass", 1}, {"thrown, fixed-point units", "thrown.quanta.thrown", 1},
 		{"landed, fixed-point units", "thrown.quanta.landed", 1}, {"in flight, fixed-point units", "thrown.quanta.in_flight", 1}, {"lost, fixed-point units", "thrown.quanta.lost", 1},
 	};
+	static const char *const heads[] = {
+		"net + compacted - added, fixed-point units", "net + compacted + carried - added, fixed-point units",
+		"net + compacted + in flight - added, fixed-point units", "net + compacted + carried + in flight - added, fixed-point units",
+	};
 	bool carries = false;
 	for (size_t i = 0; i < report->count; i++)
 		carries = carries || html_at(&report->runs[i], "volume.carried") != NULL;
@@ -493,7 +503,7 @@ void html_tables_volume(const struct html_report *report)
 	for (size_t i = 0; i < report->count; i++)
 		conserves = conserves || has_soils(&report->runs[i]);
 	if (conserves)
-		html_row_head(report, carries ? "net + compacted + carried - added, fixed-point units" : "net + compacted - added, fixed-point units");
+		html_row_head(report, heads[carries + 2 * throws(report)]);
 	for (size_t i = 0; i < report->count && conserves; i++)
 		html_number_cell(has_soils(&report->runs[i]) ? balance(&report->runs[i]) : (double)NAN, 1, report->file);
 	if (conserves)

@@ -108,6 +108,12 @@ static int64_t soil_sum(const int64_t numbers[PLANES])
 	return sum;
 }
 
+/* Soil that is lost for good. The store counts what the last drive had aboard and in flight as compacted, too. */
+static int64_t lost_of(const struct store_numbers *numbers)
+{
+	return numbers->compacted - numbers->carried - numbers->in_flight;
+}
+
 static cJSON *last_run_json(const struct store_numbers *numbers)
 {
 	if (numbers->last_run.scene_hash == NULL)
@@ -190,8 +196,10 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 		json_integer(one, "tiles", numbers->plane_tiles[plane]);
 		json_integer(one, "bytes", numbers->plane_bytes[plane]);
 	}
-	json_integer(object, "compacted", numbers->compacted);
+	json_integer(object, "compacted", lost_of(numbers));
 	json_integer(object, "added", numbers->added);
+	json_integer(object, "carried", numbers->carried);
+	json_integer(object, "in_flight", numbers->in_flight);
 	cJSON *history = cJSON_AddObjectToObject(object, "history");
 	json_integer(history, "revisions", numbers->revisions);
 	json_integer(history, "snapshots", numbers->snapshots);
@@ -280,8 +288,12 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,
 	       (double)numbers->base_bytes / ((double)extent->width * (double)extent->height),
 	       (long long)numbers->plane_bytes[PLANE_OFFSET], (long long)soil_sum(numbers->plane_bytes));
-	if (numbers->compacted != 0)
-		printf("compacted  %.6g m3\n", volume_of(store, numbers->compacted));
+	if (lost_of(numbers) != 0)
+		printf("compacted  %.6g m3\n", volume_of(store, lost_of(numbers)));
+	if (numbers->carried != 0)
+		printf("carried    %.6g m3, aboard bodies of the last run\n", volume_of(store, numbers->carried));
+	if (numbers->in_flight != 0)
+		printf("in flight  %.6g m3, of the last run\n", volume_of(store, numbers->in_flight));
 	if (numbers->added != 0)
 		printf("added      %.6g m3\n", volume_of(store, numbers->added));
 	if (numbers->revisions != 0)
@@ -338,7 +350,9 @@ const struct command command_info = {
 	.summary = "what a store holds",
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
-	.details = "Tells tiles, posts, levels, reference systems, heights, sizes and sources; of an overlay also its parent.\n",
+	.details = "Tells tiles, posts, levels, reference systems, heights, sizes and sources; of an overlay also its parent.\n"
+		   "compacted is soil that is lost for good. carried is aboard bodies, and in_flight flies, where the last drive ended. added was brought by furrow edit or "
+		   "furrow_pour. With --json all are in 2^-20 m, summed over posts.\n",
 	.see = "furrow-verify(1), store(5)",
 	.run = run,
 };

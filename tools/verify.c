@@ -6,7 +6,7 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"json", .help = "one JSON object: ok, problems, offset_sum, compacted, added"},
+	{"json", .help = "one JSON object: ok, problems, offset_sum, compacted, carried, in_flight, added"},
 	{.name = NULL},
 };
 
@@ -44,7 +44,9 @@ static enum status print_json(cJSON *problems, const struct store_check *check)
 		snprintf(name, sizeof name, "%d", level);
 		json_integer(sums, name, check->offset_sum[level - TILE_LEVEL_MIN]);
 	}
-	json_integer(object, "compacted", check->compacted);
+	json_integer(object, "compacted", check->compacted - check->carried - check->in_flight);
+	json_integer(object, "carried", check->carried);
+	json_integer(object, "in_flight", check->in_flight);
 	json_integer(object, "added", check->added);
 	return json_print(object);
 }
@@ -84,7 +86,8 @@ const struct command command_verify = {
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
 	.details = "Reads the whole file, and names each problem. offset_sum is by level, in 2^-20 m; it counts a shared post "
-		   "once. Where soil is conserved, offset_sum of the finest level + compacted is added: what furrow edit and furrow_pour brought.\n",
+		   "once. Where soil is conserved, offset_sum of the finest level + compacted + carried + in_flight is added. carried: aboard bodies, in_flight: of grains, where "
+		   "the last drive ended; added: what furrow edit and furrow_pour brought.\n",
 	.see = "store(5)",
 	.run = run,
 };

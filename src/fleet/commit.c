@@ -73,6 +73,8 @@ static enum status get_all(void *user, int rank, struct fleet_bytes *bytes)
 	struct sharing *sharing = user;
 	TRY(fleet_rows_get(sharing->fleet, bytes));
 	TRY(get_bodies(sharing->fleet, rank, bytes));
+	TRY(fleet_aboard_get_all(sharing->fleet, rank, bytes, false));
+	TRY(fleet_grains_get_share(sharing->fleet, rank, bytes));
 	return get_blocks(sharing, rank, bytes);
 }
 
@@ -86,6 +88,8 @@ static enum status put_record(struct fleet *fleet)
 	TRY(fleet_begin(fleet, FLEET_COMMIT, STATUS_OK));
 	TRY(fleet_rows_put(fleet));
 	TRY(put_bodies(fleet));
+	TRY(fleet_aboard_put_all(fleet, false));
+	TRY(fleet_grains_put_share(fleet));
 	return put_blocks(fleet);
 }
 
@@ -96,6 +100,7 @@ enum status fleet_share_record(struct fleet *fleet, enum status status)
 	if (status == STATUS_OK)
 		status = put_record(fleet);
 	TRY_OR(done, fleet_tell(fleet, FLEET_COMMIT, status, &told, get_all, &sharing));
+	TRY_OR(done, fleet_grains_check(fleet));
 	TRY_OR(done, fleet_rows_write(fleet, INFINITY)); /* rows are in the file before the commit that goes with them */
 	TRY_OR(done, world_record_ranks(fleet->world, sharing.blocks, sharing.count));
 done:

@@ -216,6 +216,7 @@ const struct world_ranks *fleet_ranks(struct fleet *fleet)
 		.rows = fleet_rows_take,
 		.changes = fleet_changes,
 		.has = fleet_has,
+		.loads = fleet_loads,
 		.end = fleet_end,
 		.gather = fleet_gather,
 		.agree = fleet_agree_on,

@@ -3,8 +3,8 @@
  *
  * Every rank reads the scene and the base, and steps the vehicles. The ground is shared out: a tile that changes has one owner at a time.
  * Before each step all ranks learn which tiles each body may touch, and where soil may still slide. Bodies that share tiles are one group,
- * and a group is computed by one rank, in the scene's order. Tiles, bodies and active blocks that belong to another rank from then on are
- * sent to it. So the ground, objects.csv and vehicles.csv are those of one process, bit by bit (law 12).
+ * and a group is computed by one rank, in the scene's order. Tiles, bodies with the soil aboard, active blocks and soil in flight that
+ * belong to another rank from then on are sent to it. So the ground, objects.csv and vehicles.csv are those of one process, bit by bit (law 12).
  *
  * Each rank writes an overlay of its own, its part, over the run's overlay. All ranks commit the same steps, one commit after the other.
  * At the end the parts are gathered into the run's overlay in one transaction. After a kill the parts remain; the next drive with --resume

@@ -9,7 +9,7 @@
 #include "fleet/groups.h"
 
 /* What an exchange is for. If ranks are in different ones, one of them has failed, and tells so. */
-enum fleet_kind { FLEET_AGREE, FLEET_STEP, FLEET_COMMIT, FLEET_PROBE, FLEET_END, FLEET_FIGURES };
+enum fleet_kind { FLEET_AGREE, FLEET_STEP, FLEET_COMMIT, FLEET_PROBE, FLEET_LOADS, FLEET_END, FLEET_FIGURES };
 
 /* Bytes that are put together for a message, or read from one. */
 struct fleet_bytes {
@@ -37,6 +37,11 @@ struct fleet_together {
 	size_t *first;           /* those that meet the ground together: one of them */
 	struct key_map blocks;   /* the first whose area has posts in a block */
 	size_t room;
+};
+
+/* Tiles that go to one rank, since active blocks or grains of a rank are on them. */
+struct fleet_link {
+	uint32_t x0, y0, x1, y1, weight;
 };
 
 struct fleet {
@@ -69,6 +74,13 @@ struct fleet {
 	bool failed;               /* a failure of any rank is known: there are no more steps */
 	volatile sig_atomic_t stop;
 	struct fleet_bytes sent;   /* of an exchange */
+	double until;              /* s: up to which the areas of the present plan go */
+	/* aboard.c, grains.c */
+	int64_t *aboard;           /* numbers of soil aboard a body */
+	size_t aboard_room;
+	struct fleet_link *grain_links; /* tiles of the grains of this rank, in no order */
+	size_t grain_link_room;
+	uint64_t grains;           /* in flight at once at most since the last exchange, of all ranks */
 	/* rows.c */
 	const struct report_rows *rows; /* of rank 0; NULL: there are none */
 	struct fleet_row_list given, waiting; /* given: by this rank since the last exchange; waiting: on rank 0, of all */
@@ -118,6 +130,8 @@ bool fleet_has(void *user, uint64_t key);
 enum status fleet_move(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine) FURROW_CHECKED;
 bool fleet_is_changed(const struct fleet *fleet, uint64_t key);
+/* Finds the tiles of these posts. Returns false if they have none. */
+bool fleet_tiles_of(const struct fleet *fleet, struct post_rect posts, struct fleet_item *item);
 struct fleet_item fleet_block_item(const struct fleet *fleet, struct soil_block block, int64_t intervals);
 /* Both are called on all ranks together; `status` is that of this rank so far. A failure of any rank before the exchange is returned on all,
  * and sets fleet->failed. A later one is this rank's alone. */
@@ -126,6 +140,30 @@ enum status fleet_commit(struct fleet *fleet, enum status status) FURROW_CHECKED
 enum status fleet_share_record(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_end(void *user, enum status status) FURROW_CHECKED;
 enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status) FURROW_CHECKED;
+
+/* --- aboard.c --- */
+/* Appends the soil aboard a body that carries some, with its number. */
+enum status fleet_aboard_put(struct fleet *fleet, struct fleet_bytes *bytes, size_t body) FURROW_CHECKED;
+/* Reads it. takes: this world's body gets it. places: as world_carried_unpack. */
+enum status fleet_aboard_get(struct fleet *fleet, struct fleet_bytes *bytes, bool takes, bool places) FURROW_CHECKED;
+/* Append the soil aboard all bodies of this rank, or all bodies of vehicles; and read those of a rank. */
+enum status fleet_aboard_put_all(struct fleet *fleet, bool vehicles) FURROW_CHECKED;
+enum status fleet_aboard_get_all(struct fleet *fleet, int rank, struct fleet_bytes *bytes, bool places) FURROW_CHECKED;
+enum status fleet_loads(void *user) FURROW_CHECKED; /* of struct world_ranks */
+
+/* --- grains.c: soil in flight --- */
+/* Append the tiles of this rank's grains to fleet->sent, and how many there were; and read those of a rank. */
+enum status fleet_grains_put_links(struct fleet *fleet) FURROW_CHECKED;
+enum status fleet_grains_get_links(struct fleet *fleet, int rank, struct fleet_bytes *bytes) FURROW_CHECKED;
+/* STATUS_FAILED on all ranks: more grains fly than one process has room for. Then the world is torn. */
+enum status fleet_grains_check(struct fleet *fleet) FURROW_CHECKED;
+enum status fleet_grains_allowed(const struct fleet *fleet) FURROW_CHECKED; /* STATUS_INPUT: ranks cannot drive this scene. The same on all ranks */
+/* Append the grains that leave this rank to the messages that are not empty, out[rank], and forget them here. */
+enum status fleet_grains_move(struct fleet *fleet, struct fleet_bytes *out) FURROW_CHECKED;
+enum status fleet_grains_take(struct fleet *fleet, struct fleet_bytes *in) FURROW_CHECKED;
+/* The whole share of a rank, for the record. */
+enum status fleet_grains_put_share(struct fleet *fleet) FURROW_CHECKED;
+enum status fleet_grains_get_share(struct fleet *fleet, int rank, struct fleet_bytes *bytes) FURROW_CHECKED;
 
 /* --- together.c --- */
 void fleet_together_finish(struct fleet_together *together);

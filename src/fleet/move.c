@@ -3,8 +3,9 @@
  * another goes as one message:
  *
  *     tiles:   count, then for each: key, planes, packed size, LZ4 block of the planes
- *     bodies:  count, then struct world_moved of each
+ *     bodies:  count, then struct world_moved of each, and the soil aboard it (aboard.c)
  *     blocks:  count, then struct soil_block of each
+ *     grains:  count, then struct world_grain_moved of each
  *
  * Both ranks know from the groups that there is a message. A rank that cannot make one sends an empty message, and its failure is told in
  * the next exchange.
@@ -132,6 +133,8 @@ static enum status put_bodies(struct moving *moving)
 		world_body_here(world, i, false);
 		fleet->bodies_moved++;
 		TRY(fleet_put(out, &moved, sizeof moved));
+		if (world_carried_moves(world, i) > 0)
+			TRY(fleet_aboard_put(fleet, out, i));
 		count++;
 	}
 	memcpy(out->bytes + at, &count, sizeof count);
@@ -146,6 +149,8 @@ static enum status take_bodies(struct fleet *fleet, struct fleet_bytes *in)
 		struct world_moved moved;
 		TRY(fleet_get(in, &moved, sizeof moved));
 		TRY(world_body_unpack(fleet->world, &moved, true));
+		if (world_carried_moves(fleet->world, (size_t)moved.number) > 0)
+			TRY(fleet_aboard_get(fleet, in, true, true));
 	}
 	return STATUS_OK;
 }
@@ -237,7 +242,8 @@ static enum status pack(struct moving *moving, const bool *goes)
 		TRY(resident_pages_take(world_resident(fleet->world)->pages, moving->keys, moving->count, put_tile, moving));
 		TRY(put_bodies(moving));
 	}
-	return put_blocks(moving);
+	TRY(put_blocks(moving));
+	return fleet_grains_move(fleet, moving->out);
 }
 
 static enum status unpack(struct fleet *fleet, const struct fleet_message *message, char *planes)
@@ -249,7 +255,8 @@ static enum status unpack(struct fleet *fleet, const struct fleet_message *messa
 	}
 	TRY(take_tiles(fleet, &in, planes));
 	TRY(take_bodies(fleet, &in));
-	return take_blocks(fleet, &in);
+	TRY(take_blocks(fleet, &in));
+	return fleet_grains_take(fleet, &in);
 }
 
 /* Sets where each body is from now on. Bodies that nobody had yet begin here, or elsewhere. */

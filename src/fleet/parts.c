@@ -95,8 +95,13 @@ static void remove_store(const char *path)
 /* --- the record of all --- */
 
 /* Sums of a drive, as the record has them: struct pages_sums. below and above: from what the gathering changed. */
-static const char *const sums[] = {"below", "above", "compacted", "sunk", "slid", "added"};
-enum { SUMS = 6, SUMMED = 2 /* the first that ranks have a share of each */, ADDED = 5 /* a record without it means 0 */ };
+static const char *const sums[] = {"below", "above", "compacted", "sunk", "slid", "added", "carried", "in_flight"};
+enum {
+	SUMS = 8,
+	SUMMED = 2, /* the first that ranks have a share of each */
+	ADDED = 5,  /* from here on a record without it means 0 */
+	WHOLE = 6,  /* from here on each rank's record has the whole */
+};
 
 struct gathering {
 	int64_t before[SUMS];
@@ -114,7 +119,7 @@ static bool read_sums(const char *state, int64_t values[SUMS], cJSON **out)
 		char *end = NULL;
 		errno = 0;
 		values[i] = text != NULL ? strtoll(text, &end, 10) : 0;
-		whole = text != NULL ? end != text && *end == '\0' && errno == 0 : i == ADDED && !cJSON_HasObjectItem(root, sums[i]);
+		whole = text != NULL ? end != text && *end == '\0' && errno == 0 : i >= ADDED && !cJSON_HasObjectItem(root, sums[i]);
 	}
 	if (out != NULL && whole)
 		*out = root;
@@ -137,13 +142,15 @@ static const char *describe(void *user, const struct store_run *runs, size_t cou
 			cJSON_Delete(root);
 			return NULL;
 		}
-		for (int k = SUMMED; k < SUMS; k++)
+		for (int k = SUMMED; k < WHOLE; k++)
 			gathering->all[k] += values[k] - gathering->before[k];
+		for (int k = WHOLE; k < SUMS; k++)
+			gathering->all[k] = values[k];
 	}
 	for (int k = 0; k < SUMS && root != NULL; k++) {
 		char text[32];
-		if (k == ADDED && !cJSON_HasObjectItem(root, sums[k]))
-			continue; /* ranks add no soil */
+		if (k >= ADDED && !cJSON_HasObjectItem(root, sums[k]))
+			continue; /* ranks add no soil, and each has the whole of what comes after that */
 		snprintf(text, sizeof text, "%lld", (long long)gathering->all[k]);
 		cJSON *value = cJSON_CreateString(text);
 		if (value == NULL || !cJSON_ReplaceItemInObjectCaseSensitive(root, sums[k], value)) {
@@ -393,7 +400,7 @@ enum status fleet_gather(void *user, struct world_ranked *figures)
 	fleet_meet(); /* nobody has the ground open any more */
 	enum status status = fleet->rank == 0 ? gather_folder(fleet->over, fleet->parts, &gathering, &any) : STATUS_OK;
 	memset(&mine, 0, sizeof mine);
-	mine.sums = (struct pages_sums){gathering.all[0], gathering.all[1], gathering.all[2], gathering.all[3], gathering.all[4], gathering.all[5]};
+	mine.sums = (struct pages_sums){gathering.all[0], gathering.all[1], gathering.all[2], gathering.all[3], gathering.all[4], gathering.all[5], gathering.all[6], gathering.all[7]};
 	mine.tiles_moved = fleet->tiles_moved;
 	mine.bodies_moved = fleet->bodies_moved;
 	mine.blocks_moved = fleet->blocks_moved;
@@ -428,7 +435,7 @@ void fleet_close(struct fleet *fleet)
 	key_set_finish(&fleet->changed);
 	fleet_rows_finish(fleet);
 	store_staged_finish(&fleet->staged);
-	mem_free_all(fleet->mine, fleet->owners, fleet->next, fleet->planned_bodies);
+	mem_free_all(fleet->mine, fleet->owners, fleet->next, fleet->planned_bodies, fleet->aboard, fleet->grain_links);
 	fleet_together_finish(&fleet->together);
 	mem_free_all(fleet->sent.bytes, fleet->over, fleet->parts, fleet->part, fleet);
 }

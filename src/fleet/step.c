@@ -15,11 +15,6 @@
 #define TILE_SHARE 0.25  /* of a tile's side that a body may travel in the steps of a plan */
 #define INTERVALS_MOST 2 /* of relaxation in the steps of a plan, if one step has fewer */
 
-/* Active blocks that lie on the same tiles are told as one. */
-struct link {
-	uint32_t x0, y0, x1, y1, weight;
-};
-
 struct planning {
 	struct fleet *fleet;
 	double until;
@@ -27,7 +22,7 @@ struct planning {
 
 /* --- tiles --- */
 
-static bool tiles_of(const struct fleet *fleet, struct post_rect posts, struct fleet_item *item)
+bool fleet_tiles_of(const struct fleet *fleet, struct post_rect posts, struct fleet_item *item)
 {
 	const struct world *world = fleet->world;
 	struct tile first, last;
@@ -44,7 +39,7 @@ struct fleet_item fleet_block_item(const struct fleet *fleet, struct soil_block 
 {
 	struct fleet_item item = {.owner = fleet->rank, .weight = 1};
 	/* A block is inside the terrain, so it has tiles. */
-	(void)tiles_of(fleet, world_block_area(fleet->world, block, intervals), &item);
+	(void)fleet_tiles_of(fleet, world_block_area(fleet->world, block, intervals), &item);
 	return item;
 }
 
@@ -56,18 +51,18 @@ static enum status put_links(struct fleet *fleet, double until)
 	const int64_t intervals = world_intervals_due(world, until);
 	const struct soil_block *blocks;
 	size_t count = 0;
-	uint32_t links = 0;
+	uint32_t links = 0; /* active blocks that lie on the same tiles are told as one */
 	if (!world_changes_ground(world))
 		return fleet_put(&fleet->sent, &links, sizeof links);
 	TRY(world_active_blocks(world, &blocks, &count));
 	const size_t at = fleet->sent.size;
-	struct link last = {0};
+	struct fleet_link last = {0};
 	TRY(fleet_put(&fleet->sent, &links, sizeof links));
 	for (size_t i = 0; i <= count; i++) {
-		struct link link = {0};
+		struct fleet_link link = {0};
 		if (i < count) {
 			const struct fleet_item item = fleet_block_item(fleet, blocks[i], intervals);
-			link = (struct link){item.x0, item.y0, item.x1, item.y1, 1};
+			link = (struct fleet_link){item.x0, item.y0, item.x1, item.y1, 1};
 		}
 		const bool same = i < count && last.weight > 0 && link.x0 == last.x0 && link.y0 == last.y0 && link.x1 == last.x1 && link.y1 == last.y1;
 		if (same) {
@@ -92,11 +87,11 @@ static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
 	TRY(fleet_rows_get(fleet, bytes));
 	TRY(fleet_get(bytes, &links, sizeof links));
 	for (uint32_t i = 0; i < links; i++) {
-		struct link link;
+		struct fleet_link link;
 		TRY(fleet_get(bytes, &link, sizeof link));
 		TRY(fleet_groups_add(&fleet->groups, &(struct fleet_item){link.x0, link.y0, link.x1, link.y1, rank, link.weight, 0}));
 	}
-	return STATUS_OK;
+	return fleet_grains_get_links(fleet, rank, bytes);
 }
 
 /* --- planning --- */
@@ -127,7 +122,7 @@ static enum status add_bodies(struct fleet *fleet, double until)
 		if (!world_ranked(world, i))
 			continue;
 		areas[fleet->planned_count] = world_body_area(world, i, until);
-		if (tiles_of(fleet, areas[fleet->planned_count], &item))
+		if (fleet_tiles_of(fleet, areas[fleet->planned_count], &item))
 			fleet->planned_bodies[fleet->planned_count++] = i;
 		else if (fleet->owners[i] == FLEET_NONE)
 			fleet->owners[i] = 0;
@@ -136,7 +131,7 @@ static enum status add_bodies(struct fleet *fleet, double until)
 		TRY(fleet_together_join(&fleet->together, fleet->planned_count));
 	for (size_t i = 0; i < fleet->planned_count; i++) {
 		item = (struct fleet_item){.owner = fleet->owners[fleet->planned_bodies[i]], .weight = 1};
-		(void)tiles_of(fleet, areas[i], &item); /* it has some */
+		(void)fleet_tiles_of(fleet, areas[i], &item); /* it has some */
 		TRY(fleet_groups_add(&fleet->groups, &item));
 	}
 	return STATUS_OK;
@@ -158,7 +153,7 @@ static int64_t horizon_of(const struct fleet *fleet)
 	const struct world *world = fleet->world;
 	const struct scene *scene = world_scene(world);
 	double fastest = 0, steps = HORIZON_MOST;
-	if (scene->vehicle_count > 0)
+	if (scene->vehicle_count > 0 || world_grains_most(world) > 0) /* grains fly far */
 		return 1;
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (world_body(world, i)->kind == BODY_PATH)
@@ -181,9 +176,11 @@ static bool leaves(struct fleet *fleet, double until)
 
 static enum status put_plan(struct fleet *fleet, double until)
 {
+	TRY(fleet_grains_allowed(fleet));
 	TRY(fleet_begin(fleet, FLEET_STEP, STATUS_OK));
 	TRY(fleet_rows_put(fleet));
 	TRY(put_links(fleet, until));
+	TRY(fleet_grains_put_links(fleet));
 	return add_bodies(fleet, until); /* bodies are items before links */
 }
 
@@ -201,10 +198,12 @@ static enum status plan(struct fleet *fleet, double until, enum status status, e
 	if (fleet->horizon > 1)
 		until = world_step_time(world_scene(world), world_steps_done(world) + fleet->horizon);
 	fleet->intervals = world_intervals_due(world, until);
+	fleet->until = until;
 	fleet->leaves = fleet->horizon > 1 && status == STATUS_OK && leaves(fleet, until);
 	if (status == STATUS_OK)
 		status = put_plan(fleet, until);
 	TRY(fleet_tell(fleet, FLEET_STEP, status, &told, take_links, &planning));
+	TRY(fleet_grains_check(fleet));
 	fleet->stop = fleet->stop || told.stop;
 	if (told.leaves)
 		fleet->ahead = 1; /* the areas are larger than they need be */

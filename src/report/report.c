@@ -216,27 +216,31 @@ static void add_io(cJSON *root, const struct report *report, const struct reside
 	json_integer(object, "commits", io->commits);
 }
 
-/* carried: units that bodies carry. The sums count them as compacted. tells: a body may carry some. */
-static void add_volume(cJSON *root, double spacing, const struct pages_sums *sums, bool tells, int64_t carried)
+/* The sums count what bodies carry, and what is in flight, as compacted. carries, throws: a body may carry some; soil may fly. */
+static void add_volume(cJSON *root, double spacing, const struct pages_sums *sums, bool carries, bool throws)
 {
 	double unit = lattice_offset_metres(1) * spacing * spacing;
-	int64_t removed = -sums->below, raised = sums->above;
+	const int64_t removed = -sums->below, raised = sums->above, compacted = sums->compacted - sums->carried - sums->in_flight;
 	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
 	json_number(volume, "removed", (double)removed * unit);
 	json_number(volume, "raised", (double)raised * unit);
 	json_number(volume, "net", (double)(raised - removed) * unit);
-	json_number(volume, "compacted", (double)(sums->compacted - carried) * unit);
+	json_number(volume, "compacted", (double)compacted * unit);
 	json_number(volume, "added", (double)sums->added * unit);
-	if (tells)
-		json_number(volume, "carried", (double)carried * unit);
+	if (carries)
+		json_number(volume, "carried", (double)sums->carried * unit);
+	if (throws)
+		json_number(volume, "in_flight", (double)sums->in_flight * unit);
 	cJSON *units = cJSON_AddObjectToObject(volume, "quanta");
 	json_integer(units, "removed", removed);
 	json_integer(units, "raised", raised);
 	json_integer(units, "net", raised - removed);
-	json_integer(units, "compacted", sums->compacted - carried);
+	json_integer(units, "compacted", compacted);
 	json_integer(units, "added", sums->added);
-	if (tells)
-		json_integer(units, "carried", carried);
+	if (carries)
+		json_integer(units, "carried", sums->carried);
+	if (throws)
+		json_integer(units, "in_flight", sums->in_flight);
 }
 
 /* Adds an interface in the scene's units. null: the soil's own number. Adds nothing if both numbers are the soil's own. */
@@ -559,7 +563,7 @@ char *report_json(const struct report *report, const char *ended)
 	json_integer(root, "working_level", world_resident(report->world)->level);
 	if (world_relief(report->world) != NULL)
 		cJSON_AddRawToObject(root, "relief", store_relief_text(world_resident(report->world)->store));
-	add_volume(root, world_resident(report->world)->spacing, &io.sums, world_carries(report->world), world_carried_total(report->world));
+	add_volume(root, world_resident(report->world)->spacing, &io.sums, world_carries(report->world), world_grains_most(report->world) > 0);
 	add_thrown(root, report);
 	add_objects(root, report);
 	add_vehicles(root, report);
@@ -576,8 +580,10 @@ enum status report_gathered(char **json, const struct world_ranked *ranked, int 
 	cJSON *root = cJSON_Parse(*json);
 	TRY_MEM(root, "run.json");
 	cJSON *forces = cJSON_GetObjectItemCaseSensitive(root, "forces");
+	const cJSON *volume = cJSON_GetObjectItemCaseSensitive(root, "volume");
+	const bool carries = cJSON_HasObjectItem(volume, "carried"), throws = cJSON_HasObjectItem(volume, "in_flight");
 	cJSON_DeleteItemFromObjectCaseSensitive(root, "volume");
-	add_volume(root, cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(root, "spacing")), &ranked->sums, false, 0);
+	add_volume(root, cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(root, "spacing")), &ranked->sums, carries, throws);
 	if (forces != NULL) {
 		cJSON_DeleteItemFromObjectCaseSensitive(forces, "sunk");
 		cJSON_DeleteItemFromObjectCaseSensitive(forces, "slides");

@@ -71,7 +71,7 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 struct describing {
 	struct pages *pages;
 	const void *record;
-	struct pages_sums more; /* in this commit; without below and above */
+	struct pages_sums more; /* in this commit; without below and above. carried and in_flight: after it */
 	char *state;
 };
 
@@ -87,6 +87,8 @@ static const char *describe(void *user, const struct store_commit_result *result
 		.sunk = before->sunk + describing->more.sunk,
 		.slid = before->slid + describing->more.slid,
 		.added = before->added + describing->more.added,
+		.carried = describing->more.carried,
+		.in_flight = describing->more.in_flight,
 	};
 	describing->state = record->print(record->user, describing->record, &sums);
 	return describing->state;
@@ -113,7 +115,7 @@ static enum status tell_volume(const struct pages_volume *volume, const struct s
 	if (volume->file == NULL)
 		return STATUS_OK;
 	if (fprintf(volume->file, "%.9g,%lld,%.12g,%.12g,%.12g\n", run->time, (long long)run->step, (double)-sums->below * volume->unit, (double)sums->above * volume->unit,
-		    (double)sums->compacted * volume->unit) < 0 || fflush(volume->file) != 0)
+		    (double)(sums->compacted - sums->carried - sums->in_flight) * volume->unit) < 0 || fflush(volume->file) != 0)
 		return fail_with(STATUS_FAILED, "volume.csv: %s; free some disk space", strerror(errno));
 	return STATUS_OK;
 }
@@ -169,12 +171,13 @@ static enum status commit(void *user, const struct page_image *const *images, si
 		pages->commit_pages[i] = store_page_of(pages, images[i]);
 	struct pages_sums tally = tally_of(snapshot);
 	const struct pages_sums *last = &pages->tallied;
-	tally.added = pages->params.record.added != NULL ? pages->params.record.added(record) : 0;
+	const struct pages_soil soil = pages->params.record.soil != NULL ? pages->params.record.soil(pages->params.record.user, record) : (struct pages_soil){0, 0, 0};
+	tally.added = soil.added;
 	struct describing describing = {
 		.pages = pages,
 		.record = record,
 		.more = {.compacted = tally.compacted - last->compacted, .sunk = tally.sunk - last->sunk, .slid = tally.slid - last->slid,
-			 .added = tally.added - last->added},
+			 .added = tally.added - last->added, .carried = soil.carried, .in_flight = soil.in_flight},
 	};
 	struct store_run run = {
 		.scene_hash = pages->params.record.scene_hash,
@@ -205,6 +208,8 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	pages->io.sums.sunk += describing.more.sunk;
 	pages->io.sums.slid += describing.more.slid;
 	pages->io.sums.added += run.added;
+	pages->io.sums.carried = soil.carried;
+	pages->io.sums.in_flight = soil.in_flight;
 	count_commit_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	const struct pages_sums sums = pages->io.sums;

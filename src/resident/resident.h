@@ -300,11 +300,17 @@ struct pages;
 
 /* How much a drive changed the sums of negative and of positive offsets, and how much soil it compacted. In fixed-point units. Then
  * in how many contacts the soil did not carry a load, or not hold it on its slope. Then how much soil was brought from outside, in fixed-point
- * units; below 0: taken. */
+ * units; below 0: taken. Then what is neither on the ground nor lost: what bodies carry, and what is in flight. `compacted` includes both. */
 struct pages_sums {
 	int64_t below, above, compacted;
 	int64_t sunk, slid;
 	int64_t added;
+	int64_t carried, in_flight;
+};
+
+/* What a record tells of soil, in fixed-point units: added since the pages were made; aboard bodies, and in flight, at its time. */
+struct pages_soil {
+	int64_t added, carried, in_flight;
 };
 
 /* How the record is written that is committed with the pages, so that a drive can be resumed. The record itself is copied as
@@ -317,8 +323,8 @@ struct pages_record {
 	void (*when)(const void *record, int64_t *step, double *time);
 	/* Returns the record's text, which the caller frees with mem_free; NULL: out of memory. On the writer thread. */
 	char *(*print)(const void *user, const void *record, const struct pages_sums *sums);
-	/* Gives the soil that was added since these pages were made, as of a record; NULL: none ever is. On the writer thread. */
-	int64_t (*added)(const void *record);
+	/* Gives the soil of a record; NULL: there is none. On the writer thread. */
+	struct pages_soil (*soil)(const void *user, const void *record);
 };
 
 struct pages_params {

@@ -480,6 +480,7 @@ struct store_numbers {
 	int64_t base_tiles, plane_tiles[PLANES];
 	int64_t file_bytes, base_bytes, plane_bytes[PLANES]; /* blobs as stored */
 	int64_t commits, compacted, added;
+	int64_t carried, in_flight;   /* of what counts as compacted: aboard bodies, and in flight, at the last commit of the last drive */
 	int64_t revisions, snapshots; /* kept revisions, and names */
 	int64_t history_rows, history_bytes; /* rows that commits replaced, blobs as stored */
 	struct store_run last_run; /* scene_hash is NULL if there was no run; owned by the store */
@@ -487,6 +488,9 @@ struct store_numbers {
 enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;
 /* Gives only the last run, as store_count does. */
 enum status store_last_run(struct store *store, struct store_run *run) FURROW_CHECKED;
+/* Gives the soil that bodies of the last drive carry, and its soil in flight, at its last commit, in 2^-20 m summed over posts. Both count as compacted in the
+ * store. STATUS_INPUT: the record is damaged. */
+enum status store_last_soil(struct store *store, int64_t *carried, int64_t *in_flight) FURROW_CHECKED;
 /* The time of a store, in which marks fade. It adds up over drives, from the first one that keeps such marks on. */
 struct store_marks {
 	bool any;                    /* a drive kept such marks; otherwise all else is 0 */
@@ -508,6 +512,7 @@ struct store_check {
 	int coarsest, finest;
 	int64_t compacted;  /* soil compacted, by the store's record: 2^-20 m */
 	int64_t added;      /* soil brought from outside, likewise. Under conserving models the sum of offsets + compacted is added */
+	int64_t carried, in_flight; /* of what counts as compacted: store_last_soil */
 	/* for each level, at index level - TILE_LEVEL_MIN; a shared post counts once */
 	int64_t offset_sum[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1];
 };

@@ -36,5 +36,6 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 	TRY(count_history(store, numbers));
 	TRY(store_last_run(store, &numbers->last_run));
 	numbers->commits = store->last_run.commit;
+	TRY(store_last_soil(store, &numbers->carried, &numbers->in_flight));
 	return STATUS_OK;
 }

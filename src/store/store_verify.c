@@ -173,6 +173,7 @@ static enum status check_all(struct verifying *verifying)
 	TRY(check_top(verifying));
 	TRY(store_meta_compacted(store->db, store->path, &verifying->check->compacted));
 	TRY(store_meta_added(store->db, store->path, &verifying->check->added));
+	TRY(store_last_soil(store, &verifying->check->carried, &verifying->check->in_flight));
 	return check_identity(verifying);
 }
 

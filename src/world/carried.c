@@ -17,8 +17,6 @@ enum status world_carried_make(struct world *world, struct body *body)
 {
 	if (!body->object->carry)
 		return STATUS_OK;
-	if (world->ranks != NULL)
-		return fail_with(STATUS_INPUT, "%s: carry: soil aboard a body does not go from rank to rank; drive with one process, or take carry away", body->object->name);
 	TRY(soil_carried_create(&body->object->shape, world->resident.spacing, &body->carried));
 	return world_grains_most(world) > 0 ? soil_carried_let_fly(body->carried) : STATUS_OK;
 }
@@ -38,7 +36,7 @@ bool world_carried_unsettled(const struct world *world)
 {
 	bool unsettled = false;
 	for (size_t i = 0; i < world->body_count && !unsettled; i++)
-		unsettled = carries(world->bodies[i]) && ((world->bodies[i]->carried->unsettled && world->bodies[i]->has_last) || drops(world->bodies[i]));
+		unsettled = carries(world->bodies[i]) && !world->bodies[i]->elsewhere && ((world->bodies[i]->carried->unsettled && world->bodies[i]->has_last) || drops(world->bodies[i]));
 	return unsettled;
 }
 
@@ -276,6 +274,7 @@ static struct body *next_aboard(const struct world *world, size_t *at)
 void world_carried_record(const struct world *world, struct record *record)
 {
 	int64_t *numbers = world_record_carried(record, world->scene->object_count);
+	record->carried = world_carried_total(world);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const size_t count = numbers_of(&world->scene->objects[i], world->resident.spacing);
 		record->objects[i].carried = count;

@@ -69,7 +69,7 @@ static void take(void *user, const int64_t from[3], int32_t amount)
 	else
 		host_speed(falling->body, from_centre, fall.speed);
 	const int64_t now = llround(falling->time * 0x1p20);
-	world_thrown_add(world, now, grains, (size_t)bearing_fall_grains(&fall, now, grains));
+	world_thrown_add(world, grains, (size_t)bearing_fall_grains(&fall, now, grains));
 }
 
 void world_falls_take(struct world *world, struct body *body, const struct soil_pose *pose, double time)

@@ -7,6 +7,7 @@
  * A model without forces gives rows of where its objects are and how deep.
  */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "world/internal.h"
@@ -34,6 +35,7 @@ struct forces {
 	struct world *world;
 	double rate;
 	int64_t row;                /* the next */
+	int64_t early;              /* rows of objects before this one are there already: world_forces_early */
 	struct standing *standing;  /* by object */
 	struct entry *entries;
 	size_t count, room;
@@ -212,26 +214,52 @@ static enum status add_vehicles(struct forces *forces, double t)
 	return STATUS_OK;
 }
 
+/* Adds the rows of objects on this rank. */
+static enum status add_objects(struct forces *forces, double t)
+{
+	const struct world *world = forces->world;
+	const bool feels = world_feels(world);
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const struct standing *at = &forces->standing[i];
+		struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
+		force.work = at->force.work;
+		if (at->placed && !world->bodies[i]->elsewhere)
+			TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force), world_aboard_of(world, world->bodies[i])}));
+	}
+	return STATUS_OK;
+}
+
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
 {
 	if (forces == NULL || forces->rate == 0)
 		return STATUS_OK;
-	const struct world *world = forces->world;
-	const bool feels = world_feels(world);
 	for (; ; forces->row++) {
 		double t = (double)forces->row / forces->rate;
 		if (t > until || (!inclusive && t == until))
 			return STATUS_OK;
-		for (size_t i = 0; i < world->scene->object_count; i++) {
-			const struct standing *at = &forces->standing[i];
-			struct world_force force = feels && !at->felt ? world_no_force(at->pose.z) : at->force;
-			force.work = at->force.work;
-			if (at->placed && !world->bodies[i]->elsewhere)
-				TRY(add_entry(forces, &(struct entry){t, i, at->pose, world->scene->objects[i].slip, with_load(world, world->bodies[i], force),
-						      world_aboard_of(world, world->bodies[i])}));
-		}
+		if (forces->row >= forces->early)
+			TRY(add_objects(forces, t));
 		TRY(add_vehicles(forces, t));
 	}
+}
+
+enum status world_forces_early(struct forces *forces, double until)
+{
+	if (forces == NULL || forces->rate == 0)
+		return STATUS_OK;
+	forces->early = forces->early > forces->row ? forces->early : forces->row;
+	for (double t; (t = (double)forces->early / forces->rate) < until; forces->early++)
+		TRY(add_objects(forces, t));
+	return STATUS_OK;
+}
+
+/* The order in which world_forces_rows adds them. */
+static int by_time(const void *a, const void *b)
+{
+	const struct entry *x = a, *y = b;
+	if (x->t != y->t)
+		return x->t < y->t ? -1 : 1;
+	return (x->object > y->object) - (x->object < y->object);
 }
 
 static enum status give_row(struct forces *forces, const struct entry *entry)
@@ -301,7 +329,10 @@ enum status world_forces_end_step(struct forces *forces, double until)
 		return STATUS_OK;
 	const struct scene *scene = forces->world->scene;
 	const size_t before = forces->world->rows.count;
+	const bool early = forces->early > forces->row;
 	enum status status = world_forces_rows(forces, until, true);
+	if (early && forces->count > 0)
+		qsort(forces->entries, forces->count, sizeof *forces->entries, by_time);
 	for (size_t i = 0; i < forces->count && status == STATUS_OK; i++)
 		status = give_row(forces, &forces->entries[i]);
 	if (status != STATUS_OK)
@@ -371,6 +402,7 @@ void world_forces_restore(struct forces *forces, const struct forces_saved *save
 	if (forces == NULL)
 		return;
 	forces->row = saved->row;
+	forces->early = 0;
 	forces->saturated = saved->saturated;
 	forces->count = 0;
 	memcpy(forces->standing, saved->standing, forces->world->scene->object_count * sizeof *saved->standing);

@@ -259,12 +259,13 @@ enum status world_wake_all(struct world *world) FURROW_CHECKED;
 void world_intervals_from(struct world *world, double time);
 /* Runs all relaxation intervals before `time`. If `at_it`, also the one that is due exactly at `time`. */
 enum status world_intervals(struct world *world, double time, bool at_it) FURROW_CHECKED;
+size_t world_rests(const struct world *world); /* lists the bodies on the ground in world->relaxation.rests; returns how many there are */
 /* The body no longer rests there: the ground under it may relax again. */
 enum status world_let_go(struct world *world, struct body *body) FURROW_CHECKED;
 
 /* --- carried.c: soil aboard bodies --- */
 
-/* Lets a body carry soil if its object has `carry`. STATUS_INPUT: there are other ranks. */
+/* Lets a body carry soil if its object has `carry`. */
 enum status world_carried_make(struct world *world, struct body *body) FURROW_CHECKED;
 bool world_carried_unsettled(const struct world *world); /* soil aboard may go on sliding, or is to be put down */
 /* Lets soil aboard all bodies settle. rests: how many bodies world->relaxation.rests lists. */
@@ -279,6 +280,8 @@ void world_carried_plan(const struct world *world, struct plan *plan);
 size_t world_carried_numbers(const struct world *world);
 void world_carried_record(const struct world *world, struct record *record);
 enum status world_carried_resume(struct world *world) FURROW_CHECKED;
+/* Gives all ranks the soil aboard bodies of vehicles, at the end of a step. */
+enum status world_carried_tell(const struct world *world) FURROW_CHECKED;
 /* For a checkpoint. */
 struct carried_saved;
 enum status world_carried_save(const struct world *world, struct carried_saved ***out, size_t *count) FURROW_CHECKED;
@@ -287,17 +290,17 @@ void world_carried_saved_free(struct carried_saved **saved, size_t count);
 /* --- thrown.c: soil in flight. Where the scene throws none, world->thrown is NULL, and these do nothing --- */
 
 #define WORLD_THROWN_TICKS 64   /* in a second: then grains are looked at */
-/* Makes world->thrown if the scene throws soil. STATUS_INPUT: there are other ranks. */
+/* Makes world->thrown if the scene throws soil. */
 enum status world_thrown_make(struct world *world) FURROW_CHECKED;
 void world_thrown_plan(const struct world *world, struct plan *plan);
 void world_thrown_free(struct thrown *thrown);
 bool world_thrown_flies(const struct world *world); /* soil is in flight */
-/* Adds grains that left by now, 2^-20 s. What has no room flies with the last one. Needs world->thrown. */
-void world_thrown_add(struct world *world, int64_t now, const struct bearing_grain *grains, size_t count);
+/* Adds grains that left by now, the time until which grains have flown. What has no room flies with the last one. Needs world->thrown. */
+void world_thrown_add(struct world *world, const struct bearing_grain *grains, size_t count);
 /* Lets fly what a contact at this time, s, threw. */
 void world_thrown_take(struct world *world, double time, const struct bearing_contact *contact);
-/* Lets grains fly, and those land that meet the ground, until before `time`, or with `at_it` until then. rests: how many bodies world->relaxation.rests lists. Needs world->thrown. */
-enum status world_thrown_until(struct world *world, double time, bool at_it, size_t rests) FURROW_CHECKED;
+/* Lets grains fly, and those land that meet the ground, until before `time`, or with `at_it` until then. Needs world->thrown. */
+enum status world_thrown_until(struct world *world, double time, bool at_it) FURROW_CHECKED;
 void world_thrown_from(struct world *world, double time); /* all before this time, s, is over: at the start, and when resumed */
 void world_thrown_record(const struct world *world, struct record *record);
 enum status world_thrown_resume(struct world *world) FURROW_CHECKED; /* from world->record */
@@ -315,6 +318,10 @@ void world_falls_take(struct world *world, struct body *body, const struct soil_
 /* Tells whether a grain comes down on a body that carries, on its way between two places, 2^-20 m. Then it is aboard after world_falls_aboard. */
 bool world_falls_caught(struct world *world, const int64_t before[3], const int64_t now[3], int64_t volume);
 void world_falls_aboard(struct world *world, int class);
+
+/* --- ranks.c --- */
+/* Returns the posts that so many intervals may read or change because these changed. */
+struct post_rect world_slides_from(const struct world *world, struct post_rect changed, int64_t intervals);
 
 /* --- near.c: bodies near each other --- */
 
@@ -427,6 +434,9 @@ void world_forces_destroy(struct forces *forces);
 /* Writes the rows of objects.csv that are due before `until` (with `inclusive`, also at `until`). The rows have the forces that
  * are known so far. Call it before an event. */
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive) FURROW_CHECKED;
+/* Takes the rows of bodies on paths that are due before `until`, and leaves those of vehicles. Call it before soil aboard changes between events: a row has the
+ * weight of what is aboard at its time. */
+enum status world_forces_early(struct forces *forces, double until) FURROW_CHECKED;
 /* Takes the forces that bearing soil told at this event. world_forces_met: of a model that tells none. */
 void world_forces_felt(struct forces *forces, size_t body, const struct event *event, const struct deform_forces *from);
 void world_forces_met(struct forces *forces, size_t body, const struct event *event);

@@ -95,5 +95,5 @@ void world_made_throw(struct world *world, const struct bearing_grain *grains, s
 	for (size_t i = 0; i < count; i++)
 		classes[0] += grains[i].volume;
 	world_thrown_count(world, classes);
-	world_thrown_add(world, llround(world->time * 0x1p20), grains, count);
+	world_thrown_add(world, grains, count);
 }

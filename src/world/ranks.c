@@ -55,6 +55,54 @@ struct post_rect world_block_area(const struct world *world, struct soil_block b
 	return post_rect_grown((struct post_rect){x, y, x + SOIL_BLOCK, y + SOIL_BLOCK}, slides_beyond(world, intervals));
 }
 
+struct post_rect world_slides_from(const struct world *world, struct post_rect changed, int64_t intervals)
+{
+	return post_rect_grown(world_wakes(world, changed), slides_beyond(world, intervals));
+}
+
+#define STEEPEST 8.0 /* a rim on a slope runs so many times faster than the body goes in plan, at most */
+#define WHIRLS 128.0 /* 1/s: a corner of a path turns a body at once, and that speed is measured over 2^-6 s */
+
+/* Returns how far grains come that a body on a path throws until then, m. */
+static double path_throws(const struct world *world, const struct body *body, double seconds)
+{
+	const struct scene_object *object = body->object;
+	const double runs = 1 + (object->slip < 1 ? STEEPEST / (1 - object->slip) : 0);
+	const double whirls = body->carried != NULL ? WHIRLS * soil_shape_bound(&object->shape) * seconds : 0; /* of soil that falls off it */
+	return runs * (motion_track_fastest(body->track) * seconds + world->resident.spacing) + whirls; /* a sample's motion is of a post's way */
+}
+
+/* The same of a body that a host moves: by its motion since its last contact, and by its rates. */
+static double host_throws(const struct body *body, double seconds)
+{
+	const struct body_hosted *host = &body->host;
+	const struct furrow_state *now = &host->now, *next = host->has_next ? &host->next : &host->now;
+	const double radius = soil_shape_bound(&body->object->shape);
+	double spin = 0, rotated = 0, fast = 0, way = 0;
+	for (int k = 0; k < 3; k++) {
+		spin += fabs(now->angular[k]) + fabs(next->angular[k]);
+		fast += fabs(now->linear[k]) + fabs(next->linear[k]);
+		rotated += fabs(host->rotated[k]);
+		way += fabs(next->pose.position[k] - now->pose.position[k]);
+	}
+	if (body->has_last)
+		way += fabs(now->pose.position[0] - lattice_offset_metres(body->last.x)) + fabs(now->pose.position[1] - lattice_offset_metres(body->last.y)) +
+		       fabs(now->pose.position[2] - lattice_offset_metres(body->last.z));
+	const double belt = body->object->shape.belt ? fabs(host->turned) + (fabs(host->belt.speed) + fabs(host->next_belt.speed)) * seconds : 0;
+	const double runs = (rotated + fabs(host->turned) + spin * seconds) * radius + belt;
+	return 3 * (isfinite(fast) ? way + fast * seconds : way) + 3 * (isfinite(runs) ? runs : 0);
+}
+
+/* Returns how many posts beyond its place a body's grains may come down, until then; 0: nothing is thrown. */
+static int64_t throws_beyond(const struct world *world, const struct body *body, double until)
+{
+	const double seconds = fmax(until - world->time, 0), spacing = world->resident.spacing;
+	if (world->thrown == NULL)
+		return 0;
+	const double way = soil_shape_bound(&body->object->shape) + (world_is_hosted(body) ? host_throws(body, seconds) : path_throws(world, body, seconds));
+	return (int64_t)ceil(way / spacing) + BEARING_LANDS_NEAR + 3;
+}
+
 /* Includes the last path sample that was made, and all that are due until then. Samples are one post apart. The way between two
  * of them is so much longer than the straight line. No place on it is farther than half of that from the rectangle around both. */
 static void include_path(const struct world *world, const struct body *body, double until, int64_t posts, struct post_rect *area)
@@ -86,9 +134,10 @@ static void include_hosted(const struct world *world, const struct body *body, i
 struct post_rect world_body_area(const struct world *world, size_t number, double until)
 {
 	enum { PROBED = 6 }; /* posts: a probed pose may lie so far beyond the body */
+	enum { CARRIES = 8 }; /* posts: soil aboard may be put down so far beside it (soil_carried_reach) */
 	struct post_rect area = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
 	const struct body *body = world->bodies[number];
-	const int64_t posts = world_contact_reach(world, &body->object->shape);
+	const int64_t posts = world_contact_reach(world, &body->object->shape) + (body->carried != NULL ? CARRIES : 0) + throws_beyond(world, body, until);
 	if (world_is_hosted(body))
 		include_hosted(world, body, posts + PROBED, &area);
 	else
@@ -96,7 +145,7 @@ struct post_rect world_body_area(const struct world *world, size_t number, doubl
 	const int64_t intervals = world_intervals_due(world, until);
 	if (area.x0 >= area.x1 || intervals <= 0)
 		return area;
-	return post_rect_grown(world_wakes(world, area), slides_beyond(world, intervals));
+	return world_slides_from(world, area, intervals);
 }
 
 void world_pass_elsewhere(struct world *world, double until)

@@ -36,6 +36,8 @@ struct world_ranks {
 	bool (*has)(void *user, uint64_t key);
 	/* Takes rows of bodies here, after each step that has some, and before each commit. */
 	enum status (*rows)(void *user, const struct world_row *rows, size_t count);
+	/* Gives all ranks the soil aboard bodies of vehicles, at the end of each step where such bodies carry some: every rank moves the vehicles. */
+	enum status (*loads)(void *user);
 	/* Before the run's last commit. `status`: how this rank ended. */
 	enum status (*end)(void *user, enum status status);
 	/* When this rank has closed its ground: puts what all ranks have committed into `over`. Fills `figures`. */
@@ -84,6 +86,34 @@ enum status world_tally(const struct world *world, struct deform_tally *tally) F
 void world_body_pack(const struct world *world, size_t number, struct world_moved *moved);
 /* `here`: this rank computes its contacts from now on. STATUS_FAILED: there is no such body. */
 enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here) FURROW_CHECKED;
+/* Soil aboard a body, as whole numbers: how many there are (0: the body carries none), and to and from them. places: the soil goes to its place above the body, too;
+ * false: it is only kept for the record. STATUS_FAILED: the numbers contradict each other. */
+size_t world_carried_moves(const struct world *world, size_t number);
+void world_carried_pack(const struct world *world, size_t number, int64_t *numbers);
+enum status world_carried_unpack(struct world *world, size_t number, const int64_t *numbers, bool places) FURROW_CHECKED;
+/*
+ * Soil in flight: each rank has grains that may come down on its ground, and its own share of what was thrown, landed and lost. Functions with a number need it
+ * below world_grains_here().
+ */
+#define WORLD_GRAIN_NUMBERS 9
+struct world_grain_moved {
+	int64_t numbers[WORLD_GRAIN_NUMBERS];
+};
+size_t world_grains_here(const struct world *world);
+/* Gives the posts that a grain may read or change until then, with those where soil may slide because of it. Empty: it is beyond the terrain. */
+struct post_rect world_grain_area(const struct world *world, size_t number, double until);
+void world_grain_pack(const struct world *world, size_t number, struct world_grain_moved *moved);
+/* Lets a grain of another rank fly here. STATUS_FAILED: it is no grain. */
+enum status world_grain_unpack(struct world *world, const struct world_grain_moved *moved) FURROW_CHECKED;
+void world_grains_keep(struct world *world, const bool *stays); /* by number; the others are forgotten */
+size_t world_grains_most_here(struct world *world);             /* returns how many there were at once at most since the last call */
+/* Gives the share of this rank: thrown by class, landed, lost; fixed-point units. Needs grains to be thrown in this world, as all that follow. */
+#define WORLD_THROWN_SUMS (SOIL_CLASSES + 2)
+void world_thrown_share(const struct world *world, int64_t sums[WORLD_THROWN_SUMS]);
+/* Tell what all other ranks have after this step, for the record: first begin, then the share of each, and each of their grains. */
+void world_thrown_others_begin(struct world *world);
+void world_thrown_others_sums(struct world *world, const int64_t sums[WORLD_THROWN_SUMS]);
+enum status world_thrown_others_grain(struct world *world, const struct world_grain_moved *moved) FURROW_CHECKED;
 /* Keeps only the active blocks for which `keeps` returns true. Waits for the GPU. */
 typedef bool (*world_block_fn)(void *user, struct soil_block block);
 enum status world_active_keep(struct world *world, world_block_fn keeps, void *user) FURROW_CHECKED;

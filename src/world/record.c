@@ -164,11 +164,23 @@ static bool put_attached(cJSON *root, const struct record *record, size_t object
 	return whole;
 }
 
-/* The sums, and "number,...;" for each grain in flight. Where nothing is thrown the record is as it was before there was that. */
+/* Orders grains by all of their numbers, so that it does not show in which order they left, nor on which rank they fly. */
+static int by_numbers(const void *a, const void *b)
+{
+	int64_t first[GRAIN_NUMBERS], second[GRAIN_NUMBERS];
+	bearing_grain_save(a, first);
+	bearing_grain_save(b, second);
+	for (int k = 0; k < GRAIN_NUMBERS; k++)
+		if (first[k] != second[k])
+			return first[k] < second[k] ? -1 : 1;
+	return 0;
+}
+
+/* The sums, and "number,...;" for each grain in flight, sorted. Where nothing is thrown the record is as it was before there was that. */
 static bool put_thrown(cJSON *root, const struct record *record, size_t objects)
 {
 	const size_t most = GRAIN_NUMBERS * 21 + 1;
-	const struct bearing_grain *grains = world_record_grains((struct record *)record, objects);
+	struct bearing_grain *grains;
 	int64_t numbers[GRAIN_NUMBERS];
 	char sums[SOIL_CLASSES * 21 + 1], *at = sums;
 	if (record->thrown.room == 0)
@@ -176,8 +188,13 @@ static bool put_thrown(cJSON *root, const struct record *record, size_t objects)
 	for (int i = 0; i < SOIL_CLASSES; i++)
 		at += snprintf(at, 22, "%lld;", (long long)record->thrown.thrown[i]);
 	char *text = mem_alloc(record->thrown.count * most + 1, 1);
-	if (text == NULL)
+	grains = mem_alloc(record->thrown.count + 1, sizeof *grains);
+	if (text == NULL || grains == NULL) {
+		mem_free_all(text, grains);
 		return false;
+	}
+	memcpy(grains, world_record_grains((struct record *)record, objects), record->thrown.count * sizeof *grains);
+	qsort(grains, record->thrown.count, sizeof *grains, by_numbers);
 	at = text;
 	*at = '\0';
 	for (size_t i = 0; i < record->thrown.count; i++) {
@@ -185,6 +202,7 @@ static bool put_thrown(cJSON *root, const struct record *record, size_t objects)
 		for (int k = 0; k < GRAIN_NUMBERS; k++)
 			at += snprintf(at, 22, "%lld%c", (long long)numbers[k], k + 1 < GRAIN_NUMBERS ? ',' : ';');
 	}
+	mem_free(grains);
 	const bool whole = cJSON_AddStringToObject(root, "thrown", sums) != NULL && put_whole(root, "landed", record->thrown.landed) &&
 			   put_whole(root, "lost", record->thrown.lost) && cJSON_AddStringToObject(root, "grains", text) != NULL;
 	mem_free(text);
@@ -207,7 +225,8 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
 		     put_whole(root, "compacted", sums->compacted) && put_whole(root, "sunk", sums->sunk) &&
-		     put_whole(root, "slid", sums->slid) && (sums->added == 0 || put_whole(root, "added", sums->added)) && put_marks(root, &record->marks) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+		     put_whole(root, "slid", sums->slid) && (sums->added == 0 || put_whole(root, "added", sums->added)) &&
+		     (sums->carried == 0 || put_whole(root, "carried", sums->carried)) && (sums->in_flight == 0 || put_whole(root, "in_flight", sums->in_flight)) && put_marks(root, &record->marks) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; carried += record->objects[i].carried, i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name, carried);
 	whole = whole && put_carried(root, "aboard", carried, carried_by_vehicles(record, scene->object_count));
@@ -227,10 +246,19 @@ static void when(const void *from, int64_t *step, double *time)
 	*time = record->time;
 }
 
-static int64_t added(const void *from)
+int64_t world_record_in_flight(const struct record *record, size_t objects)
+{
+	const struct bearing_grain *grains = world_record_grains((struct record *)record, objects);
+	int64_t volume = 0;
+	for (size_t i = 0; i < record->thrown.count; i++)
+		volume += grains[i].volume;
+	return volume;
+}
+
+static struct pages_soil soil(const void *scene, const void *from)
 {
 	const struct record *record = from;
-	return record->added;
+	return (struct pages_soil){record->added, record->carried, world_record_in_flight(record, ((const struct scene *)scene)->object_count)};
 }
 
 static char *print(const void *scene, const void *record, const struct pages_sums *sums)
@@ -240,7 +268,7 @@ static char *print(const void *scene, const void *record, const struct pages_sum
 
 struct pages_record world_record_pages(const struct scene *scene)
 {
-	return (struct pages_record){world_record_bytes(scene->object_count), scene->hash, scene, when, print, added};
+	return (struct pages_record){world_record_bytes(scene->object_count), scene->hash, scene, when, print, soil};
 }
 
 /* --- reading; each returns false if the value is missing or wrong --- */
@@ -483,6 +511,8 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 		return world_record_damaged(store, "its sums");
 	if (cJSON_HasObjectItem(root, "added") && (!get_whole(root, "added", -SUM_MOST, &sums->added) || sums->added > SUM_MOST))
 		return world_record_damaged(store, "its added soil");
+	if (cJSON_HasObjectItem(root, "carried") && (!get_whole(root, "carried", 0, &sums->carried) || sums->carried > SUM_MOST))
+		return world_record_damaged(store, "its soil aboard bodies");
 	if (!get_active(root, record))
 		return world_record_damaged(store, "what was awake");
 	return STATUS_OK;
@@ -505,6 +535,7 @@ enum status world_record_parse(const struct store_run *run, const char *store, c
 		TRY_OR(done, world_record_damaged(store, "the soil aboard its vehicles"));
 	if (!get_thrown(root, scene->object_count, record))
 		TRY_OR(done, world_record_damaged(store, "its thrown soil"));
+	record->sums.in_flight = world_record_in_flight(record, scene->object_count);
 done:
 	cJSON_Delete(root);
 	return status;

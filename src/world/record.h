@@ -47,6 +47,7 @@ struct record {
 	struct store_marks marks; /* the store's time; its `time` is that of `time` above */
 	struct pages_sums sums; /* read from the store; not used for writing */
 	int64_t added;        /* soil that was brought since the world was opened, below 0: taken; 2^-20 m, summed over posts */
+	int64_t carried;      /* soil aboard all bodies, also those whose soil is not in the record; the same units */
 	size_t active_count;  /* active blocks, where soil may still relax */
 	struct soil_block active[DEFORM_BLOCKS_MAX];
 	size_t carried_count;  /* numbers of soil aboard, of all objects in turn and then of bodies of vehicles; they follow the attached ones */
@@ -63,6 +64,7 @@ size_t world_record_bytes_of(const struct record *record, size_t objects);
 int64_t *world_record_carried(struct record *record, size_t objects);
 /* Returns the grains in flight of a record with so many objects. */
 struct bearing_grain *world_record_grains(struct record *record, size_t objects);
+int64_t world_record_in_flight(const struct record *record, size_t objects); /* fixed-point units of these grains */
 /* Returns the attached numbers of a record with so many objects. */
 double *world_record_attached(struct record *record, size_t objects);
 /* Returns the functions with which pages write the records of a scene. The scene must stay valid as long as they are used. */

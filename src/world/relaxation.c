@@ -32,7 +32,7 @@ enum status world_wake_all(struct world *world)
 	return world_wake(world, all);
 }
 
-static size_t rests_of(const struct world *world)
+size_t world_rests(const struct world *world)
 {
 	size_t count = 0;
 	for (size_t i = 0; i < world->body_count; i++) {
@@ -134,7 +134,7 @@ struct interval_size {
 static enum status begin_interval(struct world *world, struct interval_size *size)
 {
 	const struct deform_rest *rests = world->relaxation.rests;
-	const size_t count = rests_of(world);
+	const size_t count = world_rests(world);
 	struct bearing_interval bearing = {0};
 	struct deform_interval deform = {0};
 	const enum status status = world->bearing != NULL ? bearing_interval_begin(world->bearing, rests, count, &bearing)
@@ -156,9 +156,9 @@ static enum status interval(struct world *world, size_t *blocks)
 	for (size_t i = 0; i < size.parts; i++)
 		TRY(scatter(world, i));
 	if (*blocks == 0)
-		return world_carried_settle(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, rests_of(world));
+		return world_carried_settle(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, world_rests(world));
 	TRY(world->bearing != NULL ? bearing_interval_end(world->bearing) : deform_interval_end(world->deform));
-	return world_carried_settle(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, rests_of(world));
+	return world_carried_settle(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, world_rests(world));
 }
 
 static enum status one_interval(struct world *world, size_t *blocks)
@@ -180,20 +180,23 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	int64_t over = world_intervals_by(world, time);
 	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
 		over--;
-	if (world->relaxation.intervals >= over && !world_thrown_flies(world))
+	if (world->relaxation.intervals >= over && world->thrown == NULL)
 		return STATUS_OK;
 	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
 	while (world->relaxation.intervals < over) {
 		size_t blocks = 0;
+		const double ends = (double)(world->relaxation.intervals + 1) * world->scene->interval;
 		TRY_OR(done, world_batches_flush(world));
-		if (world_thrown_flies(world))
-			TRY_OR(done, world_thrown_until(world, (double)(world->relaxation.intervals + 1) * world->scene->interval, true, rests_of(world)));
+		if (world_carries(world))
+			TRY_OR(done, world_forces_early(world->forces, ends));
+		if (world->thrown != NULL)
+			TRY_OR(done, world_thrown_until(world, ends, true));
 		TRY_OR(done, one_interval(world, &blocks));
 		/* If no block is active, none becomes active by itself, by what lands, or by soil aboard. */
 		world->relaxation.intervals = blocks > 0 || world_thrown_flies(world) || world_carried_unsettled(world) ? world->relaxation.intervals + 1 : over;
 	}
-	if (world_thrown_flies(world))
-		TRY_OR(done, world_thrown_until(world, time, at_it, rests_of(world)));
+	if (world->thrown != NULL)
+		TRY_OR(done, world_thrown_until(world, time, at_it));
 done:
 	world_stage_enter(world, stage);
 	return status;

@@ -119,6 +119,7 @@ static enum status forces(struct world *world, const struct step *step)
 
 static enum status record(struct world *world, const struct step *step)
 {
+	TRY(world_carried_tell(world));
 	world->step++;
 	world->time = step->until;
 	world->events.count = 0;

@@ -136,6 +136,7 @@ enum status world_move_hosts(struct world *world)
 	world_tear(world);
 	TRY(agreed);
 	TRY(world_hosts_step(world, 0, world->time)); /* no row is due: the scene's own objects have not begun */
+	TRY(world_carried_tell(world));
 	return world_end_or_wait(world);
 }
 

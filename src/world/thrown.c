@@ -4,6 +4,8 @@
  * Grains are looked at every WORLD_THROWN_TICKS-th of a second of simulated time, whatever the steps are. Of a grain that is below the ground then, the last place
  * above it is found by halving. A ridge that is thinner than the way of a tick may be flown through.
  *
+ * Each tick is looked at once, whether grains fly or not. So it does not show if others flew when a grain left.
+ *
  * Invariants: (1) What was thrown is what landed, was lost, and is in flight, to the unit. (2) In the tally soil in flight counts as compacted. So does what was lost:
  * beyond the world's edge, in a hole, or where no post was free. So offsets + compacted = 0 holds at any time, and in every store. (3) All grains of a tick are
  * looked at before the first one lands. So their order does not show.
@@ -28,6 +30,14 @@ struct thrown {
 	struct record_thrown sums;
 	struct bearing_landing *landings; /* as many */
 	int32_t gravity;         /* 2^-20 m/s2 */
+	/* Of many ranks: each has grains of its own, and its own share of the sums. */
+	size_t most;             /* grains at once, since world_grains_most_here() was called last */
+	struct {
+		struct record_thrown sums; /* of all other ranks, after step `step`; -1: not known yet */
+		struct bearing_grain *list;
+		size_t count;
+		int64_t step;
+	} others;
 };
 
 size_t world_grains_most(const struct world *world)
@@ -39,20 +49,21 @@ enum status world_thrown_make(struct world *world)
 {
 	if (world_grains_most(world) == 0)
 		return STATUS_OK;
-	if (world->ranks != NULL)
-		return fail_with(STATUS_INPUT, "redistribute.thrown: soil in flight does not go from rank to rank; drive with one process, or take thrown away");
 	struct thrown *thrown;
 	TRY(mem_zeroed(&thrown, 1, sizeof *thrown, "thrown soil"));
 	world->thrown = thrown;
 	thrown->gravity = (int32_t)lround(world->scene->gravity * 0x1p20);
+	thrown->others.step = -1;
 	TRY(mem_make(&thrown->list, WORLD_THROWN_MOST, sizeof *thrown->list, "thrown soil"));
+	if (world->ranks != NULL)
+		TRY(mem_make(&thrown->others.list, WORLD_THROWN_MOST, sizeof *thrown->list, "thrown soil"));
 	return mem_make(&thrown->landings, WORLD_THROWN_MOST, sizeof *thrown->landings, "thrown soil");
 }
 
 void world_thrown_free(struct thrown *thrown)
 {
 	if (thrown != NULL)
-		mem_free_all(thrown->list, thrown->landings, thrown);
+		mem_free_all(thrown->list, thrown->landings, thrown->others.list, thrown);
 }
 
 bool world_thrown_flies(const struct world *world)
@@ -75,11 +86,10 @@ void world_thrown_plan(const struct world *world, struct plan *plan)
 
 /* --- contacts throw --- */
 
-void world_thrown_add(struct world *world, int64_t now, const struct bearing_grain *grains, size_t count)
+void world_thrown_add(struct world *world, const struct bearing_grain *grains, size_t count)
 {
 	struct thrown *thrown = world->thrown;
-	if (thrown->count == 0 && count > 0) /* what is over is over */
-		thrown->ticks = now >> TICK_BITS;
+	thrown->most = thrown->count + count > thrown->most ? thrown->count + count : thrown->most;
 	for (size_t i = 0; i < count; i++)
 		if (thrown->count < WORLD_THROWN_MOST)
 			thrown->list[thrown->count++] = grains[i];
@@ -96,7 +106,7 @@ void world_thrown_take(struct world *world, double time, const struct bearing_co
 	const int64_t now = llround(time * 0x1p20);
 	const int count = bearing_throw_grains(&contact->throws, contact->thrown_from, fmax(contact->forces.sinkage, 0), now, contact->thrown, grains);
 	world->thrown->sums.thrown[soil] += contact->thrown;
-	world_thrown_add(world, now, grains, (size_t)count);
+	world_thrown_add(world, grains, (size_t)count);
 }
 
 void world_thrown_count(struct world *world, const int64_t classes[SOIL_CLASSES])
@@ -309,30 +319,44 @@ void world_thrown_from(struct world *world, double time)
 		world->thrown->ticks = tick_before(time, true);
 }
 
-enum status world_thrown_until(struct world *world, double time, bool at_it, size_t rests)
+enum status world_thrown_until(struct world *world, double time, bool at_it)
 {
 	struct thrown *thrown = world->thrown;
 	const int64_t last = tick_before(time, at_it);
+	const size_t rests = thrown->ticks < last && thrown->count > 0 ? world_rests(world) : 0;
 	while (thrown->ticks < last && thrown->count > 0) {
 		TRY(tick(world, (thrown->ticks + 1) << TICK_BITS, rests));
 		thrown->ticks++;
 	}
+	thrown->ticks = thrown->ticks > last ? thrown->ticks : last;
 	return STATUS_OK;
 }
 
 /* --- the record, and checkpoints --- */
+
+static void add_sums(struct record_thrown *to, const struct record_thrown *from)
+{
+	for (int i = 0; i < SOIL_CLASSES; i++)
+		to->thrown[i] += from->thrown[i];
+	to->landed += from->landed;
+	to->lost += from->lost;
+}
 
 void world_thrown_record(const struct world *world, struct record *record)
 {
 	const struct thrown *thrown = world->thrown;
 	if (thrown == NULL)
 		return;
-	const size_t room = record->thrown.room;
+	struct bearing_grain *grains = world_record_grains(record, world->scene->object_count);
+	const size_t room = record->thrown.room, left = WORLD_THROWN_MOST - thrown->count, others = thrown->others.count < left ? thrown->others.count : left;
 	record->thrown = thrown->sums;
+	add_sums(&record->thrown, &thrown->others.sums);
 	record->thrown.room = room;
-	record->thrown.count = thrown->count;
+	record->thrown.count = thrown->count + others;
 	if (thrown->count > 0)
-		memcpy(world_record_grains(record, world->scene->object_count), thrown->list, thrown->count * sizeof *thrown->list);
+		memcpy(grains, thrown->list, thrown->count * sizeof *thrown->list);
+	if (others > 0)
+		memcpy(grains + thrown->count, thrown->others.list, others * sizeof *grains);
 }
 
 static int64_t volume_of(const struct bearing_grain *grains, size_t count)
@@ -364,6 +388,8 @@ enum status world_thrown_resume(struct world *world)
 			return world_record_damaged(world->facts.path, "soil in flight that has flown beyond its time");
 	if (all_thrown(&record->thrown) != record->thrown.landed + record->thrown.lost + volume_of(grains, record->thrown.count))
 		return world_record_damaged(world->facts.path, "thrown soil whose sum is wrong");
+	if (world->ranks != NULL && world->ranks->rank > 0) /* the first rank has all at the start */
+		return STATUS_OK;
 	thrown->sums = record->thrown;
 	thrown->count = record->thrown.count;
 	if (thrown->count > 0)
@@ -405,22 +431,114 @@ void world_thrown_restore(struct world *world, const struct thrown_saved *saved)
 		memcpy(thrown->list, saved->grains, thrown->count * sizeof *thrown->list);
 }
 
+/* --- other ranks --- */
+
+_Static_assert(GRAIN_NUMBERS == WORLD_GRAIN_NUMBERS && SOIL_CLASSES + 2 == WORLD_THROWN_SUMS, "messages");
+
+size_t world_grains_here(const struct world *world)
+{
+	return world->thrown != NULL ? world->thrown->count : 0;
+}
+
+struct post_rect world_grain_area(const struct world *world, size_t number, double until)
+{
+	const struct thrown *thrown = world->thrown;
+	const struct bearing_grain *grain = &thrown->list[number];
+	const int64_t flies = llround(until * 0x1p20) - grain->since, intervals = world_intervals_due(world, until);
+	int64_t from[3], to[3];
+	bearing_grain_at(grain, thrown->gravity, grain->flown, from);
+	bearing_grain_at(grain, thrown->gravity, flies < grain->flown ? grain->flown : flies < GRAIN_LONGEST ? flies : GRAIN_LONGEST, to);
+	const struct bearing_landing ends[] = {{.x = from[0], .y = from[1]}, {.x = to[0], .y = to[1]}};
+	const struct post_rect area = bearing_thrown_posts(world->bearing, ends, 2);
+	return post_rect_empty(area) || intervals <= 0 ? area : world_slides_from(world, area, intervals);
+}
+
+void world_grain_pack(const struct world *world, size_t number, struct world_grain_moved *moved)
+{
+	bearing_grain_save(&world->thrown->list[number], moved->numbers);
+}
+
+enum status world_grain_unpack(struct world *world, const struct world_grain_moved *moved)
+{
+	struct bearing_grain grain;
+	if (world->thrown == NULL || !bearing_grain_load(moved->numbers, &grain))
+		return fail_with(STATUS_FAILED, "ranks: soil in flight that came is damaged; start all ranks with the same version of furrow");
+	world_thrown_add(world, &grain, 1);
+	return STATUS_OK;
+}
+
+void world_grains_keep(struct world *world, const bool *stays)
+{
+	struct thrown *thrown = world->thrown;
+	size_t count = 0;
+	for (size_t i = 0; i < thrown->count; i++)
+		if (stays[i])
+			thrown->list[count++] = thrown->list[i];
+	thrown->count = count;
+}
+
+size_t world_grains_most_here(struct world *world)
+{
+	if (world->thrown == NULL)
+		return 0;
+	const size_t most = world->thrown->most > world->thrown->count ? world->thrown->most : world->thrown->count;
+	world->thrown->most = world->thrown->count;
+	return most;
+}
+
+void world_thrown_share(const struct world *world, int64_t sums[WORLD_THROWN_SUMS])
+{
+	const struct record_thrown *from = &world->thrown->sums;
+	memcpy(sums, from->thrown, sizeof from->thrown);
+	sums[SOIL_CLASSES] = from->landed;
+	sums[SOIL_CLASSES + 1] = from->lost;
+}
+
+void world_thrown_others_begin(struct world *world)
+{
+	if (world->thrown == NULL)
+		return;
+	world->thrown->others.sums = (struct record_thrown){.room = 0};
+	world->thrown->others.count = 0;
+	world->thrown->others.step = world->step;
+}
+
+void world_thrown_others_sums(struct world *world, const int64_t sums[WORLD_THROWN_SUMS])
+{
+	struct record_thrown from = {.landed = sums[SOIL_CLASSES], .lost = sums[SOIL_CLASSES + 1]};
+	memcpy(from.thrown, sums, sizeof from.thrown);
+	add_sums(&world->thrown->others.sums, &from);
+}
+
+enum status world_thrown_others_grain(struct world *world, const struct world_grain_moved *moved)
+{
+	struct thrown *thrown = world->thrown;
+	struct bearing_grain grain;
+	if (!bearing_grain_load(moved->numbers, &grain))
+		return fail_with(STATUS_FAILED, "ranks: soil in flight that was told is damaged; start all ranks with the same version of furrow");
+	if (thrown->others.count < WORLD_THROWN_MOST) /* fleet refuses more */
+		thrown->others.list[thrown->others.count++] = grain;
+	return STATUS_OK;
+}
+
 /* --- what is told --- */
 
 bool world_thrown_figures(const struct world *world, struct world_thrown_figures *figures)
 {
 	const struct thrown *thrown = world->thrown;
-	if (thrown == NULL)
+	if (thrown == NULL || (world->ranks != NULL && thrown->others.step != world->step))
 		return false;
 	const double unit = lattice_offset_metres(1) * world->resident.spacing * world->resident.spacing;
+	struct record_thrown sums = thrown->sums;
+	add_sums(&sums, &thrown->others.sums);
 	*figures = (struct world_thrown_figures){
-		.grains = thrown->count, .thrown = all_thrown(&thrown->sums), .landed = thrown->sums.landed, .lost = thrown->sums.lost,
-		.flying = volume_of(thrown->list, thrown->count),
+		.grains = thrown->count + thrown->others.count, .thrown = all_thrown(&sums), .landed = sums.landed, .lost = sums.lost,
+		.flying = volume_of(thrown->list, thrown->count) + volume_of(thrown->others.list, thrown->others.count),
 	};
 	for (int i = 0; i < world->scene->soil_count; i++) {
 		const struct soil_numbers *soil = &world->scene->soils[i];
 		const double density = !isnan(soil->unit_weight) ? soil->unit_weight / world->scene->gravity : !isnan(soil->density) ? soil->density : SOIL_USUAL_DENSITY;
-		figures->mass += (double)thrown->sums.thrown[i] * unit * density;
+		figures->mass += (double)sums.thrown[i] * unit * density;
 	}
 	return true;
 }

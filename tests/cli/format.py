@@ -333,7 +333,7 @@ class Deformed(FormatTest):
         with contextlib.closing(sqlite3.connect(self.folder / "s.furrow")) as db:
             state = json.loads(db.execute("SELECT state FROM run").fetchone()[0])
         written = {*state, *state["objects"][0], *state["objects"][0]["force"]}
-        self.assertEqual(written | {"attached", "added", "since", "heals", "rises", "grows", "grains", "landed", "thrown", "lost"}, named)  # only with vehicles, where soil was added, with marks that fade, and with thrown soil
+        self.assertEqual(written | {"attached", "added", "carried", "in_flight", "since", "heals", "rises", "grows", "grains", "landed", "thrown", "lost", "trend"}, named)  # only with vehicles, where soil was added, with marks that fade, with carried and thrown soil, and with forces
 
     def test_a_chain_of_overlays(self):
         self.driven(SCENE, 75)

@@ -116,6 +116,23 @@ SLIDING = scene("scm", 4, "".join(
     f"  - {{name: p{i}, shape: {shape}, {more}, path: {{points: [{on_ring(i, 34 + 5 * (i % 4), 0)}, {on_ring(i, 22, math.pi + 0.2)}], speed: {14 + i % 3}}}}}\n"
     for i, (shape, more) in enumerate(SLIDES))).replace("model: scm", "model: scm, faces: on").replace("dry_sand", "dry_sand, janosi_shear: 0.2")
 
+# Plates and blades that carry soil come from all sides to one place, and pass it: there one rank computes all of them. Wheels go through what they spill.
+CARRYING = scene("scm", 4, "".join(
+    f"  - {{name: p{i}, shape: {{box: {{size: {size}}}}}, {more}, carry: true, path: {{points: [{on_ring(i, 30 + 4 * (i % 4), 0)}, {on_ring(i, 20, math.pi + 0.3)}], "
+    f"speed: {12 + i % 3}}}}}\n" for i, (size, more) in enumerate((
+        ("[1, 1.4, 0.1]", "sink: 0.22"), ("[0.8, 1.2, 0.12]", "sink: 0.2, attitude: [15, 4, 3]"), ("[0.3, 1.6, 0.5]", "sink: 0.3, attitude: [20, 30, 0]"),
+        ("[1, 1, 0.3]", "load: 3000"), ("[1.2, 0.9, 0.1]", "sink: 0.15, attitude: [0, 0, 40]")))) +
+    wheel("a", [on_ring(5, 30, 0.1), on_ring(5, 25, math.pi)], 14, "load: 1500, slip: 0.3") +
+    wheel("stands", [on_ring(2, 3, 0)], 1, "sink: 0.05") + "".join(
+        f"  - {{name: slow{i}, shape: {{box: {{size: [1.5, 2, 0.1]}}}}, sink: 0.35, attitude: [10, {6 + 9 * i}, 3], carry: true, path: {{points: [[{30 + 60 * i}, 200], [{34 + 60 * i}, 201]], speed: {0.4 + 0.1 * i}}}}}\n"
+        for i in range(2))).replace("forces: 20", "forces: 7").replace("model: scm", "model: scm, interval: 0.06")
+# Wheels that spin throw soil over the edges of tiles, at each other, beyond the terrain, and onto a plate that carries it.
+THROWING = scene("scm", 4.2, "".join(
+    wheel(f"t{i}", [on_ring(2 * i, 25 + 2 * i, 0), on_ring(2 * i, 12, math.pi + 0.2)], 7 + i % 2, f"load: {900 + 150 * i}, slip: {0.3 + 0.06 * i}") for i in range(3)) +
+    wheel("edge", [[1.2, 40], [9, 42]], 3, "load: 900, slip: 0.6") +
+    "  - {name: plate, shape: {box: {size: [1, 1.4, 0.1]}}, sink: 0.2, carry: true, path: {points: [[166, 138.3], [112, 120.8]], speed: 11}}\n", step=0.02).replace(
+        "model: scm", "model: scm, thrown: on, interval: 0.06").replace("forces: 20", "forces: 7")
+
 
 class Ranks(FurrowTest):
     @classmethod
@@ -178,8 +195,18 @@ class Ranks(FurrowTest):
                 self.assertTrue(filecmp.cmp(a, b, shallow=False), file)
         for key in ("ended", "steps", "volume", "objects"):
             self.assertEqual(reports[0][key], reports[1][key], key)
+        self.assertEqual(reports[0].get("thrown"), reports[1].get("thrown"))
         self.assertFalse((self.folder / f"{many}.furrow.parts").exists())
         self.ok("verify", f"{many}.furrow")
+
+    def ledger(self, report, *names):
+        """Offsets + compacted + carried + in flight - added is 0 to the unit, of run.json alone and of each store."""
+        units = report["volume"]["quanta"]
+        self.assertEqual(units["net"] + units["compacted"] + units.get("carried", 0) + units.get("in_flight", 0) - units["added"], 0)
+        for name in names:
+            check = json.loads(self.ok("verify", f"{name}.furrow", "--json"))
+            self.assertEqual(check["offset_sum"]["-3"] + sum(check[key] for key in ("compacted", "carried", "in_flight")), check["added"])
+            self.assertEqual({key: check[key] for key in ("carried", "in_flight")}, {key: units.get(key, 0) for key in ("carried", "in_flight")})
 
     def compare(self, text, store="plain.furrow", ranks=None, moves=True, blocks=False):
         self.scene(text)
@@ -198,6 +225,29 @@ class Ranks(FurrowTest):
         if blocks:
             self.assertGreater(blocks_moved, 0, "no sliding soil moved between ranks")
 
+    def kill_one(self, process, chance):
+        """Kills mpirun's child, or the drive itself. Returns whether there was one."""
+        if process.poll() is not None:
+            return 0
+        children = []
+        for task in pathlib.Path(f"/proc/{process.pid}/task").glob("*/children"):
+            children += [int(pid) for pid in task.read_text().split()]
+        try:
+            os.kill(chance.choice(children) if children else process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            return 0
+        return 1
+
+    def kill_after_a_commit(self, command):
+        """Kills one process of a drive into "many" once a commit of it is there, unless it is done by then."""
+        log = self.folder / "many" / "epochs.log"
+        log.unlink()
+        process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while process.poll() is None and (not log.exists() or log.stat().st_size == 0):
+            time.sleep(0.01)
+        self.kill_one(process, random.Random(SEED))
+        process.wait(timeout=200)
+
 
 @chosen_tests(2)
 class TheSame(Ranks):
@@ -206,6 +256,23 @@ class TheSame(Ranks):
 
     def test_bodies_that_slide_keep_their_recent_motion(self):
         self.compare(SLIDING)
+
+    def test_soil_aboard_bodies_that_pass_between_ranks(self):
+        self.compare(CARRYING)
+        report = json.loads((self.folder / "many3" / "run.json").read_text())
+        self.assertGreater(report["volume"]["quanta"]["carried"], 1000000)
+        self.assertGreater(report["ranks"]["bodies_moved"], 1)
+        self.ledger(report, "one", "many2", "many3")
+
+    def test_soil_in_flight(self):
+        self.compare(THROWING)
+        report = json.loads((self.folder / "many3" / "run.json").read_text())
+        thrown = report["thrown"]["quanta"]
+        self.assertEqual(thrown["thrown"], thrown["landed"] + thrown["lost"] + thrown["in_flight"])
+        for key in ("landed", "lost", "in_flight"):
+            self.assertGreater(thrown[key], 1000, key)
+        self.assertEqual(report["volume"]["quanta"]["in_flight"], thrown["in_flight"])
+        self.ledger(report, "one", "many2", "many3")
 
     def test_marks_that_fade(self):
         self.compare(CROSSING.replace("objects:", "attributes: {disturbance: {heals: 500}, vegetation: {tears: 0.5, rises: 300, grows: 900}, elapsed: 9}\nobjects:"))
@@ -323,19 +390,6 @@ class Killed(Ranks):
         while time.monotonic() < until and process.poll() is None:
             time.sleep(0.01)
 
-    def kill_one(self, process, chance):
-        """Kills mpirun's child, or the drive itself. Returns whether there was one."""
-        if process.poll() is not None:
-            return 0
-        children = []
-        for task in pathlib.Path(f"/proc/{process.pid}/task").glob("*/children"):
-            children += [int(pid) for pid in task.read_text().split()]
-        try:
-            os.kill(chance.choice(children) if children else process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            return 0
-        return 1
-
     def test_ctrl_c_ends_all_after_one_step(self):
         self.scene(CROSSING)
         one = self.run_command(self.command(1, "scene.yaml", "one"))
@@ -357,6 +411,42 @@ class Killed(Ranks):
         self.same("one", "many", (one, many))
 
 
+@chosen_tests(1)
+class GoesOn(Ranks):
+    def test_soil_aboard_and_in_flight_goes_on(self):
+        """A drive in parts, by other numbers of processes, one of them cut off by a kill."""
+        self.scene(THROWING)
+        one = self.run_command(self.command(1, "scene.yaml", "one"))
+        self.run_command(self.command(2, "scene.yaml", "many", "--steps", 60))
+        part = self.run_command(self.command(3, "scene.yaml", "many", "--resume", "--steps", 100))
+        self.ledger(part, "many")
+        self.assertGreater(min(part["volume"]["quanta"][key] for key in ("carried", "in_flight")), 1000)
+        self.kill_after_a_commit(self.command(3, "scene.yaml", "many", "--resume"))
+        many = self.run_command(self.command(2, "scene.yaml", "many", "--resume"))
+        self.same("one", "many", (one, many))
+        self.ledger(many, "one", "many")
+        self.run_command(self.command(2, "scene.yaml", "again", "--steps", 130))
+        self.same("one", "again", (one, self.run_command(self.command(1, "scene.yaml", "again", "--resume"))))
+
+    def test_soil_that_is_poured_between_drives(self):
+        """Ranks go over ground on which a heap was poured, and leave what one process leaves. Where parts of a drive were left, they are not put over what was poured since."""
+        heap = ["edit", "--polygon", "POLYGON ((120 120, 134 120, 134 134, 120 134))", "--volume", 12]
+        self.scene(CARRYING)
+        for n, name in ((1, "one"), (2, "many")):
+            self.run_command(self.command(n, "scene.yaml", name, "--steps", 30))
+            self.ok(*heap, f"{name}.furrow")
+            self.ledger({"volume": {"quanta": {"net": 0, "compacted": 0, "added": 0}}}, name)
+            self.assertIn("of another scene", self.run_command(self.command(3, "scene.yaml", name, "--resume"), expect=1))
+        self.same("one", "many", [self.run_command(self.command(n, "scene.yaml", name)) for n, name in ((1, "one"), (3, "many"))])
+        report = json.loads((self.folder / "many" / "run.json").read_text())
+        self.ledger(report, "one", "many")
+        self.assertGreater(json.loads(self.ok("verify", "many.furrow", "--json"))["added"], 0)
+        self.kill_after_a_commit(self.command(2, "scene.yaml", "many"))
+        self.assertTrue((self.folder / "many.furrow.parts").exists(), "it was done before the kill")
+        self.ok(*heap, "many.furrow")
+        self.assertIn("has changed since", self.run_command(self.command(2, "scene.yaml", "many", "--resume"), expect=1))
+
+
 @chosen_tests(2)
 class Refused(Ranks):
     def mpmd(self, first, second):
@@ -374,6 +464,23 @@ class Refused(Ranks):
         self.assertIn("view.images=0", self.run_command(command, expect=1))
         self.assertFalse((self.folder / "many.furrow").exists())
         self.run_command(command + ["--set", "view.images=0"])
+
+    def test_more_grains_than_one_process_has_room_for(self):
+        wheels = "".join(wheel(f"t{i}", [[20 + 24 * (i % 5), 30 + 9 * i], [50 + 24 * (i % 5), 31 + 9 * i]], 16, "load: 900, slip: 0.7") for i in range(14))
+        self.scene(scene("scm", 2, wheels, step=0.02).replace("model: scm", "model: scm, thrown: on"))
+        said = self.run_command(self.command(2, "scene.yaml", "many"), expect=1)
+        self.assertIn("redistribute.thrown: ranks: more than 16384 grains fly at once", said)
+        step, time_, state = self.record("many")[0]
+        self.assertLess(step, 100)
+        self.assertTrue(json.loads(self.ok("verify", "many.furrow", "--json"))["ok"])
+
+    def test_grains_that_come_down_on_bodies_over_several_soils(self):
+        made = subprocess.run(["gdal_translate", "-q", "-ot", "Byte", "plain.tif", "classes.tif"], cwd=self.folder, capture_output=True, check=False)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.scene(THROWING.replace("{name: dry_sand}", "{map: classes.tif, classes: {1: dry_sand}, default: sandy_loam_15}"))
+        said = self.run_command(self.command(2, "scene.yaml", "many"), expect=1)
+        self.assertIn("a grain that comes down on a body with carry has the soil that was thrown most", said)
+        self.assertEqual(list(self.folder.glob("many.furrow*")), [])
 
     def test_a_rank_without_gl(self):
         drive = self.command(1, "scene.yaml", "many")

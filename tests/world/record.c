@@ -10,6 +10,7 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "bearing/bearing.h"
 #include "world/record.h"
 #include "../support/program.h"
 
@@ -46,7 +47,7 @@ static char *printed(void)
 	record->active_count = 2;
 	record->active[0] = (struct soil_block){3, 4};
 	record->active[1] = (struct soil_block){INT64_C(1) << 33, 0};
-	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1, 5, SUM_MOST, 0});
+	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1, 5, SUM_MOST, 0, 77, 0});
 	assert_non_null(text);
 	free(record);
 	return text;
@@ -71,6 +72,7 @@ static void it_comes_back_to_the_bit(void **state)
 	assert_true(record->step == 7 && same_real(record->time, 0.1) && record->level == -3 && record->ended);
 	assert_true(record->sums.below == -SUM_MOST && record->sums.above == SUM_MOST &&
 		    record->sums.compacted == SUM_MOST - 1 && record->sums.sunk == 5 && record->sums.slid == SUM_MOST);
+	assert_true(record->sums.carried == 77 && record->sums.in_flight == 0 && record->sums.added == 0);
 	assert_true(record->active_count == 2 && record->active[0].x == 3 && record->active[0].y == 4);
 	assert_true(record->active[1].x == INT64_C(1) << 33 && record->active[1].y == 0);
 	for (int i = 0; i < 2; i++) {
@@ -135,6 +137,7 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 		{"\"below\":\"-2", "\"below\":\"3"}, {"\"compacted\":\"2", "\"compacted\":\"3"},
 		{"\"compacted\":\"2", "\"compacted\":\"-3"}, {"\"compacted\"", "\"compact\""},
 		{"\"sunk\":\"5\"", "\"sunk\":\"-1\""}, {"\"sunk\":\"5\"", "\"sunk\":5"}, {"\"slid\"", "\"slides\""}, {"\"slid\":\"2", "\"slid\":\"3"},
+		{"\"carried\":\"77\"", "\"carried\":\"-1\""}, {"\"carried\":\"77\"", "\"carried\":77"}, {"\"carried\":\"77\"", "\"carried\":\"2305843009213693952\""},
 		{"\"state\":\"0\"", "\"state\":\"4\""}, {"\"state\":\"0\"", "\"state\":\"-1\""}, {"\"state\"", "\"stated\""},
 		{"\"awake\"", "\"asleep\""}, {"\"3,4;", "\"3,4"}, {"\"3,4;", "\"3;4,"}, {"\"3,4;", "\"-3,4;"}, {"\"3,4;", "\"3,;"},
 		{"\"3,4;", "\"3,4;;"}, {"\"3,4;", "\"9223372036854775808,4;"}, {"\"awake\":\"", "\"awake\":[\"\"],\"a\":\""},
@@ -182,7 +185,7 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	for (int64_t i = 0; i < DEFORM_BLOCKS_MAX; i++)
 		record->active[i] = (struct soil_block){i, INT64_MAX - i};
 	memcpy(record->objects, objects, sizeof objects);
-	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0, 0, 0, 0}), *more, *at;
+	char *text = world_record_print(record, &scene, &(struct pages_sums){.below = 0}), *more, *at;
 	struct record *read = room();
 	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
 	assert_int_equal(read->active_count, DEFORM_BLOCKS_MAX);
@@ -200,10 +203,47 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	mem_free(text);
 }
 
+#define GRAINS 3
+
+static struct record *with_grains(const int *order)
+{
+	struct record sized = {.thrown = {.room = GRAINS}};
+	struct record *record = calloc(1, world_record_bytes_of(&sized, 2));
+	assert_non_null(record);
+	record->thrown.room = GRAINS;
+	memcpy(record->objects, objects, sizeof objects);
+	for (int i = 0; order != NULL && i < GRAINS; i++)
+		world_record_grains(record, 2)[i] = (struct bearing_grain){.from = {5, order[i] % 2, 9}, .since = 11, .volume = 100 + order[i], .velocity = {-order[i], 0, 1}};
+	record->thrown.count = order != NULL ? GRAINS : 0;
+	return record;
+}
+
+static void the_order_of_grains_does_not_show(void **state)
+{
+	(void)state;
+	static const int orders[][GRAINS] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
+	char *texts[3];
+	for (int i = 0; i < 3; i++) {
+		struct record *record = with_grains(orders[i]);
+		assert_int_equal(world_record_in_flight(record, 2), 303);
+		texts[i] = world_record_print(record, &scene, &(struct pages_sums){.in_flight = 303});
+		assert_string_equal(texts[i], texts[0]);
+		free(record);
+	}
+	struct record *read = with_grains(NULL);
+	assert_int_equal(parse(texts[0], 1, 1, &scene, read), STATUS_OK);
+	assert_int_equal(read->thrown.count, GRAINS);
+	assert_int_equal(read->sums.in_flight, 303);
+	free(read);
+	for (int i = 0; i < 3; i++)
+		mem_free(texts[i]);
+}
+
 TEST_PROGRAM(record)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_comes_back_to_the_bit),
+		cmocka_unit_test(the_order_of_grains_does_not_show),
 		cmocka_unit_test(as_many_blocks_as_may_be_awake_and_no_more),
 		cmocka_unit_test(another_scene_s_objects_are_refused),
 		cmocka_unit_test(steps_and_times_that_are_none_are_refused),
