@@ -112,7 +112,7 @@ static int by_place(const void *a, const void *b, void *user)
 
 static enum status settle(struct world *world, struct body *body, size_t rests)
 {
-	const struct deform_rest rest = {&body->object->shape, body->last, body->loaded_body};
+	const struct deform_rest rest = {&body->object->shape, body->last, body->loaded_body, false};
 	const struct post_rect posts = bearing_carried_posts(world->bearing, body->carried, &rest);
 	struct held_tiles held;
 	struct post_rect changed;

@@ -32,7 +32,7 @@ static enum status need_entries(struct near_table *near, size_t count)
 
 void world_near_free(struct near_table *near)
 {
-	mem_free_all(near->entries, near->found, near->kept, near->rests, near->cells);
+	mem_free_all(near->entries, near->found, near->kept, near->rests, near->beside, near->cells);
 	*near = (struct near_table){.stale = true};
 }
 
@@ -46,7 +46,7 @@ static struct post_rect shadow_of(const struct world *world, const struct deform
 /* Returns where a body on a path is now. */
 static struct deform_rest rest_of(const struct body *body)
 {
-	return (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
+	return (struct deform_rest){&body->object->shape, body->last, body->loaded_body, true};
 }
 
 static void add_path(const struct world *world, const struct body *body, struct near_entry *entry)
@@ -286,4 +286,40 @@ void world_near_find(struct world *world, struct post_rect rect)
 				look(world, near->cells[i].entry, rect);
 	if (near->found_count > 1)
 		qsort(near->found, near->found_count, sizeof *near->found, by_body);
+}
+
+/* --- beside a contact --- */
+
+static enum status add_beside(struct world *world, const struct body *body, struct post_rect rect)
+{
+	struct near_table *near = &world->near;
+	const struct deform_rest rest = rest_of(body);
+	if (!body->has_last || body->elsewhere || body->host.removed || post_rect_empty(post_rect_intersect(shadow_of(world, &rest), rect)))
+		return STATUS_OK;
+	TRY(mem_grow(&near->beside, &near->beside_room, near->beside_count + 1, sizeof *near->beside, "bodies near each other"));
+	near->beside[near->beside_count++] = rest;
+	return STATUS_OK;
+}
+
+enum status world_near_beside(struct world *world, size_t own, struct post_rect rect, struct deform_contact *contact)
+{
+	struct near_table *near = &world->near;
+	near->beside_count = 0;
+	if (world->body_count == 0 || (world->body_count == 1 && own == 0))
+		return STATUS_OK;
+	/* The table has bodies of a host where this step moves them to. It has none that a window drops. */
+	if (scene_moves_bodies(world->scene) || own == WORLD_DROPPED) {
+		for (size_t i = 0; i < world->body_count; i++)
+			if (i != own && world->bodies[i] != NULL)
+				TRY(add_beside(world, world->bodies[i], rect));
+	} else {
+		TRY(near->stale ? world_near_make(world) : STATUS_OK);
+		world_near_find(world, rect);
+		for (size_t i = 0; i < near->found_count; i++)
+			if (near->found[i].body != own)
+				TRY(add_beside(world, world->bodies[near->found[i].body], rect));
+	}
+	contact->rests = near->beside;
+	contact->rest_count = near->beside_count;
+	return STATUS_OK;
 }
