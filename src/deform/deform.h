@@ -45,7 +45,7 @@ struct deform_contact {
 	struct soil_carried *carried; /* for soil that bears: what the object carries (soil/carried.h), and may take along; NULL: nothing */
 	int32_t now;  /* the store's time at `to`, quarter seconds; for marks that fade */
 	int32_t torn; /* how much of the cover below it the body tears, 0 to PLANE_MARK_MOST */
-	/* Kinematic models that conserve soil: other bodies that may be above posts of its windows. Each has `roofs` set. Soil is not laid and does not slide
+	/* Kinematic models that conserve soil: other bodies, at rest, that may be above posts of its windows. Each has `roofs` set. Soil is not laid and does not slide
 	 * into them. The caller's, until the contact was computed. */
 	const struct deform_rest *rests;
 	size_t rest_count;

@@ -286,13 +286,13 @@ static enum status compute_alone(struct world *world, const struct event *event,
 	return status;
 }
 
-/* Finds the other bodies over the posts of a contact. */
+/* Finds the bodies at rest over the posts of a contact. */
 static enum status find_beside(struct world *world, const struct event *event, const struct deform_window *windows, size_t count, struct deform_contact *contact)
 {
 	struct post_rect read = windows[0].read;
 	for (size_t i = 1; i < count; i++)
 		read = post_rect_joined(read, windows[i].read);
-	TRY(world_near_beside(world, event->body, read, contact));
+	TRY(world_near_beside(world, event, read, contact));
 	return contact->rest_count > 0 ? deform_need_roofs(world->deform) : STATUS_OK;
 }
 

@@ -306,8 +306,6 @@ struct thrown_saved;
 enum status world_thrown_save(const struct world *world, struct thrown_saved **out) FURROW_CHECKED;
 void world_thrown_restore(struct world *world, const struct thrown_saved *saved);
 
-#define WORLD_STILL 1.0 /* s: under a kinematic model a body that moves less than a post in this time is at rest */
-
 /* --- near.c: bodies near each other --- */
 
 /* Lists the bodies, with all places of this step's events. Call it when a step has its events. */
@@ -317,8 +315,14 @@ enum status world_near_begin(struct world *world, size_t count, const int32_t *n
 void world_near_end(struct world *world);
 /* Puts the bodies that are over these posts now into world->near.found, in their order. */
 void world_near_find(struct world *world, struct post_rect rect);
-/* Tells a contact of a kinematic model which other bodies lie over these posts now. own: the number of its body. STATUS_MEMORY. */
-enum status world_near_beside(struct world *world, size_t own, struct post_rect rect, struct deform_contact *contact) FURROW_CHECKED;
+/* Tells whether a body is at rest at a time, so that no soil may be laid or slide into it (kinematic models). One that moves lowers the ground below it again.
+ * It follows from a body's path alone, or of a host's body from its last contact. So it is the same for any time step, in a drive that goes on, and on all
+ * ranks. A body that was at rest is no longer so from a contact of its own on. */
+bool world_is_at_rest(const struct body *body, double time);
+/* Tells whether a body may be so in this drive. */
+bool world_has_rests(const struct world *world);
+/* Tells a contact of a kinematic model which other bodies at rest lie over these posts. STATUS_MEMORY. */
+enum status world_near_beside(struct world *world, const struct event *event, struct post_rect rect, struct deform_contact *contact) FURROW_CHECKED;
 void world_near_free(struct near_table *near);
 
 /* --- contact.c: the deformation by one contact --- */

@@ -102,7 +102,7 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	if (count == 0 || aloft)
 		return STATUS_OK;
 	if (deform_conserves(world->scene->model))
-		TRY(world_near_beside(world, event->body, area.read, contact));
+		TRY(world_near_beside(world, event, area.read, contact));
 	world->counts.windows.computed += due;
 	TRY(compute(world, event, contact, &area, windows, count, &changed));
 	world_count_windows(body, contact, due);

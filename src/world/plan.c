@@ -94,26 +94,6 @@ size_t world_batched_bodies(const struct world *world, const struct deform_param
 	return count;
 }
 
-/* Tells whether a body may be at rest near moved soil of a kinematic model: where there are several, one beside another; one alone after it has come to rest. */
-static bool has_roofs(const struct world *world)
-{
-	const struct scene *scene = world->scene;
-	const double end = (double)world_intervals_by(world, scene->end_time) * scene->interval;
-	bool rests = scene_moves_bodies(scene) || scene->object_count > 1 || world->params.drops;
-	for (size_t i = 0; i < scene->object_count && !rests; i++) {
-		const struct scene_path *path = &scene->objects[i].path;
-		const struct track *track = i < world->body_count ? world->bodies[i]->track : NULL;
-		const int64_t samples = track != NULL ? motion_track_samples(track) : 0;
-		rests = samples > 0 && samples < INT64_MAX && motion_track_sample_time(track, samples - 1) < end;
-		rests = rests || (path->speed > 0 && path->speed * WORLD_STILL < world->resident.spacing);
-		for (size_t k = 1; k < path->count && path->timed && !path->degrees && !rests; k++) {
-			const struct scene_waypoint *from = &path->points[k - 1], *to = &path->points[k];
-			rests = to->t - from->t > WORLD_STILL && hypot(to->x - from->x, to->y - from->y) / (to->t - from->t) * WORLD_STILL < world->resident.spacing;
-		}
-	}
-	return rests && deform_conserves(scene->model) && !deform_tells_forces(scene->model);
-}
-
 void world_deform_params(const struct world *world, struct deform_params *params)
 {
 	const struct scene *scene = world->scene;
@@ -159,7 +139,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	for (size_t i = 0; i < scene->object_count && i < world->body_count; i++)
 		params->loaded_bodies += world->bodies[i]->loaded_body > 0;
 	params->batches = world_batched_bodies(world, params) >= 2;
-	params->roofs = has_roofs(world);
+	params->roofs = world_has_rests(world);
 }
 
 bool world_computes_together(const struct world *world)

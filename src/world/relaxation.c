@@ -32,22 +32,6 @@ enum status world_wake_all(struct world *world)
 	return world_wake(world, all);
 }
 
-/* Tells whether a body is at rest in the interval that ends at `time`, so that no soil may slide into it. One that moves lowers the ground below it again. It
- * follows from the body's path, so it is the same for any time step, in a drive that goes on, and on all ranks. */
-static bool is_at_rest(const struct body *body, double time)
-{
-	if (body->kind == BODY_PATH) {
-		const int64_t samples = motion_track_samples(body->track);
-		int64_t next = body->next < samples ? body->next : samples;
-		while (next > 0 && motion_track_sample_time(body->track, next - 1) > time)
-			next--;
-		if (next == samples)
-			return next > 0 && motion_track_sample_time(body->track, next - 1) < time;
-		return (next > 0 && motion_track_sample_time(body->track, next) - motion_track_sample_time(body->track, next - 1) > WORLD_STILL);
-	}
-	return !body->host.moving || time - body->host.touched > WORLD_STILL;
-}
-
 /* Lists the bodies in contact. */
 static size_t rests_of(const struct world *world)
 {
@@ -57,7 +41,7 @@ static size_t rests_of(const struct world *world)
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
 		if (body != NULL && body->has_last && !body->host.removed && !body->elsewhere)
-			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body, kinematic && is_at_rest(body, time)};
+			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body, kinematic && world_is_at_rest(body, time)};
 	}
 	return count;
 }
