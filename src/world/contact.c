@@ -342,7 +342,7 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		body->trend = bearing_trend_after(world->bearing, &contact);
 	body->has_last = true;
 	body->last = contact.to;
-	body->host.moving = event->seconds > 0;
+	body->host.moving = !deform_is_contact_only(&contact);
 	body->host.touched = event->time;
 	return status;
 }

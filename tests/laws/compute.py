@@ -141,6 +141,23 @@ class Compute(FurrowTest):
                 self.compare(what, text, self.ground(tile, kind, relief))
 
 
+    def test_parked_bodies_do_not_show_tiles_steps_slots_or_an_end(self):
+        for rest in ("slippage, iterations: 2, interval: 0.05}\nsoil: {name: dry_sand}", "sumner, iterations: 3, interval: 0.05}\nsoil: {name: sand, compression: 0}"):
+            text = HEAD % (2, 0.125) + f"redistribute: {{model: {rest}\n" + PARKED
+            first = None
+            for how, tile, step in ("gpu", 64, 0.05), ("cpu", 16, 0.1), ("gpu", 32, 0.02), ("cpu", 64, 0.02):
+                rows, _, run = self.left(text.replace("time_step: 0.05", f"time_step: {step}"), how, self.ground(tile, "plain", 0))
+                self.ok("export", f"{how}-{self.overlays}.furrow", "-o", f"posts-{self.overlays}.tif", "--layer", "fixed_point")
+                posts = (self.folder / f"posts-{self.overlays}.tif").read_bytes()
+                first = first or (posts, run["volume"])
+                self.assertTrue(posts == first[0] and run["volume"] == first[1], f"{rest}: {how}, tiles of {tile}, steps of {step} s")
+            base = self.ground(32, "plain", 0)
+            few = text + "cache: {slots: 12, loaders: 1, prefetch: 0}\n"
+            whole = self.left(text, "gpu", base)
+            self.left(few, "gpu", base, "--steps", 17, overlay=f"parked-{rest[:6]}.furrow")
+            rows, csv, run = self.left(few, "cpu", base, "--resume", overlay=f"parked-{rest[:6]}.furrow")
+            self.assertTrue(rows == whole[0] and csv == whole[1], rest)
+
     def test_ground_that_another_soil_left(self):
         """Walls that only a stiff soil holds: what slides next to them depends on which blocks are active."""
         stiff = HEAD % (2, 0.25) + "redistribute: {model: slippage}\nsoil: {name: clayey_38}\n" + WHEELS
