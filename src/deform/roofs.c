@@ -3,8 +3,8 @@
  * body leaves little room (src/soil/sliding/roofs.h; the CPU's part is src/bearing/roofs.c).
  *
  * Of each body two lower envelopes are drawn: its own, and that of the body upside down, which tells where its upper side is. A pass notes for each post
- * the highest offset to which soil may bring it (roof.frag). Programs and the texture of roofs are made when a body is first at rest near moved soil, or
- * before the first step if the parameters say that one will be.
+ * the highest offset to which soil may bring it (roof.frag). Programs and the texture of roofs are made before the first step if the parameters say that a
+ * body will be at rest. Otherwise they are made when one first is.
  */
 #include <math.h>
 #include <string.h>
