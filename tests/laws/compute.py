@@ -49,6 +49,12 @@ LARGE = """objects:
   - {name: ball, shape: {sphere: {radius: 22}}, sink: 3, path: {points: [[60, 60], [75, 68]], speed: 15}}
   - {name: slab, shape: {box: {size: [40, 45, 2]}}, sink: 0.5, path: {points: [[50, 70], [56, 70]], speed: 5}}
 """
+# The window of the ball is in parts. A slab and a wheel stand where it lays soil.
+LARGE_PARKED = """objects:
+  - {name: slab, shape: {box: {size: [5, 8, 0.6]}}, sink: 0.05, path: {points: [[88, 64]], speed: 1}}
+  - {name: wheel, shape: {wheel: {radius: 2, width: 1.5, grousers: 11}}, sink: 0.2, path: {points: [[74, 80]], speed: 1}}
+  - {name: ball, shape: {sphere: {radius: 22}}, sink: 3, path: {points: [[60, 60], [75, 68]], speed: 15}}
+"""
 MAP = "soil: {map: classes.png, classes: {1: %s, 2: %s}, default: %s}\n"
 CUBE = "".join(f"v {x} {y} {z}\n" for x in (-0.7, 0.7) for y in (-0.5, 0.6) for z in (-0.6, 0.4)) + "".join(
     f"f {a} {b} {c}\n" for a, b, c in ((1, 2, 4), (1, 4, 3), (5, 7, 8), (5, 8, 6), (1, 5, 6), (1, 6, 2), (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5), (2, 6, 8), (2, 8, 4)))
@@ -127,6 +133,8 @@ class Compute(FurrowTest):
                      "sumner, iterations: 2, interval: 0.1, undisturbed: slides}\nsoil: {name: sand}"):
             yield f"parked, {rest}", HEAD % (2.5, 0.125) + f"redistribute: {{model: {rest}\nattributes: [disturbance]\n" + PARKED, 32, "plain", 0
             yield f"parked on dunes, {rest}", HEAD % (2, 0.125) + f"redistribute: {{model: {rest}\n" + PARKED, 64, "dunes", 2
+            if "tolerance" in rest or "mud" in rest:
+                yield f"parked, large, {rest}", HEAD % (0.3, 0.125) + f"redistribute: {{model: {rest}\n" + LARGE_PARKED, 64, "dunes", 2
         yield "parked, soils, slippage", HEAD % (2, 0.125) + "redistribute: {model: slippage, interval: 0.05}\n" + MAP % ("dry_sand", "lete_sand", "clayey_38") + PARKED, 64, "plain", 0
         yield "parked, soils, sumner", HEAD % (2, 0.125) + "redistribute: {model: sumner, interval: 0.05}\n" + MAP % ("sand", "mud", "snow") + PARKED, 64, "plain", 0
         for model in ("none", "box", "sumner", "slippage"):
