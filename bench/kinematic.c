@@ -136,7 +136,7 @@ static void measure_shed(int samples)
 			}
 			for (int y = 1; y <= WIDE; y++) {
 				const int32_t *own = sheds + y * STRIDE + 1, *const rows[3] = {own - STRIDE, own, own + STRIDE};
-				soil_shed_take_row(WIDE, rows, false, change, NULL);
+				soil_shed_take_row(WIDE, rows, NULL, false, change, NULL);
 			}
 		}
 		ns[i] = (clock_seconds() - began) * 1e9 / rounds / POSTS;

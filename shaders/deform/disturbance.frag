@@ -14,7 +14,7 @@ layout(binding = 1, r8ui) readonly restrict uniform uimage2DArray contacts;
 layout(binding = 2, r8ui) restrict uniform uimage2D disturbances;
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region;  // x, y: from a post in the window to that in the tile; the layer
+	ivec4 region;  // x, y: from a post in the window to that in the tile
 	ivec4 reached; // posts that the contact writes: first, one behind the last
 };
 #else
@@ -51,7 +51,7 @@ void main()
 {
 	ivec2 post = ivec2(gl_FragCoord.xy), there = post + region.xy;
 	uint before = imageLoad(disturbances, there).r;
-	uint after = disturbed(before, imageLoad(contacts, ivec3(post, region.z)).r, imageLoad(offsets, there).r);
+	uint after = disturbed(before, imageLoad(contacts, ivec3(post, 0)).r, imageLoad(offsets, there).r);
 	if (all(greaterThanEqual(post, reached.xy)) && all(lessThan(post, reached.zw)))
 		imageStore(disturbances, there, uvec4(after));
 }

@@ -7,6 +7,7 @@
 // - SOILS: number of soil classes in the parameters
 // - LAST: the last iteration, which writes offsets
 // - SLOPES: the critical difference depends on the height of the slope, over blocks
+// - ROOFS: bodies at rest keep posts from rising
 // - BLOCKS, WAKES: as in slid.glsl
 
 #include "lib/slide.glsl"
@@ -45,6 +46,9 @@ ivec4 limits_of(int soil)
 #endif
 
 #include "lib/slid.glsl"
+#ifdef ROOFS
+#include "lib/roofs.glsl"
+#endif
 
 // Returns the place of a post's soil in the limits.
 int soil_at(ivec3 at)
@@ -66,6 +70,9 @@ void main()
 #endif
 #ifdef STOOD
 	int base = imageLoad(grounds, at).r;
+#endif
+#ifdef ROOFS
+	int own_room = room_below_roof(at, height);
 #endif
 #ifdef SLOPES
 	int slope = imageLoad(slopes, at).r;
@@ -92,6 +99,9 @@ void main()
 		int amount = min(min((over + 7) >> 3, high >> 3), SLIDE_MOST);
 #ifdef BOUNDED
 		amount = min(amount, gives ? loose : max(0, other - imageLoad(floors, there).r) >> 3);
+#endif
+#ifdef ROOFS
+		amount = min(amount, gives ? room_below_roof(there, other) : own_room);
 #endif
 #ifdef STOOD
 		int more = gives ? risen(difference, base, there) : -risen(difference, base, there);

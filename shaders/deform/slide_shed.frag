@@ -1,6 +1,7 @@
 #version 450 core
 // Sumner's erosion, first pass: how much each post sheds to each lower neighbour, and to which. One fragment for each post.
-// Defines: SOILS: number of soil classes in the parameters; STOOD: undisturbed ground is stable, however steep.
+// Defines: SOILS: number of soil classes in the parameters; STOOD: undisturbed ground is stable, however steep; ROOFS: bodies at rest keep posts from
+// rising.
 
 #include "lib/slide.glsl"
 #include "lib/squares.glsl"
@@ -24,6 +25,10 @@ layout(std140, binding = 0) uniform soils_of_posts {
 	ivec4 others[PASSED];
 	sumner soils[SOILS];
 };
+
+#ifdef ROOFS
+#include "lib/roofs.glsl"
+#endif
 
 layout(location = 0) out int shed_out; // bits 0 .. 22: the share; from bit 23 on a bit for each neighbour that gets it
 
@@ -51,6 +56,9 @@ void main()
 		bool open = other != STILL;
 #ifdef STOOD
 		open = open && risen(difference, base, there) > soils[0].stop.z;
+#endif
+#ifdef ROOFS
+		open = open && room_below_roof(there, other) > 0;
 #endif
 		starts = starts || (open && difference > (k < 4 ? soil.stop.x : soil.stop.y));
 		bool steep = open && difference > (k < 4 ? goes.x : goes.y);

@@ -88,7 +88,7 @@ uvec4 sum = uvec4(0u), best = uvec4(0u); // of this row, by face
 void weigh(int x, int y, int face, int weight)
 {
 	ivec3 post = ivec3(x, y, place.x);
-	if (weight <= 0 || (imageLoad(contacts, post).r & TOUCHED_POST) != 0u || imageLoad(bases, post).r == BASE_NODATA)
+	if (weight <= 0 || (imageLoad(contacts, post).r & (TOUCHED_POST | CRAMPED)) != 0u || imageLoad(bases, post).r == BASE_NODATA)
 		return;
 	imageStore(weighed, post, ivec4(face << 16 | weight));
 	uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));

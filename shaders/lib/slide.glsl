@@ -25,7 +25,7 @@ const int SLIDE_APART = 3 << 27;
 const ivec2 SLIDE_NEAR[8] = ivec2[8](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0, 1), ivec2(-1, -1),
 				     ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1)); // four axial, four diagonal
 
-#if defined(STOOD) || defined(LAST)
+#if defined(STOOD) || defined(LAST) || defined(ROOFS)
 layout(binding = 7, r32i) readonly uniform iimage2DArray grounds; // bases
 #endif
 

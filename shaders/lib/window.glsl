@@ -8,4 +8,5 @@ const int TOUCH = 4;                // fixed-point units; the envelopes of a mot
 // so it may have left it.
 const uint LOWERED = 1u, HELD = 2u, TOUCHED_POST = LOWERED | HELD, NEAR = 16u;
 const uint NO_GROUND = 32u; // in `contacts` after a contact: the post has no data
+const uint CRAMPED = 64u; // in `contacts`: a body at rest leaves little room above the post, so no soil is laid there
 const uint CLOSED = 8u; // over blocks, in `contacts`: the post's block is not visited, so the post does not relax

@@ -25,7 +25,7 @@ static enum status hold(struct bearing *bearing, const struct deform_rest *rest)
 	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
 	const struct soil_pose pose = bearing_rest_pose(bearing, rest);
 	const struct soil_kinematic_contact contact = {.shape = rest->shape};
-	if (bearing->bears)
+	if (bearing->bears || rest->roofs)
 		return bearing_roof(bearing, rest->shape, &pose);
 	TRY(bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &contact, planes->width, (size_t)(planes->rect.y1 - planes->rect.y0))));
 	soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);

@@ -28,8 +28,9 @@ struct bearing_window {
 	size_t scratch_bytes;
 	uint32_t *words;  /* flags of blocks */
 	size_t word_count;
-	/* Bodies at rest, below which soil does not rise: soil that bears. Made when the first of them is there. */
+	/* Bodies at rest, below which soil does not rise. Made when the first of them is there. */
 	int32_t *highest;
+	uint8_t *touched; /* kinematic models: what the contact left at each post, before bodies at rest held some */
 	size_t highest_posts;
 	void *roof_scratch;
 	size_t roof_bytes;
@@ -160,6 +161,8 @@ void bearing_tell(const struct bearing *bearing, const struct deform_contact *co
 /* roofs.c */
 /* Marks posts that a body at rest holds, and notes how high soil may rise below it. STATUS_MEMORY. */
 enum status bearing_roof(struct bearing *bearing, const struct soil_shape *shape, const struct soil_pose *pose) FURROW_CHECKED;
+/* Keeps what the contact left at the posts of the window, before bodies at rest hold some. *touched: the copy. Kinematic models. STATUS_MEMORY. */
+enum status bearing_roofs_keep_touched(struct bearing *bearing, const uint8_t **touched) FURROW_CHECKED;
 /* The window has no bodies at rest from now on. */
 void bearing_roofs_clear(struct bearing *bearing);
 /* Gives the roofs of the window for sliding. Returns NULL if there are none. */
@@ -169,6 +172,8 @@ void bearing_roofs_close(struct bearing *bearing);
 void bearing_roofs_open(struct bearing *bearing);
 /* Moves laid soil that has no room below a body to other posts on which soil was laid in `laid`. Returns what found none, fixed-point units. */
 int64_t bearing_roofs_part(struct bearing *bearing, struct post_rect laid);
+/* Takes laid soil away that has no room below a body. Returns how much, fixed-point units. Kinematic models: the GPU does the same. */
+int64_t bearing_roofs_limit(struct bearing *bearing, struct post_rect laid);
 void bearing_roofs_finish(struct bearing_window *window);
 
 /* carried.c */

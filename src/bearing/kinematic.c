@@ -80,8 +80,20 @@ static struct soil_measured measure(const struct bearing *bearing, const struct 
 	return measured;
 }
 
-/* Lays what the contact displaced, and lets soil slide. Returns the posts that may have changed. below: posts below the body. */
-static struct post_rect redistribute(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, struct post_rect below)
+/* Finds the roofs of bodies beside the contact. Returns the posts that the contact touched, as soil_lay reads them: what others hold is none of it. */
+static enum status find_roofs(struct bearing *bearing, const struct deform_contact *contact, const uint8_t **patch)
+{
+	bearing_roofs_clear(bearing);
+	*patch = bearing->window.planes.contact;
+	if (contact->rest_count == 0)
+		return STATUS_OK;
+	TRY(bearing_roofs_keep_touched(bearing, patch));
+	return bearing_hold(bearing, contact->rests, contact->rest_count);
+}
+
+/* Lays what the contact displaced, and lets soil slide. Gives the posts that may have changed. below: posts below the body. */
+static enum status redistribute(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, struct post_rect below,
+				struct post_rect *changed)
 {
 	struct bearing_window *window = &bearing->window;
 	const struct soil_planes *planes = &window->planes;
@@ -91,20 +103,27 @@ static struct post_rect redistribute(struct bearing *bearing, const struct defor
 	struct post_rect reached = posts_with(planes, below, (uint8_t)~SOIL_NO_GROUND);
 	struct soil_lay_result laid = {.compacted = 0};
 	struct soil_slid slid = {0};
+	struct soil_roofs roofs;
+	const uint8_t *patch;
+	TRY(find_roofs(bearing, contact, &patch));
 	if (carries) {
 		memset(window->deposits, 0, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0) * sizeof *window->deposits);
-		soil_lay(&laying, &measured, bearing->laid, planes, planes->contact, NULL, area->write, window->scratch, window->deposits, &laid);
+		bearing_roofs_close(bearing);
+		soil_lay(&laying, &measured, bearing->laid, planes, patch, NULL, area->write, window->scratch, window->deposits, &laid);
+		bearing_roofs_open(bearing);
+		laid.compacted += bearing_roofs_limit(bearing, laid.posts);
 		reached = post_rect_joined(reached, laid.posts);
 	}
 	const struct soil_slide_window slide = {
 		.written = area->write, .posts = near ? soil_slide_posts(area->write, reached, bearing->around) : area->write, .world = bearing->world,
-		.deposits = carries ? window->deposits : NULL,
+		.deposits = carries ? window->deposits : NULL, .loaded = window->roofed,
 	};
-	soil_slide_window(&bearing->rule, planes, &slide, window->scratch, window->words, &slid);
+	soil_slide_window_below(&bearing->rule, planes, &slide, bearing_roofs(bearing, &roofs), window->scratch, window->words, &slid);
 	bearing->tally.compacted += laid.compacted + (int64_t)slid.compacted;
 	bearing->tally.refused += laid.refused + slid.refused;
 	bearing->tally.confined += laid.confined;
-	return post_rect_intersect(area->write, post_rect_joined(reached, slide.posts));
+	*changed = post_rect_intersect(area->write, post_rect_joined(reached, slide.posts));
+	return STATUS_OK;
 }
 
 static enum status wake(struct bearing *bearing, struct post_rect write, bool alone)
@@ -183,7 +202,7 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 		*changed = post_rect_empty(lowered) ? lowered : post_rect_intersect(area->write, post_rect_grown(lowered, bearing->kinematic.radius));
 		return STATUS_OK;
 	}
-	*changed = redistribute(bearing, contact, area, below);
+	TRY(redistribute(bearing, contact, area, below, changed));
 	if (bearing->params.disturbance)
 		soil_kinematic_disturb(&window->planes, below);
 	bearing_mark(bearing, contact, below);

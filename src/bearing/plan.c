@@ -62,7 +62,7 @@ static void add_hand(const struct bearing *hand, struct bearing_figures *figures
 {
 	const struct bearing_window *window = &hand->window;
 	size_t bytes = hand->member_room * (sizeof *hand->members + sizeof *hand->others + sizeof *hand->rests) + hand->claim_room * sizeof *hand->claims +
-		       hand->held_room * sizeof *hand->held + window->scratch_bytes + window->highest_posts * sizeof *window->highest + window->roof_bytes + window->before_posts * sizeof *window->before + window->word_count * sizeof *window->words;
+		       hand->held_room * sizeof *hand->held + window->scratch_bytes + window->highest_posts * (sizeof *window->highest + (window->touched != NULL)) + window->roof_bytes + window->before_posts * sizeof *window->before + window->word_count * sizeof *window->words;
 	for (size_t i = 0; i < hand->member_room; i++)
 		bytes += soil_work_bytes(hand->members[i].work);
 	figures->window_posts += window->posts;

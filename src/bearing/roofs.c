@@ -21,8 +21,12 @@ static enum status need(struct bearing *bearing)
 	const size_t posts = posts_of(bearing), bytes = soil_roofs_scratch(&window->planes);
 	if (posts > window->highest_posts) {
 		mem_free(window->highest);
+		mem_free(window->touched);
+		window->touched = NULL;
 		window->highest_posts = 0;
 		TRY(mem_make(&window->highest, posts, sizeof *window->highest, "bodies at rest"));
+		if (!bearing->bears)
+			TRY(mem_make(&window->touched, posts, sizeof *window->touched, "bodies at rest"));
 		window->highest_posts = posts;
 	}
 	if (bytes > window->roof_bytes) {
@@ -54,6 +58,14 @@ enum status bearing_roof(struct bearing *bearing, const struct soil_shape *shape
 		TRY(soil_kinematic_mirror(shape->mesh, &mirrored));
 	window->roofed |= soil_kinematic_roof(&kinematic, shape, mirrored.vertices != NULL ? &mirrored : NULL, pose, planes, window->highest, window->scratch);
 	mem_free(mirrored.vertices);
+	return STATUS_OK;
+}
+
+enum status bearing_roofs_keep_touched(struct bearing *bearing, const uint8_t **touched)
+{
+	TRY(need(bearing));
+	memcpy(bearing->window.touched, bearing->window.planes.contact, posts_of(bearing));
+	*touched = bearing->window.touched;
 	return STATUS_OK;
 }
 
@@ -123,7 +135,25 @@ int64_t bearing_roofs_part(struct bearing *bearing, struct post_rect laid)
 	return more;
 }
 
+int64_t bearing_roofs_limit(struct bearing *bearing, struct post_rect laid)
+{
+	const struct bearing_window *window = &bearing->window;
+	const struct soil_planes *planes = &window->planes;
+	const struct post_rect rect = post_rect_intersect(laid, planes->rect);
+	int64_t more = 0;
+	for (int64_t y = rect.y0; y < rect.y1 && window->roofed; y++)
+		for (int64_t x = rect.x0; x < rect.x1; x++) {
+			const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(x - planes->rect.x0);
+			const int64_t room = (int64_t)window->highest[at] - planes->offset[at], fits = room > 0 ? room : 0, has = (uint32_t)window->deposits[at];
+			if (window->highest[at] == SOIL_ROOF_NONE || has <= fits)
+				continue;
+			more += has - fits;
+			window->deposits[at] = (int32_t)fits;
+		}
+	return more;
+}
+
 void bearing_roofs_finish(struct bearing_window *window)
 {
-	mem_free_all(window->highest, window->roof_scratch);
+	mem_free_all(window->highest, window->touched, window->roof_scratch);
 }

@@ -19,6 +19,7 @@
 #include "soil/soil.h"
 
 struct soil_carried; /* soil/carried.h */
+struct deform_rest;
 
 /* A contact: the object moves straight from `from` to `to` with the attitude of `to`. A first contact has from == to. */
 struct deform_contact {
@@ -45,6 +46,10 @@ struct deform_contact {
 	struct soil_carried *carried; /* for soil that bears: what the object carries (soil/carried.h), and may take along; NULL: nothing */
 	int32_t now;  /* the store's time at `to`, quarter seconds; for marks that fade */
 	int32_t torn; /* how much of the cover below it the body tears, 0 to PLANE_MARK_MOST */
+	/* Kinematic models that conserve soil: other bodies, at rest, that may be above posts of its windows. Each has `roofs` set. Soil is not laid and does not slide
+	 * into them. The caller's, until the contact was computed. */
+	const struct deform_rest *rests;
+	size_t rest_count;
 };
 
 /*
@@ -197,6 +202,7 @@ struct deform_params {
 	bool disturbance;    /* keep the disturbance plane */
 	int32_t heals, rises, grows; /* what the darkest marks that fade take, as in struct plane_marks; 0: no such plane */
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
+	bool roofs;          /* a body will be at rest near moved soil; of models that conserve soil. What that needs is made at once; otherwise when one is */
 	bool fixed;          /* contacts are computed in fixed regions, where they can be; only if deform_takes_regions, and without batches */
 };
 
@@ -246,6 +252,10 @@ enum status deform_check_sheet(const struct deform_params *params) FURROW_CHECKE
  * Pure. */
 enum status deform_cut(const struct deform_params *params, const struct deform_contact *contact,
 		       struct deform_window *windows, size_t *count) FURROW_CHECKED;
+
+/* Makes what bodies at rest need (struct deform_contact's rests). Call it before deform_compute and deform_interval_begin of such bodies. What layers
+ * have is lost. */
+enum status deform_need_roofs(struct deform *deform) FURROW_CHECKED;
 
 /* Computes one window of a contact: gathers it from tiles, displaces and redistributes soil. The result stays in the window's
  * layer, a part of deform's textures. `tiles`: all tiles that hold a post of `read`, pinned; they do not change. deform_scatter writes the
@@ -343,6 +353,7 @@ struct deform_rest {
 	struct soil_pose pose;
 	/* Soil that bears. Not 0: it is at the equilibrium height that the last contact of this loaded body found, relative to this pose */
 	uint32_t loaded_body;
+	bool roofs; /* kinematic models: no soil rises above its lower envelope (soil/sliding/roofs.h). Under soil that bears all bodies do so */
 };
 /* One interval of relaxation (SOIL.md). Call deform_interval_begin, which gives the numbers of regions and runs. Then call
  * deform_interval_gather for each region, then deform_interval_scatter for each run, then deform_interval_end. Without blocks

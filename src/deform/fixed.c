@@ -128,22 +128,6 @@ static enum status draw_envelopes(struct deform *deform, const struct deform_con
 	return grousers ? deform_grousers(deform, contact, window, 0) : STATUS_OK;
 }
 
-/* Runs a pass over a region. Fills its posts, and, if the pass reads or writes a tile, its program. `first`: of the stage. */
-static enum status run(struct deform *deform, const struct regions *regions, int k, enum deform_fixed_pass which, bool *first, struct gpu_pass *pass)
-{
-	struct deform_request request;
-	if (which != FIXED_PASSES) {
-		deform_programs_fixed(&deform->params, which, &request);
-		TRY(deform_program(deform, &request, &deform->fixed[which]));
-		pass->program = deform->fixed[which];
-	}
-	pass->viewport = regions->posts[k];
-	pass->beside = !*first;
-	*first = false;
-	gpu_pass_run(deform->params.gpu, pass);
-	return STATUS_OK;
-}
-
 /* Returns a region's plane. A region that the contact does not write may have none: then that of another region, which nothing is read
  * from or written to. */
 static struct gpu_texture *plane_of(const struct regions *regions, int k, enum plane plane)
@@ -157,29 +141,65 @@ static struct gpu_texture *plane_of(const struct regions *regions, int k, enum p
 	return NULL;
 }
 
+/* What of a region's tile a pass has as an image. */
+enum of_tile { OF_NO_TILE, OF_BASE, OF_OFFSET, OF_DISTURBANCE };
+
+/* A pass that runs once in each region. */
+struct stage {
+	enum deform_fixed_pass which; /* FIXED_PASSES: it reads and writes no tile, and has its program */
+	struct gpu_pass pass;         /* its parameters are the caller's, */
+	int32_t *region;              /* who has these four filled for each region; NULL: none, */
+	int32_t *own;                 /* and the posts that no region before writes; NULL: none */
+	enum of_tile images[4];       /* takes the place of the pass's image */
+};
+
+static enum status run(struct deform *deform, const struct regions *regions, struct stage *stage)
+{
+	struct gpu_pass *pass = &stage->pass;
+	struct deform_request request;
+	if (stage->which != FIXED_PASSES) {
+		deform_programs_fixed(&deform->params, stage->which, &request);
+		TRY(deform_program(deform, &request, &deform->fixed[stage->which]));
+		pass->program = deform->fixed[stage->which];
+	}
+	for (int k = 0; k < REGIONS; k++) {
+		if (regions->slots[k] == NULL)
+			continue;
+		if (stage->region != NULL)
+			memcpy(stage->region, regions->places[k], sizeof regions->places[k]);
+		if (stage->own != NULL)
+			memcpy(stage->own, regions->own[k], sizeof regions->own[k]);
+		for (size_t i = 0; i < sizeof stage->images / sizeof *stage->images; i++)
+			if (stage->images[i] == OF_BASE)
+				pass->images[i] = regions->slots[k]->base;
+			else if (stage->images[i] != OF_NO_TILE)
+				pass->images[i] = plane_of(regions, k, stage->images[i] == OF_OFFSET ? PLANE_OFFSET : PLANE_DISTURBANCE);
+		pass->viewport = regions->posts[k];
+		gpu_pass_run(deform->params.gpu, pass);
+		pass->beside = true;
+	}
+	return STATUS_OK;
+}
+
 /* Lowers the ground. keeps: writes the offsets to the layer, since smoothing reads them there. */
 static enum status lower(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			 const struct regions *regions, bool keeps)
 {
 	struct lower_params params = {.contact = deform_contact_params(deform, contact, window, 0)};
-	bool first = true;
-	deform_posts_in(window, window->write, params.reached);
-	for (int k = 0; k < REGIONS; k++) {
-		if (regions->slots[k] == NULL)
-			continue;
-		memcpy(params.region, regions->places[k], sizeof params.region);
-		memcpy(params.contact.written, regions->own[k], sizeof params.contact.written);
-		TRY(run(deform, regions, k, keeps ? FIXED_CONTACT_KEPT : FIXED_CONTACT, &first, &(struct gpu_pass){
+	struct stage stage = {
+		.which = keeps ? FIXED_CONTACT_KEPT : FIXED_CONTACT, .region = params.region, .own = params.contact.written, .images = {OF_BASE, OF_OFFSET},
+		.pass = {
 			.stage = GPU_CONTACT,
 			.target = deform->scratch[0].to[keeps ? TO_CONTACT : TO_BARE],
-			.images = {regions->slots[k]->base, plane_of(regions, k, PLANE_OFFSET), deform->under, deform->rest, keeps ? NULL : deform->contacts},
+			.images = {[2] = deform->under, deform->rest, keeps ? NULL : deform->contacts},
 			.storage = {deform->tally},
 			.params = &params,
 			.params_bytes = sizeof params,
-		}));
-	}
+		},
+	};
+	deform_posts_in(window, window->write, params.reached);
 	deform->scratch[0].now[PLANE_OFFSET] = 1;
-	return STATUS_OK;
+	return run(deform, regions, &stage);
 }
 
 /* Smooths once in each region. last: writes the tiles; false: the layer's other plane. */
@@ -189,48 +209,41 @@ static enum status smooth(struct deform *deform, const struct deform_window *win
 	const int now = scratch->now[PLANE_OFFSET];
 	struct smooth_params params = {.window = deform_window_params(window->read, 0)};
 	struct deform_request request;
-	bool first = true;
 	deform_posts_in(window, window->write, params.reached);
 	if (!last) {
 		deform_programs_box(&deform->params, &request);
 		TRY(deform_program(deform, &request, &deform->box));
 	}
-	for (int k = 0; k < REGIONS; k++) {
-		if (regions->slots[k] == NULL)
-			continue;
-		memcpy(params.region, regions->places[k], sizeof params.region);
-		TRY(run(deform, regions, k, last ? FIXED_BOX : FIXED_PASSES, &first, &(struct gpu_pass){
+	struct stage stage = {
+		.which = last ? FIXED_BOX : FIXED_PASSES, .region = params.region, .images = {[2] = last ? OF_OFFSET : OF_NO_TILE},
+		.pass = {
 			.stage = GPU_SMOOTH,
 			.program = deform->box,
 			.target = scratch->to[last ? TO_BARE : now == 0 ? TO_SECOND : TO_FIRST],
-			.images = {deform->planes_of[now][PLANE_OFFSET], deform->contacts, last ? plane_of(regions, k, PLANE_OFFSET) : NULL},
+			.images = {deform->planes_of[now][PLANE_OFFSET], deform->contacts},
 			.params = &params,
 			.params_bytes = last ? sizeof params : sizeof params.window,
-		}));
-	}
+		},
+	};
 	scratch->now[PLANE_OFFSET] = 1 - now;
-	return STATUS_OK;
+	return run(deform, regions, &stage);
 }
 
 static enum status disturb(struct deform *deform, const struct deform_window *window, const struct regions *regions)
 {
 	struct disturb_params params;
-	bool first = true;
-	deform_posts_in(window, window->write, params.reached);
-	for (int k = 0; k < REGIONS; k++) {
-		if (regions->slots[k] == NULL)
-			continue;
-		memcpy(params.region, regions->places[k], sizeof params.region);
-		params.region[2] = 0;
-		TRY(run(deform, regions, k, FIXED_DISTURBANCE, &first, &(struct gpu_pass){
+	struct stage stage = {
+		.which = FIXED_DISTURBANCE, .region = params.region, .images = {OF_OFFSET, [2] = OF_DISTURBANCE},
+		.pass = {
 			.stage = GPU_DISTURBANCE,
 			.target = deform->scratch[0].to[TO_BARE],
-			.images = {plane_of(regions, k, PLANE_OFFSET), deform->contacts, plane_of(regions, k, PLANE_DISTURBANCE)},
+			.images = {[1] = deform->contacts},
 			.params = &params,
 			.params_bytes = sizeof params,
-		}));
-	}
-	return STATUS_OK;
+		},
+	};
+	deform_posts_in(window, window->write, params.reached);
+	return run(deform, regions, &stage);
 }
 
 static enum status run_stages(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,

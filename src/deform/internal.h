@@ -40,6 +40,7 @@ struct layer {
 	bool near;       /* soil slides only near what the contact reached */
 	bool alone;      /* the contact has only this window */
 	bool above;      /* as `above` in struct deform_contact: the object is above all ground */
+	bool roofed;     /* bodies at rest are near: `roofs` has theirs */
 	bool flagged;    /* sliding wrote flags for this window, which tell where soil still moves */
 };
 
@@ -89,6 +90,7 @@ struct deform {
 	struct gpu_texture *carried, *deposits; /* conserving models: soil before and after deform_spread, fixed-point units */
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
 	struct gpu_texture *heights[2], *stills, *floors;
+	struct gpu_texture *roofs;             /* how high soil may bring posts below bodies at rest; NULL: no body is */
 	struct gpu_texture *classes;           /* the class of soil of each post; NULL if there is only one soil */
 	/* two textures for each plane, since a pass reads one and writes the other. A gather writes the first; of the atlas, the second */
 	struct gpu_texture *planes_of[2][PLANES];
@@ -102,11 +104,11 @@ struct deform {
 	struct gpu_program *fixed[FIXED_PASSES];
 	struct gpu_program *sheet[SHEET_PASSES];
 	struct gpu_program *spread[SPREAD_PASSES];
-	struct gpu_program *held;
+	struct gpu_program *held, *roof[ROOF_PASSES];
 	struct gpu_program *facet;
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
 	struct gpu_program *slide_begin[OVERS]; /* index: enum deform_over */
-	struct gpu_program *slide[OVERS][2], *shed[OVERS]; /* indices: enum deform_over; 1 in the last iteration */
+	struct gpu_program *slide[2][OVERS][2], *shed[2][OVERS]; /* indices: 1: below roofs; enum deform_over; 1 in the last iteration */
 	struct gpu_program *lines[2];          /* index: 1: diagonal ones */
 	struct gpu_program *slope[SLOPE_HOPS], *steep;
 	struct soil_sliding sliding;           /* the rule of all models but sumner; of sumner its tolerance */
@@ -245,7 +247,7 @@ struct soil_laying deform_laying(const struct deform *deform, const struct defor
 void deform_laid(const struct deform *deform, struct soil_laid soils[SOIL_CLASSES]);
 struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
 					  const struct deform_window *window, uint32_t layer);
-enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window,
+enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct spread_params *params, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 double deform_spread_band(const struct deform *deform, const struct soil_shape *shape); /* posts: how wide it is at most; 0: none is laid */
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
@@ -256,8 +258,21 @@ void deform_spread_plan(struct plan *plan);
  * written posts. Reads offsets and deposited thickness from planes_of[1], and leaves them there. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 /* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
-enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
-				    uint32_t layer) FURROW_CHECKED;
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
+				    const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* roofs.c: bodies at rest, below which posts do not rise. All need deform_need_roofs.
+ * deform_find_roofs: finds those of contact->rests over a window whose contact was computed. deform_roof_envelopes: draws both envelopes of a body over
+ * these posts, in layer 0. deform_roof_note: adds the body's roofs to those of a place; drawn: the posts of the envelopes. deform_roof_run: runs another
+ * pass over posts of a layer. heights: of ROOF_CLOSE and ROOF_OPEN. */
+struct deform_roof_place {
+	struct post_rect posts;
+	uint32_t layer, x, y; /* where the first of them is */
+};
+void deform_clear_roofs(struct deform *deform, uint32_t layer, struct gpu_rect posts);
+enum status deform_find_roofs(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+enum status deform_roof_envelopes(struct deform *deform, const struct deform_rest *rest, struct post_rect posts) FURROW_CHECKED;
+enum status deform_roof_note(struct deform *deform, const struct deform_rest *rest, struct post_rect drawn, const struct deform_roof_place *place) FURROW_CHECKED;
+enum status deform_roof_run(struct deform *deform, enum roof_pass pass, struct gpu_rect posts, uint32_t layer, struct gpu_texture *heights) FURROW_CHECKED;
 /* Blocks that slide together in the atlas, as rectangles of its posts. */
 #define ATLAS_MOST 49 /* lib/squares.glsl */
 /* Cells of the atlas that are marked, and how: lib/cells.glsl. */
@@ -283,6 +298,7 @@ struct slide_place {
 		int32_t step, sides[4];   /* posts beside a border, and beside each side of the window, that were not looked at */
 	} flags;
 	const struct slide_atlas *atlas; /* NULL over a window */
+	bool roofed;                     /* bodies at rest keep posts from rising */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 /* Returns the place of a window. */

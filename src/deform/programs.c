@@ -91,7 +91,13 @@ void deform_programs_begin(const struct deform_params *params, enum deform_over 
 	define(out, "HELD_STILL", deform_model_row(params->model)->slide->held_still);
 }
 
-void deform_programs_slide(const struct deform_params *params, enum slide_what what, enum deform_over over, bool last,
+void deform_programs_roof(enum roof_pass pass, struct deform_request *out)
+{
+	begin(out, "full.vert", pass == ROOF_NOTE ? "deform/roof.frag" : pass == ROOF_LIMIT ? "deform/roof_limit.frag" : "deform/roof_lines.frag");
+	define(out, "OPENS", pass == ROOF_OPEN);
+}
+
+void deform_programs_slide(const struct deform_params *params, enum slide_what what, enum deform_over over, bool last, bool roofed,
 		    struct deform_request *out)
 {
 	const bool blocks = over == OVER_BLOCKS;
@@ -101,6 +107,7 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
 	begin_passed(out, over, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
+	define(out, "ROOFS", roofed);
 	define(out, "BY_CELLS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	define(out, "OF_BLOCKS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	if (what != SLIDE_TAKE) {
@@ -269,13 +276,24 @@ static void each_slide(struct each *each, enum deform_over over)
 		deform_programs_lines(params, diagonal, &each->request);
 		add(each, effect);
 	}
-	for (int pass = 0; pass < last_pass; pass++) {
-		deform_programs_slide(params, slide->passes[pass], over, false, &each->request);
-		add(each, effect);
+	for (int roofed = 0; roofed <= params->roofs; roofed++) {
+		for (int pass = 0; pass < last_pass; pass++) {
+			deform_programs_slide(params, slide->passes[pass], over, false, roofed, &each->request);
+			add(each, effect);
+		}
+		for (int last = params->iterations == 1; last < 2; last++) {
+			deform_programs_slide(params, slide->passes[last_pass], over, last, roofed, &each->request);
+			add(each, effect);
+		}
 	}
-	for (int last = params->iterations == 1; last < 2; last++) {
-		deform_programs_slide(params, slide->passes[last_pass], over, last, &each->request);
-		add(each, effect);
+}
+
+static void each_roof(struct each *each)
+{
+	const bool lines = deform_line_passes(each->params) > 0;
+	for (int pass = 0; pass < (lines ? ROOF_PASSES : ROOF_CLOSE) && each->params->roofs; pass++) {
+		deform_programs_roof((enum roof_pass)pass, &each->request);
+		add(each, deform_slide_effect(each->params->model));
 	}
 }
 
@@ -354,6 +372,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		}
 		each_slide(&each, OVER_WINDOW);
 		each_slide(&each, OVER_BLOCKS);
+		each_roof(&each);
 		deform_programs_held(&each.request);
 		add(&each, deform_slide_effect(params->model));
 	}

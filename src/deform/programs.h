@@ -19,6 +19,9 @@ enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 /* Hops along slopes: the first, those between, the last. */
 enum slope_hop { SLOPE_FIRST, SLOPE_BETWEEN, SLOPE_LAST, SLOPE_HOPS };
 
+/* Passes below bodies at rest: note roofs, limit what is laid, make posts below them still while soil slides along lines, and end that. */
+enum roof_pass { ROOF_NOTE, ROOF_LIMIT, ROOF_CLOSE, ROOF_OPEN, ROOF_PASSES };
+
 /* Passes that lay down carried soil. */
 enum spread_pass { SPREAD_MEASURE, SPREAD_WEIGH, SPREAD_LAY, SPREAD_PASSES };
 
@@ -32,8 +35,10 @@ void deform_programs_contact(const struct deform_params *params, struct deform_r
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
 void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out);
 void deform_programs_begin(const struct deform_params *params, enum deform_over over, struct deform_request *out);
-void deform_programs_slide(const struct deform_params *params, enum slide_what what, enum deform_over over, bool last,
+/* roofed: below roofs. */
+void deform_programs_slide(const struct deform_params *params, enum slide_what what, enum deform_over over, bool last, bool roofed,
 		    struct deform_request *out);
+void deform_programs_roof(enum roof_pass pass, struct deform_request *out);
 /* Along lines of a window. `diagonal`: these cross the window's sides. */
 void deform_programs_lines(const struct deform_params *params, bool diagonal, struct deform_request *out);
 void deform_programs_steep(struct deform_request *out); /* marks where soil may slide */

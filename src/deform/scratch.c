@@ -14,7 +14,7 @@ struct row {
 	size_t place; /* offset of its pointer in struct deform */
 };
 struct rows {
-	struct row list[13 + 2 * PLANES];
+	struct row list[14 + 2 * PLANES];
 	size_t count;
 };
 
@@ -62,6 +62,7 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	add(rows, conserves, (struct row){"heights", slide, GPU_R32I, PLACE(heights[1])});
 	add(rows, conserves, (struct row){"stills", slide, GPU_R8UI, PLACE(stills)});
 	add(rows, conserves && deform_is_bounded(params), (struct row){"floors", slide, GPU_R32I, PLACE(floors)});
+	add(rows, conserves && params->roofs, (struct row){"roofs", slide, GPU_R32I, PLACE(roofs)});
 	add(rows, deform_has_classes(params), (struct row){"window's classes", "soil_map", GPU_R8UI, PLACE(classes)});
 	for (int plane = 0; plane < PLANES; plane++)
 		for (int i = 0; i < 2; i++)

@@ -144,6 +144,7 @@ void deform_begin_layer(struct deform *deform, const struct deform_contact *cont
 	memset(scratch->now, 0, sizeof scratch->now);
 	scratch->alone = window->parts == 0 && all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
 	scratch->above = contact->above;
+	scratch->roofed = false;
 	scratch->near = deform_is_swept(deform, contact);
 }
 

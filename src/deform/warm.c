@@ -31,6 +31,12 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
 		TRY(deform_compute(deform, &contact, &window, 0, NULL, 0));
+		if (deform->params.roofs && deform_conserves(deform->params.model)) {
+			const struct deform_rest rest = {.shape = object->shape, .pose = contact.to, .roofs = true};
+			contact.rests = &rest;
+			contact.rest_count = 1;
+			TRY(deform_compute(deform, &contact, &window, 0, NULL, 0));
+		}
 		if (deform->params.fixed)
 			TRY(deform_fixed_warm(deform, &contact, &window));
 	}

@@ -21,14 +21,14 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"a band is at least 2 and at most 95 posts wide; soil that finds no free post there is compacted, and counted",
 		"lays moved soil in bands beside what was touched"},
 	[EFFECT_SHED] = {
-		"shed", "redistribute.model", "", LIST("deform/slide_begin.frag", "deform/slide_shed.frag", "deform/slide_take.frag", "deform/held.frag"),
+		"shed", "redistribute.model", "", LIST("deform/slide_begin.frag", "deform/slide_shed.frag", "deform/slide_take.frag", "deform/held.frag", "deform/roof.frag", "deform/roof_limit.frag"),
 		"base, offset, heaped", "offset, heaped", 2,
 		LIST(SLIDING, "soil.theta_in", "soil.theta_out", "soil.theta_stop", "soil.roughness"),
 		"a difference counts as at most 64 m, what slides from a post as at most 4 m an iteration; at most 16,384 "
 		"blocks of 32 x 32 posts awake at once",
 		"slides soil from steep posts by their roughness"},
 	[EFFECT_SLIDE] = {
-		"slide", "redistribute.model", "", LIST("deform/slide_begin.frag", "deform/slide_excess.frag", "deform/slide_lines.frag", "deform/slope.frag", "deform/steep.frag", "deform/held.frag"),
+		"slide", "redistribute.model", "", LIST("deform/slide_begin.frag", "deform/slide_excess.frag", "deform/slide_lines.frag", "deform/slope.frag", "deform/steep.frag", "deform/held.frag", "deform/roof.frag", "deform/roof_limit.frag", "deform/roof_lines.frag"),
 		"base, offset, heaped", "offset, heaped", 1,
 		LIST(SLIDING, "redistribute.depth", "soil.repose", "soil.cohesion", "soil.friction_angle", "soil.density", "soil.unit_weight"),
 		"at most an eighth of a difference, and 4 m, an iteration; at most 16,384 blocks of 32 x 32 posts awake at once",

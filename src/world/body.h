@@ -54,6 +54,8 @@ struct body_hosted {
 	double told;                  /* s: time of `force` and `state` */
 	struct world_force force;
 	enum furrow_contact_state state;
+	bool moving;                  /* it moved to `last`, */
+	double touched;               /* s: at this time. A body that a host puts down does not move */
 	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
 	double slip;                  /* of a vehicle's body: what the vehicle told for rows, */
 	struct soil_pose shown;       /* and where */

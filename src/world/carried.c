@@ -182,7 +182,7 @@ static int by_place(const void *a, const void *b, void *user)
 
 static struct bearing_laden laden_of(const struct body *body)
 {
-	return (struct bearing_laden){body->carried, {&body->object->shape, body->last, body->loaded_body}};
+	return (struct bearing_laden){body->carried, {&body->object->shape, body->last, body->loaded_body, false}};
 }
 
 /* Lists other bodies that may be below what falls from one. */

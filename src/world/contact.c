@@ -302,6 +302,16 @@ static enum status compute_alone(struct world *world, const struct event *event,
 	return status;
 }
 
+/* Finds the bodies at rest over the posts of a contact. */
+static enum status find_beside(struct world *world, const struct event *event, const struct deform_window *windows, size_t count, struct deform_contact *contact)
+{
+	struct post_rect read = windows[0].read;
+	for (size_t i = 1; i < count; i++)
+		read = post_rect_joined(read, windows[i].read);
+	TRY(world_near_beside(world, event, read, contact));
+	return contact->rest_count > 0 ? deform_need_roofs(world->deform) : STATUS_OK;
+}
+
 /* A contact that the GPU computes. */
 static enum status deform_contact_at(struct world *world, const struct event *event, struct deform_contact *contact, bool waits)
 {
@@ -326,6 +336,8 @@ static enum status deform_contact_at(struct world *world, const struct event *ev
 	world->counts.windows.due += due;
 	world->counts.windows.computed += aloft ? 0 : due;
 	count = aloft ? 0 : count;
+	if (count > 0 && deform_conserves(world->scene->model))
+		TRY(find_beside(world, event, windows, count, contact));
 	if (waits && count > 0)
 		TRY(world_batches_take(world, event, contact, windows, count, &waiting));
 	return waiting ? STATUS_OK : compute_alone(world, event, contact, windows, count);
@@ -346,6 +358,8 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		body->trend = bearing_trend_after(world->bearing, &contact);
 	body->has_last = true;
 	body->last = contact.to;
+	body->host.moving = !deform_is_contact_only(&contact);
+	body->host.touched = event->time;
 	return status;
 }
 

@@ -332,6 +332,14 @@ enum status world_near_begin(struct world *world, size_t count, const int32_t *n
 void world_near_end(struct world *world);
 /* Puts the bodies that are over these posts now into world->near.found, in their order. */
 void world_near_find(struct world *world, struct post_rect rect);
+/* Tells whether a body is at rest at a time, so that no soil may be laid or slide into it (kinematic models). One that moves lowers the ground below it again.
+ * It follows from a body's path alone, or of a host's body from its last contact. So it is the same for any time step, in a drive that goes on, and on all
+ * ranks. A body that was at rest is no longer so from a contact of its own on. */
+bool world_is_at_rest(const struct body *body, double time);
+/* Tells whether a body may be so in this drive. */
+bool world_has_rests(const struct world *world);
+/* Tells a contact of a kinematic model which other bodies at rest lie over these posts. STATUS_MEMORY. */
+enum status world_near_beside(struct world *world, const struct event *event, struct post_rect rect, struct deform_contact *contact) FURROW_CHECKED;
 void world_near_free(struct near_table *near);
 
 /* --- contact.c: the deformation by one contact --- */

@@ -102,6 +102,8 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	world->counts.windows.due += due;
 	if (count == 0 || aloft)
 		return STATUS_OK;
+	if (deform_conserves(world->scene->model))
+		TRY(world_near_beside(world, event, area.read, contact));
 	world->counts.windows.computed += due;
 	TRY(compute(world, event, contact, &area, windows, count, &told, &changed));
 	if (contact->load > 0)

@@ -45,12 +45,12 @@ struct meetings {
 
 enum status world_meetings_create(struct world *world)
 {
+	world->near.stale = true;
 	if (world->bearing == NULL || !world_feels(world))
 		return STATUS_OK;
 	world->meetings = mem_calloc(1, sizeof *world->meetings);
 	TRY_MEM(world->meetings, "contacts that wait");
 	world->meetings->turn = 1;
-	world->near.stale = true;
 	return STATUS_OK;
 }
 

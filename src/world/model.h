@@ -92,6 +92,8 @@ struct world {
 			struct near_entry entry;
 		} *kept;                 /* those that a probe moved, as they were */
 		struct deform_rest *rests;
+		struct deform_rest *beside; /* bodies beside a contact of a kinematic model */
+		size_t beside_count, beside_room;
 		size_t count, room, found_count, moved, everywhere;
 		struct near_cell *cells; /* sorted */
 		size_t cell_count, cell_room;

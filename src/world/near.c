@@ -4,6 +4,7 @@
  * The table is made anew when bodies may have moved. A body is in all cells of a grid on which it may lie until the table is made anew. Bodies whose
  * places a probe gives are in a list beside it.
  */
+#include <math.h>
 #include <stdlib.h>
 
 #include "world/internal.h"
@@ -32,7 +33,7 @@ static enum status need_entries(struct near_table *near, size_t count)
 
 void world_near_free(struct near_table *near)
 {
-	mem_free_all(near->entries, near->found, near->kept, near->rests, near->cells);
+	mem_free_all(near->entries, near->found, near->kept, near->rests, near->beside, near->cells);
 	*near = (struct near_table){.stale = true};
 }
 
@@ -46,7 +47,7 @@ static struct post_rect shadow_of(const struct world *world, const struct deform
 /* Returns where a body on a path is now. */
 static struct deform_rest rest_of(const struct body *body)
 {
-	return (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
+	return (struct deform_rest){&body->object->shape, body->last, body->loaded_body, true};
 }
 
 static void add_path(const struct world *world, const struct body *body, struct near_entry *entry)
@@ -286,4 +287,89 @@ void world_near_find(struct world *world, struct post_rect rect)
 				look(world, near->cells[i].entry, rect);
 	if (near->found_count > 1)
 		qsort(near->found, near->found_count, sizeof *near->found, by_body);
+}
+
+/* --- beside a contact --- */
+
+#define STILL 1.0 /* s: under a kinematic model a body that moves less than a post in this time is at rest */
+
+bool world_is_at_rest(const struct body *body, double time)
+{
+	if (body->kind != BODY_PATH)
+		return !body->host.moving || time - body->host.touched > STILL;
+	const int64_t samples = motion_track_samples(body->track);
+	int64_t next = body->next < samples ? body->next : samples;
+	while (next > 0 && motion_track_sample_time(body->track, next - 1) > time)
+		next--;
+	if (next == 0)
+		return false;
+	const double last = motion_track_sample_time(body->track, next - 1);
+	return next == samples ? last < time : motion_track_sample_time(body->track, next) - last > STILL;
+}
+
+/* Tells whether a path has a stretch on which its body may be at rest: it goes less than a post in STILL. It may say so of one a little faster, too. */
+static bool pauses(const struct scene_path *path, double spacing)
+{
+	if (!path->timed)
+		return path->speed > 0 && path->speed * STILL < spacing;
+	double way = 0;
+	for (size_t i = 1, first = 0; i < path->count && !path->degrees; i++) {
+		const struct scene_waypoint *from = &path->points[i - 1], *to = &path->points[i];
+		const double step = hypot(to->x - from->x, to->y - from->y), time = to->t - from->t;
+		if (time > STILL / 4 && step * STILL < spacing * time)
+			return true;
+		for (way += step; first < i && way >= spacing; first++)
+			way -= hypot(path->points[first + 1].x - path->points[first].x, path->points[first + 1].y - path->points[first].y);
+		if (to->t - path->points[first].t > STILL / 2)
+			return true;
+	}
+	return path->degrees && path->count > 1;
+}
+
+bool world_has_rests(const struct world *world)
+{
+	const struct scene *scene = world->scene;
+	const double end = (double)world_intervals_by(world, scene->end_time) * scene->interval;
+	bool has = scene_moves_bodies(scene) || world->params.drops;
+	for (size_t i = 0; i < scene->object_count && !has; i++) {
+		const struct track *track = i < world->body_count ? world->bodies[i]->track : NULL;
+		const int64_t samples = track != NULL ? motion_track_samples(track) : 0;
+		has = samples > 0 && ((samples < INT64_MAX && motion_track_sample_time(track, samples - 1) < fmax(end, scene->end_time)) || pauses(&scene->objects[i].path, world->resident.spacing));
+	}
+	return has && deform_conserves(scene->model) && !deform_tells_forces(scene->model);
+}
+
+static enum status add_beside(struct world *world, const struct body *body, double time, struct post_rect rect)
+{
+	struct near_table *near = &world->near;
+	const struct deform_rest rest = rest_of(body);
+	if (!body->has_last || body->elsewhere || body->host.removed || !world_is_at_rest(body, time) || post_rect_empty(post_rect_intersect(shadow_of(world, &rest), rect)))
+		return STATUS_OK;
+	TRY(mem_grow(&near->beside, &near->beside_room, near->beside_count + 1, sizeof *near->beside, "bodies near each other"));
+	near->beside[near->beside_count++] = rest;
+	return STATUS_OK;
+}
+
+enum status world_near_beside(struct world *world, const struct event *event, struct post_rect rect, struct deform_contact *contact)
+{
+	const size_t own = event->body;
+	struct near_table *near = &world->near;
+	near->beside_count = 0;
+	if (world->body_count == 0 || (world->body_count == 1 && own == 0))
+		return STATUS_OK;
+	/* The table has bodies of a host where this step moves them to. It has none that a window drops. */
+	if (scene_moves_bodies(world->scene) || own == WORLD_DROPPED) {
+		for (size_t i = 0; i < world->body_count; i++)
+			if (i != own && world->bodies[i] != NULL)
+				TRY(add_beside(world, world->bodies[i], event->time, rect));
+	} else {
+		TRY(near->stale ? world_near_make(world) : STATUS_OK);
+		world_near_find(world, rect);
+		for (size_t i = 0; i < near->found_count; i++)
+			if (near->found[i].body != own)
+				TRY(add_beside(world, world->bodies[near->found[i].body], event->time, rect));
+	}
+	contact->rests = near->beside;
+	contact->rest_count = near->beside_count;
+	return STATUS_OK;
 }

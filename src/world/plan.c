@@ -139,6 +139,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	for (size_t i = 0; i < scene->object_count && i < world->body_count; i++)
 		params->loaded_bodies += world->bodies[i]->loaded_body > 0;
 	params->batches = world_batched_bodies(world, params) >= 2;
+	params->roofs = world_has_rests(world);
 }
 
 bool world_computes_together(const struct world *world)

@@ -34,11 +34,13 @@ enum status world_wake_all(struct world *world)
 
 size_t world_rests(const struct world *world)
 {
+	const double time = (double)(world->relaxation.intervals + 1) * world->scene->interval;
+	const bool kinematic = !world_feels(world);
 	size_t count = 0;
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
 		if (body != NULL && body->has_last && !body->host.removed && !body->elsewhere)
-			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
+			world->relaxation.rests[count++] = (struct deform_rest){&body->object->shape, body->last, body->loaded_body, kinematic && world_is_at_rest(body, time)};
 	}
 	return count;
 }

@@ -261,10 +261,10 @@ static void the_ground_slides_around_where_it_stands(void **state)
 	for (int i = 0; i < 2; i++) {
 		struct soil_pose pose = {.x = lattice_offset(64.37 * 0.03125), .y = lattice_offset(64.21 * 0.03125), .z = lattice_offset(i == 0 ? 0.55 : 0.2)};
 		struct deform_contact contact = {.shape = &wheel, .from = pose, .to = pose, .load = 6000, .loaded_body = 1};
-		int32_t *where = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 0}, false);
-		int32_t *found = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 1}, false);
-		int32_t *resumed = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 2}, true);
-		int32_t *guessed = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 2}, false);
+		int32_t *where = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 0, false}, false);
+		int32_t *found = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 1, false}, false);
+		int32_t *resumed = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 2, false}, true);
+		int32_t *guessed = slid_on(&soil, &contact, &(struct deform_rest){&wheel, pose, 2, false}, false);
 		assert_memory_equal(found, where, bytes);
 		assert_memory_equal(resumed, where, bytes);
 		assert_memory_not_equal(guessed, where, bytes);

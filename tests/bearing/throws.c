@@ -167,7 +167,7 @@ static void what_finds_no_post_is_told(void **state)
 	assert_true(lost == 1001 && post_rect_empty(changed));
 	/* Below a plate nothing lands. */
 	const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.2, 0.2, 0.1}};
-	const struct deform_rest rest = {&plate, ground_pose(&ground, 100, 100, 0.05), 0};
+	const struct deform_rest rest = {&plate, ground_pose(&ground, 100, 100, 0.05), 0, false};
 	landing.x = lattice_offset(((double)ground.x0 + 100) * 0.03125);
 	landing.y = lattice_offset(((double)ground.x0 + 100) * 0.03125);
 	assert_ok(bearing_thrown_land(ground.bearing, &landing, 1, &rest, 1, ground.tiles, ground.tile_count, &changed, &lost));

@@ -47,7 +47,7 @@ static void spread_on_gpu(struct ground *ground, const struct deform_contact *sw
 		gpu_texture_upload(deform->classes, 0, rect, of->classes);
 	assert_ok(deform_tally(deform, &before));
 	const struct spread_params params = deform_spread_params(deform, sweep, &window, 0);
-	assert_ok(deform_spread(deform, &params, &window, 0));
+	assert_ok(deform_spread(deform, sweep, &params, &window, 0));
 	gpu_texture_read(deform->deposits, 0, rect, of->deposits);
 	assert_ok(deform_tally(deform, &after));
 	of->compacted = after.compacted - before.compacted;

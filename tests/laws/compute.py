@@ -32,10 +32,28 @@ BESIDE = """objects:
   - {name: stands, shape: {box: {size: [3, 3, 4]}}, sink: 0.1, path: {points: [[30, 30]], speed: 1}}
   - {name: passes, shape: {sphere: {radius: 1}}, sink: 0.7, path: {points: [[25, 27.2], [35, 27.2]], speed: 8}}
 """
+# Bodies at rest keep soil out of themselves: a plate on the ground, one above it that leans, a wheel with grousers, a ball, a mesh, a buried box. What moves
+# beside them pushes soil against them; two go side by side, and the one stops where soil still slides.
+PARKED = """objects:
+  - {name: plate, shape: {box: {size: [2, 2, 0.15]}}, path: {file: plate.csv}}
+  - {name: leans, shape: {box: {size: [2, 1.5, 0.1]}}, path: {file: leans.csv}}
+  - {name: lugs, shape: {wheel: {radius: 0.6, width: 0.5, grousers: 9}}, sink: 0.1, path: {points: [[33.1, 26.4]], speed: 1}}
+  - {name: parked, shape: {sphere: {radius: 0.8}}, sink: 0.2, path: {points: [[36.2, 30.2]], speed: 1}}
+  - {name: foot, shape: {mesh: {file: foot.obj}}, path: {file: stands.csv}}
+  - {name: buried, shape: {box: {size: [1, 1, 0.3]}}, sink: 0.29, path: {points: [[30.5, 34.6]], speed: 1}}
+  - {name: blade, shape: {box: {size: [0.3, 2.5, 1.6]}}, sink: 0.25, path: {points: [[24, 25], [28.9, 26.2], [31.4, 30.4], [37.5, 33.1]], speed: 6}}
+  - {name: ball, shape: {sphere: {radius: 0.9}}, sink: 0.4, path: {points: [[24, 27.5], [29.5, 28.5], [34, 31.2]], speed: 6}}
+"""
 # So large that the GPU cuts it into windows. Mesa ends the loops that lay the soil of a ball of 30 m.
 LARGE = """objects:
   - {name: ball, shape: {sphere: {radius: 22}}, sink: 3, path: {points: [[60, 60], [75, 68]], speed: 15}}
   - {name: slab, shape: {box: {size: [40, 45, 2]}}, sink: 0.5, path: {points: [[50, 70], [56, 70]], speed: 5}}
+"""
+# The window of the ball is in parts. A slab and a wheel stand where it lays soil.
+LARGE_PARKED = """objects:
+  - {name: slab, shape: {box: {size: [5, 8, 0.6]}}, sink: 0.05, path: {points: [[88, 64]], speed: 1}}
+  - {name: wheel, shape: {wheel: {radius: 2, width: 1.5, grousers: 11}}, sink: 0.2, path: {points: [[74, 80]], speed: 1}}
+  - {name: ball, shape: {sphere: {radius: 22}}, sink: 3, path: {points: [[60, 60], [75, 68]], speed: 15}}
 """
 MAP = "soil: {map: classes.png, classes: {1: %s, 2: %s}, default: %s}\n"
 CUBE = "".join(f"v {x} {y} {z}\n" for x in (-0.7, 0.7) for y in (-0.5, 0.6) for z in (-0.6, 0.4)) + "".join(
@@ -55,6 +73,9 @@ class Compute(FurrowTest):
         (self.folder / "blade.csv").write_text(poses((0.1 * i, 14 + 0.5 * i, 40 + 0.2 * i, z + 0.1 * (i % 3), 5 * i, 9 - i, 3 * i - 20) for i in range(20)))
         (self.folder / "leaning.csv").write_text(poses((0.1 * i, 40 + 0.3 * i, 14 + 0.35 * i, z, 10 + 8 * i, 0, 12 - 2 * i) for i in range(20)))
         (self.folder / "foot.csv").write_text(poses((0.1 * i, 30, 50, z + 0.15 * (i % 2), 9 * i, 4 * i, 2 * i) for i in range(20)))
+        (self.folder / "plate.csv").write_text(poses([(0, 29, 29, z + 0.07, 12, 0, 0), (9, 29, 29, z + 0.07, 12, 0, 0)]))
+        (self.folder / "leans.csv").write_text(poses([(0, 32, 31.5, z + 0.25, 40, 9, -6), (9, 32, 31.5, z + 0.25, 40, 9, -6)]))
+        (self.folder / "stands.csv").write_text(poses([(0, 34.4, 33.4, z + 0.5, 25, 6, -3), (9, 34.4, 33.4, z + 0.5, 25, 6, -3)]))
         (self.folder / "hops.csv").write_text(poses((0.1 * i, 50 + 0.4 * i, 30, z + (6 if i % 5 == 4 else 0.05), 20, 30 - 6 * i, 10) for i in range(20)))
 
     def ground(self, tile, kind="dunes", relief=3):
@@ -109,6 +130,16 @@ class Compute(FurrowTest):
         yield "soils, sumner", HEAD % (3, 0.125) + "redistribute: {model: sumner, interval: 0.05}\n" + MAP % ("sand", "mud", "snow") + WHEELS, 64, "dunes", 3
         yield "soils, slippage", HEAD % (3, 0.125) + "redistribute: {model: slippage, interval: 0.05}\n" + MAP % ("dry_sand", "lete_sand", "clayey_38") + WHEELS, 64, "dunes", 3
         yield "beside", HEAD % (2, 0.125) + "redistribute: {model: sumner, iterations: 2, interval: 0.05}\nsoil: {name: sand, theta_in: 8}\n" + BESIDE, 64, "dunes", 3
+        for rest in ("slippage, iterations: 3, interval: 0.05}\nsoil: {name: dry_sand}", "slippage, interval: 0.1, depth: 0.3, tolerance: 0.002}\nsoil: {name: clayey_38}",
+                     "sumner, iterations: 3, interval: 0.05}\nsoil: {name: sand, compression: 0}", "sumner, interval: 0.1}\nsoil: {name: mud, compression: 0.1, theta_in: 12}",
+                     "slippage, interval: 0.1, undisturbed: slides}\nsoil: {cohesion: 0, friction_angle: 20, unit_weight: 16000}",
+                     "sumner, iterations: 2, interval: 0.1, undisturbed: slides}\nsoil: {name: sand}"):
+            yield f"parked, {rest}", HEAD % (2.5, 0.125) + f"redistribute: {{model: {rest}\nattributes: [disturbance]\n" + PARKED, 32, "plain", 0
+            yield f"parked on dunes, {rest}", HEAD % (2, 0.125) + f"redistribute: {{model: {rest}\n" + PARKED, 64, "dunes", 2
+            if "tolerance" in rest or "mud" in rest:
+                yield f"parked, large, {rest}", HEAD % (0.3, 0.125) + f"redistribute: {{model: {rest}\n" + LARGE_PARKED, 64, "dunes", 2
+        yield "parked, soils, slippage", HEAD % (2, 0.125) + "redistribute: {model: slippage, interval: 0.05}\n" + MAP % ("dry_sand", "lete_sand", "clayey_38") + PARKED, 64, "plain", 0
+        yield "parked, soils, sumner", HEAD % (2, 0.125) + "redistribute: {model: sumner, interval: 0.05}\n" + MAP % ("sand", "mud", "snow") + PARKED, 64, "plain", 0
         for model in ("none", "box", "sumner", "slippage"):
             yield f"turned, {model}", HEAD % (2.5, 0.125) + f"redistribute: {{model: {model}}}\nattributes: [disturbance]\n" + SOILS[model] + TURNED, 32, "plain", 0
         sheet = "redistribute: {model: sheet, tension: %s, yield: %g, rut: 0.6}\n"
@@ -126,6 +157,23 @@ class Compute(FurrowTest):
             with self.subTest(what):
                 self.compare(what, text, self.ground(tile, kind, relief))
 
+
+    def test_parked_bodies_do_not_show_tiles_steps_slots_or_an_end(self):
+        for rest in ("slippage, iterations: 2, interval: 0.05}\nsoil: {name: dry_sand}", "sumner, iterations: 3, interval: 0.05}\nsoil: {name: sand, compression: 0}"):
+            text = HEAD % (2, 0.125) + f"redistribute: {{model: {rest}\n" + PARKED
+            first = None
+            for how, tile, step in ("gpu", 64, 0.05), ("cpu", 16, 0.1), ("gpu", 32, 0.02), ("cpu", 64, 0.02):
+                rows, _, run = self.left(text.replace("time_step: 0.05", f"time_step: {step}"), how, self.ground(tile, "plain", 0))
+                self.ok("export", f"{how}-{self.overlays}.furrow", "-o", f"posts-{self.overlays}.tif", "--layer", "fixed_point")
+                posts = (self.folder / f"posts-{self.overlays}.tif").read_bytes()
+                first = first or (posts, run["volume"])
+                self.assertTrue(posts == first[0] and run["volume"] == first[1], f"{rest}: {how}, tiles of {tile}, steps of {step} s")
+            base = self.ground(32, "plain", 0)
+            few = text + "cache: {slots: 12, loaders: 1, prefetch: 0}\n"
+            whole = self.left(text, "gpu", base)
+            self.left(few, "gpu", base, "--steps", 17, overlay=f"parked-{rest[:6]}.furrow")
+            rows, csv, run = self.left(few, "cpu", base, "--resume", overlay=f"parked-{rest[:6]}.furrow")
+            self.assertTrue(rows == whole[0] and csv == whole[1], rest)
 
     def test_ground_that_another_soil_left(self):
         """Walls that only a stiff soil holds: what slides next to them depends on which blocks are active."""

@@ -134,6 +134,14 @@ THROWING = scene("scm", 4.2, "".join(
         "model: scm", "model: scm, thrown: on, interval: 0.06").replace("forces: 20", "forces: 7")
 
 
+# Bodies that stand at edges and corners of tiles of 8 m. Balls push soil against them from other ranks, and it slides on when they have stopped.
+PARKED = scene("slippage, iterations: 2, interval: 0.1", 4, "".join(
+    f"  - {{name: b{i}, shape: {{sphere: {{radius: 1.1}}}}, sink: 0.7, path: {{points: [[{x}, {y}], [{to}, {y + 0.7}]], speed: 9}}}}\n"
+    for i, (x, y, to) in enumerate(((36, 63, 62), (20, 92, 62), (92, 64.5, 67), (100, 92, 66)))) + "".join(
+    f"  - {{name: p{i}, shape: {shape}, sink: 0.05, path: {{points: [[{x}, {y}]], speed: 1}}}}\n"
+    for i, (x, y, shape) in enumerate(((64.2, 64.1, "{box: {size: [2, 3, 0.3]}}"), (64, 93.5, "{sphere: {radius: 1.5}}"), (63.5, 90.3, "{wheel: {radius: 0.8, width: 1}}")))))
+
+
 class Ranks(FurrowTest):
     @classmethod
     def setUpClass(cls):
@@ -291,6 +299,9 @@ class TheSame(Ranks):
 
     def test_heaps_that_slide_over_the_edge_of_a_rank(self):
         self.compare(HEAPS, blocks=True)
+
+    def test_soil_that_is_pushed_against_bodies_that_stand(self):
+        self.compare(PARKED, ranks=RANKS[:1], moves=False)
 
     def test_a_loaded_wheel_that_stands_on_sliding_soil_goes_over_to_another_rank(self):
         self.compare(STANDING, ranks=RANKS[:1])

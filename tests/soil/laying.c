@@ -75,7 +75,7 @@ static void lay_on_gpu(struct ground *ground, const struct deform_contact *conta
 		gpu_texture_upload(deform->classes, 0, rect, field.classes);
 	assert_ok(deform_tally(deform, &before));
 	const struct spread_params params = deform_spread_params(deform, contact, &window, 0);
-	assert_ok(deform_spread(deform, &params, &window, 0));
+	assert_ok(deform_spread(deform, contact, &params, &window, 0));
 	gpu_texture_read(deform->deposits, 0, rect, to->deposits);
 	assert_ok(deform_tally(deform, &after));
 	to->compacted = after.compacted - before.compacted;

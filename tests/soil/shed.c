@@ -69,8 +69,8 @@ static int take(void)
 		const int32_t *sheds[3];
 		for (int k = 0; k < 3; k++)
 			sheds[k] = field.shed + (y + k - 1) * SIDE_POSTS + RIM;
-		soil_shed_take_row(N, sheds, true, change, moves);
-		soil_shed_take_row(N, sheds, false, other, of_blocks);
+		soil_shed_take_row(N, sheds, NULL, true, change, moves);
+		soil_shed_take_row(N, sheds, NULL, false, other, of_blocks);
 		for (int x = 0; x < N; x++) {
 			const int at = y * SIDE_POSTS + RIM + x;
 			const int32_t height = field.heights[0][at];

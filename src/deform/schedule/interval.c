@@ -151,6 +151,9 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 		return STATUS_OK;
 	interval->objects = objects;
 	interval->object_count = object_count;
+	for (size_t i = 0; i < object_count; i++)
+		if (objects[i].roofs)
+			TRY(deform_need_roofs(deform));
 	/* Makes all layers that the objects' windows will need. Making them later would lose the gathered posts. */
 	for (size_t i = 0; i < object_count; i++) {
 		const struct deform_contact contact = rest_contact(&objects[i]);
@@ -236,6 +239,20 @@ static bool overlaps(const struct deform *deform, struct post_rect window, size_
 	return false;
 }
 
+/* Notes the roofs of a part of an object at rest, in regions first .. last. */
+static enum status roof(struct deform *deform, const struct deform_rest *object, struct post_rect posts, size_t first, size_t last)
+{
+	if (post_rect_empty(posts) || !overlaps(deform, posts, first, last))
+		return STATUS_OK;
+	TRY(deform_roof_envelopes(deform, object, posts));
+	for (size_t region = first; region <= last; region++) {
+		struct deform_roof_place place = {.posts = deform_interval_reads(deform, region), .layer = deform->layers};
+		place_of(deform->interval, region, &place.x, &place.y);
+		TRY(deform_roof_note(deform, object, posts, &place));
+	}
+	return STATUS_OK;
+}
+
 /* Marks the posts of regions first .. last that an object rests on as held, as at the end of a contact. */
 static enum status hold_all(struct deform *deform, const struct deform_rest *object, size_t first, size_t last)
 {
@@ -246,6 +263,10 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 	for (size_t i = 0; i < count; i++) {
 		if (!overlaps(deform, windows[i].read, first, last))
 			continue;
+		if (object->roofs) {
+			TRY(roof(deform, object, post_rect_intersect(windows[i].read, deform_shadow(deform, &contact)), first, last));
+			continue;
+		}
 		deform->figures.resting += object->shape->kind != SOIL_MESH;
 		TRY(deform_envelope(deform, &contact, &windows[i], 0));
 		for (size_t region = first; region <= last; region++)
@@ -332,6 +353,18 @@ static void describe(const struct deform *deform, size_t first, size_t last, str
 	}
 }
 
+/* Tells whether a body that keeps ground out of itself is near some of these regions. */
+static bool any_roofs(const struct deform *deform, size_t first, size_t last)
+{
+	const struct interval *interval = deform->interval;
+	for (size_t i = 0; i < interval->object_count; i++) {
+		const struct deform_contact contact = rest_contact(&interval->objects[i]);
+		if (interval->objects[i].roofs && overlaps(deform, deform_shadow(deform, &contact), first, last))
+			return true;
+	}
+	return false;
+}
+
 /* Computes the regions in the atlas, first .. last, and keeps their blocks. */
 static enum status compute(struct deform *deform, size_t first, size_t last)
 {
@@ -340,6 +373,9 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	const struct gpu_rect all = {0, 0, SIDE, SIDE};
 	deform->figures.atlases++;
 	gpu_texture_clear(deform->contacts, deform->layers, all, 0);
+	const bool roofed = any_roofs(deform, first, last);
+	if (roofed)
+		deform_clear_roofs(deform, deform->layers, all);
 	for (size_t i = 0; i < interval->object_count; i++)
 		TRY(hold_all(deform, &interval->objects[i], first, last));
 	for (size_t region = first; region <= last; region++)
@@ -352,6 +388,7 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 		.written = all,
 		.atlas = &atlas,
 		.flags = {.words = interval->flags},
+		.roofed = roofed,
 	};
 	TRY(deform_slide_run(deform, &place));
 	for (size_t region = first; region <= last; region++)
@@ -391,11 +428,16 @@ enum status deform_interval_gather(struct deform *deform, size_t region, const s
 enum status deform_interval_warm(struct deform *deform, const struct soil_shape *shape)
 {
 	struct interval *interval = deform->interval;
-	const struct deform_rest object = {.shape = shape};
-	interval->begun = 0;
-	interval->object_count = 0;
+	const double middle = -(4 * SOIL_BLOCK - SOIL_BLOCK / 2) * deform->spacing;
+	const struct deform_rest object = {.shape = shape}, roof = {.shape = shape, .pose = {.x = lattice_offset(middle), .y = lattice_offset(middle)}, .roofs = true};
 	TRY(deform_regions_one((struct soil_block){-4, -4}, &interval->limits, &interval->regions));
-	TRY(deform_interval_gather(deform, 0, NULL, 0));
+	for (int roofed = 0; roofed <= deform->params.roofs; roofed++) {
+		interval->begun = 0;
+		interval->object_count = (size_t)roofed;
+		interval->objects = &roof;
+		TRY(deform_interval_gather(deform, 0, NULL, 0));
+	}
+	interval->object_count = 0;
 	return hold(deform, &object, deform_interval_reads(deform, 0), deform_interval_reads(deform, 0), 0);
 }
 

@@ -199,6 +199,15 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	return STATUS_OK;
 }
 
+/* Gives a pass the roofs. */
+static void roof(struct deform *deform, const struct slide_place *place, struct gpu_pass *pass)
+{
+	if (!place->roofed)
+		return;
+	pass->images[place->atlas != NULL ? 3 : 6] = deform->roofs;
+	pass->images[7] = deform->bases;
+}
+
 /* Runs the pass that ends an iteration. The last iteration needs no post around the blocks. */
 static void run(struct deform *deform, const struct slide_place *place, int iteration, struct gpu_pass *pass)
 {
@@ -211,8 +220,9 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 	pass->images[0] = deform->heights[iteration % 2];
 	pass->storage[1] = last ? place->flags.words : NULL;
 	pass->block = blocks ? NULL : deform->laying;
+	roof(deform, place, pass);
 	if (last) {
-		pass->images[3] = blocks ? NULL : deform->deposits;
+		pass->images[3] = blocks ? pass->images[3] : deform->deposits;
 		pass->images[4] = planes[PLANE_OFFSET];
 		pass->images[5] = deform->stills;
 		pass->images[7] = deform->bases;
@@ -226,8 +236,8 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 {
 	bool last = iteration == deform->params.iterations - 1, stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_EXCESS, over_of(place), last, &request);
-	struct gpu_program **program = &deform->slide[over_of(place)][last];
+	deform_programs_slide(&deform->params, SLIDE_EXCESS, over_of(place), last, place->roofed, &request);
+	struct gpu_program **program = &deform->slide[place->roofed][over_of(place)][last];
 	TRY(deform_program(deform, &request, program));
 	bool slopes = place->atlas != NULL && deform_has_slopes(&deform->params);
 	struct excess_params params = excess_params(deform, place);
@@ -247,8 +257,8 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 {
 	bool stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_SHED, over_of(place), false, &request);
-	struct gpu_program **program = &deform->shed[over_of(place)];
+	deform_programs_slide(&deform->params, SLIDE_SHED, over_of(place), false, place->roofed, &request);
+	struct gpu_program **program = &deform->shed[place->roofed][over_of(place)];
 	TRY(deform_program(deform, &request, program));
 	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
 	struct shed_params params = {.slide = slide_params(place, rim)};
@@ -263,7 +273,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 		for (int n = 0; n < 8; n++)
 			params.soils[i].share[n] = soil->share[n];
 	}
-	deform_atlas_run(deform, place, ATLAS_REGIONS, rim - 2 * left - 1, &(struct gpu_pass){
+	struct gpu_pass pass = {
 		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_SHED],
@@ -272,7 +282,9 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 		.block = place->atlas != NULL ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(&deform->params)] - (char *)&params),
-	});
+	};
+	roof(deform, place, &pass);
+	deform_atlas_run(deform, place, ATLAS_REGIONS, rim - 2 * left - 1, &pass);
 	return STATUS_OK;
 }
 
@@ -281,8 +293,8 @@ static enum status shed_and_take(struct deform *deform, const struct slide_place
 	bool last = iteration == deform->params.iterations - 1;
 	TRY(shed(deform, place, iteration));
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_TAKE, over_of(place), last, &request);
-	struct gpu_program **program = &deform->slide[over_of(place)][last];
+	deform_programs_slide(&deform->params, SLIDE_TAKE, over_of(place), last, place->roofed, &request);
+	struct gpu_program **program = &deform->slide[place->roofed][over_of(place)][last];
 	TRY(deform_program(deform, &request, program));
 	const struct slide_params params = slide_params(place, deform_slide_rim(deform));
 	run(deform, place, iteration, &(struct gpu_pass){
@@ -309,6 +321,16 @@ const struct soil_slide deform_slide_shed = {
 	.iterate = shed_and_take,
 };
 
+/* Lines do not know roofs. */
+static enum status run_lines(struct deform *deform, const struct slide_place *place, int heights)
+{
+	const bool roofed = place->roofed && deform_line_passes(&deform->params) > 0;
+	if (roofed)
+		TRY(deform_roof_run(deform, ROOF_CLOSE, place->all, place->layer, deform->heights[heights]));
+	TRY(deform_lines_run(deform, place, heights));
+	return roofed ? deform_roof_run(deform, ROOF_OPEN, place->all, place->layer, deform->heights[heights]) : STATUS_OK;
+}
+
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place)
 {
 	TRY(begin(deform, place));
@@ -316,7 +338,7 @@ enum status deform_slide_run(struct deform *deform, const struct slide_place *pl
 		TRY(deform_slopes_run(deform, place));
 	for (int i = 0; i < deform->params.iterations; i++) {
 		if (i == deform->params.iterations - 1 && place->atlas == NULL)
-			TRY(deform_lines_run(deform, place, i % 2));
+			TRY(run_lines(deform, place, i % 2));
 		TRY(slide_of(&deform->params)->iterate(deform, place, i));
 	}
 	return STATUS_OK;
@@ -331,6 +353,7 @@ struct slide_place deform_slide_place(struct deform *deform, const struct deform
 		.around = deform->scratch[layer].near ? (int32_t)deform->reach : -1,
 		.first = window->write,
 		.flags = deform_active_flags(deform, window, layer),
+		.roofed = deform->scratch[layer].roofed,
 	};
 }
 
@@ -341,9 +364,9 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 	return deform_slide_run(deform, &place);
 }
 
-enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
-				    uint32_t layer)
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
+				    const struct deform_window *window, uint32_t layer)
 {
-	TRY(deform_spread(deform, spread, window, layer));
+	TRY(deform_spread(deform, contact, spread, window, layer));
 	return deform_slide(deform, window, layer);
 }

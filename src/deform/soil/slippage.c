@@ -12,7 +12,7 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 {
 	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
 	TRY(deform_contact_plainly(deform, contact, window, layer));
-	return deform_spread_and_slide(deform, &spread, window, layer);
+	return deform_spread_and_slide(deform, contact, &spread, window, layer);
 }
 
 static double laid_at(const struct soil_numbers *soil)

@@ -70,7 +70,8 @@ struct gpu_rect deform_rows(const int32_t posts[4])
 	return (struct gpu_rect){0, 0, DEFORM_ROWS_ABREAST, (rows + DEFORM_ROWS_ABREAST - 1) / DEFORM_ROWS_ABREAST};
 }
 
-enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window, uint32_t layer)
+enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct spread_params *params, const struct deform_window *window,
+			  uint32_t layer)
 {
 	/* The heights are not used before soil slides. */
 	struct gpu_texture *const images[SPREAD_PASSES][3] = {
@@ -96,8 +97,11 @@ enum status deform_spread(struct deform *deform, const struct spread_params *par
 			.params = params,
 			.params_bytes = (size_t)((const char *)params->soils[deform_soil_slots(&deform->params)] - (const char *)params),
 		});
+		/* What others hold is no part of the patch that was measured. */
+		if (pass == SPREAD_MEASURE && contact->rest_count > 0)
+			TRY(deform_find_roofs(deform, contact, window, layer));
 	}
-	return STATUS_OK;
+	return contact->rest_count > 0 ? deform_roof_run(deform, ROOF_LIMIT, deform_window_rect(window), layer, NULL) : STATUS_OK;
 }
 
 enum status deform_spread_create(struct deform *deform)

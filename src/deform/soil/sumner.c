@@ -19,7 +19,7 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 		params.kept[i][0] = (uint32_t)floor(ldexp(1 - deform->params.soils[i].compression, 31));
 	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
 	TRY(deform_run_contact(deform, &params, sizeof params, window, layer));
-	return deform_spread_and_slide(deform, &spread, window, layer);
+	return deform_spread_and_slide(deform, contact, &spread, window, layer);
 }
 
 static double laid_at(const struct soil_numbers *soil)

@@ -121,7 +121,8 @@ bool soil_roof_row(const struct contact_row *row, const int32_t *tops, int32_t *
 		if (row->base[i] == BASE_NODATA || row->rest[i] == UNDER_NONE)
 			continue;
 		const int64_t ground = ground_of(row->base[i], row->zero), room = row->rest[i] - ground;
-		if (room >= OFFSET_LIMIT || room <= -OFFSET_LIMIT || (tops != NULL && tops[i] != UNDER_NONE && ground + row->offset[i] >= -(int64_t)tops[i]))
+		const bool inside = row->offset[i] > room + TOUCH;
+		if (room >= OFFSET_LIMIT || room <= -OFFSET_LIMIT || (inside && tops != NULL && tops[i] != UNDER_NONE && ground + row->offset[i] >= -(int64_t)tops[i]))
 			continue;
 		highest[i] = room < highest[i] ? (int32_t)room : highest[i];
 		any = true;

@@ -181,6 +181,15 @@ void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct so
 	}
 }
 
+struct soil_pose soil_upside_down(const struct soil_pose *pose)
+{
+	struct soil_pose turned = *pose;
+	turned.pitch = -pose->pitch;
+	turned.roll = -pose->roll;
+	turned.turn = M_PI - pose->turn;
+	return turned;
+}
+
 enum status soil_kinematic_mirror(const struct soil_mesh *mesh, struct soil_mesh *mirrored)
 {
 	*mirrored = *mesh;
@@ -200,12 +209,9 @@ enum status soil_kinematic_mirror(const struct soil_mesh *mesh, struct soil_mesh
 static void find_tops(const struct soil_shape *shape, const struct soil_mesh *mirrored, const struct under_motion *motion, void *scratch, struct below *tops)
 {
 	struct soil_shape upside_down = *shape;
-	struct soil_pose pose = *motion->to;
+	const struct soil_pose pose = soil_upside_down(motion->to);
 	struct under_motion turned = *motion;
 	upside_down.mesh = mirrored;
-	pose.pitch = -pose.pitch;
-	pose.roll = -pose.roll;
-	pose.turn = M_PI - pose.turn;
 	turned.shape = &upside_down;
 	turned.from = turned.to = &pose;
 	begin(&turned, scratch, tops);

@@ -76,6 +76,8 @@ void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct so
  * post has a roof. mirrored: the mesh of a body that is a mesh, with its z negated; NULL: no ground is above such a body. scratch: twice as many bytes. */
 bool soil_kinematic_roof(const struct soil_kinematic *kinematic, const struct soil_shape *shape, const struct soil_mesh *mirrored, const struct soil_pose *pose,
 			 struct soil_planes *planes, int32_t *highest, void *scratch);
+/* Returns the pose of a body upside down that is at this pose: its upper side is a lower one. A mesh is then soil_kinematic_mirror's. Pure. */
+struct soil_pose soil_upside_down(const struct soil_pose *pose);
 /* Makes a mesh upside down: with its z negated. The caller frees mirrored->vertices with mem_free; the rest is the mesh's. STATUS_MEMORY: it has no vertices. */
 enum status soil_kinematic_mirror(const struct soil_mesh *mesh, struct soil_mesh *mirrored) FURROW_CHECKED;
 

@@ -82,10 +82,10 @@ static void limit(const struct soil_shed *rule, const uint8_t *classes, int32_t 
 	}
 }
 
-/* Adds a neighbour. k: its number. `stood` is a literal: undisturbed ground is stable. */
-SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights,
+/* Adds a neighbour. k: its number. `stood` is a literal: undisturbed ground is stable. So is `roofed`: a post without room takes nothing. */
+SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, bool roofed, int32_t tolerance, const int32_t *restrict heights,
 				       const int32_t *restrict others, const int32_t *restrict grounds, const int32_t *restrict other_grounds, const uint8_t *restrict holds,
-				       const uint8_t *restrict other_holds, const struct limits *restrict limits, struct shedding *restrict s)
+				       const uint8_t *restrict other_holds, const int32_t *restrict other_rooms, const struct limits *restrict limits, struct shedding *restrict s)
 {
 	const int apart = k < 4 ? 0 : 1;
 	const int32_t bit = (int32_t)(1u << (SHARE_BITS + k));
@@ -95,6 +95,8 @@ SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolera
 		bool open = others[i] != SHED_STILL;
 		if (stood)
 			open = open & ((int32_t)((uint32_t)difference - ((uint32_t)grounds[i] - (uint32_t)other_grounds[i])) > tolerance);
+		if (roofed)
+			open = open & (other_rooms[i] > 0);
 		const int32_t most = held ? limits->held[apart][i] : limits->critical[apart][i];
 		const bool steep = open & (difference > most);
 		s->starts[i] |= open & (difference > limits->stop[apart][i]);
@@ -124,7 +126,7 @@ SOIL_INLINED void finish(int32_t count, const struct shedding *restrict s, const
 }
 
 /* Computes what up to PART posts of a row shed, from `first` on. */
-SOIL_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood,
+SOIL_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood, bool roofed,
 				   const struct limits *limits, int32_t *shed)
 {
 	const uint8_t *classes = rows->classes != NULL ? rows->classes + first : NULL;
@@ -134,9 +136,9 @@ SOIL_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed
 		s.to[i] = s.count[i] = s.sum[i] = s.starts[i] = 0;
 	/* Each with a literal number, so that each is a loop of vector instructions. */
 #define NEIGHBOUR(k) \
-	add_neighbour(count, k, stood, rule->tolerance, rows->heights[1] + first, rows->heights[near[k].row] + first + near[k].column, \
+	add_neighbour(count, k, stood, roofed, rule->tolerance, rows->heights[1] + first, rows->heights[near[k].row] + first + near[k].column, \
 		      stood ? rows->grounds[1] + first : NULL, stood ? rows->grounds[near[k].row] + first + near[k].column : NULL, rows->contacts[1] + first, \
-		      rows->contacts[near[k].row] + first + near[k].column, limits, &s)
+		      rows->contacts[near[k].row] + first + near[k].column, roofed ? rows->rooms[near[k].row] + first + near[k].column : NULL, limits, &s)
 	NEIGHBOUR(0);
 	NEIGHBOUR(1);
 	NEIGHBOUR(2);
@@ -160,10 +162,15 @@ SOIL_LANES void soil_shed_row(const struct soil_shed *rule, const struct soil_sh
 		const int32_t count = lane_least(rows->count - first, PART);
 		if (rows->classes != NULL)
 			limit(rule, rows->classes + first, count, &limits);
-		if (rule->undisturbed_stable)
-			shed_part(rule, rows, first, count, true, &limits, shed);
+		const bool roofed = rows->rooms[1] != NULL;
+		if (rule->undisturbed_stable && roofed)
+			shed_part(rule, rows, first, count, true, true, &limits, shed);
+		else if (rule->undisturbed_stable)
+			shed_part(rule, rows, first, count, true, false, &limits, shed);
+		else if (roofed)
+			shed_part(rule, rows, first, count, false, true, &limits, shed);
 		else
-			shed_part(rule, rows, first, count, false, &limits, shed);
+			shed_part(rule, rows, first, count, false, false, &limits, shed);
 	}
 }
 
@@ -175,18 +182,25 @@ SOIL_INLINED int32_t bits_of(int32_t shed)
 	return count;
 }
 
-SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, bool tells, int32_t *restrict change,
-				  uint8_t *restrict moves)
+/* `shares_count`, `tells` and `roofed` are literals. roofed: each of two posts knows the room of the one that takes, so both compute the same amount. */
+SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], const int32_t *const rooms[3], bool shares_count, bool tells, bool roofed,
+				  int32_t *restrict change, uint8_t *restrict moves)
 {
 	const int32_t *own = sheds[1];
 	const int32_t *const from[8] = {sheds[0], sheds[1] - 1, sheds[1] + 1, sheds[2], sheds[0] - 1, sheds[0] + 1, sheds[2] - 1, sheds[2] + 1};
 	for (int32_t i = 0; i < count; i++) {
-		const int32_t shed = own[i], gives = bits_of(shed) * (shed & SHARE);
-		int32_t comes = 0, any = shed;
+		const int32_t shed = own[i], share = shed & SHARE;
+		int32_t gives = roofed ? 0 : bits_of(shed) * share, comes = 0, any = shed;
 		for (int k = 0; k < 8; k++) {
 			const int back = k < 4 ? 3 - k : 11 - k; /* the way from there to here */
 			const int32_t other = from[k][i], goes_here = (other >> (SHARE_BITS + back)) & 1 ? other : 0;
-			comes += goes_here & SHARE;
+			if (roofed) {
+				const int32_t room = rooms[near[k].row][i + near[k].column];
+				gives += (shed >> (SHARE_BITS + k)) & 1 ? lane_least(share, lane_most(room, 0)) : 0;
+				comes += lane_least(goes_here & SHARE, lane_most(rooms[1][i], 0));
+			} else {
+				comes += goes_here & SHARE;
+			}
 			any |= goes_here;
 		}
 		change[i] = comes - gives;
@@ -197,22 +211,34 @@ SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool sh
 
 static SOIL_LANES void take_quietly(int32_t count, const int32_t *const sheds[3], int32_t *change)
 {
-	take_row(count, sheds, false, false, change, NULL);
+	take_row(count, sheds, NULL, false, false, false, change, NULL);
 }
 
 static SOIL_LANES void take_of_window(int32_t count, const int32_t *const sheds[3], int32_t *change, uint8_t *moves)
 {
-	take_row(count, sheds, true, true, change, moves);
+	take_row(count, sheds, NULL, true, true, false, change, moves);
 }
 
 static SOIL_LANES void take_of_blocks(int32_t count, const int32_t *const sheds[3], int32_t *change, uint8_t *moves)
 {
-	take_row(count, sheds, false, true, change, moves);
+	take_row(count, sheds, NULL, false, true, false, change, moves);
 }
 
-void soil_shed_take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, int32_t *change, uint8_t *moves)
+static void take_below(int32_t count, const int32_t *const sheds[3], const int32_t *const rooms[3], bool shares_count, int32_t *change, uint8_t *moves)
 {
 	if (moves == NULL)
+		take_row(count, sheds, rooms, false, false, true, change, NULL);
+	else if (shares_count)
+		take_row(count, sheds, rooms, true, true, true, change, moves);
+	else
+		take_row(count, sheds, rooms, false, true, true, change, moves);
+}
+
+void soil_shed_take_row(int32_t count, const int32_t *const sheds[3], const int32_t *const rooms[3], bool shares_count, int32_t *change, uint8_t *moves)
+{
+	if (rooms != NULL)
+		take_below(count, sheds, rooms, shares_count, change, moves);
+	else if (moves == NULL)
 		take_quietly(count, sheds, change);
 	else
 		(shares_count ? take_of_window : take_of_blocks)(count, sheds, change, moves);

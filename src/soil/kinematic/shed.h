@@ -44,13 +44,14 @@ struct soil_shed_rows {
 	const uint8_t *contacts[3];  /* SOIL_HELD counts */
 	const int32_t *grounds[3];   /* 4 base, in 32 bits that wrap; read if undisturbed_stable */
 	const uint8_t *classes;      /* of the posts; NULL: all are of class 0 */
+	const int32_t *rooms[3];     /* how much soil each post takes from a neighbour at most, fixed-point units; NULL: any */
 };
 
 /* Computes what each post sheds. Bits 0 to 22: soil for each neighbour that gets some. From bit 23 on: a bit for each of the eight. */
 void soil_shed_row(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t *shed);
 
-/* Computes by how much each post's height changes. sheds: rows as in struct soil_shed_rows. moves: 1 where the post gives or gets soil, even if both
+/* Computes by how much each post's height changes. sheds, rooms: rows as in struct soil_shed_rows; rooms NULL: any. moves: 1 where the post gives or gets soil, even if both
  * are equal; NULL: not wanted. shares_count: a share that is rounded to 0 counts as soil: over windows it does, over blocks not. */
-void soil_shed_take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, int32_t *change, uint8_t *moves);
+void soil_shed_take_row(int32_t count, const int32_t *const sheds[3], const int32_t *const rooms[3], bool shares_count, int32_t *change, uint8_t *moves);
 
 #endif

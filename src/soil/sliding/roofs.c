@@ -61,3 +61,10 @@ void soil_sliding_open_roofs(struct sliding_field *field)
 			if (is_below(field, post, field->waits[post]))
 				field->heights[post] = field->waits[post];
 }
+
+void soil_sliding_find_rooms(struct sliding_field *field)
+{
+	for (size_t y = 0; y < field->height && field->ceilings != NULL; y++)
+		for (size_t post = y * field->stride; post < y * field->stride + field->width; post++)
+			field->waits[post] = (int32_t)((uint32_t)field->ceilings[post] - (uint32_t)field->heights[post]) >> 3;
+}

@@ -23,6 +23,7 @@ static void shed_row(const struct sliding_field *field, size_t y, struct sliding
 		rows.heights[k] = field->heights + (ptrdiff_t)at + row * (ptrdiff_t)field->stride;
 		rows.contacts[k] = planes->contact + (ptrdiff_t)post + row * (ptrdiff_t)planes->width;
 		rows.grounds[k] = field->grounds != NULL ? field->grounds + (ptrdiff_t)at + row * (ptrdiff_t)field->stride : NULL;
+		rows.rooms[k] = field->ceilings != NULL ? field->waits + (ptrdiff_t)at + row * (ptrdiff_t)field->stride : NULL;
 	}
 	soil_shed_row(field->rule->shed, &rows, field->sheds + at);
 }
@@ -36,7 +37,10 @@ static void take_row(struct sliding_field *field, size_t y, struct sliding_span 
 		const int32_t *const sheds[3] = {field->sheds + at - field->stride, field->sheds + at, field->sheds + at + field->stride};
 		int32_t *height = field->heights + at, change[PART];
 		uint8_t moves[PART];
-		soil_shed_take_row(count, sheds, window, change, last ? moves : NULL);
+		const int32_t *rooms[3] = {NULL};
+		for (size_t k = 0; k < 3 && field->ceilings != NULL; k++)
+			rooms[k] = field->waits + at + k * field->stride - field->stride;
+		soil_shed_take_row(count, sheds, rooms[0] != NULL ? rooms : NULL, window, change, last ? moves : NULL);
 		for (int32_t i = 0; i < count; i++)
 			height[i] = (int32_t)((uint32_t)height[i] + (uint32_t)change[i]);
 		if (last)
@@ -52,6 +56,7 @@ void soil_sliding_shed(struct sliding_field *field, size_t trim, bool last, bool
 	struct sliding_span *const shed = field->next + 1; /* columns that shed, of each row, of the one before and the one behind */
 	struct sliding_span south = {0, 0};
 	assert(field->planes->contact != NULL);
+	soil_sliding_find_rooms(field);
 	if (last)
 		memset(field->moved, 0, field->width * field->height);
 	for (size_t y = 0; y < field->height + 2; y++)

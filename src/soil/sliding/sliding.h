@@ -59,7 +59,7 @@ struct sliding_field {
 	int32_t *floors;           /* NULL: relaxing soil has no bottom */
 	const struct soil_roofs *roofs; /* NULL: no body keeps posts from rising */
 	int32_t *ceilings;         /* with roofs: how high soil may bring each post, */
-	int32_t *waits;            /* and room for heights of those below a roof, while soil slides along lines */
+	int32_t *waits;            /* and room for heights of those below a roof, while soil slides along lines. By Sumner's rule: how much each takes from a neighbour */
 	int32_t *critical[2];      /* of the soil of each post: axial, diagonal; NULL: `limits` of all posts */
 	uint8_t *stills;           /* 1: the post does not slide */
 	uint8_t *moved;            /* 1: the post gave or got soil in the last iteration */
@@ -86,6 +86,8 @@ void soil_sliding_put_roofs(struct sliding_field *field);
 /* roofs.c: posts below a roof become still, and slide again. Lines do not know roofs. */
 void soil_sliding_close_roofs(struct sliding_field *field);
 void soil_sliding_open_roofs(struct sliding_field *field);
+/* roofs.c: finds for Sumner's rule how much soil each post takes from a neighbour at most, from the heights as they are. */
+void soil_sliding_find_rooms(struct sliding_field *field);
 /* steep.c: posts that are too far above or below a neighbour become still. */
 void soil_sliding_part_steep(struct sliding_field *field);
 /* excess.c: an iteration over the field, less `trim` posts on each side. last: also fills `moved`. */
