@@ -339,7 +339,7 @@ static bool find_hinge(const struct vehicle *vehicle, int geom, double axis[3])
 
 /*
  * Lets the body's forward axis lie along the hinge that turns the geom, so that a bucket that curls and dumps rolls about it. With an axis across,
- * it would pitch through the upright, where a small lean turns yaw by any angle, and the cells of its soil with it.
+ * it would pitch through the upright. There a small lean turns yaw by any angle, and the cells of its soil with it.
  */
 static void set_hinge_axes(const struct vehicle *vehicle, struct soil_geom *out)
 {

@@ -27,8 +27,8 @@ const char *vehicle_engine(void);
 /* Reads the models of a scene. Changes nothing. *out is NULL if the scene has no vehicles. STATUS_INPUT: a model cannot be read or
  * does not fit the scene, its time_step is far too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
 enum status vehicle_load(const struct scene *scene, struct vehicles **out) FURROW_CHECKED;
-/* Returns the scene as it is to be driven: `scene`, or a copy with a time_step that is stable for the vehicles, of which it is a whole part. It lives as
- * long as the vehicles. NULL: there are none. */
+/* Returns the scene as it is to be driven: `scene`, or a copy with a shorter time_step that is stable for the vehicles. That divides the scene's own.
+ * It lives as long as the vehicles. NULL: there are none. */
 const struct scene *vehicle_scene(const struct vehicles *vehicles, const struct scene *scene);
 void vehicle_destroy(struct vehicles *vehicles); /* takes NULL */
 /* Returns how many numbers the vehicles add to the run's record (world_attach). For NULL: 0. */
@@ -74,7 +74,7 @@ void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *
 
 /* Returns the soil aboard a soil geom, 0 .. geom_count - 1. *carries: whether it may have any. */
 struct world_aboard vehicle_geom_aboard(const struct vehicles *vehicles, size_t vehicle, size_t geom, bool *carries);
-/* Computes the struck capacity of the bucket that a soil geom is or is a part of, m3: of all geoms that carry on its body of the model, with that body's z axis up.
+/* Computes the struck capacity of the bucket of a soil geom, m3: of all geoms that carry on its body of the model. That body's z axis is up.
  * STATUS_MEMORY. */
 enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicle, size_t geom, double *capacity) FURROW_CHECKED;
 

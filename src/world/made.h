@@ -7,9 +7,10 @@
 #ifndef FURROW_WORLD_MADE_H
 #define FURROW_WORLD_MADE_H
 
-#include "bearing/throws.h"
 #include "world/record.h"
 #include "world/world.h"
+
+struct bearing_grain; /* bearing/throws.h */
 
 struct world_made {
 	const struct scene *scene;
