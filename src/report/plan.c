@@ -317,7 +317,7 @@ static enum status check_world(const struct scene *scene, const char *store, str
 	struct store_meta assumed;
 	enum status status;
 	scene_unwatched(vehicle_scene(vehicles, scene), &driven);
-	TRY_OR(done, world_open_plan(&driven, store != NULL ? store : scene->store, false, &assumed, &world));
+	TRY_OR(done, world_open_plan(&driven, store != NULL ? store : scene->store, false, NULL, &assumed, &world));
 	TRY_OR(done, vehicle_check_rasters(vehicles, world));
 done:
 	return finish_world(world, status);
@@ -337,11 +337,13 @@ enum status report_check(const struct scene *scene, const char *store)
 static enum status plan_world(const struct scene *scene, const char *path, bool keep_history, struct report_plan *out)
 {
 	struct world *world = NULL;
+	struct world_aboard_shapes aboard;
 	struct scene driven;
 	struct store_meta assumed;
 	enum status status;
 	scene_unwatched(vehicle_scene(out->vehicles, scene), &driven);
-	TRY_OR(done, world_open_plan(&driven, path, keep_history, &assumed, &world));
+	aboard.list = vehicle_aboard_shapes(out->vehicles, &aboard.count);
+	TRY_OR(done, world_open_plan(&driven, path, keep_history, &aboard, &assumed, &world));
 	TRY_OR(done, vehicle_check_rasters(out->vehicles, world));
 	if (path != NULL && (out->store = mem_strdup(path)) == NULL)
 		TRY_OR(done, fail_memory("the plan"));

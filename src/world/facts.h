@@ -120,9 +120,15 @@ struct world_raster {
 	double low, high, step;
 };
 struct world_raster world_raster(const struct world *world, int raster);
-/* Opens the store for reading and makes the bodies; only for plans. If `store` is NULL, it assumes a terrain and describes it
+/* Shapes of bodies that vehicles will add and that carry soil. */
+struct world_aboard_shapes {
+	const struct soil_shape *const *list;
+	size_t count;
+};
+/* Opens the store for reading and makes the bodies; only for plans. `aboard`: what vehicles add; NULL: nothing. If `store` is NULL, it assumes a terrain and describes it
  * in `assumed`. End with world_finish, also after a failure. */
-enum status world_open_plan(const struct scene *scene, const char *store, bool keep_history, struct store_meta *assumed, struct world **world)
+enum status world_open_plan(const struct scene *scene, const char *store, bool keep_history, const struct world_aboard_shapes *aboard, struct store_meta *assumed,
+			    struct world **world)
 	FURROW_CHECKED;
 /* Opens the store of a run that has ended at this step and time, s, for its maps. End with world_finish, also after a failure. */
 enum status world_open_ended(const struct scene *scene, const char *store, int64_t step, double time, struct world **world) FURROW_CHECKED;

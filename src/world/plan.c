@@ -462,9 +462,12 @@ static enum status over_nothing(struct world *world, struct store_meta *assumed)
 	return STATUS_OK;
 }
 
-enum status world_open_plan(const struct scene *scene, const char *store, bool keep_history, struct store_meta *assumed, struct world **out)
+enum status world_open_plan(const struct scene *scene, const char *store, bool keep_history, const struct world_aboard_shapes *aboard, struct store_meta *assumed,
+			    struct world **out)
 {
-	TRY(world_make(&(struct world_params){.scene = scene, .rows = true, .keep_history = keep_history}, out));
+	const struct world_params params = {.scene = scene, .rows = true, .keep_history = keep_history, .aboard_shapes = aboard != NULL ? aboard->list : NULL,
+					    .carrying_count = aboard != NULL ? aboard->count : 0};
+	TRY(world_make(&params, out));
 	struct world *world = *out;
 	TRY(store != NULL ? over_store(world, store) : over_nothing(world, assumed));
 	TRY(world_make_bodies(world));
@@ -479,7 +482,7 @@ enum status world_open_plan(const struct scene *scene, const char *store, bool k
 
 enum status world_open_ended(const struct scene *scene, const char *store, int64_t step, double time, struct world **out)
 {
-	TRY(world_open_plan(scene, store, false, NULL, out));
+	TRY(world_open_plan(scene, store, false, NULL, NULL, out));
 	struct world *world = *out;
 	world->step = step;
 	world->time = time;

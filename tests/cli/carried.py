@@ -54,9 +54,9 @@ class Carried(FurrowTest):
         run = self.drive(self.scene(scene), "--store", "world.furrow", *more)
         check = self.json("verify", "world.furrow")
         self.assertTrue(check["ok"])
-        self.assertEqual(check["offset_sum"].get("-3", 0) + check["compacted"], 0)
+        self.assertEqual(check["offset_sum"].get("-3", 0) + check["compacted"] + check["carried"] + check["in_flight"], 0)
         quanta = run["volume"]["quanta"]
-        self.assertEqual(quanta["net"] + quanta["compacted"] + quanta.get("carried", 0), 0)
+        self.assertEqual(quanta["net"] + quanta["compacted"] + quanta.get("carried", 0) + quanta.get("in_flight", 0), 0)
         if "thrown" in run:
             units = run["thrown"]["quanta"]
             self.assertEqual(units["thrown"], units["landed"] + units["in_flight"] + units["lost"])

@@ -87,6 +87,8 @@ class Runner:
         description = next(prefix.libdir.rglob("furrow.pc"))
         description.write_text(re.sub("^prefix=.*", f"prefix={prefix.prefix}", description.read_text(), flags=re.M))
         self.environment.update({name: prefix.environment[name] for name in ("LD_LIBRARY_PATH", "PYTHONPATH", "PKG_CONFIG_PATH", "PATH")})
+        if os.environ.get("MUJOCO"):
+            (self.folder / "mujoco-4.0.0").symlink_to(os.environ["MUJOCO"])
         python = prefix.python_with("numpy")
         if python is not None:
             (self.folder / "bin").mkdir()

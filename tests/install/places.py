@@ -11,7 +11,7 @@ SHARE = prefix.prefix / "share"
 DOC = SHARE / "doc" / "furrow"
 COMMANDS = re.findall(r"^  ([a-z-]+) +\S", prefix.run("furrow", "--help", env=prefix.environment).stdout.split("\n\n")[2], re.M)
 MARKDOWN = {path.relative_to(prefix.ROOT) for path in prefix.ROOT.rglob("*.md")
-            if not path.relative_to(prefix.ROOT).parts[0].startswith(("build", "demo", ".")) and "tests" not in path.parts}
+            if not path.relative_to(prefix.ROOT).parts[0].startswith(("build", "demo", "mujoco-", ".")) and "tests" not in path.parts}
 
 
 class PlacesTest(unittest.TestCase):

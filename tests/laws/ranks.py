@@ -128,9 +128,9 @@ CARRYING = scene("scm", 4, "".join(
         for i in range(2))).replace("forces: 20", "forces: 7").replace("model: scm", "model: scm, interval: 0.06")
 # Wheels that spin throw soil over the edges of tiles, at each other, beyond the terrain, and onto a plate that carries it.
 THROWING = scene("scm", 4.2, "".join(
-    wheel(f"t{i}", [on_ring(2 * i, 25 + 2 * i, 0), on_ring(2 * i, 12, math.pi + 0.2)], 7 + i % 2, f"load: {900 + 150 * i}, slip: {0.3 + 0.06 * i}") for i in range(3)) +
+    wheel(f"t{i}", [on_ring(2 * i, 25 + 2 * i, 0), on_ring(2 * i, 12, math.pi + 0.2)], 7 + i % 2, f"load: {900 + 150 * i}, slip: {0.2 + 0.04 * i}") for i in range(3)) +
     wheel("edge", [[1.2, 40], [9, 42]], 3, "load: 900, slip: 0.6") +
-    "  - {name: plate, shape: {box: {size: [1, 1.4, 0.1]}}, sink: 0.2, carry: true, path: {points: [[166, 138.3], [112, 120.8]], speed: 11}}\n", step=0.02).replace(
+    "  - {name: plate, shape: {box: {size: [0.6, 0.8, 0.1]}}, sink: 0.2, carry: true, path: {points: [[166, 138.3], [112, 120.8]], speed: 11}}\n", step=0.02).replace(
         "model: scm", "model: scm, thrown: on, interval: 0.06").replace("forces: 20", "forces: 7")
 
 
