@@ -4,7 +4,8 @@
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"
 
-#define BRAKE 1e6 /* times its own inertia: that of a wheel that does not turn. With more, MuJoCo's solver of constraints does not converge */
+#define BRAKE 1e12     /* kg m2: inertia of a wheel that does not turn, */
+#define BRAKE_SOFT 1e6 /* or times its own, where the model has constraints: with more, MuJoCo's solver of constraints does not converge */
 
 /* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
 static double work_of(const struct vehicle *vehicle, const double *before)
@@ -46,15 +47,27 @@ static void hold_level(struct vehicle *vehicle, double h)
 	mj_integratePos(model, data->qpos, less, h);
 }
 
+/* Returns true if the model has equalities, limits, friction of joints, or tendons. */
+static bool is_constrained(const mjModel *model)
+{
+	bool any = model->neq > 0 || model->ntendon > 0;
+	for (int i = 0; i < model->njnt && !any; i++)
+		any = model->jnt_limited[i];
+	for (int i = 0; i < model->nv && !any; i++)
+		any = model->dof_frictionloss[i] > 0;
+	return any;
+}
+
 /* Gives wheels so much inertia that they do not turn, or what the model gives them. Then it stops them: with so much inertia even the
  * slowest turn would count as motion. */
 static void brake(const struct vehicle *vehicle, bool braked)
 {
+	const bool constrained = is_constrained(vehicle->model);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
 		if (geom->dof < 0)
 			continue;
-		vehicle->model->dof_armature[geom->dof] = braked ? BRAKE * vehicle->model->dof_M0[geom->dof] : geom->armature;
+		vehicle->model->dof_armature[geom->dof] = !braked ? geom->armature : constrained ? BRAKE_SOFT * vehicle->model->dof_M0[geom->dof] : BRAKE;
 		if (!braked)
 			vehicle->data->qvel[geom->dof] = 0;
 	}
