@@ -9,6 +9,9 @@ mkdir -p "$1"
 out=$(cd "$1" && pwd)
 cd "$(dirname "$0")/.."
 build=${2:-build}
+# Debian has no MuJoCo 4: what tools/packages.sh brought goes into the packages, or what MUJOCO names. MUJOCO= leaves vehicles out.
+[ -n "${MUJOCO+given}" ] || [ ! -d mujoco-4.0.0 ] || MUJOCO=$PWD/mujoco-4.0.0
+export MUJOCO="${MUJOCO-}"
 [ -f "$build/build.ninja" ] || meson setup "$build"
 ninja -C "$build" build.ninja >/dev/null # as meson.build says now
 meson dist -C "$build" --no-tests --allow-dirty --formats gztar >/dev/null
