@@ -24,14 +24,17 @@ static bool take(const cJSON *root, const char *name, int64_t *value)
 
 enum status store_last_soil(struct store *store, int64_t *carried, int64_t *in_flight)
 {
-	struct store_run run;
+	struct store_run_copy run = {.found = false}; /* its own: what store_last_run gave stays */
+	bool whole = true;
 	*carried = *in_flight = 0;
-	TRY(store_last_run(store, &run));
-	if (run.scene_hash == NULL || (strstr(run.state, "\"carried\"") == NULL && strstr(run.state, "\"in_flight\"") == NULL))
-		return STATUS_OK;
-	cJSON *root = cJSON_ParseWithOpts(run.state, NULL, true);
-	const bool whole = root != NULL && take(root, "carried", carried) && take(root, "in_flight", in_flight);
-	cJSON_Delete(root);
+	enum status status = store_run_copy(store, &run);
+	if (status == STATUS_OK && run.found && run.scene_hash[0] != '\0' && (strstr(run.state, "\"carried\"") != NULL || strstr(run.state, "\"in_flight\"") != NULL)) {
+		cJSON *root = cJSON_ParseWithOpts(run.state, NULL, true);
+		whole = root != NULL && take(root, "carried", carried) && take(root, "in_flight", in_flight);
+		cJSON_Delete(root);
+	}
+	store_run_copy_finish(&run);
+	TRY(status);
 	return whole ? STATUS_OK : fail_with(STATUS_INPUT, "%s: the soil that its last drive had aboard or in flight is damaged; furrow reset %s", store->path,
 					     shell_path(store->path).text);
 }
