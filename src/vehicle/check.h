@@ -43,6 +43,10 @@ enum status vehicle_check_read(struct vehicle_check *check, const char *path, ch
 enum status vehicle_check_mesh_file(const char *where, const char *model, const char *path, const char *name) FURROW_CHECKED;
 #define VEHICLE_CHECK_TEXTS ((size_t)64 << 20)
 #define VEHICLE_CHECK_FILE ((int64_t)64 << 20) /* bytes of one mesh, image or height field */
+/* Returns true if `path`, an absolute one, lies in a folder. */
+bool vehicle_check_is_below(const char *path, const char *folder);
+/* Cuts the last part of an absolute path off; of "/" nothing. */
+void vehicle_check_cut(char *path);
 /* --- check_mesh.c --- */
 /* Return why MuJoCo must not read this OBJ or MSH; NULL: it may. `text` has a NUL behind it, and is changed. */
 const char *vehicle_check_obj(char *text, size_t length);

@@ -105,14 +105,13 @@ enum status vehicle_check_folder_add(struct vehicle_check *check, const char *te
 
 /* --- where a name leads --- */
 
-/* Returns true if `path`, an absolute one, lies in a folder. */
-static bool is_below(const char *path, const char *folder)
+bool vehicle_check_is_below(const char *path, const char *folder)
 {
 	const size_t length = strlen(folder);
 	return strncmp(path, folder, length) == 0 && (path[length] == '/' || (length > 0 && folder[length - 1] == '/'));
 }
 
-static void cut_last(char *path)
+void vehicle_check_cut(char *path)
 {
 	char *slash = strrchr(path, '/');
 	if (slash != NULL)
@@ -181,7 +180,7 @@ static enum status check_place(struct vehicle_check *check, const char *path, co
 		return STATUS_OK; /* MuJoCo does not find it there */
 	if (realpath(path, real) == NULL)
 		return refuse(check, name, strerror(errno), beside);
-	if (!is_below(real, check->reach))
+	if (!vehicle_check_is_below(real, check->reach))
 		return refuse(check, name, "it lies neither in the model's folder nor in the one above", beside);
 	return check_regular(check, path, name);
 }
@@ -214,6 +213,6 @@ enum status vehicle_check_reach(struct vehicle_check *check)
 	mem_free(folder);
 	if (!found)
 		return fail_with(STATUS_INPUT, "%s: %s: %s; name a file that can be read", check->where, check->path, strerror(errno));
-	cut_last(real);
+	vehicle_check_cut(real);
 	return mem_text(&check->reach, real, "a vehicle");
 }

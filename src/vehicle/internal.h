@@ -165,6 +165,14 @@ void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size);
 /* Lists the names of a kind of parts of the model, from `first` on until before `end`, for a message. "..." at the end means that there are more. */
 void vehicle_list_names(const mjModel *model, mjtObj kind, int first, int end, char text[VEHICLE_NAMES]);
 
+/* --- wheels.c --- */
+/* Gives a geom's shape its axes, in the geom's own. */
+void vehicle_set_axes(struct soil_geom *out, const double forward[3], const double left[3], const double up[3]);
+/* Finds the freedom of the hinge that turns a cylinder about its own axis; -1: there is none. */
+int vehicle_cylinder_turns(const struct vehicle *vehicle, int geom);
+/* Takes a mesh that is round about a level hinge as a wheel: it rolls without corners, and costs a fraction. Returns false if it is none. */
+bool vehicle_make_mesh_wheel(const struct vehicle *vehicle, struct soil_geom *out);
+
 /* --- trail.c --- */
 
 /* Adds the vehicle's place, if it is far enough from the last one. */

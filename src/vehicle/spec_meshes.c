@@ -30,13 +30,6 @@ static const char *base_of(const char *folder)
 	return slash != NULL ? slash + 1 : folder;
 }
 
-static void cut_last(char *path)
-{
-	char *slash = strrchr(path, '/');
-	if (slash != NULL)
-		*slash = '\0';
-}
-
 /* Looks for a package's file in a folder: the package itself, or one that holds it. */
 static bool in_package(const char *folder, const char *name, char path[PATH_MAX])
 {
@@ -55,7 +48,7 @@ static bool folder_of(const struct spec *spec, char folder[PATH_MAX])
 {
 	if (realpath(spec->path, folder) == NULL)
 		return false;
-	cut_last(folder);
+	vehicle_check_cut(folder);
 	return true;
 }
 
@@ -71,7 +64,7 @@ static bool find(const struct spec *spec, const char *name, char path[PATH_MAX])
 		for (size_t i = 0; i < places->count; i++)
 			if (in_package(places->list[i], name, path))
 				return true;
-		for (int i = 0; i <= ABOVE && folder[0] != '\0'; i++, cut_last(folder))
+		for (int i = 0; i <= ABOVE && folder[1] != '\0'; i++, vehicle_check_cut(folder))
 			if (in_package(folder, name, path))
 				return true;
 		return false;
@@ -91,12 +84,6 @@ static bool find(const struct spec *spec, const char *name, char path[PATH_MAX])
 	return false;
 }
 
-static bool is_below(const char *path, const char *folder)
-{
-	const size_t length = strlen(folder);
-	return strncmp(path, folder, length) == 0 && path[length] == '/';
-}
-
 /* Returns true if a file may be read: it lies in the model's folder, in one above, or in a folder of model_path. */
 static bool may_read(const struct spec *spec, const char *name, const char *path)
 {
@@ -107,15 +94,15 @@ static bool may_read(const struct spec *spec, const char *name, const char *path
 	for (int i = 0; i < above; i++) {
 		char up[PATH_MAX];
 		snprintf(up, sizeof up, "%s", folder);
-		cut_last(up);
-		if (up[0] == '\0')
+		vehicle_check_cut(up);
+		if (up[1] == '\0')
 			break; /* not the whole machine */
 		memcpy(folder, up, sizeof up);
 	}
-	if (is_below(path, folder))
+	if (vehicle_check_is_below(path, folder))
 		return true;
 	for (size_t i = 0; i < spec->scene->model_path.count; i++)
-		if (realpath(spec->scene->model_path.list[i], folder) != NULL && is_below(path, folder))
+		if (realpath(spec->scene->model_path.list[i], folder) != NULL && vehicle_check_is_below(path, folder))
 			return true;
 	return false;
 }

@@ -339,21 +339,28 @@ static void awkward_ways_keep_the_ledger(void **state)
 	}
 }
 
+/* Digs at x, takes the load to another place, m, and turns the bucket over there. Returns what was dug. */
+static long long dig_and_empty(struct dig *d, double x, double to)
+{
+	d->x = x;
+	d->y = 5;
+	d->z = GROUND + 2;
+	add_bucket(d, "bucket", true);
+	dig(d, 0.1, 0.6);
+	const long long full = carried_units(d);
+	go(d, to, d->z, 0);
+	assert_int_equal(carried_units(d), full);
+	go(d, d->x, d->z, -120);
+	rest(d, 2);
+	return full;
+}
+
 /* Beyond the world there is no ground: what leaves there lands on the last posts, or stays aboard. */
 static void soil_over_the_edge_of_the_world_is_not_lost(void **state)
 {
 	(void)state;
 	struct dig d = open_dig(0.04, 0.5, flat);
-	d.x = 8.5;
-	d.y = 5;
-	d.z = GROUND + 2;
-	add_bucket(&d, "bucket", true);
-	dig(&d, 0.1, 0.6);
-	const long long full = carried_units(&d);
-	go(&d, 10.2, d.z, 0);
-	assert_int_equal(carried_units(&d), full);
-	go(&d, d.x, d.z, -120);
-	rest(&d, 2);
+	const long long full = dig_and_empty(&d, 8.5, 10.2);
 	print_message("at the edge: %.2f of %.2f l aboard\n", litres(&d, carried_units(&d)), litres(&d, full));
 	assert_true((double)carried_units(&d) < 0.02 * (double)full);
 	assert_int_equal(ledger(&d), carried_units(&d));
@@ -371,16 +378,7 @@ static void soil_over_a_hole_is_not_lost(void **state)
 {
 	(void)state;
 	struct dig d = open_dig(0.04, 0.5, holed);
-	d.x = 1.5;
-	d.y = 5;
-	d.z = GROUND + 2;
-	add_bucket(&d, "bucket", true);
-	dig(&d, 0.1, 0.6);
-	const long long full = carried_units(&d);
-	go(&d, 5, d.z, 0);
-	assert_int_equal(carried_units(&d), full);
-	go(&d, d.x, d.z, -120);
-	rest(&d, 2);
+	const long long full = dig_and_empty(&d, 1.5, 5);
 	print_message("over the hole: %.2f of %.2f l aboard\n", litres(&d, carried_units(&d)), litres(&d, full));
 	assert_true(full > 0 && carried_units(&d) > 0);
 	assert_int_equal(ledger(&d), carried_units(&d));

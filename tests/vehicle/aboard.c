@@ -161,24 +161,9 @@ static void its_load_weighs_and_is_sluggish(void **state)
 
 /* --- the same bits --- */
 
-static void assert_same(const char *a, const char *b)
-{
-	static const char *const files[] = {"vehicles.csv", "objects.csv"};
-	for (int i = 0; i < 2; i++) {
-		char path_a[256], path_b[256];
-		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
-		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
-		char *text_a = support_text(path_a), *text_b = support_text(path_b);
-		assert_true(strlen(text_a) > 1000);
-		assert_string_equal(text_a, text_b);
-		free(text_a);
-		free(text_b);
-	}
-}
-
 static void assert_like_the_whole(const char *overlay, const char *out)
 {
-	assert_same(support_path("a"), out);
+	assert_same_rows(support_path("a"), out, 1000);
 	assert_true(support_hash(support_path("a.furrow")) == support_hash(overlay));
 }
 
@@ -200,26 +185,6 @@ static void cut_it_goes_on_to_the_same_bits(void **state)
 	assert_like_the_whole(overlay, out);
 }
 
-/* Kills a drive `later` microseconds after it committed something, or lets it end before. */
-static bool killed_after_commit(pid_t child, const char *out, useconds_t later)
-{
-	char path[256];
-	struct stat file;
-	snprintf(path, sizeof path, "%s/epochs.log", out);
-	const off_t before = stat(path, &file) == 0 ? file.st_size : 0;
-	int ended = 0;
-	while (waitpid(child, &ended, WNOHANG) == 0) {
-		if (stat(path, &file) == 0 && file.st_size > before) {
-			usleep(later);
-			kill(child, SIGKILL);
-			assert_int_equal(waitpid(child, &ended, 0), child);
-			break;
-		}
-		usleep(2000);
-	}
-	return WIFSIGNALED(ended);
-}
-
 /* Soil is aboard whenever it is killed. */
 static void killed_it_goes_on_to_the_same_bits(void **state)
 {
@@ -232,7 +197,7 @@ static void killed_it_goes_on_to_the_same_bits(void **state)
 		char *const args[] = {"test_vehicle", "aboard", (char *)support_path("scene.yaml"), (char *)support_path("ground.furrow"), (char *)overlay, (char *)out,
 				      "resume", NULL};
 		assert_int_equal(posix_spawn(&child, "/proc/self/exe", NULL, NULL, args, environ), 0);
-		kills += killed_after_commit(child, out, 150000 * (useconds_t)i);
+		kills += drive_killed(child, out, 150000 * (useconds_t)i);
 	}
 	if (kills == 0)
 		print_message("each drive was complete before it could be killed\n");
@@ -277,7 +242,7 @@ static void rolled_back_it_goes_on_to_the_same_bits(void **state)
 	for (int i = 0; i < 1250; i++)
 		done(furrow_step(world, 0));
 	done(furrow_world_close(world));
-	assert_same(support_path("a"), support_path("r"));
+	assert_same_rows(support_path("a"), support_path("r"), 1000);
 	assert_true(support_hash(support_path("a.furrow")) == support_hash(support_path("r.furrow")));
 }
 

@@ -2,6 +2,11 @@
 #ifndef TESTS_VEHICLE_DRIVE_H
 #define TESTS_VEHICLE_DRIVE_H
 
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include "../support.h"
 #include "../support/skip.h"
 
@@ -46,6 +51,42 @@ static inline enum status make_drive(const char *scene_path, const char *store, 
 	else
 		mem_free(result.json);
 	return status;
+}
+
+/* Kills a drive `later` microseconds after it committed something, or lets it end before. Returns true if it was killed. */
+static inline bool drive_killed(pid_t child, const char *out, useconds_t later)
+{
+	char path[256];
+	struct stat file;
+	snprintf(path, sizeof path, "%s/epochs.log", out);
+	const off_t before = stat(path, &file) == 0 ? file.st_size : 0;
+	int ended = 0;
+	while (waitpid(child, &ended, WNOHANG) == 0) {
+		if (stat(path, &file) == 0 && file.st_size > before) {
+			usleep(later);
+			kill(child, SIGKILL);
+			assert_int_equal(waitpid(child, &ended, 0), child);
+			break;
+		}
+		usleep(2000);
+	}
+	return WIFSIGNALED(ended);
+}
+
+/* Both have the same rows, of more than so many bytes. */
+static inline void assert_same_rows(const char *a, const char *b, size_t least)
+{
+	static const char *const files[] = {"vehicles.csv", "objects.csv"};
+	for (int i = 0; i < 2; i++) {
+		char path_a[256], path_b[256];
+		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
+		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
+		char *text_a = support_text(path_a), *text_b = support_text(path_b);
+		assert_true(strlen(text_a) > least);
+		assert_string_equal(text_a, text_b);
+		free(text_a);
+		free(text_b);
+	}
 }
 
 #endif

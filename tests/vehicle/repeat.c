@@ -43,21 +43,6 @@ static void prepare(const char *store, int vehicle)
 	support_store(store, extent, ground);
 }
 
-static void assert_same(const char *a, const char *b)
-{
-	static const char *const files[] = {"vehicles.csv", "objects.csv"};
-	for (int i = 0; i < 2; i++) {
-		char path_a[256], path_b[256];
-		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
-		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
-		char *text_a = support_text(path_a), *text_b = support_text(path_b);
-		assert_true(strlen(text_a) > 1000);
-		assert_string_equal(text_a, text_b);
-		free(text_a);
-		free(text_b);
-	}
-}
-
 /* A resumed drive knows the way of its earlier parts. */
 static void assert_same_ways(const char *a, const char *b)
 {
@@ -95,7 +80,7 @@ static void drive_again(int vehicle)
 	must(make_drive(scene, store, few, &(struct drive_cut){overlays[3], outs[3], true, 1500}, NULL));
 	must(make_drive(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], true, 0}, NULL));
 	for (int i = 1; i < 4; i++) {
-		assert_same(outs[0], outs[i]);
+		assert_same_rows(outs[0], outs[i], 1000);
 		assert_same_ways(outs[0], outs[i]);
 		assert_true(support_hash(overlays[0]) == support_hash(overlays[i]));
 	}
@@ -120,26 +105,6 @@ static void so_are_those_of_belts(void **state)
 	drive_again(1);
 }
 
-/* Kills a drive `later` microseconds after it committed something, or lets it end before. Returns whether it was killed. */
-static int killed_after_commit(pid_t child, const char *out, useconds_t later)
-{
-	char path[256];
-	struct stat file;
-	snprintf(path, sizeof path, "%s/epochs.log", out);
-	const off_t before = stat(path, &file) == 0 ? file.st_size : 0;
-	int ended = 0;
-	while (waitpid(child, &ended, WNOHANG) == 0) {
-		if (stat(path, &file) == 0 && file.st_size > before) {
-			usleep(later);
-			kill(child, SIGKILL);
-			assert_int_equal(waitpid(child, &ended, 0), child);
-			break;
-		}
-		usleep(2000);
-	}
-	return WIFSIGNALED(ended);
-}
-
 static void killed_it_goes_on_to_the_same_bits(void **state)
 {
 	const char *store = support_path("world.furrow"), *scene = support_path("scene.yaml");
@@ -153,12 +118,12 @@ static void killed_it_goes_on_to_the_same_bits(void **state)
 		pid_t child;
 		char *const args[] = {"test_vehicle", "repeat", (char *)scene, (char *)store, (char *)cut, (char *)outs[1], i > 0 ? "resume" : "begin", NULL};
 		assert_int_equal(posix_spawn(&child, "/proc/self/exe", NULL, NULL, args, environ), 0);
-		kills += killed_after_commit(child, outs[1], 70000 * (useconds_t)i);
+		kills += drive_killed(child, outs[1], 70000 * (useconds_t)i);
 	}
 	if (kills == 0)
 		print_message("each drive was complete before it could be killed\n");
 	must(make_drive(scene, store, NULL, &(struct drive_cut){cut, outs[1], true, 0}, NULL));
-	assert_same(outs[0], outs[1]);
+	assert_same_rows(outs[0], outs[1], 1000);
 	assert_true(support_hash(whole) == support_hash(cut));
 }
 
