@@ -10,9 +10,9 @@
 #include "lib/haze.glsl"
 #endif
 
-// Two words each. First xyz: bits of three floats: the place relative to the eye, metres. w: the normal's three components, 10 bits each.
-// Second xy: bits of two floats: the place along the axes of the cells, metres. z: bits of the angle of these, rad. w: class
-// of the soil, 8 bits; above them how high the ground below the body is, 0 the lowest, 65535 the highest.
+// A corner has two uvec4. In the first xyz are the bits of three floats: the place relative to the eye, metres. Its w has the normal's three components, 10 bits each.
+// In the second xy are the bits of two floats: the place along the axes of the cells, metres. Its z has the bits of these axes' angle, rad. The low 8 bits of w are the
+// soil's class. Those above them are how high the ground below the body is: 0 the lowest, 65535 the highest.
 layout(std430, binding = 0) readonly buffer corners {
 	uvec4 corner[];
 };

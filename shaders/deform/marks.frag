@@ -10,7 +10,7 @@ layout(binding = 4) uniform isampler2DArray grown;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 window; // posts in x and y; the layer
-	ivec4 mark;   // quarter seconds: now, what the darkest disturbance takes to heal, when bent stems have risen, when torn cover has grown
+	ivec4 mark;   // in quarter seconds. x: the time now. y: how long the darkest disturbance heals. z: the time at which stems bent now have risen; w: cover torn now has grown
 };
 
 #ifdef HEALS

@@ -103,7 +103,7 @@ struct post_rect bearing_carried_posts(const struct bearing *bearing, const stru
 	return post_rect_intersect(soil_carried_reach(carried, &pose), bearing->world);
 }
 
-/* Returns the soil aboard a body and others. */
+/* Returns the soil aboard a body and aboard all other bodies that its soil may fall onto. Fixed-point units. */
 static int64_t aboard(const struct bearing_aboard *how)
 {
 	int64_t total = held_by(how->body.carried);

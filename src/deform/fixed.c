@@ -147,9 +147,9 @@ enum of_tile { OF_NO_TILE, OF_BASE, OF_OFFSET, OF_DISTURBANCE };
 /* A pass that runs once in each region. */
 struct stage {
 	enum deform_fixed_pass which; /* FIXED_PASSES: it reads and writes no tile, and has its program */
-	struct gpu_pass pass;         /* its parameters are the caller's, */
-	int32_t *region;              /* who has these four filled for each region; NULL: none, */
-	int32_t *own;                 /* and the posts that no region before writes; NULL: none */
+	struct gpu_pass pass;         /* the caller owns its parameters */
+	int32_t *region;              /* four of these parameters, which are filled for each region; NULL: the pass has none */
+	int32_t *own;                 /* four more: the posts that no region before writes; NULL: the pass has none */
 	enum of_tile images[4];       /* takes the place of the pass's image */
 };
 
