@@ -7,6 +7,7 @@ import sys
 def main() -> None:
     package = importlib.util.find_spec("furrow")
     command = os.path.join(package.submodule_search_locations[0], "furrow")
+    os.environ.setdefault("FURROW_PYTHON", sys.executable)
     try:
         os.execv(command, ["furrow", *sys.argv[1:]])
     except OSError as error:

@@ -1,0 +1,64 @@
+"""What the commands of the package share: how they end, and what they say when another package is missing."""
+import argparse
+import importlib
+import os
+import pathlib
+import sys
+from typing import Any, Callable
+
+from furrow.results import ResultsError
+
+
+class Missing(Exception):
+    """A Python package is not installed. Its text says which, and what to do."""
+
+
+def need(module: str, package: str) -> Any:
+    """Imports a module of another package. `package`: as pip names it. Missing: it is not there."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise Missing(f"the Python package {package} is not installed for {sys.executable}; {sys.executable} -m pip install {package}") from None
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> Any:
+        self.exit(2, f"furrow: {self.prog.split()[-1]}: {message}; see {self.prog} --help\n")
+
+
+def parser(name: str, about: str) -> argparse.ArgumentParser:
+    """A parser whose errors are one line, with status 2."""
+    return _Parser(prog=f"furrow {name}", description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+
+
+def end(name: str, work: "Callable[[], None]") -> int:
+    """Runs a command's work. Returns its status: 0 done, 1 failed or a package is missing, 3 bad input, 130 interrupted."""
+    try:
+        work()
+    except (Missing, OSError) as error:
+        print(f"furrow: {name}: {error}", file=sys.stderr)
+        return 1
+    except ResultsError as error:
+        print(f"furrow: {name}: {error}", file=sys.stderr)
+        return 3
+    except KeyboardInterrupt:
+        print(f"furrow: {name}: interrupted; nothing was written", file=sys.stderr)
+        return 130
+    return 0
+
+
+class Whole:
+    """A file that is there when it is whole, and not before: with Whole(path) as temporary: write to it."""
+
+    def __init__(self, path: pathlib.Path) -> None:
+        self.path = path
+        self.beside = path.with_name(f".{os.getpid()}.{path.name}")
+
+    def __enter__(self) -> pathlib.Path:
+        return self.beside
+
+    def __exit__(self, kind: Any, value: Any, trace: Any) -> None:
+        if kind is None:
+            os.replace(self.beside, self.path)
+        else:
+            self.beside.unlink(missing_ok=True)
