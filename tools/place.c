@@ -32,6 +32,20 @@ static bool any_inside(const struct store_meta *meta, size_t count, const double
 	return false;
 }
 
+/* Returns true if a place would be inside with x and y exchanged. */
+static bool is_exchanged(const struct store_meta *meta, const char *srs, size_t count, const double *x, const double *y)
+{
+	struct failure kept;
+	bool inside = false;
+	failure_capture(&kept, STATUS_OK);
+	for (size_t i = 0; i < count && !inside; i++) {
+		double east = y[i], north = x[i];
+		inside = place_local(meta, srs, "query", "--srs", &east, &north) == STATUS_OK && extent_holds(&meta->extent, east, north);
+	}
+	(void)failure_restore(&kept);
+	return inside;
+}
+
 bool place_guess(const struct store_meta *meta, const char *srs, const char *option, size_t count, const double *x, const double *y, char *hint,
 		 size_t room)
 {
@@ -39,6 +53,10 @@ bool place_guess(const struct store_meta *meta, const char *srs, const char *opt
 	chart_system_name(meta->srs, system, sizeof system);
 	if ((srs == NULL || strcmp(srs, "store") != 0) && any_inside(meta, count, x, y)) {
 		snprintf(hint, room, "inside as coordinates of %s; give %s store", system[0] != '\0' ? system : "the terrain's source", option);
+		return true;
+	}
+	if (srs != NULL && strcmp(srs, DEM_SRS_DEGREES) != 0 && is_exchanged(meta, srs, count, x, y)) {
+		snprintf(hint, room, "inside with both numbers exchanged; give east, or longitude, first");
 		return true;
 	}
 	struct dem_globe *globe = NULL;

@@ -287,6 +287,7 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 	TRY_MEM(gdal->sources != NULL && gdal->name != NULL, "opening the sources");
 	TRY(open_sources(gdal, params, list));
 	TRY(several_agree(gdal));
+	TRY(dem_turn_join(gdal->sources, gdal->source_count));
 	TRY(dem_groups_init(&gdal->groups, gdal->sources, gdal->source_count));
 	if (params->apart)
 		TRY(dem_split(gdal, params, list));
@@ -322,6 +323,11 @@ enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list
 	}
 	*out = &gdal->grid;
 	return STATUS_OK;
+}
+
+bool dem_gdal_places(const struct dem_params *params, const char *path)
+{
+	return dem_gdal_init(path) == STATUS_OK && dem_source_is_placed(params, path);
 }
 
 bool dem_gdal_knows(const char *path)

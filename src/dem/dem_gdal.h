@@ -7,7 +7,7 @@
 #include "dem_unpack.h"
 
 /* What is told of a source once all are open, once for all sources of which it is told. */
-enum source_remark { SOURCE_SYSTEM, SOURCE_UNIT, SOURCE_DEGREES, SOURCE_VERTICAL, SOURCE_REMARKS };
+enum source_remark { SOURCE_SYSTEM, SOURCE_UNIT, SOURCE_DEGREES, SOURCE_VERTICAL, SOURCE_DOWN, SOURCE_REMARKS };
 
 /* One source file. `vrt` is a small virtual raster in GDAL's memory files. It gives band 1 in metres, with NaN for nodata. So
  * its readers need not handle nodata values, scales and units. */
@@ -76,6 +76,10 @@ struct dem_radius {
  * are, or are to be, and its SRS has no sphere. */
 enum status dem_radii_find(const struct gdal_source *source, enum dem_radii radii, double unit, bool said, struct dem_radius *out)
 	FURROW_CHECKED;
+
+/* --- dem_turn.c --- */
+/* Counts the x of sources of one SRS so that sources on both sides of a seam of longitude lie beside each other. Their systems are known. */
+enum status dem_turn_join(struct gdal_source *sources, size_t count) FURROW_CHECKED;
 
 /* --- dem_map.c: where the posts of one lattice lie on another --- */
 /* Post (column, row) is at x = at[0] + column * at[1] + row * at[2], y = at[3] + column * at[4] + row * at[5]. Rows count to the

@@ -82,6 +82,8 @@ enum status dem_png_open(const struct dem_params *params, const char *path, stru
 enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list, struct dem_grid **out) FURROW_CHECKED;
 /* Returns true if the file seems to be a raster. Used for the files of a directory. */
 bool dem_gdal_knows(const char *path);
+/* Returns true if GDAL is there and finds a place in the file. */
+bool dem_gdal_places(const struct dem_params *params, const char *path);
 /* Makes a grid of the posts of `grid` that lie in params->window. Takes over `grid`, even on failure. */
 enum status dem_crop_create(const struct dem_params *params, struct dem_grid *grid, struct dem_grid **out) FURROW_CHECKED;
 /* Makes a grid in which the holes of `grid` are filled. Takes over `grid`, even on failure. */

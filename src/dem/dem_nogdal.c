@@ -10,6 +10,12 @@ enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list
 			 "heightmaps; convert it, or build with GDAL", list->paths[0]);
 }
 
+bool dem_gdal_places(const struct dem_params *params, const char *path)
+{
+	(void)params, (void)path;
+	return false;
+}
+
 bool dem_gdal_knows(const char *path)
 {
 	(void)path;

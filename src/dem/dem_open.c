@@ -82,6 +82,28 @@ static enum status params_check(const struct dem_params *params)
 	return STATUS_OK;
 }
 
+/* Finds the file beside a picture that may say its place: a world file, or GDAL's own. Returns false if there is none. */
+static bool has_beside(const char *path, char beside[4096])
+{
+	static const char *const endings[] = {".pgw", ".pngw", ".wld"};
+	const char *name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path, *dot = strrchr(name, '.');
+	const int stem = dot != NULL ? (int)(dot - path) : (int)strlen(path);
+	for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+		snprintf(beside, 4096, "%.*s%s", stem, path, endings[i]);
+		if (access(beside, F_OK) == 0)
+			return true;
+	}
+	snprintf(beside, 4096, "%s.aux.xml", path);
+	return access(beside, F_OK) == 0;
+}
+
+/* A PNG with a place is a raster as others are. */
+static bool is_placeless(const struct dem_params *params, const char *path)
+{
+	char beside[4096];
+	return is_raw(path) || (is_plain(path) && !(has_beside(path, beside) && dem_gdal_places(params, path)));
+}
+
 /* Drops heightmaps that were found in a directory, if there are sources that have a place. */
 static void skip_plain(struct dem_list *list)
 {
@@ -105,7 +127,7 @@ static enum status grid_open(const struct dem_params *params, struct dem_list *l
 	skip_plain(list);
 	const char *placeless = NULL;
 	for (size_t i = 0; i < list->count && placeless == NULL; i++)
-		if (is_plain(list->paths[i]))
+		if (is_placeless(params, list->paths[i]))
 			placeless = list->paths[i];
 	bool plain = placeless != NULL;
 	if (plain && list->count > 1)
@@ -117,28 +139,24 @@ static enum status grid_open(const struct dem_params *params, struct dem_list *l
 	if (plain && params->t_srs != NULL && strcmp(params->t_srs, "auto") != 0)
 		return fail_with(STATUS_INPUT, "%s: has no place on a planet, so it cannot be projected; leave "
 				 "the target SRS out", list->paths[0]);
+	if (plain && params->s_srs != NULL)
+		return fail_with(STATUS_INPUT, "%s: has no place, so --s-srs says nothing of it; give it one with gdal_translate -a_ullr or a world file (.pgw), or leave "
+				 "--s-srs out", list->paths[0]);
 	if (!plain)
 		return dem_gdal_open(params, list, out);
 	TRY(is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out) : dem_png_open(params, list->paths[0], out));
 	return params->has_window ? crop(params, out) : STATUS_OK;
 }
 
-/* Tells that a heightmap's spacing is taken as 1 m. A world file beside it says another, but is not read: it has no reference system. */
+/* Tells that a heightmap's spacing is taken as 1 m, also where a file beside it may say another one. */
 static void tell_spacing(const char *path)
 {
-	static const char *const endings[] = {".pgw", ".pngw", ".wld"};
-	const char *name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path, *dot = strrchr(name, '.');
-	const int stem = dot != NULL ? (int)(dot - path) : (int)strlen(path);
 	char beside[4096];
-	for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-		snprintf(beside, sizeof beside, "%.*s%s", stem, path, endings[i]);
-		if (access(beside, F_OK) == 0) {
-			note("%s: the world file %s is not read, and posts are taken as 1 m apart; give the first number of that file as --spacing",
-			     path, beside);
-			return;
-		}
-	}
-	note("%s: says no distance between posts; taken as 1 m. --spacing names another", path);
+	if (!is_raw(path) && has_beside(path, beside) && strstr(beside, ".aux.xml") == NULL)
+		note("%s: the world file %s is not read, since GDAL finds no place in it or is not there, and posts are taken as 1 m apart; give the first number of "
+		     "that file as --spacing", path, beside);
+	else
+		note("%s: says no distance between posts; taken as 1 m. --spacing names another", path);
 }
 
 enum status dem_open(const struct dem_params *params, struct dem **out)

@@ -31,9 +31,12 @@ static bool has_place(GDALDatasetH dataset, double place[6])
 static bool looks_like_degrees(const struct gdal_source *source)
 {
 	const double *p = source->place, x = p[0] + source->width * p[1], y = p[3] + source->height * p[5];
-	return p[2] == 0 && p[4] == 0 && fabs(p[1]) < 0.1 && fabs(p[5]) < 0.1 && fabs(p[0]) <= 360 && fabs(x) <= 360 && fabs(p[3]) <= 90 &&
+	return p[2] == 0 && p[4] == 0 && fabs(p[1]) <= 1 && fabs(p[5]) <= 1 && fabs(p[0]) <= 360 && fabs(x) <= 360 && fabs(p[3]) <= 90 &&
 	       fabs(y) <= 90 && (fabs(p[0]) > 1 || fabs(p[3]) > 1);
 }
+
+#define COARSE_DEGREES 0.1 /* between posts: coarser ones are degrees only if the heights say so */
+#define STEEP_MOST 5.0 /* no ground differs in height by more than so many times its width */
 
 /* Refuses a place in degrees that would become a terrain much higher than wide. */
 static enum status refuse_degrees(const struct gdal_source *source)
@@ -45,7 +48,7 @@ static enum status refuse_degrees(const struct gdal_source *source)
 		GDALComputeRasterMinMax(GDALGetRasterBand(dataset, 1), TRUE, range);
 		GDALClose(dataset);
 	}
-	if (!(range[1] - range[0] > 1000 * fmax(wide, high)))
+	if (!(range[1] - range[0] > STEEP_MOST * fmax(wide, high)))
 		return STATUS_OK;
 	char system[80] = "no SRS is said";
 	if (source->srs != NULL) {
@@ -55,6 +58,31 @@ static enum status refuse_degrees(const struct gdal_source *source)
 	return fail_with(STATUS_INPUT, "%s: %s, and its place %.6g, %.6g with posts %.3g apart looks like degrees: as metres it is %.3g m wide and "
 			 "its heights differ by %.4g m; give --s-srs EPSG:4326", source->path, system, source->place[0], source->place[3],
 			 fabs(source->place[1]), wide, range[1] - range[0]);
+}
+
+/* Returns true if the file's metadata say that x is a longitude, as netCDF's and GMT's grids do. */
+static bool says_degrees(GDALDatasetH dataset)
+{
+	CSLConstList items = GDALGetMetadata(dataset, NULL);
+	bool found = false;
+	for (; items != NULL && *items != NULL && !found; items++) {
+		const char *value = strchr(*items, '=');
+		found = value != NULL && strstr(*items, "#units=") != NULL &&
+			(strcmp(value, "=degrees_east") == 0 || strcmp(value, "=degree_east") == 0 || strcmp(value, "=degrees_E") == 0 || strcmp(value, "=degreesE") == 0);
+	}
+	return found;
+}
+
+/* Takes a place as longitudes and latitudes of WGS 84. */
+static enum status take_degrees(struct gdal_source *source)
+{
+	source->srs = OSRNewSpatialReference(NULL);
+	TRY_MEM(source->srs, source->path);
+	if (OSRImportFromEPSG(source->srs, 4326) != OGRERR_NONE)
+		return fail_with(STATUS_INPUT, "%s: its units are degrees and it says no SRS%s; name it with --s-srs", source->path, dem_gdal_because());
+	OSRSetAxisMappingStrategy(source->srs, OAMS_TRADITIONAL_GIS_ORDER);
+	dem_source_remark(source, SOURCE_SYSTEM, "no SRS is said, and the unit of its x is degrees_east: taken as WGS 84; --s-srs names another");
+	return STATUS_OK;
 }
 
 static enum status place_source(struct gdal_source *source, GDALDatasetH dataset,
@@ -83,6 +111,8 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 		dem_source_remark(source, SOURCE_SYSTEM, "the file says %s; --s-srs %.80s is used", source->replaced, params->s_srs);
 	}
 	own = override != NULL ? override : own;
+	if (own == NULL && says_degrees(dataset))
+		return take_degrees(source);
 	if (own == NULL) {
 		if (looks_like_degrees(source))
 			dem_source_remark(source, SOURCE_DEGREES, "no SRS is said, and its place %.6g, %.6g with posts %.3g apart looks like degrees; taken as metres. "
@@ -117,19 +147,29 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 	const char *tag = GDALGetRasterUnitType(band), *unit = params->s_unit != NULL ? params->s_unit : tag;
 	const bool tagged = tag != NULL && tag[0] != '\0', projected = source->srs != NULL && OSRIsProjected(source->srs);
 	double axis = 0;
-	if (source->srs != NULL && OSRIsCompound(source->srs))
+	OGRAxisOrientation way = OAO_Up;
+	if (source->srs != NULL && OSRIsCompound(source->srs)) {
 		axis = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
+		(void)OSRGetAxis(source->srs, "COMPD_CS|VERT_CS", 0, &way);
+	}
 	TRY(dem_vertical_part(source));
+	const char *positive = GDALGetMetadataItem(band, "positive", NULL); /* netCDF's word */
+	const bool down = params->s_vertical == NULL && (way == OAO_Down || (positive != NULL && strcmp(positive, "down") == 0));
 	if (params->s_vertical != NULL)
 		TRY(dem_vertical_unit(params->s_vertical, &axis));
 	*said = source->own != NULL || tagged || params->s_unit != NULL;
 	*metres = unit != NULL && unit[0] != '\0' ? dem_unit_metres(unit) : axis > 0 ? axis : 1;
+	if (down) {
+		*metres = -*metres;
+		dem_source_remark(source, SOURCE_DOWN, "its values count down%s%.80s: each height is the value times %g", source->vertical[0] != '\0' ? ", by " : "",
+				  source->vertical, *metres);
+	}
 	if (!*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5)
 		dem_source_remark(source, SOURCE_UNIT, "its SRS is in feet and nothing says the unit of heights; they are taken as metres. Give --s-unit %s if they are feet",
 		       OSRGetLinearUnits(source->srs, NULL) == 0.3048 ? "ft" : "us-ft");
-	if (tagged && params->s_unit != NULL && *metres != dem_unit_metres(tag))
+	if (tagged && params->s_unit != NULL && fabs(*metres) != dem_unit_metres(tag))
 		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; --s-unit %s is used", tag, unit);
-	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / *metres - 1) > 1e-9)
+	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / fabs(*metres) - 1) > 1e-9)
 		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; that is used, not the %.10g m of %.80s. --s-unit names another", tag, axis,
 		       params->s_vertical != NULL ? params->s_vertical : source->vertical);
 	return STATUS_OK;
@@ -138,7 +178,9 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 static void describe_unit(struct gdal_source *source, double metres)
 {
 	const size_t length = strlen(source->vertical);
-	if (metres != 1)
+	if (metres < 0)
+		snprintf(source->vertical + length, sizeof source->vertical - length, "%scounted up", length > 0 ? ", " : "");
+	else if (metres != 1)
 		snprintf(source->vertical + length, sizeof source->vertical - length, "%sconverted from units of %.10g m", length > 0 ? ", " : "", metres);
 }
 
@@ -336,6 +378,10 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 	TRY(write_vrt(source, params, band, unit, 0, number));
 	if (source->remarks[SOURCE_DEGREES] != NULL)
 		TRY(refuse_degrees(source));
+	if (fmax(fabs(source->place[1]), fabs(source->place[5])) >= COARSE_DEGREES) { /* as likely metres */
+		mem_free(source->remarks[SOURCE_DEGREES]);
+		source->remarks[SOURCE_DEGREES] = NULL;
+	}
 	TRY(dem_radii_find(source, params->radii, unit, said, &radius));
 	if (radius.sphere > 0) {
 		mem_free(source->own);

@@ -220,11 +220,17 @@ double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, d
 	double a = OSRGetSemiMajor(srs, &problem), inverse = OSRGetInvFlattening(srs, NULL);
 	if (problem != OGRERR_NONE || !on_ellipsoid(srs, 2, lon, lat))
 		return (double)NAN;
-	double f = inverse != 0 ? 1 / inverse : 0, e2 = f * (2 - f), middle = (lat[0] + lat[1]) / 2;
-	double w = sqrt(1 - e2 * sin(middle) * sin(middle));
-	double east = remainder(lon[1] - lon[0], 2 * M_PI) * cos(middle) * a / w;
-	double north = (lat[1] - lat[0]) * a * (1 - e2) / (w * w * w);
-	return hypot(east, north);
+	/* The chord between both places in space, since near a pole longitudes say nothing, and then its arc. */
+	const double f = inverse != 0 ? 1 / inverse : 0, e2 = f * (2 - f);
+	double at[2][3];
+	for (int i = 0; i < 2; i++) {
+		const double across = a / sqrt(1 - e2 * sin(lat[i]) * sin(lat[i]));
+		at[i][0] = across * cos(lat[i]) * cos(lon[i]);
+		at[i][1] = across * cos(lat[i]) * sin(lon[i]);
+		at[i][2] = across * (1 - e2) * sin(lat[i]);
+	}
+	const double chord = hypot(hypot(at[1][0] - at[0][0], at[1][1] - at[0][1]), at[1][2] - at[0][2]);
+	return chord < a ? 2 * a * asin(chord / (2 * a)) : (double)NAN;
 }
 
 double dem_srs_ground_off(OGRSpatialReferenceH srs, const double low[2], const double high[2])
@@ -275,9 +281,9 @@ static OGRSpatialReferenceH projected_on(OGRSpatialReferenceH globe, const char 
 	return srs;
 }
 
-/* On any body. Near a pole polar stereographic; else equirectangular, or where that is not true (it
+/* On any body. Near a pole polar stereographic, with the meridian `heading` along y. Else equirectangular, or where that is not true (it
  * knows spheres only) transverse Mercator through the middle of the data. */
-static OGRSpatialReferenceH metric_on_body(OGRSpatialReferenceH globe, double lon, double lat)
+static OGRSpatialReferenceH metric_on_body(OGRSpatialReferenceH globe, double lon, double lat, double heading)
 {
 	lon = round(lon * 1e4) / 1e4;
 	lat = round(lat * 1e4) / 1e4;
@@ -285,13 +291,26 @@ static OGRSpatialReferenceH metric_on_body(OGRSpatialReferenceH globe, double lo
 	if (srs == NULL)
 		return NULL;
 	if (fabs(lat) > 80) {
-		OSRSetPS(srs, lat, 0, 1, 0, 0);
+		OSRSetPS(srs, lat, heading, 1, 0, 0);
 		return srs;
 	}
 	OSRSetEquirectangular2(srs, 0, lon, lat, 0, 0);
 	if (!is_true_at(globe, srs, lon, lat))
 		OSRSetTM(srs, lat, lon, 1, 0, 0);
 	return srs;
+}
+
+/* Returns the meridian along which a polar projection has its y. A grid in it is not turned then. 0: it is no polar one. */
+static double heading_of(OGRSpatialReferenceH srs)
+{
+	const char *name = OSRIsProjected(srs) ? OSRGetAttrValue(srs, "PROJECTION", 0) : NULL;
+	if (name == NULL || strstr(name, "Stereographic") == NULL)
+		return 0;
+	const double is_absent = 1e9, degrees = OSRGetAngularUnits(srs, NULL) * 180 / M_PI;
+	double lon = OSRGetProjParm(srs, "central_meridian", is_absent, NULL);
+	if (lon == is_absent)
+		lon = OSRGetProjParm(srs, "longitude_of_origin", is_absent, NULL);
+	return lon == is_absent ? 0 : lon * degrees;
 }
 
 OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y)
@@ -305,7 +324,7 @@ OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y
 	if (move == NULL || !OCTTransform(move, 1, &x, &y, NULL) || !isfinite(x) || fabs(y) > 90)
 		goto done;
 	if (!earth || fabs(y) > 84) {
-		found = metric_on_body(globe, x, y);
+		found = metric_on_body(globe, x, y, heading_of(srs));
 		goto done;
 	}
 	int zone = (int)floor((remainder(x, 360) + 180) / 6) + 1;

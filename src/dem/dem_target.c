@@ -44,10 +44,12 @@ static bool differ(OGRSpatialReferenceH a, OGRSpatialReferenceH b)
 	return a != NULL && b != NULL && !OSRIsSame(a, b);
 }
 
-/* Adds the area of a raster's posts in `srs`; NULL: in its own. */
-static enum status bounds_add_raster(struct bounds *bounds, const struct dem_lattice *raster, OGRSpatialReferenceH srs, const char *name)
+/* Adds the area of a raster's posts in `srs`; NULL: in its own. x that counts around the planet is brought within half a turn of `near`. */
+static enum status bounds_add_raster(struct bounds *bounds, const struct dem_lattice *raster, OGRSpatialReferenceH srs, double near, const char *name)
 {
 	OGRCoordinateTransformationH move = NULL;
+	double middle;
+	const double turn = differ(raster->srs, srs) ? dem_srs_turn(srs, &middle) : 0;
 	if (differ(raster->srs, srs)) {
 		CPLErrorReset();
 		move = OCTNewCoordinateTransformation(raster->srs, srs);
@@ -59,19 +61,36 @@ static enum status bounds_add_raster(struct bounds *bounds, const struct dem_lat
 		double x, y;
 		dem_lattice_point(raster, (double)(raster->width - 1) * (i % PROBES) / (PROBES - 1),
 				  (double)(raster->height - 1) * (i / PROBES) / (PROBES - 1), &x, &y);
-		if (move == NULL || OCTTransform(move, 1, &x, &y, NULL))
-			bounds_add(bounds, x, y);
+		if (move != NULL && !OCTTransform(move, 1, &x, &y, NULL))
+			continue;
+		bounds_add(bounds, turn > 0 ? near + remainder(x - near, turn) : x, y);
 	}
 	if (move != NULL)
 		OCTDestroyCoordinateTransformation(move);
 	return STATUS_OK;
 }
 
+/* Returns x in `srs` of the first raster's middle; 0: it is nowhere there. */
+static double middle_of(const struct dem_groups *groups, OGRSpatialReferenceH srs)
+{
+	const struct dem_lattice *raster = dem_layers_lattice(groups->groups[0].layers);
+	double x, y;
+	dem_lattice_point(raster, (double)(raster->width - 1) / 2, (double)(raster->height - 1) / 2, &x, &y);
+	if (!differ(raster->srs, srs))
+		return x;
+	OGRCoordinateTransformationH move = OCTNewCoordinateTransformation(raster->srs, srs);
+	const bool there = move != NULL && OCTTransform(move, 1, &x, &y, NULL) && isfinite(x);
+	if (move != NULL)
+		OCTDestroyCoordinateTransformation(move);
+	return there ? x : 0;
+}
+
 static enum status bounds_of(const struct dem_groups *groups, OGRSpatialReferenceH srs, struct bounds *bounds)
 {
+	const double near = middle_of(groups, srs);
 	*bounds = nowhere;
 	for (size_t i = 0; i < groups->count; i++)
-		TRY(bounds_add_raster(bounds, dem_layers_lattice(groups->groups[i].layers), srs, groups->groups[i].sources[0]->path));
+		TRY(bounds_add_raster(bounds, dem_layers_lattice(groups->groups[i].layers), srs, near, groups->groups[i].sources[0]->path));
 	return STATUS_OK;
 }
 
@@ -110,6 +129,11 @@ static enum status bounds_cut(struct bounds *bounds, const struct dem_params *pa
 	if (given != NULL)
 		OSRDestroySpatialReference(given);
 	const struct bounds whole = *bounds;
+	double middle;
+	const double turn = dem_srs_turn(srs, &middle); /* -180.1 is 179.9 */
+	const double turns = turn > 0 ? rint((whole.low[0] + whole.high[0] - window.low[0] - window.high[0]) / 2 / turn) : 0;
+	window.low[0] += turns * turn;
+	window.high[0] += turns * turn;
 	for (int i = 0; i < 2; i++) {
 		bounds->low[i] = fmax(whole.low[i], window.low[i]);
 		bounds->high[i] = fmin(whole.high[i], window.high[i]);
@@ -367,7 +391,7 @@ double dem_target_own_spacing(const struct dem_group *group)
 enum status dem_target_area(const struct dem_target *target, const struct dem_group *group, struct dem_area *area)
 {
 	struct bounds bounds = nowhere;
-	enum status status = bounds_add_raster(&bounds, dem_layers_lattice(group->layers), target->srs, group->sources[0]->path);
+	enum status status = bounds_add_raster(&bounds, dem_layers_lattice(group->layers), target->srs, target->origin[0], group->sources[0]->path);
 	memcpy(area->low, bounds.low, sizeof area->low);
 	memcpy(area->high, bounds.high, sizeof area->high);
 	return status;

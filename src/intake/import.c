@@ -3,11 +3,15 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <string.h>
 
 static enum status read_posts(void *user, struct post_rect rect, double *heights)
 {
-	const struct import *import = user;
-	return dem_read(import->opened, rect, heights);
+	struct import *import = user;
+	TRY(dem_read(import->opened, rect, heights));
+	intake_census_add(import->census, heights, (rect.x1 - rect.x0) * (rect.y1 - rect.y0));
+	return STATUS_OK;
 }
 
 static enum status misfit(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *sum)
@@ -16,18 +20,24 @@ static enum status misfit(void *user, const struct extent *extent, const struct 
 	return dem_misfit(import->opened, extent, tile, step, sum);
 }
 
-/* Notes a height that is probably an undeclared hole. Such a value mixed with others may become any height. */
-static void note_sentinel(const struct intake *intake)
+/* Notes heights that are probably undeclared holes. Such a value mixed with others may become any height. */
+static void note_sentinel(const struct import *import, const struct intake *intake)
 {
-	static const double usual[] = {-9999, -32767, -32768, -99999, 32767, 99999};
-	/* Coarser heights may differ from a sentinel by rounding, or reach one by chance. */
-	for (size_t i = 0; i < sizeof usual / sizeof usual[0] && intake->meta.max_error < 1; i++)
-		if (intake->low == usual[i] || intake->high == usual[i]) {
-			note("the %s height is %g m; if that means nodata, import again with --nodata %g",
-			     usual[i] < 0 ? "lowest" : "highest", usual[i], usual[i]);
-			return;
-		}
-	if (intake->low <= -12000)
+	const bool plain = strstr(import->meta.vertical, "converted from units") == NULL && strstr(import->meta.vertical, "counted up") == NULL;
+	bool told = false;
+	for (int low = 1; low >= 0; low--) {
+		double height;
+		if (!intake_census_find(import->census, low, &height))
+			continue;
+		char value[64] = " and the value that the source has there";
+		if (plain)
+			snprintf(value, sizeof value, " %s", number_exact(height).text);
+		const int64_t posts = low ? import->census->low.posts : import->census->high.posts;
+		note("the %s height is %s m, at %lld post%s, far from the others; if that means nodata, import again with --nodata%s", low ? "lowest" : "highest",
+		     number_exact(height).text, (long long)posts, posts == 1 ? "" : "s", value);
+		told = true;
+	}
+	if (intake->low <= -12000 && !told)
 		note("the lowest height is %s m; if a value of the sources means nodata, as -32767 often does, import "
 		     "again with --nodata and that value", number_exact(intake->low).text);
 }
@@ -83,6 +93,8 @@ static const char *why_none(const struct import *import)
 
 enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made)
 {
+	if (import->census == NULL)
+		TRY(mem_zeroed(&import->census, 1, sizeof *import->census, "counting heights"));
 	*made = (struct intake){
 		.path = store,
 		.overwrite = import->overwrite,
@@ -101,6 +113,6 @@ enum status intake_import_run(struct import *import, const char *store, dem_prog
 		.progress_user = user,
 	};
 	TRY(intake_run(made));
-	note_sentinel(made);
+	note_sentinel(import, made);
 	return STATUS_OK;
 }

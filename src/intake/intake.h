@@ -49,6 +49,21 @@ double intake_step(double max_error, double unit, bool whole);
 /* Returns a step of at most `step` of which `coarse` is a multiple, if `coarse` is the larger one: `coarse` halved often enough. */
 double intake_common_step(double coarse, double step);
 
+/* --- what heights there are --- */
+
+#define CENSUS_BINS 7500
+
+struct census_extreme {
+	double height; /* m */
+	int64_t posts; /* that have exactly this height */
+};
+
+/* Counts of heights. All zero is an empty one. */
+struct census {
+	int64_t bins[CENSUS_BINS], posts;
+	struct census_extreme low, high;
+};
+
 /* --- import: sources and options to a store --- */
 
 #define IMPORT_NODATA_MOST 32
@@ -73,6 +88,7 @@ struct import {
 	struct dem_insets *insets; /* NULL: there are none */
 	double coarse_step; /* m: heights of the terrain are rounded to multiples of it; 0: they are stored as they come */
 	struct store_meta meta; /* of the store that will be made */
+	struct census *census;  /* of the heights as they were read; NULL: none is kept */
 	char *lines, *inset_lines, *description, *texts[6];
 };
 

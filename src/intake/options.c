@@ -283,7 +283,7 @@ void intake_import_finish(struct import *import)
 		mem_free(import->texts[i]);
 	mem_free_list(import->inset_sources, import->inset_count);
 	dem_insets_close(import->insets);
-	mem_free_all(import->inset_paths, import->inset_from);
+	mem_free_all(import->inset_paths, import->inset_from, import->census);
 	free(import->lines);
 	free(import->inset_lines);
 	free(import->description);

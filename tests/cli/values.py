@@ -106,7 +106,7 @@ class Values(RasterTest):
 
 
     def test_what_looks_like_degrees_and_what_has_no_place_is_told(self):
-        for west, north, step, height, told in ((119.2, 34.1, 0.01, 50, "looks like degrees"), (119.2, 34.1, 0.01, 5000, None), (119.2, 34.1, 0.5, 5, ""),
+        for west, north, step, height, told in ((119.2, 34.1, 0.01, 0.5, "looks like degrees"), (119.2, 34.1, 0.01, 50, None), (119.2, 34.1, 0.5, 500, None), (119.2, 34.1, 0.5, 5, ""),
                                                 (0, 0.2, 0.01, 5, ""), (500000, 34.1, 0.01, 5, ""), (None, 0, 0, 5, "--spacing")):
             with self.subTest(west=west, step=step, height=height):
                 if west is None:
@@ -125,7 +125,7 @@ class Values(RasterTest):
         self.make("in.tif", 20, 20, lambda x, y: 5000 * x / 19, west=119.2, north=34.1, step=0.01, srs="EPSG:4326")
         self.assertIn("EPSG:26911 is in metres, and its place 119.2, 34.1 with posts 0.01 apart looks like degrees: as metres it is 0.2 m wide",
                       self.refused(3, "import", "in.tif", "-o", "s.furrow", "--s-srs", "EPSG:26911"))
-        self.make("in.tif", 20, 20, lambda x, y: 5 * x / 19, west=119.2, north=34.1, step=0.01, srs=None)
+        self.make("in.tif", 20, 20, lambda x, y: 0.5 * x / 19, west=119.2, north=34.1, step=0.01, srs=None)
         self.assertIn("looks like degrees; taken as the metres", self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite", "--s-srs", rasters.UTM).stderr)
         self.make("in.tif", 20, 20, lambda x, y: x, west=500000, north=34.1, step=0.01, srs=None)
         self.assertEqual("", self.furrow("import", "in.png", "-o", "s.furrow", "--overwrite", "--spacing", 1).stderr)

@@ -1,0 +1,152 @@
+"""Elevation data at the seams of the globe, with units that its metadata say, in PNGs with a place, with holes that nothing declares: each beside GDAL's own
+answer, or a formula."""
+import math
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import main
+from raster_test import RasterTest
+import rasters
+
+DEGREE = 1 / 900
+SIDE = 90
+
+
+class Seams(RasterTest):
+    def pair(self, west, east):
+        """Two tiles side by side, 90 x 90 pixels each; heights rise to the north by 2 m a pixel and to the east by 0.5 m."""
+        for name, x, first in (("west.tif", west, 0), ("east.tif", east, SIDE)):
+            self.make(name, SIDE, SIDE, lambda column, row: 100 + 2 * (SIDE - 1 - row) + 0.5 * (first + column), west=x, north=-17.0, step=DEGREE, srs="EPSG:4326")
+
+    def check_pair(self, west, zones, *sources_and_options):
+        self.ok("import", *sources_and_options, "-o", "s.furrow", "--overwrite", "--max-error", 0.001)
+        info = self.json("info", "s.furrow")
+        self.assertLess(max(info["posts"]), 300)
+        self.assertTrue(any(zone in info["srs"] for zone in zones), info["srs"][:80])
+        places = [(column, row) for column in (5.2, 44.8, 88.9, 89.7, 90.6, 133, 174.4) for row in (6.3, 45.5, 84.1)]
+        degrees = [(west + column * DEGREE, -17.0 - row * DEGREE) for column, row in places]
+        text = "".join(f"{x!r} {y!r}\n" for x, y in degrees)
+        points = self.json("query", "s.furrow", "--srs", "degrees", stdin=text)["points"]
+        for (column, row), point in zip(places, points, strict=True):
+            self.assertAlmostEqual(point["height"], 100 + 2 * (SIDE - 1 - (row - 0.5)) + 0.5 * (column - 0.5), delta=0.02)
+            self.assertFalse(point["nodata"], (column, row))
+
+    def test_tiles_on_both_sides_of_180_degrees_are_neighbours(self):
+        self.pair(180 - SIDE * DEGREE, -180.0)
+        for order in (("west.tif", "east.tif"), ("east.tif", "west.tif")):
+            self.check_pair(180 - SIDE * DEGREE, ("zone 60S", "zone 1S"), *order)
+        self.check_pair(180 - SIDE * DEGREE, ("zone 60S",), "west.tif", "east.tif", "--t-srs", "EPSG:32760")
+
+    def test_tiles_on_both_sides_of_the_meridian_of_greenwich_are_neighbours(self):
+        """West of it x counts to 360, east of it from 0."""
+        self.pair(360 - SIDE * DEGREE, 0.0)
+        for order in (("west.tif", "east.tif"), ("east.tif", "west.tif")):
+            self.check_pair(-SIDE * DEGREE, ("zone 31S", "zone 30S"), *order)
+
+    def test_a_window_may_count_from_either_side(self):
+        self.pair(180 - SIDE * DEGREE, -180.0)
+        posts = set()
+        for window in ("179.95,-17.08,180.05,-17.02", "-180.05,-17.08,-179.95,-17.02"):
+            self.ok("import", "west.tif", "east.tif", "-o", "s.furrow", "--overwrite", "--window", window, "--window-srs", "EPSG:4326")
+            posts.add(tuple(self.json("info", "s.furrow")["posts"]))
+        self.assertEqual(len(posts), 1)
+
+    def test_a_globe_in_tiles_stays_whole(self):
+        """Four tiles around the planet have no gap to begin at."""
+        for i in range(4):
+            self.make(f"t{i}.tif", 30, 20, lambda column, row: 5.0 * i + column / 10, west=-180.0 + 90 * i, north=30.0, step=3, srs="EPSG:4326")
+        self.ok("import", *(f"t{i}.tif" for i in (2, 0, 1, 3)), "-o", "s.furrow", "--t-srs", "EPSG:6933")
+        self.assertGreater(self.json("info", "s.furrow")["posts"][0], 100)
+
+    def test_a_pole_in_the_middle_of_a_grid(self):
+        for srs, centre in (("EPSG:3413", 0.0), ("EPSG:3031", 0.0), ("EPSG:5041", 2000000.0)):
+            self.make("pole.tif", 60, 60, lambda column, row: 3000 - 20 * math.hypot(column - 29.5, row - 29.5), west=centre - 30000, north=centre + 30000, step=1000, srs=srs)
+            result = self.furrow("import", "pole.tif", "-o", "s.furrow", "--overwrite", "--max-error", 0.001)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertNotIn("off those on the ground", result.stderr)
+            info = self.json("info", "s.furrow")
+            # A kilometre of the grid on the ground, as PROJ's factors tell: 1031, 1028 and 1006 m.
+            self.assertAlmostEqual(info["spacing"] / 1000, {"EPSG:3413": 1.031, "EPSG:3031": 1.028, "EPSG:5041": 1.006}[srs], delta=0.006)
+            scale = {"EPSG:3413": 1.0311, "EPSG:3031": 1.0279, "EPSG:5041": 1.0060}[srs]
+            middle = [info["spacing"] * (count - 1) / 2 for count in info["posts"]]
+            for away in (5000.0, 12000.0, 20000.0):
+                point, = self.json("query", "s.furrow", repr(middle[0] + away), repr(middle[1]))["points"]
+                off = math.hypot(info["origin"][0] + middle[0] + away, info["origin"][1] + middle[1])
+                self.assertAlmostEqual(point["height"], 3000 - 20 * off / (1000 * scale), delta=1.0)
+
+
+class Meanings(RasterTest):
+    def test_degrees_without_an_srs(self):
+        self.make("d.tif", 50, 40, lambda column, row: 1500 + 30.0 * column, west=-120.0, north=45.0, step=0.1, srs=None)
+        self.assertIn("looks like degrees", self.refused(3, "import", "d.tif", "-o", "s.furrow"))
+        rasters.gdal("gdal_translate", "-q", "-mo", "lon#units=degrees_east", "-mo", "lat#units=degrees_north", self.folder / "d.tif", self.folder / "u.tif")
+        result = self.furrow("import", "u.tif", "-o", "s.furrow")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("degrees_east: taken as WGS 84", result.stderr)
+        self.assertIn("zone 11N", self.json("info", "s.furrow")["srs"])
+
+    def test_a_small_field_in_metres_is_no_field_in_degrees(self):
+        self.make("lab.tif", 50, 40, lambda column, row: 0.02 * column, west=12.0, north=45.0, step=0.05, srs=None)
+        self.ok("import", "lab.tif", "-o", "s.furrow")
+        self.assertAlmostEqual(self.json("info", "s.furrow")["spacing"], 0.05)
+
+    def test_values_that_count_down(self):
+        self.make("depth.tif", 40, 30, lambda column, row: 25.0 + 0.5 * column, srs="EPSG:26911+6357")
+        result = self.furrow("import", "depth.tif", "-o", "s.furrow", "--max-error", 0.001)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("count down", result.stderr)
+        width, height, cells = self.exported("s.furrow", "--layer", "base")
+        for i, found in enumerate(cells):
+            self.assertAlmostEqual(found, -25 - 0.5 * (i % 40), delta=0.002)
+
+    def test_a_png_with_a_place(self):
+        values = [900 + (column * 7 + row * 13) % 400 for row in range(30) for column in range(40)]
+        self.make("g.tif", 40, 30, lambda column, row: values[row * 40 + column], code="H")
+        rasters.gdal("gdal_translate", "-q", "-of", "PNG", self.folder / "g.tif", self.folder / "aux.png")
+        rasters.gdal("gdal_translate", "-q", "-of", "PNG", "-co", "WORLDFILE=YES", self.folder / "g.tif", self.folder / "wld.png")
+        (self.folder / "wld.png.aux.xml").unlink()
+        for source, options, srs in (("aux.png", (), "zone 33N"), ("wld.png", ("--s-srs", "EPSG:32633"), "zone 33N"), ("wld.png", (), "")):
+            self.ok("import", source, *options, "-o", "s.furrow", "--overwrite")
+            info = self.json("info", "s.furrow")
+            self.assertEqual((info["spacing"], info["posts"]), (10, [40, 30]))
+            self.assertIn(srs, info["srs"] or "")
+            self.assertEqual(self.exported("s.furrow", "--layer", "base")[2], values)
+        (self.folder / "wld.wld").unlink()
+        self.assertIn("has no place", self.refused(3, "import", "wld.png", "--s-srs", "EPSG:32633", "-o", "t.furrow"))
+
+    def test_our_own_png_comes_back_where_it_was(self):
+        self.make("g.tif", 40, 30, lambda column, row: 900 + (column * 7 + row * 13) % 400, code="H")
+        self.ok("import", "g.tif", "-o", "s.furrow")
+        self.ok("export", "s.furrow", "-o", "own.png")
+        self.ok("import", "own.png", "-o", "t.furrow")
+        before, after = self.json("info", "s.furrow"), self.json("info", "t.furrow")
+        self.assertEqual([before[key] for key in ("spacing", "posts", "origin")], [after[key] for key in ("spacing", "posts", "origin")])
+
+    def notes(self, code, value, ground=lambda column, row: 500 + 40 * math.sin(column / 7), holed=lambda column, row: 10 < column < 25 and 8 < row < 20):
+        self.make("n.tif", 60, 40, lambda column, row: value if holed(column, row) else (int if code in "hHi" else float)(ground(column, row)), code=code)
+        return self.furrow("import", "n.tif", "-o", "s.furrow", "--overwrite").stderr
+
+    def test_holes_that_nothing_declares_are_told(self):
+        for code, value in (("H", 65535), ("h", 9999), ("f", -9999.0), ("H", 55537), ("h", 32767), ("f", 12345.0), ("i", -32768)):
+            told = self.notes(code, value)
+            self.assertIn(f"--nodata {value:g}" if abs(value) < 10000 else f"--nodata {int(value)}", told, (code, value))
+            self.assertIn("at 154 posts", told)
+
+    def test_a_lake_a_tower_and_a_peak_are_no_holes(self):
+        for value, holed in ((455.0, None), (900.0, None), (2400.0, lambda column, row: (column, row) == (20, 20)), (0.0, None)):
+            told = self.notes("f", value, **({"holed": holed} if holed else {}))
+            self.assertNotIn("--nodata", told, value)
+
+    def test_numbers_that_are_exchanged(self):
+        self.make("g.tif", 40, 30, lambda column, row: 5.0, north=4000000)
+        self.ok("import", "g.tif", "-o", "s.furrow")
+        for srs, east, north in (("EPSG:32633", 500100, 3999900), ("degrees", 15.001, 36.143)):
+            self.assertNotIn("exchanged", self.furrow("query", "s.furrow", "--srs", srs, east, north).stderr)
+            told = self.furrow("query", "s.furrow", "--srs", srs, north, east)
+            self.assertIn("outside", told.stdout)
+            self.assertRegex(told.stderr, "exchanged|latitude and longitude")
+
+
+if __name__ == "__main__":
+    main()
