@@ -7,7 +7,8 @@
 
 #include "report/rows_file.h"
 
-static const char fixed[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work", carried[] = ",carried,carried_weight";
+static const char fixed[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work", carried[] = ",carried,carried_weight",
+		  engine[] = ",engine_speed,gear,engine_work,driveline_loss", brakes[] = ",brake_loss";
 
 /* What a column after the fixed ones has. The file has them in this order. */
 enum kind { JOINT, CONTROL, FORCE, KINDS };
@@ -25,6 +26,7 @@ struct report_vehicles {
 	const char *directory;
 	FILE *file;
 	bool carries; /* a vehicle may carry soil */
+	bool engines, brakes; /* a vehicle has a powertrain, has brakes */
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
@@ -49,6 +51,11 @@ static enum status write_row(const struct report_vehicles *rows, const struct ve
 			      row->velocity[2], row->kinetic, row->work);
 	if (rows->carries && printed > 0)
 		printed = fprintf(rows->file, ",%.9g,%.9g", row->aboard.volume, row->aboard.weight);
+	const struct vehicle_train *train = &row->train;
+	if (rows->engines && printed > 0)
+		printed = train->has_engine ? fprintf(rows->file, ",%.9g,%d,%.9g,%.9g", train->engine_speed, train->gear, train->engine_work, train->loss) : fprintf(rows->file, ",,,,");
+	if (rows->brakes && printed > 0)
+		printed = train->has_brakes ? fprintf(rows->file, ",%.9g", train->brake_work) : fprintf(rows->file, ",");
 	for (size_t i = 0; i < rows->count && printed > 0; i++) {
 		const struct column *column = &rows->columns[i];
 		const int index = column->index[row->vehicle];
@@ -122,6 +129,8 @@ static enum status make_header(struct report_vehicles *rows)
 	TRY_MEM(stream, "vehicles.csv");
 	fputs(fixed, stream);
 	fputs(rows->carries ? carried : "", stream);
+	fputs(rows->engines ? engine : "", stream);
+	fputs(rows->brakes ? brakes : "", stream);
 	for (size_t i = 0; i < rows->count; i++)
 		fprintf(stream, ",%c:%s", letters[rows->columns[i].kind], rows->columns[i].name);
 	fputc('\n', stream);
@@ -142,6 +151,12 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
 	TRY_MEM(rows, "vehicles.csv");
 	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .carries = scene_vehicles_carry(world_scene(world))};
+	for (size_t v = 0; v < vehicle_count(vehicles); v++) {
+		struct vehicle_info info;
+		vehicle_info(vehicles, v, &info);
+		rows->engines = rows->engines || info.train.has_engine;
+		rows->brakes = rows->brakes || info.train.has_brakes;
+	}
 	enum status status;
 	TRY_OR(failed, find_columns(rows));
 	bool begins = false;

@@ -3,6 +3,7 @@
 
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"
+#include "vehicle/powertrain.h"
 
 #define BRAKE 1e12     /* kg m2: inertia of a wheel that does not turn, */
 #define BRAKE_SOFT 1e6 /* or times its own, where the model has constraints: with more, MuJoCo's solver of constraints does not converge */
@@ -103,6 +104,8 @@ void vehicle_advance(struct vehicle *vehicle, double time, double seconds, doubl
 	for (int i = 0; i < vehicle->engine_steps; i++) {
 		if (i > 0)
 			begin_step(vehicle, time + i * h, drives);
+		if (drives && vehicle->train != NULL)
+			vehicle_train_step(vehicle, h, (vehicle->engine_steps - 1 - i) * h);
 		vehicle_couple(vehicle, h, (vehicle->engine_steps - 1 - i) * h);
 		mju_copy(before, data->qvel, model->nv);
 		mj_step2(model, data);
@@ -114,6 +117,8 @@ void vehicle_advance(struct vehicle *vehicle, double time, double seconds, doubl
 			continue;
 		vehicle->work += work_of(vehicle, before) * h;
 		vehicle_couple_work(vehicle, h, before);
+		if (vehicle->train != NULL)
+			vehicle_train_sum(vehicle, h, before);
 	}
 	if (!drives)
 		brake(vehicle, false);

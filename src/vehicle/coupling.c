@@ -496,11 +496,11 @@ static void fill_inertia(const struct step *step, double *inertia)
 		}
 }
 
-bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *inertia, double *velocity)
+bool vehicle_find_response(struct vehicle *vehicle, double seconds, double later, double *inertia, double *velocity)
 {
 	const mjData *data = vehicle->data;
 	const int nv = vehicle->model->nv;
-	struct step step = {.vehicle = vehicle, .h = seconds};
+	struct step step = {.vehicle = vehicle, .h = seconds, .later = later};
 	const bool whole = begin(&step);
 	/* The soil's forces at the velocities of now. */
 	for (size_t r = 0; r < step.rows; r++)

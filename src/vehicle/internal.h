@@ -74,6 +74,7 @@ static inline size_t range_count(struct range range)
 }
 
 struct contact; /* coupling.c */
+struct powertrain; /* powertrain.h */
 
 struct vehicle {
 	const struct scene_vehicle *scene;
@@ -106,7 +107,8 @@ struct vehicle {
 	double *room;               /* numbers for coupling.c */
 	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
-	double *host_controls;      /* nactuator: what a host has set; NaN: the driver sets it */
+	double *host_controls;      /* what a host has set, of its actuators and then of its powertrain; NaN: the driver sets it */
+	struct powertrain *train;   /* powertrain and brakes; NULL: none */
 };
 
 /* A geom that pictures show. */
@@ -145,9 +147,13 @@ struct vehicles {
 };
 
 /* --- load.c --- */
-/* Return the first control of an actuator, and its first gear. An actuator may have several of both: a motor by its voltage, a PID by its place and rate. */
+/* Returns a control of the powertrain: powertrain.h. */
+double *vehicle_train_control(const struct vehicle *vehicle, size_t control);
+/* Return the first control of an actuator or, from the number of actuators on, a control of the powertrain, and its first gear. An actuator may have several of both: a motor by its voltage, a PID by its place and rate. */
 static inline double *vehicle_ctrl(const struct vehicle *vehicle, int actuator)
 {
+	if (actuator >= vehicle->model->nactuator)
+		return vehicle_train_control(vehicle, (size_t)(actuator - vehicle->model->nactuator));
 	return vehicle->data->ctrl + vehicle->model->actuator_ctrladr[actuator];
 }
 
@@ -253,9 +259,9 @@ size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehic
  * that step's start. The Jacobians are those of its start, as the forces are. */
 void vehicle_couple_work(struct vehicle *vehicle, double h, const double *before);
 
-/* Finds how a prepared vehicle would move until `seconds` from now, without other vehicles. `inertia`: nv x nv, with what joints and soil
+/* Finds how a prepared vehicle would move until `seconds` from now, without other vehicles. later: s of the time step after that. `inertia`: nv x nv, with what joints and soil
  * resist in that time, factored. `velocity`: nv, at the end. Returns false if the inertia has no inverse. Runs within a guard. */
-bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *inertia, double *velocity);
+bool vehicle_find_response(struct vehicle *vehicle, double seconds, double later, double *inertia, double *velocity);
 
 /* --- advance.c --- */
 

@@ -5,6 +5,7 @@
 
 #include "vehicle/internal.h"
 #include "vehicle/load.h"
+#include "vehicle/powertrain.h"
 #include "vehicle/spec.h"
 
 #define WHOLE 1e-6 /* of a step of the engine: a time step that is longer than some by less has no more */
@@ -127,11 +128,13 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(find_root(vehicle, where));
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
+	TRY(vehicle_make_powertrain(vehicle, where));
+	const size_t controls = vehicle_control_count(vehicle);
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
-	vehicle->row_actuators = mem_calloc(2 * range_count(vehicle->own.actuator) + 1, sizeof *vehicle->row_actuators);
-	vehicle->host_controls = mem_alloc(range_count(vehicle->own.actuator) + 1, sizeof *vehicle->host_controls);
+	vehicle->row_actuators = mem_calloc(2 * controls + 1, sizeof *vehicle->row_actuators);
+	vehicle->host_controls = mem_alloc(controls + 1, sizeof *vehicle->host_controls);
 	TRY_MEM(vehicle->pushed != NULL && vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
-	for (size_t i = 0; i < range_count(vehicle->own.actuator); i++)
+	for (size_t i = 0; i < controls; i++)
 		vehicle->host_controls[i] = (double)NAN;
 	vehicle_find_bound(vehicle, scene);
 	return vehicle_make_driver(vehicle, where);
@@ -140,6 +143,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 void vehicle_forget(struct vehicle *vehicle)
 {
 	vehicle_free_driver(&vehicle->driver);
+	vehicle_free_powertrain(vehicle->train);
 	vehicle_free_geoms(vehicle);
 	if (vehicle->data != NULL)
 		mj_deleteData(vehicle->data);

@@ -197,7 +197,7 @@ static void push(void *argument)
 	for (size_t v = 0; v < vehicles->count; v++) {
 		struct mover *mover = &between->movers[v];
 		if (mover->meets)
-			mover->whole = vehicle_find_response(&vehicles->list[v], pushing->seconds, mover->inertia, mover->velocity);
+			mover->whole = vehicle_find_response(&vehicles->list[v], pushing->seconds, 0, mover->inertia, mover->velocity);
 	}
 	for (size_t i = 0; i < between->count; i++)
 		fill_meeting(vehicles, &between->meetings[i], pushing->seconds);
