@@ -156,7 +156,7 @@ failed:
 	return status;
 }
 
-/* `engine: torque.csv` is `engine_file: torque.csv`, and brakes of the powertrain are those of the vehicle. */
+/* `engine: [[1000, 100], ...]` is `torque: [[1000, 100], ...]`, and brakes of the powertrain are those of the vehicle. */
 static enum status fold_powertrain(struct scene_node *vehicle)
 {
 	struct scene_node *powertrain = scene_node_child(vehicle, "powertrain");
@@ -167,15 +167,13 @@ static enum status fold_powertrain(struct scene_node *vehicle)
 		scene_node_remove(brakes);
 		scene_node_append(vehicle, brakes);
 	}
-	if (engine == NULL || engine->kind != SCENE_SCALAR)
+	if (engine == NULL || engine->kind != SCENE_SEQUENCE || engine->count == 0)
 		return STATUS_OK;
-	char *text = engine->text;
-	const bool plain = engine->plain;
-	engine->text = NULL;
-	scene_node_remove(engine);
-	enum status status = add_text(powertrain, "engine_file", text, plain);
-	scene_node_destroy(engine);
-	return status;
+	char *key = mem_strdup("torque");
+	TRY_MEM(key, "reading the scene");
+	mem_free(engine->key);
+	engine->key = key;
+	return STATUS_OK;
 }
 
 static enum status fold_vehicles(const struct scene_tree *tree)

@@ -62,14 +62,14 @@ static enum status read_table(const struct scene_tree *tree, const struct scene_
 
 static enum status take_engine(const struct scene_tree *tree, const struct raw_powertrain *raw, size_t index, struct scene_powertrain *train)
 {
-	const struct scene_node *node = scene_tree_find(tree, KEY ".%s", index, raw->engine_file != NULL ? "engine_file" : "engine");
-	if ((raw->engine != NULL) == (raw->engine_file != NULL))
-		return scene_error(tree->file, scene_tree_find(tree, KEY, index), "names %s; allowed: exactly one of engine, engine_file",
+	const struct scene_node *node = scene_tree_find(tree, KEY ".%s", index, raw->engine != NULL ? "engine" : "torque");
+	if ((raw->engine != NULL) == (raw->torque != NULL))
+		return scene_error(tree->file, scene_tree_find(tree, KEY, index), "names %s; allowed: exactly one of engine, torque",
 				   raw->engine != NULL ? "its engine twice" : "no engine");
-	if (raw->engine_file != NULL)
-		TRY(read_table(tree, node, raw->engine_file, train));
-	for (uint32_t i = 0; i < raw->engine_count; i++)
-		TRY(add_point(train, raw->engine[i]));
+	if (raw->engine != NULL)
+		TRY(read_table(tree, node, raw->engine, train));
+	for (uint32_t i = 0; i < raw->torque_count; i++)
+		TRY(add_point(train, raw->torque[i]));
 	double most = 0;
 	for (size_t i = 0; i < train->engine_count; i++) {
 		const double *point = train->engine[i];
@@ -172,7 +172,7 @@ enum status scene_check_powertrain(const struct scene_tree *tree, const struct r
 	train->idle = or_else(raw->idle, train->engine[0][0]);
 	train->drag = or_else(raw->drag, scene_absent("vehicles[].powertrain.drag"));
 	if (!(train->idle > 0 && train->idle < train->engine[train->engine_count - 1][0]))
-		return scene_error(tree->file, scene_tree_find(tree, KEY ".%s", index, raw->idle != NULL ? "idle" : "engine"),
+		return scene_error(tree->file, scene_tree_find(tree, KEY ".%s", index, raw->idle != NULL ? "idle" : raw->engine != NULL ? "engine" : "torque"),
 				   "makes an idle speed of %g rpm, and the engine's last is %g; allowed: idle above 0 and below the engine's last speed", train->idle,
 				   train->engine[train->engine_count - 1][0]);
 	TRY(take_gears(tree, raw, index, train));

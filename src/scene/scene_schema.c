@@ -359,8 +359,8 @@ static const cyaml_schema_field_t differentials_fields[] = {
 };
 static const cyaml_schema_field_t powertrain_fields[] = {
 	CYAML_FIELD_SEQUENCE("wheels", OPTIONAL_POINTER, struct raw_powertrain, wheels, &pattern_entry, 1, 256),
-	CYAML_FIELD_SEQUENCE("engine", OPTIONAL_POINTER, struct raw_powertrain, engine, &point_entry, 1, 1000),
-	CYAML_FIELD_STRING_PTR("engine_file", OPTIONAL, struct raw_powertrain, engine_file, 1, 4096),
+	CYAML_FIELD_STRING_PTR("engine", OPTIONAL, struct raw_powertrain, engine, 1, 4096),
+	CYAML_FIELD_SEQUENCE("torque", OPTIONAL_POINTER, struct raw_powertrain, torque, &point_entry, 1, 1000),
 	CYAML_FIELD_FLOAT_PTR("inertia", OPTIONAL, struct raw_powertrain, inertia),
 	CYAML_FIELD_FLOAT_PTR("idle", OPTIONAL, struct raw_powertrain, idle),
 	CYAML_FIELD_FLOAT_PTR("drag", OPTIONAL, struct raw_powertrain, drag),
@@ -547,7 +547,7 @@ static const struct scene_limit limits[] = {
 	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
 	{"vehicles[].servo.kv", 0, 1e12, true, NULL, "N m s", NAN, "torque / 0.1 rad/s"},
 	{"vehicles[].servo.torque", 0, 1e12, true, NULL, "N m", NAN, "the joint's limit, or by the weight"},
-	{"vehicles[].powertrain.engine[][]", 0, 1e6, false, NULL, "rpm, N m", NAN, NULL},
+	{"vehicles[].powertrain.torque[][]", 0, 1e6, false, NULL, "rpm, N m", NAN, NULL},
 	{"vehicles[].powertrain.inertia", 0, 1e6, true, NULL, "kg m2", 0.2, NULL},
 	{"vehicles[].powertrain.idle", 0, 1e6, true, NULL, "rpm", NAN, "the first speed of the engine"},
 	{"vehicles[].powertrain.drag", 0, 1e6, false, NULL, "N m", 0, NULL},

@@ -223,9 +223,9 @@ struct raw_differentials {
 struct raw_powertrain {
 	char **wheels;
 	uint32_t wheels_count;
-	double (*engine)[2];
-	uint32_t engine_count;
-	char *engine_file;
+	char *engine;
+	double (*torque)[2];
+	uint32_t torque_count;
 	double *inertia, *idle, *drag;
 	double *gears;
 	uint32_t gears_count;

@@ -1,7 +1,7 @@
 /* The engine's steps of one time step. */
 #include <math.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/drives.h"
 #include "vehicle/linear.h"
 #include "vehicle/powertrain.h"
 
@@ -117,6 +117,7 @@ void vehicle_advance(struct vehicle *vehicle, double time, double seconds, doubl
 			continue;
 		vehicle->work += work_of(vehicle, before) * h;
 		vehicle_couple_work(vehicle, h, before);
+		vehicle_drives_sum(vehicle, h, before);
 		if (vehicle->train != NULL)
 			vehicle_train_sum(vehicle, h, before);
 	}

@@ -75,6 +75,7 @@ static inline size_t range_count(struct range range)
 
 struct contact; /* coupling.c */
 struct powertrain; /* powertrain.h */
+struct drive; /* drives.h */
 
 struct vehicle {
 	const struct scene_vehicle *scene;
@@ -108,6 +109,8 @@ struct vehicle {
 	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 	double *host_controls;      /* what a host has set, of its actuators and then of its powertrain; NaN: the driver sets it */
+	struct drive *drives;       /* electric ones */
+	size_t drive_count;
 	struct powertrain *train;   /* powertrain and brakes; NULL: none */
 };
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <xxhash.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/drives.h"
 #include "vehicle/load.h"
 #include "vehicle/powertrain.h"
 #include "vehicle/spec.h"
@@ -129,6 +129,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
 	TRY(vehicle_make_powertrain(vehicle, where));
+	TRY(vehicle_make_drives(vehicle));
 	const size_t controls = vehicle_control_count(vehicle);
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
 	vehicle->row_actuators = mem_calloc(2 * controls + 1, sizeof *vehicle->row_actuators);
@@ -149,5 +150,5 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->data);
 	if (vehicle->model != NULL)
 		mj_deleteModel(vehicle->model);
-	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls);
+	mem_free_all(vehicle->drives, vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls);
 }

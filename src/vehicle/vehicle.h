@@ -65,6 +65,17 @@ struct vehicle_train {
 	double engine_kinetic; /* J */
 };
 
+/* An electric drive: a dcmotor of the model. */
+struct vehicle_drive {
+	const char *name;      /* of the actuator; "" if it has none */
+	double torque, speed;  /* N m and rad/s of the motor, before its gear: in the last step of the engine, and now */
+	double current, voltage; /* A, V: R i + K speed */
+	double taken, recovered; /* J of its battery since the start: electric power above 0, and what came back, both positive */
+	double mechanical, heat; /* J: torque times speed; what its resistance took */
+};
+size_t vehicle_drive_count(const struct vehicles *vehicles, size_t vehicle);
+void vehicle_drive(const struct vehicles *vehicles, size_t vehicle, size_t drive, struct vehicle_drive *out);
+
 /* A row of vehicles.csv. */
 struct vehicle_row {
 	double time;           /* s */

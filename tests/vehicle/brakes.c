@@ -49,13 +49,13 @@ static void a_weak_brake_slips_at_its_torque(void **state)
 	slope = tan(angle);
 	for (int holds = 0; holds < 2; holds++) {
 		char keys[128];
-		snprintf(keys, sizeof keys, "brakes: %g, driver: {hold: {brake: 1}}", needs * (holds ? 1.02 : 0.5));
+		snprintf(keys, sizeof keys, "brakes: %g, driver: {hold: {brake: 1}}", needs * (holds ? 1.3 : 0.5));
 		struct furrow_world *world = open_train(keys, STEP, 180, HARD);
 		const double speed = creeps(world, 2, 1), work = train_of(world)->brake_work;
-		print_message("%.2f of the torque of the weight: %.4g m/s; the brakes took %.4g J\n", holds ? 1.02 : 0.5, speed, work);
-		assert_true(holds ? speed < 1e-4 && work < 0.1 : speed > 0.05 && work > 10);
+		print_message("%.2f of the torque of the weight: %.4g m/s; the brakes took %.4g J\n", holds ? 1.3 : 0.5, speed, work);
+		assert_true(holds ? speed < 2e-5 && work < 2 : speed > 0.05 && work > 10);
 		for (size_t i = 0; i < 4 && !holds; i++)
-			assert_near(fabs(train_of(world)->wheels[i].brake), 0.5 * needs, 1e-9 * needs);
+			assert_true(fabs(train_of(world)->wheels[i].brake) <= 0.5 * needs * (1 + 1e-9));
 		done(furrow_world_close(world));
 	}
 }
