@@ -220,6 +220,91 @@ static void a_converter_multiplies_at_stall(void **state)
 	done(furrow_world_close(world));
 }
 
+#define TRUCK "powertrain: {wheels: [turn_*], engine: [[800, 120], [4000, 120]], inertia: 0.3, drag: 10, gears: [4, 2, 1], reverse: 4, final: 4, shift: [1200, 3000], shift_time: 0.1, " \
+	"differentials: {centre: locked, front: limited, rear: locked}}, brakes: 1000"
+
+/* What a vehicle does after a checkpoint, and again after the way back to it, is the same to the bit. */
+static void it_goes_back_to_a_checkpoint(void **state)
+{
+	(void)state;
+	double ends[2][5];
+	slope = 0;
+	damp(0, 0, 0, 0);
+	write_model(0, 1000, "");
+	struct furrow_world *world = open_train(TRUCK, 0.004, 20, "dry_sand");
+	control(world, 1, 0, 3);
+	go(world, 0.6);
+	control(world, 0.2, 0.3, 3);
+	go(world, 0.1);
+	done(furrow_checkpoint(world));
+	for (int turn = 0; turn < 2; turn++) {
+		control(world, 0, 1, 3); /* they come to rest, and are held */
+		go(world, 1);
+		control(world, 1, 0, 3);
+		go(world, 0.4);
+		const struct powertrain *train = train_of(world);
+		const double end[5] = {train->speed, train->engine_work, train->loss, train->brake_work, vehicle_of(world)->data->qvel[0]};
+		memcpy(ends[turn], end, sizeof end);
+		print_message("%.17g rad/s, %.17g J, %.17g J, %.17g J, %.17g m/s\n", end[0], end[1], end[2], end[3], end[4]);
+		if (turn == 0)
+			done(furrow_rollback(world));
+	}
+	assert_memory_equal(ends[0], ends[1], sizeof ends[0]);
+	assert_true(train_of(world)->brake_work > 100 && train_of(world)->engine_work > 100);
+	assert_work(world);
+	done(furrow_world_close(world));
+}
+
+/* Locks, brakes and low gears with a light wheel are stiff; a step of 5 ms is stable with all of them. */
+static void stiff_drivelines_are_stable(void **state)
+{
+	(void)state;
+	slope = 0.1;
+	write_model(0, 1000, "");
+	struct furrow_world *world = open_train("powertrain: {wheels: [turn_*], engine: [[800, 60], [4000, 60]], inertia: 1, gears: [12, 1], reverse: 12, final: 5, shift_time: 0, "
+						"differentials: {centre: locked, front: locked, rear: locked}}, brakes: 3000", 0.005, 0, "dry_sand");
+	double fastest = 0;
+	static const double controls[][3] = {{1, 0, 1}, {1, 1, 1}, {0, 0, 1}, {1, 0, -1}, {1, 0.5, 2}, {0, 1, 0}};
+	for (size_t i = 0; i < sizeof controls / sizeof controls[0]; i++) {
+		control(world, controls[i][0], controls[i][1], controls[i][2]);
+		for (int step = 0; step < 120; step++) {
+			done(furrow_step(world, 0));
+			for (size_t k = 0; k < 4; k++)
+				fastest = support_most(fastest, fabs(turns(world, k)));
+			if (controls[i][2] != 0)
+				for (size_t k = 1; k < 4; k++)
+					assert_near(turns(world, k), turns(world, 0), 0.5);
+		}
+	}
+	print_message("no wheel turned faster than %.3f rad/s\n", fastest);
+	assert_true(fastest < 4000 * RPM / 5 * 1.05);
+	assert_work(world);
+	done(furrow_world_close(world));
+}
+
+/* The weight's share along the slope, with as much again for rolling in sand and more, is what it climbs with; half of it does not do. */
+static void it_climbs_as_steep_as_its_torque(void **state)
+{
+	(void)state;
+	slope = tan(8 * M_PI / 180);
+	write_model(0, 1000, "");
+	const double needs = (1000 + 4 * WHEEL_MASS) * 9.81 * sin(atan(slope)) * RADIUS;
+	for (int climbs = 0; climbs < 2; climbs++) {
+		char keys[512];
+		snprintf(keys, sizeof keys, "powertrain: {wheels: [turn_*], engine: [[500, %g], [5000, %g]], inertia: 0.1, gears: [10], shift_time: 0, "
+					    "differentials: {centre: locked}}", needs / 10 * (climbs ? 2.6 : 0.6), needs / 10 * (climbs ? 2.6 : 0.6));
+		struct furrow_world *world = open_train(keys, STEP, 0, "dry_sand");
+		const double from = vehicle_of(world)->data->qpos[0];
+		control(world, 1, 0, 1);
+		go(world, 2.5);
+		const double way = vehicle_of(world)->data->qpos[0] - from;
+		print_message("%.1f of the torque of the weight: %.3f m up\n", climbs ? 2.6 : 0.6, way);
+		assert_true(climbs ? way > 0.5 : way < 0);
+		assert_work(world);
+		done(furrow_world_close(world));
+	}
+}
+
 TEST_PROGRAM(powertrain)
 {
 	const struct CMUnitTest tests[] = {
@@ -229,6 +314,9 @@ TEST_PROGRAM(powertrain)
 		cmocka_unit_test(the_engine_brakes_and_idles),
 		cmocka_unit_test(it_shifts_at_its_speeds),
 		cmocka_unit_test(a_converter_multiplies_at_stall),
+		cmocka_unit_test(it_goes_back_to_a_checkpoint),
+		cmocka_unit_test(stiff_drivelines_are_stable),
+		cmocka_unit_test(it_climbs_as_steep_as_its_torque),
 	};
 	return cmocka_run_group_tests_name("the powertrain beside closed forms", tests, support_enter, support_leave);
 }
