@@ -81,7 +81,7 @@ void vehicle_drive(const struct vehicles *vehicles, size_t index, size_t number,
 	const struct vehicle *vehicle = &vehicles->list[index];
 	const struct drive *drive = &vehicle->drives[number];
 	const double *speeds = vehicle->data->qvel;
-	const char *name = mj_id2name(vehicle->model, mjOBJ_ACTUATOR, drive->actuator);
+	const char *name = vehicle_part_name(vehicle->model, mjOBJ_ACTUATOR, drive->actuator);
 	*out = (struct vehicle_drive){.name = name != NULL ? name : "", .torque = torque_of(vehicle, drive), .current = current_of(vehicle, drive),
 				      .speed = speed_of(vehicle, drive, speeds, speeds), .taken = drive->taken, .recovered = drive->recovered, .mechanical = drive->mechanical};
 	out->voltage = drive->resistance * out->current + drive->constant * out->speed;

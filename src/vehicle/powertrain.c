@@ -18,7 +18,7 @@ static int motor_of(const struct vehicle *vehicle, int joint)
 	const struct scene_powertrain *scene = &vehicle->scene->powertrain;
 	const struct scene_texts *patterns = scene->wheels.count > 0 ? &scene->wheels : &vehicle->scene->drive;
 	for (int i = vehicle->own.actuator.first; i < vehicle->own.actuator.end; i++) {
-		const char *name = mj_id2name(model, mjOBJ_ACTUATOR, i);
+		const char *name = vehicle_part_name(model, mjOBJ_ACTUATOR, i);
 		if (model->actuator_trntype[i] == mjTRN_JOINT && model->actuator_trnid[2 * i] == joint && name != NULL && vehicle_matches(patterns, name, false))
 			return i;
 	}
@@ -111,7 +111,7 @@ static void add_centre(struct powertrain *train, enum scene_differential differe
 
 static enum status make_rows(const struct vehicle *vehicle, struct powertrain *train)
 {
-	const size_t n = train->wheel_count, most = 2 * n + 2, nv = (size_t)vehicle->model->nv;
+	const size_t n = train->wheel_count, most = 2 * n + 2, nv = range_count(vehicle->own.dof);
 	const size_t numbers = n * n + n + most * n + most * most + 5 * most + most * (most + 4) + nv * nv + 2 * nv;
 	TRY(mem_zeroed(&train->rows, most, sizeof *train->rows, "a powertrain"));
 	TRY(mem_zeroed(&train->ways, most * n, sizeof *train->ways, "a powertrain"));
@@ -145,7 +145,7 @@ static enum status check(const struct vehicle *vehicle, const struct powertrain 
 		return fail_with(STATUS_INPUT, "%s: powertrain.wheels: names no hinge that turns a wheel on the ground; there are: %s", where, list);
 	}
 	for (size_t i = 0; i < vehicle_train_controls(vehicle); i++)
-		if (mj_name2id(vehicle->model, mjOBJ_ACTUATOR, names[i]) >= 0)
+		if (vehicle_find_part(vehicle, mjOBJ_ACTUATOR, names[i]) >= 0)
 			return fail_with(STATUS_INPUT, "%s: its model has an actuator %s, which is a control of the %s; rename it", where, names[i],
 					 train->scene != NULL ? "powertrain" : "brakes");
 	return STATUS_OK;
@@ -195,7 +195,7 @@ const char *vehicle_train_name(size_t control)
 int vehicle_control_find(const struct vehicle *vehicle, const char *name)
 {
 	const int control = vehicle_train_find(vehicle, name);
-	return control >= 0 ? (int)vehicle->model->nactuator + control : mj_name2id(vehicle->model, mjOBJ_ACTUATOR, name);
+	return control >= 0 ? (int)vehicle->model->nactuator + control : vehicle_find_part(vehicle, mjOBJ_ACTUATOR, name);
 }
 
 double *vehicle_train_control(const struct vehicle *vehicle, size_t control)

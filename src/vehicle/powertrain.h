@@ -4,7 +4,7 @@
  *     throttle -> engine -> clutch or converter -> gearbox -> centre differential -> axles' differentials -> wheels <- brakes
  *
  * The engine's speed is a state of its own. Every other part is without mass. At each step of the engine's (MuJoCo's) all parts are solved together, for the
- * velocities at the step's end, with the wheels' own inertia, the vehicle's and the soil's resistance (vehicle_find_response). So no ratio, no lock and no brake
+ * velocities at the step's end, with the wheels' own inertia, the vehicle's and the soil's resistance. So no ratio, no lock and no brake
  * makes a step unstable. A part is a row: a difference of speeds that it takes away, by a torque up to a limit.
  *
  * 1. Torques of open differentials are shared alike. A locked one has no limit, a limited one that of its bias and lock.
@@ -36,6 +36,7 @@ struct powertrain_wheel {
 	double share;               /* of the gearbox's torque, where all differentials are open; 0: it is not driven */
 	bool rear;
 	double drive, brake;        /* N m about the joint's axis, in the last step */
+	bool holds;                 /* its brake did not reach its limit in the last step */
 	double held;                /* rad: state; the angle at which its brake holds it; NaN: it does not */
 };
 
@@ -59,6 +60,7 @@ struct powertrain {
 	double engine_work, loss, brake_work; /* J */
 	/* Of the last step: */
 	double torque;              /* N m of the engine */
+	double now;                 /* N m: `input` of it */
 	double before, slipping;    /* rad/s: of the engine at the step's start; N m: torque that the engine gave away */
 };
 
@@ -91,9 +93,10 @@ double vehicle_train_effort_for(const struct vehicle *vehicle, double accelerati
 /* Brakes fully, without throttle: what stands holds. Does nothing without brakes. */
 void vehicle_train_hold(struct vehicle *vehicle);
 
-/* Finds the torques of a step of h seconds, and gives them to MuJoCo. later: s of the time step after it. Before vehicle_couple. Runs within a guard. */
-void vehicle_train_step(struct vehicle *vehicle, double h, double later);
-/* Sums the works of the step that has just ended. before: nv, velocities at its start. */
+/* Finds the torques of a step of h seconds, and gives them to MuJoCo, for all vehicles. After vehicle_couple, which has put the soil's forces and how they answer into qfrc_applied and
+ * data->M, and before mj_step2. begins: false if the step is made once more, with other forces of the soil. Runs within a guard. */
+void vehicle_trains_solve(struct vehicles *vehicles, double h, bool begins);
+/* Takes the torques as they are: sums their works in the step that has just ended. before: nv, velocities at its start. Does nothing without a powertrain and brakes. */
 void vehicle_train_sum(struct vehicle *vehicle, double h, const double *before);
 
 /* Tells of the powertrain and the brakes. All is 0 without. */

@@ -80,21 +80,42 @@ struct system {
 	double inertia, alone;  /* of the engine, with what its torque gives; its speed at the end without the clutch */
 };
 
-/* The mobility of the wheels among each other, and their speeds at the step's end without powertrain and brakes. */
-static bool find_response(struct system *system, double later)
+/* Fills the vehicle's part of M + h D: of its own freedoms, count x count. */
+static void fill_inertia(const struct vehicle *vehicle, double h, double *inertia)
 {
+	const mjModel *model = vehicle->model;
+	const int first = vehicle->own.dof.first, end = vehicle->own.dof.end, count = end - first;
+	mju_zero(inertia, count * count);
+	for (int row = first; row < end; row++) {
+		for (int k = 0; k < model->M_rownnz[row]; k++) {
+			const int at = (int)model->M_rowadr[row] + k, column = model->M_colind[at];
+			inertia[(row - first) * count + column - first] = vehicle->data->M[at];
+			inertia[(column - first) * count + row - first] = vehicle->data->M[at];
+		}
+		inertia[(row - first) * (count + 1)] += h * vehicle_damping_of(vehicle, row);
+	}
+}
+
+/* The mobility of the wheels among each other, and their speeds at the step's end without powertrain and brakes. qfrc_smooth has all other forces. */
+static bool find_response(struct system *system)
+{
+	const struct vehicle *vehicle = system->vehicle;
 	const struct powertrain *train = system->train;
-	const size_t nv = (size_t)system->vehicle->model->nv, n = train->wheel_count;
+	const int first = vehicle->own.dof.first;
+	const size_t nv = range_count(vehicle->own.dof), n = train->wheel_count;
 	double *inertia = system->room, *velocity = inertia + nv * nv, *column = velocity + nv;
-	if (!vehicle_find_response(system->vehicle, system->h, later, inertia, velocity))
+	fill_inertia(vehicle, system->h, inertia);
+	if (!vehicle_factor(inertia, nv))
 		return false;
+	mju_copy(velocity, vehicle->data->qfrc_smooth + first, (int)nv);
+	vehicle_solve_factored(inertia, velocity, nv);
 	for (size_t i = 0; i < n; i++) {
 		mju_zero(column, (int)nv);
-		column[train->wheels[i].dof] = 1;
+		column[train->wheels[i].dof - first] = 1;
 		vehicle_solve_factored(inertia, column, nv);
 		for (size_t k = 0; k < n; k++)
-			system->mobility[i * n + k] = column[train->wheels[k].dof];
-		system->free[i] = velocity[train->wheels[i].dof];
+			system->mobility[i * n + k] = column[train->wheels[k].dof - first];
+		system->free[i] = vehicle->data->qvel[train->wheels[i].dof] + system->h * velocity[train->wheels[i].dof - first];
 	}
 	return true;
 }
@@ -117,7 +138,7 @@ static double shaft_of(const struct powertrain *train, const double *speeds)
 static double clutch_limit(const struct powertrain *train)
 {
 	const struct scene_powertrain *scene = train->scene;
-	return scene->clutch * fmin(fmax((train->speed / RPM - scene->idle) / (scene->engage - scene->idle), 0), 1);
+	return scene->clutch * fmin(fmax((train->before / RPM - scene->idle) / (scene->engage - scene->idle), 0), 1);
 }
 
 /* The converter as a damper between pump and turbine, N m s. *boost: what its turbine has more than its pump takes, N m. */
@@ -175,7 +196,7 @@ static void add_rows(struct system *system, double shaft)
 		} else if (in && train->scene->clutch > 0) {
 			add_row(system, r, clutch_limit(train), 0, 0);
 		} else if (in) {
-			const double damper = converter(train->scene, train->speed, system->ratio * shaft, &train->boost);
+			const double damper = converter(train->scene, train->before, system->ratio * shaft, &train->boost);
 			for (size_t k = 0; k < train->wheel_count; k++) /* the boost is known at the step's start */
 				for (size_t i = 0; i < train->wheel_count; i++)
 					system->free[i] += system->h * system->mobility[i * train->wheel_count + k] * system->ratio * train->ways[r * train->wheel_count + k] * train->boost;
@@ -209,7 +230,7 @@ static void solve_engine(struct system *system, double *c)
 		solve(system, c);
 		return;
 	}
-	const double throttle = train->shifting > 0 ? 0 : train->controls[POWERTRAIN_THROTTLE], now = train->speed;
+	const double throttle = train->shifting > 0 ? 0 : train->controls[POWERTRAIN_THROTTLE], now = train->before;
 	const double torque = vehicle_engine_torque(train->scene, now, throttle), beside = now * TANGENT + TANGENT;
 	double slope = fmin((vehicle_engine_torque(train->scene, now + beside, throttle) - torque) / beside, 0), ends = now;
 	for (int turn = 0; turn < TANGENTS; turn++) {
@@ -227,7 +248,6 @@ static void solve_engine(struct system *system, double *c)
 			break;
 		slope = secant;
 	}
-	train->before = now;
 	train->speed = ends;
 }
 
@@ -237,34 +257,32 @@ static void apply(struct system *system)
 	struct powertrain *train = system->train;
 	const size_t n = train->wheel_count;
 	mjData *data = system->vehicle->data;
-	train->input = train->boost;
+	double input = train->boost;
 	for (size_t k = 0; k < n; k++) {
 		struct powertrain_wheel *wheel = &train->wheels[k];
 		wheel->drive = wheel->brake = 0;
+		wheel->holds = false;
 		if (train->boost != 0)
 			wheel->drive = system->ratio * wheel->share * wheel->side * train->boost;
 	}
 	for (size_t i = 0; i < system->count; i++) {
 		const struct powertrain_row *row = &train->rows[system->rows[i]];
 		if (row->kind == POWERTRAIN_INPUT)
-			train->input += system->x[i];
+			input += system->x[i];
 		for (size_t k = 0; k < n; k++)
 			*(row->kind == POWERTRAIN_HOLDS ? &train->wheels[k].brake : &train->wheels[k].drive) += system->way[i * n + k] * system->x[i];
-		if (row->kind != POWERTRAIN_HOLDS)
-			continue;
-		struct powertrain_wheel *wheel = &train->wheels[row->wheel];
-		const bool holds = fabs(system->x[i]) < system->limits[i];
-		wheel->held = !holds ? (double)NAN : isnan(wheel->held) ? angle_of(system->vehicle, wheel) : wheel->held;
+		if (row->kind == POWERTRAIN_HOLDS)
+			train->wheels[row->wheel].holds = fabs(system->x[i]) < system->limits[i];
 	}
 	for (struct powertrain_wheel *wheel = train->wheels; wheel < train->wheels + n; wheel++) {
 		if (wheel->motor >= 0)
 			*vehicle_ctrl(system->vehicle, wheel->motor) = wheel->drive;
 		data->qfrc_applied[wheel->dof] += wheel->brake;
-		data->qfrc_smooth[wheel->dof] += wheel->brake + wheel->drive;
 	}
+	train->now = input;
 }
 
-void vehicle_train_step(struct vehicle *vehicle, double h, double later)
+static void train_step(struct vehicle *vehicle, double h, bool begins)
 {
 	struct powertrain *train = vehicle->train;
 	const size_t n = train->wheel_count, m = train->row_count;
@@ -281,11 +299,12 @@ void vehicle_train_step(struct vehicle *vehicle, double h, double later)
 	system.room = c + m * (m + 4);
 	const double shaft = shaft_of(train, vehicle->data->qvel);
 	train->boost = 0;
-	if (train->scene != NULL) {
+	if (begins)
+		train->before = train->speed;
+	if (begins && train->scene != NULL)
 		shift(train, shaft, h);
-		system.ratio = ratio_of(train->scene, train->gear);
-	}
-	if (!find_response(&system, later))
+	system.ratio = train->scene != NULL ? ratio_of(train->scene, train->gear) : 0;
+	if (!find_response(&system))
 		system.free[0] = (double)NAN; /* told as a motion that diverges */
 	for (size_t k = 0; k < n && train->controls[POWERTRAIN_BRAKE] <= 0; k++)
 		train->wheels[k].held = (double)NAN;
@@ -294,15 +313,40 @@ void vehicle_train_step(struct vehicle *vehicle, double h, double later)
 	apply(&system);
 }
 
+void vehicle_trains_solve(struct vehicles *vehicles, double h, bool begins)
+{
+	mjData *data = vehicles->data;
+	bool any = false;
+	for (size_t v = 0; v < vehicles->all; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		for (size_t i = 0; vehicle->train != NULL && i < vehicle->train->wheel_count; i++)
+			if (vehicle->train->wheels[i].motor >= 0)
+				*vehicle_ctrl(vehicle, vehicle->train->wheels[i].motor) = 0;
+		any = any || vehicle->train != NULL;
+	}
+	if (!any)
+		return;
+	mj_fwdActuation(vehicles->model, data);
+	mj_fwdAcceleration(vehicles->model, data);
+	for (size_t v = 0; v < vehicles->all; v++)
+		if (vehicles->list[v].train != NULL)
+			train_step(&vehicles->list[v], h, begins);
+}
+
 void vehicle_train_sum(struct vehicle *vehicle, double h, const double *before)
 {
 	struct powertrain *train = vehicle->train;
 	const double *after = vehicle->data->qvel;
 	double driven = 0, braked = 0;
-	for (const struct powertrain_wheel *wheel = train->wheels; wheel < train->wheels + train->wheel_count; wheel++) {
+	if (train == NULL)
+		return;
+	train->input = train->now;
+	for (struct powertrain_wheel *wheel = train->wheels; wheel < train->wheels + train->wheel_count; wheel++) {
 		const double speed = (before[wheel->dof] + after[wheel->dof]) / 2;
 		driven += wheel->drive * speed;
 		braked -= wheel->brake * speed;
+		/* At the step's start it stood as the brake found it. */
+		wheel->held = !wheel->holds ? (double)NAN : isnan(wheel->held) ? angle_of(vehicle, wheel) - after[wheel->dof] * h : wheel->held;
 	}
 	train->brake_work += braked * h;
 	if (train->scene == NULL)

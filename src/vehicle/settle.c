@@ -10,7 +10,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "vehicle/between.h"
+#include "vehicle/internal.h"
 #include "vehicle/settle.h"
 
 #define SLOWED 100.0    /* 1/s: what slows all motion at first, */
@@ -22,6 +22,7 @@
 #define FREE_MOST 20.0  /* s */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
+#define INSIDE 1e-3     /* m: deeper than this, a vehicle starts inside another one */
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
 
 /* --- where it starts --- */
@@ -51,6 +52,7 @@ static void place_root(struct vehicle *vehicle, int body)
 	double turned[4], place[3];
 	mju_rotVecQuat(place, pos, yaw);
 	mju_mulQuat(turned, yaw, quat);
+	mju_addTo3(place, vehicle->shift);
 	mju_copy3(pos, place);
 	mju_copy4(quat, turned);
 }
@@ -111,23 +113,52 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 		TRY(depth_of(vehicles, vehicle, i, &depth, &any));
 		if (depth <= 0)
 			continue;
-		vehicle_geom_name(model, i, name, sizeof name);
+		vehicle_geom_name(vehicle, i, name, sizeof name);
 		return vehicle_fail_start(vehicles, vehicle, "its geom %s starts %.3g m under ground, and does not press it; name it in soil, or start elsewhere",
 					  name, depth);
 	}
 	return STATUS_OK;
 }
 
+/* The things of `world` have the terrain's own axes: metres, local. */
+static enum status find_world_origin(struct vehicles *vehicles, const struct vehicle *things)
+{
+	(void)things;
+	mju_zero3(vehicles->origin);
+	return STATUS_OK;
+}
+
+/* Finds where MuJoCo's origin is, in plan: where the first vehicle by name starts, or where `world` has its own. So one vehicle's numbers stay small. */
+static enum status find_origin(struct vehicles *vehicles)
+{
+	const struct vehicle *first = &vehicles->list[vehicles->order[0]];
+	if (vehicles->all > vehicles->count)
+		return find_world_origin(vehicles, &vehicles->list[vehicles->count]);
+	return world_start_point(vehicles->world, first->scene, vehicles->origin);
+}
+
+/* Turns a vehicle, and puts it above its start. */
 static enum status turn(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
-	TRY(world_start_point(vehicles->world, vehicle->scene, vehicle->origin));
+	mju_copy3(vehicle->origin, vehicles->origin);
+	if (vehicle->is_world)
+		return STATUS_OK;
+	double start[3] = {0, 0, 0};
+	TRY(world_start_point(vehicles->world, vehicle->scene, start));
+	for (int i = 0; i < 2; i++)
+		vehicle->shift[i] = start[i] - vehicles->origin[i];
 	each_root(vehicle, turn_root, 0);
 	return STATUS_OK;
 }
 
-enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *vehicle)
+enum status vehicle_replace(struct vehicles *vehicles, struct vehicle *vehicle)
 {
+	const double height = vehicle->origin[2];
+	TRY(find_origin(vehicles));
+	vehicles->origin[2] = height;
 	TRY(turn(vehicles, vehicle));
+	if (vehicle->is_world)
+		return STATUS_OK;
 	each_root(vehicle, lift_root, vehicle->lift);
 	return STATUS_OK;
 }
@@ -136,17 +167,19 @@ enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *veh
 static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom)
 {
 	const struct extent *extent = &world_resident(vehicles->world)->meta->extent;
-	const double *at = vehicle->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
+	const double *at = vehicles->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
 	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && world_resident(vehicles->world)->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
 	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
 				  extent_side(extent, 0), extent_side(extent, 1),
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
 }
 
-static enum status set_down(const struct vehicles *vehicles, struct vehicle *vehicle)
+static enum status set_down(struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	double deepest = -INFINITY;
 	TRY(turn(vehicles, vehicle));
+	if (vehicle->is_world)
+		return STATUS_OK;
 	mj_kinematics(vehicle->model, vehicle->data);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		double depth;
@@ -157,24 +190,25 @@ static enum status set_down(const struct vehicles *vehicles, struct vehicle *veh
 		deepest = fmax(deepest, depth);
 	}
 	/* Whole metres are the origin's, so that MuJoCo's numbers stay small. */
-	const double whole = floor(deepest);
-	vehicle->origin[2] = whole;
+	const bool first = vehicles->all == vehicles->count && vehicle == &vehicles->list[vehicles->order[0]];
+	const double whole = first ? floor(deepest) : 0;
+	if (first)
+		vehicle->origin[2] = vehicles->origin[2] = whole;
 	vehicle->lift = deepest - whole;
 	each_root(vehicle, lift_root, vehicle->lift);
-	mj_forward(vehicle->model, vehicle->data);
-	return check_start(vehicles, vehicle);
+	return STATUS_OK;
 }
 
 /* --- settling --- */
 
 static double speed_of(const struct vehicle *vehicle)
 {
-	return sqrt(2 * fmax(vehicle_kinetic(vehicle), 0) / mj_getTotalmass(vehicle->model));
+	return sqrt(2 * fmax(vehicle_kinetic(vehicle), 0) / vehicle_mass(vehicle));
 }
 
 static void begin(struct vehicles *vehicles, double stage)
 {
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
 		vehicle->begun = stage;
 		vehicle->slow = vehicle->settle_seconds; /* when the stage began */
@@ -185,14 +219,14 @@ static void begin(struct vehicles *vehicles, double stage)
 /* Makes all geoms change the ground in the next step, so that it knows how deep they sank. */
 static void touch_all(struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
 			vehicles->list[v].geoms[g].is_touched = false;
 }
 
 static void tell_unrest(const struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
 		if (vehicle->calm < CALM && speed_of(vehicle) > TREMBLES)
 			note("vehicles.%s: is not at rest after %.3g s of settling: it still moves at %.3g m/s; the drive begins", vehicle->scene->name,
@@ -216,7 +250,7 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 		snprintf(soil, sizeof soil, ", here %g", vehicles->scene->soils[0].bekker_kphi);
 	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high: the soil does not carry the vehicle, which weighs %.4g N; "
 			     "check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing", geom->name, geom->contact.sinkage,
-		 mj_getTotalmass(vehicle->model) * vehicles->scene->gravity, soil);
+		 vehicle_mass(vehicle) * vehicles->scene->gravity, soil);
 }
 
 /* Soil that yields does not lift a geom again. So a vehicle is refused once a geom is deeper than it is large in any direction. A thin plate
@@ -224,7 +258,7 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 static enum status check_sunk(const struct vehicles *vehicles)
 {
 	char text[500];
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
 		if (geom == NULL || geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape))
 			continue;
@@ -244,7 +278,7 @@ static void tell_settling(struct vehicles *vehicles, double still)
 	if (now - vehicles->settling_told < TOLD_SECONDS)
 		return;
 	vehicles->settling_told = now;
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
 	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g", vehicles->list[0].settle_seconds,
 	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still);
@@ -261,7 +295,7 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 			return world_interrupted(vehicles->world);
 		TRY(vehicle_move(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, false));
 		all = true;
-		for (size_t v = 0; v < vehicles->count; v++) {
+		for (size_t v = 0; v < vehicles->all; v++) {
 			struct vehicle *vehicle = &vehicles->list[v];
 			vehicle->settle_seconds += seconds;
 			vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
@@ -278,7 +312,7 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 /* The bodies are placed first, so that the world reads the ground around them. */
 static enum status place_bodies(struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
@@ -292,12 +326,44 @@ static enum status place_bodies(struct vehicles *vehicles)
 	return vehicle_record(vehicles);
 }
 
+static void find_forces(void *argument)
+{
+	struct vehicles *vehicles = argument;
+	mj_forward(vehicles->model, vehicles->data);
+}
+
+/* A vehicle must not start inside another one, or inside a thing of `world`. */
+static enum status check_inside(const struct vehicles *vehicles)
+{
+	const mjData *data = vehicles->data;
+	const mjContact *deepest = NULL;
+	for (int i = 0; i < data->ncon; i++) {
+		const mjContact *contact = &data->contact[i];
+		if (contact->geom[0] >= 0 && contact->geom[1] >= 0 && vehicle_of_geom(vehicles, contact->geom[0]) != vehicle_of_geom(vehicles, contact->geom[1]) &&
+		    (deepest == NULL || contact->dist < deepest->dist))
+			deepest = contact;
+	}
+	if (deepest == NULL || deepest->dist >= -INSIDE)
+		return STATUS_OK;
+	const struct vehicle *of[2] = {vehicle_of_geom(vehicles, deepest->geom[0]), vehicle_of_geom(vehicles, deepest->geom[1])};
+	const int second = of[0]->is_world || (!of[1]->is_world && of[0] > of[1]) ? 0 : 1; /* that is told: the later vehicle of the scene */
+	char names[2][200];
+	for (int k = 0; k < 2; k++)
+		vehicle_geom_name(of[k], deepest->geom[k], names[k], sizeof names[k]);
+	return vehicle_fail_start(vehicles, of[second], "its geom %s starts %.3g m inside %s of %s%s; move the start of one of them", names[second],
+				  -deepest->dist, names[1 - second], of[1 - second]->is_world ? "" : "vehicles.", of[1 - second]->scene->name);
+}
+
 static enum status start(struct vehicles *vehicles)
 {
 	begin(vehicles, VEHICLE_SLOWED); /* also after a failure: a vehicle is set down once */
-	for (size_t v = 0; v < vehicles->count; v++)
-		TRY(set_down(vehicles, &vehicles->list[v]));
-	TRY(vehicle_between_check_start(vehicles));
+	TRY(find_origin(vehicles));
+	for (size_t i = 0; i < vehicles->all; i++)
+		TRY(set_down(vehicles, &vehicles->list[vehicles->order[i]]));
+	TRY(vehicle_guard("vehicles", find_forces, vehicles));
+	for (size_t v = 0; v < vehicles->all; v++)
+		TRY(check_start(vehicles, &vehicles->list[v]));
+	TRY(check_inside(vehicles));
 	return place_bodies(vehicles);
 }
 
@@ -318,9 +384,9 @@ enum status vehicle_settle(struct vehicles *vehicles)
 		TRY(status);
 	}
 	begin(vehicles, VEHICLE_DRIVES);
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		vehicles->list[v].slow = 0;
-		vehicles->list[v].data->time = 0;
 	}
+	vehicles->data->time = 0;
 	return STATUS_OK;
 }

@@ -273,7 +273,7 @@ static void stiff_drivelines_are_stable(void **state)
 				fastest = support_most(fastest, fabs(turns(world, k)));
 			if (controls[i][2] != 0)
 				for (size_t k = 1; k < 4; k++)
-					assert_near(turns(world, k), turns(world, 0), 0.5);
+					assert_near(turns(world, k), turns(world, 0), 1e-3);
 		}
 	}
 	print_message("no wheel turned faster than %.3f rad/s\n", fastest);
@@ -292,14 +292,14 @@ static void it_climbs_as_steep_as_its_torque(void **state)
 	for (int climbs = 0; climbs < 2; climbs++) {
 		char keys[512];
 		snprintf(keys, sizeof keys, "powertrain: {wheels: [turn_*], engine: [[500, %g], [5000, %g]], inertia: 0.1, gears: [10], shift_time: 0, "
-					    "differentials: {centre: locked}}", needs / 10 * (climbs ? 2.6 : 0.6), needs / 10 * (climbs ? 2.6 : 0.6));
+					    "differentials: {centre: locked}}", needs / 10 * (climbs ? 3.2 : 0.6), needs / 10 * (climbs ? 3.2 : 0.6));
 		struct furrow_world *world = open_train(keys, STEP, 0, "dry_sand");
 		const double from = vehicle_of(world)->data->qpos[0];
 		control(world, 1, 0, 1);
 		go(world, 2.5);
 		const double way = vehicle_of(world)->data->qpos[0] - from;
-		print_message("%.1f of the torque of the weight: %.3f m up\n", climbs ? 2.6 : 0.6, way);
-		assert_true(climbs ? way > 0.5 : way < 0);
+		print_message("%.1f of the torque of the weight: %.3f m up\n", climbs ? 3.2 : 0.6, way);
+		assert_true(climbs ? way > 0.3 : way < 0);
 		assert_work(world);
 		done(furrow_world_close(world));
 	}
