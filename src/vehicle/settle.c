@@ -22,6 +22,7 @@
 #define FREE_MOST 20.0  /* s */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
+#define DEEP 0.25       /* of the radius around a thing of `world`: deeper than this it starts under ground */
 #define INSIDE 1e-3     /* m: deeper than this, a vehicle starts inside another one */
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
 
@@ -36,7 +37,8 @@ enum status vehicle_fail_start(const struct vehicles *vehicles, const struct veh
 	va_end(args);
 	if (vehicle->scene->line > 0)
 		snprintf(line, sizeof line, ":%d", vehicle->scene->line);
-	return fail_with(STATUS_INPUT, "%s%s: vehicles.%s.start: %s", vehicles->scene->file, line, vehicle->scene->name, why);
+	return vehicle->is_world ? fail_with(STATUS_INPUT, "%s%s: world: %s", vehicles->scene->file, line, why)
+				  : fail_with(STATUS_INPUT, "%s%s: vehicles.%s.start: %s", vehicles->scene->file, line, vehicle->scene->name, why);
 }
 
 /* Turns and shifts a root body of the model: its free joint, or its place in the model's world. */
@@ -174,6 +176,23 @@ static enum status fail_ground(const struct vehicles *vehicles, const struct veh
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
 }
 
+/* The things of `world` keep their places. One that the soil would throw out, or that hangs over no ground, is refused. */
+static enum status check_things(const struct vehicles *vehicles, const struct vehicle *things)
+{
+	for (size_t g = 0; g < things->geom_count; g++) {
+		const struct soil_geom *geom = &things->geoms[g];
+		const double *at = &things->data->geom_xpos[3 * geom->geom], bound = soil_shape_bound(&geom->shape);
+		double depth;
+		bool any;
+		TRY(depth_of(vehicles, things, geom->geom, &depth, &any));
+		if (!any)
+			return vehicle_fail_start(vehicles, things, "no ground under %s at %g, %g m; move it onto the terrain", geom->name, at[0], at[1]);
+		if (depth > DEEP * bound)
+			return vehicle_fail_start(vehicles, things, "%s starts %.3g m under ground at %g, %g m; raise it by that", geom->name, depth, at[0], at[1]);
+	}
+	return STATUS_OK;
+}
+
 static enum status set_down(struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	double deepest = -INFINITY;
@@ -226,7 +245,7 @@ static void touch_all(struct vehicles *vehicles)
 
 static void tell_unrest(const struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->all; v++) {
+	for (size_t v = 0; v < vehicles->count; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
 		if (vehicle->calm < CALM && speed_of(vehicle) > TREMBLES)
 			note("vehicles.%s: is not at rest after %.3g s of settling: it still moves at %.3g m/s; the drive begins", vehicle->scene->name,
@@ -248,8 +267,8 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 	char soil[64] = "";
 	if (vehicles->scene->soil_count == 1)
 		snprintf(soil, sizeof soil, ", here %g", vehicles->scene->soils[0].bekker_kphi);
-	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high: the soil does not carry the vehicle, which weighs %.4g N; "
-			     "check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing", geom->name, geom->contact.sinkage,
+	snprintf(text, size, "%s%s: is %.3g m deep in the soil, deeper than it is high: the soil does not carry the vehicle, which weighs %.4g N; "
+			     "check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing", vehicle->is_world ? "" : "vehicles.", geom->name, geom->contact.sinkage,
 		 vehicle_mass(vehicle) * vehicles->scene->gravity, soil);
 }
 
@@ -278,7 +297,7 @@ static void tell_settling(struct vehicles *vehicles, double still)
 	if (now - vehicles->settling_told < TOLD_SECONDS)
 		return;
 	vehicles->settling_told = now;
-	for (size_t v = 0; v < vehicles->all; v++)
+	for (size_t v = 0; v < vehicles->count; v++)
 		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
 	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g", vehicles->list[0].settle_seconds,
 	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still);
@@ -299,7 +318,7 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 			struct vehicle *vehicle = &vehicles->list[v];
 			vehicle->settle_seconds += seconds;
 			vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
-			all = all && vehicle->calm >= CALM;
+			all = all && (vehicle->calm >= CALM || vehicle->is_world); /* a thing may swing for ever */
 		}
 		TRY(check_sunk(vehicles));
 		TRY(world_move_hosts(vehicles->world));
@@ -346,7 +365,7 @@ static enum status check_inside(const struct vehicles *vehicles)
 	if (deepest == NULL || deepest->dist >= -INSIDE)
 		return STATUS_OK;
 	const struct vehicle *of[2] = {vehicle_of_geom(vehicles, deepest->geom[0]), vehicle_of_geom(vehicles, deepest->geom[1])};
-	const int second = of[0]->is_world || (!of[1]->is_world && of[0] > of[1]) ? 0 : 1; /* that is told: the later vehicle of the scene */
+	const int second = of[0]->is_world ? 1 : of[1]->is_world || of[0] > of[1] ? 0 : 1; /* that is told: the later vehicle of the scene */
 	char names[2][200];
 	for (int k = 0; k < 2; k++)
 		vehicle_geom_name(of[k], deepest->geom[k], names[k], sizeof names[k]);
@@ -362,7 +381,7 @@ static enum status start(struct vehicles *vehicles)
 		TRY(set_down(vehicles, &vehicles->list[vehicles->order[i]]));
 	TRY(vehicle_guard("vehicles", find_forces, vehicles));
 	for (size_t v = 0; v < vehicles->all; v++)
-		TRY(check_start(vehicles, &vehicles->list[v]));
+		TRY(vehicles->list[v].is_world ? check_things(vehicles, &vehicles->list[v]) : check_start(vehicles, &vehicles->list[v]));
 	TRY(check_inside(vehicles));
 	return place_bodies(vehicles);
 }
