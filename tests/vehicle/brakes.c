@@ -3,6 +3,7 @@
  * that is too weak slips at the slope where its torque is that of the weight.
  */
 #include "train.h"
+#include "../long.h"
 #include "../support/program.h"
 
 #define MASS (1000 + 4 * WHEEL_MASS)
@@ -27,20 +28,20 @@ static void brakes_hold_without_creep(void **state)
 	slope = tan(20 * M_PI / 180);
 	write_model(0, 1000, "");
 	for (int s = 0; s < 2; s++)
-		for (int k = 0; k < (s == 0 ? 3 : 1); k++) {
+		for (int k = 0; k < (s == 0 && long_run() ? 3 : 1); k++) {
 			struct furrow_world *world = open_train("brakes: 2500, driver: {hold: {brake: 1}}", STEP, headings[k], soils[s]);
-			const double speed = creeps(world, 20, 2);
+			const double speed = creeps(world, long_run() ? 60 : 5, 1);
 			double turned = 0;
 			for (int i = 0; i < 4; i++)
 				turned = fmax(turned, fabs(turns(world, (size_t)i)));
+			assert_true(turned < 1e-6);
+			assert_true(speed < (s == 0 ? 1e-7 : long_run() ? 2e-7 : 1e-5)); /* clay yields for tens of seconds */
 			print_message("%s, 20 degrees, heading %g: %.3g um/s; wheels turn by %.3g rad/s\n", soils[s], headings[k], 1e6 * speed, turned);
 			done(furrow_world_close(world));
 		}
 }
 
-#define HARD "dry_sand, bekker_kphi: 3e7, bekker_kc: 0, bekker_n: 1, cohesion: 20000"
-
-/* The weight pulls each wheel by m g sin(a) r / 4. Rolling in this soil resists by 970 N at 9 mm of sinkage, a third of that. */
+/* The weight pulls each wheel by m g sin(a) r / 4. A wheel that rolls in this soil makes a way of its own, and comes to rest after a tenth of a metre. */
 static void a_weak_brake_slips_at_its_torque(void **state)
 {
 	(void)state;
@@ -50,10 +51,10 @@ static void a_weak_brake_slips_at_its_torque(void **state)
 	for (int holds = 0; holds < 2; holds++) {
 		char keys[128];
 		snprintf(keys, sizeof keys, "brakes: %g, driver: {hold: {brake: 1}}", needs * (holds ? 1.3 : 0.5));
-		struct furrow_world *world = open_train(keys, STEP, 180, HARD);
+		struct furrow_world *world = open_train(keys, STEP, 180, "clayey_38");
 		const double speed = creeps(world, 2, 1), work = train_of(world)->brake_work;
 		print_message("%.2f of the torque of the weight: %.4g m/s; the brakes took %.4g J\n", holds ? 1.3 : 0.5, speed, work);
-		assert_true(holds ? speed < 2e-5 && work < 2 : speed > 0.05 && work > 10);
+		assert_true(holds ? speed < 2e-5 && work < 2 : work > 50);
 		for (size_t i = 0; i < 4 && !holds; i++)
 			assert_true(fabs(train_of(world)->wheels[i].brake) <= 0.5 * needs * (1 + 1e-9));
 		done(furrow_world_close(world));
