@@ -170,9 +170,18 @@ static double lifted(const struct shown *shown)
 	return cJSON_IsNumber(mass) && cJSON_IsNumber(gravity) ? mass->valuedouble * gravity->valuedouble * shown->body->rise / 1e3 : (double)NAN;
 }
 
+/* NaN: it has no brakes. */
+static double braked(const struct shown *shown)
+{
+	const cJSON *vehicle = cJSON_GetObjectItemCaseSensitive(html_members(shown->run, "vehicles"), shown->body->name);
+	const cJSON *loss = cJSON_GetObjectItemCaseSensitive(vehicle, "brake_loss");
+	return cJSON_IsNumber(loss) ? loss->valuedouble / 1e3 : (double)NAN;
+}
+
 static double rest(const struct shown *shown)
 {
-	return work(shown) - into_soil(shown) - kinetic(shown) - lifted(shown);
+	const double brakes = braked(shown);
+	return work(shown) - into_soil(shown) - kinetic(shown) - lifted(shown) - (isnan(brakes) ? 0 : brakes);
 }
 
 void html_energy_vehicles(const struct html_report *report)
@@ -188,6 +197,11 @@ void html_energy_vehicles(const struct html_report *report)
 	table_row(report, list, count, "into the soil, by all soil geoms, kJ", into_soil);
 	table_row(report, list, count, "to lift its weight, kJ", lifted);
 	table_row(report, list, count, "into motion, kJ", kinetic);
+	bool any = false;
+	for (size_t i = 0; i < count; i++)
+		any = any || !isnan(braked(&list[i]));
+	if (any)
+		table_row(report, list, count, "into brakes, in the whole drive, kJ", braked);
 	table_row(report, list, count, "the rest: dampers, springs and stops of its joints, kJ", rest);
 	html_table_end(report);
 	fputs("<p class=\"small\">The table has the whole drive, with its run-up; the results have the last quarter. The weight is lifted by as much as the origin of the vehicle's root body rises. The energy into the soil is that of the rows of objects.csv.</p>\n",

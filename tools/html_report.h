@@ -46,6 +46,8 @@ bool html_profile(const struct html_report *report, size_t run, double ends[2][2
 /* html_energy.c: where the energy went, as tables. */
 void html_energy_objects(const struct html_report *report);
 void html_energy_vehicles(const struct html_report *report);
+/* html_drives.c: electric drives, engines and brakes. Nothing where there are none. */
+void html_drives(const struct html_report *report);
 /* html_digging.c: what bodies carried, how hard they cut, and their cycles. No section where nothing carries. */
 enum status html_digging_write(const struct html_report *report) FURROW_CHECKED;
 /* html_volume.c: volume over time. */

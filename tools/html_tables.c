@@ -431,6 +431,7 @@ void html_tables_results(const struct html_report *report)
 	named_rows(report, "objects", objects, sizeof objects / sizeof *objects);
 	named_rows(report, "vehicles", vehicles, sizeof vehicles / sizeof *vehicles);
 	html_table_end(report);
+	html_drives(report);
 	html_table(report, "the computation");
 	ROWS(report, run);
 	html_table_end(report);

@@ -337,6 +337,40 @@ static void add_objects(cJSON *root, const struct report *report)
 	}
 }
 
+static void add_train(cJSON *vehicle, const struct vehicle_train *train)
+{
+	if (train->has_engine) {
+		cJSON *told = cJSON_AddObjectToObject(vehicle, "powertrain");
+		json_number(told, "engine_speed", train->engine_speed);
+		json_integer(told, "gear", train->gear);
+		json_number(told, "engine_work", train->engine_work);
+		json_number(told, "engine_kinetic", train->engine_kinetic);
+		json_number(told, "driveline_loss", train->loss);
+	}
+	if (train->has_brakes)
+		json_number(vehicle, "brake_loss", train->brake_work);
+}
+
+static void add_drives(cJSON *vehicle, const struct vehicles *vehicles, size_t index)
+{
+	const size_t count = vehicle_drive_count(vehicles, index);
+	cJSON *drives = count > 0 ? cJSON_AddObjectToObject(vehicle, "drives") : NULL;
+	for (size_t i = 0; i < count; i++) {
+		struct vehicle_drive drive;
+		vehicle_drive(vehicles, index, i, &drive);
+		if (drive.name[0] == '\0')
+			continue;
+		cJSON *told = cJSON_AddObjectToObject(drives, drive.name);
+		json_number(told, "current", drive.current);
+		json_number(told, "voltage", drive.voltage);
+		json_number(told, "torque", drive.torque);
+		json_number(told, "taken", drive.taken);
+		json_number(told, "recovered", drive.recovered);
+		json_number(told, "mechanical", drive.mechanical);
+		json_number(told, "heat", drive.heat);
+	}
+}
+
 static void add_vehicles(cJSON *root, const struct report *report)
 {
 	if (report->vehicles == NULL)
@@ -354,6 +388,8 @@ static void add_vehicles(cJSON *root, const struct report *report)
 		json_number(vehicle, "distance", info.distance);
 		json_number(vehicle, "kinetic", info.kinetic);
 		json_number(vehicle, "work", info.work);
+		add_train(vehicle, &info.train);
+		add_drives(vehicle, report->vehicles, i);
 		add_vehicle_carried(vehicle, report->vehicles, i, &info);
 		cJSON_AddBoolToObject(vehicle, "arrived", info.arrived);
 		json_number(vehicle, "stuck_since", info.stuck ? info.stuck_at : (double)NAN);

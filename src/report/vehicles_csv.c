@@ -7,11 +7,12 @@
 
 #include "report/rows_file.h"
 
-static const char fixed[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work", carried[] = ",carried,carried_weight";
+static const char fixed[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work", carried[] = ",carried,carried_weight",
+		  engine[] = ",engine_speed,gear,engine_work,driveline_loss", brakes[] = ",brake_loss";
 
 /* What a column after the fixed ones has. The file has them in this order. */
-enum kind { JOINT, CONTROL, FORCE, KINDS };
-static const char letters[KINDS] = "quf";
+enum kind { JOINT, CONTROL, FORCE, CURRENT, VOLTAGE, ENERGY, KINDS };
+static const char letters[KINDS] = "qufive";
 
 /* A column of a joint or an actuator. Vehicles that have one of this name share it. */
 struct column {
@@ -25,6 +26,7 @@ struct report_vehicles {
 	const char *directory;
 	FILE *file;
 	bool carries; /* a vehicle may carry soil */
+	bool engines, brakes; /* a vehicle has a powertrain, has brakes */
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
@@ -35,8 +37,14 @@ static enum status failed(const struct report_vehicles *rows)
 	return fail_with(STATUS_FAILED, "%s/vehicles.csv: %s; free some disk space", rows->directory, strerror(errno));
 }
 
-static double value_of(const struct vehicle_row *row, enum kind kind, int index)
+/* Electric drives have current, voltage, and what they have taken of their battery and not given back. */
+static double value_of(const struct report_vehicles *rows, const struct vehicle_row *row, enum kind kind, int index)
 {
+	if (kind >= CURRENT) {
+		struct vehicle_drive drive;
+		vehicle_drive(rows->vehicles, row->vehicle, (size_t)index, &drive);
+		return kind == CURRENT ? drive.current : kind == VOLTAGE ? drive.voltage : drive.taken - drive.recovered;
+	}
 	return (kind == JOINT ? row->joints : kind == CONTROL ? row->controls : row->forces)[index];
 }
 
@@ -49,13 +57,18 @@ static enum status write_row(const struct report_vehicles *rows, const struct ve
 			      row->velocity[2], row->kinetic, row->work);
 	if (rows->carries && printed > 0)
 		printed = fprintf(rows->file, ",%.9g,%.9g", row->aboard.volume, row->aboard.weight);
+	const struct vehicle_train *train = &row->train;
+	if (rows->engines && printed > 0)
+		printed = train->has_engine ? fprintf(rows->file, ",%.9g,%d,%.9g,%.9g", train->engine_speed, train->gear, train->engine_work, train->loss) : fprintf(rows->file, ",,,,");
+	if (rows->brakes && printed > 0)
+		printed = train->has_brakes ? fprintf(rows->file, ",%.9g", train->brake_work) : fprintf(rows->file, ",");
 	for (size_t i = 0; i < rows->count && printed > 0; i++) {
 		const struct column *column = &rows->columns[i];
 		const int index = column->index[row->vehicle];
 		if (index < 0)
 			printed = fputs(",", rows->file) >= 0;
 		else
-			printed = fprintf(rows->file, ",%.9g", value_of(row, column->kind, index));
+			printed = fprintf(rows->file, ",%.9g", value_of(rows, row, column->kind, index));
 	}
 	return printed > 0 && fputs("\n", rows->file) >= 0 ? STATUS_OK : failed(rows);
 }
@@ -85,7 +98,10 @@ static struct column *find_column(struct report_vehicles *rows, const char *name
 static enum status add_column(struct report_vehicles *rows, size_t vehicle, size_t index, enum kind kind)
 {
 	const size_t vehicles = vehicle_count(rows->vehicles);
-	const char *name = kind == JOINT ? vehicle_joint_name(rows->vehicles, vehicle, index) : vehicle_actuator_name(rows->vehicles, vehicle, index);
+	struct vehicle_drive drive = {.name = ""};
+	if (kind >= CURRENT)
+		vehicle_drive(rows->vehicles, vehicle, index, &drive);
+	const char *name = kind >= CURRENT ? drive.name : kind == JOINT ? vehicle_joint_name(rows->vehicles, vehicle, index) : vehicle_actuator_name(rows->vehicles, vehicle, index);
 	if (name[0] == '\0')
 		return STATUS_OK;
 	struct column *column = find_column(rows, name, kind);
@@ -108,7 +124,7 @@ static enum status find_columns(struct report_vehicles *rows)
 		for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
 			struct vehicle_info info;
 			vehicle_info(rows->vehicles, v, &info);
-			const size_t count = kind == JOINT ? info.joint_count : info.actuator_count;
+			const size_t count = kind == JOINT ? info.joint_count : kind >= CURRENT ? vehicle_drive_count(rows->vehicles, v) : info.actuator_count;
 			for (size_t i = 0; i < count; i++)
 				TRY(add_column(rows, v, i, kind));
 		}
@@ -122,6 +138,8 @@ static enum status make_header(struct report_vehicles *rows)
 	TRY_MEM(stream, "vehicles.csv");
 	fputs(fixed, stream);
 	fputs(rows->carries ? carried : "", stream);
+	fputs(rows->engines ? engine : "", stream);
+	fputs(rows->brakes ? brakes : "", stream);
 	for (size_t i = 0; i < rows->count; i++)
 		fprintf(stream, ",%c:%s", letters[rows->columns[i].kind], rows->columns[i].name);
 	fputc('\n', stream);
@@ -142,6 +160,12 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
 	TRY_MEM(rows, "vehicles.csv");
 	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .carries = scene_vehicles_carry(world_scene(world))};
+	for (size_t v = 0; v < vehicle_count(vehicles); v++) {
+		struct vehicle_info info;
+		vehicle_info(vehicles, v, &info);
+		rows->engines = rows->engines || info.train.has_engine;
+		rows->brakes = rows->brakes || info.train.has_brakes;
+	}
 	enum status status;
 	TRY_OR(failed, find_columns(rows));
 	bool begins = false;

@@ -152,6 +152,26 @@ struct scene_servo {
 	double kv, torque; /* N m s; N m. N s/m and N for slides */
 };
 
+/* How a differential shares the torque. open: alike, at any speeds. limited: up to a difference. locked: speeds are alike. */
+enum scene_differential { SCENE_OPEN, SCENE_LIMITED, SCENE_LOCKED };
+#define SCENE_GEARS_MOST 24
+/* From the engine to the wheels: src/vehicle/powertrain.h. Speeds are rpm, as people have them. */
+struct scene_powertrain {
+	bool present;
+	struct scene_texts wheels;       /* patterns of joints or actuators; none: those of driver.drive */
+	double (*engine)[2];             /* rpm and N m at full throttle, by growing speed */
+	size_t engine_count;
+	double inertia, idle, drag;      /* kg m2; rpm; N m with closed throttle */
+	double gears[SCENE_GEARS_MOST], reverse, final;
+	size_t gear_count;
+	bool shifts;                     /* it shifts itself: */
+	double down, up, shift_time;     /* rpm of the gearbox's input; s */
+	double clutch, engage;           /* N m; rpm at which it holds that much. 0: there is a converter */
+	double capacity, stall_ratio, coupling; /* N m s2; torque of its turbine over that of its pump at rest; speed ratio from which on it is 1 */
+	enum scene_differential centre, front, rear;
+	double bias, lock;               /* of limited ones: the greater torque over the smaller one; N m that they take between both sides besides */
+};
+
 /* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
 struct scene_vehicle {
 	char *name;
@@ -162,6 +182,8 @@ struct scene_vehicle {
 	char *keyframe;         /* of the model, for its first pose and its controls; NULL: none */
 	enum scene_fixed fixed; /* whether its root is held where it is set */
 	struct scene_texts model_path;   /* folders of packages, resolved relative to the scene's file */
+	struct scene_powertrain powertrain;
+	double brakes;                   /* N m: that each wheel's brake gives at most; 0: it has none */
 	struct scene_servo servo;        /* of joints that the driver names and that have no actuator */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
 	struct scene_texts carry;        /* patterns of those that carry soil; none: no geom */

@@ -156,12 +156,34 @@ failed:
 	return status;
 }
 
+/* `engine: [[1000, 100], ...]` is `torque: [[1000, 100], ...]`, and brakes of the powertrain are those of the vehicle. */
+static enum status fold_powertrain(struct scene_node *vehicle)
+{
+	struct scene_node *powertrain = scene_node_child(vehicle, "powertrain");
+	if (powertrain == NULL || powertrain->kind != SCENE_MAPPING)
+		return STATUS_OK;
+	struct scene_node *brakes = scene_node_child(powertrain, "brakes"), *engine = scene_node_child(powertrain, "engine");
+	if (brakes != NULL && scene_node_child(vehicle, "brakes") == NULL) {
+		scene_node_remove(brakes);
+		scene_node_append(vehicle, brakes);
+	}
+	if (engine == NULL || engine->kind != SCENE_SEQUENCE || engine->count == 0)
+		return STATUS_OK;
+	char *key = mem_strdup("torque");
+	TRY_MEM(key, "reading the scene");
+	mem_free(engine->key);
+	engine->key = key;
+	return STATUS_OK;
+}
+
 static enum status fold_vehicles(const struct scene_tree *tree)
 {
 	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
 	if (vehicles == NULL || vehicles->kind != SCENE_SEQUENCE)
 		return STATUS_OK;
 	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL; vehicle = vehicle->next) {
+		if (vehicle->kind == SCENE_MAPPING)
+			TRY(fold_powertrain(vehicle));
 		struct scene_node *driver = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "driver") : NULL;
 		struct scene_node *hold = driver != NULL && driver->kind == SCENE_MAPPING ? scene_node_child(driver, "hold") : NULL;
 		if (hold == NULL || hold->kind != SCENE_MAPPING)

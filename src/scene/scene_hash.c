@@ -156,6 +156,32 @@ static void add_texts(XXH3_state_t *state, const struct scene_texts *texts)
 		add_text(state, texts->list[i]);
 }
 
+static void add_powertrain(XXH3_state_t *state, size_t index, const struct scene_vehicle *vehicle)
+{
+	const struct scene_powertrain *train = &vehicle->powertrain;
+	if (vehicle->brakes > 0) {
+		add_part(state, 'B', index);
+		add_number(state, vehicle->brakes);
+	}
+	if (!train->present)
+		return;
+	const double numbers[] = {train->inertia, train->idle, train->drag, train->reverse, train->final, train->shifts, train->down, train->up, train->shift_time,
+				  train->clutch, train->engage, train->capacity, train->stall_ratio, train->coupling, train->centre, train->front, train->rear,
+				  train->bias, train->lock};
+	add_part(state, 'E', index);
+	add_texts(state, &train->wheels);
+	add_whole(state, train->engine_count);
+	for (size_t i = 0; i < train->engine_count; i++) {
+		add_number(state, train->engine[i][0]);
+		add_number(state, train->engine[i][1]);
+	}
+	add_whole(state, train->gear_count);
+	for (size_t i = 0; i < train->gear_count; i++)
+		add_number(state, train->gears[i]);
+	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+		add_number(state, numbers[i]);
+}
+
 static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_vehicle *vehicle)
 {
 	add_part(state, 'v', index);
@@ -192,6 +218,7 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 		add_part(state, 'K', index);
 		add_texts(state, &vehicle->carry);
 	}
+	add_powertrain(state, index, vehicle);
 }
 
 /*

@@ -337,6 +337,43 @@ static const cyaml_schema_field_t servo_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("torque", OPTIONAL, struct raw_servo, torque),
 	CYAML_FIELD_END,
 };
+static const cyaml_strval_t differential_words[] = {{"open", SCENE_OPEN}, {"limited", SCENE_LIMITED}, {"locked", SCENE_LOCKED}};
+static const cyaml_schema_field_t clutch_fields[] = {
+	CYAML_FIELD_FLOAT_PTR("torque", OPTIONAL, struct raw_clutch, torque),
+	CYAML_FIELD_FLOAT_PTR("engage", OPTIONAL, struct raw_clutch, engage),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t converter_fields[] = {
+	CYAML_FIELD_FLOAT("capacity", NEEDED, struct raw_converter, capacity),
+	CYAML_FIELD_FLOAT_PTR("ratio", OPTIONAL, struct raw_converter, ratio),
+	CYAML_FIELD_FLOAT_PTR("coupling", OPTIONAL, struct raw_converter, coupling),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t differentials_fields[] = {
+	CYAML_FIELD_ENUM_PTR("centre", OPTIONAL, struct raw_differentials, centre, differential_words, 3),
+	CYAML_FIELD_ENUM_PTR("front", OPTIONAL, struct raw_differentials, front, differential_words, 3),
+	CYAML_FIELD_ENUM_PTR("rear", OPTIONAL, struct raw_differentials, rear, differential_words, 3),
+	CYAML_FIELD_FLOAT_PTR("bias", OPTIONAL, struct raw_differentials, bias),
+	CYAML_FIELD_FLOAT_PTR("lock", OPTIONAL, struct raw_differentials, lock),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t powertrain_fields[] = {
+	CYAML_FIELD_SEQUENCE("wheels", OPTIONAL_POINTER, struct raw_powertrain, wheels, &pattern_entry, 1, 256),
+	CYAML_FIELD_STRING_PTR("engine", OPTIONAL, struct raw_powertrain, engine, 1, 4096),
+	CYAML_FIELD_SEQUENCE("torque", OPTIONAL_POINTER, struct raw_powertrain, torque, &point_entry, 1, 1000),
+	CYAML_FIELD_FLOAT_PTR("inertia", OPTIONAL, struct raw_powertrain, inertia),
+	CYAML_FIELD_FLOAT_PTR("idle", OPTIONAL, struct raw_powertrain, idle),
+	CYAML_FIELD_FLOAT_PTR("drag", OPTIONAL, struct raw_powertrain, drag),
+	CYAML_FIELD_SEQUENCE("gears", OPTIONAL_POINTER, struct raw_powertrain, gears, &float_entry, 1, SCENE_GEARS_MOST),
+	CYAML_FIELD_FLOAT_PTR("reverse", OPTIONAL, struct raw_powertrain, reverse),
+	CYAML_FIELD_FLOAT_PTR("final", OPTIONAL, struct raw_powertrain, final),
+	CYAML_FIELD_SEQUENCE("shift", OPTIONAL_POINTER, struct raw_powertrain, shift, &float_entry, 2, 2),
+	CYAML_FIELD_FLOAT_PTR("shift_time", OPTIONAL, struct raw_powertrain, shift_time),
+	CYAML_FIELD_MAPPING_PTR("clutch", OPTIONAL, struct raw_powertrain, clutch, clutch_fields),
+	CYAML_FIELD_MAPPING_PTR("converter", OPTIONAL, struct raw_powertrain, converter, converter_fields),
+	CYAML_FIELD_MAPPING_PTR("differentials", OPTIONAL, struct raw_powertrain, differentials, differentials_fields),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_value_t folder_entry = {CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char *, 1, 4096)};
 static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_vehicle, name, 1, 64),
@@ -345,6 +382,8 @@ static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_SEQUENCE("soil", OPTIONAL_POINTER, struct raw_vehicle, soil, &pattern_entry, 1, 256),
 	CYAML_FIELD_SEQUENCE("model_path", OPTIONAL_POINTER, struct raw_vehicle, model_path, &folder_entry, 1, 64),
 	CYAML_FIELD_MAPPING_PTR("servo", OPTIONAL, struct raw_vehicle, servo, servo_fields),
+	CYAML_FIELD_MAPPING_PTR("powertrain", OPTIONAL, struct raw_vehicle, powertrain, powertrain_fields),
+	CYAML_FIELD_FLOAT_PTR("brakes", OPTIONAL, struct raw_vehicle, brakes),
 	CYAML_FIELD_SEQUENCE("carry", OPTIONAL_POINTER, struct raw_vehicle, carry, &pattern_entry, 1, 256),
 	CYAML_FIELD_MAPPING_PTR("driver", OPTIONAL, struct raw_vehicle, driver, driver_fields),
 	CYAML_FIELD_END,
@@ -509,6 +548,23 @@ static const struct scene_limit limits[] = {
 	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
 	{"vehicles[].servo.kv", 0, 1e12, true, NULL, "N m s", NAN, "torque / 0.1 rad/s"},
 	{"vehicles[].servo.torque", 0, 1e12, true, NULL, "N m", NAN, "the joint's limit, or by the weight"},
+	{"vehicles[].powertrain.torque[][]", 0, 1e6, false, NULL, "rpm, N m", NAN, NULL},
+	{"vehicles[].powertrain.inertia", 0, 1e6, true, NULL, "kg m2", 0.2, NULL},
+	{"vehicles[].powertrain.idle", 0, 1e6, true, NULL, "rpm", NAN, "the first speed of the engine"},
+	{"vehicles[].powertrain.drag", 0, 1e6, false, NULL, "N m", 0, NULL},
+	{"vehicles[].powertrain.gears[]", 0, 1e4, true, NULL, NULL, NAN, "one gear of 1"},
+	{"vehicles[].powertrain.reverse", 0, 1e4, true, NULL, NULL, NAN, "the first gear's"},
+	{"vehicles[].powertrain.final", 0, 1e4, true, NULL, NULL, 1, NULL},
+	{"vehicles[].powertrain.shift[]", 0, 1e6, true, NULL, "rpm", NAN, "it does not shift itself"},
+	{"vehicles[].powertrain.shift_time", 0, 10, false, NULL, "s", 0.3, NULL},
+	{"vehicles[].powertrain.clutch.torque", 0, 1e6, true, NULL, "N m", NAN, "1.5 of the engine's most"},
+	{"vehicles[].powertrain.clutch.engage", 0, 1e6, true, NULL, "rpm", NAN, "1.5 idle"},
+	{"vehicles[].powertrain.converter.capacity", 0, 1e3, true, NULL, "N m s2", NAN, NULL},
+	{"vehicles[].powertrain.converter.ratio", 1, 10, false, NULL, NULL, 2, NULL},
+	{"vehicles[].powertrain.converter.coupling", 0.1, 0.99, false, NULL, NULL, 0.85, NULL},
+	{"vehicles[].powertrain.differentials.bias", 1, 100, false, NULL, NULL, 2, NULL},
+	{"vehicles[].powertrain.differentials.lock", 0, 1e7, false, NULL, "N m", 0, NULL},
+	{"vehicles[].brakes", 0, 1e7, true, NULL, "N m", NAN, "none"},
 	{"vehicles[].driver.path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].driver.path.speed", 0, 1000, true, NULL, "m/s", NAN, NULL},
 	{"vehicles[].driver.path.line", 1, 1e6, false, NULL, NULL, NAN, "the only line"},

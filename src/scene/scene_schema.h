@@ -209,6 +209,34 @@ struct raw_start {
 struct raw_servo {
 	double *kv, *torque;
 };
+struct raw_clutch {
+	double *torque, *engage;
+};
+struct raw_converter {
+	double capacity;
+	double *ratio, *coupling;
+};
+struct raw_differentials {
+	int *centre, *front, *rear; /* enum scene_differential */
+	double *bias, *lock;
+};
+struct raw_powertrain {
+	char **wheels;
+	uint32_t wheels_count;
+	char *engine;
+	double (*torque)[2];
+	uint32_t torque_count;
+	double *inertia, *idle, *drag;
+	double *gears;
+	uint32_t gears_count;
+	double *reverse, *final;
+	double *shift;
+	uint32_t shift_count;
+	double *shift_time;
+	struct raw_clutch *clutch;
+	struct raw_converter *converter;
+	struct raw_differentials *differentials;
+};
 struct raw_control {
 	char *actuator;
 	double value;
@@ -229,6 +257,8 @@ struct raw_vehicle {
 	char **model_path;
 	uint32_t model_path_count;
 	struct raw_servo *servo;
+	struct raw_powertrain *powertrain;
+	double *brakes;
 	struct raw_driver *driver;
 };
 struct raw_stuck {

@@ -6,6 +6,7 @@
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
+#include "scene/scene_powertrain.h"
 #include "scene/scene_way.h"
 
 #define MODEL_BYTES ((uint64_t)64 << 20)    /* the largest file of a model */
@@ -126,7 +127,10 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
 		vehicle->servo.torque = raw->servo->torque != NULL ? *raw->servo->torque : 0;
 	}
-	return raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : STATUS_OK;
+	if (raw->driver != NULL)
+		TRY(check_driver(tree, raw->driver, index, vehicle));
+	vehicle->brakes = raw->brakes != NULL ? *raw->brakes : 0;
+	return raw->powertrain != NULL ? scene_check_powertrain(tree, raw->powertrain, index, vehicle) : STATUS_OK;
 }
 
 /* What MuJoCo has besides vehicles: a file of its own, whose things keep their places. */
@@ -178,6 +182,8 @@ static void finish_texts(struct scene_texts *texts)
 void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
 	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values);
+	mem_free(vehicle->powertrain.engine);
+	finish_texts(&vehicle->powertrain.wheels);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
 	finish_texts(&vehicle->carry);

@@ -1,8 +1,9 @@
 /* The engine's steps of one time step. */
 #include <math.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/drives.h"
 #include "vehicle/linear.h"
+#include "vehicle/powertrain.h"
 
 #define LIMITED_MOST 3 /* times that a step is made again since contacts are at their limits */
 #define STATE (mjSTATE_FULLPHYSICS | mjSTATE_WARMSTART)
@@ -62,6 +63,14 @@ static void hold_all(struct vehicles *vehicles, double h)
 	mj_integratePos(model, data->qpos, less, h);
 }
 
+/* Sums what actuators, electric drives, powertrain and brakes did in a step. */
+static void tell_works(struct vehicle *vehicle, double h, const double *before)
+{
+	vehicle->work += work_of(vehicle, before) * h;
+	vehicle_drives_sum(vehicle, h, before);
+	vehicle_train_sum(vehicle, h, before);
+}
+
 /* Stops wheels that are braked: with so much inertia even the slowest turn would count as motion. */
 static void stop_wheels(struct vehicles *vehicles)
 {
@@ -79,9 +88,13 @@ static void step_once(struct vehicles *vehicles, double h, double later, bool dr
 	vehicle_couple(vehicles, h, later, drives);
 	mju_copy(before, data->qvel, model->nv);
 	mj_getState(model, data, vehicles->kept, STATE);
+	if (drives)
+		vehicle_trains_solve(vehicles, h, true);
 	mj_step2(model, data);
 	for (int turn = 0; vehicle_couple_end(vehicles, h, before, drives) && turn < LIMITED_MOST; turn++) {
 		mj_setState(model, data, vehicles->kept, STATE);
+		if (drives)
+			vehicle_trains_solve(vehicles, h, false);
 		mj_step2(model, data);
 	}
 }
@@ -98,7 +111,7 @@ void vehicle_advance(struct vehicles *vehicles, double time, double seconds, dou
 			vehicle_control(&vehicles->list[v], time + i * h, drives);
 		step_once(vehicles, h, (vehicles->engine_steps - 1 - i) * h, drives, before);
 		for (size_t v = 0; v < vehicles->all && drives; v++)
-			vehicles->list[v].work += work_of(&vehicles->list[v], before) * h;
+			tell_works(&vehicles->list[v], h, before);
 		vehicle_couple_done(vehicles, h, before, drives);
 		if (rate > 0) {
 			hold_all(vehicles, h);

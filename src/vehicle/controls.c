@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/powertrain.h"
 
 #define LINE_MOST 16384
 
@@ -52,7 +52,7 @@ static enum status read_header(struct table *table)
 		return wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
 	TRY(mem_zeroed(&driver->held, strlen(table->text) + (rest != NULL ? strlen(rest) : 0) + 2, sizeof *driver->held, "a table of controls"));
 	while ((name = strsep(&rest, ",")) != NULL) {
-		const int actuator = vehicle_find_part(table->vehicle, mjOBJ_ACTUATOR, name);
+		const int actuator = vehicle_control_find(table->vehicle, name);
 		if (actuator < 0)
 			return wrong(table, name, "names of the model's actuators");
 		for (size_t i = 0; i < driver->held_count; i++)

@@ -235,8 +235,7 @@ static void add_gain(const struct contact *contact, double h, double *mass)
 	}
 }
 
-/* Damping of the joints, which the engine's steps take at their end. With the implicit integrators that of motors is, too. */
-static double damping_of(const struct vehicle *vehicle, int dof)
+double vehicle_damping_of(const struct vehicle *vehicle, int dof)
 {
 	const mjModel *model = vehicle->model;
 	double damping = model->dof_damping[dof];
@@ -592,7 +591,7 @@ void vehicle_couple(struct vehicles *vehicles, double h, double later, bool driv
 		fill_jacobians(vehicle, vehicles->room);
 		any = any || vehicle->touching > 0;
 		for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end; i++)
-			*diagonal_of(model, data->M, i) += h * damping_of(vehicle, i);
+			*diagonal_of(model, data->M, i) += h * vehicle_damping_of(vehicle, i);
 	}
 	if (any)
 		mj_factorM(model, data);

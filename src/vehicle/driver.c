@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "dem/dem.h"
-#include "vehicle/internal.h"
+#include "vehicle/powertrain.h"
 
 static enum status no_actuator(const struct vehicle *vehicle, const char *where, const char *key, const char *name)
 {
@@ -96,7 +96,7 @@ static enum status make_hold(struct vehicle *vehicle, const char *where)
 	const struct scene_texts *names = &vehicle->scene->held;
 	TRY(mem_zeroed(&driver->held, names->count + 1, sizeof *driver->held, "a driver"));
 	for (size_t i = 0; i < names->count; i++) {
-		driver->held[i] = vehicle_find_part(vehicle, mjOBJ_ACTUATOR, names->list[i]);
+		driver->held[i] = vehicle_control_find(vehicle, names->list[i]);
 		if (driver->held[i] < 0)
 			return no_actuator(vehicle, where, "hold", names->list[i]);
 		driver->held_count = i + 1;
@@ -131,6 +131,9 @@ static bool names(const int *list, size_t count, size_t actuator)
 const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
 {
 	const struct driver *driver = &vehicles->list[vehicle].driver;
+	const size_t own = range_count(vehicles->list[vehicle].own.actuator);
+	if (actuator >= own) /* a control of the powertrain */
+		return vehicle_train_key(&vehicles->list[vehicle], actuator - own);
 	actuator += (size_t)vehicles->list[vehicle].own.actuator.first;
 	if (names(driver->steer, driver->steer_count, actuator))
 		return "steer";
@@ -221,11 +224,15 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 		mju_copy(vehicle->data->ctrl + ctrl.first, model->key_ctrl + vehicle->keyframe * model->nu + ctrl.first, ctrl.end - ctrl.first);
 	else
 		mju_zero(vehicle->data->ctrl + ctrl.first, ctrl.end - ctrl.first);
+	vehicle_train_rest(vehicle);
 	if (!drives) {
 		settle(vehicle);
 		return;
 	}
 	drive(vehicle, time);
+	for (size_t i = 0, own = range_count(actuators); i < vehicle_train_controls(vehicle); i++)
+		if (!isnan(vehicle->host_controls[own + i]))
+			*vehicle_train_control(vehicle, i) = vehicle->host_controls[own + i];
 	for (int i = actuators.first; i < actuators.end; i++)
 		if (!isnan(vehicle->host_controls[i - actuators.first]))
 			*vehicle_ctrl(vehicle, i) = vehicle->host_controls[i - actuators.first];

@@ -1,6 +1,6 @@
 /* Vehicles of a host's world: where they are, what the soil does to them, the host's controls, and the way back to a checkpoint. */
 
-#include "vehicle/internal.h"
+#include "vehicle/powertrain.h"
 
 void vehicle_state(const struct vehicles *vehicles, size_t index, struct furrow_state *state)
 {
@@ -36,12 +36,13 @@ void vehicle_actuators(const struct vehicles *vehicles, size_t index, double *co
 		if (forces != NULL)
 			forces[i - actuators.first] = vehicle->data->actuator_force[vehicle->model->actuator_outadr[i]];
 	}
+	vehicle_train_tell_controls(vehicle, controls, forces);
 }
 
 void vehicle_set_controls(struct vehicles *vehicles, size_t index, const double *controls)
 {
 	struct vehicle *vehicle = &vehicles->list[index];
-	mju_copy(vehicle->host_controls, controls, (int)range_count(vehicle->own.actuator));
+	mju_copy(vehicle->host_controls, controls, (int)vehicle_control_count(vehicle));
 }
 
 static const struct soil_geom *geom_of(const struct vehicles *vehicles, int32_t number, const struct vehicle **of)

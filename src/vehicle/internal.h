@@ -80,6 +80,8 @@ static inline size_t range_count(struct range range)
 }
 
 struct contact; /* coupling.c */
+struct powertrain; /* powertrain.h */
+struct drive; /* drives.h */
 
 struct vehicle {
 	const struct scene_vehicle *scene;
@@ -119,7 +121,10 @@ struct vehicle {
 	struct contact *contacts;   /* geom_count + carrying_count: of coupling.c */
 	double *rows;               /* of the contacts */
 	size_t contact_count, touching; /* in this step of the engine; touching: of them, the first ones, that are no loads */
-	double *host_controls;      /* nactuator: what a host has set; NaN: the driver sets it */
+	double *host_controls;      /* what a host has set, of its actuators and then of its powertrain; NaN: the driver sets it */
+	struct drive *drives;       /* electric ones */
+	size_t drive_count;
+	struct powertrain *train;   /* powertrain and brakes; NULL: none */
 };
 
 /* A geom that pictures show. */
@@ -164,9 +169,13 @@ struct vehicles {
 };
 
 /* --- load.c --- */
-/* Return the first control of an actuator, and its first gear. An actuator may have several of both: a motor by its voltage, a PID by its place and rate. */
+/* Returns a control of the powertrain: powertrain.h. */
+double *vehicle_train_control(const struct vehicle *vehicle, size_t control);
+/* Return the first control of an actuator or, from the number of actuators on, a control of the powertrain, and its first gear. An actuator may have several of both: a motor by its voltage, a PID by its place and rate. */
 static inline double *vehicle_ctrl(const struct vehicle *vehicle, int actuator)
 {
+	if (actuator >= vehicle->model->nactuator)
+		return vehicle_train_control(vehicle, (size_t)(actuator - vehicle->model->nactuator));
 	return vehicle->data->ctrl + vehicle->model->actuator_ctrladr[actuator];
 }
 
@@ -296,6 +305,8 @@ enum status vehicle_make_room(struct vehicle *vehicle) FURROW_CHECKED;
  * the inertia, data->M, how these forces answer a change of the velocities. later: s of the time step after the step. drives false: wheels do
  * not turn. vehicles->mass keeps the inertia as it was. */
 void vehicle_couple(struct vehicles *vehicles, double h, double later, bool drives);
+/* Damping of a freedom, which the engine's steps take at their end. With the implicit integrators that of motors is, too. */
+double vehicle_damping_of(const struct vehicle *vehicle, int dof);
 /* Finds the soil's forces at the end of the step. `before`: nv, the velocities at its start. Returns true if some of them cannot be: the soil
  * does not pull, and its shear has a limit. Then qfrc_applied and data->M have these contacts with the forces at that limit, and the step is to be
  * made once more. */

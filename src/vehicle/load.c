@@ -3,8 +3,9 @@
 #include <stdio.h>
 #include <xxhash.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/drives.h"
 #include "vehicle/load.h"
+#include "vehicle/powertrain.h"
 #include "vehicle/spec.h"
 
 #define WHOLE 1e-6 /* of a step of the engine: a time step that is longer than some by less has no more */
@@ -134,11 +135,13 @@ enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scen
 	TRY(find_root(vehicle, where));
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
-	const size_t actuators = range_count(vehicle->own.actuator);
-	vehicle->row_actuators = mem_calloc(2 * actuators + 1, sizeof *vehicle->row_actuators);
-	vehicle->host_controls = mem_alloc(actuators + 1, sizeof *vehicle->host_controls);
+	TRY(vehicle_make_powertrain(vehicle, where));
+	TRY(vehicle_make_drives(vehicle));
+	const size_t controls = vehicle_control_count(vehicle);
+	vehicle->row_actuators = mem_calloc(2 * controls + 1, sizeof *vehicle->row_actuators);
+	vehicle->host_controls = mem_alloc(controls + 1, sizeof *vehicle->host_controls);
 	TRY_MEM(vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
-	for (size_t i = 0; i < actuators; i++)
+	for (size_t i = 0; i < controls; i++)
 		vehicle->host_controls[i] = (double)NAN;
 	vehicle_find_bound(vehicle, scene);
 	return vehicle_make_driver(vehicle, where);
@@ -147,6 +150,7 @@ enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scen
 void vehicle_forget(struct vehicle *vehicle)
 {
 	vehicle_free_driver(&vehicle->driver);
+	vehicle_free_powertrain(vehicle->train);
 	vehicle_free_geoms(vehicle);
 	if (vehicle->spec != NULL)
 		mj_deleteSpec(vehicle->spec);
@@ -154,5 +158,5 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->posed);
 	if (vehicle->single != NULL)
 		mj_deleteModel(vehicle->single);
-	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->contacts, vehicle->rows, vehicle->row_actuators, vehicle->host_controls);
+	mem_free_all(vehicle->drives, vehicle->joints, vehicle->row_joints, vehicle->contacts, vehicle->rows, vehicle->row_actuators, vehicle->host_controls);
 }

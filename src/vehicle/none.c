@@ -136,6 +136,18 @@ const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle
 	return NULL;
 }
 
+size_t vehicle_drive_count(const struct vehicles *vehicles, size_t vehicle)
+{
+	(void)vehicles, (void)vehicle;
+	return 0;
+}
+
+void vehicle_drive(const struct vehicles *vehicles, size_t vehicle, size_t drive, struct vehicle_drive *out)
+{
+	(void)vehicles, (void)vehicle, (void)drive;
+	*out = (struct vehicle_drive){.name = ""};
+}
+
 enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct vehicle_outline *out)
 {
 	(void)scene, (void)vehicle, (void)out;

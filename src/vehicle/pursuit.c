@@ -10,7 +10,7 @@
  */
 #include <math.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/powertrain.h"
 
 #define AHEAD_BASES 1.2 /* the point ahead: in wheelbases, */
 #define AHEAD_TIME 1.0  /* and at least as far as it goes in this time, s */
@@ -143,6 +143,10 @@ static void drive(struct vehicle *vehicle, double middle, double curvature, doub
 	const struct driver *driver = &vehicle->driver;
 	const mjModel *model = vehicle->model;
 	bool torque = false;
+	if (vehicle->train != NULL && vehicle->train->scene != NULL) {
+		vehicle_train_effort(vehicle, vehicle_train_effort_for(vehicle, lacks(vehicle, speed)));
+		return;
+	}
 	for (size_t i = 0; i < driver->drive_count; i++)
 		torque = torque || !is_servo(model, driver->drive[i]);
 	const double needs = torque ? lacks(vehicle, speed) : 0;

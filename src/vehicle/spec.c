@@ -170,6 +170,8 @@ static void make(void *argument)
 	if (spec->status == STATUS_OK)
 		spec->status = vehicle_spec_meshes(spec);
 	if (spec->status == STATUS_OK)
+		spec->status = vehicle_spec_powertrain(spec);
+	if (spec->status == STATUS_OK)
 		spec->status = vehicle_spec_servos(spec);
 	if (spec->status != STATUS_OK)
 		return;

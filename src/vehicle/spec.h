@@ -41,5 +41,6 @@ void vehicle_spec_name(struct spec_names *names, const char *name);
 void vehicle_spec_inertias(struct spec *spec);                        /* spec_inertia.c */
 enum status vehicle_spec_meshes(struct spec *spec) FURROW_CHECKED;    /* spec_meshes.c */
 enum status vehicle_spec_servos(struct spec *spec) FURROW_CHECKED;    /* spec_servos.c */
+enum status vehicle_spec_powertrain(struct spec *spec) FURROW_CHECKED; /* spec_powertrain.c; before servos */
 
 #endif

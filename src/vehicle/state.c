@@ -2,7 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/drives.h"
+#include "vehicle/powertrain.h"
 #include "vehicle/settle.h"
 
 #define OWN 14       /* numbers of a vehicle itself, */
@@ -12,7 +13,7 @@
 size_t vehicle_state_numbers(const struct vehicle *vehicle)
 {
 	const struct owned *own = &vehicle->own;
-	return OWN + TRAIL + range_count(own->qpos) + 2 * range_count(own->dof) + range_count(own->act) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
+	return OWN + TRAIL + range_count(own->qpos) + 2 * range_count(own->dof) + range_count(own->act) + vehicle_train_numbers(vehicle) + DRIVE_STATE * vehicle->drive_count + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
 }
 
 static double *put(double *to, const double *from, size_t count)
@@ -69,6 +70,8 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 	to = put(to, data->qvel + owned->dof.first, range_count(owned->dof));
 	to = put(to, data->qacc_warmstart + owned->dof.first, range_count(owned->dof));
 	to = put(to, data->act + owned->act.first, range_count(owned->act));
+	to = vehicle_train_save(vehicle, to);
+	to = vehicle_drives_save(vehicle, to);
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		to = save_geom(vehicles->world, &vehicle->geoms[g], to);
 	return to;
@@ -144,6 +147,8 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 	from = take(from, data->qvel + owned->dof.first, range_count(owned->dof));
 	from = take(from, data->qacc_warmstart + owned->dof.first, range_count(owned->dof));
 	from = take(from, data->act + owned->act.first, range_count(owned->act));
+	from = vehicle_train_restore(vehicle, from);
+	from = vehicle_drives_restore(vehicle, from);
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		TRY(restore_geom(vehicles, &vehicle->geoms[g], &from));
 	*numbers = from;

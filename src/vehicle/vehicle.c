@@ -7,6 +7,7 @@
 
 #include "vehicle/internal.h"
 #include "vehicle/load.h"
+#include "vehicle/powertrain.h"
 #include "vehicle/settle.h"
 
 #define SUNK_LONG 1.0 /* s: a soil geom that is sunk for longer, without a break, is told */
@@ -194,7 +195,8 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->work = vehicle->work;
 	row->joints = vehicle->row_joints;
 	row->controls = vehicle->row_actuators;
-	row->forces = vehicle->row_actuators + range_count(vehicle->own.actuator);
+	row->forces = vehicle->row_actuators + vehicle_control_count(vehicle);
+	vehicle_train_tell(vehicle, &row->train);
 }
 
 bool vehicle_rows_due(struct vehicles *vehicles)
@@ -244,7 +246,7 @@ void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *ro
 	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
 	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
 	double *controls = vehicles->list[index].row_actuators;
-	vehicle_actuators(vehicles, index, controls, controls + range_count(vehicles->list[index].own.actuator));
+	vehicle_actuators(vehicles, index, controls, controls + vehicle_control_count(&vehicles->list[index]));
 	fill_row(&vehicles->list[index], row);
 	for (size_t g = 0; g < vehicles->list[index].geom_count; g++) {
 		bool carries;
@@ -381,7 +383,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.own_gravity = {vehicle->gravity[0], vehicle->gravity[1], vehicle->gravity[2]},
 		.geom_count = vehicle->geom_count,
 		.joint_count = vehicle->joint_count,
-		.actuator_count = range_count(vehicle->own.actuator),
+		.actuator_count = vehicle_control_count(vehicle),
 		.largest_step = vehicle->largest_step,
 		.largest_geom = vehicle->geoms[vehicle->largest_geom].name,
 		.largest_mass = vehicle->largest_mass,
@@ -413,6 +415,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		info->reach = fmax(info->reach, hypot(at[0] - place[0], at[1] - place[1]) + soil_shape_bound(&vehicle->geoms[g].shape));
 	}
 	info->slip = slips > 0 ? info->slip / slips : (double)NAN;
+	vehicle_train_tell(vehicle, &info->train);
 	if (vehicles->world != NULL && vehicle->begun > VEHICLE_ABOVE)
 		info->kinetic = vehicle_kinetic(vehicle);
 	if (info->stuck)
@@ -427,6 +430,9 @@ const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, 
 
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
 {
+	const size_t own = range_count(vehicles->list[vehicle].own.actuator);
+	if (actuator >= own)
+		return vehicle_train_name(actuator - own);
 	const char *name = vehicle_part_name(vehicles->list[vehicle].model, mjOBJ_ACTUATOR, vehicles->list[vehicle].own.actuator.first + (int)actuator);
 	return name != NULL ? name : "";
 }

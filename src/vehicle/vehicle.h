@@ -55,6 +55,27 @@ bool vehicle_stuck(const struct vehicles *vehicles);
 /* Returns what pictures show of the vehicles: their models' geoms and bodies. For NULL: nothing. The places in it follow each step. */
 struct world_figures vehicle_figures(const struct vehicles *vehicles);
 
+/* What a vehicle's powertrain and brakes do. */
+struct vehicle_train {
+	bool has_engine, has_brakes;
+	double engine_speed;   /* rpm */
+	double engine_torque;  /* N m, in the last step of the engine (MuJoCo's) */
+	int gear;              /* -1: reverse; 0: none, or it shifts */
+	double engine_work, loss, brake_work; /* J since the start: of the engine; what clutch, converter and differentials took; what brakes took */
+	double engine_kinetic; /* J */
+};
+
+/* An electric drive: a dcmotor of the model. */
+struct vehicle_drive {
+	const char *name;      /* of the actuator; "" if it has none */
+	double torque, speed;  /* N m and rad/s of the motor, before its gear: in the last step of the engine, and now */
+	double current, voltage; /* A, V: R i + K speed */
+	double taken, recovered; /* J of its battery since the start: electric power above 0, and what came back, both positive */
+	double mechanical, heat; /* J: torque times speed; what its resistance took */
+};
+size_t vehicle_drive_count(const struct vehicles *vehicles, size_t vehicle);
+void vehicle_drive(const struct vehicles *vehicles, size_t vehicle, size_t drive, struct vehicle_drive *out);
+
 /* A row of vehicles.csv. */
 struct vehicle_row {
 	double time;           /* s */
@@ -64,6 +85,7 @@ struct vehicle_row {
 	double velocity[3];    /* m/s */
 	double kinetic, work;  /* J: kinetic energy; what its actuators have done since the start */
 	struct world_aboard aboard; /* soil that its geoms carry */
+	struct vehicle_train train;
 	const double *joints;  /* joint_count numbers */
 	const double *controls, *forces; /* actuator_count numbers; N or N m before `gear`, in the last step of the engine */
 };
@@ -95,6 +117,7 @@ struct vehicle_info {
 	double distance;       /* m in plan */
 	double reach;          /* m in plan, from its place to the farthest part of a soil geom; 0 before it is joined to a world */
 	double kinetic, work;  /* J */
+	struct vehicle_train train;
 	bool arrived;          /* at the end of its path */
 	double speed, left;    /* m/s in plan, now; m of its path ahead, when its controls were last set */
 	const char *told_sunk; /* the note that the soil does not carry it; NULL: none was printed */

@@ -39,6 +39,15 @@ CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{na
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
+TRAIN = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, powertrain: {wheels: [drive*], engine: [[500, 20], [6000, 20]], inertia: 0.1, gears: [8, 4], shift_time: 0}, "
+                           "driver: {hold: {throttle: 1}}}]"}
+
+
+def trained(more, hold="throttle: 1", end="0.3"):
+    """The car with more keys of its powertrain, or other ones."""
+    return {**TRAIN, "end_time": end, "vehicles": TRAIN["vehicles"].replace("gears: [8, 4], shift_time: 0", more).replace("throttle: 1", hold)}
+
+
 SHAPE = {**PLAIN}
 HEALS = {**PLAIN, "attributes": "{disturbance: {heals: 100}}"}
 PLANTS = {**PLAIN, "attributes": "{vegetation: {cover: 0.7}}", "objects": f"[{WHEEL % 'sink: 0.2, slip: 0.2'}]"}
@@ -145,6 +154,28 @@ ROWS = {
     "vehicles[].model_path": (URDF, {"vehicles.car.model_path": "[packages]"}),
     "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
     "vehicles[].servo.torque": (URDF, {"vehicles.car.servo.torque": "0.1"}),
+    "vehicles[].powertrain.wheels": (TRAIN, {"vehicles.car.powertrain.wheels": "[drive_a, drive_b]"}),
+    "vehicles[].powertrain.engine": ({**TRAIN, "vehicles": TRAIN["vehicles"].replace("[[500, 20], [6000, 20]]", "one_engine.csv")}, {"vehicles.car.powertrain.engine": "two_engine.csv"}),
+    "vehicles[].powertrain.torque": ({**TRAIN, "vehicles": TRAIN["vehicles"].replace("engine:", "torque:")}, {"vehicles.car.powertrain.torque": "[[500, 15], [6000, 20]]"}),
+    "vehicles[].powertrain.inertia": (TRAIN, {"vehicles.car.powertrain.inertia": "0.3"}),
+    "vehicles[].powertrain.idle": (TRAIN, {"vehicles.car.powertrain.idle": "700"}),
+    "vehicles[].powertrain.drag": (trained("gears: [8]", "throttle: 0.5"), {"vehicles.car.powertrain.drag": "5"}),
+    "vehicles[].powertrain.gears": (TRAIN, {"vehicles.car.powertrain.gears": "[5, 4]"}),
+    "vehicles[].powertrain.reverse": (trained("gears: [8]", "throttle: 1, gear: -1"), {"vehicles.car.powertrain.reverse": "4"}),
+    "vehicles[].powertrain.final": (TRAIN, {"vehicles.car.powertrain.final": "2"}),
+    "vehicles[].powertrain.shift": (trained("gears: [8, 4], shift: [200, 900]", end="0.6"), {"vehicles.car.powertrain.shift": "[200, 600]"}),
+    "vehicles[].powertrain.shift_time": (trained("gears: [8, 4], shift: [200, 600]", end="0.6"), {"vehicles.car.powertrain.shift_time": "0.1"}),
+    "vehicles[].powertrain.clutch.torque": (TRAIN, {"vehicles.car.powertrain.clutch": "{torque: 10}"}),
+    "vehicles[].powertrain.clutch.engage": (TRAIN, {"vehicles.car.powertrain.clutch": "{engage: 1500}"}),
+    "vehicles[].powertrain.converter.capacity": (trained("gears: [8], converter: {capacity: 0.002}"), {"vehicles.car.powertrain.converter.capacity": "0.004"}),
+    "vehicles[].powertrain.converter.ratio": (trained("gears: [8], converter: {capacity: 0.002}"), {"vehicles.car.powertrain.converter.ratio": "1.5"}),
+    "vehicles[].powertrain.converter.coupling": (trained("gears: [8], converter: {capacity: 0.002}"), {"vehicles.car.powertrain.converter.coupling": "0.7"}),
+    "vehicles[].powertrain.differentials.centre": (TRAIN, {"vehicles.car.powertrain.differentials": "{centre: locked}"}),
+    "vehicles[].powertrain.differentials.front": (TRAIN, {"vehicles.car.powertrain.differentials": "{front: locked}"}),
+    "vehicles[].powertrain.differentials.rear": (TRAIN, {"vehicles.car.powertrain.differentials": "{rear: locked}"}),
+    "vehicles[].powertrain.differentials.bias": (trained("gears: [8], differentials: {front: limited, centre: limited, bias: 1}"), {"vehicles.car.powertrain.differentials.bias": "3"}),
+    "vehicles[].powertrain.differentials.lock": (trained("gears: [8], differentials: {front: limited, centre: limited, bias: 1}"), {"vehicles.car.powertrain.differentials.lock": "10"}),
+    "vehicles[].brakes": ({**CAR, "vehicles": CAR["vehicles"].replace("{drive: 3}", "{drive: 3, brake: 1}").replace("start:", "brakes: 1, start:")}, {"vehicles.car.brakes": "2"}),
     "vehicles[].carry": ({**CAR, "vehicles": "[{name: car, model: tray.xml, start: {at: [20, 20]}, soil: [tray], driver: {hold: {along: 0.1, lift: -0.1, tip: 0.3}}}]"}, {"vehicles.car.carry": "[tray]"}),
     "vehicles[].driver.path.points": (WAY, {"vehicles.car.driver.path.points": "[[20, 20], [24, 24]]"}),
     "vehicles[].driver.path.speed": (WAY, {"vehicles.car.driver.path.speed": "1"}),
@@ -302,7 +333,7 @@ class Keys(FurrowTest):
             write_png16(self.folder / f"{key}.png", 65, 65, lambda x, y: value)
         one = (ROOT / "tests/vehicle/one_wheel.xml").read_text()
         texts = {"one_wheel.xml": one, "wall.xml": '<mujoco><worldbody><geom name="wall" type="box" pos="20.6 20 0" size="0.2 2 500"/></worldbody></mujoco>',
-                 "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
+                 "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "one_engine.csv": "rpm,torque\n500,20\n6000,20\n", "two_engine.csv": "500,15\n6000,20\n", "two.csv": "t,drive\n0,5\n",
                  "poses.csv": "t,x,y,yaw,pitch,roll\n".replace(",yaw,pitch,roll", "") + "0,10,20\n0.6,11,20\n", "lying.csv": "t,x,y,z,yaw,pitch,roll\n0,10,20,0.3,0,0,90\n0.6,11,20,0.3,0,0,90\n", "other.csv": "t,x,y\n0,10,20\n0.6,11,23\n",
                  "eyes.csv": "t,x,y,z,yaw,pitch,roll\n0,12,10,20,90,-40,0\n", "eyes2.csv": "t,x,y,z,yaw,pitch,roll\n0,12,12,20,90,-40,0\n"}
         for file, half in (("a.obj", 0.6), ("b.obj", 1.2)):

@@ -86,6 +86,11 @@ SAMPLES = [
                             driver={"path": {"points": [[5, 5], [6, 5]], "speed": 1}, "steer": [], "drive": ["drive"]}),
                     vehicle(name="w", driver={"controls": "controls.csv"}),
                     vehicle(name="x", driver={"hold": [{"actuator": "drive", "value": 1}]})]),
+    scene(soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002,
+          vehicles=[vehicle(brakes=100, powertrain={"wheels": ["drive"], "engine": "engine.csv", "inertia": 0.2, "idle": 900, "drag": 5, "gears": [3, 1], "reverse": 3, "final": 4,
+                                                    "shift": [900, 3000], "shift_time": 0.2, "clutch": {"torque": 300, "engage": 1500},
+                                                    "differentials": {"centre": "limited", "front": "open", "rear": "locked", "bias": 2, "lock": 10}}),
+                    vehicle(name="y", powertrain={"wheels": ["drive"], "torque": [[800, 100], [4000, 120]], "converter": {"capacity": 0.01, "ratio": 2, "coupling": 0.85}})]),
     scene(WHEEL, soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002, vehicles=[vehicle(name="beside")]),
     scene(wheel(path={"points": [[20, 20], [30, 20]], "speed": 5, "smooth": True, "delay": 1}),
           wheel(name="b", path={"relative_to": "a", "offset": [-3, 0]})),
@@ -225,6 +230,7 @@ class ScenePage(FurrowTest):
         shutil.copy(ROOT / "tools" / "scenes" / "vehicles" / "rover.xml", self.folder)
         shutil.copy(ROOT / "tests" / "vehicle" / "one_wheel.xml", self.folder)
         (self.folder / "controls.csv").write_text("t,drive\n0,0\n1,2\n")
+        (self.folder / "engine.csv").write_text("rpm,torque\n800,100\n4000,120\n")
         (self.folder / "poses.csv").write_text(re.search(r"```csv\n(.*?)```", PAGE.read_text(), re.S).group(1))
         for name in ("classes.png", "cohesion.png", "friction.png"):
             write_png16(self.folder / name, 4, 4, lambda x, y: 1)
