@@ -11,6 +11,10 @@
 struct soil_geom {
 	int geom;                   /* of the model */
 	int dof;                    /* of a wheel: the freedom in which it turns; of a belt that of its sprocket; -1: neither */
+	int roll_dof;               /* of a round geom that is no cylinder: the freedom in which it turns as a wheel; -1: it does not (rolls.c) */
+	double roll_radius;         /* m */
+	bool stands;                /* on the ground in the first pose, or rolls, or the scene names it; false: it is a hull (hulls.c) */
+	bool aloft;                 /* a hull so high that it can touch nothing: the world has no place of it */
 	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
 	struct soil_shape shape;
@@ -87,7 +91,7 @@ struct vehicle {
 	int keyframe;               /* of the model: the pose and the controls of the start; -1: the first pose, and no controls */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
-	size_t geom_count, carrying_count; /* carrying_count: of them carry soil */
+	size_t geom_count, carrying_count, standing_count; /* of them carry soil; stand on the ground */
 	struct driver driver;
 	int *joints;                /* joints with one number: columns q */
 	size_t joint_count;
@@ -189,6 +193,15 @@ void vehicle_set_axes(struct soil_geom *out, const double forward[3], const doub
 int vehicle_cylinder_turns(const struct vehicle *vehicle, int geom);
 /* Takes a mesh that is round about a level hinge as a wheel: it rolls without corners, and costs a fraction. Returns false if it is none. */
 bool vehicle_make_mesh_wheel(const struct vehicle *vehicle, struct soil_geom *out);
+
+/* --- hulls.c --- */
+/* Finds which soil geoms stand on the ground in the first pose; the others are hulls, and aloft at first. */
+void vehicle_find_standing(struct vehicle *vehicle);
+/* Takes a hull out of the world, or puts it into it, by how high it will be above the ground at the end of the time step: geom->now. */
+enum status vehicle_lift_hull(const struct vehicles *vehicles, const struct vehicle *vehicle, struct soil_geom *geom) FURROW_CHECKED;
+/* Gives the space above the lower side of a geom's box at a place of MuJoCo's axes or local ones, lowered by `margin`, m. `mat`: the geom's axes as columns. */
+void vehicle_space_of(const struct vehicle *vehicle, int geom, const double place[3], const double mat[9], double margin, struct world_space *space);
+struct furrow_contact vehicle_no_contact(const struct vehicles *vehicles); /* of a geom in the air */
 
 /* --- trail.c --- */
 

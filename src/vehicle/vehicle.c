@@ -246,7 +246,8 @@ static enum status tell_forces(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			const struct furrow_contact *contact = &geom->contact;
-			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state)};
+			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state),
+						    .slip_velocity = isfinite(contact->slip_velocity) ? contact->slip_velocity : 0};
 			if (force.state == DEFORM_AIR || !isfinite(force.area) || !isfinite(force.sinkage))
 				force.sinkage = force.area = 0;
 			memcpy(force.force, geom->force, sizeof force.force);
@@ -350,6 +351,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.gravity = -vehicle->model->opt.gravity[2],
 		.own_gravity = {vehicle->gravity[0], vehicle->gravity[1], vehicle->gravity[2]},
 		.geom_count = vehicle->geom_count,
+		.standing_count = vehicle->standing_count,
 		.joint_count = vehicle->joint_count,
 		.actuator_count = range_count(vehicle->own.actuator),
 		.largest_step = vehicle->largest_step,

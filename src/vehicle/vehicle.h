@@ -84,7 +84,8 @@ struct vehicle_info {
 	double mass;           /* kg */
 	double gravity;        /* m/s2, downward: the scene's */
 	double own_gravity[3]; /* m/s2: in its model's file; not used */
-	size_t geom_count;     /* soil geoms */
+	size_t geom_count;     /* soil geoms, */
+	size_t standing_count; /* of them those that stand on the ground in the first pose */
 	size_t joint_count, actuator_count;  /* columns of its rows; joints with one number each */
 	double largest_step;   /* s: the longest time_step that is allowed */
 	const char *largest_geom; /* soil geom that allows no more, */
@@ -137,6 +138,7 @@ struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
 	const struct soil_shape *shape;
 	double share;              /* of the weight that it bears on level ground, in the first pose: see vehicle_find_shares */
+	bool stands;               /* on the ground in the first pose; false: a hull, which touches only where it comes down */
 	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
 };
 /* `spacing`: m between posts. */
