@@ -360,6 +360,8 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 		return no_geom(vehicle, "soil", where);
 	TRY(check_belts(vehicle, where));
 	TRY(find_carrying(vehicle, where));
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		vehicle_find_roll(vehicle, &vehicle->geoms[g]);
 	vehicle_find_standing(vehicle);
 	return STATUS_OK;
 }

@@ -37,6 +37,19 @@ struct soil_geom {
 	double sunk;                /* s: for how long it has been sunk in the drive, without a break */
 };
 
+/* Something that is wrong with how a vehicle lies: lies.c. */
+struct lie {
+	char *geom;                 /* VEHICLE.GEOM; NULL: it is of the whole vehicle, or of the soil geom `of` */
+	int number;                 /* of that geom in the model; -1 */
+	const struct soil_geom *of; /* the geom that it is about; NULL: none */
+	bool printed;               /* in this process */
+	/* State, in the record: */
+	double since;               /* s: from when on it is so without a break; below 0: it is not so now */
+	double time, at[2], depth;  /* s, m, m: from when on it was so when it was told, where; how deep it was at most */
+	bool told;
+};
+enum { LIE_OVERTURNED, LIE_HIGH_CENTRED, LIE_BURIED, LIE_OWN }; /* those of a vehicle itself; then one for each geom that does not press */
+
 /* What sets the controls: driver.c. */
 struct driver {
 	int *steer, *drive;         /* actuators that steer, and that drive */
@@ -106,6 +119,9 @@ struct vehicle {
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	struct trail trail;         /* of the whole drive; in the record */
+	int up;                     /* axis of the root body that looks up in the model's own pose: 0, 1, 2 */
+	struct lie *lies;           /* LIE_OWN, and one for each geom that does not press; in the record */
+	size_t lie_count;
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
 	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
@@ -202,6 +218,24 @@ enum status vehicle_lift_hull(const struct vehicles *vehicles, const struct vehi
 /* Gives the space above the lower side of a geom's box at a place of MuJoCo's axes or local ones, lowered by `margin`, m. `mat`: the geom's axes as columns. */
 void vehicle_space_of(const struct vehicle *vehicle, int geom, const double place[3], const double mat[9], double margin, struct world_space *space);
 struct furrow_contact vehicle_no_contact(const struct vehicles *vehicles); /* of a geom in the air */
+
+/* --- lies.c --- */
+/* Lists the geoms that do not press the ground and are to lie above it, after vehicle_find_standing. */
+enum status vehicle_make_lies(struct vehicle *vehicle) FURROW_CHECKED;
+void vehicle_free_lies(struct vehicle *vehicle);
+/* Looks how a vehicle lies after its motion in a time step, and tells once what is wrong. */
+enum status vehicle_watch_lies(const struct vehicles *vehicles, struct vehicle *vehicle) FURROW_CHECKED;
+size_t vehicle_lies_numbers(const struct vehicle *vehicle); /* in the record */
+double *vehicle_save_lies(const struct vehicle *vehicle, double *to); /* returns what is behind them */
+const double *vehicle_restore_lies(struct vehicle *vehicle, const double *from);
+/* Returns true if the vehicle is so now, and was told. `lie`: LIE_OVERTURNED .. LIE_BURIED. */
+bool vehicle_lies_so(const struct vehicle *vehicle, int lie);
+
+/* --- rolls.c --- */
+/* Finds the freedom in which a round geom that is no cylinder turns as a wheel, and its radius. */
+void vehicle_find_roll(const struct vehicle *vehicle, struct soil_geom *geom);
+/* Sets slip and slip_velocity of such a geom's contact. */
+void vehicle_tell_roll(const struct vehicle *vehicle, struct soil_geom *geom);
 
 /* --- trail.c --- */
 

@@ -174,6 +174,8 @@ static enum status ask(struct vehicles *vehicles)
 			}
 			geom->contact = vehicles->contacts[count++];
 			part_load(vehicles, geom);
+			if (geom->roll_dof >= 0)
+				vehicle_tell_roll(&vehicles->list[v], geom);
 			if (geom->contact.state == FURROW_UNKNOWN && geom->is_touched)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
 						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));
