@@ -4,8 +4,8 @@
  * 1. Vertices of one cell of a fine grid become one of them.
  * 2. Vertices are moved onto neighbours, those first that change the surface least: in each turn a vertex takes the neighbour for which its own place is
  *    nearest to the triangles that are left around it. What it gives up is added to what that neighbour gave up before.
- * 3. Every vertex, and the middle of every edge and every triangle of the given mesh, is then compared with what is left. If one of them is farther than
- *    `most`, step 2 is done again with half the error; after some of these the mesh stays as it is.
+ * 3. Every vertex, and the middle of every edge and every triangle of the given mesh, is then compared with what is left. Where one of them is farther than
+ *    `most`, the corners of its triangle stay where they are, and step 2 is done again. So that triangle stays. After some of these the mesh stays as it is.
  *
  * All vertices that are left are vertices of the given mesh, so it reaches nowhere farther than before. Triangles may be of any topology.
  */
@@ -16,8 +16,8 @@
 #include "vehicle/thin.h"
 
 #define CELL 0.12       /* of `most`: side of a cell; its diagonal is 0.21 of it */
-#define MOVES 0.7       /* of `most`: what moves may give up together */
-#define TRIES 4
+#define MOVES 0.6       /* of `most`: what moves may give up together */
+#define TRIES 8
 #define AROUND_MOST 64  /* triangles about a vertex that may be moved */
 #define FLIPS 0.2       /* cosine of the greatest turn of a triangle's normal in one move */
 #define FEW 200         /* a turn that moves fewer than one of so many vertices is the last with its error */
@@ -31,6 +31,7 @@ struct thinned {
 	uint32_t *next, *first;   /* corners of a vertex: the first of each vertex, and the next of each corner; a corner is 3 triangle + k */
 	double *given;            /* m: what each vertex gave up */
 	bool *moved;              /* in this turn: it, or a neighbour */
+	bool *stays;              /* it must not move */
 	uint32_t vertex_count, triangle_count;
 };
 
@@ -188,6 +189,22 @@ static bool has(const uint32_t triangle[3], uint32_t vertex)
 	return triangle[0] == vertex || triangle[1] == vertex || triangle[2] == vertex;
 }
 
+/* Lists the other corners of the triangles about a vertex, each once. */
+static size_t list_neighbours(const struct thinned *thinned, uint32_t vertex, const uint32_t *around, size_t count, uint32_t list[2 * AROUND_MOST])
+{
+	size_t listed = 0;
+	for (size_t i = 0; i < count; i++)
+		for (int k = 0; k < 3; k++) {
+			const uint32_t to = thinned->triangles[around[i]][k];
+			size_t at = 0;
+			while (at < listed && list[at] != to)
+				at++;
+			if (at == listed && to != vertex)
+				list[listed++] = to;
+		}
+	return listed;
+}
+
 /* How far the place of a vertex is from the triangles about it, if it moves onto `to`; INFINITY: one of them would turn over. */
 static double error_of(const struct thinned *thinned, uint32_t vertex, uint32_t to, const uint32_t *around, size_t count, double most)
 {
@@ -240,26 +257,23 @@ static void move_onto(struct thinned *thinned, uint32_t vertex, uint32_t to, con
 /* Moves each vertex that gives up no more than `most`. Returns how many were moved. */
 static size_t move_all(struct thinned *thinned, double most)
 {
-	uint32_t around[AROUND_MOST];
+	uint32_t around[AROUND_MOST], beside[2 * AROUND_MOST];
 	size_t moved = 0;
 	memset(thinned->moved, 0, thinned->vertex_count * sizeof *thinned->moved);
 	for (uint32_t v = 0; v < thinned->vertex_count; v++) {
-		if (thinned->first[v] == NONE || thinned->moved[v] || thinned->given[v] > most)
+		if (thinned->first[v] == NONE || thinned->moved[v] || thinned->stays[v] || thinned->given[v] > most)
 			continue;
 		const size_t count = list_around(thinned, v, around);
 		uint32_t best = NONE;
 		double least = INFINITY;
-		for (size_t i = 0; i < count; i++)
-			for (int k = 0; k < 3; k++) {
-				const uint32_t to = thinned->triangles[around[i]][k];
-				if (to == v || to == best)
-					continue;
-				const double error = error_of(thinned, v, to, around, count, most - thinned->given[v]);
-				if (error < least) {
-					least = error;
-					best = to;
-				}
+		const size_t neighbours = list_neighbours(thinned, v, around, count, beside);
+		for (size_t i = 0; i < neighbours; i++) {
+			const double error = error_of(thinned, v, beside[i], around, count, most - thinned->given[v]);
+			if (error < least) {
+				least = error;
+				best = beside[i];
 			}
+		}
 		if (best == NONE)
 			continue;
 		move_onto(thinned, v, best, around, count);
@@ -368,13 +382,19 @@ static bool triangle_is_near(const struct thinned *thinned, const struct grid *g
 	return true;
 }
 
-static enum status compare(const struct thinned *thinned, const struct soil_mesh *mesh, double most, bool *near)
+/* *near: all of the given mesh is near what is left. Corners of triangles that are not must stay. */
+static enum status compare(struct thinned *thinned, const struct soil_mesh *mesh, const uint32_t *same, double most, bool *near)
 {
 	struct grid grid;
 	enum status status;
 	TRY_OR(done, make_grid(thinned, mesh, most, &grid));
-	for (uint32_t t = 0; t < mesh->triangle_count && *near; t++)
-		*near = triangle_is_near(thinned, &grid, mesh, t, most);
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		if (triangle_is_near(thinned, &grid, mesh, t, most))
+			continue;
+		*near = false;
+		for (int k = 0; k < 3; k++)
+			thinned->stays[same[mesh->triangles[t][k]]] = true;
+	}
 done:
 	mem_free_all(grid.starts, grid.list);
 	return status;
@@ -416,15 +436,15 @@ static void take(const struct thinned *thinned, uint32_t *numbers, struct soil_m
 
 static enum status thin(struct thinned *thinned, struct soil_mesh *mesh, const uint32_t *same, double most, bool *near)
 {
-	double gives = MOVES * most;
+	const double gives = MOVES * most;
 	*near = false;
-	for (int i = 0; i < TRIES && !*near; i++, gives /= 2) {
+	for (int i = 0; i < TRIES && !*near; i++) {
 		begin(thinned, mesh, same);
-		for (double turn = gives / 16; turn <= gives; turn *= 2)
+		for (double turn = gives / 8; turn <= gives; turn *= 2)
 			while (move_all(thinned, turn) * FEW > thinned->vertex_count)
 				;
 		*near = true;
-		TRY(compare(thinned, mesh, most, near));
+		TRY(compare(thinned, mesh, same, most, near));
 	}
 	return STATUS_OK;
 }
@@ -441,7 +461,8 @@ enum status vehicle_thin(struct soil_mesh *mesh, double most, bool *thinned)
 	work.first = mem_calloc((size_t)mesh->vertex_count + 1, sizeof *work.first);
 	work.given = mem_calloc((size_t)mesh->vertex_count + 1, sizeof *work.given);
 	work.moved = mem_calloc((size_t)mesh->vertex_count + 1, sizeof *work.moved);
-	const bool whole = same != NULL && work.triangles != NULL && work.next != NULL && work.first != NULL && work.given != NULL && work.moved != NULL;
+	work.stays = mem_calloc((size_t)mesh->vertex_count + 1, sizeof *work.stays);
+	const bool whole = work.stays != NULL && same != NULL && work.triangles != NULL && work.next != NULL && work.first != NULL && work.given != NULL && work.moved != NULL;
 	TRY_OR(done, whole ? STATUS_OK : fail_memory("a mesh"));
 	TRY_OR(done, find_cells(mesh, CELL * most, same));
 	TRY_OR(done, thin(&work, mesh, same, most, &near));
@@ -451,6 +472,6 @@ enum status vehicle_thin(struct soil_mesh *mesh, double most, bool *thinned)
 		*thinned = mesh->triangle_count < before;
 	}
 done:
-	mem_free_all(same, work.triangles, work.next, work.first, work.given, work.moved);
+	mem_free_all(same, work.triangles, work.next, work.first, work.given, work.moved, work.stays);
 	return status;
 }
