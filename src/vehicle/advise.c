@@ -55,7 +55,7 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		char key[200];
 		vehicle_geom(vehicles, number, i, spacing, &geom);
 		snprintf(key, sizeof key, "vehicles.%s", geom.name);
-		if (!geom.stands)
+		if (geom.hull)
 			continue;
 		if (geom.shape->kind == SOIL_BOX) /* a blade, a foot */
 			scene_advise_narrow(key, fmin(geom.shape->size[0], geom.shape->size[1]), 0, spacing, tell, user);
@@ -65,7 +65,7 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		for (size_t k = 0; k < info.geom_count && first; k++) {
 			struct vehicle_geom other;
 			vehicle_geom(vehicles, number, k, spacing, &other);
-			if (k == i || !other.stands || other.shape->kind != geom.shape->kind || bears_over(scene, &info, &other) != over ||
+			if (k == i || other.hull || other.shape->kind != geom.shape->kind || bears_over(scene, &info, &other) != over ||
 			    across(other.shape) != across(geom.shape))
 				continue;
 			first = k > i;
@@ -106,7 +106,7 @@ static void advise_rebound(const struct vehicles *vehicles, const struct scene *
 			char key[200];
 			vehicle_geom(vehicles, i, k, spacing, &geom);
 			snprintf(key, sizeof key, "vehicles.%s", geom.name);
-			if (geom.stands)
+			if (!geom.hull)
 				scene_rebound_look(scene, key, geom.shape, info.mass * scene->gravity / (double)info.standing_count, &worst);
 		}
 	}

@@ -4,8 +4,7 @@
 
 #include <stdbool.h>
 
-#include "base/base.h"
-#include "soil/soil.h"
+#include "scene/scene.h"
 
 /* Takes triangles out of a mesh. Every vertex, and the middle of each edge and triangle that it had, stays within `most` metres of what is left. *thinned: it has
  * fewer now; false: it is as it was. STATUS_MEMORY: as it was. Takes some seconds for a million triangles. */

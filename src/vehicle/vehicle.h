@@ -149,7 +149,7 @@ struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
 	const struct soil_shape *shape;
 	double share;              /* of the weight that it bears on level ground, in the first pose: see vehicle_find_shares */
-	bool stands;               /* on the ground in the first pose; false: a hull, which touches only where it comes down */
+	bool hull;                 /* it does not touch level ground in the first pose, and does not roll */
 	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
 };
 /* `spacing`: m between posts. */
