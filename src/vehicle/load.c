@@ -133,6 +133,7 @@ enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scen
 	TRY(vehicle_find_geoms(vehicle, where));
 	doubt_sizes(vehicle, where);
 	TRY(find_root(vehicle, where));
+	TRY(vehicle_make_lies(vehicle));
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
 	TRY(vehicle_make_powertrain(vehicle, where));
@@ -151,6 +152,7 @@ void vehicle_forget(struct vehicle *vehicle)
 {
 	vehicle_free_driver(&vehicle->driver);
 	vehicle_free_powertrain(vehicle->train);
+	vehicle_free_lies(vehicle);
 	vehicle_free_geoms(vehicle);
 	if (vehicle->spec != NULL)
 		mj_deleteSpec(vehicle->spec);
