@@ -181,11 +181,7 @@ static enum status take_stop(const struct scene_tree *tree, const struct raw_sce
 enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const size_t count = raw->vehicles_count;
-<<<<<<< HEAD
-	const char *without = raw->stuck != NULL ? "stuck" : raw->world != NULL ? "world" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
-=======
-	const char *without = raw->stuck != NULL ? "stuck" : raw->stop_count > 0 ? "stop" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
->>>>>>> h-lies
+	const char *without = raw->stuck != NULL ? "stuck" : raw->stop_count > 0 ? "stop" : raw->world != NULL ? "world" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
 	if (count == 0 && without != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", without), "is of vehicles, and there is none; allowed with: vehicles");
 	if (count == 0)

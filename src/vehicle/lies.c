@@ -106,7 +106,7 @@ enum status vehicle_make_lies(struct vehicle *vehicle)
 		char geom[256], name[400];
 		if (!is_watched(vehicle, i))
 			continue;
-		vehicle_geom_name(vehicle->model, i, geom, sizeof geom);
+		vehicle_geom_name(vehicle, i, geom, sizeof geom);
 		snprintf(name, sizeof name, "%s.%s", vehicle->scene->name, geom);
 		struct lie *lie = &vehicle->lies[vehicle->lie_count++];
 		*lie = (struct lie){.number = i, .since = -1};

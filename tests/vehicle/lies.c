@@ -93,13 +93,14 @@ static bool finds(const struct furrow_world *world, const char *what, struct veh
 }
 
 /* Turns the car over, 10 m above where it stands. */
-static void turn_over(struct vehicle *car)
+static void turn_over(struct vehicles *vehicles)
 {
+	const struct vehicle *car = &vehicles->list[0];
 	double *place = car->data->qpos + car->own.qpos.first, turned[4];
 	mju_mulQuat(turned, (const double[]){0, 1, 0, 0}, place + 3);
 	mju_copy4(place + 3, turned);
 	place[2] += 10;
-	vehicle_find_places(car);
+	vehicle_find_places(vehicles);
 }
 
 /* A fall of 10 m onto the roof ends on the roof, without driving, though the wheels turn all the time. */
@@ -111,7 +112,7 @@ static void a_car_that_falls_on_its_roof_ends_there(void **state)
 	prepare(level, 1, "", "");
 	struct furrow_world *world = opened(support_path("roof.furrow"));
 	struct vehicle *car = &world->vehicles->list[0];
-	turn_over(car);
+	turn_over(world->vehicles);
 	for (int i = 0; i < 1500; i++)
 		done(furrow_step(world, 0));
 	double before[3], after[3];
@@ -139,7 +140,7 @@ static void a_part_without_a_say_below_the_ground_is_told(void **state)
 	write_car("", "");
 	prepare(level, 1, "", ", soil: [wheel_*]");
 	struct furrow_world *world = opened(support_path("wheels.furrow"));
-	turn_over(&world->vehicles->list[0]);
+	turn_over(world->vehicles);
 	for (int i = 0; i < 2000; i++)
 		done(furrow_step(world, 0));
 	assert_true(finds(world, "under_ground", &lie));
