@@ -342,6 +342,7 @@ struct scene {
 	size_t object_count;
 	struct scene_vehicle *vehicles;
 	size_t vehicle_count;
+	struct scene_vehicle *things; /* what `world` names: things of MuJoCo that are no vehicles; NULL: none */
 	double stuck_after, stuck_below; /* s, m/s: a vehicle that is slower for so long is stuck; 0: nobody asks */
 	double vehicle_rows; /* rows of vehicles.csv for each second of simulated time; 0: none */
 	bool map;           /* a drive writes map.png at its end */

@@ -404,6 +404,11 @@ enum status scene_hash(struct scene *scene)
 		add_soils(state, scene);
 	for (size_t i = 0; i < scene->vehicle_count; i++)
 		add_vehicle(state, i, &scene->vehicles[i]);
+	if (scene->things != NULL) {
+		add_text(state, "world");
+		for (int i = 0; i < 2; i++)
+			add_whole(state, scene->things->model_hash[i]);
+	}
 	if (scene->heals > 0) {
 		add_text(state, "heals");
 		add_number(state, scene->heals);

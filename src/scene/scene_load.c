@@ -125,6 +125,9 @@ void scene_destroy(struct scene *scene)
 	for (size_t i = 0; i < scene->vehicle_count; i++)
 		scene_vehicle_finish(&scene->vehicles[i]);
 	mem_free(scene->vehicles);
+	if (scene->things != NULL)
+		scene_vehicle_finish(scene->things);
+	mem_free(scene->things);
 	for (size_t i = 0; i < scene->camera_count; i++)
 		scene_camera_finish(&scene->cameras[i]);
 	mem_free(scene->cameras);

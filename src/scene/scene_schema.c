@@ -414,6 +414,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_SEQUENCE("objects", OPTIONAL_POINTER, struct raw_scene, objects, &object_entry,
 			     0, SCENE_OBJECTS),
 	CYAML_FIELD_SEQUENCE("vehicles", OPTIONAL_POINTER, struct raw_scene, vehicles, &vehicle_entry, 0, 64),
+	CYAML_FIELD_STRING_PTR("world", OPTIONAL, struct raw_scene, world, 1, 4096),
 	CYAML_FIELD_MAPPING_PTR("stuck", OPTIONAL, struct raw_scene, stuck, stuck_fields),
 	CYAML_FIELD_MAPPING_PTR("output", OPTIONAL, struct raw_scene, output, output_fields),
 	CYAML_FIELD_MAPPING_PTR("view", OPTIONAL, struct raw_scene, view, view_fields),

@@ -255,6 +255,7 @@ struct raw_scene {
 	uint32_t objects_count;
 	struct raw_vehicle *vehicles;
 	uint32_t vehicles_count;
+	char *world;
 	struct raw_stuck *stuck;
 	struct raw_output *output;
 	struct raw_view *view;

@@ -163,10 +163,28 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	return raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : STATUS_OK;
 }
 
+/* What MuJoCo has besides vehicles: a file of its own, whose things keep their places. */
+static enum status check_things(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	const struct scene_node *node = scene_tree_find(tree, "world");
+	if (raw->world == NULL)
+		return STATUS_OK;
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		if (strcmp(scene->vehicles[i].name, "world") == 0)
+			return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].name", i), "world is the name of the things of the key world; allowed with it: other names");
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].name != NULL && strcmp(scene->objects[i].name, "world") == 0)
+			return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].name", i), "world is the name of the things of the key world; allowed with it: other names");
+	TRY(mem_zeroed(&scene->things, 1, sizeof *scene->things, "reading the vehicles"));
+	TRY(mem_text(&scene->things->name, "world", "reading the vehicles"));
+	scene->things->line = node->setting == NULL ? node->line : 0;
+	return take_file(tree, node, raw->world, MODEL_BYTES, &scene->things->model, scene->things->model_hash);
+}
+
 enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const size_t count = raw->vehicles_count;
-	const char *without = raw->stuck != NULL ? "stuck" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
+	const char *without = raw->stuck != NULL ? "stuck" : raw->world != NULL ? "world" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
 	if (count == 0 && without != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", without), "is of vehicles, and there is none; allowed with: vehicles");
 	if (count == 0)
@@ -183,7 +201,7 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 		scene->vehicle_count = i + 1;
 		TRY(check_vehicle(tree, &raw->vehicles[i], i, scene, &scene->vehicles[i]));
 	}
-	return STATUS_OK;
+	return check_things(tree, raw, scene);
 }
 
 static void finish_texts(struct scene_texts *texts)

@@ -4,28 +4,27 @@
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"
 
-#define BRAKE 1e12     /* kg m2: inertia of a wheel that does not turn, */
-#define BRAKE_SOFT 1e6 /* or times its own, where the model has constraints: with more, MuJoCo's solver of constraints does not converge */
+#define LIMITED_MOST 3 /* times that a step is made again since contacts are at their limits */
+#define STATE (mjSTATE_FULLPHYSICS | mjSTATE_WARMSTART)
 
 /* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
 static double work_of(const struct vehicle *vehicle, const double *before)
 {
-	const int nv = vehicle->model->nv;
 	double work = 0;
-	for (int i = 0; i < nv; i++)
+	for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end; i++)
 		work += vehicle->data->qfrc_actuator[i] * (before[i] + vehicle->data->qvel[i]) / 2;
 	return work;
 }
 
-/* Takes the level motion and the yaw of the root body in the last h seconds away, as a crane does. The other velocities change as an
- * impulse changes them. */
-static void hold_level(struct vehicle *vehicle, double h)
+/* Finds what takes the level motion and the yaw of a body away, as a crane does. The other velocities change as an impulse changes them. Adds
+ * the change to `less`: nv. `room`: 12 nv. */
+static void hold_level(const struct vehicle *vehicle, int body, double *room, double *less)
 {
 	const mjModel *model = vehicle->model;
 	mjData *data = vehicle->data;
 	const int nv = model->nv;
-	double *rows = vehicle->room, *solved = rows + 6 * nv, matrix[9], motion[3];
-	mj_jacBody(model, data, rows, rows + 3 * nv, vehicle->root);
+	double *rows = room, *solved = rows + 6 * nv, matrix[9], motion[3];
+	mj_jacBody(model, data, rows, rows + 3 * nv, body);
 	mju_copy(rows + 2 * nv, rows + 5 * nv, nv); /* x, y and the turn about z */
 	mj_solveM(model, data, solved, rows, 3);
 	for (int i = 0; i < 3; i++) {
@@ -39,92 +38,83 @@ static void hold_level(struct vehicle *vehicle, double h)
 	}
 	if (!vehicle_solve(matrix, motion, 3))
 		return;
-	double *less = rows; /* from here on */
-	mju_scl(less, solved, -motion[0], nv);
-	for (int i = 1; i < 3; i++)
+	for (int i = 0; i < 3; i++)
 		mju_addToScl(less, solved + i * nv, -motion[i], nv);
-	mju_addTo(data->qvel, less, nv);
+}
+
+/* Holds each vehicle over its place, and each thing of `world` that moves freely. */
+static void hold_all(struct vehicles *vehicles, double h)
+{
+	const mjModel *model = vehicles->model;
+	mjData *data = vehicles->data;
+	double *less = vehicles->room + 12 * model->nv;
+	mju_zero(less, model->nv);
+	mj_factorM(model, data);
+	for (size_t v = 0; v < vehicles->all; v++) {
+		const struct vehicle *vehicle = &vehicles->list[v];
+		if (!vehicle->is_world)
+			hold_level(vehicle, vehicle->root, vehicles->room, less);
+		for (int body = vehicle->own.body.first; body < vehicle->own.body.end && vehicle->is_world; body++)
+			if (model->body_parentid[body] == 0 && model->body_dofnum[body] == 6)
+				hold_level(vehicle, body, vehicles->room, less);
+	}
+	mju_addTo(data->qvel, less, model->nv);
 	mj_integratePos(model, data->qpos, less, h);
 }
 
-/* Returns true if the model has equalities, limits, friction of joints, or tendons. */
-static bool is_constrained(const struct vehicle *vehicle)
+/* Stops wheels that are braked: with so much inertia even the slowest turn would count as motion. */
+static void stop_wheels(struct vehicles *vehicles)
 {
-	const mjModel *model = vehicle->model;
-	bool any = model->neq > 0 || model->ntendon > 0;
-	for (int i = vehicle->own.joint.first; i < vehicle->own.joint.end && !any; i++)
-		any = model->jnt_limited[i];
-	for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end && !any; i++)
-		any = model->dof_frictionloss[i] > 0;
-	return any;
+	for (size_t v = 0; v < vehicles->all; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			if (vehicles->list[v].geoms[g].dof >= 0)
+				vehicles->data->qvel[vehicles->list[v].geoms[g].dof] = 0;
 }
 
-/* Gives wheels so much inertia that they do not turn, or what the model gives them. Then it stops them: with so much inertia even the
- * slowest turn would count as motion. */
-static void brake(const struct vehicle *vehicle, bool braked)
+/* Makes a step with the soil's forces at its end. `before`: nv, gets the velocities at its start. */
+static void step_once(struct vehicles *vehicles, double h, double later, bool drives, double *before)
 {
-	const bool constrained = is_constrained(vehicle);
-	for (size_t g = 0; g < vehicle->geom_count; g++) {
-		const struct soil_geom *geom = &vehicle->geoms[g];
-		if (geom->dof < 0)
-			continue;
-		vehicle->model->dof_armature[geom->dof] = !braked ? geom->armature : constrained ? BRAKE_SOFT * vehicle->model->dof_M0[geom->dof] : BRAKE;
-		if (!braked)
-			vehicle->data->qvel[geom->dof] = 0;
+	const mjModel *model = vehicles->model;
+	mjData *data = vehicles->data;
+	vehicle_couple(vehicles, h, later, drives);
+	mju_copy(before, data->qvel, model->nv);
+	mj_getState(model, data, vehicles->kept, STATE);
+	mj_step2(model, data);
+	for (int turn = 0; vehicle_couple_end(vehicles, h, before, drives) && turn < LIMITED_MOST; turn++) {
+		mj_setState(model, data, vehicles->kept, STATE);
+		mj_step2(model, data);
 	}
 }
 
-/* Begins a step of the engine: finds all forces but the soil's. */
-static void begin_step(struct vehicle *vehicle, double time, bool drives)
+void vehicle_advance(struct vehicles *vehicles, double time, double seconds, double rate, bool drives)
 {
-	mju_copy(vehicle->data->qfrc_applied, vehicle->pushed, vehicle->model->nv);
-	mj_step1(vehicle->model, vehicle->data);
-	vehicle_control(vehicle, time, drives);
-	mj_fwdActuation(vehicle->model, vehicle->data);
-	mj_fwdAcceleration(vehicle->model, vehicle->data);
-}
-
-void vehicle_prepare(struct vehicle *vehicle, double time, bool drives)
-{
-	mju_zero(vehicle->pushed, vehicle->model->nv);
-	if (!drives)
-		brake(vehicle, true);
-	begin_step(vehicle, time, drives);
-}
-
-void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives)
-{
-	const mjModel *model = vehicle->model;
-	mjData *data = vehicle->data;
-	const double h = seconds / vehicle->engine_steps;
-	double *before = vehicle->room + vehicle_coupling_room(vehicle) - (size_t)model->nv;
-	mju_addTo(data->qfrc_applied, vehicle->pushed, model->nv);
-	mju_addTo(data->qfrc_smooth, vehicle->pushed, model->nv);
-	for (int i = 0; i < vehicle->engine_steps; i++) {
-		if (i > 0)
-			begin_step(vehicle, time + i * h, drives);
-		vehicle_couple(vehicle, h, (vehicle->engine_steps - 1 - i) * h);
-		mju_copy(before, data->qvel, model->nv);
-		mj_step2(model, data);
+	const mjModel *model = vehicles->model;
+	mjData *data = vehicles->data;
+	const double h = seconds / vehicles->engine_steps;
+	double *before = vehicles->room + 14 * model->nv;
+	for (int i = 0; i < vehicles->engine_steps; i++) {
+		mj_step1(model, data);
+		for (size_t v = 0; v < vehicles->all; v++)
+			vehicle_control(&vehicles->list[v], time + i * h, drives);
+		step_once(vehicles, h, (vehicles->engine_steps - 1 - i) * h, drives, before);
+		for (size_t v = 0; v < vehicles->all && drives; v++)
+			vehicles->list[v].work += work_of(&vehicles->list[v], before) * h;
+		vehicle_couple_done(vehicles, h, before, drives);
 		if (rate > 0) {
-			hold_level(vehicle, h);
+			hold_all(vehicles, h);
 			mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);
 		}
-		if (!drives)
-			continue;
-		vehicle->work += work_of(vehicle, before) * h;
-		vehicle_couple_work(vehicle, h, before);
 	}
 	if (!drives)
-		brake(vehicle, false);
-	vehicle_find_places(vehicle);
+		stop_wheels(vehicles);
+	vehicle_find_places(vehicles);
 }
 
-void vehicle_find_places(struct vehicle *vehicle)
+void vehicle_find_places(struct vehicles *vehicles)
 {
-	const mjModel *model = vehicle->model;
-	mjData *data = vehicle->data;
-	double *as_they_are = vehicle->room;
+	const mjModel *model = vehicles->model;
+	mjData *data = vehicles->data;
+	double *as_they_are = vehicles->room;
 	/* This makes quaternions in qpos of length 1, and again if it is called again, which may change their last bits. So they stay as the step
 	 * left them, and a run that is resumed from them finds the same places. */
 	mju_copy(as_they_are, data->qpos, model->nq);
@@ -132,4 +122,11 @@ void vehicle_find_places(struct vehicle *vehicle)
 	mju_copy(data->qpos, as_they_are, model->nq);
 	mj_comPos(model, data);
 	mj_comVel(model, data);
+}
+
+void vehicle_find_inertia(struct vehicles *vehicles)
+{
+	vehicle_find_places(vehicles);
+	mj_makeM(vehicles->model, vehicles->data);
+	mj_factorM(vehicles->model, vehicles->data);
 }

@@ -82,7 +82,7 @@ static double stiffest(const struct scene *scene, const struct soil_numbers **so
 /* Shortens the longest step to what a soil of this stiffness, Pa/m, allows. */
 static void allow(struct vehicle *vehicle, const struct scene *scene, const struct soil_numbers *soil, double stiffness)
 {
-	const double load = mj_getTotalmass(vehicle->model) * scene->gravity / (double)vehicle->geom_count;
+	const double load = vehicle_mass(vehicle) * scene->gravity / (double)vehicle->geom_count;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
 		const double sinkage = soil_sinkage_guess(&geom->shape, soil, load), area = area_of(&geom->shape, sinkage), stiffens = soil_stiffens(&geom->shape, soil, sinkage), effective = mass_of(vehicle, geom->geom);
@@ -123,7 +123,7 @@ enum status vehicle_divide_step(struct vehicles *vehicles)
 {
 	const struct scene *scene = vehicles->scene;
 	const struct vehicle *shortest = &vehicles->list[0];
-	for (size_t v = 1; v < vehicles->count; v++)
+	for (size_t v = 1; v < vehicles->all; v++)
 		if (vehicles->list[v].largest_step < shortest->largest_step)
 			shortest = &vehicles->list[v];
 	const double parts = ceil(scene->time_step / shortest->largest_step * (1 - 1e-12));
@@ -169,9 +169,9 @@ enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world 
 	const struct scene *scene = world_scene(world);
 	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++) {
 		const struct world_raster raster = world_raster(world, i);
-		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS; v++)
+		for (size_t v = 0; v < vehicles->all && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS; v++)
 			TRY(check_raster(&vehicles->list[v], scene, &raster));
-		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == SOIL_THICKNESS; v++)
+		for (size_t v = 0; v < vehicles->all && scene->rasters[i].number == SOIL_THICKNESS; v++)
 			TRY(check_thickness(&vehicles->list[v], scene, &raster));
 	}
 	return STATUS_OK;

@@ -52,7 +52,7 @@ static enum status read_header(struct table *table)
 		return wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
 	TRY(mem_zeroed(&driver->held, strlen(table->text) + (rest != NULL ? strlen(rest) : 0) + 2, sizeof *driver->held, "a table of controls"));
 	while ((name = strsep(&rest, ",")) != NULL) {
-		const int actuator = mj_name2id(table->vehicle->model, mjOBJ_ACTUATOR, name);
+		const int actuator = vehicle_find_part(table->vehicle, mjOBJ_ACTUATOR, name);
 		if (actuator < 0)
 			return wrong(table, name, "names of the model's actuators");
 		for (size_t i = 0; i < driver->held_count; i++)

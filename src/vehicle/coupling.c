@@ -1,25 +1,32 @@
 /*
- * The soil's forces on the soil geoms of one vehicle, in the steps of the engine.
+ * The soil's forces on the soil geoms of all vehicles, in the steps of the engine.
  *
  * The world has linearised each contact where the coupling step ends if the velocity stays u0: F = F0 + K x + C (u - u0). Here x is the
  * displacement from there, and u the velocity. Each has six numbers: of the body's origin, and about local axes. So a steady motion has
  * the soil's own force, and K and C act on what changes it. (Linearised at the step's start, K acted on all of a wheel's way and turn.)
  * The force is taken at the end of the engine's step h, as an implicit step does. A step of the engine that ends t before the coupling
- * step has x + t u0 in place of x. Let u' be the velocity without soil, A_ij = J_i (M + h D)^-1 J_j^T the inverse
- * effective mass. D is the damping that the engine takes at the step's end, too. Of K and C only the parts are used that resist motion:
- * symmetric, without eigenvalues above 0. So no stiffness makes the step unstable. Then
+ * step has x + t u0 in place of x. Of K and C only the parts are used that resist motion: symmetric, without eigenvalues above 0. So no
+ * stiffness makes the step unstable.
  *
- *     u = u' + h sum_j A_ij F_j,    F_i = F0_i + K_i (x_i + h u_i) + C_i (u_i - u0_i)
+ * u = J v, where v are the velocities of the joints. At the end of the step they are v + h a:
  *
- * which is one system of linear equations for all geoms that touch. Equality constraints and limits of joints are not in A.
+ *     F = F(v) + G J h a,    F(v) = F0 + K (x + h J v) + C (J v - u0),    G = h K + C
+ *
+ * F acts on the joints as J^T F. So MuJoCo finds the right accelerations, with all its own forces, constraints and contacts, if F(v) is a
+ * force that is applied and the inertia M is M - h J^T G J. J of a geom has numbers only for the freedoms from the root of its tree to the geom. M has
+ * room for all pairs of these. So there is no other system of equations, and what MuJoCo solves knows how the soil answers.
+ *
+ * The soil does not pull, and its shear has a limit. A contact whose force at the end is beyond that gets the force at the limit instead, as it
+ * is, without G, and the step is made once more.
  *
  * A belt (VEHICLES.md) is a surface that runs over its body along the body's own x axis e. A hinge drives it, by r for each radian of its
  * angle a. The soil shears this surface. So x and u are those of the surface: x is less by r (a - a0) e, and u by r a' e. J has the
  * same: in the column of the hinge its first three rows are -r e. By virtual work J^T then gives the hull its force and the hinge the torque
  * -r e F. Where the lower envelope leans, e F has normal stress in it, and the belt's pull has not. This difference, as the probe told it, is
- * a torque besides.
+ * a torque besides. Where the hinge is neither below nor above the geom's body, M has no room for their products. Then both parts of J^T G J
+ * count twice, which is at least as stiff.
  *
- * Soil aboard a geom is a load: a mass m at a place r of the geom, found at the coupling step's start. It is in the same system, as one more contact:
+ * Soil aboard a geom is a load: a mass m at a place r of the geom, found at the coupling step's start. It is one more contact:
  *
  *     F = -m g - m (u - u_h) / h
  *
@@ -29,6 +36,8 @@
  * critical. Only changes of the velocity v at the contact are: -c (v - w), where w follows v within some periods of the swing. A
  * wheel that slips steadily feels nothing of it, and a body at rest does not creep. It is a dashpot in series with a spring, so it
  * gives no energy.
+ *
+ * Brakes of wheels, while vehicles settle, are inertia of the wheels' freedoms.
  */
 #include <math.h>
 
@@ -39,42 +48,31 @@
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 #define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
 #define LIGHT 0.25      /* of the mass that the contact carries: the least inverse mass is that of a body as many times heavier */
+#define BRAKE 1e12      /* kg m2: inertia of a wheel that does not turn, */
+#define BRAKE_SOFT 1e6  /* or times its own, where constraints act: with more, MuJoCo's solver of constraints does not converge */
 
 /* One contact in an engine step. */
 struct contact {
 	struct soil_geom *geom;
 	double stiffness[6][6], damping[6][6]; /* the parts that resist */
 	double gain[6][6];      /* dF / du, with the damping of shear */
+	double force[6];        /* N, N m: F(v); once it is at its limit, that */
 	double along[2][6];     /* two directions along the ground at the contact, as what gives the velocity there of u */
 	double direction[2][3]; /* the same two, in local axes */
 	double critical[2], pace[2]; /* N s/m: c; 1/s: how fast w follows */
 	double arm[3];          /* m: from the origin to the contact */
 	double forward[3];      /* the body's own x axis */
+	double *rows;           /* 6 x chain_count: J; owned by the vehicle */
 	bool is_load;           /* not a contact, but the soil aboard the geom */
+	bool is_limited;        /* at its limit: `force` is all of it */
 };
 
+/* A step of the engine, for one vehicle. */
 struct step {
 	struct vehicle *vehicle;
-	struct contact *list;   /* of geoms that touch, and then loads; room for all soil geoms */
-	size_t touching;        /* of them that touch */
-	size_t count, rows;     /* rows: 6 count */
 	double h;               /* s */
 	double later;           /* s: of the coupling step after this step of the engine */
-	double *mass, *jacobian, *solved, *inverse, *system, *force, *free;
 };
-
-size_t vehicle_coupling_room(const struct vehicle *vehicle)
-{
-	const size_t rows = 6 * (vehicle->geom_count + vehicle->carrying_count), nv = (size_t)vehicle->model->nv;
-	return nv * nv + 2 * rows * nv + 2 * rows * rows + 2 * rows + 8 * nv + 64;
-}
-
-enum status vehicle_make_room(struct vehicle *vehicle)
-{
-	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
-	vehicle->contacts = mem_calloc(vehicle->geom_count + vehicle->carrying_count, sizeof *vehicle->contacts);
-	return vehicle->room != NULL && vehicle->contacts != NULL ? STATUS_OK : fail_memory("a vehicle");
-}
 
 static bool touches(const struct soil_geom *geom)
 {
@@ -89,26 +87,161 @@ static double dot6(const double a[6], const double b[6])
 	return sum;
 }
 
-/* --- what a step needs of the engine --- */
+/* --- what moves a geom --- */
 
-static void lay_out(struct step *step)
+/* Lists a freedom and those above it. Returns their number. list NULL: only counts. */
+static int list_chain(const mjModel *model, int dof, int *list)
 {
-	double *room = step->vehicle->room;
-	const size_t nv = (size_t)step->vehicle->model->nv;
-	step->mass = room;
-	step->jacobian = step->mass + nv * nv;
-	step->solved = step->jacobian + step->rows * nv;
-	step->inverse = step->solved + step->rows * nv;
-	step->system = step->inverse + step->rows * step->rows;
-	step->force = step->system + step->rows * step->rows;
-	step->free = step->force + step->rows;
+	int count = 0;
+	for (int i = dof; i >= 0; i = model->dof_parentid[i])
+		count++;
+	for (int i = dof, at = count; i >= 0 && list != NULL; i = model->dof_parentid[i])
+		list[--at] = i;
+	return count;
+}
+
+static int last_dof(const mjModel *model, int body)
+{
+	while (body > 0 && model->body_dofnum[body] == 0)
+		body = model->body_parentid[body];
+	return body > 0 ? model->body_dofadr[body] + model->body_dofnum[body] - 1 : -1;
+}
+
+static bool is_above(const mjModel *model, int dof, int below)
+{
+	while (below > dof)
+		below = model->dof_parentid[below];
+	return below == dof;
+}
+
+/* Finds the place of a pair of freedoms in M, row >= column; -1: M has none. */
+static int place_in_mass(const mjModel *model, int row, int column)
+{
+	const int from = model->M_rowadr[row], count = model->M_rownnz[row];
+	for (int i = 0; i < count; i++)
+		if (model->M_colind[from + i] == column)
+			return from + i;
+	return -1;
+}
+
+static enum status find_places(const struct vehicle *vehicle, struct soil_geom *geom)
+{
+	const mjModel *model = vehicle->model;
+	const int count = geom->chain_count;
+	TRY(mem_make(&geom->places, (size_t)(count * (count + 1) / 2) + 1, sizeof *geom->places, "a vehicle"));
+	for (int a = 0, at = 0; a < count; a++)
+		for (int b = 0; b <= a; b++, at++) {
+			geom->places[at] = place_in_mass(model, geom->chain[a], geom->chain[b]);
+			if (geom->places[at] < 0 && !(geom->apart && a == count - 1))
+				return fail_with(STATUS_FAILED, "%s: MuJoCo's inertia has no room for how the soil couples its joints; add a body below its own", geom->name);
+		}
+	return STATUS_OK;
+}
+
+static enum status find_chain(const struct vehicle *vehicle, struct soil_geom *geom)
+{
+	const mjModel *model = vehicle->model;
+	const int last = last_dof(model, model->geom_bodyid[geom->geom]), hinge = geom->shape.belt ? geom->dof : -1;
+	int lowest = last;
+	geom->hinge_at = -1;
+	geom->apart = hinge >= 0 && last >= 0 && !is_above(model, hinge, last) && !is_above(model, last, hinge);
+	if (hinge >= 0 && !geom->apart && hinge > last)
+		lowest = hinge;
+	const int count = list_chain(model, lowest, NULL);
+	TRY(mem_make(&geom->chain, (size_t)count + 2, sizeof *geom->chain, "a vehicle"));
+	geom->chain_count = list_chain(model, lowest, geom->chain);
+	if (geom->apart)
+		geom->chain[geom->chain_count++] = hinge;
+	for (int i = 0; i < geom->chain_count && hinge >= 0; i++)
+		if (geom->chain[i] == hinge)
+			geom->hinge_at = i;
+	return find_places(vehicle, geom);
+}
+
+enum status vehicle_make_room(struct vehicle *vehicle)
+{
+	size_t numbers = 0;
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
+		TRY(find_chain(vehicle, &vehicle->geoms[i]));
+		numbers += 6 * (size_t)vehicle->geoms[i].chain_count * (vehicle->geoms[i].carries ? 2 : 1);
+	}
+	vehicle->contacts = mem_calloc(vehicle->geom_count + vehicle->carrying_count + 1, sizeof *vehicle->contacts);
+	vehicle->rows = mem_calloc(numbers + 1, sizeof *vehicle->rows);
+	return vehicle->contacts != NULL && vehicle->rows != NULL ? STATUS_OK : fail_memory("a vehicle");
+}
+
+/* Fills J of each contact. `wide`: room for 6 nv numbers. */
+static void fill_jacobians(struct vehicle *vehicle, double *wide)
+{
+	const mjModel *model = vehicle->model;
+	double *next = vehicle->rows;
+	for (size_t i = 0; i < vehicle->contact_count; i++) {
+		struct contact *contact = &vehicle->contacts[i];
+		const struct soil_geom *geom = contact->geom;
+		contact->rows = next;
+		next += 6 * geom->chain_count;
+		mj_jacGeom(model, vehicle->data, wide, wide + 3 * model->nv, geom->geom);
+		for (int k = 0; k < 6; k++)
+			for (int c = 0; c < geom->chain_count; c++)
+				contact->rows[k * geom->chain_count + c] = wide[k * model->nv + geom->chain[c]];
+		for (int k = 0; k < 3 && geom->shape.belt; k++)
+			contact->rows[k * geom->chain_count + geom->hinge_at] -= geom->sprocket * contact->forward[k];
+	}
+}
+
+/* u = J v */
+static void velocity_of(const struct contact *contact, const double *v, double u[6])
+{
+	const int count = contact->geom->chain_count;
+	for (int k = 0; k < 6; k++) {
+		u[k] = 0;
+		for (int c = 0; c < count; c++)
+			u[k] += contact->rows[k * count + c] * v[contact->geom->chain[c]];
+	}
+}
+
+/* Adds J^T F to forces of the joints. */
+static void add_force(const struct contact *contact, const double force[6], double *forces)
+{
+	const int count = contact->geom->chain_count;
+	for (int c = 0; c < count; c++)
+		for (int k = 0; k < 6; k++)
+			forces[contact->geom->chain[c]] += contact->rows[k * count + c] * force[k];
+}
+
+/* --- the inertia --- */
+
+/* Adds -h J^T G J. */
+static void add_gain(const struct contact *contact, double h, double *mass)
+{
+	const struct soil_geom *geom = contact->geom;
+	const int count = geom->chain_count;
+	const double factor = geom->apart ? -2 * h : -h;
+	const int *place = geom->places;
+	for (int a = 0; a < count; a++) {
+		double gained[6];
+		for (int i = 0; i < 6; i++) {
+			gained[i] = 0;
+			for (int j = 0; j < 6; j++)
+				gained[i] += contact->gain[i][j] * contact->rows[j * count + a];
+		}
+		for (int b = 0; b <= a; b++, place++) {
+			double sum = 0;
+			for (int i = 0; i < 6; i++)
+				sum += contact->rows[i * count + b] * gained[i];
+			if (*place >= 0)
+				mass[*place] += factor * sum;
+		}
+	}
 }
 
 /* Damping of the joints, which the engine's steps take at their end. With the implicit integrators that of motors is, too. */
-static double damping_of(const mjModel *model, int dof)
+static double damping_of(const struct vehicle *vehicle, int dof)
 {
+	const mjModel *model = vehicle->model;
 	double damping = model->dof_damping[dof];
-	for (int i = 0; i < model->nactuator && (model->opt.integrator == mjINT_IMPLICIT || model->opt.integrator == mjINT_IMPLICITFAST); i++) {
+	const bool motors = model->opt.integrator == mjINT_IMPLICIT || model->opt.integrator == mjINT_IMPLICITFAST;
+	for (int i = vehicle->own.actuator.first; i < vehicle->own.actuator.end && motors; i++) {
 		const double *gear = vehicle_gear(model, i);
 		if (model->actuator_trntype[i] == mjTRN_JOINT && model->jnt_dofadr[model->actuator_trnid[2 * i]] == dof &&
 		    model->actuator_biastype[i] == mjBIAS_AFFINE)
@@ -117,43 +250,31 @@ static double damping_of(const mjModel *model, int dof)
 	return damping > 0 ? damping : 0;
 }
 
-/* M + h D */
-static void fill_mass(const struct step *step, double *mass)
+static double *diagonal_of(const mjModel *model, double *mass, int dof)
 {
-	const mjModel *model = step->vehicle->model;
-	mj_fullM(model, step->vehicle->data, mass);
-	for (int i = 0; i < model->nv; i++)
-		mass[i * model->nv + i] += step->h * damping_of(model, i);
+	return mass + model->M_rowadr[dof] + model->M_rownnz[dof] - 1;
 }
 
-static void fill_jacobians(const struct step *step)
+/* The inverse mass along a direction at a contact: y^T M^-1 y with y = J^T along. M is factored, L^T D L. `work`: chain_count numbers. */
+static double inverse_mass(const struct vehicle *vehicle, const struct contact *contact, const double along[6], double *work)
 {
-	const mjModel *model = step->vehicle->model;
-	mjData *data = step->vehicle->data;
-	const size_t nv = (size_t)model->nv;
-	for (size_t i = 0; i < step->count; i++) {
-		double *rows = step->jacobian + 6 * i * nv;
-		const struct soil_geom *geom = step->list[i].geom;
-		mj_jacGeom(model, data, rows, rows + 3 * nv, geom->geom);
-		for (size_t k = 0; k < 3 && geom->shape.belt; k++)
-			rows[k * nv + (size_t)geom->dof] -= geom->sprocket * step->list[i].forward[k];
+	const mjData *data = vehicle->data;
+	const struct soil_geom *geom = contact->geom;
+	const int count = geom->chain_count;
+	double sum = 0;
+	for (int c = 0; c < count; c++) {
+		work[c] = 0;
+		for (int k = 0; k < 6; k++)
+			work[c] += contact->rows[k * count + c] * along[k];
 	}
-	mju_copy(step->solved, step->jacobian, (int)(step->rows * nv));
-	vehicle_solve_rows(step->mass, step->solved, step->rows, nv);
-	for (size_t r = 0; r < step->rows; r++)
-		for (size_t c = 0; c < step->rows; c++)
-			step->inverse[r * step->rows + c] = mju_dot(step->solved + r * nv, step->jacobian + c * nv, (int)nv);
-}
-
-/* The velocities at the step's end without soil. */
-static void fill_free(const struct step *step)
-{
-	const struct vehicle *vehicle = step->vehicle;
-	const int nv = vehicle->model->nv;
-	for (size_t r = 0; r < step->rows; r++) {
-		const double *row = step->jacobian + r * (size_t)nv, *solved = step->solved + r * (size_t)nv;
-		step->free[r] = mju_dot(row, vehicle->data->qvel, nv) + step->h * mju_dot(solved, vehicle->data->qfrc_smooth, nv);
+	for (int c = count - 1; c >= 0; c--) {
+		const int *places = geom->places + c * (c + 1) / 2;
+		for (int b = 0; b < c; b++)
+			if (places[b] >= 0)
+				work[b] -= data->qLD[places[b]] * work[c];
+		sum += work[c] * work[c] * data->qLDiagInv[geom->chain[c]];
 	}
+	return sum;
 }
 
 /* --- one contact --- */
@@ -186,26 +307,22 @@ static void set_directions(struct contact *contact)
 }
 
 /* Finds the damping of shear: from the stiffness of the soil along each direction, and the mass that it moves. */
-static void set_damping(struct step *step, size_t index)
+static void set_damping(const struct vehicle *vehicle, struct contact *contact, double *work)
 {
-	struct contact *contact = &step->list[index];
 	const double(*stiffness)[6] = (const double(*)[6])contact->geom->contact.stiffness;
-	const double carried = contact->geom->contact.normal_force / mju_norm3(step->vehicle->model->opt.gravity); /* kg */
+	const double carried = contact->geom->contact.normal_force / mju_norm3(vehicle->model->opt.gravity); /* kg */
 	for (int k = 0; k < 2; k++) {
-		const double *along = contact->along[k];
-		double spring = 0, inverse = 0;
+		double spring = 0;
 		for (int i = 0; i < 3; i++)
 			for (int j = 0; j < 3; j++)
 				spring -= contact->direction[k][i] * stiffness[i][j] * contact->direction[k][j];
-		for (size_t i = 0; i < 6; i++)
-			for (size_t j = 0; j < 6; j++)
-				inverse += along[i] * step->inverse[(6 * index + i) * step->rows + 6 * index + j] * along[j];
+		const double inverse = inverse_mass(vehicle, contact, contact->along[k], work);
 		contact->critical[k] = contact->pace[k] = 0;
 		if (!(spring > 0 && inverse > HELD))
 			continue;
 		/* Several contacts share the mass. What joints and motors hold nearly still seems heavy. Its swing would be slow, and w would lag behind
 		 * a steady slip for minutes. */
-		const double shared = fmax(inverse * (double)step->touching, carried > 0 ? LIGHT / carried : 0);
+		const double shared = fmax(inverse * (double)vehicle->touching, carried > 0 ? LIGHT / carried : 0);
 		contact->critical[k] = DAMPING * 2 * sqrt(spring / shared);
 		contact->pace[k] = sqrt(spring * shared) / PERIODS;
 	}
@@ -243,26 +360,26 @@ static void scale_back(const double from[6][6], double length, double to[6][6])
 }
 
 /* Copies the parts of the contacts' matrices that resist. Rotations are measured in lengths of the body, so that they compare with ways. */
-static void take_resisting(struct step *step)
+static void take_resisting(struct vehicle *vehicle)
 {
 	_Static_assert(VEHICLE_ABREAST % 2 == 0, "two matrices of a contact");
 	double(*list[VEHICLE_ABREAST])[6];
 	size_t listed = 0;
-	for (size_t i = 0; i < step->touching; i++) {
-		struct contact *contact = &step->list[i];
+	for (size_t i = 0; i < vehicle->touching; i++) {
+		struct contact *contact = &vehicle->contacts[i];
 		const struct furrow_contact *from = &contact->geom->contact;
 		const double length = soil_shape_bound(&contact->geom->shape);
 		scale_back(from->stiffness, length, contact->stiffness);
 		scale_back(from->damping, length, contact->damping);
 		list[listed++] = contact->stiffness;
 		list[listed++] = contact->damping;
-		if (listed < VEHICLE_ABREAST && i + 1 < step->touching)
+		if (listed < VEHICLE_ABREAST && i + 1 < vehicle->touching)
 			continue;
 		vehicle_make_negative(list, listed);
 		listed = 0;
 	}
-	for (size_t i = 0; i < step->touching; i++) {
-		struct contact *contact = &step->list[i];
+	for (size_t i = 0; i < vehicle->touching; i++) {
+		struct contact *contact = &vehicle->contacts[i];
 		const double length = soil_shape_bound(&contact->geom->shape);
 		scale((const double(*)[6])contact->stiffness, length, contact->stiffness);
 		scale((const double(*)[6])contact->damping, length, contact->damping);
@@ -270,48 +387,38 @@ static void take_resisting(struct step *step)
 }
 
 /* Adds the damping of shear to the force and to the gain. */
-static void damp(struct contact *contact, const double *free, double *force)
+static void damp(struct contact *contact, const double u[6])
 {
 	for (int k = 0; k < 2; k++) {
 		const double *along = contact->along[k], mean = mju_dot3(contact->geom->mean, contact->direction[k]);
 		for (int i = 0; i < 6; i++) {
-			force[i] -= contact->critical[k] * along[i] * (dot6(along, free) - mean);
+			contact->force[i] -= contact->critical[k] * along[i] * (dot6(along, u) - mean);
 			for (int j = 0; j < 6; j++)
 				contact->gain[i][j] -= contact->critical[k] * along[i] * along[j];
 		}
 	}
 }
 
-/* Fills the same for a load. The velocity at its place is [1, -r x] u. */
-static void fill_load(struct step *step, size_t index)
+/* Fills force and gain of a load. The velocity at its place is [1, -r x] u. */
+static void fill_load(const struct step *step, struct contact *contact)
 {
-	struct contact *contact = &step->list[index];
-	const struct vehicle *vehicle = step->vehicle;
-	const double *r = contact->geom->load_at, weight = contact->geom->load, *free = step->free + 6 * index;
+	const double *r = contact->geom->load_at, weight = contact->geom->load;
 	const double at[3][6] = {{1, 0, 0, 0, r[2], -r[1]}, {0, 1, 0, -r[2], 0, r[0]}, {0, 0, 1, r[1], -r[0], 0}};
-	const double rate = weight / (mju_norm3(vehicle->model->opt.gravity) * step->h);
-	const size_t nv = (size_t)vehicle->model->nv;
-	double *force = step->force + 6 * index;
-	for (size_t i = 0; i < 6; i++) {
-		force[i] = -weight * at[2][i];
-		for (size_t j = 0; j < 6; j++) {
+	const double rate = weight / (mju_norm3(step->vehicle->model->opt.gravity) * step->h);
+	for (int i = 0; i < 6; i++) {
+		contact->force[i] = -weight * at[2][i];
+		for (int j = 0; j < 6; j++)
 			contact->gain[i][j] = -rate * (at[0][i] * at[0][j] + at[1][i] * at[1][j] + at[2][i] * at[2][j]);
-			force[i] += contact->gain[i][j] * (free[j] - mju_dot(step->jacobian + (6 * index + j) * nv, vehicle->data->qvel, (int)nv));
-		}
 	}
 }
 
-/* Fills the force without what the other forces change, for one contact. */
-static void fill_rows(struct step *step, size_t index)
+/* Fills force and gain of a contact. */
+static void fill_contact(const struct step *step, struct contact *contact)
 {
-	struct contact *contact = &step->list[index];
-	if (contact->is_load) {
-		fill_load(step, index);
-		return;
-	}
 	const struct soil_geom *geom = contact->geom;
-	const double *free = step->free + 6 * index, h = step->h;
-	double *force = step->force + 6 * index, moved[6], at[6];
+	const double h = step->h;
+	double *force = contact->force, moved[6], at[6], u[6];
+	velocity_of(contact, step->vehicle->data->qvel, u);
 	displacement(step->vehicle, contact, moved);
 	for (int i = 0; i < 3; i++) {
 		at[i] = geom->now.linear[i] - geom->now_belt.speed * contact->forward[i];
@@ -319,47 +426,30 @@ static void fill_rows(struct step *step, size_t index)
 		force[i] = geom->contact.force[i];
 		force[3 + i] = geom->contact.moment[i];
 	}
-	for (int i = 0; i < 6; i++) {
+	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++) {
-			force[i] += contact->stiffness[i][j] * (moved[j] + step->later * at[j] + h * free[j]) + contact->damping[i][j] * (free[j] - at[j]);
+			force[i] += contact->stiffness[i][j] * (moved[j] + step->later * at[j] + h * u[j]) + contact->damping[i][j] * (u[j] - at[j]);
 			contact->gain[i][j] = h * contact->stiffness[i][j] + contact->damping[i][j];
 		}
-	}
-	damp(contact, free, force);
+	damp(contact, u);
 }
 
-static void fill_system(struct step *step)
-{
-	take_resisting(step);
-	for (size_t i = 0; i < step->count; i++)
-		fill_rows(step, i);
-	for (size_t r = 0; r < step->rows; r++) {
-		const double *gain = step->list[r / 6].gain[r % 6];
-		for (size_t c = 0; c < step->rows; c++) {
-			double sum = 0;
-			for (size_t k = 0; k < 6; k++)
-				sum += gain[k] * step->inverse[(r - r % 6 + k) * step->rows + c];
-			step->system[r * step->rows + c] = (r == c) - step->h * sum;
-		}
-	}
-}
-
-/* The soil does not pull, and its shear has a limit. */
-static void limit(struct contact *contact, double force[6])
+/* The soil does not pull, and its shear has a limit. Returns true if the force is another one by that. */
+static bool limit(const struct contact *contact, double force[6])
 {
 	const struct furrow_contact *from = &contact->geom->contact;
 	const double normal = mju_dot3(force, from->normal), before = mju_dot3(from->force, from->normal);
 	double shear[3], given[3];
 	if (!(normal > 0)) {
 		mju_zero(force, 6);
-		return;
+		return true;
 	}
 	mju_addScl3(shear, force, from->normal, -normal);
 	mju_addScl3(given, from->force, from->normal, -before);
 	const double most = fmax(isfinite(from->shear_limit) ? from->shear_limit : 0, mju_norm3(given)) * (before > 0 ? fmax(normal / before, 0) : 1);
 	const double is = mju_norm3(shear);
 	if (!(before > 0) || is <= most)
-		return;
+		return false;
 	double less[3], moment[3];
 	mju_scl3(less, shear, most / is - 1);
 	mju_cross(moment, contact->arm, less);
@@ -367,21 +457,16 @@ static void limit(struct contact *contact, double force[6])
 		force[i] += less[i];
 		force[3 + i] += moment[i];
 	}
+	return true;
 }
 
 /* w goes on: it follows the velocity at the contact at the step's end. */
-static void follow(const struct step *step, size_t index)
+static void follow(const struct contact *contact, double h, const double *after)
 {
-	const struct contact *contact = &step->list[index];
-	double end[6];
-	for (size_t i = 0; i < 6; i++) {
-		end[i] = step->free[6 * index + i];
-		for (size_t c = 0; c < step->rows; c++)
-			end[i] += step->h * step->inverse[(6 * index + i) * step->rows + c] * step->force[c];
-	}
-	double mean[3] = {0, 0, 0};
+	double end[6], mean[3] = {0, 0, 0};
+	velocity_of(contact, after, end);
 	for (int k = 0; k < 2; k++) {
-		const double was = mju_dot3(contact->geom->mean, contact->direction[k]), share = step->h * contact->pace[k];
+		const double was = mju_dot3(contact->geom->mean, contact->direction[k]), share = h * contact->pace[k];
 		mju_addToScl3(mean, contact->direction[k], was + (dot6(contact->along[k], end) - was) * share / (1 + share));
 	}
 	mju_copy3(contact->geom->mean, mean);
@@ -395,129 +480,173 @@ static void set_forward(struct contact *contact)
 	mju_copy3(contact->forward, axes[0]);
 }
 
-/* Lists the geoms that touch, and finds what all of a step needs. Returns false if the mass has no inverse. */
-static bool begin(struct step *step)
-{
-	struct vehicle *vehicle = step->vehicle;
-	step->list = vehicle->contacts;
-	for (size_t i = 0; i < vehicle->geom_count; i++) {
-		struct soil_geom *geom = &vehicle->geoms[i];
-		mju_zero(geom->force, 6);
-		if (touches(geom))
-			step->list[step->count++] = (struct contact){.geom = geom};
-		else
-			mju_zero3(geom->mean);
-	}
-	step->touching = step->count;
-	for (size_t i = 0; i < vehicle->geom_count && vehicle->carrying_count > 0; i++)
-		if (vehicle->geoms[i].load > 0)
-			step->list[step->count++] = (struct contact){.geom = &vehicle->geoms[i], .is_load = true};
-	step->rows = 6 * step->count;
-	lay_out(step);
-	if (step->count == 0)
-		return true;
-	fill_mass(step, step->mass);
-	for (size_t i = 0; i < step->count; i++)
-		set_forward(&step->list[i]);
-	const bool whole = vehicle_factor(step->mass, (size_t)vehicle->model->nv);
-	fill_jacobians(step);
-	for (size_t i = 0; i < step->touching; i++) {
-		set_directions(&step->list[i]);
-		set_damping(step, i);
-	}
-	return whole;
-}
-
-/* What of a belt's pull is not in the force along its body's x axis, as a torque on its hinge. Adds it to forces of the joints. Returns it. */
-static double turn_back(const struct contact *contact, double *forces)
+/* What of a belt's pull is not in the force along its body's x axis, as a torque on its hinge. */
+static double turn_back(const struct contact *contact)
 {
 	const struct soil_geom *geom = contact->geom;
 	if (!geom->shape.belt || !isfinite(geom->contact.pull))
 		return 0;
-	const double torque = -geom->sprocket * (geom->contact.pull - mju_dot3(geom->contact.force, contact->forward));
-	forces[geom->dof] += torque;
-	return torque;
+	return -geom->sprocket * (geom->contact.pull - mju_dot3(geom->contact.force, contact->forward));
 }
 
-void vehicle_couple(struct vehicle *vehicle, double h, double later)
-{
-	mjData *data = vehicle->data;
-	struct step step = {.vehicle = vehicle, .h = h, .later = later};
-	const bool whole = begin(&step);
-	if (step.count == 0)
-		return;
-	fill_free(&step);
-	fill_system(&step);
-	if (!whole || !vehicle_solve(step.system, step.force, step.rows))
-		for (size_t r = 0; r < step.rows; r++) /* told as a motion that diverges */
-			step.force[r] = NAN;
-	for (size_t i = 0; i < step.touching; i++) {
-		double *force = step.force + 6 * i;
-		limit(&step.list[i], force);
-		mju_copy(step.list[i].geom->force, force, 6);
-	}
-	const size_t nv = (size_t)vehicle->model->nv;
-	for (size_t r = 0; r < step.rows; r++)
-		mju_addToScl(data->qfrc_applied, step.jacobian + r * nv, step.force[r], (int)nv);
-	for (size_t i = 0; i < step.touching; i++) {
-		step.list[i].geom->pulled = turn_back(&step.list[i], data->qfrc_applied);
-		follow(&step, i);
-	}
-}
+/* --- a step --- */
 
-void vehicle_couple_work(struct vehicle *vehicle, double h, const double *before)
+/* Lists the geoms that touch, and the loads. */
+static void list_contacts(struct vehicle *vehicle)
 {
-	const size_t nv = (size_t)vehicle->model->nv;
-	const double *after = vehicle->data->qvel, *row = vehicle->room + nv * nv; /* the Jacobians that vehicle_couple laid out */
+	vehicle->contact_count = 0;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		struct soil_geom *geom = &vehicle->geoms[i];
-		double power = 0;
-		if (!touches(geom))
-			continue;
-		for (int k = 0; k < 6; k++, row += nv)
-			power += geom->force[k] * (mju_dot(row, before, (int)nv) + mju_dot(row, after, (int)nv)) / 2;
-		if (geom->shape.belt)
-			power += geom->pulled * (before[geom->dof] + after[geom->dof]) / 2;
-		geom->work -= power * h;
+		mju_zero(geom->force, 6);
+		geom->pulled = 0;
+		if (touches(geom))
+			vehicle->contacts[vehicle->contact_count++] = (struct contact){.geom = geom};
+		else
+			mju_zero3(geom->mean);
+	}
+	vehicle->touching = vehicle->contact_count;
+	for (size_t i = 0; i < vehicle->geom_count && vehicle->carrying_count > 0; i++)
+		if (vehicle->geoms[i].load > 0)
+			vehicle->contacts[vehicle->contact_count++] = (struct contact){.geom = &vehicle->geoms[i], .is_load = true};
+	for (size_t i = 0; i < vehicle->contact_count; i++)
+		set_forward(&vehicle->contacts[i]);
+}
+
+/* Finds forces and gains of all contacts of a vehicle. M + h D is factored. */
+static void fill_contacts(const struct step *step)
+{
+	struct vehicle *vehicle = step->vehicle;
+	for (size_t i = 0; i < vehicle->touching; i++) {
+		set_directions(&vehicle->contacts[i]);
+		set_damping(vehicle, &vehicle->contacts[i], vehicle->room);
+	}
+	take_resisting(vehicle);
+	for (size_t i = 0; i < vehicle->contact_count; i++)
+		if (vehicle->contacts[i].is_load)
+			fill_load(step, &vehicle->contacts[i]);
+		else
+			fill_contact(step, &vehicle->contacts[i]);
+}
+
+/* Returns true if the vehicle has equalities, limits, friction of joints, or tendons, or touches another one. */
+static bool is_constrained(const struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	const mjData *data = vehicle->data;
+	bool any = range_count(vehicle->own.equality) > 0 || range_count(vehicle->own.tendon) > 0;
+	for (int i = vehicle->own.joint.first; i < vehicle->own.joint.end && !any; i++)
+		any = model->jnt_limited[i];
+	for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end && !any; i++)
+		any = model->dof_frictionloss[i] > 0 || (data->nefc > 0 && (data->nisland == 0 || data->dof_island[i] >= 0));
+	return any;
+}
+
+/* Gives wheels so much inertia that they do not turn. */
+static void brake(const struct vehicle *vehicle, double *mass)
+{
+	const bool constrained = is_constrained(vehicle);
+	for (size_t g = 0; g < vehicle->geom_count; g++) {
+		const struct soil_geom *geom = &vehicle->geoms[g];
+		bool again = geom->dof < 0; /* several geoms may share a hinge */
+		for (size_t before = 0; before < g && !again; before++)
+			again = vehicle->geoms[before].dof == geom->dof;
+		if (!again)
+			*diagonal_of(vehicle->model, mass, geom->dof) += constrained ? BRAKE_SOFT * vehicle->model->dof_M0[geom->dof] : BRAKE;
 	}
 }
 
-/* M + h D - h J^T G J, by which the soil's forces answer a change of the velocities. */
-static void fill_inertia(const struct step *step, double *inertia)
+/* Puts forces and gains of all contacts into qfrc_applied and M. */
+static void apply(struct vehicles *vehicles, double h, bool drives)
 {
-	const size_t nv = (size_t)step->vehicle->model->nv;
-	fill_mass(step, inertia);
-	for (size_t r = 0; r < step->rows; r++)
-		for (size_t c = 0; c < 6; c++) {
-			const double gain = step->h * step->list[r / 6].gain[r % 6][c];
-			const double *left = step->jacobian + r * nv, *right = step->jacobian + (r - r % 6 + c) * nv;
-			for (size_t i = 0; i < nv; i++)
-				mju_addToScl(inertia + i * nv, right, -gain * left[i], (int)nv);
+	const mjModel *model = vehicles->model;
+	mjData *data = vehicles->data;
+	mju_copy(data->M, vehicles->mass, (int)model->nC);
+	mju_zero(data->qfrc_applied, model->nv);
+	for (size_t v = 0; v < vehicles->all; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		for (size_t i = 0; i < vehicle->contact_count; i++) {
+			const struct contact *contact = &vehicle->contacts[i];
+			add_force(contact, contact->force, data->qfrc_applied);
+			if (!contact->is_limited)
+				add_gain(contact, h, data->M);
+			if (!contact->is_load && contact->geom->shape.belt)
+				data->qfrc_applied[contact->geom->dof] += contact->geom->pulled = turn_back(contact);
 		}
+		if (!drives)
+			brake(vehicle, data->M);
+	}
+	mj_factorM(model, data);
+	if (data->nefc > 0 && (model->opt.solver == mjSOL_PGS || model->opt.noslip_iterations > 0))
+		mj_projectConstraint(model, data);
 }
 
-bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *inertia, double *velocity)
+void vehicle_couple(struct vehicles *vehicles, double h, double later, bool drives)
 {
-	const mjData *data = vehicle->data;
-	const int nv = vehicle->model->nv;
-	struct step step = {.vehicle = vehicle, .h = seconds};
-	const bool whole = begin(&step);
-	/* The soil's forces at the velocities of now. */
-	for (size_t r = 0; r < step.rows; r++)
-		step.free[r] = mju_dot(step.jacobian + r * (size_t)nv, data->qvel, nv);
-	take_resisting(&step);
-	for (size_t i = 0; i < step.count; i++)
-		fill_rows(&step, i);
-	fill_inertia(&step, inertia);
-	mju_copy(velocity, data->qfrc_smooth, nv);
-	for (size_t r = 0; r < step.rows; r++)
-		mju_addToScl(velocity, step.jacobian + r * (size_t)nv, step.force[r], nv);
-	for (size_t i = 0; i < step.touching; i++)
-		(void)turn_back(&step.list[i], velocity);
-	if (!vehicle_factor(inertia, (size_t)nv))
-		return false;
-	vehicle_solve_factored(inertia, velocity, (size_t)nv);
-	mju_scl(velocity, velocity, seconds, nv);
-	mju_addTo(velocity, data->qvel, nv);
-	return whole;
+	const mjModel *model = vehicles->model;
+	mjData *data = vehicles->data;
+	bool any = false;
+	mju_copy(vehicles->mass, data->M, (int)model->nC);
+	for (size_t v = 0; v < vehicles->all; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		list_contacts(vehicle);
+		fill_jacobians(vehicle, vehicles->room);
+		any = any || vehicle->touching > 0;
+		for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end; i++)
+			*diagonal_of(model, data->M, i) += h * damping_of(vehicle, i);
+	}
+	if (any)
+		mj_factorM(model, data);
+	for (size_t v = 0; v < vehicles->all; v++)
+		fill_contacts(&(struct step){&vehicles->list[v], h, later});
+	apply(vehicles, h, drives);
+}
+
+bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *before, bool drives)
+{
+	const int nv = vehicles->model->nv;
+	double *change = vehicles->room;
+	bool again = false;
+	mju_sub(change, vehicles->data->qvel, before, nv);
+	for (size_t v = 0; v < vehicles->all; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		for (size_t i = 0; i < vehicle->touching; i++) {
+			struct contact *contact = &vehicle->contacts[i];
+			double *force = contact->geom->force, u[6];
+			mju_copy(force, contact->force, 6);
+			if (contact->is_limited)
+				continue;
+			velocity_of(contact, change, u);
+			for (int k = 0; k < 6; k++)
+				force[k] += dot6(contact->gain[k], u);
+			if (!limit(contact, force))
+				continue;
+			contact->is_limited = again = true;
+			mju_copy(contact->force, force, 6);
+		}
+	}
+	if (again)
+		apply(vehicles, h, drives);
+	return again;
+}
+
+void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells)
+{
+	const double *after = vehicles->data->qvel;
+	for (size_t v = 0; v < vehicles->all; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		for (size_t i = 0; i < vehicle->touching; i++) {
+			const struct contact *contact = &vehicle->contacts[i];
+			struct soil_geom *geom = contact->geom;
+			double from[6], to[6], power = 0;
+			follow(contact, h, after);
+			velocity_of(contact, before, from);
+			velocity_of(contact, after, to);
+			for (int k = 0; k < 6; k++)
+				power += geom->force[k] * (from[k] + to[k]) / 2;
+			if (geom->shape.belt)
+				power += geom->pulled * (before[geom->dof] + after[geom->dof]) / 2;
+			geom->work -= tells ? power * h : 0;
+		}
+	}
+	mju_copy(vehicles->data->M, vehicles->mass, (int)vehicles->model->nC);
 }

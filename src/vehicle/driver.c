@@ -20,7 +20,7 @@ static enum status find(const struct vehicle *vehicle, const char *where, const 
 	if (*out == NULL)
 		return fail_memory("a driver");
 	for (int i = vehicle->own.actuator.first; i < vehicle->own.actuator.end; i++) {
-		const char *name = mj_id2name(model, mjOBJ_ACTUATOR, i);
+		const char *name = vehicle_part_name(model, mjOBJ_ACTUATOR, i);
 		if (name != NULL && vehicle_matches(patterns, name, false))
 			(*out)[(*count)++] = i;
 	}
@@ -28,7 +28,7 @@ static enum status find(const struct vehicle *vehicle, const char *where, const 
 		const struct scene_texts one = {&patterns->list[p], 1};
 		bool any = false;
 		for (size_t i = 0; i < *count; i++)
-			any = any || vehicle_matches(&one, mj_id2name(model, mjOBJ_ACTUATOR, (*out)[i]), false);
+			any = any || vehicle_matches(&one, vehicle_part_name(model, mjOBJ_ACTUATOR, (*out)[i]), false);
 		if (!any)
 			return no_actuator(vehicle, where, key, patterns->list[p]);
 	}
@@ -42,7 +42,7 @@ static enum status check_joints(const struct vehicle *vehicle, const char *where
 	for (size_t i = 0; i < count; i++)
 		if (model->actuator_trntype[list[i]] != mjTRN_JOINT || model->jnt_type[model->actuator_trnid[2 * list[i]]] != mjJNT_HINGE)
 			return fail_with(STATUS_INPUT, "%s: driver.%s: %s turns no hinge; name actuators of hinges", where, key,
-					 mj_id2name(model, mjOBJ_ACTUATOR, list[i]));
+					 vehicle_part_name(model, mjOBJ_ACTUATOR, list[i]));
 	return STATUS_OK;
 }
 
@@ -69,13 +69,13 @@ static enum status check_wheels(const struct vehicle *vehicle, const char *where
 			continue;
 		double degrees;
 		const struct soil_geom *geom = crossed(vehicle, joint, &degrees);
-		const char *hinge = mj_id2name(model, mjOBJ_JOINT, joint);
+		const char *hinge = vehicle_part_name(model, mjOBJ_JOINT, joint);
 		if (geom != NULL)
 			return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel: %s is a cylinder whose axis is %.3g degrees off its hinge%s%s; check its "
-						       "euler, and angle of the model's compiler", where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]), geom->name,
+						       "euler, and angle of the model's compiler", where, vehicle_part_name(model, mjOBJ_ACTUATOR, driver->drive[i]), geom->name,
 					 degrees, hinge != NULL ? " " : "", hinge != NULL ? hinge : "");
 		return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel and no belt that presses the ground; name actuators of wheels or belts",
-				 where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
+				 where, vehicle_part_name(model, mjOBJ_ACTUATOR, driver->drive[i]));
 	}
 	return STATUS_OK;
 }
@@ -96,7 +96,7 @@ static enum status make_hold(struct vehicle *vehicle, const char *where)
 	const struct scene_texts *names = &vehicle->scene->held;
 	TRY(mem_zeroed(&driver->held, names->count + 1, sizeof *driver->held, "a driver"));
 	for (size_t i = 0; i < names->count; i++) {
-		driver->held[i] = mj_name2id(vehicle->model, mjOBJ_ACTUATOR, names->list[i]);
+		driver->held[i] = vehicle_find_part(vehicle, mjOBJ_ACTUATOR, names->list[i]);
 		if (driver->held[i] < 0)
 			return no_actuator(vehicle, where, "hold", names->list[i]);
 		driver->held_count = i + 1;

@@ -6,10 +6,11 @@
 
 #define GROUPS 3 /* geoms of these groups are shown */
 
-static bool is_shown(const mjModel *model, int geom)
+static bool is_shown(const struct vehicle *vehicle, int geom)
 {
+	const mjModel *model = vehicle->model;
 	const int type = model->geom_type[geom];
-	return !vehicle_is_fixed(model, geom) && model->geom_group[geom] < GROUPS && type != mjGEOM_PLANE && type != mjGEOM_HFIELD &&
+	return (vehicle->is_world || !vehicle_is_fixed(model, geom)) && model->geom_group[geom] < GROUPS && type != mjGEOM_PLANE && type != mjGEOM_HFIELD &&
 	       model->geom_rgba[4 * geom + 3] > 0;
 }
 
@@ -28,7 +29,7 @@ static enum status make_figure(const struct vehicle *vehicle, struct figure *fig
 	const struct soil_geom *soil = soil_geom_of(vehicle, figure->geom);
 	static const double same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 	char name[256];
-	vehicle_geom_name(model, figure->geom, name, sizeof name);
+	vehicle_geom_name(vehicle, figure->geom, name, sizeof name);
 	TRY(mem_text(&drawn->name, name, "the parts of a vehicle"));
 	memcpy(figure->axes, soil != NULL ? soil->axes : same, sizeof figure->axes);
 	if (soil != NULL && soil->shape.kind == SOIL_WHEEL) {
@@ -59,25 +60,33 @@ static void list_frames(struct vehicles *vehicles)
 			vehicles->frames[vehicles->frame_count++] = (struct world_frame){.vehicle = scene->cameras[i].aim.vehicle - 1, .body = scene->cameras[i].body};
 }
 
+static enum status add_figures(struct vehicles *vehicles, size_t v, struct range geoms)
+{
+	for (int i = geoms.first; i < geoms.end; i++) {
+		if (!is_shown(&vehicles->list[v], i))
+			continue;
+		struct figure *figure = &vehicles->figures[vehicles->figure_count];
+		*figure = (struct figure){.vehicle = v, .geom = i};
+		TRY(make_figure(&vehicles->list[v], figure, &vehicles->drawn[vehicles->figure_count++]));
+	}
+	return STATUS_OK;
+}
+
 enum status vehicle_make_figures(struct vehicles *vehicles)
 {
 	size_t most = 0;
-	for (size_t v = 0; v < vehicles->count; v++)
-		most += range_count(vehicles->list[v].own.geom);
+	for (size_t v = 0; v < vehicles->all; v++)
+		most += range_count(vehicles->list[v].own.geom) + range_count(vehicles->list[v].own.fixed);
 	vehicles->drawn = mem_calloc(most + 1, sizeof *vehicles->drawn);
 	vehicles->figures = mem_calloc(most + 1, sizeof *vehicles->figures);
 	vehicles->places = mem_calloc(most + 1, sizeof *vehicles->places);
 	vehicles->frames = mem_calloc(vehicles->count + vehicles->scene->camera_count, sizeof *vehicles->frames);
 	TRY_MEM(vehicles->drawn != NULL && vehicles->figures != NULL && vehicles->places != NULL && vehicles->frames != NULL, "the parts of a vehicle");
 	list_frames(vehicles);
-	for (size_t v = 0; v < vehicles->count; v++)
-		for (int i = vehicles->list[v].own.geom.first; i < vehicles->list[v].own.geom.end; i++) {
-			if (!is_shown(vehicles->list[v].model, i))
-				continue;
-			struct figure *figure = &vehicles->figures[vehicles->figure_count];
-			*figure = (struct figure){.vehicle = v, .geom = i};
-			TRY(make_figure(&vehicles->list[v], figure, &vehicles->drawn[vehicles->figure_count++]));
-		}
+	for (size_t v = 0; v < vehicles->all; v++) {
+		TRY(add_figures(vehicles, v, vehicles->list[v].own.fixed));
+		TRY(add_figures(vehicles, v, vehicles->list[v].own.geom));
+	}
 	return STATUS_OK;
 }
 
@@ -115,7 +124,7 @@ void vehicle_show(struct vehicles *vehicles)
 	for (size_t i = 0; i < vehicles->frame_count; i++) {
 		struct world_frame *frame = &vehicles->frames[i];
 		const struct vehicle *vehicle = &vehicles->list[frame->vehicle];
-		const int body = frame->body != NULL ? mj_name2id(vehicle->model, mjOBJ_BODY, frame->body) : vehicle->root;
+		const int body = frame->body != NULL ? vehicle_find_part(vehicle, mjOBJ_BODY, frame->body) : vehicle->root;
 		set_place(vehicle, &vehicle->data->xpos[3 * body], &vehicle->data->xmat[9 * body], &frame->place);
 	}
 }
@@ -136,7 +145,7 @@ enum status vehicle_check_cameras(const struct vehicles *vehicles)
 		if (camera->body == NULL)
 			continue;
 		const struct vehicle *vehicle = &vehicles->list[camera->aim.vehicle - 1];
-		if (mj_name2id(vehicle->model, mjOBJ_BODY, camera->body) <= 0)
+		if (vehicle_find_part(vehicle, mjOBJ_BODY, camera->body) <= 0)
 			return no_body(scene, camera, vehicle);
 	}
 	return STATUS_OK;

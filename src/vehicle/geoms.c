@@ -18,32 +18,6 @@ bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool 
 	return patterns->count == 0 && none;
 }
 
-void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size)
-{
-	const char *own = mj_id2name(model, mjOBJ_GEOM, geom), *body = mj_id2name(model, mjOBJ_BODY, model->geom_bodyid[geom]);
-	if (own != NULL)
-		snprintf(text, size, "%s", own);
-	else if (body != NULL && model->body_geomnum[model->geom_bodyid[geom]] == 1)
-		snprintf(text, size, "%s", body);
-	else
-		snprintf(text, size, "geom_%d", geom);
-}
-
-void vehicle_list_names(const mjModel *model, mjtObj kind, int first, int end, char text[VEHICLE_NAMES])
-{
-	size_t length = 0;
-	int told = first;
-	for (; told < end && length + 80 < VEHICLE_NAMES; told++) {
-		const char *one = mj_id2name(model, kind, told);
-		if (one != NULL)
-			length += (size_t)snprintf(text + length, VEHICLE_NAMES - length, "%s%.64s", length > 0 ? ", " : "", one);
-	}
-	if (length == 0)
-		length = (size_t)snprintf(text, VEHICLE_NAMES, "none with a name");
-	if (told < end)
-		snprintf(text + length, VEHICLE_NAMES - length, ", ...");
-}
-
 bool vehicle_is_fixed(const mjModel *model, int geom)
 {
 	return model->body_weldid[model->geom_bodyid[geom]] == 0;
@@ -56,7 +30,7 @@ static bool is_soil_geom(const struct vehicle *vehicle, int geom)
 	const bool collides = model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0;
 	if (vehicle_is_fixed(model, geom) || model->geom_type[geom] == mjGEOM_PLANE || model->geom_type[geom] == mjGEOM_HFIELD)
 		return false;
-	vehicle_geom_name(model, geom, name, sizeof name);
+	vehicle_geom_name(vehicle, geom, name, sizeof name);
 	return vehicle_matches(&vehicle->scene->soil, name, collides);
 }
 
@@ -93,13 +67,13 @@ static enum status make_belt(const struct vehicle *vehicle, struct soil_geom *ou
 {
 	const mjModel *model = vehicle->model;
 	char geom[256], name[300];
-	vehicle_geom_name(model, out->geom, geom, sizeof geom);
+	vehicle_geom_name(vehicle, out->geom, geom, sizeof geom);
 	snprintf(name, sizeof name, BELT "%s", geom);
-	const int text = mj_name2id(model, mjOBJ_TEXT, name), numeric = mj_name2id(model, mjOBJ_NUMERIC, name);
+	const int text = vehicle_find_part(vehicle, mjOBJ_TEXT, name), numeric = vehicle_find_part(vehicle, mjOBJ_NUMERIC, name);
 	if (text < 0 && numeric < 0)
 		return STATUS_OK;
 	const char *hinge = text >= 0 ? model->text_data + model->text_adr[text] : "";
-	const int joint = mj_name2id(model, mjOBJ_JOINT, hinge);
+	const int joint = vehicle_find_part(vehicle, mjOBJ_JOINT, hinge);
 	if (joint < 0 || model->jnt_type[joint] != mjJNT_HINGE)
 		return fail_with(STATUS_INPUT, "%s: %s: \"%s\" is no hinge of the model; give a text in custom that names the hinge of its sprocket", where, name,
 				 hinge);
@@ -113,21 +87,26 @@ static enum status make_belt(const struct vehicle *vehicle, struct soil_geom *ou
 	return STATUS_OK;
 }
 
+static enum status check_belt(const struct vehicle *vehicle, const char *name, const char *where)
+{
+	if (name == NULL || strncmp(name, BELT, strlen(BELT)) != 0)
+		return STATUS_OK;
+	for (size_t g = 0; g < vehicle->geom_count; g++) {
+		char geom[256];
+		vehicle_geom_name(vehicle, vehicle->geoms[g].geom, geom, sizeof geom);
+		if (vehicle->geoms[g].shape.belt && strcmp(name + strlen(BELT), geom) == 0)
+			return STATUS_OK;
+	}
+	return fail_with(STATUS_INPUT, "%s: %s: no soil geom of this name is a box; give belts to boxes that touch the ground", where, name);
+}
+
 /* Each belt must be of a soil geom that is a box. */
 static enum status check_belts(const struct vehicle *vehicle, const char *where)
 {
-	const mjModel *model = vehicle->model;
-	for (int i = 0; i < model->ntext + model->nnumeric; i++) {
-		const char *name = i < model->ntext ? mj_id2name(model, mjOBJ_TEXT, i) : mj_id2name(model, mjOBJ_NUMERIC, i - model->ntext);
-		bool found = name == NULL || strncmp(name, BELT, strlen(BELT)) != 0;
-		for (size_t g = 0; g < vehicle->geom_count && !found; g++) {
-			char geom[256];
-			vehicle_geom_name(model, vehicle->geoms[g].geom, geom, sizeof geom);
-			found = vehicle->geoms[g].shape.belt && strcmp(name + strlen(BELT), geom) == 0;
-		}
-		if (!found)
-			return fail_with(STATUS_INPUT, "%s: %s: no soil geom of this name is a box; give belts to boxes that touch the ground", where, name);
-	}
+	for (int i = vehicle->own.text.first; i < vehicle->own.text.end; i++)
+		TRY(check_belt(vehicle, vehicle_part_name(vehicle->model, mjOBJ_TEXT, i), where));
+	for (int i = vehicle->own.numeric.first; i < vehicle->own.numeric.end; i++)
+		TRY(check_belt(vehicle, vehicle_part_name(vehicle->model, mjOBJ_NUMERIC, i), where));
 	return STATUS_OK;
 }
 
@@ -179,7 +158,7 @@ static enum status make_name(const struct vehicle *vehicle, size_t index)
 {
 	char geom[256], name[400];
 	struct soil_geom *out = &vehicle->geoms[index];
-	vehicle_geom_name(vehicle->model, out->geom, geom, sizeof geom);
+	vehicle_geom_name(vehicle, out->geom, geom, sizeof geom);
 	for (char *c = geom; *c != '\0'; c++)
 		if (strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-", *c) == NULL)
 			*c = '_';
@@ -195,8 +174,6 @@ static enum status make_geom(const struct vehicle *vehicle, size_t index, const 
 	struct soil_geom *out = &vehicle->geoms[index];
 	TRY(make_name(vehicle, index));
 	TRY(make_shape(vehicle, out, where));
-	if (out->dof >= 0)
-		out->armature = vehicle->model->dof_armature[out->dof];
 	return STATUS_OK;
 }
 
@@ -211,7 +188,7 @@ static enum status no_geom(const struct vehicle *vehicle, const char *key, const
 	const struct range geoms = vehicle->own.geom;
 	int told = geoms.first;
 	for (; told < geoms.end && length + sizeof name + 2 < sizeof names; told++) {
-		vehicle_geom_name(vehicle->model, told, name, sizeof name);
+		vehicle_geom_name(vehicle, told, name, sizeof name);
 		length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", told > geoms.first ? ", " : "", name);
 	}
 	return fail_with(STATUS_INPUT, "%s: %s: %.64s names no geom of a body that moves; the model has: %s%s", where, key, patterns->list[0], names,
@@ -292,7 +269,7 @@ static enum status find_carrying(struct vehicle *vehicle, const char *where)
 	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
 		char name[256];
 		struct soil_geom *geom = soil_geom_of(vehicle, i);
-		vehicle_geom_name(vehicle->model, i, name, sizeof name);
+		vehicle_geom_name(vehicle, i, name, sizeof name);
 		if (!vehicle_matches(&vehicle->scene->carry, name, false))
 			continue;
 		if (geom == NULL)
@@ -313,7 +290,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 		vehicle->geoms[index].geom = i;
 		TRY(make_geom(vehicle, index, where));
 	}
-	if (vehicle->geom_count == 0)
+	if (vehicle->geom_count == 0 && !vehicle->is_world)
 		return no_geom(vehicle, "soil", where);
 	TRY(check_belts(vehicle, where));
 	return find_carrying(vehicle, where);
@@ -322,7 +299,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 void vehicle_free_geoms(struct vehicle *vehicle)
 {
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
-		mem_free(vehicle->geoms[i].name);
+		mem_free_all(vehicle->geoms[i].name, vehicle->geoms[i].chain, vehicle->geoms[i].places);
 		vehicle_free_mesh(vehicle->geoms[i].mesh);
 	}
 	mem_free(vehicle->geoms);

@@ -25,7 +25,11 @@ struct soil_geom {
 	bool is_touched;
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
 	struct furrow_contact contact;  /* linearised at `now` */
-	double armature;            /* kg m2: what the model gives the dof, which several geoms may share; its brake puts another number there */
+	int *chain;                 /* freedoms that move it, from the root on; a belt's hinge too. Owned */
+	int chain_count;
+	int *places;                /* of their pairs in MuJoCo's inertia M: of the second row two, of the third three ...; -1: none. Owned */
+	int hinge_at;               /* place of a belt's hinge in the chain; -1: no belt */
+	bool apart;                 /* the belt's hinge is not below or above the geom's body: coupling.c */
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
 	double work;                /* J: what it has done on the soil since the start; in the record */
@@ -64,8 +68,10 @@ struct range {
 
 /* What of a model is one vehicle's own. */
 struct owned {
-	struct range body, joint, geom, actuator; /* without the model's world, but with geoms of it */
+	struct range body, joint, geom, actuator, equality, tendon, text, numeric; /* without the model's own world */
 	struct range qpos, dof, act, ctrl; /* of MuJoCo's arrays of the state and of controls */
+	struct range fixed;         /* geoms of the model's own world */
+	int geom_number;            /* of its first geom in its own file */
 };
 
 static inline size_t range_count(struct range range)
@@ -77,15 +83,20 @@ struct contact; /* coupling.c */
 
 struct vehicle {
 	const struct scene_vehicle *scene;
-	mjModel *model;
+	mjModel *model;             /* of all vehicles, and of what `world` has */
 	mjData *data;
-	struct owned own;
+	struct owned own;           /* what of both is this vehicle's */
+	char prefix[16];            /* of names in `model`: names.c */
+	bool is_world;              /* no vehicle, but the things of the scene's `world` */
+	mjModel *single;            /* of this vehicle alone: shares.c */
+	mjSpec *spec;               /* of this vehicle, until all are put together; NULL after that */
+	mjData *posed;              /* the same: in its first pose */
 	double checksum[2];         /* of the compiled model, as two whole numbers */
 	double gravity[3];          /* m/s2: of the model's own option, in place of which the scene's counts */
-	double origin[3];           /* m, local: where MuJoCo's origin is */
+	double origin[3];           /* m, local: where MuJoCo's origin is; that of all */
+	double shift[3];            /* m: from there to where it starts, in plan */
 	int root;                   /* the body whose place is the vehicle's */
 	int keyframe;               /* of the model: the pose and the controls of the start; -1: the first pose, and no controls */
-	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
 	size_t geom_count, carrying_count; /* carrying_count: of them carry soil */
 	struct driver driver;
@@ -100,12 +111,14 @@ struct vehicle {
 	double settle_seconds, calm; /* s: in settling so far; for how long it has been at rest */
 	double lift;                /* m: by which it was lifted when it was set down */
 	double work, distance;      /* J, m */
+	double was[2];              /* m: where it was at the step's start, in MuJoCo's axes */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	struct trail trail;         /* of the whole drive; in the record */
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
-	double *room;               /* numbers for coupling.c */
-	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
-	double *pushed;             /* nv: forces of other vehicles in this time step */
+	double *room;               /* VEHICLE_ROOM nv + 64 numbers; all vehicles share them */
+	struct contact *contacts;   /* geom_count + carrying_count: of coupling.c */
+	double *rows;               /* of the contacts */
+	size_t contact_count, touching; /* in this step of the engine; touching: of them, the first ones, that are no loads */
 	double *start_controls;     /* nactuator: what an actuator has until a driver sets it; NaN: as without `start`. NULL: all are NaN */
 	double *kept;               /* room for its qpos and qvel, if it does not settle; else NULL: start.c */
 	double placed[2], half_length; /* m: where its root body was set down, from `origin`; half its length in plan */
@@ -120,14 +133,21 @@ struct figure {
 	struct soil_mesh *mesh;   /* owned; NULL: none */
 };
 
-struct between;
-
 struct vehicles {
 	const struct scene *scene;  /* the file's, or `divided` */
 	struct scene divided;       /* a copy with a shorter time_step */
 	struct world *world;        /* NULL: not joined yet */
-	struct vehicle *list;
-	size_t count, geom_count;   /* geom_count: soil geoms of all vehicles */
+	mjModel *model;             /* of all, and of what `world` of the scene has */
+	mjData *data;
+	double origin[3];           /* m, local: where MuJoCo's origin is */
+	int engine_steps;           /* in a time step */
+	struct vehicle *list;       /* the vehicles as the scene has them; then the things of `world` */
+	size_t count, all;          /* vehicles; all: with the things of `world` */
+	size_t *order;              /* `all`: by name, and `world` at the end. So the order in the scene changes no bit */
+	size_t geom_count;          /* soil geoms of all */
+	double *room;               /* merge.c: of all vehicles */
+	double *mass;               /* nC: coupling.c */
+	double *kept;               /* a state of MuJoCo: advance.c */
 	int32_t *numbers;           /* room for all soil geoms */
 	struct furrow_state *states;
 	struct furrow_belt *belts;
@@ -142,7 +162,6 @@ struct vehicles {
 	size_t attached;            /* numbers in the record */
 	double *record;             /* room for them */
 	double row;                 /* number of the next row of vehicles.csv */
-	struct between *between;    /* between.h; NULL: one vehicle only */
 	double stuck_at;
 	double settling_told;       /* s, by the clock: when it was last told how far settling is; 0: not begun */
 };
@@ -179,11 +198,39 @@ const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint)
 void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, const double direction[3], double place[3]);
 /* Returns true if the geom belongs to the model's own world, which a scene leaves out. */
 bool vehicle_is_fixed(const mjModel *model, int geom);
+
+/* --- names.c: names in the model of all vehicles are "N/NAME", where NAME is that of the vehicle's own file --- */
+#define VEHICLE_PREFIX 16
+void vehicle_prefix(const struct vehicles *vehicles, size_t index, char prefix[VEHICLE_PREFIX]);
+/* Finds a part of the vehicle by the name in its file; -1: it has none. */
+int vehicle_find_part(const struct vehicle *vehicle, mjtObj kind, const char *name);
+/* Returns the name that a part of the model of all vehicles has in the file of its vehicle; NULL: none. */
+const char *vehicle_part_name(const mjModel *model, mjtObj kind, int part);
 /* Writes the geom's name into `text`: its own, that of its body, or its number. */
-void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size);
+void vehicle_geom_name(const struct vehicle *vehicle, int geom, char *text, size_t size);
 #define VEHICLE_NAMES 208
 /* Lists the names of a kind of parts of the model, from `first` on until before `end`, for a message. "..." at the end means that there are more. */
 void vehicle_list_names(const mjModel *model, mjtObj kind, int first, int end, char text[VEHICLE_NAMES]);
+/* The same for a model of one vehicle alone, whose names have no prefix. */
+void vehicle_list_own_names(const mjModel *model, mjtObj kind, char text[VEHICLE_NAMES]);
+#ifndef VEHICLE_NAMES_HERE /* MuJoCo's own functions know the prefixed names: a look-up by them would find nothing, and not tell */
+#undef mj_name2id
+#define mj_name2id use_vehicle_find_part
+#undef mj_id2name
+#define mj_id2name use_vehicle_part_name
+#undef mj_getTotalmass
+#define mj_getTotalmass use_vehicle_mass
+#endif
+
+/* --- merge.c --- */
+#define VEHICLE_ROOM 20
+/* Puts all vehicles into one model, and finds what of it is whose. STATUS_INPUT: MuJoCo cannot put them together. */
+enum status vehicle_merge(struct vehicles *vehicles) FURROW_CHECKED;
+double vehicle_mass(const struct vehicle *vehicle); /* kg */
+/* Returns the vehicle that a body of the model belongs to; NULL: it is the world. */
+const struct vehicle *vehicle_of_body(const struct vehicles *vehicles, int body);
+/* Finds which vehicle a geom belongs to, also one that its file has in its own world. */
+const struct vehicle *vehicle_of_geom(const struct vehicles *vehicles, int geom);
 
 /* --- wheels.c --- */
 /* Gives a geom's shape its axes, in the geom's own. */
@@ -248,31 +295,29 @@ void vehicle_skip_rows(struct vehicles *vehicles);
 
 /* --- coupling.c --- */
 
-/* Makes room for all soil geoms to touch at once. */
+/* Makes room for all soil geoms to touch at once, and finds what moves them. */
 enum status vehicle_make_room(struct vehicle *vehicle) FURROW_CHECKED;
-/* Adds the soil's forces to qfrc_applied, for a step of the engine of `h` seconds. later: s of the time step after it. */
-void vehicle_couple(struct vehicle *vehicle, double h, double later);
-size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
-
-/* Adds to each geom's work what it did on the soil in the engine's step of `h` seconds that has just ended. `before`: nv, the velocities at
- * that step's start. The Jacobians are those of its start, as the forces are. */
-void vehicle_couple_work(struct vehicle *vehicle, double h, const double *before);
-
-/* Finds how a prepared vehicle would move until `seconds` from now, without other vehicles. `inertia`: nv x nv, with what joints and soil
- * resist in that time, factored. `velocity`: nv, at the end. Returns false if the inertia has no inverse. Runs within a guard. */
-bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *inertia, double *velocity);
+/* Begins a step of the engine of `h` seconds, after mj_step1: adds to qfrc_applied the forces that the soil has if the velocities stay, and to
+ * the inertia, data->M, how these forces answer a change of the velocities. later: s of the time step after the step. drives false: wheels do
+ * not turn. vehicles->mass keeps the inertia as it was. */
+void vehicle_couple(struct vehicles *vehicles, double h, double later, bool drives);
+/* Finds the soil's forces at the end of the step. `before`: nv, the velocities at its start. Returns true if some of them cannot be: the soil
+ * does not pull, and its shear has a limit. Then qfrc_applied and data->M have these contacts with the forces at that limit, and the step is to be
+ * made once more. */
+bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *before, bool drives);
+/* Takes the forces of the step as they are: adds what each geom did on the soil to its work, and puts the inertia back. tells false: without
+ * the work. */
+void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells);
 
 /* --- advance.c --- */
 
-/* Begins the first step of the engine of one time step: finds places, velocities and all forces but the soil's and those of other
- * vehicles. drives false: wheels do not turn. Runs within a guard. */
-void vehicle_prepare(struct vehicle *vehicle, double time, bool drives);
-/* Makes the steps of the engine of one time step, after vehicle_prepare, with the forces linearised at the contacts of its geoms.
- * `rate`: 1/s, slows all motion, and holds it over one place, for settling; 0: not. drives false: wheels do not turn. Runs within a
- * guard. */
-void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives);
+/* Makes the steps of the engine of one time step for all vehicles, with the forces linearised at the contacts of their geoms. `rate`: 1/s, slows
+ * all motion, and holds it over one place, for settling; 0: not. drives false: wheels do not turn. Runs within a guard. */
+void vehicle_advance(struct vehicles *vehicles, double time, double seconds, double rate, bool drives);
 /* Finds places and velocities of all bodies from the joints'. The next step of the engine computes the same again. */
-void vehicle_find_places(struct vehicle *vehicle);
+void vehicle_find_places(struct vehicles *vehicles);
+/* The same, with the inertia: what bound.c and outline.c need of the first pose. */
+void vehicle_find_inertia(struct vehicles *vehicles);
 
 /* --- step.c --- */
 

@@ -11,42 +11,49 @@
 #define WHOLE 1e-6 /* of a step of the engine: a time step that is longer than some by less has no more */
 #define STEPS_MOST 1e4
 
-/* The world's gravity counts, and nothing of the model's own world. */
-static void fit(struct vehicle *vehicle, const struct scene *scene)
+/* The world's gravity counts, and nothing of the models' own worlds. */
+void vehicle_fit(struct vehicles *vehicles)
 {
-	mjModel *model = vehicle->model;
-	const double gravity[3] = {0, 0, -scene->gravity};
-	mju_copy3(vehicle->gravity, model->opt.gravity);
+	mjModel *model = vehicles->model;
+	const double gravity[3] = {0, 0, -vehicles->scene->gravity};
 	mju_copy3(model->opt.gravity, gravity);
-	for (int i = 0; i < model->ngeom; i++)
-		if (vehicle_is_fixed(model, i))
+	model->opt.disableflags |= mjDSBL_AUTORESET; /* one that diverges must not set the others back */
+	for (int i = 0; i < model->ngeom; i++) {
+		const struct vehicle *of = vehicle_of_geom(vehicles, i);
+		const bool floor = model->geom_type[i] == mjGEOM_PLANE;
+		if (vehicle_is_fixed(model, i) && (of == NULL || !of->is_world || floor))
 			model->geom_contype[i] = model->geom_conaffinity[i] = 0;
-	mju_zero(vehicle->data->ctrl, (int)model->nu);
+	}
+	mju_zero(vehicles->data->ctrl, (int)model->nu);
 }
 
 void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE])
 {
-	snprintf(where, VEHICLE_WHERE, "%.200s: vehicles.%s", scene->file, vehicle->scene->name);
+	snprintf(where, VEHICLE_WHERE, "%.200s: %s%s", scene->file, vehicle->is_world ? "" : "vehicles.", vehicle->scene->name);
 }
 
-/* Steps of the engine divide a time step, and are at most as long as the model asks for. */
-enum status vehicle_set_timestep(struct vehicle *vehicle, const struct scene *scene)
+/* Steps of the engine divide a time step, and are at most as long as the models ask for. */
+enum status vehicle_set_timestep(struct vehicles *vehicles)
 {
-	mjModel *model = vehicle->model;
-	char where[VEHICLE_WHERE];
-	vehicle_where(vehicle, scene, where);
+	mjModel *model = vehicles->model;
+	const struct scene *scene = vehicles->scene;
 	if (scene->time_step == 0) { /* nothing will move: outline.c */
-		vehicle->engine_steps = 1;
+		vehicles->engine_steps = 1;
 		return STATUS_OK;
 	}
 	const double steps = fmax(ceil(scene->time_step / model->opt.timestep - WHOLE), 1);
-	if (!(steps <= STEPS_MOST))
+	if (!(steps <= STEPS_MOST)) {
+		char where[VEHICLE_WHERE];
+		const struct vehicle *shortest = &vehicles->list[0];
+		for (size_t v = 0; v < vehicles->all; v++)
+			if (vehicles->list[v].single->opt.timestep < shortest->single->opt.timestep)
+				shortest = &vehicles->list[v];
+		vehicle_where(shortest, scene, where);
 		return fail_with(STATUS_INPUT, "%s: its timestep of %g s makes %.3g steps of MuJoCo in a time_step of %g s; allowed: %g; shorten time_step, or give the model a longer timestep",
 				 where, model->opt.timestep, steps, scene->time_step, STEPS_MOST);
-	vehicle->engine_steps = (int)steps;
+	}
+	vehicles->engine_steps = (int)steps;
 	model->opt.timestep = scene->time_step / steps;
-	if (model->opt.integrator == mjINT_RK4)
-		model->opt.integrator = mjINT_EULER; /* forces of the soil are known at the start of a step only */
 	return STATUS_OK;
 }
 
@@ -54,6 +61,8 @@ enum status vehicle_set_timestep(struct vehicle *vehicle, const struct scene *sc
 static enum status find_root(struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
+	if (vehicle->is_world)
+		return STATUS_OK;
 	if (range_count(vehicle->own.dof) == 0)
 		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
 	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
@@ -74,10 +83,10 @@ static enum status find_joints(struct vehicle *vehicle)
 
 static enum status sum_model(struct vehicle *vehicle)
 {
-	const mjtSize bytes = mj_sizeModel(vehicle->model);
+	const mjtSize bytes = mj_sizeModel(vehicle->single);
 	void *buffer = mem_calloc((size_t)bytes, 1);
 	TRY_MEM(buffer, "a vehicle");
-	mj_saveModel(vehicle->model, NULL, buffer, bytes);
+	mj_saveModel(vehicle->single, NULL, buffer, bytes);
 	const XXH64_hash_t hash = XXH3_64bits(buffer, (size_t)bytes);
 	vehicle->checksum[0] = (double)(hash >> 32);
 	vehicle->checksum[1] = (double)(hash & 0xffffffffu);
@@ -105,35 +114,32 @@ static void doubt_sizes(const struct vehicle *vehicle, const char *where)
 		     where, vehicle->geoms[first].name, soil_shape_bound(&vehicle->geoms[first].shape), others);
 }
 
-/* The model is this vehicle's alone. */
-static void own_all(struct vehicle *vehicle)
-{
-	const mjModel *model = vehicle->model;
-	vehicle->own = (struct owned){
-		.body = {1, model->nbody}, .joint = {0, model->njnt}, .geom = {0, model->ngeom}, .actuator = {0, (int)model->nactuator},
-		.qpos = {0, model->nq}, .dof = {0, model->nv}, .act = {0, model->na}, .ctrl = {0, (int)model->nu},
-	};
-}
-
 enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 {
 	char where[VEHICLE_WHERE];
+	const double gravity[3] = {0, 0, -scene->gravity};
 	vehicle_where(vehicle, scene, where);
 	TRY(vehicle_compile(vehicle, scene, where));
-	own_all(vehicle);
+	mju_copy3(vehicle->gravity, vehicle->single->opt.gravity);
+	mju_copy3(vehicle->single->opt.gravity, gravity);
+	return sum_model(vehicle);
+}
+
+enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scene)
+{
+	char where[VEHICLE_WHERE];
+	vehicle_where(vehicle, scene, where);
 	TRY(vehicle_start_pose(vehicle, where));
-	fit(vehicle, scene);
-	TRY(sum_model(vehicle));
 	TRY(vehicle_find_geoms(vehicle, where));
 	doubt_sizes(vehicle, where);
 	TRY(find_root(vehicle, where));
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
-	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
-	vehicle->row_actuators = mem_calloc(2 * range_count(vehicle->own.actuator) + 1, sizeof *vehicle->row_actuators);
-	vehicle->host_controls = mem_alloc(range_count(vehicle->own.actuator) + 1, sizeof *vehicle->host_controls);
-	TRY_MEM(vehicle->pushed != NULL && vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
-	for (size_t i = 0; i < range_count(vehicle->own.actuator); i++)
+	const size_t actuators = range_count(vehicle->own.actuator);
+	vehicle->row_actuators = mem_calloc(2 * actuators + 1, sizeof *vehicle->row_actuators);
+	vehicle->host_controls = mem_alloc(actuators + 1, sizeof *vehicle->host_controls);
+	TRY_MEM(vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
+	for (size_t i = 0; i < actuators; i++)
 		vehicle->host_controls[i] = (double)NAN;
 	vehicle_find_bound(vehicle, scene);
 	return vehicle_make_driver(vehicle, where);
@@ -143,10 +149,12 @@ void vehicle_forget(struct vehicle *vehicle)
 {
 	vehicle_free_driver(&vehicle->driver);
 	vehicle_free_geoms(vehicle);
-	if (vehicle->data != NULL)
-		mj_deleteData(vehicle->data);
-	if (vehicle->model != NULL)
-		mj_deleteModel(vehicle->model);
-	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls,
+	if (vehicle->spec != NULL)
+		mj_deleteSpec(vehicle->spec);
+	if (vehicle->posed != NULL)
+		mj_deleteData(vehicle->posed);
+	if (vehicle->single != NULL)
+		mj_deleteModel(vehicle->single);
+	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->contacts, vehicle->rows, vehicle->row_actuators, vehicle->host_controls,
 		     vehicle->start_controls, vehicle->kept);
 }

@@ -52,13 +52,23 @@ static bool is_on_ground(const struct vehicle *vehicle, int geom, double ground)
 	return false;
 }
 
+/* Finds the centre of gravity. */
+static void find_balance(const struct vehicle *vehicle, double place[3])
+{
+	mju_zero3(place);
+	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
+		mju_addToScl3(place, &vehicle->data->xipos[3 * body], vehicle->model->body_mass[body]);
+	mju_scl3(place, place, 1 / vehicle_mass(vehicle));
+}
+
 static enum status outline(const struct vehicle *vehicle, struct vehicle_outline *out)
 {
 	const mjModel *model = vehicle->model;
 	const mjData *data = vehicle->data;
-	const double *axes = data->xmat + 9 * vehicle->root, *middle = data->subtree_com;
-	double ground = INFINITY, belly = INFINITY;
-	*out = (struct vehicle_outline){.mass = mj_getTotalmass(model)};
+	const double *axes = data->xmat + 9 * vehicle->root;
+	double ground = INFINITY, belly = INFINITY, middle[3];
+	find_balance(vehicle, middle);
+	*out = (struct vehicle_outline){.mass = vehicle_mass(vehicle)};
 	snprintf(out->name, sizeof out->name, "%s", vehicle->scene->name);
 	for (size_t i = 0; i < vehicle->geom_count; i++)
 		ground = fmin(ground, lowest(vehicle, vehicle->geoms[i].geom));
@@ -99,7 +109,7 @@ enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct ve
 		vehicle_destroy(vehicles);
 		return fail_with(STATUS_INPUT, "scene: it has no vehicle; add one to vehicles");
 	}
-	mj_forward(vehicles->list[vehicle].model, vehicles->list[vehicle].data);
+	vehicle_find_inertia(vehicles);
 	enum status status = outline(&vehicles->list[vehicle], out);
 	vehicle_destroy(vehicles);
 	return status;

@@ -151,7 +151,7 @@ static void drive(struct vehicle *vehicle, double middle, double curvature, doub
 		const struct wheel wheel = wheel_of(vehicle, actuator, false);
 		const double side = 1 - curvature * wheel.y, gear = vehicle_gear(model, actuator)[0];
 		const double way = copysign(hypot(side, curvature * (wheel.x - middle)), side);
-		const double each = mj_getTotalmass(model) * needs * wheel.radius / (double)driver->drive_count;
+		const double each = vehicle_mass(vehicle) * needs * wheel.radius / (double)driver->drive_count;
 		const double gain = model->actuator_gainprm[actuator * mjNGAIN];
 		*vehicle_ctrl(vehicle, actuator) = is_servo(model, actuator) ? gear * wheel.side * speed * way / wheel.radius
 									     : wheel.side * each / (gear * (gain != 0 ? gain : 1));

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "vehicle/between.h"
+#include "vehicle/internal.h"
 #include "vehicle/settle.h"
 #include "vehicle/start.h"
 
@@ -22,17 +22,18 @@
 #define FREE_MOST 20.0  /* s */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
+#define INSIDE 1e-3     /* m: deeper than this, a vehicle starts inside another one */
 
 /* --- settling --- */
 
 static double speed_of(const struct vehicle *vehicle)
 {
-	return sqrt(2 * fmax(vehicle_kinetic(vehicle), 0) / mj_getTotalmass(vehicle->model));
+	return sqrt(2 * fmax(vehicle_kinetic(vehicle), 0) / vehicle_mass(vehicle));
 }
 
 static void begin(struct vehicles *vehicles, double stage)
 {
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
 		vehicle->begun = stage;
 		vehicle->slow = vehicle->settle_seconds; /* when the stage began */
@@ -43,14 +44,14 @@ static void begin(struct vehicles *vehicles, double stage)
 /* Makes all geoms change the ground in the next step, so that it knows how deep they sank. */
 static void touch_all(struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
 			vehicles->list[v].geoms[g].is_touched = false;
 }
 
 static void tell_unrest(const struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
 		if (vehicle->calm < CALM && !vehicle->scene->start.unsettled && speed_of(vehicle) > TREMBLES)
 			note("vehicles.%s: is not at rest after %.3g s of settling: it still moves at %.3g m/s; the drive begins", vehicle->scene->name,
@@ -74,7 +75,7 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 		snprintf(soil, sizeof soil, ", here %g", vehicles->scene->soils[0].bekker_kphi);
 	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high: the soil does not carry the vehicle, which weighs %.4g N; "
 			     "check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing", geom->name, geom->contact.sinkage,
-		 mj_getTotalmass(vehicle->model) * vehicles->scene->gravity, soil);
+		 vehicle_mass(vehicle) * vehicles->scene->gravity, soil);
 }
 
 /* Soil that yields does not lift a geom again. So a vehicle is refused once a geom is deeper than it is large in any direction. A thin plate
@@ -82,7 +83,7 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 static enum status check_sunk(const struct vehicles *vehicles)
 {
 	char text[500];
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
 		if (geom == NULL || geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape))
 			continue;
@@ -102,7 +103,7 @@ static void tell_settling(struct vehicles *vehicles, double still)
 	if (now - vehicles->settling_told < TOLD_SECONDS)
 		return;
 	vehicles->settling_told = now;
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
 	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g", vehicles->list[0].settle_seconds,
 	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still);
@@ -112,7 +113,7 @@ static void tell_settling(struct vehicles *vehicles, double still)
 static bool all_calm(const struct vehicles *vehicles)
 {
 	bool all = true;
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		all = all && (vehicles->list[v].calm >= CALM || vehicles->list[v].scene->start.unsettled);
 	return all;
 }
@@ -123,7 +124,7 @@ static enum status settle_step(struct vehicles *vehicles, double rate, double st
 	if (world_stopped(vehicles->world))
 		return world_interrupted(vehicles->world);
 	TRY(vehicle_move(vehicles, rate, false));
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
 		vehicle->settle_seconds += seconds;
 		vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
@@ -150,7 +151,7 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 /* The bodies are placed first, so that the world reads the ground around them. */
 static enum status place_bodies(struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
@@ -164,12 +165,44 @@ static enum status place_bodies(struct vehicles *vehicles)
 	return vehicle_record(vehicles);
 }
 
+static void find_forces(void *argument)
+{
+	struct vehicles *vehicles = argument;
+	mj_forward(vehicles->model, vehicles->data);
+}
+
+/* A vehicle must not start inside another one, or inside a thing of `world`. */
+static enum status check_inside(const struct vehicles *vehicles)
+{
+	const mjData *data = vehicles->data;
+	const mjContact *deepest = NULL;
+	for (int i = 0; i < data->ncon; i++) {
+		const mjContact *contact = &data->contact[i];
+		if (contact->geom[0] >= 0 && contact->geom[1] >= 0 && vehicle_of_geom(vehicles, contact->geom[0]) != vehicle_of_geom(vehicles, contact->geom[1]) &&
+		    (deepest == NULL || contact->dist < deepest->dist))
+			deepest = contact;
+	}
+	if (deepest == NULL || deepest->dist >= -INSIDE)
+		return STATUS_OK;
+	const struct vehicle *of[2] = {vehicle_of_geom(vehicles, deepest->geom[0]), vehicle_of_geom(vehicles, deepest->geom[1])};
+	const int second = of[0]->is_world || (!of[1]->is_world && of[0] > of[1]) ? 0 : 1; /* that is told: the later vehicle of the scene */
+	char names[2][200];
+	for (int k = 0; k < 2; k++)
+		vehicle_geom_name(of[k], deepest->geom[k], names[k], sizeof names[k]);
+	return vehicle_fail_start(vehicles, of[second], "its geom %s starts %.3g m inside %s of %s%s; move the start of one of them", names[second],
+				  -deepest->dist, names[1 - second], of[1 - second]->is_world ? "" : "vehicles.", of[1 - second]->scene->name);
+}
+
 static enum status start(struct vehicles *vehicles)
 {
 	begin(vehicles, VEHICLE_SLOWED); /* also after a failure: a vehicle is set down once */
-	for (size_t v = 0; v < vehicles->count; v++)
-		TRY(vehicle_set_down(vehicles, &vehicles->list[v]));
-	TRY(vehicle_between_check_start(vehicles));
+	TRY(vehicle_find_origin(vehicles));
+	for (size_t i = 0; i < vehicles->all; i++)
+		TRY(vehicle_set_down(vehicles, &vehicles->list[vehicles->order[i]]));
+	TRY(vehicle_guard("vehicles", find_forces, vehicles));
+	for (size_t v = 0; v < vehicles->all; v++)
+		TRY(vehicle_check_start(vehicles, &vehicles->list[v]));
+	TRY(check_inside(vehicles));
 	return place_bodies(vehicles);
 }
 
@@ -196,12 +229,12 @@ enum status vehicle_settle(struct vehicles *vehicles)
 		TRY(start(vehicles));
 	TRY(settle(vehicles));
 	begin(vehicles, VEHICLE_DRIVES);
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
 		vehicle->slow = 0;
-		vehicle->data->time = 0;
 		vehicle->settle_seconds = vehicle->scene->start.unsettled ? 0 : vehicle->settle_seconds;
 		TRY(vehicle_start_speed(vehicles, vehicle));
 	}
+	vehicles->data->time = 0;
 	return STATUS_OK;
 }

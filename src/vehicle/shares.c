@@ -43,7 +43,7 @@ struct statics {
 /* Returns false if there is no memory for it. */
 static bool begin(struct statics *statics, const struct vehicle *vehicle)
 {
-	const mjModel *model = vehicle->model;
+	const mjModel *model = vehicle->single;
 	const size_t nv = (size_t)model->nv, count = PLACES * vehicle->geom_count;
 	*statics = (struct statics){.vehicle = vehicle, .data = mj_makeData(model), .count = count};
 	statics->springs = mem_calloc(count, sizeof *statics->springs);
@@ -71,7 +71,7 @@ static void add_outer(double *matrix, const double *row, double factor, int nv)
 /* `soil`: stiffness of the soil below all geoms. */
 static void find_fixed(struct statics *statics, double soil)
 {
-	const mjModel *model = statics->vehicle->model;
+	const mjModel *model = statics->vehicle->single;
 	const mjData *data = statics->data;
 	const int nv = model->nv;
 	mj_fullM(model, data, statics->fixed);
@@ -94,14 +94,15 @@ static void find_fixed(struct statics *statics, double soil)
 /* Returns the stiffness of all springs together. `load`: N, of each geom. */
 static double find_springs(struct statics *statics, const struct soil_numbers *soil, double load)
 {
-	const mjModel *model = statics->vehicle->model;
+	const mjModel *model = statics->vehicle->single;
 	double lowest = INFINITY, stiffness = 0;
 	for (size_t i = 0; i < statics->count; i++) {
 		const struct soil_geom *geom = &statics->vehicle->geoms[i / PLACES];
 		const double direction[3] = {i & 1 ? ASIDE : -ASIDE, i & 2 ? ASIDE : -ASIDE, -1};
 		double *rows = statics->jacobians + 3 * i * (size_t)model->nv, place[3];
-		vehicle_geom_support(model, statics->data, geom->geom, direction, place);
-		mj_jac(model, statics->data, rows, NULL, place, model->geom_bodyid[geom->geom]);
+		const int alone = geom->geom - statics->vehicle->own.geom.first + statics->vehicle->own.geom_number;
+		vehicle_geom_support(model, statics->data, alone, direction, place);
+		mj_jac(model, statics->data, rows, NULL, place, model->geom_bodyid[alone]);
 		statics->springs[i] = (struct spring){.up = rows + 2 * model->nv, .gap = place[2], .touches = true};
 		statics->springs[i].stiffness = load / PLACES / fmax(soil_sinkage_guess(&geom->shape, soil, load), SINKAGE_LEAST);
 		stiffness += statics->springs[i].stiffness;
@@ -116,7 +117,7 @@ static double find_springs(struct statics *statics, const struct soil_numbers *s
 static bool solve(struct statics *statics, bool *same)
 {
 	const mjData *data = statics->data;
-	const int nv = statics->vehicle->model->nv;
+	const int nv = statics->vehicle->single->nv;
 	mju_copy(statics->matrix, statics->fixed, nv * nv);
 	for (int i = 0; i < nv; i++)
 		statics->motion[i] = data->qfrc_passive[i] + data->qfrc_actuator[i] - data->qfrc_bias[i];
@@ -146,7 +147,7 @@ static bool bears(const struct statics *statics, double weight)
 	double sum = 0;
 	for (size_t i = 0; i < statics->count; i++)
 		sum += statics->springs[i].load;
-	for (int i = 0; i < statics->vehicle->model->nv; i++)
+	for (int i = 0; i < statics->vehicle->single->nv; i++)
 		if (!(fabs(statics->motion[i]) < MOVES_MOST))
 			return false;
 	return fabs(sum - weight) < MISSED_MOST * weight;
@@ -154,15 +155,15 @@ static bool bears(const struct statics *statics, double weight)
 
 static enum status find(struct vehicle *vehicle, const struct scene *scene)
 {
-	const double weight = mj_getTotalmass(vehicle->model) * scene->gravity;
+	const double weight = vehicle_mass(vehicle) * scene->gravity;
 	struct statics statics;
 	if (!begin(&statics, vehicle)) {
 		finish(&statics);
 		return fail_memory("a vehicle");
 	}
-	bool found = !(vehicle->model->neq > 0 && mj_isSparse(vehicle->model)) && weight > 0, same = false;
+	bool found = !(vehicle->single->neq > 0 && mj_isSparse(vehicle->single)) && weight > 0, same = false;
 	if (found) {
-		mj_forward(vehicle->model, statics.data);
+		mj_forward(vehicle->single, statics.data);
 		find_fixed(&statics, find_springs(&statics, &scene->soils[0], weight / (double)vehicle->geom_count));
 	}
 	for (size_t turn = 0; found && !same && turn <= 2 * statics.count; turn++)

@@ -1,3 +1,4 @@
+#define VEHICLE_NAMES_HERE /* a model alone has no prefixes */
 #include "vehicle/spec.h"
 
 #include <math.h>
@@ -113,6 +114,37 @@ static void set_pose(struct spec *spec)
 
 /* --- all --- */
 
+/* Compiles the spec into spec->model; NULL: MuJoCo refuses it. */
+static void compile(struct spec *spec)
+{
+	spec->model = mj_compile(spec->spec, NULL);
+	if (spec->model != NULL)
+		return;
+	const char *why = mjs_getError(spec->spec);
+	snprintf(spec->error, sizeof spec->error, "%s", why != NULL ? why : "");
+}
+
+/* A body by itself without products of inertia is "simple" for MuJoCo, which then keeps no room for products of its freedoms. But the soil
+ * couples them (coupling.c). So each such body gets an empty one below it. */
+static void couple_freedoms(struct spec *spec)
+{
+	const mjModel *model = spec->model;
+	bool any = false;
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_BODY); each != NULL; each = mjs_nextElement(spec->spec, each)) {
+		const int body = mjs_getId(each);
+		if (body <= 0 || body >= model->nbody || !model->body_simple[body] || model->body_dofnum[body] == 0)
+			continue;
+		any = true;
+		if (mjs_addBody(mjs_asBody(each), NULL) == NULL)
+			spec->status = fail_memory("a vehicle");
+	}
+	if (!any || spec->status != STATUS_OK)
+		return;
+	spec->spec->compiler.fusestatic = 0; /* it is done, and would take the empty ones away */
+	mj_deleteModel(spec->model);
+	compile(spec);
+}
+
 static void make(void *argument)
 {
 	struct spec *spec = argument;
@@ -134,12 +166,11 @@ static void make(void *argument)
 		return;
 	mj_clearCache(mj_getCache()); /* it knows files by their second of change alone */
 	const double given = mass_of_file(spec);
-	spec->model = mj_compile(spec->spec, NULL);
-	if (spec->model == NULL) {
-		const char *why = mjs_getError(spec->spec);
-		snprintf(spec->error, sizeof spec->error, "%s", why != NULL ? why : "");
+	compile(spec);
+	if (spec->model != NULL)
+		couple_freedoms(spec);
+	if (spec->model == NULL || spec->status != STATUS_OK)
 		return;
-	}
 	tell_mass(spec, given);
 	spec->data = mj_makeData(spec->model);
 	if (spec->data == NULL)
@@ -164,22 +195,22 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 	struct spec spec = {.where = where, .path = vehicle->scene->model, .scene = vehicle->scene, .gravity = scene->gravity, .keyframe = -1};
 	TRY(vehicle_check_model(where, spec.path, &spec.urdf, &spec.welded));
 	enum status status = vehicle_guard(where, make, &spec);
-	vehicle->model = spec.model;
-	vehicle->data = spec.data;
-	if (spec.spec != NULL && status == STATUS_OK)
-		mj_deleteSpec(spec.spec);
+	vehicle->single = spec.model;
+	vehicle->posed = spec.data;
+	if (status == STATUS_OK)
+		vehicle->spec = spec.spec;
 	if (status != STATUS_OK) /* what MuJoCo refuses is wrong with the file */
 		return fail_with(STATUS_INPUT, "%s", failure_message());
 	TRY(spec.status);
 	join_lines(spec.error);
-	if (vehicle->model == NULL)
+	if (vehicle->single == NULL)
 		return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo " VEHICLE_MUJOCO_VERSION " reads", where, spec.path,
 				 spec.error[0] != '\0' ? spec.error : "MuJoCo does not read it");
-	TRY_MEM(vehicle->data, "a vehicle");
+	TRY_MEM(vehicle->posed, "a vehicle");
 	vehicle->keyframe = spec.keyframe;
 	if (vehicle->scene->keyframe != NULL && spec.keyframe < 0) {
 		char names[VEHICLE_NAMES];
-		vehicle_list_names(vehicle->model, mjOBJ_KEY, 0, (int)vehicle->model->nkey, names);
+		vehicle_list_own_names(vehicle->single, mjOBJ_KEY, names);
 		return fail_with(STATUS_INPUT, "%s: start.keyframe: %.64s is no keyframe of the model; there are: %s", where, vehicle->scene->keyframe, names);
 	}
 	const char *warning = vehicle_guard_warning();

@@ -77,7 +77,7 @@ static enum status set_joints(struct vehicle *vehicle, const char *where)
 		const struct scene_texts pattern = {.list = &joints->names.list[n], .count = 1};
 		bool any = false;
 		for (int i = vehicle->own.joint.first; i < vehicle->own.joint.end; i++) {
-			const char *name = mj_id2name(vehicle->model, mjOBJ_JOINT, i);
+			const char *name = vehicle_part_name(vehicle->model, mjOBJ_JOINT, i);
 			if (name == NULL || !holds_one(vehicle->model, i) || !vehicle_matches(&pattern, name, false))
 				continue;
 			TRY(set_joint(vehicle, where, i, name, joints->values[n]));
@@ -97,7 +97,7 @@ static enum status set_control(struct vehicle *vehicle, const char *where, const
 	char names[VEHICLE_NAMES];
 	bool any = false;
 	for (int i = actuators.first; i < actuators.end; i++) {
-		const char *own = mj_id2name(model, mjOBJ_ACTUATOR, i);
+		const char *own = vehicle_part_name(model, mjOBJ_ACTUATOR, i);
 		const int at = model->actuator_ctrladr[i];
 		const double *range = model->actuator_ctrlrange + 2 * at;
 		if (own == NULL || !vehicle_matches(&pattern, own, false))
@@ -155,7 +155,7 @@ static void about(int axis, double angle, double turn[4])
 	mju_axisAngle2Quat(turn, axes, angle);
 }
 
-/* Turns a root body about the pivot by `tilt`, and then with the pivot by `yaw` about the model's origin. */
+/* Turns a root body about the pivot by `tilt`, then with the pivot by `yaw` about the model's origin, and puts it above the start. */
 static void turn_root(struct vehicle *vehicle, int body, const double pivot[3], const double tilt[4], const double yaw[4])
 {
 	double turned[4], place[3], *quat, *pos = place_of(vehicle, body, &quat);
@@ -168,6 +168,7 @@ static void turn_root(struct vehicle *vehicle, int body, const double pivot[3], 
 	}
 	mju_rotVecQuat(place, pos, yaw);
 	mju_mulQuat(turned, yaw, quat);
+	mju_addTo3(place, vehicle->shift);
 	mju_copy3(pos, place);
 	mju_copy4(quat, turned);
 }
@@ -175,6 +176,14 @@ static void turn_root(struct vehicle *vehicle, int body, const double pivot[3], 
 static bool is_root(const struct vehicle *vehicle, int body)
 {
 	return vehicle->model->body_parentid[body] == 0;
+}
+
+enum status vehicle_find_origin(struct vehicles *vehicles)
+{
+	mju_zero3(vehicles->origin);
+	if (vehicles->all > vehicles->count) /* the things of `world` have the terrain's own axes: metres, local */
+		return STATUS_OK;
+	return world_start_point(vehicles->world, vehicles->list[vehicles->order[0]].scene, vehicles->origin);
 }
 
 static enum status turn(const struct vehicles *vehicles, struct vehicle *vehicle)
@@ -185,8 +194,14 @@ static enum status turn(const struct vehicles *vehicles, struct vehicle *vehicle
 	about(1, -scene->start.pitch, pitch);
 	about(0, scene->start.roll, roll);
 	mju_mulQuat(tilt, pitch, roll);
+	mju_copy3(vehicle->origin, vehicles->origin);
+	if (vehicle->is_world)
+		return STATUS_OK;
+	double start[3] = {0, 0, 0};
+	TRY(world_start_point(vehicles->world, scene, start));
+	for (int i = 0; i < 2; i++)
+		vehicle->shift[i] = start[i] - vehicles->origin[i];
 	mju_copy3(pivot, place_of(vehicle, vehicle->root, &quat));
-	TRY(world_start_point(vehicles->world, scene, vehicle->origin));
 	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
 		if (is_root(vehicle, body))
 			turn_root(vehicle, body, pivot, scene->start.pitch != 0 || scene->start.roll != 0 ? tilt : NULL, yaw);
@@ -238,9 +253,14 @@ static void find_length(struct vehicle *vehicle)
 	}
 }
 
-enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *vehicle)
+enum status vehicle_replace(struct vehicles *vehicles, struct vehicle *vehicle)
 {
+	const double height = vehicle->origin[2];
+	TRY(vehicle_find_origin(vehicles));
+	vehicles->origin[2] = height;
 	TRY(turn(vehicles, vehicle));
+	if (vehicle->is_world)
+		return STATUS_OK;
 	lift(vehicle);
 	mj_kinematics(vehicle->model, vehicle->data);
 	find_length(vehicle);
@@ -277,7 +297,7 @@ static enum status depth_of(const struct vehicles *vehicles, const struct vehicl
 	return STATUS_OK;
 }
 
-static enum status check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
+enum status vehicle_check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
 {
 	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
 		double depth, at[3];
@@ -288,7 +308,7 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 		TRY(depth_of(vehicles, vehicle, i, &depth, at, &any));
 		if (depth <= 0)
 			continue;
-		vehicle_geom_name(vehicle->model, i, name, sizeof name);
+		vehicle_geom_name(vehicle, i, name, sizeof name);
 		return vehicle_fail_start(vehicles, vehicle, "its geom %s starts %.3g m under ground, at %.3f, %.3f, %.3f m, and does not press it; name it in soil, start "
 							     "elsewhere, or give a height", name, depth, at[0], at[1], at[2]);
 	}
@@ -299,17 +319,19 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom)
 {
 	const struct extent *extent = &world_resident(vehicles->world)->meta->extent;
-	const double *at = vehicle->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
+	const double *at = vehicles->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
 	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && world_resident(vehicles->world)->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
 	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
 				  extent_side(extent, 0), extent_side(extent, 1),
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
 }
 
-enum status vehicle_set_down(const struct vehicles *vehicles, struct vehicle *vehicle)
+enum status vehicle_set_down(struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	double deepest = -INFINITY;
 	TRY(turn(vehicles, vehicle));
+	if (vehicle->is_world)
+		return STATUS_OK;
 	mj_kinematics(vehicle->model, vehicle->data);
 	find_length(vehicle);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
@@ -322,12 +344,13 @@ enum status vehicle_set_down(const struct vehicles *vehicles, struct vehicle *ve
 	}
 	deepest += vehicle->scene->start.height;
 	/* Whole metres are the origin's, so that MuJoCo's numbers stay small. */
-	const double whole = floor(deepest);
-	vehicle->origin[2] = whole;
+	const bool first = vehicles->all == vehicles->count && vehicle == &vehicles->list[vehicles->order[0]];
+	const double whole = first ? floor(deepest) : 0;
+	if (first)
+		vehicle->origin[2] = vehicles->origin[2] = whole;
 	vehicle->lift = deepest - whole;
 	lift(vehicle);
-	mj_forward(vehicle->model, vehicle->data);
-	return check_start(vehicles, vehicle);
+	return STATUS_OK;
 }
 
 /* --- the speed --- */
@@ -369,7 +392,7 @@ static void roll(const struct vehicle *vehicle, struct soil_geom *geom, const do
 	vehicle->data->qvel[geom->dof] = geom->sprocket != 0 ? speed / geom->sprocket : speed / geom->shape.radius * (mju_dot3(axis, left) >= 0 ? 1 : -1);
 }
 
-enum status vehicle_start_speed(const struct vehicles *vehicles, struct vehicle *vehicle)
+enum status vehicle_start_speed(struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	const double speed = vehicle->scene->start.speed, *mat = &vehicle->data->xmat[9 * vehicle->root];
 	const double velocity[3] = {speed * mat[0], speed * mat[3], speed * mat[6]};
@@ -378,13 +401,13 @@ enum status vehicle_start_speed(const struct vehicles *vehicles, struct vehicle 
 	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++) {
 		if (!is_root(vehicle, body) || vehicle->model->body_mocapid[body] >= 0 || push_root(vehicle, body, velocity) <= ALONG * fabs(speed))
 			continue;
-		const char *name = mj_id2name(vehicle->model, mjOBJ_BODY, body);
+		const char *name = vehicle_part_name(vehicle->model, mjOBJ_BODY, body);
 		return vehicle_fail_start(vehicles, vehicle, "speed: the joints of its root body %s do not let it move forward; give it a free joint, or no speed",
 					  name != NULL ? name : "without a name");
 	}
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		roll(vehicle, &vehicle->geoms[g], velocity);
-	vehicle_find_places(vehicle);
+	vehicle_find_places(vehicles);
 	return STATUS_OK;
 }
 
@@ -444,12 +467,15 @@ void vehicle_keep_unsettled(struct vehicles *vehicles)
 
 void vehicle_restore_unsettled(struct vehicles *vehicles)
 {
+	bool any = false;
 	for (struct vehicle *vehicle = vehicles->list; vehicle < vehicles->list + vehicles->count; vehicle++) {
 		if (vehicle->kept == NULL)
 			continue;
+		any = true;
 		const struct range qpos = vehicle->own.qpos, dof = vehicle->own.dof;
 		mju_copy(vehicle->data->qpos + qpos.first, vehicle->kept, (int)range_count(qpos));
 		mju_copy(vehicle->data->qvel + dof.first, vehicle->kept + range_count(qpos), (int)range_count(dof));
-		vehicle_find_places(vehicle);
 	}
+	if (any)
+		vehicle_find_places(vehicles);
 }

@@ -77,7 +77,7 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 
 void vehicle_save(const struct vehicles *vehicles, double *numbers)
 {
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		numbers = save_one(vehicles, &vehicles->list[v], numbers);
 }
 
@@ -153,16 +153,10 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 
 enum status vehicle_restore(struct vehicles *vehicles, const double *numbers)
 {
-	for (size_t v = 0; v < vehicles->count; v++) {
-		struct vehicle *vehicle = &vehicles->list[v];
-		TRY(restore_one(vehicles, vehicle, &numbers));
-		if (vehicle->begun == 0)
-			continue;
-		/* What the last step left beside its state. */
-		vehicle_find_places(vehicle);
-		mj_crb(vehicle->model, vehicle->data);
-		mj_factorM(vehicle->model, vehicle->data);
-	}
+	for (size_t v = 0; v < vehicles->all; v++)
+		TRY(restore_one(vehicles, &vehicles->list[v], &numbers));
+	if (vehicles->list[0].begun > 0) /* what the last step left beside its state */
+		vehicle_find_inertia(vehicles);
 	vehicle_show(vehicles);
 	return STATUS_OK;
 }

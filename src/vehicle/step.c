@@ -1,7 +1,7 @@
 /* One time step: what the soil does, what the vehicles do, and which of their geoms change the ground. */
 #include <math.h>
 
-#include "vehicle/between.h"
+#include "vehicle/internal.h"
 #include "vehicle/start.h"
 
 #define DIP_LEAST 2e-5    /* m: so much down changes the ground where the body leaves that dip: a hundredth of what soil springs back */
@@ -94,7 +94,7 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 static enum status touch(struct vehicles *vehicles)
 {
 	size_t count = 0;
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
 		for (size_t g = 0; g < vehicle->geom_count; g++) {
 			struct soil_geom *geom = &vehicle->geoms[g];
@@ -145,7 +145,7 @@ static void part_load(const struct vehicles *vehicles, struct soil_geom *geom)
 static enum status ask(struct vehicles *vehicles)
 {
 	size_t count = 0;
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
@@ -156,7 +156,7 @@ static enum status ask(struct vehicles *vehicles)
 		}
 	TRY(world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, sizeof *vehicles->contacts));
 	count = 0;
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			geom->contact = vehicles->contacts[count++];
@@ -184,21 +184,15 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 /* --- the motion --- */
 
 struct motion {
-	struct vehicle *vehicle;
+	struct vehicles *vehicles;
 	double time, seconds, rate;
 	bool drives;
 };
 
-static void prepare(void *argument)
-{
-	const struct motion *motion = argument;
-	vehicle_prepare(motion->vehicle, motion->time, motion->drives);
-}
-
 static void advance(void *argument)
 {
 	const struct motion *motion = argument;
-	vehicle_advance(motion->vehicle, motion->time, motion->seconds, motion->rate, motion->drives);
+	vehicle_advance(motion->vehicles, motion->time, motion->seconds, motion->rate, motion->drives);
 }
 
 static bool is_finite(const struct vehicle *vehicle)
@@ -209,36 +203,49 @@ static bool is_finite(const struct vehicle *vehicle)
 		sum += fabs(data->qpos[i]);
 	for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end; i++)
 		sum += fabs(data->qvel[i]);
-	const int bad = data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number + data->warning[mjWARN_BADQACC].number;
-	return isfinite(sum) && bad == 0;
+	return isfinite(sum);
 }
 
-static struct motion motion_of(const struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
+/* Returns the vehicle of whose numbers MuJoCo warned first, or that has numbers that are not finite; NULL: none. */
+static const struct vehicle *diverged(const struct vehicles *vehicles)
 {
-	return (struct motion){vehicle, drives ? world_time(vehicles->world) : 0, vehicles->scene->time_step, rate, drives};
+	static const int warnings[] = {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC};
+	const struct vehicle *bad = NULL;
+	for (int w = 0; w < 3; w++) {
+		const mjWarningStat *warning = &vehicles->data->warning[warnings[w]];
+		for (size_t v = 0; v < vehicles->all && warning->number > 0; v++) {
+			const struct owned *own = &vehicles->list[v].own;
+			const struct range range = w == 0 ? own->qpos : own->dof;
+			if (warning->lastinfo >= range.first && warning->lastinfo < range.end)
+				return &vehicles->list[v];
+		}
+	}
+	for (size_t v = 0; v < vehicles->all; v++)
+		if (!is_finite(&vehicles->list[v]) && bad == NULL)
+			bad = &vehicles->list[v];
+	return bad;
 }
 
-static enum status prepare_one(const struct vehicles *vehicles, struct vehicle *vehicle, bool drives)
+static enum status move_all(struct vehicles *vehicles, double rate, bool drives)
 {
-	struct motion motion = motion_of(vehicles, vehicle, 0, drives);
-	return vehicle_guard(vehicle->scene->name, prepare, &motion);
-}
-
-static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
-{
-	struct motion motion = motion_of(vehicles, vehicle, rate, drives);
-	const double time = motion.time, seconds = motion.seconds;
-	double before[2], after[2];
-	if (drives)
-		vehicle_trail_add(vehicle);
-	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
-	TRY(vehicle_guard(vehicle->scene->name, advance, &motion));
-	if (!is_finite(vehicle))
+	struct motion motion = {vehicles, drives ? world_time(vehicles->world) : 0, vehicles->scene->time_step, rate, drives};
+	for (size_t v = 0; v < vehicles->all; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		if (drives)
+			vehicle_trail_add(vehicle);
+		mju_copy(vehicle->was, &vehicle->data->xpos[3 * vehicle->root], 2);
+	}
+	TRY(vehicle_guard(vehicles->all == 1 ? vehicles->list[0].scene->name : "vehicles", advance, &motion));
+	const struct vehicle *bad = diverged(vehicles);
+	if (bad != NULL)
 		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "
-						"actuators, or give its joints damping", vehicle->scene->name, time, seconds,
-				 number_at_most(vehicle->largest_step, 3).text);
-	mju_copy(after, &vehicle->data->xpos[3 * vehicle->root], 2);
-	vehicle->distance += drives ? hypot(after[0] - before[0], after[1] - before[1]) : 0;
+						"actuators, or give its joints damping", bad->scene->name, motion.time, motion.seconds,
+				 number_at_most(bad->largest_step, 3).text);
+	for (size_t v = 0; v < vehicles->all; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		const double *now = &vehicle->data->xpos[3 * vehicle->root];
+		vehicle->distance += drives ? hypot(now[0] - vehicle->was[0], now[1] - vehicle->was[1]) : 0;
+	}
 	return STATUS_OK;
 }
 
@@ -247,14 +254,10 @@ enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 	if (!drives)
 		vehicle_keep_unsettled(vehicles);
 	TRY(ask(vehicles));
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
 			TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
-	for (size_t v = 0; v < vehicles->count; v++)
-		TRY(prepare_one(vehicles, &vehicles->list[v], drives));
-	TRY(vehicle_between_push(vehicles));
-	for (size_t v = 0; v < vehicles->count; v++)
-		TRY(move_one(vehicles, &vehicles->list[v], rate, drives));
+	TRY(move_all(vehicles, rate, drives));
 	if (!drives)
 		vehicle_restore_unsettled(vehicles);
 	return touch(vehicles);
@@ -262,7 +265,7 @@ enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 
 double vehicle_kinetic(const struct vehicle *vehicle)
 {
-	const int nv = vehicle->model->nv;
+	const struct range dofs = vehicle->own.dof;
 	mj_mulM(vehicle->model, vehicle->data, vehicle->room, vehicle->data->qvel);
-	return mju_dot(vehicle->room, vehicle->data->qvel, nv) / 2;
+	return mju_dot(vehicle->room + dofs.first, vehicle->data->qvel + dofs.first, (int)range_count(dofs)) / 2;
 }

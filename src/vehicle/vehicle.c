@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "vehicle/between.h"
+#include "vehicle/internal.h"
 #include "vehicle/load.h"
 #include "vehicle/settle.h"
 
@@ -15,7 +15,7 @@
 
 static enum status make_lists(struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		vehicles->geom_count += vehicles->list[v].geom_count;
 		vehicles->carrying_count += vehicles->list[v].carrying_count;
 		vehicles->attached += vehicle_state_numbers(&vehicles->list[v]);
@@ -30,28 +30,55 @@ static enum status make_lists(struct vehicles *vehicles)
 	    vehicles->record == NULL || vehicles->aboard_shapes == NULL)
 		return fail_memory("the vehicles");
 	size_t next = 0;
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
 			if (vehicles->list[v].geoms[g].carries)
 				vehicles->aboard_shapes[next++] = &vehicles->list[v].geoms[g].shape;
 	return STATUS_OK;
 }
 
+/* Vehicles by name, then what `world` has. */
+static void sort_by_name(struct vehicles *vehicles)
+{
+	for (size_t i = 0; i < vehicles->count; i++) {
+		size_t at = i;
+		for (; at > 0 && strcmp(vehicles->list[vehicles->order[at - 1]].scene->name, vehicles->list[i].scene->name) > 0; at--)
+			vehicles->order[at] = vehicles->order[at - 1];
+		vehicles->order[at] = i;
+	}
+	if (vehicles->all > vehicles->count)
+		vehicles->order[vehicles->count] = vehicles->count;
+}
+
+static enum status read_all(const struct scene *scene, struct vehicles *vehicles)
+{
+	const size_t things = scene->things != NULL;
+	TRY(mem_zeroed(&vehicles->list, scene->vehicle_count + things, sizeof *vehicles->list, "the vehicles"));
+	TRY(mem_zeroed(&vehicles->order, scene->vehicle_count + things, sizeof *vehicles->order, "the vehicles"));
+	for (size_t i = 0; i < scene->vehicle_count + things; i++) {
+		vehicles->all = i + 1;
+		vehicles->count = i < scene->vehicle_count ? i + 1 : i;
+		vehicles->list[i].scene = i < scene->vehicle_count ? &scene->vehicles[i] : scene->things;
+		vehicles->list[i].is_world = i == scene->vehicle_count;
+		TRY(vehicle_read(&vehicles->list[i], scene));
+	}
+	return STATUS_OK;
+}
+
 /* Reads all models, and makes what is made of them once. */
 static enum status load(const struct scene *scene, struct vehicles *vehicles)
 {
-	TRY(mem_zeroed(&vehicles->list, scene->vehicle_count, sizeof *vehicles->list, "the vehicles"));
-	for (size_t i = 0; i < scene->vehicle_count; i++) {
-		vehicles->count = i + 1;
-		vehicles->list[i].scene = &scene->vehicles[i];
-		TRY(vehicle_read(&vehicles->list[i], scene));
-	}
+	TRY(read_all(scene, vehicles));
+	sort_by_name(vehicles);
+	TRY(vehicle_merge(vehicles));
+	vehicle_fit(vehicles);
+	vehicle_find_inertia(vehicles);
+	for (size_t i = 0; i < vehicles->all; i++)
+		TRY(vehicle_find_parts(&vehicles->list[i], scene));
 	TRY(vehicle_divide_step(vehicles));
-	for (size_t i = 0; i < vehicles->count; i++)
-		TRY(vehicle_set_timestep(&vehicles->list[i], vehicles->scene));
+	TRY(vehicle_set_timestep(vehicles));
 	TRY(make_lists(vehicles));
 	TRY(vehicle_check_cameras(vehicles));
-	TRY(vehicle_between_create(vehicles));
 	return scene->view.present || scene->hosted ? vehicle_make_figures(vehicles) : STATUS_OK; /* a host may ask for pictures without a view */
 }
 
@@ -82,11 +109,14 @@ void vehicle_destroy(struct vehicles *vehicles)
 {
 	if (vehicles == NULL)
 		return;
-	vehicle_between_destroy(vehicles);
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		vehicle_forget(&vehicles->list[v]);
 	vehicle_free_figures(vehicles);
-	mem_free_all(vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles->aboard_shapes, vehicles);
+	if (vehicles->data != NULL)
+		mj_deleteData(vehicles->data);
+	if (vehicles->model != NULL)
+		mj_deleteModel(vehicles->model);
+	mem_free_all(vehicles->order, vehicles->room, vehicles->mass, vehicles->kept, vehicles->list, vehicles->numbers, vehicles->states, vehicles->belts, vehicles->contacts, vehicles->record, vehicles->aboard_shapes, vehicles);
 }
 
 size_t vehicle_attached(const struct vehicles *vehicles)
@@ -127,7 +157,7 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 {
 	vehicles->world = world;
 	TRY(vehicle_check_rasters(vehicles, world));
-	for (size_t v = 0; v < vehicles->count; v++) {
+	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
 		for (size_t g = 0; g < vehicle->geom_count; g++)
 			TRY(add_body(world, &vehicle->geoms[g]));
@@ -242,7 +272,7 @@ static enum status tell_forces(struct vehicles *vehicles)
 {
 	if (vehicles->scene->forces == 0)
 		return STATUS_OK;
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			const struct furrow_contact *contact = &geom->contact;
@@ -346,7 +376,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	const struct vehicle *vehicle = &vehicles->list[index];
 	*info = (struct vehicle_info){
 		.name = vehicle->scene->name,
-		.mass = mj_getTotalmass(vehicle->model),
+		.mass = vehicle_mass(vehicle),
 		.gravity = -vehicle->model->opt.gravity[2],
 		.own_gravity = {vehicle->gravity[0], vehicle->gravity[1], vehicle->gravity[2]},
 		.geom_count = vehicle->geom_count,
@@ -356,7 +386,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.largest_geom = vehicle->geoms[vehicle->largest_geom].name,
 		.largest_mass = vehicle->largest_mass,
 		.largest_area = vehicle->largest_area,
-		.engine_steps = vehicle->engine_steps,
+		.engine_steps = vehicles->engine_steps,
 		.settled = vehicle->begun == VEHICLE_DRIVES,
 		.settle_seconds = vehicle->settle_seconds,
 		.distance = vehicle->distance,
@@ -391,12 +421,12 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint)
 {
-	const char *name = mj_id2name(vehicles->list[vehicle].model, mjOBJ_JOINT, vehicles->list[vehicle].joints[joint]);
+	const char *name = vehicle_part_name(vehicles->list[vehicle].model, mjOBJ_JOINT, vehicles->list[vehicle].joints[joint]);
 	return name != NULL ? name : "";
 }
 
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
 {
-	const char *name = mj_id2name(vehicles->list[vehicle].model, mjOBJ_ACTUATOR, vehicles->list[vehicle].own.actuator.first + (int)actuator);
+	const char *name = vehicle_part_name(vehicles->list[vehicle].model, mjOBJ_ACTUATOR, vehicles->list[vehicle].own.actuator.first + (int)actuator);
 	return name != NULL ? name : "";
 }

@@ -111,10 +111,10 @@ static void all_wheels_turn_about_one_middle(void **state)
 	const double curvature = 2 * past / ((corner - 2) * (corner - 2) + past * past), radius = 1 / curvature;
 	static const char *const steers[] = {"steer_front_left", "steer_front_right", "steer_rear_left", "steer_rear_right"};
 	for (int i = 0; i < 4; i++) {
-		const int actuator = mj_name2id(model, mjOBJ_ACTUATOR, steers[i]);
+		const int actuator = vehicle_find_part(vehicle, mjOBJ_ACTUATOR, steers[i]);
 		const double x = i < 2 ? 0.6 : -0.6, y = i % 2 == 0 ? 0.425 : -0.425;
 		const double angle = atan2(x, radius - y), rim = curvature * hypot(x, radius - y) * 0.1 / 0.15;
-		const int drives = mj_name2id(model, mjOBJ_ACTUATOR, i == 0 ? "drive_front_left" : i == 1 ? "drive_front_right" : i == 2 ? "drive_rear_left"
+		const int drives = vehicle_find_part(vehicle, mjOBJ_ACTUATOR, i == 0 ? "drive_front_left" : i == 1 ? "drive_front_right" : i == 2 ? "drive_rear_left"
 														: "drive_rear_right");
 		assert_true(fabs(ctrl[actuator] - angle) < 1e-3);
 		assert_true(fabs(ctrl[drives] - rim) < 1e-3);

@@ -90,7 +90,7 @@ static void a_step_that_does_not_fit_is_refused(void **state)
 		snprintf(keys, sizeof keys, "time_step: %.17g", info.largest_step * (parts - 0.5));
 		must(rig_load(keys, "", &scene, &vehicles));
 		assert_true(fabs(vehicle_scene(vehicles, scene)->time_step - scene->time_step / parts) < 1e-15);
-		assert_int_equal(vehicles->list[0].engine_steps, (int)ceil(vehicle_scene(vehicles, scene)->time_step / 0.002 - 1e-6));
+		assert_int_equal(vehicles->engine_steps, (int)ceil(vehicle_scene(vehicles, scene)->time_step / 0.002 - 1e-6));
 		vehicle_destroy(vehicles);
 		scene_destroy(scene);
 	}

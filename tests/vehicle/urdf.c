@@ -142,7 +142,7 @@ static void what_no_body_can_have_is_mended(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		write_cart("", cases[i].inertial, "", "");
 		struct loaded loaded = load("", (const char *const[]){cases[i].says, NULL});
-		const double *moments = &loaded.car->model->body_inertia[3 * mj_name2id(loaded.car->model, mjOBJ_BODY, "base")];
+		const double *moments = &loaded.car->model->body_inertia[3 * vehicle_find_part(loaded.car, mjOBJ_BODY, "base")];
 		for (int k = 0; k < 3; k++)
 			assert_true(moments[k] >= cases[i].least - 1e-9 && moments[k] <= cases[i].most + 1e-9);
 		assert_true(fabs(loaded.info.mass - 112) < 1e-9);

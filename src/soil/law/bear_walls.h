@@ -13,7 +13,6 @@
 #include "soil/law/bear_changes.h"
 
 #define WALL_SINKS 1000 /* a box has sunk as in its last motion for so many motions, at most */
-#define WALL_STEEP 16   /* if that went down by a quarter of its way or more; less of it by the square of that share, so that a motion along the level has no jump */
 
 /* The parts of a wall: from the edge up to the level of the sole's other edge, and from there to the ground. Shares of its height. */
 struct wall_parts {
@@ -48,9 +47,7 @@ SOIL_INLINED void put_wall_lines(const struct soil_form *f, int w, const struct 
 /* Gives the shear on a wall. It began when the wall began to sink. */
 SOIL_INLINED void shear_wall(const struct soil_form *f, bool asked, const struct lane_posts *p, int i, float deep, struct place *place)
 {
-	const float by_modulus = p->by_modulus[i], sank = clamped(deep / most(-f->way[2], 1e-9f), 1, WALL_SINKS);
-	const float squares = f->way[0] * f->way[0] + f->way[1] * f->way[1] + f->way[2] * f->way[2], steep = clamped(WALL_STEEP * f->way[2] * f->way[2] / most(squares, 1e-24f), 0, 1);
-	const float since = either(f->way[2] < 0, 1 + steep * (sank - 1), 1), each = since * (1.0f / BRIM_STEPS);
+	const float by_modulus = p->by_modulus[i], sank = deep / most(-f->way[2], 1e-9f), since = either(f->way[2] < 0, clamped(sank, 1, WALL_SINKS), 1), each = since * (1.0f / BRIM_STEPS);
 	place->mobilised[0] = place->mobilised[1] = 0;
 	brim_slides(f, 3.5f * each, each, by_modulus, place);
 	brim_slides(f, 2.5f * each, each, by_modulus, place);
