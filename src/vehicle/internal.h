@@ -163,7 +163,7 @@ struct vehicles {
 	double *record;             /* room for them */
 	double row;                 /* number of the next row of vehicles.csv */
 	double stuck_at;
-	double settling_told;       /* s, by the clock: when it was last told how far settling is; 0: not begun */
+	double settling_begun, settling_told; /* s, by the clock: when settling began, and when it was last told how far it is; 0: not begun */
 };
 
 /* --- load.c --- */

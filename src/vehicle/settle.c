@@ -21,6 +21,9 @@
 #define SLOWED_MOST 60.0 /* s */
 #define FREE_MOST 20.0  /* s */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
+#define WORK_MOST 15.0  /* s of the clock: for so long a vehicle may sink that is deeper than it is high, */
+#define SINKS 1e-3      /* m/s: faster than this */
+#define HEAVY 20000     /* triangles: a mesh of more is told where settling takes long */
 #define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
 #define INSIDE 1e-3     /* m: deeper than this, a vehicle starts inside another one */
 
@@ -73,19 +76,21 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 	char soil[64] = "";
 	if (vehicles->scene->soil_count == 1)
 		snprintf(soil, sizeof soil, ", here %g", vehicles->scene->soils[0].bekker_kphi);
-	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high: the soil does not carry the vehicle, which weighs %.4g N; "
-			     "check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing", geom->name, geom->contact.sinkage,
-		 vehicle_mass(vehicle) * vehicles->scene->gravity, soil);
+	const double *at = geom->now.pose.position;
+	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high, at %.3f, %.3f, %.3f m: the soil does not carry the vehicle, which weighs "
+			     "%.4g N; check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing, %g m", geom->name, geom->contact.sinkage, at[0], at[1], at[2],
+		 vehicle_mass(vehicle) * vehicles->scene->gravity, soil, world_resident(vehicles->world)->spacing);
 }
 
 /* Soil that yields does not lift a geom again. So a vehicle is refused once a geom is deeper than it is large in any direction. A thin plate
- * that is only deeper than it is high may be carried. */
+ * that is only deeper than it is high may be carried. But if it still sinks after so much work, that is told at once. */
 static enum status check_sunk(const struct vehicles *vehicles)
 {
 	char text[500];
 	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
-		if (geom == NULL || geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape))
+		const bool works_long = vehicles->settling_begun > 0 && clock_seconds() - vehicles->settling_begun > WORK_MOST && speed_of(&vehicles->list[v]) > SINKS;
+		if (geom == NULL || (geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape) && !works_long))
 			continue;
 		vehicle_say_sunk(vehicles, &vehicles->list[v], geom, text, sizeof text);
 		return fail_with(STATUS_INPUT, "%s: while it settles, %s", vehicles->scene->file, text);
@@ -93,20 +98,37 @@ static enum status check_sunk(const struct vehicles *vehicles)
 	return STATUS_OK;
 }
 
+/* Writes which mesh costs most, if it has many triangles. */
+static void say_heavy(const struct vehicles *vehicles, char *text, size_t size)
+{
+	uint32_t most = HEAVY;
+	text[0] = '\0';
+	for (size_t v = 0; v < vehicles->all; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
+			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
+			if (geom->mesh == NULL || geom->mesh->triangle_count <= most)
+				continue;
+			most = geom->mesh->triangle_count;
+			snprintf(text, size, "; the mesh of vehicles.%s has %u triangles, which take the time: thin it, or leave it out of soil", geom->name, most);
+		}
+}
+
 /* Tells now and then how far it is: settling may take minutes of computing. */
 static void tell_settling(struct vehicles *vehicles, double still)
 {
 	const double now = clock_seconds();
+	char heavy[300];
 	double fastest = 0;
-	if (vehicles->settling_told == 0)
-		vehicles->settling_told = now;
+	if (vehicles->settling_begun == 0)
+		vehicles->settling_told = vehicles->settling_begun = now;
 	if (now - vehicles->settling_told < TOLD_SECONDS)
 		return;
 	vehicles->settling_told = now;
 	for (size_t v = 0; v < vehicles->all; v++)
 		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
-	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g", vehicles->list[0].settle_seconds,
-	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still);
+	say_heavy(vehicles, heavy, sizeof heavy);
+	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g%s", vehicles->list[0].settle_seconds,
+	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still, heavy);
 }
 
 /* Returns true if all vehicles that settle have been at rest for a while. */
@@ -216,9 +238,8 @@ static enum status settle(struct vehicles *vehicles)
 		begin(vehicles, VEHICLE_FREE);
 	}
 	if (first->begun == VEHICLE_FREE) {
-		enum status status = until_still(vehicles, 0, STILL, FREE_MOST);
+		TRY(until_still(vehicles, 0, STILL, FREE_MOST));
 		tell_unrest(vehicles);
-		TRY(status);
 	}
 	return STATUS_OK;
 }
