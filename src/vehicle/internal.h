@@ -142,6 +142,9 @@ struct vehicle {
 	struct contact *contacts;   /* geom_count + carrying_count: of coupling.c */
 	double *rows;               /* of the contacts */
 	size_t contact_count, touching; /* in this step of the engine; touching: of them, the first ones, that are no loads */
+	double *start_controls;     /* nactuator: what an actuator has until a driver sets it; NaN: as without `start`. NULL: all are NaN */
+	double *kept;               /* room for its qpos and qvel, if it does not settle; else NULL: start.c */
+	double placed[2], half_length; /* m: where its root body was set down, from `origin`; half its length in plan */
 	double *host_controls;      /* what a host has set, of its actuators and then of its powertrain; NaN: the driver sets it */
 	struct drive *drives;       /* electric ones */
 	size_t drive_count;
@@ -186,7 +189,7 @@ struct vehicles {
 	double *record;             /* room for them */
 	double row;                 /* number of the next row of vehicles.csv */
 	double stuck_at;
-	double settling_told;       /* s, by the clock: when it was last told how far settling is; 0: not begun */
+	double settling_begun, settling_told; /* s, by the clock: when settling began, and when it was last told how far it is; 0: not begun */
 };
 
 /* --- load.c --- */
@@ -328,6 +331,8 @@ enum status vehicle_make_driver(struct vehicle *vehicle, const char *where) FURR
 /* Converts the path to local metres. */
 enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world) FURROW_CHECKED;
 void vehicle_free_driver(struct driver *driver);
+/* Returns true if the actuator pulls its joint to a place, as legs and arms have it. */
+bool vehicle_holds_place(const struct vehicle *vehicle, int actuator);
 /* Sets the controls for a time, s. `drives` false: it settles, and wheels get none. */
 void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 

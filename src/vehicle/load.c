@@ -7,6 +7,7 @@
 #include "vehicle/load.h"
 #include "vehicle/powertrain.h"
 #include "vehicle/spec.h"
+#include "vehicle/start.h"
 
 #define WHOLE 1e-6 /* of a step of the engine: a time step that is longer than some by less has no more */
 #define STEPS_MOST 1e4
@@ -130,6 +131,7 @@ enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scen
 {
 	char where[VEHICLE_WHERE];
 	vehicle_where(vehicle, scene, where);
+	TRY(vehicle_start_pose(vehicle, where));
 	TRY(vehicle_find_geoms(vehicle, where));
 	doubt_sizes(vehicle, where);
 	TRY(find_root(vehicle, where));
@@ -160,5 +162,6 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->posed);
 	if (vehicle->single != NULL)
 		mj_deleteModel(vehicle->single);
-	mem_free_all(vehicle->drives, vehicle->joints, vehicle->row_joints, vehicle->contacts, vehicle->rows, vehicle->row_actuators, vehicle->host_controls);
+	mem_free_all(vehicle->drives, vehicle->joints, vehicle->row_joints, vehicle->contacts, vehicle->rows, vehicle->row_actuators, vehicle->host_controls,
+		     vehicle->start_controls, vehicle->kept);
 }

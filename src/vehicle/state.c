@@ -5,6 +5,7 @@
 #include "vehicle/drives.h"
 #include "vehicle/powertrain.h"
 #include "vehicle/settle.h"
+#include "vehicle/start.h"
 
 #define OWN 14       /* numbers of a vehicle itself, */
 #define TRAIL (2 + 2 * VEHICLE_TRAIL) /* of its trail, */

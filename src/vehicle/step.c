@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "vehicle/internal.h"
+#include "vehicle/start.h"
 
 #define DIP_LEAST 2e-5    /* m: so much down changes the ground where the body leaves that dip: a hundredth of what soil springs back */
 #define BACK_SHARE 0.05   /* of a post: so much along the level changes it where the motion turns back */
@@ -266,12 +267,16 @@ static enum status move_all(struct vehicles *vehicles, double rate, bool drives)
 
 enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 {
+	if (!drives)
+		vehicle_keep_unsettled(vehicles);
 	TRY(ask(vehicles));
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
 			if (!vehicles->list[v].geoms[g].aloft)
 				TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
 	TRY(move_all(vehicles, rate, drives));
+	if (!drives)
+		vehicle_restore_unsettled(vehicles);
 	return touch(vehicles);
 }
 

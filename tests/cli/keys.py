@@ -37,6 +37,7 @@ VIEW = {**PLAIN, "view": "{size: [48, 32], camera: {chase: a, back: 6, up: 3}, e
 RELIEF = {**SCM, "relief": "{roughness: 0.05, wavelength: 0.8}"}
 CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{name: dry_sand}", "redistribute": "{model: scm}", "output": "{vehicles: 50}",
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
+STEERED = "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 3}}}]"
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
 TRAIN = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, powertrain: {wheels: [drive*], engine: [[500, 20], [6000, 20]], inertia: 0.1, gears: [8, 4], shift_time: 0}, "
@@ -152,6 +153,17 @@ ROWS = {
     "vehicles[].soil": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel", "four").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.soil": "[left_fl, left_rl, right_fr]"}),
     "vehicles[].no_soil": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel", "four").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.no_soil": "[left_fl]"}),
     "vehicles[].start.keyframe": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel.xml", "four.xml").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.start.keyframe": "turned"}),
+    "vehicles[].start.pitch": (CAR, {"vehicles.car.start.pitch": "5"}),
+    "vehicles[].start.roll": (CAR, {"vehicles.car.start.roll": "5"}),
+    "vehicles[].start.height": (CAR, {"vehicles.car.start.height": "0.1"}),
+    "vehicles[].start.speed": (CAR, {"vehicles.car.start.speed": "1"}),
+    "vehicles[].start.settle": (CAR, {"vehicles.car.start.settle": "false"}),
+    "vehicles[].start.joints": ({**CAR, "vehicles": STEERED}, {"vehicles.car.start.joints": "{steer: 0.2}"}),
+    "vehicles[].start.joints[].joint": ({**CAR, "vehicles": STEERED.replace("at: [20, 20]", "at: [20, 20], joints: [{joint: steer, value: 0.3}]")}, {"vehicles.car.start.joints.0.joint": "fr"}),
+    "vehicles[].start.joints[].value": ({**CAR, "vehicles": STEERED.replace("at: [20, 20]", "at: [20, 20], joints: [{joint: steer, value: 0.3}]")}, {"vehicles.car.start.joints.0.value": "0.1"}),
+    "vehicles[].start.controls": ({**CAR, "vehicles": STEERED}, {"vehicles.car.start.controls": "{steer: 0.2}"}),
+    "vehicles[].start.controls[].actuator": ({**CAR, "vehicles": STEERED.replace("at: [20, 20]", "at: [20, 20], controls: [{actuator: steer, value: 0.3}]")}, {"vehicles.car.start.controls.0.actuator": "drive_b"}),
+    "vehicles[].start.controls[].value": ({**CAR, "vehicles": STEERED.replace("at: [20, 20]", "at: [20, 20], controls: [{actuator: steer, value: 0.3}]")}, {"vehicles.car.start.controls.0.value": "0.1"}),
     "vehicles[].start.fixed": (URDF, {"vehicles.car.start.fixed": "true"}),
     "vehicles[].model_path": (URDF, {"vehicles.car.model_path": "[packages]"}),
     "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
