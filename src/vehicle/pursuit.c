@@ -23,8 +23,11 @@
 #define START 0.2       /* of the gravity: and what it grows by */
 #define STOP 0.1        /* of the gravity: how it falls before the path's end */
 #define CREEP 0.05      /* m/s, or a tenth of the speed: what is left of it at the end */
-#define GAIN 4.0        /* 1/s: acceleration by what a rim lacks */
+#define GAIN 8.0        /* 1/s: acceleration by what a rim lacks */
+#define STABLE 0.5      /* of what a wheel lacks, in a step of the engine */
 #define GAIN_SUM 1.0    /* 1/s: how fast what is lacking is summed up */
+#define GAIN_HOLD 5.0   /* 1/s: while it shall stand */
+#define FORCE_MOST 0.5  /* of the gravity: what forces that are summed up give, for a slope */
 #define SUM_SHARE 0.5   /* of the speed: what rims may be faster, */
 #define SUM_LEAST 0.05  /* m/s: or this */
 #define GAIN_TURN 2.0   /* 1/s: the same of the yaw */
@@ -186,8 +189,10 @@ static void drive(const struct vehicle *vehicle, const struct order *order)
 			continue;
 		}
 		const double straight = rate_of(vehicle, i, order->middle, 0);
-		const double lacks = (rate * order->speed - vehicle->data->actuator_velocity[model->actuator_outadr[actuator]]) / straight;
-		vehicle_ask_force(vehicle, actuator, mass * (GAIN * lacks + order->grows) / straight);
+		const int out = model->actuator_outadr[actuator];
+		/* A light wheel in the air must not swing. */
+		const double stiff = fmin(mass * GAIN / (straight * straight), STABLE / (model->actuator_acc0[out] * model->opt.timestep));
+		vehicle_ask_force(vehicle, actuator, stiff * (rate * order->speed - vehicle->data->actuator_velocity[out]) + mass * order->grows / straight);
 	}
 }
 
@@ -272,9 +277,9 @@ static double rims(struct vehicle *vehicle, const struct motion *motion)
 	bool force = false;
 	for (size_t i = 0; i < driver->drive_count; i++)
 		force = force || !vehicle_keeps_rate(vehicle->model, driver->drive[i]);
-	const double most = fmax(fmax(SUM_SHARE * driver->speed, SUM_LEAST), force ? -vehicle->model->opt.gravity[2] / GAIN : 0);
+	const double most = fmax(SUM_SHARE * driver->speed, SUM_LEAST) - (force ? FORCE_MOST * vehicle->model->opt.gravity[2] / GAIN : 0);
 	if (behind * driver->sum <= 0 || !all_at_limit(vehicle)) /* what actuators cannot do is not summed up */
-		driver->sum += GAIN_SUM * behind * vehicle->model->opt.timestep;
+		driver->sum += (driver->speed > 0 ? GAIN_SUM : GAIN_HOLD) * behind * vehicle->model->opt.timestep;
 	driver->sum = fmin(fmax(driver->sum, -most), most);
 	return speed;
 }
