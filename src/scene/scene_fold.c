@@ -156,6 +156,22 @@ failed:
 	return status;
 }
 
+/* `wheel_*: steel` is `{geoms: wheel_*, material: steel}`, and `track: {...}` is `{geoms: track, ...}`. */
+static enum status fold_surfaces(struct scene_node *surfaces)
+{
+	for (struct scene_node *node = surfaces->first; node != NULL; node = node->next) {
+		TRY(fold_value(node, "material"));
+		char *key = node->key;
+		node->key = NULL; /* in a list */
+		if (node->kind != SCENE_MAPPING)
+			mem_free(key);
+		else
+			TRY(add_text(node, "geoms", key, true));
+	}
+	surfaces->kind = SCENE_SEQUENCE;
+	return STATUS_OK;
+}
+
 static enum status fold_vehicles(const struct scene_tree *tree)
 {
 	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
@@ -163,6 +179,9 @@ static enum status fold_vehicles(const struct scene_tree *tree)
 		return STATUS_OK;
 	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL; vehicle = vehicle->next) {
 		struct scene_node *driver = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "driver") : NULL;
+		struct scene_node *surfaces = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "interface") : NULL;
+		if (surfaces != NULL && surfaces->kind == SCENE_MAPPING)
+			TRY(fold_surfaces(surfaces));
 		struct scene_node *hold = driver != NULL && driver->kind == SCENE_MAPPING ? scene_node_child(driver, "hold") : NULL;
 		if (hold == NULL || hold->kind != SCENE_MAPPING)
 			continue;

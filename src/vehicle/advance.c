@@ -78,6 +78,7 @@ static void brake(const struct vehicle *vehicle, bool braked)
 static void begin_step(struct vehicle *vehicle, double time, bool drives)
 {
 	mju_copy(vehicle->data->qfrc_applied, vehicle->pushed, vehicle->model->nv);
+	vehicle_push_bodies(vehicle, time, vehicle->model->opt.timestep, drives);
 	mj_step1(vehicle->model, vehicle->data);
 	vehicle_control(vehicle, time, drives);
 	mj_fwdActuation(vehicle->model, vehicle->data);

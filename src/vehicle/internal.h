@@ -122,6 +122,9 @@ struct vehicle {
 	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 	double *host_controls;      /* nactuator: what a host has set; NaN: the driver sets it */
+	struct pushes *pushes;      /* pushes.c; NULL: none */
+	double *host_forces;        /* 6 for each body: what a host has set, N, N m */
+	bool host_pushes;           /* it has set some */
 };
 
 /* A geom that pictures show. */
@@ -253,6 +256,26 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 enum status vehicle_read_controls(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
 /* Sets the controls of the table at a time. */
 void vehicle_table_control(struct vehicle *vehicle, double time);
+
+/* --- surfaces.c --- */
+/* Returns what a geom's surface is of: the last pattern that names it counts. Without one it is rough. */
+struct soil_interface vehicle_surface(const struct vehicle *vehicle, const struct soil_geom *geom);
+/* STATUS_INPUT: a pattern names no soil geom. */
+enum status vehicle_check_surfaces(const struct vehicle *vehicle, const char *where) FURROW_CHECKED;
+
+/* --- axes.c --- */
+/* Turns the first pose, so that the model looks along x and stands upright, as the scene says. */
+void vehicle_turn_model(struct vehicle *vehicle);
+/* Finds forward, left and up in the axes of the root body, which is known by now. */
+void vehicle_set_root_axes(struct vehicle *vehicle);
+
+/* --- pushes.c --- */
+/* Reads the table of pushes. Free it with vehicle_free_pushes, even after a failure. */
+enum status vehicle_make_pushes(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
+void vehicle_free_pushes(struct vehicle *vehicle);
+/* Sets the forces on bodies for an engine step of `seconds`. drives false: none. */
+void vehicle_push_bodies(struct vehicle *vehicle, double time, double seconds, bool drives);
+int vehicle_body_by_name(const struct vehicle *vehicle, const char *name); /* -1: it has none */
 
 /* --- steering.c --- */
 /* Finds what the driver's actuators do to the wheels. `tell`: a note of each that has no effect. `where`: for messages. Free it with vehicle_free_steering, even after a failure. */

@@ -56,8 +56,7 @@ static enum status find_root(struct vehicle *vehicle, const char *where)
 	if (range_count(vehicle->own.dof) == 0)
 		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
 	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
-	for (int i = 0; i < 9; i++)
-		vehicle->axes[i] = i % 4 == 0;
+	vehicle_set_root_axes(vehicle);
 	return STATUS_OK;
 }
 
@@ -124,7 +123,9 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	own_all(vehicle);
 	fit(vehicle, scene);
 	TRY(sum_model(vehicle));
+	vehicle_turn_model(vehicle);
 	TRY(vehicle_find_geoms(vehicle, where));
+	TRY(vehicle_check_surfaces(vehicle, where));
 	doubt_sizes(vehicle, where);
 	TRY(find_root(vehicle, where));
 	TRY(find_joints(vehicle));
@@ -136,12 +137,14 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	for (size_t i = 0; i < range_count(vehicle->own.actuator); i++)
 		vehicle->host_controls[i] = (double)NAN;
 	vehicle_find_bound(vehicle, scene);
+	TRY(vehicle_make_pushes(vehicle, where));
 	return vehicle_make_driver(vehicle, where);
 }
 
 void vehicle_forget(struct vehicle *vehicle)
 {
 	vehicle_free_driver(&vehicle->driver);
+	vehicle_free_pushes(vehicle);
 	vehicle_free_geoms(vehicle);
 	if (vehicle->data != NULL)
 		mj_deleteData(vehicle->data);

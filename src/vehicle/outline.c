@@ -56,7 +56,9 @@ static enum status outline(const struct vehicle *vehicle, struct vehicle_outline
 {
 	const mjModel *model = vehicle->model;
 	const mjData *data = vehicle->data;
-	const double *axes = data->xmat + 9 * vehicle->root, *middle = data->subtree_com;
+	const double *middle = data->subtree_com;
+	double axes[9];
+	vehicle_root_axes(vehicle, data, axes);
 	double ground = INFINITY, belly = INFINITY;
 	*out = (struct vehicle_outline){.mass = mj_getTotalmass(model)};
 	snprintf(out->name, sizeof out->name, "%s", vehicle->scene->name);

@@ -241,19 +241,30 @@ static struct motion motion_of(const struct vehicle *vehicle, double backward)
 /* The speed that the scene asks for here and now, below 0 backward. */
 static double asked(const struct vehicle *vehicle)
 {
-	return vehicle->scene->way.speed;
+	const struct driver *driver = &vehicle->driver;
+	const double *speeds = vehicle->scene->speeds;
+	const size_t last = driver->point_count - 1, from = (size_t)driver->at < last ? (size_t)driver->at : last - 1;
+	return speeds != NULL ? speeds[from] + (driver->at - (double)from) * (speeds[from + 1] - speeds[from]) : vehicle->scene->way.speed;
+}
+
+static bool shall_stand(const struct vehicle *vehicle, double time)
+{
+	bool stands = false;
+	for (size_t i = 0; i < vehicle->scene->stop_count; i++)
+		stands = stands || (time >= vehicle->scene->stops[i][0] && time < vehicle->scene->stops[i][1]);
+	return stands;
 }
 
 /* Brings the speed that is wanted nearer to what is asked for. `left`: m of the path. Returns how it grows, m/s2. */
-static double want(struct vehicle *vehicle, double most, double left)
+static double want(struct vehicle *vehicle, double most, double left, double time)
 {
 	struct driver *driver = &vehicle->driver;
 	const double gravity = -vehicle->model->opt.gravity[2], h = vehicle->model->opt.timestep;
 	const double ends = fmax(sqrt(2 * STOP * gravity * left), fmin(CREEP, 0.1 * most));
-	const double grows = fmin(most / START_TIME, START * gravity);
-	const double before = driver->speed;
-	driver->speed = driver->arrived ? 0 : fmin(fmin(most, ends), before + grows * h);
-	return fmax((driver->speed - before) / h, -grows);
+	const double grows = fmin(most / START_TIME, START * gravity), before = driver->speed;
+	const double to = fmin(shall_stand(vehicle, time) ? 0 : most, ends);
+	driver->speed = driver->arrived ? 0 : fmin(fmax(to, before - START * gravity * h), before + grows * h);
+	return fmax((driver->speed - before) / h, -START * gravity);
 }
 
 static bool all_at_limit(const struct vehicle *vehicle)
@@ -300,10 +311,8 @@ static double turned(struct vehicle *vehicle, const struct motion *motion, doubl
 void vehicle_pursue(struct vehicle *vehicle, double time)
 {
 	struct driver *driver = &vehicle->driver;
-	const double wanted = asked(vehicle);
-	const struct motion motion = motion_of(vehicle, wanted < 0 ? -1 : 1);
+	const struct motion motion = motion_of(vehicle, vehicle->scene->way.speed < 0 ? -1 : 1);
 	double middle, base, goal[2];
-	(void)time;
 	measure(vehicle, &middle, &base);
 	const double along = motion.backward * middle; /* from the origin, in the direction in which it goes */
 	const double x = motion.x + along * cos(motion.heading), y = motion.y + along * sin(motion.heading);
@@ -314,7 +323,7 @@ void vehicle_pursue(struct vehicle *vehicle, double time)
 	}
 	const double left = driver->left = origin ? go_on(driver, motion.x, motion.y) : go_on(driver, x, y);
 	driver->arrived = driver->at >= (double)(driver->point_count - 1);
-	const double grows = want(vehicle, fabs(wanted), left);
+	const double grows = want(vehicle, fabs(asked(vehicle)), left, time);
 	look(driver, fmax(fmax(AHEAD_BASES * base, AHEAD_TIME * driver->speed), origin ? AHEAD_ORIGIN * fabs(middle) : 0), goal);
 	const double ahead = (goal[0] - x) * cos(motion.heading) + (goal[1] - y) * sin(motion.heading);
 	const double aside = -(goal[0] - x) * sin(motion.heading) + (goal[1] - y) * cos(motion.heading);
