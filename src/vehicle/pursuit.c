@@ -280,14 +280,16 @@ static bool all_at_limit(const struct vehicle *vehicle)
 	return all;
 }
 
-/* Returns how fast rims go, so that the vehicle goes as fast as it should. */
-static double rims(struct vehicle *vehicle, const struct motion *motion)
+/* Returns how fast rims go, so that the vehicle goes as fast as it should. `before`: the speed that it should have had. */
+static double rims(struct vehicle *vehicle, const struct motion *motion, double before)
 {
 	struct driver *driver = &vehicle->driver;
-	const double speed = driver->speed + driver->sum, behind = driver->speed - motion->speed;
 	bool force = false;
 	for (size_t i = 0; i < driver->drive_count; i++)
 		force = force || !vehicle_keeps_rate(vehicle->model, driver->drive[i]);
+	if (!force && before > 0 && driver->speed == 0)
+		driver->sum = 0; /* that was slip, and there is none while it stands */
+	const double speed = driver->speed + driver->sum, behind = driver->speed - motion->speed;
 	const double most = fmax(SUM_SHARE * driver->speed, SUM_LEAST) - (force ? FORCE_MOST * vehicle->model->opt.gravity[2] / GAIN : 0);
 	if (behind * driver->sum <= 0 || !all_at_limit(vehicle)) /* what actuators cannot do is not summed up */
 		driver->sum += (driver->speed > 0 ? GAIN_SUM : GAIN_HOLD) * behind * vehicle->model->opt.timestep;
@@ -323,13 +325,13 @@ void vehicle_pursue(struct vehicle *vehicle, double time)
 	}
 	const double left = driver->left = origin ? go_on(driver, motion.x, motion.y) : go_on(driver, x, y);
 	driver->arrived = driver->at >= (double)(driver->point_count - 1);
-	const double grows = want(vehicle, fabs(asked(vehicle)), left, time);
+	const double before = driver->speed, grows = want(vehicle, fabs(asked(vehicle)), left, time);
 	look(driver, fmax(fmax(AHEAD_BASES * base, AHEAD_TIME * driver->speed), origin ? AHEAD_ORIGIN * fabs(middle) : 0), goal);
 	const double ahead = (goal[0] - x) * cos(motion.heading) + (goal[1] - y) * sin(motion.heading);
 	const double aside = -(goal[0] - x) * sin(motion.heading) + (goal[1] - y) * cos(motion.heading);
 	const double squares = ahead * ahead + aside * aside - (origin ? middle * middle : 0);
 	const double curvature = squares > 0 ? 2 * aside / squares : 0;
-	const struct order order = {middle, motion.backward * turned(vehicle, &motion, curvature, base), motion.backward * rims(vehicle, &motion), motion.backward * grows};
+	const struct order order = {middle, motion.backward * turned(vehicle, &motion, curvature, base), motion.backward * rims(vehicle, &motion, before), motion.backward * grows};
 	steer(vehicle, &order);
 	drive(vehicle, &order);
 }

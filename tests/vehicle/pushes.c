@@ -140,7 +140,8 @@ static void a_host_pushes_to_the_same_bits(void **state)
 	done(furrow_world_close(world));
 }
 
-/* A block that is dragged over the ground is held back by W tan delta, or by the soil's own strength if that is less. */
+/* A block that is dragged over the ground is held back by W tan delta, or by the soil's own strength if that is less. What comes under its front is not
+ * sheared yet: Janosi's law takes at most K / length of it. */
 static void a_surface_decides_what_holds(void **state)
 {
 	static const char block[] =
@@ -151,14 +152,16 @@ static void a_surface_decides_what_holds(void **state)
 		const char *interface;
 		double degrees;
 	} surfaces[] = {{"", 0}, {", interface: {foot: rubber}", 0}, {", interface: {foot: steel}", 17}, {", interface: {foot: {friction_angle: 10, adhesion: 0}}", 10}};
+	struct soil_numbers soil;
 	double held[4];
 	(void)state;
+	must(soil_named("dry_sand", &soil));
 	for (size_t i = 0; i < 4; i++) {
 		static struct drive_row rows[200];
 		char text[1024];
 		support_write(support_path("model.xml"), block);
 		support_write(support_path("controls.csv"), "t,drag\n0,0\n0.2,0.05\n");
-		snprintf(text, sizeof text, "scene: 1\nend_time: 6\ntime_step: 0.004\nspacing: 0.125\nsoil: {name: dry_sand, damping: 0}\n"
+		snprintf(text, sizeof text, "scene: 1\nend_time: 3\ntime_step: 0.004\nspacing: 0.125\nsoil: {name: dry_sand, damping: 0}\n"
 					    "redistribute: {model: scm, slip_sinkage: 0, bulldozing: 0, faces: off}\nvehicles:\n"
 					    "  - {name: v, model: model.xml, start: {at: [15, 15]}, soil: [foot]%s, driver: {controls: controls.csv}}\noutput: {vehicles: 20}\n",
 			 surfaces[i].interface);
@@ -171,7 +174,7 @@ static void a_surface_decides_what_holds(void **state)
 		const double wanted = 400 * 9.81 * tan(surfaces[i].degrees * M_PI / 180);
 		print_message("\"%s\": held back by %.1f N, W tan delta %.1f\n", surfaces[i].interface, held[i], wanted);
 		if (surfaces[i].degrees > 0)
-			assert_true(fabs(held[i] / wanted - 1) < 0.01);
+			assert_true(held[i] < wanted && held[i] > (1 - soil.janosi_shear) * wanted);
 	}
 	assert_true(held[0] == held[1] && held[0] > 1.5 * held[2]); /* rubber is rough */
 }
