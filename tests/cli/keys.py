@@ -38,6 +38,7 @@ RELIEF = {**SCM, "relief": "{roughness: 0.05, wavelength: 0.8}"}
 CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{name: dry_sand}", "redistribute": "{model: scm}", "output": "{vehicles: 50}",
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
+SLIPS = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
 SHAPE = {**PLAIN}
 HEALS = {**PLAIN, "attributes": "{disturbance: {heals: 100}}"}
@@ -144,6 +145,16 @@ ROWS = {
     "vehicles[].model_path": (URDF, {"vehicles.car.model_path": "[packages]"}),
     "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
     "vehicles[].servo.torque": (URDF, {"vehicles.car.servo.torque": "0.1"}),
+    "vehicles[].forward": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel.xml", "four.xml").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.forward": "+y"}),
+    "vehicles[].up": ({**CAR, "vehicles": "[{name: car, model: looks_back.xml, forward: -x, start: {at: [20, 20]}, soil: [wheel_*], driver: {hold: {drive_fl: 3}}}]"}, {"vehicles.car.up": "y"}),
+    "vehicles[].interface[].geoms": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.geoms": "'right*'"}),
+    "vehicles[].interface[].material": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.material": "rubber"}),
+    "vehicles[].interface[].friction_angle": (SLIPS, {"vehicles.car.interface": "{'*': {friction_angle: 10}}"}),
+    "vehicles[].interface[].adhesion": (SLIPS, {"vehicles.car.interface": "{'*': {adhesion: 10}}"}),
+    "vehicles[].pushes": (CAR, {"vehicles.car.pushes": "pushes.csv"}),
+    "vehicles[].driver.path.speeds": (WAY, {"vehicles.car.driver.path": "{points: [[20, 20], [24, 20], [24, 26]], speeds: [1, 1, 2]}"}),
+    "vehicles[].driver.path.stop": (WAY, {"vehicles.car.driver.path.stop": "[[0.1, 0.2]]"}),
+    "vehicles[].driver.follow": (WAY, {"vehicles.car.driver.follow": "origin"}),
     "vehicles[].carry": ({**CAR, "vehicles": "[{name: car, model: tray.xml, start: {at: [20, 20]}, soil: [tray], driver: {hold: {along: 0.1, lift: -0.1, tip: 0.3}}}]"}, {"vehicles.car.carry": "[tray]"}),
     "vehicles[].driver.path.points": (WAY, {"vehicles.car.driver.path.points": "[[20, 20], [24, 24]]"}),
     "vehicles[].driver.path.speed": (WAY, {"vehicles.car.driver.path.speed": "1"}),
@@ -300,7 +311,8 @@ class Keys(FurrowTest):
         for key, value in RASTERS.items():
             write_png16(self.folder / f"{key}.png", 65, 65, lambda x, y: value)
         one = (ROOT / "tests/vehicle/one_wheel.xml").read_text()
-        texts = {"one_wheel.xml": one, "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
+        texts = {"one_wheel.xml": one, "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "looks_back.xml": (ROOT / "tests/vehicle/looks_back.xml").read_text(), "pushes.csv": "t,body,fx,fy,fz\n0.1,carriage,200,0,0\n",
+                 "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
                  "poses.csv": "t,x,y,yaw,pitch,roll\n".replace(",yaw,pitch,roll", "") + "0,10,20\n0.6,11,20\n", "lying.csv": "t,x,y,z,yaw,pitch,roll\n0,10,20,0.3,0,0,90\n0.6,11,20,0.3,0,0,90\n", "other.csv": "t,x,y\n0,10,20\n0.6,11,23\n",
                  "eyes.csv": "t,x,y,z,yaw,pitch,roll\n0,12,10,20,90,-40,0\n", "eyes2.csv": "t,x,y,z,yaw,pitch,roll\n0,12,12,20,90,-40,0\n"}
         for file, half in (("a.obj", 0.6), ("b.obj", 1.2)):

@@ -85,6 +85,8 @@ SAMPLES = [
           vehicles=[vehicle(start={"at": [5, 5], "yaw": 30}, soil=["wheel"],
                             driver={"path": {"points": [[5, 5], [6, 5]], "speed": 1}, "steer": [], "drive": ["drive"]}),
                     vehicle(name="w", driver={"controls": "controls.csv"}),
+                    vehicle(name="v", forward="-x", up="y", pushes="pushes.csv", interface=[{"geoms": "wheel", "material": "steel"}, {"geoms": "w*", "friction_angle": 9, "adhesion": 1}],
+                            driver={"path": {"points": [[5, 5], [6, 5]], "speeds": [1, 2], "stop": [[1, 2]]}, "follow": "origin", "drive": ["drive"]}),
                     vehicle(name="x", driver={"hold": [{"actuator": "drive", "value": 1}]})]),
     scene(WHEEL, soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002, vehicles=[vehicle(name="beside")]),
     scene(wheel(path={"points": [[20, 20], [30, 20]], "speed": 5, "smooth": True, "delay": 1}),
@@ -258,7 +260,7 @@ class ScenePage(FurrowTest):
                 elif kind == "text":
                     self.assertEqual(row["range"], said)
                 elif kind != "mapping":
-                    self.assertEqual(re.findall(r"`(\w+)`", row["range"]), said.split(", "))
+                    self.assertEqual(re.findall(r"`([+\w-]+)`", row["range"]), said.split(", "))
 
     def check_numbers(self, key, low, high, above, unit, default):
         row = self.rows[key]
@@ -295,7 +297,7 @@ class ScenePage(FurrowTest):
                 if parameter["kind"] in NUMBERS:
                     self.check_numbers(key, *parameter["range"], parameter["above"], parameter["unit"], parameter["default"])
                 elif parameter["kind"] == "word":
-                    self.assertEqual(re.findall(r"`(\w+)`", self.rows[key]["range"]), parameter["words"])
+                    self.assertEqual(re.findall(r"`([+\w-]+)`", self.rows[key]["range"]), parameter["words"])
         told = [(key, name) for key, row in self.rows.items() for name in row["effect"].split(", ") if name]
         self.assertEqual({(key, name.strip("*")) for key, name in told if name.startswith("**")}, calls)
         self.assertEqual({(key, name) for key, name in told if not name.startswith("*")}, uses - calls)
