@@ -185,7 +185,7 @@ struct scene_vehicle {
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
 	bool follows_origin;    /* its origin follows the way; false: the middle of its axle that does not steer */
 	double *speeds;         /* m/s, one for each point of the way, all above 0 or all below; NULL: way.speed everywhere */
-	double (*stops)[2];     /* s: from, to: it stands then */
+	double (*stops)[2];     /* s: from, to: it shall not move then */
 	size_t stop_count;
 	char *controls;         /* SCENE_CONTROLS: path of a table in time */
 	uint64_t controls_hash[2];

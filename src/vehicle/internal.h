@@ -264,7 +264,7 @@ struct soil_interface vehicle_surface(const struct vehicle *vehicle, const struc
 enum status vehicle_check_surfaces(const struct vehicle *vehicle, const char *where) FURROW_CHECKED;
 
 /* --- axes.c --- */
-/* Turns the first pose, so that the model looks along x and stands upright, as the scene says. */
+/* Turns the first pose, so that the model looks along x and is upright, as the scene says. */
 void vehicle_turn_model(struct vehicle *vehicle);
 /* Finds forward, left and up in the axes of the root body, which is known by now. */
 void vehicle_set_root_axes(struct vehicle *vehicle);
@@ -286,7 +286,7 @@ void vehicle_free_steering(struct steering *steering);
 /* Tell what an actuator keeps by itself: a rate, or a place of its length. Neither: it gives a force. */
 bool vehicle_keeps_rate(const mjModel *model, int actuator);
 bool vehicle_keeps_place(const mjModel *model, int actuator);
-/* Set the controls of an actuator, so that its length changes at a rate, gives a force (N, N m before gear), or goes to a place. */
+/* Set the controls of an actuator. Its length changes at a rate, or goes to a place; or it gives a force, N or N m before gear. */
 void vehicle_ask_rate(const struct vehicle *vehicle, int actuator, double rate);
 void vehicle_ask_force(const struct vehicle *vehicle, int actuator, double force);
 void vehicle_ask_place(const struct vehicle *vehicle, int actuator, double length);

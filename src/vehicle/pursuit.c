@@ -140,7 +140,7 @@ static void look(const struct driver *driver, double ahead, double place[2])
 
 /* --- the actuators --- */
 
-/* What the driver asks of the vehicle: the way's curvature as it is for its own forward, and the speed of its rims, below 0 backward. */
+/* What the driver asks of the vehicle: the way's curvature for its own forward, and the speed of its rims. Below 0 it goes backward. */
 struct order {
 	double middle, curvature, speed, grows; /* grows: m/s2, how the speed changes */
 };
@@ -249,10 +249,10 @@ static double asked(const struct vehicle *vehicle)
 
 static bool shall_stand(const struct vehicle *vehicle, double time)
 {
-	bool stands = false;
+	bool stops = false;
 	for (size_t i = 0; i < vehicle->scene->stop_count; i++)
-		stands = stands || (time >= vehicle->scene->stops[i][0] && time < vehicle->scene->stops[i][1]);
-	return stands;
+		stops = stops || (time >= vehicle->scene->stops[i][0] && time < vehicle->scene->stops[i][1]);
+	return stops;
 }
 
 /* Brings the speed that is wanted nearer to what is asked for. `left`: m of the path. Returns how it grows, m/s2. */
@@ -288,7 +288,7 @@ static double rims(struct vehicle *vehicle, const struct motion *motion, double 
 	for (size_t i = 0; i < driver->drive_count; i++)
 		force = force || !vehicle_keeps_rate(vehicle->model, driver->drive[i]);
 	if (!force && before > 0 && driver->speed == 0)
-		driver->sum = 0; /* that was slip, and there is none while it stands */
+		driver->sum = 0; /* that was slip, and there is none at rest */
 	const double speed = driver->speed + driver->sum, behind = driver->speed - motion->speed;
 	const double most = fmax(SUM_SHARE * driver->speed, SUM_LEAST) - (force ? FORCE_MOST * vehicle->model->opt.gravity[2] / GAIN : 0);
 	if (behind * driver->sum <= 0 || !all_at_limit(vehicle)) /* what actuators cannot do is not summed up */
@@ -297,7 +297,7 @@ static double rims(struct vehicle *vehicle, const struct motion *motion, double 
 	return speed;
 }
 
-/* Returns the curvature that a vehicle without steering is asked for, so that it turns as it should: its belts and wheels slip to their sides. */
+/* Returns the curvature that a vehicle without steering is asked for, so that it turns as it should. Its belts and wheels slip to their sides. */
 static double turned(struct vehicle *vehicle, const struct motion *motion, double curvature, double base)
 {
 	struct driver *driver = &vehicle->driver;

@@ -1,8 +1,8 @@
 /*
  * Forces from outside on bodies of a vehicle: a table in time, and what a host sets.
  *
- * A row of the table holds from its t until the next row of the same body. In a step of the engine a force is its mean over the step, so that a push
- * of F for a time t brings F t whatever the step is. Forces act at the body's centre of mass, along east, north and up.
+ * A row of the table holds from its t until the next row of the same body. In a step of the engine a force is its mean over the step. So a push
+ * of F for a time t brings F t. Forces act at the body's centre of mass, along east, north and up.
  */
 #include <errno.h>
 #include <math.h>

@@ -1,12 +1,12 @@
 /*
  * What the driver's actuators do to the wheels, found by trial when the model is read.
  *
- * In the first pose the lengths of actuators are changed a little, and joints follow by the shortest way that keeps all equalities (connect, weld,
- * joint, tendon). So a wheel may be turned by a hinge of its own, by a rack on tendons, by another joint that it follows, or with half of the
- * vehicle. For each curvature of a way the lengths are then found with which wheels slip least to their sides, while the vehicle turns so.
+ * In the first pose the lengths of actuators are changed a little. Joints follow by the shortest way that keeps all equalities: connect, weld,
+ * joint, tendon. So a wheel may have a hinge of its own, a rack, another joint that it follows, or half of a
+ * vehicle about it. For each curvature of a way the lengths are then found with which wheels slip least to their sides, while the vehicle turns so.
  * Between these places the driver takes straight lines.
  *
- * A vehicle is plain if each steering actuator is of an upright hinge that turns its own wheel alone, and each driving one of the hinge of its wheel
+ * A vehicle is plain if each steering actuator is of an upright hinge that turns its own wheel alone. Each driving one is of the hinge of its wheel
  * or belt. It needs no table: pursuit.c has the angles by geometry.
  */
 #include <math.h>
@@ -159,7 +159,7 @@ static bool pose(struct trial *trial, const double *lengths)
 
 /* --- wheels --- */
 
-/* A wheel as it stands now: place and direction in which it rolls, in the vehicle's axes. */
+/* A wheel as it is now: place and direction in which it rolls, in the vehicle's axes. */
 static void stand(const struct trial *trial, const struct rolling *wheel, double place[2], double heading[2])
 {
 	const struct vehicle *vehicle = trial->vehicle;
@@ -183,7 +183,7 @@ static void stand(const struct trial *trial, const struct rolling *wheel, double
 	}
 }
 
-/* Returns true if the joint lies between the wheel and the root, and nothing but the ground turns it: the wheel runs behind it, as a castor or a
+/* Returns true if a joint lies between the wheel and the root that nothing but the ground turns. The wheel runs behind it, as a castor or a
  * trailer does. */
 static bool runs_behind(const struct trial *trial, int body)
 {
@@ -239,7 +239,7 @@ static void find_wheels(struct trial *trial, const double *steered)
 
 /* --- curvatures --- */
 
-/* Finds how far each wheel slips to its side while the vehicle goes 1 m along a way of this curvature, with its origin going aside by `aside`. */
+/* Finds how far each wheel slips to its side while the vehicle goes 1 m along a way of this curvature. `aside`: m, how its origin goes aside. */
 static void find_slips(const struct trial *trial, double curvature, double aside, double *slips)
 {
 	for (size_t w = 0; w < trial->wheel_count; w++) {
@@ -320,7 +320,7 @@ static bool fit(struct trial *trial, double curvature, double *lengths, double *
 	return true;
 }
 
-/* Fills the row of the table: what a curvature asks of actuators. The trial stands so. */
+/* Fills the row of the table: what a curvature asks of actuators. The trial is in that pose. */
 static void fill_table(const struct trial *trial, struct steering *steering, size_t row, double curvature, const double *lengths, double aside)
 {
 	steering->curvatures[row] = curvature;
@@ -340,7 +340,7 @@ static void fill_table(const struct trial *trial, struct steering *steering, siz
 	}
 }
 
-/* Finds how long the vehicle stands on its wheels. */
+/* Finds how far its wheels are apart lengthwise. */
 static double base_of(const struct trial *trial)
 {
 	double low = INFINITY, high = -INFINITY;

@@ -125,7 +125,7 @@ void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const doubl
 /* Returns how many bodies its model has, and the name of one, "" if it has none. */
 size_t vehicle_bodies(const struct vehicles *vehicles, size_t vehicle);
 const char *vehicle_model_body_name(const struct vehicles *vehicles, size_t vehicle, size_t body);
-/* Sets the force from outside on a body, at its centre of mass, for the steps from now on: N, N m along east, north, up. */
+/* Sets the force from outside on a body at its centre of mass, for the steps from now on. N, N m along east, north, up. */
 void vehicle_set_force(struct vehicles *vehicles, size_t vehicle, size_t body, const double force[3], const double torque[3]);
 /* Returns the name of the soil geom that is this body of the world; NULL: the body is no vehicle's. `vehicles` may be NULL. */
 const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number);

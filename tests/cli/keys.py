@@ -146,7 +146,8 @@ ROWS = {
     "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
     "vehicles[].servo.torque": (URDF, {"vehicles.car.servo.torque": "0.1"}),
     "vehicles[].forward": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel.xml", "four.xml").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.forward": "+y"}),
-    "vehicles[].up": ({**CAR, "vehicles": "[{name: car, model: looks_back.xml, forward: -x, start: {at: [20, 20]}, soil: [wheel_*], driver: {hold: {drive_fl: 3}}}]"}, {"vehicles.car.up": "y"}),
+    "vehicles[].up": ({**CAR, "vehicles": "[{name: car, model: brick.xml, start: {at: [20, 20]}}]"}, {"vehicles.car.up": "y"}),
+    "vehicles[].interface": (SLIPS, {"vehicles.car.interface": "{'*': steel}"}),
     "vehicles[].interface[].geoms": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.geoms": "'right*'"}),
     "vehicles[].interface[].material": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.material": "rubber"}),
     "vehicles[].interface[].friction_angle": (SLIPS, {"vehicles.car.interface": "{'*': {friction_angle: 10}}"}),
@@ -311,7 +312,7 @@ class Keys(FurrowTest):
         for key, value in RASTERS.items():
             write_png16(self.folder / f"{key}.png", 65, 65, lambda x, y: value)
         one = (ROOT / "tests/vehicle/one_wheel.xml").read_text()
-        texts = {"one_wheel.xml": one, "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "looks_back.xml": (ROOT / "tests/vehicle/looks_back.xml").read_text(), "pushes.csv": "t,body,fx,fy,fz\n0.1,carriage,200,0,0\n",
+        texts = {"one_wheel.xml": one, "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "brick.xml": '<mujoco><worldbody><body name="car"><freejoint/><geom name="brick" type="box" size=".4 .3 .2" mass="40"/></body></worldbody></mujoco>', "pushes.csv": "t,body,fx,fy,fz\n0.1,carriage,200,0,0\n",
                  "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
                  "poses.csv": "t,x,y,yaw,pitch,roll\n".replace(",yaw,pitch,roll", "") + "0,10,20\n0.6,11,20\n", "lying.csv": "t,x,y,z,yaw,pitch,roll\n0,10,20,0.3,0,0,90\n0.6,11,20,0.3,0,0,90\n", "other.csv": "t,x,y\n0,10,20\n0.6,11,23\n",
                  "eyes.csv": "t,x,y,z,yaw,pitch,roll\n0,12,10,20,90,-40,0\n", "eyes2.csv": "t,x,y,z,yaw,pitch,roll\n0,12,12,20,90,-40,0\n"}
