@@ -1,7 +1,7 @@
 """A vehicle of the scene."""
 import ctypes
 import math
-from typing import Dict, Optional, Tuple, TYPE_CHECKING
+from typing import Dict, Optional, Sequence, Tuple, TYPE_CHECKING
 
 import numpy
 
@@ -24,10 +24,17 @@ class Vehicle:
         state = self.state  # there is such a vehicle
         self.joint_names = self._names(Part.JOINT, state.joints)
         self.actuator_names = self._names(Part.ACTUATOR, state.actuators)
+        self.model_body_names = self._all_names(Part.MODEL_BODY)
         self._controls = numpy.full(state.actuators, math.nan)
 
     def _names(self, part: Part, count: int) -> Tuple[str, ...]:
         return tuple(self.world._call("furrow_vehicle_part", self.handle, part, index).decode() for index in range(count))
+
+    def _all_names(self, part: Part) -> Tuple[str, ...]:
+        names = []
+        while (name := self.world._call("furrow_vehicle_part", self.handle, part, len(names))) is not None:
+            names.append(name.decode())
+        return tuple(names)
 
     @property
     def state(self) -> VehicleState:
@@ -70,6 +77,18 @@ class Vehicle:
                 raise ValueError(f"furrow: {name} is no actuator; there are: {', '.join(self.actuator_names)}")
             self._controls[self.actuator_names.index(name)] = math.nan if value is None else value
         self.world._call("furrow_set_controls", self.handle, self._controls.size, self._controls.ctypes.data)
+
+    def push(self, body: str, force: Sequence[float] = (0, 0, 0), torque: Sequence[float] = (0, 0, 0)) -> None:
+        """Pushes a body of its model for all steps from now on: force in N, torque in N m, along east, north and up, at its centre of mass.
+
+        push("chassis") ends it. It adds to the scene's `pushes`.
+        """
+        if body not in self.model_body_names:
+            raise ValueError(f"furrow: {body} is no body of the model; there are: {', '.join(self.model_body_names)}")
+        both = numpy.ascontiguousarray([force, torque], dtype=float)
+        if both.shape != (2, 3):
+            raise ValueError("furrow: force and torque have 3 numbers each")
+        self.world._call("furrow_set_force", self.handle, self.model_body_names.index(body), both[0].ctypes.data, both[1].ctypes.data)
 
     def __repr__(self) -> str:
         return f"Vehicle({self.handle})"

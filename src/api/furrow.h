@@ -357,7 +357,8 @@ FURROW_API furrow_status furrow_vehicle_find(struct furrow_world *world, const c
 enum furrow_part {
 	FURROW_JOINT,    /* a hinge or a slide */
 	FURROW_ACTUATOR, /* what a control sets */
-	FURROW_SOIL_GEOM /* what touches the ground; its name is that of its body in the world, VEHICLE.GEOM */
+	FURROW_SOIL_GEOM, /* what touches the ground; its name is that of its body in the world, VEHICLE.GEOM */
+	FURROW_MODEL_BODY /* a body of its model, which furrow_set_force pushes */
 };
 
 /*
@@ -400,6 +401,15 @@ FURROW_API furrow_status furrow_get_actuators(struct furrow_world *world, furrow
  * FURROW_USAGE: `count` is off, or a number is infinite.
  */
 FURROW_API furrow_status furrow_set_controls(struct furrow_world *world, furrow_vehicle vehicle, size_t count, const double *controls);
+
+/*
+ * Sets the force from outside on a body of a vehicle for all steps from now on, as a rope or the wind has it. It adds to the scene's `pushes`.
+ * `body`: its number among the vehicle's parts FURROW_MODEL_BODY. `force`, `torque`: 3 numbers each, N and N m, along east, north and up,
+ * at the body's centre of mass; NULL: 0. A rollback keeps them, and a store does not. FURROW_USAGE: there is no such body, or a number is not
+ * finite.
+ */
+FURROW_API furrow_status furrow_set_force(struct furrow_world *world, furrow_vehicle vehicle, size_t body, const double *force,
+					  const double *torque);
 
 /* --- asking: the newest ground, wherever it is --- */
 

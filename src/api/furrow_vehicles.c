@@ -67,6 +67,8 @@ const char *furrow_vehicle_part(const struct furrow_world *world, furrow_vehicle
 			return NULL;
 		vehicle_geom(world->vehicles, (size_t)vehicle, index, world_resident(world->world)->spacing, &geom);
 		return geom.name;
+	case FURROW_MODEL_BODY:
+		return index < vehicle_bodies(world->vehicles, (size_t)vehicle) ? vehicle_model_body_name(world->vehicles, (size_t)vehicle, index) : NULL;
 	}
 	return NULL;
 }
@@ -142,6 +144,30 @@ furrow_status furrow_set_controls(struct furrow_world *world, furrow_vehicle veh
 	enum status status;
 	TRY_OR(done, api_library_begin());
 	TRY_OR(done, set_controls(world, vehicle, count, controls));
+done:
+	return api_library_end(status);
+}
+
+static enum status set_force(struct furrow_world *world, furrow_vehicle vehicle, size_t body, const double *force, const double *torque)
+{
+	static const double none[3];
+	const double *both[2] = {force != NULL ? force : none, torque != NULL ? torque : none};
+	TRY(need_vehicle(world, vehicle));
+	const size_t bodies = vehicle_bodies(world->vehicles, (size_t)vehicle);
+	if (body >= bodies)
+		return fail_with(STATUS_USAGE, "body: %zu is none; the vehicle has %zu bodies, from 0 on", body, bodies);
+	for (int i = 0; i < 6; i++)
+		if (!isfinite(both[i / 3][i % 3]))
+			return fail_with(STATUS_USAGE, "%s: number %d is not finite; give N and N m", i < 3 ? "force" : "torque", i % 3);
+	vehicle_set_force(world->vehicles, (size_t)vehicle, body, both[0], both[1]);
+	return STATUS_OK;
+}
+
+furrow_status furrow_set_force(struct furrow_world *world, furrow_vehicle vehicle, size_t body, const double *force, const double *torque)
+{
+	enum status status;
+	TRY_OR(done, api_library_begin());
+	TRY_OR(done, set_force(world, vehicle, body, force, torque));
 done:
 	return api_library_end(status);
 }

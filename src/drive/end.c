@@ -106,7 +106,7 @@ static void tell_on_the_way(const struct drive *drive)
 		vehicle_info(drive->vehicles, i, &info);
 		if (drive->scene->vehicles[i].driver != SCENE_FOLLOW || info.arrived)
 			continue;
-		if (info.speed >= DRIVES_STILL * drive->scene->vehicles[i].way.speed)
+		if (info.speed >= DRIVES_STILL * fabs(drive->scene->vehicles[i].way.speed))
 			note("vehicles.%s: is not at the end of its path, but still drives at %.2g m/s: it has come %.4g m, and %.4g m are left; give an end_time of "
 			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(world_time(drive->world) + info.left / info.speed + 1));
 		else

@@ -192,11 +192,22 @@ struct scene_start {
 	struct scene_named controls; /* names of actuators: what they have until a driver sets them */
 };
 
+enum scene_forward { SCENE_PLUS_X, SCENE_MINUS_X, SCENE_PLUS_Y, SCENE_MINUS_Y };
+/* rubber is rough: the soil's own strength counts. steel: in clean sand, NAVFAC DM-7.02 (docs/SOILS.md). */
+enum scene_material { SCENE_RUBBER, SCENE_STEEL, SCENE_CONCRETE };
+/* The surface of geoms. */
+struct scene_surface {
+	char *geoms;            /* a pattern */
+	struct soil_interface interface;
+};
+
 /* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
 struct scene_vehicle {
 	char *name;
 	char *model;            /* path, resolved relative to the scene's file */
 	uint64_t model_hash[2]; /* hash of the model's bytes; files that the model names are not in it */
+	enum scene_forward forward; /* where the model looks, */
+	bool y_up;              /* and whether its y axis looks up, not z */
 	double at[2], yaw;      /* where it starts: in the unit of `coordinates`; rad from east to north */
 	int line;               /* where the scene's file gives that place; 0: --set does */
 	char *keyframe;         /* of the model, for its first pose and its controls; NULL: none */
@@ -209,9 +220,17 @@ struct scene_vehicle {
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
 	struct scene_texts no_soil;      /* patterns of geoms that never touch it */
 	struct scene_texts carry;        /* patterns of those that carry soil; none: no geom */
+	struct scene_surface *surfaces;  /* what geoms are of; the last that names one counts */
+	size_t surface_count;
+	char *pushes;           /* path of a table of forces on its bodies in time; NULL: none */
+	uint64_t pushes_hash[2];
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
+	bool follows_origin;    /* its origin follows the way; false: the middle of its axle that does not steer */
+	double *speeds;         /* m/s, one for each point of the way, all above 0 or all below; NULL: way.speed everywhere */
+	double (*stops)[2];     /* s: from, to: it shall not move then */
+	size_t stop_count;
 	char *controls;         /* SCENE_CONTROLS: path of a table in time */
 	uint64_t controls_hash[2];
 	struct scene_texts held;         /* SCENE_HOLD: names of actuators, and their controls: */

@@ -189,6 +189,22 @@ static enum status fold_named(const struct scene_node *vehicle, const char *part
 	return STATUS_OK;
 }
 
+/* `wheel_*: steel` is `{geoms: wheel_*, material: steel}`, and `track: {...}` is `{geoms: track, ...}`. */
+static enum status fold_surfaces(struct scene_node *surfaces)
+{
+	for (struct scene_node *node = surfaces->first; node != NULL; node = node->next) {
+		TRY(fold_value(node, "material"));
+		char *key = node->key;
+		node->key = NULL; /* in a list */
+		if (node->kind != SCENE_MAPPING)
+			mem_free(key);
+		else
+			TRY(add_text(node, "geoms", key, true));
+	}
+	surfaces->kind = SCENE_SEQUENCE;
+	return STATUS_OK;
+}
+
 static enum status fold_vehicles(const struct scene_tree *tree)
 {
 	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
@@ -200,6 +216,9 @@ static enum status fold_vehicles(const struct scene_tree *tree)
 		TRY(fold_named(vehicle, "driver", "hold", "actuator"));
 		TRY(fold_named(vehicle, "start", "controls", "actuator"));
 		TRY(fold_named(vehicle, "start", "joints", "joint"));
+		struct scene_node *surfaces = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "interface") : NULL;
+		if (surfaces != NULL && surfaces->kind == SCENE_MAPPING)
+			TRY(fold_surfaces(surfaces));
 	}
 	return STATUS_OK;
 }

@@ -237,6 +237,26 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 		add_number(state, vehicle->servo.kv);
 		add_number(state, vehicle->servo.torque);
 	}
+	if (vehicle->follows_origin)
+		add_whole(state, 2001);
+	if (vehicle->forward != SCENE_PLUS_X || vehicle->y_up)
+		add_whole(state, 2010 + 2 * (uint64_t)vehicle->forward + vehicle->y_up);
+	for (size_t i = 0; i < vehicle->way.count && vehicle->speeds != NULL; i++)
+		add_number(state, vehicle->speeds[i]);
+	for (size_t i = 0; i < vehicle->stop_count; i++) {
+		add_whole(state, 2020);
+		add_number(state, vehicle->stops[i][0]);
+		add_number(state, vehicle->stops[i][1]);
+	}
+	for (size_t i = 0; i < vehicle->surface_count; i++) {
+		const struct soil_interface *interface = &vehicle->surfaces[i].interface;
+		add_text(state, vehicle->surfaces[i].geoms);
+		add_whole(state, 2030 + 2 * (uint64_t)interface->has_friction + interface->has_adhesion);
+		add_number(state, interface->friction_angle);
+		add_number(state, interface->adhesion);
+	}
+	for (int i = 0; i < 2 && vehicle->pushes != NULL; i++)
+		add_whole(state, vehicle->pushes_hash[i]);
 	add_way(state, index, &vehicle->way);
 	if (vehicle->no_soil.count > 0) {
 		add_part(state, 'N', index);

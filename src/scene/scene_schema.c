@@ -301,7 +301,9 @@ static const cyaml_schema_field_t cache_fields[] = {
 };
 static const cyaml_schema_field_t way_fields[] = {
 	CYAML_FIELD_SEQUENCE("points", OPTIONAL_POINTER, struct raw_path, points, &point_entry, 1, CYAML_UNLIMITED),
-	CYAML_FIELD_FLOAT_PTR("speed", NEEDED, struct raw_path, speed),
+	CYAML_FIELD_FLOAT_PTR("speed", OPTIONAL, struct raw_path, speed),
+	CYAML_FIELD_SEQUENCE("speeds", OPTIONAL_POINTER, struct raw_path, speeds, &float_entry, 1, CYAML_UNLIMITED),
+	CYAML_FIELD_SEQUENCE("stop", OPTIONAL_POINTER, struct raw_path, stop, &point_entry, 1, 1000),
 	CYAML_FIELD_STRING_PTR("file", OPTIONAL, struct raw_path, file, 1, 4096),
 	CYAML_FIELD_INT_PTR("line", OPTIONAL, struct raw_path, line),
 	CYAML_FIELD_BOOL_PTR("smooth", OPTIONAL, struct raw_path, smooth),
@@ -309,6 +311,18 @@ static const cyaml_schema_field_t way_fields[] = {
 	CYAML_FIELD_SEQUENCE("offset", OPTIONAL_POINTER, struct raw_path, offset, &float_entry, 2, 2),
 	CYAML_FIELD_END,
 };
+static const cyaml_strval_t follow_words[] = {{"axle", 0}, {"origin", 1}};
+static const cyaml_strval_t forward_words[] = {{"+x", SCENE_PLUS_X}, {"-x", SCENE_MINUS_X}, {"+y", SCENE_PLUS_Y}, {"-y", SCENE_MINUS_Y}};
+static const cyaml_strval_t up_words[] = {{"z", 0}, {"y", 1}};
+static const cyaml_strval_t material_words[] = {{"rubber", SCENE_RUBBER}, {"steel", SCENE_STEEL}, {"concrete", SCENE_CONCRETE}};
+static const cyaml_schema_field_t surface_fields[] = {
+	CYAML_FIELD_STRING_PTR("geoms", NEEDED, struct raw_surface, geoms, 1, 256),
+	CYAML_FIELD_ENUM_PTR("material", OPTIONAL, struct raw_surface, material, material_words, 3),
+	CYAML_FIELD_FLOAT_PTR("friction_angle", OPTIONAL, struct raw_surface, friction_angle),
+	CYAML_FIELD_FLOAT_PTR("adhesion", OPTIONAL, struct raw_surface, adhesion),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t surface_entry = {CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_surface, surface_fields)};
 static const cyaml_schema_field_t control_fields[] = {
 	CYAML_FIELD_STRING_PTR("actuator", NEEDED, struct raw_control, name, 1, 256),
 	CYAML_FIELD_FLOAT("value", NEEDED, struct raw_control, value),
@@ -344,6 +358,7 @@ static const cyaml_schema_field_t driver_fields[] = {
 	CYAML_FIELD_SEQUENCE("drive", OPTIONAL_POINTER, struct raw_driver, drive, &pattern_entry, 1, 256),
 	CYAML_FIELD_STRING_PTR("controls", OPTIONAL, struct raw_driver, controls, 1, 4096),
 	CYAML_FIELD_SEQUENCE("hold", OPTIONAL_POINTER, struct raw_driver, hold, &control_entry, 1, 256),
+	CYAML_FIELD_ENUM_PTR("follow", OPTIONAL, struct raw_driver, follow, follow_words, 2),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t servo_fields[] = {
@@ -401,6 +416,10 @@ static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("brakes", OPTIONAL, struct raw_vehicle, brakes),
 	CYAML_FIELD_SEQUENCE("carry", OPTIONAL_POINTER, struct raw_vehicle, carry, &pattern_entry, 1, 256),
 	CYAML_FIELD_MAPPING_PTR("driver", OPTIONAL, struct raw_vehicle, driver, driver_fields),
+	CYAML_FIELD_ENUM_PTR("forward", OPTIONAL, struct raw_vehicle, forward, forward_words, 4),
+	CYAML_FIELD_ENUM_PTR("up", OPTIONAL, struct raw_vehicle, up, up_words, 2),
+	CYAML_FIELD_SEQUENCE("interface", OPTIONAL_POINTER, struct raw_vehicle, interface, &surface_entry, 1, 64),
+	CYAML_FIELD_STRING_PTR("pushes", OPTIONAL, struct raw_vehicle, pushes, 1, 4096),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t vehicle_entry = {
@@ -588,7 +607,11 @@ static const struct scene_limit limits[] = {
 	{"vehicles[].powertrain.differentials.lock", 0, 1e7, false, NULL, "N m", 0, NULL},
 	{"vehicles[].brakes", 0, 1e7, true, NULL, "N m", NAN, "none"},
 	{"vehicles[].driver.path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
-	{"vehicles[].driver.path.speed", 0, 1000, true, NULL, "m/s", NAN, NULL},
+	{"vehicles[].driver.path.speed", -1000, 1000, false, NULL, "m/s", NAN, "needed, or speeds"},
+	{"vehicles[].driver.path.speeds[]", -1000, 1000, false, NULL, "m/s", NAN, "speed"},
+	{"vehicles[].driver.path.stop[][]", 0, 1e12, false, NULL, "s", NAN, "none"},
+	{"vehicles[].interface[].friction_angle", 0, 89, false, NULL, "degrees", NAN, "the soil's"},
+	{"vehicles[].interface[].adhesion", 0, 1e9, false, NULL, "Pa", NAN, "by the soil's cohesion"},
 	{"vehicles[].driver.path.line", 1, 1e6, false, NULL, NULL, NAN, "the only line"},
 	{"vehicles[].driver.path.rotate", -36000, 36000, false, NULL, "degrees", 0, NULL},
 	{"vehicles[].driver.path.offset[]", -1e9, 1e9, false, NULL, "m", NAN, "0, 0"},

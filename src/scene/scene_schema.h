@@ -58,6 +58,10 @@ struct raw_path {
 	char *relative_to;
 	double *delay;
 	bool *smooth;
+	double *speeds; /* of a vehicle's path */
+	uint32_t speeds_count;
+	double (*stop)[2];
+	uint32_t stop_count;
 };
 struct raw_interface {
 	double *friction_angle, *adhesion; /* degrees, Pa */
@@ -253,6 +257,12 @@ struct raw_driver {
 	char *controls;
 	struct raw_control *hold;
 	uint32_t hold_count;
+	int *follow; /* 0: axle, 1: origin */
+};
+struct raw_surface {
+	char *geoms;
+	int *material; /* enum scene_material */
+	double *friction_angle, *adhesion; /* degrees, Pa */
 };
 struct raw_vehicle {
 	char *name, *model;
@@ -265,6 +275,11 @@ struct raw_vehicle {
 	struct raw_powertrain *powertrain;
 	double *brakes;
 	struct raw_driver *driver;
+	int *forward; /* enum scene_forward */
+	int *up;      /* 0: z, 1: y */
+	struct raw_surface *interface;
+	uint32_t interface_count;
+	char *pushes;
 };
 struct raw_stuck {
 	double after, below;

@@ -56,6 +56,54 @@ static enum status take_folders(const struct scene_tree *tree, char *const *from
 	return STATUS_OK;
 }
 
+/* Reads speeds, one for each point. They are in the path's place of a speed while it is read. */
+static enum status take_speeds(const struct scene_tree *tree, const struct raw_path *raw, const char *where, struct scene_vehicle *vehicle)
+{
+	const struct scene_node *node = scene_tree_find(tree, "%s.speeds", where);
+	if (raw->points == NULL || raw->speeds_count != raw->points_count || (raw->smooth != NULL && *raw->smooth))
+		return scene_error(tree->file, node, "has %u; allowed: one for each of points, without smooth", raw->speeds_count);
+	TRY(mem_zeroed(&vehicle->speeds, raw->speeds_count, sizeof *vehicle->speeds, "reading the vehicles"));
+	for (uint32_t i = 0; i < raw->speeds_count; i++) {
+		vehicle->speeds[i] = raw->speeds[i];
+		if (raw->speeds[i] == 0 || (raw->speeds[i] > 0) != (raw->speeds[0] > 0))
+			return scene_error(tree->file, scene_tree_find(tree, "%s.speeds[%u]", where, i), "%g goes no way on; allowed: all above 0, or all below for driving backward; stop says when it stands",
+					   raw->speeds[i]);
+	}
+	return STATUS_OK;
+}
+
+static enum status take_stops(const struct scene_tree *tree, const struct raw_path *raw, const char *where, struct scene_vehicle *vehicle)
+{
+	TRY(mem_zeroed(&vehicle->stops, raw->stop_count + 1, sizeof *vehicle->stops, "reading the vehicles"));
+	for (uint32_t i = 0; i < raw->stop_count; i++) {
+		if (!(raw->stop[i][0] < raw->stop[i][1]))
+			return scene_error(tree->file, scene_tree_find(tree, "%s.stop[%u]", where, i), "ends before it begins; allowed: [from, to], s");
+		memcpy(vehicle->stops[vehicle->stop_count++], raw->stop[i], sizeof *vehicle->stops);
+	}
+	return STATUS_OK;
+}
+
+/* Reads the way with its speed, or with speeds. */
+static enum status take_way(const struct scene_tree *tree, struct raw_path *raw, const char *where, struct scene_vehicle *vehicle)
+{
+	if ((raw->speed != NULL) == (raw->speeds != NULL))
+		return scene_error(tree->file, scene_tree_find(tree, "%s", where), "has %s; allowed: exactly one of speed, speeds", raw->speed != NULL ? "both speed and speeds" : "no speed");
+	if (raw->speeds == NULL) {
+		TRY(scene_way_take(tree, raw, where, &vehicle->way));
+	} else {
+		TRY(take_speeds(tree, raw, where, vehicle));
+		raw->speed = &raw->speeds[0];
+		const enum status status = scene_way_take(tree, raw, where, &vehicle->way);
+		raw->speed = NULL;
+		TRY(status);
+		for (uint32_t i = 0; i < raw->speeds_count; i++)
+			vehicle->way.speed = fabs(raw->speeds[i]) > fabs(vehicle->way.speed) ? raw->speeds[i] : vehicle->way.speed;
+	}
+	if (vehicle->way.speed == 0)
+		return scene_error(tree->file, scene_tree_find(tree, "%s.speed", where), "0 goes no way; allowed: above 0, or below 0 for driving backward");
+	return take_stops(tree, raw, where, vehicle);
+}
+
 static enum status check_follow(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
 {
 	char where[48];
@@ -64,7 +112,8 @@ static enum status check_follow(const struct scene_tree *tree, const struct raw_
 				   "has a path and no actuators that drive; needed with path: drive");
 	vehicle->driver = SCENE_FOLLOW;
 	snprintf(where, sizeof where, "vehicles[%zu].driver.path", index);
-	TRY(scene_way_take(tree, raw->path, where, &vehicle->way));
+	TRY(take_way(tree, raw->path, where, vehicle));
+	vehicle->follows_origin = raw->follow != NULL && *raw->follow == 1;
 	if (vehicle->way.timed)
 		return scene_error(tree->file, scene_tree_find(tree, "%s.file", where), "has times, and a driver has a speed; allowed: points, or "
 							     "a file that ends in .gpx or .geojson");
@@ -129,8 +178,8 @@ static enum status check_driver(const struct scene_tree *tree, const struct raw_
 	const int named = (raw->path != NULL) + (raw->controls != NULL) + (raw->hold != NULL);
 	if (named != 1)
 		return scene_error(tree->file, node, "names %d drivers; allowed: exactly one of path, controls, hold", named);
-	if (raw->path == NULL && (raw->steer != NULL || raw->drive != NULL))
-		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver.%s", index, raw->steer != NULL ? "steer" : "drive"),
+	if (raw->path == NULL && (raw->steer != NULL || raw->drive != NULL || raw->follow != NULL))
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver.%s", index, raw->steer != NULL ? "steer" : raw->drive != NULL ? "drive" : "follow"),
 				   "is not of this driver; allowed with: path");
 	if (raw->path != NULL)
 		return check_follow(tree, raw, index, vehicle);
@@ -139,6 +188,48 @@ static enum status check_driver(const struct scene_tree *tree, const struct raw_
 	vehicle->driver = SCENE_CONTROLS;
 	return take_file(tree, scene_tree_find(tree, "vehicles[%zu].driver.controls", index), raw->controls, CONTROLS_BYTES,
 			 &vehicle->controls, vehicle->controls_hash);
+}
+
+/* A material has numbers; others may be given instead. */
+static enum status take_surface(const struct scene_tree *tree, const struct raw_surface *raw, size_t index, size_t number, struct scene_surface *surface)
+{
+	static const double angles[] = {[SCENE_RUBBER] = 0, [SCENE_STEEL] = 17, [SCENE_CONCRETE] = 19.5}; /* degrees; NAVFAC: clean sand; rubber is rough */
+	const bool numbers = raw->friction_angle != NULL || raw->adhesion != NULL;
+	TRY(mem_text(&surface->geoms, raw->geoms, "reading the vehicles"));
+	if ((raw->material != NULL) == numbers)
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].interface[%zu]", index, number), "has %s; allowed: material, or friction_angle and adhesion",
+				   numbers ? "a material and numbers" : "neither a material nor numbers");
+	struct soil_interface *interface = &surface->interface;
+	if (raw->material != NULL) {
+		const bool smooth = *raw->material != SCENE_RUBBER;
+		*interface = (struct soil_interface){.has_friction = smooth, .has_adhesion = smooth, .friction_angle = angles[*raw->material] * M_PI / 180};
+		return STATUS_OK;
+	}
+	interface->has_friction = raw->friction_angle != NULL;
+	interface->has_adhesion = raw->adhesion != NULL;
+	interface->friction_angle = interface->has_friction ? *raw->friction_angle * M_PI / 180 : 0;
+	interface->adhesion = interface->has_adhesion ? *raw->adhesion : 0;
+	return STATUS_OK;
+}
+
+static enum status take_surfaces(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, struct scene_vehicle *vehicle)
+{
+	TRY(mem_zeroed(&vehicle->surfaces, raw->interface_count + 1, sizeof *vehicle->surfaces, "reading the vehicles"));
+	for (uint32_t i = 0; i < raw->interface_count; i++) {
+		vehicle->surface_count = i + 1;
+		TRY(take_surface(tree, &raw->interface[i], index, i, &vehicle->surfaces[i]));
+	}
+	return STATUS_OK;
+}
+
+/* Reads where the model looks. */
+static enum status take_axes(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, struct scene_vehicle *vehicle)
+{
+	vehicle->forward = raw->forward != NULL ? (enum scene_forward)*raw->forward : SCENE_PLUS_X;
+	vehicle->y_up = raw->up != NULL && *raw->up == 1;
+	if (vehicle->y_up && (vehicle->forward == SCENE_PLUS_Y || vehicle->forward == SCENE_MINUS_Y))
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].forward", index), "looks where up: y looks; allowed with up: y: +x, -x");
+	return STATUS_OK;
 }
 
 static enum status check_vehicle(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, const struct scene *scene,
@@ -162,6 +253,10 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
 		vehicle->servo.torque = raw->servo->torque != NULL ? *raw->servo->torque : 0;
 	}
+	TRY(take_axes(tree, raw, index, vehicle));
+	TRY(take_surfaces(tree, raw, index, vehicle));
+	if (raw->pushes != NULL)
+		TRY(take_file(tree, scene_tree_find(tree, "vehicles[%zu].pushes", index), raw->pushes, CONTROLS_BYTES, &vehicle->pushes, vehicle->pushes_hash));
 	if (raw->driver != NULL)
 		TRY(check_driver(tree, raw->driver, index, vehicle));
 	vehicle->brakes = raw->brakes != NULL ? *raw->brakes : 0;
@@ -243,8 +338,10 @@ static void finish_texts(struct scene_texts *texts)
 
 void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
-	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values,
-		     vehicle->start.joints.values, vehicle->start.controls.values);
+	for (size_t i = 0; i < vehicle->surface_count; i++)
+		mem_free(vehicle->surfaces[i].geoms);
+	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values, vehicle->speeds, vehicle->stops,
+		     vehicle->surfaces, vehicle->pushes, vehicle->start.joints.values, vehicle->start.controls.values);
 	finish_texts(&vehicle->start.joints.names);
 	finish_texts(&vehicle->start.controls.names);
 	mem_free(vehicle->powertrain.engine);

@@ -106,6 +106,8 @@ void vehicle_advance(struct vehicles *vehicles, double time, double seconds, dou
 	const double h = seconds / vehicles->engine_steps;
 	double *before = vehicles->room + 14 * model->nv;
 	for (int i = 0; i < vehicles->engine_steps; i++) {
+		for (size_t v = 0; v < vehicles->all; v++)
+			vehicle_push_bodies(&vehicles->list[v], time + i * h, h, drives);
 		mj_step1(model, data);
 		for (size_t v = 0; v < vehicles->all; v++)
 			vehicle_control(&vehicles->list[v], time + i * h, drives);

@@ -76,8 +76,8 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		scene_advise_narrow(key, across(geom.shape), alike, spacing, tell, user);
 		advise_grousers(key, geom.shape, scene->faces == SCENE_FACES_ON, alike, spacing, tell, user);
 		scene_advise_posts_below(key, geom.shape, over, alike, spacing, tell, user);
-		if (scene->vehicles[number].driver == SCENE_FOLLOW && scene->vehicles[number].way.speed > 0 && deform_tells_forces(scene->model))
-			scene_advise_scatter(key, geom.shape->radius, alike, spacing, scene->vehicles[number].way.speed, scene->gravity, tell, user);
+		if (scene->vehicles[number].driver == SCENE_FOLLOW && scene->vehicles[number].way.speed != 0 && deform_tells_forces(scene->model))
+			scene_advise_scatter(key, geom.shape->radius, alike, spacing, fabs(scene->vehicles[number].way.speed), scene->gravity, tell, user);
 	}
 }
 

@@ -125,7 +125,9 @@ void vehicle_show(struct vehicles *vehicles)
 		struct world_frame *frame = &vehicles->frames[i];
 		const struct vehicle *vehicle = &vehicles->list[frame->vehicle];
 		const int body = frame->body != NULL ? vehicle_find_part(vehicle, mjOBJ_BODY, frame->body) : vehicle->root;
-		set_place(vehicle, &vehicle->data->xpos[3 * body], &vehicle->data->xmat[9 * body], &frame->place);
+		double axes[9];
+		vehicle_root_axes(vehicle, vehicle->data, axes);
+		set_place(vehicle, &vehicle->data->xpos[3 * body], body == vehicle->root ? axes : &vehicle->data->xmat[9 * body], &frame->place);
 	}
 }
 

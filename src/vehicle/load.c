@@ -68,6 +68,7 @@ static enum status find_root(struct vehicle *vehicle, const char *where)
 	if (range_count(vehicle->own.dof) == 0)
 		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
 	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
+	vehicle_set_root_axes(vehicle);
 	return STATUS_OK;
 }
 
@@ -124,15 +125,19 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(vehicle_compile(vehicle, scene, where));
 	mju_copy3(vehicle->gravity, vehicle->single->opt.gravity);
 	mju_copy3(vehicle->single->opt.gravity, gravity);
-	return sum_model(vehicle);
+	TRY(sum_model(vehicle));
+	vehicle_turn_single(vehicle);
+	return STATUS_OK;
 }
 
 enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scene)
 {
 	char where[VEHICLE_WHERE];
 	vehicle_where(vehicle, scene, where);
+	vehicle_turn_model(vehicle);
 	TRY(vehicle_start_pose(vehicle, where));
 	TRY(vehicle_find_geoms(vehicle, where));
+	TRY(vehicle_check_surfaces(vehicle, where));
 	doubt_sizes(vehicle, where);
 	TRY(find_root(vehicle, where));
 	TRY(vehicle_make_lies(vehicle));
@@ -147,6 +152,7 @@ enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scen
 	for (size_t i = 0; i < controls; i++)
 		vehicle->host_controls[i] = (double)NAN;
 	vehicle_find_bound(vehicle, scene);
+	TRY(vehicle_make_pushes(vehicle, where));
 	return vehicle_make_driver(vehicle, where);
 }
 
@@ -155,6 +161,7 @@ void vehicle_forget(struct vehicle *vehicle)
 	vehicle_free_driver(&vehicle->driver);
 	vehicle_free_powertrain(vehicle->train);
 	vehicle_free_lies(vehicle);
+	vehicle_free_pushes(vehicle);
 	vehicle_free_geoms(vehicle);
 	if (vehicle->spec != NULL)
 		mj_deleteSpec(vehicle->spec);

@@ -182,6 +182,23 @@ void vehicle_actuators(const struct vehicles *vehicles, size_t vehicle, double *
 	(void)vehicles, (void)vehicle, (void)controls, (void)forces;
 }
 
+size_t vehicle_bodies(const struct vehicles *vehicles, size_t vehicle)
+{
+	(void)vehicles, (void)vehicle;
+	return 0;
+}
+
+const char *vehicle_model_body_name(const struct vehicles *vehicles, size_t vehicle, size_t body)
+{
+	(void)vehicles, (void)vehicle, (void)body;
+	return "";
+}
+
+void vehicle_set_force(struct vehicles *vehicles, size_t vehicle, size_t body, const double force[3], const double torque[3])
+{
+	(void)vehicles, (void)vehicle, (void)body, (void)force, (void)torque;
+}
+
 void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const double *controls)
 {
 	(void)vehicles, (void)vehicle, (void)controls;

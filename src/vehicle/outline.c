@@ -65,8 +65,8 @@ static enum status outline(const struct vehicle *vehicle, struct vehicle_outline
 {
 	const mjModel *model = vehicle->model;
 	const mjData *data = vehicle->data;
-	const double *axes = data->xmat + 9 * vehicle->root;
-	double ground = INFINITY, belly = INFINITY, middle[3];
+	double axes[9], ground = INFINITY, belly = INFINITY, middle[3];
+	vehicle_root_axes(vehicle, data, axes);
 	find_balance(vehicle, middle);
 	*out = (struct vehicle_outline){.mass = vehicle_mass(vehicle)};
 	snprintf(out->name, sizeof out->name, "%s", vehicle->scene->name);

@@ -86,6 +86,10 @@ int vehicle_control_find(const struct vehicle *vehicle, const char *name);
 /* Sets the controls to what nobody asked for: no throttle, no brake, the highest gear. */
 void vehicle_train_rest(struct vehicle *vehicle);
 
+static inline bool vehicle_has_engine(const struct vehicle *vehicle)
+{
+	return vehicle->train != NULL && vehicle->train->scene != NULL;
+}
 /* Sets throttle and brake. effort: 1 full throttle ... 0 ... -1 full brakes. Does nothing without a powertrain; with brakes alone, below 0 only. */
 void vehicle_train_effort(struct vehicle *vehicle, double effort);
 /* Returns the effort that gives a vehicle this acceleration, m/s2 along the way, in its present gear and at its present speed, -1 .. 1. */

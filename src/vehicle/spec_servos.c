@@ -6,6 +6,7 @@
  */
 #include <fnmatch.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "vehicle/spec.h"
@@ -77,7 +78,16 @@ static size_t count_joints(const struct spec *spec, const struct scene_texts *pa
 	return count;
 }
 
-static enum status add_servos(struct spec *spec, const struct scene_texts *patterns, bool drives)
+/* A wheel turns without an end, an arm has limits. */
+static bool has_limits(const mjsJoint *joint)
+{
+	return joint->limited == mjLIMITED_TRUE || (joint->limited == mjLIMITED_AUTO && joint->range[0] < joint->range[1]);
+}
+
+/* Which joints get a servo: all, or those with limits, or those without. */
+enum kind { ANY, LIMITED, FREE };
+
+static enum status add_servos(struct spec *spec, const struct scene_texts *patterns, bool drives, enum kind kind)
 {
 	struct spec_names told = {.count = 0};
 	double torque = 0;
@@ -88,7 +98,7 @@ static enum status add_servos(struct spec *spec, const struct scene_texts *patte
 		const double share = 1.0 / fmax((double)count_joints(spec, &one), 1);
 		for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_JOINT); each != NULL; each = mjs_nextElement(spec->spec, each)) {
 			const mjsJoint *joint = mjs_asJoint(each);
-			if (turns(joint) && vehicle_matches(&one, mjs_getString(mjs_getName(each)), false))
+			if (turns(joint) && (kind == ANY || (kind == LIMITED) == has_limits(joint)) && vehicle_matches(&one, mjs_getString(mjs_getName(each)), false))
 				TRY(add_servo(spec, joint, drives, share, &told, &torque));
 		}
 	}
@@ -98,10 +108,37 @@ static enum status add_servos(struct spec *spec, const struct scene_texts *patte
 	return STATUS_OK;
 }
 
+#define LINE_MOST 16384
+
+/* Servos for the columns of a table of controls: of a place for joints with limits, of a rate for those without. What is wrong with the table is told when it
+ * is read: controls.c. */
+static enum status add_columns(struct spec *spec)
+{
+	char *line = mem_calloc(LINE_MOST, 1), **list = mem_calloc(LINE_MOST, sizeof *list);
+	struct scene_texts columns = {list, 0};
+	enum status status = line != NULL && list != NULL ? STATUS_OK : fail_memory("a vehicle");
+	FILE *file = status == STATUS_OK ? input_open(spec->scene->controls) : NULL;
+	if (file != NULL && fgets(line, LINE_MOST, file) != NULL) {
+		line[strcspn(line, "\r\n")] = '\0';
+		char *rest = line, *name = strsep(&rest, ",");
+		while ((name = strsep(&rest, ",")) != NULL)
+			if (*name != '\0')
+				list[columns.count++] = name;
+		status = add_servos(spec, &columns, false, LIMITED);
+		if (status == STATUS_OK)
+			status = add_servos(spec, &columns, true, FREE);
+	}
+	if (file != NULL)
+		fclose(file);
+	mem_free_all(line, list);
+	return status;
+}
+
 enum status vehicle_spec_servos(struct spec *spec)
 {
 	const struct scene_vehicle *scene = spec->scene;
-	TRY(add_servos(spec, &scene->drive, true));
-	TRY(add_servos(spec, &scene->steer, false));
-	return add_servos(spec, &scene->held, false);
+	TRY(add_servos(spec, &scene->drive, true, ANY));
+	TRY(add_servos(spec, &scene->steer, false, ANY));
+	TRY(add_servos(spec, &scene->held, false, ANY));
+	return scene->controls != NULL ? add_columns(spec) : STATUS_OK;
 }

@@ -159,9 +159,9 @@ static enum status thin(const struct vehicle *vehicle, double spacing)
 	return STATUS_OK;
 }
 
-static enum status add_body(struct world *world, struct soil_geom *geom)
+static enum status add_body(struct world *world, const struct vehicle *vehicle, struct soil_geom *geom)
 {
-	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape, .carry = geom->carries};
+	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape, .carry = geom->carries, .interface = vehicle_surface(vehicle, geom)};
 	TRY_MEM(object.name, "a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
 	if (status != STATUS_OK) {
@@ -180,7 +180,7 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 		struct vehicle *vehicle = &vehicles->list[v];
 		TRY(thin(vehicle, world_resident(world)->spacing));
 		for (size_t g = 0; g < vehicle->geom_count; g++)
-			TRY(add_body(world, &vehicle->geoms[g]));
+			TRY(add_body(world, vehicle, &vehicle->geoms[g]));
 		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
@@ -200,8 +200,8 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 {
 	const mjModel *model = vehicle->model;
 	const mjData *data = vehicle->data;
-	const double *mat = &data->xmat[9 * vehicle->root];
-	double velocity[6];
+	double mat[9], velocity[6];
+	vehicle_root_axes(vehicle, data, mat);
 	mj_objectVelocity(model, data, mjOBJ_XBODY, vehicle->root, velocity, 0);
 	for (int i = 0; i < 3; i++) {
 		row->position[i] = vehicle->origin[i] + data->xpos[3 * vehicle->root + i];

@@ -157,6 +157,11 @@ void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *val
 void vehicle_actuators(const struct vehicles *vehicles, size_t vehicle, double *controls, double *forces);
 /* Sets the controls of the steps from now on, actuator_count numbers. NaN: the scene's driver sets it. */
 void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const double *controls);
+/* Returns how many bodies its model has, and the name of one, "" if it has none. */
+size_t vehicle_bodies(const struct vehicles *vehicles, size_t vehicle);
+const char *vehicle_model_body_name(const struct vehicles *vehicles, size_t vehicle, size_t body);
+/* Sets the force from outside on a body at its centre of mass, for the steps from now on. N, N m along east, north, up. */
+void vehicle_set_force(struct vehicles *vehicles, size_t vehicle, size_t body, const double force[3], const double torque[3]);
 /* Returns the name of the soil geom that is this body of the world; NULL: the body is no vehicle's. `vehicles` may be NULL. */
 const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number);
 /* Tells where such a body is, and what the soil did to it in the last step. The contact is unknown after a rollback and in a resumed run, until

@@ -39,6 +39,7 @@ CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{na
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
 STEERED = "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 3}}}]"
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
+SLIPS = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
 TRAIN = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, powertrain: {wheels: [drive*], engine: [[500, 20], [6000, 20]], inertia: 0.1, gears: [8, 4], shift_time: 0}, "
                            "driver: {hold: {throttle: 1}}}]"}
@@ -190,6 +191,17 @@ ROWS = {
     "vehicles[].powertrain.differentials.bias": (trained("gears: [8], differentials: {front: limited, centre: limited, bias: 1}"), {"vehicles.car.powertrain.differentials.bias": "3"}),
     "vehicles[].powertrain.differentials.lock": (trained("gears: [8], differentials: {front: limited, centre: limited, bias: 1}"), {"vehicles.car.powertrain.differentials.lock": "10"}),
     "vehicles[].brakes": ({**CAR, "vehicles": CAR["vehicles"].replace("{drive: 3}", "{drive: 3, brake: 1}").replace("start:", "brakes: 1, start:")}, {"vehicles.car.brakes": "2"}),
+    "vehicles[].forward": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel.xml", "four.xml").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.forward": "+y"}),
+    "vehicles[].up": ({**CAR, "vehicles": "[{name: car, model: brick.xml, start: {at: [20, 20]}}]"}, {"vehicles.car.up": "y"}),
+    "vehicles[].interface": (SLIPS, {"vehicles.car.interface": "{'*': steel}"}),
+    "vehicles[].interface[].geoms": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.geoms": "'right*'"}),
+    "vehicles[].interface[].material": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.material": "rubber"}),
+    "vehicles[].interface[].friction_angle": (SLIPS, {"vehicles.car.interface": "{'*': {friction_angle: 10}}"}),
+    "vehicles[].interface[].adhesion": (SLIPS, {"vehicles.car.interface": "{'*': {adhesion: 10}}"}),
+    "vehicles[].pushes": (CAR, {"vehicles.car.pushes": "pushes.csv"}),
+    "vehicles[].driver.path.speeds": (WAY, {"vehicles.car.driver.path": "{points: [[20, 20], [24, 20], [24, 26]], speeds: [1, 1, 2]}"}),
+    "vehicles[].driver.path.stop": (WAY, {"vehicles.car.driver.path.stop": "[[0.1, 0.2]]"}),
+    "vehicles[].driver.follow": (WAY, {"vehicles.car.driver.follow": "origin"}),
     "vehicles[].carry": ({**CAR, "vehicles": "[{name: car, model: tray.xml, start: {at: [20, 20]}, soil: [tray], driver: {hold: {along: 0.1, lift: -0.1, tip: 0.3}}}]"}, {"vehicles.car.carry": "[tray]"}),
     "vehicles[].driver.path.points": (WAY, {"vehicles.car.driver.path.points": "[[20, 20], [24, 24]]"}),
     "vehicles[].driver.path.speed": (WAY, {"vehicles.car.driver.path.speed": "1"}),
@@ -347,6 +359,7 @@ class Keys(FurrowTest):
             write_png16(self.folder / f"{key}.png", 65, 65, lambda x, y: value)
         one = (ROOT / "tests/vehicle/one_wheel.xml").read_text()
         texts = {"one_wheel.xml": one, "wall.xml": '<mujoco><worldbody><geom name="wall" type="box" pos="20.6 20 0" size="0.2 2 500"/></worldbody></mujoco>',
+                 "brick.xml": '<mujoco><worldbody><body name="car"><freejoint/><geom name="brick" type="box" size=".4 .3 .2" mass="40"/></body></worldbody></mujoco>', "pushes.csv": "t,body,fx,fy,fz\n0.1,carriage,200,0,0\n",
                  "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "one_engine.csv": "rpm,torque\n500,20\n6000,20\n", "two_engine.csv": "500,15\n6000,20\n", "two.csv": "t,drive\n0,5\n",
                  "poses.csv": "t,x,y,yaw,pitch,roll\n".replace(",yaw,pitch,roll", "") + "0,10,20\n0.6,11,20\n", "lying.csv": "t,x,y,z,yaw,pitch,roll\n0,10,20,0.3,0,0,90\n0.6,11,20,0.3,0,0,90\n", "other.csv": "t,x,y\n0,10,20\n0.6,11,23\n",
                  "eyes.csv": "t,x,y,z,yaw,pitch,roll\n0,12,10,20,90,-40,0\n", "eyes2.csv": "t,x,y,z,yaw,pitch,roll\n0,12,12,20,90,-40,0\n"}

@@ -86,6 +86,8 @@ SAMPLES = [
                             driver={"path": {"points": [[5, 5], [6, 5]], "speed": 1}, "steer": [], "drive": ["drive"]}),
                     vehicle(name="y", model="rover.xml", no_soil=["mast"]),
                     vehicle(name="w", driver={"controls": "controls.csv"}),
+                    vehicle(name="v", forward="-x", up="y", pushes="pushes.csv", interface=[{"geoms": "wheel", "material": "steel"}, {"geoms": "w*", "friction_angle": 9, "adhesion": 1}],
+                            driver={"path": {"points": [[5, 5], [6, 5]], "speeds": [1, 2], "stop": [[1, 2]]}, "follow": "origin", "drive": ["drive"]}),
                     vehicle(name="x", driver={"hold": [{"actuator": "drive", "value": 1}]})]),
     scene(soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002,
           vehicles=[vehicle(brakes=100, powertrain={"wheels": ["drive"], "engine": "engine.csv", "inertia": 0.2, "idle": 900, "drag": 5, "gears": [3, 1], "reverse": 3, "final": 4,
@@ -265,7 +267,7 @@ class ScenePage(FurrowTest):
                 elif kind == "text":
                     self.assertEqual(row["range"], said)
                 elif kind != "mapping":
-                    self.assertEqual(re.findall(r"`(\w+)`", row["range"]), said.split(", "))
+                    self.assertEqual(re.findall(r"`([+\w-]+)`", row["range"]), said.split(", "))
 
     def check_numbers(self, key, low, high, above, unit, default):
         row = self.rows[key]
@@ -302,7 +304,7 @@ class ScenePage(FurrowTest):
                 if parameter["kind"] in NUMBERS:
                     self.check_numbers(key, *parameter["range"], parameter["above"], parameter["unit"], parameter["default"])
                 elif parameter["kind"] == "word":
-                    self.assertEqual(re.findall(r"`(\w+)`", self.rows[key]["range"]), parameter["words"])
+                    self.assertEqual(re.findall(r"`([+\w-]+)`", self.rows[key]["range"]), parameter["words"])
         told = [(key, name) for key, row in self.rows.items() for name in row["effect"].split(", ") if name]
         self.assertEqual({(key, name.strip("*")) for key, name in told if name.startswith("**")}, calls)
         self.assertEqual({(key, name) for key, name in told if not name.startswith("*")}, uses - calls)

@@ -267,12 +267,31 @@ static void round_meshes_are_wheels(void **state)
 	}
 }
 
+static void columns_of_a_table_get_servos(void **state)
+{
+	static const char arm[] = "<link name='arm'>" INERTIAL("2", ROUND) "</link><joint name='bend' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/>"
+				  "<limit lower='-1' upper='1' effort='30' velocity='1'/></joint>";
+	(void)state;
+	write_cart("", OWN, "", arm);
+	support_write(support_path("controls.csv"), "t,wheel_fl,bend\r\n0,2,0.5\n");
+	struct loaded loaded = load(", driver: {controls: controls.csv}", (const char *const[]){"bend has no actuator: it gets a position servo", "wheel_fl has no actuator: it gets a velocity servo", NULL});
+	const mjModel *model = loaded.car->model;
+	const int wheel = vehicle_find_part(loaded.car, mjOBJ_ACTUATOR, "wheel_fl"), bend = vehicle_find_part(loaded.car, mjOBJ_ACTUATOR, "bend");
+	assert_true(loaded.info.actuator_count == 2 && vehicle_keeps_rate(model, wheel) && vehicle_keeps_place(model, bend));
+	vehicle_control(&loaded.vehicles->list[0], 1, true);
+	assert_true(*vehicle_ctrl(loaded.car, wheel) == 2 && *vehicle_ctrl(loaded.car, bend) == 0.5);
+	unload(&loaded);
+	support_write(support_path("controls.csv"), "t,wheel_fl,elbow\n0,2,0.5\n");
+	rig_refused(STEP, ", driver: {controls: controls.csv}", STATUS_INPUT, "controls.csv:1: elbow; allowed: names of the model's actuators");
+}
+
 TEST_PROGRAM(urdf)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(its_root_is_free_and_keeps_its_mass),
 		cmocka_unit_test(joints_that_the_driver_names_get_servos),
 		cmocka_unit_test(what_no_body_can_have_is_mended),
+		cmocka_unit_test(columns_of_a_table_get_servos),
 		cmocka_unit_test(meshes_are_found_in_packages),
 		cmocka_unit_test(round_meshes_are_wheels),
 	};

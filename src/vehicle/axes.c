@@ -1,0 +1,68 @@
+/* Models that do not look along x, or whose z does not look up: the first pose is turned, before anything is found in it. */
+#include "vehicle/internal.h"
+
+/* Finds the model's forward, left and up as columns. Returns false if they are x, y and z. */
+static bool find_axes(const struct scene_vehicle *scene, double axes[9])
+{
+	static const double forwards[][3] = {[SCENE_PLUS_X] = {1, 0, 0}, [SCENE_MINUS_X] = {-1, 0, 0}, [SCENE_PLUS_Y] = {0, 1, 0}, [SCENE_MINUS_Y] = {0, -1, 0}};
+	const double *forward = forwards[scene->forward], up[3] = {0, scene->y_up, !scene->y_up};
+	double left[3];
+	mju_cross(left, up, forward);
+	for (int i = 0; i < 3; i++) {
+		axes[3 * i] = forward[i];
+		axes[3 * i + 1] = left[i];
+		axes[3 * i + 2] = up[i];
+	}
+	return scene->forward != SCENE_PLUS_X || scene->y_up;
+}
+
+static void turn_pose(double *pos, double *quat, const double turn[4])
+{
+	double place[3], turned[4];
+	mju_rotVecQuat(place, pos, turn);
+	mju_mulQuat(turned, turn, quat);
+	mju_copy3(pos, place);
+	mju_copy4(quat, turned);
+}
+
+static void turn(const struct scene_vehicle *scene, mjModel *model, mjData *data, struct range bodies)
+{
+	double axes[9], back[9], turn[4];
+	if (!find_axes(scene, axes))
+		return;
+	for (int i = 0; i < 9; i++)
+		back[i] = axes[3 * (i % 3) + i / 3];
+	mju_mat2Quat(turn, back);
+	for (int body = bodies.first; body < bodies.end; body++) {
+		const int joint = model->body_jntadr[body];
+		if (model->body_parentid[body] != 0)
+			continue;
+		if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE) {
+			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
+			continue;
+		}
+		double *pose = &data->qpos[model->jnt_qposadr[joint]];
+		turn_pose(pose, pose + 3, turn);
+	}
+	mj_forward(model, data);
+}
+
+void vehicle_turn_single(struct vehicle *vehicle)
+{
+	turn(vehicle->scene, vehicle->single, vehicle->posed, (struct range){1, vehicle->single->nbody});
+}
+
+void vehicle_turn_model(struct vehicle *vehicle)
+{
+	if (!vehicle->is_world)
+		turn(vehicle->scene, vehicle->model, vehicle->data, vehicle->own.body);
+}
+
+void vehicle_set_root_axes(struct vehicle *vehicle)
+{
+	double axes[9];
+	const double *mat = &vehicle->data->xmat[9 * vehicle->root];
+	const bool turned = find_axes(vehicle->scene, axes);
+	for (int i = 0; i < 9; i++) /* forward is MuJoCo's x now: its axes as the root's own has them */
+		vehicle->axes[i] = turned ? mat[3 * (i % 3) + i / 3] : i % 4 == 0;
+}
