@@ -48,12 +48,13 @@ static void hold_level(struct vehicle *vehicle, double h)
 }
 
 /* Returns true if the model has equalities, limits, friction of joints, or tendons. */
-static bool is_constrained(const mjModel *model)
+static bool is_constrained(const struct vehicle *vehicle)
 {
+	const mjModel *model = vehicle->model;
 	bool any = model->neq > 0 || model->ntendon > 0;
-	for (int i = 0; i < model->njnt && !any; i++)
+	for (int i = vehicle->own.joint.first; i < vehicle->own.joint.end && !any; i++)
 		any = model->jnt_limited[i];
-	for (int i = 0; i < model->nv && !any; i++)
+	for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end && !any; i++)
 		any = model->dof_frictionloss[i] > 0;
 	return any;
 }
@@ -62,7 +63,7 @@ static bool is_constrained(const mjModel *model)
  * slowest turn would count as motion. */
 static void brake(const struct vehicle *vehicle, bool braked)
 {
-	const bool constrained = is_constrained(vehicle->model);
+	const bool constrained = is_constrained(vehicle);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
 		if (geom->dof < 0)

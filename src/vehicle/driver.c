@@ -7,7 +7,7 @@
 static enum status no_actuator(const struct vehicle *vehicle, const char *where, const char *key, const char *name)
 {
 	char names[VEHICLE_NAMES];
-	vehicle_list_names(vehicle->model, mjOBJ_ACTUATOR, 0, (int)vehicle->model->nactuator, names);
+	vehicle_list_names(vehicle->model, mjOBJ_ACTUATOR, vehicle->own.actuator.first, vehicle->own.actuator.end, names);
 	return fail_with(STATUS_INPUT, "%s: driver.%s: %.64s names no actuator of the model; there are: %s", where, key, name, names);
 }
 
@@ -16,10 +16,10 @@ static enum status find(const struct vehicle *vehicle, const char *where, const 
 			size_t *count)
 {
 	const mjModel *model = vehicle->model;
-	*out = mem_calloc((size_t)model->nactuator + 1, sizeof **out);
+	*out = mem_calloc(range_count(vehicle->own.actuator) + 1, sizeof **out);
 	if (*out == NULL)
 		return fail_memory("a driver");
-	for (int i = 0; i < model->nactuator; i++) {
+	for (int i = vehicle->own.actuator.first; i < vehicle->own.actuator.end; i++) {
 		const char *name = mj_id2name(model, mjOBJ_ACTUATOR, i);
 		if (name != NULL && vehicle_matches(patterns, name, false))
 			(*out)[(*count)++] = i;
@@ -131,6 +131,7 @@ static bool names(const int *list, size_t count, size_t actuator)
 const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
 {
 	const struct driver *driver = &vehicles->list[vehicle].driver;
+	actuator += (size_t)vehicles->list[vehicle].own.actuator.first;
 	if (names(driver->steer, driver->steer_count, actuator))
 		return "steer";
 	if (names(driver->drive, driver->drive_count, actuator))
@@ -200,30 +201,32 @@ static void settle(struct vehicle *vehicle)
 {
 	const enum scene_driver driver = vehicle->scene->driver;
 	double *keep = vehicle->row_actuators;
-	for (int i = 0; i < vehicle->model->nactuator; i++)
-		keep[i] = *vehicle_ctrl(vehicle, i);
+	const struct range actuators = vehicle->own.actuator;
+	for (int i = actuators.first; i < actuators.end; i++)
+		keep[i - actuators.first] = *vehicle_ctrl(vehicle, i);
 	if (driver == SCENE_HOLD || driver == SCENE_CONTROLS)
 		drive(vehicle, 0);
-	for (int i = 0; i < vehicle->model->nactuator; i++)
+	for (int i = actuators.first; i < actuators.end; i++)
 		if (turns_wheel(vehicle, i))
 			*vehicle_ctrl(vehicle, i) = 0;
 		else if (!holds_place(vehicle, i))
-			*vehicle_ctrl(vehicle, i) = keep[i];
+			*vehicle_ctrl(vehicle, i) = keep[i - actuators.first];
 }
 
 void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 {
 	const mjModel *model = vehicle->model;
+	const struct range actuators = vehicle->own.actuator, ctrl = vehicle->own.ctrl;
 	if (vehicle->keyframe >= 0)
-		mju_copy(vehicle->data->ctrl, model->key_ctrl + vehicle->keyframe * model->nu, (int)model->nu);
+		mju_copy(vehicle->data->ctrl + ctrl.first, model->key_ctrl + vehicle->keyframe * model->nu + ctrl.first, ctrl.end - ctrl.first);
 	else
-		mju_zero(vehicle->data->ctrl, (int)model->nu);
+		mju_zero(vehicle->data->ctrl + ctrl.first, ctrl.end - ctrl.first);
 	if (!drives) {
 		settle(vehicle);
 		return;
 	}
 	drive(vehicle, time);
-	for (int i = 0; i < model->nactuator; i++)
-		if (!isnan(vehicle->host_controls[i]))
-			*vehicle_ctrl(vehicle, i) = vehicle->host_controls[i];
+	for (int i = actuators.first; i < actuators.end; i++)
+		if (!isnan(vehicle->host_controls[i - actuators.first]))
+			*vehicle_ctrl(vehicle, i) = vehicle->host_controls[i - actuators.first];
 }

@@ -63,7 +63,7 @@ enum status vehicle_make_figures(struct vehicles *vehicles)
 {
 	size_t most = 0;
 	for (size_t v = 0; v < vehicles->count; v++)
-		most += (size_t)vehicles->list[v].model->ngeom;
+		most += range_count(vehicles->list[v].own.geom);
 	vehicles->drawn = mem_calloc(most + 1, sizeof *vehicles->drawn);
 	vehicles->figures = mem_calloc(most + 1, sizeof *vehicles->figures);
 	vehicles->places = mem_calloc(most + 1, sizeof *vehicles->places);
@@ -71,7 +71,7 @@ enum status vehicle_make_figures(struct vehicles *vehicles)
 	TRY_MEM(vehicles->drawn != NULL && vehicles->figures != NULL && vehicles->places != NULL && vehicles->frames != NULL, "the parts of a vehicle");
 	list_frames(vehicles);
 	for (size_t v = 0; v < vehicles->count; v++)
-		for (int i = 0; i < vehicles->list[v].model->ngeom; i++) {
+		for (int i = vehicles->list[v].own.geom.first; i < vehicles->list[v].own.geom.end; i++) {
 			if (!is_shown(vehicles->list[v].model, i))
 				continue;
 			struct figure *figure = &vehicles->figures[vehicles->figure_count];
@@ -123,7 +123,7 @@ void vehicle_show(struct vehicles *vehicles)
 static enum status no_body(const struct scene *scene, const struct scene_camera *camera, const struct vehicle *vehicle)
 {
 	char names[VEHICLE_NAMES];
-	vehicle_list_names(vehicle->model, mjOBJ_BODY, 1, vehicle->model->nbody, names); /* 0 is the world */
+	vehicle_list_names(vehicle->model, mjOBJ_BODY, vehicle->own.body.first, vehicle->own.body.end, names);
 	return fail_with(STATUS_INPUT, "%s: cameras.%s.body: %.64s names no body of the model of %.64s; give one of them, or leave body out for the root "
 				       "body; there are: %s", scene->file, camera->name, camera->body, vehicle->scene->name, names);
 }

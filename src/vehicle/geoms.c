@@ -208,13 +208,14 @@ static enum status no_geom(const struct vehicle *vehicle, const char *key, const
 				 where);
 	char names[200] = "", name[80];
 	size_t length = 0;
-	int told = 0;
-	for (; told < vehicle->model->ngeom && length + sizeof name + 2 < sizeof names; told++) {
+	const struct range geoms = vehicle->own.geom;
+	int told = geoms.first;
+	for (; told < geoms.end && length + sizeof name + 2 < sizeof names; told++) {
 		vehicle_geom_name(vehicle->model, told, name, sizeof name);
-		length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", told > 0 ? ", " : "", name);
+		length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", told > geoms.first ? ", " : "", name);
 	}
 	return fail_with(STATUS_INPUT, "%s: %s: %.64s names no geom of a body that moves; the model has: %s%s", where, key, patterns->list[0], names,
-			 told < vehicle->model->ngeom ? ", ..." : "");
+			 told < geoms.end ? ", ..." : "");
 }
 
 /* --- geoms that carry soil --- */
@@ -288,7 +289,7 @@ static struct soil_geom *soil_geom_of(const struct vehicle *vehicle, int geom)
 
 static enum status find_carrying(struct vehicle *vehicle, const char *where)
 {
-	for (int i = 0; i < vehicle->model->ngeom; i++) {
+	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
 		char name[256];
 		struct soil_geom *geom = soil_geom_of(vehicle, i);
 		vehicle_geom_name(vehicle->model, i, name, sizeof name);
@@ -304,9 +305,8 @@ static enum status find_carrying(struct vehicle *vehicle, const char *where)
 
 enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 {
-	const mjModel *model = vehicle->model;
-	TRY(mem_zeroed(&vehicle->geoms, (size_t)model->ngeom + 1, sizeof *vehicle->geoms, "a vehicle"));
-	for (int i = 0; i < model->ngeom; i++) {
+	TRY(mem_zeroed(&vehicle->geoms, range_count(vehicle->own.geom) + 1, sizeof *vehicle->geoms, "a vehicle"));
+	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
 		if (!is_soil_geom(vehicle, i))
 			continue;
 		const size_t index = vehicle->geom_count++;

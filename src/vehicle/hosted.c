@@ -29,18 +29,19 @@ void vehicle_joints(const struct vehicles *vehicles, size_t index, double *value
 void vehicle_actuators(const struct vehicles *vehicles, size_t index, double *controls, double *forces)
 {
 	const struct vehicle *vehicle = &vehicles->list[index];
-	for (int i = 0; i < vehicle->model->nactuator; i++) {
+	const struct range actuators = vehicle->own.actuator;
+	for (int i = actuators.first; i < actuators.end; i++) {
 		if (controls != NULL)
-			controls[i] = *vehicle_ctrl(vehicle, i);
+			controls[i - actuators.first] = *vehicle_ctrl(vehicle, i);
 		if (forces != NULL)
-			forces[i] = vehicle->data->actuator_force[vehicle->model->actuator_outadr[i]];
+			forces[i - actuators.first] = vehicle->data->actuator_force[vehicle->model->actuator_outadr[i]];
 	}
 }
 
 void vehicle_set_controls(struct vehicles *vehicles, size_t index, const double *controls)
 {
 	struct vehicle *vehicle = &vehicles->list[index];
-	mju_copy(vehicle->host_controls, controls, (int)vehicle->model->nactuator);
+	mju_copy(vehicle->host_controls, controls, (int)range_count(vehicle->own.actuator));
 }
 
 static const struct soil_geom *geom_of(const struct vehicles *vehicles, int32_t number, const struct vehicle **of)

@@ -57,12 +57,29 @@ struct trail {
 	size_t count;
 };
 
+/* Numbers first .. end - 1. */
+struct range {
+	int first, end;
+};
+
+/* What of a model is one vehicle's own. */
+struct owned {
+	struct range body, joint, geom, actuator; /* without the model's world, but with geoms of it */
+	struct range qpos, dof, act, ctrl; /* of MuJoCo's arrays of the state and of controls */
+};
+
+static inline size_t range_count(struct range range)
+{
+	return (size_t)(range.end - range.first);
+}
+
 struct contact; /* coupling.c */
 
 struct vehicle {
 	const struct scene_vehicle *scene;
 	mjModel *model;
 	mjData *data;
+	struct owned own;
 	double checksum[2];         /* of the compiled model, as two whole numbers */
 	double gravity[3];          /* m/s2: of the model's own option, in place of which the scene's counts */
 	double origin[3];           /* m, local: where MuJoCo's origin is */

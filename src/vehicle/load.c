@@ -53,7 +53,7 @@ enum status vehicle_set_timestep(struct vehicle *vehicle, const struct scene *sc
 static enum status find_root(struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
-	if (model->nv == 0)
+	if (range_count(vehicle->own.dof) == 0)
 		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
 	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
 	return STATUS_OK;
@@ -62,10 +62,10 @@ static enum status find_root(struct vehicle *vehicle, const char *where)
 static enum status find_joints(struct vehicle *vehicle)
 {
 	const mjModel *model = vehicle->model;
-	vehicle->joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->joints);
-	vehicle->row_joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->row_joints);
+	vehicle->joints = mem_calloc(range_count(vehicle->own.joint) + 1, sizeof *vehicle->joints);
+	vehicle->row_joints = mem_calloc(range_count(vehicle->own.joint) + 1, sizeof *vehicle->row_joints);
 	TRY_MEM(vehicle->joints != NULL && vehicle->row_joints != NULL, "a vehicle");
-	for (int i = 0; i < model->njnt; i++)
+	for (int i = vehicle->own.joint.first; i < vehicle->own.joint.end; i++)
 		if (model->jnt_type[i] == mjJNT_HINGE || model->jnt_type[i] == mjJNT_SLIDE)
 			vehicle->joints[vehicle->joint_count++] = i;
 	return STATUS_OK;
@@ -104,11 +104,22 @@ static void doubt_sizes(const struct vehicle *vehicle, const char *where)
 		     where, vehicle->geoms[first].name, soil_shape_bound(&vehicle->geoms[first].shape), others);
 }
 
+/* The model is this vehicle's alone. */
+static void own_all(struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	vehicle->own = (struct owned){
+		.body = {1, model->nbody}, .joint = {0, model->njnt}, .geom = {0, model->ngeom}, .actuator = {0, (int)model->nactuator},
+		.qpos = {0, model->nq}, .dof = {0, model->nv}, .act = {0, model->na}, .ctrl = {0, (int)model->nu},
+	};
+}
+
 enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 {
 	char where[VEHICLE_WHERE];
 	vehicle_where(vehicle, scene, where);
 	TRY(vehicle_compile(vehicle, scene, where));
+	own_all(vehicle);
 	fit(vehicle, scene);
 	TRY(sum_model(vehicle));
 	TRY(vehicle_find_geoms(vehicle, where));
@@ -117,10 +128,10 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
-	vehicle->row_actuators = mem_calloc(2 * (size_t)vehicle->model->nactuator + 1, sizeof *vehicle->row_actuators);
-	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nactuator + 1, sizeof *vehicle->host_controls);
+	vehicle->row_actuators = mem_calloc(2 * range_count(vehicle->own.actuator) + 1, sizeof *vehicle->row_actuators);
+	vehicle->host_controls = mem_alloc(range_count(vehicle->own.actuator) + 1, sizeof *vehicle->host_controls);
 	TRY_MEM(vehicle->pushed != NULL && vehicle->row_actuators != NULL && vehicle->host_controls != NULL, "a vehicle");
-	for (int i = 0; i < vehicle->model->nactuator; i++)
+	for (size_t i = 0; i < range_count(vehicle->own.actuator); i++)
 		vehicle->host_controls[i] = (double)NAN;
 	vehicle_find_bound(vehicle, scene);
 	return vehicle_make_driver(vehicle, where);

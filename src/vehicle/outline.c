@@ -62,7 +62,7 @@ static enum status outline(const struct vehicle *vehicle, struct vehicle_outline
 	snprintf(out->name, sizeof out->name, "%s", vehicle->scene->name);
 	for (size_t i = 0; i < vehicle->geom_count; i++)
 		ground = fmin(ground, lowest(vehicle, vehicle->geoms[i].geom));
-	for (int geom = 0; geom < model->ngeom; geom++)
+	for (int geom = vehicle->own.geom.first; geom < vehicle->own.geom.end; geom++)
 		if (!is_on_ground(vehicle, geom, ground) && !vehicle_is_fixed(model, geom))
 			belly = fmin(belly, lowest(vehicle, geom));
 	out->height = middle[2] - ground;

@@ -65,7 +65,7 @@ static void lift_root(struct vehicle *vehicle, int body, double height)
 
 static void each_root(struct vehicle *vehicle, void (*act)(struct vehicle *vehicle, int body, double height), double height)
 {
-	for (int body = 1; body < vehicle->model->nbody; body++)
+	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
 		if (vehicle->model->body_parentid[body] == 0)
 			act(vehicle, body, height);
 }
@@ -100,7 +100,7 @@ static enum status depth_of(const struct vehicles *vehicles, const struct vehicl
 static enum status check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
 {
 	const mjModel *model = vehicle->model;
-	for (int i = 0; i < model->ngeom; i++) {
+	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
 		double depth;
 		bool any, soil = false;
 		char name[256];

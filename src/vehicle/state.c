@@ -11,8 +11,8 @@
 
 size_t vehicle_state_numbers(const struct vehicle *vehicle)
 {
-	const mjModel *model = vehicle->model;
-	return OWN + TRAIL + (size_t)(model->nq + 2 * model->nv + model->na) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
+	const struct owned *own = &vehicle->own;
+	return OWN + TRAIL + range_count(own->qpos) + 2 * range_count(own->dof) + range_count(own->act) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
 }
 
 static double *put(double *to, const double *from, size_t count)
@@ -57,7 +57,7 @@ static double *save_trail(const struct trail *trail, double *to)
 
 static double *save_one(const struct vehicles *vehicles, const struct vehicle *vehicle, double *to)
 {
-	const mjModel *model = vehicle->model;
+	const struct owned *owned = &vehicle->own;
 	const mjData *data = vehicle->data;
 	const struct driver *driver = &vehicle->driver;
 	const double own[OWN] = {vehicle->checksum[0], vehicle->checksum[1], vehicle->begun, vehicle->settle_seconds, vehicle->calm,
@@ -65,10 +65,10 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 				 driver->sum, driver->arrived};
 	to = put(to, own, OWN);
 	to = save_trail(&vehicle->trail, to);
-	to = put(to, data->qpos, (size_t)model->nq);
-	to = put(to, data->qvel, (size_t)model->nv);
-	to = put(to, data->qacc_warmstart, (size_t)model->nv);
-	to = put(to, data->act, (size_t)model->na);
+	to = put(to, data->qpos + owned->qpos.first, range_count(owned->qpos));
+	to = put(to, data->qvel + owned->dof.first, range_count(owned->dof));
+	to = put(to, data->qacc_warmstart + owned->dof.first, range_count(owned->dof));
+	to = put(to, data->act + owned->act.first, range_count(owned->act));
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		to = save_geom(vehicles->world, &vehicle->geoms[g], to);
 	return to;
@@ -116,7 +116,7 @@ static bool restore_trail(struct trail *trail, const double *from)
 
 static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicle, const double **numbers)
 {
-	const mjModel *model = vehicle->model;
+	const struct owned *owned = &vehicle->own;
 	mjData *data = vehicle->data;
 	struct driver *driver = &vehicle->driver;
 	const double *n = *numbers, *from = n + OWN + TRAIL;
@@ -140,10 +140,10 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 		TRY(vehicle_replace(vehicles, vehicle));
 	data->time = n[10];
 	memset(data->warning, 0, sizeof data->warning);
-	from = take(from, data->qpos, (size_t)model->nq);
-	from = take(from, data->qvel, (size_t)model->nv);
-	from = take(from, data->qacc_warmstart, (size_t)model->nv);
-	from = take(from, data->act, (size_t)model->na);
+	from = take(from, data->qpos + owned->qpos.first, range_count(owned->qpos));
+	from = take(from, data->qvel + owned->dof.first, range_count(owned->dof));
+	from = take(from, data->qacc_warmstart + owned->dof.first, range_count(owned->dof));
+	from = take(from, data->act + owned->act.first, range_count(owned->act));
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		TRY(restore_geom(vehicles, &vehicle->geoms[g], &from));
 	*numbers = from;

@@ -204,9 +204,9 @@ static bool is_finite(const struct vehicle *vehicle)
 {
 	const mjData *data = vehicle->data;
 	double sum = 0;
-	for (int i = 0; i < vehicle->model->nq; i++)
+	for (int i = vehicle->own.qpos.first; i < vehicle->own.qpos.end; i++)
 		sum += fabs(data->qpos[i]);
-	for (int i = 0; i < vehicle->model->nv; i++)
+	for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end; i++)
 		sum += fabs(data->qvel[i]);
 	const int bad = data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number + data->warning[mjWARN_BADQACC].number;
 	return isfinite(sum) && bad == 0;

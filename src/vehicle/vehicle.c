@@ -164,7 +164,7 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->work = vehicle->work;
 	row->joints = vehicle->row_joints;
 	row->controls = vehicle->row_actuators;
-	row->forces = vehicle->row_actuators + model->nactuator;
+	row->forces = vehicle->row_actuators + range_count(vehicle->own.actuator);
 }
 
 bool vehicle_rows_due(struct vehicles *vehicles)
@@ -213,7 +213,8 @@ void vehicle_row(struct vehicles *vehicles, size_t index, struct vehicle_row *ro
 {
 	*row = (struct vehicle_row){.time = world_time(vehicles->world), .vehicle = index};
 	vehicle_joints(vehicles, index, vehicles->list[index].row_joints, NULL);
-	vehicle_actuators(vehicles, index, vehicles->list[index].row_actuators, vehicles->list[index].row_actuators + vehicles->list[index].model->nactuator);
+	double *controls = vehicles->list[index].row_actuators;
+	vehicle_actuators(vehicles, index, controls, controls + range_count(vehicles->list[index].own.actuator));
 	fill_row(&vehicles->list[index], row);
 	for (size_t g = 0; g < vehicles->list[index].geom_count; g++) {
 		bool carries;
@@ -350,7 +351,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.own_gravity = {vehicle->gravity[0], vehicle->gravity[1], vehicle->gravity[2]},
 		.geom_count = vehicle->geom_count,
 		.joint_count = vehicle->joint_count,
-		.actuator_count = (size_t)vehicle->model->nactuator,
+		.actuator_count = range_count(vehicle->own.actuator),
 		.largest_step = vehicle->largest_step,
 		.largest_geom = vehicle->geoms[vehicle->largest_geom].name,
 		.largest_mass = vehicle->largest_mass,
@@ -396,6 +397,6 @@ const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, 
 
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
 {
-	const char *name = mj_id2name(vehicles->list[vehicle].model, mjOBJ_ACTUATOR, (int)actuator);
+	const char *name = mj_id2name(vehicles->list[vehicle].model, mjOBJ_ACTUATOR, vehicles->list[vehicle].own.actuator.first + (int)actuator);
 	return name != NULL ? name : "";
 }
