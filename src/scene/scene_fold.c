@@ -156,12 +156,29 @@ failed:
 	return status;
 }
 
+/* `wheel_*: {stiffness: 250e3}` is `{geom: wheel_*, stiffness: 250e3}`. */
+static enum status fold_tyres(struct scene_node *tyres)
+{
+	if (tyres == NULL || tyres->kind != SCENE_MAPPING)
+		return STATUS_OK;
+	for (struct scene_node *node = tyres->first; node != NULL; node = node->next) {
+		char *key = node->key;
+		if (node->kind != SCENE_MAPPING)
+			continue;
+		node->key = NULL; /* in a list */
+		TRY(add_text(node, "geom", key, true));
+	}
+	tyres->kind = SCENE_SEQUENCE;
+	return STATUS_OK;
+}
+
 static enum status fold_vehicles(const struct scene_tree *tree)
 {
 	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
 	if (vehicles == NULL || vehicles->kind != SCENE_SEQUENCE)
 		return STATUS_OK;
 	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL; vehicle = vehicle->next) {
+		TRY(fold_tyres(vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "tyres") : NULL));
 		struct scene_node *driver = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "driver") : NULL;
 		struct scene_node *hold = driver != NULL && driver->kind == SCENE_MAPPING ? scene_node_child(driver, "hold") : NULL;
 		if (hold == NULL || hold->kind != SCENE_MAPPING)

@@ -107,6 +107,23 @@ static enum status check_driver(const struct scene_tree *tree, const struct raw_
 			 &vehicle->controls, vehicle->controls_hash);
 }
 
+static double given(const double *value)
+{
+	return value != NULL ? *value : (double)NAN;
+}
+
+static enum status take_tyres(const struct raw_vehicle *raw, struct scene_vehicle *vehicle)
+{
+	TRY(mem_zeroed(&vehicle->tyres, raw->tyres_count + 1, sizeof *vehicle->tyres, "reading the vehicles"));
+	for (size_t i = 0; i < raw->tyres_count; i++) {
+		const struct raw_tyre *from = &raw->tyres[i];
+		vehicle->tyres[i] = (struct scene_tyre){.width = given(from->width), .told = {from->stiffness, given(from->load), given(from->pressure), given(from->damping)}};
+		TRY(mem_text(&vehicle->tyres[i].geom, from->geom, "reading the vehicles"));
+		vehicle->tyre_count = i + 1;
+	}
+	return STATUS_OK;
+}
+
 static enum status check_vehicle(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, const struct scene *scene,
 				 struct scene_vehicle *vehicle)
 {
@@ -126,6 +143,8 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
 		vehicle->servo.torque = raw->servo->torque != NULL ? *raw->servo->torque : 0;
 	}
+	if (raw->tyres_count > 0)
+		TRY(take_tyres(raw, vehicle));
 	return raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : STATUS_OK;
 }
 
@@ -160,6 +179,9 @@ static void finish_texts(struct scene_texts *texts)
 void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
 	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values);
+	for (size_t i = 0; i < vehicle->tyre_count; i++)
+		mem_free(vehicle->tyres[i].geom);
+	mem_free(vehicle->tyres);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
 	finish_texts(&vehicle->carry);

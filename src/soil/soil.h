@@ -32,6 +32,7 @@ struct soil_tyre {
 	double stiffness;  /* Pa/m; 0: the wheel is rigid */
 	double growth;     /* Pa/m: by which forces are linearised, the patch's growth included */
 	double damping;    /* Pa s/m */
+	double pressed;    /* m: by how much its load presses it on rigid level ground. It rolls about the radius less this */
 };
 
 struct soil_shape {
@@ -67,6 +68,8 @@ struct post_rect soil_shadow(const struct soil_shape *shape, const struct soil_p
 
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);
+/* Returns the radius about which a wheel rolls freely, m: less than its own by what its load presses its tyre. Slip is told by it. */
+double soil_shape_rolling(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
 double soil_shape_ran(const struct soil_shape *shape, double turned);

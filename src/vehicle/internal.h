@@ -257,6 +257,13 @@ void vehicle_couple_work(struct vehicle *vehicle, double h, const double *before
  * resist in that time, factored. `velocity`: nv, at the end. Returns false if the inertia has no inverse. Runs within a guard. */
 bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *inertia, double *velocity);
 
+/* --- shares.c, tyres.c --- */
+
+/* Finds the shares of one vehicle's soil geoms, as vehicle_find_shares does. */
+enum status vehicle_find_own_shares(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+/* Gives its wheels the tyres of the scene. STATUS_INPUT: a pattern names no wheel, or soil_tyre_set refuses a tyre. Without tyres it does nothing. */
+enum status vehicle_make_tyres(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+
 /* --- advance.c --- */
 
 /* Begins the first step of the engine of one time step: finds places, velocities and all forces but the soil's and those of other

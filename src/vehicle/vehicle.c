@@ -45,6 +45,7 @@ static enum status load(const struct scene *scene, struct vehicles *vehicles)
 		vehicles->count = i + 1;
 		vehicles->list[i].scene = &scene->vehicles[i];
 		TRY(vehicle_read(&vehicles->list[i], scene));
+		TRY(vehicle_make_tyres(&vehicles->list[i], scene));
 	}
 	TRY(vehicle_divide_step(vehicles));
 	for (size_t i = 0; i < vehicles->count; i++)

@@ -23,6 +23,7 @@ enum status soil_tyre_set(const char *what, const struct soil_tyre_told *told, s
 	shape->tyre = (struct soil_tyre){
 		.pressure = holds, .stiffness = springs, .growth = springs + holds / (2 * pressed),
 		.damping = isnan(told->damping) ? 0 : told->damping / (2 * half * shape->width),
+		.pressed = pressed,
 	};
 	if (patch != NULL)
 		*patch = (struct soil_tyre_patch){pressed, 2 * half, mean};
