@@ -466,7 +466,7 @@ double scene_sinkage_guess(const struct scene *scene, const struct scene_object 
 bool scene_moves_bodies(const struct scene *scene);
 /* Tell whether geoms of vehicles may carry soil; and whether those or objects may. */
 bool scene_vehicles_carry(const struct scene *scene);
-/* Returns the damping of a tyre of which none is given, N s/m: a twentieth of what is critical for its stiffness and the mass of its load. */
+/* Returns the damping of a tyre of which none is given, N s/m. It is a twentieth of what is critical for its stiffness and the mass of its load. */
 double scene_tyre_damping(const struct soil_tyre_told *told, double gravity);
 bool scene_carries(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
