@@ -24,9 +24,9 @@ struct block {
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 	float keeps[LANES];             /* share of the law of the lower envelope; the rest is that of faces */
-	/* Of a tyre. least_of: tyre_least; flat, flattest: struct soil_kept; gives: share of the rim's depth by which the soil sinks, 0 .. 1; rim, soil: a depth of the
+	/* Of a tyre. least_of: tyre_least; flat, flattest: struct soil_kept; leans, gives: tyre_share now, and where the soil yields; rim, soil: a depth of the
 	 * rim along the normal, and the soil's sinkage there. From put_rims on `was` is a depth of the rim. */
-	float least_of[LANES], flat[LANES], flattest[LANES], gives[LANES], rim[LANES], soil[LANES];
+	float least_of[LANES], leans[LANES], flat[LANES], flattest[LANES], gives[LANES], rim[LANES], soil[LANES];
 };
 
 SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
@@ -338,11 +338,12 @@ SOIL_INLINED void put_flat(const struct soil_form *f, const struct lane_posts *p
 		float by_elastic;
 		springs_at(&s, d, largest, yields, plastic, &by_elastic);
 		const float grows = yield_growth_on(&s, yields, largest, floored), reached = either(low >= was, deepest, tyre_depth(f, was, yields));
-		const float z = either(d >= reached, least(largest, d), tyre_springs(f, yields, plastic, by_elastic, d)), sinks = either(d >= reached, grows, yields * by_elastic);
+		const float z = either(d >= reached, least(largest, d), tyre_springs(f, yields, plastic, by_elastic, d));
 		l->least_of[i] = first;
 		l->flat[i] = (d - z) * p->by_up[i];
 		l->flattest[i] = (deepest - low) * p->by_up[i];
-		l->gives[i] = either(d - z > SOIL_UNIT, f->tyre_stiff / (f->tyre_stiff + sinks), 1);
+		l->leans[i] = either(d - z > 0, tyre_share(f, grows, yields * by_elastic, most(reached - d, 0)), 1);
+		l->gives[i] = f->tyre_stiff / (f->tyre_stiff + grows);
 		l->rim[i] = deepest;
 		l->soil[i] = low;
 	}
@@ -416,7 +417,7 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 		face_at(f, kind, p->own[i], x, y, &then);
 		normal_of(f, p, i, &then, normal);
 		if (soft)
-			tyre_lean(l->gives[i], p->rise_x[i], p->rise_y[i], normal);
+			tyre_lean(l->leans[i], p->rise_x[i], p->rise_y[i], normal);
 		put_across(normal, across);
 		const float arm[3] = {x, y, then.height + p->above[i] + (soft ? l->flat[i] : 0)};
 		const struct slip slip = slip_at(f, kind, arm, normal, across);

@@ -180,8 +180,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	const float share = either(z >= rim, 1, springs);
 	const float down = down_at(f, place->arm, p->above[i], place->normal);
 	if (soft) {
-		const float grows = either(z >= rim, spots->grows[lane], yields * by_elastic);
-		sinks = either(gives > 0, f->tyre_stiff / (f->tyre_stiff + grows), 1);
+		sinks = either(gives > 0, tyre_share(f, spots->grows[lane], yields * by_elastic, most(rim - z, 0)), 1);
 		put_carcass(p, i, gives, sinks, place);
 	}
 	place->ground = either(least(z, share) > 0, spots->part[lane], 0);
@@ -191,7 +190,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->area = place->ground * bears / plane * spots->keeps[lane];
 	place->stress = yields * share;
 	if (soft) /* of two springs in line the softer one tells their force best */
-		place->stress = either((gives > 0) & (sinks < 0.5f), f->tyre_holds + f->tyre_stiff * gives, place->stress);
+		place->stress = either((gives > 0) & (f->tyre_stiff < yields * by_elastic), f->tyre_holds + f->tyre_stiff * gives, place->stress);
 	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
 	const float flows = either(z >= rim - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= rim - SOIL_LEAST, 1, spots->unloads[lane]);
 	place->unloads = unloads;

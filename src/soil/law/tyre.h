@@ -13,6 +13,7 @@
 #include "soil/law/form.h"
 
 #define TYRE_TRIES 6 /* of a post: it has no guess */
+#define TYRE_BLEND 2e-4f /* m */
 #define TYRE_MORE 2  /* of a place of its cell: the post is the guess */
 
 /* Returns the depth of this rim at which the soil yields at sinkage w. */
@@ -47,6 +48,14 @@ SOIL_INLINED float tyre_springs(const struct soil_form *f, float yields, float p
 {
 	const float elastic = yields * by_elastic, from = plastic - SOIL_LEAST;
 	return either(elastic * (d - from) > f->tyre_holds, (f->tyre_holds + f->tyre_stiff * d + elastic * from) / (elastic + f->tyre_stiff), d);
+}
+
+/* Returns the share of the rim's slope that the surface has: dz / dd where the soil yields at depth d, and where it springs back. The two go over to each other where the rim was
+ * `beyond` m deeper than now, so that rounded memory does not show in a wheel at rest. Any share gives the same work of a rolling wheel: it parts force from torque. */
+SOIL_INLINED float tyre_share(const struct soil_form *f, float grows, float elastic, float beyond)
+{
+	const float yields = f->tyre_stiff / (f->tyre_stiff + grows), springs = f->tyre_stiff / (f->tyre_stiff + elastic);
+	return springs + (yields - springs) * clamped(1 - beyond * (1 / TYRE_BLEND), 0, 1);
 }
 
 /* Leans a surface's normal towards the ground's, which rises by rise_x and rise_y: the carcass gives way, so of the rim's slope a share is left. */
