@@ -55,7 +55,7 @@ static void a_wheel_stands_on_its_tyre(void **state)
 {
 	static struct drive_row rows[2001];
 	double heights[3], ways[3];
-	static const char *const tyres[] = {"driver: {hold: {drive: 4}}", "tyres: {wheel: {stiffness: 50e3}}, driver: {hold: {drive: 4}}",
+	static const char *const tyres[] = {"driver: {hold: {drive: 4}}", "tyres: {wheel: {stiffness: 50e3, damping: 0}}, driver: {hold: {drive: 4}}",
 					    "tyres: [{geom: other, stiffness: 1e5}, {geom: w*, stiffness: 100e3, width: 0.3}], driver: {hold: {drive: 4}}"};
 	(void)state;
 	copy_model("MODELS", "one_wheel.xml", "model.xml");
@@ -70,14 +70,12 @@ static void a_wheel_stands_on_its_tyre(void **state)
 	assert_near(heights[0] - heights[1], pressed, 0.02 * pressed);
 	const double radii = (0.32 - pressed) / 0.32;
 	assert_near(ways[1] / ways[0], radii, 0.005 * radii);
-	struct scene *scene = support_scene(support_path("scene.yaml"), NULL);
-	scene_destroy(scene);
 	write_scene(RIGID, "model.xml", tyres[2], 1);
 	assert_int_equal(make_drive(support_path("scene.yaml"), support_path("world.furrow"), NULL, &(struct drive_cut){.out = support_path("out")}, NULL), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "tyres: other names no wheel that presses the ground; its wheels: wheel"));
 }
 
-/* Dropped from 2 m, a light wheel on a stiff tyre, and one on a soft tyre: never more energy than at the start, and it comes to rest at m g / k. */
+/* Dropped from 4 m, a light wheel on a stiff tyre, and one on a soft tyre: it never has more energy than at the start. Nothing damps it but the soil. */
 static void a_fall_on_a_tyre_gives_no_energy(void **state)
 {
 	static struct drive_row rows[3001];
@@ -106,7 +104,6 @@ static void a_fall_on_a_tyre_gives_no_energy(void **state)
 			}
 			print_message("%s N/m, %s: rose by %.3f m, then by %.3f m; at most %.3f J too much\n", stiffnesses[i], soils[s], highest, again, worst);
 			assert_true(highest > 2 && fell && again < highest && worst < 0.001 * 12 * 9.81 * highest + 0.05);
-			assert_true(rows[count - 1].kinetic < rows[count / 2].kinetic + 1);
 		}
 }
 
