@@ -74,7 +74,8 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"finds the lower envelope of a wheel's grousers"},
 	[EFFECT_TYRES] = {
 		"tyres", "objects.shape.wheel.tyre", "", NONE, STATE, "height", 0,
-		LIST("objects[].shape.wheel.tyre.stiffness", "objects[].shape.wheel.tyre.load", "objects[].shape.wheel.tyre.pressure", "vehicles[].tyres[].stiffness", "vehicles[].tyres[].load", "vehicles[].tyres[].pressure", "vehicles[].tyres[].damping"),
+		LIST("objects[].shape.wheel.tyre.stiffness", "objects[].shape.wheel.tyre.load", "objects[].shape.wheel.tyre.pressure", "vehicles[].tyres",
+		     "vehicles[].tyres[].geom", "vehicles[].tyres[].stiffness", "vehicles[].tyres[].width", "vehicles[].tyres[].load", "vehicles[].tyres[].pressure", "vehicles[].tyres[].damping"),
 		"its load presses a tyre by at most half of its radius; a wheel that leans by more than 27 degrees is rigid",
 		"lets wheels flatten where the ground is harder than their tyres"},
 	[EFFECT_LOAD] = {
