@@ -17,7 +17,7 @@ import tempfile
 from validation import COLOURS, Plot
 
 RADIUS, WIDTH, LOAD = 0.5, 0.3, 5000.0
-STIFFNESSES = (60e3, 100e3, 180e3, 320e3, 560e3, 1e6, 1.8e6, 3.2e6, 5.6e6)
+STIFFNESSES = (60e3, 120e3, 250e3, 500e3, 1e6, 2.5e6, 5e6)
 SOILS = {"dry_sand": (1.1, 990, 1528430), "clayey_38": (0.5, 13190, 692150)}  # n, k_c, k_phi: SI
 SHARES = (0.9, 0.5)
 
@@ -43,7 +43,7 @@ def towed(furrow, stiffness, share):
     tyre = f", tyre: {{stiffness: {stiffness}, load: {LOAD}, pressure: {share * patch(stiffness)[1]}}}" if stiffness else ""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([furrow, "rig", "-o", folder, "--shape", f"wheel: {{radius: {RADIUS}, width: {WIDTH}{tyre}}}", "--load", str(LOAD), "--torque", "0",
-                               "--soil", ",".join(SOILS), "--spacing", "0.025"], capture_output=True, text=True)
+                               "--soil", ",".join(SOILS), "--spacing", "0.05"], capture_output=True, text=True)
         if done.returncode:
             sys.exit(done.stderr)
         with open(pathlib.Path(folder) / "rig.csv", encoding="utf-8") as file:
