@@ -84,6 +84,7 @@ PAIRS = [
     ("soil_rasters", SCM, SCM | {"soil": SAND["soil"] | {"rasters": {"cohesion": "classes.png"}}}),
     ("mesh", scene(BRICK), scene({"mesh": {"file": "brick.obj"}})),
     ("lugs", scene(WHEEL), scene({"wheel": WHEEL["wheel"] | {"lugs": 18}})),
+    ("tyres", SCM, scene({"wheel": WHEEL["wheel"] | {"tyre": {"stiffness": 100e3, "load": 4000}}}, "scm", **SAND)),
     ("load", SCM, loaded(copy.deepcopy(SCM))),
     ("forces", SCM, SCM | {"output": {"forces": 20}}),
     ("slip", SCM, slipping(copy.deepcopy(SCM))),

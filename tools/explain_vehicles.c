@@ -161,7 +161,10 @@ void explain_geom(const struct soil_shape *shape, char *text, size_t size)
 	const double *s = shape->size;
 	switch (shape->kind) {
 	case SOIL_WHEEL:
-		snprintf(text, size, "wheel, radius %.4g m, width %.4g m", shape->radius, shape->width);
+		if (shape->tyre.stiffness > 0)
+			snprintf(text, size, "wheel, radius %.4g m, width %.4g m, a tyre that its load presses by %.3g m on rigid ground", shape->radius, shape->width, shape->tyre.pressed);
+		else
+			snprintf(text, size, "wheel, radius %.4g m, width %.4g m", shape->radius, shape->width);
 		return;
 	case SOIL_SPHERE:
 		snprintf(text, size, "sphere, radius %.4g m", shape->radius);

@@ -92,7 +92,7 @@ static enum status measure(const char *object, struct furrow_shape *shape)
 	TRY(api_library_need(object, "object"));
 	TRY(api_library_need(shape, "shape"));
 	TRY(api_library_need_size(shape->size, sizeof *shape, sizeof *shape, "shape"));
-	TRY(scene_load_text("{}", NULL, NULL, 0, SCENE_HOST, &scene));
+	TRY(scene_load_text("{soil: {name: dry_sand}, redistribute: {model: scm}}", NULL, NULL, 0, SCENE_HOST, &scene)); /* the model that takes most keys */
 	const enum status status = scene_object_parse(scene, object, &parsed);
 	scene_destroy(scene);
 	if (status != STATUS_OK)

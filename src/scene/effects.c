@@ -72,6 +72,12 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		LIST("objects[].shape.wheel.grousers", "objects[].shape.wheel.grouser_height", "objects[].shape.wheel.grouser_thickness"),
 		"at most 128 grousers, as high as the wheel's radius",
 		"finds the lower envelope of a wheel's grousers"},
+	[EFFECT_TYRES] = {
+		"tyres", "objects.shape.wheel.tyre", "", NONE, STATE, "height", 0,
+		LIST("objects[].shape.wheel.tyre.stiffness", "objects[].shape.wheel.tyre.load", "objects[].shape.wheel.tyre.pressure", "vehicles[].tyres",
+		     "vehicles[].tyres[].geom", "vehicles[].tyres[].stiffness", "vehicles[].tyres[].width", "vehicles[].tyres[].load", "vehicles[].tyres[].pressure", "vehicles[].tyres[].damping"),
+		"its load presses a tyre by at most half of its radius; a wheel that leans by more than 27 degrees is rigid",
+		"lets wheels flatten where the ground is harder than their tyres"},
 	[EFFECT_LOAD] = {
 		"load", "objects.load", "", NONE, STATE, "height", 1, LIST("objects[].load"),
 		"the object sinks no deeper than it is high, and deflects a sheet by less than 8 m",
@@ -196,7 +202,7 @@ static uint64_t model_effects(enum deform_model model)
 uint64_t scene_object_effects(const struct scene_object *object)
 {
 	return (object->shape.kind == SOIL_MESH ? EFFECT_BIT(EFFECT_MESH) : 0) |
-	       (object->shape.grousers > 0 ? EFFECT_BIT(EFFECT_GROUSERS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
+	       (object->shape.grousers > 0 ? EFFECT_BIT(EFFECT_GROUSERS) : 0) | (object->shape.tyre.stiffness > 0 ? EFFECT_BIT(EFFECT_TYRES) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
 }
 
 static const struct scene_object *first_loaded(const struct scene *scene)
@@ -238,6 +244,8 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_PREFETCH);
 	for (size_t i = 0; i < scene->object_count; i++)
 		effects |= scene_object_effects(&scene->objects[i]);
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		effects |= scene->vehicles[i].tyre_count > 0 ? EFFECT_BIT(EFFECT_TYRES) : 0;
 	if (scene_carries(scene))
 		effects |= EFFECT_BIT(EFFECT_CARRIED);
 	return effects;
@@ -354,11 +362,11 @@ void scene_unwatched(const struct scene *scene, struct scene *out)
 /* Returns the first object that uses the effect. */
 static const struct scene_object *caller(const struct scene *scene, enum scene_effect effect)
 {
-	const bool called = effect == EFFECT_MESH || effect == EFFECT_GROUSERS || effect == EFFECT_LOAD || effect == EFFECT_CARRIED;
+	const bool called = effect == EFFECT_MESH || effect == EFFECT_GROUSERS || effect == EFFECT_TYRES || effect == EFFECT_LOAD || effect == EFFECT_CARRIED;
 	for (size_t i = 0; i < scene->object_count && called; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		if ((effect == EFFECT_MESH && object->shape.kind == SOIL_MESH) ||
-		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0) ||
+		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_TYRES && object->shape.tyre.stiffness > 0) || (effect == EFFECT_LOAD && object->load > 0) ||
 		    (effect == EFFECT_CARRIED && object->carry))
 			return object;
 	}
@@ -369,7 +377,7 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 {
 	const struct effect_row *row = scene_effect_row(effect);
 	const struct scene_object *object = caller(scene, effect);
-	const char *key = effect == EFFECT_CARRIED && object == NULL ? "vehicles.carry" : row->key;
+	const char *key = object != NULL ? row->key : effect == EFFECT_CARRIED ? "vehicles.carry" : effect == EFFECT_TYRES ? "vehicles.tyres" : row->key;
 	if (object != NULL) /* objects.NAME.load */
 		snprintf(text, size, "objects.%s%s", object->name, key + strlen("objects"));
 	else if (strcmp(key, "redistribute.model") == 0)

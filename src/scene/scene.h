@@ -43,6 +43,7 @@ enum scene_effect {
 	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
 	EFFECT_GROUSERS,
+	EFFECT_TYRES,
 	EFFECT_LOAD,
 	EFFECT_FORCES,
 	EFFECT_DISTURBANCE,
@@ -201,6 +202,13 @@ struct scene_surface {
 	struct soil_interface interface;
 };
 
+/* A tyre of the wheels of a vehicle that a pattern names. NAN: not given. */
+struct scene_tyre {
+	char *geom;
+	double width; /* m */
+	struct soil_tyre_told told;
+};
+
 /* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
 struct scene_vehicle {
 	char *name;
@@ -224,6 +232,8 @@ struct scene_vehicle {
 	size_t surface_count;
 	char *pushes;           /* path of a table of forces on its bodies in time; NULL: none */
 	uint64_t pushes_hash[2];
+	struct scene_tyre *tyres;        /* the first that names a wheel counts; none: wheels are rigid */
+	size_t tyre_count;
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
@@ -482,7 +492,7 @@ void scene_object_finish(struct scene_object *object);
  * hosted scene may get bodies later. So the result includes the effects that every body uses, but not the effects of some
  * bodies only. */
 uint64_t scene_effects(const struct scene *scene, int level);
-/* Returns those of EFFECT_MESH, EFFECT_GROUSERS and EFFECT_LOAD that this object uses. */
+/* Returns those of EFFECT_MESH, EFFECT_GROUSERS, EFFECT_TYRES and EFFECT_LOAD that this object uses. */
 uint64_t scene_object_effects(const struct scene_object *object);
 /* Returns false if no body of the scene can slip. Such a body never moves, or it is a wheel of slip 0 that rolls straight ahead. */
 bool scene_slips(const struct scene *scene);
@@ -521,6 +531,8 @@ double scene_sinkage_guess(const struct scene *scene, const struct scene_object 
 bool scene_moves_bodies(const struct scene *scene);
 /* Tell whether geoms of vehicles may carry soil; and whether those or objects may. */
 bool scene_vehicles_carry(const struct scene *scene);
+/* Returns the damping of a tyre of which none is given, N s/m. It is a twentieth of what is critical for its stiffness and the mass of its load. */
+double scene_tyre_damping(const struct soil_tyre_told *told, double gravity);
 bool scene_carries(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
  * `scene`, so do not destroy `out`. */

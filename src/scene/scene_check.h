@@ -22,7 +22,7 @@ enum status scene_tell_unused(struct scene *scene, const char *format, ...) FURR
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
 				struct scene *scene) FURROW_CHECKED;
 /* Fills the shape and the mesh of objects[index]. */
-enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index,
+enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index, const struct scene *scene,
 			      struct scene_object *object) FURROW_CHECKED;
 /* STATUS_INPUT if one of the scene's soils cannot carry the object, by the model's pressure-sinkage law. The object is the only
  * one of its tree. */

@@ -205,6 +205,22 @@ static enum status fold_surfaces(struct scene_node *surfaces)
 	return STATUS_OK;
 }
 
+/* `wheel_*: {stiffness: 250e3}` is `{geom: wheel_*, stiffness: 250e3}`. */
+static enum status fold_tyres(struct scene_node *tyres)
+{
+	if (tyres == NULL || tyres->kind != SCENE_MAPPING)
+		return STATUS_OK;
+	for (struct scene_node *node = tyres->first; node != NULL; node = node->next) {
+		char *key = node->key;
+		if (node->kind != SCENE_MAPPING)
+			continue;
+		node->key = NULL; /* in a list */
+		TRY(add_text(node, "geom", key, true));
+	}
+	tyres->kind = SCENE_SEQUENCE;
+	return STATUS_OK;
+}
+
 static enum status fold_vehicles(const struct scene_tree *tree)
 {
 	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
@@ -219,6 +235,7 @@ static enum status fold_vehicles(const struct scene_tree *tree)
 		struct scene_node *surfaces = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "interface") : NULL;
 		if (surfaces != NULL && surfaces->kind == SCENE_MAPPING)
 			TRY(fold_surfaces(surfaces));
+		TRY(fold_tyres(vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "tyres") : NULL));
 	}
 	return STATUS_OK;
 }

@@ -115,6 +115,12 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_number(state, shape->grouser_height);
 		add_number(state, shape->grouser_thickness);
 	}
+	if (shape->tyre.stiffness > 0) {
+		add_part(state, 'y', index);
+		add_number(state, shape->tyre.pressure);
+		add_number(state, shape->tyre.stiffness);
+		add_number(state, shape->tyre.damping);
+	}
 	if (shape->length > 0) {
 		add_part(state, 'z', index);
 		add_number(state, shape->length);
@@ -261,6 +267,16 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 	if (vehicle->no_soil.count > 0) {
 		add_part(state, 'N', index);
 		add_texts(state, &vehicle->no_soil);
+	}
+	for (size_t i = 0; i < vehicle->tyre_count; i++) {
+		const struct scene_tyre *tyre = &vehicle->tyres[i];
+		add_part(state, 'Y', index);
+		add_text(state, tyre->geom);
+		add_number(state, tyre->width);
+		add_number(state, tyre->told.stiffness);
+		add_number(state, tyre->told.load);
+		add_number(state, tyre->told.pressure);
+		add_number(state, tyre->told.damping);
 	}
 	if (vehicle->carry.count > 0) {
 		add_part(state, 'K', index);

@@ -80,6 +80,9 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].carry", index), "soil rolls off this shape; allowed with: box, mesh");
 	if (raw->carry != NULL && *raw->carry && object->shape.belt)
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].carry", index), "a belt would take its soil along; allowed with: belt: false");
+	if (raw->shape.wheel != NULL && raw->shape.wheel->tyre != NULL && !forces)
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.tyre", index), "model %s does not depend on it; allowed with: redistribute: {model: %s}", model,
+				   scene_models_with_forces().text);
 	if (raw->interface != NULL && !forces)
 		return scene_error(tree->file, interface, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: %s}", model, scene_models_with_forces().text);
@@ -121,7 +124,7 @@ static enum status take_object(const struct scene_tree *tree, const struct raw_o
 	object->interface = interface_of(raw->interface);
 	if (raw->name != NULL)
 		TRY(take_name(tree, scene, index, raw->name, object));
-	TRY(scene_check_shape(tree, &raw->shape, index, object));
+	TRY(scene_check_shape(tree, &raw->shape, index, scene, object));
 	return raw->path != NULL ? scene_way_take(tree, raw->path, where, &object->path) : check_hosted(tree, raw, index);
 }
 

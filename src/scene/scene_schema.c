@@ -20,12 +20,30 @@ static const cyaml_schema_value_t word_entry = {
 static const cyaml_schema_value_t point_entry = {
 	CYAML_VALUE_SEQUENCE_FIXED(CYAML_FLAG_DEFAULT, double, &float_entry, 2)};
 
+static const cyaml_schema_field_t tyre_fields[] = {
+	CYAML_FIELD_FLOAT("stiffness", NEEDED, struct raw_tyre, stiffness),
+	CYAML_FIELD_FLOAT_PTR("load", OPTIONAL, struct raw_tyre, load),
+	CYAML_FIELD_FLOAT_PTR("pressure", OPTIONAL, struct raw_tyre, pressure),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t geom_tyre_fields[] = {
+	CYAML_FIELD_STRING_PTR("geom", NEEDED, struct raw_tyre, geom, 1, 256),
+	CYAML_FIELD_FLOAT("stiffness", NEEDED, struct raw_tyre, stiffness),
+	CYAML_FIELD_FLOAT_PTR("width", OPTIONAL, struct raw_tyre, width),
+	CYAML_FIELD_FLOAT_PTR("load", OPTIONAL, struct raw_tyre, load),
+	CYAML_FIELD_FLOAT_PTR("pressure", OPTIONAL, struct raw_tyre, pressure),
+	CYAML_FIELD_FLOAT_PTR("damping", OPTIONAL, struct raw_tyre, damping),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t geom_tyre_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_tyre, geom_tyre_fields)};
 static const cyaml_schema_field_t wheel_fields[] = {
 	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_wheel, radius),
 	CYAML_FIELD_FLOAT("width", NEEDED, struct raw_wheel, width),
 	CYAML_FIELD_INT_PTR("grousers", OPTIONAL, struct raw_wheel, grousers),
 	CYAML_FIELD_FLOAT_PTR("grouser_height", OPTIONAL, struct raw_wheel, grouser_height),
 	CYAML_FIELD_FLOAT_PTR("grouser_thickness", OPTIONAL, struct raw_wheel, grouser_thickness),
+	CYAML_FIELD_MAPPING_PTR("tyre", OPTIONAL, struct raw_wheel, tyre, tyre_fields),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t sphere_fields[] = {
@@ -415,6 +433,7 @@ static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("powertrain", OPTIONAL, struct raw_vehicle, powertrain, powertrain_fields),
 	CYAML_FIELD_FLOAT_PTR("brakes", OPTIONAL, struct raw_vehicle, brakes),
 	CYAML_FIELD_SEQUENCE("carry", OPTIONAL_POINTER, struct raw_vehicle, carry, &pattern_entry, 1, 256),
+	CYAML_FIELD_SEQUENCE("tyres", OPTIONAL_POINTER, struct raw_vehicle, tyres, &geom_tyre_entry, 1, 64),
 	CYAML_FIELD_MAPPING_PTR("driver", OPTIONAL, struct raw_vehicle, driver, driver_fields),
 	CYAML_FIELD_ENUM_PTR("forward", OPTIONAL, struct raw_vehicle, forward, forward_words, 4),
 	CYAML_FIELD_ENUM_PTR("up", OPTIONAL, struct raw_vehicle, up, up_words, 2),
@@ -556,6 +575,9 @@ static const struct scene_limit limits[] = {
 	{"objects[].shape.wheel.grousers", 0, 128, false, NULL, NULL, 0, NULL},
 	{"objects[].shape.wheel.grouser_height", 0, 1000, true, NULL, "m", NAN, "0.05 of the radius"},
 	{"objects[].shape.wheel.grouser_thickness", 0, 1000, true, NULL, "m", NAN, "0.1 of the radius"},
+	{"objects[].shape.wheel.tyre.stiffness", 0, 1e12, true, NULL, "N/m", NAN, NULL},
+	{"objects[].shape.wheel.tyre.load", 0, 1e12, true, NULL, "N", NAN, "the object's load"},
+	{"objects[].shape.wheel.tyre.pressure", 0, 1e9, false, NULL, "Pa", NAN, "half of the mean on rigid ground"},
 	{"objects[].shape.sphere.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.box.size[]", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.cylinder.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
@@ -606,6 +628,11 @@ static const struct scene_limit limits[] = {
 	{"vehicles[].powertrain.differentials.bias", 1, 100, false, NULL, NULL, 2, NULL},
 	{"vehicles[].powertrain.differentials.lock", 0, 1e7, false, NULL, "N m", 0, NULL},
 	{"vehicles[].brakes", 0, 1e7, true, NULL, "N m", NAN, "none"},
+	{"vehicles[].tyres[].stiffness", 0, 1e12, true, NULL, "N/m", NAN, NULL},
+	{"vehicles[].tyres[].width", 0.001, 1000, false, NULL, "m", NAN, "the geom's"},
+	{"vehicles[].tyres[].load", 0, 1e12, true, NULL, "N", NAN, "the wheel's share of the weight"},
+	{"vehicles[].tyres[].pressure", 0, 1e9, false, NULL, "Pa", NAN, "half of the mean on rigid ground"},
+	{"vehicles[].tyres[].damping", 0, 1e12, false, NULL, "N s/m", NAN, "a twentieth of what is critical"},
 	{"vehicles[].driver.path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].driver.path.speed", -1000, 1000, false, NULL, "m/s", NAN, "needed, or speeds"},
 	{"vehicles[].driver.path.speeds[]", -1000, 1000, false, NULL, "m/s", NAN, "speed"},

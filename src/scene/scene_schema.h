@@ -13,8 +13,14 @@
 #include "deform/deform.h"
 
 /* Optional values are pointers. They are NULL if the scene does not give them. */
+struct raw_tyre {
+	char *geom; /* of vehicles: a pattern */
+	double stiffness;
+	double *width, *load, *pressure, *damping;
+};
 struct raw_wheel {
 	double radius, width;
+	struct raw_tyre *tyre;
 	int64_t *grousers;
 	double *grouser_height, *grouser_thickness;
 };
@@ -274,6 +280,8 @@ struct raw_vehicle {
 	struct raw_servo *servo;
 	struct raw_powertrain *powertrain;
 	double *brakes;
+	struct raw_tyre *tyres;
+	uint32_t tyres_count;
 	struct raw_driver *driver;
 	int *forward; /* enum scene_forward */
 	int *up;      /* 0: z, 1: y */

@@ -1,4 +1,6 @@
 /* Checks the shape of an object and fills its values in the scene. */
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "scene/scene_check.h"
@@ -9,14 +11,35 @@
 /* default, as a share of the wheel's radius */
 #define GROUSER_HEIGHT 0.05
 #define GROUSER_THICKNESS 0.1
+#define TYRE_DAMPING 0.05 /* of what is critical */
 
-static enum status check_wheel(const struct scene_tree *tree, const struct raw_wheel *raw, size_t index,
+double scene_tyre_damping(const struct soil_tyre_told *told, double gravity)
+{
+	return TYRE_DAMPING * 2 * sqrt(told->stiffness * told->load / gravity);
+}
+
+/* load: of the object, N; 0: it has none. */
+static enum status check_tyre(const struct scene_tree *tree, const struct raw_tyre *raw, size_t index, const struct scene *scene, double load, struct soil_shape *shape)
+{
+	const struct scene_node *node = scene_tree_find(tree, "objects[%zu].shape.wheel.tyre", index);
+	struct soil_tyre_told told = {raw->stiffness, raw->load != NULL ? *raw->load : load, raw->pressure != NULL ? *raw->pressure : (double)NAN, 0};
+	if (!(told.load > 0))
+		return scene_error(tree->file, node, "has no load at which it has its stiffness; needed: load, of the tyre or of the object");
+	told.damping = scene_tyre_damping(&told, scene->gravity); /* of a body that a host moves; the velocity of one on a path is not known */
+	char what[60];
+	snprintf(what, sizeof what, "objects[%zu].shape.wheel.tyre", index);
+	return soil_tyre_set(what, &told, shape, NULL);
+}
+
+static enum status check_wheel(const struct scene_tree *tree, const struct raw_wheel *raw, size_t index, const struct scene *scene, double load,
 			       struct soil_shape *shape)
 {
 	shape->kind = SOIL_WHEEL;
 	shape->radius = raw->radius;
 	shape->width = raw->width;
 	shape->grousers = raw->grousers != NULL ? (int)*raw->grousers : 0;
+	if (raw->tyre != NULL)
+		TRY(check_tyre(tree, raw->tyre, index, scene, load, shape));
 	if (shape->grousers == 0) {
 		const char *key = raw->grouser_height != NULL ? "grouser_height" : "grouser_thickness";
 		if (raw->grouser_height == NULL && raw->grouser_thickness == NULL)
@@ -48,7 +71,7 @@ static enum status check_mesh(const struct scene_tree *tree, const struct raw_me
 	return status;
 }
 
-enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index,
+enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index, const struct scene *scene,
 			      struct scene_object *object)
 {
 	struct soil_shape *shape = &object->shape;
@@ -59,7 +82,7 @@ enum status scene_check_shape(const struct scene_tree *tree, const struct raw_sh
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape", index),
 				   "names %d shapes; allowed: exactly one of wheel, sphere, box, mesh, cylinder, capsule, ellipsoid", named);
 	if (raw->wheel != NULL)
-		return check_wheel(tree, raw->wheel, index, shape);
+		return check_wheel(tree, raw->wheel, index, scene, object->load, shape);
 	if (raw->mesh != NULL)
 		return check_mesh(tree, raw->mesh, index, object);
 	if (rod != NULL) {

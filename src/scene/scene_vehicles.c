@@ -222,6 +222,18 @@ static enum status take_surfaces(const struct scene_tree *tree, const struct raw
 	return STATUS_OK;
 }
 
+static enum status take_tyres(const struct raw_vehicle *raw, struct scene_vehicle *vehicle)
+{
+	TRY(mem_zeroed(&vehicle->tyres, raw->tyres_count + 1, sizeof *vehicle->tyres, "reading the vehicles"));
+	for (size_t i = 0; i < raw->tyres_count; i++) {
+		const struct raw_tyre *from = &raw->tyres[i];
+		vehicle->tyres[i] = (struct scene_tyre){.width = given(from->width), .told = {from->stiffness, given(from->load), given(from->pressure), given(from->damping)}};
+		TRY(mem_text(&vehicle->tyres[i].geom, from->geom, "reading the vehicles"));
+		vehicle->tyre_count = i + 1;
+	}
+	return STATUS_OK;
+}
+
 /* Reads where the model looks. */
 static enum status take_axes(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, struct scene_vehicle *vehicle)
 {
@@ -253,6 +265,8 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
 		vehicle->servo.torque = raw->servo->torque != NULL ? *raw->servo->torque : 0;
 	}
+	if (raw->tyres_count > 0)
+		TRY(take_tyres(raw, vehicle));
 	TRY(take_axes(tree, raw, index, vehicle));
 	TRY(take_surfaces(tree, raw, index, vehicle));
 	if (raw->pushes != NULL)
@@ -346,6 +360,9 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 	finish_texts(&vehicle->start.controls.names);
 	mem_free(vehicle->powertrain.engine);
 	finish_texts(&vehicle->powertrain.wheels);
+	for (size_t i = 0; i < vehicle->tyre_count; i++)
+		mem_free(vehicle->tyres[i].geom);
+	mem_free(vehicle->tyres);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
 	finish_texts(&vehicle->no_soil);

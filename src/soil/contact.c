@@ -19,7 +19,7 @@ void soil_work_destroy(struct soil_work *work)
 
 size_t soil_work_bytes(const struct soil_work *work)
 {
-	return sizeof *work + soil_posts_bytes(&work->posts) + soil_faces_bytes(&work->faces) + 3 * work->kept_room * sizeof(float) + work->fine.room + soil_surfaces_bytes(&work->fine.surfaces) +
+	return sizeof *work + soil_posts_bytes(&work->posts) + soil_faces_bytes(&work->faces) + 5 * work->kept_room * sizeof(float) + work->fine.room + soil_surfaces_bytes(&work->fine.surfaces) +
 	       work->grousers.room * sizeof(float) + work->met_room * (sizeof *work->met + sizeof *work->seen + sizeof *work->abuts);
 }
 
@@ -30,9 +30,9 @@ static enum status need(struct soil_work *work, struct post_rect below)
 	if (work->kept_room >= work->posts.capacity)
 		return STATUS_OK;
 	const size_t room = work->posts.capacity;
-	float *memory = mem_realloc(work->kept.more, 3 * room, sizeof *memory);
+	float *memory = mem_realloc(work->kept.more, 5 * room, sizeof *memory);
 	TRY_MEM(memory, "bearing soil");
-	work->kept = (struct soil_kept){memory, memory + room, memory + 2 * room};
+	work->kept = (struct soil_kept){memory, memory + room, memory + 2 * room, memory + 3 * room, memory + 4 * room};
 	work->kept_room = room;
 	return STATUS_OK;
 }

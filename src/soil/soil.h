@@ -23,6 +23,18 @@ struct soil_mesh {
 	double low[3], high[3];   /* bounds of the vertices */
 };
 
+/*
+ * A tyre's carcass: springs around the rim, by area. It keeps its shape up to a pressure, and gives way beyond it by u: p = pressure + stiffness u. So it
+ * is a rigid rim on soft soil, and a flat patch on firm ground. soil_tyre_set finds these numbers.
+ */
+struct soil_tyre {
+	double pressure;   /* Pa */
+	double stiffness;  /* Pa/m; 0: the wheel is rigid */
+	double growth;     /* Pa/m: by which forces are linearised, the patch's growth included */
+	double damping;    /* Pa s/m */
+	double pressed;    /* m: by how much its load presses it on rigid level ground. It rolls about the radius less this */
+};
+
 struct soil_shape {
 	enum soil_shape_kind kind;
 	double radius;  /* wheel, sphere, cylinder, capsule: metres */
@@ -31,6 +43,7 @@ struct soil_shape {
 	double size[3]; /* box: metres along its own x (forward), y (left), z (up); ellipsoid: its half axes along these */
 	int grousers;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
 	double grouser_height, grouser_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
+	struct soil_tyre tyre; /* wheel */
 	/* box, mesh: its surface is a belt that runs around its own y axis, as a wheel's rim does. Below a body that it draws forwards it
 	 * runs backwards */
 	bool belt;
@@ -55,6 +68,8 @@ struct post_rect soil_shadow(const struct soil_shape *shape, const struct soil_p
 
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);
+/* Returns the radius about which a wheel rolls freely, m: less than its own by what its load presses its tyre. Slip is told by it. */
+double soil_shape_rolling(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
 double soil_shape_ran(const struct soil_shape *shape, double turned);
@@ -62,6 +77,23 @@ double soil_shape_ran(const struct soil_shape *shape, double turned);
 #define SOIL_SHAPE_POSTS 672 /* the widest body, in posts */
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status soil_shape_check(const struct soil_shape *shape, double spacing) FURROW_CHECKED;
+/* What is told of a tyre: N/m, N, Pa, N s/m. */
+struct soil_tyre_told {
+	double stiffness; /* radial */
+	double load;      /* at which it has that stiffness, as chord and as tangent, on rigid level ground */
+	double pressure;  /* up to which the carcass keeps its shape. NAN: half of the mean pressure on rigid ground at `load` */
+	double damping;   /* radial, at `load`. NAN: none */
+};
+/* Its patch on rigid level ground. */
+struct soil_tyre_patch {
+	double deflection, length; /* m */
+	double pressure;           /* Pa: the mean */
+};
+#define SOIL_TYRE_DEFLECTION 0.5 /* of the radius: the most under its load */
+#define SOIL_TYRE_PRESSURE 0.9   /* of the mean pressure on rigid ground: the most that `pressure` may be */
+/* Makes a wheel's tyre of what is told: shape->tyre. *patch: on rigid level ground under told->load; NULL: not asked. STATUS_INPUT: the load would press it by
+ * more than SOIL_TYRE_DEFLECTION of its radius, or its pressure is beyond SOIL_TYRE_PRESSURE. what: who it is, for the message. */
+enum status soil_tyre_set(const char *what, const struct soil_tyre_told *told, struct soil_shape *shape, struct soil_tyre_patch *patch) FURROW_CHECKED;
 /* Returns a distance from the object's centre that holds the whole object in any attitude, metres. */
 double soil_shape_bound(const struct soil_shape *shape);
 /* Computes the object's own axes in a pose: forward, left and up, unit vectors, with `turn` about its own left. */

@@ -426,6 +426,13 @@ bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *befor
  * the work. */
 void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells);
 
+/* --- shares.c, tyres.c --- */
+
+/* Finds the shares of one vehicle's soil geoms, as vehicle_find_shares does. */
+enum status vehicle_find_own_shares(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+/* Gives its wheels the tyres of the scene. STATUS_INPUT: a pattern names no wheel, or soil_tyre_set refuses a tyre. Without tyres it does nothing. */
+enum status vehicle_make_tyres(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+
 /* --- advance.c --- */
 
 /* Makes the steps of the engine of one time step for all vehicles, with the forces linearised at the contacts of their geoms. `rate`: 1/s, slows

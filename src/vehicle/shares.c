@@ -153,7 +153,7 @@ static bool bears(const struct statics *statics, double weight)
 	return fabs(sum - weight) < MISSED_MOST * weight;
 }
 
-static enum status find(struct vehicle *vehicle, const struct scene *scene)
+enum status vehicle_find_own_shares(struct vehicle *vehicle, const struct scene *scene)
 {
 	const double weight = vehicle_mass(vehicle) * scene->gravity;
 	struct statics statics;
@@ -180,6 +180,6 @@ static enum status find(struct vehicle *vehicle, const struct scene *scene)
 enum status vehicle_find_shares(struct vehicles *vehicles)
 {
 	for (size_t i = 0; vehicles != NULL && i < vehicles->count; i++)
-		TRY(find(&vehicles->list[i], vehicles->scene));
+		TRY(vehicle_find_own_shares(&vehicles->list[i], vehicles->scene));
 	return STATUS_OK;
 }

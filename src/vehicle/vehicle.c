@@ -77,8 +77,10 @@ static enum status load(const struct scene *scene, struct vehicles *vehicles)
 	TRY(vehicle_merge(vehicles));
 	vehicle_fit(vehicles);
 	vehicle_find_inertia(vehicles);
-	for (size_t i = 0; i < vehicles->all; i++)
+	for (size_t i = 0; i < vehicles->all; i++) {
 		TRY(vehicle_find_parts(&vehicles->list[i], scene));
+		TRY(vehicle_make_tyres(&vehicles->list[i], scene));
+	}
 	TRY(vehicle_divide_step(vehicles));
 	TRY(vehicle_set_timestep(vehicles));
 	TRY(make_lists(vehicles));

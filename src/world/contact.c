@@ -139,7 +139,7 @@ static void roll(const struct body *body, struct deform_contact *contact)
 	const double rise = !object->path.has_z || object->load > 0 ? lattice_offset_metres(contact->to.z - contact->from.z) : 0;
 	if (level > 0)
 		along *= hypot(level, rise) / level;
-	contact->turned = along / (object->shape.radius * (1 - object->slip));
+	contact->turned = along / (soil_shape_rolling(&object->shape) * (1 - object->slip));
 	contact->to.turn = remainder(contact->from.turn + contact->turned, 2 * M_PI);
 }
 

@@ -157,9 +157,9 @@ static int by_place(const void *a, const void *b, void *user)
 	if (p->group != q->group)
 		return p->group < q->group ? -1 : 1;
 	const double first[] = {(double)u->x, (double)u->y, (double)u->z, u->yaw, u->pitch, u->roll, u->turn, p->contact.shape->kind, p->contact.shape->radius,
-				p->contact.shape->width, p->contact.shape->length, p->contact.shape->size[0], p->contact.load, p->contact.turned};
+				p->contact.shape->width, p->contact.shape->length, p->contact.shape->size[0], p->contact.shape->tyre.stiffness, p->contact.shape->tyre.pressure, p->contact.load, p->contact.turned};
 	const double second[] = {(double)v->x, (double)v->y, (double)v->z, v->yaw, v->pitch, v->roll, v->turn, q->contact.shape->kind, q->contact.shape->radius,
-				 q->contact.shape->width, q->contact.shape->length, q->contact.shape->size[0], q->contact.load, q->contact.turned};
+				 q->contact.shape->width, q->contact.shape->length, q->contact.shape->size[0], q->contact.shape->tyre.stiffness, q->contact.shape->tyre.pressure, q->contact.load, q->contact.turned};
 	for (size_t k = 0; k < sizeof first / sizeof *first; k++) {
 		const int order = compare(first[k], second[k]);
 		if (order != 0)

@@ -263,7 +263,8 @@ static double about(double newtons)
 
 static bool is_like(const struct scene_object *a, const struct scene_object *b)
 {
-	return a->load == b->load && a->slip == b->slip && a->shape.kind == b->shape.kind && a->shape.radius == b->shape.radius && a->shape.width == b->shape.width &&
+	return a->load == b->load && a->slip == b->slip && a->shape.kind == b->shape.kind && a->shape.radius == b->shape.radius && a->shape.width == b->shape.width && a->shape.tyre.stiffness == b->shape.tyre.stiffness &&
+	       a->shape.tyre.pressure == b->shape.tyre.pressure &&
 	       memcmp(a->shape.size, b->shape.size, sizeof a->shape.size) == 0;
 }
 

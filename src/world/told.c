@@ -94,7 +94,7 @@ static void set_slip(const struct scene_object *object, const struct furrow_stat
 		return;
 	const double c = cos(pose.yaw), s = sin(pose.yaw), rise = normal[2] > 0 ? -(normal[0] * c + normal[1] * s) / normal[2] : 0;
 	const double along = (state->linear[0] * c + state->linear[1] * s + state->linear[2] * rise) / hypot(1, rise);
-	const double rim = world_spin(&pose, state->angular) * object->shape.radius;
+	const double rim = world_spin(&pose, state->angular) * soil_shape_rolling(&object->shape);
 	contact->slip = fabs(rim) > AT_REST ? 1 - along / rim : NAN;
 	contact->slip_velocity = rim - along;
 }
@@ -232,7 +232,7 @@ enum status world_path_state(const struct world *world, size_t body, struct furr
 	}
 	const struct scene_object *object = at->object;
 	if (object->shape.kind == SOIL_WHEEL) {
-		const double rolls = scene_slip_way(object, state->linear[0], state->linear[1], pose.yaw) / (object->shape.radius * (1 - object->slip));
+		const double rolls = scene_slip_way(object, state->linear[0], state->linear[1], pose.yaw) / (soil_shape_rolling(&object->shape) * (1 - object->slip));
 		double axes[3][3];
 		soil_axes(pose.yaw, 0, pose.roll, 0, axes);
 		for (int k = 0; k < 3; k++)

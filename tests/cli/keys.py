@@ -50,6 +50,8 @@ def trained(more, hold="throttle: 1", end="0.3"):
     return {**TRAIN, "end_time": end, "vehicles": TRAIN["vehicles"].replace("gears: [8, 4], shift_time: 0", more).replace("throttle: 1", hold)}
 
 
+TYRED = {**CAR, "vehicles": CAR["vehicles"].replace("driver:", "tyres: [{geom: wheel, stiffness: 30e3}], driver:")}
+ROLLS = {**SCM, "soil": "{name: lete_sand}", "objects": SCM["objects"].replace("width: 0.4}", "width: 0.4, tyre: {stiffness: 30e3, load: 900}}")}
 SHAPE = {**PLAIN}
 HEALS = {**PLAIN, "attributes": "{disturbance: {heals: 100}}"}
 PLANTS = {**PLAIN, "attributes": "{vegetation: {cover: 0.7}}", "objects": f"[{WHEEL % 'sink: 0.2, slip: 0.2'}]"}
@@ -166,6 +168,16 @@ ROWS = {
     "vehicles[].start.controls[].actuator": ({**CAR, "vehicles": STEERED.replace("at: [20, 20]", "at: [20, 20], controls: [{actuator: steer, value: 0.3}]")}, {"vehicles.car.start.controls.0.actuator": "drive_b"}),
     "vehicles[].start.controls[].value": ({**CAR, "vehicles": STEERED.replace("at: [20, 20]", "at: [20, 20], controls: [{actuator: steer, value: 0.3}]")}, {"vehicles.car.start.controls.0.value": "0.1"}),
     "vehicles[].start.fixed": (URDF, {"vehicles.car.start.fixed": "true"}),
+    "vehicles[].tyres": (CAR, {"vehicles.car.tyres": "{wheel: {stiffness: 30e3}}"}),
+    "vehicles[].tyres[].geom": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel.xml", "four.xml").replace("{drive: 3}", "{drive_a: 3}").replace("driver:", "tyres: [{geom: left_*, stiffness: 30e3}], driver:")}, {"vehicles.car.tyres.0.geom": "right_*"}),
+    "vehicles[].tyres[].stiffness": (TYRED, {"vehicles.car.tyres.0.stiffness": "20e3"}),
+    "vehicles[].tyres[].width": (TYRED, {"vehicles.car.tyres.0.width": "0.3"}),
+    "vehicles[].tyres[].load": (TYRED, {"vehicles.car.tyres.0.load": "500"}),
+    "vehicles[].tyres[].pressure": (TYRED, {"vehicles.car.tyres.0.pressure": "1000"}),
+    "vehicles[].tyres[].damping": (TYRED, {"vehicles.car.tyres.0.damping": "3000"}),
+    "objects[].shape.wheel.tyre.stiffness": (ROLLS, {"objects.a.shape.wheel.tyre.stiffness": "20e3"}),
+    "objects[].shape.wheel.tyre.load": (ROLLS, {"objects.a.shape.wheel.tyre.load": "1200"}),
+    "objects[].shape.wheel.tyre.pressure": (ROLLS, {"objects.a.shape.wheel.tyre.pressure": "1000"}),
     "vehicles[].model_path": (URDF, {"vehicles.car.model_path": "[packages]"}),
     "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
     "vehicles[].servo.torque": (URDF, {"vehicles.car.servo.torque": "0.1"}),

@@ -54,6 +54,7 @@ static const struct pair pairs[] = {
 	{EFFECT_SOIL_RASTERS, HEAD SPHERE SCM, HEAD SPHERE RASTERS, true},
 	{EFFECT_MESH, HEAD SPHERE, HEAD OBJECT("mesh: {file: block.obj}"), false},
 	{EFFECT_GROUSERS, HEAD OBJECT(WHEEL "}"), HEAD OBJECT(WHEEL ", lugs: 12}"), false},
+	{EFFECT_TYRES, HEAD OBJECT(WHEEL "}") SCM, HEAD OBJECT(WHEEL ", tyre: {stiffness: 1e5, load: 900}}") SCM, false},
 	{EFFECT_LOAD, HEAD SPHERE SCM, HEAD LOADED, false},
 	{EFFECT_FORCES, HEAD SPHERE SCM, HEAD SPHERE SCM "output: {forces: 20}\n", true},
 	{EFFECT_FORCES, HEAD SPHERE SCM, HEAD LOADED, false},

@@ -109,6 +109,13 @@ static const char plate[] = "scene: 1\nend_time: 1\n"
 			    "objects:\n"
 			    "  - {name: a, shape: {box: {size: [1, 1, 1]}}, path: {points: [[1, 2], [9, 2]], speed: 3}}\n";
 
+static const char rolls[] = "scene: 1\nend_time: 1\n"
+			    "cache: {loaders: 0, prefetch: 0}\n"
+			    "soil: {name: dry_sand}\n"
+			    "redistribute: {model: scm}\n"
+			    "objects:\n"
+			    "  - {name: a, shape: {wheel: {radius: 0.4, width: 0.2}}, path: {points: [[1, 2], [9, 2]], speed: 3}}\n";
+
 /* Each in turn: what it adds to the bare scene, and why; and nothing more. */
 static void each_key_calls_for_its_own(void **state)
 {
@@ -121,6 +128,7 @@ static void each_key_calls_for_its_own(void **state)
 		{object, "attributes", "[disturbance]", EFFECT_BIT(EFFECT_DISTURBANCE), "attributes.disturbance"},
 		{object, "attributes", "{vegetation: {}}", EFFECT_BIT(EFFECT_VEGETATION), "attributes.vegetation"},
 		{object, "objects.a.shape.wheel.grousers", "5", EFFECT_BIT(EFFECT_GROUSERS), "objects.a.shape.wheel.grousers"},
+		{rolls, "objects.a.shape.wheel.tyre", "{stiffness: 1e5, load: 900}", EFFECT_BIT(EFFECT_TYRES), "objects.a.shape.wheel.tyre"},
 		{plate, "objects.a.carry", "true", EFFECT_BIT(EFFECT_CARRIED), "objects.a.carry"},
 		{object, "cache.loaders", "3", EFFECT_BIT(EFFECT_LOADERS), "cache.loaders: 3"},
 		{object, "cache.prefetch", "0.5", EFFECT_BIT(EFFECT_PREFETCH), "cache.prefetch: 0.5"},

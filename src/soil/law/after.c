@@ -160,15 +160,16 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 	float shear_x[POSTS_LANES], shear_y[POSTS_LANES];
 	struct soils soils;
 	int32_t loose = 0;
+	const bool tyre = f->tyre_stiff > 0;
 	take_layers(posts, b, &soils);
 	const int32_t rim_above = whole_units(f->bars_beyond * f->outer); /* its drum */
 	const int32_t near = (int32_t)fminf((float)AFTER_SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
+		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond, flat = tyre ? kept->flat[b + i] : 0, flattest = tyre ? kept->flattest[b + i] : 0;
 		ground[i] = posts->ground[b + i] - raised;
 		far[i] = (posts->ground[b + i] >= AFTER_FAR) | (posts->ground[b + i] <= -AFTER_FAR);
-		rests[i] = whole_units(height);
-		lowest[i] = whole_units(height - posts->lowered[b + i]);
+		rests[i] = whole_units(height + flat);
+		lowest[i] = whole_units(height - posts->lowered[b + i] + flattest);
 		deposited[i] = posts->deposited[b + i];
 		sinkage[i] = posts->sinkage[b + i];
 		dug[i] = posts->digs[b + i];

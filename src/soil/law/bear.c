@@ -13,14 +13,14 @@
 /* --- sums --- */
 
 /* Adds what one place of each lane bears. */
-SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind, bool asked, float unit, const struct lane_posts *p,
+SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind, bool soft, bool asked, float unit, const struct lane_posts *p,
 			     const struct spots *spots, float stresses[7][LANES], struct counts *counts, struct lane_places *all)
 {
 	EACH_LANE {
 		struct face face;
 		struct place place;
 		float shear[3], stress[3], moment[3], belt[3];
-		put_place(f, kind, asked, p, i, spots, i, &face, &place);
+		put_place(f, kind, soft, asked, p, i, spots, i, &face, &place);
 		stress_at(&place, shear, stress);
 		cross3(place.arm, stress, moment);
 		cross3(place.normal, f->belt, belt);
@@ -34,6 +34,8 @@ SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind
 		if (asked) {
 			float bends[3];
 			put_bends(f, kind, p->own[i], spots->x[i], spots->y[i], &face, bends);
+			for (int k = 0; k < 3 && soft; k++)
+				bends[k] *= place.leans;
 			add_place(&place, bends, i, all);
 		}
 	}
@@ -84,7 +86,7 @@ SOIL_INLINED void add_counts(const int32_t counts[LANES], int64_t sums[LANES])
 }
 
 /* Rounds what the lanes bear to whole numbers, and adds them. */
-SOIL_INLINED void count(const struct soil_form *f, const struct lane_posts *p, float unit, const struct block *l, const float stresses[7][LANES],
+SOIL_INLINED void count(const struct soil_form *f, bool soft, const struct lane_posts *p, float unit, const struct block *l, const float stresses[7][LANES],
 			struct counts *c, struct lane_sums *sums)
 {
 	EACH_LANE {
@@ -98,7 +100,7 @@ SOIL_INLINED void count(const struct soil_form *f, const struct lane_posts *p, f
 		c->pull[i] = whole_of(clamped(stresses[6][i] * unit, -BEAR_MOST, BEAR_MOST));
 		c->saturated[i] = large > BEAR_MOST ? 1 : 0;
 		const bool bears = (c->area[i] > 0) & (p->over[i] > 0);
-		const float deep = l->depth[i] + l->more[i]; /* below the base: */
+		const float deep = l->depth[i] + l->more[i] - (soft ? l->flat[i] : 0); /* below the base: */
 		const int32_t deepest = bears ? whole_of(least(deep, 2000) * 1048576.0f) - p->deposited[i] : 0;
 		sums->deepest[i] = deepest > sums->deepest[i] ? deepest : sums->deepest[i];
 	}
@@ -134,11 +136,15 @@ static void total_sums(const struct lane_sums *lanes, struct soil_sums *sums)
 
 /* --- a block --- */
 
-SOIL_INLINED void keep(const struct lane_posts *p, size_t b, const struct block *l, struct soil_kept *kept)
+SOIL_INLINED void keep(bool soft, const struct lane_posts *p, size_t b, const struct block *l, struct soil_kept *kept)
 {
 	EACH_LANE {
 		const float stays = exp_minus(l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1));
 		kept->more[b + i] = l->more[i];
+		if (soft) {
+			kept->flat[b + i] = l->flat[i];
+			kept->flattest[b + i] = l->flattest[i];
+		}
 		kept->shear_x[b + i] = sheared(p->shear_x[i], l->direction[0][i], stays);
 		kept->shear_y[b + i] = sheared(p->shear_y[i], l->direction[1][i], stays);
 	}
@@ -154,7 +160,7 @@ struct asked {
 	struct lane_changes *changes; /* NULL: not asked */
 };
 
-SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool asked, const struct soil_posts *posts, const struct asked *a)
+SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool soft, bool asked, const struct soil_posts *posts, const struct asked *a)
 {
 	const float unit = BEAR_UNITS_A_PASCAL / a->share, raised = (float)a->raised * SOIL_UNIT + f->beyond;
 	const bool sparse = a->kept == NULL && are_sparse(posts, raised);
@@ -178,24 +184,36 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 #if SOIL_LAYERED
 		put_layers(&lanes, &l);
 #endif
-		put_slides(f, kind, p, &l);
-		put_shares(f, &lanes, &l);
+		if (soft) {
+			if (l.floored)
+				put_flat(f, p, true, &l);
+			else
+				put_flat(f, p, false, &l);
+		}
+		put_slides(f, kind, soft, p, &l);
+		put_shares(f, soft, &lanes, &l);
 		if (f->digs_most > 0)
-			dig(f, kind, &lanes, &l);
+			dig(f, kind, soft, &lanes, &l);
 		if (a->kept != NULL)
-			keep(p, b, &l, a->kept);
+			keep(soft, p, b, &l, a->kept);
 		if (!any_above(l.share, 0))
 			continue;
+		if (soft && any_above(l.was, 0)) {
+			if (l.floored)
+				put_rims(f, p, true, &l);
+			else
+				put_rims(f, p, false, &l);
+		}
 		put_memory(f, kind, p, &l);
 		if (!knows_places(kind))
 			put_beneath(f, kind, p, &l);
-		put_line(f, kind, p, &l);
+		put_line(f, kind, soft, p, &l);
 		put_keeps(f, p, &l);
 		if (asked)
 			memset(&all, 0, sizeof all);
 		for (int k = 0; k < 2; k++) {
-			put_spots(f, kind, p, &l, k == 0 ? -0.28867513f : 0.28867513f, &spots);
-			add_places(f, kind, asked, unit, p, &spots, stresses, &counts, &all);
+			put_spots(f, kind, soft, p, &l, k == 0 ? -0.28867513f : 0.28867513f, &spots);
+			add_places(f, kind, soft, asked, unit, p, &spots, stresses, &counts, &all);
 		}
 		if ((kind == FORM_RIM && f->lean != 0) || (kind == FORM_RASTER && f->fine.brims != NULL))
 			add_brims(f, kind, asked, unit, p, &l, stresses, &counts, a->changes);
@@ -203,26 +221,27 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			add_walls(f, asked, unit, p, &l, stresses, &counts, a->changes);
 		if (asked)
 			add_changes(f, kind, p, &l, &all, a->changes);
-		count(f, p, unit, &l, (const float(*)[LANES])stresses, &counts, a->sums);
+		count(f, soft, p, unit, &l, (const float(*)[LANES])stresses, &counts, a->sums);
 		for (int i = 0; i < LANES && a->kept == NULL && !asked; i++)
 			*a->grows += (double)counts.grows[i];
 	}
 }
 
-#define BEAR_OF(kind, name) \
+#define BEAR_OF(kind, name, soft) \
 	SOIL_CLONED static void bear_##name(const struct soil_form *restrict f, const struct soil_posts *restrict p, const struct asked *restrict a) \
 	{ \
 		if (a->changes != NULL) \
-			bear(f, kind, true, p, a); \
+			bear(f, kind, soft, true, p, a); \
 		else \
-			bear(f, kind, false, p, a); \
+			bear(f, kind, soft, false, p, a); \
 	}
-BEAR_OF(FORM_RIM, rim)
-BEAR_OF(FORM_BALL, ball)
-BEAR_OF(FORM_CAPSULE, capsule)
-BEAR_OF(FORM_BOX, box)
-BEAR_OF(FORM_END, end)
-BEAR_OF(FORM_RASTER, raster)
+BEAR_OF(FORM_RIM, rim, false)
+BEAR_OF(FORM_RIM, tyre, true)
+BEAR_OF(FORM_BALL, ball, false)
+BEAR_OF(FORM_CAPSULE, capsule, false)
+BEAR_OF(FORM_BOX, box, false)
+BEAR_OF(FORM_END, end, false)
+BEAR_OF(FORM_RASTER, raster, false)
 
 static double total_real(const float lanes[LANES])
 {
@@ -252,7 +271,10 @@ void soil_bear(const struct soil_form *form, const struct soil_posts *posts, int
 	memset(&counted, 0, sizeof counted);
 	*sums = (struct soil_sums){.deepest = 0};
 	const struct asked asked = {raised, share, &counted, &sums->grows, kept, changes != NULL ? &lanes : NULL};
-	forms[form->kind](form, posts, &asked);
+	if (form->tyre_stiff > 0)
+		bear_tyre(form, posts, &asked);
+	else
+		forms[form->kind](form, posts, &asked);
 	total_sums(&counted, sums);
 	if (changes == NULL)
 		return;

@@ -34,6 +34,7 @@ struct soil_changes {
 struct soil_kept {
 	float *more;              /* m: what slip digs */
 	float *shear_x, *shear_y; /* mobilised shear after, in the frame */
+	float *flat, *flattest;   /* m: by how much a tyre's surface is above its rim there, in its pose and in its deepest pose. Of a tyre alone */
 };
 
 /* Evaluates the law with the centre raised by so many fixed-point units. share: stresses are divided by it. kept, changes: NULL, or what is asked. */

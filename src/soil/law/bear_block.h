@@ -6,6 +6,7 @@
 #include "soil/law/bear_lanes.h"
 #include "soil/faces/slid.h"
 #include "soil/law/face.h"
+#include "soil/law/tyre.h"
 
 /* What one evaluation knows of a block of posts. Heights and depths are in metres. */
 struct block {
@@ -23,6 +24,9 @@ struct block {
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 	float keeps[LANES];             /* share of the law of the lower envelope; the rest is that of faces */
+	/* Of a tyre. least_of: tyre_least; flat, flattest: struct soil_kept; leans, gives: tyre_share now, and where the soil yields; rim, soil: a depth of the
+	 * rim along the normal, and the soil's sinkage there. From put_rims on `was` is a depth of the rim. */
+	float least_of[LANES], leans[LANES], flat[LANES], flattest[LANES], gives[LANES], rim[LANES], soil[LANES];
 };
 
 SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
@@ -321,15 +325,62 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 	return (sqrtf(x * x + y * y) + 4 * sqrtf(mx * mx + my * my) + sqrtf(ex * ex + ey * ey)) * (1 / 6.0f);
 }
 
+/* --- a tyre --- */
+
+/* Finds how far the carcass gives way at the posts, now and where the rim was deepest in its motion. */
+SOIL_INLINED void put_flat(const struct soil_form *f, const struct lane_posts *p, bool floored, struct block *l)
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float up = p->up[i], d = most(up * l->depth[i], 0), deepest = most(up * (l->depth[i] + p->lowered[i]), d), was = l->was[i];
+		const float first = tyre_least(f, &s), low = tyre_sinkage(f, &s, deepest, first, first, TYRE_TRIES, floored);
+		const float largest = most(low, was), yields = yield_stress_on(&s, largest, floored), plastic = plastic_part(&s, largest, yields);
+		float by_elastic;
+		springs_at(&s, d, largest, yields, plastic, &by_elastic);
+		const float grows = yield_growth_on(&s, yields, largest, floored), reached = either(low >= was, deepest, tyre_depth(f, was, yields));
+		const float z = either(d >= reached, least(largest, d), tyre_springs(f, yields, plastic, by_elastic, d));
+		l->least_of[i] = first;
+		l->flat[i] = (d - z) * p->by_up[i];
+		l->flattest[i] = (deepest - low) * p->by_up[i];
+		l->leans[i] = either(d - z > 0, tyre_share(f, grows, yields * by_elastic, most(reached - d, 0)), 1);
+		l->gives[i] = f->tyre_stiff / (f->tyre_stiff + grows);
+		l->rim[i] = deepest;
+		l->soil[i] = low;
+	}
+}
+
+/* From here on the memory of a post is a depth of the rim, as the places around it have the rim's shape. */
+SOIL_INLINED void put_rims(const struct soil_form *f, const struct lane_posts *p, bool floored, struct block *l)
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float was = l->was[i], rim = tyre_depth(f, was, yield_stress_on(&s, was, floored));
+		const bool known = was > 0;
+		l->soil[i] = either(known & (rim > l->rim[i]), was, l->soil[i]);
+		l->rim[i] = either(known, most(rim, l->rim[i]), l->rim[i]);
+		l->was[i] = either(known, rim, 0);
+	}
+}
+
+/* Turns depths of the rim at places of the cells, along the normal, into the largest sinkage of the soil there. */
+SOIL_INLINED void put_soil(const struct soil_form *f, const struct lane_posts *p, const struct block *l, bool floored, float depths[LANES])
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float d = depths[i], guess = l->soil[i] + (d - l->rim[i]) * l->gives[i];
+		depths[i] = either(d > 0, tyre_sinkage(f, &s, d, l->least_of[i], guess, TYRE_MORE, floored), d);
+	}
+}
+
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
  * dD = |e| (kappa K - D) / K, D what slip has dug, beyond what bars scooped. */
-SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, bool floored, struct block *l)
+SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, bool soft, struct lane_posts *p, bool floored, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
 		const float half = 0.5f * most(lasted(p, i, l->passed[i]), 0), x = p->x[i] + half * f->way[0], y = p->y[i] + half * f->way[1];
 		const float lowest = p->height[i] + p->above[i] - p->lowered[i], up = p->up[i], was = l->was[i];
-		const float deepest = most(up * (l->ground[i] - lowest), 0), sunk = up * l->depth[i], after = most(was, deepest);
+		const float deepest = most(up * (l->ground[i] - lowest - (soft ? l->flattest[i] : 0)), 0), sunk = up * l->depth[i], after = most(was, deepest);
 		const float stays = least(plastic_on(&s, after, floored), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
 		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
@@ -337,7 +388,7 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, st
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, kind, x, y) * touching * s.by_modulus * mean));
 		/* The body stays in the soil however much slips. Once it has reached the floor, it counts as deep as it is below the floor's undisturbed surface. */
 		const float above = floored ? either((s.loose > 0) & (sunk > s.loose), s.under * p->by_up[i], 0) : 0;
-		const float room = least(l->depth[i] + above - 2 * SOIL_UNIT, room_above(p, i));
+		const float room = least(l->depth[i] - (soft ? l->flat[i] : 0) + above - 2 * SOIL_UNIT, room_above(p, i));
 		const float by = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
 		l->more[i] += by;
 		take_off(p, i, floored, by, l);
@@ -349,15 +400,15 @@ SOIL_INLINED void dig_in(const struct soil_form *f, enum soil_form_kind kind, st
 		}
 }
 
-SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, struct lane_posts *p, struct block *l)
+SOIL_INLINED void dig(const struct soil_form *f, enum soil_form_kind kind, bool soft, struct lane_posts *p, struct block *l)
 {
 	if (l->floored)
-		dig_in(f, kind, p, true, l);
+		dig_in(f, kind, soft, p, true, l);
 	else
-		dig_in(f, kind, p, false, l);
+		dig_in(f, kind, soft, p, false, l);
 }
 
-SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind, bool soft, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
 		const float half = 0.5f * most(lasted(p, i, l->passed[i]), 0), x = p->x[i] + half * f->way[0], y = p->y[i] + half * f->way[1];
@@ -365,8 +416,10 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 		float normal[3], across[2][3];
 		face_at(f, kind, p->own[i], x, y, &then);
 		normal_of(f, p, i, &then, normal);
+		if (soft)
+			tyre_lean(l->leans[i], p->rise_x[i], p->rise_y[i], normal);
 		put_across(normal, across);
-		const float arm[3] = {x, y, then.height + p->above[i]};
+		const float arm[3] = {x, y, then.height + p->above[i] + (soft ? l->flat[i] : 0)};
 		const struct slip slip = slip_at(f, kind, arm, normal, across);
 		l->slides[i] = slip.size * slip.time * p->by_modulus[i];
 		l->direction[0][i] = slip.direction[0];
@@ -379,20 +432,21 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 /* Soil that is loaded anew gets stronger while it holds shear. Shear can give back at most K S e^2 / 2, with e the mobilised share of the strength S. If e
  * stayed, a body that slid over the soil lightly, was loaded and slid back would gain energy. So this grows only by what sliding in the motion dissipates,
  * which is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
-SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, struct block *l)
+SOIL_INLINED void put_shares(const struct soil_form *f, bool soft, struct lane_posts *p, struct block *l)
 {
-	float loads[LANES];
+	float loads[LANES], sunk[LANES];
 	memset(l->springs, 0, sizeof l->springs);
-	EACH_LANE loads[i] = either((l->was[i] > 0) & (p->shear[i] != 0), l->depth[i] - (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT, 0);
+	EACH_LANE sunk[i] = soft ? l->depth[i] - l->flat[i] : l->depth[i];
+	EACH_LANE loads[i] = either((l->was[i] > 0) & (p->shear[i] != 0), sunk[i] - (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT, 0);
 	if (!any_above(loads, 2 * SOIL_UNIT))
 		return;
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
 		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = l->yields[i];
 		const float before = strength_at(f, &s, yields, plastic, by_elastic, up * (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT);
-		const float now = strength_at(f, &s, yields, plastic, by_elastic, up * l->depth[i]), way = l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1);
+		const float now = strength_at(f, &s, yields, plastic, by_elastic, up * sunk[i]), way = l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1);
 		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 2 * SOIL_UNIT, least(SHEAR_LENIENT * before / most(now * pays * pays, 1e-9f), 1), 1));
-		l->springs[i] = either((share < 1) & (up * l->depth[i] < was), 1, 0);
+		l->springs[i] = either((share < 1) & (up * sunk[i] < was), 1, 0);
 		p->shear_x[i] *= share;
 		p->shear_y[i] *= share;
 	}
@@ -492,17 +546,21 @@ SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind 
 }
 
 /* Gives the plastic part of vertical sinkages, vertically, m. */
-SOIL_INLINED void put_stays(const struct lane_posts *p, const float mosts[LANES], bool floored, float stays[LANES])
+SOIL_INLINED void put_stays(const struct soil_form *f, bool soft, const struct lane_posts *p, const struct block *l, const float mosts[LANES], bool floored, float stays[LANES])
 {
+	float largest[LANES];
+	EACH_LANE largest[i] = mosts[i] * p->up[i];
+	if (soft)
+		put_soil(f, p, l, floored, largest);
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
-		stays[i] = plastic_on(&s, mosts[i] * p->up[i], floored) * p->by_up[i];
+		stays[i] = plastic_on(&s, largest[i], floored) * p->by_up[i];
 	}
 }
 
 /* A line across the cell, in the direction in which the depth of the lower envelope changes most. The depth along it is taken as a parabola. An end of
  * what bears lies where the body leaves the surface; where it unloads, where it leaves the plastic part of the earlier sinkage. */
-SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, bool soft, const struct lane_posts *p, struct block *l)
 {
 	float depths[3][LANES], mosts[3][LANES], unloads[2][LANES], stays[3][LANES];
 	const bool known = any_above(l->was, 0);
@@ -541,9 +599,9 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
 	for (int k = 0; k < 3; k++)
 		if (any && l->floored)
-			put_stays(p, mosts[k], true, stays[k]);
+			put_stays(f, soft, p, l, mosts[k], true, stays[k]);
 		else if (any)
-			put_stays(p, mosts[k], false, stays[k]);
+			put_stays(f, soft, p, l, mosts[k], false, stays[k]);
 		else
 			memset(stays[k], 0, sizeof stays[k]);
 	EACH_LANE {

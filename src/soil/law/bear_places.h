@@ -13,6 +13,7 @@
 
 /* The soil at a place of each lane. */
 struct spots {
+	float rims[LANES]; /* of a tyre: the rim's depth at which the soil is `most` deep */
 	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], grows[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], keeps[LANES], holds[LANES];
 };
 
@@ -25,7 +26,7 @@ SOIL_INLINED void put_spot_yields(const struct lane_posts *p, bool floored, stru
 	}
 }
 
-SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, const struct block *l, float at,
+SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, bool soft, const struct lane_posts *p, const struct block *l, float at,
 			    struct spots *spots)
 {
 	const bool known = any_above(l->was, 0);
@@ -56,6 +57,13 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 			spots->most[i] = most(spots->most[i], before);
 		}
 	EACH_LANE spots->most[i] *= p->up[i];
+	if (soft) {
+		memcpy(spots->rims, spots->most, sizeof spots->rims);
+		if (l->floored)
+			put_soil(f, p, l, true, spots->most);
+		else
+			put_soil(f, p, l, false, spots->most);
+	}
 	if (l->floored)
 		put_spot_yields(p, true, spots);
 	else
@@ -79,6 +87,7 @@ struct place {
 	float stress, strength, holds;   /* Pa: normal, with damping; the most that shear can be; how that grows with the normal stress */
 	float mobilised[2], dragged[2];  /* shear along `across`: share of the strength; Pa, of damping */
 	float unloads;                   /* 1: it springs back, or is loaded anew */
+	float leans;                     /* of a tyre: the share of the rim's slope that its surface has */
 	float sinks, damps;              /* growth of the normal stress: Pa/m as the surface goes down, Pa s/m with its speed along the normal */
 	float shears[2][2], drags[2][2]; /* 1/m, Pa s/m: growth of `mobilised` and `dragged` with a way, a speed along `across` */
 };
@@ -96,10 +105,10 @@ SOIL_INLINED float fade_slope(float fades)
 }
 
 /* Adds damping: of soil that is pushed down fast, and of a surface that hardly slides. damping: Pa s/m, what counts of the soil's. Grousers do not count
- * for the speed: a bar that passes pushes no more soil down. */
-SOIL_INLINED void put_rates(const struct soil_form *f, float damping, float down, struct place *place)
+ * for the speed: a bar that passes pushes no more soil down. normal: the same of the pressure; both: of a carcass, which damps both ways. */
+SOIL_INLINED void put_rates_of(const struct soil_form *f, float damping, float normal, float both, float down, struct place *place)
 {
-	const float slow = fade(down * down / (SETTLES * SETTLES)), settles = SETTLING * damping, damps = either(down >= 0, damping, 0);
+	const float slow = fade(down * down / (SETTLES * SETTLES)), settles = SETTLING * normal, damps = either(down >= 0, normal, 0) + both;
 	float along[2];
 	place->stress = most(place->stress + (damps + settles * slow) * down, 0);
 	place->damps = damps + settles * fade_slope(slow);
@@ -113,6 +122,11 @@ SOIL_INLINED void put_rates(const struct soil_form *f, float damping, float down
 		for (int j = 0; j < 2; j++)
 			place->drags[k][j] = (k == j ? sticks : 0) - drops * along[k] * along[j];
 	}
+}
+
+SOIL_INLINED void put_rates(const struct soil_form *f, float damping, float down, struct place *place)
+{
+	put_rates_of(f, damping, damping, 0, down, place);
 }
 
 /* Returns how fast the surface at a place goes down along its normal, m/s. */
@@ -135,7 +149,15 @@ SOIL_INLINED void put_shears(const struct slip *slip, float by_modulus, float sl
 		}
 }
 
-SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind, bool asked, const struct lane_posts *p, int i,
+/* Leans and raises the surface of a tyre at a place, by how far it gives way, m along the base's normal. share: of the rim's depth by which the soil sinks. */
+SOIL_INLINED void put_carcass(const struct lane_posts *p, int i, float gives, float share, struct place *place)
+{
+	tyre_lean(share, p->rise_x[i], p->rise_y[i], place->normal);
+	put_across(place->normal, place->across);
+	place->arm[2] += gives * p->by_up[i];
+}
+
+SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind, bool soft, bool asked, const struct lane_posts *p, int i,
 			    const struct spots *spots, int lane, struct face *face, struct place *place)
 {
 	const struct stress_soil s = soil_of(p, i);
@@ -148,19 +170,40 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->arm[1] = y;
 	place->arm[2] = face->height + p->above[i];
 	float by_elastic;
-	const float plastic = plastic_part(&s, largest, yields), springs = springs_at(&s, z, largest, yields, plastic, &by_elastic), share = either(z >= largest, 1, springs);
+	const float plastic = plastic_part(&s, largest, yields), rim = soft ? spots->rims[lane] : largest;
+	float springs = springs_at(&s, z, largest, yields, plastic, &by_elastic), gives = 0, sinks = 1;
+	if (soft) {
+		const float sunk = either(z >= rim, least(largest, z), tyre_springs(f, yields, plastic, by_elastic, z));
+		gives = z - sunk;
+		springs = springs_at(&s, sunk, largest, yields, plastic, &by_elastic);
+	}
+	const float share = either(z >= rim, 1, springs);
 	const float down = down_at(f, place->arm, p->above[i], place->normal);
+	if (soft) {
+		sinks = either(gives > 0, tyre_share(f, spots->grows[lane], yields * by_elastic, most(rim - z, 0)), 1);
+		put_carcass(p, i, gives, sinks, place);
+	}
 	place->ground = either(least(z, share) > 0, spots->part[lane], 0);
 	/* A flat end that is as wide as several cells bears by its area in plan: all of it on level ground. */
 	const float level = clamped(1 - (place->normal[0] * p->rise_x[i] + place->normal[1] * p->rise_y[i]) / most(place->normal[2], 1e-6f), 0, 1);
 	const float plane = either(f->ground_normals + face->end > 0, 1, place->normal[2]), bears = either((kind == FORM_END) & (face->end > 0) & (f->ground_normals == 0), level, 1);
 	place->area = place->ground * bears / plane * spots->keeps[lane];
 	place->stress = yields * share;
+	if (soft) /* of two springs in line the softer one tells their force best */
+		place->stress = either((gives > 0) & (f->tyre_stiff < yields * by_elastic), f->tyre_holds + f->tyre_stiff * gives, place->stress);
 	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
-	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
+	const float flows = either(z >= rim - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= rim - SOIL_LEAST, 1, spots->unloads[lane]);
 	place->unloads = unloads;
 	place->sinks = up * ((1 - unloads) * spots->grows[lane] + unloads * yields * by_elastic);
-	put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, place);
+	const float damping = s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1);
+	if (soft) { /* each part of the surface's speed damps: the soil's by the soil, the carcass's by the carcass */
+		const float grows = place->sinks * p->by_up[i], series = f->tyre_grows / (f->tyre_grows + grows);
+		place->sinks *= either(gives > 0, series, 1);
+		put_rates_of(f, damping, damping * sinks * sinks, f->tyre_damps * (1 - sinks) * (1 - sinks), down, place);
+	} else {
+		put_rates(f, damping, down, place);
+	}
+	place->leans = sinks;
 	const struct slip slip = slip_at(f, kind, place->arm, place->normal, place->across);
 	place->mobilised[0] = sheared(p->shear_x[i], slip.direction[0], spots->stays[lane]);
 	place->mobilised[1] = sheared(p->shear_y[i], slip.direction[1], spots->stays[lane]);

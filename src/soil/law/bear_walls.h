@@ -88,7 +88,7 @@ SOIL_INLINED void add_wall_places(const struct soil_form *f, bool asked, float u
 		struct face face;
 		struct place place;
 		float shear[3], stress[3], moment[3], belt[3];
-		put_place(f, FORM_WALL, asked, p, i, spots, i, &face, &place);
+		put_place(f, FORM_WALL, false, asked, p, i, spots, i, &face, &place);
 		shear_wall(f, asked, p, i, spots->deep[i], &place);
 		bear_upwards(upper, &place);
 		stress_at(&place, shear, stress);
@@ -152,7 +152,7 @@ SOIL_INLINED void add_walls(const struct soil_form *f, bool asked, float unit, c
 		_Pragma("GCC unroll 1") for (int n = 0; n < 4; n++) {
 			memcpy(block.first, parts.ends[n / 2], sizeof block.first);
 			memcpy(block.last, parts.ends[n / 2 + 1], sizeof block.last);
-			put_spots(f, FORM_WALL, &posts, &block, n % 2 == 0 ? -0.28867513f : 0.28867513f, &spots);
+			put_spots(f, FORM_WALL, false, &posts, &block, n % 2 == 0 ? -0.28867513f : 0.28867513f, &spots);
 			add_wall_places(f, asked, unit, (float)(n / 2), &posts, &spots, stresses, counts, changes);
 			if (asked && n == 1 && f->ground_normals == 0)
 				add_opening(f, w, &parts, w == 0 ? p->edge_long : p->other_long, &spots, changes);

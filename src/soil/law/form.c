@@ -437,6 +437,13 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 		moves = moves || motion->linear[k] != 0 || motion->angular[k] != 0;
 	form->rates = moves ? 1 : 0;
 	form->bulldozing = (float)law->bulldozing;
+	const struct soil_tyre *tyre = &motion->shape->tyre;
+	if (tyre->stiffness > 0 && form->kind == FORM_RIM) {
+		form->tyre_holds = (float)tyre->pressure;
+		form->tyre_stiff = (float)tyre->stiffness;
+		form->tyre_grows = (float)tyre->growth;
+		form->tyre_damps = (float)tyre->damping;
+	}
 	form->surface = (struct stress_surface){
 		.adhesion = interface->has_adhesion ? (float)interface->adhesion : 0,
 		.tangent = interface->has_friction ? (float)tan(interface->friction_angle) : 0,

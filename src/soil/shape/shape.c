@@ -97,10 +97,15 @@ bool soil_shape_runs(const struct soil_shape *shape)
 	return shape->kind == SOIL_WHEEL || shape->belt;
 }
 
+double soil_shape_rolling(const struct soil_shape *shape)
+{
+	return shape->radius - shape->tyre.pressed;
+}
+
 double soil_shape_ran(const struct soil_shape *shape, double turned)
 {
 	if (shape->kind == SOIL_WHEEL)
-		return shape->radius * turned;
+		return soil_shape_rolling(shape) * turned;
 	return shape->belt ? turned : 0;
 }
 
