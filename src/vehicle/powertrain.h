@@ -93,6 +93,8 @@ double vehicle_train_effort_for(const struct vehicle *vehicle, double accelerati
 /* Brakes fully, without throttle: what stands holds. Does nothing without brakes. */
 void vehicle_train_hold(struct vehicle *vehicle);
 
+/* Returns true if a brake held the wheel of this freedom in the last step. Its contact carries the vehicle then, and not the wheel alone. */
+bool vehicle_train_holds(const struct vehicle *vehicle, int dof);
 /* Finds the torques of a step of h seconds, and gives them to MuJoCo, for all vehicles. After vehicle_couple, which has put the soil's forces and how they answer into qfrc_applied and
  * data->M, and before mj_step2. begins: false if the step is made once more, with other forces of the soil. Runs within a guard. */
 void vehicle_trains_solve(struct vehicles *vehicles, double h, bool begins);

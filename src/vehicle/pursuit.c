@@ -196,4 +196,6 @@ void vehicle_pursue(struct vehicle *vehicle, double time)
 	const double speed = driver->arrived ? 0 : wanted * fmin(1, fmin(time / START_TIME, fmax(left / (STOP_TIME * wanted), 0.1)));
 	steer(vehicle, middle, curvature);
 	drive(vehicle, middle, curvature, speed);
+	if (driver->arrived)
+		vehicle_train_hold(vehicle);
 }

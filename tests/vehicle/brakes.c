@@ -30,13 +30,13 @@ static void brakes_hold_without_creep(void **state)
 	for (int s = 0; s < 2; s++)
 		for (int k = 0; k < (s == 0 && long_run() ? 3 : 1); k++) {
 			struct furrow_world *world = open_train("brakes: 2500, driver: {hold: {brake: 1}}", STEP, headings[k], soils[s]);
-			const double speed = creeps(world, long_run() ? 60 : 5, 1);
+			const double speed = creeps(world, long_run() ? 60 : 3, 2);
 			double turned = 0;
 			for (int i = 0; i < 4; i++)
 				turned = fmax(turned, fabs(turns(world, (size_t)i)));
-			assert_true(turned < 1e-6);
-			assert_true(speed < (s == 0 ? 1e-7 : long_run() ? 2e-7 : 1e-5)); /* clay yields for tens of seconds */
 			print_message("%s, 20 degrees, heading %g: %.3g um/s; wheels turn by %.3g rad/s\n", soils[s], headings[k], 1e6 * speed, turned);
+			assert_true(turned < 1e-6);
+			assert_true(speed < (s == 0 ? 1e-7 : long_run() ? 2e-7 : 3e-5)); /* clay yields for tens of seconds */
 			done(furrow_world_close(world));
 		}
 }
