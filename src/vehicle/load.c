@@ -46,7 +46,7 @@ enum status vehicle_set_timestep(struct vehicles *vehicles)
 	if (!(steps <= STEPS_MOST)) {
 		char where[VEHICLE_WHERE];
 		const struct vehicle *shortest = &vehicles->list[0];
-		for (size_t v = 0; v < vehicles->all; v++)
+		for (size_t v = 0; v < vehicles->count; v++)
 			if (vehicles->list[v].single->opt.timestep < shortest->single->opt.timestep)
 				shortest = &vehicles->list[v];
 		vehicle_where(shortest, scene, where);

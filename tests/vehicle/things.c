@@ -170,6 +170,26 @@ static void a_winch_pulls_a_vehicle_that_stands(void **state)
 	assert_true(fabs(slack) < 0.01 && last->x - first->x > 0.1);
 }
 
+/* One model has one state. What is wrong with one vehicle must not be told of another one. */
+static void what_fails_is_told_of_the_right_vehicle(void **state)
+{
+	static const char *const values[] = {"9e9", "2e10"}, *const says[] = {"bad: its motion diverged", "bad: control 1 of its actuators is"};
+	char vehicles[600];
+	(void)state;
+	support_write(support_path("truck.xml"), truck);
+	support_write(support_path("bad.xml"), "<mujoco><option timestep=\"0.004\"/><worldbody><body pos=\"0 0 0.5\"><freejoint/><geom name=\"ball\" type=\"sphere\" size=\"0.3\" mass=\"20\"/>"
+					       "<body><joint name=\"turn\"/><geom size=\"0.1\" mass=\"1\" contype=\"0\" conaffinity=\"0\"/></body></body></worldbody>"
+					       "<actuator><motor name=\"turn\" joint=\"turn\" gear=\"1e9\"/></actuator></mujoco>");
+	for (int i = 0; i < 4; i++) {
+		snprintf(vehicles, sizeof vehicles, TRUCK_AT("%s", "truck.xml", "[14.013, 16.013]", "4") "  - {name: bad, model: bad.xml, start: {at: [14.013, 26.013]}, driver: {hold: {turn: %s}}}\n",
+			 i < 2 ? "a" : "z", values[i % 2]);
+		write_scene(vehicles, NULL, "");
+		assert_int_equal(try_drive(NULL, "out"), STATUS_FAILED);
+		print_message("%s\n", failure_message());
+		assert_non_null(strstr(failure_message(), says[i % 2]));
+	}
+}
+
 static double greatest_difference(const char *a, const char *b, const char *name)
 {
 	static struct drive_row one[4000];
@@ -250,6 +270,7 @@ TEST_PROGRAM(things)
 		cmocka_unit_test(what_starts_inside_a_thing_is_refused),
 		cmocka_unit_test(a_trailer_follows_its_hitch),
 		cmocka_unit_test(a_winch_pulls_a_vehicle_that_stands),
+		cmocka_unit_test(what_fails_is_told_of_the_right_vehicle),
 		cmocka_unit_test(one_that_is_far_away_changes_nothing),
 		cmocka_unit_test(three_in_a_heap_come_to_rest),
 		cmocka_unit_test(resumed_it_goes_on_to_the_same_bits),
