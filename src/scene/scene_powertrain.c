@@ -107,8 +107,8 @@ static enum status take_gears(const struct scene_tree *tree, const struct raw_po
 			return scene_error(tree->file, node, "needs ratios that fall from gear to gear, and gear %zu has %g after %g; allowed: falling ratios", i + 2, train->gears[i + 1],
 					   train->gears[i]);
 		if (!(after > train->down))
-			return scene_error(tree->file, node, "shifts up from gear %zu at %g rpm, has %.4g rpm then, and shifts down again below %g; allowed: down below %s", i + 1,
-					   train->up, after, train->down, number_at_most(after, 3).text);
+			return scene_error(tree->file, node, "shifts up from gear %zu at %g rpm, has %.4g rpm then, and shifts down again below %g; allowed: down below %.4g", i + 1,
+					   train->up, after, train->down, after);
 	}
 	return STATUS_OK;
 }

@@ -43,6 +43,7 @@
 
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"
+#include "vehicle/powertrain.h"
 
 #define DAMPING 0.5     /* of what is critical */
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
@@ -591,7 +592,7 @@ void vehicle_couple(struct vehicles *vehicles, double h, double later, bool driv
 		fill_jacobians(vehicle, vehicles->room);
 		any = any || vehicle->touching > 0;
 		for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end; i++)
-			*diagonal_of(model, data->M, i) += h * vehicle_damping_of(vehicle, i);
+			*diagonal_of(model, data->M, i) += h * vehicle_damping_of(vehicle, i) + (vehicle_train_holds(vehicle, i) ? BRAKE_SOFT * model->dof_M0[i] : 0);
 	}
 	if (any)
 		mj_factorM(model, data);

@@ -298,6 +298,15 @@ const char *vehicle_train_key(const struct vehicle *vehicle, size_t control)
 	return NULL;
 }
 
+bool vehicle_train_holds(const struct vehicle *vehicle, int dof)
+{
+	const struct powertrain *train = vehicle->train;
+	for (size_t i = 0; train != NULL && i < train->wheel_count; i++)
+		if (train->wheels[i].dof == dof)
+			return !isnan(train->wheels[i].held);
+	return false;
+}
+
 /* --- the record --- */
 
 size_t vehicle_train_numbers(const struct vehicle *vehicle)

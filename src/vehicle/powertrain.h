@@ -3,9 +3,9 @@
  *
  *     throttle -> engine -> clutch or converter -> gearbox -> centre differential -> axles' differentials -> wheels <- brakes
  *
- * The engine's speed is a state of its own. Every other part is without mass. At each step of the engine's (MuJoCo's) all parts are solved together, for the
- * velocities at the step's end, with the wheels' own inertia, the vehicle's and the soil's resistance. So no ratio, no lock and no brake
- * makes a step unstable. A part is a row: a difference of speeds that it takes away, by a torque up to a limit.
+ * The engine's speed is a state of its own. Every other part is without mass. In each step of MuJoCo all parts are solved together, for the velocities at its end. The
+ * inertia of the wheels and of the vehicle counts, and what the soil resists. So no ratio, no lock and no brake makes a step unstable. A part is a row: a difference of
+ * speeds that it takes away, by a torque up to a limit.
  *
  * 1. Torques of open differentials are shared alike. A locked one has no limit, a limited one that of its bias and lock.
  * 2. A brake whose limit is not reached holds its wheel at an angle: what it turned by rounding or by other forces is taken back. It does not creep.
@@ -18,7 +18,7 @@
 
 enum { POWERTRAIN_BRAKE, POWERTRAIN_THROTTLE, POWERTRAIN_GEAR, POWERTRAIN_CONTROLS };
 
-/* What a row takes away: the slip of the clutch or the converter, a difference between wheels of an axle or between axles, a braked wheel's turn. */
+/* What a row takes away: slip of the clutch or the converter; differences between wheels, and between axles; the turn of a braked wheel. */
 enum powertrain_kind { POWERTRAIN_INPUT, POWERTRAIN_AXLE, POWERTRAIN_CENTRE, POWERTRAIN_HOLDS };
 
 struct powertrain_row {
@@ -94,9 +94,11 @@ static inline bool vehicle_has_engine(const struct vehicle *vehicle)
 void vehicle_train_effort(struct vehicle *vehicle, double effort);
 /* Returns the effort that gives a vehicle this acceleration, m/s2 along the way, in its present gear and at its present speed, -1 .. 1. */
 double vehicle_train_effort_for(const struct vehicle *vehicle, double acceleration);
-/* Brakes fully, without throttle: what stands holds. Does nothing without brakes. */
+/* Brakes fully, without throttle, so that a vehicle at rest holds. Does nothing without brakes. */
 void vehicle_train_hold(struct vehicle *vehicle);
 
+/* Returns true if a brake held the wheel of this freedom in the last step. Its contact carries the vehicle then, and not the wheel alone. */
+bool vehicle_train_holds(const struct vehicle *vehicle, int dof);
 /* Finds the torques of a step of h seconds, and gives them to MuJoCo, for all vehicles. After vehicle_couple, which has put the soil's forces and how they answer into qfrc_applied and
  * data->M, and before mj_step2. begins: false if the step is made once more, with other forces of the soil. Runs within a guard. */
 void vehicle_trains_solve(struct vehicles *vehicles, double h, bool begins);
@@ -105,8 +107,8 @@ void vehicle_train_sum(struct vehicle *vehicle, double h, const double *before);
 
 /* Tells of the powertrain and the brakes. All is 0 without. */
 void vehicle_train_tell(const struct vehicle *vehicle, struct vehicle_train *out);
-/* Puts its controls, and the torques they have led to in the last step, behind those of the actuators: of the engine and of all brakes, N m. The gear has 0. Either
- * may be NULL. */
+/* Puts its controls behind those of the actuators, and their torques, N m. The throttle has that of the engine in the last step, the brake the sum over all
+ * brakes, the gear 0. Either array may be NULL. */
 void vehicle_train_tell_controls(const struct vehicle *vehicle, double *controls, double *forces);
 /* Returns which key of `driver` sets a control; NULL: none. */
 const char *vehicle_train_key(const struct vehicle *vehicle, size_t control);
@@ -119,7 +121,7 @@ size_t vehicle_train_numbers(const struct vehicle *vehicle);
 double *vehicle_train_save(const struct vehicle *vehicle, double *to);
 const double *vehicle_train_restore(struct vehicle *vehicle, const double *from);
 
-/* powertrain_solve.c: finds torques x within limits so that each row's speed q x + c is 0, or its torque is at a limit and does not suffice. q: count x count,
+/* powertrain_solve.c: finds torques x within limits. Each row's speed q x + c is 0 then, or its torque is at a limit and does not suffice. q: count x count,
  * symmetric positive. limits: above 0, or INFINITY. room: count (count + 3) numbers; bound: count. */
 void vehicle_solve_bounded(const double *q, const double *c, const double *limits, size_t count, double *x, double *room, signed char *bound);
 

@@ -41,7 +41,7 @@ STEERED = "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
 SLIPS = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
-TRAIN = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, powertrain: {wheels: [drive*], engine: [[500, 20], [6000, 20]], inertia: 0.1, gears: [8, 4], shift_time: 0}, "
+TRAIN = {**CAR, "store": "flat.furrow", "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, powertrain: {wheels: [drive*], engine: [[500, 20], [6000, 20]], inertia: 0.1, gears: [8, 4], shift_time: 0}, "
                            "driver: {hold: {throttle: 1}}}]"}
 
 
@@ -188,7 +188,7 @@ ROWS = {
     "vehicles[].powertrain.idle": (TRAIN, {"vehicles.car.powertrain.idle": "700"}),
     "vehicles[].powertrain.drag": (trained("gears: [8]", "throttle: 0.5"), {"vehicles.car.powertrain.drag": "5"}),
     "vehicles[].powertrain.gears": (TRAIN, {"vehicles.car.powertrain.gears": "[5, 4]"}),
-    "vehicles[].powertrain.reverse": (trained("gears: [8]", "throttle: 1, gear: -1"), {"vehicles.car.powertrain.reverse": "4"}),
+    "vehicles[].powertrain.reverse": (trained("gears: [8], shift_time: 0", "throttle: 1, gear: -1"), {"vehicles.car.powertrain.reverse": "4"}),
     "vehicles[].powertrain.final": (TRAIN, {"vehicles.car.powertrain.final": "2"}),
     "vehicles[].powertrain.shift": (trained("gears: [8, 4], shift: [200, 900]", end="0.6"), {"vehicles.car.powertrain.shift": "[200, 600]"}),
     "vehicles[].powertrain.shift_time": (trained("gears: [8, 4], shift: [200, 600]", end="0.6"), {"vehicles.car.powertrain.shift_time": "0.1"}),

@@ -27,16 +27,16 @@ static void brakes_hold_without_creep(void **state)
 	static const double headings[] = {180, 0, 150};
 	slope = tan(20 * M_PI / 180);
 	write_model(0, 1000, "");
-	for (int s = 0; s < 2; s++)
+	for (int s = 0; s < (long_run() ? 2 : 1); s++)
 		for (int k = 0; k < (s == 0 && long_run() ? 3 : 1); k++) {
 			struct furrow_world *world = open_train("brakes: 2500, driver: {hold: {brake: 1}}", STEP, headings[k], soils[s]);
-			const double speed = creeps(world, long_run() ? 60 : 5, 1);
+			const double speed = creeps(world, long_run() ? 60 : 3, 2);
 			double turned = 0;
 			for (int i = 0; i < 4; i++)
-				turned = fmax(turned, fabs(turns(world, (size_t)i)));
-			assert_true(turned < 1e-6);
-			assert_true(speed < (s == 0 ? 1e-7 : long_run() ? 2e-7 : 1e-5)); /* clay yields for tens of seconds */
+				turned = support_most(turned, fabs(turns(world, (size_t)i)));
 			print_message("%s, 20 degrees, heading %g: %.3g um/s; wheels turn by %.3g rad/s\n", soils[s], headings[k], 1e6 * speed, turned);
+			assert_true(turned < 1e-6);
+			assert_true(speed < (s == 0 ? 1e-7 : 2e-7)); /* clay yields for tens of seconds */
 			done(furrow_world_close(world));
 		}
 }
@@ -83,7 +83,7 @@ static void a_brake_takes_its_torque_and_no_more(void **state)
 	go(world, 0.2);
 	const double is = (turns(world, 0) - from) / 0.2, should = (200 * 10 - 1600) / (4 * WHEEL_INERTIA + 100 * 0.3);
 	print_message("%.4f rad/s2 against brakes, closed form %.4f\n", is, should);
-	assert_near(is, should, 1e-4 * should);
+	assert_near(is, should, 0.0001 * should);
 	control(world, 0, 1, 0);
 	go(world, 3);
 	for (size_t i = 0; i < 4; i++)

@@ -48,14 +48,14 @@ static void a_motor_has_its_closed_form(void **state)
 	set(world, V, V, 0);
 	go(world, 6);
 	const struct vehicle_drive half = drive_of(world, 0), fast = drive_of(world, 1);
-	assert_near(turns(world, 1), V / K / GEAR, 1e-4 * V / K / GEAR);
+	assert_near(turns(world, 1), V / K / GEAR, 0.0001 * V / K / GEAR);
 	assert_near(fast.current, 0, 0.01);
 	assert_near(turns(world, 0), V / K / GEAR / 2, 1e-6);
-	assert_near(half.torque * half.speed, K * V / R * V / K / 4, 1e-3);
+	assert_near(half.torque * half.speed, K * V / R * V / K / 4, 0.001 * half.torque * half.speed);
 	assert_near(half.voltage, V, 1e-6);
 	go(world, 1);
-	assert_near(drive_of(world, 0).taken - half.taken, V * half.current, 1e-4 * V * half.current);
-	assert_near(drive_of(world, 0).mechanical - half.mechanical, half.torque * half.speed, 1e-4 * half.torque * half.speed);
+	assert_near(drive_of(world, 0).taken - half.taken, V * half.current, 0.0001 * V * half.current);
+	assert_near(drive_of(world, 0).mechanical - half.mechanical, half.torque * half.speed, 0.0001 * half.torque * half.speed);
 	/* Half of the voltage: the wheel slows down to half of its speed, and drives the motor. The charge that comes back is J w / 2 / (K gear), and its energy that times the voltage. */
 	const struct vehicle_drive before = drive_of(world, 1);
 	const double slower = turns(world, 1) / 2, should = WHEEL_INERTIA * slower / (K * GEAR) * V / 2;

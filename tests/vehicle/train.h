@@ -19,6 +19,7 @@
 
 static const struct extent extent = {129, 129, 0.25, 32};
 static double slope; /* tangent */
+static bool welded;  /* wheels have no hinges */
 static double damping[4]; /* N m s: of the hinges fl, fr, rl, rr */
 
 static double ground(int64_t x, int64_t y)
@@ -37,7 +38,10 @@ static inline void write_model(double low, double mass, const char *more)
 			      0.6 * mass, 0.6 * mass);
 	if (low > 0)
 		length += snprintf(text + length, sizeof text - (size_t)length, "<geom name=\"stand\" type=\"box\" size=\"0.2 0.2 %g\" pos=\"0 0 %g\"/>", low, -RADIUS);
-	for (int i = 0; i < 4; i++)
+	for (int i = 0; i < 4 && welded; i++)
+		length += snprintf(text + length, sizeof text - (size_t)length, "<geom name=\"%s\" type=\"cylinder\" pos=\"%s 0\" size=\"%g 0.1\" euler=\"90 0 0\" mass=\"%g\"/>", names[i], at[i],
+				   RADIUS, WHEEL_MASS);
+	for (int i = 0; i < 4 && !welded; i++)
 		length += snprintf(text + length, sizeof text - (size_t)length,
 				   "<body pos=\"%s 0\"><joint name=\"turn_%s\" axis=\"0 1 0\" damping=\"%g\"/><geom name=\"%s\" type=\"cylinder\" size=\"%g 0.1\" euler=\"90 0 0\" mass=\"%g\"/></body>",
 				   at[i], names[i], damping[i], names[i], RADIUS, WHEEL_MASS);
