@@ -251,13 +251,13 @@ static void slip_velocity_is_finite_at_standstill(void **state)
 	for (int i = 0; i < 50; i++)
 		done(furrow_step(world, 0));
 	for (size_t g = 0; g < car->geom_count; g++)
-		if (car->geoms[g].stands)
+		if (car->geoms[g].is_standing)
 			assert_true(isnan(car->geoms[g].contact.slip) && fabs(car->geoms[g].contact.slip_velocity) < 5e-3);
 	car->data->qvel[car->own.dof.first] = 0.3;
 	done(furrow_step(world, 0));
 	done(furrow_step(world, 0));
 	for (size_t g = 0; g < car->geom_count; g++)
-		if (car->geoms[g].stands)
+		if (car->geoms[g].is_standing)
 			assert_true(car->geoms[g].contact.slip_velocity < -0.05);
 	done(furrow_world_close(world));
 }
