@@ -85,7 +85,7 @@ static void allow(struct vehicle *vehicle, const struct scene *scene, const stru
 	const double load = vehicle_mass(vehicle) * scene->gravity / (double)vehicle->standing_count;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
-		if (!geom->stands) /* its contact is implicit, too: it stays stable */
+		if (!geom->is_standing) /* its contact is implicit, too: it stays stable */
 			continue;
 		const double sinkage = soil_sinkage_guess(&geom->shape, soil, load), area = area_of(&geom->shape, sinkage), stiffens = soil_stiffens(&geom->shape, soil, sinkage), effective = mass_of(vehicle, geom->geom);
 		const double step = 2 * sqrt(effective / (stiffness * stiffens * area));

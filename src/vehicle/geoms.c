@@ -34,19 +34,19 @@ static bool is_soil_geom(const struct vehicle *vehicle, int geom)
 	return vehicle_matches(&vehicle->scene->soil, name, collides) && !vehicle_matches(&vehicle->scene->no_soil, name, false);
 }
 
-static bool can_press(const mjModel *model, int geom)
+static bool can_touch(const mjModel *model, int geom)
 {
 	const int type = model->geom_type[geom];
 	return type != mjGEOM_PLANE && type != mjGEOM_HFIELD && type != mjGEOM_SDF;
 }
 
-/* Tells once of geoms that collide and cannot press the ground. */
+/* Tells once of geoms that collide and have a shape that cannot touch the ground. */
 static void tell_left_out(const struct vehicle *vehicle, const char *where)
 {
 	char first[256] = "", others[48] = "";
 	size_t count = 0;
 	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++)
-		if (vehicle->scene->soil.count == 0 && !can_press(vehicle->model, i) && is_soil_geom(vehicle, i) && count++ == 0)
+		if (vehicle->scene->soil.count == 0 && !can_touch(vehicle->model, i) && is_soil_geom(vehicle, i) && count++ == 0)
 			vehicle_geom_name(vehicle, i, first, sizeof first);
 	if (count > 1)
 		snprintf(others, sizeof others, ", and %zu other%s", count - 1, count > 2 ? "s" : "");
@@ -329,7 +329,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 	TRY(check_no_soil(vehicle, where));
 	tell_left_out(vehicle, where);
 	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
-		if (!is_soil_geom(vehicle, i) || (vehicle->scene->soil.count == 0 && !can_press(vehicle->model, i)))
+		if (!is_soil_geom(vehicle, i) || (vehicle->scene->soil.count == 0 && !can_touch(vehicle->model, i)))
 			continue;
 		const size_t index = vehicle->geom_count++;
 		vehicle->geoms[index].geom = i;

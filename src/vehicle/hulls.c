@@ -9,7 +9,7 @@
 
 #include "vehicle/internal.h"
 
-#define STANDS 0.01   /* m: a geom that is no higher than this above the lowest one stands on the ground */
+#define GROUNDED 0.01   /* m: a geom that is no higher than this above the lowest one is on the ground */
 #define MARGIN_POSTS 0.5 /* between ground and hull, and so much more as the hull moves in MARGIN_STEPS time steps */
 #define MARGIN_STEPS 4.0
 
@@ -29,10 +29,10 @@ void vehicle_find_standing(struct vehicle *vehicle)
 	vehicle->standing_count = 0;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		struct soil_geom *geom = &vehicle->geoms[g];
-		geom->stands = vehicle->scene->soil.count > 0 || geom->carries || soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0 ||
-			       lowest(vehicle, geom->geom) <= ground + STANDS;
-		geom->aloft = !geom->stands;
-		vehicle->standing_count += geom->stands;
+		geom->is_standing = vehicle->scene->soil.count > 0 || geom->carries || soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0 ||
+			       lowest(vehicle, geom->geom) <= ground + GROUNDED;
+		geom->aloft = !geom->is_standing;
+		vehicle->standing_count += geom->is_standing;
 	}
 }
 
@@ -99,8 +99,11 @@ static enum status put_down(const struct vehicles *vehicles, const struct vehicl
 enum status vehicle_lift_hull(const struct vehicles *vehicles, const struct vehicle *vehicle, struct soil_geom *geom)
 {
 	bool aloft;
-	if (geom->stands)
+	if (geom->is_standing)
 		return STATUS_OK;
+	if (world_is_ranked(vehicles->world))
+		return fail_with(STATUS_INPUT, "vehicles.%s: a hull that presses the ground needs one process; name what it stands on in soil, or its hulls in no_soil",
+				 geom->name);
 	TRY(find_aloft(vehicles, vehicle, geom, &aloft));
 	if (aloft == geom->aloft)
 		return STATUS_OK;

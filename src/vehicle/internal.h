@@ -13,7 +13,7 @@ struct soil_geom {
 	int dof;                    /* of a wheel: the freedom in which it turns; of a belt that of its sprocket; -1: neither */
 	int roll_dof;               /* of a round geom that is no cylinder: the freedom in which it turns as a wheel; -1: it does not (rolls.c) */
 	double roll_radius;         /* m */
-	bool stands;                /* on the ground in the first pose, or rolls, or the scene names it; false: it is a hull (hulls.c) */
+	bool is_standing;                /* on the ground in the first pose, or rolls, or the scene names it; false: it is a hull (hulls.c) */
 	bool aloft;                 /* a hull so high that it can touch nothing: the world has no place of it */
 	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
@@ -53,7 +53,7 @@ struct lie {
 	bool told;
 	double bears;               /* N, of LIE_HIGH_CENTRED: what the hull bore lately */
 };
-enum { LIE_OVERTURNED, LIE_HIGH_CENTRED, LIE_BURIED, LIE_OWN }; /* those of a vehicle itself; then one for each geom that does not press */
+enum { LIE_OVERTURNED, LIE_HIGH_CENTRED, LIE_BURIED, LIE_OWN }; /* those of a vehicle itself; then one for each geom that is watched: lies.c */
 /* What a path driver's actuators do to the wheels, found when the model is read: steering.c. */
 struct steering {
 	bool plain;                 /* each steering actuator turns its own wheel, each driving one turns its own: there is no table */
@@ -149,7 +149,7 @@ struct vehicle {
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	struct trail trail;         /* of the whole drive; in the record */
 	int up;                     /* axis of the root body that looks up in the model's own pose: 0, 1, 2 */
-	struct lie *lies;           /* LIE_OWN, and one for each geom that does not press; in the record */
+	struct lie *lies;           /* LIE_OWN, and one for each other geom that is watched; in the record */
 	size_t lie_count;
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* VEHICLE_ROOM nv + 64 numbers; all vehicles share them */
@@ -296,14 +296,14 @@ bool vehicle_make_mesh_wheel(const struct vehicle *vehicle, struct soil_geom *ou
 /* --- hulls.c --- */
 /* Finds which soil geoms stand on the ground in the first pose; the others are hulls, and aloft at first. */
 void vehicle_find_standing(struct vehicle *vehicle);
-/* Takes a hull out of the world, or puts it into it, by how high it will be above the ground at the end of the time step: geom->now. */
+/* Takes a hull out of the world, or puts it into the world. Its height above the ground decides, at the end of the time step (geom->now). */
 enum status vehicle_lift_hull(const struct vehicles *vehicles, const struct vehicle *vehicle, struct soil_geom *geom) FURROW_CHECKED;
 /* Gives the space above the lower side of a geom's box at a place of MuJoCo's axes or local ones, lowered by `margin`, m. `mat`: the geom's axes as columns. */
 void vehicle_space_of(const struct vehicle *vehicle, int geom, const double place[3], const double mat[9], double margin, struct world_space *space);
 struct furrow_contact vehicle_no_contact(const struct vehicles *vehicles); /* of a geom in the air */
 
 /* --- lies.c --- */
-/* Lists the geoms that do not press the ground and are to lie above it, after vehicle_find_standing. */
+/* Lists the geoms that are watched, after vehicle_find_standing. */
 enum status vehicle_make_lies(struct vehicle *vehicle) FURROW_CHECKED;
 void vehicle_free_lies(struct vehicle *vehicle);
 /* Looks how a vehicle lies after its motion in a time step, and tells once what is wrong. */

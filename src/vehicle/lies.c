@@ -1,9 +1,9 @@
 /*
  * What is wrong with how a vehicle lies: told once each, with time and place.
  *
- * - under_ground: a geom that does not press the soil lies below the ground of now, deeper than a post, or 5 cm.
+ * - under_ground: a geom that is no soil geom lies below the ground of now, deeper than a post, or 5 cm.
  * - overturned: the root body's up axis leans by more than 60 degrees from the vertical.
- * - high_centred: parts of the root body that neither roll nor run bear more than half of the weight of a vehicle that has wheels or belts.
+ * - high_centred: parts of the root body that do not roll bear more than half of the weight. The vehicle has wheels or belts.
  * - buried: the soil does not carry a soil geom (FURROW_SUNK).
  *
  * Each must be so for a while without a break.
@@ -13,7 +13,7 @@
 
 #include "vehicle/internal.h"
 
-#define LOOKS 0.05      /* s: so often geoms that do not press are compared with the ground */
+#define LOOKS 0.05      /* s: so often other geoms are compared with the ground */
 #define DEEP_LEAST 0.05 /* m, or a post: what lies deeper is told */
 #define UNDER_LONG 0.5  /* s */
 #define LONG 1.0        /* s, of the others */
@@ -21,7 +21,7 @@
 #define BEARS 0.5       /* of the weight, as a mean over */
 #define BEARS_LONG 0.5  /* s, since wheels that dig shake it */
 #define WITHIN 0.1      /* of its size, and */
-#define WITHIN_LEAST 0.02 /* m: what reaches so far beyond a geom that presses is a part of it */
+#define WITHIN_LEAST 0.02 /* m: what reaches so far beyond a soil geom is a part of it */
 #define AROUND 2        /* directions each way in which the lowest places of a geom are looked for */
 #define CORNERS_MOST 20000 /* a mesh with more counts as its box */
 #define NUMBERS 8       /* of a lie in the record */
@@ -31,7 +31,7 @@ static const double longs[LIE_OWN + 1] = {LONG, LONG, LONG, UNDER_LONG};
 
 /* --- which geoms are watched --- */
 
-static bool is_pressing(const struct vehicle *vehicle, int geom)
+static bool is_soil_geom(const struct vehicle *vehicle, int geom)
 {
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		if (vehicle->geoms[g].geom == geom)
@@ -73,7 +73,7 @@ static bool is_watched(const struct vehicle *vehicle, int geom)
 	const int type = model->geom_type[geom];
 	const bool collides = model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0;
 	const bool shown = model->geom_group[geom] < 3 && model->geom_rgba[4 * geom + 3] > 0;
-	if (vehicle_is_fixed(model, geom) || is_pressing(vehicle, geom) || type == mjGEOM_PLANE || type == mjGEOM_HFIELD || !(collides || shown))
+	if (vehicle_is_fixed(model, geom) || is_soil_geom(vehicle, geom) || type == mjGEOM_PLANE || type == mjGEOM_HFIELD || !(collides || shown))
 		return false;
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		if (are_near(model, geom, vehicle->geoms[g].geom) && is_within(vehicle, geom, vehicle->geoms[g].geom))
@@ -166,7 +166,7 @@ static bool rolls(const struct soil_geom *geom)
 	return soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0;
 }
 
-/* Returns what of the root body bears most of the weight though it does not roll; NULL: it does not, or nothing of the vehicle rolls. */
+/* Returns the part of the root body that bears most, if those that do not roll bear most of the weight. NULL: they do not, or nothing of the vehicle rolls. */
 static const struct soil_geom *hung_up(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	const mjModel *model = vehicle->model;

@@ -73,7 +73,7 @@ void vehicle_tell_roll(const struct vehicle *vehicle, struct soil_geom *geom)
 	mju_cross(heading, axle, normal);
 	if (mju_normalize3(heading) < 1e-6)
 		return;
-	/* An axle that looks to the right has the opposite heading and turn, so slip has the same sign; a speed has that of the vehicle's left. */
+	/* An axle that looks to the right has the opposite heading and turn. So its slip has the same sign, and its speed the other one. */
 	const double *left = &vehicle->data->xmat[9 * vehicle->root];
 	const double side = axle[0] * left[1] + axle[1] * left[4] + axle[2] * left[7] < 0 ? -1 : 1;
 	const double rim = geom->roll_radius * mju_dot3(geom->now.angular, axle), along = mju_dot3(geom->now.linear, heading);

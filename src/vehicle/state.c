@@ -105,7 +105,7 @@ static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geo
 	*from = take(*from, geom->mean, 3);
 	geom->contact = world_contact_unknown();
 	enum status status = world_body_restore(vehicles->world, geom->number, *from);
-	geom->aloft = !geom->stands && **from == 0;
+	geom->aloft = !geom->is_standing && **from == 0;
 	*from += WORLD_BODY_NUMBERS;
 	return status;
 }

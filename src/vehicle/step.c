@@ -86,8 +86,8 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 	const struct soil_geom *from = &vehicles->list[vehicle].geoms[geom];
 	const double bound = soil_shape_bound(&from->shape), turn = fmin(TURN_MOST, spacing / bound);
 	*out = (struct vehicle_geom){.name = from->name, .shape = &from->shape, .share = from->share, .contacts = 1 / spacing};
-	out->hull = !from->stands;
-	if (!from->stands) { /* it touches nothing on level ground */
+	out->hull = !from->is_standing;
+	if (!from->is_standing) { /* it touches nothing on level ground */
 		out->contacts = 0;
 		return;
 	}

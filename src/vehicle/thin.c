@@ -2,7 +2,7 @@
  * Thins a mesh, so that the soil need not look at triangles that its posts cannot tell apart.
  *
  * 1. Vertices of one cell of a fine grid become one of them.
- * 2. Vertices are moved onto neighbours, those first that change the surface least: in each turn a vertex takes the neighbour for which its own place is
+ * 2. Vertices are moved onto neighbours, those first that change the surface least. In each turn a vertex takes the best neighbour: its own place is then
  *    nearest to the triangles that are left around it. What it gives up is added to what that neighbour gave up before.
  * 3. Every vertex, and the middle of every edge and every triangle of the given mesh, is then compared with what is left. Where one of them is farther than
  *    `most`, the corners of its triangle stay where they are, and step 2 is done again. So that triangle stays. After some of these the mesh stays as it is.

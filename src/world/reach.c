@@ -32,6 +32,11 @@ static double reach_of_tile(const struct world *world, const struct world_space 
 	return most;
 }
 
+bool world_is_ranked(const struct world *world)
+{
+	return world->ranks != NULL;
+}
+
 enum status world_reach_into(struct world *world, const struct world_space *space, double *depth)
 {
 	const double spacing = world->resident.spacing;
@@ -42,7 +47,7 @@ enum status world_reach_into(struct world *world, const struct world_space *spac
 	const size_t tiles = world_tiles_in(world, rect);
 	struct held_tiles held;
 	*depth = -INFINITY;
-	if (world->resident.host == NULL || tiles > world->counts.windows.tiles) {
+	if (world->resident.host == NULL || world->ranks != NULL || tiles > world->counts.windows.tiles) {
 		*depth = INFINITY;
 		return STATUS_OK;
 	}

@@ -159,6 +159,26 @@ class Notes(FurrowTest):
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
         self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])
 
+    def test_how_a_vehicle_lies_is_told(self):
+        """Once, with time and place, in run.json and in the report; `stop` ends the drive."""
+        (self.folder / "over.xml").write_text(
+            '<mujoco><option timestep="0.002" integrator="implicit"/><worldbody><body name="car" pos="0 0 0.5" quat="0 1 0 0"><freejoint/>'
+            '<geom name="hull" type="box" size="0.6 0.4 0.1" mass="80"/></body></worldbody></mujoco>')
+        self.scene("scene: 1\ntime_step: 0.002\nend_time: 3\nspacing: 0.125\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+                   "vehicles: [{name: car, model: over.xml, start: {at: [20, 20]}}]\nstop: [overturned]\n", "over.yaml")
+        told = self.notes("vehicles.car", "--overlay", "over.furrow", scene="over.yaml")
+        lies = [note for note in told if "lies on its roof since t = " in note]
+        self.assertEqual(len(lies), 1, told)
+        self.assertRegex(lies[0], r"vehicles\.car lies on its roof since t = [\d.]+ s, at [\d.]+, [\d.]+ m; stop: \[overturned\] ends a drive there$")
+        run = json.loads((self.folder / "out/run.json").read_text())
+        self.assertEqual(run["ended"], "overturned")
+        self.assertAlmostEqual(run["simulated"], 1, delta=0.1)
+        lie, = run["vehicles"]["car"]["lies"]
+        self.assertEqual((lie["what"], lie["geom"], lie["depth"]), ("overturned", None, None))
+        self.ok("report", "out", "-o", "page.html")
+        self.assertIn("car lay on its side or roof from t = ", (self.folder / "page.html").read_text())
+        self.assertIn("no_soil: hul names no geom", self.refused(3, "drive", "over.yaml", "--store", "world.furrow", "-o", "x", "--set", "vehicles.car.no_soil=[hul]"))
+
     def test_sizes_and_paths_of_a_model_are_told(self):
         model = (pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml").read_text()
         (self.folder / "mm.xml").write_text(model.replace('size="0.32 0.12"', 'size="320 120"'))

@@ -120,8 +120,9 @@ static void a_car_that_falls_on_its_roof_ends_there(void **state)
 	for (int i = 0; i < 500; i++)
 		done(furrow_step(world, 0));
 	mju_copy3(after, car->data->xpos + 3 * car->root);
-	assert_true(car->data->xmat[9 * car->root + 8] < -0.95);           /* on its roof */
-	assert_true(hypot(after[0] - before[0], after[1] - before[1]) < 0.01);
+	assert_true(car->data->xmat[9 * car->root + 8] < -0.9);            /* on its roof */
+	/* It rocks on its roof by some centimetres; wheels that drove would have gone 1.5 m in this second. */
+	assert_true(hypot(after[0] - before[0], after[1] - before[1]) < 0.1 && hypot(after[0], after[1]) < 0.3);
 	assert_true(fabs(car->data->qvel[car->own.dof.first + 6]) > 1);    /* a wheel turns */
 	/* Its roof is 0.45 m from the middle, and sank by less than 10 cm. */
 	assert_true(after[2] + car->origin[2] > 10 + 0.35 && after[2] + car->origin[2] < 10 + 0.5);
@@ -252,13 +253,13 @@ static void slip_velocity_is_finite_at_standstill(void **state)
 	for (int i = 0; i < 50; i++)
 		done(furrow_step(world, 0));
 	for (size_t g = 0; g < car->geom_count; g++)
-		if (car->geoms[g].stands)
+		if (car->geoms[g].is_standing)
 			assert_true(isnan(car->geoms[g].contact.slip) && fabs(car->geoms[g].contact.slip_velocity) < 5e-3);
 	car->data->qvel[car->own.dof.first] = 0.3;
 	done(furrow_step(world, 0));
 	done(furrow_step(world, 0));
 	for (size_t g = 0; g < car->geom_count; g++)
-		if (car->geoms[g].stands)
+		if (car->geoms[g].is_standing)
 			assert_true(car->geoms[g].contact.slip_velocity < -0.05);
 	done(furrow_world_close(world));
 }
