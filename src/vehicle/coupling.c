@@ -12,12 +12,12 @@
  *
  *     F = F(v) + G J h a,    F(v) = F0 + K (x + h J v) + C (J v - u0),    G = h K + C
  *
- * F acts on the joints as J^T F. So MuJoCo finds the right accelerations, with all its own forces, constraints and contacts, if F(v) is a
- * force that is applied and the inertia M is M - h J^T G J. J of a geom has numbers only for the freedoms from the root of its tree to the geom. M has
+ * F acts on the joints as J^T F. So MuJoCo gets F(v) as a force that is applied, and M - h J^T G J as its inertia M. Then its accelerations are
+ * right, with all its own forces, constraints and contacts. J of a geom has numbers only for the freedoms from the root of its tree to the geom. M has
  * room for all pairs of these. So there is no other system of equations, and what MuJoCo solves knows how the soil answers.
  *
- * The soil does not pull, and its shear has a limit. A contact whose force at the end is beyond that gets the force at the limit instead, as it
- * is, without G, and the step is made once more.
+ * The soil does not pull, and its shear has a limit. A contact whose force at the end is beyond that gets the force at the limit, without G. Then
+ * the step is made once more.
  *
  * A belt (VEHICLES.md) is a surface that runs over its body along the body's own x axis e. A hinge drives it, by r for each radian of its
  * angle a. The soil shears this surface. So x and u are those of the surface: x is less by r (a - a0) e, and u by r a' e. J has the

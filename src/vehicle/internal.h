@@ -297,7 +297,7 @@ void vehicle_skip_rows(struct vehicles *vehicles);
 
 /* Makes room for all soil geoms to touch at once, and finds what moves them. */
 enum status vehicle_make_room(struct vehicle *vehicle) FURROW_CHECKED;
-/* Begins a step of the engine of `h` seconds, after mj_step1: adds to qfrc_applied the forces that the soil has if the velocities stay, and to
+/* Begins a step of the engine of `h` seconds, after mj_step1. Sets qfrc_applied to the forces that the soil has if the velocities stay. Adds to
  * the inertia, data->M, how these forces answer a change of the velocities. later: s of the time step after the step. drives false: wheels do
  * not turn. vehicles->mass keeps the inertia as it was. */
 void vehicle_couple(struct vehicles *vehicles, double h, double later, bool drives);

@@ -94,8 +94,8 @@ static void mix_options(const struct vehicles *vehicles, mjOption *out)
 	out->integrator = integrator_of(first->single);
 	for (size_t i = 1; i < vehicles->all; i++) {
 		const struct vehicle *vehicle = &vehicles->list[vehicles->order[i]];
-		if (vehicle->single->nv == 0)
-			continue; /* nothing of it moves */
+		if (vehicle->single->nv == 0 || vehicle->is_world)
+			continue; /* its own option does not count */
 		const int integrator = integrator_of(vehicle->single);
 		integrators |= integrator != out->integrator;
 		if (rank_of(integrator) > rank_of(out->integrator)) {

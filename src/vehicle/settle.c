@@ -54,7 +54,7 @@ static void touch_all(struct vehicles *vehicles)
 
 static void tell_unrest(const struct vehicles *vehicles)
 {
-	for (size_t v = 0; v < vehicles->all; v++) {
+	for (size_t v = 0; v < vehicles->count; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
 		if (vehicle->calm < CALM && !vehicle->scene->start.unsettled && speed_of(vehicle) > TREMBLES)
 			note("vehicles.%s: is not at rest after %.3g s of settling: it still moves at %.3g m/s; the drive begins", vehicle->scene->name,
@@ -77,8 +77,8 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 	if (vehicles->scene->soil_count == 1)
 		snprintf(soil, sizeof soil, ", here %g", vehicles->scene->soils[0].bekker_kphi);
 	const double *at = geom->now.pose.position;
-	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high, at %.3f, %.3f, %.3f m: the soil does not carry the vehicle, which weighs "
-			     "%.4g N; check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing, %g m", geom->name, geom->contact.sinkage, at[0], at[1], at[2],
+	snprintf(text, size, "%s%s: is %.3g m deep in the soil, deeper than it is high, at %.3f, %.3f, %.3f m: the soil does not carry the vehicle, which weighs "
+			     "%.4g N; check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing, %g m", vehicle->is_world ? "" : "vehicles.", geom->name, geom->contact.sinkage, at[0], at[1], at[2],
 		 vehicle_mass(vehicle) * vehicles->scene->gravity, soil, world_resident(vehicles->world)->spacing);
 }
 
@@ -124,7 +124,7 @@ static void tell_settling(struct vehicles *vehicles, double still)
 	if (now - vehicles->settling_told < TOLD_SECONDS)
 		return;
 	vehicles->settling_told = now;
-	for (size_t v = 0; v < vehicles->all; v++)
+	for (size_t v = 0; v < vehicles->count; v++)
 		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
 	say_heavy(vehicles, heavy, sizeof heavy);
 	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g%s", vehicles->list[0].settle_seconds,
@@ -136,7 +136,7 @@ static bool all_calm(const struct vehicles *vehicles)
 {
 	bool all = true;
 	for (size_t v = 0; v < vehicles->all; v++)
-		all = all && (vehicles->list[v].calm >= CALM || vehicles->list[v].scene->start.unsettled);
+		all = all && (vehicles->list[v].calm >= CALM || vehicles->list[v].is_world || vehicles->list[v].scene->start.unsettled); /* a thing may swing for ever */
 	return all;
 }
 
@@ -150,7 +150,8 @@ static enum status settle_step(struct vehicles *vehicles, double rate, double st
 		struct vehicle *vehicle = &vehicles->list[v];
 		vehicle->settle_seconds += seconds;
 		vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
-		TRY(vehicle_check_moved(vehicles, vehicle));
+		if (!vehicle->is_world)
+			TRY(vehicle_check_moved(vehicles, vehicle));
 	}
 	TRY(check_sunk(vehicles));
 	TRY(world_move_hosts(vehicles->world));
@@ -207,7 +208,7 @@ static enum status check_inside(const struct vehicles *vehicles)
 	if (deepest == NULL || deepest->dist >= -INSIDE)
 		return STATUS_OK;
 	const struct vehicle *of[2] = {vehicle_of_geom(vehicles, deepest->geom[0]), vehicle_of_geom(vehicles, deepest->geom[1])};
-	const int second = of[0]->is_world || (!of[1]->is_world && of[0] > of[1]) ? 0 : 1; /* that is told: the later vehicle of the scene */
+	const int second = of[0]->is_world ? 1 : of[1]->is_world || of[0] > of[1] ? 0 : 1; /* that is told: the later vehicle of the scene */
 	char names[2][200];
 	for (int k = 0; k < 2; k++)
 		vehicle_geom_name(of[k], deepest->geom[k], names[k], sizeof names[k]);
@@ -223,7 +224,7 @@ static enum status start(struct vehicles *vehicles)
 		TRY(vehicle_set_down(vehicles, &vehicles->list[vehicles->order[i]]));
 	TRY(vehicle_guard("vehicles", find_forces, vehicles));
 	for (size_t v = 0; v < vehicles->all; v++)
-		TRY(vehicle_check_start(vehicles, &vehicles->list[v]));
+		TRY(vehicles->list[v].is_world ? vehicle_check_things(vehicles, &vehicles->list[v]) : vehicle_check_start(vehicles, &vehicles->list[v]));
 	TRY(check_inside(vehicles));
 	return place_bodies(vehicles);
 }

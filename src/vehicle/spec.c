@@ -17,7 +17,7 @@ void vehicle_spec_tell(const struct spec *spec, const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	note("vehicles.%s: %s", spec->scene->name, text);
+	note("%s%s: %s", spec->things ? "" : "vehicles.", spec->scene->name, text);
 }
 
 void vehicle_spec_name(struct spec_names *names, const char *name)
@@ -42,6 +42,8 @@ static void free_roots(struct spec *spec)
 	const enum scene_fixed fixed = spec->scene->fixed;
 	mjsBody *world = mjs_findBody(spec->spec, "world");
 	struct spec_names freed = {.count = 0}, kept = {.count = 0};
+	if (spec->things) /* what has no joint there is fixed */
+		return;
 	for (mjsElement *child = mjs_firstChild(world, mjOBJ_BODY, 0); child != NULL; child = mjs_nextChild(world, child, 0)) {
 		mjsBody *body = mjs_asBody(child);
 		if (has_joint(body) || body->mocap)
@@ -66,10 +68,12 @@ static void tell_floors(const struct spec *spec)
 	for (mjsElement *child = mjs_firstChild(world, mjOBJ_GEOM, 0); child != NULL; child = mjs_nextChild(world, child, 0)) {
 		const mjsGeom *geom = mjs_asGeom(child);
 		const char *name = mjs_getString(mjs_getName(child));
-		if ((geom->type == mjGEOM_PLANE || geom->type == mjGEOM_HFIELD) && (geom->contype != 0 || geom->conaffinity != 0))
+		if ((geom->type == mjGEOM_PLANE || (geom->type == mjGEOM_HFIELD && !spec->things)) && (geom->contype != 0 || geom->conaffinity != 0))
 			vehicle_spec_name(&floors, name[0] != '\0' ? name : "a plane");
 	}
-	if (floors.count > 0)
+	if (floors.count > 0 && spec->things)
+		vehicle_spec_tell(spec, "its floor (%s) is taken away: the terrain is the ground; a slab is a box", floors.text);
+	else if (floors.count > 0)
 		vehicle_spec_tell(spec, "its own floor (%s) is taken away: it stands on the terrain", floors.text);
 }
 
@@ -129,16 +133,21 @@ static void compile(struct spec *spec)
 static void couple_freedoms(struct spec *spec)
 {
 	const mjModel *model = spec->model;
-	bool any = false;
+	mjsBody **list;
+	size_t count = 0;
+	spec->status = mem_make(&list, (size_t)model->nbody, sizeof *list, "a vehicle");
+	if (spec->status != STATUS_OK)
+		return;
+	/* Adding one changes the numbers of others. */
 	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_BODY); each != NULL; each = mjs_nextElement(spec->spec, each)) {
 		const int body = mjs_getId(each);
-		if (body <= 0 || body >= model->nbody || !model->body_simple[body] || model->body_dofnum[body] == 0)
-			continue;
-		any = true;
-		if (mjs_addBody(mjs_asBody(each), NULL) == NULL)
-			spec->status = fail_memory("a vehicle");
+		if (body > 0 && body < model->nbody && model->body_simple[body] && model->body_dofnum[body] > 0)
+			list[count++] = mjs_asBody(each);
 	}
-	if (!any || spec->status != STATUS_OK)
+	for (size_t i = 0; i < count && spec->status == STATUS_OK; i++)
+		spec->status = mjs_addBody(list[i], NULL) != NULL ? STATUS_OK : fail_memory("a vehicle");
+	mem_free(list);
+	if (count == 0 || spec->status != STATUS_OK)
 		return;
 	spec->spec->compiler.fusestatic = 0; /* it is done, and would take the empty ones away */
 	mj_deleteModel(spec->model);
@@ -192,7 +201,7 @@ static void join_lines(char *text)
 
 enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, const char *where)
 {
-	struct spec spec = {.where = where, .path = vehicle->scene->model, .scene = vehicle->scene, .gravity = scene->gravity, .keyframe = -1};
+	struct spec spec = {.where = where, .path = vehicle->scene->model, .scene = vehicle->scene, .gravity = scene->gravity, .keyframe = -1, .things = vehicle->is_world};
 	TRY(vehicle_check_model(where, spec.path, &spec.urdf, &spec.welded));
 	enum status status = vehicle_guard(where, make, &spec);
 	vehicle->single = spec.model;

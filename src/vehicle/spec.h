@@ -14,6 +14,7 @@ struct spec {
 	const struct scene_vehicle *scene;
 	double gravity;             /* m/s2, of the scene */
 	bool urdf;
+	bool things;                /* no vehicle, but the things of the scene's `world` */
 	bool welded;                /* a link named world holds it */
 	mjSpec *spec;
 	mjModel *model;

@@ -12,6 +12,7 @@
 #include "vehicle/start.h"
 
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
+#define DEEP 0.25       /* of the radius around a thing of `world`: deeper than this it starts under ground */
 #define ALONG 0.01      /* of the speed: by so much the joints of a root may miss it */
 #define AT_LEAST 0.05   /* m: half the length of the smallest vehicle that is told to have moved */
 
@@ -24,7 +25,8 @@ enum status vehicle_fail_start(const struct vehicles *vehicles, const struct veh
 	va_end(args);
 	if (vehicle->scene->line > 0)
 		snprintf(line, sizeof line, ":%d", vehicle->scene->line);
-	return fail_with(STATUS_INPUT, "%s%s: vehicles.%s.start: %s", vehicles->scene->file, line, vehicle->scene->name, why);
+	return vehicle->is_world ? fail_with(STATUS_INPUT, "%s%s: world: %s", vehicles->scene->file, line, why)
+				  : fail_with(STATUS_INPUT, "%s%s: vehicles.%s.start: %s", vehicles->scene->file, line, vehicle->scene->name, why);
 }
 
 /* --- the pose --- */
@@ -217,7 +219,7 @@ static void lift(struct vehicle *vehicle)
 			place_of(vehicle, body, &quat)[2] += vehicle->lift;
 }
 
-static bool presses(const struct vehicle *vehicle, int geom)
+static bool is_of_soil(const struct vehicle *vehicle, int geom)
 {
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		if (vehicle->geoms[g].geom == geom)
@@ -228,10 +230,10 @@ static bool presses(const struct vehicle *vehicle, int geom)
 static bool is_solid(const struct vehicle *vehicle, int geom)
 {
 	const mjModel *model = vehicle->model;
-	return !vehicle_is_fixed(model, geom) && (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0 || presses(vehicle, geom));
+	return !vehicle_is_fixed(model, geom) && (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0 || is_of_soil(vehicle, geom));
 }
 
-/* Finds half its length in plan: of what collides or presses the ground, along its root body's x axis or across, which is longer. */
+/* Finds half its length in plan: of all that collides, and of soil geoms, along its root body's x axis or across, which is longer. */
 static void find_length(struct vehicle *vehicle)
 {
 	const double *mat = &vehicle->data->xmat[9 * vehicle->root];
@@ -303,7 +305,7 @@ enum status vehicle_check_start(const struct vehicles *vehicles, const struct ve
 		double depth, at[3];
 		bool any;
 		char name[256];
-		if (presses(vehicle, i) || !is_solid(vehicle, i))
+		if (is_of_soil(vehicle, i) || !is_solid(vehicle, i))
 			continue;
 		TRY(depth_of(vehicles, vehicle, i, &depth, at, &any));
 		if (depth <= 0)
@@ -324,6 +326,22 @@ static enum status fail_ground(const struct vehicles *vehicles, const struct veh
 	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
 				  extent_side(extent, 0), extent_side(extent, 1),
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
+}
+
+enum status vehicle_check_things(const struct vehicles *vehicles, const struct vehicle *things)
+{
+	for (size_t g = 0; g < things->geom_count; g++) {
+		const struct soil_geom *geom = &things->geoms[g];
+		const double *at = &things->data->geom_xpos[3 * geom->geom], bound = soil_shape_bound(&geom->shape);
+		double depth, deepest[3];
+		bool any;
+		TRY(depth_of(vehicles, things, geom->geom, &depth, deepest, &any));
+		if (!any)
+			return vehicle_fail_start(vehicles, things, "no ground under %s at %g, %g m; move it onto the terrain", geom->name, at[0], at[1]);
+		if (depth > DEEP * bound)
+			return vehicle_fail_start(vehicles, things, "%s starts %.3g m under ground at %g, %g m; raise it by that", geom->name, depth, at[0], at[1]);
+	}
+	return STATUS_OK;
 }
 
 enum status vehicle_set_down(struct vehicles *vehicles, struct vehicle *vehicle)

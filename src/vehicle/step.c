@@ -226,6 +226,19 @@ static const struct vehicle *diverged(const struct vehicles *vehicles)
 	return bad;
 }
 
+/* MuJoCo sets all controls to 0 if one is out of its range: those of other vehicles, too. */
+static enum status check_controls(const struct vehicles *vehicles)
+{
+	const mjWarningStat *warning = &vehicles->data->warning[mjWARN_BADCTRL];
+	for (size_t v = 0; v < vehicles->all && warning->number > 0; v++) {
+		const struct range ctrl = vehicles->list[v].own.ctrl;
+		if (warning->lastinfo >= ctrl.first && warning->lastinfo < ctrl.end)
+			return fail_with(STATUS_FAILED, "%s: control %d of its actuators is no finite number, or above 1e10; give a smaller one", vehicles->list[v].scene->name,
+					 warning->lastinfo - ctrl.first + 1);
+	}
+	return STATUS_OK;
+}
+
 static enum status move_all(struct vehicles *vehicles, double rate, bool drives)
 {
 	struct motion motion = {vehicles, drives ? world_time(vehicles->world) : 0, vehicles->scene->time_step, rate, drives};
@@ -236,6 +249,7 @@ static enum status move_all(struct vehicles *vehicles, double rate, bool drives)
 		mju_copy(vehicle->was, &vehicle->data->xpos[3 * vehicle->root], 2);
 	}
 	TRY(vehicle_guard(vehicles->all == 1 ? vehicles->list[0].scene->name : "vehicles", advance, &motion));
+	TRY(check_controls(vehicles));
 	const struct vehicle *bad = diverged(vehicles);
 	if (bad != NULL)
 		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "

@@ -95,6 +95,7 @@ ROWS = {
     "outside": (pathed("points: [[1, 20], [-5, 20]], speed: 20"), {"outside": "skip"}),
     "objects": (PLAIN, {"objects": f"[{WHEEL % 'sink: 0.1'}]"}),
     "vehicles": ({**CAR, "objects": PLAIN["objects"], "vehicles": "[]", "output": "{forces: 50}"}, {"vehicles": CAR["vehicles"]}),
+    "world": (CAR, {"world": "wall.xml"}),
     "stuck.after": ({**WAY, "end_time": "1", "stuck": "{after: 0.3, below: 100}"}, {"stuck.after": "0.6"}),
     "stuck.below": ({**WAY, "end_time": "1", "stuck": "{after: 0.3, below: 100}"}, {"stuck.below": "0.001"}),
     "cameras": (PLAIN, {"cameras": SHOT["cameras"]}),
@@ -312,7 +313,8 @@ class Keys(FurrowTest):
         for key, value in RASTERS.items():
             write_png16(self.folder / f"{key}.png", 65, 65, lambda x, y: value)
         one = (ROOT / "tests/vehicle/one_wheel.xml").read_text()
-        texts = {"one_wheel.xml": one, "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
+        texts = {"one_wheel.xml": one, "wall.xml": '<mujoco><worldbody><geom name="wall" type="box" pos="20.6 20 0" size="0.2 2 500"/></worldbody></mujoco>',
+                 "tray.xml": (ROOT / "tests/vehicle/tray.xml").read_text(), "heavy.xml": one.replace('mass="70"', 'mass="140"'), "four.xml": FOUR % WHEELS, "one.csv": "t,drive\n0,3\n", "two.csv": "t,drive\n0,5\n",
                  "poses.csv": "t,x,y,yaw,pitch,roll\n".replace(",yaw,pitch,roll", "") + "0,10,20\n0.6,11,20\n", "lying.csv": "t,x,y,z,yaw,pitch,roll\n0,10,20,0.3,0,0,90\n0.6,11,20,0.3,0,0,90\n", "other.csv": "t,x,y\n0,10,20\n0.6,11,23\n",
                  "eyes.csv": "t,x,y,z,yaw,pitch,roll\n0,12,10,20,90,-40,0\n", "eyes2.csv": "t,x,y,z,yaw,pitch,roll\n0,12,12,20,90,-40,0\n"}
         for file, half in (("a.obj", 0.6), ("b.obj", 1.2)):
