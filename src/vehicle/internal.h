@@ -86,7 +86,7 @@ struct vehicle {
 	mjModel *model;             /* of all vehicles, and of what `world` has */
 	mjData *data;
 	struct owned own;           /* what of both is this vehicle's */
-	char prefix[16];            /* of names in `model`: names.c */
+	char prefix[24];            /* of names in `model`: names.c */
 	bool is_world;              /* no vehicle, but the things of the scene's `world` */
 	mjModel *single;            /* of this vehicle alone: shares.c */
 	mjSpec *spec;               /* of this vehicle, until all are put together; NULL after that */
@@ -200,7 +200,7 @@ void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, co
 bool vehicle_is_fixed(const mjModel *model, int geom);
 
 /* --- names.c: names in the model of all vehicles are "N/NAME", where NAME is that of the vehicle's own file --- */
-#define VEHICLE_PREFIX 16
+#define VEHICLE_PREFIX 24
 void vehicle_prefix(const struct vehicles *vehicles, size_t index, char prefix[VEHICLE_PREFIX]);
 /* Finds a part of the vehicle by the name in its file; -1: it has none. */
 int vehicle_find_part(const struct vehicle *vehicle, mjtObj kind, const char *name);
