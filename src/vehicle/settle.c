@@ -136,7 +136,7 @@ static bool all_calm(const struct vehicles *vehicles)
 {
 	bool all = true;
 	for (size_t v = 0; v < vehicles->all; v++)
-		all = all && (vehicles->list[v].calm >= CALM || vehicles->list[v].scene->start.unsettled || vehicles->list[v].is_world); /* a thing may swing for ever */
+		all = all && (vehicles->list[v].calm >= CALM || vehicles->list[v].is_world || vehicles->list[v].scene->start.unsettled); /* a thing may swing for ever */
 	return all;
 }
 
@@ -150,7 +150,8 @@ static enum status settle_step(struct vehicles *vehicles, double rate, double st
 		struct vehicle *vehicle = &vehicles->list[v];
 		vehicle->settle_seconds += seconds;
 		vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
-		TRY(vehicle_check_moved(vehicles, vehicle));
+		if (!vehicle->is_world)
+			TRY(vehicle_check_moved(vehicles, vehicle));
 	}
 	TRY(check_sunk(vehicles));
 	TRY(world_move_hosts(vehicles->world));
@@ -223,7 +224,7 @@ static enum status start(struct vehicles *vehicles)
 		TRY(vehicle_set_down(vehicles, &vehicles->list[vehicles->order[i]]));
 	TRY(vehicle_guard("vehicles", find_forces, vehicles));
 	for (size_t v = 0; v < vehicles->all; v++)
-		TRY(vehicle_check_start(vehicles, &vehicles->list[v]));
+		TRY(vehicles->list[v].is_world ? vehicle_check_things(vehicles, &vehicles->list[v]) : vehicle_check_start(vehicles, &vehicles->list[v]));
 	TRY(check_inside(vehicles));
 	return place_bodies(vehicles);
 }

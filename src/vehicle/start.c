@@ -219,7 +219,7 @@ static void lift(struct vehicle *vehicle)
 			place_of(vehicle, body, &quat)[2] += vehicle->lift;
 }
 
-static bool presses(const struct vehicle *vehicle, int geom)
+static bool is_of_soil(const struct vehicle *vehicle, int geom)
 {
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		if (vehicle->geoms[g].geom == geom)
@@ -230,10 +230,10 @@ static bool presses(const struct vehicle *vehicle, int geom)
 static bool is_solid(const struct vehicle *vehicle, int geom)
 {
 	const mjModel *model = vehicle->model;
-	return !vehicle_is_fixed(model, geom) && (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0 || presses(vehicle, geom));
+	return !vehicle_is_fixed(model, geom) && (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0 || is_of_soil(vehicle, geom));
 }
 
-/* Finds half its length in plan: of what collides or presses the ground, along its root body's x axis or across, which is longer. */
+/* Finds half its length in plan: of all that collides, and of soil geoms, along its root body's x axis or across, which is longer. */
 static void find_length(struct vehicle *vehicle)
 {
 	const double *mat = &vehicle->data->xmat[9 * vehicle->root];
@@ -299,32 +299,13 @@ static enum status depth_of(const struct vehicles *vehicles, const struct vehicl
 	return STATUS_OK;
 }
 
-/* The things of `world` keep their places. One that the soil would throw out, or that hangs over no ground, is refused. */
-static enum status check_things(const struct vehicles *vehicles, const struct vehicle *things)
-{
-	for (size_t g = 0; g < things->geom_count; g++) {
-		const struct soil_geom *geom = &things->geoms[g];
-		double depth, at[3] = {0, 0, 0};
-		bool any;
-		TRY(depth_of(vehicles, things, geom->geom, &depth, at, &any));
-		if (!any)
-			return vehicle_fail_start(vehicles, things, "no ground under %s at %g, %g m; move it onto the terrain", geom->name,
-						  things->data->geom_xpos[3 * geom->geom], things->data->geom_xpos[3 * geom->geom + 1]);
-		if (depth > DEEP * soil_shape_bound(&geom->shape))
-			return vehicle_fail_start(vehicles, things, "%s starts %.3g m under ground at %g, %g m; raise it by that", geom->name, depth, at[0], at[1]);
-	}
-	return STATUS_OK;
-}
-
 enum status vehicle_check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
 {
-	if (vehicle->is_world)
-		return check_things(vehicles, vehicle);
 	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
 		double depth, at[3];
 		bool any;
 		char name[256];
-		if (presses(vehicle, i) || !is_solid(vehicle, i))
+		if (is_of_soil(vehicle, i) || !is_solid(vehicle, i))
 			continue;
 		TRY(depth_of(vehicles, vehicle, i, &depth, at, &any));
 		if (depth <= 0)
@@ -345,6 +326,22 @@ static enum status fail_ground(const struct vehicles *vehicles, const struct veh
 	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
 				  extent_side(extent, 0), extent_side(extent, 1),
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
+}
+
+enum status vehicle_check_things(const struct vehicles *vehicles, const struct vehicle *things)
+{
+	for (size_t g = 0; g < things->geom_count; g++) {
+		const struct soil_geom *geom = &things->geoms[g];
+		const double *at = &things->data->geom_xpos[3 * geom->geom], bound = soil_shape_bound(&geom->shape);
+		double depth, deepest[3];
+		bool any;
+		TRY(depth_of(vehicles, things, geom->geom, &depth, deepest, &any));
+		if (!any)
+			return vehicle_fail_start(vehicles, things, "no ground under %s at %g, %g m; move it onto the terrain", geom->name, at[0], at[1]);
+		if (depth > DEEP * bound)
+			return vehicle_fail_start(vehicles, things, "%s starts %.3g m under ground at %g, %g m; raise it by that", geom->name, depth, at[0], at[1]);
+	}
+	return STATUS_OK;
 }
 
 enum status vehicle_set_down(struct vehicles *vehicles, struct vehicle *vehicle)

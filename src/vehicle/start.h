@@ -15,8 +15,10 @@ enum status vehicle_start_pose(struct vehicle *vehicle, const char *where) FURRO
 enum status vehicle_set_down(struct vehicles *vehicles, struct vehicle *vehicle) FURROW_CHECKED;
 /* Finds where MuJoCo's origin is, in plan: where the first vehicle by name starts, or where `world` has its own. So one vehicle's numbers stay small. */
 enum status vehicle_find_origin(struct vehicles *vehicles) FURROW_CHECKED;
-/* STATUS_INPUT: a geom that collides, and does not press the ground, is in it. */
+/* STATUS_INPUT: a geom that collides, and is no soil geom, is in the ground. */
 enum status vehicle_check_start(const struct vehicles *vehicles, const struct vehicle *vehicle) FURROW_CHECKED;
+/* The things of `world` keep their places. STATUS_INPUT: one that the soil would throw out, or that hangs over no ground. */
+enum status vehicle_check_things(const struct vehicles *vehicles, const struct vehicle *things) FURROW_CHECKED;
 /* Puts the model of a resumed vehicle to where it was set down. Its state is to be filled in after that. */
 enum status vehicle_replace(struct vehicles *vehicles, struct vehicle *vehicle) FURROW_CHECKED;
 /* Gives the vehicle `start.speed`. Its wheels and belts roll without slip. STATUS_INPUT: its root cannot move that way. */

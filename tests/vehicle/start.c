@@ -84,6 +84,15 @@ static void it_begins_as_placed_without_settling(void **state)
 	assert_true(rows[50].z < rows[0].z - 1e-4); /* it sinks after that */
 }
 
+/* The last column of the last row: the angle of the wheel's hinge. */
+static double last_number(const char *path)
+{
+	char *text = support_text(path);
+	const double number = strtod(strrchr(text, ',') + 1, NULL);
+	free(text);
+	return number;
+}
+
 /* Kinetic energy of a carriage of 100 kg at 2 m/s with a wheel of 30 kg that rolls, whichever way its hinge looks. */
 static void a_wheel_rolls_at_the_speed_of_the_start(void **state)
 {
@@ -99,6 +108,7 @@ static void a_wheel_rolls_at_the_speed_of_the_start(void **state)
 		assert_near(rows[0].vx, 0, 1e-9);
 		assert_near(rows[0].vy, 2, 1e-9);
 		assert_near(rows[0].kinetic, 100 * 4 / 2.0 + inertia * turns * turns / 2, 1e-6);
+		assert_near(last_number(support_path("out/vehicles.csv")), axis * turns * 0.02, 1e-6);
 	}
 }
 
