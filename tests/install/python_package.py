@@ -79,6 +79,13 @@ class PythonPackageTest(unittest.TestCase):
                 cart.set(drive=None)
                 world.step(0.004)
                 assert cart.actuators["drive"][0] == 0
+                assert cart.model_body_names == ("carriage", "wheel") and "carriage" in str(raises(ValueError, cart.push, "hull"))
+                slow = cart.state.velocity[1]
+                cart.push("carriage", force=[0, 500, 0])
+                for _ in range(50):
+                    world.step()
+                cart.push("carriage")
+                assert cart.state.velocity[1] > slow + 0.01, (slow, cart.state)
                 refused(furrow.Status.INPUT, world.vehicle, "horse")
                 refused(furrow.Status.USAGE, cart.bodies["wheel"].remove)
                 world.rollback()
