@@ -162,7 +162,7 @@ void explain_geom(const struct soil_shape *shape, char *text, size_t size)
 	switch (shape->kind) {
 	case SOIL_WHEEL:
 		if (shape->tyre.stiffness > 0)
-			snprintf(text, size, "wheel, radius %.4g m, width %.4g m, a tyre that its load presses by %.3g m on rigid ground", shape->radius, shape->width, shape->tyre.pressed);
+			snprintf(text, size, "wheel, radius %.4g m, width %.4g m, a tyre that its load presses by %.3g m on rigid ground", shape->radius, shape->width, shape->tyre.deflection);
 		else
 			snprintf(text, size, "wheel, radius %.4g m, width %.4g m", shape->radius, shape->width);
 		return;

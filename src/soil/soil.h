@@ -32,7 +32,7 @@ struct soil_tyre {
 	double stiffness;  /* Pa/m; 0: the wheel is rigid */
 	double growth;     /* Pa/m: by which forces are linearised, the patch's growth included */
 	double damping;    /* Pa s/m */
-	double pressed;    /* m: by how much its load presses it on rigid level ground. It rolls about the radius less this */
+	double deflection; /* m: on rigid level ground under its load. It rolls about the radius less this */
 };
 
 struct soil_shape {
@@ -68,7 +68,7 @@ struct post_rect soil_shadow(const struct soil_shape *shape, const struct soil_p
 
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);
-/* Returns the radius about which a wheel rolls freely, m: less than its own by what its load presses its tyre. Slip is told by it. */
+/* Returns the radius about which a wheel rolls freely, m: its own, less the deflection of its tyre. Slip is told by it. */
 double soil_shape_rolling(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
@@ -91,8 +91,8 @@ struct soil_tyre_patch {
 };
 #define SOIL_TYRE_DEFLECTION 0.5 /* of the radius: the most under its load */
 #define SOIL_TYRE_PRESSURE 0.9   /* of the mean pressure on rigid ground: the most that `pressure` may be */
-/* Makes a wheel's tyre of what is told: shape->tyre. *patch: on rigid level ground under told->load; NULL: not asked. STATUS_INPUT: the load would press it by
- * more than SOIL_TYRE_DEFLECTION of its radius, or its pressure is beyond SOIL_TYRE_PRESSURE. what: who it is, for the message. */
+/* Makes a wheel's tyre of what is told: shape->tyre. *patch: on rigid level ground under told->load; NULL: not asked. STATUS_INPUT: its deflection
+ * is more than SOIL_TYRE_DEFLECTION of its radius, or its pressure is beyond SOIL_TYRE_PRESSURE. what: who it is, for the message. */
 enum status soil_tyre_set(const char *what, const struct soil_tyre_told *told, struct soil_shape *shape, struct soil_tyre_patch *patch) FURROW_CHECKED;
 /* Returns a distance from the object's centre that holds the whole object in any attitude, metres. */
 double soil_shape_bound(const struct soil_shape *shape);

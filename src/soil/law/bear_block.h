@@ -24,8 +24,8 @@ struct block {
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 	float keeps[LANES];             /* share of the law of the lower envelope; the rest is that of faces */
-	/* Of a tyre. least_of: tyre_least; flat, flattest: struct soil_kept; leans, gives: tyre_share now, and where the soil yields; rim, soil: a depth of the
-	 * rim along the normal, and the soil's sinkage there. From put_rims on `was` is a depth of the rim. */
+	/* Of a tyre. least_of: tyre_least. flat, flattest: struct soil_kept. leans, gives: tyre_share now, and where the soil yields. rim: a depth of the rim
+	 * along the normal. soil: its sinkage there. From put_rims on `was` is a depth of the rim. */
 	float least_of[LANES], leans[LANES], flat[LANES], flattest[LANES], gives[LANES], rim[LANES], soil[LANES];
 };
 

@@ -443,6 +443,7 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 		form->tyre_stiff = (float)tyre->stiffness;
 		form->tyre_grows = (float)tyre->growth;
 		form->tyre_damps = (float)tyre->damping;
+		form->rim_reach -= (float)tyre->deflection; /* about which it rolls without slip */
 	}
 	form->surface = (struct stress_surface){
 		.adhesion = interface->has_adhesion ? (float)interface->adhesion : 0,

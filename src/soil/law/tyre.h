@@ -5,7 +5,7 @@
  *     p = holds + stiff u
  *
  * The rim without a load is d below the ground, so the soil is z = d - u deep. Where soil bears less than `holds`, z is d. Depths are along the normal
- * of the base, m. Two numbers describe the memory of a post: the soil's largest sinkage w, and the depth d of this rim at which the soil was that deep.
+ * of the base, m. A post remembers the soil's largest sinkage w. To it belongs a depth d of this rim, at which the soil is that deep.
  */
 #ifndef FURROW_SOIL_TYRE_H
 #define FURROW_SOIL_TYRE_H
@@ -50,15 +50,15 @@ SOIL_INLINED float tyre_springs(const struct soil_form *f, float yields, float p
 	return either(elastic * (d - from) > f->tyre_holds, (f->tyre_holds + f->tyre_stiff * d + elastic * from) / (elastic + f->tyre_stiff), d);
 }
 
-/* Returns the share of the rim's slope that the surface has: dz / dd where the soil yields at depth d, and where it springs back. The two go over to each other where the rim was
- * `beyond` m deeper than now, so that rounded memory does not show in a wheel at rest. Any share gives the same work of a rolling wheel: it parts force from torque. */
+/* Returns the share of the rim's slope that the surface has: dz / dd where the soil yields at depth d, and where it springs back. beyond: m, by which the rim was deeper than
+ * now. Over some of it the two go over to each other, so rounded memory does not show in a wheel at rest. Any share gives the same work of a rolling wheel: it parts force from torque. */
 SOIL_INLINED float tyre_share(const struct soil_form *f, float grows, float elastic, float beyond)
 {
 	const float yields = f->tyre_stiff / (f->tyre_stiff + grows), springs = f->tyre_stiff / (f->tyre_stiff + elastic);
 	return springs + (yields - springs) * clamped(1 - beyond * (1 / TYRE_BLEND), 0, 1);
 }
 
-/* Leans a surface's normal towards the ground's, which rises by rise_x and rise_y: the carcass gives way, so of the rim's slope a share is left. */
+/* Leans a surface's normal towards the ground's, which rises by rise_x and rise_y. A share of the rim's slope is left, since the carcass gives way. */
 SOIL_INLINED void tyre_lean(float share, float rise_x, float rise_y, float normal[3])
 {
 	const float by = 1 / most(normal[2], 1e-3f), x = -rise_x + share * (normal[0] * by + rise_x), y = -rise_y + share * (normal[1] * by + rise_y);

@@ -99,7 +99,7 @@ bool soil_shape_runs(const struct soil_shape *shape)
 
 double soil_shape_rolling(const struct soil_shape *shape)
 {
-	return shape->radius - shape->tyre.pressed;
+	return shape->radius - shape->tyre.deflection;
 }
 
 double soil_shape_ran(const struct soil_shape *shape, double turned)
