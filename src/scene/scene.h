@@ -168,6 +168,7 @@ struct scene_vehicle {
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
+	bool follows_origin;    /* its origin follows the way; false: the middle of its axle that does not steer */
 	char *controls;         /* SCENE_CONTROLS: path of a table in time */
 	uint64_t controls_hash[2];
 	struct scene_texts held;         /* SCENE_HOLD: names of actuators, and their controls: */

@@ -33,10 +33,22 @@ struct soil_geom {
 	double sunk;                /* s: for how long it has been sunk in the drive, without a break */
 };
 
+/* What a path driver's actuators do to the wheels, found when the model is read: steering.c. */
+struct steering {
+	bool plain;                 /* each steering actuator turns its own wheel, each driving one turns its own: there is no table */
+	double middle, base;        /* m: the line about which it turns, ahead of its origin; its wheelbase */
+	size_t first, end;          /* rows of the table: */
+	double *curvatures;         /* 1/m: of the way, to the left */
+	double *lengths;            /* steer_count each: what steering actuators are at then, as MuJoCo has their length */
+	double *rates;              /* drive_count each: of driving actuators, for each m/s forward */
+	bool *idle;                 /* drive_count: it turns no wheel */
+};
+
 /* What sets the controls: driver.c. */
 struct driver {
 	int *steer, *drive;         /* actuators that steer, and that drive */
 	size_t steer_count, drive_count;
+	struct steering steering;
 	double (*points)[2];        /* m, local: the path */
 	size_t point_count;
 	int *held;                  /* actuators with a constant control, or columns of a table */
@@ -47,7 +59,9 @@ struct driver {
 	/* State: */
 	double at;                  /* segment of the path that it is on */
 	double left;                /* m of the path ahead; found anew whenever controls are set */
-	double sum;                 /* m: how far it is behind, for drives that give torque */
+	double speed;               /* m/s: what it wants now; below 0 backward */
+	double sum;                 /* m/s: what its rims go faster than that, so that the vehicle has it */
+	double turn;                /* rad/s: the same of its yaw, without steering */
 	bool arrived;
 };
 
@@ -84,6 +98,7 @@ struct vehicle {
 	double gravity[3];          /* m/s2: of the model's own option, in place of which the scene's counts */
 	double origin[3];           /* m, local: where MuJoCo's origin is */
 	int root;                   /* the body whose place is the vehicle's */
+	double axes[9];             /* forward, left, up as columns, in the axes of that body */
 	int keyframe;               /* of the model: the pose and the controls of the start; -1: the first pose, and no controls */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
@@ -154,6 +169,12 @@ static inline double *vehicle_ctrl(const struct vehicle *vehicle, int actuator)
 static inline const double *vehicle_gear(const mjModel *model, int actuator)
 {
 	return model->actuator_gear + 6 * model->actuator_outadr[actuator];
+}
+
+/* Finds where the vehicle's forward, left and up look, as columns, in MuJoCo's axes. */
+static inline void vehicle_root_axes(const struct vehicle *vehicle, const mjData *data, double axes[9])
+{
+	mju_mulMatMat(axes, data->xmat + 9 * vehicle->root, vehicle->axes, 3, 3, 3);
 }
 
 #define VEHICLE_WHERE 300
@@ -232,6 +253,20 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 enum status vehicle_read_controls(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
 /* Sets the controls of the table at a time. */
 void vehicle_table_control(struct vehicle *vehicle, double time);
+
+/* --- steering.c --- */
+/* Finds what the driver's actuators do to the wheels. `tell`: a note of each that has no effect. `where`: for messages. Free it with vehicle_free_steering, even after a failure. */
+enum status vehicle_measure(struct vehicle *vehicle, const char *where, bool tell) FURROW_CHECKED;
+void vehicle_free_steering(struct steering *steering);
+
+/* --- actuators.c --- */
+/* Tell what an actuator keeps by itself: a rate, or a place of its length. Neither: it gives a force. */
+bool vehicle_keeps_rate(const mjModel *model, int actuator);
+bool vehicle_keeps_place(const mjModel *model, int actuator);
+/* Set the controls of an actuator, so that its length changes at a rate, gives a force (N, N m before gear), or goes to a place. */
+void vehicle_ask_rate(const struct vehicle *vehicle, int actuator, double rate);
+void vehicle_ask_force(const struct vehicle *vehicle, int actuator, double force);
+void vehicle_ask_place(const struct vehicle *vehicle, int actuator, double length);
 
 /* --- pursuit.c --- */
 /* Sets the controls so that the vehicle follows its path. Once in an engine step. */

@@ -56,6 +56,8 @@ static enum status find_root(struct vehicle *vehicle, const char *where)
 	if (range_count(vehicle->own.dof) == 0)
 		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
 	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
+	for (int i = 0; i < 9; i++)
+		vehicle->axes[i] = i % 4 == 0;
 	return STATUS_OK;
 }
 

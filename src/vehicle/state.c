@@ -5,7 +5,7 @@
 #include "vehicle/internal.h"
 #include "vehicle/settle.h"
 
-#define OWN 14       /* numbers of a vehicle itself, */
+#define OWN 16       /* numbers of a vehicle itself, */
 #define TRAIL (2 + 2 * VEHICLE_TRAIL) /* of its trail, */
 #define GEOM_OWN 19  /* of a soil geom, without its body in the world */
 
@@ -62,7 +62,7 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 	const struct driver *driver = &vehicle->driver;
 	const double own[OWN] = {vehicle->checksum[0], vehicle->checksum[1], vehicle->begun, vehicle->settle_seconds, vehicle->calm,
 				 vehicle->work, vehicle->distance, vehicle->slow, vehicle->origin[2], vehicle->lift, data->time, driver->at,
-				 driver->sum, driver->arrived};
+				 driver->sum, driver->arrived, driver->speed, driver->turn};
 	to = put(to, own, OWN);
 	to = save_trail(&vehicle->trail, to);
 	to = put(to, data->qpos + owned->qpos.first, range_count(owned->qpos));
@@ -136,6 +136,8 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 	driver->at = n[11];
 	driver->sum = n[12];
 	driver->arrived = n[13] != 0;
+	driver->speed = n[14];
+	driver->turn = n[15];
 	if (vehicle->begun > 0 && !is_placed)
 		TRY(vehicle_replace(vehicles, vehicle));
 	data->time = n[10];
