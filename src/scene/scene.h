@@ -147,6 +147,10 @@ struct scene_texts {
 
 /* Whether a root without a joint is held: the model says it; a URDF says no. */
 enum scene_fixed { SCENE_FIXED_BY_MODEL, SCENE_FIXED_NO, SCENE_FIXED_YES };
+/* What may end a drive of vehicles. */
+enum scene_stop { SCENE_STOP_OVERTURNED, SCENE_STOP_BURIED, SCENE_STOP_STUCK, SCENE_STOPS };
+const char *scene_stop_name(enum scene_stop stop);
+
 /* 0: by the joint and the vehicle's weight. */
 struct scene_servo {
 	double kv, torque; /* N m s; N m. N s/m and N for slides */
@@ -164,6 +168,7 @@ struct scene_vehicle {
 	struct scene_texts model_path;   /* folders of packages, resolved relative to the scene's file */
 	struct scene_servo servo;        /* of joints that the driver names and that have no actuator */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
+	struct scene_texts no_soil;      /* patterns of geoms that never touch it */
 	struct scene_texts carry;        /* patterns of those that carry soil; none: no geom */
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
@@ -326,6 +331,7 @@ struct scene {
 	size_t object_count;
 	struct scene_vehicle *vehicles;
 	size_t vehicle_count;
+	unsigned stop;       /* bits of enum scene_stop: what ends the drive, once each vehicle has it or is at the end of its path */
 	double stuck_after, stuck_below; /* s, m/s: a vehicle that is slower for so long is stuck; 0: nobody asks */
 	double vehicle_rows; /* rows of vehicles.csv for each second of simulated time; 0: none */
 	bool map;           /* a drive writes map.png at its end */

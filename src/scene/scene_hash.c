@@ -188,6 +188,10 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 		add_number(state, vehicle->servo.torque);
 	}
 	add_way(state, index, &vehicle->way);
+	if (vehicle->no_soil.count > 0) {
+		add_part(state, 'N', index);
+		add_texts(state, &vehicle->no_soil);
+	}
 	if (vehicle->carry.count > 0) {
 		add_part(state, 'K', index);
 		add_texts(state, &vehicle->carry);

@@ -224,8 +224,8 @@ struct raw_driver {
 struct raw_vehicle {
 	char *name, *model;
 	struct raw_start start;
-	char **soil, **carry; /* patterns of geoms' names */
-	uint32_t soil_count, carry_count;
+	char **soil, **no_soil, **carry; /* patterns of geoms' names */
+	uint32_t soil_count, no_soil_count, carry_count;
 	char **model_path;
 	uint32_t model_path_count;
 	struct raw_servo *servo;
@@ -251,6 +251,8 @@ struct raw_scene {
 	struct raw_vehicle *vehicles;
 	uint32_t vehicles_count;
 	struct raw_stuck *stuck;
+	char **stop;
+	uint32_t stop_count;
 	struct raw_output *output;
 	struct raw_view *view;
 	struct raw_listed_camera *cameras;

@@ -113,6 +113,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	TRY(take_name(tree, scene, index, raw->name, &vehicle->name));
 	TRY(take_file(tree, scene_tree_find(tree, "vehicles[%zu].model", index), raw->model, MODEL_BYTES, &vehicle->model, vehicle->model_hash));
 	TRY(take_texts(raw->soil, raw->soil_count, &vehicle->soil));
+	TRY(take_texts(raw->no_soil, raw->no_soil_count, &vehicle->no_soil));
 	TRY(take_texts(raw->carry, raw->carry_count, &vehicle->carry));
 	const struct scene_node *at = scene_tree_find(tree, "vehicles[%zu].start.at", index);
 	vehicle->line = at->setting == NULL ? at->line : 0;
@@ -129,10 +130,36 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	return raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : STATUS_OK;
 }
 
+static const char *const stops[SCENE_STOPS] = {"overturned", "buried", "stuck"};
+
+const char *scene_stop_name(enum scene_stop stop)
+{
+	return stops[stop];
+}
+
+/* Without the key `stop`, `stuck` stops the drive. */
+static enum status take_stop(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	scene->stop = raw->stop_count == 0 && raw->stuck != NULL ? 1u << SCENE_STOP_STUCK : 0;
+	for (uint32_t i = 0; i < raw->stop_count; i++) {
+		int stop = 0;
+		while (stop < SCENE_STOPS && strcmp(raw->stop[i], stops[stop]) != 0)
+			stop++;
+		if (stop == SCENE_STOPS)
+			return scene_error(tree->file, scene_tree_find(tree, "stop[%u]", i), "%s ends no drive; allowed: overturned, buried, stuck",
+					   scene_quote(raw->stop[i]).text);
+		if (stop == SCENE_STOP_STUCK && raw->stuck == NULL)
+			return scene_error(tree->file, scene_tree_find(tree, "stop[%u]", i), "stuck: nothing says when a vehicle is; needed with it: "
+					   "stuck: {after: 5, below: 0.05}");
+		scene->stop |= 1u << stop;
+	}
+	return STATUS_OK;
+}
+
 enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const size_t count = raw->vehicles_count;
-	const char *without = raw->stuck != NULL ? "stuck" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
+	const char *without = raw->stuck != NULL ? "stuck" : raw->stop_count > 0 ? "stop" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
 	if (count == 0 && without != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", without), "is of vehicles, and there is none; allowed with: vehicles");
 	if (count == 0)
@@ -144,6 +171,7 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 		scene->stuck_after = raw->stuck->after;
 		scene->stuck_below = raw->stuck->below;
 	}
+	TRY(take_stop(tree, raw, scene));
 	TRY(mem_zeroed(&scene->vehicles, count, sizeof *scene->vehicles, "reading the vehicles"));
 	for (size_t i = 0; i < count; i++) {
 		scene->vehicle_count = i + 1;
@@ -162,6 +190,7 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
+	finish_texts(&vehicle->no_soil);
 	finish_texts(&vehicle->carry);
 	finish_texts(&vehicle->steer);
 	finish_texts(&vehicle->drive);

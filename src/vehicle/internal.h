@@ -11,6 +11,10 @@
 struct soil_geom {
 	int geom;                   /* of the model */
 	int dof;                    /* of a wheel: the freedom in which it turns; of a belt that of its sprocket; -1: neither */
+	int roll_dof;               /* of a round geom that is no cylinder: the freedom in which it turns as a wheel; -1: it does not (rolls.c) */
+	double roll_radius;         /* m */
+	bool stands;                /* on the ground in the first pose, or rolls, or the scene names it; false: it is a hull (hulls.c) */
+	bool aloft;                 /* a hull so high that it can touch nothing: the world has no place of it */
 	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
 	struct soil_shape shape;
@@ -43,6 +47,18 @@ struct steering {
 	double *rates;              /* drive_count each: of driving actuators, for each m/s forward */
 	bool *idle;                 /* drive_count: it turns no wheel */
 };
+/* Something that is wrong with how a vehicle lies: lies.c. */
+struct lie {
+	char *geom;                 /* VEHICLE.GEOM; NULL: it is of the whole vehicle, or of the soil geom `of` */
+	int number;                 /* of that geom in the model; -1 */
+	const struct soil_geom *of; /* the geom that it is about; NULL: none */
+	bool printed;               /* in this process */
+	/* State, in the record: */
+	double since;               /* s: from when on it is so without a break; below 0: it is not so now */
+	double time, at[2], depth;  /* s, m, m: from when on it was so when it was told, where; how deep it was at most */
+	bool told;
+};
+enum { LIE_OVERTURNED, LIE_HIGH_CENTRED, LIE_BURIED, LIE_OWN }; /* those of a vehicle itself; then one for each geom that does not press */
 
 /* What sets the controls: driver.c. */
 struct driver {
@@ -102,7 +118,7 @@ struct vehicle {
 	int keyframe;               /* of the model: the pose and the controls of the start; -1: the first pose, and no controls */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
-	size_t geom_count, carrying_count; /* carrying_count: of them carry soil */
+	size_t geom_count, carrying_count, standing_count; /* of them carry soil; stand on the ground */
 	struct driver driver;
 	int *joints;                /* joints with one number: columns q */
 	size_t joint_count;
@@ -117,6 +133,9 @@ struct vehicle {
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	struct trail trail;         /* of the whole drive; in the record */
+	int up;                     /* axis of the root body that looks up in the model's own pose: 0, 1, 2 */
+	struct lie *lies;           /* LIE_OWN, and one for each geom that does not press; in the record */
+	size_t lie_count;
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
 	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
@@ -210,6 +229,33 @@ void vehicle_set_axes(struct soil_geom *out, const double forward[3], const doub
 int vehicle_cylinder_turns(const struct vehicle *vehicle, int geom);
 /* Takes a mesh that is round about a level hinge as a wheel: it rolls without corners, and costs a fraction. Returns false if it is none. */
 bool vehicle_make_mesh_wheel(const struct vehicle *vehicle, struct soil_geom *out);
+
+/* --- hulls.c --- */
+/* Finds which soil geoms stand on the ground in the first pose; the others are hulls, and aloft at first. */
+void vehicle_find_standing(struct vehicle *vehicle);
+/* Takes a hull out of the world, or puts it into it, by how high it will be above the ground at the end of the time step: geom->now. */
+enum status vehicle_lift_hull(const struct vehicles *vehicles, const struct vehicle *vehicle, struct soil_geom *geom) FURROW_CHECKED;
+/* Gives the space above the lower side of a geom's box at a place of MuJoCo's axes or local ones, lowered by `margin`, m. `mat`: the geom's axes as columns. */
+void vehicle_space_of(const struct vehicle *vehicle, int geom, const double place[3], const double mat[9], double margin, struct world_space *space);
+struct furrow_contact vehicle_no_contact(const struct vehicles *vehicles); /* of a geom in the air */
+
+/* --- lies.c --- */
+/* Lists the geoms that do not press the ground and are to lie above it, after vehicle_find_standing. */
+enum status vehicle_make_lies(struct vehicle *vehicle) FURROW_CHECKED;
+void vehicle_free_lies(struct vehicle *vehicle);
+/* Looks how a vehicle lies after its motion in a time step, and tells once what is wrong. */
+enum status vehicle_watch_lies(const struct vehicles *vehicles, struct vehicle *vehicle) FURROW_CHECKED;
+size_t vehicle_lies_numbers(const struct vehicle *vehicle); /* in the record */
+double *vehicle_save_lies(const struct vehicle *vehicle, double *to); /* returns what is behind them */
+const double *vehicle_restore_lies(struct vehicle *vehicle, const double *from);
+/* Returns true if the vehicle is so now, and was told. `lie`: LIE_OVERTURNED .. LIE_BURIED. */
+bool vehicle_lies_so(const struct vehicle *vehicle, int lie);
+
+/* --- rolls.c --- */
+/* Finds the freedom in which a round geom that is no cylinder turns as a wheel, and its radius. */
+void vehicle_find_roll(const struct vehicle *vehicle, struct soil_geom *geom);
+/* Sets slip and slip_velocity of such a geom's contact. */
+void vehicle_tell_roll(const struct vehicle *vehicle, struct soil_geom *geom);
 
 /* --- trail.c --- */
 

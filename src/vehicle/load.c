@@ -127,6 +127,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	TRY(vehicle_find_geoms(vehicle, where));
 	doubt_sizes(vehicle, where);
 	TRY(find_root(vehicle, where));
+	TRY(vehicle_make_lies(vehicle));
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
@@ -142,6 +143,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 void vehicle_forget(struct vehicle *vehicle)
 {
 	vehicle_free_driver(&vehicle->driver);
+	vehicle_free_lies(vehicle);
 	vehicle_free_geoms(vehicle);
 	if (vehicle->data != NULL)
 		mj_deleteData(vehicle->data);

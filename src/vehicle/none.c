@@ -77,9 +77,15 @@ enum status vehicle_step(struct vehicles *vehicles)
 	return none();
 }
 
-bool vehicle_stuck(const struct vehicles *vehicles)
+const char *vehicle_stopped(const struct vehicles *vehicles)
 {
 	(void)vehicles;
+	return NULL;
+}
+
+bool vehicle_lie(const struct vehicles *vehicles, size_t vehicle, size_t nth, struct vehicle_lie *lie)
+{
+	(void)vehicles, (void)vehicle, (void)nth, (void)lie;
 	return false;
 }
 

@@ -49,8 +49,19 @@ enum status vehicle_begin(struct vehicles *vehicles) FURROW_CHECKED;
 /* Makes one time step of the vehicles and of the world. STATUS_FAILED: a motion diverged, or a vehicle left the terrain. Then
  * the world is as the last step left it, unless it is torn. The vehicles may have moved on: vehicle_step_back. */
 enum status vehicle_step(struct vehicles *vehicles) FURROW_CHECKED;
-/* Returns true if the scene asks to stop when vehicles are stuck, and they are. */
-bool vehicle_stuck(const struct vehicles *vehicles);
+/* Returns why the drive ends, if the scene asks for it (scene->stop): "overturned", "buried" or "stuck". Each vehicle is so, or at its path's end. NULL: it
+ * goes on. */
+const char *vehicle_stopped(const struct vehicles *vehicles);
+
+/* Something that is wrong with how a vehicle lies, and was told. */
+struct vehicle_lie {
+	const char *what;      /* "under_ground", "overturned", "high_centred", "buried" */
+	const char *geom;      /* VEHICLE.GEOM; NULL: of no geom. Valid as long as the vehicles */
+	double time, at[2];    /* s; m, local: since when, where the geom or the vehicle was */
+	double depth;          /* m: the most so far: below the ground, of what is buried or hangs up in it; NaN: of what is overturned */
+};
+/* Gives the nth of them. Returns false if there are fewer. */
+bool vehicle_lie(const struct vehicles *vehicles, size_t vehicle, size_t nth, struct vehicle_lie *lie);
 
 /* Returns what pictures show of the vehicles: their models' geoms and bodies. For NULL: nothing. The places in it follow each step. */
 struct world_figures vehicle_figures(const struct vehicles *vehicles);
@@ -84,7 +95,8 @@ struct vehicle_info {
 	double mass;           /* kg */
 	double gravity;        /* m/s2, downward: the scene's */
 	double own_gravity[3]; /* m/s2: in its model's file; not used */
-	size_t geom_count;     /* soil geoms */
+	size_t geom_count;     /* soil geoms, */
+	size_t standing_count; /* of them those that stand on the ground in the first pose */
 	size_t joint_count, actuator_count;  /* columns of its rows; joints with one number each */
 	double largest_step;   /* s: the longest time_step that is allowed */
 	const char *largest_geom; /* soil geom that allows no more, */
@@ -137,6 +149,7 @@ struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
 	const struct soil_shape *shape;
 	double share;              /* of the weight that it bears on level ground, in the first pose: see vehicle_find_shares */
+	bool stands;               /* on the ground in the first pose; false: a hull, which touches only where it comes down */
 	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
 };
 /* `spacing`: m between posts. */
