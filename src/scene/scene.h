@@ -156,6 +156,22 @@ struct scene_servo {
 	double kv, torque; /* N m s; N m. N s/m and N for slides */
 };
 
+/* Numbers by name. */
+struct scene_named {
+	struct scene_texts names;
+	double *values;
+};
+
+/* How a vehicle begins, besides its place. All 0: as its model's first pose is, set down and settled. */
+struct scene_start {
+	double pitch, roll;          /* rad: nose up, right side down */
+	double height;               /* m: of its lowest soil geom above the ground. Above 0: it falls, and does not settle */
+	double speed;                /* m/s at t = 0, forward */
+	bool unsettled;              /* begins as it is placed */
+	struct scene_named joints;   /* patterns of joints: rad, m */
+	struct scene_named controls; /* names of actuators: what they have until a driver sets them */
+};
+
 /* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
 struct scene_vehicle {
 	char *name;
@@ -165,6 +181,7 @@ struct scene_vehicle {
 	int line;               /* where the scene's file gives that place; 0: --set does */
 	char *keyframe;         /* of the model, for its first pose and its controls; NULL: none */
 	enum scene_fixed fixed; /* whether its root is held where it is set */
+	struct scene_start start;
 	struct scene_texts model_path;   /* folders of packages, resolved relative to the scene's file */
 	struct scene_servo servo;        /* of joints that the driver names and that have no actuator */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */

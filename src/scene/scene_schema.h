@@ -200,18 +200,23 @@ struct raw_cache {
 	char *memory;
 	double *prefetch;
 };
-struct raw_start {
-	double at[2];
-	double *yaw; /* degrees */
-	bool *fixed;
-	char *keyframe;
-};
 struct raw_servo {
 	double *kv, *torque;
 };
 struct raw_control {
-	char *actuator;
+	char *name; /* of an actuator or a joint */
 	double value;
+};
+struct raw_start {
+	double at[2];
+	double *yaw, *pitch, *roll; /* degrees */
+	double *height, *speed;
+	struct raw_control *joints;
+	uint32_t joints_count;
+	struct raw_control *controls;
+	uint32_t controls_count;
+	bool *settle, *fixed;
+	char *keyframe;
 };
 struct raw_driver {
 	struct raw_path *path;

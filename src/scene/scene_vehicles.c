@@ -71,22 +71,55 @@ static enum status check_follow(const struct scene_tree *tree, const struct raw_
 	return take_texts(raw->drive, raw->drive_count, &vehicle->drive);
 }
 
-static enum status check_hold(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
+/* Copies numbers by name. */
+static enum status take_named(const struct scene_tree *tree, const char *where, const struct raw_control *list, size_t count, struct scene_named *out)
 {
-	vehicle->driver = SCENE_HOLD;
-	vehicle->values = mem_calloc(raw->hold_count + 1, sizeof *vehicle->values);
-	vehicle->held.list = mem_calloc(raw->hold_count + 1, sizeof *vehicle->held.list);
-	TRY_MEM(vehicle->values != NULL && vehicle->held.list != NULL, "reading the vehicles");
-	for (size_t i = 0; i < raw->hold_count; i++) {
+	TRY(mem_zeroed(&out->values, count + 1, sizeof *out->values, "reading the vehicles"));
+	TRY(mem_zeroed(&out->names.list, count + 1, sizeof *out->names.list, "reading the vehicles"));
+	for (size_t i = 0; i < count; i++) {
 		for (size_t k = 0; k < i; k++)
-			if (strcmp(raw->hold[i].actuator, raw->hold[k].actuator) == 0)
-				return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver.hold[%zu]", index, i),
-						   "%s is named twice; allowed: once", scene_quote(raw->hold[i].actuator).text);
-		vehicle->values[i] = raw->hold[i].value;
-		TRY(mem_text(&vehicle->held.list[i], raw->hold[i].actuator, "reading the vehicles"));
-		vehicle->held.count = i + 1;
+			if (strcmp(list[i].name, list[k].name) == 0)
+				return scene_error(tree->file, scene_tree_find(tree, "%s[%zu]", where, i), "%s is named twice; allowed: once",
+						   scene_quote(list[i].name).text);
+		out->values[i] = list[i].value;
+		TRY(mem_text(&out->names.list[i], list[i].name, "reading the vehicles"));
+		out->names.count = i + 1;
 	}
 	return STATUS_OK;
+}
+
+static enum status check_hold(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
+{
+	char where[64];
+	struct scene_named held = {.values = NULL};
+	vehicle->driver = SCENE_HOLD;
+	snprintf(where, sizeof where, "vehicles[%zu].driver.hold", index);
+	enum status status = take_named(tree, where, raw->hold, raw->hold_count, &held);
+	vehicle->held = held.names;
+	vehicle->values = held.values;
+	return status;
+}
+
+static double given(const double *number)
+{
+	return number != NULL ? *number : 0;
+}
+
+static enum status check_start(const struct scene_tree *tree, const struct raw_start *raw, size_t index, struct scene_start *start)
+{
+	char where[64];
+	start->pitch = given(raw->pitch) * M_PI / 180;
+	start->roll = given(raw->roll) * M_PI / 180;
+	start->height = given(raw->height);
+	start->speed = given(raw->speed);
+	if (start->height > 0 && raw->settle != NULL && *raw->settle)
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].start.settle", index),
+				   "does not go with height, from which the vehicle falls at t = 0; allowed with height: false, or no settle");
+	start->unsettled = start->height > 0 || (raw->settle != NULL && !*raw->settle);
+	snprintf(where, sizeof where, "vehicles[%zu].start.joints", index);
+	TRY(take_named(tree, where, raw->joints, raw->joints_count, &start->joints));
+	snprintf(where, sizeof where, "vehicles[%zu].start.controls", index);
+	return take_named(tree, where, raw->controls, raw->controls_count, &start->controls);
 }
 
 static enum status check_driver(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
@@ -122,6 +155,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	if (raw->start.keyframe != NULL)
 		TRY(mem_text(&vehicle->keyframe, raw->start.keyframe, "reading the vehicles"));
 	vehicle->fixed = raw->start.fixed == NULL ? SCENE_FIXED_BY_MODEL : *raw->start.fixed ? SCENE_FIXED_YES : SCENE_FIXED_NO;
+	TRY(check_start(tree, &raw->start, index, &vehicle->start));
 	TRY(take_folders(tree, raw->model_path, raw->model_path_count, &vehicle->model_path));
 	if (raw->servo != NULL) {
 		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
@@ -187,7 +221,10 @@ static void finish_texts(struct scene_texts *texts)
 
 void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
-	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values);
+	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values,
+		     vehicle->start.joints.values, vehicle->start.controls.values);
+	finish_texts(&vehicle->start.joints.names);
+	finish_texts(&vehicle->start.controls.names);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
 	finish_texts(&vehicle->no_soil);

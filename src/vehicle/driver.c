@@ -229,10 +229,15 @@ static bool turns_wheel(const struct vehicle *vehicle, int actuator)
 	return model->actuator_trntype[actuator] == mjTRN_JOINT && vehicle_driven(vehicle, model->actuator_trnid[2 * actuator]) != NULL;
 }
 
-/* Returns true if the actuator pulls its joint to a place, as legs and arms have it. */
-static bool holds_place(const struct vehicle *vehicle, int actuator)
+bool vehicle_holds_place(const struct vehicle *vehicle, int actuator)
 {
 	return vehicle->model->actuator_biastype[actuator] == mjBIAS_AFFINE && vehicle->model->actuator_biasprm[mjNBIAS * actuator + 1] < 0;
+}
+
+/* Returns true if `start` gives the actuator a control. */
+static bool is_started(const struct vehicle *vehicle, int actuator)
+{
+	return vehicle->start_controls != NULL && !isnan(vehicle->start_controls[actuator - vehicle->own.actuator.first]);
 }
 
 /* While it settles wheels are braked. What holds a place, as legs do, holds that of the start. */
@@ -248,7 +253,7 @@ static void settle(struct vehicle *vehicle)
 	for (int i = actuators.first; i < actuators.end; i++)
 		if (turns_wheel(vehicle, i))
 			*vehicle_ctrl(vehicle, i) = 0;
-		else if (!holds_place(vehicle, i))
+		else if (!vehicle_holds_place(vehicle, i) || is_started(vehicle, i))
 			*vehicle_ctrl(vehicle, i) = keep[i - actuators.first];
 }
 
@@ -260,6 +265,9 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 		mju_copy(vehicle->data->ctrl + ctrl.first, model->key_ctrl + vehicle->keyframe * model->nu + ctrl.first, ctrl.end - ctrl.first);
 	else
 		mju_zero(vehicle->data->ctrl + ctrl.first, ctrl.end - ctrl.first);
+	for (int i = actuators.first; i < actuators.end && vehicle->start_controls != NULL; i++)
+		if (is_started(vehicle, i))
+			*vehicle_ctrl(vehicle, i) = vehicle->start_controls[i - actuators.first];
 	if (!drives) {
 		settle(vehicle);
 		return;

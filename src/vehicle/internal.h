@@ -140,6 +140,9 @@ struct vehicle {
 	double *room;               /* numbers for coupling.c */
 	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
+	double *start_controls;     /* nactuator: what an actuator has until a driver sets it; NaN: as without `start`. NULL: all are NaN */
+	double *kept;               /* room for its qpos and qvel, if it does not settle; else NULL: start.c */
+	double placed[2], half_length; /* m: where its root body was set down, from `origin`; half its length in plan */
 	double *host_controls;      /* nactuator: what a host has set; NaN: the driver sets it */
 };
 
@@ -291,6 +294,8 @@ enum status vehicle_make_driver(struct vehicle *vehicle, const char *where) FURR
 /* Converts the path to local metres. */
 enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world) FURROW_CHECKED;
 void vehicle_free_driver(struct driver *driver);
+/* Returns true if the actuator pulls its joint to a place, as legs and arms have it. */
+bool vehicle_holds_place(const struct vehicle *vehicle, int actuator);
 /* Sets the controls for a time, s. `drives` false: it settles, and wheels get none. */
 void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 

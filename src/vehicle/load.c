@@ -6,6 +6,7 @@
 #include "vehicle/internal.h"
 #include "vehicle/load.h"
 #include "vehicle/spec.h"
+#include "vehicle/start.h"
 
 #define WHOLE 1e-6 /* of a step of the engine: a time step that is longer than some by less has no more */
 #define STEPS_MOST 1e4
@@ -122,6 +123,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	vehicle_where(vehicle, scene, where);
 	TRY(vehicle_compile(vehicle, scene, where));
 	own_all(vehicle);
+	TRY(vehicle_start_pose(vehicle, where));
 	fit(vehicle, scene);
 	TRY(sum_model(vehicle));
 	TRY(vehicle_find_geoms(vehicle, where));
@@ -149,5 +151,6 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->data);
 	if (vehicle->model != NULL)
 		mj_deleteModel(vehicle->model);
-	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls);
+	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls,
+		     vehicle->start_controls, vehicle->kept);
 }

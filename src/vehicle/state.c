@@ -4,6 +4,7 @@
 
 #include "vehicle/internal.h"
 #include "vehicle/settle.h"
+#include "vehicle/start.h"
 
 #define OWN 16       /* numbers of a vehicle itself, */
 #define TRAIL (2 + 2 * VEHICLE_TRAIL) /* of its trail, */

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "vehicle/between.h"
+#include "vehicle/start.h"
 
 #define DIP_LEAST 2e-5    /* m: so much down changes the ground where the body leaves that dip: a hundredth of what soil springs back */
 #define BACK_SHARE 0.05   /* of a post: so much along the level changes it where the motion turns back */
@@ -259,6 +260,8 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 
 enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 {
+	if (!drives)
+		vehicle_keep_unsettled(vehicles);
 	TRY(ask(vehicles));
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
@@ -269,6 +272,8 @@ enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 	TRY(vehicle_between_push(vehicles));
 	for (size_t v = 0; v < vehicles->count; v++)
 		TRY(move_one(vehicles, &vehicles->list[v], rate, drives));
+	if (!drives)
+		vehicle_restore_unsettled(vehicles);
 	return touch(vehicles);
 }
 
