@@ -236,8 +236,6 @@ static enum status make_geom(const struct vehicle *vehicle, size_t index, const 
 	struct soil_geom *out = &vehicle->geoms[index];
 	TRY(make_name(vehicle, index));
 	TRY(make_shape(vehicle, out, where));
-	if (out->dof >= 0)
-		out->armature = vehicle->model->dof_armature[out->dof];
 	return STATUS_OK;
 }
 
@@ -362,6 +360,9 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 	TRY(find_carrying(vehicle, where));
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		vehicle_find_roll(vehicle, &vehicle->geoms[g]);
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		if (vehicle_turning_dof(&vehicle->geoms[g]) >= 0)
+			vehicle->geoms[g].armature = vehicle->model->dof_armature[vehicle_turning_dof(&vehicle->geoms[g])];
 	vehicle_find_standing(vehicle);
 	return STATUS_OK;
 }
@@ -403,7 +404,7 @@ const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint)
 	const mjModel *model = vehicle->model;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		if ((geom->shape.kind == SOIL_WHEEL || geom->shape.belt) && geom->dof == model->jnt_dofadr[joint])
+		if (vehicle_turning_dof(geom) == model->jnt_dofadr[joint])
 			return geom;
 	}
 	return NULL;

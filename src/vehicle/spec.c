@@ -43,15 +43,19 @@ static bool has_joint(const mjsBody *body)
 	return mjs_firstChild(body, mjOBJ_JOINT, 0) != NULL;
 }
 
-/* A root without mass and shape over a floating joint is the ground that some exporters add. MuJoCo has free joints at roots alone: the root gets it. */
-static void lift_floating(struct spec *spec, mjsBody *root)
+/* MuJoCo has free joints at roots alone. So a floating joint further up, as some exporters put it between the ground and the vehicle, holds its link. */
+static void hold_floating(struct spec *spec, mjsBody *above, struct spec_names *held)
 {
-	for (mjsElement *child = mjs_firstChild(root, mjOBJ_BODY, 0); child != NULL; child = mjs_nextChild(root, child, 0))
+	for (mjsElement *child = mjs_firstChild(above, mjOBJ_BODY, 0); child != NULL; child = mjs_nextChild(above, child, 0)) {
 		for (mjsElement *joint = mjs_firstChild(mjs_asBody(child), mjOBJ_JOINT, 0), *next; joint != NULL; joint = next) {
 			next = mjs_nextChild(mjs_asBody(child), joint, 0);
-			if (mjs_asJoint(joint)->type == mjJNT_FREE)
-				(void)mjs_delete(spec->spec, joint);
+			if (mjs_asJoint(joint)->type != mjJNT_FREE)
+				continue;
+			vehicle_spec_name(held, mjs_getString(mjs_getName(joint)));
+			(void)mjs_delete(spec->spec, joint);
 		}
+		hold_floating(spec, mjs_asBody(child), held);
+	}
 }
 
 /* A URDF says of no joint that its root has. So it would be a part of the model's world, and its mass would be lost. */
@@ -59,7 +63,7 @@ static void free_roots(struct spec *spec)
 {
 	const enum scene_fixed fixed = spec->scene->fixed;
 	mjsBody *world = mjs_findBody(spec->spec, "world");
-	struct spec_names freed = {.count = 0}, kept = {.count = 0};
+	struct spec_names freed = {.count = 0}, kept = {.count = 0}, held = {.count = 0};
 	for (mjsElement *child = mjs_firstChild(world, mjOBJ_BODY, 0); child != NULL; child = mjs_nextChild(world, child, 0)) {
 		mjsBody *body = mjs_asBody(child);
 		if (has_joint(body) || body->mocap)
@@ -67,10 +71,12 @@ static void free_roots(struct spec *spec)
 		const bool frees = fixed == SCENE_FIXED_NO || (fixed == SCENE_FIXED_BY_MODEL && spec->urdf && !spec->welded);
 		vehicle_spec_name(frees ? &freed : &kept, mjs_getString(mjs_getName(child)));
 		if (spec->urdf)
-			lift_floating(spec, body);
+			hold_floating(spec, body, &held);
 		if (frees && mjs_addFreeJoint(body) == NULL)
 			spec->status = fail_memory("a vehicle");
 	}
+	if (held.count > 0)
+		vehicle_spec_tell(spec, "%s float%s between links: %s held, since only a root moves freely", held.text, held.count > 1 ? "" : "s", held.count > 1 ? "they are" : "it is");
 	if (freed.count > 0 && fixed == SCENE_FIXED_BY_MODEL)
 		vehicle_spec_tell(spec, "its root %s has no joint, as in every URDF: it moves freely; start: {fixed: true} holds it", freed.text);
 	if (kept.count > 0 && fixed == SCENE_FIXED_BY_MODEL && spec->urdf)

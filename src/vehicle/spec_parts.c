@@ -5,6 +5,7 @@
 
 #include "vehicle/spec.h"
 
+#define NOTHING 1e-9       /* kg: an inertial with less has no mass */
 #define MASS_LEAST 1e-4    /* kg: of all links, where MuJoCo refuses some as too light */
 #define INERTIA_LEAST 1e-8 /* kg m2 */
 
@@ -57,7 +58,7 @@ static void take_masses_away(struct spec *spec)
 	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_BODY); each != NULL; each = mjs_nextElement(spec->spec, each)) {
 		mjsBody *body = mjs_asBody(each);
 		mjsElement *geom = mjs_firstChild(body, mjOBJ_GEOM, 0);
-		if (body->explicitinertial && body->mass == 0) { /* 0 kg, as some write for none */
+		if (body->explicitinertial && body->mass >= 0 && body->mass < NOTHING) { /* 0 kg, as some write for none */
 			body->explicitinertial = 0;
 			body->fullinertia[0] = (double)NAN;
 		}
@@ -200,6 +201,15 @@ static bool mass_counts(const struct spec *spec, const char *mesh)
 	return counts;
 }
 
+static void take_shell(const struct spec *spec, mjsGeom *geom)
+{
+	const char *name = mjs_getString(geom->meshname);
+	geom->typeinertia = mjINERTIA_VOLUME;
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_MESH); name != NULL && each != NULL; each = mjs_nextElement(spec->spec, each))
+		if (strcmp(mjs_getString(mjs_getName(each)), name) == 0)
+			mjs_asMesh(each)->inertia = mjMESH_INERTIA_SHELL;
+}
+
 /* Once MuJoCo has refused a mesh, all meshes whose mass nobody needs are taken as shells. */
 void vehicle_spec_shells(struct spec *spec)
 {
@@ -208,6 +218,9 @@ void vehicle_spec_shells(struct spec *spec)
 		spec->spec->compiler.boundinertia = INERTIA_LEAST;
 		vehicle_spec_tell(spec, "links whose mass or inertia is too small to move get at least %g kg and %g kg m2", MASS_LEAST, INERTIA_LEAST);
 	}
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_GEOM); each != NULL; each = mjs_nextElement(spec->spec, each))
+		if (mjs_asGeom(each)->type == mjGEOM_MESH && mjs_asGeom(each)->typeinertia == mjINERTIA_SHELL)
+			take_shell(spec, mjs_asGeom(each)); /* as older versions have it */
 	if (spec->flat[0] == '\0')
 		return;
 	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_MESH); each != NULL; each = mjs_nextElement(spec->spec, each)) {
