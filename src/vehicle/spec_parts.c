@@ -47,7 +47,16 @@ static void leave_out_skins(struct spec *spec)
 
 /* --- masses --- */
 
-/* A link that is fixed to another one and has no inertial has no mass, as in ROS: MuJoCo would give its shapes that of water. */
+/* Returns true if the body, or one that is fixed to it, has an inertial with a mass. */
+static bool has_mass(const mjsBody *body)
+{
+	bool has = body->explicitinertial && body->mass >= NOTHING;
+	for (mjsElement *child = mjs_firstChild(body, mjOBJ_BODY, 0); child != NULL; child = mjs_nextChild(body, child, 0))
+		has = has || (mjs_firstChild(mjs_asBody(child), mjOBJ_JOINT, 0) == NULL && has_mass(mjs_asBody(child)));
+	return has;
+}
+
+/* A link that has no inertial, and is fixed to others that have one, has no mass, as in ROS: MuJoCo would give its shapes that of water. */
 static void take_masses_away(struct spec *spec)
 {
 	struct spec_names names = {.count = 0};
@@ -62,7 +71,8 @@ static void take_masses_away(struct spec *spec)
 			body->explicitinertial = 0;
 			body->fullinertia[0] = (double)NAN;
 		}
-		if (!any || body->explicitinertial || geom == NULL || mjs_firstChild(body, mjOBJ_JOINT, 0) != NULL || body == world || mjs_getParent(each) == world)
+		const bool moves = mjs_firstChild(body, mjOBJ_JOINT, 0) != NULL || mjs_getParent(each) == world;
+		if (!any || body->explicitinertial || geom == NULL || body == world || (moves && !has_mass(body)))
 			continue;
 		for (; geom != NULL; geom = mjs_nextChild(body, geom, 0))
 			mjs_asGeom(geom)->mass = 0;
@@ -131,6 +141,17 @@ static bool has_joint(const struct spec *spec, const char *name)
 	return false;
 }
 
+/* MuJoCo may have made it. */
+static mjsEquality *equality_of(const struct spec *spec, const struct spec_mimic *mimic)
+{
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_EQUALITY); each != NULL; each = mjs_nextElement(spec->spec, each)) {
+		mjsEquality *equality = mjs_asEquality(each);
+		if (equality->type == mjEQ_JOINT && strcmp(mjs_getString(equality->name1), mimic->joint) == 0)
+			return equality;
+	}
+	return mjs_addEquality(spec->spec, NULL);
+}
+
 static void add_mimics(struct spec *spec)
 {
 	struct spec_names names = {.count = 0};
@@ -138,7 +159,7 @@ static void add_mimics(struct spec *spec)
 		const struct spec_mimic *mimic = &spec->mimics[i];
 		if (!has_joint(spec, mimic->joint) || !has_joint(spec, mimic->of) || strcmp(mimic->joint, mimic->of) == 0 || !isfinite(mimic->times) || !isfinite(mimic->plus))
 			continue;
-		mjsEquality *equality = mjs_addEquality(spec->spec, NULL);
+		mjsEquality *equality = equality_of(spec, mimic);
 		if (equality == NULL) {
 			spec->status = fail_memory("a vehicle");
 			return;

@@ -6,10 +6,12 @@
  */
 #include <fnmatch.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "vehicle/spec.h"
 
+#define LINE_MOST 16384 /* bytes of the first line of a table of controls */
 #define REACH_LEAST 0.05 /* m */
 #define SLACK 0.1        /* rad/s: how far a driven joint is behind at full torque */
 #define BEND 0.02        /* rad: how far a held joint gives at full torque */
@@ -98,10 +100,40 @@ static enum status add_servos(struct spec *spec, const struct scene_texts *patte
 	return STATUS_OK;
 }
 
+/* Columns of a table of controls that name joints without an actuator: those are moved to the place that the table has. */
+static enum status add_columns(struct spec *spec)
+{
+	static const char space[] = " \t\r\n";
+	char line[LINE_MOST], *rest = line;
+	FILE *file = spec->scene->driver == SCENE_CONTROLS && spec->urdf ? input_open(spec->scene->controls) : NULL;
+	const bool read = file != NULL && fgets(line, sizeof line, file) != NULL;
+	if (file != NULL)
+		fclose(file);
+	if (!read)
+		return STATUS_OK; /* controls.c tells why */
+	line[strcspn(line, "\r\n")] = '\0';
+	struct scene_texts columns = {.list = NULL};
+	size_t room = 0;
+	enum status status = STATUS_OK;
+	for (char *name; (name = strsep(&rest, ",")) != NULL && status == STATUS_OK;) {
+		name += strspn(name, space);
+		if (strcmp(name, "t") == 0 || name[strcspn(name, "*?[")] != '\0')
+			continue;
+		status = mem_grow(&columns.list, &room, columns.count + 1, sizeof *columns.list, "a vehicle");
+		if (status == STATUS_OK)
+			columns.list[columns.count++] = name;
+	}
+	if (status == STATUS_OK)
+		status = add_servos(spec, &columns, false);
+	mem_free(columns.list);
+	return status;
+}
+
 enum status vehicle_spec_servos(struct spec *spec)
 {
 	const struct scene_vehicle *scene = spec->scene;
 	TRY(add_servos(spec, &scene->drive, true));
 	TRY(add_servos(spec, &scene->steer, false));
-	return add_servos(spec, &scene->held, false);
+	TRY(add_servos(spec, &scene->held, false));
+	return add_columns(spec);
 }
