@@ -11,6 +11,7 @@ run goes on. Ctrl-C ends it, and the table has what was driven so far.
 A model that does not load, or does not move, has one line that says why. The exit status is 0 if every model moved or said why.
 """
 import argparse
+import concurrent.futures
 import hashlib
 import json
 import math
@@ -21,6 +22,7 @@ import signal
 import struct
 import subprocess
 import sys
+import threading
 import time
 import xml.etree.ElementTree
 import zlib
@@ -91,31 +93,52 @@ class Stopped(Exception):
 class Furrow:
     def __init__(self, program, timeout):
         self.program, self.timeout = program, timeout
+        self.running, self.stopped, self.lock = set(), False, threading.Lock()
 
     def __call__(self, *arguments, timeout=None):
         """Returns (exit status or None after the timeout, stdout, stderr, seconds)."""
         begun = time.monotonic()
-        process = subprocess.Popen([str(self.program), *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
-                                   start_new_session=True)
+        with self.lock:
+            if self.stopped:
+                raise Stopped
+            process = subprocess.Popen([str(self.program), *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                       errors="replace", start_new_session=True)
+            self.running.add(process)
         status = None
         try:
             out, told = process.communicate(timeout=timeout or self.timeout)
             status = process.returncode
         except subprocess.TimeoutExpired:
             out, told = self.end(process)
-        except KeyboardInterrupt:
-            self.end(process)
-            raise Stopped from None
+        with self.lock:
+            self.running.discard(process)
+            if self.stopped:
+                raise Stopped
         return status, out, told, time.monotonic() - begun
+
+    def stop(self):
+        """Ends what runs, and lets nothing begin."""
+        with self.lock:
+            self.stopped = True
+            running = list(self.running)
+        for process in running:
+            self.signal(process, signal.SIGINT)
+
+    @staticmethod
+    def signal(process, how):
+        try:
+            os.killpg(process.pid, how)
+        except ProcessLookupError:
+            pass
 
     @staticmethod
     def end(process):
         """Ends a command as Ctrl-C does; kills it if that takes long."""
         for how, wait in ((signal.SIGINT, 10), (signal.SIGKILL, None)):
+            Furrow.signal(process, how)
             try:
-                os.killpg(process.pid, how)
                 return process.communicate(timeout=wait)
-            except (subprocess.TimeoutExpired, ProcessLookupError):
+            except subprocess.TimeoutExpired:
                 continue
         return process.communicate()
 
@@ -367,8 +390,10 @@ def try_model(furrow, path, folder, grounds, model_path, images):
     if not plan.wheels() and not plan.swings():
         result["kind"] = "body"
     folder.mkdir(parents=True, exist_ok=True)
-    for ground in ("plain", "hill") if seen["free"] or plan.wheels() else ("plain",):
+    for ground in ("plain", "hill") if plan.wheels() else ("plain",):
         result["drives"][ground] = drive(furrow, plan, folder, ground, grounds[ground], images)
+        if not result["drives"][ground]["moves"]:
+            break   # the hill is no easier
     return result
 
 
@@ -446,6 +471,7 @@ def main():
     parser.add_argument("--model-path", action="append", default=[], type=pathlib.Path, help="folder of packages and meshes; may be repeated")
     parser.add_argument("--furrow", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent / "build" / "tools" / "furrow", help="the command")
     parser.add_argument("--timeout", type=float, default=300, help="s for each command; default 300")
+    parser.add_argument("--jobs", type=int, default=1, help="models at a time; default 1, since times real time are of a machine that does nothing else")
     parser.add_argument("--only", help="a pattern: models whose path has it")
     parser.add_argument("--no-pictures", action="store_true")
     arguments = parser.parse_args()
@@ -470,24 +496,36 @@ def main():
         before = {}
     signal.signal(signal.SIGINT, signal.default_int_handler)   # a shell's background ignores it
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    results, status = [], 0
+    results, status = [None] * len(models), 0
     settings = "%s %s %s" % (arguments.timeout, arguments.no_pictures, arguments.model_path)
-    try:
-        grounds = make_grounds(furrow, out)
-        for number_of, path in enumerate(models):
-            key = key_of(path, version + str(path) + str(arguments.furrow.stat().st_mtime_ns), settings)
-            result = before.get(key)
-            if result is None:
-                folder = out / re.sub(r"[^A-Za-z0-9._-]", "_", short_name(path, arguments.folder.resolve()))
-                result = try_model(furrow, path.resolve(), folder, grounds, [each.resolve() for each in arguments.model_path], not arguments.no_pictures)
-                result.update(name=short_name(path, arguments.folder.resolve()), key=key)
-            results.append(result)
-            write_tables(out, results, version)
-            text = "does not load: " + result["why"] if not result["loads"] else ", ".join("%s: %s" % (g, outcome(result, g)) for g in result["drives"])
-            print("%d/%d %s: %s" % (number_of + 1, len(models), result["name"], text), flush=True)
-    except (Stopped, KeyboardInterrupt):
-        print("zoo: interrupted; the same command goes on", file=sys.stderr)
-        status = 130
+    grounds = None
+
+    def one(place):
+        path = models[place]
+        key = key_of(path, version + str(path) + str(arguments.furrow.stat().st_mtime_ns), settings)
+        result = before.get(key)
+        if result is None:
+            folder = out / re.sub(r"[^A-Za-z0-9._-]", "_", short_name(path, arguments.folder.resolve()))
+            result = try_model(furrow, path.resolve(), folder, grounds, [each.resolve() for each in arguments.model_path], not arguments.no_pictures)
+            result.update(name=short_name(path, arguments.folder.resolve()), key=key)
+        return place, result
+
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        try:
+            grounds = make_grounds(furrow, out)
+            works = [pool.submit(one, place) for place in range(len(models))]
+            for count, work in enumerate(concurrent.futures.as_completed(works)):
+                place, result = work.result()
+                results[place] = result
+                write_tables(out, [each for each in results if each], version)
+                text = "does not load: " + result["why"] if not result["loads"] else ", ".join("%s: %s" % (g, outcome(result, g)) for g in result["drives"])
+                print("%d/%d %s: %s" % (count + 1, len(models), result["name"], text), flush=True)
+        except (Stopped, KeyboardInterrupt):
+            furrow.stop()
+            pool.shutdown(wait=False, cancel_futures=True)
+            print("zoo: interrupted; the same command goes on", file=sys.stderr)
+            status = 130
+    results = [each for each in results if each]
     print("%d models: %d load, %d move: %s" % (len(results), sum(r["loads"] for r in results), sum(map(moves, results)), out / "zoo.md"))
     silent = [r["name"] for r in results if not moves(r) and not r.get("why") and not any(d.get("why") for d in r["drives"].values())]
     if silent:

@@ -194,6 +194,32 @@ static void make(void *argument)
 	mj_forward(spec->model, spec->data);
 }
 
+/* --- numbers that are none --- */
+
+static bool all_finite(const mjtNum *numbers, mjtSize count)
+{
+	for (mjtSize i = 0; i < count; i++)
+		if (!isfinite(numbers[i]))
+			return false;
+	return true;
+}
+
+/* MuJoCo takes NaN in most places. Returns the body that has it; 0: none has. */
+static int not_finite(const mjModel *model)
+{
+	for (int i = 1; i < model->nbody; i++) {
+		bool good = all_finite(model->body_pos + 3 * i, 3) && all_finite(model->body_quat + 4 * i, 4) && all_finite(model->body_ipos + 3 * i, 3) &&
+			    all_finite(model->body_mass + i, 1) && all_finite(model->body_inertia + 3 * i, 3);
+		for (int g = model->body_geomadr[i]; g >= 0 && g < model->body_geomadr[i] + model->body_geomnum[i]; g++)
+			good = good && all_finite(model->geom_pos + 3 * g, 3) && all_finite(model->geom_quat + 4 * g, 4) && all_finite(model->geom_size + 3 * g, 3);
+		for (int j = model->body_jntadr[i]; j >= 0 && j < model->body_jntadr[i] + model->body_jntnum[i]; j++)
+			good = good && all_finite(model->jnt_pos + 3 * j, 3) && all_finite(model->jnt_axis + 3 * j, 3);
+		if (!good)
+			return i;
+	}
+	return 0;
+}
+
 /* One line of MuJoCo's message. */
 static void join_lines(char *text)
 {
@@ -228,6 +254,10 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 		return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo " VEHICLE_MUJOCO_VERSION " reads", where, spec.path,
 				 spec.error[0] != '\0' ? spec.error : "MuJoCo does not read it");
 	TRY_MEM(vehicle->data, "a vehicle");
+	const int bad = not_finite(vehicle->model);
+	if (bad != 0)
+		return fail_with(STATUS_INPUT, "%s: %s: body %.100s has a number that is not finite (nan or inf): its place, mass, inertia, shapes or joints; give numbers", where, spec.path,
+				 mj_id2name(vehicle->model, mjOBJ_BODY, bad) != NULL ? mj_id2name(vehicle->model, mjOBJ_BODY, bad) : "without a name");
 	vehicle->keyframe = spec.keyframe;
 	if (vehicle->scene->keyframe != NULL && spec.keyframe < 0) {
 		char names[VEHICLE_NAMES];
