@@ -70,7 +70,7 @@ class Zoo(FurrowTest):
         self.assertGreater(models["walker.xml"]["drives"]["plain"]["travel"], 0.1)
         self.assertEqual(models["arm.urdf"]["kind"], "held")
         self.assertGreater(models["arm.urdf"]["drives"]["plain"]["travel"], 0.1)
-        for name, why in (("broken.urdf", "line 3: its XML is not whole"), ("macros.urdf", "expand it first: xacro"), ("nan.xml", "; ")):
+        for name, why in (("broken.urdf", "line 4: its XML is not whole"), ("macros.urdf", "expand it first: xacro"), ("nan.xml", "; ")):
             self.assertFalse(models[name]["loads"])
             self.assertIn(why, models[name]["why"])
             self.assertNotIn("\n", models[name]["why"])
