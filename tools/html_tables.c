@@ -525,6 +525,31 @@ static void counted(const struct html_report *report, const struct html_run *run
 	html_sentence(report, run, text);
 }
 
+/* What was wrong with how vehicles lay. */
+static void lies_of(const struct html_report *report, const struct html_run *run)
+{
+	const cJSON *vehicle, *lie;
+	cJSON_ArrayForEach(vehicle, html_members(run, "vehicles")) {
+		cJSON_ArrayForEach(lie, cJSON_GetObjectItemCaseSensitive(vehicle, "lies")) {
+			static const char *const words[][2] = {{"overturned", "lay on its side or roof"}, {"high_centred", "bore most of the weight: the vehicle hung on it"},
+							       {"buried", "was deeper in the soil than the soil bears"}, {"under_ground", "was under the ground"}};
+			const char *what = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(lie, "what")), *geom = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(lie, "geom"));
+			const cJSON *time = cJSON_GetObjectItemCaseSensitive(lie, "time"), *depth = cJSON_GetObjectItemCaseSensitive(lie, "depth");
+			const cJSON *at = cJSON_GetObjectItemCaseSensitive(lie, "at"), *x = cJSON_GetArrayItem(at, 0), *y = cJSON_GetArrayItem(at, 1);
+			char text[400], deep[48] = "";
+			for (size_t i = 0; i < sizeof words / sizeof *words && what != NULL; i++)
+				what = strcmp(what, words[i][0]) == 0 ? words[i][1] : what;
+			if (cJSON_IsNumber(depth))
+				snprintf(deep, sizeof deep, ", up to %.3g m deep", depth->valuedouble);
+			if (what == NULL || !cJSON_IsNumber(time) || !cJSON_IsNumber(x) || !cJSON_IsNumber(y))
+				continue;
+			snprintf(text, sizeof text, "%.120s %.60s from t = %.4g s on, at %.6g, %.6g m%s", geom != NULL ? geom : vehicle->string, what, time->valuedouble,
+				 x->valuedouble, y->valuedouble, deep);
+			html_sentence(report, run, text);
+		}
+	}
+}
+
 static void notes_of(const struct html_report *report, const struct html_run *run)
 {
 	const char *ended = html_string(run, "ended");
@@ -540,6 +565,7 @@ static void notes_of(const struct html_report *report, const struct html_run *ru
 		if (cJSON_IsString(note))
 			html_sentence(report, run, note->valuestring);
 	}
+	lies_of(report, run);
 	counted(report, run, "refused_posts", "times a post would have been pressed deeper than an offset holds");
 	counted(report, run, "forces.sunk", "times the soil did not carry an object's load");
 	counted(report, run, "forces.slides", "times a loaded object stood where the soil cannot hold it");

@@ -46,6 +46,9 @@ void study_look(struct study *study, size_t index)
 	for (int i = STUDY_INTERRUPTED; i <= STUDY_COMPLETE && ended != NULL; i++)
 		if (strcmp(ended, state_names[i]) == 0)
 			run->state = (enum study_state)i;
+	for (int i = 0; i < SCENE_STOPS && ended != NULL; i++) /* nothing is left to drive */
+		if (strcmp(ended, scene_stop_name((enum scene_stop)i)) == 0)
+			run->state = STUDY_COMPLETE;
 	run->seconds = cJSON_IsNumber(seconds) ? seconds->valuedouble : 0;
 	cJSON_Delete(json);
 }

@@ -242,6 +242,8 @@ static enum status make_geom(const struct vehicle *vehicle, size_t index, const 
 static enum status no_geom(const struct vehicle *vehicle, const char *key, const char *where)
 {
 	const struct scene_texts *patterns = strcmp(key, "soil") == 0 ? &vehicle->scene->soil : &vehicle->scene->carry;
+	if (patterns->count == 0 && vehicle->scene->no_soil.count > 0)
+		return fail_with(STATUS_INPUT, "%s: no_soil names all geoms that collide, so none presses the ground; leave those that it stands on out of it", where);
 	if (patterns->count == 0)
 		return fail_with(STATUS_INPUT, "%s: no geom of it collides, so none presses the ground; let geoms of moving bodies collide, or name them in soil",
 				 where);

@@ -68,6 +68,7 @@ struct lie {
 	double since;               /* s: from when on it is so without a break; below 0: it is not so now */
 	double time, at[2], depth;  /* s, m, m: from when on it was so when it was told, where; how deep it was at most */
 	bool told;
+	double bears;               /* N, of LIE_HIGH_CENTRED: what the hull bore lately */
 };
 enum { LIE_OVERTURNED, LIE_HIGH_CENTRED, LIE_BURIED, LIE_OWN }; /* those of a vehicle itself; then one for each geom that does not press */
 

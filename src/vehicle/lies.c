@@ -18,12 +18,13 @@
 #define UNDER_LONG 0.5  /* s */
 #define LONG 1.0        /* s, of the others */
 #define LEANS 0.5       /* cosine of 60 degrees */
-#define BEARS 0.5       /* of the weight */
+#define BEARS 0.5       /* of the weight, as a mean over */
+#define BEARS_LONG 0.5  /* s, since wheels that dig shake it */
 #define WITHIN 0.1      /* of its size, and */
 #define WITHIN_LEAST 0.02 /* m: what reaches so far beyond a geom that presses is a part of it */
 #define AROUND 2        /* directions each way in which the lowest places of a geom are looked for */
 #define CORNERS_MOST 20000 /* a mesh with more counts as its box */
-#define NUMBERS 7       /* of a lie in the record */
+#define NUMBERS 8       /* of a lie in the record */
 
 static const char *const whats[LIE_OWN + 1] = {"overturned", "high_centred", "buried", "under_ground"};
 static const double longs[LIE_OWN + 1] = {LONG, LONG, LONG, UNDER_LONG};
@@ -166,11 +167,11 @@ static bool rolls(const struct soil_geom *geom)
 }
 
 /* Returns what of the root body bears most of the weight though it does not roll; NULL: it does not, or nothing of the vehicle rolls. */
-static const struct soil_geom *hung_up(const struct vehicles *vehicles, const struct vehicle *vehicle)
+static const struct soil_geom *hung_up(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	const mjModel *model = vehicle->model;
-	const struct soil_geom *most = NULL;
-	double bears = 0;
+	const struct soil_geom *most = vehicle->lies[LIE_HIGH_CENTRED].of;
+	double bears = 0, *mean = &vehicle->lies[LIE_HIGH_CENTRED].bears;
 	bool any = false;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
@@ -181,7 +182,8 @@ static const struct soil_geom *hung_up(const struct vehicles *vehicles, const st
 		if (most == NULL || geom->force[2] > most->force[2])
 			most = geom;
 	}
-	return any && bears > BEARS * model->body_subtreemass[vehicle->root] * vehicles->scene->gravity ? most : NULL;
+	*mean += (bears - *mean) * vehicles->scene->time_step / BEARS_LONG;
+	return any && *mean > BEARS * model->body_subtreemass[vehicle->root] * vehicles->scene->gravity ? most : NULL;
 }
 
 static const struct soil_geom *deepest_sunk(const struct vehicle *vehicle)
@@ -305,7 +307,7 @@ double *vehicle_save_lies(const struct vehicle *vehicle, double *to)
 	for (size_t i = 0; i < vehicle->lie_count; i++) {
 		const struct lie *lie = &vehicle->lies[i];
 		const double all[NUMBERS] = {lie->since, lie->time, lie->at[0], lie->at[1], lie->depth, lie->told,
-						 lie->of != NULL ? (double)(lie->of - vehicle->geoms) : -1};
+						 lie->of != NULL ? (double)(lie->of - vehicle->geoms) : -1, lie->bears};
 		for (size_t k = 0; k < NUMBERS; k++)
 			*to++ = all[k];
 	}
@@ -322,6 +324,7 @@ const double *vehicle_restore_lies(struct vehicle *vehicle, const double *from)
 		lie->at[1] = from[3];
 		lie->depth = from[4];
 		lie->told = from[5] != 0;
+		lie->bears = from[7];
 		lie->of = from[6] >= 0 && from[6] < (double)vehicle->geom_count ? &vehicle->geoms[(size_t)from[6]] : NULL;
 	}
 	return from;

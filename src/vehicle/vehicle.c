@@ -8,7 +8,10 @@
 #include "vehicle/between.h"
 #include "vehicle/load.h"
 #include "vehicle/settle.h"
+#include "vehicle/thin.h"
 
+#define THIN_LEAST 2000 /* triangles: meshes with no more stay as they are */
+#define THIN_MOST 0.2   /* posts */
 #define SUNK_LONG 1.0 /* s: a soil geom that is sunk for longer, without a break, is told */
 
 /* --- loading --- */
@@ -110,6 +113,21 @@ enum status vehicle_record(struct vehicles *vehicles)
 
 /* --- joining the world --- */
 
+/* Thins the meshes of soil geoms to the ground's posts, and tells it. Buckets stay as they are: their walls are thin. */
+static enum status thin(const struct vehicle *vehicle, double spacing)
+{
+	for (struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
+		bool thinned;
+		if (geom->mesh == NULL || geom->carries || geom->mesh->triangle_count <= THIN_LEAST)
+			continue;
+		const uint32_t before = geom->mesh->triangle_count;
+		TRY(vehicle_thin(geom->mesh, THIN_MOST * spacing, &thinned));
+		if (thinned)
+			note("vehicles.%s: mesh of %u triangles: pressed with %u, which differ by less than %g posts", geom->name, before, geom->mesh->triangle_count, THIN_MOST);
+	}
+	return STATUS_OK;
+}
+
 static enum status add_body(struct world *world, struct soil_geom *geom)
 {
 	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape, .carry = geom->carries};
@@ -129,6 +147,7 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 	TRY(vehicle_check_rasters(vehicles, world));
 	for (size_t v = 0; v < vehicles->count; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
+		TRY(thin(vehicle, world_resident(world)->spacing));
 		for (size_t g = 0; g < vehicle->geom_count; g++)
 			TRY(add_body(world, &vehicle->geoms[g]));
 		TRY(vehicle_place_driver(vehicle, world));
