@@ -34,8 +34,8 @@ HILL, WIDE = 0.3, 1.2      # m: height and width of the hill: 9 degrees at its s
 STAND, SWING = 3.0, 3.0    # s
 ARRIVED = 0.9        # of the way: what counts as driven
 FALLEN = 40.0        # degrees
-SOIL = "{bekker_kc: 10e3, bekker_kphi: 20e6, bekker_n: 0.8, cohesion: 8000, friction_angle: 35, janosi_shear: 0.01}"   # a firm dirt road
-STEP = 0.004         # s; furrow divides it where that is too long
+SOIL = "{bekker_kc: 10e3, bekker_kphi: 20e6, bekker_n: 0.8, cohesion: 2000, friction_angle: 35, janosi_shear: 0.003}"   # a hard floor
+STEP = 0.002         # s; furrow divides it where that is too long
 
 
 # --- models ---
@@ -209,7 +209,7 @@ class Plan:
         self.radius = min(radii) if radii else None
         fine = self.radius / 2.5 if radii else self.length / 24
         self.spacing = min(max(power(fine), 1 / 128), APART / 2)
-        self.speed = min(max(5 * self.radius, 0.25), 1.0) if radii else 0
+        self.speed = min(max(6 * self.radius, 0.3), 1.5) if radii else 0
 
     def wheels(self):
         return bool(self.drive)
@@ -230,7 +230,7 @@ class Plan:
                     middle = joint["value"] if joint and low <= joint["value"] <= high else min(max(0, low), high)
                     swung.append((name, middle, min(0.15, (high - low) / 8)))
                 else:
-                    swung.append((name, min(max(0, low), high), 0.3 * min(high, -low) if low < 0 < high else 0))
+                    swung.append((name, min(max(0, low), high), 0.1 * min(high, -low) if low < 0 < high else 0))
         else:
             for joint in self.seen["joints"]:
                 low, high = joint["range"] or (-math.inf, math.inf)
@@ -307,10 +307,12 @@ def judge_wheels(plan, rows, run):
     way = math.hypot(number(rows[-1], "x") - number(rows[0], "x"), number(rows[-1], "y") - number(rows[0], "y"))
     off = abs(number(rows[-1], "y") - MIDDLE)
     tilt = max(abs(number(rows[-1], "roll")), abs(number(rows[-1], "pitch")))
-    result = {"distance": round(way, 3), "aside": round(off, 3), "moves": way >= ARRIVED * DISTANCE and off < 0.2 * DISTANCE and tilt < FALLEN}
+    result = {"distance": round(way, 3), "aside": round(off, 3), "moves": ARRIVED * DISTANCE <= way <= (2 - ARRIVED) * DISTANCE and off < 0.2 * DISTANCE and tilt < FALLEN}
     if not result["moves"]:
         vehicle = run.get("vehicles", {}).get("model", {})
         why = "it lies on its side or its roof" if tilt >= FALLEN else "it came %.2f m aside" % off if off >= 0.2 * DISTANCE else "it came %.2f m" % way
+        if way > DISTANCE:
+            why += ", beyond the end of its path"
         if vehicle.get("stuck_since") is not None:
             why += ", and was stuck from %.3g s on" % vehicle["stuck_since"]
         result["why"] = why

@@ -13,6 +13,7 @@
 
 #define LINE_MOST 16384 /* bytes of the first line of a table of controls */
 #define REACH_LEAST 0.05 /* m */
+#define LIFTS 10.0       /* times what lifts the vehicle: a servo is as stiff as for that torque at most */
 #define SLACK 0.1        /* rad/s: how far a driven joint is behind at full torque */
 #define BEND 0.02        /* rad: how far a held joint gives at full torque */
 
@@ -54,8 +55,12 @@ static enum status add_servo(struct spec *spec, const mjsJoint *joint, bool driv
 	mjsActuator *servo = mjs_addActuator(spec->spec, NULL);
 	TRY_MEM(servo, "a vehicle");
 	const struct scene_servo *given = &spec->scene->servo;
-	const double limit = joint->actfrcrange[1];
-	*torque = given->torque > 0 ? given->torque : limit > 0 ? limit : own_weight(spec) * largest_size(spec) * share;
+	const double limit = joint->actfrcrange[1], lifts = own_weight(spec) * largest_size(spec) * share;
+	*torque = given->torque > 0 ? given->torque : limit > 0 ? limit : lifts;
+	/* An effort of 1000 N m in the file of a robot of 2 kg is no measure of how stiff it is. */
+	const double stiff = given->torque > 0 ? *torque : fmin(*torque, LIFTS * lifts);
+	if (spec->spec->option.integrator == mjINT_EULER || spec->spec->option.integrator == mjINT_RK4)
+		spec->spec->option.integrator = mjINT_IMPLICITFAST; /* servos of ours are stiff */
 	(void)mjs_setName(servo->element, name);
 	servo->trntype = mjTRN_JOINT;
 	mjs_setString(servo->target, name);
@@ -64,9 +69,9 @@ static enum status add_servo(struct spec *spec, const mjsJoint *joint, bool driv
 	servo->forcerange[1] = *torque;
 	double damped = 1;
 	if (drives)
-		(void)mjs_setToVelocity(servo, given->kv > 0 ? given->kv : *torque / SLACK);
+		(void)mjs_setToVelocity(servo, given->kv > 0 ? given->kv : stiff / SLACK);
 	else
-		(void)mjs_setToPosition(servo, *torque / BEND, NULL, &damped, NULL, 0);
+		(void)mjs_setToPosition(servo, stiff / BEND, NULL, &damped, NULL, 0);
 	vehicle_spec_name(told, name);
 	return STATUS_OK;
 }
@@ -105,7 +110,7 @@ static enum status add_columns(struct spec *spec)
 {
 	static const char space[] = " \t\r\n";
 	char line[LINE_MOST], *rest = line;
-	FILE *file = spec->scene->driver == SCENE_CONTROLS && spec->urdf ? input_open(spec->scene->controls) : NULL;
+	FILE *file = spec->scene->driver == SCENE_CONTROLS ? input_open(spec->scene->controls) : NULL;
 	const bool read = file != NULL && fgets(line, sizeof line, file) != NULL;
 	if (file != NULL)
 		fclose(file);
