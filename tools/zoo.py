@@ -217,6 +217,9 @@ class Plan:
     def end_time(self):
         return 2 + 1.4 * DISTANCE / self.speed if self.wheels() else STAND + SWING
 
+    def only_forces(self):
+        return bool(self.seen["actuators"]) and all(a["keeps"] == "force" for a in self.seen["actuators"])
+
     def swings(self):
         """Actuators, or joints without one, that the table of controls moves: (name, middle, how far)."""
         swung = []
@@ -264,6 +267,8 @@ class Plan:
             more += ", driver: {controls: controls.csv}"
         keyframe = next((name for name in self.seen["keyframes"] if name), None)
         place = "at: [%g, %g]" % tuple(start) + (", keyframe: %s" % quoted(keyframe) if keyframe and not self.wheels() else "")
+        if not self.wheels() and self.only_forces():   # nothing holds its pose: it begins as it is, and does not settle
+            place += ", settle: false"
         steps = round(self.end_time() / STEP)
         path = folder / (ground + ".yaml")
         path.write_text(f"""# Made by tools/zoo.py.
@@ -331,8 +336,7 @@ def judge_limbs(plan, rows, run):
     result = {"stands": stands, "travel": round(travel, 4), "moves": travel > 0.02}
     why = []
     if not stands:
-        forces = plan.seen["actuators"] and all(a["keeps"] == "force" for a in plan.seen["actuators"])
-        why.append("it does not stand in its first pose: %s" % ("its actuators give forces alone, so it needs a controller of its own" if forces else
+        why.append("it does not stand in its first pose: %s" % ("its actuators give forces alone, so it needs a controller of its own" if plan.only_forces() else
                                                                 "give start.joints, start.keyframe or controls of a pose that stands"))
     if not result["moves"]:
         why.append("its joints do not move: %s" % ("it has none" if not joints else "controls do not reach them; give driver.controls"))

@@ -220,6 +220,14 @@ static int not_finite(const mjModel *model)
 	return 0;
 }
 
+static bool any_collides(const mjModel *model)
+{
+	for (int i = 0; i < model->ngeom; i++)
+		if (model->body_weldid[model->geom_bodyid[i]] != 0 && (model->geom_contype[i] != 0 || model->geom_conaffinity[i] != 0))
+			return true;
+	return false;
+}
+
 /* One line of MuJoCo's message. */
 static void join_lines(char *text)
 {
@@ -254,6 +262,9 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 		return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo " VEHICLE_MUJOCO_VERSION " reads", where, spec.path,
 				 spec.error[0] != '\0' ? spec.error : "MuJoCo does not read it");
 	TRY_MEM(vehicle->data, "a vehicle");
+	if (spec.lost.count > 0 && vehicle->scene->soil.count == 0 && !any_collides(vehicle->model))
+		return fail_with(STATUS_INPUT, "%s: %s: %zu of its meshes %s not found or not read (%s), and nothing else of it collides; name the folder of its packages in model_path", where,
+				 spec.path, spec.lost.count, spec.lost.count > 1 ? "are" : "is", spec.lost.text);
 	const int bad = not_finite(vehicle->model);
 	if (bad != 0)
 		return fail_with(STATUS_INPUT, "%s: %s: body %.100s has a number that is not finite (nan or inf): its place, mass, inertia, shapes or joints; give numbers", where, spec.path,

@@ -9,6 +9,12 @@
 
 #include "vehicle/internal.h"
 
+/* Names for a message: the first ones, and how many more there are. */
+struct spec_names {
+	char text[160];
+	size_t count;
+};
+
 struct spec {
 	const char *where, *path;   /* the vehicle, for messages; the model's file */
 	const struct scene_vehicle *scene;
@@ -25,6 +31,7 @@ struct spec {
 	size_t mimic_count, mimic_room;
 	uint64_t *told;             /* hashes of the notes that were told */
 	size_t told_count, told_room;
+	struct spec_names lost;     /* meshes whose shapes are left out, since their files are not there or cannot be read */
 	char flat[160];             /* the mesh without a volume that MuJoCo refused last; empty: none */
 	bool bounded;               /* MuJoCo refused a link as too light: all get a least mass */
 	size_t tries;               /* how often it was made */
@@ -46,11 +53,6 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 /* Notes "vehicles.NAME: " and the rest, once. */
 void vehicle_spec_tell(struct spec *spec, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Names for a message: the first ones, and how many more there are. */
-struct spec_names {
-	char text[160];
-	size_t count;
-};
 void vehicle_spec_name(struct spec_names *names, const char *name);
 
 /* --- spec_text.c --- */

@@ -321,6 +321,7 @@ static void tell_files(struct spec *spec, const struct files *files)
 {
 	const struct spec_names *missing = &files->missing, *strange = &files->strange, *images = &files->images;
 	const bool loses = files->massless.count > 0;
+	spec->lost = missing->count > 0 ? *missing : *strange;
 	if (missing->count > 0)
 		vehicle_spec_tell(spec, "%zu mesh%s not found (%s): without %s its shape is left out%s%s%s; name the folder of its packages in model_path", missing->count,
 				  missing->count > 1 ? "es are" : " is", missing->text, missing->count > 1 ? "them" : "it", loses ? ", and the mass that it gives " : ", its mass stays",

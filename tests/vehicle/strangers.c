@@ -159,6 +159,13 @@ static void packages_are_found_by_their_own_file(void **state)
 	}
 }
 
+static void a_model_whose_meshes_are_elsewhere_says_so(void **state)
+{
+	(void)state;
+	support_write(support_path("model.xml"), "<robot name='r'><link name='base'>" INERTIAL("5") "<collision><geometry><mesh filename='package://far/a.stl'/></geometry></collision></link></robot>");
+	rig_refused(STEP, "", STATUS_INPUT, "1 of its meshes is not found or not read (a.stl), and nothing else of it collides; name the folder of its packages in model_path");
+}
+
 /* --- shapes and masses --- */
 
 static void what_is_only_seen_collides(void **state)
@@ -294,6 +301,21 @@ static void parts_without_a_name_get_one(void **state)
 	unload(&loaded);
 }
 
+/* A table of controls moves joints that have no actuator; an effort that is far too large makes no servo that is too stiff. */
+static void columns_of_a_table_get_servos(void **state)
+{
+	(void)state;
+	support_write(support_path("table.csv"), "t,arm\n0,0\n1,0.5\n");
+	support_write(support_path("model.xml"), "<robot name='r'><link name='base'>" INERTIAL("5") "<collision>" BOX("1", "1", ".2") "</collision></link><link name='a'>" INERTIAL("1") "</link>"
+						 JOINT("arm", "revolute", "a", "<limit lower='-1' upper='1' effort='100000' velocity='1'/>") "</robot>");
+	struct loaded loaded = load(", driver: {controls: table.csv}", (const char *const[]){"arm has no actuator: it gets a position servo", NULL});
+	assert_int_equal(loaded.model->nactuator, 1);
+	assert_true(loaded.model->actuator_forcerange[1] == 100000);
+	/* The weight at the end of the largest shape, times ten, in 0.02 rad. */
+	assert_true(fabs(loaded.model->actuator_gainprm[0] - 10 * 6 * 9.81 * 0.5 / 0.02) < 1);
+	unload(&loaded);
+}
+
 /* --- what a model has --- */
 
 static void parts_know_what_they_are_for(void **state)
@@ -334,6 +356,7 @@ TEST_PROGRAM(strangers)
 		cmocka_unit_test(meshes_of_one_name_stay_apart),
 		cmocka_unit_test(dae_meshes_are_read),
 		cmocka_unit_test(packages_are_found_by_their_own_file),
+		cmocka_unit_test(a_model_whose_meshes_are_elsewhere_says_so),
 		cmocka_unit_test(what_is_only_seen_collides),
 		cmocka_unit_test(links_that_are_fixed_and_weigh_nothing_stay_so),
 		cmocka_unit_test(texts_that_others_take_are_taken),
@@ -341,6 +364,7 @@ TEST_PROGRAM(strangers)
 		cmocka_unit_test(links_that_float_are_held),
 		cmocka_unit_test(files_that_an_mjcf_lacks_are_left_out),
 		cmocka_unit_test(parts_without_a_name_get_one),
+		cmocka_unit_test(columns_of_a_table_get_servos),
 		cmocka_unit_test(parts_know_what_they_are_for),
 	};
 	return cmocka_run_group_tests_name("models of strangers", tests, support_enter, support_leave);
