@@ -66,6 +66,17 @@ static bool is_upright(const struct vehicle *vehicle, int joint)
 	return vehicle->model->jnt_type[joint] == mjJNT_HINGE && fabs(vehicle->data->xaxis[3 * joint + 2]) >= UPRIGHT;
 }
 
+/* Returns true if no other upright joint is between a joint and a body below it: the lowest one steers, or is the castor's. */
+static bool is_nearest(const struct vehicle *vehicle, int joint, int body)
+{
+	const mjModel *model = vehicle->model;
+	for (; body > model->jnt_bodyid[joint]; body = model->body_parentid[body])
+		for (int j = 0; j < model->body_jntnum[body]; j++)
+			if (is_upright(vehicle, model->body_jntadr[body] + j))
+				return false;
+	return true;
+}
+
 /* An upright joint over wheels is a castor's if the wheel trails it, and nothing turns it. */
 static enum vehicle_role over_wheels(const struct vehicle *vehicle, int joint)
 {
@@ -76,7 +87,7 @@ static enum vehicle_role over_wheels(const struct vehicle *vehicle, int joint)
 	enum vehicle_role role = VEHICLE_ROLE_HOLDS;
 	for (int wheel = vehicle->own.joint.first; wheel < vehicle->own.joint.end; wheel++) {
 		const struct soil_geom *geom = wheel != joint ? wheel_of(vehicle, wheel) : NULL;
-		if (geom == NULL || !is_below(model, model->jnt_bodyid[wheel], model->jnt_bodyid[joint]))
+		if (geom == NULL || !is_below(model, model->jnt_bodyid[wheel], model->jnt_bodyid[joint]) || !is_nearest(vehicle, joint, model->jnt_bodyid[wheel]))
 			continue;
 		const double *at = &data->xanchor[3 * wheel], *from = &data->xanchor[3 * joint], *axle = &data->xaxis[3 * wheel];
 		const double trail = fabs((at[0] - from[0]) * axle[1] - (at[1] - from[1]) * axle[0]);

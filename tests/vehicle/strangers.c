@@ -326,14 +326,14 @@ static void parts_know_what_they_are_for(void **state)
 		enum vehicle_role role;
 		double radius;
 	} wanted[] = {{"drive_l", VEHICLE_ROLE_DRIVES, 0.3}, {"ball_r", VEHICLE_ROLE_DRIVES, 0.3}, {"swing", VEHICLE_ROLE_FOLLOWS, 0}, {"small", VEHICLE_ROLE_FOLLOWS, 0.1},
-		      {"steering", VEHICLE_ROLE_STEERS, 0}, {"front", VEHICLE_ROLE_DRIVES, 0.3}, {"arm", VEHICLE_ROLE_HOLDS, 0}};
+		      {"link", VEHICLE_ROLE_HOLDS, 0}, {"steering", VEHICLE_ROLE_STEERS, 0}, {"front", VEHICLE_ROLE_DRIVES, 0.3}, {"arm", VEHICLE_ROLE_HOLDS, 0}};
 	struct loaded loaded = load_text("<mujoco><worldbody><body name='base'><freejoint/><geom type='box' size='.8 .3 .1' mass='9'/>"
 					 "<body pos='0 .4 -.2'><joint name='drive_l' axis='0 1 0'/><geom type='cylinder' size='.3 .05' euler='90 0 0' mass='1'/></body>"
 					 "<body pos='0 -.4 -.2'><joint name='ball_r' axis='0 -1 0'/><geom type='sphere' size='.3' mass='1'/></body>"
 					 "<body pos='-.7 0 -.3'><joint name='swing' axis='0 0 1'/><geom type='box' size='.02 .02 .02' mass='.1'/>"
 					 "<body pos='-.1 0 -.1'><joint name='small' axis='0 1 0'/><geom type='cylinder' size='.1 .02' euler='90 0 0' mass='1'/></body></body>"
-					 "<body pos='.7 0 -.2'><joint name='steering' axis='0 0 1' range='-40 40'/><geom type='box' size='.02 .02 .02' mass='.1'/>"
-					 "<body><joint name='front' axis='0 1 0'/><geom type='cylinder' size='.3 .05' euler='90 0 0' mass='1'/></body></body>"
+					 "<body pos='.3 0 0'><joint name='link' axis='0 0 1'/><geom type='box' size='.02 .02 .02' mass='.1'/><body pos='.4 0 -.2'><joint name='steering' axis='0 0 1' range='-40 40'/><geom type='box' size='.02 .02 .02' mass='.1'/>"
+					 "<body><joint name='front' axis='0 1 0'/><geom type='cylinder' size='.3 .05' euler='90 0 0' mass='1'/></body></body></body>"
 					 "<body pos='.5 0 .5'><joint name='arm' axis='0 1 0'/><geom type='cylinder' size='.1 .05' euler='90 0 0' mass='1'/></body></body></worldbody></mujoco>",
 					 (const char *const[]){NULL});
 	assert_int_equal(loaded.info.joint_count, sizeof wanted / sizeof wanted[0]);
