@@ -14,7 +14,8 @@
 #define LINE_MOST 16384 /* bytes of the first line of a table of controls */
 #define REACH_LEAST 0.05 /* m */
 #define LIFTS 10.0       /* times what lifts the vehicle: a servo is as stiff as for that torque at most */
-#define SLACK 0.1        /* rad/s: how far a driven joint is behind at full torque */
+#define SLACK 0.1        /* rad/s: how far a driven joint is behind at the torque that the scene gives, */
+#define SOFT 0.5         /* and at its share of what lifts the vehicle. A stiffer servo goes from one end of its torque to the other in each step of a light wheel */
 #define BEND 0.02        /* rad: how far a held joint gives at full torque */
 
 static bool any_actuator(const struct spec *spec, const char *pattern)
@@ -69,7 +70,7 @@ static enum status add_servo(struct spec *spec, const mjsJoint *joint, bool driv
 	servo->forcerange[1] = *torque;
 	double damped = 1;
 	if (drives)
-		(void)mjs_setToVelocity(servo, given->kv > 0 ? given->kv : stiff / SLACK);
+		(void)mjs_setToVelocity(servo, given->kv > 0 ? given->kv : given->torque > 0 ? *torque / SLACK : fmin(*torque, lifts) / SOFT);
 	else
 		(void)mjs_setToPosition(servo, stiff / BEND, NULL, &damped, NULL, 0);
 	vehicle_spec_name(told, name);
