@@ -104,14 +104,22 @@ static void lay_out(struct step *step)
 	step->free = step->force + step->rows;
 }
 
-/* Damping of the joints, which the engine's steps take at their end. With the implicit integrators that of motors is, too. */
-static double damping_of(const mjModel *model, int dof)
+/* A motor at its greatest force does not give more when it is slower: the engine takes none of its damping then. */
+static bool is_at_limit(const struct vehicle *vehicle, int actuator)
 {
+	const double *range = vehicle->model->actuator_forcerange + 2 * actuator, force = vehicle->data->actuator_force[vehicle->model->actuator_outadr[actuator]];
+	return vehicle->model->actuator_forcelimited[actuator] && (force <= range[0] || force >= range[1]);
+}
+
+/* Damping of the joints, which the engine's steps take at their end. With the implicit integrators that of motors is, too. */
+static double damping_of(const struct vehicle *vehicle, int dof)
+{
+	const mjModel *model = vehicle->model;
 	double damping = model->dof_damping[dof];
 	for (int i = 0; i < model->nactuator && (model->opt.integrator == mjINT_IMPLICIT || model->opt.integrator == mjINT_IMPLICITFAST); i++) {
 		const double *gear = vehicle_gear(model, i);
 		if (model->actuator_trntype[i] == mjTRN_JOINT && model->jnt_dofadr[model->actuator_trnid[2 * i]] == dof &&
-		    model->actuator_biastype[i] == mjBIAS_AFFINE)
+		    model->actuator_biastype[i] == mjBIAS_AFFINE && !is_at_limit(vehicle, i))
 			damping -= model->actuator_biasprm[i * mjNBIAS + 2] * gear[0] * gear[0];
 	}
 	return damping > 0 ? damping : 0;
@@ -123,7 +131,7 @@ static void fill_mass(const struct step *step, double *mass)
 	const mjModel *model = step->vehicle->model;
 	mj_fullM(model, step->vehicle->data, mass);
 	for (int i = 0; i < model->nv; i++)
-		mass[i * model->nv + i] += step->h * damping_of(model, i);
+		mass[i * model->nv + i] += step->h * damping_of(step->vehicle, i);
 }
 
 static void fill_jacobians(const struct step *step)
