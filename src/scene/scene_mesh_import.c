@@ -121,6 +121,8 @@ static enum status count_node(const struct aiScene *scene, const struct aiNode *
 		return fail_with(STATUS_INPUT, "%s: its nodes are too many or too deep; allowed: %u, %d deep", told,
 				 SCENE_MESH_TRIANGLES, DEPTH_MAX);
 	for (unsigned i = 0; i < node->mNumMeshes; i++) {
+		if (node->mMeshes[i] >= scene->mNumMeshes)
+			return fail_with(STATUS_INPUT, "%s: a node names surface %u, and there are %u; export the mesh again", told, node->mMeshes[i], scene->mNumMeshes);
 		*triangles += scene->mMeshes[node->mMeshes[i]]->mNumFaces;
 		if (*triangles > SCENE_MESH_TRIANGLES)
 			return too_many(told);
@@ -211,10 +213,10 @@ static enum status import(struct given *given, const char *told, struct mesh_cor
 					   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
 					   aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
 	aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, 1); /* as programs for URDF do */
+	/* Validation refuses a DAE for two lights of one name. What is read of it is checked here. */
+	const unsigned checks = strcmp(given->name, "mesh.dae") == 0 ? 0 : aiProcess_ValidateDataStructure;
 	pthread_mutex_lock(&assimp);
-	const struct aiScene *scene = aiImportFileExWithProperties(
-		given->name, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_ValidateDataStructure, &io,
-		properties);
+	const struct aiScene *scene = aiImportFileExWithProperties(given->name, aiProcess_Triangulate | aiProcess_RemoveComponent | checks, &io, properties);
 	aiReleasePropertyStore(properties);
 	enum status status = scene == NULL || scene->mRootNode == NULL ? not_a_mesh(told) : STATUS_OK;
 	pthread_mutex_unlock(&assimp);

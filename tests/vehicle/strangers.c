@@ -105,7 +105,8 @@ static const char dae[] =
 	"<library_geometries><geometry id='g'><mesh><source id='p'><float_array id='pa' count='12'>0 0 0 100 0 0 0 50 0 0 0 25</float_array><technique_common>"
 	"<accessor source='#pa' count='4' stride='3'><param name='X' type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor></technique_common></source>"
 	"<vertices id='v'><input semantic='POSITION' source='#p'/></vertices><triangles count='4'><input semantic='VERTEX' source='#v' offset='0'/>"
-	"<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='s'><node id='n'>%s<instance_geometry url='#g'/></node>"
+	"<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries><library_lights><light id='l' name='l'><technique_common><point><color>1 1 1</color></point></technique_common></light></library_lights>"
+	"<library_visual_scenes><visual_scene id='s'><node id='l1' name='L'><instance_light url='#l'/></node><node id='l2' name='L'><instance_light url='#l'/></node><node id='n'>%s<instance_geometry url='#g'/></node>"
 	"</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene></COLLADA>";
 
 static void dae_meshes_are_read(void **state)
