@@ -231,7 +231,7 @@ static enum status find_mesh(struct spec *spec, const struct vehicle_xml_attribu
 static void name_mesh(struct rewrite *rewrite, const struct vehicle_xml_attribute *file)
 {
 	char text[48];
-	size_t number;
+	size_t number = 0;
 	if (rewrite->status == STATUS_OK)
 		rewrite->status = find_mesh(rewrite->spec, file, &number);
 	if (rewrite->status != STATUS_OK)
