@@ -135,11 +135,37 @@ static enum status add_columns(struct spec *spec)
 	return status;
 }
 
+static bool has_servo(const struct spec *spec, const char *joint)
+{
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_ACTUATOR); each != NULL; each = mjs_nextElement(spec->spec, each))
+		if (strcmp(mjs_getString(mjs_asActuator(each)->target), joint) == 0)
+			return true;
+	return false;
+}
+
+/* Joints of an arm that no driver names hang, as those of a suspension should. */
+static void tell_free(struct spec *spec)
+{
+	struct spec_names names = {.count = 0};
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_JOINT); each != NULL; each = mjs_nextElement(spec->spec, each)) {
+		const mjsJoint *joint = mjs_asJoint(each);
+		const char *name = mjs_getString(mjs_getName(each));
+		if (turns(joint) && joint->range[0] < joint->range[1] && !has_servo(spec, name))
+			vehicle_spec_name(&names, name);
+	}
+	if (names.count > 0)
+		vehicle_spec_tell(spec, "%zu joint%s with limits (%s) ha%s no actuator, and the driver does not name %s: %s freely", names.count, names.count > 1 ? "s" : "", names.text,
+				  names.count > 1 ? "ve" : "s", names.count > 1 ? "them" : "it", names.count > 1 ? "they move" : "it moves");
+}
+
 enum status vehicle_spec_servos(struct spec *spec)
 {
 	const struct scene_vehicle *scene = spec->scene;
 	TRY(add_servos(spec, &scene->drive, true));
 	TRY(add_servos(spec, &scene->steer, false));
 	TRY(add_servos(spec, &scene->held, false));
-	return add_columns(spec);
+	TRY(add_columns(spec));
+	if (spec->urdf && scene->driver != SCENE_IDLE)
+		tell_free(spec);
+	return STATUS_OK;
 }

@@ -311,9 +311,20 @@ static void columns_of_a_table_get_servos(void **state)
 						 JOINT("arm", "revolute", "a", "<limit lower='-1' upper='1' effort='100000' velocity='1'/>") "</robot>");
 	struct loaded loaded = load(", driver: {controls: table.csv}", (const char *const[]){"arm has no actuator: it gets a position servo", NULL});
 	assert_int_equal(loaded.model->nactuator, 1);
+	assert_null(strstr(told, "with limits"));
 	assert_true(loaded.model->actuator_forcerange[1] == 100000);
 	/* The weight at the end of the largest shape, times ten, in 0.02 rad. */
 	assert_true(fabs(loaded.model->actuator_gainprm[0] - 10 * 6 * 9.81 * 0.5 / 0.02) < 1);
+	unload(&loaded);
+}
+
+static void joints_that_nothing_moves_are_told(void **state)
+{
+	(void)state;
+	support_write(support_path("model.xml"), "<robot name='r'><link name='base'>" INERTIAL("5") "<collision>" BOX("1", "1", ".2") "</collision></link><link name='a'>" INERTIAL("1") "</link>"
+						 JOINT("arm", "revolute", "a", "<limit lower='-1' upper='1' effort='9' velocity='1'/>")
+						 "<link name='b'>" INERTIAL("1") "</link>" JOINT("hand", "revolute", "b", "<limit lower='-1' upper='1' effort='9' velocity='1'/>") "</robot>");
+	struct loaded loaded = load(", driver: {hold: {hand: 0}}", (const char *const[]){"1 joint with limits (arm) has no actuator, and the driver does not name it: it moves freely", NULL});
 	unload(&loaded);
 }
 
@@ -366,6 +377,7 @@ TEST_PROGRAM(strangers)
 		cmocka_unit_test(files_that_an_mjcf_lacks_are_left_out),
 		cmocka_unit_test(parts_without_a_name_get_one),
 		cmocka_unit_test(columns_of_a_table_get_servos),
+		cmocka_unit_test(joints_that_nothing_moves_are_told),
 		cmocka_unit_test(parts_know_what_they_are_for),
 	};
 	return cmocka_run_group_tests_name("models of strangers", tests, support_enter, support_leave);
