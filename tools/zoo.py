@@ -280,12 +280,12 @@ soil: {SOIL}
 redistribute: {{model: scm}}
 vehicles:
   - {{name: model, model: {quoted(self.path)}, start: {{{place}}}{more}}}
-stuck: {{after: 5, below: 0.01}}
 output: {{vehicles: 20}}
-""" + (f"""view:
+""" + ("stuck: {after: 5, below: 0.01}\n" if self.wheels() else "") + (f"""view:
   size: [480, 320]
   camera: {{chase: model, back: {2.5 * max(self.length, self.height):.4g}, up: {max(self.length, self.height):.4g}}}
-  images: {max(steps - 1, 1)}
+  effects: [texture, detail, sky, geomorph, skirts, objects, shadow]
+  images: {max(steps // 4, 1)}
 """ if images else ""))
         return path
 
