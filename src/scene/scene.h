@@ -443,6 +443,13 @@ enum status scene_load_text(const char *text, const char *folder, const struct s
 			    size_t count, enum scene_reader reader, struct scene **out) FURROW_CHECKED;
 /* Returns a message of scene_load_text without "scene text:LINE: " at its begin: nobody knows the lines of a text that a program wrote. */
 const char *scene_text_reason(const char *message);
+/*
+ * Reads the triangles of a mesh of a vehicle's model: OBJ, STL, DAE (COLLADA) or glTF 2. Its unit times `scale` is metres; a DAE has a unit of its own.
+ * Axes are as the file has them, as programs that read URDF take them. STATUS_INPUT, with a message that begins with `told`: as for the mesh of an
+ * object. Any thread. Free *out with scene_mesh_free.
+ */
+enum status scene_mesh_read(const char *path, const char *told, double scale, struct soil_mesh **out) FURROW_CHECKED;
+void scene_mesh_free(struct soil_mesh *mesh); /* takes NULL */
 void scene_destroy(struct scene *scene);
 
 /*

@@ -18,7 +18,7 @@ enum status scene_gltf_bad(const struct scene_gltf *gltf, const char *format, ..
 	va_start(args, format);
 	vsnprintf(why, sizeof why, format, args);
 	va_end(args);
-	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL or glTF 2 file", gltf->told, why);
+	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL, DAE or glTF 2 file", gltf->told, why);
 }
 
 enum status scene_gltf_whole(const struct scene_gltf *gltf, const cJSON *object, const char *key, size_t absent, size_t end, size_t *out)

@@ -1,5 +1,5 @@
 /*
- * Counts what an OBJ or an STL file has before assimp reads it. assimp takes some hundred bytes for a face, and more for a group.
+ * Counts what an OBJ, an STL or a DAE file has before assimp reads it. assimp takes some hundred bytes for a face, and more for a group.
  * For some shapes its time grows with the square of their number. So a small file could take all memory, or hours.
  */
 #include <string.h>
@@ -82,4 +82,52 @@ enum status scene_mesh_count_stl(const char *bytes, size_t length, const char *t
 	struct counts counts = {count_of(bytes, length, "facet normal"), 0, count_of(bytes, length, "solid")};
 	counts.others = count_of(bytes, length, "vertex") / 3;
 	return check(told, &counts);
+}
+
+#define DEPTH_MOST 256       /* elements of a DAE in each other */
+#define ELEMENTS_MOST 200000u
+#define COPIES_MOST 1000000u /* nodes that instances of nodes may make */
+
+/* Counts elements, and refuses those too deep in each other: assimp calls itself for each. */
+static enum status count_elements(const char *bytes, size_t length, const char *told)
+{
+	size_t elements = 0;
+	long depth = 0;
+	for (size_t i = 0; i + 1 < length; i++) {
+		if (bytes[i] != '<' || bytes[i + 1] == '?' || bytes[i + 1] == '!')
+			continue;
+		const char *end = memchr(bytes + i, '>', length - i);
+		const bool closes = bytes[i + 1] == '/', single = end != NULL && end[-1] == '/';
+		depth += closes ? -1 : single ? 0 : 1;
+		if (++elements > ELEMENTS_MOST)
+			return too_many(told, "elements", ELEMENTS_MOST);
+		if (depth > DEPTH_MOST)
+			return too_many(told, "elements in each other", DEPTH_MOST);
+	}
+	return STATUS_OK;
+}
+
+enum status scene_mesh_count_dae(const char *bytes, size_t length, const char *told)
+{
+	TRY(count_elements(bytes, length, told));
+	/* Instances of nodes may have instances of nodes, and these the first. */
+	const size_t instances = count_of(bytes, length, "<instance_node"), nodes = count_of(bytes, length, "<node");
+	for (const char *at = bytes, *end = bytes + length; instances > 0;) {
+		static const char from[] = "<library_nodes", to[] = "</library_nodes";
+		while ((size_t)(end - at) >= sizeof from && memcmp(at, from, sizeof from - 1) != 0)
+			at++;
+		if ((size_t)(end - at) < sizeof from)
+			break;
+		const char *stop = at;
+		while ((size_t)(end - stop) >= sizeof to && memcmp(stop, to, sizeof to - 1) != 0)
+			stop++;
+		if (count_of(at, (size_t)(stop - at), "<instance_node") > 0)
+			return fail_with(STATUS_INPUT, "%s: nodes of its library have instances of nodes, which are not followed; export the mesh as STL", told);
+		at = stop;
+	}
+	if (instances * nodes > COPIES_MOST)
+		return too_many(told, "instances of nodes", COPIES_MOST);
+	if (count_of(bytes, length, "<triangles") + count_of(bytes, length, "<polylist") + count_of(bytes, length, "<polygons") > GROUPS_MOST)
+		return too_many(told, "groups", GROUPS_MOST);
+	return STATUS_OK;
 }

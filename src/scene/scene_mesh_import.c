@@ -1,5 +1,5 @@
 /*
- * Reads mesh files. A glTF is read by scene_gltf.c: assimp follows its brackets and nodes without a limit. OBJ and STL are read by
+ * Reads mesh files. A glTF is read by scene_gltf.c: assimp follows its brackets and nodes without a limit. OBJ, STL and DAE are read by
  * assimp, once scene_mesh_count.c has counted what they have. assimp gets bytes and never a path, and opens no other file.
  */
 #include "scene/scene_mesh_import.h"
@@ -121,6 +121,8 @@ static enum status count_node(const struct aiScene *scene, const struct aiNode *
 		return fail_with(STATUS_INPUT, "%s: its nodes are too many or too deep; allowed: %u, %d deep", told,
 				 SCENE_MESH_TRIANGLES, DEPTH_MAX);
 	for (unsigned i = 0; i < node->mNumMeshes; i++) {
+		if (node->mMeshes[i] >= scene->mNumMeshes)
+			return fail_with(STATUS_INPUT, "%s: a node names surface %u, and there are %u; export the mesh again", told, node->mMeshes[i], scene->mNumMeshes);
 		*triangles += scene->mMeshes[node->mMeshes[i]]->mNumFaces;
 		if (*triangles > SCENE_MESH_TRIANGLES)
 			return too_many(told);
@@ -196,7 +198,7 @@ static enum status not_a_mesh(const char *told)
 	for (char *at = line; *at != '\0'; at++)
 		if (*at < ' ' || *at > '~')
 			*at = '?';
-	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL or glTF 2 file", told, line);
+	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL, DAE or glTF 2 file", told, line);
 }
 
 /* All threads share one last error of assimp. So only one thread at a time imports. */
@@ -210,10 +212,11 @@ static enum status import(struct given *given, const char *told, struct mesh_cor
 				   aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
 					   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
 					   aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
+	aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, 1); /* as programs for URDF do */
+	/* Validation refuses a DAE for two lights of one name. What is read of it is checked here. */
+	const unsigned checks = strcmp(given->name, "mesh.dae") == 0 ? 0 : aiProcess_ValidateDataStructure;
 	pthread_mutex_lock(&assimp);
-	const struct aiScene *scene = aiImportFileExWithProperties(
-		given->name, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_ValidateDataStructure, &io,
-		properties);
+	const struct aiScene *scene = aiImportFileExWithProperties(given->name, aiProcess_Triangulate | aiProcess_RemoveComponent | checks, &io, properties);
 	aiReleasePropertyStore(properties);
 	enum status status = scene == NULL || scene->mRootNode == NULL ? not_a_mesh(told) : STATUS_OK;
 	pthread_mutex_unlock(&assimp);
@@ -243,23 +246,28 @@ done:
 
 enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners)
 {
-	static const char *const endings[] = {".obj", ".stl", ".gltf", ".glb"};
+	static const struct {
+		const char *ending;
+		enum status (*count)(const char *bytes, size_t length, const char *told); /* NULL: a glTF */
+	} kinds[] = {{".obj", scene_mesh_count_obj}, {".stl", scene_mesh_count_stl}, {".dae", scene_mesh_count_dae}, {".gltf", NULL}, {".glb", NULL}};
+	const size_t count = sizeof kinds / sizeof kinds[0];
 	const char *dot = strrchr(path, '.');
-	size_t ending = 0;
+	size_t kind = 0;
 	struct given given;
 	char *bytes;
 	*corners = (struct mesh_corners){0};
-	while (ending < 4 && (dot == NULL || strcasecmp(dot, endings[ending]) != 0))
-		ending++;
-	if (ending == 4)
-		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .gltf, .glb", told);
+	while (kind < count && (dot == NULL || strcasecmp(dot, kinds[kind].ending) != 0))
+		kind++;
+	if (kind == count)
+		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .dae, .gltf, .glb", told);
 	TRY(scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length));
-	snprintf(given.name, sizeof given.name, "mesh%s", endings[ending]);
+	snprintf(given.name, sizeof given.name, "mesh%s", kinds[kind].ending);
 	given.bytes = bytes;
 	enum status status;
-	if (ending < 2)
-		TRY_OR(done, ending == 0 ? scene_mesh_count_obj(bytes, given.length, told) : scene_mesh_count_stl(bytes, given.length, told));
-	TRY_OR(done, ending < 2 ? import(&given, told, corners) : import_gltf(path, told, ending == 3, bytes, given.length, corners));
+	if (kinds[kind].count != NULL)
+		TRY_OR(done, kinds[kind].count(bytes, given.length, told));
+	TRY_OR(done, kinds[kind].count != NULL ? import(&given, told, corners)
+					       : import_gltf(path, told, strcmp(kinds[kind].ending, ".glb") == 0, bytes, given.length, corners));
 done:
 	mem_free(bytes);
 	return status;

@@ -16,5 +16,6 @@ enum status scene_mesh_import(const char *path, const char *told, struct mesh_co
 /* Refuse a file that has more parts than its triangles may need; see scene_mesh_count.c. STATUS_INPUT: it has. */
 enum status scene_mesh_count_obj(const char *bytes, size_t length, const char *told) FURROW_CHECKED;
 enum status scene_mesh_count_stl(const char *bytes, size_t length, const char *told) FURROW_CHECKED;
+enum status scene_mesh_count_dae(const char *bytes, size_t length, const char *told) FURROW_CHECKED;
 
 #endif

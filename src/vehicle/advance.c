@@ -76,8 +76,8 @@ static void stop_wheels(struct vehicles *vehicles)
 {
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
-			if (vehicles->list[v].geoms[g].dof >= 0)
-				vehicles->data->qvel[vehicles->list[v].geoms[g].dof] = 0;
+			if (vehicle_turning_dof(&vehicles->list[v].geoms[g]) >= 0)
+				vehicles->data->qvel[vehicle_turning_dof(&vehicles->list[v].geoms[g])] = 0;
 }
 
 /* Makes a step with the soil's forces at its end. `before`: nv, gets the velocities at its start. */

@@ -547,11 +547,12 @@ static void brake(const struct vehicle *vehicle, double *mass)
 	const bool constrained = is_constrained(vehicle);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		bool again = geom->dof < 0; /* several geoms may share a hinge */
+		const int dof = vehicle_turning_dof(geom);
+		bool again = dof < 0; /* several geoms may share a hinge */
 		for (size_t before = 0; before < g && !again; before++)
-			again = vehicle->geoms[before].dof == geom->dof;
+			again = vehicle_turning_dof(&vehicle->geoms[before]) == dof;
 		if (!again)
-			*diagonal_of(vehicle->model, mass, geom->dof) += constrained ? BRAKE_SOFT * vehicle->model->dof_M0[geom->dof] : BRAKE;
+			*diagonal_of(vehicle->model, mass, dof) += constrained ? BRAKE_SOFT * vehicle->model->dof_M0[dof] : BRAKE;
 	}
 }
 

@@ -382,7 +382,7 @@ const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint)
 	const mjModel *model = vehicle->model;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		if ((geom->shape.kind == SOIL_WHEEL || geom->shape.belt) && geom->dof == model->jnt_dofadr[joint])
+		if (vehicle_turning_dof(geom) == model->jnt_dofadr[joint])
 			return geom;
 	}
 	return NULL;

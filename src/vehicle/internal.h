@@ -41,6 +41,17 @@ struct soil_geom {
 	double sunk;                /* s: for how long it has been sunk in the drive, without a break */
 };
 
+/* Return the freedom in which a geom turns as a wheel does, or that of its belt's sprocket; -1: neither. And how far it rolls for each radian, m. */
+static inline int vehicle_turning_dof(const struct soil_geom *geom)
+{
+	return geom->dof >= 0 ? geom->dof : geom->roll_dof;
+}
+
+static inline double vehicle_turning_radius(const struct soil_geom *geom)
+{
+	return geom->shape.belt ? geom->sprocket : geom->dof >= 0 ? geom->shape.radius : geom->roll_radius;
+}
+
 /* Something that is wrong with how a vehicle lies: lies.c. */
 struct lie {
 	char *geom;                 /* VEHICLE.GEOM; NULL: it is of the whole vehicle, or of the soil geom `of` */

@@ -60,7 +60,7 @@ static struct wheel wheel_of(const struct vehicle *vehicle, int actuator, bool u
 	wheel.y = own[1];
 	wheel.side = axis[up ? 2 : 1] >= 0 ? 1 : -1;
 	if (driven != NULL)
-		wheel.radius = belt ? fabs(driven->sprocket) : soil_shape_rolling(&driven->shape);
+		wheel.radius = belt || driven->dof < 0 ? fabs(vehicle_turning_radius(driven)) : soil_shape_rolling(&driven->shape);
 	wheel.half = belt ? driven->shape.size[0] / 2 : 0;
 	return wheel;
 }

@@ -11,8 +11,11 @@
 
 #include "vehicle/spec.h"
 
+#define LINE_MOST 16384 /* bytes of the first line of a table of controls */
 #define REACH_LEAST 0.05 /* m */
-#define SLACK 0.1        /* rad/s: how far a driven joint is behind at full torque */
+#define LIFTS 10.0       /* times what lifts the vehicle: a servo is as stiff as for that torque at most */
+#define SLACK 0.1        /* rad/s: how far a driven joint is behind at the torque that the scene gives, */
+#define SOFT 0.5         /* and at its share of what lifts the vehicle. A stiffer servo goes from one end of its torque to the other in each step of a light wheel */
 #define BEND 0.02        /* rad: how far a held joint gives at full torque */
 
 static bool any_actuator(const struct spec *spec, const char *pattern)
@@ -53,8 +56,12 @@ static enum status add_servo(struct spec *spec, const mjsJoint *joint, bool driv
 	mjsActuator *servo = mjs_addActuator(spec->spec, NULL);
 	TRY_MEM(servo, "a vehicle");
 	const struct scene_servo *given = &spec->scene->servo;
-	const double limit = joint->actfrcrange[1];
-	*torque = given->torque > 0 ? given->torque : limit > 0 ? limit : own_weight(spec) * largest_size(spec) * share;
+	const double limit = joint->actfrcrange[1], lifts = own_weight(spec) * largest_size(spec) * share;
+	*torque = given->torque > 0 ? given->torque : limit > 0 ? limit : lifts;
+	/* An effort of 1000 N m in the file of a robot of 2 kg is no measure of how stiff it is. */
+	const double stiff = given->torque > 0 ? *torque : fmin(*torque, LIFTS * lifts);
+	if (spec->spec->option.integrator == mjINT_EULER || spec->spec->option.integrator == mjINT_RK4)
+		spec->spec->option.integrator = mjINT_IMPLICITFAST; /* servos of ours are stiff */
 	(void)mjs_setName(servo->element, name);
 	servo->trntype = mjTRN_JOINT;
 	mjs_setString(servo->target, name);
@@ -63,9 +70,9 @@ static enum status add_servo(struct spec *spec, const mjsJoint *joint, bool driv
 	servo->forcerange[1] = *torque;
 	double damped = 1;
 	if (drives)
-		(void)mjs_setToVelocity(servo, given->kv > 0 ? given->kv : *torque / SLACK);
+		(void)mjs_setToVelocity(servo, given->kv > 0 ? given->kv : given->torque > 0 ? *torque / SLACK : fmin(*torque, lifts) / SOFT);
 	else
-		(void)mjs_setToPosition(servo, *torque / BEND, NULL, &damped, NULL, 0);
+		(void)mjs_setToPosition(servo, stiff / BEND, NULL, &damped, NULL, 0);
 	vehicle_spec_name(told, name);
 	return STATUS_OK;
 }
@@ -134,11 +141,38 @@ static enum status add_columns(struct spec *spec)
 	return status;
 }
 
+static bool has_servo(const struct spec *spec, const char *joint)
+{
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_ACTUATOR); each != NULL; each = mjs_nextElement(spec->spec, each))
+		if (strcmp(mjs_getString(mjs_asActuator(each)->target), joint) == 0)
+			return true;
+	return false;
+}
+
+/* Joints of an arm that no driver names hang, as those of a suspension should. */
+static void tell_free(struct spec *spec)
+{
+	struct spec_names names = {.count = 0};
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_JOINT); each != NULL; each = mjs_nextElement(spec->spec, each)) {
+		const mjsJoint *joint = mjs_asJoint(each);
+		const char *name = mjs_getString(mjs_getName(each));
+		if (turns(joint) && joint->range[0] < joint->range[1] && !has_servo(spec, name))
+			vehicle_spec_name(&names, name);
+	}
+	if (names.count > 0)
+		vehicle_spec_tell(spec, "%zu joint%s with limits (%s) ha%s no actuator, and the driver does not name %s: %s freely", names.count, names.count > 1 ? "s" : "", names.text,
+				  names.count > 1 ? "ve" : "s", names.count > 1 ? "them" : "it", names.count > 1 ? "they move" : "it moves");
+}
+
 enum status vehicle_spec_servos(struct spec *spec)
 {
 	const struct scene_vehicle *scene = spec->scene;
 	TRY(add_servos(spec, &scene->drive, true, ANY));
 	TRY(add_servos(spec, &scene->steer, false, ANY));
 	TRY(add_servos(spec, &scene->held, false, ANY));
-	return scene->controls != NULL ? add_columns(spec) : STATUS_OK;
+	if (scene->controls != NULL)
+		TRY(add_columns(spec));
+	if (spec->urdf && scene->driver != SCENE_IDLE)
+		tell_free(spec);
+	return STATUS_OK;
 }

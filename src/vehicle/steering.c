@@ -227,13 +227,13 @@ static void find_wheels(struct trial *trial, const double *steered)
 	mju_copy(trial->rows, steered, trial->steer_count * dofs(trial));
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		bool again = geom->dof < 0;
+		bool again = vehicle_turning_dof(geom) < 0;
 		for (size_t w = 0; w < trial->wheel_count && !again; w++)
-			again = trial->wheels[w].dof == geom->dof; /* twin tyres */
+			again = trial->wheels[w].dof == vehicle_turning_dof(geom); /* twin tyres */
 		if (!again)
 			trial->wheels[trial->wheel_count++] =
-				(struct rolling){geom->dof, geom->shape.belt, runs_behind(trial, trial->model->geom_bodyid[geom->geom]),
-						 geom->shape.belt ? geom->sprocket : geom->shape.radius, geom};
+				(struct rolling){vehicle_turning_dof(geom), geom->shape.belt, runs_behind(trial, trial->model->geom_bodyid[geom->geom]),
+						 vehicle_turning_radius(geom), geom};
 	}
 }
 

@@ -198,6 +198,48 @@ const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicl
 /* Returns which key of `driver` sets the actuator: "steer", "drive", "controls" or "hold"; NULL: none, its control is 0. */
 const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
 
+/* --- what a model has: parts.c. Valid as long as the vehicles, in the model's first pose --- */
+
+/* What a joint is for, as far as its place and its name tell. */
+enum vehicle_role {
+	VEHICLE_ROLE_HOLDS,   /* neither of these: of a leg, an arm, a suspension */
+	VEHICLE_ROLE_DRIVES,  /* turns a wheel, or the sprocket of a belt */
+	VEHICLE_ROLE_STEERS,  /* upright, above wheels */
+	VEHICLE_ROLE_FOLLOWS, /* of a castor, or of a wheel that nothing drives */
+};
+struct vehicle_joint {
+	const char *name;
+	bool slides;             /* false: a hinge */
+	bool limited;
+	double low, high;        /* rad, m; infinite: no limit */
+	double value;            /* rad, m */
+	double axis[3], at[3];   /* in the model's axes; m */
+	const char *actuator;    /* NULL: none moves it alone */
+	const char *wheel;       /* its geom on the ground that turns with it as a wheel; NULL: none */
+	double radius;           /* m, of that */
+	enum vehicle_role role;
+};
+/* `joint`: 0 .. joint_count - 1. */
+void vehicle_part_joint(const struct vehicles *vehicles, size_t vehicle, size_t joint, struct vehicle_joint *out);
+struct vehicle_actuator {
+	const char *name, *joint; /* joint: the one that it moves; NULL: it moves something else */
+	const char *keeps;        /* "place", "rate", "force": what its control asks for */
+	bool limited;
+	double low, high;         /* of its control; infinite: no limit */
+};
+/* `actuator`: 0 .. actuator_count - 1. */
+void vehicle_part_actuator(const struct vehicles *vehicles, size_t vehicle, size_t actuator, struct vehicle_actuator *out);
+/* Returns the name of a keyframe, "" for one without; NULL: there are not so many. */
+const char *vehicle_part_keyframe(const struct vehicles *vehicles, size_t vehicle, size_t keyframe);
+struct vehicle_size {
+	double low[3], high[3];   /* m: what its soil geoms reach, in the model's axes */
+	double timestep;          /* s: of the model, after the scene's time_step has divided it */
+	size_t bodies;
+	bool free;                /* its root moves freely */
+	const char *root;         /* name of that body */
+};
+void vehicle_part_size(const struct vehicles *vehicles, size_t vehicle, struct vehicle_size *out);
+
 /* A wheel of a vehicle. x and y: m from the centre of gravity, forward and to the left, in the model's first pose. */
 struct vehicle_wheel {
 	double x, y, radius, width;

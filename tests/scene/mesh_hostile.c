@@ -157,9 +157,25 @@ static void obj_and_stl_are_counted_first(void **state)
 	unlink(in_folder("pipe"));
 }
 
+static void a_dae_is_counted_first(void **state)
+{
+	const char *begin = "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>";
+	(void)state;
+	refused("a.dae", repeated(begin, "<node>", 300, "</COLLADA>"), "more than 256 elements in each other");
+	refused("a.dae", repeated(begin, "<p/>", 200001, "</COLLADA>"), "more than 200000 elements");
+	refused("a.dae", repeated(begin, "<triangles></triangles>", 20001, "</COLLADA>"), "more than 20000 groups");
+	refused("a.dae", repeated(begin, "<node></node><instance_node url='#a'/>", 1001, "</COLLADA>"), "more than 1000000 instances of nodes");
+	/* Nodes that have each other. */
+	refused("a.dae", repeated(begin, "<library_nodes><node id='a'><instance_node url='#a'/></node></library_nodes>", 1,
+				  "<library_visual_scenes><visual_scene id='s'><node><instance_node url='#a'/></node></visual_scene></library_visual_scenes>"
+				  "<scene><instance_visual_scene url='#s'/></scene></COLLADA>"), "have instances of nodes, which are not followed");
+	refused("a.dae", repeated(begin, "<node/>", 1, ""), "cannot be read as a mesh");
+	refused("a.dae", repeated("", "<", 100, ""), "");
+}
+
 static void a_mesh_that_is_a_pipe_is_refused(void **state)
 {
-	static const char *const names[] = {"a.obj", "a.stl", "a.gltf", "a.glb"};
+	static const char *const names[] = {"a.obj", "a.stl", "a.dae", "a.gltf", "a.glb"};
 	struct soil_mesh *mesh;
 	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
 		assert_int_equal(mkfifo(in_folder(names[i]), 0600), 0);
@@ -188,6 +204,7 @@ TEST_PROGRAM(mesh_hostile)
 		cmocka_unit_test(a_chain_of_nodes_is_not_followed_for_ever),
 		cmocka_unit_test(a_buffer_that_is_not_there_is_not_believed),
 		cmocka_unit_test(obj_and_stl_are_counted_first),
+		cmocka_unit_test(a_dae_is_counted_first),
 		cmocka_unit_test(a_mesh_that_is_a_pipe_is_refused),
 		cmocka_unit_test(they_took_little_memory),
 	};
