@@ -2,7 +2,7 @@
 #ifndef FURROW_SCENE_MESH_H
 #define FURROW_SCENE_MESH_H
 
-#include "soil/soil.h"
+#include "scene/scene.h"
 
 #define SCENE_MESH_BYTES (64u << 20) /* most bytes of the file together with the files it names */
 #define SCENE_MESH_TRIANGLES 1000000u

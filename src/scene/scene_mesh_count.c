@@ -83,3 +83,34 @@ enum status scene_mesh_count_stl(const char *bytes, size_t length, const char *t
 	counts.others = count_of(bytes, length, "vertex") / 3;
 	return check(told, &counts);
 }
+
+#define DAE_DEPTH_MOST 100     /* elements in each other */
+#define DAE_ELEMENTS_MOST 200000u
+
+/* assimp follows elements, and nodes that name others, without a limit. A node may name one that it is in. */
+enum status scene_mesh_count_dae(const char *bytes, size_t length, const char *told)
+{
+	static const char again[] = "<instance_node";
+	const char *end = bytes + length;
+	size_t elements = 0;
+	int depth = 0;
+	if (memchr(bytes, '\0', length) != NULL)
+		return fail_with(STATUS_INPUT, "%s: it has a NUL byte; give a text that is whole", told);
+	if (strstr(bytes, again) != NULL)
+		return fail_with(STATUS_INPUT, "%s: its nodes name others (instance_node); export it as STL or OBJ", told);
+	for (const char *at = bytes; (at = memchr(at, '<', (size_t)(end - at))) != NULL;) {
+		const char *stop = strncmp(at, "<!--", 4) == 0 ? strstr(at, "-->") : memchr(at, '>', (size_t)(end - at));
+		if (stop == NULL)
+			return fail_with(STATUS_INPUT, "%s: its XML is not whole; export it again", told);
+		if (at[1] == '/')
+			depth--;
+		else if (at[1] != '!' && at[1] != '?') {
+			elements++;
+			depth += stop[-1] != '/';
+		}
+		if (depth > DAE_DEPTH_MOST || elements > DAE_ELEMENTS_MOST)
+			return fail_with(STATUS_INPUT, "%s: it has more than %u elements, or more than %d in each other; give a simpler mesh", told, DAE_ELEMENTS_MOST, DAE_DEPTH_MOST);
+		at = stop;
+	}
+	return STATUS_OK;
+}

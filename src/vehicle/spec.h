@@ -15,7 +15,8 @@ struct spec {
 	double gravity;             /* m/s2, of the scene */
 	bool urdf;
 	bool welded;                /* a link named world holds it */
-	mjSpec *spec;
+	mjSpec *spec;               /* NULL: only names are looked up */
+	const char *meshdir;        /* without a spec; NULL: none */
 	mjModel *model;
 	mjData *data;
 	int keyframe;               /* -1: none */
@@ -35,6 +36,9 @@ struct spec_names {
 	size_t count;
 };
 void vehicle_spec_name(struct spec_names *names, const char *name);
+
+/* Finds the file of a mesh of a URDF, in the model's folder or in `model_path`. Returns false if it is nowhere, or where the model may not read. */
+bool vehicle_spec_find(const struct spec *spec, const char *name, char path[]); /* PATH_MAX bytes */
 
 /* The parts of mending. Each runs within a guard. */
 void vehicle_spec_inertias(struct spec *spec);                        /* spec_inertia.c */

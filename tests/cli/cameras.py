@@ -719,7 +719,7 @@ class Cameras(FurrowTest):
                 ("kind: chase, on: box, rate: 11", "cameras[0].rate: 11 a second are more than there are steps, 10 a second"),
                 ("kind: chase, on: box, rate: 0", "cameras[0].rate: 0 is out of range"),
                 ("kind: chase, on: box, rate: 1, size: [9000, 10]", "cameras[0].size[0]: 9000 is out of range"),
-                ("kind: chase, on: box, rate: 1, images: [colours]", 'cameras[0].images[0]: "colours" is unknown; allowed: colour, depth, normals, height, class'),
+                ("kind: chase, on: box, rate: 1, images: [colours]", 'cameras[0].images[0]: "colours" is unknown; allowed: colour, depth, normals, height, class, instance'),
                 ("kind: chase, on: box, rate: 1, images: [depth, depth]", "is named twice"),
                 ("kind: chase, on: box, rate: 1, images: [depth], video: true", "cameras[0].video: is of colours, which it does not write"),
                 ("kind: poses, rate: 1, file: none.csv", "none.csv"),
