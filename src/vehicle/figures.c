@@ -173,15 +173,24 @@ static void list_frames(struct vehicles *vehicles)
 			vehicles->frames[vehicles->frame_count++] = (struct world_frame){.vehicle = scene->cameras[i].aim.vehicle - 1, .body = scene->cameras[i].body};
 }
 
-enum status vehicle_make_figures(struct vehicles *vehicles)
+enum status vehicle_make_figures(struct vehicles *vehicles, uint64_t effects)
 {
 	vehicles->frames = mem_calloc(vehicles->count + vehicles->scene->camera_count, sizeof *vehicles->frames);
 	TRY_MEM(vehicles->frames, "the parts of a vehicle");
 	list_frames(vehicles);
 	TRY(name_bodies(vehicles));
-	for (size_t v = 0; v < vehicles->count; v++)
+	for (size_t v = 0; v < vehicles->count && (effects >> EFFECT_OBJECTS & 1); v++)
 		TRY(add_vehicle(vehicles, v));
 	return mem_zeroed(&vehicles->places, vehicles->figure_count + 1, sizeof *vehicles->places, "the parts of a vehicle");
+}
+
+enum status vehicle_draw(struct vehicles *vehicles, uint64_t effects)
+{
+	if (vehicles == NULL || vehicles->frames != NULL)
+		return STATUS_OK;
+	TRY(vehicle_make_figures(vehicles, effects));
+	vehicle_show(vehicles);
+	return STATUS_OK;
 }
 
 void vehicle_free_figures(struct vehicles *vehicles)

@@ -211,7 +211,7 @@ enum status vehicle_make_mesh(const mjModel *model, int geom, struct soil_mesh *
 void vehicle_free_mesh(struct soil_mesh *mesh); /* takes NULL */
 
 /* --- figures.c --- */
-enum status vehicle_make_figures(struct vehicles *vehicles) FURROW_CHECKED;
+enum status vehicle_make_figures(struct vehicles *vehicles, uint64_t effects) FURROW_CHECKED; /* without EFFECT_OBJECTS none: only frames */
 /* STATUS_INPUT: a camera is mounted on a body that its vehicle does not have. */
 enum status vehicle_check_cameras(const struct vehicles *vehicles) FURROW_CHECKED;
 void vehicle_free_figures(struct vehicles *vehicles);

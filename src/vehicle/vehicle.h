@@ -52,6 +52,9 @@ enum status vehicle_step(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns true if the scene asks to stop when vehicles are stuck, and they are. */
 bool vehicle_stuck(const struct vehicles *vehicles);
 
+/* Makes what pictures with these effects show of the vehicles, and reads the files of meshes that only pictures need, unless that was done. A scene with a view has it
+ * from the start; a host may ask for a picture later. Give the world vehicle_figures again after it. NULL: does nothing. STATUS_MEMORY. */
+enum status vehicle_draw(struct vehicles *vehicles, uint64_t effects) FURROW_CHECKED;
 /* Returns what pictures show of the vehicles: their models' geoms and bodies. For NULL: nothing. The places in it follow each step. */
 struct world_figures vehicle_figures(const struct vehicles *vehicles);
 
