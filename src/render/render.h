@@ -148,7 +148,7 @@ bool render_shade_view(const struct render *render, const struct render_camera *
 enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct render_view *view,
 			      const struct render_selection *selection) FURROW_CHECKED;
 /* Draws the last frame again as numbers. A pixel has four floats: the normal east and north, the height above the eye (m), and a code.
- * Codes: 0 sky; 1 + class of the soil, of the ground or aboard a body; -1 - 2 n: the body with the number n, 0 a grain; -2 - 2 n: the same where the normal points down. Of slots without classes the class is 0. The depth
+ * Codes: 0 is sky, and 1 + class the soil of the ground or aboard a body. -1 - 2 n is the body with the number n; -2 - 2 n is the same where its normal points down. A grain has the number 0. Of slots without classes the class is 0. The depth
  * texture becomes the same again. Counts as a frame in render_tiles. */
 enum status render_measure(struct render *render, const struct render_camera *camera, const struct render_selection *selection) FURROW_CHECKED;
 uint64_t render_triangles(const struct render *render); /* returns the triangles of the last frame */

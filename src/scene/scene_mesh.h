@@ -3,6 +3,7 @@
 #define FURROW_SCENE_MESH_H
 
 #include "scene/scene.h"
+#include "soil/soil.h"
 
 #define SCENE_MESH_BYTES (64u << 20) /* most bytes of the file together with the files it names */
 #define SCENE_MESH_TRIANGLES 1000000u

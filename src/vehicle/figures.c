@@ -1,5 +1,5 @@
 /*
- * What pictures show of vehicles: the <visual>s of a URDF, and the geoms of their models in groups 0 to 2, as MuJoCo's viewer shows them. A body that has
+ * What pictures show of vehicles: the <visual>s of a URDF, and geoms of the groups 0 to 2, as MuJoCo's viewer does. A body that has
  * visuals shows them in place of its geoms. A vehicle without any of these is shown by its geoms of all groups, or it would not be seen.
  */
 #include <stdio.h>

@@ -4,7 +4,7 @@
 
 #include "vehicle/figures.h"
 
-/* Returns the light that a value of an sRGB file stands for, as a part of all light. Black and white reflect some, and not all. */
+/* Turns a value of an sRGB file into an albedo. Black and white reflect some light, and not all. */
 static float linear(float value)
 {
 	const double v = fmin(fmax((double)value, 0), 1), light = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
