@@ -134,7 +134,8 @@ static bool are_alike(const struct passes *passes, int a, int b)
 {
 	const struct report_plan *all = passes->all;
 	const struct plan_line *of_a, *of_b;
-	if (all->bodies[a].shape->kind != all->bodies[b].shape->kind || (all->bodies[a].contacts > 0) != (all->bodies[b].contacts > 0))
+	if (all->bodies[a].shape->kind != all->bodies[b].shape->kind || (all->bodies[a].contacts > 0) != (all->bodies[b].contacts > 0) ||
+	    (all->bodies[a].contacts < 0) != (all->bodies[b].contacts < 0))
 		return false;
 	for (size_t nth = 0;; nth++) {
 		of_a = pass_of(passes, a, nth);
@@ -227,7 +228,9 @@ static void print_object(const struct scene *scene, const struct passes *passes,
 	printf("  %s", plan->bodies[first].name);
 	if (alike > 1)
 		printf(" and %zu like it", alike - 1);
-	if (contacts[1] > 0) {
+	if (contacts[0] < 0) {
+		printf(": %s the ground only where %s\n", alike > 1 ? "touch" : "touches", alike > 1 ? "they come down" : "it comes down");
+	} else if (contacts[1] > 0) {
 		print_contacts(contacts, alike > 1, plan->bearing);
 	} else {
 		printf(": %s", layout_number(least).text);

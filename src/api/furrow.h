@@ -244,6 +244,8 @@ struct furrow_contact {
 	enum furrow_contact_state state; /* whether the soil carries the body */
 	double pull;            /* N: that its belt needs; NaN: it has no belt. Hosts that were built without it have a smaller struct */
 	double carried;         /* m3: soil that it carries (`carry` of a scene), whose weight is a part of force and moment. Hosts that were built without it have a smaller struct */
+	double slip_velocity;   /* m/s: speed of a wheel's rim, or of a belt, less that along the ground: finite where `slip` is not, at standstill too; 0: nothing
+				 * of the body turns. Hosts that were built without it have a smaller struct */
 };
 
 /* What a body's shape is like. Filled by furrow_measure. */

@@ -6,7 +6,8 @@
 #include <string.h>
 
 #define CONTACT_FIRST offsetof(struct furrow_contact, pull) /* bytes of the first version */
-#define CONTACT_SECOND offsetof(struct furrow_contact, carried) /* and of the second */
+#define CONTACT_SECOND offsetof(struct furrow_contact, carried) /* of the second, */
+#define CONTACT_THIRD offsetof(struct furrow_contact, slip_velocity) /* and of the third */
 
 /* Checks lists of bodies, and of the data of each: `bytes` a body. */
 static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, size_t bytes,
@@ -57,7 +58,7 @@ static enum status need_contacts(const struct furrow_world *world, size_t count,
 				 const struct furrow_contact *contacts, size_t size)
 {
 	enum status status = need_lists(world, count, bodies, contacts, sizeof *contacts, "contacts");
-	if (status != STATUS_OK || size == sizeof *contacts || size == CONTACT_FIRST || size == CONTACT_SECOND)
+	if (status != STATUS_OK || size == sizeof *contacts || size == CONTACT_FIRST || size == CONTACT_SECOND || size == CONTACT_THIRD)
 		return status;
 	return fail_with(STATUS_USAGE, "contact_size: it is %zu, and a contact has %zu bytes; give sizeof(struct furrow_contact)", size,
 			 sizeof *contacts);

@@ -136,8 +136,9 @@ static void tell_note(void *user, const char *text)
 
 static const char *ending(const struct drive *drive, enum status status)
 {
+	const char *stopped = vehicle_stopped(drive->vehicles);
 	if (status == STATUS_OK)
-		return vehicle_stuck(drive->vehicles) ? "stuck" : "complete";
+		return stopped != NULL ? stopped : "complete";
 	return status == STATUS_INTERRUPTED ? "interrupted" : "failed";
 }
 

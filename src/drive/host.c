@@ -177,7 +177,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	double slice = isinf(host->credit) ? fmin(fmax(SLICE, host->frame_ms / 1e3), BEHIND) : SLICE;
 	if (host->control.go == DRIVE_ONE)
 		host->credit = step;
-	while (world_steps_done(drive->world) < total && host->credit >= step && !world_stopped(drive->world) && !vehicle_stuck(drive->vehicles) &&
+	while (world_steps_done(drive->world) < total && host->credit >= step && !world_stopped(drive->world) && vehicle_stopped(drive->vehicles) == NULL &&
 	       clock_seconds() - began < slice) {
 		TRY(one_step(host));
 		host->credit -= isinf(host->credit) ? 0 : step;

@@ -144,7 +144,7 @@ static enum status all_steps(struct drive *drive, int64_t total)
 	const uint64_t before = frames_of(drive);
 	struct steps_time times = {terminal, terminal ? 0 : drive->began, 0, before, {.frames = before}};
 	enum status status = STATUS_OK;
-	while (world_steps_done(world) < total && !vehicle_stuck(drive->vehicles)) {
+	while (world_steps_done(world) < total && vehicle_stopped(drive->vehicles) == NULL) {
 		TRY_OR(done, world_stopped(world) ? world_interrupted(world) : step_and_draw(drive, &times));
 		if (drive->params.progress)
 			show_progress(drive, &times, total);
@@ -181,7 +181,7 @@ static enum status all(struct drive *drive)
 		status = ranks->end(ranks->user, status);
 	struct failure failure;
 	failure_capture(&failure, status);
-	const enum status flushed = drive_end(drive, status == STATUS_OK && (world_steps_done(world) >= total || vehicle_stuck(drive->vehicles)));
+	const enum status flushed = drive_end(drive, status == STATUS_OK && (world_steps_done(world) >= total || vehicle_stopped(drive->vehicles) != NULL));
 	drive->report.seconds = clock_seconds() - drive->began;
 	/* An interrupted drive that could not be committed has failed. */
 	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))

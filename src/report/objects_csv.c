@@ -1,5 +1,5 @@
 /* objects.csv: the forces of the soil on each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. With vehicles
- * there is one more, their work on the soil. Bodies that carry soil have it, too, and what is aboard. */
+ * there are two more, their work on the soil and slip_velocity. Bodies that carry soil have it, too, and what is aboard. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,17 +9,20 @@
 
 #define COLUMNS "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual"
 #define CARRIED ",carried,carried_weight"
-static const char header_of_all[] = COLUMNS ",work" CARRIED "\n";
+#define SLIPS ",slip_velocity"
+static const char header_of_all[] = COLUMNS ",work" SLIPS CARRIED "\n";
 
 /* The first line of the file: columns that a scene has no use for are left out. */
 static const char *header_of(const struct scene *scene)
 {
-	return scene_carries(scene) ? header_of_all : scene->vehicle_count > 0 ? COLUMNS ",work\n" : COLUMNS "\n";
+	if (scene->vehicle_count == 0)
+		return scene_carries(scene) ? COLUMNS ",work" CARRIED "\n" : COLUMNS "\n";
+	return scene_carries(scene) ? header_of_all : COLUMNS ",work" SLIPS "\n";
 }
 
 const char *report_objects_columns(void)
 {
-	return "t, x, y, z, sinkage, fx, fy, fz, tx, ty, tz, slip, contact_area, load, residual; with vehicles work, too; with carry work, carried, carried_weight";
+	return "t, x, y, z, sinkage, fx, fy, fz, tx, ty, tz, slip, contact_area, load, residual; with vehicles work, slip_velocity, too; with carry work, carried, carried_weight";
 }
 
 bool report_objects_column(const char *name)
@@ -56,13 +59,18 @@ static enum status write_row(const struct report_rows *rows, const struct world_
 	const char *soil = row->soil >= 0 ? world_scene(rows->world)->soil_names[row->soil] : "";
 	const struct body *body = world_body(rows->world, row->body);
 	const bool tells = scene_carries(world_scene(rows->world)), carries = body->carried != NULL;
-	char load[32] = "", work[32] = "", aboard[64] = "";
-	if (world_scene(rows->world)->vehicle_count > 0 || tells)
-		strcpy(work, ",");
+	char load[32] = "", work[64] = "", aboard[64] = "";
+	const bool slips = world_scene(rows->world)->vehicle_count > 0;
+	if (slips || tells)
+		strcpy(work, slips ? ",," : ",");
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
 	if (body->kind == BODY_VEHICLE || carries)
 		snprintf(work, sizeof work, ",%.9g", force->work);
+	if (slips && body->kind == BODY_VEHICLE)
+		snprintf(work + strlen(work), sizeof work - strlen(work), ",%.9g", force->slip_velocity);
+	else if (slips && carries)
+		strcat(work, ",");
 	if (carries)
 		snprintf(aboard, sizeof aboard, ",%.9g,%.9g", row->aboard.volume, row->aboard.weight);
 	else if (tells)

@@ -47,7 +47,7 @@ static enum status list_bodies(const struct world *world, struct report_plan *ou
 		vehicle_info(out->vehicles, v, &info);
 		for (size_t g = 0; g < info.geom_count; g++) {
 			vehicle_geom(out->vehicles, v, g, world_resident(world)->spacing, &geom);
-			out->bodies[out->body_count++] = (struct report_body){geom.name, geom.shape, vehicle_bears_over(out->vehicles, v, g, scene), geom.contacts};
+			out->bodies[out->body_count++] = (struct report_body){geom.name, geom.shape, vehicle_bears_over(out->vehicles, v, g, scene), geom.stands ? geom.contacts : -1};
 		}
 	}
 	return STATUS_OK;

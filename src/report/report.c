@@ -337,6 +337,31 @@ static void add_objects(cJSON *root, const struct report *report)
 	}
 }
 
+/* What is wrong with how a vehicle lies. Nothing if nothing was told. */
+static void add_lies(cJSON *vehicle, const struct vehicles *vehicles, size_t index)
+{
+	struct vehicle_lie lie;
+	cJSON *lies = NULL;
+	for (size_t n = 0; vehicle_lie(vehicles, index, n, &lie); n++) {
+		cJSON *told = cJSON_CreateObject();
+		lies = n == 0 ? cJSON_AddArrayToObject(vehicle, "lies") : lies;
+		if (!cJSON_AddItemToArray(lies, told)) {
+			cJSON_Delete(told);
+			return;
+		}
+		cJSON_AddStringToObject(told, "what", lie.what);
+		if (lie.geom != NULL)
+			cJSON_AddStringToObject(told, "geom", lie.geom);
+		else
+			cJSON_AddNullToObject(told, "geom");
+		json_number(told, "time", lie.time);
+		cJSON *at = cJSON_AddArrayToObject(told, "at");
+		for (int k = 0; k < 2; k++)
+			cJSON_AddItemToArray(at, cJSON_CreateNumber(lie.at[k]));
+		json_number(told, "depth", lie.depth);
+	}
+}
+
 static void add_vehicles(cJSON *root, const struct report *report)
 {
 	if (report->vehicles == NULL)
@@ -357,6 +382,7 @@ static void add_vehicles(cJSON *root, const struct report *report)
 		add_vehicle_carried(vehicle, report->vehicles, i, &info);
 		cJSON_AddBoolToObject(vehicle, "arrived", info.arrived);
 		json_number(vehicle, "stuck_since", info.stuck ? info.stuck_at : (double)NAN);
+		add_lies(vehicle, report->vehicles, i);
 		double places[VEHICLE_TRAIL + 1][2];
 		const size_t count = vehicle_trail(report->vehicles, i, places);
 		add_places(vehicle, (const double(*)[2])places, count);

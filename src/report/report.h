@@ -157,7 +157,7 @@ struct report_body {
 	const char *name;
 	const struct soil_shape *shape;
 	double over;          /* metres over which the soil bears it; 0: not known */
-	double contacts;      /* of a soil geom: contacts a metre, as vehicle_geom tells it; 0: an object of the scene */
+	double contacts;      /* of a soil geom: contacts a metre, as vehicle_geom tells it; -1: a hull, which touches only where it comes down; 0: an object of the scene */
 };
 struct report_plan {
 	struct plan plan;

@@ -147,9 +147,29 @@ struct scene_texts {
 
 /* Whether a root without a joint is held: the model says it; a URDF says no. */
 enum scene_fixed { SCENE_FIXED_BY_MODEL, SCENE_FIXED_NO, SCENE_FIXED_YES };
+/* What may end a drive of vehicles. */
+enum scene_stop { SCENE_STOP_OVERTURNED, SCENE_STOP_BURIED, SCENE_STOP_STUCK, SCENE_STOPS };
+const char *scene_stop_name(enum scene_stop stop);
+
 /* 0: by the joint and the vehicle's weight. */
 struct scene_servo {
 	double kv, torque; /* N m s; N m. N s/m and N for slides */
+};
+
+/* Numbers by name. */
+struct scene_named {
+	struct scene_texts names;
+	double *values;
+};
+
+/* How a vehicle begins, besides its place. All 0: as its model's first pose is, set down and settled. */
+struct scene_start {
+	double pitch, roll;          /* rad: nose up, right side down */
+	double height;               /* m: of its lowest soil geom above the ground. Above 0: it falls, and does not settle */
+	double speed;                /* m/s at t = 0, forward */
+	bool unsettled;              /* begins as it is placed */
+	struct scene_named joints;   /* patterns of joints: rad, m */
+	struct scene_named controls; /* names of actuators: what they have until a driver sets them */
 };
 
 /* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
@@ -161,13 +181,16 @@ struct scene_vehicle {
 	int line;               /* where the scene's file gives that place; 0: --set does */
 	char *keyframe;         /* of the model, for its first pose and its controls; NULL: none */
 	enum scene_fixed fixed; /* whether its root is held where it is set */
+	struct scene_start start;
 	struct scene_texts model_path;   /* folders of packages, resolved relative to the scene's file */
 	struct scene_servo servo;        /* of joints that the driver names and that have no actuator */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
+	struct scene_texts no_soil;      /* patterns of geoms that never touch it */
 	struct scene_texts carry;        /* patterns of those that carry soil; none: no geom */
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
+	bool follows_origin;    /* its origin follows the way; false: the middle of its axle that does not steer */
 	char *controls;         /* SCENE_CONTROLS: path of a table in time */
 	uint64_t controls_hash[2];
 	struct scene_texts held;         /* SCENE_HOLD: names of actuators, and their controls: */
@@ -326,6 +349,7 @@ struct scene {
 	size_t object_count;
 	struct scene_vehicle *vehicles;
 	size_t vehicle_count;
+	unsigned stop;       /* bits of enum scene_stop: what ends the drive, once each vehicle has it or is at the end of its path */
 	double stuck_after, stuck_below; /* s, m/s: a vehicle that is slower for so long is stuck; 0: nobody asks */
 	double vehicle_rows; /* rows of vehicles.csv for each second of simulated time; 0: none */
 	bool map;           /* a drive writes map.png at its end */
@@ -369,6 +393,13 @@ enum status scene_load_text(const char *text, const char *folder, const struct s
 			    size_t count, enum scene_reader reader, struct scene **out) FURROW_CHECKED;
 /* Returns a message of scene_load_text without "scene text:LINE: " at its begin: nobody knows the lines of a text that a program wrote. */
 const char *scene_text_reason(const char *message);
+/*
+ * Reads the triangles of a mesh of a vehicle's model: OBJ, STL, DAE (COLLADA) or glTF 2. Its unit times `scale` is metres; a DAE has a unit of its own.
+ * Axes are as the file has them, as programs that read URDF take them. STATUS_INPUT, with a message that begins with `told`: as for the mesh of an
+ * object. Any thread. Free *out with scene_mesh_free.
+ */
+enum status scene_mesh_read(const char *path, const char *told, double scale, struct soil_mesh **out) FURROW_CHECKED;
+void scene_mesh_free(struct soil_mesh *mesh); /* takes NULL */
 void scene_destroy(struct scene *scene);
 
 /*

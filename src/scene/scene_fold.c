@@ -140,7 +140,7 @@ static enum status fold_relief(const struct scene_tree *tree)
 }
 
 /* `drive_1: 2.5` is `{actuator: drive_1, value: 2.5}`. */
-static enum status fold_control(struct scene_node *control)
+static enum status fold_control(struct scene_node *control, const char *name)
 {
 	char *text = control->text, *key = control->key;
 	if (control->kind != SCENE_SCALAR)
@@ -149,11 +149,24 @@ static enum status fold_control(struct scene_node *control)
 	control->key = NULL; /* in a list */
 	control->kind = SCENE_MAPPING;
 	enum status status;
-	TRY_OR(failed, add_text(control, "actuator", key, true));
+	TRY_OR(failed, add_text(control, name, key, true));
 	return add_text(control, "value", text, control->plain);
 failed:
 	mem_free(text);
 	return status;
+}
+
+/* A mapping of names to values is a list of both. `name`: the key of the names. */
+static enum status fold_named(const struct scene_node *vehicle, const char *part, const char *key, const char *name)
+{
+	struct scene_node *of = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, part) : NULL;
+	struct scene_node *list = of != NULL && of->kind == SCENE_MAPPING ? scene_node_child(of, key) : NULL;
+	if (list == NULL || list->kind != SCENE_MAPPING)
+		return STATUS_OK;
+	for (struct scene_node *node = list->first; node != NULL; node = node->next)
+		TRY(fold_control(node, name));
+	list->kind = SCENE_SEQUENCE;
+	return STATUS_OK;
 }
 
 static enum status fold_vehicles(const struct scene_tree *tree)
@@ -162,13 +175,9 @@ static enum status fold_vehicles(const struct scene_tree *tree)
 	if (vehicles == NULL || vehicles->kind != SCENE_SEQUENCE)
 		return STATUS_OK;
 	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL; vehicle = vehicle->next) {
-		struct scene_node *driver = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "driver") : NULL;
-		struct scene_node *hold = driver != NULL && driver->kind == SCENE_MAPPING ? scene_node_child(driver, "hold") : NULL;
-		if (hold == NULL || hold->kind != SCENE_MAPPING)
-			continue;
-		for (struct scene_node *node = hold->first; node != NULL; node = node->next)
-			TRY(fold_control(node));
-		hold->kind = SCENE_SEQUENCE;
+		TRY(fold_named(vehicle, "driver", "hold", "actuator"));
+		TRY(fold_named(vehicle, "start", "controls", "actuator"));
+		TRY(fold_named(vehicle, "start", "joints", "joint"));
 	}
 	return STATUS_OK;
 }

@@ -156,6 +156,29 @@ static void add_texts(XXH3_state_t *state, const struct scene_texts *texts)
 		add_text(state, texts->list[i]);
 }
 
+static void add_named(XXH3_state_t *state, const struct scene_named *named)
+{
+	add_texts(state, &named->names);
+	for (size_t i = 0; i < named->names.count; i++)
+		add_number(state, named->values[i]);
+}
+
+/* Counts only where the scene gives something. */
+static void add_start(XXH3_state_t *state, size_t index, const struct scene_start *start)
+{
+	const double numbers[] = {start->pitch, start->roll, start->height, start->speed, start->unsettled};
+	bool any = start->joints.names.count + start->controls.names.count > 0;
+	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+		any = any || numbers[i] != 0;
+	if (!any)
+		return;
+	add_part(state, 'S', index);
+	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+		add_number(state, numbers[i]);
+	add_named(state, &start->joints);
+	add_named(state, &start->controls);
+}
+
 static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_vehicle *vehicle)
 {
 	add_part(state, 'v', index);
@@ -181,6 +204,7 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 		add_number(state, vehicle->values[i]);
 	if (vehicle->keyframe != NULL)
 		add_text(state, vehicle->keyframe);
+	add_start(state, index, &vehicle->start);
 	if (vehicle->fixed != SCENE_FIXED_BY_MODEL)
 		add_whole(state, 1000 + (uint64_t)vehicle->fixed);
 	if (vehicle->servo.kv > 0 || vehicle->servo.torque > 0) {
@@ -188,6 +212,10 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 		add_number(state, vehicle->servo.torque);
 	}
 	add_way(state, index, &vehicle->way);
+	if (vehicle->no_soil.count > 0) {
+		add_part(state, 'N', index);
+		add_texts(state, &vehicle->no_soil);
+	}
 	if (vehicle->carry.count > 0) {
 		add_part(state, 'K', index);
 		add_texts(state, &vehicle->carry);

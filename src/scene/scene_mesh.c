@@ -8,7 +8,9 @@
 
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
+#include "scene/scene.h"
 #include "scene/scene_mesh_import.h"
 
 /* Which vertex is at a place: open addressing, at most half full. Not a key_set: its keys have 64 bits and a place has 96. With
@@ -152,4 +154,30 @@ void scene_mesh_destroy(struct soil_mesh *mesh)
 	if (mesh == NULL)
 		return;
 	mem_free_all(mesh->vertices, mesh->triangles, mesh);
+}
+
+static bool ends(const char *path, const char *ending)
+{
+	const size_t length = strlen(path), of = strlen(ending);
+	return length >= of && strcasecmp(path + length - of, ending) == 0;
+}
+
+enum status scene_mesh_read(const char *path, const char *told, double scale, struct soil_mesh **out)
+{
+	TRY(scene_mesh_load(path, told, scale, out));
+	if (!ends(path, ".gltf") && !ends(path, ".glb"))
+		return STATUS_OK;
+	struct soil_mesh *mesh = *out;
+	for (uint32_t i = 0; i < mesh->vertex_count; i++) { /* back from x forward, y left, z up */
+		float *at = mesh->vertices[i];
+		memcpy(at, (const float[]){at[1], at[2], at[0]}, sizeof mesh->vertices[i]);
+	}
+	memcpy(mesh->low, (const double[]){mesh->low[1], mesh->low[2], mesh->low[0]}, sizeof mesh->low);
+	memcpy(mesh->high, (const double[]){mesh->high[1], mesh->high[2], mesh->high[0]}, sizeof mesh->high);
+	return STATUS_OK;
+}
+
+void scene_mesh_free(struct soil_mesh *mesh)
+{
+	scene_mesh_destroy(mesh);
 }

@@ -1,4 +1,4 @@
-/* Reads the surface of an object from a mesh file: OBJ, STL, glTF 2 (.gltf, .glb). */
+/* Reads the surface of an object from a mesh file: OBJ, STL, DAE, glTF 2 (.gltf, .glb). */
 #ifndef FURROW_SCENE_MESH_H
 #define FURROW_SCENE_MESH_H
 
@@ -11,7 +11,7 @@
 #define SCENE_MESH_METRES_MAX 1000.0
 
 /*
- * Reads the triangles of a mesh file. The file's unit times `scale` is metres. Axes of OBJ and STL are x forward, y left, z up.
+ * Reads the triangles of a mesh file. The file's unit times `scale` is metres. Axes of OBJ, STL and DAE are x forward, y left, z up. A DAE's own unit counts, and its up axis does not.
  * glTF has other axes, which are converted: its front (z) to x, its left (x) to y, its up (y) to z. Transforms of nodes are
  * applied. Points, lines and triangles without area are left out. Equal vertices are shared. The order of triangles is that of
  * the file.

@@ -1,5 +1,5 @@
 /*
- * Counts what an OBJ or an STL file has before assimp reads it. assimp takes some hundred bytes for a face, and more for a group.
+ * Counts what an OBJ, an STL or a DAE file has before assimp reads it. assimp takes some hundred bytes for a face, and more for a group.
  * For some shapes its time grows with the square of their number. So a small file could take all memory, or hours.
  */
 #include <string.h>
@@ -84,33 +84,50 @@ enum status scene_mesh_count_stl(const char *bytes, size_t length, const char *t
 	return check(told, &counts);
 }
 
-#define DAE_DEPTH_MOST 100     /* elements in each other */
-#define DAE_ELEMENTS_MOST 200000u
+#define DEPTH_MOST 256       /* elements of a DAE in each other */
+#define ELEMENTS_MOST 200000u
+#define COPIES_MOST 1000000u /* nodes that instances of nodes may make */
 
-/* assimp follows elements, and nodes that name others, without a limit. A node may name one that it is in. */
+/* Counts elements, and refuses those too deep in each other: assimp calls itself for each. */
+static enum status count_elements(const char *bytes, size_t length, const char *told)
+{
+	size_t elements = 0;
+	long depth = 0;
+	for (size_t i = 0; i + 1 < length; i++) {
+		if (bytes[i] != '<' || bytes[i + 1] == '?' || bytes[i + 1] == '!')
+			continue;
+		const char *end = memchr(bytes + i, '>', length - i);
+		const bool closes = bytes[i + 1] == '/', single = end != NULL && end[-1] == '/';
+		depth += closes ? -1 : single ? 0 : 1;
+		if (++elements > ELEMENTS_MOST)
+			return too_many(told, "elements", ELEMENTS_MOST);
+		if (depth > DEPTH_MOST)
+			return too_many(told, "elements in each other", DEPTH_MOST);
+	}
+	return STATUS_OK;
+}
+
 enum status scene_mesh_count_dae(const char *bytes, size_t length, const char *told)
 {
-	static const char again[] = "<instance_node";
-	const char *end = bytes + length;
-	size_t elements = 0;
-	int depth = 0;
-	if (memchr(bytes, '\0', length) != NULL)
-		return fail_with(STATUS_INPUT, "%s: it has a NUL byte; give a text that is whole", told);
-	if (strstr(bytes, again) != NULL)
-		return fail_with(STATUS_INPUT, "%s: its nodes name others (instance_node); export it as STL or OBJ", told);
-	for (const char *at = bytes; (at = memchr(at, '<', (size_t)(end - at))) != NULL;) {
-		const char *stop = strncmp(at, "<!--", 4) == 0 ? strstr(at, "-->") : memchr(at, '>', (size_t)(end - at));
-		if (stop == NULL)
-			return fail_with(STATUS_INPUT, "%s: its XML is not whole; export it again", told);
-		if (at[1] == '/')
-			depth--;
-		else if (at[1] != '!' && at[1] != '?') {
-			elements++;
-			depth += stop[-1] != '/';
-		}
-		if (depth > DAE_DEPTH_MOST || elements > DAE_ELEMENTS_MOST)
-			return fail_with(STATUS_INPUT, "%s: it has more than %u elements, or more than %d in each other; give a simpler mesh", told, DAE_ELEMENTS_MOST, DAE_DEPTH_MOST);
+	TRY(count_elements(bytes, length, told));
+	/* Instances of nodes may have instances of nodes, and these the first. */
+	const size_t instances = count_of(bytes, length, "<instance_node"), nodes = count_of(bytes, length, "<node");
+	for (const char *at = bytes, *end = bytes + length; instances > 0;) {
+		static const char from[] = "<library_nodes", to[] = "</library_nodes";
+		while ((size_t)(end - at) >= sizeof from && memcmp(at, from, sizeof from - 1) != 0)
+			at++;
+		if ((size_t)(end - at) < sizeof from)
+			break;
+		const char *stop = at;
+		while ((size_t)(end - stop) >= sizeof to && memcmp(stop, to, sizeof to - 1) != 0)
+			stop++;
+		if (count_of(at, (size_t)(stop - at), "<instance_node") > 0)
+			return fail_with(STATUS_INPUT, "%s: nodes of its library have instances of nodes, which are not followed; export the mesh as STL", told);
 		at = stop;
 	}
+	if (instances * nodes > COPIES_MOST)
+		return too_many(told, "instances of nodes", COPIES_MOST);
+	if (count_of(bytes, length, "<triangles") + count_of(bytes, length, "<polylist") + count_of(bytes, length, "<polygons") > GROUPS_MOST)
+		return too_many(told, "groups", GROUPS_MOST);
 	return STATUS_OK;
 }

@@ -1,5 +1,5 @@
 /*
- * Reads mesh files. A glTF is read by scene_gltf.c: assimp follows its brackets and nodes without a limit. OBJ and STL are read by
+ * Reads mesh files. A glTF is read by scene_gltf.c: assimp follows its brackets and nodes without a limit. OBJ, STL and DAE are read by
  * assimp, once scene_mesh_count.c has counted what they have. assimp gets bytes and never a path, and opens no other file.
  */
 #include "scene/scene_mesh_import.h"
@@ -237,7 +237,7 @@ static enum status not_a_mesh(const char *told)
 	for (char *at = line; *at != '\0'; at++)
 		if (*at < ' ' || *at > '~')
 			*at = '?';
-	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL or glTF 2 file", told, line);
+	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL, DAE or glTF 2 file", told, line);
 }
 
 /* All threads share one last error of assimp. So only one thread at a time imports. */
@@ -251,7 +251,7 @@ static enum status import(struct given *given, const char *told, bool coloured, 
 				   aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
 					   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
 					   aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
-	aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, 1);
+	aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, 1); /* as programs for URDF do */
 	pthread_mutex_lock(&assimp);
 	const struct aiScene *scene = aiImportFileExWithProperties(
 		given->name, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_ValidateDataStructure, &io,
@@ -285,23 +285,28 @@ done:
 
 enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners)
 {
-	static const char *const endings[] = {".obj", ".stl", ".gltf", ".glb"};
+	static const struct {
+		const char *ending;
+		enum status (*count)(const char *bytes, size_t length, const char *told); /* NULL: a glTF */
+	} kinds[] = {{".obj", scene_mesh_count_obj}, {".stl", scene_mesh_count_stl}, {".dae", scene_mesh_count_dae}, {".gltf", NULL}, {".glb", NULL}};
+	const size_t count = sizeof kinds / sizeof kinds[0];
 	const char *dot = strrchr(path, '.');
-	size_t ending = 0;
+	size_t kind = 0;
 	struct given given = {.beside = NULL};
 	char *bytes;
 	*corners = (struct mesh_corners){0};
-	while (ending < 4 && (dot == NULL || strcasecmp(dot, endings[ending]) != 0))
-		ending++;
-	if (ending == 4)
-		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .gltf, .glb", told);
+	while (kind < count && (dot == NULL || strcasecmp(dot, kinds[kind].ending) != 0))
+		kind++;
+	if (kind == count)
+		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .dae, .gltf, .glb", told);
 	TRY(scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length));
-	snprintf(given.name, sizeof given.name, "mesh%s", endings[ending]);
+	snprintf(given.name, sizeof given.name, "mesh%s", kinds[kind].ending);
 	given.bytes = bytes;
 	enum status status;
-	if (ending < 2)
-		TRY_OR(done, ending == 0 ? scene_mesh_count_obj(bytes, given.length, told) : scene_mesh_count_stl(bytes, given.length, told));
-	TRY_OR(done, ending < 2 ? import(&given, told, false, corners) : import_gltf(path, told, ending == 3, bytes, given.length, corners));
+	if (kinds[kind].count != NULL)
+		TRY_OR(done, kinds[kind].count(bytes, given.length, told));
+	TRY_OR(done, kinds[kind].count != NULL ? import(&given, told, false, corners)
+					       : import_gltf(path, told, strcmp(kinds[kind].ending, ".glb") == 0, bytes, given.length, corners));
 done:
 	mem_free(bytes);
 	return status;

@@ -299,13 +299,6 @@ static const cyaml_schema_field_t cache_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("prefetch", OPTIONAL, struct raw_cache, prefetch),
 	CYAML_FIELD_END,
 };
-static const cyaml_schema_field_t start_fields[] = {
-	CYAML_FIELD_SEQUENCE_FIXED("at", NEEDED, struct raw_start, at, &float_entry, 2),
-	CYAML_FIELD_FLOAT_PTR("yaw", OPTIONAL, struct raw_start, yaw),
-	CYAML_FIELD_BOOL_PTR("fixed", OPTIONAL, struct raw_start, fixed),
-	CYAML_FIELD_STRING_PTR("keyframe", OPTIONAL, struct raw_start, keyframe, 1, 256),
-	CYAML_FIELD_END,
-};
 static const cyaml_schema_field_t way_fields[] = {
 	CYAML_FIELD_SEQUENCE("points", OPTIONAL_POINTER, struct raw_path, points, &point_entry, 1, CYAML_UNLIMITED),
 	CYAML_FIELD_FLOAT_PTR("speed", NEEDED, struct raw_path, speed),
@@ -317,12 +310,33 @@ static const cyaml_schema_field_t way_fields[] = {
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t control_fields[] = {
-	CYAML_FIELD_STRING_PTR("actuator", NEEDED, struct raw_control, actuator, 1, 256),
+	CYAML_FIELD_STRING_PTR("actuator", NEEDED, struct raw_control, name, 1, 256),
 	CYAML_FIELD_FLOAT("value", NEEDED, struct raw_control, value),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t control_entry = {
 	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_control, control_fields)};
+static const cyaml_schema_field_t joint_fields[] = {
+	CYAML_FIELD_STRING_PTR("joint", NEEDED, struct raw_control, name, 1, 256),
+	CYAML_FIELD_FLOAT("value", NEEDED, struct raw_control, value),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t joint_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_control, joint_fields)};
+static const cyaml_schema_field_t start_fields[] = {
+	CYAML_FIELD_SEQUENCE_FIXED("at", NEEDED, struct raw_start, at, &float_entry, 2),
+	CYAML_FIELD_FLOAT_PTR("yaw", OPTIONAL, struct raw_start, yaw),
+	CYAML_FIELD_FLOAT_PTR("pitch", OPTIONAL, struct raw_start, pitch),
+	CYAML_FIELD_FLOAT_PTR("roll", OPTIONAL, struct raw_start, roll),
+	CYAML_FIELD_FLOAT_PTR("height", OPTIONAL, struct raw_start, height),
+	CYAML_FIELD_FLOAT_PTR("speed", OPTIONAL, struct raw_start, speed),
+	CYAML_FIELD_SEQUENCE("joints", OPTIONAL_POINTER, struct raw_start, joints, &joint_entry, 1, 256),
+	CYAML_FIELD_SEQUENCE("controls", OPTIONAL_POINTER, struct raw_start, controls, &control_entry, 1, 256),
+	CYAML_FIELD_BOOL_PTR("settle", OPTIONAL, struct raw_start, settle),
+	CYAML_FIELD_BOOL_PTR("fixed", OPTIONAL, struct raw_start, fixed),
+	CYAML_FIELD_STRING_PTR("keyframe", OPTIONAL, struct raw_start, keyframe, 1, 256),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_value_t pattern_entry = {CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char *, 1, 256)};
 static const cyaml_schema_field_t driver_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("path", OPTIONAL, struct raw_driver, path, way_fields),
@@ -343,6 +357,7 @@ static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_STRING_PTR("model", NEEDED, struct raw_vehicle, model, 1, 4096),
 	CYAML_FIELD_MAPPING("start", NEEDED, struct raw_vehicle, start, start_fields),
 	CYAML_FIELD_SEQUENCE("soil", OPTIONAL_POINTER, struct raw_vehicle, soil, &pattern_entry, 1, 256),
+	CYAML_FIELD_SEQUENCE("no_soil", OPTIONAL_POINTER, struct raw_vehicle, no_soil, &pattern_entry, 1, 256),
 	CYAML_FIELD_SEQUENCE("model_path", OPTIONAL_POINTER, struct raw_vehicle, model_path, &folder_entry, 1, 64),
 	CYAML_FIELD_MAPPING_PTR("servo", OPTIONAL, struct raw_vehicle, servo, servo_fields),
 	CYAML_FIELD_SEQUENCE("carry", OPTIONAL_POINTER, struct raw_vehicle, carry, &pattern_entry, 1, 256),
@@ -401,6 +416,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 			     0, SCENE_OBJECTS),
 	CYAML_FIELD_SEQUENCE("vehicles", OPTIONAL_POINTER, struct raw_scene, vehicles, &vehicle_entry, 0, 64),
 	CYAML_FIELD_MAPPING_PTR("stuck", OPTIONAL, struct raw_scene, stuck, stuck_fields),
+	CYAML_FIELD_SEQUENCE("stop", OPTIONAL_POINTER, struct raw_scene, stop, &word_entry, 1, 3),
 	CYAML_FIELD_MAPPING_PTR("output", OPTIONAL, struct raw_scene, output, output_fields),
 	CYAML_FIELD_MAPPING_PTR("view", OPTIONAL, struct raw_scene, view, view_fields),
 	CYAML_FIELD_SEQUENCE("cameras", OPTIONAL_POINTER, struct raw_scene, cameras, &listed_camera_entry, 0, 64),
@@ -506,6 +522,12 @@ static const struct scene_limit limits[] = {
 	{"output.vehicles", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"vehicles[].start.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"vehicles[].start.pitch", -360, 360, false, NULL, "degrees", 0, NULL},
+	{"vehicles[].start.roll", -360, 360, false, NULL, "degrees", 0, NULL},
+	{"vehicles[].start.height", 0, 10000, false, NULL, "m", 0, NULL},
+	{"vehicles[].start.speed", -1000, 1000, false, NULL, "m/s", 0, NULL},
+	{"vehicles[].start.joints[].value", -1e6, 1e6, false, NULL, "rad, m", NAN, NULL},
+	{"vehicles[].start.controls[].value", -1e12, 1e12, false, NULL, NULL, NAN, NULL},
 	{"vehicles[].servo.kv", 0, 1e12, true, NULL, "N m s", NAN, "torque / 0.1 rad/s"},
 	{"vehicles[].servo.torque", 0, 1e12, true, NULL, "N m", NAN, "the joint's limit, or by the weight"},
 	{"vehicles[].driver.path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},

@@ -200,18 +200,23 @@ struct raw_cache {
 	char *memory;
 	double *prefetch;
 };
-struct raw_start {
-	double at[2];
-	double *yaw; /* degrees */
-	bool *fixed;
-	char *keyframe;
-};
 struct raw_servo {
 	double *kv, *torque;
 };
 struct raw_control {
-	char *actuator;
+	char *name; /* of an actuator or a joint */
 	double value;
+};
+struct raw_start {
+	double at[2];
+	double *yaw, *pitch, *roll; /* degrees */
+	double *height, *speed;
+	struct raw_control *joints;
+	uint32_t joints_count;
+	struct raw_control *controls;
+	uint32_t controls_count;
+	bool *settle, *fixed;
+	char *keyframe;
 };
 struct raw_driver {
 	struct raw_path *path;
@@ -224,8 +229,8 @@ struct raw_driver {
 struct raw_vehicle {
 	char *name, *model;
 	struct raw_start start;
-	char **soil, **carry; /* patterns of geoms' names */
-	uint32_t soil_count, carry_count;
+	char **soil, **no_soil, **carry; /* patterns of geoms' names */
+	uint32_t soil_count, no_soil_count, carry_count;
 	char **model_path;
 	uint32_t model_path_count;
 	struct raw_servo *servo;
@@ -251,6 +256,8 @@ struct raw_scene {
 	struct raw_vehicle *vehicles;
 	uint32_t vehicles_count;
 	struct raw_stuck *stuck;
+	char **stop;
+	uint32_t stop_count;
 	struct raw_output *output;
 	struct raw_view *view;
 	struct raw_listed_camera *cameras;

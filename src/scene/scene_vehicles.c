@@ -71,22 +71,55 @@ static enum status check_follow(const struct scene_tree *tree, const struct raw_
 	return take_texts(raw->drive, raw->drive_count, &vehicle->drive);
 }
 
-static enum status check_hold(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
+/* Copies numbers by name. */
+static enum status take_named(const struct scene_tree *tree, const char *where, const struct raw_control *list, size_t count, struct scene_named *out)
 {
-	vehicle->driver = SCENE_HOLD;
-	vehicle->values = mem_calloc(raw->hold_count + 1, sizeof *vehicle->values);
-	vehicle->held.list = mem_calloc(raw->hold_count + 1, sizeof *vehicle->held.list);
-	TRY_MEM(vehicle->values != NULL && vehicle->held.list != NULL, "reading the vehicles");
-	for (size_t i = 0; i < raw->hold_count; i++) {
+	TRY(mem_zeroed(&out->values, count + 1, sizeof *out->values, "reading the vehicles"));
+	TRY(mem_zeroed(&out->names.list, count + 1, sizeof *out->names.list, "reading the vehicles"));
+	for (size_t i = 0; i < count; i++) {
 		for (size_t k = 0; k < i; k++)
-			if (strcmp(raw->hold[i].actuator, raw->hold[k].actuator) == 0)
-				return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver.hold[%zu]", index, i),
-						   "%s is named twice; allowed: once", scene_quote(raw->hold[i].actuator).text);
-		vehicle->values[i] = raw->hold[i].value;
-		TRY(mem_text(&vehicle->held.list[i], raw->hold[i].actuator, "reading the vehicles"));
-		vehicle->held.count = i + 1;
+			if (strcmp(list[i].name, list[k].name) == 0)
+				return scene_error(tree->file, scene_tree_find(tree, "%s[%zu]", where, i), "%s is named twice; allowed: once",
+						   scene_quote(list[i].name).text);
+		out->values[i] = list[i].value;
+		TRY(mem_text(&out->names.list[i], list[i].name, "reading the vehicles"));
+		out->names.count = i + 1;
 	}
 	return STATUS_OK;
+}
+
+static enum status check_hold(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
+{
+	char where[64];
+	struct scene_named held = {.values = NULL};
+	vehicle->driver = SCENE_HOLD;
+	snprintf(where, sizeof where, "vehicles[%zu].driver.hold", index);
+	enum status status = take_named(tree, where, raw->hold, raw->hold_count, &held);
+	vehicle->held = held.names;
+	vehicle->values = held.values;
+	return status;
+}
+
+static double given(const double *number)
+{
+	return number != NULL ? *number : 0;
+}
+
+static enum status check_start(const struct scene_tree *tree, const struct raw_start *raw, size_t index, struct scene_start *start)
+{
+	char where[64];
+	start->pitch = given(raw->pitch) * M_PI / 180;
+	start->roll = given(raw->roll) * M_PI / 180;
+	start->height = given(raw->height);
+	start->speed = given(raw->speed);
+	if (start->height > 0 && raw->settle != NULL && *raw->settle)
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].start.settle", index),
+				   "does not go with height, from which the vehicle falls at t = 0; allowed with height: false, or no settle");
+	start->unsettled = start->height > 0 || (raw->settle != NULL && !*raw->settle);
+	snprintf(where, sizeof where, "vehicles[%zu].start.joints", index);
+	TRY(take_named(tree, where, raw->joints, raw->joints_count, &start->joints));
+	snprintf(where, sizeof where, "vehicles[%zu].start.controls", index);
+	return take_named(tree, where, raw->controls, raw->controls_count, &start->controls);
 }
 
 static enum status check_driver(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
@@ -113,6 +146,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	TRY(take_name(tree, scene, index, raw->name, &vehicle->name));
 	TRY(take_file(tree, scene_tree_find(tree, "vehicles[%zu].model", index), raw->model, MODEL_BYTES, &vehicle->model, vehicle->model_hash));
 	TRY(take_texts(raw->soil, raw->soil_count, &vehicle->soil));
+	TRY(take_texts(raw->no_soil, raw->no_soil_count, &vehicle->no_soil));
 	TRY(take_texts(raw->carry, raw->carry_count, &vehicle->carry));
 	const struct scene_node *at = scene_tree_find(tree, "vehicles[%zu].start.at", index);
 	vehicle->line = at->setting == NULL ? at->line : 0;
@@ -121,6 +155,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	if (raw->start.keyframe != NULL)
 		TRY(mem_text(&vehicle->keyframe, raw->start.keyframe, "reading the vehicles"));
 	vehicle->fixed = raw->start.fixed == NULL ? SCENE_FIXED_BY_MODEL : *raw->start.fixed ? SCENE_FIXED_YES : SCENE_FIXED_NO;
+	TRY(check_start(tree, &raw->start, index, &vehicle->start));
 	TRY(take_folders(tree, raw->model_path, raw->model_path_count, &vehicle->model_path));
 	if (raw->servo != NULL) {
 		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
@@ -129,10 +164,36 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	return raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : STATUS_OK;
 }
 
+static const char *const stops[SCENE_STOPS] = {"overturned", "buried", "stuck"};
+
+const char *scene_stop_name(enum scene_stop stop)
+{
+	return stops[stop];
+}
+
+/* Without the key `stop`, `stuck` stops the drive. */
+static enum status take_stop(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	scene->stop = raw->stop_count == 0 && raw->stuck != NULL ? 1u << SCENE_STOP_STUCK : 0;
+	for (uint32_t i = 0; i < raw->stop_count; i++) {
+		int stop = 0;
+		while (stop < SCENE_STOPS && strcmp(raw->stop[i], stops[stop]) != 0)
+			stop++;
+		if (stop == SCENE_STOPS)
+			return scene_error(tree->file, scene_tree_find(tree, "stop[%u]", i), "%s ends no drive; allowed: overturned, buried, stuck",
+					   scene_quote(raw->stop[i]).text);
+		if (stop == SCENE_STOP_STUCK && raw->stuck == NULL)
+			return scene_error(tree->file, scene_tree_find(tree, "stop[%u]", i), "stuck: nothing says when a vehicle is; needed with it: "
+					   "stuck: {after: 5, below: 0.05}");
+		scene->stop |= 1u << stop;
+	}
+	return STATUS_OK;
+}
+
 enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const size_t count = raw->vehicles_count;
-	const char *without = raw->stuck != NULL ? "stuck" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
+	const char *without = raw->stuck != NULL ? "stuck" : raw->stop_count > 0 ? "stop" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
 	if (count == 0 && without != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", without), "is of vehicles, and there is none; allowed with: vehicles");
 	if (count == 0)
@@ -144,6 +205,7 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 		scene->stuck_after = raw->stuck->after;
 		scene->stuck_below = raw->stuck->below;
 	}
+	TRY(take_stop(tree, raw, scene));
 	TRY(mem_zeroed(&scene->vehicles, count, sizeof *scene->vehicles, "reading the vehicles"));
 	for (size_t i = 0; i < count; i++) {
 		scene->vehicle_count = i + 1;
@@ -159,9 +221,13 @@ static void finish_texts(struct scene_texts *texts)
 
 void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
-	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values);
+	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values,
+		     vehicle->start.joints.values, vehicle->start.controls.values);
+	finish_texts(&vehicle->start.joints.names);
+	finish_texts(&vehicle->start.controls.names);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
+	finish_texts(&vehicle->no_soil);
 	finish_texts(&vehicle->carry);
 	finish_texts(&vehicle->steer);
 	finish_texts(&vehicle->drive);

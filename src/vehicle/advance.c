@@ -66,11 +66,12 @@ static void brake(const struct vehicle *vehicle, bool braked)
 	const bool constrained = is_constrained(vehicle);
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		if (geom->dof < 0)
+		const int dof = vehicle_turning_dof(geom);
+		if (dof < 0)
 			continue;
-		vehicle->model->dof_armature[geom->dof] = !braked ? geom->armature : constrained ? BRAKE_SOFT * vehicle->model->dof_M0[geom->dof] : BRAKE;
+		vehicle->model->dof_armature[dof] = !braked ? geom->armature : constrained ? BRAKE_SOFT * vehicle->model->dof_M0[dof] : BRAKE;
 		if (!braked)
-			vehicle->data->qvel[geom->dof] = 0;
+			vehicle->data->qvel[dof] = 0;
 	}
 }
 

@@ -11,7 +11,7 @@ static double bears_over(const struct scene *scene, const struct vehicle_info *v
 {
 	if (geom->shape->kind != SOIL_WHEEL && geom->shape->kind != SOIL_SPHERE)
 		return 0;
-	return scene_bears_over(scene, geom->shape, vehicle->mass * scene->gravity / (double)vehicle->geom_count, 0);
+	return scene_bears_over(scene, geom->shape, vehicle->mass * scene->gravity / (double)vehicle->standing_count, 0);
 }
 
 double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_t number, const struct scene *scene)
@@ -55,6 +55,8 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		char key[200];
 		vehicle_geom(vehicles, number, i, spacing, &geom);
 		snprintf(key, sizeof key, "vehicles.%s", geom.name);
+		if (!geom.stands)
+			continue;
 		if (geom.shape->kind == SOIL_BOX) /* a blade, a foot */
 			scene_advise_narrow(key, fmin(geom.shape->size[0], geom.shape->size[1]), 0, spacing, tell, user);
 		const double over = bears_over(scene, &info, &geom);
@@ -63,7 +65,7 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		for (size_t k = 0; k < info.geom_count && first; k++) {
 			struct vehicle_geom other;
 			vehicle_geom(vehicles, number, k, spacing, &other);
-			if (k == i || other.shape->kind != geom.shape->kind || bears_over(scene, &info, &other) != over ||
+			if (k == i || !other.stands || other.shape->kind != geom.shape->kind || bears_over(scene, &info, &other) != over ||
 			    across(other.shape) != across(geom.shape))
 				continue;
 			first = k > i;
@@ -104,7 +106,8 @@ static void advise_rebound(const struct vehicles *vehicles, const struct scene *
 			char key[200];
 			vehicle_geom(vehicles, i, k, spacing, &geom);
 			snprintf(key, sizeof key, "vehicles.%s", geom.name);
-			scene_rebound_look(scene, key, geom.shape, info.mass * scene->gravity / (double)info.geom_count, &worst);
+			if (geom.stands)
+				scene_rebound_look(scene, key, geom.shape, info.mass * scene->gravity / (double)info.standing_count, &worst);
 		}
 	}
 	scene_rebound_advise(scene, &worst, tell, user);

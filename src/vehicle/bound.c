@@ -82,9 +82,11 @@ static double stiffest(const struct scene *scene, const struct soil_numbers **so
 /* Shortens the longest step to what a soil of this stiffness, Pa/m, allows. */
 static void allow(struct vehicle *vehicle, const struct scene *scene, const struct soil_numbers *soil, double stiffness)
 {
-	const double load = mj_getTotalmass(vehicle->model) * scene->gravity / (double)vehicle->geom_count;
+	const double load = mj_getTotalmass(vehicle->model) * scene->gravity / (double)vehicle->standing_count;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
+		if (!geom->stands) /* its contact is implicit, too: it stays stable */
+			continue;
 		const double sinkage = soil_sinkage_guess(&geom->shape, soil, load), area = area_of(&geom->shape, sinkage), stiffens = soil_stiffens(&geom->shape, soil, sinkage), effective = mass_of(vehicle, geom->geom);
 		const double step = 2 * sqrt(effective / (stiffness * stiffens * area));
 		if (step >= vehicle->largest_step)

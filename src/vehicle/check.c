@@ -114,9 +114,8 @@ static enum status take_names(struct vehicle_check *check, const struct vehicle_
 	const bool include = vehicle_xml_is(xml->name, xml->name_length, "include");
 	if (check->urdf && vehicle_xml_is(xml->name, xml->name_length, "mesh"))
 		return STATUS_OK; /* spec_meshes.c looks for them */
-	if (names_file(attribute) && vehicle_xml_is(xml->name, xml->name_length, "skin"))
-		return fail_with(STATUS_INPUT, "%s: %s: files of skins are not read; take the skin out, since nothing here draws it", check->where,
-				 check->path);
+	if (vehicle_xml_is(xml->name, xml->name_length, "skin"))
+		return STATUS_OK; /* spec_parts.c takes skins out before a file is read */
 	if (names_file(attribute))
 		return vehicle_check_name_add(check, attribute->value, attribute->value_length, include);
 	for (size_t i = 0; i < sizeof folders / sizeof folders[0]; i++)
@@ -222,6 +221,14 @@ static bool has_text(const char *text, size_t length, const char *part)
 	return false;
 }
 
+static size_t line_of(const char *text, const char *at)
+{
+	size_t line = 1;
+	for (; text < at; text++)
+		line += *text == '\n';
+	return line;
+}
+
 /* A URDF is often what a macro language makes; this is what it was made from. */
 static enum status refuse_xacro(const struct vehicle_check *check, const char *part, size_t length)
 {
@@ -229,11 +236,22 @@ static enum status refuse_xacro(const struct vehicle_check *check, const char *p
 			 (int)(length < 60 ? length : 60), part, check->path);
 }
 
+/* MuJoCo reads nothing of these. */
+static bool is_ignored(const struct vehicle_xml *xml)
+{
+	static const char *const names[] = {"gazebo", "transmission", "ros2_control", "plugin"};
+	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+		if (vehicle_xml_is(xml->name, xml->name_length, names[i]))
+			return true;
+	return false;
+}
+
 static enum status check_text(struct vehicle_check *check, const char *path, const char *text, size_t length)
 {
 	struct vehicle_xml xml = vehicle_xml_begin(text, length);
 	enum vehicle_xml_event event;
 	int in_default = 0; /* depth of the outermost <default> that is open; 0: none */
+	bool ignored = false; /* in a part of a URDF that is for other programs */
 	while ((event = vehicle_xml_next(&xml)) == VEHICLE_XML_OPEN || event == VEHICLE_XML_CLOSE) {
 		if (event == VEHICLE_XML_CLOSE) {
 			in_default = xml.depth < in_default ? 0 : in_default;
@@ -242,6 +260,10 @@ static enum status check_text(struct vehicle_check *check, const char *path, con
 		struct element element = {.size = 0};
 		struct vehicle_xml_attribute attribute;
 		check->urdf = check->urdf || (xml.depth == 1 && vehicle_xml_is(xml.name, xml.name_length, "robot"));
+		if (xml.depth == 2)
+			ignored = check->urdf && is_ignored(&xml);
+		if (ignored)
+			continue;
 		if (check->urdf && has_text(xml.name, xml.name_length, "xacro:"))
 			return refuse_xacro(check, xml.name, xml.name_length);
 		if (xml.depth > DEPTH_MOST)
@@ -260,7 +282,7 @@ static enum status check_text(struct vehicle_check *check, const char *path, con
 		TRY(add_element(check, &xml, &element, in_default > 0));
 	}
 	if (event == VEHICLE_XML_BAD)
-		return fail_with(STATUS_INPUT, "%s: %s: its XML is not whole; give an MJCF or URDF file that MuJoCo reads", check->where, path);
+		return fail_with(STATUS_INPUT, "%s: %s: line %zu: its XML is not whole; give an MJCF or URDF file that MuJoCo reads", check->where, path, line_of(text, xml.at));
 	return STATUS_OK;
 }
 

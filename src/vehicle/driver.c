@@ -35,14 +35,17 @@ static enum status find(const struct vehicle *vehicle, const char *where, const 
 	return STATUS_OK;
 }
 
-/* A path needs joints: it steers angles and drives wheels. */
+/* A path needs joints or tendons: their lengths are what steers and drives. */
 static enum status check_joints(const struct vehicle *vehicle, const char *where, const char *key, const int *list, size_t count)
 {
 	const mjModel *model = vehicle->model;
-	for (size_t i = 0; i < count; i++)
-		if (model->actuator_trntype[list[i]] != mjTRN_JOINT || model->jnt_type[model->actuator_trnid[2 * list[i]]] != mjJNT_HINGE)
-			return fail_with(STATUS_INPUT, "%s: driver.%s: %s turns no hinge; name actuators of hinges", where, key,
+	for (size_t i = 0; i < count; i++) {
+		const int kind = model->actuator_trntype[list[i]], joint = model->actuator_trnid[2 * list[i]];
+		const bool turns = (kind == mjTRN_JOINT || kind == mjTRN_JOINTINPARENT) && (model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE);
+		if (!turns && kind != mjTRN_TENDON)
+			return fail_with(STATUS_INPUT, "%s: driver.%s: %s moves no hinge, slide or tendon; name actuators of these", where, key,
 					 mj_id2name(model, mjOBJ_ACTUATOR, list[i]));
+	}
 	return STATUS_OK;
 }
 
@@ -59,25 +62,57 @@ static const struct soil_geom *crossed(const struct vehicle *vehicle, int joint,
 	return NULL;
 }
 
-static enum status check_wheels(const struct vehicle *vehicle, const char *where)
+/* Fails for an actuator that turns no wheel. */
+static enum status fail_wheel(const struct vehicle *vehicle, const char *where, int actuator)
+{
+	const mjModel *model = vehicle->model;
+	const int joint = model->actuator_trnid[2 * actuator];
+	const bool hinged = model->actuator_trntype[actuator] == mjTRN_JOINT && model->jnt_type[joint] == mjJNT_HINGE;
+	double degrees;
+	const struct soil_geom *geom = hinged ? crossed(vehicle, joint, &degrees) : NULL;
+	const char *hinge = hinged ? mj_id2name(model, mjOBJ_JOINT, joint) : NULL;
+	if (geom != NULL)
+		return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel: %s is a cylinder whose axis is %.3g degrees off its hinge%s%s; check its "
+					       "euler, and angle of the model's compiler", where, mj_id2name(model, mjOBJ_ACTUATOR, actuator), geom->name,
+				 degrees, hinge != NULL ? " " : "", hinge != NULL ? hinge : "");
+	return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel and no belt that presses the ground; name actuators of wheels or belts",
+			 where, mj_id2name(model, mjOBJ_ACTUATOR, actuator));
+}
+
+/* Leaves out what turns no wheel, told once. One at least must turn one. */
+static enum status check_wheels(struct vehicle *vehicle, const char *where)
+{
+	struct driver *driver = &vehicle->driver;
+	struct steering *steering = &driver->steering;
+	const size_t all = driver->drive_count;
+	size_t kept = 0;
+	for (size_t i = 0; i < all; i++)
+		kept += !steering->idle[i];
+	if (kept == 0)
+		return fail_wheel(vehicle, where, driver->drive[0]);
+	if (kept == all)
+		return STATUS_OK;
+	driver->drive_count = 0;
+	for (size_t i = 0; i < all; i++)
+		if (!steering->idle[i])
+			driver->drive[driver->drive_count++] = driver->drive[i];
+		else
+			note("%s: driver.drive: %s turns no wheel and no belt that presses the ground, so it stays at 0; leave it out, or name its wheel in soil", where,
+			     mj_id2name(vehicle->model, mjOBJ_ACTUATOR, driver->drive[i]));
+	vehicle_free_steering(steering);
+	*steering = (struct steering){.plain = false};
+	return vehicle_measure(vehicle, where, false);
+}
+
+/* Tells of what drives or steers in a way that is not its own. */
+static void tell_kinds(const struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
 	const struct driver *driver = &vehicle->driver;
-	for (size_t i = 0; i < driver->drive_count; i++) {
-		const int joint = model->actuator_trnid[2 * driver->drive[i]];
-		if (vehicle_driven(vehicle, joint) != NULL)
-			continue;
-		double degrees;
-		const struct soil_geom *geom = crossed(vehicle, joint, &degrees);
-		const char *hinge = mj_id2name(model, mjOBJ_JOINT, joint);
-		if (geom != NULL)
-			return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel: %s is a cylinder whose axis is %.3g degrees off its hinge%s%s; check its "
-						       "euler, and angle of the model's compiler", where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]), geom->name,
-					 degrees, hinge != NULL ? " " : "", hinge != NULL ? hinge : "");
-		return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel and no belt that presses the ground; name actuators of wheels or belts",
-				 where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
-	}
-	return STATUS_OK;
+	for (size_t i = 0; i < driver->drive_count; i++)
+		if (!vehicle_keeps_rate(model, driver->drive[i]) && vehicle_keeps_place(model, driver->drive[i]))
+			note("%s: driver.drive: %s keeps a place of its wheel, not a speed; it is driven like a motor, by where it is; a velocity servo or a motor fits better", where,
+			     mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
 }
 
 static enum status make_follow(struct vehicle *vehicle, const char *where)
@@ -87,7 +122,10 @@ static enum status make_follow(struct vehicle *vehicle, const char *where)
 	TRY(find(vehicle, where, "drive", &vehicle->scene->drive, &driver->drive, &driver->drive_count));
 	TRY(check_joints(vehicle, where, "steer", driver->steer, driver->steer_count));
 	TRY(check_joints(vehicle, where, "drive", driver->drive, driver->drive_count));
-	return check_wheels(vehicle, where);
+	TRY(vehicle_measure(vehicle, where, true));
+	TRY(check_wheels(vehicle, where));
+	tell_kinds(vehicle, where);
+	return STATUS_OK;
 }
 
 static enum status make_hold(struct vehicle *vehicle, const char *where)
@@ -160,6 +198,7 @@ enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *wo
 
 void vehicle_free_driver(struct driver *driver)
 {
+	vehicle_free_steering(&driver->steering);
 	mem_free_all(driver->steer, driver->drive, driver->points, driver->held, driver->table);
 }
 
@@ -190,10 +229,15 @@ static bool turns_wheel(const struct vehicle *vehicle, int actuator)
 	return model->actuator_trntype[actuator] == mjTRN_JOINT && vehicle_driven(vehicle, model->actuator_trnid[2 * actuator]) != NULL;
 }
 
-/* Returns true if the actuator pulls its joint to a place, as legs and arms have it. */
-static bool holds_place(const struct vehicle *vehicle, int actuator)
+bool vehicle_holds_place(const struct vehicle *vehicle, int actuator)
 {
 	return vehicle->model->actuator_biastype[actuator] == mjBIAS_AFFINE && vehicle->model->actuator_biasprm[mjNBIAS * actuator + 1] < 0;
+}
+
+/* Returns true if `start` gives the actuator a control. */
+static bool is_started(const struct vehicle *vehicle, int actuator)
+{
+	return vehicle->start_controls != NULL && !isnan(vehicle->start_controls[actuator - vehicle->own.actuator.first]);
 }
 
 /* While it settles wheels are braked. What holds a place, as legs do, holds that of the start. */
@@ -209,7 +253,7 @@ static void settle(struct vehicle *vehicle)
 	for (int i = actuators.first; i < actuators.end; i++)
 		if (turns_wheel(vehicle, i))
 			*vehicle_ctrl(vehicle, i) = 0;
-		else if (!holds_place(vehicle, i))
+		else if (!vehicle_holds_place(vehicle, i) || is_started(vehicle, i))
 			*vehicle_ctrl(vehicle, i) = keep[i - actuators.first];
 }
 
@@ -221,6 +265,9 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 		mju_copy(vehicle->data->ctrl + ctrl.first, model->key_ctrl + vehicle->keyframe * model->nu + ctrl.first, ctrl.end - ctrl.first);
 	else
 		mju_zero(vehicle->data->ctrl + ctrl.first, ctrl.end - ctrl.first);
+	for (int i = actuators.first; i < actuators.end && vehicle->start_controls != NULL; i++)
+		if (is_started(vehicle, i))
+			*vehicle_ctrl(vehicle, i) = vehicle->start_controls[i - actuators.first];
 	if (!drives) {
 		settle(vehicle);
 		return;

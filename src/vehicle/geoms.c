@@ -54,10 +54,51 @@ static bool is_soil_geom(const struct vehicle *vehicle, int geom)
 	const mjModel *model = vehicle->model;
 	char name[300];
 	const bool collides = model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0;
-	if (vehicle_is_fixed(model, geom) || model->geom_type[geom] == mjGEOM_PLANE || model->geom_type[geom] == mjGEOM_HFIELD)
+	if (vehicle_is_fixed(model, geom))
 		return false;
 	vehicle_geom_name(model, geom, name, sizeof name);
-	return vehicle_matches(&vehicle->scene->soil, name, collides);
+	return vehicle_matches(&vehicle->scene->soil, name, collides) && !vehicle_matches(&vehicle->scene->no_soil, name, false);
+}
+
+static bool can_press(const mjModel *model, int geom)
+{
+	const int type = model->geom_type[geom];
+	return type != mjGEOM_PLANE && type != mjGEOM_HFIELD && type != mjGEOM_SDF;
+}
+
+/* Tells once of geoms that collide and cannot press the ground. */
+static void tell_left_out(const struct vehicle *vehicle, const char *where)
+{
+	char first[256] = "", others[48] = "";
+	size_t count = 0;
+	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++)
+		if (vehicle->scene->soil.count == 0 && !can_press(vehicle->model, i) && is_soil_geom(vehicle, i) && count++ == 0)
+			vehicle_geom_name(vehicle->model, i, first, sizeof first);
+	if (count > 1)
+		snprintf(others, sizeof others, ", and %zu other%s", count - 1, count > 2 ? "s" : "");
+	if (count > 0)
+		note("%s: %s%s: a plane, a height field or an SDF cannot press the ground: it is left out; use boxes, spheres, capsules, ellipsoids, cylinders or "
+		     "meshes, or name it in no_soil", where, first, others);
+}
+
+/* Each pattern of no_soil must name a geom. */
+static enum status check_no_soil(const struct vehicle *vehicle, const char *where)
+{
+	for (size_t i = 0; i < vehicle->scene->no_soil.count; i++) {
+		struct scene_texts one = {.list = &vehicle->scene->no_soil.list[i], .count = 1};
+		bool any = false;
+		for (int geom = vehicle->own.geom.first; geom < vehicle->own.geom.end && !any; geom++) {
+			char name[256];
+			vehicle_geom_name(vehicle->model, geom, name, sizeof name);
+			any = vehicle_matches(&one, name, false);
+		}
+		if (!any) {
+			char names[VEHICLE_NAMES];
+			vehicle_list_names(vehicle->model, mjOBJ_GEOM, vehicle->own.geom.first, vehicle->own.geom.end, names);
+			return fail_with(STATUS_INPUT, "%s: no_soil: %.64s names no geom; the model has: %s", where, one.list[0], names);
+		}
+	}
+	return STATUS_OK;
 }
 
 /* --- shapes --- */
@@ -142,7 +183,7 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 {
 	const mjModel *model = vehicle->model;
 	const double *size = &model->geom_size[3 * out->geom];
-	out->dof = -1;
+	out->dof = out->roll_dof = -1;
 	vehicle_set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 1, 0}, (const double[]){0, 0, 1});
 	switch (model->geom_type[out->geom]) {
 	case mjGEOM_SPHERE:
@@ -195,8 +236,6 @@ static enum status make_geom(const struct vehicle *vehicle, size_t index, const 
 	struct soil_geom *out = &vehicle->geoms[index];
 	TRY(make_name(vehicle, index));
 	TRY(make_shape(vehicle, out, where));
-	if (out->dof >= 0)
-		out->armature = vehicle->model->dof_armature[out->dof];
 	return STATUS_OK;
 }
 
@@ -306,8 +345,10 @@ static enum status find_carrying(struct vehicle *vehicle, const char *where)
 enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 {
 	TRY(mem_zeroed(&vehicle->geoms, range_count(vehicle->own.geom) + 1, sizeof *vehicle->geoms, "a vehicle"));
+	TRY(check_no_soil(vehicle, where));
+	tell_left_out(vehicle, where);
 	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
-		if (!is_soil_geom(vehicle, i))
+		if (!is_soil_geom(vehicle, i) || (vehicle->scene->soil.count == 0 && !can_press(vehicle->model, i)))
 			continue;
 		const size_t index = vehicle->geom_count++;
 		vehicle->geoms[index].geom = i;
@@ -316,7 +357,14 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 	if (vehicle->geom_count == 0)
 		return no_geom(vehicle, "soil", where);
 	TRY(check_belts(vehicle, where));
-	return find_carrying(vehicle, where);
+	TRY(find_carrying(vehicle, where));
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		vehicle_find_roll(vehicle, &vehicle->geoms[g]);
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		if (vehicle_turning_dof(&vehicle->geoms[g]) >= 0)
+			vehicle->geoms[g].armature = vehicle->model->dof_armature[vehicle_turning_dof(&vehicle->geoms[g])];
+	vehicle_find_standing(vehicle);
+	return STATUS_OK;
 }
 
 void vehicle_free_geoms(struct vehicle *vehicle)
@@ -356,7 +404,7 @@ const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint)
 	const mjModel *model = vehicle->model;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		if ((geom->shape.kind == SOIL_WHEEL || geom->shape.belt) && geom->dof == model->jnt_dofadr[joint])
+		if (vehicle_turning_dof(geom) == model->jnt_dofadr[joint])
 			return geom;
 	}
 	return NULL;

@@ -11,6 +11,10 @@
 struct soil_geom {
 	int geom;                   /* of the model */
 	int dof;                    /* of a wheel: the freedom in which it turns; of a belt that of its sprocket; -1: neither */
+	int roll_dof;               /* of a round geom that is no cylinder: the freedom in which it turns as a wheel; -1: it does not (rolls.c) */
+	double roll_radius;         /* m */
+	bool stands;                /* on the ground in the first pose, or rolls, or the scene names it; false: it is a hull (hulls.c) */
+	bool aloft;                 /* a hull so high that it can touch nothing: the world has no place of it */
 	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
 	struct soil_shape shape;
@@ -33,10 +37,45 @@ struct soil_geom {
 	double sunk;                /* s: for how long it has been sunk in the drive, without a break */
 };
 
+/* Return the freedom in which a geom turns as a wheel does, or that of its belt's sprocket; -1: neither. And how far it rolls for each radian, m. */
+static inline int vehicle_turning_dof(const struct soil_geom *geom)
+{
+	return geom->dof >= 0 ? geom->dof : geom->roll_dof;
+}
+
+static inline double vehicle_turning_radius(const struct soil_geom *geom)
+{
+	return geom->shape.belt ? geom->sprocket : geom->dof >= 0 ? geom->shape.radius : geom->roll_radius;
+}
+
+/* What a path driver's actuators do to the wheels, found when the model is read: steering.c. */
+struct steering {
+	bool plain;                 /* each steering actuator turns its own wheel, each driving one turns its own: there is no table */
+	double middle, base;        /* m: the line about which it turns, ahead of its origin; its wheelbase */
+	size_t first, end;          /* rows of the table: */
+	double *curvatures;         /* 1/m: of the way, to the left */
+	double *lengths;            /* steer_count each: what steering actuators are at then, as MuJoCo has their length */
+	double *rates;              /* drive_count each: of driving actuators, for each m/s forward */
+	bool *idle;                 /* drive_count: it turns no wheel */
+};
+/* Something that is wrong with how a vehicle lies: lies.c. */
+struct lie {
+	char *geom;                 /* VEHICLE.GEOM; NULL: it is of the whole vehicle, or of the soil geom `of` */
+	int number;                 /* of that geom in the model; -1 */
+	const struct soil_geom *of; /* the geom that it is about; NULL: none */
+	bool printed;               /* in this process */
+	/* State, in the record: */
+	double since;               /* s: from when on it is so without a break; below 0: it is not so now */
+	double time, at[2], depth;  /* s, m, m: from when on it was so when it was told, where; how deep it was at most */
+	bool told;
+};
+enum { LIE_OVERTURNED, LIE_HIGH_CENTRED, LIE_BURIED, LIE_OWN }; /* those of a vehicle itself; then one for each geom that does not press */
+
 /* What sets the controls: driver.c. */
 struct driver {
 	int *steer, *drive;         /* actuators that steer, and that drive */
 	size_t steer_count, drive_count;
+	struct steering steering;
 	double (*points)[2];        /* m, local: the path */
 	size_t point_count;
 	int *held;                  /* actuators with a constant control, or columns of a table */
@@ -47,7 +86,9 @@ struct driver {
 	/* State: */
 	double at;                  /* segment of the path that it is on */
 	double left;                /* m of the path ahead; found anew whenever controls are set */
-	double sum;                 /* m: how far it is behind, for drives that give torque */
+	double speed;               /* m/s: what it wants now; below 0 backward */
+	double sum;                 /* m/s: what its rims go faster than that, so that the vehicle has it */
+	double turn;                /* rad/s: the same of its yaw, without steering */
 	bool arrived;
 };
 
@@ -84,10 +125,11 @@ struct vehicle {
 	double gravity[3];          /* m/s2: of the model's own option, in place of which the scene's counts */
 	double origin[3];           /* m, local: where MuJoCo's origin is */
 	int root;                   /* the body whose place is the vehicle's */
+	double axes[9];             /* forward, left, up as columns, in the axes of that body */
 	int keyframe;               /* of the model: the pose and the controls of the start; -1: the first pose, and no controls */
 	int engine_steps;           /* in a time step */
 	struct soil_geom *geoms;
-	size_t geom_count, carrying_count; /* carrying_count: of them carry soil */
+	size_t geom_count, carrying_count, standing_count; /* of them carry soil; stand on the ground */
 	struct driver driver;
 	int *joints;                /* joints with one number: columns q */
 	size_t joint_count;
@@ -102,10 +144,16 @@ struct vehicle {
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	struct trail trail;         /* of the whole drive; in the record */
+	int up;                     /* axis of the root body that looks up in the model's own pose: 0, 1, 2 */
+	struct lie *lies;           /* LIE_OWN, and one for each geom that does not press; in the record */
+	size_t lie_count;
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
 	struct contact *contacts;   /* geom_count + carrying_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
+	double *start_controls;     /* nactuator: what an actuator has until a driver sets it; NaN: as without `start`. NULL: all are NaN */
+	double *kept;               /* room for its qpos and qvel, if it does not settle; else NULL: start.c */
+	double placed[2], half_length; /* m: where its root body was set down, from `origin`; half its length in plan */
 	double *host_controls;      /* nactuator: what a host has set; NaN: the driver sets it */
 };
 
@@ -164,6 +212,12 @@ static inline const double *vehicle_gear(const mjModel *model, int actuator)
 	return model->actuator_gear + 6 * model->actuator_outadr[actuator];
 }
 
+/* Finds where the vehicle's forward, left and up look, as columns, in MuJoCo's axes. */
+static inline void vehicle_root_axes(const struct vehicle *vehicle, const mjData *data, double axes[9])
+{
+	mju_mulMatMat(axes, data->xmat + 9 * vehicle->root, vehicle->axes, 3, 3, 3);
+}
+
 #define VEHICLE_WHERE 300
 /* Writes where the scene names the vehicle, for a message. */
 void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE]);
@@ -197,6 +251,33 @@ void vehicle_set_axes(struct soil_geom *out, const double forward[3], const doub
 int vehicle_cylinder_turns(const struct vehicle *vehicle, int geom);
 /* Takes a mesh that is round about a level hinge as a wheel: it rolls without corners, and costs a fraction. Returns false if it is none. */
 bool vehicle_make_mesh_wheel(const struct vehicle *vehicle, struct soil_geom *out);
+
+/* --- hulls.c --- */
+/* Finds which soil geoms stand on the ground in the first pose; the others are hulls, and aloft at first. */
+void vehicle_find_standing(struct vehicle *vehicle);
+/* Takes a hull out of the world, or puts it into it, by how high it will be above the ground at the end of the time step: geom->now. */
+enum status vehicle_lift_hull(const struct vehicles *vehicles, const struct vehicle *vehicle, struct soil_geom *geom) FURROW_CHECKED;
+/* Gives the space above the lower side of a geom's box at a place of MuJoCo's axes or local ones, lowered by `margin`, m. `mat`: the geom's axes as columns. */
+void vehicle_space_of(const struct vehicle *vehicle, int geom, const double place[3], const double mat[9], double margin, struct world_space *space);
+struct furrow_contact vehicle_no_contact(const struct vehicles *vehicles); /* of a geom in the air */
+
+/* --- lies.c --- */
+/* Lists the geoms that do not press the ground and are to lie above it, after vehicle_find_standing. */
+enum status vehicle_make_lies(struct vehicle *vehicle) FURROW_CHECKED;
+void vehicle_free_lies(struct vehicle *vehicle);
+/* Looks how a vehicle lies after its motion in a time step, and tells once what is wrong. */
+enum status vehicle_watch_lies(const struct vehicles *vehicles, struct vehicle *vehicle) FURROW_CHECKED;
+size_t vehicle_lies_numbers(const struct vehicle *vehicle); /* in the record */
+double *vehicle_save_lies(const struct vehicle *vehicle, double *to); /* returns what is behind them */
+const double *vehicle_restore_lies(struct vehicle *vehicle, const double *from);
+/* Returns true if the vehicle is so now, and was told. `lie`: LIE_OVERTURNED .. LIE_BURIED. */
+bool vehicle_lies_so(const struct vehicle *vehicle, int lie);
+
+/* --- rolls.c --- */
+/* Finds the freedom in which a round geom that is no cylinder turns as a wheel, and its radius. */
+void vehicle_find_roll(const struct vehicle *vehicle, struct soil_geom *geom);
+/* Sets slip and slip_velocity of such a geom's contact. */
+void vehicle_tell_roll(const struct vehicle *vehicle, struct soil_geom *geom);
 
 /* --- trail.c --- */
 
@@ -232,6 +313,8 @@ enum status vehicle_make_driver(struct vehicle *vehicle, const char *where) FURR
 /* Converts the path to local metres. */
 enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world) FURROW_CHECKED;
 void vehicle_free_driver(struct driver *driver);
+/* Returns true if the actuator pulls its joint to a place, as legs and arms have it. */
+bool vehicle_holds_place(const struct vehicle *vehicle, int actuator);
 /* Sets the controls for a time, s. `drives` false: it settles, and wheels get none. */
 void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 
@@ -240,6 +323,20 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives);
 enum status vehicle_read_controls(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
 /* Sets the controls of the table at a time. */
 void vehicle_table_control(struct vehicle *vehicle, double time);
+
+/* --- steering.c --- */
+/* Finds what the driver's actuators do to the wheels. `tell`: a note of each that has no effect. `where`: for messages. Free it with vehicle_free_steering, even after a failure. */
+enum status vehicle_measure(struct vehicle *vehicle, const char *where, bool tell) FURROW_CHECKED;
+void vehicle_free_steering(struct steering *steering);
+
+/* --- actuators.c --- */
+/* Tell what an actuator keeps by itself: a rate, or a place of its length. Neither: it gives a force. */
+bool vehicle_keeps_rate(const mjModel *model, int actuator);
+bool vehicle_keeps_place(const mjModel *model, int actuator);
+/* Set the controls of an actuator, so that its length changes at a rate, gives a force (N, N m before gear), or goes to a place. */
+void vehicle_ask_rate(const struct vehicle *vehicle, int actuator, double rate);
+void vehicle_ask_force(const struct vehicle *vehicle, int actuator, double force);
+void vehicle_ask_place(const struct vehicle *vehicle, int actuator, double length);
 
 /* --- pursuit.c --- */
 /* Sets the controls so that the vehicle follows its path. Once in an engine step. */

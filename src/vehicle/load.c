@@ -6,6 +6,7 @@
 #include "vehicle/internal.h"
 #include "vehicle/load.h"
 #include "vehicle/spec.h"
+#include "vehicle/start.h"
 
 #define WHOLE 1e-6 /* of a step of the engine: a time step that is longer than some by less has no more */
 #define STEPS_MOST 1e4
@@ -56,6 +57,8 @@ static enum status find_root(struct vehicle *vehicle, const char *where)
 	if (range_count(vehicle->own.dof) == 0)
 		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
 	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
+	for (int i = 0; i < 9; i++)
+		vehicle->axes[i] = i % 4 == 0;
 	return STATUS_OK;
 }
 
@@ -120,11 +123,13 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	vehicle_where(vehicle, scene, where);
 	TRY(vehicle_compile(vehicle, scene, where));
 	own_all(vehicle);
+	TRY(vehicle_start_pose(vehicle, where));
 	fit(vehicle, scene);
 	TRY(sum_model(vehicle));
 	TRY(vehicle_find_geoms(vehicle, where));
 	doubt_sizes(vehicle, where);
 	TRY(find_root(vehicle, where));
+	TRY(vehicle_make_lies(vehicle));
 	TRY(find_joints(vehicle));
 	TRY(vehicle_make_room(vehicle));
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
@@ -140,10 +145,12 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 void vehicle_forget(struct vehicle *vehicle)
 {
 	vehicle_free_driver(&vehicle->driver);
+	vehicle_free_lies(vehicle);
 	vehicle_free_geoms(vehicle);
 	if (vehicle->data != NULL)
 		mj_deleteData(vehicle->data);
 	if (vehicle->model != NULL)
 		mj_deleteModel(vehicle->model);
-	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls);
+	mem_free_all(vehicle->joints, vehicle->row_joints, vehicle->room, vehicle->contacts, vehicle->pushed, vehicle->row_actuators, vehicle->host_controls,
+		     vehicle->start_controls, vehicle->kept);
 }

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "vehicle/between.h"
-#include "vehicle/settle.h"
+#include "vehicle/start.h"
 
 #define INSIDE 1e-3 /* m: deeper than this, a vehicle starts inside another one */
 

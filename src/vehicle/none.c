@@ -82,9 +82,15 @@ enum status vehicle_step(struct vehicles *vehicles)
 	return none();
 }
 
-bool vehicle_stuck(const struct vehicles *vehicles)
+const char *vehicle_stopped(const struct vehicles *vehicles)
 {
 	(void)vehicles;
+	return NULL;
+}
+
+bool vehicle_lie(const struct vehicles *vehicles, size_t vehicle, size_t nth, struct vehicle_lie *lie)
+{
+	(void)vehicles, (void)vehicle, (void)nth, (void)lie;
 	return false;
 }
 
@@ -208,4 +214,28 @@ const struct scene *vehicle_scene(const struct vehicles *vehicles, const struct 
 {
 	(void)vehicles;
 	return scene;
+}
+
+void vehicle_part_joint(const struct vehicles *vehicles, size_t vehicle, size_t joint, struct vehicle_joint *out)
+{
+	(void)vehicles, (void)vehicle, (void)joint;
+	*out = (struct vehicle_joint){.name = ""};
+}
+
+void vehicle_part_actuator(const struct vehicles *vehicles, size_t vehicle, size_t actuator, struct vehicle_actuator *out)
+{
+	(void)vehicles, (void)vehicle, (void)actuator;
+	*out = (struct vehicle_actuator){.name = ""};
+}
+
+const char *vehicle_part_keyframe(const struct vehicles *vehicles, size_t vehicle, size_t keyframe)
+{
+	(void)vehicles, (void)vehicle, (void)keyframe;
+	return NULL;
+}
+
+void vehicle_part_size(const struct vehicles *vehicles, size_t vehicle, struct vehicle_size *out)
+{
+	(void)vehicles, (void)vehicle;
+	*out = (struct vehicle_size){.root = ""};
 }

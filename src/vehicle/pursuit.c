@@ -3,22 +3,33 @@
  *
  * All wheels turn about one middle. It lies at the circle's radius to the left, on the line through the wheels that do not steer. If
  * all steer, it is on the line through the middle of all. A wheel that steers heads at a right angle to its line to this middle. A driven wheel
- * gets the speed that it has on this circle. So a vehicle without steering turns by the speeds of its sides.
+ * gets the speed that it has on this circle. So a vehicle without steering turns by the speeds of its sides. Racks, halves that turn against
+ * each other, and wheels that follow others were measured: steering.c has what they do on each circle.
  *
- * An actuator that is a velocity servo gets the wheel's angular velocity. Any other gets a torque, which grows with what the
- * vehicle lacks of its speed (PI).
+ * The path is followed by the place of that line on the vehicle's axis, or by its origin. A speed below 0 drives it backward: all is the same as seen
+ * from its tail.
+ *
+ * Rims go faster than the vehicle should by what it lacks, summed up (I). An actuator that keeps a rate gets that of its rim. Any other gets a
+ * force, which grows with what its rim lacks (P). Without steering the yaw is held in the same way.
  */
 #include <math.h>
 
 #include "vehicle/internal.h"
 
 #define AHEAD_BASES 1.2 /* the point ahead: in wheelbases, */
-#define AHEAD_TIME 1.0  /* and at least as far as it goes in this time, s */
-#define START_TIME 1.0  /* s in which the speed grows to its value */
-#define STOP_TIME 1.0   /* s before the path's end from which on the speed falls */
-#define GAIN 2.0        /* 1/s, 1/s2: acceleration by lack of speed, and by its sum */
-#define GAIN_SUM 1.0
-#define SUM_MOST 10.0   /* m */
+#define AHEAD_TIME 1.0  /* and at least as far as it goes in this time, s, */
+#define AHEAD_ORIGIN 2.5 /* and in distances of the origin from the line about which it turns, if the origin follows */
+#define START_TIME 1.0  /* s in which the speed grows to its value at least, */
+#define START 0.2       /* of the gravity: and what it grows by */
+#define STOP 0.1        /* of the gravity: how it falls before the path's end */
+#define CREEP 0.05      /* m/s, or a tenth of the speed: what is left of it at the end */
+#define GAIN 4.0        /* 1/s: acceleration by what a rim lacks */
+#define GAIN_SUM 1.0    /* 1/s: how fast what is lacking is summed up */
+#define SUM_SHARE 0.5   /* of the speed: what rims may be faster, */
+#define SUM_LEAST 0.05  /* m/s: or this */
+#define GAIN_TURN 2.0   /* 1/s: the same of the yaw */
+#define TURN_SHARE 1.5  /* of the yaw rate that is wanted */
+#define TURN_LEAST 0.3  /* rad, times the speed and by the wheelbase */
 
 /* A wheel or a belt of the vehicle, in the axes of its root: x forward, y left. `radius`: of a belt that of its sprocket. */
 struct wheel {
@@ -35,16 +46,17 @@ static struct wheel wheel_of(const struct vehicle *vehicle, int actuator, bool u
 	const int joint = model->actuator_trnid[2 * actuator];
 	const struct soil_geom *driven = vehicle_driven(vehicle, joint);
 	const bool belt = driven != NULL && driven->shape.belt;
-	double from[3], own[3], axis[3];
+	double axes[9], from[3], own[3], axis[3];
 	struct wheel wheel = {.radius = 0};
+	vehicle_root_axes(vehicle, data, axes);
 	mju_sub3(from, belt ? &data->geom_xpos[3 * driven->geom] : &data->xanchor[3 * joint], &data->xpos[3 * vehicle->root]);
-	mju_mulMatTVec3(own, &data->xmat[9 * vehicle->root], from);
-	mju_mulMatTVec3(axis, &data->xmat[9 * vehicle->root], &data->xaxis[3 * joint]);
+	mju_mulMatTVec3(own, axes, from);
+	mju_mulMatTVec3(axis, axes, &data->xaxis[3 * joint]);
 	wheel.x = own[0];
 	wheel.y = own[1];
 	wheel.side = axis[up ? 2 : 1] >= 0 ? 1 : -1;
 	if (driven != NULL)
-		wheel.radius = belt ? fabs(driven->sprocket) : driven->shape.radius;
+		wheel.radius = fabs(vehicle_turning_radius(driven));
 	wheel.half = belt ? driven->shape.size[0] / 2 : 0;
 	return wheel;
 }
@@ -55,6 +67,10 @@ static void measure(const struct vehicle *vehicle, double *middle, double *base)
 	const struct driver *driver = &vehicle->driver;
 	double low = INFINITY, high = -INFINITY, sum = 0, all = 0;
 	size_t fixed = 0;
+	*middle = driver->steering.middle;
+	*base = driver->steering.base;
+	if (!driver->steering.plain)
+		return;
 	for (size_t i = 0; i < driver->drive_count; i++) {
 		const struct wheel wheel = wheel_of(vehicle, driver->drive[i], false);
 		bool steers = false;
@@ -121,75 +137,185 @@ static void look(const struct driver *driver, double ahead, double place[2])
 
 /* --- the actuators --- */
 
-static bool is_servo(const mjModel *model, int actuator)
+/* What the driver asks of the vehicle: the way's curvature as it is for its own forward, and the speed of its rims, below 0 backward. */
+struct order {
+	double middle, curvature, speed, grows; /* grows: m/s2, how the speed changes */
+};
+
+/* Finds the rows of the table between which a curvature lies, and how far it is on to the second one. */
+static size_t find_row(const struct steering *steering, double curvature, double *share)
 {
-	const double *gain = &model->actuator_gainprm[actuator * mjNGAIN], *bias = &model->actuator_biasprm[actuator * mjNBIAS];
-	return model->actuator_biastype[actuator] == mjBIAS_AFFINE && bias[1] == 0 && bias[2] != 0 && bias[2] == -gain[0];
+	size_t row = steering->first;
+	while (row + 2 < steering->end && steering->curvatures[row + 1] <= curvature)
+		row++;
+	const double low = steering->curvatures[row], high = steering->curvatures[row + 1];
+	*share = fmin(fmax((curvature - low) / (high - low), 0), 1);
+	return row;
 }
 
-/* Acceleration that it needs, m/s2. */
-static double lacks(struct vehicle *vehicle, double speed)
+static double between(const double *table, size_t row, size_t count, size_t i, double share)
 {
-	struct driver *driver = &vehicle->driver;
-	double velocity[6];
-	mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_BODY, vehicle->root, velocity, 1);
-	const double behind = speed - velocity[3];
-	driver->sum = fmin(fmax(driver->sum + behind * vehicle->model->opt.timestep, -SUM_MOST), SUM_MOST);
-	return GAIN * behind + GAIN_SUM * driver->sum;
+	const double low = table[row * count + i];
+	return low + share * (table[(row + 1) * count + i] - low);
 }
 
-static void drive(struct vehicle *vehicle, double middle, double curvature, double speed)
+/* Returns the rate of a driving actuator on this circle, for each m/s of the vehicle. */
+static double rate_of(const struct vehicle *vehicle, size_t i, double middle, double curvature)
+{
+	const struct driver *driver = &vehicle->driver;
+	if (!driver->steering.plain) {
+		double share;
+		const size_t row = find_row(&driver->steering, curvature, &share);
+		return between(driver->steering.rates, row, driver->drive_count, i, share);
+	}
+	const struct wheel wheel = wheel_of(vehicle, driver->drive[i], false);
+	const double side = 1 - curvature * wheel.y, gear = vehicle_gear(vehicle->model, driver->drive[i])[0];
+	return gear * wheel.side * copysign(hypot(side, curvature * (wheel.x - middle)), side) / wheel.radius;
+}
+
+static void drive(const struct vehicle *vehicle, const struct order *order)
 {
 	const struct driver *driver = &vehicle->driver;
 	const mjModel *model = vehicle->model;
-	bool torque = false;
-	for (size_t i = 0; i < driver->drive_count; i++)
-		torque = torque || !is_servo(model, driver->drive[i]);
-	const double needs = torque ? lacks(vehicle, speed) : 0;
+	const double mass = model->body_subtreemass[vehicle->root] / (double)driver->drive_count;
 	for (size_t i = 0; i < driver->drive_count; i++) {
 		const int actuator = driver->drive[i];
-		const struct wheel wheel = wheel_of(vehicle, actuator, false);
-		const double side = 1 - curvature * wheel.y, gear = vehicle_gear(model, actuator)[0];
-		const double way = copysign(hypot(side, curvature * (wheel.x - middle)), side);
-		const double each = mj_getTotalmass(model) * needs * wheel.radius / (double)driver->drive_count;
-		const double gain = model->actuator_gainprm[actuator * mjNGAIN];
-		*vehicle_ctrl(vehicle, actuator) = is_servo(model, actuator) ? gear * wheel.side * speed * way / wheel.radius
-									     : wheel.side * each / (gear * (gain != 0 ? gain : 1));
+		const double rate = rate_of(vehicle, i, order->middle, order->curvature);
+		if (vehicle_keeps_rate(model, actuator)) {
+			vehicle_ask_rate(vehicle, actuator, rate * order->speed);
+			continue;
+		}
+		const double straight = rate_of(vehicle, i, order->middle, 0);
+		const double lacks = (rate * order->speed - vehicle->data->actuator_velocity[model->actuator_outadr[actuator]]) / straight;
+		vehicle_ask_force(vehicle, actuator, mass * (GAIN * lacks + order->grows) / straight);
 	}
 }
 
-static void steer(struct vehicle *vehicle, double middle, double curvature)
+static void steer(const struct vehicle *vehicle, const struct order *order)
 {
 	const struct driver *driver = &vehicle->driver;
+	double share = 0;
+	const size_t row = driver->steering.plain ? 0 : find_row(&driver->steering, order->curvature, &share);
 	for (size_t i = 0; i < driver->steer_count; i++) {
 		const int actuator = driver->steer[i];
+		if (!driver->steering.plain) {
+			vehicle_ask_place(vehicle, actuator, between(driver->steering.lengths, row, driver->steer_count, i, share));
+			continue;
+		}
 		const struct wheel wheel = wheel_of(vehicle, actuator, true);
-		const double angle = atan2(curvature * (wheel.x - middle), fmax(1 - curvature * wheel.y, 1e-3));
-		*vehicle_ctrl(vehicle, actuator) = vehicle_gear(vehicle->model, actuator)[0] * wheel.side * angle;
+		const double angle = atan2(order->curvature * (wheel.x - order->middle), fmax(1 - order->curvature * wheel.y, 1e-3));
+		vehicle_ask_place(vehicle, actuator, vehicle_gear(vehicle->model, actuator)[0] * wheel.side * angle);
 	}
 }
+
+/* --- speed and yaw --- */
+
+/* Where the vehicle is in plan, and how it moves. */
+struct motion {
+	double x, y, heading; /* of its origin; the heading is that in which it goes, so of its tail if it goes backward */
+	double backward;      /* 1: it goes forward, -1: backward */
+	double speed, yaw;    /* m/s in that direction; rad/s */
+};
+
+static struct motion motion_of(const struct vehicle *vehicle, double backward)
+{
+	const mjData *data = vehicle->data;
+	double axes[9], velocity[6]; /* rad/s, then m/s */
+	vehicle_root_axes(vehicle, data, axes);
+	mj_objectVelocity(vehicle->model, data, mjOBJ_XBODY, vehicle->root, velocity, 0);
+	return (struct motion){
+		.x = vehicle->origin[0] + data->xpos[3 * vehicle->root],
+		.y = vehicle->origin[1] + data->xpos[3 * vehicle->root + 1],
+		.heading = atan2(backward * axes[3], backward * axes[0]),
+		.backward = backward,
+		.speed = backward * (velocity[3] * axes[0] + velocity[4] * axes[3] + velocity[5] * axes[6]),
+		.yaw = velocity[0] * axes[2] + velocity[1] * axes[5] + velocity[2] * axes[8],
+	};
+}
+
+/* The speed that the scene asks for here and now, below 0 backward. */
+static double asked(const struct vehicle *vehicle)
+{
+	return vehicle->scene->way.speed;
+}
+
+/* Brings the speed that is wanted nearer to what is asked for. `left`: m of the path. Returns how it grows, m/s2. */
+static double want(struct vehicle *vehicle, double most, double left)
+{
+	struct driver *driver = &vehicle->driver;
+	const double gravity = -vehicle->model->opt.gravity[2], h = vehicle->model->opt.timestep;
+	const double ends = fmax(sqrt(2 * STOP * gravity * left), fmin(CREEP, 0.1 * most));
+	const double grows = fmin(most / START_TIME, START * gravity);
+	const double before = driver->speed;
+	driver->speed = driver->arrived ? 0 : fmin(fmin(most, ends), before + grows * h);
+	return fmax((driver->speed - before) / h, -grows);
+}
+
+static bool all_at_limit(const struct vehicle *vehicle)
+{
+	const struct driver *driver = &vehicle->driver;
+	const mjModel *model = vehicle->model;
+	bool all = driver->drive_count > 0;
+	for (size_t i = 0; i < driver->drive_count && all; i++) {
+		const int actuator = driver->drive[i];
+		const double force = vehicle->data->actuator_force[model->actuator_outadr[actuator]];
+		all = model->actuator_forcelimited[actuator] && (force <= model->actuator_forcerange[2 * actuator] || force >= model->actuator_forcerange[2 * actuator + 1]);
+	}
+	return all;
+}
+
+/* Returns how fast rims go, so that the vehicle goes as fast as it should. */
+static double rims(struct vehicle *vehicle, const struct motion *motion)
+{
+	struct driver *driver = &vehicle->driver;
+	const double speed = driver->speed + driver->sum, behind = driver->speed - motion->speed;
+	bool force = false;
+	for (size_t i = 0; i < driver->drive_count; i++)
+		force = force || !vehicle_keeps_rate(vehicle->model, driver->drive[i]);
+	const double most = fmax(fmax(SUM_SHARE * driver->speed, SUM_LEAST), force ? -vehicle->model->opt.gravity[2] / GAIN : 0);
+	if (behind * driver->sum <= 0 || !all_at_limit(vehicle)) /* what actuators cannot do is not summed up */
+		driver->sum += GAIN_SUM * behind * vehicle->model->opt.timestep;
+	driver->sum = fmin(fmax(driver->sum, -most), most);
+	return speed;
+}
+
+/* Returns the curvature that a vehicle without steering is asked for, so that it turns as it should: its belts and wheels slip to their sides. */
+static double turned(struct vehicle *vehicle, const struct motion *motion, double curvature, double base)
+{
+	struct driver *driver = &vehicle->driver;
+	const double wanted = curvature * driver->speed, most = TURN_SHARE * fabs(wanted) + TURN_LEAST * driver->speed / base;
+	if (driver->steer_count > 0 || driver->speed <= 0)
+		return curvature;
+	driver->turn = fmin(fmax(driver->turn + GAIN_TURN * (wanted - motion->yaw) * vehicle->model->opt.timestep, -most), most);
+	return (wanted + driver->turn) / driver->speed;
+}
+
+/* --- the pursuit --- */
 
 void vehicle_pursue(struct vehicle *vehicle, double time)
 {
 	struct driver *driver = &vehicle->driver;
-	const mjData *data = vehicle->data;
-	const double *forward = &data->xmat[9 * vehicle->root];
-	const double heading = atan2(forward[3], forward[0]), wanted = vehicle->scene->way.speed;
+	const double wanted = asked(vehicle);
+	const struct motion motion = motion_of(vehicle, wanted < 0 ? -1 : 1);
 	double middle, base, goal[2];
+	(void)time;
 	measure(vehicle, &middle, &base);
-	const double x = vehicle->origin[0] + data->xpos[3 * vehicle->root] + middle * cos(heading);
-	const double y = vehicle->origin[1] + data->xpos[3 * vehicle->root + 1] + middle * sin(heading);
+	const double along = motion.backward * middle; /* from the origin, in the direction in which it goes */
+	const double x = motion.x + along * cos(motion.heading), y = motion.y + along * sin(motion.heading);
+	const bool origin = vehicle->scene->follows_origin;
 	if (driver->point_count < 2) {
 		driver->arrived = true;
 		return;
 	}
-	const double left = driver->left = go_on(driver, x, y);
-	look(driver, fmax(AHEAD_BASES * base, AHEAD_TIME * wanted), goal);
-	const double ahead = (goal[0] - x) * cos(heading) + (goal[1] - y) * sin(heading);
-	const double aside = -(goal[0] - x) * sin(heading) + (goal[1] - y) * cos(heading);
-	const double squares = ahead * ahead + aside * aside, curvature = squares > 0 ? 2 * aside / squares : 0;
+	const double left = driver->left = origin ? go_on(driver, motion.x, motion.y) : go_on(driver, x, y);
 	driver->arrived = driver->at >= (double)(driver->point_count - 1);
-	const double speed = driver->arrived ? 0 : wanted * fmin(1, fmin(time / START_TIME, fmax(left / (STOP_TIME * wanted), 0.1)));
-	steer(vehicle, middle, curvature);
-	drive(vehicle, middle, curvature, speed);
+	const double grows = want(vehicle, fabs(wanted), left);
+	look(driver, fmax(fmax(AHEAD_BASES * base, AHEAD_TIME * driver->speed), origin ? AHEAD_ORIGIN * fabs(middle) : 0), goal);
+	const double ahead = (goal[0] - x) * cos(motion.heading) + (goal[1] - y) * sin(motion.heading);
+	const double aside = -(goal[0] - x) * sin(motion.heading) + (goal[1] - y) * cos(motion.heading);
+	const double squares = ahead * ahead + aside * aside - (origin ? middle * middle : 0);
+	const double curvature = squares > 0 ? 2 * aside / squares : 0;
+	const struct order order = {middle, motion.backward * turned(vehicle, &motion, curvature, base), motion.backward * rims(vehicle, &motion), motion.backward * grows};
+	steer(vehicle, &order);
+	drive(vehicle, &order);
 }

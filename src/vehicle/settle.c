@@ -7,11 +7,11 @@
  * All controls are 0, and wheels do not turn. The time of this does not count; what it does to the ground does.
  */
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 
 #include "vehicle/between.h"
 #include "vehicle/settle.h"
+#include "vehicle/start.h"
 
 #define SLOWED 100.0    /* 1/s: what slows all motion at first, */
 #define SLOWED_LATER 25.0 /* and after a second, so that springs find their balance sooner */
@@ -22,148 +22,6 @@
 #define FREE_MOST 20.0  /* s */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
-#define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
-
-/* --- where it starts --- */
-
-enum status vehicle_fail_start(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *format, ...)
-{
-	char why[700], line[16] = "";
-	va_list args;
-	va_start(args, format);
-	vsnprintf(why, sizeof why, format, args);
-	va_end(args);
-	if (vehicle->scene->line > 0)
-		snprintf(line, sizeof line, ":%d", vehicle->scene->line);
-	return fail_with(STATUS_INPUT, "%s%s: vehicles.%s.start: %s", vehicles->scene->file, line, vehicle->scene->name, why);
-}
-
-/* Turns and shifts a root body of the model: its free joint, or its place in the model's world. */
-static void place_root(struct vehicle *vehicle, int body)
-{
-	const mjModel *model = vehicle->model;
-	mjData *data = vehicle->data;
-	const double half = vehicle->scene->yaw / 2, yaw[4] = {cos(half), 0, 0, sin(half)};
-	const int joint = model->body_jntadr[body];
-	const bool free = joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
-	double *pos = free ? &data->qpos[model->jnt_qposadr[joint]] : &model->body_pos[3 * body];
-	double *quat = free ? pos + 3 : &model->body_quat[4 * body];
-	double turned[4], place[3];
-	mju_rotVecQuat(place, pos, yaw);
-	mju_mulQuat(turned, yaw, quat);
-	mju_copy3(pos, place);
-	mju_copy4(quat, turned);
-}
-
-static void lift_root(struct vehicle *vehicle, int body, double height)
-{
-	const mjModel *model = vehicle->model;
-	const int joint = model->body_jntadr[body];
-	const bool free = joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
-	*(free ? &vehicle->data->qpos[model->jnt_qposadr[joint] + 2] : &model->body_pos[3 * body + 2]) += height;
-}
-
-static void each_root(struct vehicle *vehicle, void (*act)(struct vehicle *vehicle, int body, double height), double height)
-{
-	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
-		if (vehicle->model->body_parentid[body] == 0)
-			act(vehicle, body, height);
-}
-
-static void turn_root(struct vehicle *vehicle, int body, double height)
-{
-	(void)height;
-	place_root(vehicle, body);
-}
-
-/* Finds how far a geom is below the ground at most; negative: above it. *any false: there is no ground under one of its places. */
-static enum status depth_of(const struct vehicles *vehicles, const struct vehicle *vehicle, int geom, double *depth, bool *any)
-{
-	*depth = -INFINITY;
-	*any = true;
-	for (int i = -SIDES; i <= SIDES; i++)
-		for (int j = -SIDES; j <= SIDES; j++) {
-			const double direction[3] = {(double)i / SIDES, (double)j / SIDES, -1};
-			double place[3];
-			int64_t height;
-			bool found;
-			vehicle_geom_support(vehicle->model, vehicle->data, geom, direction, place);
-			mju_addTo3(place, vehicle->origin);
-			TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(place[0]), lattice_offset(place[1]), &height, &found));
-			*any = *any && found;
-			if (found)
-				*depth = fmax(*depth, lattice_offset_metres(height) - place[2]);
-		}
-	return STATUS_OK;
-}
-
-static enum status check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
-{
-	const mjModel *model = vehicle->model;
-	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
-		double depth;
-		bool any, soil = false;
-		char name[256];
-		for (size_t g = 0; g < vehicle->geom_count; g++)
-			soil = soil || vehicle->geoms[g].geom == i;
-		if (soil || vehicle_is_fixed(model, i) || (model->geom_contype[i] == 0 && model->geom_conaffinity[i] == 0))
-			continue;
-		TRY(depth_of(vehicles, vehicle, i, &depth, &any));
-		if (depth <= 0)
-			continue;
-		vehicle_geom_name(model, i, name, sizeof name);
-		return vehicle_fail_start(vehicles, vehicle, "its geom %s starts %.3g m under ground, and does not press it; name it in soil, or start elsewhere",
-					  name, depth);
-	}
-	return STATUS_OK;
-}
-
-static enum status turn(const struct vehicles *vehicles, struct vehicle *vehicle)
-{
-	TRY(world_start_point(vehicles->world, vehicle->scene, vehicle->origin));
-	each_root(vehicle, turn_root, 0);
-	return STATUS_OK;
-}
-
-enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *vehicle)
-{
-	TRY(turn(vehicles, vehicle));
-	each_root(vehicle, lift_root, vehicle->lift);
-	return STATUS_OK;
-}
-
-/* Fails for a vehicle that starts where there is no ground. Small numbers off a terrain that knows degrees are probably degrees. */
-static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom)
-{
-	const struct extent *extent = &world_resident(vehicles->world)->meta->extent;
-	const double *at = vehicle->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
-	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && world_resident(vehicles->world)->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
-	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
-				  extent_side(extent, 0), extent_side(extent, 1),
-				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
-}
-
-static enum status set_down(const struct vehicles *vehicles, struct vehicle *vehicle)
-{
-	double deepest = -INFINITY;
-	TRY(turn(vehicles, vehicle));
-	mj_kinematics(vehicle->model, vehicle->data);
-	for (size_t g = 0; g < vehicle->geom_count; g++) {
-		double depth;
-		bool any;
-		TRY(depth_of(vehicles, vehicle, vehicle->geoms[g].geom, &depth, &any));
-		if (!any)
-			return fail_ground(vehicles, vehicle, &vehicle->geoms[g]);
-		deepest = fmax(deepest, depth);
-	}
-	/* Whole metres are the origin's, so that MuJoCo's numbers stay small. */
-	const double whole = floor(deepest);
-	vehicle->origin[2] = whole;
-	vehicle->lift = deepest - whole;
-	each_root(vehicle, lift_root, vehicle->lift);
-	mj_forward(vehicle->model, vehicle->data);
-	return check_start(vehicles, vehicle);
-}
 
 /* --- settling --- */
 
@@ -194,7 +52,7 @@ static void tell_unrest(const struct vehicles *vehicles)
 {
 	for (size_t v = 0; v < vehicles->count; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
-		if (vehicle->calm < CALM && speed_of(vehicle) > TREMBLES)
+		if (vehicle->calm < CALM && !vehicle->scene->start.unsettled && speed_of(vehicle) > TREMBLES)
 			note("vehicles.%s: is not at rest after %.3g s of settling: it still moves at %.3g m/s; the drive begins", vehicle->scene->name,
 			     vehicle->settle_seconds, speed_of(vehicle));
 	}
@@ -250,27 +108,41 @@ static void tell_settling(struct vehicles *vehicles, double still)
 	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still);
 }
 
+/* Returns true if all vehicles that settle have been at rest for a while. */
+static bool all_calm(const struct vehicles *vehicles)
+{
+	bool all = true;
+	for (size_t v = 0; v < vehicles->count; v++)
+		all = all && (vehicles->list[v].calm >= CALM || vehicles->list[v].scene->start.unsettled);
+	return all;
+}
+
+static enum status settle_step(struct vehicles *vehicles, double rate, double still)
+{
+	const double seconds = vehicles->scene->time_step;
+	if (world_stopped(vehicles->world))
+		return world_interrupted(vehicles->world);
+	TRY(vehicle_move(vehicles, rate, false));
+	for (size_t v = 0; v < vehicles->count; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		vehicle->settle_seconds += seconds;
+		vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
+		TRY(vehicle_check_moved(vehicles, vehicle));
+	}
+	TRY(check_sunk(vehicles));
+	TRY(world_move_hosts(vehicles->world));
+	TRY(vehicle_record(vehicles));
+	tell_settling(vehicles, still);
+	return STATUS_OK;
+}
+
 /* Lets all vehicles move until each was at rest for a while. */
 static enum status until_still(struct vehicles *vehicles, double rate, double still, double most)
 {
-	const double seconds = vehicles->scene->time_step;
-	bool all = false;
-	while (!all && vehicles->list[0].settle_seconds - vehicles->list[0].slow <= most) {
-		const bool later = vehicles->list[0].settle_seconds - vehicles->list[0].slow >= 1;
-		if (world_stopped(vehicles->world))
-			return world_interrupted(vehicles->world);
-		TRY(vehicle_move(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, false));
-		all = true;
-		for (size_t v = 0; v < vehicles->count; v++) {
-			struct vehicle *vehicle = &vehicles->list[v];
-			vehicle->settle_seconds += seconds;
-			vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
-			all = all && vehicle->calm >= CALM;
-		}
-		TRY(check_sunk(vehicles));
-		TRY(world_move_hosts(vehicles->world));
-		TRY(vehicle_record(vehicles));
-		tell_settling(vehicles, still);
+	const struct vehicle *first = &vehicles->list[0];
+	while (!all_calm(vehicles) && first->settle_seconds - first->slow <= most) {
+		const bool later = first->settle_seconds - first->slow >= 1;
+		TRY(settle_step(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, still));
 	}
 	return STATUS_OK;
 }
@@ -282,6 +154,9 @@ static enum status place_bodies(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
+			TRY(vehicle_lift_hull(vehicles, &vehicles->list[v], geom));
+			if (geom->aloft)
+				continue;
 			TRY(world_body_place(vehicles->world, geom->number, &geom->now.pose));
 			TRY(world_bodies_set(vehicles->world, 1, &geom->number, &geom->now, &geom->now_belt));
 			geom->touched = geom->now;
@@ -296,16 +171,14 @@ static enum status start(struct vehicles *vehicles)
 {
 	begin(vehicles, VEHICLE_SLOWED); /* also after a failure: a vehicle is set down once */
 	for (size_t v = 0; v < vehicles->count; v++)
-		TRY(set_down(vehicles, &vehicles->list[v]));
+		TRY(vehicle_set_down(vehicles, &vehicles->list[v]));
 	TRY(vehicle_between_check_start(vehicles));
 	return place_bodies(vehicles);
 }
 
-enum status vehicle_settle(struct vehicles *vehicles)
+static enum status settle(struct vehicles *vehicles)
 {
 	const struct vehicle *first = &vehicles->list[0];
-	if (first->begun == VEHICLE_ABOVE)
-		TRY(start(vehicles));
 	if (first->begun == VEHICLE_SLOWED) {
 		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST);
 		touch_all(vehicles);
@@ -317,10 +190,21 @@ enum status vehicle_settle(struct vehicles *vehicles)
 		tell_unrest(vehicles);
 		TRY(status);
 	}
+	return STATUS_OK;
+}
+
+enum status vehicle_settle(struct vehicles *vehicles)
+{
+	if (vehicles->list[0].begun == VEHICLE_ABOVE)
+		TRY(start(vehicles));
+	TRY(settle(vehicles));
 	begin(vehicles, VEHICLE_DRIVES);
 	for (size_t v = 0; v < vehicles->count; v++) {
-		vehicles->list[v].slow = 0;
-		vehicles->list[v].data->time = 0;
+		struct vehicle *vehicle = &vehicles->list[v];
+		vehicle->slow = 0;
+		vehicle->data->time = 0;
+		vehicle->settle_seconds = vehicle->scene->start.unsettled ? 0 : vehicle->settle_seconds;
+		TRY(vehicle_start_speed(vehicles, vehicle));
 	}
 	return STATUS_OK;
 }

@@ -13,11 +13,6 @@ enum { VEHICLE_ABOVE, VEHICLE_SLOWED, VEHICLE_FREE, VEHICLE_DRIVES };
 
 /* Sets the vehicles down and lets them settle, or goes on with that. STATUS_INPUT: also where the soil does not carry one. */
 enum status vehicle_settle(struct vehicles *vehicles) FURROW_CHECKED;
-/* Puts the model of a resumed vehicle to where it was set down. Its state is to be filled in after that. */
-enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *vehicle) FURROW_CHECKED;
-/* Returns the failure of a vehicle that cannot start where the scene puts it: the file, the line, the key, and then the message. */
-enum status vehicle_fail_start(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *format, ...)
-	FURROW_PRINTF(3, 4) FURROW_CHECKED;
 /* Returns the deepest soil geom of those that are sunk (state of objects.csv); NULL: none is. */
 const struct soil_geom *vehicle_sunk(const struct vehicle *vehicle);
 /* Writes into `text` that a soil geom of the vehicle is sunk, and what to check. */

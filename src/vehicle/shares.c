@@ -163,7 +163,7 @@ static enum status find(struct vehicle *vehicle, const struct scene *scene)
 	bool found = !(vehicle->model->neq > 0 && mj_isSparse(vehicle->model)) && weight > 0, same = false;
 	if (found) {
 		mj_forward(vehicle->model, statics.data);
-		find_fixed(&statics, find_springs(&statics, &scene->soils[0], weight / (double)vehicle->geom_count));
+		find_fixed(&statics, find_springs(&statics, &scene->soils[0], weight / (double)vehicle->standing_count));
 	}
 	for (size_t turn = 0; found && !same && turn <= 2 * statics.count; turn++)
 		found = solve(&statics, &same);

@@ -4,18 +4,26 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "vehicle/check.h"
 
+#define TRIES 32      /* a model is made again when a mesh of it must be mended */
 #define MASS_OFF 0.01 /* of the mass that the file gives: a model that differs by more is told */
 
-void vehicle_spec_tell(const struct spec *spec, const char *format, ...)
+void vehicle_spec_tell(struct spec *spec, const char *format, ...)
 {
 	char text[600];
 	va_list args;
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
+	const uint64_t hash = XXH3_64bits(text, strlen(text));
+	for (size_t i = 0; i < spec->told_count; i++)
+		if (spec->told[i] == hash)
+			return;
+	if (mem_grow(&spec->told, &spec->told_room, spec->told_count + 1, sizeof *spec->told, "a vehicle") == STATUS_OK)
+		spec->told[spec->told_count++] = hash;
 	note("vehicles.%s: %s", spec->scene->name, text);
 }
 
@@ -35,30 +43,51 @@ static bool has_joint(const mjsBody *body)
 	return mjs_firstChild(body, mjOBJ_JOINT, 0) != NULL;
 }
 
+/* MuJoCo has free joints at roots alone. So a floating joint further up, as some exporters put it between the ground and the vehicle, holds its link. */
+static void hold_floating(struct spec *spec, mjsBody *above, struct spec_names *held)
+{
+	for (mjsElement *child = mjs_firstChild(above, mjOBJ_BODY, 0); child != NULL; child = mjs_nextChild(above, child, 0)) {
+		for (mjsElement *joint = mjs_firstChild(mjs_asBody(child), mjOBJ_JOINT, 0), *next; joint != NULL; joint = next) {
+			next = mjs_nextChild(mjs_asBody(child), joint, 0);
+			if (mjs_asJoint(joint)->type != mjJNT_FREE)
+				continue;
+			vehicle_spec_name(held, mjs_getString(mjs_getName(joint)));
+			(void)mjs_delete(spec->spec, joint);
+		}
+		hold_floating(spec, mjs_asBody(child), held);
+	}
+}
+
 /* A URDF says of no joint that its root has. So it would be a part of the model's world, and its mass would be lost. */
 static void free_roots(struct spec *spec)
 {
 	const enum scene_fixed fixed = spec->scene->fixed;
 	mjsBody *world = mjs_findBody(spec->spec, "world");
-	struct spec_names freed = {.count = 0}, kept = {.count = 0};
+	struct spec_names freed = {.count = 0}, kept = {.count = 0}, held = {.count = 0};
 	for (mjsElement *child = mjs_firstChild(world, mjOBJ_BODY, 0); child != NULL; child = mjs_nextChild(world, child, 0)) {
 		mjsBody *body = mjs_asBody(child);
 		if (has_joint(body) || body->mocap)
 			continue;
 		const bool frees = fixed == SCENE_FIXED_NO || (fixed == SCENE_FIXED_BY_MODEL && spec->urdf && !spec->welded);
 		vehicle_spec_name(frees ? &freed : &kept, mjs_getString(mjs_getName(child)));
+		if (spec->urdf)
+			hold_floating(spec, body, &held);
 		if (frees && mjs_addFreeJoint(body) == NULL)
 			spec->status = fail_memory("a vehicle");
 	}
+	if (held.count > 0)
+		vehicle_spec_tell(spec, "%s float%s between links: %s held, since only a root moves freely", held.text, held.count > 1 ? "" : "s", held.count > 1 ? "they are" : "it is");
 	if (freed.count > 0 && fixed == SCENE_FIXED_BY_MODEL)
 		vehicle_spec_tell(spec, "its root %s has no joint, as in every URDF: it moves freely; start: {fixed: true} holds it", freed.text);
 	if (kept.count > 0 && fixed == SCENE_FIXED_BY_MODEL && spec->urdf)
 		vehicle_spec_tell(spec, "%s is fixed to its link world: it stays where it is set; start: {fixed: false} frees it", kept.text);
+	else if (kept.count > 0 && fixed == SCENE_FIXED_BY_MODEL)
+		vehicle_spec_tell(spec, "%s has no joint: it stays where it is set; start: {fixed: false} frees it", kept.text);
 }
 
 /* --- its own ground --- */
 
-static void tell_floors(const struct spec *spec)
+static void tell_floors(struct spec *spec)
 {
 	const mjsBody *world = mjs_findBody(spec->spec, "world");
 	struct spec_names floors = {.count = 0};
@@ -84,7 +113,7 @@ static double mass_of_file(const struct spec *spec)
 }
 
 /* Tells masses that MuJoCo made from shapes, which a URDF does not give. `given`: kg, by the file's inertials. */
-static void tell_mass(const struct spec *spec, double given)
+static void tell_mass(struct spec *spec, double given)
 {
 	const double mass = mj_getTotalmass(spec->model);
 	if (spec->urdf && fabs(mass - given) > MASS_OFF * given)
@@ -113,26 +142,43 @@ static void set_pose(struct spec *spec)
 
 /* --- all --- */
 
+static void parse(struct spec *spec)
+{
+	char *text = NULL;
+	if (spec->urdf) {
+		spec->status = vehicle_spec_text(spec, &text);
+		spec->spec = spec->status == STATUS_OK ? mj_parseXMLString(text, NULL, spec->error, sizeof spec->error) : NULL;
+		mem_free(text);
+	} else {
+		spec->spec = mj_parseXML(spec->path, NULL, spec->error, sizeof spec->error);
+	}
+}
+
 static void make(void *argument)
 {
 	struct spec *spec = argument;
-	spec->spec = mj_parseXML(spec->path, NULL, spec->error, sizeof spec->error);
+	spec->error[0] = '\0';
+	parse(spec);
 	if (spec->spec == NULL)
 		return;
 	if (spec->urdf) {
 		spec->spec->strippath = 0;
 		spec->spec->option.integrator = mjINT_IMPLICITFAST; /* servos are stiff */
 	}
+	vehicle_spec_parts(spec);
 	free_roots(spec);
 	tell_floors(spec);
-	vehicle_spec_inertias(spec);
 	if (spec->status == STATUS_OK)
 		spec->status = vehicle_spec_meshes(spec);
+	if (spec->status == STATUS_OK)
+		vehicle_spec_inertias(spec);
 	if (spec->status == STATUS_OK)
 		spec->status = vehicle_spec_servos(spec);
 	if (spec->status != STATUS_OK)
 		return;
-	mj_clearCache(mj_getCache()); /* it knows files by their second of change alone */
+	vehicle_spec_shells(spec);
+	if (spec->tries == 0)
+		mj_clearCache(mj_getCache()); /* it knows files by their second of change alone */
 	const double given = mass_of_file(spec);
 	spec->model = mj_compile(spec->spec, NULL);
 	if (spec->model == NULL) {
@@ -163,11 +209,17 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 {
 	struct spec spec = {.where = where, .path = vehicle->scene->model, .scene = vehicle->scene, .gravity = scene->gravity, .keyframe = -1};
 	TRY(vehicle_check_model(where, spec.path, &spec.urdf, &spec.welded));
-	enum status status = vehicle_guard(where, make, &spec);
+	enum status status;
+	bool again = true;
+	for (; again; spec.tries++) {
+		status = vehicle_guard(where, make, &spec);
+		if (spec.spec != NULL && status == STATUS_OK)
+			mj_deleteSpec(spec.spec);
+		again = status == STATUS_OK && spec.status == STATUS_OK && spec.spec != NULL && spec.model == NULL && spec.tries < TRIES && vehicle_spec_flat(&spec);
+	}
 	vehicle->model = spec.model;
 	vehicle->data = spec.data;
-	if (spec.spec != NULL && status == STATUS_OK)
-		mj_deleteSpec(spec.spec);
+	vehicle_spec_free(&spec);
 	if (status != STATUS_OK) /* what MuJoCo refuses is wrong with the file */
 		return fail_with(STATUS_INPUT, "%s", failure_message());
 	TRY(spec.status);

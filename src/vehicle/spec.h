@@ -20,15 +20,32 @@ struct spec {
 	mjModel *model;
 	mjData *data;
 	int keyframe;               /* -1: none */
+	char **files;               /* of a URDF: mesh files as it names them; MuJoCo gets SPEC_FILE and the number */
+	size_t file_count, file_room;
+	struct spec_mimic *mimics;  /* of a URDF */
+	size_t mimic_count, mimic_room;
+	uint64_t *told;             /* hashes of the notes that were told */
+	size_t told_count, told_room;
+	char flat[160];             /* the mesh without a volume that MuJoCo refused last; empty: none */
+	bool bounded;               /* MuJoCo refused a link as too light: all get a least mass */
+	size_t tries;               /* how often it was made */
 	char error[400];
 	enum status status;         /* of what is not MuJoCo's */
+};
+
+#define SPEC_FILE "furrow-" /* begins the name of a mesh file of a URDF in MuJoCo */
+
+/* A joint of a URDF that follows another one: its place is plus + times * that of the other. */
+struct spec_mimic {
+	char joint[200], of[200];
+	double times, plus;
 };
 
 /* Makes vehicle->model and vehicle->data. STATUS_INPUT: MuJoCo refuses the model; a joint that the driver names is not there. */
 enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, const char *where) FURROW_CHECKED;
 
-/* Notes "vehicles.NAME: " and the rest. */
-void vehicle_spec_tell(const struct spec *spec, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Notes "vehicles.NAME: " and the rest, once. */
+void vehicle_spec_tell(struct spec *spec, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Names for a message: the first ones, and how many more there are. */
 struct spec_names {
@@ -40,9 +57,19 @@ void vehicle_spec_name(struct spec_names *names, const char *name);
 /* Finds the file of a mesh of a URDF, in the model's folder or in `model_path`. Returns false if it is nowhere, or where the model may not read. */
 bool vehicle_spec_find(const struct spec *spec, const char *name, char path[]); /* PATH_MAX bytes */
 
+/* --- spec_text.c --- */
+/* Reads a URDF, and changes what MuJoCo refuses or mixes up. Free *out with mem_free. STATUS_INPUT: it cannot be read. */
+enum status vehicle_spec_text(struct spec *spec, char **out) FURROW_CHECKED;
+/* Returns a mesh file's name as the model has it. */
+const char *vehicle_spec_file(const struct spec *spec, const char *name);
+void vehicle_spec_free(struct spec *spec); /* all but its spec, model and data */
+
 /* The parts of mending. Each runs within a guard. */
+void vehicle_spec_parts(struct spec *spec);                           /* spec_parts.c: shapes, skins, names, mimics */
+bool vehicle_spec_flat(struct spec *spec);                            /* whether what spec->error is about can be mended: then it is made again */
+void vehicle_spec_shells(struct spec *spec);
 void vehicle_spec_inertias(struct spec *spec);                        /* spec_inertia.c */
-enum status vehicle_spec_meshes(struct spec *spec) FURROW_CHECKED;    /* spec_meshes.c */
+enum status vehicle_spec_meshes(struct spec *spec) FURROW_CHECKED;    /* spec_meshes.c: files of meshes and images */
 enum status vehicle_spec_servos(struct spec *spec) FURROW_CHECKED;    /* spec_servos.c */
 
 #endif

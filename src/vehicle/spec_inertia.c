@@ -4,6 +4,7 @@
 #include "vehicle/spec.h"
 
 #define MASS_LEAST 1e-3  /* kg: of a link that moves and has none */
+#define INERTIA_LEAST 1e-12 /* kg m2: in a URDF less is none, since MuJoCo refuses less than 1e-15 */
 #define DENSITY 1000.0   /* kg/m3: of a ball that gives an inertia to a mass without one */
 
 static double ball_inertia(double mass)
@@ -68,8 +69,8 @@ void vehicle_spec_inertias(struct spec *spec)
 			continue;
 		double moments[3];
 		moments_of(body, moments);
-		if (!(moments[0] > 0)) {
-			set_round(body, fmax((moments[0] + moments[1] + moments[2]) / 3, ball_inertia(body->mass)));
+		if (!(moments[0] > (spec->urdf ? INERTIA_LEAST : 0))) {
+			set_round(body, fmax(fmax((moments[0] + moments[1] + moments[2]) / 3, ball_inertia(body->mass)), spec->urdf ? 2 * INERTIA_LEAST : 0));
 			vehicle_spec_name(&round, name);
 		} else if (moments[0] + moments[1] < moments[2] * (1 - 1e-12)) {
 			set_round(body, (moments[0] + moments[1] + moments[2]) / 3);

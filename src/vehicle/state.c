@@ -4,15 +4,16 @@
 
 #include "vehicle/internal.h"
 #include "vehicle/settle.h"
+#include "vehicle/start.h"
 
-#define OWN 14       /* numbers of a vehicle itself, */
+#define OWN 16       /* numbers of a vehicle itself, */
 #define TRAIL (2 + 2 * VEHICLE_TRAIL) /* of its trail, */
 #define GEOM_OWN 19  /* of a soil geom, without its body in the world */
 
 size_t vehicle_state_numbers(const struct vehicle *vehicle)
 {
 	const struct owned *own = &vehicle->own;
-	return OWN + TRAIL + range_count(own->qpos) + 2 * range_count(own->dof) + range_count(own->act) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
+	return OWN + TRAIL + vehicle_lies_numbers(vehicle) + range_count(own->qpos) + 2 * range_count(own->dof) + range_count(own->act) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
 }
 
 static double *put(double *to, const double *from, size_t count)
@@ -62,9 +63,10 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 	const struct driver *driver = &vehicle->driver;
 	const double own[OWN] = {vehicle->checksum[0], vehicle->checksum[1], vehicle->begun, vehicle->settle_seconds, vehicle->calm,
 				 vehicle->work, vehicle->distance, vehicle->slow, vehicle->origin[2], vehicle->lift, data->time, driver->at,
-				 driver->sum, driver->arrived};
+				 driver->sum, driver->arrived, driver->speed, driver->turn};
 	to = put(to, own, OWN);
 	to = save_trail(&vehicle->trail, to);
+	to = vehicle_save_lies(vehicle, to);
 	to = put(to, data->qpos + owned->qpos.first, range_count(owned->qpos));
 	to = put(to, data->qvel + owned->dof.first, range_count(owned->dof));
 	to = put(to, data->qacc_warmstart + owned->dof.first, range_count(owned->dof));
@@ -99,6 +101,7 @@ static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geo
 	*from = take(*from, geom->mean, 3);
 	geom->contact = world_contact_unknown();
 	enum status status = world_body_restore(vehicles->world, geom->number, *from);
+	geom->aloft = !geom->stands && **from == 0;
 	*from += WORLD_BODY_NUMBERS;
 	return status;
 }
@@ -136,6 +139,9 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 	driver->at = n[11];
 	driver->sum = n[12];
 	driver->arrived = n[13] != 0;
+	driver->speed = n[14];
+	driver->turn = n[15];
+	from = vehicle_restore_lies(vehicle, from);
 	if (vehicle->begun > 0 && !is_placed)
 		TRY(vehicle_replace(vehicles, vehicle));
 	data->time = n[10];

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "vehicle/between.h"
+#include "vehicle/start.h"
 
 #define DIP_LEAST 2e-5    /* m: so much down changes the ground where the body leaves that dip: a hundredth of what soil springs back */
 #define BACK_SHARE 0.05   /* of a post: so much along the level changes it where the motion turns back */
@@ -85,6 +86,11 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 	const struct soil_geom *from = &vehicles->list[vehicle].geoms[geom];
 	const double bound = soil_shape_bound(&from->shape), turn = fmin(TURN_MOST, spacing / bound);
 	*out = (struct vehicle_geom){.name = from->name, .shape = &from->shape, .share = from->share, .contacts = 1 / spacing};
+	out->stands = from->stands;
+	if (!from->stands) { /* it touches nothing on level ground */
+		out->contacts = 0;
+		return;
+	}
 	if (from->shape.kind == SOIL_WHEEL)
 		out->contacts = fmax(out->contacts, 1 / (turn * from->shape.radius));
 }
@@ -100,6 +106,8 @@ static enum status touch(struct vehicles *vehicles)
 			struct furrow_state to;
 			struct furrow_belt belt;
 			bool due;
+			if (geom->aloft)
+				continue;
 			vehicle_geom_state(vehicle, geom, &to, &belt);
 			TRY(find_due(vehicles, geom, &to, &belt, &due));
 			if (!due)
@@ -149,6 +157,9 @@ static enum status ask(struct vehicles *vehicles)
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
 			go_on(&geom->now, &geom->now_belt, vehicles->scene->time_step);
+			TRY(vehicle_lift_hull(vehicles, &vehicles->list[v], geom));
+			if (geom->aloft)
+				continue;
 			vehicles->numbers[count] = geom->number;
 			vehicles->belts[count] = geom->now_belt;
 			vehicles->states[count++] = geom->now;
@@ -158,8 +169,14 @@ static enum status ask(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
+			if (geom->aloft) {
+				geom->contact = vehicle_no_contact(vehicles);
+				continue;
+			}
 			geom->contact = vehicles->contacts[count++];
 			part_load(vehicles, geom);
+			if (geom->roll_dof >= 0)
+				vehicle_tell_roll(&vehicles->list[v], geom);
 			if (geom->contact.state == FURROW_UNKNOWN && geom->is_touched)
 				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
 						 geom->now.pose.position[0], geom->now.pose.position[1], world_time(vehicles->world));
@@ -243,15 +260,20 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 
 enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 {
+	if (!drives)
+		vehicle_keep_unsettled(vehicles);
 	TRY(ask(vehicles));
 	for (size_t v = 0; v < vehicles->count; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
-			TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
+			if (!vehicles->list[v].geoms[g].aloft)
+				TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
 	for (size_t v = 0; v < vehicles->count; v++)
 		TRY(prepare_one(vehicles, &vehicles->list[v], drives));
 	TRY(vehicle_between_push(vehicles));
 	for (size_t v = 0; v < vehicles->count; v++)
 		TRY(move_one(vehicles, &vehicles->list[v], rate, drives));
+	if (!drives)
+		vehicle_restore_unsettled(vehicles);
 	return touch(vehicles);
 }
 

@@ -246,7 +246,8 @@ static enum status tell_forces(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			const struct furrow_contact *contact = &geom->contact;
-			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state)};
+			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state),
+						    .slip_velocity = isfinite(contact->slip_velocity) ? contact->slip_velocity : 0};
 			if (force.state == DEFORM_AIR || !isfinite(force.area) || !isfinite(force.sinkage))
 				force.sinkage = force.area = 0;
 			memcpy(force.force, geom->force, sizeof force.force);
@@ -297,7 +298,7 @@ static double speed_of(const struct vehicle *vehicle)
 	return hypot(velocity[3], velocity[4]);
 }
 
-static void watch(struct vehicles *vehicles)
+static enum status watch(struct vehicles *vehicles)
 {
 	const struct scene *scene = vehicles->scene;
 	for (size_t v = 0; v < vehicles->count; v++) {
@@ -305,14 +306,16 @@ static void watch(struct vehicles *vehicles)
 		const bool slow = speed_of(vehicle) < scene->stuck_below && !vehicle->driver.arrived;
 		vehicle->slow = slow ? vehicle->slow + scene->time_step : 0;
 		watch_sunk(vehicles, vehicle);
+		TRY(vehicle_watch_lies(vehicles, vehicle));
 	}
+	return STATUS_OK;
 }
 
 enum status vehicle_step(struct vehicles *vehicles)
 {
 	TRY(vehicle_move(vehicles, 0, true));
 	TRY(tell_forces(vehicles));
-	watch(vehicles);
+	TRY(watch(vehicles));
 	TRY(world_step(vehicles->world));
 	return vehicle_record(vehicles);
 }
@@ -322,16 +325,28 @@ static bool is_stuck(const struct vehicles *vehicles, const struct vehicle *vehi
 	return vehicles->scene->stuck_after > 0 && vehicle->slow >= vehicles->scene->stuck_after * (1 - 1e-9);
 }
 
-bool vehicle_stuck(const struct vehicles *vehicles)
+/* Returns which of what the scene asks for has stopped the vehicle, as enum scene_stop; SCENE_STOPS: nothing. */
+static enum scene_stop stopped_by(const struct vehicles *vehicles, const struct vehicle *vehicle)
 {
-	bool any = false;
+	const unsigned asked = vehicles->scene->stop;
+	if ((asked >> SCENE_STOP_OVERTURNED & 1) != 0 && vehicle_lies_so(vehicle, LIE_OVERTURNED))
+		return SCENE_STOP_OVERTURNED;
+	if ((asked >> SCENE_STOP_BURIED & 1) != 0 && vehicle_lies_so(vehicle, LIE_BURIED))
+		return SCENE_STOP_BURIED;
+	return (asked >> SCENE_STOP_STUCK & 1) != 0 && is_stuck(vehicles, vehicle) ? SCENE_STOP_STUCK : SCENE_STOPS;
+}
+
+const char *vehicle_stopped(const struct vehicles *vehicles)
+{
+	const char *first = NULL;
 	for (size_t v = 0; vehicles != NULL && v < vehicles->count; v++) {
-		const struct vehicle *vehicle = &vehicles->list[v];
-		if (!is_stuck(vehicles, vehicle) && !vehicle->driver.arrived)
-			return false;
-		any = any || is_stuck(vehicles, vehicle);
+		const enum scene_stop by = stopped_by(vehicles, &vehicles->list[v]);
+		if (by == SCENE_STOPS && !vehicles->list[v].driver.arrived)
+			return NULL;
+		if (by != SCENE_STOPS && first == NULL)
+			first = scene_stop_name(by);
 	}
-	return any;
+	return first;
 }
 
 /* --- facts --- */
@@ -350,6 +365,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.gravity = -vehicle->model->opt.gravity[2],
 		.own_gravity = {vehicle->gravity[0], vehicle->gravity[1], vehicle->gravity[2]},
 		.geom_count = vehicle->geom_count,
+		.standing_count = vehicle->standing_count,
 		.joint_count = vehicle->joint_count,
 		.actuator_count = range_count(vehicle->own.actuator),
 		.largest_step = vehicle->largest_step,
@@ -370,7 +386,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	double slips = 0;
 	for (size_t g = 0; g < vehicle->geom_count && vehicles->world != NULL; g++) {
 		const double slip = vehicle->geoms[g].contact.slip;
-		if (soil_shape_runs(&vehicle->geoms[g].shape) && isfinite(slip)) {
+		if ((soil_shape_runs(&vehicle->geoms[g].shape) || vehicle->geoms[g].roll_dof >= 0) && isfinite(slip)) {
 			info->slip += slip;
 			slips++;
 		}

@@ -49,8 +49,19 @@ enum status vehicle_begin(struct vehicles *vehicles) FURROW_CHECKED;
 /* Makes one time step of the vehicles and of the world. STATUS_FAILED: a motion diverged, or a vehicle left the terrain. Then
  * the world is as the last step left it, unless it is torn. The vehicles may have moved on: vehicle_step_back. */
 enum status vehicle_step(struct vehicles *vehicles) FURROW_CHECKED;
-/* Returns true if the scene asks to stop when vehicles are stuck, and they are. */
-bool vehicle_stuck(const struct vehicles *vehicles);
+/* Returns why the drive ends, if the scene asks for it (scene->stop): "overturned", "buried" or "stuck". Each vehicle is so, or at its path's end. NULL: it
+ * goes on. */
+const char *vehicle_stopped(const struct vehicles *vehicles);
+
+/* Something that is wrong with how a vehicle lies, and was told. */
+struct vehicle_lie {
+	const char *what;      /* "under_ground", "overturned", "high_centred", "buried" */
+	const char *geom;      /* VEHICLE.GEOM; NULL: of no geom. Valid as long as the vehicles */
+	double time, at[2];    /* s; m, local: since when, where the geom or the vehicle was */
+	double depth;          /* m: the most so far: below the ground, of what is buried or hangs up in it; NaN: of what is overturned */
+};
+/* Gives the nth of them. Returns false if there are fewer. */
+bool vehicle_lie(const struct vehicles *vehicles, size_t vehicle, size_t nth, struct vehicle_lie *lie);
 
 /* Makes what pictures with these effects show of the vehicles, and reads the files of meshes that only pictures need, unless that was done. A scene with a view has it
  * from the start; a host may ask for a picture later. Give the world vehicle_figures again after it. NULL: does nothing. STATUS_MEMORY. */
@@ -87,7 +98,8 @@ struct vehicle_info {
 	double mass;           /* kg */
 	double gravity;        /* m/s2, downward: the scene's */
 	double own_gravity[3]; /* m/s2: in its model's file; not used */
-	size_t geom_count;     /* soil geoms */
+	size_t geom_count;     /* soil geoms, */
+	size_t standing_count; /* of them those that stand on the ground in the first pose */
 	size_t joint_count, actuator_count;  /* columns of its rows; joints with one number each */
 	double largest_step;   /* s: the longest time_step that is allowed */
 	const char *largest_geom; /* soil geom that allows no more, */
@@ -140,6 +152,7 @@ struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
 	const struct soil_shape *shape;
 	double share;              /* of the weight that it bears on level ground, in the first pose: see vehicle_find_shares */
+	bool stands;               /* on the ground in the first pose; false: a hull, which touches only where it comes down */
 	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
 };
 /* `spacing`: m between posts. */
@@ -159,6 +172,48 @@ const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, 
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
 /* Returns which key of `driver` sets the actuator: "steer", "drive", "controls" or "hold"; NULL: none, its control is 0. */
 const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
+
+/* --- what a model has: parts.c. Valid as long as the vehicles, in the model's first pose --- */
+
+/* What a joint is for, as far as its place and its name tell. */
+enum vehicle_role {
+	VEHICLE_ROLE_HOLDS,   /* neither of these: of a leg, an arm, a suspension */
+	VEHICLE_ROLE_DRIVES,  /* turns a wheel, or the sprocket of a belt */
+	VEHICLE_ROLE_STEERS,  /* upright, above wheels */
+	VEHICLE_ROLE_FOLLOWS, /* of a castor, or of a wheel that nothing drives */
+};
+struct vehicle_joint {
+	const char *name;
+	bool slides;             /* false: a hinge */
+	bool limited;
+	double low, high;        /* rad, m; infinite: no limit */
+	double value;            /* rad, m */
+	double axis[3], at[3];   /* in the model's axes; m */
+	const char *actuator;    /* NULL: none moves it alone */
+	const char *wheel;       /* its geom on the ground that turns with it as a wheel; NULL: none */
+	double radius;           /* m, of that */
+	enum vehicle_role role;
+};
+/* `joint`: 0 .. joint_count - 1. */
+void vehicle_part_joint(const struct vehicles *vehicles, size_t vehicle, size_t joint, struct vehicle_joint *out);
+struct vehicle_actuator {
+	const char *name, *joint; /* joint: the one that it moves; NULL: it moves something else */
+	const char *keeps;        /* "place", "rate", "force": what its control asks for */
+	bool limited;
+	double low, high;         /* of its control; infinite: no limit */
+};
+/* `actuator`: 0 .. actuator_count - 1. */
+void vehicle_part_actuator(const struct vehicles *vehicles, size_t vehicle, size_t actuator, struct vehicle_actuator *out);
+/* Returns the name of a keyframe, "" for one without; NULL: there are not so many. */
+const char *vehicle_part_keyframe(const struct vehicles *vehicles, size_t vehicle, size_t keyframe);
+struct vehicle_size {
+	double low[3], high[3];   /* m: what its soil geoms reach, in the model's axes */
+	double timestep;          /* s: of the model, after the scene's time_step has divided it */
+	size_t bodies;
+	bool free;                /* its root moves freely */
+	const char *root;         /* name of that body */
+};
+void vehicle_part_size(const struct vehicles *vehicles, size_t vehicle, struct vehicle_size *out);
 
 /* A wheel of a vehicle. x and y: m from the centre of gravity, forward and to the left, in the model's first pose. */
 struct vehicle_wheel {

@@ -135,7 +135,7 @@ static enum status add(struct visuals *visuals, const struct urdf_visual *visual
 
 static enum status add_mesh(struct visuals *visuals, const struct urdf_visual *visual, int body, const struct urdf_place *place)
 {
-	const struct seen_mesh *seen;
+	const struct seen_mesh *seen = NULL;
 	char path[PATH_MAX];
 	if (visual->file == NULL)
 		return STATUS_OK;
@@ -183,9 +183,9 @@ static enum status add_visual(struct visuals *visuals, const struct urdf_visual 
 	return soil_shape_bound(&shape) > 0 ? add(visuals, visual, body, &place, &shape, colour) : STATUS_OK;
 }
 
-static void tell(const struct visuals *visuals)
+static void tell(struct visuals *visuals)
 {
-	const struct spec *spec = &visuals->spec;
+	struct spec *spec = &visuals->spec;
 	if (visuals->missing.count > 0)
 		vehicle_spec_tell(spec, "pictures lack %zu visual mesh%s (%s), whose files are not found: bodies without any show what collides; name the folder of its packages in model_path",
 				  visuals->missing.count, visuals->missing.count > 1 ? "es" : "", visuals->missing.text);
@@ -212,6 +212,7 @@ enum status vehicle_add_visuals(struct vehicles *vehicles, size_t index, bool *h
 	tell(&visuals);
 done:
 	vehicle_urdf_finish(&urdf);
+	vehicle_spec_free(&visuals.spec);
 	return status;
 }
 

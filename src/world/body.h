@@ -19,6 +19,7 @@ struct world_force {
 	double sinkage, area;       /* m below the base; m2 */
 	double residual, pull;      /* N: struct deform_forces */
 	double work;                /* J: work on the soil since the start, of a vehicle's body or of one that carries soil along its path; else 0 */
+	double slip_velocity;       /* m/s, of a vehicle's body: speed of its rim or belt less that along the ground; else 0 */
 	int64_t z;                  /* 2^-20 m */
 	enum deform_state state;
 };
@@ -136,6 +137,8 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 enum status world_body_find(struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
 /* Removes a body. Its weight no longer acts on the soil. */
 enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
+/* Takes a placed body off the ground, as before it was placed. */
+enum status world_body_lift(struct world *world, int32_t number) FURROW_CHECKED;
 /* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */
 enum status world_body_place(struct world *world, int32_t number, const struct furrow_pose *pose) FURROW_CHECKED;
 /* Sets where bodies will be after the next step, and the belts of bodies of vehicles then (`belts` NULL: there is no such body). The list names each
@@ -146,6 +149,15 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
  * belt is now. On failure no belt is set. */
 enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct furrow_belt *belts)
 	FURROW_CHECKED;
+/* A space above a rectangle: all that is above `lowest` and above a plane through `at`. */
+struct world_space {
+	double low[2], high[2]; /* m, local: the rectangle */
+	double lowest;          /* m */
+	double at[3], slope[2]; /* m; its rise for each metre east and north */
+};
+/* Finds how far the ground of now reaches into the space: the most by which a post of the working level in the rectangle is higher than the space's lower
+ * limit, m; below 0: it reaches nowhere. -INFINITY: no post there has data. INFINITY: the rectangle has more tiles than can be held at once. */
+enum status world_reach_into(struct world *world, const struct world_space *space, double *depth) FURROW_CHECKED;
 /* From now on a vehicle moves this body, and computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */
 void world_body_of_vehicle(struct world *world, int32_t number);

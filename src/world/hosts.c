@@ -276,6 +276,17 @@ enum status world_body_place(struct world *world, int32_t number, const struct f
 	return STATUS_OK;
 }
 
+enum status world_body_lift(struct world *world, int32_t number)
+{
+	struct body *body;
+	TRY(find(world, number, &body));
+	if (!body->host.placed)
+		return STATUS_OK;
+	TRY(lift(world, body));
+	body->host.placed = body->host.has_next = false;
+	return STATUS_OK;
+}
+
 enum status world_body_remove(struct world *world, int32_t number)
 {
 	struct body *body;

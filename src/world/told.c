@@ -23,7 +23,7 @@ struct furrow_contact world_contact_unknown(void)
 {
 	struct furrow_contact contact = {
 		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
-		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .pull = NAN, .carried = NAN, .state = FURROW_UNKNOWN,
+		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .pull = NAN, .carried = NAN, .slip_velocity = NAN, .state = FURROW_UNKNOWN,
 	};
 	for (int i = 0; i < 6; i++)
 		for (int k = 0; k < 6; k++)
@@ -74,24 +74,29 @@ static void line_of(const double origin[3], double reach, const double force[3],
 
 #define AT_REST 1e-3 /* m/s. The slip of a rim that is slower would be noise */
 
-/* `belt`: how fast the body's belt runs, m/s. `normal`: of the ground, along which a wheel travels. Without one, travel counts in plan. A body
- * on a path has no vertical velocity, so there it is upright. */
-static double slip_of(const struct scene_object *object, const struct furrow_state *state, double belt, const double normal[3])
+/* Sets slip, and the speed of the rim or belt less that along the ground, m/s. `belt`: how fast the body's belt runs, m/s. `normal`: of the ground, along which
+ * a wheel travels. Without one, travel counts in plan. A body on a path has no vertical velocity, so there it is upright. */
+static void set_slip(const struct scene_object *object, const struct furrow_state *state, double belt, const double normal[3], struct furrow_contact *contact)
 {
 	struct soil_pose pose;
+	contact->slip = NAN;
+	contact->slip_velocity = 0;
 	if (object->shape.belt) {
 		double axes[3][3], along = 0;
 		world_axes(state->pose.orientation, axes);
 		for (int k = 0; k < 3; k++)
 			along += state->linear[k] * axes[0][k];
-		return belt != 0 ? 1 - along / belt : NAN;
+		contact->slip = belt != 0 ? 1 - along / belt : NAN;
+		contact->slip_velocity = belt - along;
+		return;
 	}
 	if (object->shape.kind != SOIL_WHEEL || world_attitude(&object->shape, object->name, &state->pose, &pose) != STATUS_OK)
-		return NAN;
+		return;
 	const double c = cos(pose.yaw), s = sin(pose.yaw), rise = normal[2] > 0 ? -(normal[0] * c + normal[1] * s) / normal[2] : 0;
 	const double along = (state->linear[0] * c + state->linear[1] * s + state->linear[2] * rise) / hypot(1, rise);
 	const double rim = world_spin(&pose, state->angular) * object->shape.radius;
-	return fabs(rim) > AT_REST ? 1 - along / rim : NAN;
+	contact->slip = fabs(rim) > AT_REST ? 1 - along / rim : NAN;
+	contact->slip_velocity = rim - along;
 }
 
 /* Tells all but the slip. */
@@ -141,7 +146,7 @@ void world_tell_probed(const struct world *world, const struct body *body, const
 	contact->time = time;
 	contact->state = world_contact_state_of((enum deform_state)probed->state);
 	contact->carried = world_aboard_of(world, body).volume;
-	contact->slip = slip_of(object, state, belt->speed, probed->normal);
+	set_slip(object, state, belt->speed, probed->normal, contact);
 	contact->pull = object->shape.belt ? probed->pull : (double)NAN;
 	contact->sinkage = probed->sinkage;
 	contact->area = probed->area;
@@ -174,7 +179,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct furro
 	if (body->kind != BODY_PATH) {
 		struct soil_probed probed;
 		status = fill(world, body, &state, &body->host.force, body->host.told, body->host.state, contact);
-		contact->slip = slip_of(body->object, &state, body->host.belt.speed, contact->normal);
+		set_slip(body->object, &state, body->host.belt.speed, contact->normal, contact);
 		if (status == STATUS_OK)
 			status = world_probes_now(world, number, &probed);
 		if (status == STATUS_OK && probed.known) {
@@ -194,7 +199,11 @@ enum status world_body_contact(struct world *world, int32_t number, struct furro
 		force.sinkage = body->sinkage;
 	/* The soil was last touched at the latest path sample. */
 	enum status filled = fill(world, body, &state, &force, motion_track_sample_time(body->track, body->next - 1), touches, contact);
-	contact->slip = body->object->shape.belt || body->object->path.attitude[0] != 0 ? body->object->slip : slip_of(body->object, &state, 0, (const double[3]){0, 0, 1});
+	set_slip(body->object, &state, 0, (const double[3]){0, 0, 1}, contact);
+	if (body->object->shape.belt || body->object->path.attitude[0] != 0) { /* its rates are not those of the rim */
+		contact->slip = body->object->slip;
+		contact->slip_velocity = hypot(state.linear[0], state.linear[1]) * body->object->slip / (1 - body->object->slip);
+	}
 	return filled;
 }
 

@@ -44,8 +44,16 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	struct body *body = world_body_hosted(world, (size_t)number);
 	struct soil_pose pose;
 	const double *n = numbers;
-	if (n[0] == 0)
+	if (n[0] == 0) {
+		if (!body->host.placed)
+			return STATUS_OK;
+		/* It was set down since then. What it did to the ground was taken back. */
+		body->host.placed = body->has_last = body->host.has_next = false;
+		body->host.fresh = true;
+		body->trend = (struct soil_trend){.whole = {.ran = 0}};
+		world->near.stale = true;
 		return STATUS_OK;
+	}
 	struct furrow_state now = {.pose = {{n[13], n[14], n[15]}, {n[16], n[17], n[18], n[19]}}, .linear = {n[20], n[21], n[22]},
 				   .angular = {n[23], n[24], n[25]}};
 	if (world_attitude(&body->object->shape, body->object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||

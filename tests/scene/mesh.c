@@ -262,8 +262,8 @@ static void what_is_no_surface_is_refused(void **state)
 	if (strstr(failure_message(), "this build reads no meshes") != NULL)
 		skip_since("this build reads no meshes");
 	assert_says("file: No such file");
-	refused("a.ply", obj_wedge(), "allowed: .obj, .stl, .gltf, .glb");
-	refused("obj", obj_wedge(), "allowed: .obj, .stl, .gltf, .glb");
+	refused("a.ply", obj_wedge(), "allowed: .obj, .stl, .dae, .gltf, .glb");
+	refused("obj", obj_wedge(), "allowed: .obj, .stl, .dae, .gltf, .glb");
 	refused("a.obj", text_of(""), "cannot be read as a mesh");
 	refused("a.stl", text_of(""), "cannot be read as a mesh");
 	refused("a.gltf", text_of("{}"), "cannot be read as a mesh");
