@@ -194,6 +194,27 @@ class Looks(FurrowTest):
         numbers = self.picture("a", "instance")
         self.assertGreater((numbers == 1).sum(), 3000)
 
+    def test_a_collada_is_drawn_in_its_unit_and_colours(self):
+        """One whose node is in itself would never end: it is told, and the drive goes on."""
+        def dae(node):
+            return ('<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>'
+                    '<library_effects><effect id="e"><profile_COMMON><technique sid="t"><lambert><diffuse><color>0 0 1 1</color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>'
+                    '<library_materials><material id="m" name="m"><instance_effect url="#e"/></material></library_materials><library_geometries><geometry id="g"><mesh><source id="p">'
+                    '<float_array id="pa" count="12">-20 -20 60 20 -20 60 20 20 60 -20 20 60</float_array><technique_common><accessor source="#pa" count="4" stride="3"><param name="X" type="float"/>'
+                    '<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
+                    '<triangles count="2" material="k"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles></mesh></geometry></library_geometries>'
+                    f'<library_visual_scenes><visual_scene id="s">{node}</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>')
+        geometry = ('<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="k" target="#m"/></technique_common></bind_material></instance_geometry>')
+        (self.folder / "plate.dae").write_text(dae(f'<node id="A" name="A">{geometry}</node>'))
+        (self.folder / "cycle.dae").write_text(dae(f'<node id="A" name="A">{geometry}<node id="B"><instance_node url="#A"/></node></node>'))
+        more = "".join(f'<visual><geometry><mesh filename="{name}.dae"/></geometry></visual>' for name in ("plate", "cycle"))
+        (self.folder / "cart.urdf").write_text(URDF.format(more=more))
+        result = self.furrow("drive", self.scene(self.mounted("cart.urdf")), "--store", "world.furrow", "--overlay", "o.furrow", "-o", "out")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("pictures lack 1 visual mesh (cycle.dae), whose files cannot be read", result.stderr)
+        blue = linear_hue(self.picture("a", "colour"))["blue"] & (self.picture("a", "instance") == 1)
+        self.assert_spans(blue, self.box_of([0, 0, 0.6], [0.2, 0.2, 0]), delta=2)
+
     def test_a_mesh_of_a_million_triangles_is_drawn(self):
         side = 708
         grid = [(x / side - 0.5, y / side - 0.5, 0.3 + 0.05 * math.sin(20 * x / side)) for x in range(side + 1) for y in range(side + 1)]
