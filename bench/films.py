@@ -14,12 +14,12 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SCENES = ROOT / "tools/scenes/vehicles"
-# Name, scene, what is set, the camera, frames for each second of the film.
+# Name, scene, what is set, the camera, its height above the ground in m, frames for each second of the film.
 FILMS = [
-    ("rover", "rover", ["end_time=40", "vehicles.rover.driver.path.speed=0.2"],
-     "{name: film, kind: fixed, pose: {at: [65.2, 57.2, %.3f], yaw: 121, pitch: -17}, size: [480, 300], fov: 52, rate: 1, images: [colour]}", 8),
-    ("walker", "walker", ["end_time=5", "spacing=0.03125", "vehicles.walker.start.settle=false"],
-     "{name: film, kind: fixed, pose: {at: [61.6, 58.6, %.3f], yaw: 118, pitch: -17}, size: [480, 300], fov: 52, rate: 12, images: [colour]}", 12),
+    ("rover", "rover", ["end_time=26", "vehicles.rover.driver.path.speed=0.25"],
+     "{name: film, kind: fixed, pose: {at: [64.6, 54.6, %.3f], yaw: 107, pitch: -14}, size: [480, 300], fov: 60, rate: 1.5, images: [colour]}", 1.5, 8),
+    ("walker", "walker", ["end_time=5", "spacing=0.03125", "vehicles.walker.start.settle=false", "view.body=mars"],
+     "{name: film, kind: fixed, pose: {at: [61.2, 57.6, %.3f], yaw: 106, pitch: -14}, size: [480, 300], fov: 50, rate: 12, images: [colour]}", 1, 12),
 ]
 COLOURS = 64
 
@@ -31,7 +31,7 @@ def run(*command):
     return done.stdout
 
 
-def film(furrow, folder, name, scene, settings, camera, rate, out):
+def film(furrow, folder, name, scene, settings, camera, above, rate, out):
     from PIL import Image
     text = (SCENES / f"{scene}.yaml").read_text()
     for file in SCENES.iterdir():  # the scene's own folder has its models
@@ -40,7 +40,7 @@ def film(furrow, folder, name, scene, settings, camera, rate, out):
     if not store.exists():
         run(furrow, "synth", "-o", store, "--kind", "plain", "--posts", "513x513", "--spacing", "0.25", "--relief", "1")
     place = [float(number) for number in camera.split("at: [")[1].split(",")[:2]]
-    height = json.loads(run(furrow, "query", store, *place, "--json"))["height"] + 1.5
+    height = json.loads(run(furrow, "query", store, *place, "--json"))["height"] + above
     path = folder / f"{name}.yaml"
     path.write_text(text + "cameras:\n  - " + camera % height + "\n")
     sets = [part for setting in settings for part in ("--set", setting)]
@@ -59,9 +59,9 @@ def main():
     parser.add_argument("--only", help="one film, by its name")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        for name, scene, settings, camera, rate in FILMS:
+        for name, scene, settings, camera, above, rate in FILMS:
             if arguments.only in (None, name):
-                film(arguments.furrow.resolve(), pathlib.Path(folder), name, scene, settings, camera, rate, arguments.out / f"{name}.gif")
+                film(arguments.furrow.resolve(), pathlib.Path(folder), name, scene, settings, camera, above, rate, arguments.out / f"{name}.gif")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 static float linear(float value)
 {
 	const double v = fmin(fmax((double)value, 0), 1), light = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-	return (float)(0.01 + 0.84 * light);
+	return (float)(0.01 + 0.6 * light);
 }
 
 void vehicle_paint(struct world_look *look, const float colour[3])
