@@ -2,10 +2,11 @@
 // What an object is at a pixel, as numbers: see measure.frag. An object has no soil.
 in vec3 place;
 in vec3 normal;
-layout(location = 0) out vec4 measured; // w: -1; -2 if the normal points down
+flat in float number; // of the body; 0: a grain
+layout(location = 0) out vec4 measured; // w: -1 - 2 number; one less if the normal points down
 
 void main()
 {
 	vec3 outward = normalize(gl_FrontFacing ? normal : -normal);
-	measured = vec4(outward.xy, place.z, outward.z < 0.0 ? -2.0 : -1.0);
+	measured = vec4(outward.xy, place.z, (outward.z < 0.0 ? -2.0 : -1.0) - 2.0 * number);
 }

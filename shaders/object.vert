@@ -16,7 +16,8 @@ layout(std430, binding = 0) readonly buffer corners {
 };
 struct posed {
 	vec4 forward, left, up; // xyz: the object's axes; the three w: its centre relative to the eye, metres
-	vec4 size;              // x: radius of a ball that contains it, metres
+	vec4 size;              // x: radius of a ball that contains it, metres; y: its number
+	vec4 paint;             // rgb: albedo; w: 0 that of its materials, 1 this one, 2 this one but for metal and dark parts
 };
 layout(std430, binding = 1) readonly buffer objects {
 	posed object[];
@@ -26,6 +27,7 @@ out vec3 place;  // metres relative to the eye
 out vec3 normal;
 out float open;  // share of the sky that the ground does not hide; less at the object's lower side
 flat out vec4 surface; // rgb: albedo; w: how much it shines
+flat out float number; // of the body, for pictures of instances
 #ifdef FOG
 out vec2 air;
 #endif
@@ -42,13 +44,17 @@ void main()
 	ivec3 steps = ivec3(which.www << uvec3(22, 12, 2)) >> 22;
 	vec3 centre = vec3(at.forward.w, at.left.w, at.up.w);
 	vec3 from_centre = at.forward.xyz * own.x + at.left.xyz * own.y + at.up.xyz * own.z;
+	number = at.size.y;
 	normal = at.forward.xyz * float(steps.x) + at.left.xyz * float(steps.y) + at.up.xyz * float(steps.z);
 	place = centre + from_centre;
 	open = 0.45 + 0.55 * smoothstep(-1.0, 0.4, from_centre.z / at.size.x);
 #ifdef GRAINS
 	surface = vec4(mix(soil_colours[0], soil_colours[1], fract(dot(at.forward.xyz, vec3(1e4, 3e4, 7e4)))), 0.0);
 #else
-	surface = surfaces[which.w >> 30];
+	uint material = which.w >> 30;
+	surface = surfaces[material];
+	if (at.paint.w > 0.0 && (at.paint.w < 2.0 || (material & 1u) == 0u))
+		surface = vec4(at.paint.rgb, 0.15);
 #endif
 #ifdef FOG
 	air = haze_between(place);

@@ -44,7 +44,7 @@ void explain_sun_text(const struct report_plan *plan)
 void explain_cameras_text(const struct scene *scene, const struct report_plan *plan)
 {
 	if (scene->camera_count > 0)
-		puts("\ncameras: each frame draws what it sees once, and for normals, height and class once more");
+		puts("\ncameras: each frame draws what it sees once, and for normals, height, class and instance once more");
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
 		char what[320], images[120];

@@ -25,7 +25,7 @@ extern const char view_keys_text[];
 enum view_mode { VIEW_MODE_SCENE, VIEW_MODE_FOLLOW, VIEW_MODE_FLY };
 struct view_eye {
 	enum view_mode mode;
-	size_t object;      /* followed */
+	size_t object;      /* followed: number of drive_followed */
 	double eye[3], fov; /* metres, radians: as the last picture had them, in every mode */
 	double yaw, pitch;  /* of the look, radians: from east to north, upwards */
 	double back, up;    /* following: metres behind and above */
@@ -60,7 +60,8 @@ struct viewer {
 	struct chart_pen *pen;        /* for text on the picture; NULL: this process sets none */
 	bool line, help, snapshot;
 	bool again;                   /* the picture is to be drawn anew */
-	double titled;                /* clock, s: when the title was written */
+	double titled, titled_time;   /* clock, s: when the title was written; s of the drive then */
+	double rate;                  /* s of the drive in a second of the clock, between the last two titles; NaN: not known */
 	const char *told;             /* what the line of figures says at its end, until: */
 	double told_until;
 	int64_t steps, pictures, drops, snapshots; /* steps: of the scene */
@@ -72,9 +73,10 @@ void viewer_init(struct viewer *viewer, struct window *window, const struct scen
 struct drive_host viewer_host(struct viewer *viewer);
 
 /* --- view_picture.c: what is drawn over the picture --- */
-void view_figures_text(const struct viewer *viewer, const struct drive_figures *figures, char *text, size_t size);
+/* `followed`: whose speed, slip and sinkage it tells; NULL: there is no vehicle. */
+void view_figures_text(const struct viewer *viewer, const struct drive_figures *figures, const struct drive_followed *followed, char *text, size_t size);
 /* The line of figures, the legend of a layer, the help. Rows from the lowest. Without a pen nothing. */
-enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
+enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, const struct drive_followed *followed, uint8_t *pixels, uint32_t width, uint32_t height)
 	FURROW_CHECKED;
 
 /* --- view_scene.c: the scene as it is viewed --- */

@@ -24,6 +24,7 @@ void viewer_init(struct viewer *viewer, struct window *window, const struct scen
 		.fly_before = clock_seconds(),
 		.line = true,
 		.told = "",
+		.rate = (double)NAN,
 	};
 }
 
@@ -92,19 +93,22 @@ static enum status place_eye(struct viewer *viewer, struct drive *drive, double 
 	return status;
 }
 
-static void follow_next(struct viewer *viewer, const struct scene *scene)
+static void follow_next(struct viewer *viewer, const struct drive *drive)
 {
+	const size_t count = drive_followed_count(drive);
 	struct view_eye *eye = &viewer->eye;
 	size_t next = eye->mode == VIEW_MODE_FOLLOW ? eye->object + 1 : 0;
 	eye->swing = 0;
-	if (next < scene->object_count) {
+	if (next < count) {
+		struct drive_followed followed;
+		drive_followed(drive, next, &followed);
 		eye->mode = VIEW_MODE_FOLLOW;
 		eye->object = next;
-		tell(viewer, "follows %.60s", scene->objects[next].name);
+		tell(viewer, "follows %.60s", followed.name);
 		return;
 	}
 	eye->mode = VIEW_MODE_FLY;
-	tell(viewer, scene->object_count > 0 ? "flies" : "there is no object to follow");
+	tell(viewer, count > 0 ? "flies" : "there is no object to follow");
 }
 
 /* --- dropping --- */
@@ -167,7 +171,7 @@ static enum status key_down(struct viewer *viewer, struct drive *drive, int key)
 	int which = 0;
 	switch (view_action_of(key, &which)) {
 	case VIEW_FOLLOW:
-		follow_next(viewer, drive_scene(drive));
+		follow_next(viewer, drive);
 		break;
 	case VIEW_RESET:
 		viewer->eye.mode = VIEW_MODE_SCENE;
@@ -240,16 +244,32 @@ static enum status take_events(struct viewer *viewer, struct drive *drive)
 
 /* --- the host's calls --- */
 
+/* Gives the vehicle whose figures are told: the one that the eye follows, or the scene's camera, or the first. Returns false if there is none. */
+static bool watched(const struct viewer *viewer, const struct drive *drive, struct drive_followed *out)
+{
+	const struct scene *scene = drive_scene(drive);
+	const int aimed = scene->view.aim.vehicle;
+	const bool follows = viewer->eye.mode == VIEW_MODE_FOLLOW && viewer->eye.object >= scene->object_count;
+	const size_t number = follows ? viewer->eye.object : scene->object_count + (aimed > 0 ? (size_t)aimed - 1 : 0);
+	if (number >= drive_followed_count(drive))
+		return false;
+	drive_followed(drive, number, out);
+	return true;
+}
+
 static void write_title(struct viewer *viewer, struct drive *drive, double now)
 {
+	struct drive_followed followed;
 	struct drive_figures figures;
-	char figured[256], title[320];
+	char figured[400], title[440];
 	if (now - viewer->titled < TITLE_EVERY)
 		return;
 	drive_figures(drive, &figures);
 	viewer->steps = figures.steps;
+	viewer->rate = viewer->titled > 0 ? (figures.time - viewer->titled_time) / (now - viewer->titled) : (double)NAN;
 	viewer->titled = now;
-	view_figures_text(viewer, &figures, figured, sizeof figured);
+	viewer->titled_time = figures.time;
+	view_figures_text(viewer, &figures, watched(viewer, drive, &followed) ? &followed : NULL, figured, sizeof figured);
 	snprintf(title, sizeof title, "furrow: %s", figured);
 	window_title(viewer->window, title);
 }
@@ -311,9 +331,10 @@ static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uin
 {
 	struct viewer *viewer = user;
 	struct drive_figures figures;
+	struct drive_followed followed;
 	drive_figures(drive, &figures);
 	viewer->pictures++;
-	TRY(view_draw_over(viewer, &figures, pixels, width, height));
+	TRY(view_draw_over(viewer, &figures, watched(viewer, drive, &followed) ? &followed : NULL, pixels, width, height));
 	if (viewer->snapshot)
 		write_snapshot(viewer, pixels, width, height);
 	return window_show(viewer->window, pixels, (int)width, (int)height);

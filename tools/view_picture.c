@@ -11,20 +11,34 @@
 
 static const struct chart_colour white = {255, 255, 255, 255}, black = {0, 0, 0, 200}, shadow = {0, 0, 0, 150};
 
-void view_figures_text(const struct viewer *viewer, const struct drive_figures *figures, char *text, size_t size)
+/* "car 1.20 m/s  slip 0.05  sinkage 12 mm" */
+static void vehicle_text(const struct drive_followed *followed, char text[128])
 {
-	char pace[24];
+	char slip[32] = "";
+	if (isfinite(followed->slip))
+		snprintf(slip, sizeof slip, "  slip %.2f", followed->slip);
+	snprintf(text, 128, "  %.40s %.2f m/s%s  sinkage %.1f mm", followed->name, followed->speed, slip, 1e3 * followed->sinkage);
+}
+
+void view_figures_text(const struct viewer *viewer, const struct drive_figures *figures, const struct drive_followed *followed, char *text, size_t size)
+{
+	char pace[24], vehicle[128] = "", rate[32] = "";
+	if (followed != NULL && followed->vehicle)
+		vehicle_text(followed, vehicle);
+	if (isfinite(viewer->rate) && !viewer->paused && !figures->over)
+		snprintf(rate, sizeof rate, " (%.2f real)", viewer->rate);
 	if (viewer->pace == VIEW_PACE_MOST)
 		snprintf(pace, sizeof pace, "free");
 	else
 		snprintf(pace, sizeof pace, "x%g", ldexp(1, viewer->pace));
 	snprintf(text, size,
-		 "%.0f fps  %.1f ms  step %lld/%lld  %.2f s  %s  %.2f ms/step  slots %u/%u  hits %llu  misses %llu  dirty %zu  "
+		 "%.0f fps  %.1f ms  step %lld/%lld  %.2f s  %s%s%s  %.2f ms/step  slots %u/%u  hits %llu  misses %llu  dirty %zu  "
 		 "queue %zu  %llu tri  eye %.1f %.1f %.1f",
 		 figures->fps, figures->frame_ms, (long long)figures->step, (long long)figures->steps, figures->time,
 		 figures->over    ? "over"
 		 : viewer->paused ? "paused"
 				  : pace,
+		 rate, vehicle,
 		 figures->step_ms, figures->slots_used, figures->slots, (unsigned long long)figures->hits,
 		 (unsigned long long)figures->misses, figures->dirty, figures->queued, (unsigned long long)figures->triangles,
 		 viewer->eye.eye[0], viewer->eye.eye[1], viewer->eye.eye[2]);
@@ -138,16 +152,16 @@ static enum status draw_legend(const struct over *over, const struct render_laye
 	return STATUS_OK;
 }
 
-enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, uint8_t *pixels, uint32_t width,
-			   uint32_t height)
+enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, const struct drive_followed *followed, uint8_t *pixels,
+			   uint32_t width, uint32_t height)
 {
 	const struct over over = {viewer->pen, {pixels, width, height}, width > LARGE ? 2 : 1};
 	int top = (int)height;
-	char text[320];
+	char text[500];
 	if (viewer->pen == NULL)
 		return STATUS_OK;
 	if (viewer->line) {
-		view_figures_text(viewer, figures, text, sizeof text - 96);
+		view_figures_text(viewer, figures, followed, text, sizeof text - 96);
 		if (viewer->told[0] != '\0')
 			snprintf(text + strlen(text), sizeof text - strlen(text), "  %s", viewer->told);
 		TRY(draw_figures(&over, text, &top));

@@ -82,8 +82,18 @@ const struct scene *drive_scene(const struct drive *drive);
 const struct store_meta *drive_store(const struct drive *drive);
 /* Copies the scene's own camera as it is now. */
 void drive_scene_camera(const struct drive *drive, struct render_camera *camera);
-/* Tells where an object of the scene is on its path now. `place`: local metres, on the base; `yaw`: radians from east to north. */
-void drive_place(const struct drive *drive, size_t object, double place[3], double *yaw);
+/* What an eye can follow, by its number: the scene's objects, then its vehicles. */
+struct drive_followed {
+	const char *name;
+	bool vehicle;    /* the next three are known */
+	double speed;    /* m/s, in plan */
+	double slip;     /* mean of its wheels and belts; NaN: none turns */
+	double sinkage;  /* m: of what is deepest in the soil; 0: it touches none */
+};
+size_t drive_followed_count(const struct drive *drive);
+void drive_followed(const struct drive *drive, size_t number, struct drive_followed *out);
+/* Tells where one of these is now. `place`: local metres, of an object on the base; `yaw`: radians from east to north. */
+void drive_place(const struct drive *drive, size_t number, double place[3], double *yaw);
 
 /* Drops a body, as world_drop does. The soil that relaxes after it goes on relaxing in the steps that follow. */
 enum status drive_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)

@@ -299,9 +299,36 @@ void drive_scene_camera(const struct drive *drive, struct render_camera *camera)
 	render_view_scene_camera(drive->view, camera);
 }
 
-void drive_place(const struct drive *drive, size_t object, double place[3], double *yaw)
+size_t drive_followed_count(const struct drive *drive)
 {
-	world_place(drive->world, object, place, yaw);
+	return drive->scene->object_count + vehicle_count(drive->vehicles);
+}
+
+void drive_followed(const struct drive *drive, size_t number, struct drive_followed *out)
+{
+	const size_t objects = drive->scene->object_count;
+	struct vehicle_info info;
+	if (number < objects) {
+		*out = (struct drive_followed){.name = drive->scene->objects[number].name};
+		return;
+	}
+	vehicle_info(drive->vehicles, number - objects, &info);
+	*out = (struct drive_followed){info.name, true, info.speed, info.slip, info.depth};
+}
+
+void drive_place(const struct drive *drive, size_t number, double place[3], double *yaw)
+{
+	const size_t objects = drive->scene->object_count;
+	struct furrow_state state;
+	double axes[3][3];
+	if (number < objects) {
+		world_place(drive->world, number, place, yaw);
+		return;
+	}
+	vehicle_state(drive->vehicles, number - objects, &state);
+	memcpy(place, state.pose.position, 3 * sizeof *place);
+	world_axes(state.pose.orientation, axes);
+	*yaw = atan2(axes[0][1], axes[0][0]);
 }
 
 enum status drive_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)

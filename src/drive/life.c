@@ -159,6 +159,9 @@ static enum status before_commit(void *user)
 enum status drive_start_view(struct drive *drive)
 {
 	const bool watched = drive_is_watched(drive);
+	TRY(vehicle_draw(drive->vehicles, drive->scene->view.effects));
+	const struct world_figures figures = vehicle_figures(drive->vehicles);
+	world_set_figures(drive->world, &figures);
 	TRY(render_view_create(drive->world, watched, &drive->view));
 	const size_t bytes = watched ? 0 : render_pictures_bytes(drive->scene);
 	return bytes > 0 ? render_pictures_create(world_resident(drive->world)->gpu, drive->params.directory, bytes, &drive->pictures) : STATUS_OK;
@@ -200,8 +203,6 @@ static enum status start(struct drive *drive)
 	if (!drive_is_watched(drive))
 		TRY(render_cameras_fit(scene, mem_usable().bytes));
 	TRY(start_pages(drive));
-	const struct world_figures figures = vehicle_figures(drive->vehicles);
-	world_set_figures(world, &figures);
 	drive->commits = (struct world_commits){drive, before_record, before_commit};
 	world_set_commits(world, &drive->commits);
 	if (scene->view.present)

@@ -317,7 +317,9 @@ static void look(const struct render *render, const struct render_camera *camera
 		struct object_seen *seen = &objects->seen[(*seen_count)++];
 		far = sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
 		pixels = far > shape->bound ? shape->bound / far * axes->focal : INFINITY;
-		*seen = (struct object_seen){.shape = objects->shape_of[object->object], .posed = {.size = {(float)shape->bound}}};
+		*seen = (struct object_seen){.shape = objects->shape_of[object->object], .posed = {.size = {(float)shape->bound, (float)object->number}}};
+		if (object->painted)
+			memcpy(seen->posed.paint, (const float[4]){object->colour[0], object->colour[1], object->colour[2], shape->shape->kind == SOIL_WHEEL ? 2 : 1}, sizeof seen->posed.paint);
 		while (pixels < details_from[seen->detail])
 			seen->detail++;
 		while (shape->first[seen->detail] == shape->first[seen->detail + 1])

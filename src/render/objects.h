@@ -62,7 +62,8 @@ struct object_shape {
 /* Read by shaders/object.vert, std430. */
 struct object_posed {
 	float axes[3][4];
-	float size[4];
+	float size[4];  /* [0]: radius of a ball around it, m; [1]: its number */
+	float paint[4]; /* colour; [3]: 0 of its shape, 1 this one, 2 this one but for metal and dark parts */
 };
 
 struct object_seen {

@@ -57,7 +57,20 @@ static enum status write_depth(const char *path, const struct render_picture *pi
 
 /* --- numbers of render_measure --- */
 
-#define CODE 3 /* the number of a pixel that says what is there */
+#define CODE 3 /* the number of a pixel that says what is there: render_measure */
+
+/* What pictures of classes have beside numbers of soils, which are below. */
+enum { CLASS_GRAIN = 252, CLASS_OBJECT, CLASS_VEHICLE, CLASS_SKY };
+
+static uint32_t body_of(float code)
+{
+	return code < 0 ? ((uint32_t)-code - 1) / 2 : 0;
+}
+
+static bool points_down(float code)
+{
+	return code < 0 && (uint32_t)-code % 2 == 0;
+}
 
 static void put_normals(const void *user, uint32_t y, uint8_t *row)
 {
@@ -76,7 +89,7 @@ static enum status write_normals(const char *path, const struct render_picture *
 	for (size_t i = 0; i < count; i++) {
 		const float *from = &numbers[4 * i];
 		const float up = sqrtf(fmaxf(1 - from[0] * from[0] - from[1] * from[1], 0));
-		const float normal[3] = {from[0], from[1], from[CODE] == -2 ? -up : up};
+		const float normal[3] = {from[0], from[1], points_down(from[CODE]) ? -up : up};
 		for (int k = 0; k < 3; k++)
 			normals[3 * i + k] = from[CODE] == 0 ? NAN : normal[k];
 	}
@@ -131,12 +144,39 @@ done:
 	return status;
 }
 
+/* Pixels of render_measure. */
+struct numbers {
+	const float *values;
+	const struct render_picture *picture;
+};
+
+static uint8_t class_of(const struct render_picture *picture, float code)
+{
+	const uint32_t body = body_of(code);
+	if (code >= 0)
+		return code > 0 ? (uint8_t)(code - 1) : CLASS_SKY;
+	if (body == 0)
+		return CLASS_GRAIN;
+	return body >= picture->vehicles[0] && body < picture->vehicles[1] ? CLASS_VEHICLE : CLASS_OBJECT;
+}
+
 static void put_classes(const void *user, uint32_t y, uint8_t *row)
 {
-	const struct greys *numbers = user;
-	const float *from = numbers->values + (size_t)4 * numbers->width * y;
-	for (uint32_t x = 0; x < numbers->width; x++)
-		row[x] = from[4 * x + CODE] > 0 ? (uint8_t)(from[4 * x + CODE] - 1) : 255;
+	const struct numbers *numbers = user;
+	const float *from = numbers->values + (size_t)4 * numbers->picture->width * y;
+	for (uint32_t x = 0; x < numbers->picture->width; x++)
+		row[x] = class_of(numbers->picture, from[4 * x + CODE]);
+}
+
+static void put_instances(const void *user, uint32_t y, uint8_t *row)
+{
+	const struct numbers *numbers = user;
+	const float *from = numbers->values + (size_t)4 * numbers->picture->width * y;
+	for (uint32_t x = 0; x < numbers->picture->width; x++) {
+		const uint32_t body = body_of(from[4 * x + CODE]), shown = body < 65535 ? body : 65535;
+		row[2 * x] = (uint8_t)(shown >> 8);
+		row[2 * x + 1] = (uint8_t)shown;
+	}
 }
 
 static enum status write_numbers(const char *directory, const struct render_picture *picture, const float *numbers)
@@ -150,11 +190,15 @@ static enum status write_numbers(const char *directory, const struct render_pict
 		path_of(directory, picture, SCENE_IMAGE_HEIGHT, path);
 		TRY(write_heights(path, picture, numbers));
 	}
-	if (!(picture->images >> SCENE_IMAGE_CLASS & 1))
+	const struct numbers rows = {numbers, picture};
+	if (picture->images >> SCENE_IMAGE_CLASS & 1) {
+		path_of(directory, picture, SCENE_IMAGE_CLASS, path);
+		TRY(write_png(path, picture, 8, 1, put_classes, &rows));
+	}
+	if (!(picture->images >> SCENE_IMAGE_INSTANCE & 1))
 		return STATUS_OK;
-	const struct greys rows = {numbers, picture->width, 1};
-	path_of(directory, picture, SCENE_IMAGE_CLASS, path);
-	return write_png(path, picture, 8, 1, put_classes, &rows);
+	path_of(directory, picture, SCENE_IMAGE_INSTANCE, path);
+	return write_png(path, picture, 16, 1, put_instances, &rows);
 }
 
 enum status render_picture_write(const char *directory, const struct render_picture *picture, void *bytes)
@@ -170,6 +214,7 @@ enum status render_picture_write(const char *directory, const struct render_pict
 	case SCENE_IMAGE_NORMALS:
 	case SCENE_IMAGE_HEIGHT:
 	case SCENE_IMAGE_CLASS:
+	case SCENE_IMAGE_INSTANCE:
 	case SCENE_IMAGES:
 		break;
 	}

@@ -62,6 +62,9 @@ struct render_object {
 	bool posed;              /* `axes` count instead of the four angles: forward, left, up, with what it turned */
 	double axes[3][3];
 	double turned;           /* radians about its own left axis, forwards: of a wheel, or of a ball that rolls */
+	bool painted;            /* it has this colour; false: the colours of its shape. The rim of a wheel stays metal */
+	float colour[3];         /* albedo, linear */
+	uint32_t number;         /* of the body in pictures of instances (world_instance_of); 0: none */
 };
 
 /* A grain of soil in the air. */
@@ -145,7 +148,7 @@ bool render_shade_view(const struct render *render, const struct render_camera *
 enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct render_view *view,
 			      const struct render_selection *selection) FURROW_CHECKED;
 /* Draws the last frame again as numbers. A pixel has four floats: the normal east and north, the height above the eye (m), and a code.
- * Codes: 0 sky; 1 + class of the soil, of the ground or aboard a body; -1 an object; -2 an object whose normal points down. Of slots without classes the class is 0. The depth
+ * Codes: 0 is sky, and 1 + class the soil of the ground or aboard a body. -1 - 2 n is the body with the number n; -2 - 2 n is the same where its normal points down. A grain has the number 0. Of slots without classes the class is 0. The depth
  * texture becomes the same again. Counts as a frame in render_tiles. */
 enum status render_measure(struct render *render, const struct render_camera *camera, const struct render_selection *selection) FURROW_CHECKED;
 uint64_t render_triangles(const struct render *render); /* returns the triangles of the last frame */
@@ -293,6 +296,7 @@ struct render_picture {
 	double unit;            /* depth and height: metres of 1 in the 16-bit PNG */
 	double low;             /* height: metres at 0 of that */
 	double eye;             /* height: of the camera, m */
+	uint32_t vehicles[2];   /* class: numbers of the bodies of vehicles, from the first until before the second */
 	int64_t frame;          /* below 0: `name` is the file, without its ending */
 	char name[80];          /* in the folder; a camera's own folder, with a folder for each image, if it has frames */
 };

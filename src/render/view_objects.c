@@ -140,26 +140,33 @@ enum status render_view_set_objects(struct view *view)
 	for (size_t i = 0; i < scene->object_count; i++) {
 		bool known;
 		if (world_body(world, i)->kind != BODY_PATH) { /* a host moves it */
-			if (render_view_body(view, i, &objects[count]))
+			if (render_view_body(view, i, &objects[count])) {
+				objects[count].number = (uint32_t)i + 1;
 				objects[count++].object = i;
+			}
 			continue;
 		}
 		if (world_time(world) < motion_track_sample_time(world_body(world, i)->track, 0))
 			continue; /* its path has not begun */
 		TRY_OR(done, render_view_object(view, i, &objects[count], &known));
+		objects[count].number = (uint32_t)i + 1;
 		count += known;
 	}
 	for (size_t i = 0; i < figures->count; i++) {
-		struct render_object figure = {.object = scene->object_count + i, .posed = true};
+		const struct world_look *look = &figures->looks[i];
+		struct render_object figure = {.object = scene->object_count + i, .posed = true, .painted = look->painted, .number = (uint32_t)(scene->object_count + look->body + 1)};
 		if (!figures->places[i].there)
 			continue;
 		memcpy(figure.at, figures->places[i].at, sizeof figure.at);
 		memcpy(figure.axes, figures->places[i].axes, sizeof figure.axes);
+		memcpy(figure.colour, look->colour, sizeof figure.colour);
 		objects[count++] = figure;
 	}
 	for (size_t i = 0; i < view->added_count; i++)
-		if (render_view_body(view, (size_t)view->added[i], &objects[count]))
+		if (render_view_body(view, (size_t)view->added[i], &objects[count])) {
+			objects[count].number = world_instance_of_added(world, (size_t)view->added[i]);
 			objects[count++].object = scene->object_count + figures->count + i;
+		}
 	render_set_objects(view->render, objects, count);
 done:
 	mem_free(objects);

@@ -177,6 +177,21 @@ static void add_soils(cJSON *object, const struct scene *scene)
 	}
 }
 
+/* The bodies that a picture of instances has the numbers of: "number": "name". */
+static void add_instances(cJSON *object, const struct world *world)
+{
+	cJSON *instances = cJSON_AddObjectToObject(object, "instances");
+	const size_t end = world_figures(world)->body_count + world_body_count(world);
+	for (uint32_t number = 1; number <= end; number++) {
+		const char *name;
+		char key[16];
+		if (world_instance_of(world, number, &name) == WORLD_INSTANCE_NONE)
+			continue;
+		snprintf(key, sizeof key, "%u", number);
+		cJSON_AddStringToObject(instances, key, name);
+	}
+}
+
 static void add_measured(cJSON *images, const struct world *world, const struct scene_camera *camera)
 {
 	double unit, zero;
@@ -195,8 +210,13 @@ static void add_measured(cJSON *images, const struct world *world, const struct 
 	}
 	if (camera->images >> SCENE_IMAGE_CLASS & 1) {
 		cJSON *class = cJSON_AddObjectToObject(images, "class");
-		cJSON_AddStringToObject(class, "png", "8-bit: index of the soil; 255: sky, or an object");
+		cJSON_AddStringToObject(class, "png", "8-bit: index of the soil; 252: a grain of soil in the air, 253: an object, 254: a vehicle, 255: sky");
 		add_soils(class, world_scene(world));
+	}
+	if (camera->images >> SCENE_IMAGE_INSTANCE & 1) {
+		cJSON *instance = cJSON_AddObjectToObject(images, "instance");
+		cJSON_AddStringToObject(instance, "png", "16-bit: number of the body; 0: ground, soil in the air, sky");
+		add_instances(instance, world);
 	}
 }
 
@@ -304,6 +324,11 @@ void report_cameras_add(cJSON *root, const struct scene *scene, const struct rep
 	if (scene->camera_count == 0)
 		return;
 	cJSON *cameras = cJSON_AddObjectToObject(root, "cameras");
+	bool numbered = false;
+	for (size_t i = 0; i < scene->camera_count; i++)
+		numbered |= scene->cameras[i].images >> SCENE_IMAGE_INSTANCE & 1;
+	if (numbered && poses != NULL)
+		add_instances(root, poses->world);
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
 		cJSON *object = cJSON_AddObjectToObject(cameras, camera->name), *images = NULL;

@@ -278,8 +278,9 @@ struct scene_aim {
 };
 
 /* What a camera writes of each frame. */
-enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, SCENE_IMAGE_HEIGHT, SCENE_IMAGE_CLASS, SCENE_IMAGES };
-#define SCENE_IMAGES_MEASURED (1u << SCENE_IMAGE_NORMALS | 1u << SCENE_IMAGE_HEIGHT | 1u << SCENE_IMAGE_CLASS) /* drawn a second time */
+enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, SCENE_IMAGE_HEIGHT, SCENE_IMAGE_CLASS, SCENE_IMAGE_INSTANCE, SCENE_IMAGES };
+/* drawn a second time */
+#define SCENE_IMAGES_MEASURED (1u << SCENE_IMAGE_NORMALS | 1u << SCENE_IMAGE_HEIGHT | 1u << SCENE_IMAGE_CLASS | 1u << SCENE_IMAGE_INSTANCE)
 
 #define SCENE_CAMERAS 128 /* most cameras of a scene: 64 pairs */
 /* A camera that writes pictures of a drive. A stereo pair is two cameras. */
@@ -599,5 +600,23 @@ void scene_rebound_advise(const struct scene *scene, const struct scene_rebound 
 /* Calls `tell` for each number that seems to be given in a wrong unit. The text is one line, "FILE:LINE: KEY: WHY; WHAT TO DO".
  * scene_advise calls this first. */
 void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user);
+
+/* --- scene_mesh_parts.c: meshes that are only looked at --- */
+
+/* The triangles of a mesh file that have one colour. */
+struct scene_mesh_part {
+	struct soil_mesh *mesh;
+	float colour[3]; /* sRGB, 0 .. 1: of the material's diffuse light */
+	bool coloured;   /* false: the file gives it none */
+};
+#define SCENE_MESH_PARTS 64 /* most parts; triangles of further colours are in the part of the nearest one */
+/*
+ * Reads a mesh file to be looked at: OBJ with its .mtl, STL, COLLADA (.dae). Axes are the file's own: a COLLADA's up axis is not turned, its unit counts.
+ * `scale`: along each axis; if it mirrors, triangles are turned round. The caller frees the parts with
+ * scene_mesh_parts_destroy, also after a failure. STATUS_INPUT, with a message that begins with `told`: it cannot be read as a mesh, or has more than a
+ * million triangles. Any thread; files are read one at a time.
+ */
+enum status scene_mesh_parts_load(const char *path, const char *told, const double scale[3], struct scene_mesh_part **parts, size_t *count) FURROW_CHECKED;
+void scene_mesh_parts_destroy(struct scene_mesh_part *parts, size_t count); /* parts may be NULL */
 
 #endif

@@ -154,7 +154,7 @@ static enum status check_place(const struct entry *entry)
 const char *scene_image_name(enum scene_image image)
 {
 	static const char *const names[SCENE_IMAGES] = {[SCENE_IMAGE_COLOUR] = "colour", [SCENE_IMAGE_DEPTH] = "depth", [SCENE_IMAGE_NORMALS] = "normals",
-						   [SCENE_IMAGE_HEIGHT] = "height", [SCENE_IMAGE_CLASS] = "class"};
+						   [SCENE_IMAGE_HEIGHT] = "height", [SCENE_IMAGE_CLASS] = "class", [SCENE_IMAGE_INSTANCE] = "instance"};
 	return names[image];
 }
 

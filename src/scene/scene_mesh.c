@@ -64,7 +64,7 @@ static bool has_area(float corners[3][3])
 	return area > 0;
 }
 
-static enum status check_places(const struct mesh_corners *corners, const char *told, double scale)
+enum status scene_mesh_check(const struct mesh_corners *corners, const char *told, double scale)
 {
 	double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, size = 0;
 	for (size_t i = 0; i < 3 * corners->triangles; i++)
@@ -117,10 +117,9 @@ static enum status trim(struct soil_mesh *mesh)
 	return mem_resize(&mesh->triangles, mesh->triangle_count, sizeof *mesh->triangles, "a mesh");
 }
 
-static enum status mesh_of(const struct mesh_corners *corners, const char *told, double scale, struct soil_mesh *mesh)
+enum status scene_mesh_of(const struct mesh_corners *corners, const char *told, double scale, struct soil_mesh *mesh)
 {
 	struct places places = {NULL, 0};
-	TRY(check_places(corners, told, scale));
 	mesh->vertices = mem_alloc(3 * corners->triangles, sizeof *mesh->vertices);
 	mesh->triangles = mem_alloc(corners->triangles, sizeof *mesh->triangles);
 	TRY_MEM(mesh->vertices != NULL && mesh->triangles != NULL, "a mesh");
@@ -134,12 +133,13 @@ static enum status mesh_of(const struct mesh_corners *corners, const char *told,
 
 enum status scene_mesh_load(const char *path, const char *told, double scale, struct soil_mesh **out)
 {
-	struct mesh_corners corners = {NULL, 0};
+	struct mesh_corners corners = {.at = NULL};
 	struct soil_mesh *mesh = mem_calloc(1, sizeof *mesh);
 	TRY_MEM(mesh, "a mesh");
 	enum status status;
 	TRY_OR(failed, scene_mesh_import(path, told, &corners));
-	TRY_OR(failed, mesh_of(&corners, told, scale, mesh));
+	TRY_OR(failed, scene_mesh_check(&corners, told, scale));
+	TRY_OR(failed, scene_mesh_of(&corners, told, scale, mesh));
 	mem_free(corners.at);
 	*out = mesh;
 	return STATUS_OK;

@@ -2,6 +2,7 @@
 #ifndef FURROW_SCENE_MESH_H
 #define FURROW_SCENE_MESH_H
 
+#include "scene/scene.h"
 #include "soil/soil.h"
 
 #define SCENE_MESH_BYTES (64u << 20) /* most bytes of the file together with the files it names */

@@ -2,6 +2,7 @@
  * Counts what an OBJ, an STL or a DAE file has before assimp reads it. assimp takes some hundred bytes for a face, and more for a group.
  * For some shapes its time grows with the square of their number. So a small file could take all memory, or hours.
  */
+#include <ctype.h>
 #include <string.h>
 
 #include "scene/scene_mesh_import.h"
@@ -107,9 +108,49 @@ static enum status count_elements(const char *bytes, size_t length, const char *
 	return STATUS_OK;
 }
 
+/* Returns whether `id` is the id of a node of a library: id="..." between the tags of one. */
+static bool is_of_library(const char *bytes, size_t length, const char *id, size_t id_length)
+{
+	static const char from[] = "<library_nodes", to[] = "</library_nodes", word[] = "id=\"";
+	const size_t of = sizeof word - 1;
+	bool within = false;
+	for (const char *at = bytes, *end = bytes + length; at < end; at++) {
+		const size_t left = (size_t)(end - at);
+		if (*at == '<' && left >= sizeof from && memcmp(at, from, sizeof from - 1) == 0)
+			within = true;
+		else if (*at == '<' && left >= sizeof to && memcmp(at, to, sizeof to - 1) == 0)
+			within = false;
+		else if (within && *at == 'i' && isspace((unsigned char)at[-1]) && left > of + id_length && memcmp(at, word, of) == 0 && memcmp(at + of, id, id_length) == 0 && at[of + id_length] == '"')
+			return true;
+	}
+	return false;
+}
+
+#define INSTANCES_MOST 1000u /* of nodes */
+
+/* assimp looks for a node first in libraries, then in the scene. There it may be one that the instance is in, without an end. */
+static enum status check_instances(const char *bytes, size_t length, const char *told)
+{
+	static const char word[] = "<instance_node", url[] = "url=\"#";
+	size_t instances = 0;
+	if (strstr(bytes, word) != NULL && strstr(bytes, "<!") != NULL)
+		return fail_with(STATUS_INPUT, "%s: it has instances of nodes, and comments, in which more may hide; export the mesh as STL", told);
+	for (const char *at = bytes, *end = bytes + length; (at = memchr(at, '<', (size_t)(end - at))) != NULL; at++) {
+		if ((size_t)(end - at) < sizeof word || memcmp(at, word, sizeof word - 1) != 0)
+			continue;
+		const char *stop = memchr(at, '>', (size_t)(end - at)), *id = strstr(at, url), *quote = id != NULL ? strchr(id + sizeof url - 1, '"') : NULL;
+		if (++instances > INSTANCES_MOST)
+			return too_many(told, "instances of nodes", INSTANCES_MOST);
+		if (stop == NULL || quote == NULL || quote > stop || !is_of_library(bytes, length, id + sizeof url - 1, (size_t)(quote - id) - (sizeof url - 1)))
+			return fail_with(STATUS_INPUT, "%s: an instance of a node is of none in a library, and may be of one that it is in; export the mesh as STL", told);
+	}
+	return STATUS_OK;
+}
+
 enum status scene_mesh_count_dae(const char *bytes, size_t length, const char *told)
 {
 	TRY(count_elements(bytes, length, told));
+	TRY(check_instances(bytes, length, told));
 	/* Instances of nodes may have instances of nodes, and these the first. */
 	const size_t instances = count_of(bytes, length, "<instance_node"), nodes = count_of(bytes, length, "<node");
 	for (const char *at = bytes, *end = bytes + length; instances > 0;) {

@@ -7,8 +7,10 @@
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,6 +26,9 @@ struct given {
 	char name[16]; /* that assimp is told, in place of its path */
 	const char *bytes;
 	size_t length;
+	char beside_name[80]; /* a second file: the materials of an OBJ. Empty: none */
+	char *beside;
+	size_t beside_length;
 };
 
 struct open_file {
@@ -84,11 +89,12 @@ static struct aiFile *open_proc(struct aiFileIO *io, const char *name, const cha
 	const struct given *given = (const struct given *)(void *)io->UserData;
 	if (strncmp(name, "./", 2) == 0)
 		name += 2;
-	struct open_file *open = strcmp(name, given->name) == 0 ? mem_calloc(1, sizeof *open) : NULL;
+	const bool beside = given->beside != NULL && strcmp(name, given->beside_name) == 0;
+	struct open_file *open = beside || strcmp(name, given->name) == 0 ? mem_calloc(1, sizeof *open) : NULL;
 	if (open == NULL)
 		return NULL;
-	open->bytes = given->bytes;
-	open->length = given->length;
+	open->bytes = beside ? given->beside : given->bytes;
+	open->length = beside ? given->beside_length : given->length;
 	open->file = (struct aiFile){
 		.ReadProc = read_proc,
 		.WriteProc = write_proc,
@@ -145,7 +151,7 @@ static void product(const double a[3][4], const struct aiMatrix4x4 *b, double ou
 }
 
 static enum status take_mesh(const struct aiMesh *mesh, const double place[3][4], const char *told,
-			     struct mesh_corners *corners)
+			     uint8_t part, struct mesh_corners *corners)
 {
 	for (unsigned f = 0; f < mesh->mNumFaces; f++) {
 		const struct aiFace *face = &mesh->mFaces[f];
@@ -160,9 +166,40 @@ static enum status take_mesh(const struct aiMesh *mesh, const double place[3][4]
 				corners->at[3 * corners->triangles + (size_t)c][k] =
 					place[k][0] * v->x + place[k][1] * v->y + place[k][2] * v->z + place[k][3];
 		}
+		if (corners->parts != NULL)
+			corners->parts[corners->triangles] = part;
 		corners->triangles++;
 	}
 	return STATUS_OK;
+}
+
+/* Returns the part of a material's colour; adds it, or takes the nearest one. */
+static uint8_t part_of(const struct aiScene *scene, unsigned material, struct mesh_corners *corners)
+{
+	struct aiColor4D diffuse = {0.5f, 0.5f, 0.5f, 1};
+	struct aiString name = {.length = 0};
+	if (corners->parts == NULL)
+		return 0;
+	if (material < scene->mNumMaterials)
+		(void)aiGetMaterialString(scene->mMaterials[material], AI_MATKEY_NAME, &name);
+	const bool told = material < scene->mNumMaterials && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) != 0 &&
+			  aiGetMaterialColor(scene->mMaterials[material], AI_MATKEY_COLOR_DIFFUSE, &diffuse) == aiReturn_SUCCESS;
+	const float colour[4] = {fminf(fmaxf(diffuse.r, 0), 1), fminf(fmaxf(diffuse.g, 0), 1), fminf(fmaxf(diffuse.b, 0), 1), told};
+	size_t nearest = 0;
+	float least = INFINITY;
+	for (size_t i = 0; i < corners->part_count; i++) {
+		float apart = 0;
+		for (int k = 0; k < 4; k++)
+			apart += (colour[k] - corners->colours[i][k]) * (colour[k] - corners->colours[i][k]);
+		if (apart < least) {
+			least = apart;
+			nearest = i;
+		}
+	}
+	if (least == 0 || corners->part_count == SCENE_MESH_PARTS)
+		return (uint8_t)nearest;
+	memcpy(corners->colours[corners->part_count], colour, sizeof colour);
+	return (uint8_t)corners->part_count++;
 }
 
 static enum status take_node(const struct aiScene *scene, const struct aiNode *node, const double above[3][4],
@@ -171,18 +208,22 @@ static enum status take_node(const struct aiScene *scene, const struct aiNode *n
 	double place[3][4];
 	product(above, &node->mTransformation, place);
 	for (unsigned i = 0; i < node->mNumMeshes; i++)
-		TRY(take_mesh(scene->mMeshes[node->mMeshes[i]], (const double(*)[4])place, told, corners));
+		TRY(take_mesh(scene->mMeshes[node->mMeshes[i]], (const double(*)[4])place, told, part_of(scene, scene->mMeshes[node->mMeshes[i]]->mMaterialIndex, corners), corners));
 	for (unsigned i = 0; i < node->mNumChildren; i++)
 		TRY(take_node(scene, node->mChildren[i], (const double(*)[4])place, told, corners));
 	return STATUS_OK;
 }
 
-static enum status take_scene(const struct aiScene *scene, const char *told, struct mesh_corners *corners)
+static enum status take_scene(const struct aiScene *scene, const char *told, bool coloured, struct mesh_corners *corners)
 {
 	static const double as_it_is[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 	size_t triangles = 0, nodes = 0;
 	TRY(count_node(scene, scene->mRootNode, 0, told, &triangles, &nodes));
 	TRY(mem_make(&corners->at, 3 * triangles + 1, sizeof *corners->at, "a mesh"));
+	if (coloured) {
+		TRY(mem_zeroed(&corners->parts, triangles + 1, sizeof *corners->parts, "a mesh"));
+		TRY(mem_zeroed(&corners->colours, SCENE_MESH_PARTS, sizeof *corners->colours, "a mesh"));
+	}
 	TRY(take_node(scene, scene->mRootNode, as_it_is, told, corners));
 	if (corners->triangles == 0)
 		return fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", told);
@@ -204,7 +245,7 @@ static enum status not_a_mesh(const char *told)
 /* All threads share one last error of assimp. So only one thread at a time imports. */
 static pthread_mutex_t assimp = PTHREAD_MUTEX_INITIALIZER;
 
-static enum status import(struct given *given, const char *told, struct mesh_corners *corners)
+static enum status import(struct given *given, const char *told, bool coloured, struct mesh_corners *corners)
 {
 	struct aiFileIO io = {open_proc, close_proc, (aiUserData)(void *)given};
 	struct aiPropertyStore *properties = aiCreatePropertyStore();
@@ -221,7 +262,7 @@ static enum status import(struct given *given, const char *told, struct mesh_cor
 	enum status status = scene == NULL || scene->mRootNode == NULL ? not_a_mesh(told) : STATUS_OK;
 	pthread_mutex_unlock(&assimp);
 	TRY_OR(done, status);
-	TRY_OR(done, take_scene(scene, told, corners));
+	TRY_OR(done, take_scene(scene, told, coloured, corners));
 done:
 	if (scene != NULL)
 		aiReleaseImport(scene);
@@ -253,7 +294,7 @@ enum status scene_mesh_import(const char *path, const char *told, struct mesh_co
 	const size_t count = sizeof kinds / sizeof kinds[0];
 	const char *dot = strrchr(path, '.');
 	size_t kind = 0;
-	struct given given;
+	struct given given = {.beside = NULL};
 	char *bytes;
 	*corners = (struct mesh_corners){0};
 	while (kind < count && (dot == NULL || strcasecmp(dot, kinds[kind].ending) != 0))
@@ -266,9 +307,63 @@ enum status scene_mesh_import(const char *path, const char *told, struct mesh_co
 	enum status status;
 	if (kinds[kind].count != NULL)
 		TRY_OR(done, kinds[kind].count(bytes, given.length, told));
-	TRY_OR(done, kinds[kind].count != NULL ? import(&given, told, corners)
+	TRY_OR(done, kinds[kind].count != NULL ? import(&given, told, false, corners)
 					       : import_gltf(path, told, strcmp(kinds[kind].ending, ".glb") == 0, bytes, given.length, corners));
 done:
 	mem_free(bytes);
+	return status;
+}
+
+/* --- files to be looked at --- */
+
+#define MTL_BYTES (1u << 20)
+
+/* Reads the file of materials that an OBJ names, if it lies beside it. Without it the mesh has no colours. */
+static void read_materials(const char *path, struct given *given)
+{
+	static const char word[] = "mtllib ";
+	const char *line = strstr(given->bytes, word), *slash = strrchr(path, '/'); /* the bytes end with a NUL */
+	char name[sizeof given->beside_name], file[4096];
+	if (line == NULL || (line != given->bytes && line[-1] != '\n'))
+		return;
+	line += sizeof word - 1;
+	const size_t length = strcspn(line, "\r\n");
+	if (length == 0 || length >= sizeof name || memchr(line, '/', length) != NULL)
+		return;
+	snprintf(name, sizeof name, "%.*s", (int)length, line);
+	if (snprintf(file, sizeof file, "%.*s%s", slash != NULL ? (int)(slash - path + 1) : 0, path, name) >= (int)sizeof file)
+		return;
+	if (scene_file_read(file, "materials", MTL_BYTES, &given->beside, &given->beside_length) == STATUS_OK)
+		memcpy(given->beside_name, name, sizeof name);
+	else
+		given->beside = NULL;
+}
+
+enum status scene_mesh_import_parts(const char *path, const char *told, struct mesh_corners *corners)
+{
+	static const struct {
+		const char *ending;
+		enum status (*count)(const char *bytes, size_t length, const char *told);
+	} kinds[] = {{".obj", scene_mesh_count_obj}, {".stl", scene_mesh_count_stl}, {".dae", scene_mesh_count_dae}};
+	const size_t count = sizeof kinds / sizeof *kinds;
+	const char *dot = strrchr(path, '.');
+	struct given given = {.beside = NULL};
+	size_t kind = 0;
+	char *bytes;
+	*corners = (struct mesh_corners){0};
+	while (kind < count && (dot == NULL || strcasecmp(dot, kinds[kind].ending) != 0))
+		kind++;
+	if (kind == count)
+		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .dae", told);
+	TRY(scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length));
+	snprintf(given.name, sizeof given.name, "mesh%s", kinds[kind].ending);
+	given.bytes = bytes;
+	enum status status;
+	TRY_OR(done, kinds[kind].count(bytes, given.length, told));
+	if (kind == 0)
+		read_materials(path, &given);
+	TRY_OR(done, import(&given, told, true, corners));
+done:
+	mem_free_all(bytes, given.beside);
 	return status;
 }

@@ -182,10 +182,13 @@ struct vehicle {
 /* A geom that pictures show. */
 struct figure {
 	size_t vehicle;
-	int geom;
-	double axes[9];             /* the shape's axes forward, left, up as columns, in the geom's axes */
-	struct soil_mesh *mesh;   /* owned; NULL: none */
+	int body, geom;             /* of the model; geom -1: it has none, and its place is on the body */
+	double at[3];               /* m, in the body's axes; with a geom it is the geom's */
+	double axes[9];             /* the shape's axes forward, left, up as columns, in the axes of the geom or the body */
+	struct soil_mesh *mesh;   /* owned; NULL: none, or another's */
 };
+
+struct seen_mesh; /* figures.h */
 
 struct vehicles {
 	const struct scene *scene;  /* the file's, or `divided` */
@@ -210,6 +213,12 @@ struct vehicles {
 	size_t carrying_count;
 	struct scene_object *drawn; /* what pictures show, in the order of `figures` */
 	struct figure *figures;
+	struct world_look *looks;   /* of the figures */
+	size_t drawn_room, figure_room, look_room;
+	char **body_names;          /* VEHICLE.BODY of all bodies of all vehicles, in their order */
+	size_t body_count;
+	struct seen_mesh *seen;     /* visuals.c: meshes that only pictures show */
+	size_t seen_count, seen_room;
 	struct world_place *places; /* of the figures */
 	struct world_frame *frames; /* the bodies of all models */
 	size_t figure_count, frame_count;
@@ -344,7 +353,7 @@ enum status vehicle_make_mesh(const mjModel *model, int geom, struct soil_mesh *
 void vehicle_free_mesh(struct soil_mesh *mesh); /* takes NULL */
 
 /* --- figures.c --- */
-enum status vehicle_make_figures(struct vehicles *vehicles) FURROW_CHECKED;
+enum status vehicle_make_figures(struct vehicles *vehicles, uint64_t effects) FURROW_CHECKED; /* without EFFECT_OBJECTS none: only frames */
 /* STATUS_INPUT: a camera is mounted on a body that its vehicle does not have. */
 enum status vehicle_check_cameras(const struct vehicles *vehicles) FURROW_CHECKED;
 void vehicle_free_figures(struct vehicles *vehicles);

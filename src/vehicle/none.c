@@ -42,6 +42,11 @@ enum status vehicle_geom_capacity(const struct vehicles *vehicles, size_t vehicl
 	return STATUS_OK;
 }
 
+enum status vehicle_draw(struct vehicles *vehicles, uint64_t effects)
+{
+	return STATUS_OK;
+}
+
 struct world_figures vehicle_figures(const struct vehicles *vehicles)
 {
 	(void)vehicles;

@@ -22,7 +22,8 @@ struct spec {
 	bool urdf;
 	bool things;                /* no vehicle, but the things of the scene's `world` */
 	bool welded;                /* a link named world holds it */
-	mjSpec *spec;
+	mjSpec *spec;               /* NULL: only names are looked up */
+	const char *meshdir;        /* without a spec; NULL: none */
 	mjModel *model;
 	mjData *data;
 	int keyframe;               /* -1: none */
@@ -55,6 +56,9 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 void vehicle_spec_tell(struct spec *spec, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 void vehicle_spec_name(struct spec_names *names, const char *name);
+
+/* Finds the file of a mesh of a URDF, in the model's folder or in `model_path`. Returns false if it is nowhere, or where the model may not read. */
+bool vehicle_spec_find(const struct spec *spec, const char *name, char path[]); /* PATH_MAX bytes */
 
 /* --- spec_text.c --- */
 /* Reads a URDF, and changes what MuJoCo refuses or mixes up. Free *out with mem_free. STATUS_INPUT: it cannot be read. */

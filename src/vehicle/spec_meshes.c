@@ -146,7 +146,7 @@ static bool find(const struct spec *spec, struct files *files, const char *name,
 	if (name[0] == '/')
 		return is_file("", name, path);
 	char within[PATH_MAX];
-	const char *meshdir = mjs_getString(spec->spec->compiler.meshdir);
+	const char *meshdir = spec->spec != NULL ? mjs_getString(spec->spec->compiler.meshdir) : spec->meshdir;
 	snprintf(within, sizeof within, "%.2000s/%.2000s", folder, meshdir != NULL ? meshdir : "");
 	if (is_file(within, name, path) || is_file(folder, name, path))
 		return true;
@@ -177,6 +177,12 @@ static bool may_read(const struct spec *spec, const char *name, const char *path
 		if (realpath(spec->scene->model_path.list[i], folder) != NULL && vehicle_check_is_below(path, folder))
 			return true;
 	return false;
+}
+
+bool vehicle_spec_find(const struct spec *spec, const char *name, char path[])
+{
+	struct files files = {.last = ""};
+	return find(spec, &files, name, path) && may_read(spec, name, path);
 }
 
 /* Takes the geoms of a mesh out of the model. */

@@ -85,7 +85,7 @@ static enum status load(const struct scene *scene, struct vehicles *vehicles)
 	TRY(vehicle_set_timestep(vehicles));
 	TRY(make_lists(vehicles));
 	TRY(vehicle_check_cameras(vehicles));
-	return scene->view.present || scene->hosted ? vehicle_make_figures(vehicles) : STATUS_OK; /* a host may ask for pictures without a view */
+	return scene->view.present ? vehicle_make_figures(vehicles, scene->view.effects) : STATUS_OK;
 }
 
 enum status vehicle_load(const struct scene *scene, struct vehicles **out)

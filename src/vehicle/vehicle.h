@@ -63,6 +63,9 @@ struct vehicle_lie {
 /* Gives the nth of them. Returns false if there are fewer. */
 bool vehicle_lie(const struct vehicles *vehicles, size_t vehicle, size_t nth, struct vehicle_lie *lie);
 
+/* Makes what pictures with these effects show of the vehicles, and reads the files of meshes that only pictures need, unless that was done. A scene with a view has it
+ * from the start; a host may ask for a picture later. Give the world vehicle_figures again after it. NULL: does nothing. STATUS_MEMORY. */
+enum status vehicle_draw(struct vehicles *vehicles, uint64_t effects) FURROW_CHECKED;
 /* Returns what pictures show of the vehicles: their models' geoms and bodies. For NULL: nothing. The places in it follow each step. */
 struct world_figures vehicle_figures(const struct vehicles *vehicles);
 

@@ -81,10 +81,19 @@ struct world_place {
 	bool there;                       /* false: it is not there yet */
 	double at[3], axes[3][3];         /* m; axes forward, left, up */
 };
+/* How a figure looks, and to which body it belongs. */
+struct world_look {
+	float colour[3];                  /* albedo, linear */
+	bool painted;                     /* false: it has the colours that pictures give its shape */
+	size_t body;                      /* index into world_figures.bodies */
+};
 struct world_figures {
 	const struct scene_object *list;  /* shapes and names; must stay valid longer than the world */
 	const struct world_place *places; /* of their middles */
+	const struct world_look *looks;
 	size_t count;
+	const char *const *bodies;        /* names VEHICLE.BODY of what figures belong to: pictures number them in this order */
+	size_t body_count;
 	const struct world_frame {        /* bodies of the models of vehicles */
 		size_t vehicle;
 		const char *body;         /* name; NULL: the root body, also if it has a name */
@@ -94,5 +103,13 @@ struct world_figures {
 };
 /* Finds the place of a body of a vehicle's model. NULL: it is not there yet. `body` NULL: the root body. */
 const struct world_place *world_frame_of(const struct world *world, size_t vehicle, const char *body);
+/*
+ * Bodies by their numbers in pictures, from 1: the scene's objects in its order, then the bodies of world_figures, then those that a host has added, by
+ * their numbers in the world. A number stays the same through a drive, and is the same in each drive of a scene.
+ */
+enum world_instance { WORLD_INSTANCE_NONE, WORLD_INSTANCE_OBJECT, WORLD_INSTANCE_VEHICLE, WORLD_INSTANCE_ADDED };
+/* Tells what has a number. *name: until the next body is added; NULL: nothing has it, as 0. */
+enum world_instance world_instance_of(const struct world *world, uint32_t number, const char **name);
+uint32_t world_instance_of_added(const struct world *world, size_t body); /* returns the number of a body that a host has added */
 
 #endif

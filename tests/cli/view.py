@@ -2,6 +2,7 @@
 import ctypes
 import ctypes.util
 import math
+import re
 import shutil
 import signal
 import sys
@@ -153,6 +154,41 @@ class View(WindowTest):
         self.assertEqual(self.still_picture()[:2], (200, 120))
         self.xdo("windowsize", "--sync", self.window, 260, 150)
         self.until("the new size", lambda: self.picture()[:2] == (260, 150))
+        self.key("Escape")
+        self.close()
+
+    def test_the_line_tells_of_the_followed_vehicle(self):
+        """Its speed, slip and sinkage, in the title and on the screen."""
+        if "MuJoCo" not in self.ok("--version"):
+            self.skipTest("not on this machine: a build without vehicles")
+        geoms = "".join(f'<body name="{n}" pos="{x} {y} 0"><joint name="{n}" axis="0 1 0"/><geom type="cylinder" size="0.3 0.1" euler="90 0 0" mass="5"/></body>'
+                        for n, x, y in (("a", 0.6, 0.5), ("b", 0.6, -0.5), ("c", -0.6, 0.5), ("d", -0.6, -0.5)))
+        motors = "".join(f'<velocity name="{n}" joint="{n}" kv="200"/>' for n in "abcd")
+        (self.folder / "car.xml").write_text('<mujoco><worldbody><body name="hull" pos="0 0 0.5"><freejoint/><geom type="box" size="0.6 0.3 0.1" mass="60"/>' + geoms +
+                                             f"</body></worldbody><actuator>{motors}</actuator></mujoco>")
+        vehicles = "vehicles:\n" + "".join(f"  - {{name: {name}, model: car.xml, start: {{at: [60, {y}]}}, driver: {{hold: {{a: {turns}, b: {turns}, c: {turns}, d: {turns}}}}}}}\n"
+                                           for name, y, turns in (("slow", 60, 2), ("fast", 70, 4)))
+        text = "scene: 1\ntime_step: 0.004\nend_time: 20\nspacing: 0.0625\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n" + vehicles
+        self.scene(text + "view: {size: [320, 180], camera: {chase: slow}, effects: [objects]}\n", "cars.yaml")
+        self.synth(posts="257x257", spacing=0.5, kind="plain", relief=0.1)
+        self.open(scene="cars.yaml")
+        told = re.compile(r"  (\w+) ([\d.]+) m/s  slip (-?[\d.]+)  sinkage ([\d.]+) mm  ")
+
+        def told_of(name):
+            found = told.search(self.title())
+            return found and found[1] == name and [float(number) for number in found.groups()[1:]]
+        self.until("a drive", lambda: self.step() > 200)
+        speed, slip, sinkage = self.until("the camera's vehicle", lambda: told_of("slow"))
+        self.assertAlmostEqual(speed, 0.6 * (1 - slip), delta=0.15)  # 2 rad/s on a radius of 0.3 m, less its slip
+        self.assertTrue(1 < sinkage < 150, sinkage)
+        self.key("space")
+        self.until("a pause", lambda: "paused" in self.title())
+        with_line = self.screen()[2]
+        self.key("l")
+        self.until("another picture", lambda: self.screen()[2] != with_line)
+        self.key("l", "space", "f", "f")
+        self.until("the other vehicle", lambda: "fast" in self.title())
+        self.assertGreater(self.until("its speed", lambda: told_of("fast"))[0], 0.75)
         self.key("Escape")
         self.close()
 

@@ -133,6 +133,7 @@ class PythonPackageTest(unittest.TestCase):
                 assert heights.shape == (2,) and heights.dtype == np.float64
                 rgb, depth = world.render(position=(48, 50, z + 2), orientation=(1, 0, 0, 0), fovy=1.0, size=(64, 48))
                 assert rgb.shape == (48, 64, 3) and rgb.dtype == np.uint8
+                assert "view" not in scene and rgb.mean() > 60  # the sun shines on it
                 assert depth.shape == (48, 64) and depth.dtype == np.float32
                 patch = world.read("offset", x=50, y=50, width=4, height=4)
                 assert patch.shape == (65, 65) and patch.dtype == np.float64 and patch.min() < -0.01
