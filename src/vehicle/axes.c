@@ -25,37 +25,54 @@ static void turn_pose(double *pos, double *quat, const double turn[4])
 	mju_copy4(quat, turned);
 }
 
-static void turn(const struct scene_vehicle *scene, mjModel *model, mjData *data, struct range bodies)
+/* Finds what turns the model to x, y and z. Returns false if nothing does. */
+static bool find_turn(const struct scene_vehicle *scene, double turn[4])
 {
-	double axes[9], back[9], turn[4];
-	if (!find_axes(scene, axes))
-		return;
+	double axes[9], back[9];
+	if (scene == NULL || !find_axes(scene, axes))
+		return false;
 	for (int i = 0; i < 9; i++)
 		back[i] = axes[3 * (i % 3) + i / 3];
 	mju_mat2Quat(turn, back);
-	for (int body = bodies.first; body < bodies.end; body++) {
-		const int joint = model->body_jntadr[body];
-		if (model->body_parentid[body] != 0)
-			continue;
-		if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE) {
-			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
-			continue;
-		}
-		double *pose = &data->qpos[model->jnt_qposadr[joint]];
-		turn_pose(pose, pose + 3, turn);
-	}
-	mj_forward(model, data);
+	return true;
+}
+
+static bool is_free(const mjModel *model, int body)
+{
+	const int joint = model->body_jntadr[body];
+	return joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
 }
 
 void vehicle_turn_single(struct vehicle *vehicle)
 {
-	turn(vehicle->scene, vehicle->single, vehicle->posed, (struct range){1, vehicle->single->nbody});
+	mjModel *model = vehicle->single;
+	double turn[4];
+	if (!find_turn(vehicle->scene, turn))
+		return;
+	for (int body = 1; body < model->nbody; body++) {
+		if (model->body_parentid[body] != 0)
+			continue;
+		if (!is_free(model, body)) {
+			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
+			continue;
+		}
+		const int at = model->jnt_qposadr[model->body_jntadr[body]];
+		turn_pose(&vehicle->posed->qpos[at], &vehicle->posed->qpos[at + 3], turn);
+		turn_pose(&model->qpos0[at], &model->qpos0[at + 3], turn);
+	}
+	mj_forward(model, vehicle->posed);
 }
 
-void vehicle_turn_model(struct vehicle *vehicle)
+void vehicle_turn_fixed(struct vehicle *vehicle)
 {
-	if (!vehicle->is_world)
-		turn(vehicle->scene, vehicle->model, vehicle->data, vehicle->own.body);
+	mjModel *model = vehicle->model;
+	double turn[4];
+	if (!find_turn(vehicle->scene, turn))
+		return;
+	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
+		if (model->body_parentid[body] == 0 && !is_free(model, body))
+			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
+	mj_forward(model, vehicle->data);
 }
 
 void vehicle_set_root_axes(struct vehicle *vehicle)

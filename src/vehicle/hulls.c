@@ -21,6 +21,7 @@ static double lowest(const struct vehicle *vehicle, int geom)
 	return place[2];
 }
 
+/* Things of `world` always count as standing: their rows tell where they are. */
 void vehicle_find_standing(struct vehicle *vehicle)
 {
 	double ground = INFINITY;
@@ -29,7 +30,7 @@ void vehicle_find_standing(struct vehicle *vehicle)
 	vehicle->standing_count = 0;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		struct soil_geom *geom = &vehicle->geoms[g];
-		geom->is_standing = vehicle->scene->soil.count > 0 || geom->carries || soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0 ||
+		geom->is_standing = vehicle->is_world || vehicle->scene->soil.count > 0 || geom->carries || soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0 ||
 			       lowest(vehicle, geom->geom) <= ground + GROUNDED;
 		geom->aloft = !geom->is_standing;
 		vehicle->standing_count += geom->is_standing;

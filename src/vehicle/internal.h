@@ -394,7 +394,7 @@ enum status vehicle_check_surfaces(const struct vehicle *vehicle, const char *wh
 /* --- axes.c --- */
 /* Turns the first pose, so that the model looks along x and is upright, as the scene says. */
 void vehicle_turn_single(struct vehicle *vehicle); /* the same of its own model, before all are put together */
-void vehicle_turn_model(struct vehicle *vehicle);
+void vehicle_turn_fixed(struct vehicle *vehicle);
 /* Finds forward, left and up in the axes of the root body, which is known by now. */
 void vehicle_set_root_axes(struct vehicle *vehicle);
 

@@ -134,7 +134,7 @@ enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scen
 {
 	char where[VEHICLE_WHERE];
 	vehicle_where(vehicle, scene, where);
-	vehicle_turn_model(vehicle);
+	vehicle_turn_fixed(vehicle);
 	TRY(vehicle_start_pose(vehicle, where));
 	TRY(vehicle_find_geoms(vehicle, where));
 	TRY(vehicle_check_surfaces(vehicle, where));

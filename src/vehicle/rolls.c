@@ -51,7 +51,7 @@ void vehicle_find_roll(const struct vehicle *vehicle, struct soil_geom *geom)
 	const mjModel *model = vehicle->model;
 	const int kind = geom->shape.kind;
 	int body = model->geom_bodyid[geom->geom];
-	if (kind == SOIL_WHEEL || kind == SOIL_BOX || geom->shape.belt)
+	if (kind == SOIL_WHEEL || kind == SOIL_BOX || kind == SOIL_CYLINDER || geom->shape.belt) /* a cylinder that turns about another axis than its own is a mistake */
 		return;
 	while (body > 0 && model->body_jntnum[body] == 0)
 		body = model->body_parentid[body];

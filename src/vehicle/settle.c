@@ -178,6 +178,9 @@ static enum status place_bodies(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
+			TRY(vehicle_lift_hull(vehicles, &vehicles->list[v], geom));
+			if (geom->aloft)
+				continue;
 			TRY(world_body_place(vehicles->world, geom->number, &geom->now.pose));
 			TRY(world_bodies_set(vehicles->world, 1, &geom->number, &geom->now, &geom->now_belt));
 			geom->touched = geom->now;

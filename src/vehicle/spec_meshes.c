@@ -1,7 +1,7 @@
 /*
  * Where the meshes of a model lie: beside it, in a package (package://NAME/FILE), or in a folder of `model_path`.
  *
- * A package is a folder NAME in `model_path`, or one that the model's own folder lies in, or one near it whose package.xml has that name. Files that are not
+ * A package is a folder NAME in `model_path`, or one that the model's own folder lies in. A folder near it whose package.xml has that name is one, too. Files that are not
  * found are told, and what has their shape is left out; their links keep their masses. What MuJoCo does not read is read as the mesh of an object is.
  */
 #include <dirent.h>

@@ -1,4 +1,4 @@
-/* Parts of a model that MuJoCo refuses, or that a scene could not name: shapes without a size, skins, parts without names; joints that follow others. */
+/* Parts of a model that MuJoCo refuses: shapes without a size, skins. Parts that a scene could not name. Joints that follow others. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -56,7 +56,7 @@ static bool has_mass(const mjsBody *body)
 	return has;
 }
 
-/* A link that has no inertial, and is fixed to others that have one, has no mass, as in ROS: MuJoCo would give its shapes that of water. */
+/* A link without an inertial that is fixed to others with one has no mass, as in ROS. MuJoCo would give its shapes that of water. */
 static void take_masses_away(struct spec *spec)
 {
 	struct spec_names names = {.count = 0};

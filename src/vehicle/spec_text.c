@@ -2,7 +2,8 @@
  * The text of a URDF as MuJoCo reads it. Other programs take what MuJoCo refuses or mixes up, so the text is changed before it is parsed:
  *
  * 1. Every mesh file gets a name of its own. MuJoCo knows a mesh by the last part of its file's name, and would take left/wheel.stl for right/wheel.stl.
- * 2. A link that is only seen collides with what is seen: all links of a model that has no collision, else those that turn without end and have none.
+ * 2. A link that is only seen collides with what is seen. That is so for all links of a model that has no collision. Else it is so for those that turn
+ *    without end and have none.
  * 3. Of several materials of one visual the first counts. Commas between numbers are blanks.
  *
  * Lines keep their numbers, so MuJoCo's messages fit the file.
@@ -101,7 +102,7 @@ static enum status add_mimic(struct rewrite *rewrite, const struct vehicle_xml *
 	return STATUS_OK;
 }
 
-static enum status survey(struct rewrite *rewrite)
+static enum status find_parts(struct rewrite *rewrite)
 {
 	struct vehicle_xml xml = vehicle_xml_begin(rewrite->text, rewrite->length);
 	struct vehicle_xml_attribute joint = {NULL, NULL, 0, 0}, type;
@@ -311,7 +312,7 @@ enum status vehicle_spec_text(struct spec *spec, char **out)
 	spec->mimic_count = 0;
 	TRY_OR(done, vehicle_check_read(&check, spec->path, &text, &rewrite.length));
 	rewrite.text = rewrite.copied = text;
-	TRY_OR(done, survey(&rewrite));
+	TRY_OR(done, find_parts(&rewrite));
 	choose_seen(&rewrite);
 	write_all(&rewrite);
 	status = rewrite.status;

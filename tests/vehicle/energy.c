@@ -80,7 +80,7 @@ static size_t read_turned(struct turned *rows, size_t most)
 	char *text = support_text(support_path("out/vehicles.csv"));
 	size_t count = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n'))
-		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%lf,%*f,%lf", &rows[count].t, &rows[count].x, &rows[count].z,
+		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%*f,%*f,%lf,%*f,%lf", &rows[count].t, &rows[count].x, &rows[count].z,
 				&rows[count].kinetic, &rows[count].work, &rows[count].angle, &rows[count].force) == 7;
 	free(text);
 	return count;

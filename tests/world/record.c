@@ -24,7 +24,7 @@ static const struct record_object objects[] = {
 	{.next = INT64_MAX, .has_last = true,
 	 .last = {INT64_MIN, INT64_MAX, -1, 0.1, -DBL_MIN / 4, 1 / 3.0, -2 / 3.0},
 	 .distance = DBL_MAX, .sinkage = -0.0, .skipped = INT64_MAX,
-	 .force = {{0.1, -0.0, DBL_MIN / 4}, {DBL_MAX, -1 / 3.0, 3}, 1e-300, 2 / 3.0, 1 / 7.0, 1 / 11.0, 0, INT64_MIN, DEFORM_TOUCHING}},
+	 .force = {{0.1, -0.0, DBL_MIN / 4}, {DBL_MAX, -1 / 3.0, 3}, 1e-300, 2 / 3.0, 1 / 7.0, 1 / 11.0, 0, 0, INT64_MIN, DEFORM_TOUCHING}},
 	{.next = (INT64_C(1) << 53) + 1, .has_last = false,
 	 .last = {(INT64_C(1) << 53) + 1, -(INT64_C(1) << 53) - 1, 0, -M_PI, 4.9406564584124654e-324, 1e300, DBL_EPSILON},
 	 .distance = 1 + DBL_EPSILON, .sinkage = -1e-17, .skipped = 3},
