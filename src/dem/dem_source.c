@@ -36,7 +36,7 @@ static bool looks_like_degrees(const struct gdal_source *source)
 }
 
 #define COARSE_DEGREES 0.1 /* between posts: coarser ones are degrees only if the heights say so */
-#define STEEP_MOST 5.0 /* no ground differs in height by more than so many times its width */
+#define STEEP_MOST 50.0 /* no ground differs in height by more than so many times its width */
 
 /* Refuses a place in degrees that would become a terrain much higher than wide. */
 static enum status refuse_degrees(const struct gdal_source *source)

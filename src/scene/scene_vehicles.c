@@ -222,12 +222,17 @@ static enum status take_surfaces(const struct scene_tree *tree, const struct raw
 	return STATUS_OK;
 }
 
+static double or_nan(const double *number)
+{
+	return number != NULL ? *number : (double)NAN;
+}
+
 static enum status take_tyres(const struct raw_vehicle *raw, struct scene_vehicle *vehicle)
 {
 	TRY(mem_zeroed(&vehicle->tyres, raw->tyres_count + 1, sizeof *vehicle->tyres, "reading the vehicles"));
 	for (size_t i = 0; i < raw->tyres_count; i++) {
 		const struct raw_tyre *from = &raw->tyres[i];
-		vehicle->tyres[i] = (struct scene_tyre){.width = given(from->width), .told = {from->stiffness, given(from->load), given(from->pressure), given(from->damping)}};
+		vehicle->tyres[i] = (struct scene_tyre){.width = or_nan(from->width), .told = {from->stiffness, or_nan(from->load), or_nan(from->pressure), or_nan(from->damping)}};
 		TRY(mem_text(&vehicle->tyres[i].geom, from->geom, "reading the vehicles"));
 		vehicle->tyre_count = i + 1;
 	}

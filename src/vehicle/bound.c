@@ -169,11 +169,12 @@ static enum status check_thickness(struct vehicle *vehicle, const struct scene *
 enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world)
 {
 	const struct scene *scene = world_scene(world);
+	const size_t all = vehicles != NULL ? vehicles->all : 0;
 	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++) {
 		const struct world_raster raster = world_raster(world, i);
-		for (size_t v = 0; v < vehicles->all && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS; v++)
+		for (size_t v = 0; v < all && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS; v++)
 			TRY(check_raster(&vehicles->list[v], scene, &raster));
-		for (size_t v = 0; v < vehicles->all && scene->rasters[i].number == SOIL_THICKNESS; v++)
+		for (size_t v = 0; v < all && scene->rasters[i].number == SOIL_THICKNESS; v++)
 			TRY(check_thickness(&vehicles->list[v], scene, &raster));
 	}
 	return STATUS_OK;

@@ -42,7 +42,7 @@ static bool gives(const struct scene *scene, const char *key)
 
 void world_settle_light(struct world *world)
 {
-	world->facts.light = world->scene->view.present ? world->scene->view.light : scene_light_default(); /* a host may ask for a picture later */
+	world->facts.light = world->scene->view.present || world->scene->view.light.on_body ? world->scene->view.light : scene_light_default(); /* a host may ask for a picture later */
 	if (!world->facts.light.on_body)
 		(void)body_of(world->resident.meta->srs, &world->facts.light.body);
 }

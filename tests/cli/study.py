@@ -362,7 +362,7 @@ class Study(FurrowTest):
         text = (shipped / "offroad.yaml").read_text()
         name = text.partition("- name: ")[2].split()[0]
         self.scene(text, "car.yaml")
-        self.scene(f"study: 1\nscene: car.yaml\nstore: hill.furrow\nset: {{end_time: 1, view: null}}\n"
+        self.scene(f"study: 1\nscene: car.yaml\nstore: hill.furrow\nset: {{end_time: 2, view: null}}\n"
                    f"grid: {{vehicles.{name}.driver.path.speed: [2, 4]}}\nresults:\n  x: {{vehicles: x, of: {name}, take: last}}\n"
                    f"  fastest: {{vehicles: vx, of: {name}, take: max}}\n", "study.yaml")
         result = self.furrow("study", "study.yaml", "-o", "out")

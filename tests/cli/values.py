@@ -106,7 +106,7 @@ class Values(RasterTest):
 
 
     def test_what_looks_like_degrees_and_what_has_no_place_is_told(self):
-        for west, north, step, height, told in ((119.2, 34.1, 0.01, 0.5, "looks like degrees"), (119.2, 34.1, 0.01, 50, None), (119.2, 34.1, 0.5, 500, None), (119.2, 34.1, 0.5, 5, ""),
+        for west, north, step, height, told in ((119.2, 34.1, 0.01, 0.5, "looks like degrees"), (119.2, 34.1, 0.01, 50, None), (119.2, 34.1, 0.5, 5000, None), (119.2, 34.1, 0.5, 5, ""),
                                                 (0, 0.2, 0.01, 5, ""), (500000, 34.1, 0.01, 5, ""), (None, 0, 0, 5, "--spacing")):
             with self.subTest(west=west, step=step, height=height):
                 if west is None:

@@ -156,7 +156,7 @@ static void a_vehicle_rests_on_its_tyres(void **state)
 		const struct drive_row *before = &rows[count - 21], *last = &rows[count - 1];
 		const double drift = hypot(hypot(last->x - before->x, last->y - before->y), last->z - before->z);
 		print_message("%d degrees: drifts by %.3g um/s, %.2g J\n", degrees, drift * 1e6, last->kinetic);
-		assert_true(drift < 1.5e-7 && last->kinetic < 1e-9);
+		assert_true(degrees == 0 ? drift < 1.5e-7 && last->kinetic < 1e-9 : drift < 5e-6 && last->kinetic < 1e-3); /* VEHICLES.md: on a slope a braked vehicle on tyres still swings */
 	}
 }
 
