@@ -69,6 +69,7 @@ SCENES = [
 
 # By the part of the message in the sources: which test types it, or why none does.
 ELSEWHERE = {
+    "give at most %.4g Pa, or a higher": "a measured tyre, docs/VEHICLES.md: no default is near it",
     # tests of this file
     "furrow reset %s": "commands", "furrow restore %s": "commands", "give --window %s": "windows", "--window %s": "windows",
     "give 0 to %d": "a range", "coarser than the store's coarsest": "windows", "time_step: %g s is longer": "vehicles", "give gravity: %s": "vehicles",
