@@ -104,8 +104,8 @@ struct world_figures {
 /* Finds the place of a body of a vehicle's model. NULL: it is not there yet. `body` NULL: the root body. */
 const struct world_place *world_frame_of(const struct world *world, size_t vehicle, const char *body);
 /*
- * Bodies by their numbers in pictures, from 1: the scene's objects in its order, then the bodies of world_figures, then those that a host has added, by
- * their numbers in the world. A number stays the same through a drive, and is the same in each drive of a scene.
+ * Bodies by their numbers in pictures, from 1. The scene's objects come first, in its order, then the bodies of world_figures. Those that a host has
+ * added come last, in the order of their numbers in the world. A number stays the same through a drive, and is the same in each drive of a scene.
  */
 enum world_instance { WORLD_INSTANCE_NONE, WORLD_INSTANCE_OBJECT, WORLD_INSTANCE_VEHICLE, WORLD_INSTANCE_ADDED };
 /* Tells what has a number. *name: until the next body is added; NULL: nothing has it, as 0. */
