@@ -285,30 +285,46 @@ done:
 	return status;
 }
 
+struct mesh_kind {
+	const char *ending;
+	enum status (*count)(const char *bytes, size_t length, const char *told); /* NULL: a glTF */
+};
+
+static const struct mesh_kind kinds[] = {
+	{".obj", scene_mesh_count_obj}, {".stl", scene_mesh_count_stl}, {".dae", scene_mesh_count_dae}, {".gltf", NULL}, {".glb", NULL}};
+#define KINDS_LOOKED_AT 3 /* the first ones: they have parts, and colours beside them */
+
+/* Reads a file of one of the first `count` kinds. *bytes, which is given->bytes: free it if this is STATUS_OK. */
+static enum status read_kind(const char *path, const char *told, size_t count, const char *allowed, const struct mesh_kind **kind, struct given *given,
+			     char **bytes)
+{
+	const char *dot = strrchr(path, '.');
+	size_t k = 0;
+	while (k < count && (dot == NULL || strcasecmp(dot, kinds[k].ending) != 0))
+		k++;
+	if (k == count)
+		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: %s", told, allowed);
+	TRY(scene_file_read(path, told, SCENE_MESH_BYTES, bytes, &given->length));
+	snprintf(given->name, sizeof given->name, "mesh%s", kinds[k].ending);
+	given->bytes = *bytes;
+	*kind = &kinds[k];
+	return STATUS_OK;
+}
+
 enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners)
 {
-	static const struct {
-		const char *ending;
-		enum status (*count)(const char *bytes, size_t length, const char *told); /* NULL: a glTF */
-	} kinds[] = {{".obj", scene_mesh_count_obj}, {".stl", scene_mesh_count_stl}, {".dae", scene_mesh_count_dae}, {".gltf", NULL}, {".glb", NULL}};
-	const size_t count = sizeof kinds / sizeof kinds[0];
-	const char *dot = strrchr(path, '.');
-	size_t kind = 0;
+	const struct mesh_kind *kind;
 	struct given given = {.beside = NULL};
 	char *bytes;
 	*corners = (struct mesh_corners){0};
-	while (kind < count && (dot == NULL || strcasecmp(dot, kinds[kind].ending) != 0))
-		kind++;
-	if (kind == count)
-		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .dae, .gltf, .glb", told);
-	TRY(scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length));
-	snprintf(given.name, sizeof given.name, "mesh%s", kinds[kind].ending);
-	given.bytes = bytes;
+	TRY(read_kind(path, told, sizeof kinds / sizeof kinds[0], ".obj, .stl, .dae, .gltf, .glb", &kind, &given, &bytes));
 	enum status status;
-	if (kinds[kind].count != NULL)
-		TRY_OR(done, kinds[kind].count(bytes, given.length, told));
-	TRY_OR(done, kinds[kind].count != NULL ? import(&given, told, false, corners)
-					       : import_gltf(path, told, strcmp(kinds[kind].ending, ".glb") == 0, bytes, given.length, corners));
+	if (kind->count != NULL) {
+		TRY_OR(done, kind->count(bytes, given.length, told));
+		TRY_OR(done, import(&given, told, false, corners));
+	} else {
+		TRY_OR(done, import_gltf(path, told, strcmp(kind->ending, ".glb") == 0, bytes, given.length, corners));
+	}
 done:
 	mem_free(bytes);
 	return status;
@@ -341,26 +357,14 @@ static void read_materials(const char *path, struct given *given)
 
 enum status scene_mesh_import_parts(const char *path, const char *told, struct mesh_corners *corners)
 {
-	static const struct {
-		const char *ending;
-		enum status (*count)(const char *bytes, size_t length, const char *told);
-	} kinds[] = {{".obj", scene_mesh_count_obj}, {".stl", scene_mesh_count_stl}, {".dae", scene_mesh_count_dae}};
-	const size_t count = sizeof kinds / sizeof *kinds;
-	const char *dot = strrchr(path, '.');
+	const struct mesh_kind *kind;
 	struct given given = {.beside = NULL};
-	size_t kind = 0;
 	char *bytes;
 	*corners = (struct mesh_corners){0};
-	while (kind < count && (dot == NULL || strcasecmp(dot, kinds[kind].ending) != 0))
-		kind++;
-	if (kind == count)
-		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .dae", told);
-	TRY(scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length));
-	snprintf(given.name, sizeof given.name, "mesh%s", kinds[kind].ending);
-	given.bytes = bytes;
+	TRY(read_kind(path, told, KINDS_LOOKED_AT, ".obj, .stl, .dae", &kind, &given, &bytes));
 	enum status status;
-	TRY_OR(done, kinds[kind].count(bytes, given.length, told));
-	if (kind == 0)
+	TRY_OR(done, kind->count(bytes, given.length, told));
+	if (kind == kinds)
 		read_materials(path, &given);
 	TRY_OR(done, import(&given, told, true, corners));
 done:

@@ -6,111 +6,81 @@
 #include <string.h>
 
 #include "vehicle/powertrain.h"
+#include "vehicle/table.h"
 
-#define LINE_MOST 16384
-
-struct table {
+struct reader {
 	struct vehicle *vehicle;
-	FILE *file;
-	const char *where, *path;
-	int line;
+	struct vehicle_table table;
 	size_t room;
-	char text[LINE_MOST];
 };
 
-static enum status wrong(const struct table *table, const char *what, const char *allowed)
+static enum status read_header(struct reader *reader)
 {
-	return fail_with(STATUS_INPUT, "%s: driver.controls: %s:%d: %.64s; allowed: %s", table->where, table->path, table->line, what, allowed);
-}
-
-/* Reads the next line that is not empty, without its end. *any: there was one. */
-static enum status next(struct table *table, bool *any)
-{
-	*any = false;
-	while (fgets(table->text, sizeof table->text, table->file) != NULL) {
-		table->line++;
-		const size_t length = strcspn(table->text, "\r\n");
-		if (table->text[length] == '\0' && !feof(table->file))
-			return wrong(table, "the line is too long, or has a byte 0", "lines of 16383 bytes");
-		table->text[length] = '\0';
-		if (length == 0)
-			continue;
-		*any = true;
-		return STATUS_OK;
-	}
-	return ferror(table->file) ? wrong(table, strerror(errno), "a file that can be read") : STATUS_OK;
-}
-
-static enum status read_header(struct table *table)
-{
-	struct driver *driver = &table->vehicle->driver;
+	struct driver *driver = &reader->vehicle->driver;
+	struct vehicle_table *table = &reader->table;
 	bool any;
 	char *rest = table->text;
-	TRY(next(table, &any));
+	TRY(vehicle_table_next(table, &any));
 	const char *name = any ? strsep(&rest, ",") : NULL;
 	if (name == NULL || strcmp(name, "t") != 0)
-		return wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
+		return vehicle_table_wrong(table, "the first line does not begin with t", "t,ACTUATOR,...");
 	TRY(mem_zeroed(&driver->held, strlen(table->text) + (rest != NULL ? strlen(rest) : 0) + 2, sizeof *driver->held, "a table of controls"));
 	while ((name = strsep(&rest, ",")) != NULL) {
-		const int actuator = vehicle_control_find(table->vehicle, name);
+		const int actuator = vehicle_control_find(reader->vehicle, name);
 		if (actuator < 0)
-			return wrong(table, name, "names of the model's actuators");
+			return vehicle_table_wrong(table, name, "names of the model's actuators");
 		for (size_t i = 0; i < driver->held_count; i++)
 			if (driver->held[i] == actuator)
-				return wrong(table, name, "each actuator once");
+				return vehicle_table_wrong(table, name, "each actuator once");
 		driver->held[driver->held_count++] = actuator;
 	}
-	return driver->held_count > 0 ? STATUS_OK : wrong(table, "no actuator", "t,ACTUATOR,...");
+	return driver->held_count > 0 ? STATUS_OK : vehicle_table_wrong(table, "no actuator", "t,ACTUATOR,...");
 }
 
-static enum status read_row(struct table *table)
+static enum status read_row(struct reader *reader)
 {
-	struct driver *driver = &table->vehicle->driver;
+	struct driver *driver = &reader->vehicle->driver;
+	struct vehicle_table *table = &reader->table;
 	const size_t width = driver->held_count + 1;
-	char *rest = table->text, *field, *end;
-	TRY(mem_grow(&driver->table, &table->room, driver->row_count + 1, width * sizeof *driver->table, "a table of controls"));
+	char *rest = table->text, *field;
+	TRY(mem_grow(&driver->table, &reader->room, driver->row_count + 1, width * sizeof *driver->table, "a table of controls"));
 	double *row = &driver->table[driver->row_count * width];
 	size_t count = 0;
-	for (; (field = strsep(&rest, ",")) != NULL && count < width; count++) {
-		row[count] = strtod(field, &end);
-		if (end == field || *end != '\0' || !(fabs(row[count]) <= 1e12))
-			return wrong(table, field, "numbers");
-	}
+	for (; (field = strsep(&rest, ",")) != NULL && count < width; count++)
+		TRY(vehicle_table_number(table, field, &row[count]));
 	if (count != width || field != NULL)
-		return wrong(table, "another number of columns", "as many as in the first line");
+		return vehicle_table_wrong(table, "another number of columns", "as many as in the first line");
 	if (driver->row_count > 0 ? !(row[0] > row[-(ptrdiff_t)width]) : !(row[0] >= 0))
-		return wrong(table, "t does not grow", "times that grow from row to row, from 0");
+		return vehicle_table_wrong(table, "t does not grow", "times that grow from row to row, from 0");
 	driver->row_count++;
 	return STATUS_OK;
 }
 
-static enum status read(struct table *table)
+static enum status read(struct reader *reader)
 {
 	bool any;
-	TRY(read_header(table));
+	TRY(read_header(reader));
 	for (;;) {
-		TRY(next(table, &any));
+		TRY(vehicle_table_next(&reader->table, &any));
 		if (!any)
 			break;
-		TRY(read_row(table));
+		TRY(read_row(reader));
 	}
-	return table->vehicle->driver.row_count > 0 ? STATUS_OK : wrong(table, "no row", "at least one");
+	return reader->vehicle->driver.row_count > 0 ? STATUS_OK : vehicle_table_wrong(&reader->table, "no row", "at least one");
 }
 
 enum status vehicle_read_controls(struct vehicle *vehicle, const char *where)
 {
-	struct table *table = mem_calloc(1, sizeof *table);
-	TRY_MEM(table, "a table of controls");
-	*table = (struct table){.vehicle = vehicle, .where = where, .path = vehicle->scene->controls};
-	table->file = input_open(table->path);
-	enum status status;
-	if (table->file == NULL) {
-		status = fail_with(STATUS_INPUT, "%s: driver.controls: %s: %s; name a file that can be read", where, table->path, input_problem());
-	} else {
-		status = read(table);
-		fclose(table->file);
+	struct reader *reader = mem_calloc(1, sizeof *reader);
+	TRY_MEM(reader, "a table of controls");
+	reader->vehicle = vehicle;
+	reader->table = (struct vehicle_table){.where = where, .key = "driver.controls", .path = vehicle->scene->controls, .most = TABLE_LINE};
+	enum status status = vehicle_table_open(&reader->table);
+	if (status == STATUS_OK) {
+		status = read(reader);
+		vehicle_table_close(&reader->table);
 	}
-	mem_free(table);
+	mem_free(reader);
 	return status;
 }
 

@@ -11,8 +11,9 @@
 #include <string.h>
 
 #include "vehicle/internal.h"
+#include "vehicle/table.h"
 
-#define LINE_MOST 4096
+#define LINE_MOST 4096 /* bytes, with its end */
 #define COLUMNS_MOST 8 /* t, body, forces, moments */
 
 struct push {
@@ -28,25 +29,18 @@ struct pushes {
 
 struct reader {
 	const struct vehicle *vehicle;
-	const char *where, *path;
-	int line;
 	size_t columns;
-	char text[LINE_MOST];
+	struct vehicle_table table;
 };
-
-static enum status wrong(const struct reader *reader, const char *what, const char *allowed)
-{
-	return fail_with(STATUS_INPUT, "%s: pushes: %s:%d: %.64s; allowed: %s", reader->where, reader->path, reader->line, what, allowed);
-}
 
 static enum status read_header(struct reader *reader)
 {
-	if (strcmp(reader->text, "t,body,fx,fy,fz") == 0)
+	if (strcmp(reader->table.text, "t,body,fx,fy,fz") == 0)
 		reader->columns = 5;
-	else if (strcmp(reader->text, "t,body,fx,fy,fz,tx,ty,tz") == 0)
+	else if (strcmp(reader->table.text, "t,body,fx,fy,fz,tx,ty,tz") == 0)
 		reader->columns = COLUMNS_MOST;
 	else
-		return wrong(reader, "another header", "t,body,fx,fy,fz or t,body,fx,fy,fz,tx,ty,tz");
+		return vehicle_table_wrong(&reader->table, "another header", "t,body,fx,fy,fz or t,body,fx,fy,fz,tx,ty,tz");
 	return STATUS_OK;
 }
 
@@ -58,31 +52,27 @@ static enum status find_body(const struct reader *reader, const char *name, int 
 		return STATUS_OK;
 	char names[VEHICLE_NAMES];
 	vehicle_list_names(vehicle->model, mjOBJ_BODY, vehicle->own.body.first, vehicle->own.body.end, names);
-	return fail_with(STATUS_INPUT, "%s: pushes: %s:%d: %.64s names no body of the model; there are: %s", reader->where, reader->path, reader->line, name, names);
+	return fail_with(STATUS_INPUT, "%s: pushes: %s:%d: %.64s names no body of the model; there are: %s", reader->table.where, reader->table.path, reader->table.line, name, names);
 }
 
 static enum status read_row(struct reader *reader, struct pushes *pushes)
 {
-	char *rest = reader->text, *field, *end;
+	char *rest = reader->table.text, *field;
 	TRY(mem_grow(&pushes->rows, &pushes->room, pushes->count + 1, sizeof *pushes->rows, "pushes"));
 	struct push *push = &pushes->rows[pushes->count];
-	*push = (struct push){.line = reader->line};
+	*push = (struct push){.line = reader->table.line};
 	size_t column = 0;
 	for (; (field = strsep(&rest, ",")) != NULL && column < reader->columns; column++) {
-		double number = 0;
 		if (column == 1) {
 			TRY(find_body(reader, field, &push->body));
 			continue;
 		}
-		number = strtod(field, &end);
-		if (end == field || *end != '\0' || !(fabs(number) <= 1e12))
-			return wrong(reader, field, "numbers");
-		*(column == 0 ? &push->t : &push->wrench[column - 2]) = number;
+		TRY(vehicle_table_number(&reader->table, field, column == 0 ? &push->t : &push->wrench[column - 2]));
 	}
 	if (column != reader->columns || field != NULL)
-		return wrong(reader, "another number of columns", "as many as in the first line");
+		return vehicle_table_wrong(&reader->table, "another number of columns", "as many as in the first line");
 	if (!(push->t >= 0))
-		return wrong(reader, "t is below 0", "times from 0 on");
+		return vehicle_table_wrong(&reader->table, "t is below 0", "times from 0 on");
 	pushes->count++;
 	return STATUS_OK;
 }
@@ -95,26 +85,22 @@ static int by_body_and_time(const void *a, const void *b)
 	return x->line < y->line ? -1 : 1;
 }
 
-static enum status read_table(struct reader *reader, FILE *file, struct pushes *pushes)
+static enum status read_table(struct reader *reader, struct pushes *pushes)
 {
-	while (fgets(reader->text, sizeof reader->text, file) != NULL) {
-		reader->line++;
-		const size_t length = strcspn(reader->text, "\r\n");
-		if (reader->text[length] == '\0' && !feof(file))
-			return wrong(reader, "the line is too long, or has a byte 0", "lines of 4095 bytes");
-		reader->text[length] = '\0';
-		if (length > 0)
-			TRY(reader->columns == 0 ? read_header(reader) : read_row(reader, pushes));
+	bool any;
+	for (;;) {
+		TRY(vehicle_table_next(&reader->table, &any));
+		if (!any)
+			break;
+		TRY(reader->columns == 0 ? read_header(reader) : read_row(reader, pushes));
 	}
-	if (ferror(file))
-		return wrong(reader, strerror(errno), "a file that can be read");
 	if (pushes->count == 0)
-		return wrong(reader, "no row", "at least one");
+		return vehicle_table_wrong(&reader->table, "no row", "at least one");
 	qsort(pushes->rows, pushes->count, sizeof *pushes->rows, by_body_and_time);
 	for (size_t i = 1; i < pushes->count; i++)
 		if (pushes->rows[i].body == pushes->rows[i - 1].body && !(pushes->rows[i].t > pushes->rows[i - 1].t)) {
-			reader->line = pushes->rows[i].line;
-			return wrong(reader, "t does not grow", "times that grow from row to row of a body");
+			reader->table.line = pushes->rows[i].line;
+			return vehicle_table_wrong(&reader->table, "t does not grow", "times that grow from row to row of a body");
 		}
 	return STATUS_OK;
 }
@@ -123,14 +109,12 @@ static enum status read(struct vehicle *vehicle, const char *where)
 {
 	struct reader *reader = mem_calloc(1, sizeof *reader);
 	TRY_MEM(reader, "pushes");
-	*reader = (struct reader){.vehicle = vehicle, .where = where, .path = vehicle->scene->pushes};
-	FILE *file = input_open(reader->path);
-	enum status status;
-	if (file == NULL) {
-		status = fail_with(STATUS_INPUT, "%s: pushes: %s: %s; name a file that can be read", where, reader->path, input_problem());
-	} else {
-		status = read_table(reader, file, vehicle->pushes);
-		fclose(file);
+	reader->vehicle = vehicle;
+	reader->table = (struct vehicle_table){.where = where, .key = "pushes", .path = vehicle->scene->pushes, .most = LINE_MOST};
+	enum status status = vehicle_table_open(&reader->table);
+	if (status == STATUS_OK) {
+		status = read_table(reader, vehicle->pushes);
+		vehicle_table_close(&reader->table);
 	}
 	mem_free(reader);
 	return status;
