@@ -3,7 +3,8 @@
 in vec3 place;
 in vec3 normal;
 flat in float number; // of the body; 0: a grain
-layout(location = 0) out vec4 measured; // w: -1 - 2 number; one less if the normal points down
+// x, y: of the unit normal; z: m, of the place; w: -1 - 2 * number, or -2 - 2 * number where the normal points down.
+layout(location = 0) out vec4 measured;
 
 void main()
 {

@@ -17,7 +17,7 @@ layout(std430, binding = 0) readonly buffer corners {
 struct posed {
 	vec4 forward, left, up; // xyz: the object's axes; the three w: its centre relative to the eye, metres
 	vec4 size;              // x: radius of a ball that contains it, metres; y: its number
-	vec4 paint;             // rgb: albedo; w: 0 that of its materials, 1 this one, 2 this one but for metal and dark parts
+	vec4 paint;             // rgb: albedo; w says where it goes. 0: nowhere, materials keep their colours. 1: on all parts. 2: on all but metal and dark ones
 };
 layout(std430, binding = 1) readonly buffer objects {
 	posed object[];

@@ -26,8 +26,7 @@ const struct command command_dataset = {
 	.summary = "write a drive as an EuRoC or TUM dataset",
 	.arguments = COMMAND_ARGUMENTS({"DIR", .help = "what furrow drive -o wrote", .files = "/", .needed = true}),
 	.options = options,
-	.details = "euroc: mav0 with a cam0, cam1, ... for each camera on one vehicle, the vehicle's true poses and velocities, and an imu0 where the "
-		   "drive wrote an accelerometer and a gyroscope. tum: the colours, depths (1 m is 5000) and poses of one camera. Pictures are hard links where the "
+	.details = "euroc: mav0 with a cam0, cam1, ... for each camera on one vehicle, and the vehicle's true poses and velocities. tum: the colours, depths (1 m is 5000) and poses of one camera. Pictures are hard links where the "
 		   "file system has them, else copies.\n",
 	.examples = "  furrow dataset out -o sequence\n"
 		    "  furrow dataset out -o rgbd --format tum --camera nav\n",

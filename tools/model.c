@@ -26,10 +26,17 @@ static const struct command_option options[] = {
 static char *notes[NOTES_MOST];
 static size_t note_count;
 
-static void take_note(const char *text)
+/* Returns a message without its beginning, which tells of the scene that this command made. */
+static const char *own_text(const char *text)
 {
 	static const char of[] = "vehicles.model: ";
-	text = strncmp(text, of, strlen(of)) == 0 ? text + strlen(of) : scene_text_reason(text);
+	text = scene_text_reason(text);
+	return strncmp(text, of, strlen(of)) == 0 ? text + strlen(of) : text;
+}
+
+static void take_note(const char *text)
+{
+	text = own_text(text);
 	if (note_count < NOTES_MOST && (notes[note_count] = mem_strdup(text)) != NULL)
 		note_count++;
 }
@@ -73,11 +80,9 @@ static enum status load_scene(const struct arguments *arguments, struct scene **
 static enum status fail_of_model(enum status status)
 {
 	char why[900];
-	const char *reason = scene_text_reason(failure_message());
-	if (status != STATUS_INPUT || reason == failure_message())
+	if (status != STATUS_INPUT || scene_text_reason(failure_message()) == failure_message())
 		return status;
-	static const char of[] = "vehicles.model: ";
-	snprintf(why, sizeof why, "%s", strncmp(reason, of, strlen(of)) == 0 ? reason + strlen(of) : reason);
+	snprintf(why, sizeof why, "%s", own_text(failure_message()));
 	return fail_with(status, "model: %.880s", why);
 }
 

@@ -71,12 +71,12 @@ def find_models(folder):
         root = root_of(path)
         if root == "robot" or (root == "mujoco" and path.suffix.lower() != ".urdf") or (path.suffix.lower() == ".urdf" and root != "mujoco"):
             models[path] = root
-    parts, floors = set(), set()
+    parts, floors, known = set(), set(), {path.resolve() for path in models}
     for path, root in models.items():
         if root != "mujoco":
             continue
         names, own = included(path)
-        whole = {name for name in names if name in {p.resolve() for p in models} and included(name)[1]}
+        whole = {name for name in names if name in known and included(name)[1]}
         if not own and whole:
             floors.add(path)
         else:
@@ -345,11 +345,15 @@ def judge_limbs(plan, rows, run):
     return result
 
 
+def drop_overlay(folder, ground):
+    for old in folder.glob(ground + ".furrow*"):
+        old.unlink()
+
+
 def drive(furrow, plan, folder, ground, store, images):
     scene = plan.write_scene(folder, ground, images)
     out = folder / ground
-    for old in (folder / (ground + ".furrow"), folder / (ground + ".furrow-wal"), folder / (ground + ".furrow-shm")):
-        old.unlink(missing_ok=True)
+    drop_overlay(folder, ground)
     if out.exists():
         for old in out.iterdir():
             old.unlink()
@@ -365,8 +369,7 @@ def drive(furrow, plan, folder, ground, store, images):
     except (OSError, ValueError):
         pass
     rows = read_rows(out / "vehicles.csv")
-    for old in folder.glob(ground + ".furrow*"):
-        old.unlink()
+    drop_overlay(folder, ground)
     if status is None:
         result["why"] = "it took more than %g s: --timeout gives more" % furrow.timeout + ("; it came to %.3g s of %.3g s" % (number(rows[-1], "t"), plan.end_time()) if rows else "")
     elif status != 0 or not rows:

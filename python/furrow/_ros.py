@@ -20,9 +20,6 @@ _FIELDS = {
                               " float64[12] p, uint32 binning_x, uint32 binning_y, sensor_msgs/RegionOfInterest roi",
     "sensor_msgs/CompressedImage": "std_msgs/Header header, string format, uint8[] data",
     "sensor_msgs/Image": "std_msgs/Header header, uint32 height, uint32 width, string encoding, uint8 is_bigendian, uint32 step, uint8[] data",
-    "sensor_msgs/Imu": "std_msgs/Header header, geometry_msgs/Quaternion orientation, float64[9] orientation_covariance,"
-                       " geometry_msgs/Vector3 angular_velocity, float64[9] angular_velocity_covariance,"
-                       " geometry_msgs/Vector3 linear_acceleration, float64[9] linear_acceleration_covariance",
     "sensor_msgs/JointState": "std_msgs/Header header, string[] name, float64[] position, float64[] velocity, float64[] effort",
     "sensor_msgs/PointCloud2": "std_msgs/Header header, uint32 height, uint32 width, sensor_msgs/PointField[] fields, bool is_bigendian,"
                                " uint32 point_step, uint32 row_step, uint8[] data, bool is_dense",

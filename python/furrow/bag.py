@@ -10,7 +10,7 @@ from typing import Any, Iterator, Union
 import numpy as np
 
 from furrow import _command, _ros
-from furrow.results import Drive, ResultsError, quaternions, rotate_back, turn_rates
+from furrow.results import Drive, ResultsError, nanoseconds, quaternions, rotate_back, turn_rates
 
 ABOUT = """Writes a drive as a bag of ROS 2 (mcap): clock, tf, and of each vehicle odometry and joint states; of each camera its pictures
 and camera info; of cameras with depth also clouds of points, with --points.
@@ -21,10 +21,6 @@ and camera info; of cameras with depth also clouds of points, with --points.
 Path = Union[str, "pathlib.Path"]
 Message = "tuple[int, str, str, dict[str, Any]]"  # ns, topic, type, message
 UNKNOWN = [0.0] * 36
-
-
-def _ns(seconds: float) -> int:
-    return round(seconds * 1e9)
 
 
 def _stamp(ns: int) -> "dict[str, int]":
@@ -51,7 +47,7 @@ def _of_vehicle(name: str, rows: "dict[str, np.ndarray]") -> "Iterator[Message]"
     joints = [column for column in rows if column.startswith("q:")]
     base = f"{name}/base_link"
     for i, t in enumerate(rows["t"]):
-        ns = _ns(t)
+        ns = nanoseconds(t)
         yield ns, "/tf", "tf2_msgs/TFMessage", {"transforms": [_transform(ns, base, at[i], turns[i])]}
         yield ns, f"/{name}/odom", "nav_msgs/Odometry", {
             "header": _header(ns, "map"), "child_frame_id": base,
@@ -67,8 +63,8 @@ def _of_object(name: str, rows: "dict[str, np.ndarray]") -> "Iterator[Message]":
     for i, t in enumerate(rows["t"]):
         values = [float(rows[column][i]) for column in ("fx", "fy", "fz", "tx", "ty", "tz")]
         if np.isfinite(values).all():
-            yield _ns(t), f"/{name.replace('.', '/')}/soil", "geometry_msgs/WrenchStamped", {
-                "header": _header(_ns(t), "map"), "wrench": {"force": _named(values[:3]), "torque": _named(values[3:])}}
+            yield nanoseconds(t), f"/{name.replace('.', '/')}/soil", "geometry_msgs/WrenchStamped", {
+                "header": _header(nanoseconds(t), "map"), "wrench": {"force": _named(values[:3]), "torque": _named(values[3:])}}
 
 
 def _info(ns: int, name: str, camera: "dict[str, Any]", right: "float") -> "dict[str, Any]":
@@ -93,7 +89,7 @@ def _of_camera(name: str, camera: "dict[str, Any]", points: bool) -> "Iterator[M
     pair = camera.get("stereo", {})
     right = pair.get("baseline", 0.0) if "left" in pair else 0.0
     for frame in camera["frames"]:
-        ns, file = _ns(frame["time"]), f"{frame['frame']:06d}"
+        ns, file = nanoseconds(frame["time"]), f"{frame['frame']:06d}"
         yield ns, "/tf", "tf2_msgs/TFMessage", {"transforms": [_transform(ns, name, frame["position"], frame["orientation"])]}
         yield ns, f"/{name}/camera_info", "sensor_msgs/CameraInfo", _info(ns, name, camera, right)
         for image in camera["images"]:

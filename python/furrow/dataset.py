@@ -1,6 +1,6 @@
 """A drive as a dataset of odometry and depth: `furrow dataset DIR -o FOLDER`, or furrow.dataset.euroc("out", "sequence") and furrow.dataset.tum.
 
-The layouts are those of the EuRoC MAV dataset (mav0: cam0, imu0, state_groundtruth_estimate0) and of the TUM RGB-D benchmark (rgb, depth, groundtruth.txt).
+The layouts are those of the EuRoC MAV dataset (mav0: cam0, state_groundtruth_estimate0) and of the TUM RGB-D benchmark (rgb, depth, groundtruth.txt).
 Times are simulated. The frame of EuRoC's poses is the store's axes, in metres from its south-west post.
 """
 import os
@@ -12,30 +12,30 @@ from typing import Any, Union
 import numpy as np
 
 from furrow import _command, _png
-from furrow.results import Drive, ResultsError, matrices, quaternions
+from furrow.results import Drive, ResultsError, matrices, nanoseconds, quaternions
 
 Path = Union[str, "os.PathLike[str]"]
 TUM_UNITS = 5000  # of depth in a metre
 STEADY = 1e-3     # m, rad: a camera that moves more against its vehicle is no camera of EuRoC
 
 
-class _Folder:
+class _Folder(_command.Whole):
     """A folder that is there when it is whole."""
 
     def __init__(self, path: pathlib.Path) -> None:
         if path.exists():
             raise ResultsError(f"{path}: it is there already; give another folder")
-        self.path, self.beside = path, path.with_name(f".{os.getpid()}.{path.name}")
+        super().__init__(path)
 
     def __enter__(self) -> pathlib.Path:
         self.beside.mkdir(parents=True)
         return self.beside
 
     def __exit__(self, kind: Any, value: Any, trace: Any) -> None:
-        if kind is None:
-            os.replace(self.beside, self.path)
-        else:
+        if kind is not None:
             shutil.rmtree(self.beside, ignore_errors=True)
+        else:
+            super().__exit__(kind, value, trace)
 
 
 def _same_file(source: pathlib.Path, to: pathlib.Path) -> None:
@@ -43,10 +43,6 @@ def _same_file(source: pathlib.Path, to: pathlib.Path) -> None:
         os.link(source, to)
     except OSError:
         shutil.copyfile(source, to)
-
-
-def _ns(seconds: float) -> int:
-    return round(seconds * 1e9)
 
 
 def _pose_of(drive: Drive, vehicle: str) -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
@@ -84,7 +80,7 @@ def _euroc_camera(folder: pathlib.Path, drive: Drive, camera: "dict[str, Any]") 
     with open(folder / "data.csv", "w", encoding="ascii") as file:
         file.write("#timestamp [ns],filename\n")
         for frame in camera["frames"]:
-            ns = _ns(frame["time"])
+            ns = nanoseconds(frame["time"])
             file.write(f"{ns},{ns}.png\n")
             _same_file(camera["folder"] / "colour" / f"{frame['frame']:06d}.png", folder / "data" / f"{ns}.png")
     (folder / "sensor.yaml").write_text(
@@ -103,7 +99,7 @@ def _euroc_truth(folder: pathlib.Path, drive: Drive, vehicle: str) -> None:
         for i, t in enumerate(rows["t"]):
             x, y, z, w = turns[i]
             values = [rows["x"][i], rows["y"][i], rows["z"][i], w, x, y, z, rows["vx"][i], rows["vy"][i], rows["vz"][i], 0, 0, 0, 0, 0, 0]
-            file.write(f"{_ns(t)}," + ",".join(f"{value:.12g}" for value in values) + "\n")
+            file.write(f"{nanoseconds(t)}," + ",".join(f"{value:.12g}" for value in values) + "\n")
     (folder / "sensor.yaml").write_text(f"sensor_type: pose\ncomment: the root body of {vehicle}, as simulated\nT_BS:\n" + _yaml_matrix(np.eye(4)), encoding="utf-8")
 
 

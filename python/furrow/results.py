@@ -89,17 +89,17 @@ class Drive:
         return self._read("objects.csv")
 
     @property
-    def sensors(self) -> "dict[str, dict[str, np.ndarray]]":
-        """For each vehicle the columns of sensors.csv."""
-        return self._read("sensors.csv")
-
-    @property
     def cameras(self) -> "dict[str, dict[str, Any]]":
         """For each camera its camera.json, which is there once the drive has ended; `folder` is added: where its pictures are."""
         cameras = {}
         for path in sorted(self.folder.glob("cameras/*/camera.json")):
             cameras[path.parent.name] = {**json.loads(path.read_text(encoding="utf-8")), "folder": path.parent}
         return cameras
+
+
+def nanoseconds(seconds: float) -> int:
+    """The nearest whole number of nanoseconds."""
+    return round(seconds * 1e9)
 
 
 def quaternions(rows: "dict[str, np.ndarray]") -> "np.ndarray":

@@ -54,11 +54,6 @@ static bool is_raw(const char *path)
 	return dem_path_ends(path, ".raw") || dem_path_ends(path, ".r16") || dem_path_ends(path, ".r8");
 }
 
-static bool is_plain(const char *path)
-{
-	return is_raw(path) || dem_path_ends(path, ".png");
-}
-
 static enum status params_check(const struct dem_params *params)
 {
 	if (params->source_count == 0)
@@ -101,17 +96,17 @@ static bool has_beside(const char *path, char beside[4096])
 static bool is_placeless(const struct dem_params *params, const char *path)
 {
 	char beside[4096];
-	return is_raw(path) || (is_plain(path) && !(has_beside(path, beside) && dem_gdal_places(params, path)));
+	return is_raw(path) || (dem_path_ends(path, ".png") && !(has_beside(path, beside) && dem_gdal_places(params, path)));
 }
 
 /* Drops heightmaps that were found in a directory, if there are sources that have a place. */
-static void skip_plain(struct dem_list *list)
+static void skip_placeless(const struct dem_params *params, struct dem_list *list)
 {
 	bool placed = false;
-	for (size_t i = 0; i < list->count; i++)
-		placed = placed || !is_plain(list->paths[i]);
+	for (size_t i = 0; i < list->count && !placed; i++)
+		placed = !is_placeless(params, list->paths[i]);
 	for (size_t i = list->count; placed && i-- > 0;)
-		if (list->found[i] && is_plain(list->paths[i]))
+		if (list->found[i] && is_placeless(params, list->paths[i]))
 			dem_list_skip(list, i);
 }
 
@@ -124,7 +119,7 @@ static enum status crop(const struct dem_params *params, struct dem_grid **grid)
 
 static enum status grid_open(const struct dem_params *params, struct dem_list *list, struct dem_grid **out)
 {
-	skip_plain(list);
+	skip_placeless(params, list);
 	const char *placeless = NULL;
 	for (size_t i = 0; i < list->count && placeless == NULL; i++)
 		if (is_placeless(params, list->paths[i]))

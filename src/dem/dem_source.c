@@ -178,9 +178,7 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 static void describe_unit(struct gdal_source *source, double metres)
 {
 	const size_t length = strlen(source->vertical);
-	if (metres < 0)
-		snprintf(source->vertical + length, sizeof source->vertical - length, "%scounted up", length > 0 ? ", " : "");
-	else if (metres != 1)
+	if (metres != 1)
 		snprintf(source->vertical + length, sizeof source->vertical - length, "%sconverted from units of %.10g m", length > 0 ? ", " : "", metres);
 }
 

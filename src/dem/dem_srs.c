@@ -300,7 +300,7 @@ static OGRSpatialReferenceH metric_on_body(OGRSpatialReferenceH globe, double lo
 	return srs;
 }
 
-/* Returns the meridian along which a polar projection has its y. A grid in it is not turned then. 0: it is no polar one. */
+/* Returns the meridian that is parallel to y in a polar projection, degrees; 0: srs is not polar. With the same meridian the target's axes are parallel to the source's. */
 static double heading_of(OGRSpatialReferenceH srs)
 {
 	const char *name = OSRIsProjected(srs) ? OSRGetAttrValue(srs, "PROJECTION", 0) : NULL;

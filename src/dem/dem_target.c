@@ -87,7 +87,8 @@ static double middle_of(const struct dem_groups *groups, OGRSpatialReferenceH sr
 
 static enum status bounds_of(const struct dem_groups *groups, OGRSpatialReferenceH srs, struct bounds *bounds)
 {
-	const double near = middle_of(groups, srs);
+	double middle;
+	const double near = dem_srs_turn(srs, &middle) > 0 ? middle_of(groups, srs) : 0;
 	*bounds = nowhere;
 	for (size_t i = 0; i < groups->count; i++)
 		TRY(bounds_add_raster(bounds, dem_layers_lattice(groups->groups[i].layers), srs, near, groups->groups[i].sources[0]->path));

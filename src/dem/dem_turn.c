@@ -1,7 +1,7 @@
 /*
  * Joins sources that lie on both sides of a seam of longitude: of 180 degrees, or of 0 where x counts to 360.
  *
- * x is a place on a circle. The widest gap between the sources of one SRS is where nothing lies, so x is counted from its end. Each source
+ * x is a place on a circle. It is counted from the end of the widest gap between the sources of one SRS, so no source lies across the seam. Each source
  * then lies within one turn from there. The first source stays where it is.
  */
 #include "dem_gdal.h"
@@ -10,6 +10,7 @@
 
 struct span {
 	double low, high;
+	double turns; /* by which low and high were brought down */
 	size_t source;
 };
 
@@ -31,8 +32,8 @@ static struct span span_of(const struct gdal_source *source, size_t index, doubl
 		low = fmin(low, x);
 		high = fmax(high, x);
 	}
-	const double from = floor(low / turn) * turn;
-	return (struct span){low - from, high - from, index};
+	const double turns = floor(low / turn);
+	return (struct span){low - turns * turn, high - turns * turn, turns, index};
 }
 
 /* Returns where x is to begin: at the end of the widest gap. `spans` are sorted. */
@@ -46,18 +47,14 @@ static double beginning(const struct span *spans, size_t count, double turn)
 		}
 		reached = fmax(reached, spans[i].high);
 	}
-	/* The gap that ends at the first one, a turn later. It is the choice if none is wider. */
+	/* The last gap goes from the last source round to the first one. It is taken unless another gap is wider. */
 	return spans[0].low + turn - reached >= widest ? spans[0].low : begin;
 }
 
 /* The whole turns by which a source is to move so that it begins within one turn from `begin`. */
-static double moves(const struct gdal_source *source, size_t index, double begin, double turn)
+static double moves(const struct span *at, double begin, double turn)
 {
-	const struct span at = span_of(source, index, turn);
-	const double low = at.low + (at.low < begin - 1e-9 * turn ? turn : 0);
-	const double *p = source->place;
-	const double is = fmin(p[0], fmin(p[0] + source->width * p[1], fmin(p[0] + source->height * p[2], p[0] + source->width * p[1] + source->height * p[2])));
-	return rint((low - is) / turn);
+	return (at->low < begin - 1e-9 * turn ? 1 : 0) - at->turns;
 }
 
 static void join(struct gdal_source *sources, size_t count, size_t first, struct span *spans, double turn)
@@ -66,12 +63,11 @@ static void join(struct gdal_source *sources, size_t count, size_t first, struct
 	for (size_t i = first; i < count; i++)
 		if (sources[i].system == (int)first)
 			spans[known++] = span_of(&sources[i], i, turn);
+	const struct span own = spans[0]; /* of `first` */
 	qsort(spans, known, sizeof *spans, by_low);
-	const double begin = beginning(spans, known, turn), stays = moves(&sources[first], first, begin, turn);
-	for (size_t i = 0; i < known; i++) {
-		struct gdal_source *source = &sources[spans[i].source];
-		source->place[0] += (moves(source, spans[i].source, begin, turn) - stays) * turn;
-	}
+	const double begin = beginning(spans, known, turn), stays = moves(&own, begin, turn);
+	for (size_t i = 0; i < known; i++)
+		sources[spans[i].source].place[0] += (moves(&spans[i], begin, turn) - stays) * turn;
 }
 
 enum status dem_turn_join(struct gdal_source *sources, size_t count)

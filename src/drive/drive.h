@@ -86,7 +86,7 @@ void drive_scene_camera(const struct drive *drive, struct render_camera *camera)
 struct drive_followed {
 	const char *name;
 	bool vehicle;    /* the next three are known */
-	double speed;    /* m/s, in plan */
+	double speed;    /* m/s: over the ground, without its vertical part */
 	double slip;     /* mean of its wheels and belts; NaN: none turns */
 	double sinkage;  /* m: of what is deepest in the soil; 0: it touches none */
 };

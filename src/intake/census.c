@@ -7,9 +7,9 @@
 #define LOW (-20480.0) /* m: of the first bin */
 #define BIN 16.0       /* m */
 #define FEW 9          /* so few posts may be a peak */
-#define TAIL 0.005     /* of the posts: heights beyond it on each side may be anything */
-#define FAR_LEAST 1000.0 /* m: how far from the others it lies at least, */
-#define FAR_RANGES 3.0   /* and in ranges of the others */
+#define TAIL 0.005     /* share of the posts at each end that the range of the others leaves out */
+#define FAR_LEAST 1000.0 /* m: an extreme this near to the other heights is no hole */
+#define FAR_RANGES 3.0   /* nor is one nearer than this many times their range */
 
 static size_t bin_of(double height)
 {

@@ -23,7 +23,7 @@ static enum status misfit(void *user, const struct extent *extent, const struct 
 /* Notes heights that are probably undeclared holes. Such a value mixed with others may become any height. */
 static void note_sentinel(const struct import *import, const struct intake *intake)
 {
-	const bool plain = strstr(import->meta.vertical, "converted from units") == NULL && strstr(import->meta.vertical, "counted up") == NULL;
+	const bool plain = strstr(import->meta.vertical, "converted from units") == NULL;
 	bool told = false;
 	for (int low = 1; low >= 0; low--) {
 		double height;

@@ -88,7 +88,7 @@ struct import {
 	struct dem_insets *insets; /* NULL: there are none */
 	double coarse_step; /* m: heights of the terrain are rounded to multiples of it; 0: they are stored as they come */
 	struct store_meta meta; /* of the store that will be made */
-	struct census *census;  /* of the heights as they were read; NULL: none is kept */
+	struct census *census;  /* counts the heights that are read; NULL until intake_import_run */
 	char *lines, *inset_lines, *description, *texts[6];
 };
 

@@ -63,7 +63,7 @@ struct object_shape {
 struct object_posed {
 	float axes[3][4];
 	float size[4];  /* [0]: radius of a ball around it, m; [1]: its number */
-	float paint[4]; /* colour; [3]: 0 of its shape, 1 this one, 2 this one but for metal and dark parts */
+	float paint[4]; /* colour; [3]: 0 the colours of its materials, 1 this one on all parts, 2 this one on all parts except metal and dark ones */
 };
 
 struct object_seen {

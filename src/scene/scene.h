@@ -606,7 +606,7 @@ void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *u
 /* The triangles of a mesh file that have one colour. */
 struct scene_mesh_part {
 	struct soil_mesh *mesh;
-	float colour[3]; /* sRGB, 0 .. 1: of the material's diffuse light */
+	float colour[3]; /* sRGB, 0 .. 1: the diffuse colour of the material */
 	bool coloured;   /* false: the file gives it none */
 };
 #define SCENE_MESH_PARTS 64 /* most parts; triangles of further colours are in the part of the nearest one */

@@ -12,8 +12,9 @@
 #define TABLE_BYTES ((size_t)1 << 20)
 #define POINTS_MOST 1000
 #define KEY "vehicles[%zu].powertrain"
-#define SLIPS 1.5 /* of idle: at this speed the clutch holds all of its torque, */
-#define SPARE 1.5 /* which is so much of the engine's greatest */
+/* Of a clutch that the scene does not tell. */
+#define ENGAGE 1.5 /* times the speed of idle: from this engine speed on the clutch is fully engaged */
+#define SPARE 1.5  /* times the engine's greatest torque: the most that the clutch holds */
 
 static enum status add_point(struct scene_powertrain *train, const double point[2])
 {
@@ -127,7 +128,7 @@ static enum status take_clutch(const struct scene_tree *tree, const struct raw_p
 		return STATUS_OK;
 	}
 	train->clutch = or_else(raw->clutch != NULL ? raw->clutch->torque : NULL, SPARE * most);
-	train->engage = or_else(raw->clutch != NULL ? raw->clutch->engage : NULL, SLIPS * train->idle);
+	train->engage = or_else(raw->clutch != NULL ? raw->clutch->engage : NULL, ENGAGE * train->idle);
 	if (!(train->engage > train->idle))
 		return scene_error(tree->file, scene_tree_find(tree, KEY ".clutch", index), "engages at %g rpm, and the engine idles at %g; allowed: above idle", train->engage, train->idle);
 	return STATUS_OK;

@@ -24,7 +24,7 @@ static bool take(const cJSON *root, const char *name, int64_t *value)
 
 enum status store_last_soil(struct store *store, int64_t *carried, int64_t *in_flight)
 {
-	struct store_run_copy run = {.found = false}; /* its own: what store_last_run gave stays */
+	struct store_run_copy run = {.found = false}; /* a copy: store_last_run would overwrite the texts that its caller still holds */
 	bool whole = true;
 	*carried = *in_flight = 0;
 	enum status status = store_run_copy(store, &run);

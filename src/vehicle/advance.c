@@ -5,7 +5,7 @@
 #include "vehicle/linear.h"
 #include "vehicle/powertrain.h"
 
-#define LIMITED_MOST 3 /* times that a step is made again since contacts are at their limits */
+#define LIMITED_MOST 3 /* a step whose contacts reach their limits is repeated at most so many times */
 #define STATE (mjSTATE_FULLPHYSICS | mjSTATE_WARMSTART)
 
 /* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */

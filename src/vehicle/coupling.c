@@ -541,7 +541,7 @@ static bool is_constrained(const struct vehicle *vehicle)
 	return any;
 }
 
-/* Gives wheels so much inertia that they do not turn. */
+/* Holds braked wheels still: adds an inertia to their hinges that no torque of a vehicle can turn. */
 static void brake(const struct vehicle *vehicle, double *mass)
 {
 	const bool constrained = is_constrained(vehicle);

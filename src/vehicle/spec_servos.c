@@ -10,8 +10,8 @@
 #include <string.h>
 
 #include "vehicle/spec.h"
+#include "vehicle/table.h"
 
-#define LINE_MOST 16384 /* bytes of the first line of a table of controls */
 #define REACH_LEAST 0.05 /* m */
 #define LIFTS 10.0       /* times what lifts the vehicle: a servo is as stiff as for that torque at most */
 #define SLACK 0.1        /* rad/s: how far a driven joint is behind at the torque that the scene gives, */
@@ -115,17 +115,15 @@ static enum status add_servos(struct spec *spec, const struct scene_texts *patte
 	return STATUS_OK;
 }
 
-#define LINE_MOST 16384
-
 /* Servos for the columns of a table of controls: of a place for joints with limits, of a rate for those without. What is wrong with the table is told when it
  * is read: controls.c. */
 static enum status add_columns(struct spec *spec)
 {
-	char *line = mem_calloc(LINE_MOST, 1), **list = mem_calloc(LINE_MOST, sizeof *list);
+	char *line = mem_calloc(TABLE_LINE, 1), **list = mem_calloc(TABLE_LINE, sizeof *list);
 	struct scene_texts columns = {list, 0};
 	enum status status = line != NULL && list != NULL ? STATUS_OK : fail_memory("a vehicle");
 	FILE *file = status == STATUS_OK ? input_open(spec->scene->controls) : NULL;
-	if (file != NULL && fgets(line, LINE_MOST, file) != NULL) {
+	if (file != NULL && fgets(line, TABLE_LINE, file) != NULL) {
 		line[strcspn(line, "\r\n")] = '\0';
 		char *rest = line, *name = strsep(&rest, ",");
 		while ((name = strsep(&rest, ",")) != NULL)

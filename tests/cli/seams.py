@@ -96,6 +96,7 @@ class Meanings(RasterTest):
         result = self.furrow("import", "depth.tif", "-o", "s.furrow", "--max-error", 0.001)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("count down", result.stderr)
+        self.assertIn("converted from units of -1 m", self.json("info", "s.furrow")["vertical"])
         width, height, cells = self.exported("s.furrow", "--layer", "base")
         for i, found in enumerate(cells):
             self.assertAlmostEqual(found, -25 - 0.5 * (i % 40), delta=0.002)
@@ -112,6 +113,12 @@ class Meanings(RasterTest):
             self.assertEqual((info["spacing"], info["posts"]), (10, [40, 30]))
             self.assertIn(srs, info["srs"] or "")
             self.assertEqual(self.exported("s.furrow", "--layer", "base")[2], values)
+        (self.folder / "tiles").mkdir()
+        for name in ("aux.png", "aux.png.aux.xml"):
+            (self.folder / "tiles" / name).write_bytes((self.folder / name).read_bytes())
+        self.make("tiles/east.tif", 40, 30, lambda column, row: 700, west=500000 + 400)
+        self.ok("import", "tiles", "-o", "both.furrow")
+        self.assertEqual(len(self.json("info", "both.furrow")["sources"]), 2)
         (self.folder / "wld.wld").unlink()
         self.assertIn("has no place", self.refused(3, "import", "wld.png", "--s-srs", "EPSG:32633", "-o", "t.furrow"))
 

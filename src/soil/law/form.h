@@ -160,7 +160,7 @@ struct soil_form {
 	float goes[3], turns[3];   /* m/s, rad/s: the same, and of a body on a path the mean of its motion. 0: not known */
 	float bulldozing;
 	struct stress_surface surface;
-	float tyre_holds, tyre_stiff, tyre_grows, tyre_damps; /* struct soil_tyre: pressure, stiffness, growth, damping. stiff 0: the rim is rigid */
+	float tyre_holds, tyre_stiff, tyre_grows, tyre_damps; /* pressure, stiffness, growth and damping of struct soil_tyre; tyre_stiff 0: a rigid wheel */
 };
 
 /* What the posts need beside that, in doubles. */
