@@ -8,8 +8,8 @@
 #   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in build-test alone
 #
 # Three builds. build-test is optimized, with asserts, and ends where UBSan finds undefined behaviour: it runs everything but faults and fuzz targets. build-asan has
-# address and undefined-behaviour sanitizers: it runs fuzz targets and faults always, the tests of each folder of src whose sources changed
-# since the last tag, and in the long run all that is not `plain`. build-tsan has ThreadSanitizer, for the tests of threads, in the long run.
+# address and undefined-behaviour sanitizers: it runs fuzz targets always, faults and the tests of each folder of src whose sources changed since the
+# last tag, of slow ones the same sixth, and in the long run all that is not `plain`. build-tsan has ThreadSanitizer, for the tests of threads, in the long run.
 # Each builds only what its tests need.
 set -eu
 cd "$(dirname "$0")/.."
@@ -32,10 +32,11 @@ status=0
 logs=
 # Higher digits than those that choose cases within a test, so that each case meets each sixth.
 turn=$((0x${FURROW_COMMIT:-0} / 144 % 6))
-length="--no-suite long --no-suite asan"
+others=--no-suite=long
 for other in 1 2 3 4 5; do
-	length="$length --no-suite turn_$(((turn + other) % 6))"
+	others="$others --no-suite=turn_$(((turn + other) % 6))"
 done
+length="--no-suite=asan $others"
 if [ "${1:-}" = long ]; then
 	shift
 	length=
@@ -92,7 +93,7 @@ else
 		run "$asan" --no-suite packages --no-suite plain
 	else
 		# shellcheck disable=SC2046
-		run "$asan" --suite fuzz --suite fault $(changed) --no-suite packages --no-suite plain --no-suite later --no-suite long
+		run "$asan" --suite fuzz --suite fault $(changed) --no-suite packages --no-suite plain --no-suite later $others
 	fi
 	if [ -z "${FURROW_LONG:-}" ]; then
 		: # ThreadSanitizer is for the long run
