@@ -127,7 +127,7 @@ static void tell_mass(struct spec *spec, double given)
 
 /* --- the pose --- */
 
-/* The pose of a keyframe. Joints that the driver holds by servos of ours start where these hold them. */
+/* The pose of a keyframe. Joints of a URDF start within their limits, and those that the driver holds by servos of ours where these hold them. */
 static void set_pose(struct spec *spec)
 {
 	const mjModel *model = spec->model;
@@ -136,12 +136,14 @@ static void set_pose(struct spec *spec)
 		spec->keyframe = mj_name2id(model, mjOBJ_KEY, spec->scene->keyframe);
 	if (spec->keyframe >= 0)
 		mj_resetDataKeyframe(model, spec->data, spec->keyframe);
+	for (int i = 0; spec->urdf && i < model->njnt; i++)
+		if (model->jnt_type[i] == mjJNT_HINGE || model->jnt_type[i] == mjJNT_SLIDE)
+			spec->data->qpos[model->jnt_qposadr[i]] = vehicle_spec_first(model->jnt_limited[i], model->jnt_range + 2 * i, spec->data->qpos[model->jnt_qposadr[i]]);
 	for (size_t i = 0; spec->urdf && i < held->count; i++) {
 		const int joint = mj_name2id(model, mjOBJ_JOINT, held->list[i]);
 		if (joint < 0 || (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE))
 			continue;
-		const double *range = model->jnt_range + 2 * joint, value = spec->scene->values[i];
-		spec->data->qpos[model->jnt_qposadr[joint]] = model->jnt_limited[joint] ? fmin(fmax(value, range[0]), range[1]) : value;
+		spec->data->qpos[model->jnt_qposadr[joint]] = vehicle_spec_first(model->jnt_limited[joint], model->jnt_range + 2 * joint, spec->scene->values[i]);
 	}
 }
 
@@ -217,6 +219,8 @@ static void make(void *argument)
 		spec->status = vehicle_spec_powertrain(spec);
 	if (spec->status == STATUS_OK)
 		spec->status = vehicle_spec_servos(spec);
+	if (spec->status == STATUS_OK)
+		spec->status = vehicle_spec_locks(spec);
 	if (spec->status != STATUS_OK)
 		return;
 	vehicle_spec_shells(spec);
