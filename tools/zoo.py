@@ -340,6 +340,8 @@ def judge_wheels(plan, rows, run):
             why += ", beyond the end of its path"
         elif tilt < FALLEN:
             why += wheels_told(plan, rows, way)
+        if not plan.seen["free"]:
+            why = "its root has no free joint: it is held, or goes where other joints let it; give it one"
         for lie in vehicle.get("lies") or []:
             if LIES.get(lie.get("what")):
                 why += ", " + LIES[lie["what"]]

@@ -136,6 +136,19 @@ static void tell_forward(const struct vehicle *vehicle, const char *where)
 		     vehicle->scene->forward < SCENE_PLUS_Y ? "x" : "y", vehicle->scene->forward < SCENE_PLUS_Y ? "+y or -y" : "+x or -x");
 }
 
+/* Tells of a root that no joint lets go anywhere: of a part that others attach to something, or one that is held. */
+static void tell_held(const struct vehicle *vehicle, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	bool goes = false;
+	for (int j = 0; j < model->body_jntnum[vehicle->root]; j++) {
+		const int kind = model->jnt_type[model->body_jntadr[vehicle->root] + j];
+		goes = goes || kind == mjJNT_FREE || kind == mjJNT_SLIDE;
+	}
+	if (!goes)
+		note("%s: its root body %s has no joint by which it could go along its path; give it a free joint", where, vehicle_part_name(model, mjOBJ_BODY, vehicle->root));
+}
+
 static enum status make_follow(struct vehicle *vehicle, const char *where)
 {
 	struct driver *driver = &vehicle->driver;
@@ -147,6 +160,7 @@ static enum status make_follow(struct vehicle *vehicle, const char *where)
 	TRY(check_wheels(vehicle, where));
 	tell_kinds(vehicle, where);
 	tell_forward(vehicle, where);
+	tell_held(vehicle, where);
 	return STATUS_OK;
 }
 

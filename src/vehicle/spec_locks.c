@@ -12,6 +12,7 @@
 #include "vehicle/spec.h"
 
 #define LEVEL 0.5   /* how much of a wheel's axle looks up at most */
+#define TURNS 2.0   /* more than that between its limits, and a hinge is a wheel's */
 #define ABOVE 0.05  /* m: a wheel that the driver does not name has its axle at most so far above those that it names */
 
 /* A body with its joint, in the first pose. */
@@ -30,6 +31,18 @@ struct links {
 static bool moves(const mjsJoint *joint)
 {
 	return joint->type == mjJNT_HINGE || joint->type == mjJNT_SLIDE;
+}
+
+/* Returns true if a hinge turns round and round, as a wheel does. Some files give wheels limits of many turns. */
+static bool turns_round(const mjsJoint *joint)
+{
+	return joint->type == mjJNT_HINGE && (!vehicle_spec_limited(joint) || joint->range[1] - joint->range[0] > TURNS * 2 * M_PI);
+}
+
+/* Returns true for a slide whose limits are equal, which MuJoCo would let go: a URDF has no slide without limits. */
+static bool has_no_way(const mjsJoint *joint)
+{
+	return joint->type == mjJNT_SLIDE && !vehicle_spec_limited(joint);
 }
 
 static bool has_servo(const struct spec *spec, const char *joint)
@@ -96,7 +109,7 @@ static size_t find_wheels(const struct spec *spec, struct links *links)
 			if (name == NULL || link->is_wheel || link->joint->type != mjJNT_HINGE || vehicle_matches(&scene->steer, name, false))
 				continue;
 			const bool drives = vehicle_matches(&scene->drive, name, false) || vehicle_matches(&scene->powertrain.wheels, name, false);
-			if (named == 1 ? !drives : vehicle_spec_limited(link->joint) || link->axis_up > LEVEL || link->height > highest + ABOVE)
+			if (named == 1 ? !drives : !turns_round(link->joint) || link->axis_up > LEVEL || link->height > highest + ABOVE)
 				continue;
 			if (named == 1)
 				highest = fmax(highest, link->height);
@@ -111,7 +124,7 @@ static size_t find_wheels(const struct spec *spec, struct links *links)
 static bool is_idle(const struct spec *spec, const struct link *link)
 {
 	const char *name = link->joint != NULL ? mjs_getString(mjs_getName(link->joint->element)) : NULL;
-	return name != NULL && vehicle_spec_limited(link->joint) && !link->is_wheel && !has_servo(spec, name) && !follows_another(spec, name) &&
+	return name != NULL && !turns_round(link->joint) && !link->is_wheel && !has_servo(spec, name) && !follows_another(spec, name) &&
 	       !vehicle_matches(&spec->scene->servo.lock, name, false);
 }
 
@@ -154,7 +167,7 @@ static void lock_idle(struct spec *spec, struct links *links)
 			continue;
 		const char *name = mjs_getString(mjs_getName(link->joint->element));
 		const bool held_up = link->has_wheels && 3 + suspension <= wheels;
-		if (!path || held_up || vehicle_matches(&spec->scene->servo.free, name, false)) {
+		if ((!has_no_way(link->joint) && (!path || held_up)) || vehicle_matches(&spec->scene->servo.free, name, false)) {
 			vehicle_spec_name(&free, name);
 		} else {
 			lock(spec, link->joint);

@@ -80,7 +80,8 @@ static void an_arm_is_locked_on_a_path(void **state)
 	(void)state;
 	struct vehicles *vehicles = load(CART ARM "</robot>", PATH, NULL,
 					 "1 joint with limits (arm) has no actuator, and the driver does not name it: it is locked in its first pose; servo: {free: [JOINT]} lets it move", &scene);
-	assert_near(*place_of(vehicles, "arm"), 0.3, 1e-12); /* 0 is outside its limits */
+	assert_near(*place_of(vehicles, "arm"), 0.3, 1e-12);
+	assert_non_null(strstr(told, "1 joint (arm) is outside its limits at 0: it begins at the nearest one"));
 	assert_int_equal(range_count(vehicles->list[0].own.actuator), 4);
 	assert_true(given_way(vehicles, "arm") < 0.02);
 	unload(vehicles, scene);
@@ -122,6 +123,23 @@ static void a_suspension_moves(void **state)
 	unload(vehicles, scene);
 }
 
+/* Limits of many turns are those of a wheel: a castor's turns. A slide between equal limits has no way. */
+static void limits_may_be_odd(void **state)
+{
+	struct scene *scene;
+	(void)state;
+	struct vehicles *vehicles = load("<robot name='r'>" LINK("base", "50", BOX) WHEEL("fl", "base", ".3 .5 -.2") WHEEL("fr", "base", ".3 -.5 -.2") LINK("castor", "5", ROLLER)
+					 "<joint name='castor' type='revolute'><parent link='base'/><child link='castor'/><origin xyz='-.6 0 -.2'/><axis xyz='0 1 0'/><limit lower='-180' upper='180' effort='1' velocity='1'/></joint></robot>",
+					 PATH, NULL, NULL, &scene);
+	assert_null(strstr(told, "with limits"));
+	assert_true(given_way(vehicles, "castor") > 0.2);
+	unload(vehicles, scene);
+	vehicles = load(CART LINK("box", "2", "") "<joint name='box' type='prismatic'><parent link='base'/><child link='box'/><axis xyz='1 0 0'/><limit lower='0' upper='0' effort='0' velocity='0'/></joint></robot>",
+			", driver: {hold: {wheel_fl: 1}}", NULL, "1 joint with limits (box) has no actuator, and the driver does not name it: it is locked", &scene);
+	assert_true(given_way(vehicles, "box") < 0.02);
+	unload(vehicles, scene);
+}
+
 /* Joints of any model, with or without limits and actuators. */
 static void the_scene_locks_joints(void **state)
 {
@@ -141,12 +159,31 @@ static void the_scene_locks_joints(void **state)
 	rig_refused(STEP, ", servo: {free: [hip]}", STATUS_INPUT, "vehicles.car: servo.free: hip names no hinge or slide of the model");
 }
 
+/* A model of a leg that begins outside its limits would be thrown into them. Its keyframe stays as it is. */
+static void joints_begin_within_their_limits(void **state)
+{
+	static const char model[] = "<mujoco><compiler autolimits='true'/><worldbody><body name='base'><freejoint/><geom type='box' size='.4 .3 .1' mass='9'/>"
+				    "<body pos='0 .4 -.1'><joint name='knee' axis='0 1 0' range='-70 -30'/><geom type='box' size='.2 .05 .05' mass='1'/></body></body></worldbody>"
+				    "<keyframe><key name='odd' qpos='0 0 0 1 0 0 0 0.1'/></keyframe></mujoco>";
+	struct scene *scene;
+	(void)state;
+	struct vehicles *vehicles = load(model, "", NULL, "1 joint (knee) is outside its limits at 0: it begins at the nearest one", &scene);
+	assert_near(*place_of(vehicles, "knee"), -30 * M_PI / 180, 1e-9);
+	unload(vehicles, scene);
+	must(scene_load(support_path("scene.yaml"), &(struct scene_setting){"vehicles.car.start.keyframe", "odd"}, 1, &scene));
+	must(vehicle_load(scene, &vehicles));
+	assert_near(*place_of(vehicles, "knee"), 0.1, 1e-12);
+	unload(vehicles, scene);
+}
+
 TEST_PROGRAM(locks)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_arm_is_locked_on_a_path),
 		cmocka_unit_test(a_suspension_moves),
+		cmocka_unit_test(limits_may_be_odd),
 		cmocka_unit_test(the_scene_locks_joints),
+		cmocka_unit_test(joints_begin_within_their_limits),
 	};
 	return cmocka_run_group_tests_name("joints that nothing drives", tests, support_enter, support_leave);
 }
