@@ -203,7 +203,7 @@ static void add_vehicles(cJSON *root, const struct report_plan *plan)
 		cJSON *shares = cJSON_AddObjectToObject(vehicle, "shares");
 		for (size_t g = 0; g < info.geom_count; g++) {
 			struct vehicle_geom geom;
-			char shape[96];
+			char shape[160];
 			vehicle_geom(plan->vehicles, i, g, plan->spacing, &geom);
 			json_number(contacts, geom.name, geom.contacts);
 			json_number(shares, geom.name, geom.share);

@@ -188,7 +188,7 @@ void explain_geom(const struct soil_shape *shape, char *text, size_t size)
  * already. */
 static void add_geoms(FILE *stream, const struct report_plan *plan, size_t vehicle, size_t first, size_t count)
 {
-	char shape[96], other[96];
+	char shape[160], other[160];
 	struct vehicle_geom geom;
 	bool any = false;
 	vehicle_geom(plan->vehicles, vehicle, first, plan->spacing, &geom);

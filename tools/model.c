@@ -124,6 +124,19 @@ static void list_role(const struct vehicles *vehicles, size_t joints, enum vehic
 	}
 }
 
+/* Returns true if the axles of the wheels that drive look along x: the model looks along y. */
+static bool looks_aside(const struct vehicles *vehicles, size_t joints)
+{
+	double along[2] = {0, 0};
+	struct vehicle_joint joint;
+	for (size_t i = 0; i < joints; i++) {
+		vehicle_part_joint(vehicles, 0, i, &joint);
+		for (int k = 0; k < 2 && joint.role == VEHICLE_ROLE_DRIVES; k++)
+			along[k] += fabs(joint.axis[k]);
+	}
+	return along[0] > 3 * along[1];
+}
+
 static const char *kind_of(const struct vehicles *vehicles, const struct vehicle_info *info)
 {
 	struct vehicle_size size;
@@ -195,6 +208,8 @@ static void print_text(const struct vehicles *vehicles, const char *path)
 	}
 	fputs("in a scene\n    vehicles:\n      - name: vehicle\n        model: ", stdout);
 	screen_put(path);
+	if (looks_aside(vehicles, info.joint_count))
+		fputs("\n        forward: +y   # or -y: its axles look along x", stdout);
 	fputs("\n        start: {at: [X, Y]}\n        driver: {path: {points: [[X, Y], [X, Y]], speed: 0.5}, drive: [", stdout);
 	list_role(vehicles, info.joint_count, VEHICLE_ROLE_DRIVES);
 	if (count_role(vehicles, info.joint_count, VEHICLE_ROLE_STEERS) > 0)
@@ -269,6 +284,7 @@ static enum status print_model(const struct vehicles *vehicles, const char *path
 	cJSON_AddBoolToObject(root, "free", size.free);
 	cJSON_AddItemToObject(root, "low", cJSON_CreateDoubleArray(size.low, 3));
 	cJSON_AddItemToObject(root, "high", cJSON_CreateDoubleArray(size.high, 3));
+	add_text(root, "forward", looks_aside(vehicles, info.joint_count) ? "+y" : "+x");
 	json_number(root, "largest_step", info.largest_step);
 	cJSON *joints = cJSON_AddArrayToObject(root, "joints"), *actuators = cJSON_AddArrayToObject(root, "actuators");
 	for (size_t i = 0; i < info.joint_count; i++)

@@ -8,7 +8,8 @@ joints swing for 3 s. One that is held swings its joints alone. OUT gets zoo.md,
 scenes, pictures and the drives' own files. What is in zoo.json is not driven again, unless the model, furrow or this script is another: so an interrupted
 run goes on. Ctrl-C ends it, and the table has what was driven so far.
 
-A model that does not load, or does not move, has one line that says why. The exit status is 0 if every model moved or said why.
+The soil presses on lower envelopes alone; a model that does not move so is driven again with all its faces. One that does not load, or does not move, has a line
+that says why. The exit status is 0 if every model moved or said why.
 """
 import argparse
 import concurrent.futures
@@ -34,7 +35,7 @@ HILL, WIDE = 0.3, 1.2      # m: height and width of the hill: 9 degrees at its s
 STAND, SWING = 3.0, 3.0    # s
 ARRIVED = 0.9        # of the way: what counts as driven
 FALLEN = 40.0        # degrees
-SOIL = "{bekker_kc: 10e3, bekker_kphi: 20e6, bekker_n: 0.8, cohesion: 2000, friction_angle: 35, janosi_shear: 0.003}"   # a hard floor
+SOIL = "{bekker_kc: 10e3, bekker_kphi: 20e6, bekker_n: 0.8, cohesion: 5000, friction_angle: 35, janosi_shear: 0.003}"   # a hard floor
 STEP = 0.002         # s; furrow divides it where that is too long
 
 
@@ -200,6 +201,7 @@ class Plan:
 
     def __init__(self, seen, path, model_path):
         self.seen, self.path, self.model_path = seen, path, model_path
+        self.faces = "off"   # on a hard floor the lower envelope does, and costs a fraction
         size = [high - low for low, high in zip(seen["low"], seen["high"])]
         self.length = max(size[0], size[1], 0.05)
         self.height = max(size[2], 0.05)
@@ -209,16 +211,21 @@ class Plan:
         self.radius = min(radii) if radii else None
         fine = self.radius / 2.5 if radii else self.length / 24
         self.spacing = min(max(power(fine), 1 / 128), APART / 2)
-        self.speed = min(max(6 * self.radius, 0.3), 1.5) if radii else 0
+        self.speed = min(max(10 * self.radius, 0.5), 1.5) if radii else 0
 
     def wheels(self):
         return bool(self.drive)
 
     def end_time(self):
-        return 2 + 1.4 * DISTANCE / self.speed if self.wheels() else STAND + SWING
+        return 2 + 1.3 * DISTANCE / self.speed if self.wheels() else STAND + SWING
 
     def only_forces(self):
         return bool(self.seen["actuators"]) and all(a["keeps"] == "force" for a in self.seen["actuators"])
+
+    def limp(self):
+        """Joints of limbs whose actuators give forces alone: a path leaves them limp, so they are locked."""
+        forces = {a["joint"] for a in self.seen["actuators"] if a["keeps"] == "force"}
+        return [j["name"] for j in self.seen["joints"] if j["role"] == "holds" and j["name"] in forces]
 
     def swings(self):
         """Actuators, or joints without one, that the table of controls moves: (name, middle, how far)."""
@@ -240,7 +247,7 @@ class Plan:
                 reach = 0.15 if joint["type"] == "hinge" else 0.02
                 reach = min(reach, (high - low) / 8)
                 middle = min(max(joint["value"], low + reach), high - reach)
-                if joint["wheel"] is None and high > low:
+                if joint["wheel"] is None and high > low and (joint["type"] == "hinge" or joint["range"]):   # a slide without limits holds nothing
                     swung.append((joint["name"], middle, reach))
         return [each for each in swung if "," not in each[0]]
 
@@ -253,21 +260,23 @@ class Plan:
             rows.append("%.3f," % t + ",".join("%.6g" % (middle + reach * turn) for _, middle, reach in swung))
         path.write_text("\n".join(rows) + "\n")
 
-    def write_scene(self, folder, ground, images):
+    def write_scene(self, folder, ground, images, settles=True):
         start = [MIDDLE - DISTANCE / 2, MIDDLE] if self.wheels() else [MIDDLE, MIDDLE]
-        more = ""
+        more = ", forward: +y" if self.seen["forward"] == "+y" else ""
         if self.model_path:
             more += ", model_path: [%s]" % ", ".join(map(quoted, self.model_path))
         if self.wheels():
             names = {role: ", ".join(quoted(j["actuator"] or j["name"]) for j in joints) for role, joints in (("drive", self.drive), ("steer", self.steer))}
             more += ", driver: {path: {points: [[%g, %g], [%g, %g]], speed: %g}, drive: [%s]%s}" % (
                 *start, start[0] + DISTANCE, start[1], self.speed, names["drive"], ", steer: [%s]" % names["steer"] if self.steer else "")
+            if self.limp():
+                more += ", servo: {lock: [%s]}" % ", ".join(map(quoted, self.limp()))
         elif self.swings():
             self.write_table(folder / "controls.csv")
             more += ", driver: {controls: controls.csv}"
         keyframe = next((name for name in self.seen["keyframes"] if name), None)
-        place = "at: [%g, %g]" % tuple(start) + (", keyframe: %s" % quoted(keyframe) if keyframe and not self.wheels() else "")
-        if not self.wheels() and self.only_forces():   # nothing holds its pose: it begins as it is, and does not settle
+        place = "at: [%g, %g]" % tuple(start) + (", keyframe: %s" % quoted(keyframe) if keyframe else "")
+        if not settles or not self.wheels() and self.only_forces():   # nothing holds its pose: it begins as it is, and does not settle
             place += ", settle: false"
         steps = round(self.end_time() / STEP)
         path = folder / (ground + ".yaml")
@@ -277,7 +286,7 @@ end_time: {self.end_time():.6g}
 time_step: {STEP}
 spacing: {self.spacing:.9g}
 soil: {SOIL}
-redistribute: {{model: scm}}
+redistribute: {{model: scm, faces: {self.faces}}}
 vehicles:
   - {{name: model, model: {quoted(self.path)}, start: {{{place}}}{more}}}
 output: {{vehicles: 20}}
@@ -308,6 +317,19 @@ def number(row, name):
         return math.nan
 
 
+LIES = {"high_centred": "its body lies on the ground", "buried": "the soil does not carry it"}
+
+
+def wheels_told(plan, rows, way):
+    """Whether wheels that did not bring it far turned."""
+    turned = [abs(number(rows[-1], "q:" + j["name"]) - number(rows[0], "q:" + j["name"])) * j["radius"] for j in plan.drive if j.get("radius")]
+    turned = [each for each in turned if math.isfinite(each)]
+    if not turned:
+        return ""
+    mean = sum(turned) / len(turned)
+    return ", and its wheels slip: they rolled %.2f m" % mean if mean > 2 * way + 0.1 else ", since its wheels turned by %.2f m alone: give servo.torque" % mean if mean < 0.5 * DISTANCE else ""
+
+
 def judge_wheels(plan, rows, run):
     way = math.hypot(number(rows[-1], "x") - number(rows[0], "x"), number(rows[-1], "y") - number(rows[0], "y"))
     off = abs(number(rows[-1], "y") - MIDDLE)
@@ -318,6 +340,13 @@ def judge_wheels(plan, rows, run):
         why = "it lies on its side or its roof" if tilt >= FALLEN else "it came %.2f m aside" % off if off >= 0.2 * DISTANCE else "it came %.2f m" % way
         if way > DISTANCE:
             why += ", beyond the end of its path"
+        elif tilt < FALLEN:
+            why += wheels_told(plan, rows, way)
+        if not plan.seen["free"]:
+            why = "its root has no free joint: it is held, or goes where other joints let it; give it one"
+        for lie in vehicle.get("lies") or []:
+            if LIES.get(lie.get("what")):
+                why += ", " + LIES[lie["what"]]
         if vehicle.get("stuck_since") is not None:
             why += ", and was stuck from %.3g s on" % vehicle["stuck_since"]
         result["why"] = why
@@ -350,8 +379,8 @@ def drop_overlay(folder, ground):
         old.unlink()
 
 
-def drive(furrow, plan, folder, ground, store, images):
-    scene = plan.write_scene(folder, ground, images)
+def drive(furrow, plan, folder, ground, store, images, settles=True):
+    scene = plan.write_scene(folder, ground, images, settles)
     out = folder / ground
     drop_overlay(folder, ground)
     if out.exists():
@@ -359,7 +388,9 @@ def drive(furrow, plan, folder, ground, store, images):
             old.unlink()
     status, _, told, seconds = furrow("drive", scene, "--store", store, "--overlay", folder / (ground + ".furrow"), "-o", out)
     if status == 4 and images:
-        return drive(furrow, plan, folder, ground, store, False)
+        return drive(furrow, plan, folder, ground, store, False, settles)
+    if status == 3 and settles and "it moves before the drive begins" in told:   # it falls: what does not stand may still be seen
+        return drive(furrow, plan, folder, ground, store, images, False)
     notes, error = lines_of(told, scene, plan.path)
     notes = [note for note in notes if not note.startswith("drive: step ")]
     result = {"notes": notes, "seconds": round(seconds, 2), "moves": False}
@@ -401,6 +432,9 @@ def try_model(furrow, path, folder, grounds, model_path, images):
     folder.mkdir(parents=True, exist_ok=True)
     for ground in ("plain", "hill") if plan.wheels() else ("plain",):
         result["drives"][ground] = drive(furrow, plan, folder, ground, grounds[ground], images)
+        if not result["drives"][ground]["moves"] and "distance" in result["drives"][ground] and plan.faces == "off":   # once more, by the whole law
+            plan.faces = "on"
+            result["drives"][ground] = drive(furrow, plan, folder, ground, grounds[ground], images)
         if not result["drives"][ground]["moves"]:
             break   # the hill is no easier
     return result

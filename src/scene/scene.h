@@ -155,6 +155,7 @@ const char *scene_stop_name(enum scene_stop stop);
 /* 0: by the joint and the vehicle's weight. */
 struct scene_servo {
 	double kv, torque; /* N m s; N m. N s/m and N for slides */
+	struct scene_texts free, lock; /* patterns of joints that move freely, and that do not move */
 };
 
 /* How a differential shares the torque. open: alike, at any speeds. limited: up to a difference. locked: speeds are alike. */

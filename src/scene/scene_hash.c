@@ -264,6 +264,14 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 	for (int i = 0; i < 2 && vehicle->pushes != NULL; i++)
 		add_whole(state, vehicle->pushes_hash[i]);
 	add_way(state, index, &vehicle->way);
+	if (vehicle->servo.free.count > 0) {
+		add_part(state, 'J', index);
+		add_texts(state, &vehicle->servo.free);
+	}
+	if (vehicle->servo.lock.count > 0) {
+		add_part(state, 'L', index);
+		add_texts(state, &vehicle->servo.lock);
+	}
 	if (vehicle->no_soil.count > 0) {
 		add_part(state, 'N', index);
 		add_texts(state, &vehicle->no_soil);

@@ -382,6 +382,8 @@ static const cyaml_schema_field_t driver_fields[] = {
 static const cyaml_schema_field_t servo_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("kv", OPTIONAL, struct raw_servo, kv),
 	CYAML_FIELD_FLOAT_PTR("torque", OPTIONAL, struct raw_servo, torque),
+	CYAML_FIELD_SEQUENCE("free", OPTIONAL_POINTER, struct raw_servo, free, &pattern_entry, 1, 256),
+	CYAML_FIELD_SEQUENCE("lock", OPTIONAL_POINTER, struct raw_servo, lock, &pattern_entry, 1, 256),
 	CYAML_FIELD_END,
 };
 static const cyaml_strval_t differential_words[] = {{"open", SCENE_OPEN}, {"limited", SCENE_LIMITED}, {"locked", SCENE_LOCKED}};

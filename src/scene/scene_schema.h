@@ -212,6 +212,8 @@ struct raw_cache {
 };
 struct raw_servo {
 	double *kv, *torque;
+	char **free, **lock;
+	uint32_t free_count, lock_count;
 };
 struct raw_clutch {
 	double *torque, *engage;

@@ -269,6 +269,8 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	if (raw->servo != NULL) {
 		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
 		vehicle->servo.torque = raw->servo->torque != NULL ? *raw->servo->torque : 0;
+		TRY(take_texts(raw->servo->free, raw->servo->free_count, &vehicle->servo.free));
+		TRY(take_texts(raw->servo->lock, raw->servo->lock_count, &vehicle->servo.lock));
 	}
 	if (raw->tyres_count > 0)
 		TRY(take_tyres(raw, vehicle));
@@ -371,6 +373,8 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->model_path);
 	finish_texts(&vehicle->no_soil);
+	finish_texts(&vehicle->servo.free);
+	finish_texts(&vehicle->servo.lock);
 	finish_texts(&vehicle->carry);
 	finish_texts(&vehicle->steer);
 	finish_texts(&vehicle->drive);

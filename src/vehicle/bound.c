@@ -66,6 +66,7 @@ static double area_of(const struct soil_shape *shape, double sinkage)
 	}
 }
 
+#define HARDLY 0.01      /* kg: what a geom that bears the vehicle has no less of, unless masses are missing */
 #define PARTS_MOST 50.0 /* of a time_step: a model that needs more has a geom that is too light for its soil */
 
 static double stiffest(const struct scene *scene, const struct soil_numbers **soil)
@@ -106,8 +107,8 @@ static enum status check(const struct vehicle *vehicle, const struct scene *scen
 		return STATUS_OK;
 	vehicle_where(vehicle, scene, where);
 	return fail_with(STATUS_INPUT, "%s: time_step: %g s is longer than %s s, the longest that is stable (%s: %.3g kg on %.3g m2 of soil%s); give "
-				       "at most that", where, scene->time_step, number_at_most(vehicle->largest_step, 3).text, vehicle->geoms[vehicle->largest_geom].name,
-			 vehicle->largest_mass, vehicle->largest_area, raster);
+				       "%sat most that", where, scene->time_step, number_at_most(vehicle->largest_step, 3).text, vehicle->geoms[vehicle->largest_geom].name,
+			 vehicle->largest_mass, vehicle->largest_area, raster, vehicle->largest_mass < HARDLY ? "its link the mass that it has, or " : "");
 }
 
 void vehicle_find_bound(struct vehicle *vehicle, const struct scene *scene)

@@ -4,6 +4,8 @@
 #include "dem/dem.h"
 #include "vehicle/powertrain.h"
 
+#define ACROSS 3.0 /* times as much as to the left an axle looks forward: its wheel rolls to a side */
+
 static enum status no_actuator(const struct vehicle *vehicle, const char *where, const char *key, const char *name)
 {
 	char names[VEHICLE_NAMES];
@@ -115,6 +117,38 @@ static void tell_kinds(const struct vehicle *vehicle, const char *where)
 			     vehicle_part_name(model, mjOBJ_ACTUATOR, driver->drive[i]));
 }
 
+/* Tells of a model that looks elsewhere: its axles look along the way. */
+static void tell_forward(const struct vehicle *vehicle, const char *where)
+{
+	const struct driver *driver = &vehicle->driver;
+	double forward = 0, left = 0, axes[9];
+	vehicle_root_axes(vehicle, vehicle->data, axes);
+	for (size_t i = 0; i < driver->drive_count; i++) {
+		const int joint = vehicle->model->actuator_trnid[2 * driver->drive[i]];
+		if (vehicle->model->actuator_trntype[driver->drive[i]] != mjTRN_JOINT)
+			continue;
+		const double *axle = &vehicle->data->xaxis[3 * joint];
+		forward += fabs(axle[0] * axes[0] + axle[1] * axes[3] + axle[2] * axes[6]);
+		left += fabs(axle[0] * axes[1] + axle[1] * axes[4] + axle[2] * axes[7]);
+	}
+	if (forward > ACROSS * left)
+		note("%s: its axles look along its %s axis, so it cannot roll along its path; give forward: %s", where,
+		     vehicle->scene->forward < SCENE_PLUS_Y ? "x" : "y", vehicle->scene->forward < SCENE_PLUS_Y ? "+y or -y" : "+x or -x");
+}
+
+/* Tells of a root that no joint lets go anywhere: of a part that others attach to something, or one that is held. */
+static void tell_held(const struct vehicle *vehicle, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	bool goes = false;
+	for (int j = 0; j < model->body_jntnum[vehicle->root]; j++) {
+		const int kind = model->jnt_type[model->body_jntadr[vehicle->root] + j];
+		goes = goes || kind == mjJNT_FREE || kind == mjJNT_SLIDE;
+	}
+	if (!goes)
+		note("%s: its root body %s has no joint by which it could go along its path; give it a free joint", where, vehicle_part_name(model, mjOBJ_BODY, vehicle->root));
+}
+
 static enum status make_follow(struct vehicle *vehicle, const char *where)
 {
 	struct driver *driver = &vehicle->driver;
@@ -125,6 +159,8 @@ static enum status make_follow(struct vehicle *vehicle, const char *where)
 	TRY(vehicle_measure(vehicle, where, true));
 	TRY(check_wheels(vehicle, where));
 	tell_kinds(vehicle, where);
+	tell_forward(vehicle, where);
+	tell_held(vehicle, where);
 	return STATUS_OK;
 }
 

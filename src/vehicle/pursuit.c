@@ -334,6 +334,8 @@ void vehicle_pursue(struct vehicle *vehicle, double time)
 	const double curvature = squares > 0 ? 2 * aside / squares : 0;
 	const struct order order = {middle, motion.backward * turned(vehicle, &motion, curvature, base), motion.backward * rims(vehicle, &motion, before), motion.backward * grows};
 	steer(vehicle, &order);
+	if (vehicle_has_engine(vehicle) && motion.backward < 0)
+		*vehicle_train_control(vehicle, POWERTRAIN_GEAR) = -1;
 	if (vehicle_has_engine(vehicle))
 		vehicle_train_effort(vehicle, vehicle_train_effort_for(vehicle, GAIN_TRAIN * (driver->speed - motion.speed) + GAIN * driver->sum + grows));
 	else

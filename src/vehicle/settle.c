@@ -19,7 +19,9 @@
 #define STILL 2e-5      /* m/s: slower than this, the free vehicle is at rest */
 #define CALM 0.1        /* s: for so long */
 #define SLOWED_MOST 60.0 /* s */
+#define SLOWED_WILD 15.0 /* s: at most so long, if all that is not calm then moves faster than TREMBLES: it swings, and more time calms nothing */
 #define FREE_MOST 20.0  /* s */
+#define FREE_WILD 10.0  /* s: the same */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define WORK_MOST 15.0  /* s of the clock: for so long a vehicle may sink that is deeper than it is high, */
 #define SINKS 1e-3      /* m/s: faster than this */
@@ -160,11 +162,22 @@ static enum status settle_step(struct vehicles *vehicles, double rate, double st
 	return STATUS_OK;
 }
 
+/* Returns true if each vehicle that is not calm moves fast. */
+static bool all_wild(const struct vehicles *vehicles)
+{
+	bool all = true;
+	for (size_t v = 0; v < vehicles->all; v++) {
+		const struct vehicle *vehicle = &vehicles->list[v];
+		all = all && (vehicle->calm >= CALM || vehicle->is_world || vehicle->scene->start.unsettled || speed_of(vehicle) > TREMBLES);
+	}
+	return all;
+}
+
 /* Lets all vehicles move until each was at rest for a while. */
-static enum status until_still(struct vehicles *vehicles, double rate, double still, double most)
+static enum status until_still(struct vehicles *vehicles, double rate, double still, double most, double wild)
 {
 	const struct vehicle *first = &vehicles->list[0];
-	while (!all_calm(vehicles) && first->settle_seconds - first->slow <= most) {
+	while (!all_calm(vehicles) && first->settle_seconds - first->slow <= most && (first->settle_seconds - first->slow <= wild || !all_wild(vehicles))) {
 		const bool later = first->settle_seconds - first->slow >= 1;
 		TRY(settle_step(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, still));
 	}
@@ -236,13 +249,13 @@ static enum status settle(struct vehicles *vehicles)
 {
 	const struct vehicle *first = &vehicles->list[0];
 	if (first->begun == VEHICLE_SLOWED) {
-		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST);
+		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST, SLOWED_WILD);
 		touch_all(vehicles);
 		TRY(status);
 		begin(vehicles, VEHICLE_FREE);
 	}
 	if (first->begun == VEHICLE_FREE) {
-		TRY(until_still(vehicles, 0, STILL, FREE_MOST));
+		TRY(until_still(vehicles, 0, STILL, FREE_MOST, FREE_WILD));
 		tell_unrest(vehicles);
 	}
 	return STATUS_OK;

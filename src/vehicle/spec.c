@@ -127,6 +127,25 @@ static void tell_mass(struct spec *spec, double given)
 
 /* --- the pose --- */
 
+/* A joint outside its limits is thrown into them, and the vehicle with it. */
+static void begin_within_limits(struct spec *spec)
+{
+	const mjModel *model = spec->model;
+	struct spec_names moved = {.count = 0};
+	for (int i = 0; i < model->njnt && !spec->things; i++) {
+		double *place = &spec->data->qpos[model->jnt_qposadr[i]];
+		if (model->jnt_type[i] != mjJNT_HINGE && model->jnt_type[i] != mjJNT_SLIDE)
+			continue;
+		const double first = vehicle_spec_first(model->jnt_limited[i], model->jnt_range + 2 * i, *place);
+		if (first != *place)
+			vehicle_spec_name(&moved, mj_id2name(model, mjOBJ_JOINT, i));
+		*place = first;
+	}
+	if (moved.count > 0)
+		vehicle_spec_tell(spec, "%zu joint%s (%s) %s outside %s limits at 0: %s at the nearest one; start.joints gives another place", moved.count, moved.count > 1 ? "s" : "", moved.text,
+				  moved.count > 1 ? "are" : "is", moved.count > 1 ? "their" : "its", moved.count > 1 ? "they begin" : "it begins");
+}
+
 /* The pose of a keyframe. Joints that the driver holds by servos of ours start where these hold them. */
 static void set_pose(struct spec *spec)
 {
@@ -136,12 +155,13 @@ static void set_pose(struct spec *spec)
 		spec->keyframe = mj_name2id(model, mjOBJ_KEY, spec->scene->keyframe);
 	if (spec->keyframe >= 0)
 		mj_resetDataKeyframe(model, spec->data, spec->keyframe);
+	else
+		begin_within_limits(spec);
 	for (size_t i = 0; spec->urdf && i < held->count; i++) {
 		const int joint = mj_name2id(model, mjOBJ_JOINT, held->list[i]);
 		if (joint < 0 || (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE))
 			continue;
-		const double *range = model->jnt_range + 2 * joint, value = spec->scene->values[i];
-		spec->data->qpos[model->jnt_qposadr[joint]] = model->jnt_limited[joint] ? fmin(fmax(value, range[0]), range[1]) : value;
+		spec->data->qpos[model->jnt_qposadr[joint]] = vehicle_spec_first(model->jnt_limited[joint], model->jnt_range + 2 * joint, spec->scene->values[i]);
 	}
 }
 
@@ -217,6 +237,8 @@ static void make(void *argument)
 		spec->status = vehicle_spec_powertrain(spec);
 	if (spec->status == STATUS_OK)
 		spec->status = vehicle_spec_servos(spec);
+	if (spec->status == STATUS_OK)
+		spec->status = vehicle_spec_locks(spec);
 	if (spec->status != STATUS_OK)
 		return;
 	vehicle_spec_shells(spec);

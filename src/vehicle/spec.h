@@ -7,6 +7,8 @@
 #ifndef FURROW_VEHICLE_SPEC_H
 #define FURROW_VEHICLE_SPEC_H
 
+#include <math.h>
+
 #include "vehicle/internal.h"
 
 /* Names for a message: the first ones, and how many more there are. */
@@ -41,6 +43,19 @@ struct spec {
 	enum status status;         /* of what is not MuJoCo's */
 };
 
+/* Returns true if a joint has limits: an arm has them, a wheel turns without an end. */
+static inline bool vehicle_spec_limited(const mjsJoint *joint)
+{
+	return joint->limited == mjLIMITED_TRUE || (joint->limited == mjLIMITED_AUTO && joint->range[0] < joint->range[1]);
+}
+
+/* Returns where a joint is in the first pose, rad or m: at `value`, or at the limit next to it. */
+static inline double vehicle_spec_first(bool limited, const double range[2], double value)
+{
+	return limited ? fmin(fmax(value, range[0]), range[1]) : value;
+}
+
+#define SPEC_LOCK "locked: "   /* begins the name of an equality that locks a joint of a URDF */
 #define SPEC_FILE "furrow-" /* begins the name of a mesh file of a URDF in MuJoCo */
 
 /* A joint of a URDF that follows another one: its place is plus + times * that of the other. */
@@ -74,6 +89,7 @@ void vehicle_spec_shells(struct spec *spec);
 void vehicle_spec_inertias(struct spec *spec);                        /* spec_inertia.c */
 enum status vehicle_spec_meshes(struct spec *spec) FURROW_CHECKED;    /* spec_meshes.c: files of meshes and images */
 enum status vehicle_spec_servos(struct spec *spec) FURROW_CHECKED;    /* spec_servos.c */
+enum status vehicle_spec_locks(struct spec *spec) FURROW_CHECKED;     /* spec_locks.c; after servos */
 enum status vehicle_spec_powertrain(struct spec *spec) FURROW_CHECKED; /* spec_powertrain.c; before servos */
 
 #endif

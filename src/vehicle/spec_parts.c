@@ -45,6 +45,28 @@ static void leave_out_skins(struct spec *spec)
 		vehicle_spec_tell(spec, "%zu skin%s left out: skins are not drawn", count, count > 1 ? "s are" : " is");
 }
 
+/* Takes away the name of a material that the model does not have. A part may have its assets in a file of its own. */
+static void leave_out_material(const struct spec *spec, mjString *material, struct spec_names *lost)
+{
+	const char *name = mjs_getString(material);
+	if (name == NULL || name[0] == '\0' || mjs_findElement(spec->spec, mjOBJ_MATERIAL, name) != NULL)
+		return;
+	if (strstr(lost->text, name) == NULL)
+		vehicle_spec_name(lost, name);
+	mjs_setString(material, "");
+}
+
+static void leave_out_materials(struct spec *spec)
+{
+	struct spec_names lost = {.count = 0};
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_GEOM); each != NULL; each = mjs_nextElement(spec->spec, each))
+		leave_out_material(spec, mjs_asGeom(each)->material, &lost);
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_SITE); each != NULL; each = mjs_nextElement(spec->spec, each))
+		leave_out_material(spec, mjs_asSite(each)->material, &lost);
+	if (lost.count > 0)
+		vehicle_spec_tell(spec, "it has no material %s: the shapes' own colours are taken", lost.text);
+}
+
 /* --- masses --- */
 
 /* Returns true if the body, or one that is fixed to it, has an inertial with a mass. */
@@ -179,6 +201,7 @@ static void add_mimics(struct spec *spec)
 void vehicle_spec_parts(struct spec *spec)
 {
 	leave_out_skins(spec);
+	leave_out_materials(spec);
 	if (spec->urdf) {
 		leave_out_empty(spec);
 		take_masses_away(spec);

@@ -4,6 +4,7 @@
  * A wheel is named by its hinge, or by an actuator that the model has there. Such actuators are taken away: the powertrain takes their place, and their names.
  */
 #include <stdio.h>
+#include <string.h>
 
 #include "vehicle/spec.h"
 
@@ -45,6 +46,46 @@ static bool add_driven(struct driven *list, size_t *count, mjsJoint *joint, cons
 	return true;
 }
 
+static int control_count(const mjsActuator *actuator)
+{
+	return actuator->ctrlspec == 0 ? 1 : __builtin_popcount((unsigned)actuator->ctrlspec);
+}
+
+static int state_count(const mjsActuator *actuator)
+{
+	return actuator->dyntype == mjDYN_NONE ? 0 : actuator->actdim > 1 ? actuator->actdim : 1;
+}
+
+static void cut(mjDoubleVec *vector, int from, int count)
+{
+	int length;
+	const double *numbers = mjs_getDouble(vector, &length);
+	double *kept;
+	if (from + count > length || mem_make(&kept, (size_t)length + 1, sizeof *kept, "a powertrain") != STATUS_OK)
+		return;
+	memcpy(kept, numbers, (size_t)from * sizeof *kept);
+	memcpy(kept + from, numbers + from + count, (size_t)(length - from - count) * sizeof *kept);
+	mjs_setDouble(vector, kept, length - count);
+	mem_free(kept);
+}
+
+/* Takes the numbers of an actuator out of all keyframes, which have them in the order of actuators: those behind it keep theirs. */
+static void forget(const struct spec *spec, const mjsElement *gone)
+{
+	int control = 0, state = 0;
+	mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_ACTUATOR);
+	for (; each != NULL && each != gone; each = mjs_nextElement(spec->spec, each)) {
+		control += control_count(mjs_asActuator(each));
+		state += state_count(mjs_asActuator(each));
+	}
+	if (each == NULL)
+		return;
+	for (mjsElement *key = mjs_firstElement(spec->spec, mjOBJ_KEY); key != NULL; key = mjs_nextElement(spec->spec, key)) {
+		cut(mjs_asKey(key)->ctrl, control, control_count(mjs_asActuator(each)));
+		cut(mjs_asKey(key)->act, state, state_count(mjs_asActuator(each)));
+	}
+}
+
 /* Takes one actuator of a hinge away whose name or whose hinge's name matches. Returns false if there is none. */
 static bool take_away(struct spec *spec, const struct scene_texts *patterns, struct driven *list, size_t *count, struct spec_names *told)
 {
@@ -58,6 +99,7 @@ static bool take_away(struct spec *spec, const struct scene_texts *patterns, str
 		if (!add_driven(list, count, joint, named ? name : target))
 			return false;
 		vehicle_spec_name(told, name[0] != '\0' ? name : target);
+		forget(spec, each);
 		(void)mjs_delete(spec->spec, each);
 		return true;
 	}

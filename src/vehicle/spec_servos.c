@@ -85,12 +85,6 @@ static size_t count_joints(const struct spec *spec, const struct scene_texts *pa
 	return count;
 }
 
-/* A wheel turns without an end, an arm has limits. */
-static bool has_limits(const mjsJoint *joint)
-{
-	return joint->limited == mjLIMITED_TRUE || (joint->limited == mjLIMITED_AUTO && joint->range[0] < joint->range[1]);
-}
-
 /* Which joints get a servo: all, or those with limits, or those without. */
 enum kind { ANY, LIMITED, FREE };
 
@@ -105,7 +99,7 @@ static enum status add_servos(struct spec *spec, const struct scene_texts *patte
 		const double share = 1.0 / fmax((double)count_joints(spec, &one), 1);
 		for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_JOINT); each != NULL; each = mjs_nextElement(spec->spec, each)) {
 			const mjsJoint *joint = mjs_asJoint(each);
-			if (turns(joint) && (kind == ANY || (kind == LIMITED) == has_limits(joint)) && vehicle_matches(&one, mjs_getString(mjs_getName(each)), false))
+			if (turns(joint) && (kind == ANY || (kind == LIMITED) == vehicle_spec_limited(joint)) && vehicle_matches(&one, mjs_getString(mjs_getName(each)), false))
 				TRY(add_servo(spec, joint, drives, share, &told, &torque));
 		}
 	}
@@ -139,29 +133,6 @@ static enum status add_columns(struct spec *spec)
 	return status;
 }
 
-static bool has_servo(const struct spec *spec, const char *joint)
-{
-	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_ACTUATOR); each != NULL; each = mjs_nextElement(spec->spec, each))
-		if (strcmp(mjs_getString(mjs_asActuator(each)->target), joint) == 0)
-			return true;
-	return false;
-}
-
-/* Joints of an arm that no driver names hang, as those of a suspension should. */
-static void tell_free(struct spec *spec)
-{
-	struct spec_names names = {.count = 0};
-	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_JOINT); each != NULL; each = mjs_nextElement(spec->spec, each)) {
-		const mjsJoint *joint = mjs_asJoint(each);
-		const char *name = mjs_getString(mjs_getName(each));
-		if (turns(joint) && joint->range[0] < joint->range[1] && !has_servo(spec, name))
-			vehicle_spec_name(&names, name);
-	}
-	if (names.count > 0)
-		vehicle_spec_tell(spec, "%zu joint%s with limits (%s) ha%s no actuator, and the driver does not name %s: %s freely", names.count, names.count > 1 ? "s" : "", names.text,
-				  names.count > 1 ? "ve" : "s", names.count > 1 ? "them" : "it", names.count > 1 ? "they move" : "it moves");
-}
-
 enum status vehicle_spec_servos(struct spec *spec)
 {
 	const struct scene_vehicle *scene = spec->scene;
@@ -170,7 +141,5 @@ enum status vehicle_spec_servos(struct spec *spec)
 	TRY(add_servos(spec, &scene->held, false, ANY));
 	if (scene->controls != NULL)
 		TRY(add_columns(spec));
-	if (spec->urdf && scene->driver != SCENE_IDLE)
-		tell_free(spec);
 	return STATUS_OK;
 }

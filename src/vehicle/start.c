@@ -7,8 +7,9 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/spec.h"
 #include "vehicle/start.h"
 
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
@@ -56,6 +57,18 @@ static void hold_joint(struct vehicle *vehicle, int joint, double value)
 		const int own = model->actuator_ctrladr[i];
 		if (model->actuator_ctrllimited[own])
 			*control = fmin(fmax(*control, model->actuator_ctrlrange[2 * own]), model->actuator_ctrlrange[2 * own + 1]);
+	}
+}
+
+/* Joints that are locked (spec_locks.c) keep their places of the first pose. */
+static void lock_joints(const struct vehicle *vehicle)
+{
+	mjModel *model = vehicle->model;
+	for (int i = vehicle->own.equality.first; i < vehicle->own.equality.end; i++) {
+		const char *name = vehicle_part_name(model, mjOBJ_EQUALITY, i);
+		const int at = name != NULL && strncmp(name, SPEC_LOCK, strlen(SPEC_LOCK)) == 0 ? model->jnt_qposadr[model->eq_obj1id[i]] : -1;
+		if (at >= 0)
+			model->eq_data[mjNEQDATA * i] = vehicle->data->qpos[at] - model->qpos0[at];
 	}
 }
 
@@ -122,14 +135,17 @@ enum status vehicle_start_pose(struct vehicle *vehicle, const char *where)
 	const size_t count = range_count(vehicle->own.actuator);
 	if (start->unsettled)
 		TRY(mem_zeroed(&vehicle->kept, range_count(vehicle->own.qpos) + range_count(vehicle->own.dof), sizeof *vehicle->kept, "a vehicle"));
-	if (start->joints.names.count + start->controls.names.count == 0)
+	if (start->joints.names.count + start->controls.names.count == 0) {
+		lock_joints(vehicle);
 		return STATUS_OK;
+	}
 	TRY(mem_make(&vehicle->start_controls, count + 1, sizeof *vehicle->start_controls, "a vehicle"));
 	for (size_t i = 0; i < count; i++)
 		vehicle->start_controls[i] = (double)NAN;
 	TRY(set_joints(vehicle, where));
 	for (size_t i = 0; i < start->controls.names.count; i++)
 		TRY(set_control(vehicle, where, start->controls.names.list[i], start->controls.values[i]));
+	lock_joints(vehicle);
 	mj_forward(vehicle->model, vehicle->data);
 	return STATUS_OK;
 }

@@ -41,6 +41,8 @@ STEERED = "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
 SLIPS = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
+ARMED = {**CAR, "vehicles": URDF["vehicles"].replace("cart.urdf", "armed.urdf")}
+LIMP = {**CAR, "vehicles": re.sub(r"path: .*?speed: 2}, drive: \[wheel_\*\]", "hold: {wheel_fl: 3}", ARMED["vehicles"])}
 TRAIN = {**CAR, "store": "flat.furrow", "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, powertrain: {wheels: [drive*], engine: [[500, 20], [6000, 20]], inertia: 0.1, gears: [8, 4], shift_time: 0}, "
                            "driver: {hold: {throttle: 1}}}]"}
 
@@ -180,6 +182,8 @@ ROWS = {
     "objects[].shape.wheel.tyre.pressure": (ROLLS, {"objects.a.shape.wheel.tyre.pressure": "1000"}),
     "vehicles[].model_path": (URDF, {"vehicles.car.model_path": "[packages]"}),
     "vehicles[].servo.kv": (URDF, {"vehicles.car.servo.kv": "0.01"}),
+    "vehicles[].servo.free": (ARMED, {"vehicles.car.servo.free": "[arm]"}),
+    "vehicles[].servo.lock": (LIMP, {"vehicles.car.servo.lock": "[arm]"}),
     "vehicles[].servo.torque": (URDF, {"vehicles.car.servo.torque": "0.1"}),
     "vehicles[].powertrain.wheels": (TRAIN, {"vehicles.car.powertrain.wheels": "[drive_a, drive_b]"}),
     "vehicles[].powertrain.engine": ({**TRAIN, "vehicles": TRAIN["vehicles"].replace("[[500, 20], [6000, 20]]", "one_engine.csv")}, {"vehicles.car.powertrain.engine": "two_engine.csv"}),
@@ -382,6 +386,8 @@ class Keys(FurrowTest):
             f"<link name='{name}'>" + inertial % (8, .2, .3, .2) + "<collision><origin rpy='1.5708 0 0'/><geometry><cylinder radius='.3' length='.2'/></geometry></collision></link>"
             f"<joint name='wheel_{name}' type='continuous'><parent link='base'/><child link='{name}'/><origin xyz='{x} {y} -.2'/><axis xyz='0 1 0'/></joint>"
             for name, x, y in (("fl", .6, .5), ("fr", .6, -.5), ("rl", -.6, .5), ("rr", -.6, -.5))) + "</robot>"
+        texts["armed.urdf"] = texts["cart.urdf"].replace("</robot>", "<link name='hand'>" + inertial.replace("<mass", "<origin xyz='0.3 0 0'/><mass") % (2, .1, .1, .1) +
+                                                         "</link><joint name='arm' type='revolute'><parent link='base'/><child link='hand'/><axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='9' velocity='1'/></joint></robot>")
         (self.folder / "packages" / "parts").mkdir(parents=True)
         (self.folder / "packages" / "parts" / "hull.obj").write_text(texts["a.obj"])
         for name, text in texts.items():

@@ -56,6 +56,20 @@ class Zoo(FurrowTest):
             path.write_text(text)
         self.command = [sys.executable, str(TOOLS / "zoo.py"), str(self.folder / "models"), "-o", str(self.folder / "out"), "--furrow", FURROW, "--no-pictures"]
 
+    def test_a_scene_says_where_it_looks_and_what_is_locked(self):
+        """Wheels whose axles look along x drive along y. A leg whose motor gives a force alone would hang."""
+        wheels = "".join('<body pos="%g 0 0"><joint name="turn_%s" axis="1 0 0"/><geom type="cylinder" size="0.2 0.05" euler="0 90 0" mass="2"/></body>' % (x, side) for side, x in (("l", -0.4), ("r", 0.4)))
+        path = self.folder / "looks.xml"
+        path.write_text('<mujoco><compiler autolimits="true"/><worldbody><body pos="0 0 0.2"><freejoint/><geom type="box" size="0.3 0.5 0.1" mass="20"/>' + wheels +
+                        '<body pos="0 0 0.2"><joint name="hip" axis="0 1 0" range="-40 40"/><geom type="box" size="0.3 0.05 0.05" mass="1"/></body></body></worldbody>'
+                        '<actuator><velocity name="turn_l" joint="turn_l" kv="5"/><velocity name="turn_r" joint="turn_r" kv="5"/><motor name="hip" joint="hip"/></actuator></mujoco>')
+        seen = json.loads(self.furrow("model", path, "--json").stdout)
+        self.assertEqual(seen["forward"], "+y")
+        scene = zoo.Plan(seen, path, []).write_scene(self.folder, "plain", False).read_text()
+        self.assertIn(", forward: +y", scene)
+        self.assertIn(', servo: {lock: ["hip"]}', scene)
+        self.assertIn("forward: +y", self.furrow("model", path).stdout)
+
     def test_each_moves_or_says_why(self):
         done = subprocess.run(self.command, capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stderr), (0, ""))

@@ -305,6 +305,55 @@ static void it_climbs_as_steep_as_its_torque(void **state)
 	}
 }
 
+/* On a path with a speed below 0 the lever is in reverse. */
+static void it_drives_backward_along_a_path(void **state)
+{
+	(void)state;
+	slope = 0;
+	write_model(0, 1000, "");
+	struct furrow_world *world = open_train(TRUCK ", driver: {path: {points: [[12, 12], [9, 12]], speed: -1}, drive: [turn_*]}", 0.004, 0, "dry_sand");
+	const double from = vehicle_of(world)->data->qpos[0];
+	go(world, 2);
+	assert_int_equal((int)train_of(world)->gear, -1);
+	go(world, 4);
+	const double way = vehicle_of(world)->data->qpos[0] - from;
+	print_message("%.3f m, %.4f m/s\n", way, vehicle_of(world)->data->qvel[0]);
+	assert_near(way, -3, 0.2);
+	assert_work(world);
+	done(furrow_world_close(world));
+}
+
+/* A keyframe has numbers for the actuators that the powertrain takes away; those behind them keep their own. */
+static void a_keyframe_keeps_the_other_actuators(void **state)
+{
+	static const char more[] = "<actuator><intvelocity name=\"fl\" joint=\"turn_fl\" kp=\"10\"/><pid name=\"fr\" joint=\"turn_fr\" input=\"pos vel\" kp=\"1\" kv=\"1\"/>"
+				   "<intvelocity name=\"lift\" joint=\"lift\" kp=\"10\"/></actuator>"
+				   "<keyframe><key name=\"up\" qpos=\"0 0 0.3 1 0 0 0 0 0 0 0 0.2\" act=\"1 0.25\" ctrl=\"3 4 5 0.5\"/></keyframe>";
+	char text[4096], *hinge;
+	(void)state;
+	slope = 0;
+	write_model(0, 1000, more);
+	char *model = support_text(support_path("model.xml"));
+	hinge = strstr(model, "</worldbody>") - strlen("</body>");
+	snprintf(text, sizeof text, "%.*s<body pos=\"0 0 0.5\"><joint name=\"lift\" type=\"slide\" axis=\"0 0 1\"/><geom type=\"box\" size=\"0.1 0.1 0.1\" mass=\"1\"/></body>%s", (int)(hinge - model),
+		 model, hinge);
+	free(model);
+	support_write(support_path("model.xml"), text);
+	support_write(support_path("scene.yaml"), "scene: 1\nend_time: 1\ntime_step: 0.002\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nvehicles:\n"
+						  "  - {name: v, model: model.xml, start: {at: [12, 12], keyframe: up}, powertrain: {wheels: [turn_*], " FLAT "gears: [4]}}\n");
+	struct scene *scene;
+	struct vehicles *vehicles;
+	must(scene_load(support_path("scene.yaml"), NULL, 0, &scene));
+	must(vehicle_load(scene, &vehicles));
+	const struct vehicle *car = &vehicles->list[0];
+	const int lift = vehicle_find_part(car, mjOBJ_ACTUATOR, "lift");
+	assert_int_equal(range_count(car->own.actuator), 5);
+	assert_true(car->model->key_ctrl[car->keyframe * car->model->nu + car->model->actuator_ctrladr[lift]] == 0.5);
+	assert_true(car->data->act[car->model->actuator_actadr[lift]] == 0.25);
+	vehicle_destroy(vehicles);
+	scene_destroy(scene);
+}
+
 TEST_PROGRAM(powertrain)
 {
 	const struct CMUnitTest tests[] = {
@@ -317,6 +366,8 @@ TEST_PROGRAM(powertrain)
 		cmocka_unit_test(it_goes_back_to_a_checkpoint),
 		cmocka_unit_test(stiff_drivelines_are_stable),
 		cmocka_unit_test(it_climbs_as_steep_as_its_torque),
+		cmocka_unit_test(it_drives_backward_along_a_path),
+		cmocka_unit_test(a_keyframe_keeps_the_other_actuators),
 	};
 	return cmocka_run_group_tests_name("the powertrain beside closed forms", tests, support_enter, support_leave);
 }

@@ -302,6 +302,18 @@ static void parts_without_a_name_get_one(void **state)
 	unload(&loaded);
 }
 
+/* A part whose assets are in another file. */
+static void materials_that_are_not_there_are_left_out(void **state)
+{
+	(void)state;
+	struct loaded loaded = load_text("<mujoco><asset><material name='red' rgba='1 0 0 1'/></asset><worldbody><body name='base'><freejoint/><geom type='box' size='.4 .3 .1' material='red'/>"
+					 "<geom type='box' size='.1 .1 .3' material='grid'/><site material='grid'/></body></worldbody></mujoco>",
+					 (const char *const[]){"it has no material grid: the shapes' own colours are taken", NULL});
+	assert_int_equal(loaded.info.geom_count, 2);
+	assert_true(loaded.model->nmat == 1 && loaded.model->geom_matid[0] == 0 && loaded.model->geom_matid[1] == -1);
+	unload(&loaded);
+}
+
 /* A table of controls moves joints that have no actuator; an effort that is far too large makes no servo that is too stiff. */
 static void columns_of_a_table_get_servos(void **state)
 {
@@ -325,6 +337,62 @@ static void joints_that_nothing_moves_are_told(void **state)
 						 JOINT("arm", "revolute", "a", "<limit lower='-1' upper='1' effort='9' velocity='1'/>")
 						 "<link name='b'>" INERTIAL("1") "</link>" JOINT("hand", "revolute", "b", "<limit lower='-1' upper='1' effort='9' velocity='1'/>") "</robot>");
 	struct loaded loaded = load(", driver: {hold: {hand: 0}}", (const char *const[]){"1 joint with limits (arm) has no actuator, and the driver does not name it: it moves freely", NULL});
+	unload(&loaded);
+}
+
+/* --- surfaces, and where it looks --- */
+
+#define SKID(more) "<mujoco><worldbody><body name='base'><freejoint/><geom name='hull' type='box' size='.4 .3 .1' mass='9'/><geom name='skid' type='sphere' size='.1' pos='.3 0 -.2' " more "/></body></worldbody></mujoco>"
+
+/* MuJoCo's own contact has the condim of the geom with the higher priority: the ground's counts without one. */
+static void a_skid_without_friction_slides(void **state)
+{
+	(void)state;
+	static const char note_of_it[] = "car.skid slides on the soil without friction, as its condim 1 and its priority say";
+	struct loaded loaded = load_text(SKID("condim='1' priority='1'"), (const char *const[]){note_of_it, NULL});
+	struct soil_interface interface = vehicle_surface(&loaded.vehicles->list[0], geom_of(&loaded, "car.skid"));
+	assert_true(interface.has_friction && interface.friction_angle == 0 && interface.has_adhesion && interface.adhesion == 0);
+	assert_false(vehicle_surface(&loaded.vehicles->list[0], geom_of(&loaded, "car.hull")).has_friction);
+	unload(&loaded);
+	loaded = load(", interface: {skid: {friction_angle: 20}}", (const char *const[]){NULL});
+	interface = vehicle_surface(&loaded.vehicles->list[0], geom_of(&loaded, "car.skid"));
+	assert_true(interface.has_friction && fabs(interface.friction_angle - 20 * M_PI / 180) < 1e-9 && strstr(told, "without friction") == NULL);
+	unload(&loaded);
+	loaded = load(", interface: {skid: rubber}", (const char *const[]){NULL});
+	assert_false(vehicle_surface(&loaded.vehicles->list[0], geom_of(&loaded, "car.skid")).has_friction);
+	unload(&loaded);
+	loaded = load_text(SKID("condim='1'"), (const char *const[]){NULL});
+	assert_false(vehicle_surface(&loaded.vehicles->list[0], geom_of(&loaded, "car.skid")).has_friction);
+	assert_null(strstr(told, "without friction"));
+	unload(&loaded);
+}
+
+/* Wheels whose axles look along the way cannot roll along it. */
+static void axles_that_look_forward_are_told(void **state)
+{
+	(void)state;
+	static const char path[] = ", driver: {path: {points: [[5, 5], [9, 5]], speed: 1}, drive: [left, right]}", aside[] = "its axles look along its x axis, so it cannot roll along its path; give forward: +y or -y";
+	support_write(support_path("model.xml"), "<mujoco><worldbody><body name='base'><freejoint/><geom type='box' size='.3 .4 .1' mass='9'/>"
+						 "<body pos='-.4 0 -.1'><joint name='left' axis='1 0 0'/><geom type='cylinder' size='.2 .05' euler='0 90 0' mass='1'/></body>"
+						 "<body pos='.4 0 -.1'><joint name='right' axis='1 0 0'/><geom type='cylinder' size='.2 .05' euler='0 90 0' mass='1'/></body></body></worldbody></mujoco>");
+	struct loaded loaded = load(path, (const char *const[]){aside, NULL});
+	unload(&loaded);
+	char keys[256];
+	assert_null(strstr(told, "no joint by which"));
+	snprintf(keys, sizeof keys, ", forward: +y%s", path);
+	loaded = load(keys, (const char *const[]){NULL});
+	assert_null(strstr(told, "cannot roll"));
+	unload(&loaded);
+}
+
+/* A part that others attach to something. */
+static void a_root_that_cannot_go_is_told(void **state)
+{
+	(void)state;
+	support_write(support_path("model.xml"), "<mujoco><worldbody><body name='base'><joint name='yaw' axis='0 0 1'/><geom type='box' size='.3 .4 .1' mass='9'/>"
+						 "<body pos='0 .4 -.1'><joint name='left' axis='0 1 0'/><geom type='cylinder' size='.2 .05' euler='90 0 0' mass='1'/></body></body></worldbody></mujoco>");
+	struct loaded loaded = load(", driver: {path: {points: [[5, 5], [9, 5]], speed: 1}, drive: [left]}",
+				    (const char *const[]){"its root body base has no joint by which it could go along its path; give it a free joint", NULL});
 	unload(&loaded);
 }
 
@@ -376,8 +444,12 @@ TEST_PROGRAM(strangers)
 		cmocka_unit_test(links_that_float_are_held),
 		cmocka_unit_test(files_that_an_mjcf_lacks_are_left_out),
 		cmocka_unit_test(parts_without_a_name_get_one),
+		cmocka_unit_test(materials_that_are_not_there_are_left_out),
 		cmocka_unit_test(columns_of_a_table_get_servos),
 		cmocka_unit_test(joints_that_nothing_moves_are_told),
+		cmocka_unit_test(a_skid_without_friction_slides),
+		cmocka_unit_test(axles_that_look_forward_are_told),
+		cmocka_unit_test(a_root_that_cannot_go_is_told),
 		cmocka_unit_test(parts_know_what_they_are_for),
 	};
 	return cmocka_run_group_tests_name("models of strangers", tests, support_enter, support_leave);
