@@ -27,6 +27,7 @@ struct vehicle_lent {
 	char *patterns;
 	char *list[PATTERNS_MOST];
 	double *forces, *before, *start, *after; /* nv each: velocities at the start of the step, at that of what was begun last, and at its end */
+	struct furrow_state *last;  /* of each geom: when the ground got it, or it was placed */
 	double *velocities;         /* the host's, of those that it names */
 	bool placed, ended;         /* the geoms are in the world; a step has ended that the ground does not know yet */
 	bool stepping;              /* the world was to make a step since */
@@ -228,6 +229,7 @@ static enum status lend(const struct vehicle_lending *lending, struct world *wor
 	TRY(find_geoms(lent));
 	TRY(make_lists(&lent->all));
 	doubt_gravity(lent);
+	TRY(mem_zeroed(&lent->last, vehicle->geom_count + 1, sizeof *lent->last, "soil geoms"));
 	return vehicle_add_bodies(vehicle, world);
 }
 
@@ -255,24 +257,38 @@ void vehicle_lent_destroy(struct vehicle_lent *lent)
 	struct vehicles *all = &lent->all;
 	vehicle_free_geoms(&lent->one);
 	mem_free_all(all->numbers, all->states, all->belts, all->contacts, all->mass, all->room, lent->one.contacts, lent->one.rows, lent->forces, lent->before, lent->start, lent->after,
-		     lent->patterns, lent->told.name, lent);
+		     lent->patterns, lent->last, lent->told.name, lent);
 }
 
 /* --- steps --- */
 
 /* Puts a geom where it is, at rest. */
-static enum status place(struct vehicle_lent *lent, struct soil_geom *geom)
+static enum status place(struct vehicle_lent *lent, size_t g)
 {
-	struct furrow_state state;
-	vehicle_geom_state(&lent->one, geom, &state, &geom->touched_belt);
+	struct soil_geom *geom = &lent->one.geoms[g];
+	vehicle_geom_state(&lent->one, geom, &lent->last[g], &geom->touched_belt);
 	geom->is_touched = false;
-	return geom->aloft ? STATUS_OK : world_body_place(lent->all.world, geom->number, &state.pose);
+	return geom->aloft ? STATUS_OK : world_body_place(lent->all.world, geom->number, &lent->last[g].pose);
 }
 
-static enum status place_all(struct vehicle_lent *lent)
+/* Tells whether a geom is farther from a place than it goes in a step, `way`, and turns, `turn`. */
+static bool is_elsewhere(const struct vehicle_lent *lent, const struct soil_geom *geom, const struct furrow_pose *from, const struct furrow_pose *to, double way, double turn)
 {
-	for (size_t g = 0; g < lent->one.geom_count; g++)
-		TRY(place(lent, &lent->one.geoms[g]));
+	const double *was = from->orientation, *is = to->orientation;
+	const double dot = fmin(fabs(was[0] * is[0] + was[1] * is[1] + was[2] * is[2] + was[3] * is[3]), 1);
+	return mju_dist3(from->position, to->position) > ELSEWHERE_POSTS * world_resident(lent->all.world)->spacing + way ||
+	       (geom->shape.kind != SOIL_SPHERE && 2 * acos(dot) > ELSEWHERE_TURN + turn);
+}
+
+/* Puts all geoms where they are, or those that the host has put elsewhere since the ground knew them last. */
+static enum status place_some(struct vehicle_lent *lent, bool all)
+{
+	for (size_t g = 0; g < lent->one.geom_count; g++) {
+		struct furrow_state now;
+		vehicle_geom_state(&lent->one, &lent->one.geoms[g], &now, NULL);
+		if (all || is_elsewhere(lent, &lent->one.geoms[g], &lent->last[g].pose, &now.pose, 0, 0))
+			TRY(place(lent, g));
+	}
 	lent->placed = true;
 	return STATUS_OK;
 }
@@ -289,8 +305,7 @@ enum status vehicle_lent_begin(struct vehicle_lent *lent, const void *data, doub
 		const double now = world_time(lent->all.world);
 		if (lent->placed && (lent->stepping ? now <= lent->time : now != lent->time))
 			vehicle_lent_forget(lent); /* the world was rolled back, or somebody else stepped it */
-		if (!lent->placed)
-			TRY(place_all(lent));
+		TRY(place_some(lent, !lent->placed));
 		lent->stepping = false;
 		lent->time = now;
 		TRY(vehicle_ask(&lent->all));
@@ -333,13 +348,11 @@ void vehicle_lent_end(struct vehicle_lent *lent, const double *qvel)
 }
 
 /* Tells whether the host has put a geom elsewhere since its step ended. */
-static bool is_elsewhere(const struct vehicle_lent *lent, const struct soil_geom *geom, const struct furrow_state *now)
+static bool has_jumped(const struct vehicle_lent *lent, const struct soil_geom *geom, const struct furrow_state *now)
 {
-	const double h = lent->scene.time_step, *was = geom->now.pose.orientation, *is = now->pose.orientation;
+	const double h = lent->scene.time_step;
 	const double speed = fmax(mju_norm3(now->linear), mju_norm3(geom->now.linear)), spin = fmax(mju_norm3(now->angular), mju_norm3(geom->now.angular));
-	const double dot = fmin(fabs(was[0] * is[0] + was[1] * is[1] + was[2] * is[2] + was[3] * is[3]), 1);
-	return mju_dist3(now->pose.position, geom->now.pose.position) > ELSEWHERE_POSTS * world_resident(lent->all.world)->spacing + 2 * h * speed ||
-	       (geom->shape.kind != SOIL_SPHERE && 2 * acos(dot) > ELSEWHERE_TURN + 2 * h * spin);
+	return is_elsewhere(lent, geom, &geom->now.pose, &now->pose, 2 * h * speed, 2 * h * spin);
 }
 
 enum status vehicle_lent_touch(struct vehicle_lent *lent, const void *data, bool *moved)
@@ -355,12 +368,11 @@ enum status vehicle_lent_touch(struct vehicle_lent *lent, const void *data, bool
 	}
 	take_data(lent, data);
 	for (size_t g = 0; g < lent->one.geom_count && !elsewhere; g++) {
-		struct furrow_state state;
-		vehicle_geom_state(&lent->one, &lent->one.geoms[g], &state, NULL);
-		elsewhere = is_elsewhere(lent, &lent->one.geoms[g], &state);
+		vehicle_geom_state(&lent->one, &lent->one.geoms[g], &lent->last[g], NULL);
+		elsewhere = has_jumped(lent, &lent->one.geoms[g], &lent->last[g]);
 	}
 	if (elsewhere)
-		TRY(place_all(lent));
+		TRY(place_some(lent, true));
 	else
 		TRY(vehicle_touch(&lent->all));
 	*moved = true;

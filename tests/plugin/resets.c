@@ -174,7 +174,7 @@ static void a_body_is_put_elsewhere(void **state)
 	engine_run(model, data, 0.5);
 	for (int k = 0; k < 2; k++) {
 		mjData *at = k == 0 ? data : fresh;
-		at->qpos[0] = 5;
+		at->qpos[0] = 5; /* it would make a rut of 5 m on its way */
 		at->qpos[1] = 0;
 		at->qpos[2] = 0.19;
 		memset(at->qvel, 0, 6 * sizeof(double));
