@@ -134,6 +134,42 @@ static void free_soil(struct plugin_soil *soil)
 	free(soil);
 }
 
+/* Warns once in this process, although each mjData is made in the same way. */
+static void warn_once(bool *told, const char *text)
+{
+	if (!*told)
+		mju_warning("furrow.soil: %s", text);
+	*told = true;
+}
+
+/* Tells what gives a motion that nobody means. */
+static void doubt(const mjModel *model, const struct plugin_soil *soil)
+{
+	static bool gravity_told, floor_told; /* two threads may tell both: no harm */
+	struct furrow_info info = {.size = sizeof info};
+	char text[400];
+	if (furrow_info(soil->world, &info) == FURROW_OK && fabs(-model->opt.gravity[2] - info.gravity) > 0.01 * info.gravity) {
+		snprintf(text, sizeof text, "the model's gravity is %.4g m/s2, and the scene's is %.4g: give both the same", -model->opt.gravity[2], info.gravity);
+		warn_once(&gravity_told, text);
+	}
+	for (int i = 0; i < model->ngeom; i++)
+		if (model->geom_type[i] == mjGEOM_PLANE && (model->geom_contype[i] != 0 || model->geom_conaffinity[i] != 0)) {
+			const char *name = mj_id2name(model, mjOBJ_GEOM, i);
+			snprintf(text, sizeof text, "bodies also stand on the model's own plane %.100s, where that is higher than the ground; give it contype=\"0\" conaffinity=\"0\", or take it out",
+				 name != NULL ? name : "without a name");
+			warn_once(&floor_told, text);
+		}
+}
+
+/* More than one would each take the inertia as the other has left it. */
+static bool is_alone(const mjModel *model, int instance)
+{
+	for (int i = 0; i < model->nplugin; i++)
+		if (i != instance && model->plugin[i] == model->plugin[instance])
+			return false;
+	return true;
+}
+
 /* Returns what is wrong; NULL: nothing. */
 static const char *make_soil(const mjModel *model, mjData *data, int instance, struct plugin_soil *soil)
 {
@@ -141,6 +177,8 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 	const size_t nv = (size_t)model->nv;
 	if (config(model, instance, "scene") == NULL)
 		return "its key scene is missing; give the path of a scene, or its text in braces";
+	if (!is_alone(model, instance))
+		return "the model has several instances of it; give one, which names all geoms";
 	if (!read_origin(model, instance, origin))
 		return "its key origin is no place; give where MuJoCo's origin is in the terrain, m: x y, or x y z";
 	soil->forces = calloc(nv + 1, sizeof *soil->forces);
@@ -158,6 +196,7 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return furrow_last_error();
 	if (soil->geoms == NULL)
 		return "no memory";
+	doubt(model, soil);
 	const char *wrong = plugin_check_sensors(model, instance, soil);
 	return wrong != NULL ? wrong : plugin_make_field(model, instance, soil, origin);
 }

@@ -12,6 +12,7 @@ Any module `mujoco` from 3.2 to 4 will do. Of Furrow itself a build with vehicle
 import ctypes
 import os
 import pathlib
+import warnings
 import weakref
 from typing import Any, Dict, List, Optional, Sequence, Union
 
@@ -101,44 +102,53 @@ def _close(handle: int) -> None:
 
 
 class _Inertia:
-    """MuJoCo's inertia M as 4.0 keeps it: rows of a lower triangle. Before 3.3 it was qM, which begins each row with its diagonal."""
+    """MuJoCo's inertia as 4.0 keeps it in M: rows of a lower triangle. Before 4.0 it was in qM, which begins each row with its diagonal, and from 3.3 on in M, too."""
 
     def __init__(self, model: Any, data: Any) -> None:
         self._model, self._data = model, data
-        self._whole = hasattr(data, "M") and hasattr(model, "M_rowadr")
-        if self._whole:
-            self.rownnz, self.rowadr, self.colind = (numpy.array(getattr(model, "M_" + name), dtype=numpy.int32) for name in ("rownnz", "rowadr", "colind"))
-        else:
+        if hasattr(data, "qM"):
             self._index(model)
+        else:
+            self.rownnz, self.rowadr, self.colind = (numpy.array(getattr(model, "M_" + name), dtype=numpy.int32) for name in ("rownnz", "rowadr", "colind"))
+            self._places = {"M": numpy.arange(len(self.colind))}
         self.values = numpy.zeros(max(len(self.colind), 1))
         self.factors, self.inverse = numpy.zeros(max(len(self.colind), 1)), numpy.zeros(max(model.nv, 1))
 
     def _index(self, model: Any) -> None:
-        counts, columns, places = [], [], []
+        """Finds where qM, and M if there is one, have what is looked at here: of a body without other joints the diagonal alone."""
+        counts: List[int] = []
+        columns: List[int] = []
+        places: Dict[str, List[int]] = {"qM": []}
+        if hasattr(self._data, "M"):
+            places["M"] = []
         for row in range(model.nv):
             chain, dof = [], row
             while dof >= 0:
                 chain.append(dof)
                 dof = int(model.dof_parentid[dof])
-            if model.dof_simplenum[row] > 0:  # MuJoCo takes its diagonal alone
+            if model.dof_simplenum[row] > 0:
                 chain = chain[:1]
             counts.append(len(chain))
             columns += chain[::-1]
-            places += [int(model.dof_Madr[row]) + at for at in range(len(chain))][::-1]
+            places["qM"] += [int(model.dof_Madr[row]) + at for at in range(len(chain))][::-1]
+            if "M" in places:
+                first = int(model.M_rowadr[row])
+                there = [int(column) for column in model.M_colind[first:first + int(model.M_rownnz[row])]]
+                places["M"] += [first + there.index(column) for column in chain[::-1]]
         self.rownnz = numpy.array(counts, dtype=numpy.int32)
         self.rowadr = numpy.concatenate(([0], numpy.cumsum(self.rownnz)[:-1])).astype(numpy.int32)
         self.colind = numpy.array(columns, dtype=numpy.int32)
-        self._places = numpy.array(places)
+        self._places = {name: numpy.array(where) for name, where in places.items()}
 
     def take(self) -> None:
-        self.values[:] = self._data.M if self._whole else self._data.qM[self._places]
+        """Copies the inertia out of the data."""
+        name = "qM" if "qM" in self._places else "M"
+        self.values[:len(self.colind)] = getattr(self._data, name)[self._places[name]]
 
     def give(self) -> None:
         """Puts the inertia into the data, and finds its factors, and what of constraints follows from them."""
-        if self._whole:
-            self._data.M[:] = self.values
-        else:
-            self._data.qM[self._places] = self.values
+        for name, where in self._places.items():
+            getattr(self._data, name)[where] = self.values[:len(self.colind)]
         mujoco.mj_factorM(self._model, self._data)
         option = self._model.opt
         if self._data.nefc > 0 and (option.solver == mujoco.mjtSolver.mjSOL_PGS or option.noslip_iterations > 0):
@@ -182,6 +192,17 @@ class Soil:
         self._own: Optional[numpy.ndarray] = None  # the user's qfrc_applied while the soil's is in it
         self._state = numpy.zeros(mujoco.mj_stateSize(model, _STATE))
         self.geoms = self._names()
+        self._doubt()
+
+    def _doubt(self) -> None:
+        """Warns of what gives a motion that nobody means."""
+        model, gravity = self.model, self.world.info.gravity
+        if abs(-model.opt.gravity[2] - gravity) > 0.01 * gravity:
+            warnings.warn(f"furrow.mujoco: the model's gravity is {-model.opt.gravity[2]:.4g} m/s2, and the scene's is {gravity:.4g}: give both the same", stacklevel=3)
+        for geom in range(model.ngeom):
+            if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE and (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+                warnings.warn(f"furrow.mujoco: bodies also stand on the model's own plane {model.geom(geom).name or 'without a name'}, where that is higher than the ground; "
+                              "let it not collide, or take it out", stacklevel=3)
 
     # --- the library's view of the model ---
 

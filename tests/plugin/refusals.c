@@ -24,6 +24,16 @@ static void models_that_do_not_fit(void **state)
 	assert_non_null(strstr(refusal("ball", "", "<sensor><plugin plugin=\"furrow.soil\" instance=\"ground\" objtype=\"body\" objname=\"ball\"/></sensor>"), "no geom that presses"));
 }
 
+static void one_instance(void **state)
+{
+	char more[512];
+	(void)state;
+	engine_store();
+	snprintf(more, sizeof more, "</instance><instance name=\"other\"><config key=\"scene\" value=\"" ENGINE_SCENE "\"/><config key=\"store\" value=\"%s\"/>",
+		 support_path("ground.furrow"));
+	assert_non_null(strstr(refusal("ball", more, ""), "several instances"));
+}
+
 /* Makes a step that is refused. Returns why. */
 static const char *step_refusal(mjModel *model, mjData *data)
 {
@@ -59,6 +69,6 @@ static void steps_that_cannot_be(void **state)
 
 TEST_PROGRAM(refusals)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(models_that_do_not_fit), cmocka_unit_test(steps_that_cannot_be)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(models_that_do_not_fit), cmocka_unit_test(one_instance), cmocka_unit_test(steps_that_cannot_be)};
 	return cmocka_run_group_tests(tests, engine_enter, support_leave);
 }
