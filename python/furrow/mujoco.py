@@ -91,6 +91,10 @@ def plugin() -> str:
     ImportError: this build of Furrow has none, since it was built without MuJoCo 4.
     """
     library = pathlib.Path(_library._find())
+    if not library.is_absolute():  # the loader has found it
+        with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:
+            loaded = {line.split(maxsplit=5)[5].strip() for line in maps if library.name in line}
+        library = pathlib.Path(min(loaded, default=os.fspath(library)))
     for folder in (library.parent, library.resolve().parent, library.resolve().parent.parent / "plugin"):
         if (folder / _PLUGIN).exists():
             return os.fspath(folder / _PLUGIN)

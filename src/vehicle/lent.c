@@ -95,7 +95,7 @@ static enum status take_size(const struct vehicle_lending *lending, const char *
 
 static enum status take_sizes(const struct vehicle_lending *lending, mjModel *model)
 {
-	int64_t n;
+	int64_t n = 0;
 #define SIZE(member) \
 	TRY(take_size(lending, "model." #member, &n)); \
 	model->member = (__typeof__(model->member))n

@@ -112,8 +112,8 @@ static void a_wheel_goes_the_way_of_a_scenes_vehicle(void **state)
 	engine_store();
 	const struct ride scene = ride_scene(), plugin = ride_cart("implicit", 0.002);
 	assert_true(scene.way > 0.3);
-	assert_true(fabs(plugin.way - scene.way) < 0.01 * scene.way);
-	assert_true(fabs(plugin.sunk - scene.sunk) < 0.02 * scene.sunk);
+	assert_true(fabs(plugin.way - scene.way) < 0.002 * scene.way);
+	assert_true(fabs(plugin.sunk - scene.sunk) < 0.005 * scene.sunk);
 }
 
 static void a_wheel_goes_that_way_at_any_step(void **state)
