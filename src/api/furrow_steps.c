@@ -37,7 +37,7 @@ failed:
 	return status;
 }
 
-static enum status step(struct furrow_world *host, double seconds)
+enum status api_library_step(struct furrow_world *host, double seconds)
 {
 	struct world *world = host->world;
 	if (!(seconds >= 0) || !isfinite(seconds))
@@ -73,7 +73,7 @@ furrow_status furrow_step(struct furrow_world *world, double seconds)
 	TRY_OR(done, api_library_enter(&call, world));
 	TRY_OR(done, api_library_need_writable(world, "step"));
 done:
-	return api_library_leave(&call, status == STATUS_OK ? step(world, seconds) : status);
+	return api_library_leave(&call, status == STATUS_OK ? api_library_step(world, seconds) : status);
 }
 
 double furrow_time(const struct furrow_world *world)

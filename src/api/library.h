@@ -54,7 +54,9 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 void api_library_begin_gl(struct furrow_world *world);
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
-/* furrow_steps.c: makes a checkpoint. */
+/* furrow_steps.c: makes a step, as furrow_step does. */
+enum status api_library_step(struct furrow_world *host, double seconds) FURROW_CHECKED;
+/* The same file: makes a checkpoint. */
 enum status api_library_checkpoint(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that the world may be changed. STATUS_USAGE: it is readonly. `what`: the call. */
 enum status api_library_need_writable(const struct furrow_world *world, const char *what) FURROW_CHECKED;

@@ -26,6 +26,10 @@
  * a torque besides. Where the hinge is neither below nor above the geom's body, M has no room for their products. Then both parts of J^T G J
  * count twice, which is at least as stiff.
  *
+ * A body that moves freely and has no other joint, such as a ball, is lone: its part of M has the diagonal alone. There the step is first made with a
+ * diagonal that is at least as stiff. It tells the sum q of all forces. Then the few equations of that body are solved as a whole, for all its
+ * contacts. The step is made once more, with their forces.
+ *
  * Soil aboard a geom is a load: a mass m at a place r of the geom, found at the coupling step's start. It is one more contact:
  *
  *     F = -m g - m (u - u_h) / h
@@ -49,6 +53,7 @@
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 #define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
 #define LIGHT 0.25      /* of the mass that the contact carries: the least inverse mass is that of a body as many times heavier */
+#define LONE_MOST 6     /* freedoms of a lone body */
 #define BRAKE 1e12      /* kg m2: inertia of a wheel that does not turn, */
 #define BRAKE_SOFT 1e6  /* or times its own, where constraints act: with more, MuJoCo's solver of constraints does not converge */
 
@@ -133,7 +138,10 @@ static enum status find_places(const struct vehicle *vehicle, struct soil_geom *
 	for (int a = 0, at = 0; a < count; a++)
 		for (int b = 0; b <= a; b++, at++) {
 			geom->places[at] = place_in_mass(model, geom->chain[a], geom->chain[b]);
-			if (geom->places[at] < 0 && !(geom->apart && a == count - 1))
+			if (geom->places[at] >= 0 || (geom->apart && a == count - 1))
+				continue;
+			geom->lone = true;
+			if (geom->apart || count > LONE_MOST)
 				return fail_with(STATUS_FAILED, "%s: MuJoCo's inertia has no room for how the soil couples its joints; add a body below its own", geom->name);
 		}
 	return STATUS_OK;
@@ -212,6 +220,36 @@ static void add_force(const struct contact *contact, const double force[6], doub
 
 /* --- the inertia --- */
 
+/* Fills -h J^T G J of a lone geom: n x n. */
+static void lone_gain(const struct contact *contact, double h, double *matrix)
+{
+	const int n = contact->geom->chain_count;
+	for (int a = 0; a < n; a++)
+		for (int b = 0; b < n; b++) {
+			double sum = 0;
+			for (int i = 0; i < 6; i++)
+				for (int j = 0; j < 6; j++)
+					sum -= h * contact->rows[i * n + a] * contact->gain[i][j] * contact->rows[j * n + b];
+			matrix[a * n + b] = sum;
+		}
+}
+
+/* Adds a diagonal that is at least as stiff. */
+static void add_lone_gain(const struct contact *contact, double h, double *mass)
+{
+	const int n = contact->geom->chain_count;
+	double matrix[LONE_MOST * LONE_MOST];
+	lone_gain(contact, h, matrix);
+	for (int a = 0; a < n; a++) {
+		double sum = 0;
+		for (int b = 0; b < n; b++) {
+			const double product = matrix[a * n + a] * matrix[b * n + b];
+			sum += product > 0 ? fabs(matrix[a * n + b]) * matrix[a * n + a] / sqrt(product) : 0;
+		}
+		mass[contact->geom->places[a * (a + 1) / 2 + a]] += sum;
+	}
+}
+
 /* Adds -h J^T G J. */
 static void add_gain(const struct contact *contact, double h, double *mass)
 {
@@ -219,6 +257,10 @@ static void add_gain(const struct contact *contact, double h, double *mass)
 	const int count = geom->chain_count;
 	const double factor = geom->apart ? -2 * h : -h;
 	const int *place = geom->places;
+	if (geom->lone) {
+		add_lone_gain(contact, h, mass);
+		return;
+	}
 	for (int a = 0; a < count; a++) {
 		double gained[6];
 		for (int i = 0; i < 6; i++) {
@@ -602,6 +644,49 @@ void vehicle_couple(struct vehicles *vehicles, double h, double later, bool driv
 	apply(vehicles, h, drives);
 }
 
+/*
+ * Solves the equations of the lone body of a contact, from the change of the velocities that the stiffer diagonal has let. All its contacts get the
+ * forces of that solution, at their limits. Returns false if there is no solution.
+ */
+static bool solve_lone(const struct vehicles *vehicles, struct vehicle *vehicle, const struct soil_geom *geom, double h, const double *change)
+{
+	const mjModel *model = vehicles->model;
+	const int n = geom->chain_count;
+	double matrix[LONE_MOST * LONE_MOST] = {0}, rate[LONE_MOST], part[LONE_MOST * LONE_MOST];
+	for (int a = 0; a < n; a++) {
+		const int dof = geom->chain[a];
+		const double damped = h * vehicle_damping_of(vehicle, dof);
+		matrix[a * n + a] = *diagonal_of(model, vehicles->mass, dof) + damped;
+		rate[a] = (*diagonal_of(model, vehicles->data->M, dof) + damped) * change[dof] / h; /* q, with the forces of the contacts */
+	}
+	for (size_t i = 0; i < vehicle->contact_count; i++) {
+		const struct contact *contact = &vehicle->contacts[i];
+		if (contact->geom->chain[0] != geom->chain[0] || contact->is_limited)
+			continue;
+		lone_gain(contact, h, part);
+		mju_addTo(matrix, part, n * n);
+	}
+	if (!vehicle_solve(matrix, rate, (size_t)n))
+		return false;
+	for (size_t i = 0; i < vehicle->contact_count; i++) {
+		struct contact *contact = &vehicle->contacts[i];
+		double u[6];
+		if (contact->geom->chain[0] != geom->chain[0] || contact->is_limited)
+			continue;
+		for (int k = 0; k < 6; k++) {
+			u[k] = 0;
+			for (int c = 0; c < n; c++)
+				u[k] += contact->rows[k * n + c] * h * rate[c];
+		}
+		for (int k = 0; k < 6; k++)
+			contact->force[k] += dot6(contact->gain[k], u);
+		contact->is_limited = true;
+		if (!contact->is_load)
+			limit(contact, contact->force);
+	}
+	return true;
+}
+
 bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *before, bool drives)
 {
 	const int nv = vehicles->model->nv;
@@ -610,6 +695,9 @@ bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *befor
 	mju_sub(change, vehicles->data->qvel, before, nv);
 	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
+		for (size_t i = 0; i < vehicle->contact_count; i++)
+			if (vehicle->contacts[i].geom->lone && !vehicle->contacts[i].is_limited)
+				again |= solve_lone(vehicles, vehicle, vehicle->contacts[i].geom, h, change);
 		for (size_t i = 0; i < vehicle->touching; i++) {
 			struct contact *contact = &vehicle->contacts[i];
 			double *force = contact->geom->force, u[6];
@@ -650,4 +738,24 @@ void vehicle_couple_done(struct vehicles *vehicles, double h, const double *befo
 		}
 	}
 	mju_copy(vehicles->data->M, vehicles->mass, (int)vehicles->model->nC);
+}
+
+void vehicle_couple_forces(const struct vehicles *vehicles, const double *before, double *forces)
+{
+	const int nv = vehicles->model->nv;
+	double *change = vehicles->room;
+	mju_sub(change, vehicles->data->qvel, before, nv);
+	mju_zero(forces, nv);
+	for (size_t v = 0; v < vehicles->all; v++)
+		for (size_t i = 0; i < vehicles->list[v].contact_count; i++) {
+			const struct contact *contact = &vehicles->list[v].contacts[i];
+			double force[6], u[6];
+			mju_copy(force, contact->force, 6);
+			velocity_of(contact, change, u);
+			for (int k = 0; k < 6 && !contact->is_limited; k++)
+				force[k] += dot6(contact->gain[k], u);
+			add_force(contact, force, forces);
+			if (!contact->is_load && contact->geom->shape.belt)
+				forces[contact->geom->dof] += contact->geom->pulled;
+		}
 }

@@ -234,7 +234,7 @@ static enum status no_geom(const struct vehicle *vehicle, const char *key, const
 		vehicle_geom_name(vehicle, told, name, sizeof name);
 		length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", told > geoms.first ? ", " : "", name);
 	}
-	return fail_with(STATUS_INPUT, "%s: %s: %.64s names no geom of a body that moves; the model has: %s%s", where, key, patterns->list[0], names,
+	return fail_with(STATUS_INPUT, "%s: %s: %.64s names no geom of a body that moves; the model has: %s%s", where, vehicle->prefix[0] != '\0' ? key : "geoms", patterns->list[0], names,
 			 told < geoms.end ? ", ..." : "");
 }
 

@@ -73,9 +73,15 @@ bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow
 		vehicle_geom_state(of, geom, state, NULL);
 	if (contact == NULL)
 		return true;
+	vehicle_geom_contact(vehicles, geom, contact);
+	return true;
+}
+
+void vehicle_geom_contact(const struct vehicles *vehicles, const struct soil_geom *geom, struct furrow_contact *contact)
+{
 	*contact = geom->contact;
 	if (contact->state == FURROW_UNKNOWN)
-		return true;
+		return;
 	/* The engine's steps went on from the probe's state: this force they applied last. */
 	mju_copy3(contact->force, geom->force);
 	mju_copy3(contact->moment, geom->force + 3);
@@ -85,7 +91,6 @@ bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct furrow
 		contact->moment[1] += geom->load_at[0] * geom->load;
 	}
 	contact->time = world_time(vehicles->world);
-	return true;
 }
 
 enum status vehicle_step_back(struct vehicles *vehicles)

@@ -34,6 +34,7 @@ struct soil_geom {
 	int *places;                /* of their pairs in MuJoCo's inertia M: of the second row two, of the third three ...; -1: none. Owned */
 	int hinge_at;               /* place of a belt's hinge in the chain; -1: no belt */
 	bool apart;                 /* the belt's hinge is not below or above the geom's body: coupling.c */
+	bool lone;                  /* M has no room for pairs of its freedoms: coupling.c */
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
 	double work;                /* J: what it has done on the soil since the start; in the record */
@@ -425,6 +426,10 @@ void vehicle_ask_place(const struct vehicle *vehicle, int actuator, double lengt
 void vehicle_pursue(struct vehicle *vehicle, double time);
 
 /* --- vehicle.c --- */
+/* Adds the soil geoms of a vehicle to the world, as its bodies. Large meshes are thinned to the ground's posts. */
+enum status vehicle_add_bodies(struct vehicle *vehicle, struct world *world) FURROW_CHECKED;
+/* Tells the world the forces that its rows of objects.csv have. */
+enum status vehicle_tell_forces(struct vehicles *vehicles) FURROW_CHECKED;
 /* Takes the rows of the time that has gone as told. */
 void vehicle_skip_rows(struct vehicles *vehicles);
 
@@ -445,6 +450,13 @@ bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *befor
 /* Takes the forces of the step as they are: adds what each geom did on the soil to its work, and puts the inertia back. tells false: without
  * the work. */
 void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells);
+
+/* Fills `forces`, nv: what the contacts do on the joints in the step that has changed the velocities from `before`. */
+void vehicle_couple_forces(const struct vehicles *vehicles, const double *before, double *forces);
+
+/* --- hosted.c --- */
+/* Tells what the soil did to a geom in the last step. */
+void vehicle_geom_contact(const struct vehicles *vehicles, const struct soil_geom *geom, struct furrow_contact *contact);
 
 /* --- shares.c, tyres.c --- */
 
@@ -467,6 +479,10 @@ void vehicle_find_inertia(struct vehicles *vehicles);
 
 /* Asks for the contacts of all vehicles, moves them, and sets the bodies that are to change the ground. */
 enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives) FURROW_CHECKED;
+/* The first part of it: finds what the soil does where the geoms will be at the step's end. STATUS_FAILED: one leaves the terrain. */
+enum status vehicle_ask(struct vehicles *vehicles) FURROW_CHECKED;
+/* The last part: sets the bodies of the world whose geoms, where they are now, are to change the ground in its next step. */
+enum status vehicle_touch(struct vehicles *vehicles) FURROW_CHECKED;
 double vehicle_kinetic(const struct vehicle *vehicle); /* J */
 
 /* --- state.c --- */

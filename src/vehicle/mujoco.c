@@ -60,6 +60,16 @@ const char *vehicle_engine(void)
 	return "MuJoCo " VEHICLE_MUJOCO_VERSION;
 }
 
+int vehicle_engine_number(void)
+{
+	return mjVERSION_HEADER;
+}
+
+const void *vehicle_engine_place(void)
+{
+	return *(void *const *)&vehicle_mujoco.mj_version;
+}
+
 enum status vehicle_mujoco_load(void)
 {
 	static pthread_once_t once = PTHREAD_ONCE_INIT;

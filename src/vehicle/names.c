@@ -14,8 +14,22 @@ void vehicle_prefix(const struct vehicles *vehicles, size_t index, char prefix[V
 	snprintf(prefix, VEHICLE_PREFIX, "%zu/", place);
 }
 
+/* In a model that a host lends names are as they are, and its table of names may be of another version. */
+static int find_lent(const struct vehicle *vehicle, mjtObj kind, const char *name)
+{
+	const struct range range = kind == mjOBJ_JOINT ? vehicle->own.joint : kind == mjOBJ_TEXT ? vehicle->own.text : vehicle->own.numeric;
+	for (int i = range.first; i < range.end; i++) {
+		const char *one = mj_id2name(vehicle->model, kind, i);
+		if (one != NULL && strcmp(one, name) == 0)
+			return i;
+	}
+	return -1;
+}
+
 int vehicle_find_part(const struct vehicle *vehicle, mjtObj kind, const char *name)
 {
+	if (vehicle->prefix[0] == '\0')
+		return find_lent(vehicle, kind, name);
 	char whole[1024];
 	const int length = snprintf(whole, sizeof whole, "%s%s", vehicle->prefix, name);
 	return length < (int)sizeof whole ? mj_name2id(vehicle->model, kind, whole) : -1;
@@ -23,8 +37,9 @@ int vehicle_find_part(const struct vehicle *vehicle, mjtObj kind, const char *na
 
 const char *vehicle_part_name(const mjModel *model, mjtObj kind, int part)
 {
-	const char *whole = mj_id2name(model, kind, part), *slash = whole != NULL ? strchr(whole, '/') : NULL;
-	return slash != NULL ? slash + 1 : whole;
+	const char *whole = mj_id2name(model, kind, part);
+	const size_t digits = whole != NULL ? strspn(whole, "0123456789") : 0;
+	return digits > 0 && whole[digits] == '/' ? whole + digits + 1 : whole;
 }
 
 void vehicle_geom_name(const struct vehicle *vehicle, int geom, char *text, size_t size)

@@ -268,3 +268,85 @@ void vehicle_part_size(const struct vehicles *vehicles, size_t vehicle, struct v
 	(void)vehicles, (void)vehicle;
 	*out = (struct vehicle_size){.root = ""};
 }
+
+/* --- a model that a host lends --- */
+
+int vehicle_engine_number(void)
+{
+	return 0;
+}
+
+const void *vehicle_engine_place(void)
+{
+	return NULL;
+}
+
+bool vehicle_lent_ended(const struct vehicle_lent *lent)
+{
+	(void)lent;
+	return false;
+}
+
+double vehicle_lent_seconds(const struct vehicle_lent *lent)
+{
+	(void)lent;
+	return 0;
+}
+
+enum status vehicle_lend(const struct vehicle_lending *lending, struct world *world, struct vehicle_lent **out)
+{
+	(void)lending, (void)world;
+	*out = NULL;
+	return none();
+}
+
+void vehicle_lent_destroy(struct vehicle_lent *lent)
+{
+	(void)lent;
+}
+
+enum status vehicle_lent_begin(struct vehicle_lent *lent, const void *data, double seconds, bool again, double *forces)
+{
+	(void)lent, (void)data, (void)seconds, (void)again, (void)forces;
+	return none();
+}
+
+bool vehicle_lent_limit(struct vehicle_lent *lent, const double *qvel, double *forces)
+{
+	(void)lent, (void)qvel, (void)forces;
+	return false;
+}
+
+void vehicle_lent_forces(struct vehicle_lent *lent, const double *qvel, double *forces)
+{
+	(void)lent, (void)qvel, (void)forces;
+}
+
+void vehicle_lent_end(struct vehicle_lent *lent, const double *qvel)
+{
+	(void)lent, (void)qvel;
+}
+
+enum status vehicle_lent_touch(struct vehicle_lent *lent, const void *data, bool *moved)
+{
+	(void)lent, (void)data;
+	*moved = false;
+	return none();
+}
+
+void vehicle_lent_forget(struct vehicle_lent *lent)
+{
+	(void)lent;
+}
+
+size_t vehicle_lent_count(const struct vehicle_lent *lent)
+{
+	(void)lent;
+	return 0;
+}
+
+int vehicle_lent_geom(const struct vehicle_lent *lent, size_t index, const char **name, struct furrow_state *state, struct furrow_contact *contact)
+{
+	(void)lent, (void)index, (void)name, (void)state, (void)contact;
+	return -1;
+}

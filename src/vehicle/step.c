@@ -95,8 +95,7 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 		out->contacts = fmax(out->contacts, 1 / (turn * from->shape.radius));
 }
 
-/* Sets the bodies that are to change the ground in this step. */
-static enum status touch(struct vehicles *vehicles)
+enum status vehicle_touch(struct vehicles *vehicles)
 {
 	size_t count = 0;
 	for (size_t v = 0; v < vehicles->all; v++) {
@@ -197,6 +196,16 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 	return world_no_ground(world, geom->name, false, at[0], at[1], world_time(world));
 }
 
+enum status vehicle_ask(struct vehicles *vehicles)
+{
+	TRY(ask(vehicles));
+	for (size_t v = 0; v < vehicles->all; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			if (!vehicles->list[v].geoms[g].aloft)
+				TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
+	return STATUS_OK;
+}
+
 /* --- the motion --- */
 
 struct motion {
@@ -283,15 +292,11 @@ enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 {
 	if (!drives)
 		vehicle_keep_unsettled(vehicles);
-	TRY(ask(vehicles));
-	for (size_t v = 0; v < vehicles->all; v++)
-		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
-			if (!vehicles->list[v].geoms[g].aloft)
-				TRY(check_ground(vehicles, &vehicles->list[v].geoms[g]));
+	TRY(vehicle_ask(vehicles));
 	TRY(move_all(vehicles, rate, drives));
 	if (!drives)
 		vehicle_restore_unsettled(vehicles);
-	return touch(vehicles);
+	return vehicle_touch(vehicles);
 }
 
 double vehicle_kinetic(const struct vehicle *vehicle)

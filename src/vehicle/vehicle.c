@@ -174,15 +174,21 @@ static enum status add_body(struct world *world, const struct vehicle *vehicle, 
 	return STATUS_OK;
 }
 
+enum status vehicle_add_bodies(struct vehicle *vehicle, struct world *world)
+{
+	TRY(thin(vehicle, world_resident(world)->spacing));
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		TRY(add_body(world, vehicle, &vehicle->geoms[g]));
+	return STATUS_OK;
+}
+
 enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 {
 	vehicles->world = world;
 	TRY(vehicle_check_rasters(vehicles, world));
 	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
-		TRY(thin(vehicle, world_resident(world)->spacing));
-		for (size_t g = 0; g < vehicle->geom_count; g++)
-			TRY(add_body(world, vehicle, &vehicle->geoms[g]));
+		TRY(vehicle_add_bodies(vehicle, world));
 		TRY(vehicle_place_driver(vehicle, world));
 	}
 	const double *recorded = world_attached(world);
@@ -290,8 +296,7 @@ static enum deform_state state_of(enum furrow_contact_state state)
 	}
 }
 
-/* Tells the world the forces that its rows of objects.csv have. */
-static enum status tell_forces(struct vehicles *vehicles)
+enum status vehicle_tell_forces(struct vehicles *vehicles)
 {
 	if (vehicles->scene->forces == 0)
 		return STATUS_OK;
@@ -324,7 +329,7 @@ enum status vehicle_begin(struct vehicles *vehicles)
 		return STATUS_OK;
 	}
 	TRY(vehicle_settle(vehicles));
-	return tell_forces(vehicles);
+	return vehicle_tell_forces(vehicles);
 }
 
 /* Tells once of each vehicle that the soil does not carry it. */
@@ -367,7 +372,7 @@ static enum status watch(struct vehicles *vehicles)
 enum status vehicle_step(struct vehicles *vehicles)
 {
 	TRY(vehicle_move(vehicles, 0, true));
-	TRY(tell_forces(vehicles));
+	TRY(vehicle_tell_forces(vehicles));
 	TRY(watch(vehicles));
 	TRY(world_step(vehicles->world));
 	return vehicle_record(vehicles);

@@ -23,6 +23,8 @@ struct vehicles; /* all vehicles of a scene */
 
 /* Returns what moves vehicles, with its version, "MuJoCo 4.0.0"; NULL: this build has none. Any thread. */
 const char *vehicle_engine(void);
+int vehicle_engine_number(void); /* the same version as MuJoCo counts it; 0: this build has none */
+const void *vehicle_engine_place(void); /* of its mj_version; NULL: it is not loaded */
 
 /* Reads the models of a scene. Changes nothing. *out is NULL if the scene has no vehicles. STATUS_INPUT: a model cannot be read or
  * does not fit the scene, its time_step is far too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
@@ -262,5 +264,57 @@ struct vehicle_outline {
 /* Loads the scene's models and finds the outline of one. STATUS_INPUT: as vehicle_load, or it has no such vehicle, or that touches the
  * ground with more than wheels. */
 enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct vehicle_outline *out) FURROW_CHECKED;
+
+/*
+ * --- a model that a host lends: lent.c ---
+ *
+ * A host has a model and a loop of its own, and MuJoCo's functions of its own version. It gives the world's forces to its own step:
+ *
+ *     vehicle_lent_begin -> (its step -> vehicle_lent_limit) ... -> vehicle_lent_end -> vehicle_lent_touch -> (the world's step)
+ */
+struct vehicle_lent;
+
+/* An array of a host's model or data, by the name of its member: "model.geom_type", "data.qvel". It stays where it is as long as the lent model. */
+struct vehicle_array {
+	const char *name;
+	void *at;
+};
+
+struct vehicle_lending {
+	const char *name;       /* for messages, and for names of bodies: NAME.GEOM */
+	/* The host's mjModel and mjData, of the version that vehicle_engine names, in a pose whose places and inertia are computed. NULL: `arrays` have what is
+	 * needed of them, of a host with another version. */
+	const void *model, *data;
+	const struct vehicle_array *arrays;
+	size_t array_count;
+	const char *geoms;      /* patterns of the geoms that touch the ground, between spaces; NULL: all that collide */
+	double origin[3];       /* m, local: where the host's origin is */
+};
+
+/* Finds the soil geoms of the model and adds them to the world as bodies. Free *out with vehicle_lent_destroy. STATUS_INPUT: no geom touches the
+ * ground, or an array is missing. */
+enum status vehicle_lend(const struct vehicle_lending *lending, struct world *world, struct vehicle_lent **out) FURROW_CHECKED;
+void vehicle_lent_destroy(struct vehicle_lent *lent); /* takes NULL */
+/* Begins the host's step of `seconds`: asks the world what the soil does. Fills `forces`, nv: of the soil on the joints, if the velocities stay. Adds to
+ * the inertia data->M how these forces answer a change. `data`: as in vehicle_lending; NULL: the arrays. The place where each geom is must be computed.
+ * again: the same step once more, from another state in it, as RK4 has. */
+enum status vehicle_lent_begin(struct vehicle_lent *lent, const void *data, double seconds, bool again, double *forces) FURROW_CHECKED;
+/* Finds the forces at the step's end, with the velocities qvel, nv. Returns true if some reach a limit: then `forces` and the inertia are new, and the step
+ * is to be made once more. */
+bool vehicle_lent_limit(struct vehicle_lent *lent, const double *qvel, double *forces);
+/* Fills `forces`, nv: what the soil does in the step that ends with qvel. With them alone, and its own inertia, the host's step ends so, too. */
+void vehicle_lent_forces(struct vehicle_lent *lent, const double *qvel, double *forces);
+/* Ends the host's step: what it did, and the inertia as it was. qvel: nv, at its end. */
+void vehicle_lent_end(struct vehicle_lent *lent, const double *qvel);
+/* Sets the world's bodies to where the geoms are now, for the world's step. Does nothing unless a step has ended since. A geom that the host put elsewhere
+ * touches nothing on its way. *moved: the world is to make its step. */
+enum status vehicle_lent_touch(struct vehicle_lent *lent, const void *data, bool *moved) FURROW_CHECKED;
+/* After a rollback of the world: nothing is known of steps before. */
+void vehicle_lent_forget(struct vehicle_lent *lent);
+bool vehicle_lent_ended(const struct vehicle_lent *lent); /* a step has ended that the ground does not know yet */
+double vehicle_lent_seconds(const struct vehicle_lent *lent); /* of the last step */
+size_t vehicle_lent_count(const struct vehicle_lent *lent);
+/* Tells of a soil geom, 0 .. count - 1, in the last step. Any of the pointers may be NULL. Returns its number in the host's model. */
+int vehicle_lent_geom(const struct vehicle_lent *lent, size_t index, const char **name, struct furrow_state *state, struct furrow_contact *contact);
 
 #endif

@@ -61,6 +61,9 @@ class WheelTest(unittest.TestCase):
         self.output("fresh/bin/furrow", "drive", "one.yaml", "--store", "hill.furrow", "--overlay", "one.furrow", "-o", "out")
         package, = (FOLDER / "fresh").glob("lib/python*/site-packages/furrow")
         self.assertNotIn(str(ROOT / "mujoco").encode(), (package / "libfurrow.so.0").read_bytes())
+        # The engine plugin finds the library beside itself, and says nothing where no MuJoCo loads it.
+        told = self.output("fresh/bin/python", "-c", f"import ctypes; ctypes.CDLL({str(package / 'libfurrow_mujoco.so')!r}); print('loaded')")
+        self.assertEqual(told, "loaded\n")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,164 @@
+/* A height field of the model that follows the ground, so that MuJoCo's viewers show ruts. The model is one for many mjData: the first that is made writes it. */
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plugin.h"
+
+#define RATE 30.0 /* 1/s of simulated time: it is brought up to date so often */
+
+struct plugin_field {
+	const mjModel *model;
+	int field, rows, columns;
+	double corner[2], apart[2]; /* m, local: of its first point; between points */
+	double zero, high;          /* m, local: of what it has as 0; how much higher it has 1 */
+	double next;                /* s, of the world */
+	uint64_t revision;
+	double *places;             /* room for all points */
+	struct furrow_point *points;
+	struct furrow_rect *rects;
+	size_t room;
+	struct plugin_field *before; /* in the list of all */
+};
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static struct plugin_field *all_fields;
+
+static bool claim(struct plugin_field *field)
+{
+	bool first = true;
+	pthread_mutex_lock(&lock);
+	for (const struct plugin_field *one = all_fields; one != NULL; one = one->before)
+		first = first && !(one->model == field->model && one->field == field->field);
+	if (first) {
+		field->before = all_fields;
+		all_fields = field;
+	}
+	pthread_mutex_unlock(&lock);
+	return first;
+}
+
+void plugin_free_field(struct plugin_field *field)
+{
+	if (field == NULL)
+		return;
+	pthread_mutex_lock(&lock);
+	for (struct plugin_field **at = &all_fields; *at != NULL; at = &(*at)->before)
+		if (*at == field) {
+			*at = field->before;
+			break;
+		}
+	pthread_mutex_unlock(&lock);
+	free(field->places);
+	free(field->points);
+	free(field->rects);
+	free(field);
+}
+
+static int geom_of(const mjModel *model, int field)
+{
+	for (int i = 0; i < model->ngeom; i++)
+		if (model->geom_type[i] == mjGEOM_HFIELD && model->geom_dataid[i] == field)
+			return i;
+	return -1;
+}
+
+const char *plugin_make_field(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3])
+{
+	const char *name = mj_getPluginConfig(model, instance, "hfield");
+	if (name == NULL || name[0] == '\0')
+		return NULL;
+	const int number = mj_name2id(model, mjOBJ_HFIELD, name), geom = number >= 0 ? geom_of(model, number) : -1;
+	if (geom < 0)
+		return "hfield names no height field of the model that a geom shows; give an hfield in asset, and a geom of type hfield";
+	const mjtNum *at = model->geom_pos + 3 * geom, *turn = model->geom_quat + 4 * geom, *size = model->hfield_size + 4 * number;
+	if (model->geom_bodyid[geom] != 0 || fabs(turn[0]) < 1 - 1e-9)
+		return "the geom of its hfield is turned, or belongs to a body that is not the world; let it lie level in worldbody";
+	if (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0)
+		return "the geom of its hfield collides, so bodies would stand on it and on the soil; give it contype=\"0\" conaffinity=\"0\"";
+	struct plugin_field *field = calloc(1, sizeof *field);
+	if (field == NULL)
+		return "no memory for its hfield";
+	*field = (struct plugin_field){.model = model, .field = number, .rows = model->hfield_nrow[number], .columns = model->hfield_ncol[number],
+				       .zero = origin[2] + at[2], .high = size[2]};
+	const size_t count = (size_t)field->rows * (size_t)field->columns;
+	field->places = malloc(2 * count * sizeof *field->places);
+	field->points = malloc(count * sizeof *field->points);
+	for (int k = 0; k < 2; k++) {
+		field->corner[k] = origin[k] + at[k] - size[k];
+		field->apart[k] = 2 * size[k] / ((k == 0 ? field->columns : field->rows) - 1);
+	}
+	if (field->places == NULL || field->points == NULL || field->rows < 2 || field->columns < 2 || !claim(field)) {
+		plugin_free_field(field);
+		return NULL;
+	}
+	soil->field = field;
+	plugin_follow(model, soil, true);
+	return NULL;
+}
+
+/* Reads points of rows and columns from first until before end. */
+static void read_points(const mjModel *model, const struct plugin_soil *soil, const int first[2], const int end[2])
+{
+	struct plugin_field *field = soil->field;
+	float *to = model->hfield_data + model->hfield_adr[field->field];
+	size_t count = 0;
+	for (int r = first[1]; r < end[1]; r++)
+		for (int c = first[0]; c < end[0]; c++, count++) {
+			field->places[2 * count] = field->corner[0] + c * field->apart[0];
+			field->places[2 * count + 1] = field->corner[1] + r * field->apart[1];
+		}
+	if (count == 0)
+		return;
+	plugin_must(furrow_points(soil->world, count, field->places, field->points));
+	count = 0;
+	for (int r = first[1]; r < end[1]; r++)
+		for (int c = first[0]; c < end[0]; c++, count++)
+			if (isfinite(field->points[count].height))
+				to[r * field->columns + c] = (float)((field->points[count].height - field->zero) / field->high);
+}
+
+/* Finds which points lie in a rectangle of posts, and a post beside it. */
+static void range_of(const struct plugin_field *field, const struct furrow_rect *rect, double spacing, int first[2], int end[2])
+{
+	const int most[2] = {field->columns, field->rows};
+	const int64_t from[2] = {rect->column, rect->row}, count[2] = {rect->columns, rect->rows};
+	for (int k = 0; k < 2; k++) {
+		const double low = ceil((((double)from[k] - 1) * spacing - field->corner[k]) / field->apart[k]);
+		const double high = floor((((double)(from[k] + count[k]) + 1) * spacing - field->corner[k]) / field->apart[k]) + 1;
+		first[k] = low > 0 ? low < most[k] ? (int)low : most[k] : 0;
+		end[k] = high > 0 ? high < most[k] ? (int)high : most[k] : 0;
+	}
+}
+
+void plugin_follow(const mjModel *model, struct plugin_soil *soil, bool all)
+{
+	struct plugin_field *field = soil->field;
+	struct furrow_info info = {.size = sizeof info};
+	if (field == NULL || (!all && furrow_time(soil->world) < field->next))
+		return;
+	field->next = furrow_time(soil->world) + 1 / RATE;
+	plugin_must(furrow_info(soil->world, &info));
+	if (all) {
+		read_points(model, soil, (const int[]){0, 0}, (const int[]){field->columns, field->rows});
+		field->revision = info.revision;
+		return;
+	}
+	size_t count = field->room;
+	while (furrow_changes(soil->world, field->revision, field->rects, &count, NULL) == FURROW_USAGE && count > field->room) {
+		free(field->rects);
+		field->room = 2 * count;
+		field->rects = calloc(field->room, sizeof *field->rects);
+		if (field->rects == NULL)
+			plugin_fail("no memory for its hfield");
+		count = field->room;
+	}
+	for (size_t i = 0; i < count && i < field->room; i++) {
+		int first[2], end[2];
+		range_of(field, &field->rects[i], info.spacing, first, end);
+		read_points(model, soil, first, end);
+	}
+	field->revision = info.revision;
+}

@@ -1,0 +1,57 @@
+/* A height field of the model follows the ground. */
+#include "engine.h"
+
+#define FIELD "<asset><hfield name=\"terrain\" nrow=\"41\" ncol=\"81\" size=\"2 1 1 0.1\"/></asset>"
+#define GEOM(more) "<geom name=\"ground\" type=\"hfield\" hfield=\"terrain\" pos=\"0 0 -0.5\" " more "/>"
+
+static float *points(const mjModel *model)
+{
+	return model->hfield_data + model->hfield_adr[0];
+}
+
+static void a_field_shows_the_rut(void **state)
+{
+	(void)state;
+	engine_store();
+	mjModel *model = engine_ball("timestep=\"0.002\"", "<config key=\"hfield\" value=\"terrain\"/>", GEOM("contype=\"0\" conaffinity=\"0\""), FIELD);
+	if (model == NULL)
+		print_error("%s\n", engine_error);
+	assert_non_null(model);
+	mjData *data = engine.mj_makeData(model);
+	/* The ground is at 0, and the field's zero at -0.5 m. */
+	for (int i = 0; i < 41 * 81; i++)
+		assert_true(fabsf(points(model)[i] - 0.5f) < 1e-6f);
+	engine_run(model, data, 1);
+	const float middle = points(model)[20 * 81 + 40];
+	print_message("below the ball: %.2f mm, where the ball is %.2f mm deep\n", 1e3 * ((double)middle - 0.5), 1e3 * (data->qpos[2] - 0.2));
+	assert_true(fabs((double)middle - 0.5 - (data->qpos[2] - 0.2)) < 0.004 && (double)middle < 0.49);
+	assert_true(fabsf(points(model)[0] - 0.5f) < 1e-6f);
+	engine.mj_resetData(model, data);
+	for (int i = 0; i < 41 * 81; i++)
+		assert_true(fabsf(points(model)[i] - 0.5f) < 1e-6f);
+	engine.mj_deleteData(data);
+	engine.mj_deleteModel(model);
+}
+
+/* Makes a model that is refused. Returns why. */
+static const char *refusal(const char *world, const char *more)
+{
+	engine_error[0] = '\0';
+	assert_null(engine_ball("", more, world, FIELD));
+	return engine_error;
+}
+
+static void a_field_that_cannot_follow_is_refused(void **state)
+{
+	(void)state;
+	engine_store();
+	assert_non_null(strstr(refusal(GEOM(""), "<config key=\"hfield\" value=\"terrain\"/>"), "collides"));
+	assert_non_null(strstr(refusal(GEOM("euler=\"0 0 10\" contype=\"0\" conaffinity=\"0\""), "<config key=\"hfield\" value=\"terrain\"/>"), "turned"));
+	assert_non_null(strstr(refusal(GEOM("contype=\"0\" conaffinity=\"0\""), "<config key=\"hfield\" value=\"terain\"/>"), "names no height field"));
+}
+
+TEST_PROGRAM(fields)
+{
+	const struct CMUnitTest tests[] = {cmocka_unit_test(a_field_shows_the_rut), cmocka_unit_test(a_field_that_cannot_follow_is_refused)};
+	return cmocka_run_group_tests(tests, engine_enter, support_leave);
+}
