@@ -75,5 +75,6 @@ void vehicle_spec_inertias(struct spec *spec);                        /* spec_in
 enum status vehicle_spec_meshes(struct spec *spec) FURROW_CHECKED;    /* spec_meshes.c: files of meshes and images */
 enum status vehicle_spec_servos(struct spec *spec) FURROW_CHECKED;    /* spec_servos.c */
 enum status vehicle_spec_powertrain(struct spec *spec) FURROW_CHECKED; /* spec_powertrain.c; before servos */
+enum status vehicle_spec_imu(struct spec *spec) FURROW_CHECKED;       /* spec_imu.c: the scene's imu. STATUS_INPUT: the model has no such body */
 
 #endif
