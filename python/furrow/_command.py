@@ -62,3 +62,16 @@ class Whole:
             os.replace(self.beside, self.path)
         else:
             self.beside.unlink(missing_ok=True)
+
+
+def window(text: "str | None") -> "list[float] | None":
+    """Four numbers X0,Y0,X1,Y1. None: there is no text. ResultsError: they are not."""
+    if text is None:
+        return None
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 4 or not (numbers[0] < numbers[2] and numbers[1] < numbers[3]):
+        raise ResultsError(f"--window {text}: it is no rectangle; give west,south,east,north in metres, as 10,10,50,40")
+    return numbers
