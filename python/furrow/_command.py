@@ -75,3 +75,14 @@ def window(text: "str | None") -> "list[float] | None":
     if len(numbers) != 4 or not (numbers[0] < numbers[2] and numbers[1] < numbers[3]):
         raise ResultsError(f"--window {text}: it is no rectangle; give west,south,east,north in metres, as 10,10,50,40")
     return numbers
+
+
+def joined(arguments: "list[str]", *options: str) -> "list[str]":
+    """Arguments with the value of an option in one word with it: a list that begins with a minus would be taken for an option."""
+    out: "list[str]" = []
+    for word in arguments:
+        if out and out[-1] in options:
+            out[-1] += f"={word}"
+        else:
+            out.append(word)
+    return out

@@ -9,7 +9,7 @@ from typing import Any, Iterator, Union
 
 import numpy as np
 
-from furrow import _command, _ros, _sensors
+from furrow import _command, _ros, _sensors, lens
 from furrow.results import Drive, ResultsError, nanoseconds, quaternions, rotate_back, turn_rates
 
 ABOUT = """Writes a drive as a bag of ROS 2 (mcap): clock, tf, and of each vehicle odometry, joint states, IMUs and ranges; of each camera its pictures
@@ -130,7 +130,9 @@ def _of_lidar(name: str, lidar: "dict[str, Any]") -> "Iterator[Message]":
 def _info(ns: int, name: str, camera: "dict[str, Any]", right: "float") -> "dict[str, Any]":
     """ROS counts pixels from the first one's centre. `right`: m, how far the camera is to the right of the first of its pair."""
     fx, fy, cx, cy = camera["fx"], camera["fy"], camera["cx"] - 0.5, camera["cy"] - 0.5
-    return {"header": _header(ns, name), "height": camera["height"], "width": camera["width"], "distortion_model": "plumb_bob", "d": [0.0] * 5,
+    fisheye = camera["model"] == "fisheye"
+    return {"header": _header(ns, name), "height": camera["height"], "width": camera["width"], "distortion_model": "equidistant" if fisheye else "plumb_bob",
+            "d": [0.0] * 5 if camera["distortion"] == "none" else list(camera["distortion"]),
             "k": [fx, 0, cx, 0, fy, cy, 0, 0, 1], "r": [1, 0, 0, 0, 1, 0, 0, 0, 1], "p": [fx, 0, cx, -fx * right, 0, fy, cy, 0, 0, 0, 1, 0],
             "binning_x": 0, "binning_y": 0, "roi": {"x_offset": 0, "y_offset": 0, "height": 0, "width": 0, "do_rectify": False}}
 
@@ -139,7 +141,9 @@ def _cloud(ns: int, name: str, camera: "dict[str, Any]", depth: "np.ndarray") ->
     """The points of a picture of depth, along the camera's axes. Sky has none."""
     rows, columns = np.nonzero(np.isfinite(depth))
     z = depth[rows, columns].astype(np.float64)
-    return _cloud_of(ns, name, np.stack([(columns + 0.5 - camera["cx"]) / camera["fx"] * z, (rows + 0.5 - camera["cy"]) / camera["fy"] * z, z], axis=1))
+    places = np.stack([(columns + 0.5 - camera["cx"]) / camera["fx"], (rows + 0.5 - camera["cy"]) / camera["fy"]], axis=1)
+    rays = lens.undistort(camera["model"], camera["distortion"], places)
+    return _cloud_of(ns, name, rays / rays[:, 2:] * z[:, None])
 
 
 def _of_camera(name: str, camera: "dict[str, Any]", points: bool) -> "Iterator[Message]":

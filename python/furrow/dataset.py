@@ -97,6 +97,13 @@ def _yaml_matrix(matrix: "np.ndarray") -> str:
     return ("  cols: 4\n  rows: 4\n  data: [" + ",\n         ".join(", ".join(f"{value:.12g}" for value in row) for row in matrix) + "]\n")
 
 
+def _coefficients(camera: "dict[str, Any]") -> "list[float]":
+    """Four, as EuRoC has them. A third radial one that is not 0 is the fifth."""
+    if camera["distortion"] == "none":
+        return [0.0] * 4
+    return list(camera["distortion"][:4 if camera["model"] == "fisheye" or camera["distortion"][4] == 0 else 5])
+
+
 def _euroc_camera(folder: pathlib.Path, drive: Drive, camera: "dict[str, Any]") -> None:
     (folder / "data").mkdir(parents=True)
     with open(folder / "data.csv", "w", encoding="ascii") as file:
@@ -109,7 +116,8 @@ def _euroc_camera(folder: pathlib.Path, drive: Drive, camera: "dict[str, Any]") 
         f"# Pixels count from the centre of the first one.\nsensor_type: camera\ncomment: {camera['name']}\nT_BS:\n" + _yaml_matrix(_mount(drive, camera)) +
         f"rate_hz: {camera['rate']:g}\nresolution: [{camera['width']}, {camera['height']}]\ncamera_model: pinhole\n"
         f"intrinsics: [{camera['fx']:.12g}, {camera['fy']:.12g}, {camera['cx'] - 0.5:.12g}, {camera['cy'] - 0.5:.12g}]\n"
-        "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n", encoding="utf-8")
+        f"distortion_model: {'equidistant' if camera['model'] == 'fisheye' else 'radial-tangential'}\n"
+        f"distortion_coefficients: [{', '.join(f'{value:.12g}' for value in _coefficients(camera))}]\n", encoding="utf-8")
 
 
 def _euroc_truth(folder: pathlib.Path, drive: Drive, vehicle: str) -> None:
@@ -153,6 +161,8 @@ def _tum_camera(drive: Drive, name: "Union[str, None]") -> "dict[str, Any]":
     found = [each for own, each in drive.cameras.items() if {"colour", "depth"} <= set(each["images"]) and name in (None, own)]
     if not found:
         raise ResultsError(f"{drive.folder}: no camera has colour and depth" + (f" and the name {name}" if name else "") + "; give one images: [colour, depth]")
+    if found[0]["distortion"] != "none":
+        raise ResultsError(f"cameras.{found[0]['name']}: it has a lens, and TUM has pinholes; give another with --camera")
     return found[0]
 
 

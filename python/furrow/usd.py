@@ -197,7 +197,7 @@ def main(arguments: "list[str]") -> int:
     parser.add_argument("-o", "--output", metavar="FILE", required=True)
     parser.add_argument("--window", metavar="X0,Y0,X1,Y1", help="of the ground, m")
     parser.add_argument("--no-vehicles", action="store_true", help="the ground and objects alone")
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(_command.joined(arguments, "--window"))
 
     def work() -> None:
         told = write(given.folder, given.output, _command.window(given.window), not given.no_vehicles)

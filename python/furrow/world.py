@@ -269,7 +269,7 @@ def main(arguments: "list[str]") -> int:
     parser.add_argument("--format", choices=["mjcf", "sdf"], default="mjcf")
     parser.add_argument("--window", metavar="X0,Y0,X1,Y1", help="of the ground, m")
     parser.add_argument("--no-vehicles", action="store_true", help="the ground alone")
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(_command.joined(arguments, "--window"))
 
     def work() -> None:
         told = (mjcf if given.format == "mjcf" else sdf)(given.folder, given.output, _command.window(given.window), not given.no_vehicles)
