@@ -21,7 +21,7 @@ const struct command command_bag = {
 	.summary = "write a drive as a bag for ROS 2",
 	.arguments = COMMAND_ARGUMENTS({"DIR", .help = "what furrow drive -o wrote", .files = "/", .needed = true}),
 	.options = options,
-	.details = "The bag (mcap) has the clock, tf, odometry and joint states of each vehicle, the soil's force on each body of objects.csv, and of each camera "
+	.details = "The bag (mcap) has the clock, tf, odometry, joint states, IMUs and ranges of each vehicle, the soil's force on each body of objects.csv, points of lidars, and of each camera "
 		   "its pictures as they are and its camera info. Times are simulated, from 0. The frame `map` is the store's: x east, y north, z up, in "
 		   "metres from its south-west post.\n\n"
 		   "It needs the Python packages mcap and mcap-ros2-support (pip install 'furrow[ros]', or both by name).\n",

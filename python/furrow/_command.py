@@ -62,3 +62,27 @@ class Whole:
             os.replace(self.beside, self.path)
         else:
             self.beside.unlink(missing_ok=True)
+
+
+def window(text: "str | None") -> "list[float] | None":
+    """Four numbers X0,Y0,X1,Y1. None: there is no text. ResultsError: they are not."""
+    if text is None:
+        return None
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 4 or not (numbers[0] < numbers[2] and numbers[1] < numbers[3]):
+        raise ResultsError(f"--window {text}: it is no rectangle; give west,south,east,north in metres, as 10,10,50,40")
+    return numbers
+
+
+def joined(arguments: "list[str]", *options: str) -> "list[str]":
+    """Arguments with the value of an option in one word with it: a list that begins with a minus would be taken for an option."""
+    out: "list[str]" = []
+    for word in arguments:
+        if out and out[-1] in options:
+            out[-1] += f"={word}"
+        else:
+            out.append(word)
+    return out

@@ -20,10 +20,14 @@ _FIELDS = {
                               " float64[12] p, uint32 binning_x, uint32 binning_y, sensor_msgs/RegionOfInterest roi",
     "sensor_msgs/CompressedImage": "std_msgs/Header header, string format, uint8[] data",
     "sensor_msgs/Image": "std_msgs/Header header, uint32 height, uint32 width, string encoding, uint8 is_bigendian, uint32 step, uint8[] data",
+    "sensor_msgs/Imu": "std_msgs/Header header, geometry_msgs/Quaternion orientation, float64[9] orientation_covariance,"
+                       " geometry_msgs/Vector3 angular_velocity, float64[9] angular_velocity_covariance,"
+                       " geometry_msgs/Vector3 linear_acceleration, float64[9] linear_acceleration_covariance",
     "sensor_msgs/JointState": "std_msgs/Header header, string[] name, float64[] position, float64[] velocity, float64[] effort",
     "sensor_msgs/PointCloud2": "std_msgs/Header header, uint32 height, uint32 width, sensor_msgs/PointField[] fields, bool is_bigendian,"
                                " uint32 point_step, uint32 row_step, uint8[] data, bool is_dense",
     "sensor_msgs/PointField": "string name, uint32 offset, uint8 datatype, uint32 count",
+    "sensor_msgs/Range": "std_msgs/Header header, uint8 radiation_type, float32 field_of_view, float32 min_range, float32 max_range, float32 range",
     "sensor_msgs/RegionOfInterest": "uint32 x_offset, uint32 y_offset, uint32 height, uint32 width, bool do_rectify",
     "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped[] transforms",
 }

@@ -9,11 +9,11 @@ from typing import Any, Iterator, Union
 
 import numpy as np
 
-from furrow import _command, _ros
+from furrow import _command, _ros, _sensors, lens
 from furrow.results import Drive, ResultsError, nanoseconds, quaternions, rotate_back, turn_rates
 
-ABOUT = """Writes a drive as a bag of ROS 2 (mcap): clock, tf, and of each vehicle odometry and joint states; of each camera its pictures
-and camera info; of cameras with depth also clouds of points, with --points.
+ABOUT = """Writes a drive as a bag of ROS 2 (mcap): clock, tf, and of each vehicle odometry, joint states, IMUs and ranges; of each camera its pictures
+and camera info; clouds of points of lidars and, with --points, of cameras with depth.
 
   furrow drive scene.yaml -o out && furrow bag out -o run.mcap
   ros2 bag play run.mcap --clock"""
@@ -67,10 +67,72 @@ def _of_object(name: str, rows: "dict[str, np.ndarray]") -> "Iterator[Message]":
                 "header": _header(nanoseconds(t), "map"), "wrench": {"force": _named(values[:3]), "torque": _named(values[3:])}}
 
 
+def _topic(text: str) -> str:
+    """A name as ROS takes it."""
+    return "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in text)
+
+
+def _still(frames: "list[dict[str, Any]]") -> "Iterator[Message]":
+    """Where sensors are on their vehicles, once. A beam of ROS goes along x, and one of MuJoCo along z."""
+    transforms = []
+    for frame in frames:
+        transforms.append(_transform(0, frame["name"], frame["position"], frame["orientation"]))
+        transforms[-1]["header"]["frame_id"] = frame["parent"]
+    if transforms:
+        yield 0, "/tf_static", "tf2_msgs/TFMessage", {"transforms": transforms}
+
+
+def _diagonal(deviation: float) -> "list[float]":
+    square = deviation * deviation
+    return [square, 0.0, 0.0, 0.0, square, 0.0, 0.0, 0.0, square]
+
+
+def _of_imu(imu: "dict[str, Any]") -> "Iterator[Message]":
+    """At rest the linear acceleration is what holds it against gravity, as REP 145 says. Without an attitude its covariance begins with -1."""
+    turns = imu["orientation"]
+    for i, t in enumerate(imu["t"]):
+        ns = nanoseconds(t)
+        yield ns, f"/{imu['vehicle']}/{_topic(imu['name'])}", "sensor_msgs/Imu", {
+            "header": _header(ns, imu["frame"]["name"]), "orientation": _named(turns[i] if turns is not None else [0.0, 0.0, 0.0, 1.0], "xyzw"),
+            "orientation_covariance": [0.0] * 9 if turns is not None else [-1.0] + [0.0] * 8,
+            "angular_velocity": _named(imu["gyro"][i]), "angular_velocity_covariance": _diagonal(imu["noise"]["gyro"]),
+            "linear_acceleration": _named(imu["accelerometer"][i]), "linear_acceleration_covariance": _diagonal(imu["noise"]["accelerometer"])}
+
+
+def _of_range(finder: "dict[str, Any]") -> "Iterator[Message]":
+    for t, told in zip(finder["t"], finder["range"]):
+        ns = nanoseconds(t)
+        yield ns, f"/{finder['vehicle']}/{_topic(finder['name'])}/range", "sensor_msgs/Range", {
+            "header": _header(ns, finder["frame"]["name"] + "/beam"), "radiation_type": 1, "field_of_view": 0.0, "min_range": 0.0,
+            "max_range": float(finder["cutoff"]) if finder["cutoff"] > 0 else float("inf"), "range": float(told)}
+
+
+def _beam(frame: "dict[str, Any]") -> "dict[str, Any]":
+    """The frame of a beam: its x is the site's z. The turn about (1, 1, 1) by -120 degrees takes z to x."""
+    x, y, z, w = frame["orientation"]
+    a, b, c, d = 0.5, 0.5, 0.5, -0.5
+    return {**frame, "name": frame["name"] + "/beam", "orientation": [w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a, w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c]}
+
+
+def _cloud_of(ns: int, frame: str, points: "np.ndarray") -> "dict[str, Any]":
+    data = points.astype("<f4")
+    return {"header": _header(ns, frame), "height": 1, "width": len(data), "is_bigendian": False, "point_step": 12, "row_step": 12 * len(data),
+            "fields": [{"name": axis, "offset": 4 * i, "datatype": 7, "count": 1} for i, axis in enumerate("xyz")], "data": data.tobytes(), "is_dense": True}
+
+
+def _of_lidar(name: str, lidar: "dict[str, Any]") -> "Iterator[Message]":
+    for frame in lidar["frames"]:
+        ns = nanoseconds(frame["time"])
+        yield ns, "/tf", "tf2_msgs/TFMessage", {"transforms": [_transform(ns, name, frame["position"], frame["orientation"])]}
+        yield ns, f"/{name}/points", "sensor_msgs/PointCloud2", _cloud_of(ns, name, _sensors.points(lidar, frame["frame"]))
+
+
 def _info(ns: int, name: str, camera: "dict[str, Any]", right: "float") -> "dict[str, Any]":
     """ROS counts pixels from the first one's centre. `right`: m, how far the camera is to the right of the first of its pair."""
     fx, fy, cx, cy = camera["fx"], camera["fy"], camera["cx"] - 0.5, camera["cy"] - 0.5
-    return {"header": _header(ns, name), "height": camera["height"], "width": camera["width"], "distortion_model": "plumb_bob", "d": [0.0] * 5,
+    fisheye = camera["model"] == "fisheye"
+    return {"header": _header(ns, name), "height": camera["height"], "width": camera["width"], "distortion_model": "equidistant" if fisheye else "plumb_bob",
+            "d": [0.0] * 5 if camera["distortion"] == "none" else list(camera["distortion"]),
             "k": [fx, 0, cx, 0, fy, cy, 0, 0, 1], "r": [1, 0, 0, 0, 1, 0, 0, 0, 1], "p": [fx, 0, cx, -fx * right, 0, fy, cy, 0, 0, 0, 1, 0],
             "binning_x": 0, "binning_y": 0, "roi": {"x_offset": 0, "y_offset": 0, "height": 0, "width": 0, "do_rectify": False}}
 
@@ -79,9 +141,9 @@ def _cloud(ns: int, name: str, camera: "dict[str, Any]", depth: "np.ndarray") ->
     """The points of a picture of depth, along the camera's axes. Sky has none."""
     rows, columns = np.nonzero(np.isfinite(depth))
     z = depth[rows, columns].astype(np.float64)
-    points = np.stack([(columns + 0.5 - camera["cx"]) / camera["fx"] * z, (rows + 0.5 - camera["cy"]) / camera["fy"] * z, z], axis=1).astype("<f4")
-    return {"header": _header(ns, name), "height": 1, "width": len(points), "is_bigendian": False, "point_step": 12, "row_step": 12 * len(points),
-            "fields": [{"name": axis, "offset": 4 * i, "datatype": 7, "count": 1} for i, axis in enumerate("xyz")], "data": points.tobytes(), "is_dense": True}
+    places = np.stack([(columns + 0.5 - camera["cx"]) / camera["fx"], (rows + 0.5 - camera["cy"]) / camera["fy"]], axis=1)
+    rays = lens.undistort(camera["model"], camera["distortion"], places)
+    return _cloud_of(ns, name, rays / rays[:, 2:] * z[:, None])
 
 
 def _of_camera(name: str, camera: "dict[str, Any]", points: bool) -> "Iterator[Message]":
@@ -122,6 +184,16 @@ def _in_time(sources: "list[Iterator[Message]]") -> "Iterator[Message]":
         heads[first] = next(sources[first], None)
 
 
+def _sources(drive: Drive, points: bool) -> "list[Iterator[Message]]":
+    finders = _sensors.rangefinders(drive.sensor_list, drive.sensors)
+    still = list(_sensors.frames(drive.sensor_list))
+    beams = [_beam(frame) for frame in still if frame["name"] in {finder["frame"]["name"] for finder in finders}]
+    sources = [_still(still + beams)] if still else []
+    sources += [_of_vehicle(*each) for each in drive.vehicles.items()] + [_of_object(*each) for each in drive.objects.items()]
+    sources += [_of_imu(imu) for imu in drive.imus] + [_of_range(finder) for finder in finders]
+    return sources + [_of_camera(*each, points) for each in drive.cameras.items()] + [_of_lidar(*each) for each in drive.lidars.items()]
+
+
 def write(folder: Path, file: Path, points: bool = False) -> "dict[str, int]":
     """Writes the results in a folder as a bag. Returns how many messages each topic has. `points`: with clouds of points of pictures of depth.
 
@@ -129,10 +201,9 @@ def write(folder: Path, file: Path, points: bool = False) -> "dict[str, int]":
     """
     writer_of = _command.need("mcap_ros2.writer", "mcap-ros2-support")
     drive = Drive(folder)
-    sources = ([_of_vehicle(*each) for each in drive.vehicles.items()] + [_of_object(*each) for each in drive.objects.items()]
-               + [_of_camera(*each, points) for each in drive.cameras.items()])
+    sources = _sources(drive, points)
     if not sources:
-        raise ResultsError(f"{drive.folder}: the drive left no rows and no pictures; give the scene output.vehicles, output.forces or cameras")
+        raise ResultsError(f"{drive.folder}: the drive left no rows and no pictures; give the scene output.vehicles, output.forces, output.sensors, cameras or lidars")
     counts: "dict[str, int]" = {}
     with _command.Whole(pathlib.Path(file)) as whole:
         with open(whole, "wb") as out:

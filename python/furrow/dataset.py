@@ -1,6 +1,6 @@
 """A drive as a dataset of odometry and depth: `furrow dataset DIR -o FOLDER`, or furrow.dataset.euroc("out", "sequence") and furrow.dataset.tum.
 
-The layouts are those of the EuRoC MAV dataset (mav0: cam0, state_groundtruth_estimate0) and of the TUM RGB-D benchmark (rgb, depth, groundtruth.txt).
+The layouts are those of the EuRoC MAV dataset (mav0: cam0, imu0, state_groundtruth_estimate0) and of the TUM RGB-D benchmark (rgb, depth, groundtruth.txt).
 Times are simulated. The frame of EuRoC's poses is the store's axes, in metres from its south-west post.
 """
 import os
@@ -71,8 +71,37 @@ def _mount(drive: Drive, camera: "dict[str, Any]") -> "np.ndarray":
     return mounts[0]
 
 
+def _imu_of(drive: Drive, vehicle: str) -> "Union[dict[str, Any], None]":
+    """An IMU that is fixed to the root body of a vehicle: that of the scene, or the first one of the model."""
+    own = [imu for imu in drive.imus if imu["vehicle"] == vehicle and imu["frame"]["parent"] == f"{vehicle}/base_link"]
+    return next((imu for imu in own if imu["name"] == "imu"), own[0] if own else None)
+
+
+def _euroc_imu(folder: pathlib.Path, drive: Drive, imu: "dict[str, Any]") -> None:
+    folder.mkdir()
+    with open(folder / "data.csv", "w", encoding="ascii") as file:
+        file.write("#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n")
+        for t, gyro, force in zip(imu["t"], imu["gyro"], imu["accelerometer"]):
+            file.write(f"{nanoseconds(t)}," + ",".join(f"{value:.12g}" for value in [*gyro, *force]) + "\n")
+    mount = np.eye(4)
+    mount[:3, :3] = matrices(np.array([imu["frame"]["orientation"]]))[0]
+    mount[:3, 3] = imu["frame"]["position"]
+    rate = 1 / float(np.median(np.diff(imu["t"]))) if len(imu["t"]) > 1 else 0.0
+    density = {name: value / np.sqrt(rate) if rate > 0 else 0.0 for name, value in imu["noise"].items()}
+    (folder / "sensor.yaml").write_text(
+        f"sensor_type: imu\ncomment: {imu['name']}, of the last step before each time\nT_BS:\n" + _yaml_matrix(mount) + f"rate_hz: {rate:g}\n"
+        f"gyroscope_noise_density: {density['gyro']:.9g}\ngyroscope_random_walk: 0\naccelerometer_noise_density: {density['accelerometer']:.9g}\naccelerometer_random_walk: 0\n", encoding="utf-8")
+
+
 def _yaml_matrix(matrix: "np.ndarray") -> str:
     return ("  cols: 4\n  rows: 4\n  data: [" + ",\n         ".join(", ".join(f"{value:.12g}" for value in row) for row in matrix) + "]\n")
+
+
+def _coefficients(camera: "dict[str, Any]") -> "list[float]":
+    """Four, as EuRoC has them. A third radial one that is not 0 is the fifth."""
+    if camera["distortion"] == "none":
+        return [0.0] * 4
+    return list(camera["distortion"][:4 if camera["model"] == "fisheye" or camera["distortion"][4] == 0 else 5])
 
 
 def _euroc_camera(folder: pathlib.Path, drive: Drive, camera: "dict[str, Any]") -> None:
@@ -87,7 +116,8 @@ def _euroc_camera(folder: pathlib.Path, drive: Drive, camera: "dict[str, Any]") 
         f"# Pixels count from the centre of the first one.\nsensor_type: camera\ncomment: {camera['name']}\nT_BS:\n" + _yaml_matrix(_mount(drive, camera)) +
         f"rate_hz: {camera['rate']:g}\nresolution: [{camera['width']}, {camera['height']}]\ncamera_model: pinhole\n"
         f"intrinsics: [{camera['fx']:.12g}, {camera['fy']:.12g}, {camera['cx'] - 0.5:.12g}, {camera['cy'] - 0.5:.12g}]\n"
-        "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n", encoding="utf-8")
+        f"distortion_model: {'equidistant' if camera['model'] == 'fisheye' else 'radial-tangential'}\n"
+        f"distortion_coefficients: [{', '.join(f'{value:.12g}' for value in _coefficients(camera))}]\n", encoding="utf-8")
 
 
 def _euroc_truth(folder: pathlib.Path, drive: Drive, vehicle: str) -> None:
@@ -104,7 +134,7 @@ def _euroc_truth(folder: pathlib.Path, drive: Drive, vehicle: str) -> None:
 
 
 def euroc(folder: Path, to: Path, camera: "Union[str, None]" = None) -> "dict[str, Any]":
-    """Writes a folder `to` that has `mav0`. `camera`: the only one; None: all with colours on the first camera's vehicle. Returns {vehicle, cameras, rows}.
+    """Writes a folder `to` that has `mav0`. `camera`: the only one; None: all with colours on the first camera's vehicle. Returns {vehicle, cameras, imu, rows}.
 
     The folder is there when it is whole. ResultsError: there is no camera on a vehicle, or no rows of it, or one moves against it.
     """
@@ -120,14 +150,19 @@ def euroc(folder: Path, to: Path, camera: "Union[str, None]" = None) -> "dict[st
         for number, each in enumerate(own.values()):
             _euroc_camera(whole / "mav0" / f"cam{number}", drive, each)
         _euroc_truth(whole / "mav0" / "state_groundtruth_estimate0", drive, vehicle)
+        imu = _imu_of(drive, vehicle)
+        if imu is not None:
+            _euroc_imu(whole / "mav0" / "imu0", drive, imu)
         (whole / "mav0" / "body.yaml").write_text(f"comment: {vehicle}, its root body: x forward, y left, z up\n", encoding="utf-8")
-    return {"vehicle": vehicle, "cameras": list(own), "rows": len(drive.vehicles[vehicle]["t"])}
+    return {"vehicle": vehicle, "cameras": list(own), "imu": imu["name"] if imu is not None else None, "rows": len(drive.vehicles[vehicle]["t"])}
 
 
 def _tum_camera(drive: Drive, name: "Union[str, None]") -> "dict[str, Any]":
     found = [each for own, each in drive.cameras.items() if {"colour", "depth"} <= set(each["images"]) and name in (None, own)]
     if not found:
         raise ResultsError(f"{drive.folder}: no camera has colour and depth" + (f" and the name {name}" if name else "") + "; give one images: [colour, depth]")
+    if found[0]["distortion"] != "none":
+        raise ResultsError(f"cameras.{found[0]['name']}: it has a lens, and TUM has pinholes; give another with --camera")
     return found[0]
 
 
@@ -158,6 +193,12 @@ def tum(folder: Path, to: Path, camera: "Union[str, None]" = None) -> "dict[str,
         finally:
             for file in files.values():
                 file.close()
+        imu = _imu_of(drive, own.get("on", ""))
+        if imu is not None:
+            with open(whole / "accelerometer.txt", "w", encoding="ascii") as file:
+                file.write("# timestamp ax ay az\n")
+                for t, force in zip(imu["t"], imu["accelerometer"]):
+                    file.write(f"{t:.9f} " + " ".join(f"{value:.12g}" for value in force) + "\n")
         (whole / "intrinsics.txt").write_text("# fx fy cx cy; pixels count from the centre of the first one\n"
                                               f"{own['fx']:.12g} {own['fy']:.12g} {own['cx'] - 0.5:.12g} {own['cy'] - 0.5:.12g}\n", encoding="ascii")
     return {"camera": own["name"], "frames": len(own["frames"])}
@@ -175,7 +216,8 @@ def main(arguments: "list[str]") -> int:
     def work() -> None:
         if given.format == "euroc":
             told = euroc(given.folder, given.output, given.camera)
-            print(f"{given.output}/mav0: {len(told['cameras'])} camera{'s' if len(told['cameras']) != 1 else ''} ({', '.join(told['cameras'])}) on {told['vehicle']}, {told['rows']} poses")
+            print(f"{given.output}/mav0: {len(told['cameras'])} camera{'s' if len(told['cameras']) != 1 else ''} ({', '.join(told['cameras'])}) on {told['vehicle']}, {told['rows']} poses"
+                  + (f", IMU {told['imu']}" if told["imu"] else ""))
         else:
             told = tum(given.folder, given.output, given.camera)
             print(f"{given.output}: {told['frames']} pictures of colour and depth of {told['camera']}")

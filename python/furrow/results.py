@@ -15,6 +15,8 @@ from typing import Any, Union
 
 import numpy as np
 
+from furrow import _sensors
+
 
 class ResultsError(Exception):
     """A folder of results cannot be used. Its text says what, why, and what to do."""
@@ -87,6 +89,31 @@ class Drive:
     def objects(self) -> "dict[str, dict[str, np.ndarray]]":
         """For each object, and each geom of a vehicle that presses the soil, the columns of objects.csv."""
         return self._read("objects.csv")
+
+    @property
+    def sensors(self) -> "dict[str, dict[str, np.ndarray]]":
+        """For each vehicle the columns of sensors.csv. {}: the scene has no output.sensors. docs/SENSORS.md names the columns."""
+        return self._read("sensors.csv")
+
+    @property
+    def sensor_list(self) -> "list[dict[str, Any]]":
+        """What each sensor of sensors.csv is: `sensors` of sensors.json."""
+        path = self.folder / "sensors.json"
+        return list(json.loads(path.read_text(encoding="utf-8"))["sensors"]) if path.exists() else []
+
+    @property
+    def imus(self) -> "list[dict[str, Any]]":
+        """The IMUs: each has vehicle, name, frame, t (s), accelerometer (m/s2) and gyro (rad/s), n x 3, and orientation (x, y, z, w; None: it tells none)."""
+        return _sensors.imus(self.sensor_list, self.sensors)
+
+    @property
+    def lidars(self) -> "dict[str, dict[str, Any]]":
+        """For each lidar its lidar.json; `folder` is added, and `frames`: frame, time, position, orientation of each."""
+        return _sensors.lidars(self.folder)
+
+    def points(self, lidar: str, frame: int) -> "np.ndarray":
+        """The points that a lidar met in a frame, n x 3, m, along its axes forward, left, up; the highest row first. KeyError: there is no such lidar."""
+        return _sensors.points(self.lidars[lidar], frame)
 
     @property
     def cameras(self) -> "dict[str, dict[str, Any]]":

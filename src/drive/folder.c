@@ -56,14 +56,14 @@ static bool is_image(const char *name)
 
 static bool is_of_camera(const char *name)
 {
-	static const char *const files[] = {"camera.json", "cameras.txt", "images.txt", "points3D.txt", "poses.tum", "colour.mp4"};
+	static const char *const files[] = {"camera.json", "cameras.txt", "images.txt", "points3D.txt", "poses.tum", "colour.mp4", "lidar.json"};
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++)
 		if (strcmp(name, files[i]) == 0)
 			return true;
 	return false;
 }
 
-/* Removes pictures, and files and folders of cameras, by their names alone. Others stay. `level`: 0 the run's folder, 1 cameras, 2 one of a camera,
+/* Removes pictures, and files and folders of cameras and lidars, by their names alone. Others stay. `level`: 0 the run's folder, 1 cameras, 2 one of a camera,
  * 3 one of its images. */
 static void clear_pictures(const char *path, int level)
 {
@@ -74,10 +74,10 @@ static void clear_pictures(const char *path, int level)
 		char inner[4096];
 		if (name[0] == '.' || snprintf(inner, sizeof inner, "%s/%s", path, name) >= (int)sizeof inner)
 			continue;
-		if ((level == 0 && is_numbered(name, "frame-", ".png")) || (level == 2 && is_of_camera(name)) ||
+		if ((level == 0 && is_numbered(name, "frame-", ".png")) || (level == 2 && (is_of_camera(name) || is_numbered(name, "", ".npy"))) ||
 		    (level == 3 && (is_numbered(name, "", ".png") || is_numbered(name, "", ".npy")))) {
 			unlink(inner);
-		} else if (level == 0 ? strcmp(name, RENDER_CAMERAS) == 0 : level == 1 || (level == 2 && is_image(name))) {
+		} else if (level == 0 ? strcmp(name, RENDER_CAMERAS) == 0 || strcmp(name, REPORT_LIDARS) == 0 : level == 1 || (level == 2 && is_image(name))) {
 			clear_pictures(inner, level + 1);
 			rmdir(inner); /* where it is empty */
 		}

@@ -16,6 +16,8 @@ struct drive {
 	struct world *world;
 	struct vehicles *vehicles;    /* NULL: the scene has none */
 	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
+	struct report_sensors *sensor_rows; /* NULL: no sensors.csv */
+	struct report_lidars *lidars; /* NULL: the scene has none */
 	struct world_commits commits; /* before a commit, rows and pictures of its steps go to their files */
 	struct view *view;            /* NULL if the scene has no view */
 	struct pictures *pictures;    /* NULL: none are written */
@@ -24,7 +26,7 @@ struct drive {
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
 	struct drive_mark {           /* ends of the files of rows at the last checkpoint */
-		int64_t rows, vehicle_rows;
+		int64_t rows, vehicle_rows, sensor_rows;
 	} mark;
 	bool ran;                     /* its loop began */
 	bool unbegun;                 /* it failed before its first step, or nothing could be set down: nothing of it is to be kept */

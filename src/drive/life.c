@@ -176,6 +176,8 @@ static enum status open_rows(struct drive *drive)
 		TRY(render_cameras_folders(world_scene(world), directory));
 	TRY(report_rows_open(world, directory, &drive->rows));
 	TRY(report_vehicles_open(world, drive->vehicles, directory, &drive->vehicle_rows));
+	TRY(report_lidars_open(drive->world, drive->vehicles, directory, &drive->lidars));
+	TRY(report_sensors_open(world, drive->vehicles, directory, &drive->sensor_rows));
 	return drive->params.hosted ? STATUS_OK : report_volume_open(world, directory, &drive->volume);
 }
 
@@ -249,6 +251,8 @@ enum status drive_begin(struct drive *drive)
 	if (drive->vehicles != NULL)
 		TRY(vehicle_begin(drive->vehicles));
 	TRY(report_vehicles_write(drive->vehicle_rows));
+	TRY(report_sensors_write(drive->sensor_rows, drive->world));
+	TRY(report_lidars_write(drive->lidars));
 	return drive_take(drive);
 }
 
@@ -262,6 +266,8 @@ static enum status step(struct drive *drive, double until)
 	else
 		TRY(isnan(until) ? world_step(drive->world) : world_step_to(drive->world, until));
 	TRY(report_vehicles_write(drive->vehicle_rows));
+	TRY(report_sensors_write(drive->sensor_rows, drive->world));
+	TRY(report_lidars_write(drive->lidars));
 	TRY(drive_take(drive));
 	return page_trace_status(world_resident(drive->world)->trace);
 }
@@ -280,6 +286,7 @@ enum status drive_checkpoint(struct drive *drive)
 {
 	struct drive_mark mark;
 	TRY(report_vehicles_mark(drive->vehicle_rows, &mark.vehicle_rows));
+	TRY(report_sensors_mark(drive->sensor_rows, &mark.sensor_rows));
 	TRY(report_rows_mark(drive->rows, &mark.rows));
 	TRY(world_checkpoint(drive->world));
 	drive->mark = mark;
@@ -291,6 +298,7 @@ static enum status roll_rows_back(struct drive *drive)
 	TRY(report_rows_rollback(drive->rows, drive->mark.rows));
 	if (drive->vehicles != NULL)
 		TRY(vehicle_rollback(drive->vehicles));
+	TRY(report_sensors_rollback(drive->sensor_rows, drive->mark.sensor_rows));
 	return report_vehicles_rollback(drive->vehicle_rows, drive->mark.vehicle_rows);
 }
 
@@ -349,6 +357,8 @@ void drive_let_go(struct drive *drive, enum status status)
 	world_finish(drive->world, status);
 	report_rows_close(drive->rows);
 	report_vehicles_close(drive->vehicle_rows);
+	report_sensors_close(drive->sensor_rows);
+	report_lidars_close(drive->lidars);
 	report_poses_close(drive->poses);
 	if (drive->volume != NULL)
 		fclose(drive->volume);

@@ -158,16 +158,6 @@ void render_body_background(const struct scene_light *light, float rgba[4]); /* 
 
 /* --- files of pictures --- */
 #define RENDER_PATH 4400 /* bytes of a path of a picture */
-/* Numbers of the pixels, the lowest row first, without padding. */
-struct render_array {
-	const void *values;
-	uint32_t width, height;
-	unsigned channels;
-	char kind;      /* NumPy's: f or u */
-	unsigned bytes; /* of a number */
-};
-/* npy.c: writes the array with the highest row first. Its shape is (height, width), or (height, width, channels). Any thread. */
-enum status render_npy_write(const char *path, const struct render_array *array) FURROW_CHECKED;
 void render_depths(float *depth, size_t count); /* turns values of the depth texture into metres; INFINITY: sky */
 /* picture_files.c: writes the files of a picture that was read back. Changes the bytes. Any thread. */
 enum status render_picture_write(const char *directory, const struct render_picture *picture, void *bytes) FURROW_CHECKED;

@@ -339,4 +339,21 @@ struct render_pictures_figures {
 #define RENDER_BLACK_SHARE 0.95  /* beyond the terrain there may be sky */
 void render_pictures_figures(struct pictures *pictures, struct render_pictures_figures *figures);
 
+/* Numbers of the pixels, the lowest row first, without padding. */
+struct render_array {
+	const void *values;
+	uint32_t width, height;
+	unsigned channels;
+	char kind;      /* NumPy's: f or u */
+	unsigned bytes; /* of a number */
+};
+/* npy.c: writes the array with the highest row first. Its shape is (height, width), or (height, width, channels). Any thread. */
+enum status render_npy_write(const char *path, const struct render_array *array) FURROW_CHECKED;
+
+/* view_objects.c: finds the height of a body's centre now, 2^-20 m, where its path has it at `point`, as pictures show it. *known is false if there is no
+ * ground below it and it was never on the ground. */
+struct body;
+struct track_point;
+enum status render_object_height(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known) FURROW_CHECKED;
+
 #endif

@@ -23,8 +23,7 @@ static double turned_at(const struct body *body, const struct track_point *point
 	return remainder((body->distance + (body->has_last ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
 }
 
-/* Finds the height of the body's centre now, 2^-20 m. *known is false if there is no ground below it and it was never on the ground. */
-static enum status height_at(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known)
+enum status render_object_height(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known)
 {
 	const struct scene_object *object = body->object;
 	int64_t ground;
@@ -47,7 +46,7 @@ enum status render_view_object(struct view *view, size_t index, struct render_ob
 	struct track_point point;
 	int64_t height;
 	motion_track_at(body->track, world_time(world), &point);
-	TRY(height_at(world, body, &point, &height, known));
+	TRY(render_object_height(world, body, &point, &height, known));
 	const bool attitude = body->object->shape.kind != SOIL_WHEEL; /* the pitch of a wheel only turns it */
 	*object = (struct render_object){
 		.object = index,

@@ -20,9 +20,8 @@ static enum status failed(const char *path)
 	return fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written"));
 }
 
-/* Fills the quaternion x, y, z, w of a rotation, given by its columns. `w` is not negative. (Shepperd 1978: the largest of the four
- * is found first.) */
-static void quaternion_of(double columns[3][3], double q[4])
+/* Shepperd 1978: the largest of the four is found first. */
+void report_quaternion(double columns[3][3], double q[4])
 {
 	const double trace = columns[0][0] + columns[1][1] + columns[2][2];
 	const double squares[4] = {columns[0][0], columns[1][1], columns[2][2], trace};
@@ -122,7 +121,7 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 		columns[1][i] = -pose->up[i];
 		columns[2][i] = pose->forward[i];
 	}
-	quaternion_of(columns, row.q);
+	report_quaternion(columns, row.q);
 	report_poses_path(all, index, "poses.tum", path);
 	while (poses->count > 0 && poses->rows[poses->count - 1].frame >= frame)
 		poses->count--;

@@ -29,4 +29,7 @@ struct report_poses {
 /* Fills the path of a file in a camera's folder. */
 void report_poses_path(const struct report_poses *poses, size_t camera, const char *name, char path[POSES_PATH]);
 
+/* Fills the quaternion x, y, z, w of a rotation, given by its columns. `w` is not negative. */
+void report_quaternion(double columns[3][3], double q[4]);
+
 #endif

@@ -123,6 +123,27 @@ enum status report_vehicles_write(const struct report_vehicles *rows) FURROW_CHE
 enum status report_vehicles_mark(const struct report_vehicles *rows, int64_t *end) FURROW_CHECKED;
 enum status report_vehicles_rollback(const struct report_vehicles *rows, int64_t end) FURROW_CHECKED;
 
+/* --- sensors.csv --- */
+
+struct report_sensors;
+/* Opens DIRECTORY/sensors.csv, as report_rows_open opens objects.csv, and writes DIRECTORY/sensors.json. */
+enum status report_sensors_open(const struct world *world, struct vehicles *vehicles, const char *directory, struct report_sensors **out) FURROW_CHECKED;
+void report_sensors_close(struct report_sensors *rows); /* takes NULL */
+/* Writes the rows that are due at the present time. The other two are as those of vehicles.csv. All three do nothing for NULL. */
+enum status report_sensors_write(const struct report_sensors *rows, const struct world *world) FURROW_CHECKED;
+enum status report_sensors_mark(const struct report_sensors *rows, int64_t *end) FURROW_CHECKED;
+enum status report_sensors_rollback(const struct report_sensors *rows, int64_t end) FURROW_CHECKED;
+
+/* --- lidars --- */
+
+#define REPORT_LIDARS "lidars" /* folder with a folder for each */
+struct report_lidars;
+/* Makes the folders of the scene's lidars, and opens their files. *out is NULL if there are none. `vehicles` may be NULL. */
+enum status report_lidars_open(struct world *world, struct vehicles *vehicles, const char *directory, struct report_lidars **out) FURROW_CHECKED;
+void report_lidars_close(struct report_lidars *lidars); /* takes NULL */
+/* Measures and writes the frames that are due after the present step. It changes no result. Does nothing for NULL. */
+enum status report_lidars_write(struct report_lidars *lidars) FURROW_CHECKED;
+
 /* --- volume.csv --- */
 
 /* Opens DIRECTORY/volume.csv, as report_rows_open opens objects.csv, and has the pages write it. *out is NULL if nothing is deformed, or the world

@@ -210,6 +210,14 @@ struct scene_tyre {
 	struct soil_tyre_told told;
 };
 
+/* An IMU that a scene adds to a model: an accelerometer, a gyro and an attitude at one place. */
+struct scene_imu {
+	bool present;
+	char *body;             /* of the model; NULL: its root body */
+	double at[3];           /* m, forward, left, up from that body's origin */
+	double noise[2];        /* standard deviations: m/s2, rad/s */
+};
+
 /* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
 struct scene_vehicle {
 	char *name;
@@ -233,6 +241,7 @@ struct scene_vehicle {
 	size_t surface_count;
 	char *pushes;           /* path of a table of forces on its bodies in time; NULL: none */
 	uint64_t pushes_hash[2];
+	struct scene_imu imu;
 	struct scene_tyre *tyres;        /* the first that names a wheel counts; none: wheels are rigid */
 	size_t tyre_count;
 	enum scene_driver driver;
@@ -302,6 +311,22 @@ struct scene_camera {
 	double baseline;       /* of the right camera of a pair: metres to the right of the left one; else 0 */
 };
 
+#define SCENE_LIDARS 64 /* most of a scene */
+/* A sensor that measures ranges along rays, all at the same time. */
+struct scene_lidar {
+	char *name;            /* also of its folder */
+	int vehicle;           /* that it is mounted on, from 1; 0: none, it does not move */
+	char *body;            /* a body of the vehicle's model; NULL: the root body */
+	double at[3];          /* m: along the axes of what it is on; local, if it does not move */
+	double yaw, pitch, roll; /* radians, as a pose's */
+	int columns, rows;     /* rays around and rays up */
+	double fov[2];         /* radians: around, and up from the lowest row to the highest */
+	double nearest, farthest; /* m: nothing is measured outside */
+	double rate;           /* frames for each second of simulated time */
+	double noise;          /* m: standard deviation */
+	double dropout;        /* share of rays that give nothing */
+};
+
 struct scene_view {
 	bool present;
 	bool left_out;         /* scene_unwatched left this view out */
@@ -321,6 +346,9 @@ const char *scene_image_name(enum scene_image image); /* as a scene names it, an
  * that ends at n / rate seconds or later. So the number depends on the step alone. Frame 0 shows the scene before the first step. */
 int64_t scene_camera_frame(const struct scene_camera *camera, double time_step, int64_t step);
 int64_t scene_camera_step(const struct scene_camera *camera, double time_step, int64_t frame); /* returns that step of a frame */
+
+/* Return the same of a sensor with `rate` frames a second. */
+int64_t scene_frame_at(double rate, double time_step, int64_t step);
 
 /* A setting of the scene. `key`: with dots, as --set takes it. `text`: YAML on one line; a long one is cut, and then has a hash. */
 struct scene_value {
@@ -404,11 +432,16 @@ struct scene {
 	unsigned stop;       /* bits of enum scene_stop: what ends the drive, once each vehicle has it or is at the end of its path */
 	double stuck_after, stuck_below; /* s, m/s: a vehicle that is slower for so long is stuck; 0: nobody asks */
 	double vehicle_rows; /* rows of vehicles.csv for each second of simulated time; 0: none */
+	double sensor_rows; /* rows of sensors.csv for each second of simulated time; 0: none */
+	bool noise_seeded;  /* sensors of models have the noise that they say */
+	uint32_t noise_seed;
 	bool map;           /* a drive writes map.png at its end */
 	double forces;      /* rows of objects.csv for each second of simulated time; 0: none */
 	struct scene_view view;
 	struct scene_camera *cameras;
 	size_t camera_count;
+	struct scene_lidar *lidars;
+	size_t lidar_count;
 	uint32_t slots, loaders;
 	uint64_t memory; /* bytes that tiles may take; 0: not given, `slots` counts */
 	double prefetch; /* s of driving that the prefetcher looks ahead */

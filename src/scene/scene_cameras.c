@@ -268,6 +268,11 @@ int64_t scene_camera_frame(const struct scene_camera *camera, double time_step, 
 	return step == scene_camera_step(camera, time_step, frame) ? frame : -1;
 }
 
+int64_t scene_frame_at(double rate, double time_step, int64_t step)
+{
+	return scene_camera_frame(&(struct scene_camera){.rate = rate}, time_step, step);
+}
+
 int64_t scene_camera_step(const struct scene_camera *camera, double time_step, int64_t frame)
 {
 	return (int64_t)ceil((double)frame / (camera->rate * time_step) - 1e-6);

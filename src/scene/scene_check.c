@@ -137,6 +137,9 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 	if (output == NULL)
 		return STATUS_OK;
 	scene->vehicle_rows = output->vehicles != NULL ? *output->vehicles : 0;
+	scene->sensor_rows = output->sensors != NULL ? *output->sensors : 0;
+	scene->noise_seeded = output->noise_seed != NULL;
+	scene->noise_seed = scene->noise_seeded ? (uint32_t)*output->noise_seed : 0;
 	scene->map = output->map != NULL && *output->map;
 	scene->forces = output->forces != NULL ? *output->forces : 0;
 	if (output->delay == NULL)
@@ -218,6 +221,7 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	TRY(scene_check_vehicles(tree, raw, scene));
 	TRY(scene_check_view(tree, raw, scene));
 	TRY(scene_check_cameras(tree, raw, scene));
+	TRY(scene_check_lidars(tree, raw, scene));
 	TRY(scene_check_soil(tree, raw, scene));
 	TRY(scene_check_relief(tree, raw, scene));
 	TRY(scene_check_attributes(tree, raw, scene));

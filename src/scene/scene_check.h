@@ -52,6 +52,9 @@ enum status scene_find_target(const struct scene_tree *tree, const struct scene 
 /* Call this after scene_check_view. */
 enum status scene_check_cameras(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED;
 void scene_camera_finish(struct scene_camera *camera);
+/* Call this after scene_check_cameras. */
+enum status scene_check_lidars(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED;
+void scene_lidar_finish(struct scene_lidar *lidar);
 
 /* Notes the numbers that seem to be given in a wrong unit, for scene_advise_units. Call this after the other checks. */
 enum status scene_check_units(const struct scene_tree *tree, const struct raw_scene *raw,

@@ -261,6 +261,12 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 		add_number(state, interface->friction_angle);
 		add_number(state, interface->adhesion);
 	}
+	if (vehicle->imu.present) { /* it is a part of the model */
+		add_text(state, "imu");
+		add_text(state, vehicle->imu.body != NULL ? vehicle->imu.body : "");
+		for (int i = 0; i < 3; i++)
+			add_number(state, vehicle->imu.at[i]);
+	}
 	for (int i = 0; i < 2 && vehicle->pushes != NULL; i++)
 		add_whole(state, vehicle->pushes_hash[i]);
 	add_way(state, index, &vehicle->way);

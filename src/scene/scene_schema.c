@@ -240,6 +240,8 @@ static const cyaml_schema_field_t output_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("forces", OPTIONAL, struct raw_output, forces),
 	CYAML_FIELD_INT_PTR("delay", OPTIONAL, struct raw_output, delay),
 	CYAML_FIELD_FLOAT_PTR("vehicles", OPTIONAL, struct raw_output, vehicles),
+	CYAML_FIELD_FLOAT_PTR("sensors", OPTIONAL, struct raw_output, sensors),
+	CYAML_FIELD_INT_PTR("noise_seed", OPTIONAL, struct raw_output, noise_seed),
 	CYAML_FIELD_BOOL_PTR("map", OPTIONAL, struct raw_output, map),
 	CYAML_FIELD_END,
 };
@@ -310,6 +312,20 @@ static const cyaml_schema_field_t listed_camera_fields[] = {
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t listed_camera_entry = {CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_listed_camera, listed_camera_fields)};
+static const cyaml_schema_field_t lidar_fields[] = {
+	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_lidar, name, 1, 48),
+	CYAML_FIELD_STRING_PTR("on", OPTIONAL, struct raw_lidar, on, 1, 64),
+	CYAML_FIELD_STRING_PTR("body", OPTIONAL, struct raw_lidar, body, 1, 64),
+	CYAML_FIELD_MAPPING_PTR("pose", OPTIONAL, struct raw_lidar, pose, camera_pose_fields),
+	CYAML_FIELD_SEQUENCE("rays", OPTIONAL_POINTER, struct raw_lidar, rays, &int_entry, 2, 2),
+	CYAML_FIELD_SEQUENCE("fov", OPTIONAL_POINTER, struct raw_lidar, fov, &float_entry, 2, 2),
+	CYAML_FIELD_SEQUENCE("range", OPTIONAL_POINTER, struct raw_lidar, range, &float_entry, 2, 2),
+	CYAML_FIELD_FLOAT("rate", NEEDED, struct raw_lidar, rate),
+	CYAML_FIELD_FLOAT_PTR("noise", OPTIONAL, struct raw_lidar, noise),
+	CYAML_FIELD_FLOAT_PTR("dropout", OPTIONAL, struct raw_lidar, dropout),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t lidar_entry = {CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_lidar, lidar_fields)};
 static const cyaml_schema_field_t cache_fields[] = {
 	CYAML_FIELD_INT_PTR("slots", OPTIONAL, struct raw_cache, slots),
 	CYAML_FIELD_STRING_PTR("memory", OPTIONAL, struct raw_cache, memory, 1, 64),
@@ -424,6 +440,12 @@ static const cyaml_schema_field_t powertrain_fields[] = {
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t folder_entry = {CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char *, 1, 4096)};
+static const cyaml_schema_field_t imu_fields[] = {
+	CYAML_FIELD_STRING_PTR("body", OPTIONAL, struct raw_imu, body, 1, 256),
+	CYAML_FIELD_SEQUENCE("at", OPTIONAL_POINTER, struct raw_imu, at, &float_entry, 3, 3),
+	CYAML_FIELD_SEQUENCE("noise", OPTIONAL_POINTER, struct raw_imu, noise, &float_entry, 2, 2),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_vehicle, name, 1, 64),
 	CYAML_FIELD_STRING_PTR("model", NEEDED, struct raw_vehicle, model, 1, 4096),
@@ -441,6 +463,7 @@ static const cyaml_schema_field_t vehicle_fields[] = {
 	CYAML_FIELD_ENUM_PTR("up", OPTIONAL, struct raw_vehicle, up, up_words, 2),
 	CYAML_FIELD_SEQUENCE("interface", OPTIONAL_POINTER, struct raw_vehicle, interface, &surface_entry, 1, 64),
 	CYAML_FIELD_STRING_PTR("pushes", OPTIONAL, struct raw_vehicle, pushes, 1, 4096),
+	CYAML_FIELD_MAPPING_PTR("imu", OPTIONAL, struct raw_vehicle, imu, imu_fields),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t vehicle_entry = {
@@ -500,6 +523,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("output", OPTIONAL, struct raw_scene, output, output_fields),
 	CYAML_FIELD_MAPPING_PTR("view", OPTIONAL, struct raw_scene, view, view_fields),
 	CYAML_FIELD_SEQUENCE("cameras", OPTIONAL_POINTER, struct raw_scene, cameras, &listed_camera_entry, 0, 64),
+	CYAML_FIELD_SEQUENCE("lidars", OPTIONAL_POINTER, struct raw_scene, lidars, &lidar_entry, 0, SCENE_LIDARS),
 	CYAML_FIELD_MAPPING_PTR("cache", OPTIONAL, struct raw_scene, cache, cache_fields),
 	CYAML_FIELD_END,
 };
@@ -603,6 +627,8 @@ static const struct scene_limit limits[] = {
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"output.delay", 0, 64, false, NULL, "steps", NAN, "none"},
 	{"output.vehicles", 0, 1e6, false, NULL, "1/s", 0, NULL},
+	{"output.sensors", 0, 1e6, false, NULL, "1/s", 0, NULL},
+	{"output.noise_seed", 0, 4294967295, false, NULL, NULL, NAN, "0, and none for sensors of a model"},
 	{"vehicles[].start.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
 	{"vehicles[].start.pitch", -360, 360, false, NULL, "degrees", 0, NULL},
@@ -629,6 +655,8 @@ static const struct scene_limit limits[] = {
 	{"vehicles[].powertrain.converter.coupling", 0.1, 0.99, false, NULL, NULL, 0.85, NULL},
 	{"vehicles[].powertrain.differentials.bias", 1, 100, false, NULL, NULL, 2, NULL},
 	{"vehicles[].powertrain.differentials.lock", 0, 1e7, false, NULL, "N m", 0, NULL},
+	{"vehicles[].imu.at[]", -1000, 1000, false, NULL, "m", NAN, "0, 0, 0"},
+	{"vehicles[].imu.noise[]", 0, 1000, false, NULL, "m/s2, rad/s", NAN, "0, 0"},
 	{"vehicles[].brakes", 0, 1e7, true, NULL, "N m", NAN, "none"},
 	{"vehicles[].tyres[].stiffness", 0, 1e12, true, NULL, "N/m", NAN, NULL},
 	{"vehicles[].tyres[].width", 0.001, 1000, false, NULL, "m", NAN, "the geom's"},
@@ -673,6 +701,17 @@ static const struct scene_limit limits[] = {
 	{"cameras[].rate", 0, 1e6, true, NULL, "1/s", NAN, NULL},
 	{"cameras[].stereo", 0, 1000, true, NULL, "m", NAN, "none"},
 	{"cameras[].depth_unit", 1e-6, 1000, false, NULL, "m", 0.001, NULL},
+	{"lidars[].pose.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"lidars[].pose.target[]", -1e9, 1e9, false, NULL, "m", NAN, "yaw, pitch and roll"},
+	{"lidars[].pose.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"lidars[].pose.pitch", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"lidars[].pose.roll", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"lidars[].rays[]", 1, 4096, false, NULL, NULL, NAN, "360, 16"},
+	{"lidars[].fov[]", 0, 360, false, NULL, "degrees", NAN, "360, 30"},
+	{"lidars[].range[]", 0, 1e5, false, NULL, "m", NAN, "0, 100"},
+	{"lidars[].rate", 0, 1e6, true, NULL, "1/s", NAN, NULL},
+	{"lidars[].noise", 0, 100, false, NULL, "m", 0, NULL},
+	{"lidars[].dropout", 0, 1, false, NULL, NULL, 0, NULL},
 	{"cache.slots", 4, 65536, false, NULL, NULL, 256, NULL},
 	{"cache.loaders", 0, 16, false, NULL, NULL, 2, NULL},
 	{"cache.prefetch", 0, 3600, false, NULL, "s", 1.5, NULL},

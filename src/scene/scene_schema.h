@@ -146,7 +146,8 @@ struct raw_redistribute {
 struct raw_output {
 	double *forces;
 	int64_t *delay;
-	double *vehicles;
+	double *vehicles, *sensors;
+	int64_t *noise_seed;
 	bool *map;
 };
 struct raw_overhead {
@@ -204,6 +205,21 @@ struct raw_listed_camera {
 	uint32_t images_count;
 	double *depth_unit, *stereo;
 	bool *video;
+};
+struct raw_lidar {
+	char *name, *on, *body;
+	struct raw_camera_pose *pose;
+	int64_t *rays;
+	uint32_t rays_count;
+	double *fov, *range;
+	uint32_t fov_count, range_count;
+	double rate;
+	double *noise, *dropout;
+};
+struct raw_imu {
+	char *body;
+	double *at, *noise;
+	uint32_t at_count, noise_count;
 };
 struct raw_cache {
 	int64_t *slots, *loaders;
@@ -290,6 +306,7 @@ struct raw_vehicle {
 	struct raw_surface *interface;
 	uint32_t interface_count;
 	char *pushes;
+	struct raw_imu *imu;
 };
 struct raw_stuck {
 	double after, below;
@@ -318,6 +335,8 @@ struct raw_scene {
 	struct raw_view *view;
 	struct raw_listed_camera *cameras;
 	uint32_t cameras_count;
+	struct raw_lidar *lidars;
+	uint32_t lidars_count;
 	struct raw_cache *cache;
 };
 

@@ -249,6 +249,18 @@ static enum status take_axes(const struct scene_tree *tree, const struct raw_veh
 	return STATUS_OK;
 }
 
+static enum status take_imu(const struct raw_imu *raw, struct scene_imu *imu)
+{
+	if (raw == NULL)
+		return STATUS_OK;
+	imu->present = true;
+	if (raw->at != NULL)
+		memcpy(imu->at, raw->at, sizeof imu->at);
+	if (raw->noise != NULL)
+		memcpy(imu->noise, raw->noise, sizeof imu->noise);
+	return raw->body != NULL ? mem_text(&imu->body, raw->body, "reading the vehicles") : STATUS_OK;
+}
+
 static enum status check_vehicle(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, const struct scene *scene,
 				 struct scene_vehicle *vehicle)
 {
@@ -278,6 +290,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	TRY(take_surfaces(tree, raw, index, vehicle));
 	if (raw->pushes != NULL)
 		TRY(take_file(tree, scene_tree_find(tree, "vehicles[%zu].pushes", index), raw->pushes, CONTROLS_BYTES, &vehicle->pushes, vehicle->pushes_hash));
+	TRY(take_imu(raw->imu, &vehicle->imu));
 	if (raw->driver != NULL)
 		TRY(check_driver(tree, raw->driver, index, vehicle));
 	vehicle->brakes = raw->brakes != NULL ? *raw->brakes : 0;
@@ -331,7 +344,7 @@ static enum status take_stop(const struct scene_tree *tree, const struct raw_sce
 enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const size_t count = raw->vehicles_count;
-	const char *without = raw->stuck != NULL ? "stuck" : raw->stop_count > 0 ? "stop" : raw->world != NULL ? "world" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
+	const char *without = raw->stuck != NULL ? "stuck" : raw->stop_count > 0 ? "stop" : raw->world != NULL ? "world" : scene->vehicle_rows > 0 ? "output.vehicles" : scene->sensor_rows > 0 ? "output.sensors" : NULL;
 	if (count == 0 && without != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", without), "is of vehicles, and there is none; allowed with: vehicles");
 	if (count == 0)
@@ -362,7 +375,7 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 	for (size_t i = 0; i < vehicle->surface_count; i++)
 		mem_free(vehicle->surfaces[i].geoms);
 	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values, vehicle->speeds, vehicle->stops,
-		     vehicle->surfaces, vehicle->pushes, vehicle->start.joints.values, vehicle->start.controls.values);
+		     vehicle->surfaces, vehicle->pushes, vehicle->imu.body, vehicle->start.joints.values, vehicle->start.controls.values);
 	finish_texts(&vehicle->start.joints.names);
 	finish_texts(&vehicle->start.controls.names);
 	mem_free(vehicle->powertrain.engine);

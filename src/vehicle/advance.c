@@ -115,6 +115,7 @@ void vehicle_advance(struct vehicles *vehicles, double time, double seconds, dou
 		for (size_t v = 0; v < vehicles->all && drives; v++)
 			tell_works(&vehicles->list[v], h, before);
 		vehicle_couple_done(vehicles, h, before, drives);
+		vehicle_feel(vehicles, h, before);
 		if (rate > 0) {
 			hold_all(vehicles, h);
 			mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);

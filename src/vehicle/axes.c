@@ -1,8 +1,7 @@
 /* Models that do not look along x, or whose z does not look up: the first pose is turned, before anything is found in it. */
 #include "vehicle/internal.h"
 
-/* Finds the model's forward, left and up as columns. Returns false if they are x, y and z. */
-static bool find_axes(const struct scene_vehicle *scene, double axes[9])
+bool vehicle_scene_axes(const struct scene_vehicle *scene, double axes[9])
 {
 	static const double forwards[][3] = {[SCENE_PLUS_X] = {1, 0, 0}, [SCENE_MINUS_X] = {-1, 0, 0}, [SCENE_PLUS_Y] = {0, 1, 0}, [SCENE_MINUS_Y] = {0, -1, 0}};
 	const double *forward = forwards[scene->forward], up[3] = {0, scene->y_up, !scene->y_up};
@@ -29,7 +28,7 @@ static void turn_pose(double *pos, double *quat, const double turn[4])
 static bool find_turn(const struct scene_vehicle *scene, double turn[4])
 {
 	double axes[9], back[9];
-	if (scene == NULL || !find_axes(scene, axes))
+	if (scene == NULL || !vehicle_scene_axes(scene, axes))
 		return false;
 	for (int i = 0; i < 9; i++)
 		back[i] = axes[3 * (i % 3) + i / 3];
@@ -79,7 +78,7 @@ void vehicle_set_root_axes(struct vehicle *vehicle)
 {
 	double axes[9];
 	const double *mat = &vehicle->data->xmat[9 * vehicle->root];
-	const bool turned = find_axes(vehicle->scene, axes);
+	const bool turned = vehicle_scene_axes(vehicle->scene, axes);
 	for (int i = 0; i < 9; i++) /* forward is MuJoCo's x now: its axes as the root's own has them */
 		vehicle->axes[i] = turned ? mat[3 * (i % 3) + i / 3] : i % 4 == 0;
 }

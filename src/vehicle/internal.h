@@ -111,7 +111,7 @@ struct range {
 
 /* What of a model is one vehicle's own. */
 struct owned {
-	struct range body, joint, geom, actuator, equality, tendon, text, numeric; /* without the model's own world */
+	struct range body, joint, geom, actuator, equality, tendon, text, numeric, sensor; /* without the model's own world */
 	struct range qpos, dof, act, ctrl; /* of MuJoCo's arrays of the state and of controls */
 	struct range fixed;         /* geoms of the model's own world */
 	int geom_number;            /* of its first geom in its own file */
@@ -190,6 +190,7 @@ struct figure {
 };
 
 struct seen_mesh; /* figures.h */
+struct senses; /* sensors.c */
 
 struct vehicles {
 	const struct scene *scene;  /* the file's, or `divided` */
@@ -226,6 +227,8 @@ struct vehicles {
 	size_t attached;            /* numbers in the record */
 	double *record;             /* room for them */
 	double row;                 /* number of the next row of vehicles.csv */
+	double sensor_row;          /* of sensors.csv */
+	struct senses *senses;      /* NULL: nobody reads sensors */
 	double stuck_at;
 	double settling_begun, settling_told; /* s, by the clock: when settling began, and when it was last told how far it is; 0: not begun */
 };
@@ -361,6 +364,13 @@ void vehicle_free_figures(struct vehicles *vehicles);
 enum status vehicle_record(struct vehicles *vehicles) FURROW_CHECKED; /* ends a step of the world, whose record gets the state of the vehicles */
 void vehicle_show(struct vehicles *vehicles); /* brings the places of figures up to date */
 
+/* --- sensors.c --- */
+/* Makes what rows of sensors need. STATUS_INPUT: a body that the scene names is not there. Without rows it checks the names alone. */
+enum status vehicle_make_senses(struct vehicles *vehicles) FURROW_CHECKED;
+void vehicle_free_senses(struct senses *senses); /* takes NULL */
+/* Keeps the accelerations of an engine step of `h` seconds. `before`: nv, the velocities at its start. */
+void vehicle_feel(const struct vehicles *vehicles, double h, const double *before);
+
 /* --- bound.c --- */
 
 /* Finds the longest step that is stable with the soils of the scene. */
@@ -393,6 +403,8 @@ struct soil_interface vehicle_surface(const struct vehicle *vehicle, const struc
 enum status vehicle_check_surfaces(const struct vehicle *vehicle, const char *where) FURROW_CHECKED;
 
 /* --- axes.c --- */
+/* Finds the model's forward, left and up as columns. Returns false if they are x, y and z. */
+bool vehicle_scene_axes(const struct scene_vehicle *scene, double axes[9]);
 /* Turns the first pose, so that the model looks along x and is upright, as the scene says. */
 void vehicle_turn_single(struct vehicle *vehicle); /* the same of its own model, before all are put together */
 void vehicle_turn_fixed(struct vehicle *vehicle);

@@ -181,7 +181,7 @@ static void share_out(struct vehicles *vehicles)
 		last = (struct owned){
 			.body = after(last.body, single->nbody - 1), .joint = after(last.joint, single->njnt), .geom = after(last.geom, single->ngeom - fixed),
 			.actuator = after(last.actuator, single->nactuator), .equality = after(last.equality, single->neq), .tendon = after(last.tendon, single->ntendon),
-			.text = after(last.text, single->ntext), .numeric = after(last.numeric, single->nnumeric),
+			.text = after(last.text, single->ntext), .numeric = after(last.numeric, single->nnumeric), .sensor = after(last.sensor, single->nsensor),
 			.qpos = after(last.qpos, single->nq), .dof = after(last.dof, single->nv), .act = after(last.act, single->na),
 			.ctrl = after(last.ctrl, single->nu), .fixed = after(last.fixed, fixed), .geom_number = fixed,
 		};

@@ -1,4 +1,6 @@
 /* Vehicles in a build without MuJoCo: a scene that has them is refused. No other function is called then. */
+#include <math.h>
+
 #include "vehicle/vehicle.h"
 
 enum status vehicle_load(const struct scene *scene, struct vehicles **out)
@@ -98,6 +100,49 @@ bool vehicle_rows_due(struct vehicles *vehicles)
 {
 	(void)vehicles;
 	return false;
+}
+
+size_t vehicle_sensor_count(const struct vehicles *vehicles, size_t vehicle)
+{
+	(void)vehicles, (void)vehicle;
+	return 0;
+}
+
+void vehicle_sensor(const struct vehicles *vehicles, size_t vehicle, size_t sensor, struct vehicle_sensor *out)
+{
+	(void)vehicles, (void)vehicle, (void)sensor;
+	*out = (struct vehicle_sensor){.type = "", .unit = "", .kind = ""};
+}
+
+bool vehicle_sensors_due(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return false;
+}
+
+enum status vehicle_sense(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return none();
+}
+
+const double *vehicle_sensed(const struct vehicles *vehicles, size_t vehicle, size_t sensor)
+{
+	(void)vehicles, (void)vehicle, (void)sensor;
+	return NULL;
+}
+
+enum status vehicle_rays(struct vehicles *vehicles, size_t vehicle, const char *body, struct vehicle_ray *rays, size_t count)
+{
+	(void)vehicles, (void)vehicle, (void)body;
+	for (size_t i = 0; i < count; i++)
+		rays[i].distance = INFINITY;
+	return STATUS_OK;
+}
+
+void vehicle_frame(const struct vehicles *vehicles, size_t vehicle, const char *body, double at[3], double axes[9])
+{
+	(void)vehicles, (void)vehicle, (void)body, (void)at, (void)axes;
 }
 
 void vehicle_row(struct vehicles *vehicles, size_t vehicle, struct vehicle_row *row)

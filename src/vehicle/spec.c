@@ -239,6 +239,8 @@ static void make(void *argument)
 		spec->status = vehicle_spec_servos(spec);
 	if (spec->status == STATUS_OK)
 		spec->status = vehicle_spec_locks(spec);
+	if (spec->status == STATUS_OK)
+		spec->status = vehicle_spec_imu(spec);
 	if (spec->status != STATUS_OK)
 		return;
 	vehicle_spec_shells(spec);

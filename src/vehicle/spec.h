@@ -91,5 +91,6 @@ enum status vehicle_spec_meshes(struct spec *spec) FURROW_CHECKED;    /* spec_me
 enum status vehicle_spec_servos(struct spec *spec) FURROW_CHECKED;    /* spec_servos.c */
 enum status vehicle_spec_locks(struct spec *spec) FURROW_CHECKED;     /* spec_locks.c; after servos */
 enum status vehicle_spec_powertrain(struct spec *spec) FURROW_CHECKED; /* spec_powertrain.c; before servos */
+enum status vehicle_spec_imu(struct spec *spec) FURROW_CHECKED;       /* spec_imu.c: the scene's imu. STATUS_INPUT: the model has no such body */
 
 #endif

@@ -85,6 +85,7 @@ static enum status load(const struct scene *scene, struct vehicles *vehicles)
 	TRY(vehicle_set_timestep(vehicles));
 	TRY(make_lists(vehicles));
 	TRY(vehicle_check_cameras(vehicles));
+	TRY(vehicle_make_senses(vehicles));
 	return scene->view.present ? vehicle_make_figures(vehicles, scene->view.effects) : STATUS_OK;
 }
 
@@ -118,6 +119,7 @@ void vehicle_destroy(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->all; v++)
 		vehicle_forget(&vehicles->list[v]);
 	vehicle_free_figures(vehicles);
+	vehicle_free_senses(vehicles->senses);
 	if (vehicles->data != NULL)
 		mj_deleteData(vehicles->data);
 	if (vehicles->model != NULL)
@@ -320,6 +322,7 @@ enum status vehicle_tell_forces(struct vehicles *vehicles)
 void vehicle_skip_rows(struct vehicles *vehicles)
 {
 	vehicles->row = floor(world_time(vehicles->world) * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
+	vehicles->sensor_row = floor(world_time(vehicles->world) * vehicles->scene->sensor_rows * (1 + 1e-12)) + 1;
 }
 
 enum status vehicle_begin(struct vehicles *vehicles)

@@ -316,5 +316,44 @@ double vehicle_lent_seconds(const struct vehicle_lent *lent); /* of the last ste
 size_t vehicle_lent_count(const struct vehicle_lent *lent);
 /* Tells of a soil geom, 0 .. count - 1, in the last step. Any of the pointers may be NULL. Returns its number in the host's model. */
 int vehicle_lent_geom(const struct vehicle_lent *lent, size_t index, const char **name, struct furrow_state *state, struct furrow_contact *contact);
+/* --- sensors.c: the <sensor>s of the models, and the scene's `imu` --- */
+
+/* A sensor. Texts are valid as long as the vehicles. */
+struct vehicle_sensor {
+	char name[160];        /* as its model has it; without one TYPE_N */
+	const char *type;      /* as MJCF names it: "accelerometer" */
+	const char *unit;      /* of its numbers; "": none, or it depends on the model */
+	size_t size;           /* numbers of a row */
+	bool turns;            /* they are a quaternion w, x, y, z */
+	bool later;            /* of forces and accelerations: means of MuJoCo's last step before the row. Other numbers are of the row's time */
+	bool known;            /* false: it has no numbers, since it does not know the terrain */
+	const char *kind;      /* "site", "body", "joint", ...: what it is on; "": nothing */
+	char on[160];          /* name of that */
+	char reference[160];   /* name of the frame along whose axes its vectors are; "": its own, "map": the world's, "-": it has no vector */
+	const char *body;      /* whose motion its place has; NULL: it has no place */
+	bool is_fixed;         /* to the root body */
+	double at[3], axes[9]; /* its place and axes forward, left, up as columns: in the axes of the vehicle if it is fixed; otherwise in those of `body` */
+	double noise, cutoff;  /* standard deviation that was added, and MJCF's cutoff; 0: none */
+};
+size_t vehicle_sensor_count(const struct vehicles *vehicles, size_t vehicle);
+void vehicle_sensor(const struct vehicles *vehicles, size_t vehicle, size_t sensor, struct vehicle_sensor *out);
+/* As vehicle_rows_due, for rows of sensors. */
+bool vehicle_sensors_due(struct vehicles *vehicles);
+/* Computes what all sensors of all vehicles measure now. It changes no result. STATUS_FAILED: MuJoCo reports an error. */
+enum status vehicle_sense(struct vehicles *vehicles) FURROW_CHECKED;
+/* Returns the numbers of a sensor that the last vehicle_sense found. NaN: it is not known yet. */
+const double *vehicle_sensed(const struct vehicles *vehicles, size_t vehicle, size_t sensor);
+
+/* A ray over bodies. Lengths in m, places local, directions of length 1. */
+struct vehicle_ray {
+	double origin[3], way[3];
+	double distance;       /* to the first geom of a vehicle or of the scene's `world`; INFINITY: it meets none */
+	double normal[3];      /* of that geom's surface there */
+};
+/* Finds where rays meet geoms. Those of one body do not count, on which the rays begin: `body` of `vehicle`; NULL: its root
+ * body. vehicle SIZE_MAX: all count. Taken-away floors never do. `vehicles` may be NULL. */
+enum status vehicle_rays(struct vehicles *vehicles, size_t vehicle, const char *body, struct vehicle_ray *rays, size_t count) FURROW_CHECKED;
+/* Gives the place and the axes (as columns) of a body of a vehicle. NULL: its root body, and forward, left, up. Of another body the axes are the model's. */
+void vehicle_frame(const struct vehicles *vehicles, size_t vehicle, const char *body, double at[3], double axes[9]);
 
 #endif

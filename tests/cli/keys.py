@@ -52,6 +52,15 @@ def trained(more, hold="throttle: 1", end="0.3"):
     return {**TRAIN, "end_time": end, "vehicles": TRAIN["vehicles"].replace("gears: [8, 4], shift_time: 0", more).replace("throttle: 1", hold)}
 
 
+FELT = {**CAR, "output": "{sensors: 50}", "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20], speed: 1}, imu: {}, driver: {hold: {drive: 3}}}]"}
+BEAMS = {**CAR, "output": "{}", "lidars": "[{name: l, on: car, pose: {at: [0, 0, 1]}, rate: 10, rays: [12, 4], range: [0, 30]}]"}
+
+
+def beamed(key, value):
+    """The scene with another value of a key of its lidar."""
+    return {"lidars": BEAMS["lidars"].replace("rate: 10", f"rate: 10, {key}: {value}") if key + ":" not in BEAMS["lidars"] else BEAMS["lidars"].replace(value[0], value[1])}
+
+
 TYRED = {**CAR, "vehicles": CAR["vehicles"].replace("driver:", "tyres: [{geom: wheel, stiffness: 30e3}], driver:")}
 ROLLS = {**SCM, "soil": "{name: lete_sand}", "objects": SCM["objects"].replace("width: 0.4}", "width: 0.4, tyre: {stiffness: 30e3, load: 900}}")}
 SHAPE = {**PLAIN}
@@ -276,6 +285,11 @@ ROWS = {
     "redistribute.undisturbed": (LOOSE, {"redistribute.undisturbed": "stable"}),
     "output.forces": (SCM, {"output.forces": "5"}),
     "output.vehicles": (CAR, {"output.vehicles": "20"}),
+    "output.sensors": (FELT, {"output.sensors": "20"}),
+    "output.noise_seed": ({**FELT, "vehicles": FELT["vehicles"].replace("imu: {}", "imu: {noise: [0.1, 0.1]}")}, {"output.noise_seed": "9"}),
+    "vehicles[].imu.body": (FELT, {"vehicles": FELT["vehicles"].replace("imu: {}", "imu: {body: wheel}")}),
+    "vehicles[].imu.at": (FELT, {"vehicles": FELT["vehicles"].replace("imu: {}", "imu: {at: [0, 0, 5]}")}),
+    "vehicles[].imu.noise": (FELT, {"vehicles": FELT["vehicles"].replace("imu: {}", "imu: {noise: [0.1, 0.1]}")}),
     "view.size": (VIEW, {"view.size": "[40, 32]"}),
     "view.camera.chase": ({**VIEW, "objects": f"[{WHEEL % 'sink: 0.2'}, {{name: b, shape: {{sphere: {{radius: 1}}}}, sink: 0.1, path: {{points: [[20, 9]], speed: 3}}}}]"},
                           {"view.camera.chase": "b"}),
@@ -301,6 +315,21 @@ ROWS = {
     "cache.memory": (PLAIN, {"cache": "{memory: 99 MB}"}),
     "cache.loaders": (PLAIN, {"cache": "{loaders: 0}"}),
     "cache.prefetch": (PLAIN, {"cache": "{prefetch: 0}"}),
+    "lidars": (BEAMS, {"lidars": "[]"}),
+    "lidars[].name": (BEAMS, beamed("name", ("name: l", "name: m"))),
+    "lidars[].on": ({**BEAMS, "vehicles": BEAMS["vehicles"][:-1] + ", {name: other, model: one_wheel.xml, start: {at: [24, 22]}}]"}, beamed("on", ("on: car", "on: other"))),
+    "lidars[].body": (BEAMS, beamed("body", "wheel")),
+    "lidars[].pose.at": (BEAMS, beamed("at", ("[0, 0, 1]", "[0, 0, 2]"))),
+    "lidars[].pose.target": (BEAMS, beamed("pose", ("[0, 0, 1]", "[0, 0, 1], target: [1, 0, 0]"))),
+    "lidars[].pose.yaw": ({**BEAMS, "lidars": BEAMS["lidars"].replace("rays:", "fov: [60, 20], rays:")}, {"lidars": BEAMS["lidars"].replace("rays:", "fov: [60, 20], rays:").replace("1]}", "1], yaw: 77}")}),
+    "lidars[].pose.pitch": (BEAMS, beamed("pose", ("[0, 0, 1]", "[0, 0, 1], pitch: 20"))),
+    "lidars[].pose.roll": (BEAMS, beamed("pose", ("[0, 0, 1]", "[0, 0, 1], roll: 20"))),
+    "lidars[].rays": (BEAMS, beamed("rays", ("[12, 4]", "[13, 4]"))),
+    "lidars[].fov": (BEAMS, beamed("fov", "[300, 30]")),
+    "lidars[].range": (BEAMS, beamed("range", ("[0, 30]", "[0, 3]"))),
+    "lidars[].rate": (BEAMS, beamed("rate", ("rate: 10", "rate: 5"))),
+    "lidars[].noise": (BEAMS, beamed("noise", "0.5")),
+    "lidars[].dropout": (BEAMS, beamed("dropout", "0.5")),
     "cameras[].name": (SHOT, {"cameras.c.name": "d"}),
     "cameras[].kind": (camera("chase", "on: a"), {"cameras.c.kind": "overhead", "cameras.c.height": "20"}),
     "cameras[].on": ({**SHOT, "objects": f"[{WHEEL % 'sink: 0.2'}, {{name: b, shape: {{sphere: {{radius: 1}}}}, sink: 0.1, path: {{points: [[20, 9]], speed: 3}}}}]"}, {"cameras.c.on": "b"}),
@@ -402,7 +431,7 @@ class Keys(FurrowTest):
         told = "\n".join(line for line in told.splitlines() if " a second" not in line and "pictures take" not in line and "settling" not in line)
         left = {"status": result.returncode, "told": told}
         for file in sorted(out.rglob("*")) if out.exists() else ():
-            if file.is_dir() or file.name in ("run.json", "epochs.log", "map.png", "cameras.json", "camera.json"):
+            if file.is_dir() or file.name in ("run.json", "epochs.log", "map.png", "cameras.json", "camera.json", "lidar.json", "sensors.json"):
                 continue
             place = str(file.relative_to(out))
             left[place] = file.read_bytes()

@@ -1,0 +1,164 @@
+"""A drive as a world for MuJoCo and Gazebo, and as a USD stage: the ground is the store's, bodies are where the rows say. Where mujoco and usd-core are,
+they read what was written; without them the ground alone is checked."""
+import importlib.util
+import pathlib
+import struct
+import sys
+import unittest
+from xml.etree import ElementTree
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from cameras import read_png  # noqa: E402
+from furrow_test import main  # noqa: E402
+from sensors import SLOPE, SensorsTest, turned  # noqa: E402
+
+ROOT = pathlib.Path(__file__).parents[2]
+SCENE = f"""scene: 1
+time_step: 0.002
+end_time: 0.2
+spacing: 0.0625
+soil: {{name: dry_sand}}
+redistribute: {{model: scm}}
+vehicles:
+  - {{name: sled, model: {ROOT}/tests/vehicle/sled.xml, start: {{at: [30, 30], yaw: 25}}, driver: {{hold: {{mast: 0.7}}}}}}
+output: {{vehicles: 50, forces: 20}}
+objects:
+  - {{name: ball, shape: {{sphere: {{radius: 0.5}}}}, sink: 0.1, path: {{points: [[34, 30], [35, 30]], speed: 4}}}}
+"""
+WITH_PYTHON = {"FURROW_PYTHON": sys.executable}
+
+
+def has(*modules):
+    return all(importlib.util.find_spec(module) is not None for module in modules)
+
+
+class WorldsTest(SensorsTest):
+    def setUp(self):
+        super().setUp()
+        self.result = self.driven(SCENE, self.ground("slope", lambda x: 2 + np.tan(np.radians(SLOPE)) * x), again=True)
+
+    def made(self, *arguments):
+        told = self.furrow(*arguments, env=WITH_PYTHON)
+        self.assertEqual(told.returncode, 0, told.stderr)
+        return told.stdout
+
+    def surface(self, column, row, columns, rows):
+        """Heights by the command, of posts of the working level."""
+        window = ",".join(f"{value:.17g}" for value in (column * 0.0625, row * 0.0625, (column + columns - 1) * 0.0625, (row + rows - 1) * 0.0625))
+        from furrow import World
+        with World({"spacing": 0.0625}, store=self.folder / "ruts.furrow", readonly=True) as world:
+            self.assertEqual(window.count(","), 3)
+            return world.read("surface", column=column, row=row, columns=columns, rows=rows)
+
+    def test_a_height_field_is_the_ground(self):
+        self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,29,32,31.5")
+        data = (self.folder / "site/ground.bin").read_bytes()
+        rows, columns = struct.unpack("<ii", data[:8])
+        self.assertEqual((rows, columns), (41, 65))
+        field = np.frombuffer(data[8:], "<f4").reshape(rows, columns).astype(float)
+        world = ElementTree.parse(self.folder / "site/world.xml").getroot()
+        half_x, half_y, reach, base = (float(word) for word in world.find("asset/hfield").get("size").split())
+        x, y, z = (float(word) for word in world.find("worldbody/geom").get("pos").split())
+        np.testing.assert_allclose([half_x, half_y, x, y, base], [2, 1.25, 30, 30.25, 1], atol=1e-12)
+        heights = self.surface(448, 464, 65, 41)
+        np.testing.assert_allclose(z + reach * field, heights, atol=1e-6)
+        self.assertLess((heights - (2 + np.tan(np.radians(SLOPE)) * (28 + 0.0625 * np.arange(65)))).min(), -0.02) # with ruts
+
+    def test_a_heightmap_is_the_ground(self):
+        self.made("world", "out", "-o", "gazebo", "--format", "sdf", "--no-vehicles", "--window", "28,28,32,32")
+        picture = read_png(self.folder / "gazebo/heightmap.png").astype(float)[::-1]
+        self.assertEqual(picture.shape, (65, 65))
+        field = ElementTree.parse(self.folder / "gazebo/world.sdf").getroot().find("world/model/link/collision/geometry/heightmap")
+        wide, tall, reach = (float(word) for word in field.find("size").text.split())
+        x, y, z = (float(word) for word in field.find("pos").text.split())
+        np.testing.assert_allclose([wide, tall, x, y], [4, 4, 30, 30], atol=1e-12)
+        self.assertEqual((picture.min(), picture.max()), (0, 65535)) # Gazebo scales by the highest
+        np.testing.assert_allclose(z + reach * picture / 65535, self.surface(448, 448, 65, 65), atol=0.51 * reach / 65535 + 1e-6)
+
+    def test_mujoco_loads_the_world(self):
+        if not has("mujoco"):
+            told = self.furrow("world", "out", "-o", "site", env=WITH_PYTHON)
+            self.assertEqual(told.returncode, 1)
+            self.assertRegex(told.stderr, r"^furrow: world: the Python package mujoco is not installed for \S+; \S+ -m pip install mujoco\n$")
+            self.skipTest("not on this machine: the Python package mujoco")
+        import mujoco
+        self.made("world", "out", "-o", "site")
+        model = mujoco.MjModel.from_xml_path(str(self.folder / "site/world.xml"))
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        mujoco.mj_forward(model, data)
+        rows = self.result.vehicles["sled"]
+        np.testing.assert_allclose(data.body("sled/hull").xpos, [rows[axis][-1] for axis in "xyz"], atol=1e-9)
+        np.testing.assert_allclose(data.body("sled/hull").xmat.reshape(3, 3), turned(rows["yaw"][-1], rows["pitch"][-1], rows["roll"][-1]), atol=1e-9)
+        self.assertAlmostEqual(data.joint("sled/mast").qpos[0], rows["q:mast"][-1], delta=1e-9)
+        # It stands in its ruts, and stays.
+        for _ in range(500):
+            mujoco.mj_step(model, data)
+        self.assertGreater(data.ncon, 3)
+        self.assertLess(np.linalg.norm(data.body("sled/hull").xpos - [rows[axis][-1] for axis in "xyz"]), 0.1)
+
+    def test_gazebos_model_is_where_the_rows_say(self):
+        if not has("mujoco"):
+            self.skipTest("not on this machine: the Python package mujoco")
+        self.made("world", "out", "-o", "gazebo", "--format", "sdf")
+        model = ElementTree.parse(self.folder / "gazebo/world.sdf").getroot().find("world/model[@name='sled']")
+        rows = self.result.vehicles["sled"]
+        pose = [float(word) for word in model.find("pose").text.split()]
+        np.testing.assert_allclose(pose[:3], [rows[axis][-1] for axis in "xyz"], atol=1e-9)
+        np.testing.assert_allclose(turned(np.degrees(pose[5]), -np.degrees(pose[4]), np.degrees(pose[3])), turned(rows["yaw"][-1], rows["pitch"][-1], rows["roll"][-1]), atol=1e-9)
+        self.assertAlmostEqual(sum(float(mass.text) for mass in model.iter("mass")), 101, delta=1e-9)
+        self.assertEqual(sorted(joint.get("type") for joint in model.iter("joint")), ["fixed"] * 4 + ["revolute"])
+        mast = [float(word) for word in model.find("link[@name='mast']/pose").text.split()]
+        np.testing.assert_allclose(mast, [-0.4, 0, 0.1, 0, 0, rows["q:mast"][-1]], atol=1e-9)
+
+    def test_a_stage_has_ground_and_motion(self):
+        if not has("pxr", "mujoco"):
+            told = self.furrow("usd", "out", "-o", "world.usdc", env=WITH_PYTHON)
+            self.assertEqual(told.returncode, 1)
+            self.assertRegex(told.stderr, r"^furrow: usd: the Python package (usd-core|mujoco) is not installed for \S+; \S+ -m pip install (usd-core|mujoco)\n$")
+            self.skipTest("not on this machine: the Python packages usd-core and mujoco")
+        from pxr import Usd, UsdGeom
+        self.made("usd", "out", "-o", "world.usdc", "--window", "28,28,36,32")
+        stage = Usd.Stage.Open(str(self.folder / "world.usdc"))
+        self.assertEqual((UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage), str(stage.GetDefaultPrim().GetPath())), ("Z", 1.0, "/World"))
+        ground = UsdGeom.Mesh.Get(stage, "/World/ground")
+        points = np.array(ground.GetPointsAttr().Get(), float) + list(ground.GetPrim().GetAttribute("xformOp:translate").Get())
+        np.testing.assert_allclose(points[:, 2].reshape(65, 129), self.surface(448, 448, 129, 65), atol=1e-6)
+        np.testing.assert_allclose(points[[0, -1], :2], [[28, 28], [36, 32]], atol=1e-6)
+        st = np.array(UsdGeom.PrimvarsAPI(ground).GetPrimvar("st").Get())
+        self.assertEqual(len(st), len(points))
+        self.assertEqual(read_png(self.folder / "world_ground.png").shape[:2], (65, 129))
+        rows = self.result.vehicles["sled"]
+        for i, t in enumerate(rows["t"]):
+            matrix = np.array(UsdGeom.Xformable.Get(stage, "/World/sled/hull").ComputeLocalToWorldTransform(t * stage.GetTimeCodesPerSecond())).T
+            np.testing.assert_allclose(matrix[:3, 3], [rows[axis][i] for axis in "xyz"], atol=1e-9)
+            np.testing.assert_allclose(matrix[:3, :3], turned(rows["yaw"][i], rows["pitch"][i], rows["roll"][i]), atol=1e-9)
+        foot = np.array(UsdGeom.Xformable.Get(stage, "/World/sled/foot_a").ComputeLocalToWorldTransform(0)).T
+        hull = np.array(UsdGeom.Xformable.Get(stage, "/World/sled/hull").ComputeLocalToWorldTransform(0)).T
+        np.testing.assert_allclose(np.linalg.inv(hull) @ foot, [[1, 0, 0, 0.5], [0, 1, 0, 0.35], [0, 0, 1, -0.35], [0, 0, 0, 1]], atol=1e-9)
+        ball, last = self.result.objects["ball"], UsdGeom.Xformable.Get(stage, "/World/objects/ball")
+        at = last.ComputeLocalToWorldTransform(float(ball["t"][-1]) * stage.GetTimeCodesPerSecond()).ExtractTranslation()
+        np.testing.assert_allclose(list(at), [ball[axis][-1] for axis in "xyz"], atol=1e-9)
+        validate = importlib.util.find_spec("pxr.UsdValidation")
+        if validate is not None:
+            from pxr import UsdValidation
+            context = UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators())
+            self.assertEqual([error.GetMessage() for error in context.Validate(stage)], [])
+
+    def test_what_is_wrong_is_one_line(self):
+        for arguments, status, words in ((("world", "out"), 2, "-o is missing"), (("usd", "out"), 2, "-o is missing"), (("world", "nowhere", "-o", "x"), 3, "run.json"),
+                                         (("world", "out", "-o", "x", "--no-vehicles", "--window", "1,2,3"), 3, "no rectangle"),
+                                         (("world", "out", "-o", "x", "--no-vehicles", "--window", "900,900,910,910"), 3, "has no ground")):
+            told = self.furrow(*arguments, env=WITH_PYTHON)
+            self.assertEqual(told.returncode, status, (arguments, told.stderr))
+            self.assertRegex(told.stderr, r"^furrow: .+; .+\n$")
+            self.assertIn(words, told.stderr)
+        self.assertFalse((self.folder / "x").exists())
+
+
+del SensorsTest # its own tests are not of this file
+
+if __name__ == "__main__":
+    main()
