@@ -131,6 +131,7 @@ void scene_destroy(struct scene *scene)
 	for (size_t i = 0; i < scene->camera_count; i++)
 		scene_camera_finish(&scene->cameras[i]);
 	mem_free(scene->cameras);
+	scene_roads_finish(scene);
 	mem_free_list(scene->unused, scene->unused_count);
 	scene_drop_doubts(scene);
 	scene_values_finish(scene);
