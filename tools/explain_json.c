@@ -163,8 +163,10 @@ static void add_soils(cJSON *root, const struct scene *scene, const struct repor
 		cJSON *row = cJSON_CreateObject();
 		cJSON_AddItemToArray(soils, row);
 		cJSON_AddStringToObject(row, "name", scene->soil_names[soil]);
-		if (soil > 0)
+		if (scene_soil_value(scene, soil) >= 0)
 			json_integer(row, "class", scene_soil_value(scene, soil));
+		else if (soil > 0)
+			cJSON_AddTrueToObject(row, "road");
 		if (plan->soils_known)
 			json_number(row, "share", plan->soils[soil]);
 		for (size_t i = 0; explain_number(scene, soil, i, &key, &value); i++) {

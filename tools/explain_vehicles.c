@@ -96,19 +96,21 @@ static bool same_soil(const struct scene *scene, int a, int b)
 	return true;
 }
 
-/* Writes which classes of the map have this soil, and along what share of the paths they lie. */
+/* Writes which classes of the map and whether roads have this soil, and along what share of the paths they lie. */
 static void add_classes(FILE *stream, const struct scene *scene, const struct report_plan *plan, int soil)
 {
 	double share = 0;
 	bool any = false;
-	if (scene->soil_map == NULL)
+	if (!scene_has_classes(scene))
 		return;
 	for (int i = 1; i <= scene->soil_count; i++) { /* the default, which is the first, comes last */
 		const int other = i % scene->soil_count;
 		if (!same_soil(scene, soil, other))
 			continue;
 		if (other == 0)
-			fprintf(stream, "%sdefault", any ? " and " : " (");
+			fprintf(stream, "%s%s", any ? " and " : " (", scene->soil_map != NULL ? "default" : "off the roads");
+		else if (scene_soil_value(scene, other) < 0)
+			fprintf(stream, "%sroads", any ? ", " : " (");
 		else
 			fprintf(stream, "%s%d", any ? ", " : " (class ", scene_soil_value(scene, other));
 		share += plan->soils[other];

@@ -35,7 +35,7 @@ static char *label_of(const char *path)
 /* Refuses a scene whose soil is not one everywhere. */
 static enum status check_one(const struct scene *scene, const char *path)
 {
-	if (scene->soil_map != NULL || scene->raster_count > 0)
+	if (scene_has_classes(scene) || scene->raster_count > 0)
 		return fail_with(STATUS_INPUT, "%s: its soil is a map; give a file with one soil, as furrow fit-soil -o writes it", path);
 	return STATUS_OK;
 }

@@ -289,16 +289,19 @@ enum status dem_numbers_extremes(struct dem_pixels *pixels, const struct dem_num
  */
 enum status dem_numbers_read(struct dem_pixels *pixels, int level, struct post_rect rect, double *out) FURROW_CHECKED;
 
-/* A line on the globe. */
+/* A line on the globe, or every line of a file, one after the other. */
 struct dem_line {
 	double (*points)[2]; /* degrees east and north; DEM_SRS_DEGREES says of what */
 	double *times;       /* s since 1970 UTC, one a point; NULL: the points have none */
 	size_t count;
+	size_t *starts; /* the first point of each line */
+	size_t lines;
 };
+#define DEM_EVERY_LINE SIZE_MAX
 /*
- * Reads line `number` (from 1; 0: the only one) of a GPX or GeoJSON file. Lines of GPX are its tracks, each with all its segments; without
+ * Reads line `number` (from 1; 0: the only one; or DEM_EVERY_LINE) of a GPX or GeoJSON file. Lines of GPX are its tracks, each with all its segments; without
  * tracks, its routes. Lines of GeoJSON are every LineString, and each part of a MultiLineString. `told`: names the file in messages. The
- * caller frees both arrays, by dem_line_finish. STATUS_INPUT: no such line, or number is 0 and there are several; the message tells how many there are.
+ * caller frees the arrays, by dem_line_finish. STATUS_INPUT: no such line, or number is 0 and there are several; the message tells how many there are.
  * Without GDAL: STATUS_FAILED. Thread-safe.
  */
 enum status dem_line_read(const char *path, const char *told, size_t number, struct dem_line *line) FURROW_CHECKED;

@@ -5,9 +5,9 @@
 
 struct reading {
 	const char *told;
-	size_t number; /* of the line that is wanted, from 1; 0: the only one */
+	size_t number; /* of the line that is wanted, from 1; 0: the only one; or DEM_EVERY_LINE */
 	size_t lines;  /* so far */
-	size_t room;
+	size_t room, starts_room;
 	bool timeless; /* a point has no time */
 	bool gpx;      /* points have attributes lat and lon */
 	struct dem_line *line;
@@ -16,7 +16,18 @@ struct reading {
 /* Returns true if points of the line that was begun last are to be kept. */
 static bool is_wanted(const struct reading *reading)
 {
-	return reading->number == 0 ? reading->lines == 1 : reading->lines == reading->number;
+	return reading->number == DEM_EVERY_LINE || (reading->number == 0 ? reading->lines == 1 : reading->lines == reading->number);
+}
+
+static enum status begin_line(struct reading *reading)
+{
+	struct dem_line *line = reading->line;
+	reading->lines++;
+	if (!is_wanted(reading))
+		return STATUS_OK;
+	TRY(mem_grow(&line->starts, &reading->starts_room, line->lines + 1, sizeof *line->starts, "reading a line"));
+	line->starts[line->lines++] = line->count;
+	return STATUS_OK;
 }
 
 static enum status add_point(struct reading *reading, double x, double y, double time)
@@ -50,7 +61,8 @@ static enum status add_geometry(struct reading *reading, OGRGeometryH geometry)
 	const OGRwkbGeometryType type = OGR_GT_Flatten(OGR_G_GetGeometryType(geometry));
 	if (type == wkbLineString) {
 		const int count = OGR_G_GetPointCount(geometry);
-		reading->lines += count > 0;
+		if (count > 0)
+			TRY(begin_line(reading));
 		for (int i = 0; i < count; i++)
 			TRY(add_point(reading, OGR_G_GetX(geometry, i), OGR_G_GetY(geometry, i), (double)NAN));
 		return STATUS_OK;
@@ -105,13 +117,10 @@ static enum status add_points(struct reading *reading, OGRLayerH layer, const ch
 	while ((feature = OGR_L_GetNextFeature(layer)) != NULL) {
 		OGRGeometryH point = OGR_F_GetGeometryRef(feature);
 		const int number = OGR_F_GetFieldAsInteger(feature, OGR_F_GetFieldIndex(feature, key));
-		enum status status = STATUS_OK;
-		if (point != NULL) {
-			reading->lines += number != before;
-			before = number;
-			status = add_point(reading, OGR_G_GetX(point, 0), OGR_G_GetY(point, 0),
-					   time_of(feature, OGR_F_GetFieldIndex(feature, "time")));
-		}
+		enum status status = point != NULL && number != before ? begin_line(reading) : STATUS_OK;
+		if (point != NULL && status == STATUS_OK)
+			status = add_point(reading, OGR_G_GetX(point, 0), OGR_G_GetY(point, 0), time_of(feature, OGR_F_GetFieldIndex(feature, "time")));
+		before = point != NULL ? number : before;
 		OGR_F_Destroy(feature);
 		TRY(status);
 	}
@@ -147,7 +156,7 @@ static enum status check_number(const struct reading *reading)
 				 reading->told);
 	if (reading->number == 0 && reading->lines > 1)
 		return fail_with(STATUS_INPUT, "%s: it has %zu lines; say which: line: 1 to %zu", reading->told, reading->lines, reading->lines);
-	if (reading->number > reading->lines)
+	if (reading->number != DEM_EVERY_LINE && reading->number > reading->lines)
 		return fail_with(STATUS_INPUT, "%s: it has %zu line%s, and line %zu is asked for; give one of them", reading->told, reading->lines,
 				 reading->lines > 1 ? "s" : "", reading->number);
 	return STATUS_OK;
@@ -155,7 +164,7 @@ static enum status check_number(const struct reading *reading)
 
 void dem_line_finish(struct dem_line *line)
 {
-	mem_free_all(line->points, line->times);
+	mem_free_all(line->points, line->times, line->starts);
 	*line = (struct dem_line){.count = 0};
 }
 

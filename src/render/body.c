@@ -24,7 +24,7 @@ static const struct celestial_body {
 };
 
 /* Soils by the beginning of their names: the layer that each looks like, and its tint on the Earth. Others look like plain soil. */
-enum { LIKE_SAND, LIKE_SOIL = 2, LIKE_SNOW = 4 };
+enum { LIKE_SAND, LIKE_SOIL = 2, LIKE_ROCK, LIKE_SNOW };
 static const struct soil {
 	const char *begins;
 	int like;
@@ -40,6 +40,10 @@ static const struct soil {
 	{"lean_clay", LIKE_SOIL, {1.45f, 1.20f, 1.00f}},
 	{"upland_loam", LIKE_SOIL, {0.62f, 0.62f, 0.62f}},
 	{"snow", LIKE_SNOW, {1, 1, 1}},
+	{"ice", LIKE_SNOW, {0.80f, 0.90f, 1.00f}},
+	{"rock", LIKE_ROCK, {1, 1, 1}},
+	{"asphalt", LIKE_ROCK, {0.35f, 0.36f, 0.38f}},
+	{"concrete", LIKE_ROCK, {1.25f, 1.25f, 1.22f}},
 	{"lunar", LIKE_SOIL, {0.90f, 1.24f, 1.90f}},
 	{"", LIKE_SOIL, {1, 1, 1}},
 };

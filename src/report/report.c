@@ -425,6 +425,15 @@ static void add_vehicles(cJSON *root, const struct report *report)
 	}
 }
 
+static void add_numbers(cJSON *to, const struct soil_numbers *soil)
+{
+	const char *key;
+	double value;
+	for (size_t n = 0; scene_soil_number(soil, n, &key, &value); n++)
+		if (!isnan(value))
+			json_number(to, key, value);
+}
+
 /* Every number of the soils, in the scene's units. None if no model reads a soil. */
 static void add_soils(cJSON *root, const struct report *report)
 {
@@ -437,23 +446,21 @@ static void add_soils(cJSON *root, const struct report *report)
 			return;
 		}
 		cJSON_AddStringToObject(soil, "name", scene->soil_names[i]);
-		if (i > 0)
-			json_integer(soil, "class", scene_soil_value(scene, i));
+		const int value = scene_soil_value(scene, i);
+		if (value >= 0)
+			json_integer(soil, "class", value);
+		else if (i > 0)
+			cJSON_AddTrueToObject(soil, "road");
 		else if (scene->soil_map != NULL)
 			cJSON_AddNullToObject(soil, "class");
-		const char *key;
-		double value;
-		for (size_t n = 0; scene_soil_number(&scene->soils[i], n, &key, &value); n++)
-			if (!isnan(value))
-				json_number(soil, key, value);
+		add_numbers(soil, &scene->soils[i]);
 		if (scene->soils[i].over == NULL)
 			continue;
 		json_number(soil, "thickness", scene->soils[i].thickness);
 		cJSON *over = cJSON_AddObjectToObject(soil, "over");
 		cJSON_AddStringToObject(over, "name", scene->base_names[i]);
-		for (size_t n = 0; !soil_is_rigid(scene->soils[i].over) && scene_soil_number(scene->soils[i].over, n, &key, &value); n++)
-			if (!isnan(value))
-				json_number(over, key, value);
+		if (!soil_is_rigid(scene->soils[i].over))
+			add_numbers(over, scene->soils[i].over);
 	}
 }
 

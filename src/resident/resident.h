@@ -139,12 +139,20 @@ void resident_bounds_finish(struct offset_bounds *bounds);
 /*
  * --- map of soils ---
  *
- * A raster whose values tell the soil class of each post. Each loader thread has its own handle of it.
+ * What tells the soil class of each post: the values of a raster, and roads over it. Each loader thread has its own handle of the raster.
  */
 struct soil_map;
 
+/* A straight part of a road, metres from the south-west post. */
+struct road_part {
+	double from[2], to[2], half_width;
+	uint8_t soil; /* index of the soil */
+};
+
 struct soil_map_params {
-	const char *path;              /* of the raster */
+	const char *path;              /* of the raster; NULL: none, and its class is 0 everywhere */
+	const struct road_part *parts; /* of all roads, later ones over earlier ones; read while it is opened */
+	size_t part_count;
 	const uint8_t *classes;        /* 256: the index of the soil for each value of the raster */
 	unsigned loaders;              /* number of loader threads; 0: only the owner reads */
 	bool places;                   /* resident_soil_map_at will be called */
@@ -160,7 +168,9 @@ enum status resident_soil_map_read(struct soil_map *map, unsigned loader, struct
  * time. */
 enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_rect rect,
 				   uint8_t *classes) FURROW_CHECKED;
-/* Reads the raster's own value at one post of a level, as loader 0 does; -1: it has none there. One thread at a time. */
+#define SOIL_MAP_NONE (-1) /* the raster has no value there */
+#define SOIL_MAP_ROAD (-2) /* a road is there */
+/* Reads the raster's own value at one post of a level, as loader 0 does, or tells what is there in its place. One thread at a time. */
 enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value) FURROW_CHECKED;
 /* Reads the soil index of one post of a level. Only if params.places is set, and on the owner's thread. It may read the
  * raster's file. */

@@ -1,12 +1,16 @@
+/* The soil of each post: by a raster's values, and by roads over it. */
 #include "resident/resident.h"
 
 #include <assert.h>
+#include <string.h>
 
 #include "dem/dem.h"
+#include "resident/roads.h"
 
 struct soil_map {
 	struct soil_map_params params;
-	unsigned count;
+	struct roads *roads;          /* NULL: none */
+	unsigned count;               /* 0: there is no raster */
 	struct dem_pixels *at;        /* for resident_soil_map_at; NULL: nobody asks */
 	struct dem_pixels *rasters[]; /* one a loader */
 };
@@ -24,10 +28,10 @@ enum status resident_soil_map_open(const struct soil_map_params *params, struct 
 		.srs = meta->srs,
 		.origin = {meta->origin[0], meta->origin[1]},
 	};
-	enum status status = STATUS_OK;
-	for (; map->count < count && status == STATUS_OK; map->count += status == STATUS_OK)
+	enum status status = resident_roads_create(params->parts, params->part_count, &map->roads);
+	for (; params->path != NULL && map->count < count && status == STATUS_OK; map->count += status == STATUS_OK)
 		status = dem_pixels_open(&raster, DEM_PLACED_CLASSES, &map->rasters[map->count]);
-	if (status == STATUS_OK && params->places)
+	if (status == STATUS_OK && params->places && params->path != NULL)
 		status = dem_pixels_open(&raster, DEM_PLACED_CLASSES, &map->at);
 	if (status != STATUS_OK) {
 		resident_soil_map_close(map);
@@ -44,37 +48,56 @@ void resident_soil_map_close(struct soil_map *map)
 	for (unsigned i = 0; i < map->count; i++)
 		dem_pixels_close(map->rasters[i]);
 	dem_pixels_close(map->at);
+	resident_roads_destroy(map->roads);
 	mem_free(map);
 }
 
+/* raster NULL: there is none. */
 static enum status read_rect(const struct soil_map *map, struct dem_pixels *raster, int level,
 			     struct post_rect rect, uint8_t *classes)
 {
+	enum status status = STATUS_OK;
 	dem_quiet_begin();
-	enum status status = dem_classes_read(raster, level, rect, map->params.classes, 0, classes);
+	if (raster != NULL)
+		status = dem_classes_read(raster, level, rect, map->params.classes, 0, classes);
+	else
+		memset(classes, 0, (size_t)(rect.x1 - rect.x0) * (size_t)(rect.y1 - rect.y0));
 	dem_quiet_end();
+	resident_roads_paint(map->roads, extent_spacing(&map->params.meta->extent, level), rect, classes);
 	return status;
+}
+
+static struct dem_pixels *raster_of(const struct soil_map *map, unsigned loader)
+{
+	assert(map->count == 0 || loader < map->count);
+	return map->count > 0 ? map->rasters[loader] : NULL;
 }
 
 enum status resident_soil_map_read(struct soil_map *map, unsigned loader, struct tile tile,
 				   uint8_t *classes)
 {
-	assert(loader < map->count);
-	return read_rect(map, map->rasters[loader], tile.level,
+	return read_rect(map, raster_of(map, loader), tile.level,
 			 tile_post_rect(&map->params.meta->extent, tile), classes);
 }
 
 enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_rect rect,
 				   uint8_t *classes)
 {
-	return read_rect(map, map->rasters[0], level, rect, classes);
+	return read_rect(map, raster_of(map, 0), level, rect, classes);
 }
 
 /* A byte has no room for "none" beside 256 values, so a second read tells whether there is a value. */
 enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value)
 {
 	const struct post_rect post = {x, y, x + 1, y + 1};
-	uint8_t same[256], any[256], read = 0, has = 0;
+	uint8_t same[256], any[256], read = 0, has = 0, road = 0;
+	const double spacing = extent_spacing(&map->params.meta->extent, level);
+	*value = SOIL_MAP_NONE;
+	resident_roads_paint(map->roads, spacing, post, &road);
+	if (road > 0)
+		*value = SOIL_MAP_ROAD;
+	if (road > 0 || map->count == 0)
+		return STATUS_OK;
 	for (int i = 0; i < 256; i++) {
 		same[i] = (uint8_t)i;
 		any[i] = 1;
@@ -86,12 +109,12 @@ enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, 
 		TRY_OR(done, dem_classes_read(map->rasters[0], level, post, any, 0, &has));
 done:
 	dem_quiet_end();
-	*value = read > 0 || has > 0 ? read : -1;
+	*value = read > 0 || has > 0 ? read : SOIL_MAP_NONE;
 	return status;
 }
 
 enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int64_t y, uint8_t *soil)
 {
-	assert(map->at != NULL);
+	assert(map->at != NULL || map->count == 0);
 	return read_rect(map, map->at, level, (struct post_rect){x, y, x + 1, y + 1}, soil);
 }

@@ -441,7 +441,7 @@ static void advise_view(const struct adviser *adviser)
 		advise(adviser, "view.effects.shadow: is that of the objects, which are not drawn; add objects, or take it away");
 	if ((view->effects >> EFFECT_SPLAT & 1) != 0 && (view->effects >> EFFECT_TEXTURE & 1) == 0)
 		advise(adviser, "view.effects.splat: is of the texture, which is not drawn; add texture, or take it away");
-	else if ((view->effects >> EFFECT_SPLAT & 1) != 0 && scene->soil_map == NULL)
+	else if ((view->effects >> EFFECT_SPLAT & 1) != 0 && !scene_has_classes(scene))
 		advise(adviser, "view.effects.splat: shows the classes of a map of soils, and there is none; give soil.map, or take it away");
 	if ((view->effects >> EFFECT_FOG & 1) != 0 && view->light.body == SCENE_MOON)
 		advise(adviser, "view.effects.fog: there is no air on the Moon: it changes nothing; take it away");

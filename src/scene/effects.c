@@ -55,7 +55,8 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"at most 512 m of soil above a place of the body; in pictures from 1 mm on, without a shadow on the ground",
 		"keeps soil that comes onto a body, and draws it"},
 	[EFFECT_SOIL_MAP] = {
-		"soil_map", "soil.map", "", NONE, "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
+		"soil_map", "soil.map", "", NONE, "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default", "ground.roads", "ground.roads[].lines", "ground.roads[].points",
+		     "ground.roads[].smooth", "ground.roads[].width", "ground.roads[].soil"),
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
 		"reads which soil each post is of"},
 	[EFFECT_SOIL_RASTERS] = {
@@ -226,7 +227,7 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_DISTURBANCE);
 	if (scene->vegetation.present)
 		effects |= EFFECT_BIT(EFFECT_VEGETATION);
-	if (scene->soil_map != NULL && deform_model_row(scene->model)->numbers != NULL)
+	if (scene_has_classes(scene) && deform_model_row(scene->model)->numbers != NULL)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (scene->slip_sinkage > 0 && scene_slips(scene))
 		effects |= EFFECT_BIT(EFFECT_SLIP);
@@ -299,7 +300,7 @@ bool scene_draws_classes(const struct scene *scene)
 {
 	const uint64_t both = EFFECT_BIT(EFFECT_SPLAT) | EFFECT_BIT(EFFECT_TEXTURE);
 	const bool shown = (scene->view.effects & both) == both || (images_of(scene) >> SCENE_IMAGE_CLASS & 1);
-	return scene->view.present && shown && scene->soil_map != NULL;
+	return scene->view.present && shown && scene_has_classes(scene);
 }
 
 bool scene_covers_by_class(const struct scene *scene)

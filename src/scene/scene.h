@@ -122,6 +122,14 @@ struct scene_path {
 	double attitude[3];
 };
 
+/* A road, or a net of roads: every line of a file, or one through points. Posts within half the width of a line have its soil. */
+struct scene_road {
+	struct scene_path *lines; /* points in the scene's coordinates, or degrees; smooth or not */
+	size_t line_count;
+	double width; /* m */
+	uint8_t soil; /* index of scene.soils */
+};
+
 struct scene_object {
 	char *name;
 	bool name_is_made; /* the scene gave none: it is body-N */
@@ -411,6 +419,8 @@ struct scene {
 	char *soil_map;          /* path of a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* index of the soil for each value of the map */
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */
+	struct scene_road *roads; /* over the map. Of two at one post the later one counts */
+	size_t road_count;
 	struct scene_raster rasters[SOIL_RASTERS]; /* in the order of their numbers */
 	int raster_count;        /* 0: every number is that of a post's soil */
 	struct relief_spec relief; /* below the source's level; its classes are indices of soils;
@@ -516,6 +526,8 @@ double scene_raster_unit(enum soil_number number);
 double scene_soil_modulus(const struct soil_numbers *soil, const struct soil_shape *shape, double *width);
 /* Returns the value of the map of soils that means soils[soil]. Returns -1 for the default soil, or if there is no map. */
 int scene_soil_value(const struct scene *scene, int soil);
+/* Returns true if soils differ from place to place: by a map, or by roads. */
+bool scene_has_classes(const struct scene *scene);
 
 /*
  * Fills `object` from the YAML text of one entry of `objects`. Checks it as scene_load would for this scene. Messages begin

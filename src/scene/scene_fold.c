@@ -124,6 +124,20 @@ static enum status fold_soil(const struct scene_tree *tree)
 	return STATUS_OK;
 }
 
+/* The soil of a road may be a name. */
+static enum status fold_roads(const struct scene_tree *tree)
+{
+	const struct scene_node *ground = scene_node_child(tree->root, "ground"), *roads = ground != NULL ? scene_node_child(ground, "roads") : NULL;
+	for (struct scene_node *road = roads != NULL ? roads->first : NULL; road != NULL; road = road->next) {
+		struct scene_node *soil = road->kind == SCENE_MAPPING ? scene_node_child(road, "soil") : NULL;
+		if (soil == NULL)
+			continue;
+		TRY(fold_value(soil, "name"));
+		TRY(fold_over(soil));
+	}
+	return STATUS_OK;
+}
+
 /* `1: 0.05` is `{value: 1, roughness: 0.05}`. */
 static enum status fold_relief(const struct scene_tree *tree)
 {
@@ -275,6 +289,7 @@ enum status scene_fold(struct scene_tree *tree)
 	TRY(fold_attributes(tree));
 	TRY(fold_cameras(tree));
 	TRY(fold_soil(tree));
+	TRY(fold_roads(tree));
 	TRY(fold_relief(tree));
 	return fold_vehicles(tree);
 }

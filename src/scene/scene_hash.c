@@ -67,6 +67,23 @@ static void add_part(XXH3_state_t *state, char letter, size_t index)
 	add_whole(state, index);
 }
 
+static void add_road(XXH3_state_t *state, size_t index, const struct scene_road *road)
+{
+	add_part(state, 'R', index);
+	add_number(state, road->width);
+	add_whole(state, road->soil);
+	add_whole(state, road->line_count);
+	for (size_t i = 0; i < road->line_count; i++) {
+		const struct scene_path *line = &road->lines[i];
+		add_whole(state, (uint64_t)line->degrees | (uint64_t)line->smooth << 1);
+		add_whole(state, line->count);
+		for (size_t k = 0; k < line->count; k++) {
+			add_number(state, line->points[k].x);
+			add_number(state, line->points[k].y);
+		}
+	}
+}
+
 static void add_mesh(XXH3_state_t *state, size_t index, const struct soil_mesh *mesh)
 {
 	add_part(state, 'm', index);
@@ -431,6 +448,8 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		add_whole(state, scene->soil_map_hash[1]);
 		XXH3_128bits_update(state, scene->soil_class, sizeof scene->soil_class);
 	}
+	for (size_t i = 0; i < scene->road_count; i++)
+		add_road(state, i, &scene->roads[i]);
 	for (int i = 0; i < scene->raster_count; i++) {
 		add_part(state, 'n', (size_t)scene->rasters[i].number);
 		add_whole(state, scene->rasters[i].hash[0]);

@@ -134,6 +134,7 @@ void scene_destroy(struct scene *scene)
 	for (size_t i = 0; i < scene->lidar_count; i++)
 		scene_lidar_finish(&scene->lidars[i]);
 	mem_free(scene->lidars);
+	scene_roads_finish(scene);
 	mem_free_list(scene->unused, scene->unused_count);
 	scene_drop_doubts(scene);
 	scene_values_finish(scene);

@@ -21,6 +21,8 @@ bool scene_path_is_other_line(const char *file); /* by its ending: a format of l
  * first point on, unless the line has a speed of its own. STATUS_INPUT: there is no such line, or it has no times and needs them.
  */
 enum status scene_path_read_line(const char *file, const char *told, size_t number, bool has_speed, struct scene_path *path) FURROW_CHECKED;
+/* Reads every line of such a file: points, count, degrees. The caller frees each path's points, and the paths, even on failure. */
+enum status scene_path_read_lines(const char *file, const char *told, struct scene_path **paths, size_t *count) FURROW_CHECKED;
 /* The pitch of a wheel only turns it about its axle. So waypoints with camber get pitch 0, and the yaw and roll of the same axle. */
 void scene_level_pitch(const struct soil_shape *shape, struct scene_path *path);
 

@@ -180,6 +180,20 @@ static const cyaml_schema_field_t soil_fields[] = {
 	CYAML_FIELD_END,
 };
 
+static const cyaml_schema_field_t road_fields[] = {
+	CYAML_FIELD_STRING_PTR("lines", OPTIONAL, struct raw_road, lines, 1, 4096),
+	CYAML_FIELD_SEQUENCE("points", OPTIONAL_POINTER, struct raw_road, points, &point_entry, 2, CYAML_UNLIMITED),
+	CYAML_FIELD_BOOL_PTR("smooth", OPTIONAL, struct raw_road, smooth),
+	CYAML_FIELD_FLOAT("width", NEEDED, struct raw_road, width),
+	CYAML_FIELD_MAPPING("soil", NEEDED, struct raw_road, soil, elsewhere_fields),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t road_entry = {CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_road, road_fields)};
+static const cyaml_schema_field_t ground_fields[] = {
+	CYAML_FIELD_SEQUENCE("roads", OPTIONAL_POINTER, struct raw_ground, roads, &road_entry, 1, SOIL_CLASSES - 1),
+	CYAML_FIELD_END,
+};
+
 static const cyaml_schema_field_t relief_class_fields[] = {
 	CYAML_FIELD_INT("value", NEEDED, struct raw_relief_class, value),
 	CYAML_FIELD_FLOAT("roughness", NEEDED, struct raw_relief_class, roughness),
@@ -508,6 +522,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("spacing", OPTIONAL, struct raw_scene, spacing),
 	CYAML_FIELD_STRING_PTR("coordinates", OPTIONAL, struct raw_scene, coordinates, 1, 65536),
 	CYAML_FIELD_MAPPING_PTR("soil", OPTIONAL, struct raw_scene, soil, soil_fields),
+	CYAML_FIELD_MAPPING_PTR("ground", OPTIONAL, struct raw_scene, ground, ground_fields),
 	CYAML_FIELD_MAPPING_PTR("relief", OPTIONAL, struct raw_scene, relief, relief_fields),
 	CYAML_FIELD_MAPPING_PTR("redistribute", OPTIONAL, struct raw_scene, redistribute,
 				redistribute_fields),
@@ -566,6 +581,8 @@ static const struct scene_limit limits[] = {
 	{"soil.thickness", 0, 1000, false, NULL, "m", NAN, "endless; needed with over"},
 	{"soil.compaction", 0, 1, false, NULL, NULL, 0, NULL},
 	{"soil.value", 0, 255, false, NULL, NULL, NAN, NULL},
+	{"ground.roads[].points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"ground.roads[].width", 0, 1000, true, NULL, "m", NAN, NULL},
 	{"relief.roughness", 0, 10, false, NULL, "m", NAN, NULL},
 	{"relief.wavelength", 0, 1e6, true, NULL, "m", NAN, NULL},
 	{"relief.seed", 0, 4294967295, false, NULL, NULL, 0, NULL},
@@ -719,7 +736,8 @@ static const struct scene_limit limits[] = {
 
 const struct scene_limit *scene_limit_of(const char *where)
 {
-	static const char *const soils[] = {"soil.default.over.", "soil.classes[].over.", "soil.over.", "soil.default.", "soil.classes[]."};
+	static const char *const soils[] = {"soil.default.over.", "soil.classes[].over.", "soil.over.", "soil.default.", "soil.classes[].",
+					     "ground.roads[].soil.over.", "ground.roads[].soil."};
 	char place[160];
 	for (size_t i = 0; i < sizeof soils / sizeof soils[0]; i++)
 		if (strncmp(where, soils[i], strlen(soils[i])) == 0) {

@@ -104,6 +104,18 @@ struct raw_soil {
 	struct raw_class *elsewhere;
 	struct raw_rasters *rasters;
 };
+struct raw_road {
+	char *lines;
+	double (*points)[2];
+	uint32_t points_count;
+	bool *smooth;
+	double width;
+	struct raw_class soil;
+};
+struct raw_ground {
+	struct raw_road *roads;
+	uint32_t roads_count;
+};
 struct raw_relief_class {
 	int64_t value; /* the raster's value of this class */
 	double roughness, *wavelength;
@@ -318,6 +330,7 @@ struct raw_scene {
 	double *gravity, *spacing;
 	char *coordinates;
 	struct raw_soil *soil;
+	struct raw_ground *ground;
 	struct raw_relief *relief;
 	struct raw_redistribute *redistribute;
 	struct raw_attributes *attributes;

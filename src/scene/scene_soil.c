@@ -12,6 +12,7 @@
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
+bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #define PARAMETER(name, unit, optional) \
 	{#name, offsetof(struct raw_class, name), offsetof(struct soil_numbers, name), unit, optional}
@@ -195,6 +196,9 @@ static enum status fill_class(const struct scene_tree *tree, const struct raw_cl
 			*number_of(soil, &parameters[i]) = *value * parameters[i].unit;
 	}
 	weigh(raw, scene, soil);
+	if (soil_is_hard(soil) && !deform_model_row(model)->bears && (scene->object_count > 0 || scene_moves_bodies(scene)))
+		return scene_error(tree->file, scene_tree_find(tree, "%s.name", where), "%s is hard ground, into which nothing sinks, and model %s presses into all ground; "
+				   "write redistribute: {model: scm}", raw->name, deform_model_row(model)->name);
 	TRY(check_whole(tree, raw->name, where, model, soil));
 	fill_in(scene, soil);
 	if (deform_model_reads(model, "repose") && soil->repose <= 0)
@@ -416,6 +420,46 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 	return STATUS_OK;
 }
 
+static bool is_name_alone(const struct raw_class *raw)
+{
+	bool alone = raw->name != NULL && raw->over == NULL && raw->thickness == NULL;
+	for (size_t i = 0; i < PARAMETERS; i++)
+		alone = alone && given(raw, &parameters[i]) == NULL;
+	return alone;
+}
+
+/* The soils of roads come after those of the map. Roads whose soil is the same name alone share it. */
+static enum status check_road_soils(const struct scene_tree *tree, const struct raw_ground *raw, bool read, struct scene *scene)
+{
+	for (uint32_t i = 0; i < raw->roads_count; i++) {
+		const struct raw_class *soil = &raw->roads[i].soil;
+		char where[48];
+		uint32_t like = 0;
+		snprintf(where, sizeof where, "ground.roads[%u].soil", i);
+		while (like < i && !(is_name_alone(soil) && is_name_alone(&raw->roads[like].soil) && strcmp(soil->name, raw->roads[like].soil.name) == 0))
+			like++;
+		if (like < i) {
+			scene->roads[i].soil = scene->roads[like].soil;
+			continue;
+		}
+		if (scene->soil_count == SOIL_CLASSES)
+			return scene_error(tree->file, scene_tree_find(tree, "%s", where), "is one soil too many; allowed: %d in all, of soil and of roads", SOIL_CLASSES);
+		const size_t index = (size_t)scene->soil_count;
+		TRY(check_class(tree, soil, where, scene, index));
+		if (read) {
+			TRY(check_unread(soil, where, scene));
+			TRY(check_weight(soil, where, scene));
+			TRY(check_replaced(tree, soil, where, scene));
+			if (deform_model_reads(scene->model, "bekker_kc"))
+				TRY(check_bearing(tree, scene, where, &scene->soils[index]));
+		}
+		keep_name(scene, index, soil->name, -1);
+		scene->roads[i].soil = (uint8_t)index;
+		scene->soil_count++;
+	}
+	return STATUS_OK;
+}
+
 static enum status check_bearings(const struct scene_tree *tree, const struct scene *scene, bool mapped)
 {
 	for (int i = 0; i < scene->soil_count; i++) {
@@ -430,7 +474,15 @@ static enum status check_bearings(const struct scene_tree *tree, const struct sc
 	return STATUS_OK;
 }
 
-enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+/* Nothing reads the soils, and no picture shows them. */
+static void forget_soils(struct scene *scene)
+{
+	scene_roads_finish(scene);
+	memset(scene->soil_class, 0, sizeof scene->soil_class);
+	scene->soil_count = 0;
+}
+
+static enum status check_soils(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const struct raw_soil *soil = raw->soil;
 	bool read = reads_soil(scene);
@@ -445,7 +497,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 		return scene_error(tree->file,
 				   scene_tree_find(tree, soil->classes != NULL ? "soil.classes" : "soil.default"),
 				   "is of a map, and there is none; allowed with: map");
-	bool drawn = mapped && (draws_soil(raw) || raises_by_class(raw));
+	const bool drawn = ((mapped || scene->road_count > 0) && draws_soil(raw)) || (mapped && raises_by_class(raw));
 	if (mapped)
 		TRY(check_map(tree, soil, read || drawn, scene->hosted || raw->vehicles_count > 0, scene));
 	const bool first = mapped && soil->elsewhere == NULL; /* the first class is the default, too */
@@ -464,6 +516,11 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	if (deform_model_reads(scene->model, "bekker_kc"))
 		TRY(check_bearings(tree, scene, mapped));
 	TRY(scene_check_rasters(tree, soil->rasters, scene));
+	if (scene->road_count > 0 && scene->raster_count > 0)
+		return scene_error(tree->file, scene_tree_find(tree, "ground.roads"), "do not go with soil.rasters, whose numbers would be the roads' too; "
+				   "draw the roads into the rasters, or take those away");
+	if (scene->road_count > 0)
+		TRY(check_road_soils(tree, raw->ground, read, scene));
 	if (read)
 		return STATUS_OK;
 	memset(scene->soils, 0, sizeof scene->soils);
@@ -473,10 +530,20 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 					 deform_model_row(scene->model)->name);
 	if (drawn)
 		return STATUS_OK;
-	memset(scene->soil_class, 0, sizeof scene->soil_class);
-	scene->soil_count = 0;
+	forget_soils(scene);
 	return scene_tell_unused(scene, "soil: model %s does not depend on it; take it away, or name a model that moves soil",
 				 deform_model_row(scene->model)->name);
+}
+
+enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	const bool roads = raw->ground != NULL && raw->ground->roads_count > 0;
+	if (roads && raw->soil == NULL && !reads_soil(scene))
+		return scene_tell_unused(scene, "ground.roads: model %s does not depend on them; take them away, or name a model that moves soil",
+					 deform_model_row(scene->model)->name);
+	if (roads)
+		TRY(scene_roads_take(tree, raw->ground, scene));
+	return check_soils(tree, raw, scene);
 }
 
 double scene_soil_modulus(const struct soil_numbers *soil, const struct soil_shape *shape, double *width)
@@ -505,6 +572,11 @@ bool scene_soil_given(const struct scene *scene, int soil, const char *key)
 		if (strcmp(parameters[i].key, key) == 0)
 			return scene->soil_given[soil] >> i & 1;
 	return false;
+}
+
+bool scene_has_classes(const struct scene *scene)
+{
+	return scene->soil_map != NULL || scene->road_count > 0;
 }
 
 int scene_soil_value(const struct scene *scene, int soil)

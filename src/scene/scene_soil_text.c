@@ -6,6 +6,7 @@
 
 #include "deform/deform.h"
 #include "scene/scene.h"
+bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 static bool in_braces(const char *text)
 {
@@ -27,14 +28,18 @@ enum status scene_soil_alone(const char *soil, struct scene **out)
 	return fail_with(status, "soil %s: %.400s", soil, why);
 }
 
+#define HARD "name: rock" /* hard ground yields to nothing, which no number of a scene says */
+
 /* Writes the numbers that the model reads, each after a comma or, the first one, after `comma`. */
 static int put_numbers(FILE *stream, const struct soil_numbers *soil, enum deform_model model, const char *comma)
 {
 	const char *key;
 	double value;
-	int failed = 0;
+	const bool hard = soil_is_hard(soil);
+	int failed = hard ? fprintf(stream, "%s%s", comma, HARD) < 0 : 0;
+	comma = hard ? ", " : comma;
 	for (size_t i = 0; scene_soil_number(soil, i, &key, &value); i++) {
-		if (isnan(value) || !deform_model_reads(model, key))
+		if (isnan(value) || !deform_model_reads(model, key) || (hard && (strcmp(key, "bekker_kphi") == 0 || strcmp(key, "repose") == 0)))
 			continue;
 		failed |= fprintf(stream, "%s%s: %.17g", comma, key, value) < 0;
 		comma = ", ";

@@ -12,6 +12,7 @@
  * a1 is where the rim enters the soil, at most a quarter of a turn. A box bears as a plate.
  */
 #include "soil/soil.h"
+bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #include <math.h>
 
@@ -84,6 +85,11 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
 	soil_end_layer(&ended);
 	if (soil->over != NULL)
 		return guess_of_layer(shape, soil, load);
+	if (soil_is_hard(soil)) { /* a spring alone */
+		ended.bekker_kc = 0;
+		ended.bekker_kphi = soil->elastic_stiffness;
+		ended.bekker_n = 1;
+	}
 	double n = soil->bekker_n, sinkage;
 	if (shape->kind == SOIL_BOX) {
 		double width = fmin(shape->size[0], shape->size[1]), k = soil->bekker_kc / width + soil->bekker_kphi;

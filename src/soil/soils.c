@@ -6,6 +6,9 @@
  * is that of a usual bulk density of the kind under the gravity beside it. The stiffness of unloading and the damping are those of the soft soil of Project Chrono's
  * demonstrations: Krenn and Hirzinger 2009 leave them open.
  *
+ * rock, asphalt, concrete, ice: hard ground, which has friction alone. Rock: the basic friction angle of granite, Barton and Choubey 1977. The others: what tyres
+ * have on dry concrete, dry asphalt and ice, Noon 1994, Engineering Analysis of Vehicular Accidents.
+ *
  * sand, mud, snow: Sumner, O'Brien and Hodgins 1999. These could not be checked against the paper itself. Its alpha is the share
  * of the soil that is displaced: 0.3, 0.41, 0. Compression here is the share that is lost, 1 - alpha.
  */
@@ -15,8 +18,14 @@
 #include <string.h>
 
 #include "soil/soil.h"
+bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #define BARE_RIGID 1e30 /* bekker_kphi of rigid ground without a layer: what yields is beyond what springs */
+#define HARD_SHEAR 0.002 /* m: what slides on hard ground grips within a few times this: a tread shears, as a tyre's slip curve has it */
+/* These are of what lies on hard ground: that gives way, not the ground. */
+#define HARD_STIFFNESS 2e8 /* Pa/m: a rigid wheel of 5 kN, 0.8 m by 0.2 m, sinks by 2 mm */
+#define HARD_DAMPING 1e5 /* Pa s/m: a wheel's rolling resistance at 5 m/s is below 1 % of its load */
+#define HARD_REPOSE 90 /* degrees: no slope slides */
 #define SUMNER_SAND {0.8, 0.436, 0.2, 0.8, 0.7}
 
 static const struct row {
@@ -28,6 +37,9 @@ static const struct row {
 	struct sumner {
 		double theta_in, theta_out, roughness, theta_stop, compression; /* rad; theta_in 0: the soil has none of these */
 	} sumner;
+	struct hard {
+		double phi, density; /* degrees; kg/m3; phi 0: the soil is not hard ground */
+	} hard;
 } rows[] = {
 	{.name = "dry_sand", .wong = {1.1, 0.99, 1528.43, 1.04, 28, 2, 16, 1631}, .sumner = SUMNER_SAND},
 	{.name = "sandy_loam_15", .wong = {0.7, 5.27, 1515.04, 1.72, 29, 2, 15, 1529}},
@@ -41,6 +53,10 @@ static const struct row {
 	{.name = "snow_us", .wong = {1.6, 4.37, 196.72, 1.03, 19.7, 3, 3, 306}},
 	{.name = "snow_sweden", .wong = {1.44, 10.55, 66.08, 6, 20.7, 3, 3, 306}},
 	{.name = "lunar", .wong = {1, 1.4, 820, 0.17, 35, 1.8, 2.5, 1543.21}},
+	{.name = "rock", .hard = {33, 2650}},
+	{.name = "asphalt", .hard = {33.02, 2350}}, /* atan 0.65 */
+	{.name = "concrete", .hard = {36.87, 2400}}, /* atan 0.75 */
+	{.name = "ice", .hard = {5.71, 917}}, /* atan 0.1 */
 	{.name = "sand", .sumner = SUMNER_SAND},
 	{.name = "mud", .sumner = {1.57, 1.1, 0.2, 1.1, 0.59}},
 	{.name = "snow", .sumner = {1.57, 1.57, 0.2, 1.57, 1}},
@@ -76,6 +92,27 @@ static void take_sumner(const struct sumner *sumner, struct soil_numbers *soil)
 	soil->compression = sumner->compression;
 }
 
+/* Ground that springs, and yields to nothing. */
+static void harden(struct soil_numbers *soil)
+{
+	soil->bekker_kc = 0;
+	soil->bekker_kphi = BARE_RIGID;
+	soil->bekker_n = 1;
+	soil->elastic_stiffness = SOIL_RIGID_STIFFNESS;
+}
+
+static void take_hard(const struct hard *hard, struct soil_numbers *soil)
+{
+	harden(soil);
+	soil->elastic_stiffness = HARD_STIFFNESS;
+	soil->cohesion = 0;
+	soil->friction_angle = radians(hard->phi);
+	soil->janosi_shear = HARD_SHEAR;
+	soil->damping = HARD_DAMPING;
+	soil->density = hard->density;
+	soil->repose = radians(HARD_REPOSE);
+}
+
 void soil_clear(struct soil_numbers *soil)
 {
 	const double none = (double)NAN;
@@ -97,6 +134,11 @@ bool soil_is_rigid(const struct soil_numbers *soil)
 	return isinf(soil->bekker_kphi);
 }
 
+bool soil_is_hard(const struct soil_numbers *soil)
+{
+	return soil->bekker_kphi >= BARE_RIGID;
+}
+
 void soil_end_layer(struct soil_numbers *soil)
 {
 	const struct soil_numbers *over = soil->over;
@@ -109,10 +151,7 @@ void soil_end_layer(struct soil_numbers *soil)
 		*soil = *over;
 	} else {
 		/* It springs, and shears as the layer would. */
-		soil->bekker_kc = 0;
-		soil->bekker_kphi = BARE_RIGID;
-		soil->bekker_n = 1;
-		soil->elastic_stiffness = SOIL_RIGID_STIFFNESS;
+		harden(soil);
 		soil->over = NULL;
 		soil->thickness = (double)NAN;
 	}
@@ -127,7 +166,7 @@ void soil_law_set_layers(struct soil_law *law)
 	for (int i = 0; i < law->soil_count; i++) {
 		if (!by_raster)
 			soil_end_layer(&law->soils[i]);
-		law->layered = law->layered || law->soils[i].over != NULL || law->soils[i].bekker_kphi >= BARE_RIGID; /* slip digs none of it */
+		law->layered = law->layered || law->soils[i].over != NULL || soil_is_hard(&law->soils[i]); /* slip digs none of it */
 	}
 }
 
@@ -146,6 +185,8 @@ enum status soil_named(const char *name, struct soil_numbers *soil)
 				take_wong(&rows[i].wong, soil);
 			if (rows[i].sumner.theta_in > 0)
 				take_sumner(&rows[i].sumner, soil);
+			if (rows[i].hard.phi > 0)
+				take_hard(&rows[i].hard, soil);
 			return STATUS_OK;
 		}
 		snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i > 0 ? ", " : "", rows[i].name);

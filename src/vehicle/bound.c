@@ -4,8 +4,8 @@
  * Soil that unloads is a spring of K_e A: its elastic stiffness times the area of the contact. A mass m on a spring k is stable for
  * steps below 2 sqrt(m / k), if its force is taken at the step's start. The coupling takes it at the step's end (coupling.c). So it is
  * stable beyond that, too, but then the motion is no longer the soil's. m is the least effective mass of a soil geom, straight up and
- * down, in the model's first pose. A is the contact's area where the geom carries its share of the weight. K_e is that of the stiffest soil,
- * or of the stiffest post of a raster, which is known once the world is prepared. A layer over stiffer ground is stiffer than its soil is.
+ * down, in the model's first pose. A is the contact's area where the geom carries its share of the weight. K_e A is the greatest of all soils: hard ground has
+ * the stiffer spring, and soft soil the larger area. Of a raster it is that of its stiffest post. A layer over stiffer ground is stiffer than its soil is.
  */
 #include <math.h>
 #include <stdio.h>
@@ -69,17 +69,6 @@ static double area_of(const struct soil_shape *shape, double sinkage)
 #define HARDLY 0.01      /* kg: what a geom that bears the vehicle has no less of, unless masses are missing */
 #define PARTS_MOST 50.0 /* of a time_step: a model that needs more has a geom that is too light for its soil */
 
-static double stiffest(const struct scene *scene, const struct soil_numbers **soil)
-{
-	double most = 0;
-	for (int i = 0; i < scene->soil_count; i++)
-		if (scene->soils[i].elastic_stiffness > most) {
-			most = scene->soils[i].elastic_stiffness;
-			*soil = &scene->soils[i];
-		}
-	return most;
-}
-
 /* Shortens the longest step to what a soil of this stiffness, Pa/m, allows. */
 static void allow(struct vehicle *vehicle, const struct scene *scene, const struct soil_numbers *soil, double stiffness)
 {
@@ -113,13 +102,9 @@ static enum status check(const struct vehicle *vehicle, const struct scene *scen
 
 void vehicle_find_bound(struct vehicle *vehicle, const struct scene *scene)
 {
-	const struct soil_numbers *soil = &scene->soils[0];
-	const double stiffness = stiffest(scene, &soil);
 	vehicle->largest_step = INFINITY;
-	allow(vehicle, scene, soil, stiffness);
 	for (int i = 0; i < scene->soil_count; i++)
-		if (scene->soils[i].over != NULL)
-			allow(vehicle, scene, &scene->soils[i], scene->soils[i].elastic_stiffness);
+		allow(vehicle, scene, &scene->soils[i], scene->soils[i].elastic_stiffness);
 }
 
 enum status vehicle_divide_step(struct vehicles *vehicles)

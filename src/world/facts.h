@@ -107,7 +107,7 @@ struct world_soils_met {
 	size_t places;              /* that were looked at, on the terrain */
 	bool partly;                /* some body comes elsewhere: a vehicle without a path, or a host's */
 	double all, soils[SOIL_CLASSES];
-	double values[256], none;   /* by the value of the map of soils; none: the map has no value there */
+	double values[256], none, roads; /* by the value of the map of soils; none: the map has no value there; roads: a road is there */
 	double numbers[SOIL_RASTERS]; /* by raster of soil numbers: where it has a number */
 	/* Of object i and soil k, at i * SOIL_CLASSES + k: about what load the soil bears that is weakest there, N, and that soil. NAN: the object has no
 	 * load, or does not come to it. INFINITY: not known for its shape */

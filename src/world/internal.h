@@ -171,6 +171,8 @@ void world_settle_light(struct world *world);
 void world_advise_planet(const struct world *world, scene_advice_fn tell, void *user);
 /* Opens the map of soils, if the scene needs it. */
 enum status world_open_soil_map(struct world *world) FURROW_CHECKED;
+/* Gives the scene's roads as parts, in their order. The caller frees the list, even on failure. */
+enum status world_road_parts(const struct world *world, struct road_part **list, size_t *count) FURROW_CHECKED;
 /* --- numbers.c --- */
 /* Opens the rasters of soil numbers, if the scene needs them, and checks what they hold. */
 enum status world_open_rasters(struct world *world) FURROW_CHECKED;

@@ -68,20 +68,30 @@ bool world_needs_soil_map(const struct scene *scene)
 {
 	bool read = deform_model_row(scene->model)->numbers != NULL &&
 		    (scene->object_count > 0 || scene_moves_bodies(scene));
-	return scene->soil_map != NULL && (read || scene_draws_classes(scene) || scene_covers_by_class(scene));
+	return scene_has_classes(scene) && (read || scene_draws_classes(scene) || scene_covers_by_class(scene));
 }
 
 enum status world_open_soil_map(struct world *world)
 {
 	const struct scene *scene = world->scene;
+	struct road_part *parts = NULL;
+	size_t part_count = 0;
+	if (!world_needs_soil_map(scene))
+		return STATUS_OK;
+	enum status status = world_road_parts(world, &parts, &part_count);
 	const struct soil_map_params params = {
 		.path = scene->soil_map,
+		.parts = parts,
+		.part_count = part_count,
 		.classes = scene->soil_class,
 		.loaders = world->facts.limits.loaders,
 		.places = scene_moves_bodies(scene) || (scene->forces > 0 && scene->object_count > 0),
 		.meta = world->resident.meta,
 	};
-	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->resident.soil_map) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = resident_soil_map_open(&params, &world->resident.soil_map);
+	mem_free(parts);
+	return status;
 }
 
 size_t world_batched_bodies(const struct world *world, const struct deform_params *params)

@@ -13,7 +13,7 @@
 
 /* What is at one post. */
 struct post_soil {
-	int soil, value; /* value: the map's; -1: it has none, or there is no map */
+	int soil, value; /* value: the map's, or SOIL_MAP_NONE or SOIL_MAP_ROAD */
 	bool has[SOIL_RASTERS];
 	struct soil_numbers numbers;
 };
@@ -25,10 +25,15 @@ static enum status read_post(const struct world *world, int64_t column, int64_t 
 	uint8_t levels[PAGES_NUMBER_BYTES] = {0};
 	struct soil_raster rasters[SOIL_RASTERS];
 	enum status status = STATUS_OK;
-	*out = (struct post_soil){.value = -1};
+	*out = (struct post_soil){.value = SOIL_MAP_NONE};
 	if (world->resident.soil_map != NULL)
 		status = resident_soil_map_value(world->resident.soil_map, world->resident.level, column, row, &out->value);
 	out->soil = out->value >= 0 ? scene->soil_class[out->value] : 0;
+	if (out->value == SOIL_MAP_ROAD && status == STATUS_OK) {
+		uint8_t soil;
+		status = resident_soil_map_rect(world->resident.soil_map, world->resident.level, (struct post_rect){column, row, column + 1, row + 1}, &soil);
+		out->soil = soil;
+	}
 	out->numbers = scene->soils[out->soil];
 	if (status != STATUS_OK || world->resident.soil_rasters == NULL)
 		return status;
@@ -60,7 +65,7 @@ static enum status add_place(const struct world *world, double x, double y, doub
 	met->places++;
 	met->all += weight;
 	met->soils[post.soil] += weight;
-	*(post.value >= 0 ? &met->values[post.value] : &met->none) += weight;
+	*(post.value >= 0 ? &met->values[post.value] : post.value == SOIL_MAP_ROAD ? &met->roads : &met->none) += weight;
 	for (int i = 0; i < SOIL_RASTERS; i++)
 		met->numbers[i] += post.has[i] ? weight : 0;
 	if (object != NULL && object->load > 0 && deform_tells_forces(world->scene->model)) {
@@ -152,7 +157,7 @@ static enum status check_covered(const struct world *world)
 	const struct scene *scene = world->scene;
 	const struct world_soils_met *met = world->facts.met;
 	char values[120];
-	if (world->resident.soil_map == NULL || scene->soil_default)
+	if (scene->soil_map == NULL || world->resident.soil_map == NULL || scene->soil_default)
 		return STATUS_OK;
 	if (met->none > 0)
 		return fail_with(STATUS_INPUT, "soil.map: %.200s covers %.3g %% of the paths, and there is no soil.default; look at its place and its reference "
@@ -172,7 +177,7 @@ enum status world_find_soils_met(struct world *world)
 	const bool read = world->resident.soil_map != NULL || world->resident.soil_rasters != NULL;
 	/* Without the files it is known only if there are none. */
 	if ((scene->hosted && !world->params.advise) || scene->object_count + scene->vehicle_count == 0 || deform_model_row(scene->model)->numbers == NULL ||
-	    (!read && (scene->soil_map != NULL || scene->raster_count > 0)))
+	    (!read && (scene_has_classes(scene) || scene->raster_count > 0)))
 		return STATUS_OK;
 	struct world_soils_met *met = mem_calloc(1, sizeof *met);
 	TRY_MEM(met, "the soils along the paths");
@@ -209,7 +214,7 @@ static void advise_unmet(const struct world *world, scene_advice_fn tell, void *
 	char text[500], list[300] = "";
 	size_t used = 0, count = 0;
 	for (int i = 1; i < scene->soil_count; i++)
-		if (world->facts.met->soils[i] == 0 && used < sizeof list) {
+		if (world->facts.met->soils[i] == 0 && scene_soil_value(scene, i) >= 0 && used < sizeof list) {
 			used += (size_t)snprintf(list + used, sizeof list - used, "%s%d (%s)", used > 0 ? ", " : "", scene_soil_value(scene, i), scene->soil_names[i]);
 			count++;
 		}
@@ -225,7 +230,7 @@ static void advise_map(const struct world *world, scene_advice_fn tell, void *us
 	const struct scene *scene = world->scene;
 	const struct world_soils_met *met = world->facts.met;
 	char text[600], values[120];
-	if (met->none == met->all) {
+	if (met->none > 0 && met->none + met->roads == met->all) {
 		snprintf(text, sizeof text, "soil.map: %.200s covers 0 %% of the paths of objects and vehicles: all get the default soil, %s; look at its place and "
 					    "its reference system (gdalinfo): without one it is in metres from the south-west post", scene->soil_map, scene->soil_names[0]);
 		tell(user, text);
@@ -301,10 +306,13 @@ static void advise_load(const struct world *world, size_t first, int soil, scene
 void world_advise_soils_met(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
-	if (world->facts.met == NULL)
+	const struct world_soils_met *met = world->facts.met;
+	if (met == NULL)
 		return;
-	if (world->resident.soil_map != NULL)
+	if (world->resident.soil_map != NULL && scene->soil_map != NULL)
 		advise_map(world, tell, user);
+	if (scene->road_count > 0 && world->resident.soil_map != NULL && met->roads == 0 && !met->partly)
+		tell(user, "ground.roads: no path of an object or a vehicle comes onto one; look at where they are, or take them away");
 	advise_numbers(world, tell, user);
 	for (size_t i = 0; i < scene->object_count && deform_tells_forces(scene->model); i++)
 		for (int soil = 0; soil < scene->soil_count; soil++)

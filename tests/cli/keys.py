@@ -33,6 +33,7 @@ SHEET = {**HEAD, "redistribute": "{model: sheet, yield: 0.05, rut: 0.5}", "objec
 PLAIN = {**HEAD, "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 LAYER = {**SCM, "soil": "{name: snow_us, thickness: 0.05, over: rigid}"}
 MAP = {**SCM, "soil": "{map: map.png, classes: {1: dry_sand, 2: lunar}, default: clayey_38}"}
+ROAD = {**SCM, "ground": "{roads: [{points: [[10, 20], [12, 21], [12, 24]], width: 1, soil: rock}]}"}
 VIEW = {**PLAIN, "view": "{size: [48, 32], camera: {chase: a, back: 6, up: 3}, effects: [texture, objects], images: 6}"}
 RELIEF = {**SCM, "relief": "{roughness: 0.05, wavelength: 0.8}"}
 CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{name: dry_sand}", "redistribute": "{model: scm}", "output": "{vehicles: 50}",
@@ -259,6 +260,11 @@ ROWS = {
     "soil.theta_stop": ({**SUMNER, "soil": "{name: sand, theta_out: 5}"}, {"soil.theta_stop": "6"}),
     "soil.roughness": (SUMNER, {"soil.roughness": "0.1"}),
     "soil.compression": (SUMNER, {"soil.compression": "0.2"}),
+    "ground.roads": (ROAD, {"ground.roads": "[{points: [[10, 20], [14, 20]], width: 1, soil: lunar}]"}),
+    "ground.roads[].points": (ROAD, {"ground.roads": "[{points: [[10, 23], [14, 23]], width: 1, soil: rock}]"}),
+    "ground.roads[].smooth": ({**ROAD, "ground": "{roads: [{points: [[8, 20], [12, 20], [12, 24]], width: 0.5, soil: rock}]}"},
+                              {"ground.roads": "[{points: [[8, 20], [12, 20], [12, 24]], smooth: true, width: 0.5, soil: rock}]"}),
+    "ground.roads[].width": (ROAD, {"ground.roads": "[{points: [[10, 20], [12, 21], [12, 24]], width: 0.3, soil: rock}]"}),
     "soil.map": (MAP, {"soil.map": "west.png"}),
     "soil.classes": (MAP, {"soil.classes": "{1: lunar, 2: lunar}"}),
     "soil.classes[].value": ({**MAP, "soil": "{map: map.png, classes: [{value: 1, name: dry_sand}, {value: 2, name: lunar}], default: clayey_38}"}, {"soil.classes": "[{value: 9, name: dry_sand}, {value: 2, name: lunar}]"}),
@@ -359,7 +365,7 @@ ROWS |= {f"soil.rasters.{key}": (SCM, {"soil.rasters": f"{{{key}: {key}.png}}"})
          ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear", "elastic_stiffness")}
 # They need a store that lies on the Earth, and GDAL. These tests drive with two values of each.
 ELSEWHERE = {"output.map": "tests/cli/contract.py", "coordinates": "tests/cli/lines.py", "objects[].path.line": "tests/cli/lines.py", "vehicles[].driver.path.file": "tests/cli/lines.py",
-             "vehicles[].driver.path.line": "tests/cli/lines.py"}
+             "vehicles[].driver.path.line": "tests/cli/lines.py", "ground.roads[].lines": "tests/cli/roads.py"}
 UNUSED = ("output.delay",)  # kept for scenes that give it; changes nothing
 RASTERS = {"bekker_kc": 5000, "bekker_kphi": 60000, "bekker_n": 2, "cohesion": 9000, "friction_angle": 45, "janosi_shear": 1, "elastic_stiffness": 50000}
 # The same results whatever they are, so it is told by run.json alone.

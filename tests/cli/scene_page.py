@@ -199,7 +199,7 @@ class Checker:
             found[key] = ("text", self.allowed(key, "x" * 70000))
         elif allowed.startswith("a mapping of "):
             found[key] = ("mapping", "")
-            if key in ("soil.default", "soil.over"):
+            if key in ("soil.default", "soil.over", "ground.roads[].soil"):
                 self.soils[key] = allowed.removeprefix("a mapping of ").split(", ")
             else:
                 self.crawl(key, found)
@@ -255,7 +255,7 @@ class ScenePage(FurrowTest):
         taken = checker.crawl()
         soil = [key.removeprefix("soil.") for key in taken if re.fullmatch(r"soil\.\w+", key)]
         self.assertEqual(checker.soils["soil.over"] + ["thickness", "compaction", "over"], checker.soils["soil.default"])
-        for place in ("soil.default", "soil.classes[]"):
+        for place in ("soil.default", "soil.classes[]", "ground.roads[].soil"):
             self.assertEqual(checker.soils[place] + ["map", "classes", "default", "rasters"], soil)
             self.assertEqual(range_of(checker.allowed(place + ".cohesion", -1)), range_of(self.rows["soil.cohesion"]["range"]))
         self.assertEqual(set(self.rows), set(taken))

@@ -3,8 +3,10 @@
 #include <math.h>
 
 #include "fixture.h"
+#include "soil/soil.h"
 #include "../support/near.h"
 #include "../support/program.h"
+bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
 
@@ -12,6 +14,7 @@ static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"}
 static const char *const by_wong[] = {"sandy_loam_15", "sandy_loam_22", "clayey_38", "heavy_clay_25", "heavy_clay_40", "lean_clay_22",
 				      "lete_sand", "upland_loam_51", "snow_us", "snow_sweden", "lunar"};
 static const char *const by_sumner[] = {"sand", "mud", "snow"};
+static const char *const hard[] = {"rock", "asphalt", "concrete", "ice"};
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 static const char scm_reads[] = "bekker_kc, bekker_kphi, bekker_n, cohesion, friction_angle, janosi_shear";
@@ -19,6 +22,7 @@ static const char slippage_reads[] = "cohesion, friction_angle, unit_weight";
 static const char sumner_reads[] = "theta_in, theta_out, theta_stop, roughness, compression";
 static const char wongs[] = "name one of dry_sand, sandy_loam_15, sandy_loam_22, clayey_38, heavy_clay_25, heavy_clay_40, "
 			    "lean_clay_22, lete_sand, upland_loam_51, snow_us, snow_sweden, lunar";
+static const char and_hard[] = ", rock, asphalt, concrete, ice"; /* scm's alone */
 static const char sumners[] = "name one of dry_sand, sand, mud, snow";
 
 /* A scene of that soil, as it is written after "soil: ". */
@@ -59,9 +63,9 @@ static const char *named(const char *name)
 
 static void refuse_named(const char *name, const char *model, const char *missing, const char *instead)
 {
-	char says[640];
-	snprintf(says, sizeof says, "scene.yaml:3: soil.name: %s has no %s, which model %s reads; give these beside the name, or %s",
-		 name, missing, model, instead);
+	char says[700];
+	snprintf(says, sizeof says, "scene.yaml:3: soil.name: %s has no %s, which model %s reads; give these beside the name, or %s%s",
+		 name, missing, model, instead, strcmp(model, "scm") == 0 ? and_hard : "");
 	refuse(named(name), model, says);
 }
 
@@ -70,7 +74,7 @@ static void a_soil_goes_with_the_models_that_it_has_the_numbers_for(void **state
 	size_t names = 0;
 	while (soil_name(names) != NULL)
 		names++;
-	assert_int_equal(names, 1 + COUNT(by_wong) + COUNT(by_sumner));
+	assert_int_equal(names, 1 + COUNT(by_wong) + COUNT(by_sumner) + COUNT(hard));
 	for (size_t m = 0; m < COUNT(models); m++) {
 		struct scene *scene;
 		take("{name: dry_sand}", models[m], &scene);
@@ -90,6 +94,26 @@ static void a_soil_goes_with_the_models_that_it_has_the_numbers_for(void **state
 				continue;
 			}
 			take(named(by_sumner[i]), models[m], &scene);
+			scene_destroy(scene);
+		}
+		for (size_t i = 0; i < COUNT(hard); i++) {
+			if (strcmp(models[m], "scm") != 0) {
+				char says[200];
+				snprintf(says, sizeof says, "soil.name: %s is hard ground, into which nothing sinks, and model %s presses into all ground; write redistribute: {model: scm}",
+					 hard[i], models[m]);
+				refuse(named(hard[i]), models[m], says);
+				continue;
+			}
+			take(named(hard[i]), models[m], &scene);
+			assert_true(soil_is_hard(&scene->soils[0]));
+			/* Its text is of the same soil. */
+			struct scene *again;
+			char *text = scene_soil_text(&scene->soils[0], scene->model);
+			assert_non_null(text);
+			take(text, models[m], &again);
+			assert_true(soil_is_hard(&again->soils[0]) && fabs(again->soils[0].friction_angle / scene->soils[0].friction_angle - 1) < 1e-12);
+			mem_free(text);
+			scene_destroy(again);
 			scene_destroy(scene);
 		}
 	}

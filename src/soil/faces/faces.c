@@ -8,6 +8,7 @@
 #include "soil/faces/trend.h"
 #include "soil/laying/laying.h"
 #include "soil/shape/body.h"
+bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #define ROUGH (2 / 3.0)    /* friction angle along a surface of which none is given, over that of the soil: steel on sand, 0.5 to 0.8 (Potyondy 1961) */
 #define FACET_POSTS 1.0    /* posts: the longest side of a facet */
@@ -162,6 +163,10 @@ enum status soil_faces_begin(const struct soil_law *law, const struct soil_plane
 	if (planes == NULL || !(form->slides > 0))
 		return STATUS_OK;
 	const struct soil_numbers soil = soil_below(law, planes, body);
+	if (soil_is_hard(&soil)) { /* nothing is pushed aside: what slides on it rubs */
+		form->slides = 0;
+		return STATUS_OK;
+	}
 	put_soil(law, &soil, &trend, faces);
 	faces->beyond = (float)(beyond_of(shape, law->spacing) * law->spacing);
 	const int64_t around = around_of(law, shape);
