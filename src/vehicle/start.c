@@ -412,8 +412,10 @@ static void roll(const struct vehicle *vehicle, struct soil_geom *geom, const do
 
 enum status vehicle_start_speed(struct vehicles *vehicles, struct vehicle *vehicle)
 {
-	const double speed = vehicle->scene->start.speed, *mat = &vehicle->data->xmat[9 * vehicle->root];
-	const double velocity[3] = {speed * mat[0], speed * mat[3], speed * mat[6]};
+	const double speed = vehicle->scene->start.speed;
+	double axes[9];
+	vehicle_root_axes(vehicle, vehicle->data, axes);
+	const double velocity[3] = {speed * axes[0], speed * axes[3], speed * axes[6]};
 	if (speed == 0)
 		return STATUS_OK;
 	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++) {
