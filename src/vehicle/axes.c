@@ -37,12 +37,6 @@ static bool find_turn(const struct scene_vehicle *scene, double turn[4])
 	return true;
 }
 
-static bool is_free(const mjModel *model, int body)
-{
-	const int joint = model->body_jntadr[body];
-	return joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
-}
-
 void vehicle_turn_single(struct vehicle *vehicle)
 {
 	mjModel *model = vehicle->single;
@@ -52,7 +46,7 @@ void vehicle_turn_single(struct vehicle *vehicle)
 	for (int body = 1; body < model->nbody; body++) {
 		if (model->body_parentid[body] != 0)
 			continue;
-		if (!is_free(model, body)) {
+		if (!vehicle_is_free(model, body)) {
 			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
 			continue;
 		}
@@ -70,7 +64,7 @@ void vehicle_turn_fixed(struct vehicle *vehicle)
 	if (!find_turn(vehicle->scene, turn))
 		return;
 	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
-		if (model->body_parentid[body] == 0 && !is_free(model, body))
+		if (model->body_parentid[body] == 0 && !vehicle_is_free(model, body))
 			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
 	mj_forward(model, vehicle->data);
 }

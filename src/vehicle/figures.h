@@ -11,10 +11,6 @@
 
 /* Adds a figure of a vehicle with no shape yet. `body`: of the model. *out: until the next one is added. */
 enum status vehicle_add_figure(struct vehicles *vehicles, size_t vehicle, int body, const char *name, struct figure **out, struct scene_object **drawn, struct world_look **look) FURROW_CHECKED;
-/* Returns the geom of the vehicle that touches the ground; NULL: it does not. */
-const struct soil_geom *vehicle_soil_geom_of(const struct vehicle *vehicle, int geom);
-/* Returns the name of a body without that of its vehicle before it; NULL: it has none. */
-const char *vehicle_bare_body(const struct vehicle *vehicle, int body);
 
 /* --- looks.c --- */
 

@@ -13,25 +13,17 @@
 #define MARGIN_POSTS 0.5 /* between ground and hull, and so much more as the hull moves in MARGIN_STEPS time steps */
 #define MARGIN_STEPS 4.0
 
-static double lowest(const struct vehicle *vehicle, int geom)
-{
-	static const double down[3] = {0, 0, -1};
-	double place[3];
-	vehicle_geom_support(vehicle->model, vehicle->data, geom, down, place);
-	return place[2];
-}
-
 /* Things of `world` always count as standing: their rows tell where they are. */
 void vehicle_find_standing(struct vehicle *vehicle)
 {
 	double ground = INFINITY;
 	for (size_t g = 0; g < vehicle->geom_count; g++)
-		ground = fmin(ground, lowest(vehicle, vehicle->geoms[g].geom));
+		ground = fmin(ground, vehicle_geom_lowest(vehicle, vehicle->geoms[g].geom));
 	vehicle->standing_count = 0;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		struct soil_geom *geom = &vehicle->geoms[g];
-		geom->is_standing = vehicle->is_world || vehicle->scene->soil.count > 0 || geom->carries || soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0 ||
-			       lowest(vehicle, geom->geom) <= ground + GROUNDED;
+		geom->is_standing = vehicle->is_world || vehicle->scene->soil.count > 0 || geom->carries || vehicle_turning_dof(geom) >= 0 ||
+			       vehicle_geom_lowest(vehicle, geom->geom) <= ground + GROUNDED;
 		geom->aloft = !geom->is_standing;
 		vehicle->standing_count += geom->is_standing;
 	}

@@ -226,12 +226,11 @@ void vehicle_train_effort(struct vehicle *vehicle, double effort)
 double vehicle_train_effort_for(const struct vehicle *vehicle, double acceleration)
 {
 	const struct powertrain *train = vehicle->train;
-	double radius = 0, brakes = 0, mass = 0;
+	double radius = 0, brakes = 0;
 	size_t driven = 0;
 	if (train == NULL)
 		return 0;
-	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
-		mass += vehicle->model->body_mass[body];
+	const double mass = vehicle_mass(vehicle);
 	for (const struct powertrain_wheel *wheel = train->wheels; wheel < train->wheels + train->wheel_count; wheel++) {
 		const struct soil_geom *geom = vehicle_driven(vehicle, vehicle->model->dof_jntid[wheel->dof]);
 		const double lever = geom == NULL ? 0 : geom->shape.belt ? fabs(geom->sprocket) : geom->shape.radius;

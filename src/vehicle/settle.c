@@ -89,8 +89,10 @@ static enum status check_sunk(const struct vehicles *vehicles)
 	char text[500];
 	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
+		if (geom == NULL)
+			continue;
 		const bool works_long = vehicles->settling_begun > 0 && clock_seconds() - vehicles->settling_begun > WORK_MOST && speed_of(&vehicles->list[v]) > SINKS;
-		if (geom == NULL || (geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape) && !works_long))
+		if (geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape) && !works_long)
 			continue;
 		vehicle_say_sunk(vehicles, &vehicles->list[v], geom, text, sizeof text);
 		return fail_with(STATUS_INPUT, "%s: while it settles, %s", vehicles->scene->file, text);

@@ -87,7 +87,7 @@ static int body_of(const struct visuals *visuals, size_t link, struct urdf_place
 	for (size_t far = 0; link != SIZE_MAX && far <= visuals->urdf->link_count; far++) {
 		const struct urdf_link *at = &visuals->urdf->links[link];
 		for (int i = bodies.first; i < bodies.end; i++) {
-			const char *name = vehicle_bare_body(vehicle, i);
+			const char *name = vehicle_part_name(vehicle->model, mjOBJ_BODY, i);
 			if (name != NULL && at->name != NULL && strcmp(name, at->name) == 0)
 				return i;
 		}
