@@ -12,9 +12,8 @@ static bool is_shown(const struct vehicle *vehicle, int geom, bool all)
 {
 	const mjModel *model = vehicle->model;
 	const int type = model->geom_type[geom];
-	struct world_look look;
 	return (vehicle->is_world || !vehicle_is_fixed(model, geom)) && (all || model->geom_group[geom] < FIGURE_GROUPS) && type != mjGEOM_PLANE && type != mjGEOM_HFIELD &&
-	       vehicle_look_of(model, geom, &look) >= FIGURE_CLEAR;
+	       vehicle_alpha_of(model, geom) >= FIGURE_CLEAR;
 }
 
 /* What is fixed to MuJoCo's world is one body of `world`, before its others. */
@@ -88,7 +87,7 @@ static enum status add_geom(struct vehicles *vehicles, size_t index, int geom)
 	vehicle_geom_name(vehicle, geom, name, sizeof name);
 	TRY(vehicle_add_figure(vehicles, index, model->geom_bodyid[geom], name, &figure, &drawn, &look));
 	figure->geom = geom;
-	(void)vehicle_look_of(model, geom, look);
+	vehicle_look_of(model, geom, look);
 	if (soil == NULL || soil->shape.kind != SOIL_WHEEL || model->geom_type[geom] != mjGEOM_CYLINDER)
 		return set_shape(vehicles, model, figure, &drawn->shape);
 	memcpy(figure->axes, soil->axes, sizeof figure->axes); /* a tyre on a rim, with its grousers */

@@ -14,8 +14,9 @@ enum status vehicle_add_figure(struct vehicles *vehicles, size_t vehicle, int bo
 
 /* --- looks.c --- */
 
-/* Finds the colour of a geom: its own, that of its material times the mean of its texture, or none. Returns its alpha. */
-float vehicle_look_of(const mjModel *model, int geom, struct world_look *look);
+float vehicle_alpha_of(const mjModel *model, int geom);
+/* Finds the colour of a geom: its own, that of its material times the mean of its texture, or none. */
+void vehicle_look_of(const mjModel *model, int geom, struct world_look *look);
 /* Gives a look a colour of a file, sRGB. */
 void vehicle_paint(struct world_look *look, const float colour[3]);
 

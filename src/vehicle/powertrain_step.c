@@ -80,7 +80,7 @@ struct system {
 	double inertia, alone;  /* of the engine, with what its torque gives; its speed at the end without the clutch */
 };
 
-/* Fills the vehicle's part of M + h D: of its own freedoms, count x count. */
+/* Fills the lower triangle of the vehicle's part of M + h D: of its own freedoms, count x count. */
 static void fill_inertia(const struct vehicle *vehicle, double h, double *inertia)
 {
 	const mjModel *model = vehicle->model;
@@ -90,7 +90,6 @@ static void fill_inertia(const struct vehicle *vehicle, double h, double *inerti
 		for (int k = 0; k < model->M_rownnz[row]; k++) {
 			const int at = (int)model->M_rowadr[row] + k, column = model->M_colind[at];
 			inertia[(row - first) * count + column - first] = vehicle->data->M[at];
-			inertia[(column - first) * count + row - first] = vehicle->data->M[at];
 		}
 		inertia[(row - first) * (count + 1)] += h * vehicle_damping_of(vehicle, row);
 	}

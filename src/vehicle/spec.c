@@ -108,7 +108,7 @@ static void tell_floors(struct spec *spec)
 
 /* --- mass --- */
 
-static double mass_of_file(const struct spec *spec)
+double vehicle_spec_mass(const struct spec *spec)
 {
 	double mass = 0;
 	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_BODY); each != NULL; each = mjs_nextElement(spec->spec, each))
@@ -222,7 +222,7 @@ static void make(void *argument)
 	vehicle_spec_shells(spec);
 	if (spec->tries == 0)
 		mj_clearCache(mj_getCache()); /* it knows files by their second of change alone */
-	const double given = mass_of_file(spec);
+	const double given = vehicle_spec_mass(spec);
 	compile(spec);
 	if (spec->model != NULL)
 		couple_freedoms(spec);
