@@ -74,6 +74,7 @@ void vehicle_set_root_axes(struct vehicle *vehicle)
 	double axes[9];
 	const double *mat = &vehicle->data->xmat[9 * vehicle->root];
 	const bool turned = find_axes(vehicle->scene, axes);
-	for (int i = 0; i < 9; i++) /* forward is MuJoCo's x now: its axes as the root's own has them */
+	/* The model has been turned, so forward, left and up are x, y and z. The rows of `mat` are these axes in those of the root body. */
+	for (int i = 0; i < 9; i++)
 		vehicle->axes[i] = turned ? mat[3 * (i % 3) + i / 3] : i % 4 == 0;
 }

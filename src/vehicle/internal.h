@@ -296,7 +296,9 @@ void vehicle_geom_name(const struct vehicle *vehicle, int geom, char *text, size
 void vehicle_list_names(const mjModel *model, mjtObj kind, int first, int end, char text[VEHICLE_NAMES]);
 /* The same for a model of one vehicle alone, whose names have no prefix. */
 void vehicle_list_own_names(const mjModel *model, mjtObj kind, char text[VEHICLE_NAMES]);
-#ifndef VEHICLE_NAMES_HERE /* MuJoCo's own functions know the prefixed names: a look-up by them would find nothing, and not tell */
+/* These functions of MuJoCo take or give names with prefixes, or sum over all vehicles. Using one of them by mistake does not compile: the name in its
+ * place says what to use. A file that needs them defines VEHICLE_NAMES_HERE first. */
+#ifndef VEHICLE_NAMES_HERE
 #undef mj_name2id
 #define mj_name2id use_vehicle_find_part
 #undef mj_id2name

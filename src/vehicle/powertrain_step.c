@@ -7,7 +7,7 @@
 #define RPM (M_PI / 30)    /* rad/s */
 #define GOVERNOR 10.0      /* throttle by the share of idle that the engine is slower */
 #define CUT 0.02           /* of the last speed of the engine: over so much its fuel is cut */
-#define GIVES 1e-9         /* of a row's own mobility: rows that say the same share their torque */
+#define GIVES 1e-9         /* of a row's own mobility, added to it: so the matrix is positive where two rows say the same, and these share their torque */
 #define BACK 0.2           /* of the angle that a held wheel has turned, in a step */
 #define TANGENTS 4         /* times that the engine's torque is made linear anew */
 #define TANGENT 1e-3       /* of its speed */

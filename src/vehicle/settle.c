@@ -13,8 +13,8 @@
 #include "vehicle/settle.h"
 #include "vehicle/start.h"
 
-#define SLOWED 100.0    /* 1/s: what slows all motion at first, */
-#define SLOWED_LATER 25.0 /* and after a second, so that springs find their balance sooner */
+#define SLOWED 100.0    /* 1/s: rate at which all velocities decay in the first second, */
+#define SLOWED_LATER 25.0 /* and after it: slower, so that springs find their balance sooner */
 #define STILL_SLOWED 1e-4 /* m/s: slower than this, the slowed vehicle is in balance within about a thousandth of its weight */
 #define STILL 2e-5      /* m/s: slower than this, the free vehicle is at rest */
 #define CALM 0.1        /* s: for so long */

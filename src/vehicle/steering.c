@@ -2,9 +2,9 @@
  * What the driver's actuators do to the wheels, found by trial when the model is read.
  *
  * In the first pose the lengths of actuators are changed a little. Joints follow by the shortest way that keeps all equalities: connect, weld,
- * joint, tendon. So a wheel may have a hinge of its own, a rack, another joint that it follows, or half of a
- * vehicle about it. For each curvature of a way the lengths are then found with which wheels slip least to their sides, while the vehicle turns so.
- * Between these places the driver takes straight lines.
+ * joint, tendon. So a wheel may be turned by a hinge of its own, by a rack, or by another joint that it follows. It may also turn with half of the
+ * vehicle. For each curvature of a table those lengths are found with which the wheels slip least to their sides on such a way. For curvatures
+ * between two rows of the table the driver interpolates.
  *
  * A vehicle is plain if each steering actuator is of an upright hinge that turns its own wheel alone. Each driving one is of the hinge of its wheel
  * or belt. It needs no table: pursuit.c has the angles by geometry.
@@ -205,7 +205,7 @@ static bool runs_behind(const struct trial *trial, int body)
 	return body != vehicle->root;
 }
 
-/* Leaves in `rows` the motion of each steering actuator alone, one row each. */
+/* Finds how joints move if one actuator alone becomes longer by 1, for each of them. `motions`: count rows, with a number for each freedom of the vehicle. */
 static bool move_each(struct trial *trial, const int *actuators, int count, double *motions)
 {
 	const int own = dofs(trial);
