@@ -131,7 +131,7 @@ static void tell_mass(struct spec *spec, double given)
 static void set_pose(struct spec *spec)
 {
 	const mjModel *model = spec->model;
-	const struct scene_texts *held = &spec->scene->held;
+	const struct scene_texts *held = &spec->scene->held.names;
 	if (spec->scene->keyframe != NULL)
 		spec->keyframe = mj_name2id(model, mjOBJ_KEY, spec->scene->keyframe);
 	if (spec->keyframe >= 0)
@@ -140,7 +140,7 @@ static void set_pose(struct spec *spec)
 		const int joint = mj_name2id(model, mjOBJ_JOINT, held->list[i]);
 		if (joint < 0 || (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE))
 			continue;
-		const double *range = model->jnt_range + 2 * joint, value = spec->scene->values[i];
+		const double *range = model->jnt_range + 2 * joint, value = spec->scene->held.values[i];
 		spec->data->qpos[model->jnt_qposadr[joint]] = model->jnt_limited[joint] ? fmin(fmax(value, range[0]), range[1]) : value;
 	}
 }

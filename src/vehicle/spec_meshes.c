@@ -215,7 +215,7 @@ static enum status convert(mjsMesh *mesh, const char *path, const char *name, bo
 	mjs_setString(mesh->file, "");
 	for (int i = 0; i < 3; i++)
 		mesh->scale[i] /= scale;
-	scene_mesh_free(from);
+	scene_mesh_destroy(from);
 	return STATUS_OK;
 }
 

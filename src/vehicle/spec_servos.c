@@ -159,7 +159,7 @@ enum status vehicle_spec_servos(struct spec *spec)
 	const struct scene_vehicle *scene = spec->scene;
 	TRY(add_servos(spec, &scene->drive, true, ANY));
 	TRY(add_servos(spec, &scene->steer, false, ANY));
-	TRY(add_servos(spec, &scene->held, false, ANY));
+	TRY(add_servos(spec, &scene->held.names, false, ANY));
 	if (scene->controls != NULL)
 		TRY(add_columns(spec));
 	if (spec->urdf && scene->driver != SCENE_IDLE)
