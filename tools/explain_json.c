@@ -29,10 +29,7 @@ static void add_planes(cJSON *object, const char *name, const char *planes)
 
 static void add_text(cJSON *object, const char *name, const char *text)
 {
-	if (text != NULL && text[0] != '\0')
-		cJSON_AddStringToObject(object, name, text);
-	else
-		cJSON_AddNullToObject(object, name);
+	json_string(object, name, text != NULL && text[0] != '\0' ? text : NULL);
 }
 
 static void add_parameters(cJSON *object, const char *const *keys)
@@ -237,10 +234,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	json_integer(root, "steps", plan->steps);
 	json_integer(root, "pictures", plan->pictures);
 	cJSON_AddBoolToObject(root, "map", scene->map);
-	if (plan->body_count > 0)
-		cJSON_AddStringToObject(root, "compute", plan->bearing ? "cpu" : "gpu");
-	else
-		cJSON_AddNullToObject(root, "compute");
+	json_string(root, "compute", plan->body_count == 0 ? NULL : plan->bearing ? "cpu" : "gpu");
 	if (deform_is_elastic(scene->model) && plan->body_count > 0) {
 		struct soil_sheet sheet;
 		const double length = sqrt(scene->tension / scene->stiffness);

@@ -184,10 +184,7 @@ static void add_number(cJSON *object, const char *name, struct fit_number number
 {
 	cJSON *to = cJSON_AddObjectToObject(object, name);
 	cJSON_AddNumberToObject(to, "value", number.value * scale);
-	if (isfinite(number.error))
-		cJSON_AddNumberToObject(to, "error", number.error * scale);
-	else
-		cJSON_AddNullToObject(to, "error");
+	json_number(to, "error", number.error * scale);
 }
 
 static void add_quality(cJSON *object, const struct fit_quality *quality)
@@ -195,10 +192,7 @@ static void add_quality(cJSON *object, const struct fit_quality *quality)
 	cJSON_AddNumberToObject(object, "rms", quality->rms);
 	cJSON_AddNumberToObject(object, "largest", quality->largest);
 	cJSON_AddNumberToObject(object, "largest_line", quality->largest_line);
-	if (isfinite(quality->goodness))
-		cJSON_AddNumberToObject(object, "goodness", quality->goodness);
-	else
-		cJSON_AddNullToObject(object, "goodness");
+	json_number(object, "goodness", quality->goodness);
 }
 
 static cJSON *add_table(cJSON *root, const char *name, const struct fit_table *table, const char *groups)

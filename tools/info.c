@@ -165,10 +165,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	char hash[17];
 	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(store));
 	cJSON_AddStringToObject(object, "base_hash", hash);
-	if (store_base_path(store) != NULL)
-		cJSON_AddStringToObject(object, "base", store_base_path(store));
-	else
-		cJSON_AddNullToObject(object, "base");
+	json_string(object, "base", store_base_path(store));
 	add_parent(object, store);
 	cJSON_AddStringToObject(object, "srs", meta->srs);
 	cJSON_AddItemToObject(object, "geotransform", cJSON_CreateDoubleArray(transform, 6));

@@ -84,10 +84,7 @@ static enum status add_revision(void *user, const struct store_revision *revisio
 	cJSON_AddStringToObject(object, "file", revision->file);
 	cJSON_AddBoolToObject(object, "present", revision->present);
 	print_time(revision->made, "%Y-%m-%dT%H:%M:%SZ", made, sizeof made);
-	if (revision->made != 0)
-		cJSON_AddStringToObject(object, "when", made);
-	else
-		cJSON_AddNullToObject(object, "when");
+	json_string(object, "when", revision->made != 0 ? made : NULL);
 	cJSON_AddStringToObject(object, "who", revision->who);
 	cJSON_AddStringToObject(object, "what", revision->what);
 	cJSON_AddStringToObject(object, "scene_hash", revision->scene_hash);

@@ -44,10 +44,7 @@ static enum status print_text(const char *file, const struct arguments *argument
 static enum status print_json(const char *file, const struct store_conflicts *conflicts, double spacing)
 {
 	cJSON *object = cJSON_CreateObject();
-	if (file != NULL)
-		cJSON_AddStringToObject(object, "file", file);
-	else
-		cJSON_AddNullToObject(object, "file");
+	json_string(object, "file", file);
 	json_integer(object, "level", conflicts->level);
 	json_integer(object, "posts", conflicts->posts);
 	json_integer(object, "places", conflicts->places);

@@ -228,28 +228,20 @@ static void add_limits(cJSON *object, bool limited, double low, double high)
 		cJSON_AddNullToObject(object, "range");
 }
 
-static void add_text(cJSON *object, const char *name, const char *text)
-{
-	if (text != NULL)
-		cJSON_AddStringToObject(object, name, text);
-	else
-		cJSON_AddNullToObject(object, name);
-}
-
 static void add_joint(cJSON *list, const struct vehicles *vehicles, size_t number)
 {
 	struct vehicle_joint joint;
 	cJSON *object = cJSON_CreateObject();
 	vehicle_part_joint(vehicles, 0, number, &joint);
-	add_text(object, "name", joint.name);
-	add_text(object, "type", joint.slides ? "slide" : "hinge");
-	add_text(object, "role", role_name(joint.role));
+	json_string(object, "name", joint.name);
+	json_string(object, "type", joint.slides ? "slide" : "hinge");
+	json_string(object, "role", role_name(joint.role));
 	add_limits(object, joint.limited, joint.low, joint.high);
 	json_number(object, "value", joint.value);
 	cJSON_AddItemToObject(object, "axis", cJSON_CreateDoubleArray(joint.axis, 3));
 	cJSON_AddItemToObject(object, "at", cJSON_CreateDoubleArray(joint.at, 3));
-	add_text(object, "actuator", joint.actuator);
-	add_text(object, "wheel", joint.wheel);
+	json_string(object, "actuator", joint.actuator);
+	json_string(object, "wheel", joint.wheel);
 	if (joint.wheel != NULL)
 		json_number(object, "radius", joint.radius);
 	cJSON_AddItemToArray(list, object);
@@ -260,9 +252,9 @@ static void add_actuator(cJSON *list, const struct vehicles *vehicles, size_t nu
 	struct vehicle_actuator actuator;
 	cJSON *object = cJSON_CreateObject();
 	vehicle_part_actuator(vehicles, 0, number, &actuator);
-	add_text(object, "name", actuator.name);
-	add_text(object, "joint", actuator.joint);
-	add_text(object, "keeps", actuator.keeps);
+	json_string(object, "name", actuator.name);
+	json_string(object, "joint", actuator.joint);
+	json_string(object, "keeps", actuator.keeps);
 	add_limits(object, actuator.limited, actuator.low, actuator.high);
 	cJSON_AddItemToArray(list, object);
 }
@@ -274,13 +266,13 @@ static enum status print_model(const struct vehicles *vehicles, const char *path
 	struct vehicle_size size;
 	vehicle_info(vehicles, 0, &info);
 	vehicle_part_size(vehicles, 0, &size);
-	add_text(root, "model", path);
-	add_text(root, "engine", vehicle_engine());
-	add_text(root, "kind", kind_of(vehicles, &info));
+	json_string(root, "model", path);
+	json_string(root, "engine", vehicle_engine());
+	json_string(root, "kind", kind_of(vehicles, &info));
 	json_number(root, "mass", info.mass);
 	json_integer(root, "bodies", (int64_t)size.bodies);
 	json_integer(root, "soil_geoms", (int64_t)info.geom_count);
-	add_text(root, "root", size.root);
+	json_string(root, "root", size.root);
 	cJSON_AddBoolToObject(root, "free", size.free);
 	cJSON_AddItemToObject(root, "low", cJSON_CreateDoubleArray(size.low, 3));
 	cJSON_AddItemToObject(root, "high", cJSON_CreateDoubleArray(size.high, 3));

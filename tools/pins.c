@@ -22,10 +22,7 @@ cJSON *pin_json(const struct store_pin *pin)
 	char hash[20];
 	cJSON *object = cJSON_CreateObject();
 	snprintf(hash, sizeof hash, "%016" PRIx64, pin->hash);
-	if (pin->path != NULL)
-		cJSON_AddStringToObject(object, "file", pin->path);
-	else
-		cJSON_AddNullToObject(object, "file");
+	json_string(object, "file", pin->path);
 	json_integer(object, "revision", pin->revision);
 	cJSON_AddStringToObject(object, "hash", hash);
 	cJSON_AddBoolToObject(object, "base", pin->base);

@@ -21,6 +21,14 @@ void json_number(cJSON *object, const char *name, double value)
 		cJSON_AddNullToObject(object, name);
 }
 
+void json_string(cJSON *object, const char *name, const char *text)
+{
+	if (text != NULL)
+		cJSON_AddStringToObject(object, name, text);
+	else
+		cJSON_AddNullToObject(object, name);
+}
+
 /* cJSON escapes what JSON must, which is C0. The text of JSON has the other odd characters in strings alone. */
 char *json_text(const cJSON *root)
 {

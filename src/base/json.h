@@ -1,5 +1,5 @@
 /*
- * Functions that cJSON lacks: whole 64-bit numbers, and null for numbers that are not finite. A failed allocation leaves the
+ * Functions that cJSON lacks: whole 64-bit numbers, and null for numbers that are not finite and for texts that are not there. A failed allocation leaves the
  * key out, as with cJSON's own functions. Not part of base.h.
  */
 #ifndef FURROW_BASE_JSON_H
@@ -13,5 +13,6 @@ void json_integer(cJSON *object, const char *name, int64_t value);
  * out of memory. */
 char *json_text(const cJSON *root);
 void json_number(cJSON *object, const char *name, double value); /* null if not finite */
+void json_string(cJSON *object, const char *name, const char *text); /* null if NULL */
 
 #endif

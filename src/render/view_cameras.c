@@ -213,8 +213,8 @@ static enum status write(struct view *view, const struct view_camera *this, cons
 	if (image == SCENE_IMAGE_NORMALS) {
 		picture.images = camera->images & SCENE_IMAGES_MEASURED;
 		picture.eye = at->eye[2];
-		picture.vehicles[0] = (uint32_t)world_scene(view->world)->object_count + 1;
-		picture.vehicles[1] = picture.vehicles[0] + (uint32_t)world_figures(view->world)->body_count;
+		picture.vehicles[0] = world_instance_of_figured(view->world, 0);
+		picture.vehicles[1] = world_instance_of_figured(view->world, world_figures(view->world)->body_count);
 		render_height_scale(view->render->low, view->render->high, &picture.unit, &picture.low);
 	}
 	return render_pictures_add(pictures, view->render, &picture);

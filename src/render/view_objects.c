@@ -153,7 +153,7 @@ enum status render_view_set_objects(struct view *view)
 	}
 	for (size_t i = 0; i < figures->count; i++) {
 		const struct world_look *look = &figures->looks[i];
-		struct render_object figure = {.object = scene->object_count + i, .posed = true, .painted = look->painted, .number = (uint32_t)(scene->object_count + look->body + 1)};
+		struct render_object figure = {.object = scene->object_count + i, .posed = true, .painted = look->painted, .number = world_instance_of_figured(world, look->body)};
 		if (!figures->places[i].there)
 			continue;
 		memcpy(figure.at, figures->places[i].at, sizeof figure.at);

@@ -11,10 +11,7 @@
 static void add_path(cJSON *object, const char *name, const char *path)
 {
 	char *whole = path != NULL ? realpath(path, NULL) : NULL;
-	if (path == NULL)
-		cJSON_AddNullToObject(object, name);
-	else
-		cJSON_AddStringToObject(object, name, whole != NULL ? whole : path);
+	json_string(object, name, whole != NULL ? whole : path);
 	free(whole);
 }
 

@@ -183,9 +183,9 @@ static void add_instances(cJSON *object, const struct world *world)
 	cJSON *instances = cJSON_AddObjectToObject(object, "instances");
 	const size_t end = world_figures(world)->body_count + world_body_count(world);
 	for (uint32_t number = 1; number <= end; number++) {
-		const char *name;
+		const char *name = world_instance_of(world, number);
 		char key[16];
-		if (world_instance_of(world, number, &name) == WORLD_INSTANCE_NONE)
+		if (name == NULL)
 			continue;
 		snprintf(key, sizeof key, "%u", number);
 		cJSON_AddStringToObject(instances, key, name);

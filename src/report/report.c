@@ -105,10 +105,7 @@ static void add_gpu(cJSON *root, const struct report *report, const struct gpu_s
 	if (world_bearing(report->world) != NULL)
 		bearing_figures(world_bearing(report->world), &bearing);
 	cJSON *computed = cJSON_AddObjectToObject(root, "computed"); /* what computes the ground, and how much the CPU did */
-	if (world_changes_ground(report->world))
-		cJSON_AddStringToObject(computed, "by", world_bearing(report->world) != NULL ? "cpu" : "gpu");
-	else
-		cJSON_AddNullToObject(computed, "by");
+	json_string(computed, "by", !world_changes_ground(report->world) ? NULL : world_bearing(report->world) != NULL ? "cpu" : "gpu");
 	json_integer(computed, "contacts", (int64_t)bearing.contacts);
 	json_integer(computed, "feels", (int64_t)bearing.feels);
 	json_integer(computed, "regions", (int64_t)bearing.regions);
@@ -384,10 +381,7 @@ static void add_lies(cJSON *vehicle, const struct vehicles *vehicles, size_t ind
 			return;
 		}
 		cJSON_AddStringToObject(told, "what", lie.what);
-		if (lie.geom != NULL)
-			cJSON_AddStringToObject(told, "geom", lie.geom);
-		else
-			cJSON_AddNullToObject(told, "geom");
+		json_string(told, "geom", lie.geom);
 		json_number(told, "time", lie.time);
 		cJSON *at = cJSON_AddArrayToObject(told, "at");
 		for (int k = 0; k < 2; k++)

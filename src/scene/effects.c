@@ -363,14 +363,9 @@ void scene_unwatched(const struct scene *scene, struct scene *out)
 /* Returns the first object that uses the effect. */
 static const struct scene_object *caller(const struct scene *scene, enum scene_effect effect)
 {
-	const bool called = effect == EFFECT_MESH || effect == EFFECT_GROUSERS || effect == EFFECT_TYRES || effect == EFFECT_LOAD || effect == EFFECT_CARRIED;
-	for (size_t i = 0; i < scene->object_count && called; i++) {
-		const struct scene_object *object = &scene->objects[i];
-		if ((effect == EFFECT_MESH && object->shape.kind == SOIL_MESH) ||
-		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_TYRES && object->shape.tyre.stiffness > 0) || (effect == EFFECT_LOAD && object->load > 0) ||
-		    (effect == EFFECT_CARRIED && object->carry))
-			return object;
-	}
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (effect == EFFECT_CARRIED ? scene->objects[i].carry : scene_object_effects(&scene->objects[i]) >> effect & 1)
+			return &scene->objects[i];
 	return NULL;
 }
 

@@ -261,8 +261,7 @@ struct scene_vehicle {
 	size_t stop_count;
 	char *controls;         /* SCENE_CONTROLS: path of a table in time */
 	uint64_t controls_hash[2];
-	struct scene_texts held;         /* SCENE_HOLD: names of actuators, and their controls: */
-	double *values;
+	struct scene_named held; /* SCENE_HOLD: names of actuators, and their controls */
 };
 
 /* The light of pictures. */
@@ -491,10 +490,10 @@ const char *scene_text_reason(const char *message);
 /*
  * Reads the triangles of a mesh of a vehicle's model: OBJ, STL, DAE (COLLADA) or glTF 2. Its unit times `scale` is metres; a DAE has a unit of its own.
  * Axes are as the file has them, as programs that read URDF take them. STATUS_INPUT, with a message that begins with `told`: as for the mesh of an
- * object. Any thread. Free *out with scene_mesh_free.
+ * object. Any thread. Free *out with scene_mesh_destroy.
  */
 enum status scene_mesh_read(const char *path, const char *told, double scale, struct soil_mesh **out) FURROW_CHECKED;
-void scene_mesh_free(struct soil_mesh *mesh); /* takes NULL */
+void scene_mesh_destroy(struct soil_mesh *mesh); /* takes NULL */
 void scene_destroy(struct scene *scene);
 
 /*

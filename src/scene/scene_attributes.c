@@ -2,11 +2,6 @@
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 
-static double number(const double *raw, const char *path)
-{
-	return raw != NULL ? *raw : scene_absent(path);
-}
-
 static enum status check_class(const struct scene_tree *tree, const struct raw_vegetation *raw, uint32_t index, bool given[SOIL_CLASSES], struct scene *scene)
 {
 	const struct raw_cover *class = &raw->classes[index];
@@ -23,13 +18,13 @@ static enum status check_vegetation(const struct scene_tree *tree, const struct 
 	bool given[SOIL_CLASSES] = {false};
 	*vegetation = (struct scene_vegetation){
 		.present = true,
-		.height = number(raw->height, "attributes.vegetation.height"),
-		.tears = number(raw->tears, "attributes.vegetation.tears"),
-		.rises = number(raw->rises, "attributes.vegetation.rises"),
-		.grows = number(raw->grows, "attributes.vegetation.grows"),
+		.height = scene_number(raw->height, "attributes.vegetation.height"),
+		.tears = scene_number(raw->tears, "attributes.vegetation.tears"),
+		.rises = scene_number(raw->rises, "attributes.vegetation.rises"),
+		.grows = scene_number(raw->grows, "attributes.vegetation.grows"),
 	};
 	for (int i = 0; i < SOIL_CLASSES; i++)
-		vegetation->cover[i] = number(raw->cover, "attributes.vegetation.cover");
+		vegetation->cover[i] = scene_number(raw->cover, "attributes.vegetation.cover");
 	if (raw->classes_count > 0 && scene->soil_map == NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "attributes.vegetation.classes"), "is of a map of soils, and there is none; allowed with: "
 				   "soil: {map: FILE, classes: {...}, default: ...}");
@@ -46,7 +41,7 @@ enum status scene_check_attributes(const struct scene_tree *tree, const struct r
 	scene->disturbance = attributes->disturbance != NULL;
 	if (scene->disturbance && attributes->disturbance->heals != NULL)
 		scene->heals = *attributes->disturbance->heals;
-	scene->elapsed = number(attributes->elapsed, "attributes.elapsed");
+	scene->elapsed = scene_number(attributes->elapsed, "attributes.elapsed");
 	if (attributes->vegetation != NULL)
 		TRY(check_vegetation(tree, attributes->vegetation, scene));
 	if (attributes->elapsed != NULL && scene->heals <= 0 && !scene->vegetation.present)

@@ -11,12 +11,6 @@
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 
-/* Returns the given value, or the default if the scene gives none. */
-static double number(const double *value, const char *where)
-{
-	return value != NULL ? *value : scene_absent(where);
-}
-
 static int64_t whole(const int64_t *value, const char *where)
 {
 	return value != NULL ? *value : (int64_t)scene_absent(where);
@@ -71,27 +65,27 @@ static enum status check_redistribute(const struct scene_tree *tree, const struc
 	scene->box_repetitions = (int)whole(raw->repetitions, "redistribute.repetitions");
 	if (deform_conserves(scene->model)) {
 		scene->iterations = (int)whole(raw->iterations, "redistribute.iterations");
-		scene->interval = number(raw->interval, "redistribute.interval");
+		scene->interval = scene_number(raw->interval, "redistribute.interval");
 		scene->depth = raw->depth != NULL ? *raw->depth : deform_model_row(scene->model)->depth;
-		scene->tolerance = number(raw->tolerance, "redistribute.tolerance");
+		scene->tolerance = scene_number(raw->tolerance, "redistribute.tolerance");
 		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STABLE;
 	}
 	if (deform_model_takes(scene->model, "bulldozing"))
-		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
+		scene->bulldozing = scene_number(raw->bulldozing, "redistribute.bulldozing");
 	if (deform_model_takes(scene->model, "slip_sinkage"))
-		scene->slip_sinkage = number(raw->slip_sinkage, "redistribute.slip_sinkage");
+		scene->slip_sinkage = scene_number(raw->slip_sinkage, "redistribute.slip_sinkage");
 	scene->faces = raw->faces != NULL ? (enum scene_faces)*raw->faces : SCENE_FACES_ON;
 	if (deform_model_takes(scene->model, "inertia"))
-		scene->inertia = number(raw->inertia, "redistribute.inertia");
+		scene->inertia = scene_number(raw->inertia, "redistribute.inertia");
 	if (deform_model_takes(scene->model, "loosening"))
-		scene->loosening = number(raw->loosening, "redistribute.loosening");
+		scene->loosening = scene_number(raw->loosening, "redistribute.loosening");
 	if (deform_model_takes(scene->model, "hardening"))
-		scene->hardening = number(raw->hardening, "redistribute.hardening");
+		scene->hardening = scene_number(raw->hardening, "redistribute.hardening");
 	if (deform_is_elastic(scene->model)) {
-		scene->tension = number(raw->tension, "redistribute.tension");
-		scene->stiffness = number(raw->stiffness, "redistribute.stiffness");
+		scene->tension = scene_number(raw->tension, "redistribute.tension");
+		scene->stiffness = scene_number(raw->stiffness, "redistribute.stiffness");
 		scene->yield = raw->yield != NULL ? *raw->yield : (double)INFINITY;
-		scene->rut = number(raw->rut, "redistribute.rut");
+		scene->rut = scene_number(raw->rut, "redistribute.rut");
 	}
 	scene->thrown = raw->thrown != NULL ? (enum scene_thrown)*raw->thrown : SCENE_THROWN_OFF;
 	if (scene->thrown == SCENE_THROWN_ON && !(scene->slip_sinkage > 0) && !carries && deform_model_takes(scene->model, "thrown"))
@@ -198,15 +192,15 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 		scene->store = scene_file_beside(tree->folder, raw->store);
 		TRY_MEM(scene->store, "reading the scene");
 	}
-	scene->time_step = number(raw->time_step, "time_step");
+	scene->time_step = scene_number(raw->time_step, "time_step");
 	scene->end_time = raw->end_time != NULL ? *raw->end_time : (double)INFINITY;
-	scene->gravity = number(raw->gravity, "gravity");
+	scene->gravity = scene_number(raw->gravity, "gravity");
 	scene->gravity_given = raw->gravity != NULL;
 	scene->spacing = raw->spacing != NULL ? *raw->spacing : 0;
 	scene->outside = raw->outside != NULL ? (enum scene_outside)*raw->outside : SCENE_STOP;
 	scene->slots = (uint32_t)whole(cache->slots, "cache.slots");
 	scene->loaders = (uint32_t)whole(cache->loaders, "cache.loaders");
-	scene->prefetch = number(cache->prefetch, "cache.prefetch");
+	scene->prefetch = scene_number(cache->prefetch, "cache.prefetch");
 
 	TRY(check_memory(tree, cache, scene));
 	TRY(check_coordinates(raw, scene));

@@ -15,6 +15,21 @@
 enum status scene_check(const struct scene_tree *tree, const struct raw_scene *raw,
 			struct scene *scene) FURROW_CHECKED;
 
+/* Returns the number that the scene gives, or `otherwise` if it gives none. */
+static inline double scene_or(const double *given, double otherwise)
+{
+	return given != NULL ? *given : otherwise;
+}
+/* The same with the default of the key. */
+static inline double scene_number(const double *given, const char *key)
+{
+	return given != NULL ? *given : scene_absent(key);
+}
+/* Makes an interface. Degrees, Pa; NULL: the soil's own. */
+struct soil_interface scene_interface(const double *friction_angle, const double *adhesion);
+/* Copies texts. */
+enum status scene_take_texts(char *const *from, uint32_t count, struct scene_texts *texts) FURROW_CHECKED;
+
 /* Notes a setting that has no effect but is no error. scene_advise tells it. */
 enum status scene_tell_unused(struct scene *scene, const char *format, ...) FURROW_PRINTF(2, 3) FURROW_CHECKED;
 
@@ -43,7 +58,7 @@ enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_
 enum status scene_check_class(const struct scene_tree *tree, const struct scene_node *node, int value, const struct scene *scene, bool given[SOIL_CLASSES],
 			      uint8_t *soil) FURROW_CHECKED;
 /* Call this after scene_check_soil. */
-enum status scene_check_attributes(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED; /* after the soil */
+enum status scene_check_attributes(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED;
 enum status scene_check_relief(const struct scene_tree *tree, const struct raw_scene *raw,
 			       struct scene *scene) FURROW_CHECKED;
 #define SCENE_RASTER_BYTES ((uint64_t)1 << 30) /* the largest file of a map or raster of the soil */

@@ -69,6 +69,14 @@ static enum status add_text(struct scene_node *parent, const char *key, char *te
 	return STATUS_OK;
 }
 
+/* `KEY: {...}` in a mapping is `{name: KEY, ...}` in a list. */
+static enum status fold_key(struct scene_node *node, const char *name)
+{
+	char *key = node->key;
+	node->key = NULL;
+	return add_text(node, name, key, true);
+}
+
 /* `dry_sand` is `{name: dry_sand}`, with the key `name`. */
 static enum status fold_value(struct scene_node *soil, const char *key)
 {
@@ -90,9 +98,7 @@ static enum status fold_class(const struct scene_tree *tree, struct scene_node *
 	const struct scene_node *value = scene_node_child(soil, "value");
 	if (value != NULL)
 		return scene_error(tree->file, value, "is said by the key; allowed: each value once");
-	char *key = soil->key;
-	soil->key = NULL; /* in a list */
-	return add_text(soil, "value", key, true);
+	return fold_key(soil, "value");
 }
 
 /* What a soil lies over may be a name. */
@@ -156,14 +162,13 @@ static enum status fold_relief(const struct scene_tree *tree)
 /* `drive_1: 2.5` is `{actuator: drive_1, value: 2.5}`. */
 static enum status fold_control(struct scene_node *control, const char *name)
 {
-	char *text = control->text, *key = control->key;
+	char *text = control->text;
 	if (control->kind != SCENE_SCALAR)
 		return STATUS_OK;
 	control->text = NULL;
-	control->key = NULL; /* in a list */
 	control->kind = SCENE_MAPPING;
 	enum status status;
-	TRY_OR(failed, add_text(control, name, key, true));
+	TRY_OR(failed, fold_key(control, name));
 	return add_text(control, "value", text, control->plain);
 failed:
 	mem_free(text);
@@ -208,12 +213,12 @@ static enum status fold_surfaces(struct scene_node *surfaces)
 {
 	for (struct scene_node *node = surfaces->first; node != NULL; node = node->next) {
 		TRY(fold_value(node, "material"));
-		char *key = node->key;
+		if (node->kind == SCENE_MAPPING) {
+			TRY(fold_key(node, "geoms"));
+			continue;
+		}
+		mem_free(node->key);
 		node->key = NULL; /* in a list */
-		if (node->kind != SCENE_MAPPING)
-			mem_free(key);
-		else
-			TRY(add_text(node, "geoms", key, true));
 	}
 	surfaces->kind = SCENE_SEQUENCE;
 	return STATUS_OK;
@@ -224,13 +229,9 @@ static enum status fold_tyres(struct scene_node *tyres)
 {
 	if (tyres == NULL || tyres->kind != SCENE_MAPPING)
 		return STATUS_OK;
-	for (struct scene_node *node = tyres->first; node != NULL; node = node->next) {
-		char *key = node->key;
-		if (node->kind != SCENE_MAPPING)
-			continue;
-		node->key = NULL; /* in a list */
-		TRY(add_text(node, "geom", key, true));
-	}
+	for (struct scene_node *node = tyres->first; node != NULL; node = node->next)
+		if (node->kind == SCENE_MAPPING)
+			TRY(fold_key(node, "geom"));
 	tyres->kind = SCENE_SEQUENCE;
 	return STATUS_OK;
 }

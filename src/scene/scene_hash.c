@@ -248,9 +248,7 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 	add_texts(state, &vehicle->soil);
 	add_texts(state, &vehicle->steer);
 	add_texts(state, &vehicle->drive);
-	add_texts(state, &vehicle->held);
-	for (size_t i = 0; i < vehicle->held.count; i++)
-		add_number(state, vehicle->values[i]);
+	add_named(state, &vehicle->held);
 	if (vehicle->keyframe != NULL)
 		add_text(state, vehicle->keyframe);
 	add_start(state, index, &vehicle->start);

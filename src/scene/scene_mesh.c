@@ -156,16 +156,11 @@ void scene_mesh_destroy(struct soil_mesh *mesh)
 	mem_free_all(mesh->vertices, mesh->triangles, mesh);
 }
 
-static bool ends(const char *path, const char *ending)
-{
-	const size_t length = strlen(path), of = strlen(ending);
-	return length >= of && strcasecmp(path + length - of, ending) == 0;
-}
-
 enum status scene_mesh_read(const char *path, const char *told, double scale, struct soil_mesh **out)
 {
+	const char *dot = strrchr(path, '.');
 	TRY(scene_mesh_load(path, told, scale, out));
-	if (!ends(path, ".gltf") && !ends(path, ".glb"))
+	if (strcasecmp(dot, ".gltf") != 0 && strcasecmp(dot, ".glb") != 0) /* what was read has an ending */
 		return STATUS_OK;
 	struct soil_mesh *mesh = *out;
 	for (uint32_t i = 0; i < mesh->vertex_count; i++) { /* back from x forward, y left, z up */
@@ -175,9 +170,4 @@ enum status scene_mesh_read(const char *path, const char *told, double scale, st
 	memcpy(mesh->low, (const double[]){mesh->low[1], mesh->low[2], mesh->low[0]}, sizeof mesh->low);
 	memcpy(mesh->high, (const double[]){mesh->high[1], mesh->high[2], mesh->high[0]}, sizeof mesh->high);
 	return STATUS_OK;
-}
-
-void scene_mesh_free(struct soil_mesh *mesh)
-{
-	scene_mesh_destroy(mesh);
 }

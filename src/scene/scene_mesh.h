@@ -26,6 +26,5 @@
  */
 enum status scene_mesh_load(const char *path, const char *told, double scale, struct soil_mesh **out)
 	FURROW_CHECKED;
-void scene_mesh_destroy(struct soil_mesh *mesh); /* mesh may be NULL */
 
 #endif

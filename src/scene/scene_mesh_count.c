@@ -108,27 +108,39 @@ static enum status count_elements(const char *bytes, size_t length, const char *
 	return STATUS_OK;
 }
 
-/* Returns whether `id` is the id of a node of a library: id="..." between the tags of one. */
+static const char *find(const char *at, const char *end, const char *word)
+{
+	const size_t size = strlen(word);
+	while ((size_t)(end - at) >= size && memcmp(at, word, size) != 0)
+		at++;
+	return (size_t)(end - at) >= size ? at : NULL;
+}
+
+/* Returns the next library of nodes, and where it ends: at its closing tag, or with the file. NULL: there is none. */
+static const char *next_library(const char *at, const char *end, const char **stop)
+{
+	const char *library = find(at, end, "<library_nodes"), *closes = library != NULL ? find(library, end, "</library_nodes") : NULL;
+	*stop = closes != NULL ? closes : end;
+	return library;
+}
+
+/* Returns true if a node of a library has this id, as id="..." between the library's tags. */
 static bool is_of_library(const char *bytes, size_t length, const char *id, size_t id_length)
 {
-	static const char from[] = "<library_nodes", to[] = "</library_nodes", word[] = "id=\"";
+	static const char word[] = "id=\"";
 	const size_t of = sizeof word - 1;
-	bool within = false;
-	for (const char *at = bytes, *end = bytes + length; at < end; at++) {
-		const size_t left = (size_t)(end - at);
-		if (*at == '<' && left >= sizeof from && memcmp(at, from, sizeof from - 1) == 0)
-			within = true;
-		else if (*at == '<' && left >= sizeof to && memcmp(at, to, sizeof to - 1) == 0)
-			within = false;
-		else if (within && *at == 'i' && isspace((unsigned char)at[-1]) && left > of + id_length && memcmp(at, word, of) == 0 && memcmp(at + of, id, id_length) == 0 && at[of + id_length] == '"')
-			return true;
-	}
+	const char *stop;
+	for (const char *at = bytes; (at = next_library(at, bytes + length, &stop)) != NULL; at = stop)
+		for (; (size_t)(stop - at) > of + id_length; at++)
+			if (*at == 'i' && isspace((unsigned char)at[-1]) && memcmp(at, word, of) == 0 && memcmp(at + of, id, id_length) == 0 && at[of + id_length] == '"')
+				return true;
 	return false;
 }
 
 #define INSTANCES_MOST 1000u /* of nodes */
 
-/* assimp looks for a node first in libraries, then in the scene. There it may be one that the instance is in, without an end. */
+/* assimp looks for the node of an instance first in libraries, then in the scene. A node of the scene may hold the instance itself: assimp would copy it
+ * without an end. So each instance must be of a library's node. */
 static enum status check_instances(const char *bytes, size_t length, const char *told)
 {
 	static const char word[] = "<instance_node", url[] = "url=\"#";
@@ -151,21 +163,12 @@ enum status scene_mesh_count_dae(const char *bytes, size_t length, const char *t
 {
 	TRY(count_elements(bytes, length, told));
 	TRY(check_instances(bytes, length, told));
-	/* Instances of nodes may have instances of nodes, and these the first. */
+	/* Nodes of a library could hold instances of each other, without an end. */
 	const size_t instances = count_of(bytes, length, "<instance_node"), nodes = count_of(bytes, length, "<node");
-	for (const char *at = bytes, *end = bytes + length; instances > 0;) {
-		static const char from[] = "<library_nodes", to[] = "</library_nodes";
-		while ((size_t)(end - at) >= sizeof from && memcmp(at, from, sizeof from - 1) != 0)
-			at++;
-		if ((size_t)(end - at) < sizeof from)
-			break;
-		const char *stop = at;
-		while ((size_t)(end - stop) >= sizeof to && memcmp(stop, to, sizeof to - 1) != 0)
-			stop++;
+	const char *stop;
+	for (const char *at = bytes; instances > 0 && (at = next_library(at, bytes + length, &stop)) != NULL; at = stop)
 		if (count_of(at, (size_t)(stop - at), "<instance_node") > 0)
 			return fail_with(STATUS_INPUT, "%s: nodes of its library have instances of nodes, which are not followed; export the mesh as STL", told);
-		at = stop;
-	}
 	if (instances * nodes > COPIES_MOST)
 		return too_many(told, "instances of nodes", COPIES_MOST);
 	if (count_of(bytes, length, "<triangles") + count_of(bytes, length, "<polylist") + count_of(bytes, length, "<polygons") > GROUPS_MOST)

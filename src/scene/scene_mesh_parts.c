@@ -23,7 +23,7 @@ static void pick(const struct mesh_corners *all, size_t part, struct mesh_corner
 {
 	room->triangles = 0;
 	for (size_t t = 0; t < all->triangles; t++)
-		if (all->parts == NULL || all->parts[t] == part)
+		if (all->parts[t] == part)
 			memcpy(room->at[3 * room->triangles++], all->at[3 * t], 3 * sizeof *all->at);
 }
 
@@ -41,11 +41,14 @@ static enum status make_parts(const struct mesh_corners *all, const char *told, 
 		TRY_OR(done, mem_zeroed(&part->mesh, 1, sizeof *part->mesh, "a mesh"));
 		memcpy(part->colour, all->colours[i], sizeof part->colour);
 		part->coloured = all->colours[i][3] > 0;
-		if (scene_mesh_of(&room, told, 1, part->mesh) != STATUS_OK) { /* no triangle of this colour has an area */
-			scene_mesh_destroy(part->mesh);
-			*part = (struct scene_mesh_part){.mesh = NULL};
-			--*count;
-		}
+		status = scene_mesh_of(&room, told, 1, part->mesh);
+		if (status == STATUS_OK)
+			continue;
+		if (status != STATUS_INPUT)
+			goto done;
+		scene_mesh_destroy(part->mesh); /* no triangle of this colour has an area */
+		*part = (struct scene_mesh_part){.mesh = NULL};
+		--*count;
 	}
 	status = *count > 0 ? STATUS_OK : fail_with(STATUS_INPUT, "%s: none of its triangles has an area; needed: a surface", told);
 done:

@@ -99,16 +99,10 @@ static enum status check_hosted(const struct scene_tree *tree, const struct raw_
 			   "is for an object with a path, and the host moves this one; allowed with: path");
 }
 
-static struct soil_interface interface_of(const struct raw_interface *raw)
+struct soil_interface scene_interface(const double *friction_angle, const double *adhesion)
 {
-	struct soil_interface interface = {.has_friction = false};
-	if (raw == NULL)
-		return interface;
-	interface.has_friction = raw->friction_angle != NULL;
-	interface.has_adhesion = raw->adhesion != NULL;
-	interface.friction_angle = interface.has_friction ? *raw->friction_angle * M_PI / 180 : 0;
-	interface.adhesion = interface.has_adhesion ? *raw->adhesion : 0;
-	return interface;
+	return (struct soil_interface){.has_friction = friction_angle != NULL, .has_adhesion = adhesion != NULL,
+				       .friction_angle = scene_or(friction_angle, 0) * M_PI / 180, .adhesion = scene_or(adhesion, 0)};
 }
 
 /* Fills `object`, which is zero, from entry `index` of the tree's objects. The name stays NULL if the entry has none. */
@@ -117,11 +111,12 @@ static enum status take_object(const struct scene_tree *tree, const struct raw_o
 {
 	char where[40];
 	snprintf(where, sizeof where, "objects[%zu].path", index);
-	object->sink = raw->sink != NULL ? *raw->sink : 0;
-	object->load = raw->load != NULL ? *raw->load : 0;
-	object->slip = raw->slip != NULL ? *raw->slip : 0;
+	object->sink = scene_or(raw->sink, 0);
+	object->load = scene_or(raw->load, 0);
+	object->slip = scene_or(raw->slip, 0);
 	object->carry = raw->carry != NULL && *raw->carry;
-	object->interface = interface_of(raw->interface);
+	if (raw->interface != NULL)
+		object->interface = scene_interface(raw->interface->friction_angle, raw->interface->adhesion);
 	if (raw->name != NULL)
 		TRY(take_name(tree, scene, index, raw->name, object));
 	TRY(scene_check_shape(tree, &raw->shape, index, scene, object));

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 
@@ -82,20 +83,15 @@ static enum status take_engine(const struct scene_tree *tree, const struct raw_p
 	return train->engine_count >= 2 && most > 0 ? STATUS_OK : scene_error(tree->file, node, "is no engine; needed: at least two speeds, and a torque above 0");
 }
 
-static double or_else(const double *given, double otherwise)
-{
-	return given != NULL ? *given : otherwise;
-}
-
 static enum status take_gears(const struct scene_tree *tree, const struct raw_powertrain *raw, size_t index, struct scene_powertrain *train)
 {
 	train->gears[0] = 1;
 	train->gear_count = raw->gears != NULL ? raw->gears_count : 1;
 	for (uint32_t i = 0; i < raw->gears_count; i++)
 		train->gears[i] = raw->gears[i];
-	train->reverse = or_else(raw->reverse, train->gears[0]);
-	train->final = or_else(raw->final, scene_absent("vehicles[].powertrain.final"));
-	train->shift_time = or_else(raw->shift_time, scene_absent("vehicles[].powertrain.shift_time"));
+	train->reverse = scene_or(raw->reverse, train->gears[0]);
+	train->final = scene_number(raw->final, "vehicles[].powertrain.final");
+	train->shift_time = scene_number(raw->shift_time, "vehicles[].powertrain.shift_time");
 	train->shifts = raw->shift != NULL;
 	if (!train->shifts)
 		return STATUS_OK;
@@ -123,12 +119,12 @@ static enum status take_clutch(const struct scene_tree *tree, const struct raw_p
 		return scene_error(tree->file, scene_tree_find(tree, KEY ".converter", index), "is given, and a clutch is, too; allowed: one of clutch, converter");
 	if (raw->converter != NULL) {
 		train->capacity = raw->converter->capacity;
-		train->stall_ratio = or_else(raw->converter->ratio, scene_absent("vehicles[].powertrain.converter.ratio"));
-		train->coupling = or_else(raw->converter->coupling, scene_absent("vehicles[].powertrain.converter.coupling"));
+		train->stall_ratio = scene_number(raw->converter->ratio, "vehicles[].powertrain.converter.ratio");
+		train->coupling = scene_number(raw->converter->coupling, "vehicles[].powertrain.converter.coupling");
 		return STATUS_OK;
 	}
-	train->clutch = or_else(raw->clutch != NULL ? raw->clutch->torque : NULL, SPARE * most);
-	train->engage = or_else(raw->clutch != NULL ? raw->clutch->engage : NULL, ENGAGE * train->idle);
+	train->clutch = scene_or(raw->clutch != NULL ? raw->clutch->torque : NULL, SPARE * most);
+	train->engage = scene_or(raw->clutch != NULL ? raw->clutch->engage : NULL, ENGAGE * train->idle);
 	if (!(train->engage > train->idle))
 		return scene_error(tree->file, scene_tree_find(tree, KEY ".clutch", index), "engages at %g rpm, and the engine idles at %g; allowed: above idle", train->engage, train->idle);
 	return STATUS_OK;
@@ -142,8 +138,8 @@ static enum status take_differentials(const struct scene_tree *tree, const struc
 	train->centre = raw->centre != NULL ? (enum scene_differential)*raw->centre : SCENE_OPEN;
 	train->front = raw->front != NULL ? (enum scene_differential)*raw->front : SCENE_OPEN;
 	train->rear = raw->rear != NULL ? (enum scene_differential)*raw->rear : SCENE_OPEN;
-	train->bias = or_else(raw->bias, train->bias);
-	train->lock = or_else(raw->lock, scene_absent("vehicles[].powertrain.differentials.lock"));
+	train->bias = scene_or(raw->bias, train->bias);
+	train->lock = scene_number(raw->lock, "vehicles[].powertrain.differentials.lock");
 	const bool limited = train->centre == SCENE_LIMITED || train->front == SCENE_LIMITED || train->rear == SCENE_LIMITED;
 	if (!limited && (raw->bias != NULL || raw->lock != NULL))
 		return scene_error(tree->file, scene_tree_find(tree, KEY ".differentials.%s", index, raw->bias != NULL ? "bias" : "lock"),
@@ -156,12 +152,7 @@ static enum status take_wheels(const struct scene_tree *tree, const struct raw_p
 {
 	if (raw->wheels == NULL && vehicle->drive.count == 0)
 		return scene_error(tree->file, scene_tree_find(tree, KEY, index), "names no wheels that it drives; needed: wheels, or driver.drive");
-	TRY(mem_zeroed(&train->wheels.list, raw->wheels_count + 1, sizeof *train->wheels.list, "reading the vehicles"));
-	for (uint32_t i = 0; i < raw->wheels_count; i++) {
-		TRY(mem_text(&train->wheels.list[i], raw->wheels[i], "reading the vehicles"));
-		train->wheels.count = i + 1;
-	}
-	return STATUS_OK;
+	return scene_take_texts(raw->wheels, raw->wheels_count, &train->wheels);
 }
 
 enum status scene_check_powertrain(const struct scene_tree *tree, const struct raw_powertrain *raw, size_t index, struct scene_vehicle *vehicle)
@@ -169,9 +160,9 @@ enum status scene_check_powertrain(const struct scene_tree *tree, const struct r
 	struct scene_powertrain *train = &vehicle->powertrain;
 	train->present = true;
 	TRY(take_engine(tree, raw, index, train));
-	train->inertia = or_else(raw->inertia, scene_absent("vehicles[].powertrain.inertia"));
-	train->idle = or_else(raw->idle, train->engine[0][0]);
-	train->drag = or_else(raw->drag, scene_absent("vehicles[].powertrain.drag"));
+	train->inertia = scene_number(raw->inertia, "vehicles[].powertrain.inertia");
+	train->idle = scene_or(raw->idle, train->engine[0][0]);
+	train->drag = scene_number(raw->drag, "vehicles[].powertrain.drag");
 	if (!(train->idle > 0 && train->idle < train->engine[train->engine_count - 1][0]))
 		return scene_error(tree->file, scene_tree_find(tree, KEY ".%s", index, raw->idle != NULL ? "idle" : raw->engine != NULL ? "engine" : "torque"),
 				   "makes an idle speed of %g rpm, and the engine's last is %g; allowed: idle above 0 and below the engine's last speed", train->idle,

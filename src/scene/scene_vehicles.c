@@ -26,7 +26,7 @@ static enum status take_name(const struct scene_tree *tree, const struct scene *
 	return mem_text(out, name, "reading the vehicles");
 }
 
-static enum status take_texts(char *const *from, uint32_t count, struct scene_texts *texts)
+enum status scene_take_texts(char *const *from, uint32_t count, struct scene_texts *texts)
 {
 	TRY(mem_zeroed(&texts->list, count + 1, sizeof *texts->list, "reading the vehicles"));
 	for (; texts->count < count; texts->count++)
@@ -56,7 +56,7 @@ static enum status take_folders(const struct scene_tree *tree, char *const *from
 	return STATUS_OK;
 }
 
-/* Reads speeds, one for each point. They are in the path's place of a speed while it is read. */
+/* Reads speeds, one for each point. All drive the same way. */
 static enum status take_speeds(const struct scene_tree *tree, const struct raw_path *raw, const char *where, struct scene_vehicle *vehicle)
 {
 	const struct scene_node *node = scene_tree_find(tree, "%s.speeds", where);
@@ -92,7 +92,7 @@ static enum status take_way(const struct scene_tree *tree, struct raw_path *raw,
 		TRY(scene_way_take(tree, raw, where, &vehicle->way));
 	} else {
 		TRY(take_speeds(tree, raw, where, vehicle));
-		raw->speed = &raw->speeds[0];
+		raw->speed = &raw->speeds[0]; /* a way needs one; it is replaced below */
 		const enum status status = scene_way_take(tree, raw, where, &vehicle->way);
 		raw->speed = NULL;
 		TRY(status);
@@ -117,8 +117,8 @@ static enum status check_follow(const struct scene_tree *tree, const struct raw_
 	if (vehicle->way.timed)
 		return scene_error(tree->file, scene_tree_find(tree, "%s.file", where), "has times, and a driver has a speed; allowed: points, or "
 							     "a file that ends in .gpx or .geojson");
-	TRY(take_texts(raw->steer, raw->steer_count, &vehicle->steer));
-	return take_texts(raw->drive, raw->drive_count, &vehicle->drive);
+	TRY(scene_take_texts(raw->steer, raw->steer_count, &vehicle->steer));
+	return scene_take_texts(raw->drive, raw->drive_count, &vehicle->drive);
 }
 
 /* Copies numbers by name. */
@@ -141,27 +141,18 @@ static enum status take_named(const struct scene_tree *tree, const char *where, 
 static enum status check_hold(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
 {
 	char where[64];
-	struct scene_named held = {.values = NULL};
 	vehicle->driver = SCENE_HOLD;
 	snprintf(where, sizeof where, "vehicles[%zu].driver.hold", index);
-	enum status status = take_named(tree, where, raw->hold, raw->hold_count, &held);
-	vehicle->held = held.names;
-	vehicle->values = held.values;
-	return status;
-}
-
-static double given(const double *number)
-{
-	return number != NULL ? *number : 0;
+	return take_named(tree, where, raw->hold, raw->hold_count, &vehicle->held);
 }
 
 static enum status check_start(const struct scene_tree *tree, const struct raw_start *raw, size_t index, struct scene_start *start)
 {
 	char where[64];
-	start->pitch = given(raw->pitch) * M_PI / 180;
-	start->roll = given(raw->roll) * M_PI / 180;
-	start->height = given(raw->height);
-	start->speed = given(raw->speed);
+	start->pitch = scene_or(raw->pitch, 0) * M_PI / 180;
+	start->roll = scene_or(raw->roll, 0) * M_PI / 180;
+	start->height = scene_or(raw->height, 0);
+	start->speed = scene_or(raw->speed, 0);
 	if (start->height > 0 && raw->settle != NULL && *raw->settle)
 		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].start.settle", index),
 				   "does not go with height, from which the vehicle falls at t = 0; allowed with height: false, or no settle");
@@ -199,16 +190,12 @@ static enum status take_surface(const struct scene_tree *tree, const struct raw_
 	if ((raw->material != NULL) == numbers)
 		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].interface[%zu]", index, number), "has %s; allowed: material, or friction_angle and adhesion",
 				   numbers ? "a material and numbers" : "neither a material nor numbers");
-	struct soil_interface *interface = &surface->interface;
 	if (raw->material != NULL) {
 		const bool smooth = *raw->material != SCENE_RUBBER;
-		*interface = (struct soil_interface){.has_friction = smooth, .has_adhesion = smooth, .friction_angle = angles[*raw->material] * M_PI / 180};
+		surface->interface = (struct soil_interface){.has_friction = smooth, .has_adhesion = smooth, .friction_angle = angles[*raw->material] * M_PI / 180};
 		return STATUS_OK;
 	}
-	interface->has_friction = raw->friction_angle != NULL;
-	interface->has_adhesion = raw->adhesion != NULL;
-	interface->friction_angle = interface->has_friction ? *raw->friction_angle * M_PI / 180 : 0;
-	interface->adhesion = interface->has_adhesion ? *raw->adhesion : 0;
+	surface->interface = scene_interface(raw->friction_angle, raw->adhesion);
 	return STATUS_OK;
 }
 
@@ -222,17 +209,12 @@ static enum status take_surfaces(const struct scene_tree *tree, const struct raw
 	return STATUS_OK;
 }
 
-static double or_nan(const double *number)
-{
-	return number != NULL ? *number : (double)NAN;
-}
-
 static enum status take_tyres(const struct raw_vehicle *raw, struct scene_vehicle *vehicle)
 {
 	TRY(mem_zeroed(&vehicle->tyres, raw->tyres_count + 1, sizeof *vehicle->tyres, "reading the vehicles"));
 	for (size_t i = 0; i < raw->tyres_count; i++) {
 		const struct raw_tyre *from = &raw->tyres[i];
-		vehicle->tyres[i] = (struct scene_tyre){.width = or_nan(from->width), .told = {from->stiffness, or_nan(from->load), or_nan(from->pressure), or_nan(from->damping)}};
+		vehicle->tyres[i] = (struct scene_tyre){.width = scene_or(from->width, (double)NAN), .told = {from->stiffness, scene_or(from->load, (double)NAN), scene_or(from->pressure, (double)NAN), scene_or(from->damping, (double)NAN)}};
 		TRY(mem_text(&vehicle->tyres[i].geom, from->geom, "reading the vehicles"));
 		vehicle->tyre_count = i + 1;
 	}
@@ -266,23 +248,23 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 {
 	TRY(take_name(tree, scene, index, raw->name, &vehicle->name));
 	TRY(take_file(tree, scene_tree_find(tree, "vehicles[%zu].model", index), raw->model, MODEL_BYTES, &vehicle->model, vehicle->model_hash));
-	TRY(take_texts(raw->soil, raw->soil_count, &vehicle->soil));
-	TRY(take_texts(raw->no_soil, raw->no_soil_count, &vehicle->no_soil));
-	TRY(take_texts(raw->carry, raw->carry_count, &vehicle->carry));
+	TRY(scene_take_texts(raw->soil, raw->soil_count, &vehicle->soil));
+	TRY(scene_take_texts(raw->no_soil, raw->no_soil_count, &vehicle->no_soil));
+	TRY(scene_take_texts(raw->carry, raw->carry_count, &vehicle->carry));
 	const struct scene_node *at = scene_tree_find(tree, "vehicles[%zu].start.at", index);
 	vehicle->line = at->setting == NULL ? at->line : 0;
 	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
-	vehicle->yaw = (raw->start.yaw != NULL ? *raw->start.yaw : scene_absent("vehicles[].start.yaw")) * M_PI / 180;
+	vehicle->yaw = scene_number(raw->start.yaw, "vehicles[].start.yaw") * M_PI / 180;
 	if (raw->start.keyframe != NULL)
 		TRY(mem_text(&vehicle->keyframe, raw->start.keyframe, "reading the vehicles"));
 	vehicle->fixed = raw->start.fixed == NULL ? SCENE_FIXED_BY_MODEL : *raw->start.fixed ? SCENE_FIXED_YES : SCENE_FIXED_NO;
 	TRY(check_start(tree, &raw->start, index, &vehicle->start));
 	TRY(take_folders(tree, raw->model_path, raw->model_path_count, &vehicle->model_path));
 	if (raw->servo != NULL) {
-		vehicle->servo.kv = raw->servo->kv != NULL ? *raw->servo->kv : 0;
-		vehicle->servo.torque = raw->servo->torque != NULL ? *raw->servo->torque : 0;
-		TRY(take_texts(raw->servo->free, raw->servo->free_count, &vehicle->servo.free));
-		TRY(take_texts(raw->servo->lock, raw->servo->lock_count, &vehicle->servo.lock));
+		vehicle->servo.kv = scene_or(raw->servo->kv, 0);
+		vehicle->servo.torque = scene_or(raw->servo->torque, 0);
+		TRY(scene_take_texts(raw->servo->free, raw->servo->free_count, &vehicle->servo.free));
+		TRY(scene_take_texts(raw->servo->lock, raw->servo->lock_count, &vehicle->servo.lock));
 	}
 	if (raw->tyres_count > 0)
 		TRY(take_tyres(raw, vehicle));
@@ -293,7 +275,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	TRY(take_imu(raw->imu, &vehicle->imu));
 	if (raw->driver != NULL)
 		TRY(check_driver(tree, raw->driver, index, vehicle));
-	vehicle->brakes = raw->brakes != NULL ? *raw->brakes : 0;
+	vehicle->brakes = scene_or(raw->brakes, 0);
 	return raw->powertrain != NULL ? scene_check_powertrain(tree, raw->powertrain, index, vehicle) : STATUS_OK;
 }
 
@@ -374,7 +356,7 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 {
 	for (size_t i = 0; i < vehicle->surface_count; i++)
 		mem_free(vehicle->surfaces[i].geoms);
-	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->values, vehicle->speeds, vehicle->stops,
+	mem_free_all(vehicle->name, vehicle->model, vehicle->keyframe, vehicle->controls, vehicle->way.points, vehicle->held.values, vehicle->speeds, vehicle->stops,
 		     vehicle->surfaces, vehicle->pushes, vehicle->imu.body, vehicle->start.joints.values, vehicle->start.controls.values);
 	finish_texts(&vehicle->start.joints.names);
 	finish_texts(&vehicle->start.controls.names);
@@ -391,5 +373,5 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 	finish_texts(&vehicle->carry);
 	finish_texts(&vehicle->steer);
 	finish_texts(&vehicle->drive);
-	finish_texts(&vehicle->held);
+	finish_texts(&vehicle->held.names);
 }

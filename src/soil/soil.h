@@ -30,7 +30,7 @@ struct soil_mesh {
 struct soil_tyre {
 	double pressure;   /* Pa */
 	double stiffness;  /* Pa/m; 0: the wheel is rigid */
-	double growth;     /* Pa/m: by which forces are linearised, the patch's growth included */
+	double growth;     /* Pa/m: like stiffness, and also how the patch grows as the wheel comes down; forces are linearised by it */
 	double damping;    /* Pa s/m */
 	double deflection; /* m: on rigid level ground under its load. It rolls about the radius less this */
 };

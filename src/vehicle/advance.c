@@ -6,7 +6,6 @@
 #include "vehicle/powertrain.h"
 
 #define LIMITED_MOST 3 /* a step whose contacts reach their limits is repeated at most so many times */
-#define STATE (mjSTATE_FULLPHYSICS | mjSTATE_WARMSTART)
 
 /* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
 static double work_of(const struct vehicle *vehicle, const double *before)
@@ -87,12 +86,12 @@ static void step_once(struct vehicles *vehicles, double h, double later, bool dr
 	mjData *data = vehicles->data;
 	vehicle_couple(vehicles, h, later, drives);
 	mju_copy(before, data->qvel, model->nv);
-	mj_getState(model, data, vehicles->kept, STATE);
+	mj_getState(model, data, vehicles->kept, VEHICLE_KEPT);
 	if (drives)
 		vehicle_trains_solve(vehicles, h, true);
 	mj_step2(model, data);
 	for (int turn = 0; vehicle_couple_end(vehicles, h, before, drives) && turn < LIMITED_MOST; turn++) {
-		mj_setState(model, data, vehicles->kept, STATE);
+		mj_setState(model, data, vehicles->kept, VEHICLE_KEPT);
 		if (drives)
 			vehicle_trains_solve(vehicles, h, false);
 		mj_step2(model, data);

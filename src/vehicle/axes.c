@@ -36,12 +36,6 @@ static bool find_turn(const struct scene_vehicle *scene, double turn[4])
 	return true;
 }
 
-static bool is_free(const mjModel *model, int body)
-{
-	const int joint = model->body_jntadr[body];
-	return joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
-}
-
 void vehicle_turn_single(struct vehicle *vehicle)
 {
 	mjModel *model = vehicle->single;
@@ -51,7 +45,7 @@ void vehicle_turn_single(struct vehicle *vehicle)
 	for (int body = 1; body < model->nbody; body++) {
 		if (model->body_parentid[body] != 0)
 			continue;
-		if (!is_free(model, body)) {
+		if (!vehicle_is_free(model, body)) {
 			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
 			continue;
 		}
@@ -69,7 +63,7 @@ void vehicle_turn_fixed(struct vehicle *vehicle)
 	if (!find_turn(vehicle->scene, turn))
 		return;
 	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
-		if (model->body_parentid[body] == 0 && !is_free(model, body))
+		if (model->body_parentid[body] == 0 && !vehicle_is_free(model, body))
 			turn_pose(&model->body_pos[3 * body], &model->body_quat[4 * body], turn);
 	mj_forward(model, vehicle->data);
 }
@@ -79,6 +73,7 @@ void vehicle_set_root_axes(struct vehicle *vehicle)
 	double axes[9];
 	const double *mat = &vehicle->data->xmat[9 * vehicle->root];
 	const bool turned = vehicle_scene_axes(vehicle->scene, axes);
-	for (int i = 0; i < 9; i++) /* forward is MuJoCo's x now: its axes as the root's own has them */
+	/* The model has been turned, so forward, left and up are x, y and z. The rows of `mat` are these axes in those of the root body. */
+	for (int i = 0; i < 9; i++)
 		vehicle->axes[i] = turned ? mat[3 * (i % 3) + i / 3] : i % 4 == 0;
 }

@@ -1,8 +1,6 @@
 /* A table of controls in time: t and one column for each actuator that it names. Between two rows controls change evenly. */
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "vehicle/powertrain.h"

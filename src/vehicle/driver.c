@@ -167,7 +167,7 @@ static enum status make_follow(struct vehicle *vehicle, const char *where)
 static enum status make_hold(struct vehicle *vehicle, const char *where)
 {
 	struct driver *driver = &vehicle->driver;
-	const struct scene_texts *names = &vehicle->scene->held;
+	const struct scene_texts *names = &vehicle->scene->held.names;
 	TRY(mem_zeroed(&driver->held, names->count + 1, sizeof *driver->held, "a driver"));
 	for (size_t i = 0; i < names->count; i++) {
 		driver->held[i] = vehicle_control_find(vehicle, names->list[i]);
@@ -175,7 +175,7 @@ static enum status make_hold(struct vehicle *vehicle, const char *where)
 			return no_actuator(vehicle, where, "hold", names->list[i]);
 		driver->held_count = i + 1;
 	}
-	driver->values = vehicle->scene->values;
+	driver->values = vehicle->scene->held.values;
 	return STATUS_OK;
 }
 

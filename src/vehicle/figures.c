@@ -12,22 +12,8 @@ static bool is_shown(const struct vehicle *vehicle, int geom, bool all)
 {
 	const mjModel *model = vehicle->model;
 	const int type = model->geom_type[geom];
-	struct world_look look;
 	return (vehicle->is_world || !vehicle_is_fixed(model, geom)) && (all || model->geom_group[geom] < FIGURE_GROUPS) && type != mjGEOM_PLANE && type != mjGEOM_HFIELD &&
-	       vehicle_look_of(model, geom, &look) >= FIGURE_CLEAR;
-}
-
-const struct soil_geom *vehicle_soil_geom_of(const struct vehicle *vehicle, int geom)
-{
-	for (size_t g = 0; g < vehicle->geom_count; g++)
-		if (vehicle->geoms[g].geom == geom)
-			return &vehicle->geoms[g];
-	return NULL;
-}
-
-const char *vehicle_bare_body(const struct vehicle *vehicle, int body)
-{
-	return vehicle_part_name(vehicle->model, mjOBJ_BODY, body);
+	       vehicle_alpha_of(model, geom) >= FIGURE_CLEAR;
 }
 
 /* What is fixed to MuJoCo's world is one body of `world`, before its others. */
@@ -76,28 +62,17 @@ static struct soil_mesh *same_mesh(const struct vehicles *vehicles, const mjMode
 static enum status set_shape(const struct vehicles *vehicles, const mjModel *model, struct figure *figure, struct soil_shape *shape)
 {
 	const double *size = &model->geom_size[3 * figure->geom];
-	switch (model->geom_type[figure->geom]) {
-	case mjGEOM_SPHERE:
-		*shape = (struct soil_shape){.kind = SOIL_SPHERE, .radius = size[0]};
+	if (vehicle_plain_shape(model, figure->geom, shape))
 		return STATUS_OK;
-	case mjGEOM_BOX:
-		*shape = (struct soil_shape){.kind = SOIL_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
-		return STATUS_OK;
-	case mjGEOM_ELLIPSOID:
+	if (model->geom_type[figure->geom] != mjGEOM_MESH) { /* an SDF */
 		*shape = (struct soil_shape){.kind = SOIL_ELLIPSOID, .size = {size[0], size[1], size[2]}};
 		return STATUS_OK;
-	case mjGEOM_CYLINDER:
-	case mjGEOM_CAPSULE:
-		*shape = (struct soil_shape){.kind = model->geom_type[figure->geom] == mjGEOM_CYLINDER ? SOIL_CYLINDER : SOIL_CAPSULE, .radius = size[0], .length = 2 * size[1]};
-		return STATUS_OK;
-	default:
-		*shape = (struct soil_shape){.kind = SOIL_MESH, .mesh = same_mesh(vehicles, model, figure->geom)};
-		if (shape->mesh != NULL)
-			return STATUS_OK;
-		TRY(vehicle_make_mesh(model, figure->geom, &figure->mesh));
-		shape->mesh = figure->mesh;
-		return STATUS_OK;
 	}
+	*shape = (struct soil_shape){.kind = SOIL_MESH, .mesh = same_mesh(vehicles, model, figure->geom)};
+	if (shape->mesh == NULL)
+		TRY(vehicle_make_mesh(model, figure->geom, &figure->mesh));
+	shape->mesh = shape->mesh != NULL ? shape->mesh : figure->mesh;
+	return STATUS_OK;
 }
 
 static enum status add_geom(struct vehicles *vehicles, size_t index, int geom)
@@ -112,7 +87,7 @@ static enum status add_geom(struct vehicles *vehicles, size_t index, int geom)
 	vehicle_geom_name(vehicle, geom, name, sizeof name);
 	TRY(vehicle_add_figure(vehicles, index, model->geom_bodyid[geom], name, &figure, &drawn, &look));
 	figure->geom = geom;
-	(void)vehicle_look_of(model, geom, look);
+	vehicle_look_of(model, geom, look);
 	if (soil == NULL || soil->shape.kind != SOIL_WHEEL || model->geom_type[geom] != mjGEOM_CYLINDER)
 		return set_shape(vehicles, model, figure, &drawn->shape);
 	memcpy(figure->axes, soil->axes, sizeof figure->axes); /* a tyre on a rim, with its grousers */
@@ -163,7 +138,7 @@ static enum status name_bodies(struct vehicles *vehicles)
 			TRY_MEM(vehicles->body_names[vehicles->body_count++], "the parts of a vehicle");
 		}
 		for (int i = vehicle->own.body.first; i < vehicle->own.body.end; i++) {
-			const char *bare = vehicle_bare_body(vehicle, i);
+			const char *bare = vehicle_part_name(vehicle->model, mjOBJ_BODY, i);
 			char own[24], name[300];
 			snprintf(own, sizeof own, "body_%d", i - vehicle->own.body.first + 1);
 			snprintf(name, sizeof name, "%.128s.%.128s", vehicle->scene->name, bare != NULL && bare[0] != '\0' ? bare : own);

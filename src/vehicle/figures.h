@@ -11,15 +11,12 @@
 
 /* Adds a figure of a vehicle with no shape yet. `body`: of the model. *out: until the next one is added. */
 enum status vehicle_add_figure(struct vehicles *vehicles, size_t vehicle, int body, const char *name, struct figure **out, struct scene_object **drawn, struct world_look **look) FURROW_CHECKED;
-/* Returns the geom of the vehicle that touches the ground; NULL: it does not. */
-const struct soil_geom *vehicle_soil_geom_of(const struct vehicle *vehicle, int geom);
-/* Returns the name of a body without that of its vehicle before it; NULL: it has none. */
-const char *vehicle_bare_body(const struct vehicle *vehicle, int body);
 
 /* --- looks.c --- */
 
-/* Finds the colour of a geom: its own, that of its material times the mean of its texture, or none. Returns its alpha. */
-float vehicle_look_of(const mjModel *model, int geom, struct world_look *look);
+float vehicle_alpha_of(const mjModel *model, int geom);
+/* Finds the colour of a geom: its own, that of its material times the mean of its texture, or none. */
+void vehicle_look_of(const mjModel *model, int geom, struct world_look *look);
 /* Gives a look a colour of a file, sRGB. */
 void vehicle_paint(struct world_look *look, const float colour[3]);
 

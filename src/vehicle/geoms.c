@@ -23,6 +23,14 @@ bool vehicle_is_fixed(const mjModel *model, int geom)
 	return model->body_weldid[model->geom_bodyid[geom]] == 0;
 }
 
+struct soil_geom *vehicle_soil_geom_of(const struct vehicle *vehicle, int geom)
+{
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		if (vehicle->geoms[g].geom == geom)
+			return &vehicle->geoms[g];
+	return NULL;
+}
+
 static bool is_soil_geom(const struct vehicle *vehicle, int geom)
 {
 	const mjModel *model = vehicle->model;
@@ -158,38 +166,40 @@ static enum status make_mesh(const struct vehicle *vehicle, struct soil_geom *ou
 	return status;
 }
 
+bool vehicle_plain_shape(const mjModel *model, int geom, struct soil_shape *out)
+{
+	const double *size = &model->geom_size[3 * geom];
+	switch (model->geom_type[geom]) {
+	case mjGEOM_SPHERE:
+		*out = (struct soil_shape){.kind = SOIL_SPHERE, .radius = size[0]};
+		return true;
+	case mjGEOM_BOX:
+		*out = (struct soil_shape){.kind = SOIL_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
+		return true;
+	case mjGEOM_ELLIPSOID:
+		*out = (struct soil_shape){.kind = SOIL_ELLIPSOID, .size = {size[0], size[1], size[2]}};
+		return true;
+	case mjGEOM_CYLINDER:
+	case mjGEOM_CAPSULE:
+		*out = (struct soil_shape){.kind = model->geom_type[geom] == mjGEOM_CYLINDER ? SOIL_CYLINDER : SOIL_CAPSULE, .radius = size[0], .length = 2 * size[1]};
+		return true;
+	default:
+		return false;
+	}
+}
+
 static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
 {
-	const mjModel *model = vehicle->model;
-	const double *size = &model->geom_size[3 * out->geom];
-	out->dof = out->roll_dof = -1;
+	const int type = vehicle->model->geom_type[out->geom];
 	vehicle_set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 1, 0}, (const double[]){0, 0, 1});
-	switch (model->geom_type[out->geom]) {
-	case mjGEOM_SPHERE:
-		out->shape = (struct soil_shape){.kind = SOIL_SPHERE, .radius = size[0]};
-		return STATUS_OK;
-	case mjGEOM_BOX:
-		out->shape = (struct soil_shape){.kind = SOIL_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
-		return make_belt(vehicle, out, where);
-	case mjGEOM_CAPSULE:
-		out->shape = (struct soil_shape){.kind = SOIL_CAPSULE, .radius = size[0], .length = 2 * size[1]};
-		return STATUS_OK;
-	case mjGEOM_ELLIPSOID:
-		out->shape = (struct soil_shape){.kind = SOIL_ELLIPSOID, .size = {size[0], size[1], size[2]}};
-		return STATUS_OK;
-	case mjGEOM_MESH:
-		if (vehicle_make_mesh_wheel(vehicle, out))
-			return set_grousers(model, out, where);
-		return make_mesh(vehicle, out);
-	case mjGEOM_CYLINDER:
-		out->dof = vehicle_cylinder_turns(vehicle, out->geom);
-		if (out->dof >= 0)
-			return make_wheel(vehicle, out, where);
-		out->shape = (struct soil_shape){.kind = SOIL_CYLINDER, .radius = size[0], .length = 2 * size[1]};
-		return STATUS_OK;
-	default:
-		break;
-	}
+	out->roll_dof = -1;
+	out->dof = type == mjGEOM_CYLINDER ? vehicle_cylinder_turns(vehicle, out->geom) : -1;
+	if (out->dof >= 0)
+		return make_wheel(vehicle, out, where);
+	if (type == mjGEOM_MESH)
+		return vehicle_make_mesh_wheel(vehicle, out) ? set_grousers(vehicle->model, out, where) : make_mesh(vehicle, out);
+	if (vehicle_plain_shape(vehicle->model, out->geom, &out->shape))
+		return type == mjGEOM_BOX ? make_belt(vehicle, out, where) : STATUS_OK;
 	return fail_with(STATUS_INPUT, "%s: %s: a shape like this cannot press the ground; use boxes, spheres, capsules, ellipsoids, cylinders or meshes, "
 				       "or leave it out of soil", where, out->name);
 }
@@ -299,19 +309,11 @@ static enum status let_carry(struct vehicle *vehicle, struct soil_geom *geom, co
 	return STATUS_OK;
 }
 
-static struct soil_geom *soil_geom_of(const struct vehicle *vehicle, int geom)
-{
-	for (size_t g = 0; g < vehicle->geom_count; g++)
-		if (vehicle->geoms[g].geom == geom)
-			return &vehicle->geoms[g];
-	return NULL;
-}
-
 static enum status find_carrying(struct vehicle *vehicle, const char *where)
 {
 	for (int i = vehicle->own.geom.first; i < vehicle->own.geom.end; i++) {
 		char name[256];
-		struct soil_geom *geom = soil_geom_of(vehicle, i);
+		struct soil_geom *geom = vehicle_soil_geom_of(vehicle, i);
 		vehicle_geom_name(vehicle, i, name, sizeof name);
 		if (!vehicle_matches(&vehicle->scene->carry, name, false))
 			continue;
@@ -443,4 +445,12 @@ void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, co
 	own_support(model, geom, own, at);
 	mju_mulMatVec3(place, &data->geom_xmat[9 * geom], at);
 	mju_addTo3(place, &data->geom_xpos[3 * geom]);
+}
+
+double vehicle_geom_lowest(const struct vehicle *vehicle, int geom)
+{
+	static const double down[3] = {0, 0, -1};
+	double place[3];
+	vehicle_geom_support(vehicle->model, vehicle->data, geom, down, place);
+	return place[2];
 }

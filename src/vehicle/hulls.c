@@ -1,37 +1,31 @@
 /*
  * Hulls: soil geoms that do not stand on the ground in the first pose, since they collide and are no wheels.
  *
- * A hull that is high above the ground is aloft: its body is not in the world, and no probe asks for it. So it costs the comparison of the ground's posts with a
- * plane below it, and changes no bit of the other geoms' motion. It is put into the world again, at its place, before it can touch. Whether it is
- * aloft follows from its place and the ground alone, so a resumed drive and a rollback find the same.
+ * A hull that is high above the ground is aloft: its body is not in the world, and no probe asks for it. In each step the posts below it are
+ * compared with a plane at its lower side. That is all that it costs, and the motion of other geoms keeps its bits. The hull is put into the world
+ * again, at its place, before it can touch. Its place and the ground alone decide whether it is aloft, so a resumed drive and a rollback find
+ * the same.
  */
 #include <math.h>
 
 #include "vehicle/internal.h"
 
 #define GROUNDED 0.01   /* m: a geom that is no higher than this above the lowest one is on the ground */
-#define MARGIN_POSTS 0.5 /* between ground and hull, and so much more as the hull moves in MARGIN_STEPS time steps */
+/* A hull is aloft if it is higher above the ground than this many posts, and than it moves in this many time steps besides. */
+#define MARGIN_POSTS 0.5
 #define MARGIN_STEPS 4.0
-
-static double lowest(const struct vehicle *vehicle, int geom)
-{
-	static const double down[3] = {0, 0, -1};
-	double place[3];
-	vehicle_geom_support(vehicle->model, vehicle->data, geom, down, place);
-	return place[2];
-}
 
 /* Things of `world` always count as standing: their rows tell where they are. */
 void vehicle_find_standing(struct vehicle *vehicle)
 {
 	double ground = INFINITY;
 	for (size_t g = 0; g < vehicle->geom_count; g++)
-		ground = fmin(ground, lowest(vehicle, vehicle->geoms[g].geom));
+		ground = fmin(ground, vehicle_geom_lowest(vehicle, vehicle->geoms[g].geom));
 	vehicle->standing_count = 0;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		struct soil_geom *geom = &vehicle->geoms[g];
-		geom->is_standing = vehicle->is_world || vehicle->scene->soil.count > 0 || geom->carries || soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0 ||
-			       lowest(vehicle, geom->geom) <= ground + GROUNDED;
+		geom->is_standing = vehicle->is_world || vehicle->scene->soil.count > 0 || geom->carries || vehicle_turning_dof(geom) >= 0 ||
+			       vehicle_geom_lowest(vehicle, geom->geom) <= ground + GROUNDED;
 		geom->aloft = !geom->is_standing;
 		vehicle->standing_count += geom->is_standing;
 	}
@@ -60,7 +54,7 @@ void vehicle_space_of(const struct vehicle *vehicle, int geom, const double plac
 	space->lowest = middle[2] - half[2] - margin;
 }
 
-/* Finds whether a hull can touch nothing where it is at the time step's end. Off the terrain it can neither. */
+/* Finds whether a hull is aloft at the end of the time step. Off the terrain it always is. */
 static enum status find_aloft(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom, bool *aloft)
 {
 	const double step = vehicles->scene->time_step, *state = geom->now.pose.orientation;

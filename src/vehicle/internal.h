@@ -206,7 +206,7 @@ struct vehicles {
 	size_t geom_count;          /* soil geoms of all */
 	double *room;               /* merge.c: of all vehicles */
 	double *mass;               /* nC: coupling.c */
-	double *kept;               /* a state of MuJoCo: advance.c */
+	double *kept;               /* a state of MuJoCo, VEHICLE_KEPT: advance.c */
 	int32_t *numbers;           /* room for all soil geoms */
 	struct furrow_state *states;
 	struct furrow_belt *belts;
@@ -273,8 +273,18 @@ void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *g
 const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint);
 /* Finds the place of a geom that is farthest along `direction`. MuJoCo's axes. */
 void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, const double direction[3], double place[3]);
+/* Returns the height of its lowest place, m, in MuJoCo's axes. */
+double vehicle_geom_lowest(const struct vehicle *vehicle, int geom);
+/* Makes the shape of a geom that is a sphere, a box, an ellipsoid, a cylinder or a capsule, in its own axes. Returns false if it is none of these. */
+bool vehicle_plain_shape(const mjModel *model, int geom, struct soil_shape *out);
+/* Returns the soil geom that a geom of the model is; NULL: it is none. */
+struct soil_geom *vehicle_soil_geom_of(const struct vehicle *vehicle, int geom);
 /* Returns true if the geom belongs to the model's own world, which a scene leaves out. */
 bool vehicle_is_fixed(const mjModel *model, int geom);
+static inline bool vehicle_is_free(const mjModel *model, int body) /* it has a free joint */
+{
+	return model->body_jntnum[body] > 0 && model->jnt_type[model->body_jntadr[body]] == mjJNT_FREE;
+}
 
 /* --- names.c: names in the model of all vehicles are "N/NAME", where NAME is that of the vehicle's own file --- */
 #define VEHICLE_PREFIX 24
@@ -290,7 +300,9 @@ void vehicle_geom_name(const struct vehicle *vehicle, int geom, char *text, size
 void vehicle_list_names(const mjModel *model, mjtObj kind, int first, int end, char text[VEHICLE_NAMES]);
 /* The same for a model of one vehicle alone, whose names have no prefix. */
 void vehicle_list_own_names(const mjModel *model, mjtObj kind, char text[VEHICLE_NAMES]);
-#ifndef VEHICLE_NAMES_HERE /* MuJoCo's own functions know the prefixed names: a look-up by them would find nothing, and not tell */
+/* These functions of MuJoCo take or give names with prefixes, or sum over all vehicles. Using one of them by mistake does not compile: the name in its
+ * place says what to use. A file that needs them defines VEHICLE_NAMES_HERE first. */
+#ifndef VEHICLE_NAMES_HERE
 #undef mj_name2id
 #define mj_name2id use_vehicle_find_part
 #undef mj_id2name
@@ -301,6 +313,7 @@ void vehicle_list_own_names(const mjModel *model, mjtObj kind, char text[VEHICLE
 
 /* --- merge.c --- */
 #define VEHICLE_ROOM 20
+#define VEHICLE_KEPT (mjSTATE_FULLPHYSICS | mjSTATE_WARMSTART) /* of MuJoCo's state: what a repeated step begins with */
 /* Puts all vehicles into one model, and finds what of it is whose. STATUS_INPUT: MuJoCo cannot put them together. */
 enum status vehicle_merge(struct vehicles *vehicles) FURROW_CHECKED;
 double vehicle_mass(const struct vehicle *vehicle); /* kg */
@@ -351,8 +364,7 @@ void vehicle_trail_add(struct vehicle *vehicle);
 
 /* --- meshes.c: triangles in the axes of a geom --- */
 
-/* Makes triangles of a geom of the model: its mesh, or a cylinder, a capsule or an ellipsoid. Free it with vehicle_free_mesh, even after
- * a failure. */
+/* Makes the triangles of a geom that is a mesh. Free them with vehicle_free_mesh, even after a failure. */
 enum status vehicle_make_mesh(const mjModel *model, int geom, struct soil_mesh **out) FURROW_CHECKED;
 void vehicle_free_mesh(struct soil_mesh *mesh); /* takes NULL */
 

@@ -12,6 +12,7 @@
 #include <stdio.h>
 
 #include "vehicle/internal.h"
+#include "vehicle/settle.h"
 
 #define LOOKS 0.05      /* s: so often other geoms are compared with the ground */
 #define DEEP_LEAST 0.05 /* m, or a post: what lies deeper is told */
@@ -30,14 +31,6 @@ static const char *const whats[LIE_OWN + 1] = {"overturned", "high_centred", "bu
 static const double longs[LIE_OWN + 1] = {LONG, LONG, LONG, UNDER_LONG};
 
 /* --- which geoms are watched --- */
-
-static bool is_soil_geom(const struct vehicle *vehicle, int geom)
-{
-	for (size_t g = 0; g < vehicle->geom_count; g++)
-		if (vehicle->geoms[g].geom == geom)
-			return true;
-	return false;
-}
 
 /* Returns true if two geoms are of bodies that are fixed to each other, or joined by one joint. */
 static bool are_near(const mjModel *model, int a, int b)
@@ -73,7 +66,7 @@ static bool is_watched(const struct vehicle *vehicle, int geom)
 	const int type = model->geom_type[geom];
 	const bool collides = model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0;
 	const bool shown = model->geom_group[geom] < 3 && model->geom_rgba[4 * geom + 3] > 0;
-	if (vehicle_is_fixed(model, geom) || is_soil_geom(vehicle, geom) || type == mjGEOM_PLANE || type == mjGEOM_HFIELD || !(collides || shown))
+	if (vehicle_is_fixed(model, geom) || vehicle_soil_geom_of(vehicle, geom) != NULL || type == mjGEOM_PLANE || type == mjGEOM_HFIELD || !(collides || shown))
 		return false;
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		if (are_near(model, geom, vehicle->geoms[g].geom) && is_within(vehicle, geom, vehicle->geoms[g].geom))
@@ -86,8 +79,7 @@ static int find_up(const struct vehicle *vehicle)
 {
 	const mjModel *model = vehicle->model;
 	const int joint = model->body_jntadr[vehicle->root];
-	const bool free = joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
-	const mjtNum *quat = free ? &model->qpos0[model->jnt_qposadr[joint] + 3] : &model->body_quat[4 * vehicle->root];
+	const mjtNum *quat = vehicle_is_free(model, vehicle->root) ? &model->qpos0[model->jnt_qposadr[joint] + 3] : &model->body_quat[4 * vehicle->root];
 	double mat[9];
 	int up = 2;
 	mju_quat2Mat(mat, quat);
@@ -161,11 +153,6 @@ static enum status depth_of(const struct vehicles *vehicles, const struct vehicl
 
 /* --- whether it is so --- */
 
-static bool rolls(const struct soil_geom *geom)
-{
-	return soil_shape_runs(&geom->shape) || geom->dof >= 0 || geom->roll_dof >= 0;
-}
-
 /* Returns the part of the root body that bears most, if those that do not roll bear most of the weight. NULL: they do not, or nothing of the vehicle rolls. */
 static const struct soil_geom *hung_up(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
@@ -175,8 +162,9 @@ static const struct soil_geom *hung_up(const struct vehicles *vehicles, struct v
 	bool any = false;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		any = any || rolls(geom);
-		if (rolls(geom) || geom->carries || model->body_weldid[model->geom_bodyid[geom->geom]] != model->body_weldid[vehicle->root] || !(geom->force[2] > 0))
+		const bool rolls = vehicle_turning_dof(geom) >= 0;
+		any = any || rolls;
+		if (rolls || geom->carries || model->body_weldid[model->geom_bodyid[geom->geom]] != model->body_weldid[vehicle->root] || !(geom->force[2] > 0))
 			continue;
 		bears += geom->force[2];
 		if (most == NULL || geom->force[2] > most->force[2])
@@ -186,18 +174,15 @@ static const struct soil_geom *hung_up(const struct vehicles *vehicles, struct v
 	return any && *mean > BEARS * model->body_subtreemass[vehicle->root] * vehicles->scene->gravity ? most : NULL;
 }
 
-static const struct soil_geom *deepest_sunk(const struct vehicle *vehicle)
-{
-	const struct soil_geom *deepest = NULL;
-	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++)
-		if (geom->contact.state == FURROW_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
-			deepest = geom;
-	return deepest;
-}
-
 /* --- telling --- */
 
-static void say(const struct vehicle *vehicle, size_t index, double upright, char *text, size_t size)
+/* The cosine of the angle between the root body's up axis and the vertical. */
+static double upright_of(const struct vehicle *vehicle)
+{
+	return vehicle->data->xmat[9 * vehicle->root + 6 + vehicle->up];
+}
+
+static void say(const struct vehicle *vehicle, size_t index, char *text, size_t size)
 {
 	const struct lie *lie = &vehicle->lies[index];
 	const char *name = vehicle->scene->name;
@@ -207,12 +192,12 @@ static void say(const struct vehicle *vehicle, size_t index, double upright, cha
 		snprintf(text, size, "vehicles.%.200s is %.3g m under the ground %s: it does not press the soil; let it collide, or name it in soil", lie->geom, lie->depth,
 			 where);
 	else if (index == LIE_OVERTURNED)
-		snprintf(text, size, "vehicles.%.64s lies on its %s %s; stop: [overturned] ends a drive there", name, upright < -LEANS ? "roof" : "side", where);
+		snprintf(text, size, "vehicles.%.64s lies on its %s %s; stop: [overturned] ends a drive there", name, upright_of(vehicle) < -LEANS ? "roof" : "side", where);
 	else
 		snprintf(text, size, "vehicles.%.200s bears most of the weight %s: the vehicle hangs on it, and its wheels carry less than half", lie->of->name, where);
 }
 
-static void tell(struct vehicle *vehicle, size_t index, double upright)
+static void tell(struct vehicle *vehicle, size_t index)
 {
 	struct lie *lie = &vehicle->lies[index];
 	char text[500];
@@ -220,12 +205,12 @@ static void tell(struct vehicle *vehicle, size_t index, double upright)
 	if (lie->printed || index == LIE_BURIED) /* that is told with what the soil carries (vehicle.c) */
 		return;
 	lie->printed = true;
-	say(vehicle, index, upright, text, sizeof text);
+	say(vehicle, index, text, sizeof text);
 	note("%s", text);
 }
 
 /* Takes whether it is so now. `geom`: of the model, whose place counts; -1: the vehicle's. */
-static void take(const struct vehicles *vehicles, struct vehicle *vehicle, size_t index, bool is, int geom, double depth, double upright)
+static void take(const struct vehicles *vehicles, struct vehicle *vehicle, size_t index, bool is, int geom, double depth)
 {
 	struct lie *lie = &vehicle->lies[index];
 	const double now = world_time(vehicles->world) + vehicles->scene->time_step;
@@ -245,7 +230,7 @@ static void take(const struct vehicles *vehicles, struct vehicle *vehicle, size_
 	}
 	lie->depth = fmax(lie->depth, depth);
 	if (!lie->told && now - lie->since >= longs[index < LIE_OWN ? index : LIE_OWN])
-		tell(vehicle, index, upright);
+		tell(vehicle, index);
 }
 
 static enum status watch_under(const struct vehicles *vehicles, struct vehicle *vehicle)
@@ -256,23 +241,22 @@ static enum status watch_under(const struct vehicles *vehicles, struct vehicle *
 	for (size_t i = LIE_OWN; i < vehicle->lie_count; i++) {
 		double depth;
 		TRY(depth_of(vehicles, vehicle, vehicle->lies[i].number, least, &depth));
-		take(vehicles, vehicle, i, depth >= least && isfinite(depth), vehicle->lies[i].number, depth, 1);
+		take(vehicles, vehicle, i, depth >= least && isfinite(depth), vehicle->lies[i].number, depth);
 	}
 	return STATUS_OK;
 }
 
 enum status vehicle_watch_lies(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
-	const double upright = vehicle->data->xmat[9 * vehicle->root + 6 + vehicle->up];
-	const struct soil_geom *hangs = hung_up(vehicles, vehicle), *sunk = deepest_sunk(vehicle);
-	const bool overturned = upright < LEANS;
-	take(vehicles, vehicle, LIE_OVERTURNED, overturned, -1, 0, upright);
+	const struct soil_geom *hangs = hung_up(vehicles, vehicle), *sunk = vehicle_sunk(vehicle);
+	const bool overturned = upright_of(vehicle) < LEANS;
+	take(vehicles, vehicle, LIE_OVERTURNED, overturned, -1, 0);
 	if (hangs != NULL)
 		vehicle->lies[LIE_HIGH_CENTRED].of = hangs;
-	take(vehicles, vehicle, LIE_HIGH_CENTRED, hangs != NULL && !overturned, hangs != NULL ? hangs->geom : -1, hangs != NULL ? hangs->contact.sinkage : 0, upright);
+	take(vehicles, vehicle, LIE_HIGH_CENTRED, hangs != NULL && !overturned, hangs != NULL ? hangs->geom : -1, hangs != NULL ? hangs->contact.sinkage : 0);
 	if (sunk != NULL)
 		vehicle->lies[LIE_BURIED].of = sunk;
-	take(vehicles, vehicle, LIE_BURIED, sunk != NULL, sunk != NULL ? sunk->geom : -1, sunk != NULL ? sunk->contact.sinkage : 0, upright);
+	take(vehicles, vehicle, LIE_BURIED, sunk != NULL, sunk != NULL ? sunk->geom : -1, sunk != NULL ? sunk->contact.sinkage : 0);
 	return watch_under(vehicles, vehicle);
 }
 

@@ -4,8 +4,6 @@
 
 #include "base/wide.h"
 
-#define MOST_ABREAST 128 /* unknowns; larger systems are solved one after another */
-
 static size_t pivot_of(const double *a, size_t n, size_t column)
 {
 	size_t best = column;
@@ -81,43 +79,6 @@ void vehicle_solve_factored(const double *a, double *b, size_t n)
 			b[i] -= a[k * n + i] * b[k];
 		b[i] /= a[i * n + i];
 	}
-}
-
-/* The same for systems side by side. x: n x VEHICLE_ABREAST. */
-FURROW_WIDE static void solve_abreast(const double *a, double (*restrict x)[VEHICLE_ABREAST], size_t n)
-{
-	for (size_t i = 0; i < n; i++) {
-		for (size_t k = 0; k < i; k++)
-			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
-				x[i][lane] -= a[i * n + k] * x[k][lane];
-		for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
-			x[i][lane] /= a[i * n + i];
-	}
-	for (size_t i = n; i-- > 0;) {
-		for (size_t k = i + 1; k < n; k++)
-			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
-				x[i][lane] -= a[k * n + i] * x[k][lane];
-		for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
-			x[i][lane] /= a[i * n + i];
-	}
-}
-
-void vehicle_solve_rows(const double *a, double *rows, size_t count, size_t n)
-{
-	double x[MOST_ABREAST][VEHICLE_ABREAST];
-	size_t first = 0;
-	for (; n <= MOST_ABREAST && first + VEHICLE_ABREAST <= count; first += VEHICLE_ABREAST) {
-		double *row = rows + first * n;
-		for (size_t i = 0; i < n; i++)
-			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
-				x[i][lane] = row[lane * n + i];
-		solve_abreast(a, x, n);
-		for (size_t i = 0; i < n; i++)
-			for (size_t lane = 0; lane < VEHICLE_ABREAST; lane++)
-				row[lane * n + i] = x[i][lane];
-	}
-	for (; first < count; first++)
-		vehicle_solve_factored(a, rows + first * n, n);
 }
 
 static bool is_negative(double a[6][6])

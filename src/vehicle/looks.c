@@ -43,16 +43,26 @@ static bool is_preset(const float rgba[4])
 	return memcmp(rgba, preset, sizeof preset) == 0;
 }
 
-float vehicle_look_of(const mjModel *model, int geom, struct world_look *look)
+/* The colour of a geom: that of its material, if it has none of its own. */
+static const float *rgba_of(const mjModel *model, int geom)
 {
-	const float *own = &model->geom_rgba[4 * geom];
 	const int material = model->geom_matid[geom];
+	return material >= 0 && is_preset(&model->geom_rgba[4 * geom]) ? &model->mat_rgba[4 * material] : &model->geom_rgba[4 * geom];
+}
+
+float vehicle_alpha_of(const mjModel *model, int geom)
+{
+	return rgba_of(model, geom)[3];
+}
+
+void vehicle_look_of(const mjModel *model, int geom, struct world_look *look)
+{
+	const int material = model->geom_matid[geom];
+	const float *rgba = rgba_of(model, geom);
 	float colour[3], mean[3];
-	const float *rgba = material >= 0 && is_preset(own) ? &model->mat_rgba[4 * material] : own;
 	const bool textured = material >= 0 && mean_of(model, material, mean);
 	for (int k = 0; k < 3; k++)
 		colour[k] = rgba[k] * (textured ? mean[k] : 1);
-	if (material >= 0 || !is_preset(own))
+	if (material >= 0 || !is_preset(rgba))
 		vehicle_paint(look, colour);
-	return rgba[3];
 }

@@ -125,7 +125,6 @@ struct merging {
 	struct vehicles *vehicles;
 	mjSpec *spec;
 	char error[400];
-	enum status status;
 };
 
 static void attach(void *argument)
@@ -299,7 +298,7 @@ static enum status make_room(struct vehicles *vehicles)
 	const mjModel *model = vehicles->model;
 	vehicles->room = mem_calloc(VEHICLE_ROOM * (size_t)model->nv + 64, sizeof *vehicles->room);
 	vehicles->mass = mem_calloc((size_t)model->nC + 1, sizeof *vehicles->mass);
-	vehicles->kept = mem_calloc((size_t)mj_stateSize(model, mjSTATE_FULLPHYSICS | mjSTATE_WARMSTART) + 1, sizeof *vehicles->kept);
+	vehicles->kept = mem_calloc((size_t)mj_stateSize(model, VEHICLE_KEPT) + 1, sizeof *vehicles->kept);
 	TRY_MEM(vehicles->room != NULL && vehicles->mass != NULL && vehicles->kept != NULL, "the vehicles");
 	for (size_t v = 0; v < vehicles->all; v++)
 		vehicles->list[v].room = vehicles->room;

@@ -5,7 +5,8 @@
 
 #include "vehicle/internal.h"
 
-/* The number is that of the order by names. A slash in a name of a vehicle, or one that begins as another does, leads to no mistake. */
+/* The prefix has the number of the vehicle in the order by names, not its name. So vehicles may have a slash in their names, and one name may begin
+ * as another one does. */
 void vehicle_prefix(const struct vehicles *vehicles, size_t index, char prefix[VEHICLE_PREFIX])
 {
 	size_t place = 0;

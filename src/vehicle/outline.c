@@ -30,14 +30,6 @@ static double torque_of(const mjModel *model, int joint)
 	return most;
 }
 
-static double lowest(const struct vehicle *vehicle, int geom)
-{
-	static const double down[3] = {0, 0, -1};
-	double place[3];
-	vehicle_geom_support(vehicle->model, vehicle->data, geom, down, place);
-	return place[2];
-}
-
 static bool is_wheel(const struct soil_geom *geom)
 {
 	return geom->dof >= 0 && !geom->shape.belt;
@@ -46,10 +38,8 @@ static bool is_wheel(const struct soil_geom *geom)
 /* A hull that collides is a soil geom, but hangs above the ground. So it counts as belly. */
 static bool is_on_ground(const struct vehicle *vehicle, int geom, double ground)
 {
-	for (size_t i = 0; i < vehicle->geom_count; i++)
-		if (vehicle->geoms[i].geom == geom)
-			return is_wheel(&vehicle->geoms[i]) || lowest(vehicle, geom) <= ground;
-	return false;
+	const struct soil_geom *soil = vehicle_soil_geom_of(vehicle, geom);
+	return soil != NULL && (is_wheel(soil) || vehicle_geom_lowest(vehicle, geom) <= ground);
 }
 
 /* Finds the centre of gravity. */
@@ -71,10 +61,10 @@ static enum status outline(const struct vehicle *vehicle, struct vehicle_outline
 	*out = (struct vehicle_outline){.mass = vehicle_mass(vehicle)};
 	snprintf(out->name, sizeof out->name, "%s", vehicle->scene->name);
 	for (size_t i = 0; i < vehicle->geom_count; i++)
-		ground = fmin(ground, lowest(vehicle, vehicle->geoms[i].geom));
+		ground = fmin(ground, vehicle_geom_lowest(vehicle, vehicle->geoms[i].geom));
 	for (int geom = vehicle->own.geom.first; geom < vehicle->own.geom.end; geom++)
 		if (!is_on_ground(vehicle, geom, ground) && !vehicle_is_fixed(model, geom))
-			belly = fmin(belly, lowest(vehicle, geom));
+			belly = fmin(belly, vehicle_geom_lowest(vehicle, geom));
 	out->height = middle[2] - ground;
 	out->clearance = belly - ground;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {

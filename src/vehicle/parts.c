@@ -11,14 +11,6 @@
 #define BELOW 0.5    /* of its radius: how far a wheel's lowest point may be above the ground */
 #define TRAIL 0.2    /* of the radius: a wheel that trails its upright joint by more is a castor's */
 
-static double lowest(const struct vehicle *vehicle, int geom)
-{
-	static const double down[3] = {0, 0, -1};
-	double place[3];
-	vehicle_geom_support(vehicle->model, vehicle->data, geom, down, place);
-	return place[2];
-}
-
 /* Finds the wheel or belt of a joint that is on the ground; NULL: there is none. */
 static const struct soil_geom *wheel_of(const struct vehicle *vehicle, int joint)
 {
@@ -27,7 +19,7 @@ static const struct soil_geom *wheel_of(const struct vehicle *vehicle, int joint
 	if (wheel == NULL || fabs(vehicle->data->xaxis[3 * joint + 2]) > LEVEL)
 		return NULL;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
-		const double low = lowest(vehicle, vehicle->geoms[g].geom);
+		const double low = vehicle_geom_lowest(vehicle, vehicle->geoms[g].geom);
 		ground = fmin(ground, low);
 		if (vehicle_turning_dof(&vehicle->geoms[g]) == vehicle->model->jnt_dofadr[joint])
 			bottom = fmin(bottom, low);
@@ -189,8 +181,7 @@ void vehicle_part_size(const struct vehicles *vehicles, size_t index, struct veh
 			out->low[k] = fmin(out->low[k], place[k]);
 		}
 	}
-	const int joint = model->body_jntadr[vehicle->root];
-	out->free = joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
+	out->free = vehicle_is_free(model, vehicle->root);
 	const char *name = vehicle_part_name(model, mjOBJ_BODY, vehicle->root);
 	out->root = name != NULL ? name : "";
 }

@@ -30,6 +30,8 @@ static enum status find_wheels(struct vehicle *vehicle, struct powertrain *train
 {
 	const mjModel *model = vehicle->model;
 	const mjData *data = vehicle->data;
+	double axes[9];
+	vehicle_root_axes(vehicle, data, axes);
 	TRY(mem_zeroed(&train->wheels, vehicle->geom_count + 1, sizeof *train->wheels, "a powertrain"));
 	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
 		bool listed = geom->dof < 0;
@@ -40,8 +42,8 @@ static enum status find_wheels(struct vehicle *vehicle, struct powertrain *train
 		const int joint = model->dof_jntid[geom->dof];
 		double from[3], own[3], axis[3];
 		mju_sub3(from, &data->geom_xpos[3 * geom->geom], &data->xpos[3 * vehicle->root]);
-		mju_mulMatTVec3(own, &data->xmat[9 * vehicle->root], from);
-		mju_mulMatTVec3(axis, &data->xmat[9 * vehicle->root], &data->xaxis[3 * joint]);
+		mju_mulMatTVec3(own, axes, from);
+		mju_mulMatTVec3(axis, axes, &data->xaxis[3 * joint]);
 		train->wheels[train->wheel_count++] = (struct powertrain_wheel){
 			.dof = geom->dof, .motor = train->scene != NULL ? motor_of(vehicle, joint) : -1, .side = axis[1] >= 0 ? 1 : -1, .x = own[0], .held = (double)NAN};
 	}
@@ -224,12 +226,11 @@ void vehicle_train_effort(struct vehicle *vehicle, double effort)
 double vehicle_train_effort_for(const struct vehicle *vehicle, double acceleration)
 {
 	const struct powertrain *train = vehicle->train;
-	double radius = 0, brakes = 0, mass = 0;
+	double radius = 0, brakes = 0;
 	size_t driven = 0;
 	if (train == NULL)
 		return 0;
-	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++)
-		mass += vehicle->model->body_mass[body];
+	const double mass = vehicle_mass(vehicle);
 	for (const struct powertrain_wheel *wheel = train->wheels; wheel < train->wheels + train->wheel_count; wheel++) {
 		const struct soil_geom *geom = vehicle_driven(vehicle, vehicle->model->dof_jntid[wheel->dof]);
 		const double lever = geom == NULL ? 0 : geom->shape.belt ? fabs(geom->sprocket) : geom->shape.radius;

@@ -24,7 +24,7 @@ enum powertrain_kind { POWERTRAIN_INPUT, POWERTRAIN_AXLE, POWERTRAIN_CENTRE, POW
 struct powertrain_row {
 	enum powertrain_kind kind;
 	enum scene_differential differential; /* AXLE, CENTRE */
-	double share;               /* AXLE, CENTRE: of the shaft's torque, that each side has where both have alike */
+	double share;               /* AXLE, CENTRE: of the gearbox's torque, that each of its two sides has while both have the same torque */
 	size_t wheel;               /* HOLDS */
 };
 

@@ -1,8 +1,9 @@
 /*
  * Torques within limits that take speeds away: a linear complementarity problem with bounds, by pivoting of blocks.
  *
- * Each row is free, or at one of its limits. Rows that contradict their state change it, all at once as long as the number of them falls. Otherwise the last of
- * them alone changes, which ends for a matrix that is positive.
+ * Each row is in one of three states: free, at its upper limit, at its lower one. In each turn the free rows are solved, and rows whose result does not
+ * fit their state are found. All of these change their states at once, as long as their number falls. If it has not fallen for TRIES turns, only the
+ * last of them changes. For a positive matrix that comes to an end.
  */
 #include <math.h>
 

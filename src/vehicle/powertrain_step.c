@@ -7,7 +7,7 @@
 #define RPM (M_PI / 30)    /* rad/s */
 #define GOVERNOR 10.0      /* throttle by the share of idle that the engine is slower */
 #define CUT 0.02           /* of the last speed of the engine: over so much its fuel is cut */
-#define GIVES 1e-9         /* of a row's own mobility: rows that say the same share their torque */
+#define GIVES 1e-9         /* of a row's own mobility, added to it: so the matrix is positive where two rows say the same, and these share their torque */
 #define BACK 0.2           /* of the angle that a held wheel has turned, in a step */
 #define TANGENTS 4         /* times that the engine's torque is made linear anew */
 #define TANGENT 1e-3       /* of its speed */
@@ -80,7 +80,7 @@ struct system {
 	double inertia, alone;  /* of the engine, with what its torque gives; its speed at the end without the clutch */
 };
 
-/* Fills the vehicle's part of M + h D: of its own freedoms, count x count. */
+/* Fills the lower triangle of the vehicle's part of M + h D: of its own freedoms, count x count. */
 static void fill_inertia(const struct vehicle *vehicle, double h, double *inertia)
 {
 	const mjModel *model = vehicle->model;
@@ -90,7 +90,6 @@ static void fill_inertia(const struct vehicle *vehicle, double h, double *inerti
 		for (int k = 0; k < model->M_rownnz[row]; k++) {
 			const int at = (int)model->M_rowadr[row] + k, column = model->M_colind[at];
 			inertia[(row - first) * count + column - first] = vehicle->data->M[at];
-			inertia[(column - first) * count + row - first] = vehicle->data->M[at];
 		}
 		inertia[(row - first) * (count + 1)] += h * vehicle_damping_of(vehicle, row);
 	}

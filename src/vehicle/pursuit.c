@@ -9,8 +9,9 @@
  * The path is followed by the place of that line on the vehicle's axis, or by its origin. A speed below 0 drives it backward: all is the same as seen
  * from its tail.
  *
- * Rims go faster than the vehicle should by what it lacks, summed up (I). An actuator that keeps a rate gets that of its rim. Any other gets a
- * force, which grows with what its rim lacks (P). Without steering the yaw is held in the same way.
+ * A vehicle that is slower than it should be sums up the difference in time (I), and its rims go faster by that sum. An actuator that keeps
+ * a rate gets the rate of its rim. Any other one gets a force in proportion to how much its rim is too slow (P). The yaw of a vehicle without steering is
+ * controlled in the same way.
  */
 #include <math.h>
 
@@ -19,10 +20,10 @@
 #define AHEAD_BASES 1.2 /* the point ahead: in wheelbases, */
 #define AHEAD_TIME 1.0  /* and at least as far as it goes in this time, s, */
 #define AHEAD_ORIGIN 2.5 /* and in distances of the origin from the line about which it turns, if the origin follows */
-#define START_TIME 1.0  /* s in which the speed grows to its value at least, */
-#define START 0.2       /* of the gravity: and what it grows by */
-#define STOP 0.1        /* of the gravity: how it falls before the path's end */
-#define CREEP 0.05      /* m/s, or a tenth of the speed: what is left of it at the end */
+#define START_TIME 1.0  /* s: the speed takes at least so long to grow from 0 to what is asked for, */
+#define START 0.2       /* of the gravity: and its acceleration is no larger */
+#define STOP 0.1        /* of the gravity: the deceleration before the path's end */
+#define CREEP 0.05      /* m/s, or a tenth of the speed, if that is less: at this speed it arrives at the end */
 #define GAIN 8.0        /* 1/s: acceleration by what a rim lacks */
 #define GAIN_TRAIN 2.0  /* 1/s: the same with a powertrain, which answers later */
 #define STABLE 0.5      /* of what a wheel lacks, in a step of the engine */

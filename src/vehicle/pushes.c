@@ -4,9 +4,7 @@
  * A row of the table holds from its t until the next row of the same body. In a step of the engine a force is its mean over the step. So a push
  * of F for a time t brings F t. Forces act at the body's centre of mass, along east, north and up.
  */
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,6 +18,7 @@ struct push {
 	double t, wrench[6]; /* s; N and N m */
 	int body;
 	int line;
+	size_t end; /* of the rows of this body: the number of the first one after them */
 };
 
 struct pushes {
@@ -102,6 +101,8 @@ static enum status read_table(struct reader *reader, struct pushes *pushes)
 			reader->table.line = pushes->rows[i].line;
 			return vehicle_table_wrong(&reader->table, "t does not grow", "times that grow from row to row of a body");
 		}
+	for (size_t i = pushes->count; i-- > 0;)
+		pushes->rows[i].end = i + 1 < pushes->count && pushes->rows[i + 1].body == pushes->rows[i].body ? pushes->rows[i + 1].end : i + 1;
 	return STATUS_OK;
 }
 
@@ -137,9 +138,10 @@ void vehicle_free_pushes(struct vehicle *vehicle)
 	mem_free_all(vehicle->pushes, vehicle->host_forces);
 }
 
-/* Adds the mean force of one body's rows, first .. end - 1, between two times. */
-static void add_mean(const struct push *rows, size_t first, size_t end, double from, double to, double *wrench)
+/* Adds the mean force of one body's rows between two times. `first`: the first of them. */
+static void add_mean(const struct push *rows, size_t first, double from, double to, double *wrench)
 {
+	const size_t end = rows[first].end;
 	size_t low = first, high = end; /* the last row at or before `from` is in [low, high) */
 	while (high - low > 1) {
 		const size_t middle = low + (high - low) / 2;
@@ -166,11 +168,8 @@ void vehicle_push_bodies(struct vehicle *vehicle, double time, double seconds, b
 	if (!drives)
 		return;
 	mju_addTo(wrenches, vehicle->host_forces, 6 * (int)range_count(bodies));
-	for (size_t first = 0, end; pushes != NULL && first < pushes->count; first = end) {
-		for (end = first + 1; end < pushes->count && pushes->rows[end].body == pushes->rows[first].body; end++)
-			;
-		add_mean(pushes->rows, first, end, time, time + seconds, vehicle->data->xfrc_applied + 6 * pushes->rows[first].body);
-	}
+	for (size_t first = 0; pushes != NULL && first < pushes->count; first = pushes->rows[first].end)
+		add_mean(pushes->rows, first, time, time + seconds, vehicle->data->xfrc_applied + 6 * pushes->rows[first].body);
 }
 
 int vehicle_body_by_name(const struct vehicle *vehicle, const char *name)

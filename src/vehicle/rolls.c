@@ -69,13 +69,13 @@ void vehicle_tell_roll(const struct vehicle *vehicle, struct soil_geom *geom)
 {
 	const double *axle = &vehicle->data->xaxis[3 * vehicle->model->dof_jntid[geom->roll_dof]];
 	const double *normal = geom->contact.state == FURROW_AIR || !(geom->contact.normal[2] > 0) ? (const double[3]){0, 0, 1} : geom->contact.normal;
-	double heading[3];
+	double heading[3], axes[9];
 	mju_cross(heading, axle, normal);
 	if (mju_normalize3(heading) < 1e-6)
 		return;
 	/* An axle that looks to the right has the opposite heading and turn. So its slip has the same sign, and its speed the other one. */
-	const double *left = &vehicle->data->xmat[9 * vehicle->root];
-	const double side = axle[0] * left[1] + axle[1] * left[4] + axle[2] * left[7] < 0 ? -1 : 1;
+	vehicle_root_axes(vehicle, vehicle->data, axes);
+	const double side = axle[0] * axes[1] + axle[1] * axes[4] + axle[2] * axes[7] < 0 ? -1 : 1;
 	const double rim = geom->roll_radius * mju_dot3(geom->now.angular, axle), along = mju_dot3(geom->now.linear, heading);
 	geom->contact.slip = fabs(rim) > AT_REST ? 1 - along / rim : (double)NAN;
 	geom->contact.slip_velocity = side * (rim - along);

@@ -13,8 +13,8 @@
 #include "vehicle/settle.h"
 #include "vehicle/start.h"
 
-#define SLOWED 100.0    /* 1/s: what slows all motion at first, */
-#define SLOWED_LATER 25.0 /* and after a second, so that springs find their balance sooner */
+#define SLOWED 100.0    /* 1/s: rate at which all velocities decay in the first second, */
+#define SLOWED_LATER 25.0 /* and after it: slower, so that springs find their balance sooner */
 #define STILL_SLOWED 1e-4 /* m/s: slower than this, the slowed vehicle is in balance within about a thousandth of its weight */
 #define STILL 2e-5      /* m/s: slower than this, the free vehicle is at rest */
 #define CALM 0.1        /* s: for so long */
@@ -91,8 +91,10 @@ static enum status check_sunk(const struct vehicles *vehicles)
 	char text[500];
 	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
+		if (geom == NULL)
+			continue;
 		const bool works_long = vehicles->settling_begun > 0 && clock_seconds() - vehicles->settling_begun > WORK_MOST && speed_of(&vehicles->list[v]) > SINKS;
-		if (geom == NULL || (geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape) && !works_long))
+		if (geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape) && !works_long)
 			continue;
 		vehicle_say_sunk(vehicles, &vehicles->list[v], geom, text, sizeof text);
 		return fail_with(STATUS_INPUT, "%s: while it settles, %s", vehicles->scene->file, text);

@@ -108,7 +108,7 @@ static void tell_floors(struct spec *spec)
 
 /* --- mass --- */
 
-static double mass_of_file(const struct spec *spec)
+double vehicle_spec_mass(const struct spec *spec)
 {
 	double mass = 0;
 	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_BODY); each != NULL; each = mjs_nextElement(spec->spec, each))
@@ -150,7 +150,7 @@ static void begin_within_limits(struct spec *spec)
 static void set_pose(struct spec *spec)
 {
 	const mjModel *model = spec->model;
-	const struct scene_texts *held = &spec->scene->held;
+	const struct scene_texts *held = &spec->scene->held.names;
 	if (spec->scene->keyframe != NULL)
 		spec->keyframe = mj_name2id(model, mjOBJ_KEY, spec->scene->keyframe);
 	if (spec->keyframe >= 0)
@@ -161,7 +161,7 @@ static void set_pose(struct spec *spec)
 		const int joint = mj_name2id(model, mjOBJ_JOINT, held->list[i]);
 		if (joint < 0 || (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE))
 			continue;
-		spec->data->qpos[model->jnt_qposadr[joint]] = vehicle_spec_first(model->jnt_limited[joint], model->jnt_range + 2 * joint, spec->scene->values[i]);
+		spec->data->qpos[model->jnt_qposadr[joint]] = vehicle_spec_first(model->jnt_limited[joint], model->jnt_range + 2 * joint, spec->scene->held.values[i]);
 	}
 }
 
@@ -246,7 +246,7 @@ static void make(void *argument)
 	vehicle_spec_shells(spec);
 	if (spec->tries == 0)
 		mj_clearCache(mj_getCache()); /* it knows files by their second of change alone */
-	const double given = mass_of_file(spec);
+	const double given = vehicle_spec_mass(spec);
 	compile(spec);
 	if (spec->model != NULL)
 		couple_freedoms(spec);

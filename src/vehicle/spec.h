@@ -7,7 +7,9 @@
 #ifndef FURROW_VEHICLE_SPEC_H
 #define FURROW_VEHICLE_SPEC_H
 
+#include <limits.h>
 #include <math.h>
+#include <string.h>
 
 #include "vehicle/internal.h"
 
@@ -39,6 +41,7 @@ struct spec {
 	char flat[160];             /* the mesh without a volume that MuJoCo refused last; empty: none */
 	bool bounded;               /* MuJoCo refused a link as too light: all get a least mass */
 	size_t tries;               /* how often it was made */
+	char package[200], package_folder[PATH_MAX]; /* the package that was looked for last by its package.xml, and its folder; "": none was found */
 	char error[400];
 	enum status status;         /* of what is not MuJoCo's */
 };
@@ -73,7 +76,15 @@ void vehicle_spec_tell(struct spec *spec, const char *format, ...) __attribute__
 void vehicle_spec_name(struct spec_names *names, const char *name);
 
 /* Finds the file of a mesh of a URDF, in the model's folder or in `model_path`. Returns false if it is nowhere, or where the model may not read. */
-bool vehicle_spec_find(const struct spec *spec, const char *name, char path[]); /* PATH_MAX bytes */
+bool vehicle_spec_find(struct spec *spec, const char *name, char path[]); /* PATH_MAX bytes */
+static inline const char *vehicle_spec_base(const char *path) /* returns what is behind its last slash */
+{
+	const char *slash = strrchr(path, '/');
+	return slash != NULL ? slash + 1 : path;
+}
+
+/* Returns the mass of all inertials of the file, kg. */
+double vehicle_spec_mass(const struct spec *spec);
 
 /* --- spec_text.c --- */
 /* Reads a URDF, and changes what MuJoCo refuses or mixes up. Free *out with mem_free. STATUS_INPUT: it cannot be read. */
@@ -86,6 +97,7 @@ void vehicle_spec_free(struct spec *spec); /* all but its spec, model and data *
 void vehicle_spec_parts(struct spec *spec);                           /* spec_parts.c: shapes, skins, names, mimics */
 bool vehicle_spec_flat(struct spec *spec);                            /* whether what spec->error is about can be mended: then it is made again */
 void vehicle_spec_shells(struct spec *spec);
+bool vehicle_spec_weighs(mjsElement *geom, const char *mesh);         /* whether the geom is of this mesh, and its body gets its mass from it */
 void vehicle_spec_inertias(struct spec *spec);                        /* spec_inertia.c */
 enum status vehicle_spec_meshes(struct spec *spec) FURROW_CHECKED;    /* spec_meshes.c: files of meshes and images */
 enum status vehicle_spec_servos(struct spec *spec) FURROW_CHECKED;    /* spec_servos.c */

@@ -24,7 +24,6 @@ static const char package[] = "package://", model_scheme[] = "model://", local[]
 /* What was done about meshes and images. */
 struct files {
 	struct spec_names missing, strange, massless, images;
-	char last[PATH_MAX], last_package[200]; /* the package that was found last, and its folder */
 };
 
 static bool is_file(const char *folder, const char *name, char path[PATH_MAX])
@@ -34,18 +33,12 @@ static bool is_file(const char *folder, const char *name, char path[PATH_MAX])
 	       realpath(joined, path) != NULL;
 }
 
-static const char *base_of(const char *folder)
-{
-	const char *slash = strrchr(folder, '/');
-	return slash != NULL ? slash + 1 : folder;
-}
-
 /* Looks for a package's file in a folder: the package itself, or one that holds it. */
 static bool in_package(const char *folder, const char *name, char path[PATH_MAX])
 {
 	const char *rest = strchr(name, '/');
 	const size_t length = rest != NULL ? (size_t)(rest - name) : 0;
-	const char *base = base_of(folder);
+	const char *base = vehicle_spec_base(folder);
 	if (length == 0)
 		return false;
 	/* The folder of a package often has another name than the package. */
@@ -93,23 +86,23 @@ static bool find_package(const char *folder, const char *name, size_t length, in
 }
 
 /* The same by package.xml of folders around the model. */
-static bool in_named_package(struct files *files, const char *folder, const char *name, char path[PATH_MAX])
+static bool in_named_package(struct spec *spec, const char *folder, const char *name, char path[PATH_MAX])
 {
 	const char *rest = strchr(name, '/');
 	const size_t length = rest != NULL ? (size_t)(rest - name) : 0;
 	char from[PATH_MAX];
 	int left = FOLDERS_MOST;
-	if (length == 0 || length >= sizeof files->last_package)
+	if (length == 0 || length >= sizeof spec->package)
 		return false;
-	if (strncmp(files->last_package, name, length) != 0 || files->last_package[length] != '\0') {
-		snprintf(files->last_package, sizeof files->last_package, "%.*s", (int)length, name);
-		files->last[0] = '\0';
+	if (strncmp(spec->package, name, length) != 0 || spec->package[length] != '\0') {
+		snprintf(spec->package, sizeof spec->package, "%.*s", (int)length, name);
+		spec->package_folder[0] = '\0';
 		snprintf(from, sizeof from, "%s", folder);
 		bool found = false;
 		for (int i = 0; i <= ABOVE && from[1] != '\0' && !found; i++, vehicle_check_cut(from))
-			found = find_package(from, name, length, i == 0 ? 0 : BELOW, &left, files->last);
+			found = find_package(from, name, length, i == 0 ? 0 : BELOW, &left, spec->package_folder);
 	}
-	return files->last[0] != '\0' && is_file(files->last, rest + 1, path);
+	return spec->package_folder[0] != '\0' && is_file(spec->package_folder, rest + 1, path);
 }
 
 /* The model's own folder, whole. */
@@ -122,7 +115,7 @@ static bool folder_of(const struct spec *spec, char folder[PATH_MAX])
 }
 
 /* Finds a mesh. Returns false if it is nowhere. */
-static bool find(const struct spec *spec, struct files *files, const char *name, char path[PATH_MAX])
+static bool find(struct spec *spec, const char *name, char path[PATH_MAX])
 {
 	const struct scene_texts *places = &spec->scene->model_path;
 	char folder[PATH_MAX];
@@ -139,7 +132,7 @@ static bool find(const struct spec *spec, struct files *files, const char *name,
 		for (int i = 0; i <= ABOVE && folder[1] != '\0'; i++, vehicle_check_cut(folder))
 			if (in_package(folder, name, path))
 				return true;
-		return in_named_package(files, beside, name, path);
+		return in_named_package(spec, beside, name, path);
 	}
 	if (strncmp(name, local, strlen(local)) == 0)
 		name += strlen(local);
@@ -179,10 +172,9 @@ static bool may_read(const struct spec *spec, const char *name, const char *path
 	return false;
 }
 
-bool vehicle_spec_find(const struct spec *spec, const char *name, char path[])
+bool vehicle_spec_find(struct spec *spec, const char *name, char path[])
 {
-	struct files files = {.last = ""};
-	return find(spec, &files, name, path) && may_read(spec, name, path);
+	return find(spec, name, path) && may_read(spec, name, path);
 }
 
 /* Takes the geoms of a mesh out of the model. */
@@ -223,7 +215,7 @@ static enum status convert(mjsMesh *mesh, const char *path, const char *name, bo
 	mjs_setString(mesh->file, "");
 	for (int i = 0; i < 3; i++)
 		mesh->scale[i] /= scale;
-	scene_mesh_free(from);
+	scene_mesh_destroy(from);
 	return STATUS_OK;
 }
 
@@ -237,8 +229,8 @@ static enum status place(struct spec *spec, mjsMesh *mesh, struct files *files)
 	if (name == NULL || name[0] == '\0')
 		return STATUS_OK;
 	name = vehicle_spec_file(spec, name);
-	if (!find(spec, files, name, path)) {
-		vehicle_spec_name(&files->missing, base_of(name));
+	if (!find(spec, name, path)) {
+		vehicle_spec_name(&files->missing, vehicle_spec_base(name));
 		leave_out(spec, mesh);
 		return STATUS_OK;
 	}
@@ -253,7 +245,7 @@ static enum status place(struct spec *spec, mjsMesh *mesh, struct files *files)
 	if (ends_in(path, converted))
 		TRY(convert(mesh, path, name, &read));
 	if (!read) {
-		vehicle_spec_name(&files->strange, base_of(name));
+		vehicle_spec_name(&files->strange, vehicle_spec_base(name));
 		leave_out(spec, mesh);
 	}
 	return STATUS_OK;
@@ -267,7 +259,7 @@ static bool mujoco_finds(const struct spec *spec, const mjsElement *element, con
 	const char *above = mjs_getString(origin->modelfiledir);
 	char joined[2 * PATH_MAX], path[PATH_MAX];
 	if (spec->spec->strippath)
-		name = base_of(name);
+		name = vehicle_spec_base(name);
 	snprintf(joined, sizeof joined, "%.4000s%s%.2000s", above != NULL ? above : "", above != NULL && above[0] != '\0' && above[strlen(above) - 1] != '/' ? "/" : "",
 		 folder != NULL ? folder : "");
 	while (strlen(joined) > 1 && joined[strlen(joined) - 1] == '/')
@@ -276,20 +268,17 @@ static bool mujoco_finds(const struct spec *spec, const mjsElement *element, con
 }
 
 /* Looks for it in model_path. */
-static bool finds_else(struct spec *spec, struct files *files, const char *name, char path[PATH_MAX])
+static bool finds_else(struct spec *spec, const char *name, char path[PATH_MAX])
 {
-	return (find(spec, files, name, path) || find(spec, files, base_of(name), path)) && may_read(spec, name, path);
+	return (find(spec, name, path) || find(spec, vehicle_spec_base(name), path)) && may_read(spec, name, path);
 }
 
 static void note_massless(const struct spec *spec, const mjsMesh *mesh, struct files *files)
 {
 	const char *name = mjs_getString(mjs_getName(mesh->element));
-	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_GEOM); each != NULL; each = mjs_nextElement(spec->spec, each)) {
-		const char *of = mjs_getString(mjs_asGeom(each)->meshname);
-		const mjsGeom *geom = mjs_asGeom(each);
-		if (of != NULL && strcmp(of, name) == 0 && !mjs_getParent(each)->explicitinertial && (geom->mass > 0 || (isnan(geom->mass) && geom->density > 0)))
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_GEOM); each != NULL; each = mjs_nextElement(spec->spec, each))
+		if (vehicle_spec_weighs(each, name))
 			vehicle_spec_name(&files->massless, mjs_getString(mjs_getName(mjs_getParent(each)->element)));
-	}
 }
 
 static void place_own(struct spec *spec, mjsMesh *mesh, struct files *files)
@@ -299,11 +288,11 @@ static void place_own(struct spec *spec, mjsMesh *mesh, struct files *files)
 	const mjSpec *origin = mjs_getOriginSpec(mesh->element);
 	if (name == NULL || name[0] == '\0' || mujoco_finds(spec, mesh->element, mjs_getString(origin->compiler.meshdir), name))
 		return;
-	if (finds_else(spec, files, name, path)) {
+	if (finds_else(spec, name, path)) {
 		mjs_setString(mesh->file, path);
 		return;
 	}
-	vehicle_spec_name(&files->missing, base_of(name));
+	vehicle_spec_name(&files->missing, vehicle_spec_base(name));
 	note_massless(spec, mesh, files);
 	leave_out(spec, mesh);
 }
@@ -315,7 +304,7 @@ static void place_image(struct spec *spec, mjsTexture *texture, struct files *fi
 	const mjSpec *origin = mjs_getOriginSpec(texture->element);
 	if (name == NULL || name[0] == '\0' || mujoco_finds(spec, texture->element, mjs_getString(origin->compiler.texturedir), name))
 		return;
-	vehicle_spec_name(&files->images, base_of(name));
+	vehicle_spec_name(&files->images, vehicle_spec_base(name));
 	mjs_setString(texture->file, "");
 	texture->builtin = mjBUILTIN_FLAT;
 	texture->width = texture->height = 1;

@@ -234,14 +234,18 @@ bool vehicle_spec_flat(struct spec *spec)
 	return false;
 }
 
+bool vehicle_spec_weighs(mjsElement *element, const char *mesh)
+{
+	const mjsGeom *geom = mjs_asGeom(element);
+	const char *of = mjs_getString(geom->meshname);
+	return of != NULL && strcmp(of, mesh) == 0 && !mjs_getParent(element)->explicitinertial && (isnan(geom->mass) ? geom->density > 0 : geom->mass > 0);
+}
+
 static bool mass_counts(const struct spec *spec, const char *mesh)
 {
 	bool counts = false;
-	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_GEOM); each != NULL; each = mjs_nextElement(spec->spec, each)) {
-		const mjsGeom *geom = mjs_asGeom(each);
-		const char *of = mjs_getString(geom->meshname);
-		counts = counts || (of != NULL && strcmp(of, mesh) == 0 && !mjs_getParent(each)->explicitinertial && (isnan(geom->mass) ? geom->density > 0 : geom->mass > 0));
-	}
+	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_GEOM); each != NULL; each = mjs_nextElement(spec->spec, each))
+		counts = counts || vehicle_spec_weighs(each, mesh);
 	return counts;
 }
 

@@ -42,21 +42,13 @@ static double largest_size(const struct spec *spec)
 	return size;
 }
 
-static double own_weight(const struct spec *spec)
-{
-	double mass = 0;
-	for (mjsElement *each = mjs_firstElement(spec->spec, mjOBJ_BODY); each != NULL; each = mjs_nextElement(spec->spec, each))
-		mass += mjs_asBody(each)->explicitinertial ? mjs_asBody(each)->mass : 0;
-	return fmax(mass, 1) * spec->gravity;
-}
-
 static enum status add_servo(struct spec *spec, const mjsJoint *joint, bool drives, double share, struct spec_names *told, double *torque)
 {
 	const char *name = mjs_getString(mjs_getName(joint->element));
 	mjsActuator *servo = mjs_addActuator(spec->spec, NULL);
 	TRY_MEM(servo, "a vehicle");
 	const struct scene_servo *given = &spec->scene->servo;
-	const double limit = joint->actfrcrange[1], lifts = own_weight(spec) * largest_size(spec) * share;
+	const double limit = joint->actfrcrange[1], lifts = fmax(vehicle_spec_mass(spec), 1) * spec->gravity * largest_size(spec) * share;
 	*torque = given->torque > 0 ? given->torque : limit > 0 ? limit : lifts;
 	/* An effort of 1000 N m in the file of a robot of 2 kg is no measure of how stiff it is. */
 	const double stiff = given->torque > 0 ? *torque : fmin(*torque, LIFTS * lifts);
@@ -138,7 +130,7 @@ enum status vehicle_spec_servos(struct spec *spec)
 	const struct scene_vehicle *scene = spec->scene;
 	TRY(add_servos(spec, &scene->drive, true, ANY));
 	TRY(add_servos(spec, &scene->steer, false, ANY));
-	TRY(add_servos(spec, &scene->held, false, ANY));
+	TRY(add_servos(spec, &scene->held.names, false, ANY));
 	if (scene->controls != NULL)
 		TRY(add_columns(spec));
 	return STATUS_OK;

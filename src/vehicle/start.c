@@ -152,17 +152,12 @@ enum status vehicle_start_pose(struct vehicle *vehicle, const char *where)
 
 /* --- the place --- */
 
-static bool is_free(const mjModel *model, int body)
-{
-	return model->body_jntnum[body] > 0 && model->jnt_type[model->body_jntadr[body]] == mjJNT_FREE;
-}
-
 /* Returns where a root body of the model is: its free joint, or its place in the model's world. Three numbers, and four of its orientation. */
 static double *place_of(struct vehicle *vehicle, int body, double **quat)
 {
 	const mjModel *model = vehicle->model;
-	double *pos = is_free(model, body) ? &vehicle->data->qpos[model->jnt_qposadr[model->body_jntadr[body]]] : &model->body_pos[3 * body];
-	*quat = is_free(model, body) ? pos + 3 : &model->body_quat[4 * body];
+	double *pos = vehicle_is_free(model, body) ? &vehicle->data->qpos[model->jnt_qposadr[model->body_jntadr[body]]] : &model->body_pos[3 * body];
+	*quat = vehicle_is_free(model, body) ? pos + 3 : &model->body_quat[4 * body];
 	return pos;
 }
 
@@ -235,18 +230,10 @@ static void lift(struct vehicle *vehicle)
 			place_of(vehicle, body, &quat)[2] += vehicle->lift;
 }
 
-static bool is_of_soil(const struct vehicle *vehicle, int geom)
-{
-	for (size_t g = 0; g < vehicle->geom_count; g++)
-		if (vehicle->geoms[g].geom == geom)
-			return true;
-	return false;
-}
-
 static bool is_solid(const struct vehicle *vehicle, int geom)
 {
 	const mjModel *model = vehicle->model;
-	return !vehicle_is_fixed(model, geom) && (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0 || is_of_soil(vehicle, geom));
+	return !vehicle_is_fixed(model, geom) && (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0 || vehicle_soil_geom_of(vehicle, geom) != NULL);
 }
 
 /* Finds half its length in plan: of all that collides, and of soil geoms, along its root body's x axis or across, which is longer. */
@@ -321,7 +308,7 @@ enum status vehicle_check_start(const struct vehicles *vehicles, const struct ve
 		double depth, at[3];
 		bool any;
 		char name[256];
-		if (is_of_soil(vehicle, i) || !is_solid(vehicle, i))
+		if (vehicle_soil_geom_of(vehicle, i) != NULL || !is_solid(vehicle, i))
 			continue;
 		TRY(depth_of(vehicles, vehicle, i, &depth, at, &any));
 		if (depth <= 0)
@@ -428,8 +415,10 @@ static void roll(const struct vehicle *vehicle, struct soil_geom *geom, const do
 
 enum status vehicle_start_speed(struct vehicles *vehicles, struct vehicle *vehicle)
 {
-	const double speed = vehicle->scene->start.speed, *mat = &vehicle->data->xmat[9 * vehicle->root];
-	const double velocity[3] = {speed * mat[0], speed * mat[3], speed * mat[6]};
+	const double speed = vehicle->scene->start.speed;
+	double axes[9];
+	vehicle_root_axes(vehicle, vehicle->data, axes);
+	const double velocity[3] = {speed * axes[0], speed * axes[3], speed * axes[6]};
 	if (speed == 0)
 		return STATUS_OK;
 	for (int body = vehicle->own.body.first; body < vehicle->own.body.end; body++) {

@@ -18,33 +18,64 @@ size_t vehicle_state_numbers(const struct vehicle *vehicle)
 	       vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
 }
 
-static double *put(double *to, const double *from, size_t count)
+/* Numbers that are saved, or restored. One list of what a state has serves both. */
+struct record {
+	double *to;         /* saves there; NULL: restores */
+	const double *from;
+};
+
+static void carry(struct record *record, double *numbers, size_t count)
 {
-	if (count > 0)
-		memcpy(to, from, count * sizeof *to);
-	return to + count;
+	if (record->to != NULL) {
+		mju_copy(record->to, numbers, (int)count);
+		record->to += count;
+	} else {
+		mju_copy(numbers, record->from, (int)count);
+		record->from += count;
+	}
 }
 
-static const double *take(const double *from, double *to, size_t count)
+static void carry_bool(struct record *record, bool *is)
 {
-	if (count > 0)
-		memcpy(to, from, count * sizeof *to);
-	return from + count;
+	double number = *is;
+	carry(record, &number, 1);
+	*is = number != 0;
 }
 
-static double *save_geom(const struct world *world, const struct soil_geom *geom, double *to)
+static void carry_geom(struct record *record, struct soil_geom *geom)
 {
-	const struct furrow_state *touched = &geom->touched;
-	*to++ = geom->is_touched;
-	*to++ = geom->touched_belt.travel;
-	*to++ = geom->work;
-	to = put(to, touched->pose.position, 3);
-	to = put(to, touched->pose.orientation, 4);
-	to = put(to, touched->linear, 3);
-	to = put(to, touched->angular, 3);
-	to = put(to, geom->mean, 3);
-	world_body_save(world, geom->number, to);
-	return to + WORLD_BODY_NUMBERS;
+	struct furrow_state *touched = &geom->touched;
+	carry_bool(record, &geom->is_touched);
+	carry(record, &geom->touched_belt.travel, 1);
+	carry(record, &geom->work, 1);
+	carry(record, touched->pose.position, 3);
+	carry(record, touched->pose.orientation, 4);
+	carry(record, touched->linear, 3);
+	carry(record, touched->angular, 3);
+	carry(record, geom->mean, 3);
+}
+
+/* The OWN numbers. */
+static void carry_own(struct record *record, struct vehicle *vehicle)
+{
+	struct driver *driver = &vehicle->driver;
+	double *const first[] = {&vehicle->checksum[0], &vehicle->checksum[1], &vehicle->begun, &vehicle->settle_seconds, &vehicle->calm, &vehicle->work,
+				 &vehicle->distance, &vehicle->slow, &vehicle->origin[2], &vehicle->lift, &vehicle->data->time, &driver->at, &driver->sum};
+	for (size_t i = 0; i < sizeof first / sizeof first[0]; i++)
+		carry(record, first[i], 1);
+	carry_bool(record, &driver->arrived);
+	carry(record, &driver->speed, 1);
+	carry(record, &driver->turn, 1);
+}
+
+static void carry_engine(struct record *record, struct vehicle *vehicle)
+{
+	const struct owned *own = &vehicle->own;
+	mjData *data = vehicle->data;
+	carry(record, data->qpos + own->qpos.first, range_count(own->qpos));
+	carry(record, data->qvel + own->dof.first, range_count(own->dof));
+	carry(record, data->qacc_warmstart + own->dof.first, range_count(own->dof));
+	carry(record, data->act + own->act.first, range_count(own->act));
 }
 
 /* Places that are not used are 0. */
@@ -58,26 +89,21 @@ static double *save_trail(const struct trail *trail, double *to)
 	return to;
 }
 
-static double *save_one(const struct vehicles *vehicles, const struct vehicle *vehicle, double *to)
+static double *save_one(const struct vehicles *vehicles, struct vehicle *vehicle, double *to)
 {
-	const struct owned *owned = &vehicle->own;
-	const mjData *data = vehicle->data;
-	const struct driver *driver = &vehicle->driver;
-	const double own[OWN] = {vehicle->checksum[0], vehicle->checksum[1], vehicle->begun, vehicle->settle_seconds, vehicle->calm,
-				 vehicle->work, vehicle->distance, vehicle->slow, vehicle->origin[2], vehicle->lift, data->time, driver->at,
-				 driver->sum, driver->arrived, driver->speed, driver->turn};
-	to = put(to, own, OWN);
-	to = save_trail(&vehicle->trail, to);
-	to = vehicle_save_lies(vehicle, to);
-	to = put(to, data->qpos + owned->qpos.first, range_count(owned->qpos));
-	to = put(to, data->qvel + owned->dof.first, range_count(owned->dof));
-	to = put(to, data->qacc_warmstart + owned->dof.first, range_count(owned->dof));
-	to = put(to, data->act + owned->act.first, range_count(owned->act));
-	to = vehicle_train_save(vehicle, to);
-	to = vehicle_drives_save(vehicle, to);
-	for (size_t g = 0; g < vehicle->geom_count; g++)
-		to = save_geom(vehicles->world, &vehicle->geoms[g], to);
-	return to;
+	struct record record = {.to = to};
+	carry_own(&record, vehicle);
+	record.to = save_trail(&vehicle->trail, record.to);
+	record.to = vehicle_save_lies(vehicle, record.to);
+	carry_engine(&record, vehicle);
+	record.to = vehicle_train_save(vehicle, record.to);
+	record.to = vehicle_drives_save(vehicle, record.to);
+	for (struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
+		carry_geom(&record, geom);
+		world_body_save(vehicles->world, geom->number, record.to);
+		record.to += WORLD_BODY_NUMBERS;
+	}
+	return record.to;
 }
 
 void vehicle_save(const struct vehicles *vehicles, double *numbers)
@@ -90,24 +116,6 @@ static enum status damaged(const struct vehicles *vehicles, const struct vehicle
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from does not fit vehicles.%s: %s; drive without --resume",
 			 world_facts(vehicles->world)->path, vehicle->scene->name, why);
-}
-
-static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geom, const double **from)
-{
-	struct furrow_state *touched = &geom->touched;
-	geom->is_touched = *(*from)++ != 0;
-	geom->touched_belt.travel = *(*from)++;
-	geom->work = *(*from)++;
-	*from = take(*from, touched->pose.position, 3);
-	*from = take(*from, touched->pose.orientation, 4);
-	*from = take(*from, touched->linear, 3);
-	*from = take(*from, touched->angular, 3);
-	*from = take(*from, geom->mean, 3);
-	geom->contact = world_contact_unknown();
-	enum status status = world_body_restore(vehicles->world, geom->number, *from);
-	geom->aloft = !geom->is_standing && **from == 0;
-	*from += WORLD_BODY_NUMBERS;
-	return status;
 }
 
 /* Returns false if it is none. */
@@ -123,42 +131,29 @@ static bool restore_trail(struct trail *trail, const double *from)
 
 static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicle, const double **numbers)
 {
-	const struct owned *owned = &vehicle->own;
-	mjData *data = vehicle->data;
-	struct driver *driver = &vehicle->driver;
-	const double *n = *numbers, *from = n + OWN + TRAIL;
+	const double *n = *numbers;
+	struct record record = {.from = n};
 	if (n[0] != vehicle->checksum[0] || n[1] != vehicle->checksum[1])
 		return damaged(vehicles, vehicle, "its model is another one now, or was read by another MuJoCo");
-	if (!restore_trail(&vehicle->trail, n + OWN) || !(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(n[11] >= 0 && n[11] <= fmax((double)driver->point_count - 1, 0)))
+	if (!restore_trail(&vehicle->trail, n + OWN) || !(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(n[11] >= 0 && n[11] <= fmax((double)vehicle->driver.point_count - 1, 0)))
 		return damaged(vehicles, vehicle, "numbers out of range");
 	const bool is_placed = vehicle->begun > 0; /* it goes back to a checkpoint: its model is turned and lifted already */
-	vehicle->begun = n[2];
-	vehicle->settle_seconds = n[3];
-	vehicle->calm = n[4];
-	vehicle->work = n[5];
-	vehicle->distance = n[6];
-	vehicle->slow = n[7];
-	vehicle->origin[2] = n[8];
-	vehicle->lift = n[9];
-	driver->at = n[11];
-	driver->sum = n[12];
-	driver->arrived = n[13] != 0;
-	driver->speed = n[14];
-	driver->turn = n[15];
-	from = vehicle_restore_lies(vehicle, from);
+	carry_own(&record, vehicle);
+	record.from = vehicle_restore_lies(vehicle, record.from + TRAIL);
 	if (vehicle->begun > 0 && !is_placed)
 		TRY(vehicle_replace(vehicles, vehicle));
-	data->time = n[10];
-	memset(data->warning, 0, sizeof data->warning);
-	from = take(from, data->qpos + owned->qpos.first, range_count(owned->qpos));
-	from = take(from, data->qvel + owned->dof.first, range_count(owned->dof));
-	from = take(from, data->qacc_warmstart + owned->dof.first, range_count(owned->dof));
-	from = take(from, data->act + owned->act.first, range_count(owned->act));
-	from = vehicle_train_restore(vehicle, from);
-	from = vehicle_drives_restore(vehicle, from);
-	for (size_t g = 0; g < vehicle->geom_count; g++)
-		TRY(restore_geom(vehicles, &vehicle->geoms[g], &from));
-	*numbers = from;
+	memset(vehicle->data->warning, 0, sizeof vehicle->data->warning);
+	carry_engine(&record, vehicle);
+	record.from = vehicle_train_restore(vehicle, record.from);
+	record.from = vehicle_drives_restore(vehicle, record.from);
+	for (struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
+		carry_geom(&record, geom);
+		geom->contact = world_contact_unknown();
+		geom->aloft = !geom->is_standing && record.from[0] == 0;
+		TRY(world_body_restore(vehicles->world, geom->number, record.from));
+		record.from += WORLD_BODY_NUMBERS;
+	}
+	*numbers = record.from;
 	return STATUS_OK;
 }
 

@@ -205,7 +205,8 @@ static size_t list_neighbours(const struct thinned *thinned, uint32_t vertex, co
 	return listed;
 }
 
-/* How far the place of a vertex is from the triangles about it, if it moves onto `to`; INFINITY: one of them would turn over. */
+/* Returns how far, m, the place of a vertex is from the triangles about it once the vertex has moved onto `to`. INFINITY: that is farther
+ * than `most`, or a triangle would turn over. */
 static double error_of(const struct thinned *thinned, uint32_t vertex, uint32_t to, const uint32_t *around, size_t count, double most)
 {
 	const float *from = thinned->places[vertex];
@@ -226,7 +227,7 @@ static double error_of(const struct thinned *thinned, uint32_t vertex, uint32_t 
 			return INFINITY;
 		least = fmin(least, from_triangle(place, corner[0], corner[1], corner[2]));
 	}
-	/* Of a vertex all of whose triangles go, nothing is left there but `to`. */
+	/* All triangles about the vertex go. Then `to` alone is left of them. */
 	if (isinf(least)) {
 		double apart[3];
 		minus(from, thinned->places[to], apart);
@@ -299,7 +300,7 @@ static void range_of(const struct grid *grid, const double low[3], const double 
 	}
 }
 
-/* Calls for each cell of a triangle. `fill`: it puts the triangle there; otherwise it counts it. */
+/* Counts a triangle in each cell that its box touches. With `fill` it puts the triangle into the lists of these cells instead. */
 static void put_triangle(const struct thinned *thinned, struct grid *grid, uint32_t triangle, bool fill)
 {
 	double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};

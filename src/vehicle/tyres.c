@@ -7,10 +7,7 @@
 /* The load of each soil geom on level ground, N. Of a model that does not stand each has the same. */
 static double load_of(const struct vehicle *vehicle, const struct scene *scene, const struct soil_geom *geom)
 {
-	double mass = 0;
-	for (int i = vehicle->own.body.first; i < vehicle->own.body.end; i++)
-		mass += vehicle->model->body_mass[i];
-	return mass * scene->gravity * (geom->share > 0 ? geom->share : 1 / (double)vehicle->standing_count);
+	return vehicle_mass(vehicle) * scene->gravity * (geom->share > 0 ? geom->share : 1 / (double)vehicle->standing_count);
 }
 
 static enum status set_tyre(const struct vehicle *vehicle, const struct scene *scene, const struct scene_tyre *tyre, struct soil_geom *geom)

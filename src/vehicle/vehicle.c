@@ -447,7 +447,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	double slips = 0;
 	for (size_t g = 0; g < vehicle->geom_count && vehicles->world != NULL; g++) {
 		const double slip = vehicle->geoms[g].contact.slip;
-		if ((soil_shape_runs(&vehicle->geoms[g].shape) || vehicle->geoms[g].roll_dof >= 0) && isfinite(slip)) {
+		if (vehicle_turning_dof(&vehicle->geoms[g]) >= 0 && isfinite(slip)) {
 			info->slip += slip;
 			slips++;
 		}

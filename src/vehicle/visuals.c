@@ -4,9 +4,7 @@
  *
  * A file that is missing or cannot be read is told, and never ends a drive. A body without any visual is shown by what collides.
  */
-#include <limits.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "scene/scene.h"
@@ -70,12 +68,6 @@ static enum status see(struct visuals *visuals, const char *path, const double s
 	return status == STATUS_INPUT ? STATUS_OK : status;
 }
 
-static const char *base_of(const char *name)
-{
-	const char *slash = strrchr(name, '/');
-	return slash != NULL ? slash + 1 : name;
-}
-
 /* --- figures --- */
 
 /* Finds the body that a link is part of, and the link's place on it. */
@@ -87,7 +79,7 @@ static int body_of(const struct visuals *visuals, size_t link, struct urdf_place
 	for (size_t far = 0; link != SIZE_MAX && far <= visuals->urdf->link_count; far++) {
 		const struct urdf_link *at = &visuals->urdf->links[link];
 		for (int i = bodies.first; i < bodies.end; i++) {
-			const char *name = vehicle_bare_body(vehicle, i);
+			const char *name = vehicle_part_name(vehicle->model, mjOBJ_BODY, i);
 			if (name != NULL && at->name != NULL && strcmp(name, at->name) == 0)
 				return i;
 		}
@@ -140,12 +132,12 @@ static enum status add_mesh(struct visuals *visuals, const struct urdf_visual *v
 	if (visual->file == NULL)
 		return STATUS_OK;
 	if (!vehicle_spec_find(&visuals->spec, visual->file, path)) {
-		vehicle_spec_name(&visuals->missing, base_of(visual->file));
+		vehicle_spec_name(&visuals->missing, vehicle_spec_base(visual->file));
 		return STATUS_OK;
 	}
 	TRY(see(visuals, path, visual->size, &seen));
 	if (seen->count == 0)
-		vehicle_spec_name(&visuals->strange, base_of(visual->file));
+		vehicle_spec_name(&visuals->strange, vehicle_spec_base(visual->file));
 	for (size_t i = 0; i < seen->count; i++) {
 		const struct scene_mesh_part *part = &seen->parts[i];
 		const struct soil_shape shape = {.kind = SOIL_MESH, .mesh = part->mesh};

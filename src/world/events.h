@@ -107,9 +107,9 @@ const struct world_place *world_frame_of(const struct world *world, size_t vehic
  * Bodies by their numbers in pictures, from 1. The scene's objects come first, in its order, then the bodies of world_figures. Those that a host has
  * added come last, in the order of their numbers in the world. A number stays the same through a drive, and is the same in each drive of a scene.
  */
-enum world_instance { WORLD_INSTANCE_NONE, WORLD_INSTANCE_OBJECT, WORLD_INSTANCE_VEHICLE, WORLD_INSTANCE_ADDED };
-/* Tells what has a number. *name: until the next body is added; NULL: nothing has it, as 0. */
-enum world_instance world_instance_of(const struct world *world, uint32_t number, const char **name);
+/* Returns the name of the body that has a number, valid until the next body is added. NULL: nothing has it, as 0. */
+const char *world_instance_of(const struct world *world, uint32_t number);
+uint32_t world_instance_of_figured(const struct world *world, size_t body); /* returns the number of a body of world_figures */
 uint32_t world_instance_of_added(const struct world *world, size_t body); /* returns the number of a body that a host has added */
 
 #endif

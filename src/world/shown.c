@@ -97,27 +97,22 @@ const struct world_figures *world_figures(const struct world *world)
 	return &world->figures;
 }
 
-enum world_instance world_instance_of(const struct world *world, uint32_t number, const char **name)
+const char *world_instance_of(const struct world *world, uint32_t number)
 {
 	const size_t objects = world->scene->object_count, figured = world->figures.body_count, at = (size_t)number - 1;
-	*name = NULL;
 	if (number == 0)
-		return WORLD_INSTANCE_NONE;
-	if (at < objects) {
-		*name = world->scene->objects[at].name;
-		return WORLD_INSTANCE_OBJECT;
-	}
-	if (at < objects + figured) {
-		*name = world->figures.bodies[at - objects];
-		return WORLD_INSTANCE_VEHICLE;
-	}
-	if (at - figured >= world->body_count)
-		return WORLD_INSTANCE_NONE;
-	const struct body *body = world->bodies[at - figured];
-	if (body == NULL || body->kind != BODY_HOST)
-		return WORLD_INSTANCE_NONE;
-	*name = body->object->name;
-	return WORLD_INSTANCE_ADDED;
+		return NULL;
+	if (at < objects)
+		return world->scene->objects[at].name;
+	if (at < objects + figured)
+		return world->figures.bodies[at - objects];
+	const struct body *body = at - figured < world->body_count ? world->bodies[at - figured] : NULL;
+	return body != NULL && body->kind == BODY_HOST ? body->object->name : NULL;
+}
+
+uint32_t world_instance_of_figured(const struct world *world, size_t body)
+{
+	return (uint32_t)(world->scene->object_count + body + 1);
 }
 
 uint32_t world_instance_of_added(const struct world *world, size_t body)

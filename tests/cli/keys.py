@@ -222,7 +222,7 @@ ROWS = {
     "vehicles[].interface": (SLIPS, {"vehicles.car.interface": "{'*': steel}"}),
     "vehicles[].interface[].geoms": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.geoms": "'right*'"}),
     "vehicles[].interface[].material": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.material": "rubber"}),
-    "vehicles[].interface[].friction_angle": (SLIPS, {"vehicles.car.interface": "{'*': {friction_angle: 5, adhesion: 20}}"}),
+    "vehicles[].interface[].friction_angle": ({**SLIPS, "store": "flat.furrow"}, {"vehicles.car.interface": "{'*': {friction_angle: 5}}"}),
     "vehicles[].interface[].adhesion": (SLIPS, {"vehicles.car.interface": "{'*': {adhesion: 10}}"}),
     "vehicles[].pushes": (CAR, {"vehicles.car.pushes": "pushes.csv"}),
     "vehicles[].driver.path.speeds": (WAY, {"vehicles.car.driver.path": "{points: [[20, 20], [24, 20], [24, 26]], speeds: [1, 1, 2]}"}),

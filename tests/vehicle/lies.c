@@ -222,22 +222,24 @@ static void a_sphere_that_turns_has_slip(void **state)
 		at += (size_t)snprintf(text + at, sizeof text - at, "<velocity name=\"drive_%d\" joint=\"turn_%d\" kv=\"%d\" gear=\"%d\"/>", i, i, 60, i & 2 ? -1 : 1);
 	snprintf(text + at, sizeof text - at, "</actuator></mujoco>");
 	support_write(support_path("model.xml"), text);
-	prepare(level, 2, "", "");
-	struct furrow_world *world = opened(support_path("balls.furrow"));
-	struct vehicle *car = &world->vehicles->list[0];
-	for (size_t g = 0; g < car->geom_count; g++) /* it stands */
-		assert_true(isfinite(car->geoms[g].contact.slip_velocity));
-	for (int i = 0; i < 500; i++)
-		done(furrow_step(world, 0));
-	assert_int_equal(car->geom_count, 4);
-	for (size_t g = 0; g < car->geom_count; g++) {
-		const struct furrow_contact *contact = &car->geoms[g].contact;
-		const double rim = 0.2 * fabs(car->data->qvel[car->geoms[g].roll_dof]);
-		assert_true(car->geoms[g].roll_dof >= 0 && rim > 0.3);
-		assert_true(contact->slip > 0 && contact->slip < 0.9);
-		assert_near(contact->slip_velocity, contact->slip * rim, 0.02 * rim);
+	for (int backward = 0; backward < 2; backward++) { /* backward both speeds are below 0, and so is their difference */
+		prepare(level, 2, "", backward ? ", forward: -x" : "");
+		struct furrow_world *world = opened(support_path(backward ? "back.furrow" : "balls.furrow"));
+		struct vehicle *car = &world->vehicles->list[0];
+		for (size_t g = 0; g < car->geom_count; g++) /* it stands */
+			assert_true(isfinite(car->geoms[g].contact.slip_velocity));
+		for (int i = 0; i < 500; i++)
+			done(furrow_step(world, 0));
+		assert_int_equal(car->geom_count, 4);
+		for (size_t g = 0; g < car->geom_count; g++) {
+			const struct furrow_contact *contact = &car->geoms[g].contact;
+			const double rim = 0.2 * fabs(car->data->qvel[car->geoms[g].roll_dof]);
+			assert_true(car->geoms[g].roll_dof >= 0 && rim > 0.3);
+			assert_true(contact->slip > 0 && contact->slip < 0.9);
+			assert_near(contact->slip_velocity, (backward ? -1 : 1) * contact->slip * rim, 0.02 * rim);
+		}
+		done(furrow_world_close(world));
 	}
-	done(furrow_world_close(world));
 }
 
 /* A wheel that is braked and slides has no slip, and a slip velocity. */

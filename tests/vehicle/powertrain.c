@@ -354,6 +354,38 @@ static void a_keyframe_keeps_the_other_actuators(void **state)
 	scene_destroy(scene);
 }
 
+/* The same vehicle, whichever way its model looks: full throttle goes forward, and the lock of the front axle holds its wheels alike, while the open rear one has a damper on its left. */
+static void other_axes_drive_alike(void **state)
+{
+	static const char *const forwards[] = {"+x", "+y", "-x", "-y"};
+	double first[2] = {0, 0};
+	(void)state;
+	slope = 0;
+	for (int i = 0; i < 4; i++) {
+		char keys[256];
+		looks = 90 * i;
+		damping[2] = 4;
+		write_model(0, 1000, "");
+		damping[2] = 0;
+		snprintf(keys, sizeof keys, "forward: %s, powertrain: {wheels: [turn_*], " FLAT DRIVES "differentials: {front: locked}}", forwards[i]);
+		struct furrow_world *world = open_train(keys, STEP, 0, "clayey_38");
+		const double *at = vehicle_of(world)->data->xpos + 3 * vehicle_of(world)->root, from[2] = {at[0], at[1]};
+		control(world, 1, 0, 1);
+		go(world, 2);
+		const double way[2] = {at[0] - from[0], at[1] - from[1]};
+		print_message("forward: %s: %.5f m east, %.5f m north; wheels %.4f, %.4f, %.4f, %.4f rad/s\n", forwards[i], way[0], way[1], turns(world, 0), turns(world, 1), turns(world, 2), turns(world, 3));
+		if (i == 0)
+			memcpy(first, way, sizeof first);
+		assert_true(way[0] > 2);
+		assert_near(way[0], first[0], 0.01 * first[0]);
+		assert_near(way[1], first[1], 0.01 * first[0]);
+		assert_near(turns(world, 0), turns(world, 1), 1e-6 * turns(world, 0));
+		assert_true(fabs(turns(world, 2) - turns(world, 3)) > 5);
+		done(furrow_world_close(world));
+	}
+	looks = 0;
+}
+
 TEST_PROGRAM(powertrain)
 {
 	const struct CMUnitTest tests[] = {
@@ -368,6 +400,7 @@ TEST_PROGRAM(powertrain)
 		cmocka_unit_test(it_climbs_as_steep_as_its_torque),
 		cmocka_unit_test(it_drives_backward_along_a_path),
 		cmocka_unit_test(a_keyframe_keeps_the_other_actuators),
+		cmocka_unit_test(other_axes_drive_alike),
 	};
 	return cmocka_run_group_tests_name("the powertrain beside closed forms", tests, support_enter, support_leave);
 }

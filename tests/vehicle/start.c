@@ -112,6 +112,23 @@ static void a_wheel_rolls_at_the_speed_of_the_start(void **state)
 	}
 }
 
+/* A model that looks along another axis of its own begins at the speed along that one. */
+static void the_speed_of_the_start_is_forward(void **state)
+{
+	static const char *const forwards[] = {"+y", "-x", "-y"};
+	(void)state;
+	slope = 0;
+	support_write(support_path("box.xml"), BOX);
+	for (int i = 0; i < 3; i++) {
+		struct drive_row rows[64];
+		char vehicle[256];
+		snprintf(vehicle, sizeof vehicle, "{name: v, model: box.xml, forward: %s, start: {at: [8, 8], speed: 2, height: 0.1}}", forwards[i]);
+		rows_of(vehicle, "0.02", "v", rows, 64);
+		assert_near(rows[0].vx, 2, 1e-9);
+		assert_near(rows[0].vy, 0, 1e-9);
+	}
+}
+
 /* Where the wheel touches, its slip is 0 from the first row on. */
 static void a_wheel_that_settled_begins_without_slip(void **state)
 {
@@ -209,6 +226,7 @@ TEST_PROGRAM(start)
 		cmocka_unit_test(it_falls_from_a_height_as_it_is_turned),
 		cmocka_unit_test(it_begins_as_placed_without_settling),
 		cmocka_unit_test(a_wheel_rolls_at_the_speed_of_the_start),
+		cmocka_unit_test(the_speed_of_the_start_is_forward),
 		cmocka_unit_test(a_wheel_that_settled_begins_without_slip),
 		cmocka_unit_test(servos_hold_the_joints_of_the_start),
 		cmocka_unit_test(one_that_falls_waits_until_the_others_rest),

@@ -21,6 +21,7 @@ static const struct extent extent = {129, 129, 0.25, 32};
 static double slope; /* tangent */
 static bool welded;  /* wheels have no hinges */
 static double damping[4]; /* N m s: of the hinges fl, fr, rl, rr */
+static double looks;      /* degrees: the direction from x to y in which the model looks */
 
 static double ground(int64_t x, int64_t y)
 {
@@ -31,11 +32,16 @@ static double ground(int64_t x, int64_t y)
 /* Four wheels fl, fr, rl, rr on hinges turn_*, at 1 m ahead and behind, 0.6 m aside. `low`: how far a stand reaches below them, m; 0: none. mass: kg, of the hull. */
 static inline void write_model(double low, double mass, const char *more)
 {
-	static const char *const at[] = {"1 0.6", "1 -0.6", "-1 0.6", "-1 -0.6"}, *const names[] = {"fl", "fr", "rl", "rr"};
-	char text[4096];
+	static const char *const names[] = {"fl", "fr", "rl", "rr"};
+	const double c = cos(looks * M_PI / 180), s = sin(looks * M_PI / 180);
+	char text[4096], at[4][64];
+	for (int i = 0; i < 4; i++) {
+		const double x = i < 2 ? 1 : -1, y = i & 1 ? -0.6 : 0.6;
+		snprintf(at[i], sizeof at[i], "%.9g %.9g", c * x - s * y, s * x + c * y);
+	}
 	int length = snprintf(text, sizeof text, "<mujoco><option timestep=\"0.002\" integrator=\"implicitfast\"/><worldbody><body name=\"hull\" pos=\"0 0 %g\">%s"
-					       "<inertial pos=\"0 0 0\" mass=\"%g\" diaginertia=\"%g %g %g\"/>", RADIUS + low, low > 0 ? "" : "<freejoint/>", mass, 0.2 * mass,
-			      0.6 * mass, 0.6 * mass);
+					       "<inertial pos=\"0 0 0\" mass=\"%g\" diaginertia=\"%g %g %g\" euler=\"0 0 %g\"/>", RADIUS + low, low > 0 ? "" : "<freejoint/>", mass, 0.2 * mass,
+			      0.6 * mass, 0.6 * mass, looks);
 	if (low > 0)
 		length += snprintf(text + length, sizeof text - (size_t)length, "<geom name=\"stand\" type=\"box\" size=\"0.2 0.2 %g\" pos=\"0 0 %g\"/>", low, -RADIUS);
 	for (int i = 0; i < 4 && welded; i++)
@@ -43,8 +49,8 @@ static inline void write_model(double low, double mass, const char *more)
 				   RADIUS, WHEEL_MASS);
 	for (int i = 0; i < 4 && !welded; i++)
 		length += snprintf(text + length, sizeof text - (size_t)length,
-				   "<body pos=\"%s 0\"><joint name=\"turn_%s\" axis=\"0 1 0\" damping=\"%g\"/><geom name=\"%s\" type=\"cylinder\" size=\"%g 0.1\" euler=\"90 0 0\" mass=\"%g\"/></body>",
-				   at[i], names[i], damping[i], names[i], RADIUS, WHEEL_MASS);
+				   "<body pos=\"%s 0\" euler=\"0 0 %g\"><joint name=\"turn_%s\" axis=\"0 1 0\" damping=\"%g\"/><geom name=\"%s\" type=\"cylinder\" size=\"%g 0.1\" euler=\"90 0 0\" mass=\"%g\"/></body>",
+				   at[i], looks, names[i], damping[i], names[i], RADIUS, WHEEL_MASS);
 	snprintf(text + length, sizeof text - (size_t)length, "</body></worldbody>%s</mujoco>", more);
 	support_write(support_path("model.xml"), text);
 }

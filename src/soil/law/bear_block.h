@@ -17,15 +17,15 @@ struct block {
 	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
 	float more[LANES];              /* what slip digs */
 	float springs[LANES];           /* 1: the soil holds shear, and springs back or is loaded anew */
-	float yields[LANES];            /* Pa: at the largest sinkage before */
+	float yields[LANES];            /* Pa: at the sinkage `was`, until slip digs */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
 	float unknown[LANES];           /* by how much the way before the motion would have lowered the post more than it remembers */
 	float bottom[LANES];            /* of a rim: rim_bottom */
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 	float keeps[LANES];             /* share of the law of the lower envelope; the rest is that of faces */
-	/* Of a tyre. least_of: tyre_least. flat, flattest: struct soil_kept. leans, gives: tyre_share now, and where the soil yields. rim: a depth of the rim
-	 * along the normal. soil: its sinkage there. From put_rims on `was` is a depth of the rim. */
+	/* Of a tyre. least_of: tyre_least. flat, flattest: struct soil_kept. leans: tyre_share at the end pose. gives: how much deeper yielding soil gets for
+	 * each metre of the rim. rim, soil: along the normal, a depth of the rim and the soil's sinkage below it. From put_rims on `was` is a depth of the rim. */
 	float least_of[LANES], leans[LANES], flat[LANES], flattest[LANES], gives[LANES], rim[LANES], soil[LANES];
 };
 

@@ -104,8 +104,8 @@ SOIL_INLINED float fade_slope(float fades)
 	return fades * most(2 * fades - 1, 0);
 }
 
-/* Adds damping: of soil that is pushed down fast, and of a surface that hardly slides. damping: Pa s/m, what counts of the soil's. Grousers do not count
- * for the speed: a bar that passes pushes no more soil down. normal: the same of the pressure; both: of a carcass, which damps both ways. */
+/* Adds damping, Pa s/m. damping: of the shear stress of a surface that hardly slides. normal: of the pressure of soil that is pushed down. both: of a carcass, which damps upward
+ * motion, too. down: m/s, without the motion of grousers, since a bar that passes pushes no more soil down. */
 SOIL_INLINED void put_rates_of(const struct soil_form *f, float damping, float normal, float both, float down, struct place *place)
 {
 	const float slow = fade(down * down / (SETTLES * SETTLES)), settles = SETTLING * normal, damps = either(down >= 0, normal, 0) + both;

@@ -12,9 +12,9 @@
 
 #include "soil/law/form.h"
 
-#define TYRE_TRIES 6 /* of a post: it has no guess */
-#define TYRE_BLEND 2e-4f /* m */
-#define TYRE_MORE 2  /* of a place of its cell: the post is the guess */
+#define TYRE_TRIES 6 /* steps of Newton's method for a post, which has no guess */
+#define TYRE_BLEND 2e-4f /* m: tyre_share */
+#define TYRE_MORE 2  /* the same for a place of its cell, whose guess is what the post has */
 
 /* Returns the depth of this rim at which the soil yields at sinkage w. */
 SOIL_INLINED float tyre_depth(const struct soil_form *f, float w, float yields)
@@ -50,8 +50,8 @@ SOIL_INLINED float tyre_springs(const struct soil_form *f, float yields, float p
 	return either(elastic * (d - from) > f->tyre_holds, (f->tyre_holds + f->tyre_stiff * d + elastic * from) / (elastic + f->tyre_stiff), d);
 }
 
-/* Returns the share of the rim's slope that the surface has: dz / dd where the soil yields at depth d, and where it springs back. beyond: m, by which the rim was deeper than
- * now. Over some of it the two go over to each other, so rounded memory does not show in a wheel at rest. Any share gives the same work of a rolling wheel: it parts force from torque. */
+/* Returns dz / dd, how much of the rim's slope the soil's surface has. beyond: m, by which the rim was deeper than now. From 0 to TYRE_BLEND it goes from that of yielding soil to that of soil
+ * that springs back. So rounding of what posts remember does not show in a wheel at rest. It shifts a rolling wheel's work between force and torque, and does not change it. */
 SOIL_INLINED float tyre_share(const struct soil_form *f, float grows, float elastic, float beyond)
 {
 	const float yields = f->tyre_stiff / (f->tyre_stiff + grows), springs = f->tyre_stiff / (f->tyre_stiff + elastic);
