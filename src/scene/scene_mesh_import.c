@@ -313,7 +313,7 @@ static enum status read_kind(const char *path, const char *told, size_t count, c
 
 enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners)
 {
-	const struct mesh_kind *kind;
+	const struct mesh_kind *kind = NULL;
 	struct given given = {.beside = NULL};
 	char *bytes;
 	*corners = (struct mesh_corners){0};
@@ -357,7 +357,7 @@ static void read_materials(const char *path, struct given *given)
 
 enum status scene_mesh_import_parts(const char *path, const char *told, struct mesh_corners *corners)
 {
-	const struct mesh_kind *kind;
+	const struct mesh_kind *kind = NULL;
 	struct given given = {.beside = NULL};
 	char *bytes;
 	*corners = (struct mesh_corners){0};
