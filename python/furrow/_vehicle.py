@@ -1,7 +1,7 @@
 """A vehicle of the scene."""
 import ctypes
 import math
-from typing import Dict, Optional, Sequence, Tuple, TYPE_CHECKING
+from typing import Any, Dict, Optional, Sequence, Tuple, TYPE_CHECKING
 
 import numpy
 
@@ -26,6 +26,7 @@ class Vehicle:
         self.actuator_names = self._names(Part.ACTUATOR, state.actuators)
         self.model_body_names = self._all_names(Part.MODEL_BODY)
         self._controls = numpy.full(state.actuators, math.nan)
+        self._soil_geoms: Optional[numpy.ndarray] = None  # handles
 
     def _names(self, part: Part, count: int) -> Tuple[str, ...]:
         return tuple(self.world._call("furrow_vehicle_part", self.handle, part, index).decode() for index in range(count))
@@ -77,6 +78,24 @@ class Vehicle:
                 raise ValueError(f"furrow: {name} is no actuator; there are: {', '.join(self.actuator_names)}")
             self._controls[self.actuator_names.index(name)] = math.nan if value is None else value
         self.world._call("furrow_set_controls", self.handle, self._controls.size, self._controls.ctypes.data)
+
+    def set_controls(self, controls: Any) -> None:
+        """Sets all controls, for all steps from now on: (actuators,), in the order of actuator_names; NaN gives one back to the scene's driver."""
+        values = numpy.ascontiguousarray(controls, dtype=numpy.float64)
+        if values.shape != self._controls.shape:
+            raise ValueError(f"furrow: controls has the shape {values.shape}; it must be {self._controls.shape}")
+        self.world._call("furrow_set_controls", self.handle, values.size, values.ctypes.data)
+        self._controls[:] = values
+
+    def get_joints(self) -> Tuple[numpy.ndarray, numpy.ndarray]:
+        """Its hinges and slides in the order of joint_names: angles in rad or ways in m, and their rates in rad/s or m/s; each (joints,)."""
+        return self._values("furrow_get_joints", len(self.joint_names))
+
+    def get_contacts(self) -> numpy.ndarray:
+        """What the soil did in the last step to each of its soil geoms: (geoms,) of furrow.CONTACT, in the order of `bodies`."""
+        if self._soil_geoms is None:
+            self._soil_geoms = numpy.array([body.handle for body in self.bodies.values()], numpy.int32)
+        return self.world.get_contacts(self._soil_geoms)
 
     def push(self, body: str, force: Sequence[float] = (0, 0, 0), torque: Sequence[float] = (0, 0, 0)) -> None:
         """Pushes a body of its model for all steps from now on: force in N, torque in N m, along east, north and up, at its centre of mass.

@@ -125,6 +125,8 @@ Bodies = Sequence[Union[Body, int]]
 
 
 def _handles(bodies: Bodies) -> numpy.ndarray:
+    if isinstance(bodies, numpy.ndarray) and bodies.dtype == numpy.int32 and bodies.flags.c_contiguous:
+        return bodies
     return numpy.array([body.handle if isinstance(body, Body) else body for body in bodies], dtype=numpy.int32)
 
 

@@ -8,6 +8,7 @@ A page's blocks, in order:
 `tutorials.py --show PAGE` prints what the commands print here, for writing a page.
 """
 import csv
+import importlib.util
 import math
 import os
 import pathlib
@@ -101,7 +102,7 @@ class Runner:
         return result.returncode, PROGRESS.sub("", result.stdout)
 
 
-@chosen_tests(6)  # of thirteen
+@chosen_tests(6)  # of fourteen
 class Tutorials(unittest.TestCase):
     maxDiff = None
 
@@ -200,6 +201,11 @@ class Tutorials(unittest.TestCase):
         if os.environ.get("SANITIZE", "none") != "none":
             self.skipTest("programs outside of the build are not sanitized")
         self.page("embedding.md", needs=["cc", "pkg-config"], installed=True)
+
+    def test_a_rover_that_learns(self):
+        if importlib.util.find_spec("gymnasium") is None:
+            self.skipTest("not on this machine: the Python package gymnasium is not installed")
+        self.page("learning.md", installed=True)
 
     def test_on_a_cluster(self):
         self.page("on-a-cluster.md", needs=["mpirun"])
