@@ -276,7 +276,7 @@ static enum status print_model(const struct vehicles *vehicles, const char *path
 	cJSON_AddBoolToObject(root, "free", size.free);
 	cJSON_AddItemToObject(root, "low", cJSON_CreateDoubleArray(size.low, 3));
 	cJSON_AddItemToObject(root, "high", cJSON_CreateDoubleArray(size.high, 3));
-	add_text(root, "forward", looks_aside(vehicles, info.joint_count) ? "+y" : "+x");
+	json_string(root, "forward", looks_aside(vehicles, info.joint_count) ? "+y" : "+x");
 	json_number(root, "largest_step", info.largest_step);
 	cJSON *joints = cJSON_AddArrayToObject(root, "joints"), *actuators = cJSON_AddArrayToObject(root, "actuators");
 	for (size_t i = 0; i < info.joint_count; i++)
