@@ -39,7 +39,7 @@ CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{na
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
 STEERED = "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 3}}}]"
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
-SLIPS = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
+SLIPS = {**CAR, "store": "flat.furrow", "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
 TRAIN = {**CAR, "store": "flat.furrow", "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, powertrain: {wheels: [drive*], engine: [[500, 20], [6000, 20]], inertia: 0.1, gears: [8, 4], shift_time: 0}, "
                            "driver: {hold: {throttle: 1}}}]"}
@@ -208,7 +208,7 @@ ROWS = {
     "vehicles[].interface": (SLIPS, {"vehicles.car.interface": "{'*': steel}"}),
     "vehicles[].interface[].geoms": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.geoms": "'right*'"}),
     "vehicles[].interface[].material": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.material": "rubber"}),
-    "vehicles[].interface[].friction_angle": (SLIPS, {"vehicles.car.interface": "{'*': {friction_angle: 5, adhesion: 20}}"}),
+    "vehicles[].interface[].friction_angle": (SLIPS, {"vehicles.car.interface": "{'*': {friction_angle: 10}}"}),
     "vehicles[].interface[].adhesion": (SLIPS, {"vehicles.car.interface": "{'*': {adhesion: 10}}"}),
     "vehicles[].pushes": (CAR, {"vehicles.car.pushes": "pushes.csv"}),
     "vehicles[].driver.path.speeds": (WAY, {"vehicles.car.driver.path": "{points: [[20, 20], [24, 20], [24, 26]], speeds: [1, 1, 2]}"}),
