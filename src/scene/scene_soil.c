@@ -12,7 +12,6 @@
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
-bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #define PARAMETER(name, unit, optional) \
 	{#name, offsetof(struct raw_class, name), offsetof(struct soil_numbers, name), unit, optional}

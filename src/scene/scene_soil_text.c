@@ -6,7 +6,6 @@
 
 #include "deform/deform.h"
 #include "scene/scene.h"
-bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 static bool in_braces(const char *text)
 {

@@ -12,7 +12,6 @@
  * a1 is where the rim enters the soil, at most a quarter of a turn. A box bears as a plate.
  */
 #include "soil/soil.h"
-bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #include <math.h>
 

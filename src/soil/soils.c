@@ -18,7 +18,6 @@
 #include <string.h>
 
 #include "soil/soil.h"
-bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #define BARE_RIGID 1e30 /* bekker_kphi of rigid ground without a layer: what yields is beyond what springs */
 #define HARD_SHEAR 0.002 /* m: what slides on hard ground grips within a few times this: a tread shears, as a tyre's slip curve has it */

@@ -40,7 +40,7 @@ CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{na
        "vehicles": "[{name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {hold: {drive: 3}}}]"}
 STEERED = "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 3}}}]"
 WAY = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], [24, 20], [24, 26]], speed: 2}, drive: [drive*], steer: [steer]}}]"}
-SLIPS = {**CAR, "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
+SLIPS = {**CAR, "store": "flat.furrow", "vehicles": "[{name: car, model: four.xml, start: {at: [20, 20]}, driver: {hold: {drive_a: 30, drive_b: 30, drive_c: 30, drive_d: 30}}}]"}
 URDF = {**CAR, "vehicles": "[{name: car, model: cart.urdf, start: {at: [20, 20]}, servo: {torque: 20}, driver: {path: {points: [[20, 20], [24, 20]], speed: 2}, drive: [wheel_*]}}]"}
 ARMED = {**CAR, "vehicles": URDF["vehicles"].replace("cart.urdf", "armed.urdf")}
 LIMP = {**CAR, "vehicles": re.sub(r"path: .*?speed: 2}, drive: \[wheel_\*\]", "hold: {wheel_fl: 3}", ARMED["vehicles"])}
@@ -222,7 +222,7 @@ ROWS = {
     "vehicles[].interface": (SLIPS, {"vehicles.car.interface": "{'*': steel}"}),
     "vehicles[].interface[].geoms": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.geoms": "'right*'"}),
     "vehicles[].interface[].material": ({**SLIPS, "vehicles": SLIPS["vehicles"].replace("start", "interface: [{geoms: 'left*', material: steel}], start")}, {"vehicles.car.interface.0.material": "rubber"}),
-    "vehicles[].interface[].friction_angle": ({**SLIPS, "store": "flat.furrow"}, {"vehicles.car.interface": "{'*': {friction_angle: 5}}"}),
+    "vehicles[].interface[].friction_angle": (SLIPS, {"vehicles.car.interface": "{'*': {friction_angle: 10}}"}),
     "vehicles[].interface[].adhesion": (SLIPS, {"vehicles.car.interface": "{'*': {adhesion: 10}}"}),
     "vehicles[].pushes": (CAR, {"vehicles.car.pushes": "pushes.csv"}),
     "vehicles[].driver.path.speeds": (WAY, {"vehicles.car.driver.path": "{points: [[20, 20], [24, 20], [24, 26]], speeds: [1, 1, 2]}"}),

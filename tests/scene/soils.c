@@ -6,7 +6,6 @@
 #include "soil/soil.h"
 #include "../support/near.h"
 #include "../support/program.h"
-bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
 

@@ -6,7 +6,6 @@
 #include "soil/soil.h"
 
 #include "../support/program.h"
-bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 static const char *const hard[] = {"rock", "asphalt", "concrete", "ice"};
 static const double tangents[] = {0.65, 0.65, 0.75, 0.1};

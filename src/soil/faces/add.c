@@ -169,21 +169,20 @@ static void add_placed(const float at[3], const float place[3][3], struct soil_m
 	}
 }
 
-/* Adds how the force of a facet changes: with its depth, with the recent motion of its place, and with its speed. */
-static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const struct look *look, struct soil_changes *changes)
+/* Adds how the force of a facet changes: with its depth, with the recent motion of its place, and with its speed. bends: of soil_push_changes, of its block. */
+static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const float bends[3][3][LANES], const struct look *look, struct soil_changes *changes)
 {
 	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
 	const float pressure = faces->pressure[n], grows = faces->steepens[n];
-	float slope[2], bends[3][3], place[3][3];
+	float slope[2], place[3][3];
 	slope_at(look, faces, n, f->spacing, slope);
-	soil_push_changes(f, faces, n, faces->by_modulus, bends);
 	const float deeper[3] = {slope[0], slope[1], -1}, in = soil_facet_in(faces->deep[n], faces->tall[n], f->spacing), thrown = faces->thrown[n] * in;
 	const float more = faces->thrown[n] * sinks_in(in, faces->tall[n], f->spacing), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
 	const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
 	float rates[3][3];
 	for (int k = 0; k < 3; k++)
 		for (int j = 0; j < 3; j++) {
-			place[k][j] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j];
+			place[k][j] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j][n % LANES];
 			rates[k][j] = -slows * normal[k] * normal[j];
 		}
 	add_placed(at, (const float(*)[3])place, &changes->stiffness);
@@ -203,6 +202,21 @@ static int64_t total(const int32_t lanes[LANES])
 	for (int i = 0; i < LANES; i++)
 		sum += lanes[i];
 	return sum;
+}
+
+/* Adds how the forces of the facets of a block that are in soil change. */
+static void add_block_changes(const struct soil_form *f, const struct soil_faces *faces, size_t b, const struct look *look, struct soil_changes *changes)
+{
+	float bends[3][3][LANES];
+	bool any = false;
+	for (size_t i = 0; i < LANES; i++) {
+		if (!(faces->deep[b + i] + faces->tall[b + i] > 0))
+			continue;
+		if (!any)
+			soil_push_changes(f, faces, b, faces->by_modulus, bends);
+		any = true;
+		add_changes(f, faces, b + i, (const float(*)[3][LANES])bends, look, changes);
+	}
 }
 
 /* Finds depths, and from them how narrow the body is. */
@@ -265,10 +279,9 @@ void soil_faces_add(const struct soil_body *body, const struct soil_form *form, 
 		}
 		sums->pull += total(block.pull);
 		sums->saturated += total(block.saturated);
-		for (size_t i = 0; i < LANES; i++) {
-			sums->grows += changes == NULL ? (double)block.grows[i] : 0;
-			if (changes != NULL && faces->deep[b + i] + faces->tall[b + i] > 0)
-				add_changes(form, faces, b + i, &look, changes);
-		}
+		for (int i = 0; i < LANES && changes == NULL; i++)
+			sums->grows += (double)block.grows[i];
+		if (changes != NULL)
+			add_block_changes(form, faces, b, &look, changes);
 	}
 }

@@ -8,7 +8,6 @@
 #include "soil/faces/trend.h"
 #include "soil/laying/laying.h"
 #include "soil/shape/body.h"
-bool soil_is_hard(const struct soil_numbers *soil); /* MERGE: soil.h */
 
 #define ROUGH (2 / 3.0)    /* friction angle along a surface of which none is given, over that of the soil: steel on sand, 0.5 to 0.8 (Potyondy 1961) */
 #define FACET_POSTS 1.0    /* posts: the longest side of a facet */

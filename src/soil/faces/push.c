@@ -138,24 +138,47 @@ void soil_push(const struct soil_body *body, const struct soil_form *form, const
 
 #define STEP 0.01f /* of a motion, by which a quotient of differences is taken */
 
-void soil_push_changes(const struct soil_form *form, const struct soil_faces *faces, size_t facet, float by_modulus, float changes[3][3])
+/* The facets stand side by side in the lanes, as in push_block. */
+SOIL_CLONED static void change_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, float by_modulus, float changes[restrict 3][3][LANES])
 {
-	const float at[3] = {faces->x[facet], faces->y[facet], faces->z[facet]}, normal[3] = {faces->nx[facet], faces->ny[facet], faces->nz[facet]};
-	const float area = faces->whole[facet], under = faces->under[facet];
-	float means[2][3], before[3], after[3], pushes;
-	motion_at(form, &form->recent, at, normal, means[0]);
-	motion_at(form, &form->last, at, normal, means[1]);
-	force_of(form, at, normal, area, under, means[0], means[1], faces->tangent, before, &pushes);
-	memset(changes, 0, 3 * sizeof *changes);
-	for (int mean = 0; mean < 2; mean++) {
-		const float step = STEP * most(sqrtf(dot3(means[mean], means[mean])), 0.1f), by = by_modulus * (mean == 0 ? 1 : TREND_LAST) / step;
-		for (int j = 0; j < 3; j++) {
-			const float was = means[mean][j];
-			means[mean][j] += step;
-			force_of(form, at, normal, area, under, means[0], means[1], faces->tangent, after, &pushes);
-			means[mean][j] = was;
-			for (int k = 0; k < 3; k++)
-				changes[k][j] += (after[k] - before[k]) * by;
+	float means[2][3][LANES], before[3][LANES];
+	EACH_LANE {
+		const size_t n = b + (size_t)i;
+		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+		float moves[3], lately[3], force[3], pushes;
+		motion_at(f, &f->recent, at, normal, moves);
+		motion_at(f, &f->last, at, normal, lately);
+		force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, force, &pushes);
+		for (int k = 0; k < 3; k++) {
+			means[0][k][i] = moves[k];
+			means[1][k][i] = lately[k];
+			before[k][i] = force[k];
 		}
 	}
+	/* The lanes are the loops of vectors. This one is not unrolled: what it calls is large. */
+	_Pragma("GCC unroll 1") for (int which = 0; which < 6; which++) {
+		const int mean = which / 3, j = which % 3;
+		float moved[2][3][LANES], by[LANES];
+		memcpy(moved, means, sizeof moved);
+		EACH_LANE {
+			const float m[3] = {means[mean][0][i], means[mean][1][i], means[mean][2][i]}, step = STEP * most(sqrtf(dot3(m, m)), 0.1f);
+			by[i] = by_modulus * (mean == 0 ? 1 : TREND_LAST) / step;
+			moved[mean][j][i] += step;
+		}
+		EACH_LANE {
+			const size_t n = b + (size_t)i;
+			const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+			const float moves[3] = {moved[0][0][i], moved[0][1][i], moved[0][2][i]}, lately[3] = {moved[1][0][i], moved[1][1][i], moved[1][2][i]};
+			float after[3], pushes;
+			force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, after, &pushes);
+			for (int k = 0; k < 3; k++)
+				changes[k][j][i] = (mean == 0 ? 0 : changes[k][j][i]) + (after[k] - before[k][i]) * by[i];
+		}
+	}
+}
+
+/* A function with copies for several instruction sets keeps its name in the shared library whatever its visibility is: the copies stay behind this one. */
+void soil_push_changes(const struct soil_form *form, const struct soil_faces *faces, size_t first, float by_modulus, float changes[3][3][POSTS_LANES])
+{
+	change_block(form, faces, first, by_modulus, changes);
 }
