@@ -16,6 +16,9 @@ struct gdal_source {
 	const char *name; /* under which GDAL opens it: the path, or that of what it was unpacked to */
 	struct dem_unpacked unpacked;
 	char *vrt; /* name of the virtual raster; NULL before it is made */
+	int band;     /* that has the heights, from 1 */
+	bool colours; /* heights are coded in three bands, of which it is the first */
+	int threads;  /* of GDAL that decode its blocks */
 	int width, height;
 	double place[6]; /* GDAL's geotransform, for pixel corners */
 	bool placed;
