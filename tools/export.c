@@ -188,9 +188,14 @@ static enum status to_16_bits(const struct export_request *request, double *valu
 	double unit = request->has_range ? (request->range[1] - request->range[0]) / 65535 : 1, zero = request->has_range ? request->range[0] : 0;
 	for (int64_t i = 0; i < count; i++) {
 		bool hole = isnan(values[i]);
+		const double height = values[i];
 		*holes += hole;
-		values[i] = hole ? 0 : (values[i] - zero) / unit;
-		if (values[i] < -0.5 || values[i] > 65535.5)
+		values[i] = hole ? 0 : (height - zero) / unit;
+		const bool beyond = values[i] < -0.5 || values[i] > 65535.5;
+		if (beyond && request->has_range)
+			return fail_with(STATUS_INPUT, "%s: a height of %.6g m lies outside of --height-range %g,%g; give a wider one, or write a .tif", request->path, height,
+					 request->range[0], request->range[1]);
+		if (beyond)
 			return fail_with(STATUS_INPUT, "%s: a height does not fit 16 bits; give --height-range, or write a .tif", request->path);
 	}
 	return STATUS_OK;

@@ -146,12 +146,13 @@ static void print_planned(const struct import *import)
 static void print_resampling(const struct import *import, const struct store_meta *meta)
 {
 	const struct dem_info *info = dem_info(import->opened);
+	const bool near = import->dem.resample == DEM_NEAR, sharp = import->dem.resample == DEM_CUBIC || import->dem.resample == DEM_LANCZOS;
 	if (!info->resampled)
 		return;
 	if (meta->off_source.posts > 0)
 		printf("  these come from resampling to posts %g m apart, the largest at single peaks, edges and rims of holes; a finer --spacing%s lessens them\n",
-		       info->spacing, import->dem.resample == DEM_CUBIC ? "" : " or -r cubic");
-	if (info->unit > 0 && meta->max_error >= info->unit / 2 && !info->shifted)
+		       info->spacing, sharp ? "" : near ? " or -r bilinear" : " or -r cubic");
+	if (!near && info->unit > 0 && meta->max_error >= info->unit / 2 && !info->shifted)
 		printf("  resampled heights are rounded to the source's unit of %g m; --max-error %g keeps them smooth, in about half as many bytes again\n",
 		       info->unit, info->unit / 20);
 }

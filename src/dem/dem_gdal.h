@@ -20,7 +20,8 @@ struct gdal_source {
 	bool colours; /* heights are coded in three bands, of which it is the first */
 	int threads;  /* of GDAL that decode its blocks */
 	int width, height;
-	double place[6]; /* GDAL's geotransform, for pixel corners */
+	double place[6]; /* GDAL's geotransform, for pixel corners, of a raster along the axes as if it counted from the north and the west */
+	bool from_east, from_south; /* the raster counts its columns, or its rows, from there */
 	bool placed;
 	OGRSpatialReferenceH srs; /* NULL if unknown or local */
 	int system;               /* number of the first source that has the same SRS */

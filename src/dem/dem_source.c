@@ -376,6 +376,22 @@ done:
 	return status;
 }
 
+/* Turns the place of a raster along the axes: it counts from the north and the west then, and its readers turn its posts. */
+static void turn_around(struct gdal_source *source)
+{
+	double *p = source->place;
+	source->from_east = p[2] == 0 && p[4] == 0 && p[1] < 0;
+	source->from_south = p[2] == 0 && p[4] == 0 && p[5] > 0;
+	if (source->from_east) {
+		p[0] += source->width * p[1];
+		p[1] = -p[1];
+	}
+	if (source->from_south) {
+		p[3] += source->height * p[5];
+		p[5] = -p[5];
+	}
+}
+
 /* Finds out if a raster's colours code heights, which an inset of one band never does. STATUS_INPUT: they cannot. */
 static enum status check_colours(struct gdal_source *source, GDALDatasetH dataset, const struct dem_params *params)
 {
@@ -475,6 +491,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 	}
 	TRY(dem_vertical_plan(source, params));
 	describe_unit(source, unit);
+	turn_around(source);
 	return STATUS_OK;
 }
 
