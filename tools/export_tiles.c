@@ -1,4 +1,5 @@
 /* furrow export --tiles: a folder of map and globe tiles, with a page. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -39,7 +40,7 @@ static void tell_vertical(const char *directory, const char *vertical)
 		     vertical);
 }
 
-static void print_made(const char *directory, const struct exchange_tiles_result *made, const char *vertical)
+static void print_made(const char *directory, const struct exchange_tiles_result *made, const struct store_meta *meta)
 {
 	int64_t tiles = 0, written = 0;
 	for (int set = 0; set < EXCHANGE_SETS; set++) {
@@ -61,7 +62,12 @@ static void print_made(const char *directory, const struct exchange_tiles_result
 	else if (!made->earth)
 		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", directory, made->system);
 	else
-		tell_vertical(directory, vertical);
+		tell_vertical(directory, meta->vertical);
+	if (meta->holes > 0)
+		note("%s: the terrain has holes, which globe tiles fill from their rims; maps leave them out", directory);
+	if (fmax(made->mesh_step[0], made->mesh_step[1]) > 1.005 * meta->extent.spacing)
+		note("%s: the globe's finest complete level has vertices %.3g x %.3g m apart, and the store has posts every %.3g m", directory, made->mesh_step[0],
+		     made->mesh_step[1], meta->extent.spacing);
 }
 
 enum status export_tiles(const struct arguments *arguments)
@@ -98,7 +104,7 @@ enum status export_tiles(const struct arguments *arguments)
 	enum status status = exchange_tiles(&params, &made);
 	progress_end(&progress);
 	if (status == STATUS_OK)
-		print_made(params.directory, &made, store_meta(store)->vertical);
+		print_made(params.directory, &made, store_meta(store));
 	store_close(store);
 	return status;
 }

@@ -40,6 +40,7 @@ enum exchange_set { EXCHANGE_TERRAIN, EXCHANGE_HILLSHADE, EXCHANGE_RUTS, EXCHANG
 struct exchange_tiles_result {
 	int64_t revision;                /* of the store, when the export began */
 	int zoom[2], mesh_zoom[2];       /* least and greatest */
+	double mesh_step[2];             /* metres between vertices to the east and to the north, at the finest mesh zoom that is complete */
 	int64_t made[EXCHANGE_SETS];     /* tiles that were computed */
 	int64_t written[EXCHANGE_SETS];  /* of these, files that are new or differ from what was there */
 	int64_t removed;                 /* files of tiles that are no more */

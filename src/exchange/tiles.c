@@ -19,6 +19,7 @@ struct work {
 	const struct exchange_tiles_params *params;
 	struct exchange_tiles_result *result;
 	struct exchange_frame frame;
+	struct exchange_cover cover;
 	struct exchange_zooms zooms;
 	struct exchange_stamp stamp;
 	struct exchange_journal journal;
@@ -105,6 +106,7 @@ static enum status make_units(struct work *all)
 {
 	struct exchange_maker maker;
 	TRY(exchange_maker_init(&maker, all->params, &all->zooms, all->steps, all->stamp.range));
+	maker.cover = &all->cover;
 	const struct exchange_zoom *zoom;
 	int64_t unit, number;
 	while (take_unit(all, &zoom, &unit, &number)) {
@@ -331,6 +333,12 @@ static void tell(struct work *all)
 		result->mesh_zoom[i] = all->zooms.mesh[i];
 		result->range[i] = all->stamp.range[i];
 	}
+	for (size_t k = 0; k < all->zooms.count; k++)
+		if (all->zooms.zooms[k].globe && !all->zooms.zooms[k].sparse) { /* the finest of these comes first */
+			const struct exchange_zoom *zoom = &all->zooms.zooms[k];
+			exchange_place_steps(&all->frame, zoom, (double)(zoom->y0 + zoom->y1) / 2 * EXCHANGE_CELLS, &result->mesh_step[0], &result->mesh_step[1]);
+			break;
+		}
 }
 
 enum status exchange_tiles(const struct exchange_tiles_params *params, struct exchange_tiles_result *result)
@@ -349,6 +357,7 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 	TRY_OR(done, exchange_file_folder(params->directory));
 	TRY_OR(done, store_reader_create(params->store, &all.reader));
 	TRY_OR(done, exchange_frame_init(&all.frame, meta));
+	TRY_OR(done, exchange_cover_init(&all.cover, &all.frame, all.reader));
 	TRY_OR(done, exchange_zooms_init(&all.zooms, &all.frame, all.reader, params->store, params->since));
 	TRY_OR(done, exchange_steps_create(&all.steps));
 	TRY_OR(done, begin(&all));
@@ -363,6 +372,7 @@ done:
 	exchange_journal_finish(&all.journal);
 	exchange_steps_destroy(all.steps);
 	exchange_zooms_finish(&all.zooms);
+	exchange_cover_finish(&all.cover);
 	exchange_frame_finish(&all.frame);
 	store_reader_destroy(all.reader);
 	dem_quiet_end();
