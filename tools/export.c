@@ -173,27 +173,28 @@ static enum status check_size(struct post_rect rect)
 	return STATUS_OK;
 }
 
-/* Grey 1 .. 255 of slopes, into where those to the east are; 0 where nodata. */
+/* Grey 1 .. 255 of slopes, into where those to the east are; NaN where nodata. */
 static void shade(const struct export_request *request, double *east, const double *north, int64_t count)
 {
 	for (int64_t i = 0; i < count; i++) {
 		double light = chart_shade(&request->sun, request->exaggerate * east[i], request->exaggerate * north[i]);
-		east[i] = isnan(light) ? 0 : 1 + 254 * light;
+		east[i] = isnan(light) ? (double)NAN : 1 + 254 * light;
 	}
 }
 
-/* Metres as 0 to 65535. Counts holes, which become 0. */
-static enum status to_16_bits(const struct export_request *request, double *values, int64_t count, int64_t *holes)
+/* Metres as 0 to 65535. Counts holes, which become 0 when they are written, and other posts that do. */
+static enum status to_16_bits(const struct export_request *request, double *values, int64_t count, int64_t *holes, int64_t *zeros)
 {
 	double unit = request->has_range ? (request->range[1] - request->range[0]) / 65535 : 1, zero = request->has_range ? request->range[0] : 0;
 	for (int64_t i = 0; i < count; i++) {
 		bool hole = isnan(values[i]);
 		const double height = values[i];
 		*holes += hole;
-		values[i] = hole ? 0 : (height - zero) / unit;
+		values[i] = (height - zero) / unit;
+		*zeros += values[i] < 0.5;
 		const bool beyond = values[i] < -0.5 || values[i] > 65535.5;
 		if (beyond && request->has_range)
-			return fail_with(STATUS_INPUT, "%s: a height of %.6g m lies outside of --height-range %g,%g; give a wider one, or write a .tif", request->path, height,
+			return fail_with(STATUS_INPUT, "%s: a height of %.6g m does not fit the 16 bits of --height-range %g,%g; give a wider one, or write a .tif", request->path, height,
 					 request->range[0], request->range[1]);
 		if (beyond)
 			return fail_with(STATUS_INPUT, "%s: a height does not fit 16 bits; give --height-range, or write a .tif", request->path);
@@ -257,7 +258,7 @@ static enum status write_rows(const struct export_request *request, struct store
 	double *values = mem_alloc(room, sizeof *values), *slopes = border ? mem_alloc(2 * room, sizeof *slopes) : NULL;
 	struct progress progress;
 	progress_start(&progress, request->path, "rows");
-	int64_t holes = 0;
+	int64_t holes = 0, zeros = 0;
 	enum status status;
 	TRY_OR(done, values != NULL && (!border || slopes != NULL) ? STATUS_OK : fail_memory("rows to export"));
 	for (int64_t y = 0; y < total; y += ROWS) {
@@ -271,7 +272,7 @@ static enum status write_rows(const struct export_request *request, struct store
 			shade(request, slopes, slopes + room, width * rows);
 			out = slopes;
 		} else if (request->png || request->raw) {
-			TRY_OR(done, to_16_bits(request, out, width * rows, &holes));
+			TRY_OR(done, to_16_bits(request, out, width * rows, &holes, &zeros));
 		}
 		TRY_OR(done, dem_writer_rows(writer, rows, out));
 		TRY_OR(done, progress_step(&progress, y + rows, total));
@@ -280,7 +281,9 @@ done:
 	progress_end(&progress);
 	mem_free_all(values, slopes);
 	TRY(status);
-	if (holes > 0)
+	if (holes > 0 && request->png && zeros == 0)
+		note("%s: %lld posts have no data; they are 0, which the PNG declares transparent: programs that read that leave them out", request->path, (long long)holes);
+	else if (holes > 0)
 		note("%s: %lld posts have no data; they are 0, which is the height %g m, too", request->path, (long long)holes,
 		     request->has_range ? request->range[0] : 0.0);
 	return STATUS_OK;
@@ -353,7 +356,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 		.south = meta->origin[1] + (double)rect.y0 * spacing,
 		.spacing = spacing,
 		.has_nodata = request->layer != LAYER_QUANTA,
-		.nodata = metres ? nodata_beside(meta) : 0,
+		.nodata = metres && !request->png && !request->raw ? nodata_beside(meta) : 0,
 	};
 	const bool replaces = access(request->path, F_OK) == 0;
 	struct dem_writer *writer = NULL;

@@ -63,6 +63,9 @@ static void print_made(const char *directory, const struct exchange_tiles_result
 		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", directory, made->system);
 	else
 		tell_vertical(directory, meta->vertical);
+	if (meta->low < -10000)
+		note("%s: the lowest ground is at %.6g m, and terrain-RGB has nothing below -10000 m: its tiles have that there, globe tiles the ground", directory,
+		     meta->low);
 	if (meta->holes > 0)
 		note("%s: the terrain has holes, which globe tiles fill from their rims; maps leave them out", directory);
 	if (fmax(made->mesh_step[0], made->mesh_step[1]) > 1.005 * meta->extent.spacing)

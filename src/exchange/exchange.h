@@ -55,7 +55,7 @@ struct exchange_tiles_result {
 /*
  * Writes the tiles. If an export to the same folder with the same parameters and revision was killed, it goes on from there.
  * STATUS_INPUT: the folder holds something else, or tiles of another terrain, or tiles that are too old for `since`. STATUS_INPUT,
- * too: terrain-RGB cannot hold the heights, or the terrain crosses the antimeridian or a pole. STATUS_FAILED: a file cannot be written; Leaflet is
+ * too: terrain-RGB cannot hold heights so great (it has -10000 m for all below), or the terrain crosses the antimeridian or a pole. STATUS_FAILED: a file cannot be written; Leaflet is
  * not there. STATUS_INTERRUPTED: `progress` stopped it; the next call goes on.
  */
 enum status exchange_tiles(const struct exchange_tiles_params *params, struct exchange_tiles_result *result) FURROW_CHECKED;

@@ -192,10 +192,9 @@ wait:
 
 static enum status check_heights(const struct store_meta *meta)
 {
-	const double deepest = -9990, highest = 1667700;
-	if (meta->low < deepest || meta->high > highest)
-		return fail_with(STATUS_INPUT, "heights from %g to %g m: terrain-RGB holds %g to %g m; write a .tif", meta->low, meta->high,
-				 deepest, highest);
+	const double highest = 1667700;
+	if (meta->high > highest)
+		return fail_with(STATUS_INPUT, "heights from %g to %g m: terrain-RGB holds at most %g m; write a .tif", meta->low, meta->high, highest);
 	return STATUS_OK;
 }
 

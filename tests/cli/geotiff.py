@@ -70,6 +70,39 @@ class GeoTiff(RasterTest):
         rasters.gdal("gdal_translate", "-q", "-ovr", 0, self.folder / "o.tif", self.folder / "half.tif")
         self.assertEqual(set(rasters.pixels(self.folder / "half.tif")[2]), {500.0})
 
+class Png(RasterTest):
+    def holed(self, least):
+        self.make("g.tif", 40, 30, lambda column, row: -1 if 10 < column < 15 and row > 20 else least + column, code="h", nodata=-1)
+        self.ok("import", "g.tif", "-o", "s.furrow", "--overwrite")
+        return [i for i in range(40 * 30) if 10 < i % 40 < 15 and i // 40 > 20]
+
+    def test_holes_are_declared(self):
+        holes = self.holed(100)
+        for layer in ("surface", "hillshade"):
+            told = self.furrow("export", "s.furrow", "-o", "lö cher.png", "--layer", layer)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            self.assertEqual(rasters.nodata_of(self.folder / "lö cher.png"), 0)
+            self.assertEqual([i for i, value in enumerate(rasters.pixels(self.folder / "lö cher.png")[2]) if value == 0], holes)
+        self.ok("export", "s.furrow", "-o", "h.png")
+        for place in (True, False):  # by GDAL, and by our own reader
+            for beside in self.folder.glob("h.*"):
+                if not place and beside.name != "h.png":
+                    beside.unlink()
+            self.ok("import", "h.png", "-o", "t.furrow", "--overwrite")
+            self.assertEqual([i for i, value in enumerate(self.exported("t.furrow", "--layer", "base")[2]) if value is None], holes)
+
+    def test_a_value_that_ground_has_is_not_declared(self):
+        self.holed(0)
+        self.assertIn("which is the height 0 m, too", self.furrow("export", "s.furrow", "-o", "h.png").stderr)
+        self.assertIsNone(rasters.nodata_of(self.folder / "h.png"))
+
+    def test_a_png_without_holes_declares_nothing(self):
+        self.make("g.tif", 40, 30, lambda column, row: column + 1, code="h")
+        self.ok("import", "g.tif", "-o", "s.furrow")
+        for layer in ("surface", "hillshade"):
+            self.ok("export", "s.furrow", "-o", "h.png", "--layer", layer)
+            self.assertIsNone(rasters.nodata_of(self.folder / "h.png"))
+
 
 if __name__ == "__main__":
     main()

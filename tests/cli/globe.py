@@ -74,6 +74,14 @@ class Globe(RasterTest):
         _, meshes = self.export(lambda column, row: -1.0 if column > 75 else -4000.0 - column)
         self.assertLess(max(grid.max() for _, grid in meshes.values()), -3900)
 
+    def test_what_terrain_rgb_cannot_hold_is_told(self):
+        told, meshes = self.export(lambda column, row: -9000.0 - 20 * column)
+        self.assertIn("the lowest ground is at -11980 m", told)
+        z, x, y = max(tuple(int(part) for part in (path.parts[-3], path.parts[-2], path.stem)) for path in (self.folder / "tiles" / "terrain").glob("*/*/*.png"))
+        heights = tile_readers.terrain_rgb(self.folder / f"tiles/terrain/{z}/{x}/{y}.png")
+        self.assertEqual(heights.min(), -10000)
+        self.assertLess(min(grid.min() for _, grid in meshes.values()), -11900)
+
     def test_shared_edges_are_equal_in_holes(self):
         _, meshes = self.export(lambda column, row: -1.0 if in_hole(column, row) or column < 10 else ground(column, row))
         shared = 0

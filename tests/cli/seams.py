@@ -203,7 +203,7 @@ class Meanings(RasterTest):
         self.ok("import", "g.tif", "-o", "s.furrow")
         for name in ("r.png", "r.r16"):
             told = self.refused(3, "export", "s.furrow", "-o", name, "--height-range", "350,470")
-            self.assertRegex(told, r"height of \d+ m lies outside of --height-range 350,470")
+            self.assertRegex(told, r"height of \d+ m does not fit the 16 bits of --height-range 350,470")
             self.ok("export", "s.furrow", "-o", name, "--height-range", "300,470")
 
 
