@@ -14,6 +14,8 @@
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", NULL};
 
+static const char *const export_encodings[] = {"mapbox", "terrarium", NULL};
+
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map",
 	 .files = "tif png r16 raw svg pdf", .needed = true},
@@ -32,6 +34,7 @@ static const struct command_option options[] = {
 	 .preset = "315,45"},
 	{"exaggerate", "TIMES", .help = "a hillshade as if heights were so many times what they are", .preset = "1"},
 	{"since", "REVISION", .help = "with --tiles: only tiles that changed after this revision of the store"},
+	{"encoding", "KIND", .help = "with --tiles: how heights are coded in colours: mapbox in steps of 0.1 m, terrarium of 4 mm", .choices = export_encodings, .preset = "mapbox"},
 	{"jobs", "N", .help = "with --tiles: threads", .preset = "all cores"},
 	{"leaflet", "DIR", .help = "with --tiles: where leaflet.js and leaflet.css are", .files = "/",
 	 .preset = "/usr/share/javascript/leaflet, of libjs-leaflet"},
@@ -382,10 +385,14 @@ done:
 
 static enum status run(const struct arguments *arguments)
 {
+	static const char *const tiles_only[] = {"encoding", "since", "jobs", "leaflet"};
 	struct export_request request = {.command = "export", .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
 	if (arguments_text(arguments, "tiles") != NULL)
 		return export_tiles(arguments);
+	for (size_t i = 0; i < sizeof tiles_only / sizeof *tiles_only; i++)
+		if (arguments_text(arguments, tiles_only[i]) != NULL)
+			return fail_with(STATUS_USAGE, "export: --%s is for --tiles; give --tiles DIR, or leave --%s out", tiles_only[i], tiles_only[i]);
 	TRY(read_request(arguments, &request));
 	request.store = arguments_at(arguments, 0);
 	TRY(store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store));

@@ -28,6 +28,7 @@ struct exchange_tiles_params {
 	double range[2];       /* metres: ends of the ruts' colours, below and above 0. Without it: chosen, or those of the folder */
 	struct chart_sun sun;
 	double exaggerate;     /* factor of heights for the shading */
+	bool terrarium;        /* height tiles are coded as Terrarium's, in steps of 1/256 m; otherwise as Mapbox's, of 0.1 m */
 	int64_t jobs;          /* threads; 0: one for each core */
 	const char *leaflet;   /* folder of leaflet.js and leaflet.css, which are copied beside the page */
 	/* Called on the caller's thread. If it does not return STATUS_OK, the work stops. May be NULL. */

@@ -161,6 +161,12 @@ double exchange_cover_at(const struct exchange_cover *cover, double x, double y)
 /* The same at degrees. `frame`: of the calling thread. */
 double exchange_cover_degrees(const struct exchange_cover *cover, const struct exchange_frame *frame, double longitude, double latitude);
 
+/* Returns the height in metres of the code 0 of height tiles. */
+static inline double exchange_encoding_zero(const struct exchange_tiles_params *params)
+{
+	return params->terrarium ? -32768 : -10000;
+}
+
 /* --- map_tile.c and mesh_tile.c: one tile; a maker for each thread --- */
 struct exchange_steps; /* of mesh tiles; shared by threads */
 struct exchange_maker {

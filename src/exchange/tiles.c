@@ -190,11 +190,11 @@ wait:
 
 /* --- before and after --- */
 
-static enum status check_heights(const struct store_meta *meta)
+static enum status check_heights(const struct exchange_tiles_params *params, const struct store_meta *meta)
 {
-	const double highest = 1667700;
+	const double highest = params->terrarium ? 32767 : 1667700;
 	if (meta->high > highest)
-		return fail_with(STATUS_INPUT, "heights from %g to %g m: terrain-RGB holds at most %g m; write a .tif", meta->low, meta->high, highest);
+		return fail_with(STATUS_INPUT, "heights from %g to %g m: tiles of this encoding hold at most %g m; write a .tif", meta->low, meta->high, highest);
 	return STATUS_OK;
 }
 
@@ -249,14 +249,14 @@ static enum status check_stamp(struct work *all, const struct exchange_stamp *ol
 		return fail_with(STATUS_INPUT, "%s: its tiles are of revision %lld, and --since %lld would leave out what changed between; give "
 				 "--since %lld", directory, (long long)old->revision, since, (long long)old->revision);
 	if (old->look != all->stamp.look)
-		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration or range of colours; give the same, or leave --since "
+		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration, encoding or range of colours; give the same, or leave --since "
 				 "out", directory);
 	return STATUS_OK;
 }
 
 static uint64_t look_of(const struct exchange_tiles_params *params, const double range[2])
 {
-	double look[3 + 3 * CHART_SUNS] = {range[0], range[1], params->exaggerate};
+	double look[3 + 3 * CHART_SUNS] = {range[0], range[1], params->terrarium ? -params->exaggerate : params->exaggerate};
 	for (int i = 0; i < 3 * CHART_SUNS; i++)
 		look[3 + i] = params->sun.toward[i / 3][i % 3];
 	return XXH3_64bits(look, sizeof look);
@@ -351,7 +351,7 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 	dem_quiet_begin();
 	enum status status;
 	TRY_OR(done, exchange_page_check(params));
-	TRY_OR(done, check_heights(meta));
+	TRY_OR(done, check_heights(params, meta));
 	TRY_OR(done, check_folder(params->directory));
 	TRY_OR(done, exchange_file_folder(params->directory));
 	TRY_OR(done, store_reader_create(params->store, &all.reader));

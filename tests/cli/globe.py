@@ -82,6 +82,32 @@ class Globe(RasterTest):
         self.assertEqual(heights.min(), -10000)
         self.assertLess(min(grid.min() for _, grid in meshes.values()), -11900)
 
+    def test_terrarium_has_steps_of_4_mm(self):
+        self.make("g.tif", 150, 120, lambda column, row: 512 + column / 64 + row / 128, west=686000, north=3100000, srs="EPSG:32645", step=30)
+        self.ok("import", "g.tif", "-o", "s.furrow", "--max-error", 0)
+        for name in ("leaflet.js", "leaflet.css"):
+            (self.folder / name).write_text("/* stands for Leaflet */")
+        read = {}
+        for encoding in ("mapbox", "terrarium"):
+            self.ok("export", "s.furrow", "--tiles", encoding, "--leaflet", ".", "--encoding", encoding)
+            self.assertIn(f'encoding: "{encoding}"', (self.folder / encoding / "tiles.js").read_text())
+            path = max((self.folder / encoding / "terrain").glob("*/*/*.png"))
+            red, green, blue = (numpy.array(rasters.pixels(path, "B", band)[2], float) for band in (1, 2, 3))
+            code = 65536 * red + 256 * green + blue
+            read[encoding] = code / 256 - 32768 if encoding == "terrarium" else code / 10 - 10000
+            self.assertEqual(path.parts[-3:], max((self.folder / "mapbox" / "terrain").glob("*/*/*.png")).parts[-3:])
+        off = abs(read["mapbox"] - read["terrarium"])
+        self.assertLess(off.max(), 0.05 + 1 / 512 + 1e-9)
+        self.assertGreater(off.max(), 0.03)
+        self.assertGreater(len(set(read["terrarium"])), 10 * len(set(read["mapbox"])))
+        self.assertIn("encoding", self.refused(3, "export", "s.furrow", "--tiles", "mapbox", "--leaflet", ".", "--encoding", "terrarium", "--since", 0))
+
+    def test_options_of_tiles_are_for_tiles(self):
+        self.make("g.tif", 20, 20, lambda column, row: 5.0)
+        self.ok("import", "g.tif", "-o", "s.furrow")
+        for option in (("--encoding", "terrarium"), ("--since", 1), ("--jobs", 2), ("--leaflet", ".")):
+            self.assertIn("is for --tiles", self.refused(2, "export", "s.furrow", "-o", "o.tif", *option))
+
     def test_shared_edges_are_equal_in_holes(self):
         _, meshes = self.export(lambda column, row: -1.0 if in_hole(column, row) or column < 10 else ground(column, row))
         shared = 0
