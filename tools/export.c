@@ -14,6 +14,8 @@
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", NULL};
 
+static const char *const export_encodings[] = {"mapbox", "terrarium", NULL};
+
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map",
 	 .files = "tif png r16 raw svg pdf", .needed = true},
@@ -32,6 +34,7 @@ static const struct command_option options[] = {
 	 .preset = "315,45"},
 	{"exaggerate", "TIMES", .help = "a hillshade as if heights were so many times what they are", .preset = "1"},
 	{"since", "REVISION", .help = "with --tiles: only tiles that changed after this revision of the store"},
+	{"encoding", "KIND", .help = "with --tiles: how heights are coded in colours: mapbox in steps of 0.1 m, terrarium of 4 mm", .choices = export_encodings, .preset = "mapbox"},
 	{"jobs", "N", .help = "with --tiles: threads", .preset = "all cores"},
 	{"leaflet", "DIR", .help = "with --tiles: where leaflet.js and leaflet.css are", .files = "/",
 	 .preset = "/usr/share/javascript/leaflet, of libjs-leaflet"},
@@ -173,24 +176,30 @@ static enum status check_size(struct post_rect rect)
 	return STATUS_OK;
 }
 
-/* Grey 1 .. 255 of slopes, into where those to the east are; 0 where nodata. */
+/* Grey 1 .. 255 of slopes, into where those to the east are; NaN where nodata. */
 static void shade(const struct export_request *request, double *east, const double *north, int64_t count)
 {
 	for (int64_t i = 0; i < count; i++) {
 		double light = chart_shade(&request->sun, request->exaggerate * east[i], request->exaggerate * north[i]);
-		east[i] = isnan(light) ? 0 : 1 + 254 * light;
+		east[i] = isnan(light) ? (double)NAN : 1 + 254 * light;
 	}
 }
 
-/* Metres as 0 to 65535. Counts holes, which become 0. */
-static enum status to_16_bits(const struct export_request *request, double *values, int64_t count, int64_t *holes)
+/* Metres as 0 to 65535. Counts holes, which become 0 when they are written, and other posts that do. */
+static enum status to_16_bits(const struct export_request *request, double *values, int64_t count, int64_t *holes, int64_t *zeros)
 {
 	double unit = request->has_range ? (request->range[1] - request->range[0]) / 65535 : 1, zero = request->has_range ? request->range[0] : 0;
 	for (int64_t i = 0; i < count; i++) {
 		bool hole = isnan(values[i]);
+		const double height = values[i];
 		*holes += hole;
-		values[i] = hole ? 0 : (values[i] - zero) / unit;
-		if (values[i] < -0.5 || values[i] > 65535.5)
+		values[i] = (height - zero) / unit;
+		*zeros += values[i] < 0.5;
+		const bool beyond = values[i] < -0.5 || values[i] > 65535.5;
+		if (beyond && request->has_range)
+			return fail_with(STATUS_INPUT, "%s: a height of %.6g m does not fit the 16 bits of --height-range %g,%g; give a wider one, or write a .tif", request->path, height,
+					 request->range[0], request->range[1]);
+		if (beyond)
 			return fail_with(STATUS_INPUT, "%s: a height does not fit 16 bits; give --height-range, or write a .tif", request->path);
 	}
 	return STATUS_OK;
@@ -252,7 +261,7 @@ static enum status write_rows(const struct export_request *request, struct store
 	double *values = mem_alloc(room, sizeof *values), *slopes = border ? mem_alloc(2 * room, sizeof *slopes) : NULL;
 	struct progress progress;
 	progress_start(&progress, request->path, "rows");
-	int64_t holes = 0;
+	int64_t holes = 0, zeros = 0;
 	enum status status;
 	TRY_OR(done, values != NULL && (!border || slopes != NULL) ? STATUS_OK : fail_memory("rows to export"));
 	for (int64_t y = 0; y < total; y += ROWS) {
@@ -266,7 +275,7 @@ static enum status write_rows(const struct export_request *request, struct store
 			shade(request, slopes, slopes + room, width * rows);
 			out = slopes;
 		} else if (request->png || request->raw) {
-			TRY_OR(done, to_16_bits(request, out, width * rows, &holes));
+			TRY_OR(done, to_16_bits(request, out, width * rows, &holes, &zeros));
 		}
 		TRY_OR(done, dem_writer_rows(writer, rows, out));
 		TRY_OR(done, progress_step(&progress, y + rows, total));
@@ -275,7 +284,9 @@ done:
 	progress_end(&progress);
 	mem_free_all(values, slopes);
 	TRY(status);
-	if (holes > 0)
+	if (holes > 0 && request->png && zeros == 0)
+		note("%s: %lld posts have no data; they are 0, which the PNG declares transparent: programs that read that leave them out", request->path, (long long)holes);
+	else if (holes > 0)
 		note("%s: %lld posts have no data; they are 0, which is the height %g m, too", request->path, (long long)holes,
 		     request->has_range ? request->range[0] : 0.0);
 	return STATUS_OK;
@@ -348,7 +359,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 		.south = meta->origin[1] + (double)rect.y0 * spacing,
 		.spacing = spacing,
 		.has_nodata = request->layer != LAYER_QUANTA,
-		.nodata = metres ? nodata_beside(meta) : 0,
+		.nodata = metres && !request->png && !request->raw ? nodata_beside(meta) : 0,
 	};
 	const bool replaces = access(request->path, F_OK) == 0;
 	struct dem_writer *writer = NULL;
@@ -374,10 +385,14 @@ done:
 
 static enum status run(const struct arguments *arguments)
 {
+	static const char *const tiles_only[] = {"encoding", "since", "jobs", "leaflet"};
 	struct export_request request = {.command = "export", .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
 	if (arguments_text(arguments, "tiles") != NULL)
 		return export_tiles(arguments);
+	for (size_t i = 0; i < sizeof tiles_only / sizeof *tiles_only; i++)
+		if (arguments_text(arguments, tiles_only[i]) != NULL)
+			return fail_with(STATUS_USAGE, "export: --%s is for --tiles; give --tiles DIR, or leave --%s out", tiles_only[i], tiles_only[i]);
 	TRY(read_request(arguments, &request));
 	request.store = arguments_at(arguments, 0);
 	TRY(store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store));

@@ -1,4 +1,5 @@
 /* furrow export --tiles: a folder of map and globe tiles, with a page. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -39,8 +40,10 @@ static void tell_vertical(const char *directory, const char *vertical)
 		     vertical);
 }
 
-static void print_made(const char *directory, const struct exchange_tiles_result *made, const char *vertical)
+static void print_made(const struct exchange_tiles_params *params, const struct exchange_tiles_result *made, const struct store_meta *meta)
 {
+	const char *directory = params->directory;
+	const double deepest = params->terrarium ? -32768 : -10000;
 	int64_t tiles = 0, written = 0;
 	for (int set = 0; set < EXCHANGE_SETS; set++) {
 		tiles += made->made[set];
@@ -61,7 +64,15 @@ static void print_made(const char *directory, const struct exchange_tiles_result
 	else if (!made->earth)
 		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", directory, made->system);
 	else
-		tell_vertical(directory, vertical);
+		tell_vertical(directory, meta->vertical);
+	if (meta->low < deepest)
+		note("%s: the lowest ground is at %.6g m, and tiles of heights have nothing below %g m: they have that there, globe tiles the ground", directory, meta->low,
+		     deepest);
+	if (meta->holes > 0)
+		note("%s: the terrain has holes, which globe tiles fill from their rims; maps leave them out", directory);
+	if (fmax(made->mesh_step[0], made->mesh_step[1]) > 1.005 * meta->extent.spacing)
+		note("%s: the globe's finest complete level has vertices %.3g x %.3g m apart, and the store has posts every %.3g m", directory, made->mesh_step[0],
+		     made->mesh_step[1], meta->extent.spacing);
 }
 
 enum status export_tiles(const struct arguments *arguments)
@@ -83,6 +94,10 @@ enum status export_tiles(const struct arguments *arguments)
 	TRY(arguments_integer(arguments, "jobs", 1, 64, &params.jobs));
 	TRY(arguments_numbers(arguments, "height-range", 2, params.range, &params.has_range));
 	TRY(export_read_light(arguments, &request, true));
+	int encoding = 0;
+	if (arguments_text(arguments, "encoding") != NULL)
+		TRY(arguments_choice(arguments, "encoding", &encoding));
+	params.terrarium = encoding == 1;
 	if (params.has_range && !(params.range[0] < 0 && params.range[1] > 0))
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: ruts have colours for both signs; give MIN below 0 and MAX above",
 				 params.range[0], params.range[1]);
@@ -98,7 +113,7 @@ enum status export_tiles(const struct arguments *arguments)
 	enum status status = exchange_tiles(&params, &made);
 	progress_end(&progress);
 	if (status == STATUS_OK)
-		print_made(params.directory, &made, store_meta(store)->vertical);
+		print_made(&params, &made, store_meta(store));
 	store_close(store);
 	return status;
 }

@@ -29,6 +29,9 @@ static const struct command_option options[] = {
 	{"window", "W,S,E,N", .help = "import only what lies in this area, in the store's coordinates"},
 	{"window-srs", "SRS", .help = "the SRS in which the window is given; degrees: longitude and latitude on the sources' body"},
 	{"r", "METHOD", .help = "how to resample", .choices = intake_import_methods, .preset = "bilinear"},
+	{"band", "N", .help = "the band of the sources that has the heights", .preset = "1"},
+	{"encoding", "KIND", .help = "heights are coded in red, green and blue, as in terrain tiles: terrarium or mapbox",
+	 .choices = intake_import_encodings},
 	{"nodata", "V", .help = "a value that means nodata though no tag says so", .repeats = true},
 	{"radii", "KIND", .help = "values are distances from the body's middle; auto finds that by their size",
 	 .choices = intake_import_radii, .preset = "auto"},
@@ -101,6 +104,10 @@ static void note_output(const struct import *import, const char *path)
 	struct store *store = NULL;
 	char text[1400];
 	int64_t count = 0;
+	snprintf(text, sizeof text, "%.1300s.part", path);
+	if (stat(text, &file) == 0 && file.st_size > 0 && !import->resume)
+		note("%s: an earlier import was broken off with %.3g MB done; with --resume the same import goes on there, without it that is thrown away", path,
+		     (double)file.st_size / 1e6);
 	if (stat(path, &file) != 0)
 		return;
 	if (!import->overwrite)
@@ -139,12 +146,13 @@ static void print_planned(const struct import *import)
 static void print_resampling(const struct import *import, const struct store_meta *meta)
 {
 	const struct dem_info *info = dem_info(import->opened);
+	const bool near = import->dem.resample == DEM_NEAR, sharp = import->dem.resample == DEM_CUBIC || import->dem.resample == DEM_LANCZOS;
 	if (!info->resampled)
 		return;
 	if (meta->off_source.posts > 0)
 		printf("  these come from resampling to posts %g m apart, the largest at single peaks, edges and rims of holes; a finer --spacing%s lessens them\n",
-		       info->spacing, import->dem.resample == DEM_CUBIC ? "" : " or -r cubic");
-	if (info->unit > 0 && meta->max_error >= info->unit / 2 && !info->shifted)
+		       info->spacing, sharp ? "" : near ? " or -r bilinear" : " or -r cubic");
+	if (!near && info->unit > 0 && meta->max_error >= info->unit / 2 && !info->shifted)
 		printf("  resampled heights are rounded to the source's unit of %g m; --max-error %g keeps them smooth, in about half as many bytes again\n",
 		       info->unit, info->unit / 20);
 }
@@ -234,14 +242,19 @@ done:
 const struct command command_import = {
 	.name = "import",
 	.summary = "elevation data to a terrain store",
-	.arguments = COMMAND_ARGUMENTS({"SOURCE", .help = "a raster, a folder of rasters, or @list.txt", .files = SOURCES,
+	.arguments = COMMAND_ARGUMENTS({"SOURCE", .help = "a raster, a folder or a .zip of rasters, or @list.txt", .files = SOURCES,
 	 .needed = true, .repeats = true}),
 	.options = options,
 	.details = "Several sources become one terrain; each may have its own SRS, spacing and unit. Where they overlap the first "
 		   "named wins. Without --spacing, a source that is at least twice as fine as the others, and lies within them, is "
 		   "stored as an inset.\n\n"
 		   "In a folder, files without a place (as PNG) are skipped if others have one. Tiles as .hgt.gz, .hgt.zip and "
-		   ".hgt.xz, and a PDS .img with its .lbl, are read as they are.\n\n"
+		   ".hgt.xz, and a PDS .img with its .lbl, are read as they are. A .zip stands for the rasters in it, and so do the "
+		   "archives of a folder that has nothing else. A folder that is a Zarr, or a grid of Arc/Info, is one raster.\n\n"
+		   "Heights of terrain tiles are coded in colours. terrarium: red * 256 + green + blue / 256 - 32768 m. mapbox: "
+		   "(red * 65536 + green * 256 + blue) / 10 - 10000 m. --nodata is in metres then. An inset with one band has "
+		   "plain heights.\n\n"
+		   "-r average takes the mean of what a post covers, and lanczos a sharp kernel, as gdalwarp does.\n\n"
 		   "The store is in metres. --t-srs auto takes the SRS of the first source if that is in metres that are true to "
 		   "0.1 % there; otherwise UTM, or off Earth a projection that is true at the data's latitude. --t-srs source "
 		   "keeps SRS and posts of the first source as they are, true or not. Degrees and feet cannot be kept: give "

@@ -13,7 +13,10 @@
 
 #include "base/base.h"
 
-enum dem_resample { DEM_BILINEAR, DEM_CUBIC, DEM_NEAR };
+enum dem_resample { DEM_BILINEAR, DEM_CUBIC, DEM_NEAR, DEM_AVERAGE, DEM_LANCZOS };
+/* Heights that are coded in the red, green and blue of a picture, 8 bits each, as terrain tiles are. Metres are
+ * TERRARIUM: red * 256 + green + blue / 256 - 32768. MAPBOX: (red * 65536 + green * 256 + blue) / 10 - 10000. */
+enum dem_encoding { DEM_PLAIN, DEM_TERRARIUM, DEM_MAPBOX };
 /* Whether values are distances from the middle of the body, not heights. AUTO: if they are near the radius of their SRS's sphere. */
 enum dem_radii { DEM_RADII_AUTO, DEM_RADII_YES, DEM_RADII_NO };
 
@@ -34,7 +37,9 @@ struct dem_params {
 	const double *anchor;
 	enum dem_resample resample;
 	enum dem_radii radii; /* whether values are distances from the centre of the planet, which become heights over the sphere of the SRS */
-	const double *nodata; /* further values that mean nodata, in the source's unit */
+	int64_t band; /* of a raster, from 1; 0: the first. An inset of one band has no other */
+	enum dem_encoding encoding;
+	const double *nodata; /* further values that mean nodata, in the source's unit; of coded colours in metres */
 	size_t nodata_count;
 	bool has_window; /* only posts in the window are read */
 	double window[4]; /* west, south, east, north */

@@ -350,8 +350,17 @@ const char *dem_gdal_because(void)
 	return text;
 }
 
+/* Makes one value of red, green and blue; the first one's rows get it. */
+static void join_colours(void **colours, size_t count)
+{
+	double *red = colours[0];
+	const double *green = colours[1], *blue = colours[2];
+	for (size_t i = 0; i < count; i++)
+		red[i] = 65536 * red[i] + 256 * green[i] + blue[i];
+}
+
 /* The pixel function of a source's vrt: values to metres. The meaning comes as text: scale, offset,
- * whether single, how many nodata values, and these. A second source is a mask. */
+ * whether single, whether values are coded in three colours, how many nodata values, and these. A further source is a mask. */
 static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int width, int height,
 			       GDALDataType from, GDALDataType to, int pixel_space, int line_space,
 			       CSLConstList arguments)
@@ -363,6 +372,9 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 	struct dem_meaning meaning = {.scale = CPLStrtod(text, &end)};
 	meaning.offset = CPLStrtod(end, &end);
 	meaning.single = CPLStrtod(end, &end) != 0;
+	const int bands = CPLStrtod(end, &end) != 0 ? 3 : 1;
+	if (source_count < bands)
+		return CE_Failure;
 	meaning.nodata_count = (size_t)CPLStrtod(end, &end);
 	double *nodata = mem_alloc(meaning.nodata_count, sizeof *nodata);
 	double *row = mem_alloc((size_t)width, sizeof *row);
@@ -374,10 +386,12 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 	for (size_t i = 0; i < meaning.nodata_count; i++)
 		nodata[i] = CPLStrtod(end, &end);
 	meaning.nodata = nodata;
+	if (bands > 1)
+		join_colours(sources, (size_t)width * (size_t)height);
 	for (int y = 0; y < height; y++) {
 		const double *values = (const double *)sources[0] + (size_t)y * (size_t)width;
-		const double *mask = source_count > 1 ?
-			(const double *)sources[1] + (size_t)y * (size_t)width : NULL;
+		const double *mask = source_count > bands ?
+			(const double *)sources[bands] + (size_t)y * (size_t)width : NULL;
 		dem_metres(&meaning, values, width, row);
 		for (int x = 0; mask != NULL && x < width; x++)
 			row[x] = mask[x] == 0 ? (double)NAN : row[x];

@@ -16,8 +16,12 @@ struct gdal_source {
 	const char *name; /* under which GDAL opens it: the path, or that of what it was unpacked to */
 	struct dem_unpacked unpacked;
 	char *vrt; /* name of the virtual raster; NULL before it is made */
+	int band;     /* that has the heights, from 1 */
+	bool colours; /* heights are coded in three bands, of which it is the first */
+	int threads;  /* of GDAL that decode its blocks */
 	int width, height;
-	double place[6]; /* GDAL's geotransform, for pixel corners */
+	double place[6]; /* GDAL's geotransform, for pixel corners, of a raster along the axes as if it counted from the north and the west */
+	bool from_east, from_south; /* the raster counts its columns, or its rows, from there */
 	bool placed;
 	OGRSpatialReferenceH srs; /* NULL if unknown or local */
 	int system;               /* number of the first source that has the same SRS */

@@ -26,6 +26,13 @@ void dem_list_drop(struct dem_list *list, size_t number);
 /* Drops the file, and notes that it has no place among others. */
 void dem_list_skip(struct dem_list *list, size_t number);
 void dem_list_finish(struct dem_list *list);
+/* Returns true for files that accompany rasters but are not rasters, even if some driver would open them. */
+bool dem_list_is_sidecar(const char *name);
+bool dem_list_has_raster_name(const char *path); /* its ending is one that rasters have */
+bool dem_list_is_zip(const char *path); /* an archive, but for an .hgt.zip, which GDAL reads itself */
+/* --- dem_zip.c --- */
+/* Adds the rasters of an archive, by GDAL's names for them. STATUS_INPUT: it cannot be read. STATUS_FAILED: there is no GDAL. */
+enum status dem_zip_add(struct dem_list *list, const char *path) FURROW_CHECKED;
 
 struct dem_grid {
 	/* As dem_read. The rectangle lies within the grid. */

@@ -5,12 +5,31 @@
 #include <string.h>
 
 #define NEAR_POST 1e-7 /* posts: a position so near to a post is at it */
+#define LANCZOS_RADIUS 3
+#define RADIUS_MOST LANCZOS_RADIUS
 #define TAPS_MOST 64   /* weights that are computed ahead, along a row */
+
+/* Returns how far from a position posts still have a weight. */
+static double radius_of(const struct dem_kernel *kernel, int axis)
+{
+	const double span = kernel->span[axis];
+	switch (kernel->method) {
+	case DEM_CUBIC:
+		return 2 * span;
+	case DEM_LANCZOS:
+		return LANCZOS_RADIUS * span;
+	case DEM_AVERAGE:
+		return (span + 1) / 2;
+	case DEM_BILINEAR:
+	case DEM_NEAR:
+		break;
+	}
+	return span;
+}
 
 int64_t dem_kernel_reach(const struct dem_kernel *kernel, int axis)
 {
-	double radius = kernel->method == DEM_CUBIC ? 2 : 1;
-	return (int64_t)ceil(radius * kernel->span[axis]) + 1;
+	return (int64_t)ceil(radius_of(kernel, axis)) + 1;
 }
 
 static bool post_of(const struct dem_part *part, int64_t x, int64_t y, double *height)
@@ -62,34 +81,59 @@ static double cubic_weight(double off)
 	return d < 1 ? (1.5 * d - 2.5) * d * d + 1 : d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
 }
 
-/* Where a post around has no data, bilinear: a cubic would swing there. */
-static enum dem_sampled cubic(const struct dem_part *part, double column, double row, double *height)
+static double lanczos_weight(double off)
 {
-	double x0 = floor(column), y0 = floor(row), sum = 0, post;
-	for (int j = -1; j <= 2; j++)
-		for (int i = -1; i <= 2; i++) {
-			double weight = cubic_weight(column - x0 - i) * cubic_weight(row - y0 - j);
+	const double x = M_PI * off;
+	if (off == 0)
+		return 1;
+	return fabs(off) < LANCZOS_RADIUS ? LANCZOS_RADIUS * sin(x) * sin(x / LANCZOS_RADIUS) / (x * x) : 0;
+}
+
+/* The weight of a post that is `off` posts from the position. */
+static double weight_of(enum dem_resample method, double span, double off)
+{
+	switch (method) {
+	case DEM_CUBIC:
+		return cubic_weight(off / span);
+	case DEM_LANCZOS:
+		return lanczos_weight(off / span);
+	case DEM_AVERAGE: /* how much of the post's own width lies in the mean's */
+		return fmax(0, fmin((span + 1) / 2 - fabs(off), fmin(1, span)));
+	case DEM_BILINEAR:
+	case DEM_NEAR:
+		break;
+	}
+	return fmax(0, 1 - fabs(off / span));
+}
+
+/* A kernel that is not widened, of 2 `radius` posts each way. Where a post around has no data, bilinear: it would swing there. */
+static enum dem_sampled narrow(enum dem_resample method, int radius, const struct dem_part *part, double column, double row, double *height)
+{
+	double x0 = floor(column), y0 = floor(row), along[2 * RADIUS_MOST], across[2 * RADIUS_MOST], sum = 0, weights = 0, post;
+	for (int i = 0; i < 2 * radius; i++) {
+		along[i] = weight_of(method, 1, column - x0 - (i + 1 - radius));
+		across[i] = weight_of(method, 1, row - y0 - (i + 1 - radius));
+	}
+	for (int j = 1 - radius; j <= radius; j++)
+		for (int i = 1 - radius; i <= radius; i++) {
+			double weight = along[i - 1 + radius] * across[j - 1 + radius];
 			if (weight == 0)
 				continue;
 			if (!post_of(part, (int64_t)x0 + i, (int64_t)y0 + j, &post))
 				return bilinear(part, column, row, height);
 			sum += weight * post;
+			weights += weight;
 		}
-	*height = sum;
+	*height = method == DEM_LANCZOS ? sum / weights : sum; /* a cubic's weights are 1 together */
 	return DEM_SAMPLED_WHOLE;
-}
-
-static double mean_weight(enum dem_resample method, double off)
-{
-	return method == DEM_CUBIC ? cubic_weight(off) : fmax(0, 1 - fabs(off));
 }
 
 static enum dem_sampled mean(const struct dem_kernel *kernel, const struct dem_part *part, double column, double row,
 			     double *height)
 {
 	const struct post_rect *rect = &part->rect;
-	double radius = kernel->method == DEM_CUBIC ? 2 : 1, ahead[TAPS_MOST], sum = 0, weights = 0;
-	double rx = radius * kernel->span[0], ry = radius * kernel->span[1];
+	double ahead[TAPS_MOST], sum = 0, weights = 0;
+	double rx = radius_of(kernel, 0), ry = radius_of(kernel, 1);
 	int64_t x0 = (int64_t)ceil(column - rx), x1 = (int64_t)floor(column + rx) + 1;
 	int64_t y0 = (int64_t)ceil(row - ry), y1 = (int64_t)floor(row + ry) + 1;
 	bool whole = x0 >= rect->x0 && y0 >= rect->y0 && x1 <= rect->x1 && y1 <= rect->y1;
@@ -98,13 +142,13 @@ static enum dem_sampled mean(const struct dem_kernel *kernel, const struct dem_p
 	x1 = x1 < rect->x1 ? x1 : rect->x1;
 	y1 = y1 < rect->y1 ? y1 : rect->y1;
 	for (int64_t x = x0; x < x1 && x - x0 < TAPS_MOST; x++)
-		ahead[x - x0] = mean_weight(kernel->method, ((double)x - column) / kernel->span[0]);
+		ahead[x - x0] = weight_of(kernel->method, kernel->span[0], (double)x - column);
 	for (int64_t y = y0; y < y1; y++) {
-		double across = mean_weight(kernel->method, ((double)y - row) / kernel->span[1]), of_row = 0, seen = 0;
+		double across = weight_of(kernel->method, kernel->span[1], (double)y - row), of_row = 0, seen = 0;
 		const double *posts = part->heights + (y - rect->y0) * (rect->x1 - rect->x0) - rect->x0;
 		for (int64_t x = x0; x < x1; x++) {
 			double along = x - x0 < TAPS_MOST ? ahead[x - x0]
-							  : mean_weight(kernel->method, ((double)x - column) / kernel->span[0]);
+							  : weight_of(kernel->method, kernel->span[0], (double)x - column);
 			bool known = !isnan(posts[x]);
 			whole = whole && (known || along == 0);
 			of_row += known ? along * posts[x] : 0;
@@ -113,7 +157,7 @@ static enum dem_sampled mean(const struct dem_kernel *kernel, const struct dem_p
 		sum += across * of_row;
 		weights += across * seen;
 	}
-	if (!(weights > 1e-6)) /* a cubic's negative weights outdo the others at a ragged edge */
+	if (!(weights > 1e-6)) /* the others' negative weights outdo the others at a ragged edge */
 		return bilinear(part, column, row, height);
 	*height = sum / weights;
 	return whole ? DEM_SAMPLED_WHOLE : DEM_SAMPLED_PART;
@@ -171,7 +215,9 @@ enum dem_sampled dem_kernel_sample(const struct dem_kernel *kernel, const struct
 		return DEM_SAMPLED_NONE;
 	if (kernel->method == DEM_NEAR)
 		return DEM_SAMPLED_WHOLE;
-	if (kernel->span[0] > 1 || kernel->span[1] > 1)
+	if (kernel->span[0] > 1 || kernel->span[1] > 1 || kernel->method == DEM_AVERAGE)
 		return mean(kernel, part, column, row, height);
-	return kernel->method == DEM_CUBIC ? cubic(part, column, row, height) : bilinear(part, column, row, height);
+	if (kernel->method == DEM_LANCZOS)
+		return narrow(kernel->method, LANCZOS_RADIUS, part, column, row, height);
+	return kernel->method == DEM_CUBIC ? narrow(kernel->method, 2, part, column, row, height) : bilinear(part, column, row, height);
 }

@@ -13,7 +13,7 @@ struct dem_part {
 struct dem_kernel {
 	enum dem_resample method;
 	/* If a post of the result is a mean: the number of the raster's posts that are as wide, and as high, as it. Otherwise 1;
-	 * then it is a sample of the interpolated surface. */
+	 * then it is a sample of the interpolated surface. An average is always a mean, and its numbers may be below 1. */
 	double span[2];
 };
 

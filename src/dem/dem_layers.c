@@ -10,6 +10,7 @@ struct layer {
 	GDALDatasetH dataset;
 	int64_t column, row; /* of its first pixel among all, from the north-west */
 	int width, height;
+	bool from_east, from_south; /* as in struct gdal_source */
 };
 
 struct dem_layers {
@@ -104,7 +105,7 @@ enum status dem_layers_create(const struct gdal_source *const *sources, size_t c
 	for (size_t i = 0; i < count; i++) {
 		const struct gdal_source *source = sources[i];
 		layers->count = i + 1;
-		layers->layers[i] = (struct layer){GDALOpen(source->vrt, GA_ReadOnly), 0, 0, source->width, source->height};
+		layers->layers[i] = (struct layer){GDALOpen(source->vrt, GA_ReadOnly), 0, 0, source->width, source->height, source->from_east, source->from_south};
 		if (layers->layers[i].dataset == NULL) {
 			dem_layers_destroy(layers);
 			return fail_with(STATUS_INPUT, "%s: cannot be read%s; give another raster", source->path,
@@ -136,10 +137,19 @@ static void lay_over(const double *posts, int64_t count, double *below)
 static bool read_layer(const struct layer *layer, struct post_rect part, double *posts)
 {
 	int width = (int)(part.x1 - part.x0), rows = (int)(part.y1 - part.y0);
-	GSpacing line = (GSpacing)width * (GSpacing)sizeof *posts;
-	return GDALRasterIOEx(GDALGetRasterBand(layer->dataset, 1), GF_Read, (int)(part.x0 - layer->column),
-			      (int)(part.y0 - layer->row), width, rows, posts + (int64_t)(rows - 1) * width, width, rows, GDT_Float64,
-			      sizeof *posts, -line, NULL) == CE_None;
+	const GSpacing pixel = sizeof *posts, line = width * pixel;
+	int64_t column = part.x0 - layer->column, row = part.y0 - layer->row;
+	double *first = posts; /* the raster's first post of the part */
+	if (layer->from_south)
+		row = layer->height - row - rows;
+	else
+		first += (int64_t)(rows - 1) * width;
+	if (layer->from_east) {
+		column = layer->width - column - width;
+		first += width - 1;
+	}
+	return GDALRasterIOEx(GDALGetRasterBand(layer->dataset, 1), GF_Read, (int)column, (int)row, width, rows, first, width, rows, GDT_Float64,
+			      layer->from_east ? -pixel : pixel, layer->from_south ? line : -line, NULL) == CE_None;
 }
 
 /* Copies a layer's part over `heights`. `rect` counts rows from the north. */

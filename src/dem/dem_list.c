@@ -1,6 +1,6 @@
 /*
  * Finds the files of the sources that a user named. A directory means the rasters in it, in the order of their names, without
- * those in its subdirectories. "@list.txt" names one source in each line. A name in the list is looked for in the list's own
+ * those in its subdirectories, unless it is a raster itself. So does a zip, with its subdirectories. "@list.txt" names one source in each line. A name in the list is looked for in the list's own
  * folder first.
  */
 #include "dem_internal.h"
@@ -60,8 +60,7 @@ static bool is_packed_tile(const char *name)
 	return dem_path_ends(name, ".hgt.gz") || dem_path_ends(name, ".hgt.zip") || dem_path_ends(name, ".hgt.xz");
 }
 
-/* Returns true for files that accompany rasters but are not rasters, even if some driver would open them. */
-static bool is_sidecar(const char *name)
+bool dem_list_is_sidecar(const char *name)
 {
 	static const char *const endings[] = {".hdr", ".prj", ".xml", ".tfw", ".wld", ".pgw", ".txt",
 		".md", ".csv", ".json", ".geojson", ".ovr", ".msk", ".html", ".pdf", ".part", ".qgz",
@@ -76,21 +75,45 @@ static bool is_sidecar(const char *name)
 	return false;
 }
 
+bool dem_list_is_zip(const char *path)
+{
+	return dem_path_ends(path, ".zip") && !is_packed_tile(path);
+}
+
+/* Returns true for a folder that is one raster: a Zarr, or a grid of Arc/Info. */
+static bool is_grid_folder(const char *path)
+{
+	static const char *const marks[] = {".zarray", ".zgroup", ".zmetadata", "zarr.json", "hdr.adf"};
+	char full[4200];
+	struct stat file;
+	for (size_t i = 0; i < sizeof marks / sizeof marks[0]; i++)
+		if (snprintf(full, sizeof full, "%s/%s", path, marks[i]) < (int)sizeof full && stat(full, &file) == 0 && S_ISREG(file.st_mode))
+			return true;
+	return false;
+}
+
+bool dem_list_has_raster_name(const char *path)
+{
+	static const char *const endings[] = {".png", ".raw", ".r16", ".r8", ".tif", ".tiff", ".hgt", ".bil", ".flt",
+		".asc", ".dem", ".img", ".vrt", ".dt0", ".dt1", ".dt2"};
+	for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
+		if (dem_path_ends(path, endings[i]))
+			return true;
+	return false;
+}
+
 /* Tells by its name whether a file is a raster. A broken, empty or unreadable file counts too: opening it later fails with its
  * name, so it is not left out without an error. */
 static bool is_raster(const char *path)
 {
-	static const char *const endings[] = {".png", ".raw", ".r16", ".r8", ".tif", ".tiff", ".hgt", ".bil", ".flt",
-		".asc", ".dem", ".img", ".vrt", ".dt0", ".dt1", ".dt2"};
 	struct stat file;
 	if (stat(path, &file) != 0)
 		return true;
+	if (S_ISDIR(file.st_mode))
+		return is_grid_folder(path);
 	if (!S_ISREG(file.st_mode))
 		return false;
-	for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
-		if (dem_path_ends(path, endings[i]))
-			return true;
-	return is_packed_tile(path) || dem_gdal_knows(path);
+	return dem_list_has_raster_name(path) || is_packed_tile(path) || dem_gdal_knows(path);
 }
 
 /* GDAL reads a file through gzip if its name says so. */
@@ -153,10 +176,11 @@ static void drop_labelled(struct dem_list *list, size_t first)
 	}
 }
 
-static enum status add_entries(struct dem_list *list, const char *path, DIR *directory)
+/* Adds what is in a folder. `zips`: the rasters of its archives, and nothing else. */
+static enum status add_entries(struct dem_list *list, const char *path, DIR *directory, bool zips)
 {
 	for (struct dirent *entry; (entry = readdir(directory)) != NULL;) {
-		if (is_sidecar(entry->d_name))
+		if (zips ? !dem_list_is_zip(entry->d_name) : dem_list_is_sidecar(entry->d_name))
 			continue;
 		size_t bytes = strlen(path) + strlen(entry->d_name) + 2;
 		char *full = mem_alloc(bytes, 1);
@@ -164,11 +188,20 @@ static enum status add_entries(struct dem_list *list, const char *path, DIR *dir
 		size_t length = strlen(path);
 		snprintf(full, bytes, "%s%s%s", path, length > 0 && path[length - 1] == '/' ? "" : "/",
 			 entry->d_name);
-		const enum status status = is_raster(full) ? add_file(list, full) : STATUS_OK;
+		const enum status status = zips ? dem_zip_add(list, full) : is_raster(full) ? add_file(list, full) : STATUS_OK;
 		mem_free(full);
 		TRY(status);
 	}
 	return STATUS_OK;
+}
+
+/* What was found, from number `first` on, comes in the order of names. */
+static void sort_found(struct dem_list *list, size_t first)
+{
+	for (size_t i = first; i < list->count; i++)
+		list->found[i] = true;
+	qsort(list->paths + first, list->count - first, sizeof *list->paths, by_name);
+	drop_labelled(list, first);
 }
 
 static enum status add_directory(struct dem_list *list, const char *path)
@@ -178,16 +211,28 @@ static enum status add_directory(struct dem_list *list, const char *path)
 		return fail_with(STATUS_INPUT, "%s: cannot read this directory: %s; check its permissions",
 				 path, strerror(errno));
 	size_t first = list->count;
-	const enum status status = add_entries(list, path, directory);
+	enum status status = add_entries(list, path, directory, false);
+	if (status == STATUS_OK && list->count == first) { /* as it was fetched: nothing but archives */
+		rewinddir(directory);
+		status = add_entries(list, path, directory, true);
+	}
 	closedir(directory);
 	TRY(status);
 	if (list->count == first)
 		return fail_with(STATUS_INPUT, "%s: no raster in this directory; name the files themselves",
 				 path);
-	for (size_t i = first; i < list->count; i++)
-		list->found[i] = true;
-	qsort(list->paths + first, list->count - first, sizeof *list->paths, by_name);
-	drop_labelled(list, first);
+	sort_found(list, first);
+	return STATUS_OK;
+}
+
+/* Adds the rasters of an archive that was named. */
+static enum status add_zip(struct dem_list *list, const char *path)
+{
+	const size_t first = list->count;
+	TRY(dem_zip_add(list, path));
+	if (list->count == first)
+		return fail_with(STATUS_INPUT, "%s: no raster in this archive; unpack it and name the files themselves", path);
+	sort_found(list, first);
 	return STATUS_OK;
 }
 
@@ -196,11 +241,13 @@ static enum status add_one(struct dem_list *list, const char *path)
 	struct stat file;
 	if (stat(path, &file) == 0) {
 		if (S_ISDIR(file.st_mode))
-			return add_directory(list, path);
+			return is_grid_folder(path) ? add_file(list, path) : add_directory(list, path);
 		if (file.st_size == 0 && S_ISREG(file.st_mode))
 			return fail_with(STATUS_INPUT, "%s: the file is empty; fetch it again", path);
 		if (!S_ISREG(file.st_mode))
 			return fail_with(STATUS_INPUT, "%s: not a file; give a raster, a directory or @list.txt", path);
+		if (dem_list_is_zip(path))
+			return add_zip(list, path);
 	} else if (errno != ENOENT && errno != ENOTDIR) {
 		return fail_with(STATUS_INPUT, "%s: cannot be read: %s; check its permissions", path,
 				 strerror(errno));

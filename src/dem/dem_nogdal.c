@@ -22,6 +22,12 @@ bool dem_gdal_knows(const char *path)
 	return false;
 }
 
+enum status dem_zip_add(struct dem_list *list, const char *path)
+{
+	(void)list;
+	return fail_with(STATUS_FAILED, "%s: this furrow was built without GDAL and reads no archives; unpack it, or build with GDAL", path);
+}
+
 enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 {
 	(void)part;

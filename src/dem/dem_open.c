@@ -74,6 +74,8 @@ static enum status params_check(const struct dem_params *params)
 					  isfinite(params->height_max - params->height_min)))
 		return fail_with(STATUS_USAGE, "height range %g, %g: the first is not below the second; give MIN,MAX in metres",
 				 params->height_min, params->height_max);
+	if (params->encoding != DEM_PLAIN && params->band > 0)
+		return fail_with(STATUS_USAGE, "encoding: takes red, green and blue from the first three bands; leave --band out");
 	return STATUS_OK;
 }
 
@@ -137,7 +139,10 @@ static enum status grid_open(const struct dem_params *params, struct dem_list *l
 	if (plain && params->s_srs != NULL)
 		return fail_with(STATUS_INPUT, "%s: has no place, so --s-srs says nothing of it; give it one with gdal_translate -a_ullr or a world file (.pgw), or leave "
 				 "--s-srs out", list->paths[0]);
-	if (!plain)
+	const bool chosen = params->encoding != DEM_PLAIN || params->band > 1;
+	if (plain && chosen && is_raw(list->paths[0]))
+		return fail_with(STATUS_USAGE, "%s: a raw heightmap has one band and no colours; leave --band and --encoding out", list->paths[0]);
+	if (!plain || chosen)
 		return dem_gdal_open(params, list, out);
 	TRY(is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out) : dem_png_open(params, list->paths[0], out));
 	return params->has_window ? crop(params, out) : STATUS_OK;

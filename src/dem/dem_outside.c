@@ -7,6 +7,8 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#define FOLDERS_MOST 16 /* folders in folders of a raster that is a folder */
+
 static enum status refuse_network(const char *name)
 {
 	return fail_with(STATUS_INPUT, "%s: that is on a network, which is not used; give --allow-network, or fetch it first", name);
@@ -90,9 +92,34 @@ enum status dem_outside_file(const char *path, const char *vrt_folder, int depth
 	return dem_outside_xml(path, vrt_folder, depth);
 }
 
+/* Checks all that a folder has that is a raster itself, as a Zarr: regular files, and none outside of it. */
+static enum status check_folder(const char *path, const char *whole, const char *vrt_folder, int depth)
+{
+	char full[PATH_MAX];
+	struct stat found;
+	DIR *directory = depth < FOLDERS_MOST ? opendir(path) : NULL;
+	if (directory == NULL)
+		return fail_with(STATUS_INPUT, "%s: cannot be read, or lies too deep in a raster that is a folder; copy it with gdal_translate", path);
+	enum status status = STATUS_OK;
+	for (struct dirent *entry; (entry = readdir(directory)) != NULL;) {
+		if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+			continue;
+		const bool whole_name = snprintf(full, sizeof full, "%s/%s", path, entry->d_name) < (int)sizeof full;
+		const bool there = whole_name && lstat(full, &found) == 0;
+		if (there && S_ISDIR(found.st_mode))
+			TRY_OR(done, check_folder(full, whole, vrt_folder, depth + 1));
+		else if (!there || dem_outside_is_special(full) || (S_ISLNK(found.st_mode) && !dem_outside_is_within(full, whole, vrt_folder)))
+			TRY_OR(done, fail_with(STATUS_INPUT, "%s: its %s is no regular file of it; remove that", whole, entry->d_name));
+	}
+done:
+	closedir(directory);
+	return status;
+}
+
 enum status dem_outside_check(const char *name, const char *vrt_folder)
 {
 	char file[PATH_MAX];
+	struct stat found;
 	if (name[0] == '<' || strncasecmp(name, "vrt://", 6) == 0)
 		return fail_with(STATUS_INPUT, "%.80s: is no name of a file; name the raster itself, or write the VRT to a file", name);
 	if (dem_network_is_open() && dem_outside_is_address(name))
@@ -109,6 +136,8 @@ enum status dem_outside_check(const char *name, const char *vrt_folder)
 		TRY(dem_outside_packed(name));
 	if (input_is_file(file))
 		return dem_outside_file(file, vrt_folder, 1);
+	if (stat(file, &found) == 0 && S_ISDIR(found.st_mode))
+		TRY(check_folder(file, file, vrt_folder, 0));
 	return check_driver(name); /* a folder, or nothing: GDAL tells */
 }
 

@@ -86,13 +86,15 @@ static bool is_in(const char *real, const char *folder)
 
 bool dem_outside_is_within(const char *path, const char *of, const char *vrt_folder)
 {
-	char real[PATH_MAX], folder[PATH_MAX];
+	char real[PATH_MAX], folder[PATH_MAX], there[PATH_MAX];
 	const char *slash = strrchr(of, '/');
 	if (slash == NULL)
 		snprintf(folder, sizeof folder, ".");
 	else
 		snprintf(folder, sizeof folder, "%.*s", slash == of ? 1 : (int)(slash - of), of);
-	return real_of(path, real) && (is_in(real, folder) || is_in(real, vrt_folder));
+	if (!real_of(folder, there)) /* a folder in an archive: the archive */
+		return false;
+	return real_of(path, real) && (is_in(real, there) || is_in(real, vrt_folder));
 }
 
 bool dem_outside_is_special(const char *path)

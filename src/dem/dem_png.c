@@ -17,6 +17,8 @@
 struct png {
 	struct dem_grid grid;
 	struct dem_meaning meaning;
+	bool has_clear, alpha;
+	uint16_t clear; /* the value that is transparent: nodata */
 	double *nodata;
 	uint16_t *posts; /* a row; while it is decoded, all of an interlaced image */
 	struct dem_scratch scratch; /* the northernmost row first */
@@ -98,6 +100,11 @@ static bool decode(png_structp reader, png_infop header, FILE *file, struct png 
 		png_set_expand_gray_1_2_4_to_8(reader);
 	if (colour == PNG_COLOR_TYPE_GRAY_ALPHA)
 		png_set_strip_alpha(reader);
+	png->alpha = colour == PNG_COLOR_TYPE_GRAY_ALPHA;
+	png_color_16p clear = NULL;
+	png->has_clear = bits >= 8 && png_get_tRNS(reader, header, NULL, NULL, &clear) != 0 && clear != NULL;
+	if (png->has_clear)
+		png->clear = clear->gray;
 #if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
 	if (bits == 16)
 		png_set_swap(reader);
@@ -160,11 +167,14 @@ enum status dem_png_open(const struct dem_params *params, const char *path, stru
 	int full = 0;
 	enum status status;
 	TRY_OR(failed, load(path, png, &full));
-	png->nodata = mem_alloc(params->nodata_count, sizeof *png->nodata);
+	png->nodata = mem_alloc(params->nodata_count + 1, sizeof *png->nodata);
 	if (png->nodata == NULL)
 		TRY_OR(failed, fail_memory(path));
 	for (size_t i = 0; i < params->nodata_count; i++)
 		png->nodata[i] = params->nodata[i];
+	png->nodata[params->nodata_count] = png->clear;
+	if (png->alpha)
+		note("%s: its transparency is not read; name the value of its holes with --nodata", path);
 	double span = params->has_height_range ? params->height_max - params->height_min : full;
 	if (full == 255 && !params->has_height_range)
 		note("%s: its heights have 8 bits, and are taken as 0 to 255 m; --height-range says what 0 and 255 mean", path);
@@ -172,7 +182,7 @@ enum status dem_png_open(const struct dem_params *params, const char *path, stru
 		.scale = span / full,
 		.offset = params->has_height_range ? params->height_min : 0,
 		.nodata = png->nodata,
-		.nodata_count = params->nodata_count,
+		.nodata_count = params->nodata_count + (png->has_clear ? 1 : 0),
 		.single = true,
 	};
 	png->grid.read = png_read;

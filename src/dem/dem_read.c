@@ -54,6 +54,15 @@ static enum status refuse_rows(const struct gdal_grid *gdal, struct post_rect re
 
 /* --- readers --- */
 
+/* Returns the span of a kernel (dem_kernel.h) for posts that are `times` as far apart as the source's. Those of GDAL's averages and of its
+ * Lanczos kernels follow the spacing; the others widen only for a mean. */
+static double span_of(enum dem_resample method, bool mean, double times)
+{
+	if (method == DEM_AVERAGE)
+		return times;
+	return mean || method == DEM_LANCZOS ? fmax(1, times) : 1;
+}
+
 enum status dem_grid_sampler(const struct gdal_grid *gdal, struct dem_group *group)
 {
 	struct dem_lattice posts;
@@ -68,7 +77,7 @@ enum status dem_grid_sampler(const struct gdal_grid *gdal, struct dem_group *gro
 		.raster = dem_layers_lattice(group->layers),
 		.posts = &posts,
 		.method = gdal->method,
-		.span = {mean ? fmax(1, s / group->step[0]) : 1, mean ? fmax(1, s / group->step[1]) : 1},
+		.span = {span_of(gdal->method, mean, s / group->step[0]), span_of(gdal->method, mean, s / group->step[1])},
 		.single = !doubles,
 		.name = group->sources[0]->path,
 	};

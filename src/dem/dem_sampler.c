@@ -7,6 +7,7 @@
 #include "base/wide.h"
 
 #define BLOCK_ROWS 64
+#define SAME_SPAN 1.01 /* a mean of so few posts of the raster is one post */
 #define PART_POSTS (1 << 22) /* most posts of the raster in memory for one block, unless it is a single post */
 
 struct dem_sampler {
@@ -46,7 +47,7 @@ enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_s
 	TRY_OR(failed, sampler->columns != NULL && sampler->rows != NULL ? STATUS_OK : fail_memory(sampling->name));
 	TRY_OR(failed, dem_map_create(sampling->posts, sampling->raster, sampling->name, &sampler->map));
 	double shift[2];
-	sampler->shifted = sampling->span[0] <= 1 && sampling->span[1] <= 1 && dem_map_shift(sampler->map, &shift[0], &shift[1]) &&
+	sampler->shifted = sampling->span[0] < SAME_SPAN && sampling->span[1] < SAME_SPAN && dem_map_shift(sampler->map, &shift[0], &shift[1]) &&
 			   fabs(shift[0]) < 1e15 && fabs(shift[1]) < 1e15;
 	for (int i = 0; sampler->shifted && i < 2; i++)
 		sampler->shift[i] = (int64_t)shift[i];

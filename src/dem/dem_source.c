@@ -35,6 +35,7 @@ static bool looks_like_degrees(const struct gdal_source *source)
 	       fabs(y) <= 90 && (fabs(p[0]) > 1 || fabs(p[3]) > 1);
 }
 
+#define THREADS_MOST 16 /* that decode blocks of a source */
 #define COARSE_DEGREES 0.1 /* between posts: coarser ones are degrees only if the heights say so */
 #define STEEP_MOST 50.0 /* no ground differs in height by more than so many times its width */
 
@@ -214,14 +215,19 @@ static void text_add(struct text *text, const char *format, ...)
 	text->at = length < text->end - text->at ? text->at + length : text->end;
 }
 
-static void text_add_source(struct text *text, const char *escaped, const char *band,
+/* `band`: number of the one that is read; `mask`: its mask. */
+static void text_add_source(struct text *text, const char *escaped, int number, bool mask,
 			    const struct gdal_source *source, GDALRasterBandH handle)
 {
+	char band[32];
+	snprintf(band, sizeof band, "%s%d", mask ? "mask," : "", number);
 	int block_x, block_y;
 	GDALGetBlockSize(handle, &block_x, &block_y);
-	text_add(text, "<SimpleSource><SourceFilename relativeToVRT=\"0\" shared=\"0\">%s</SourceFilename>"
-		 "<SourceBand>%s</SourceBand><SourceProperties RasterXSize=\"%d\" RasterYSize=\"%d\" "
-		 "DataType=\"%s\" BlockXSize=\"%d\" BlockYSize=\"%d\"/></SimpleSource>", escaped, band,
+	text_add(text, "<SimpleSource><SourceFilename relativeToVRT=\"0\" shared=\"0\">%s</SourceFilename>", escaped);
+	if (source->threads > 1)
+		text_add(text, "<OpenOptions><OOI key=\"NUM_THREADS\">%d</OOI></OpenOptions>", source->threads);
+	text_add(text, "<SourceBand>%s</SourceBand><SourceProperties RasterXSize=\"%d\" RasterYSize=\"%d\" "
+		 "DataType=\"%s\" BlockXSize=\"%d\" BlockYSize=\"%d\"/></SimpleSource>", band,
 		 source->width, source->height, GDALGetDataTypeName(GDALGetRasterDataType(handle)), block_x,
 		 block_y);
 }
@@ -252,6 +258,10 @@ static enum status check_range(struct gdal_source *source, const struct dem_para
 {
 	const char *path = source->path;
 	const double full = full_scale(band);
+	if (source->colours && (params->has_height_range || params->s_unit != NULL))
+		return fail_with(STATUS_USAGE, "encoding: %s has its heights in colours, in metres; leave %s out", path, params->has_height_range ? "--height-range" : "--s-unit");
+	if (source->colours)
+		return STATUS_OK;
 	if (params->has_height_range && full == 0)
 		return fail_with(STATUS_USAGE, "height range: %s is no heightmap of 8 or 16 bits without a sign, and says itself what it means; leave it out", path);
 	if (params->has_height_range && params->s_unit != NULL)
@@ -261,10 +271,35 @@ static enum status check_range(struct gdal_source *source, const struct dem_para
 	return STATUS_OK;
 }
 
+/* Returns the value of a pixel whose red, green and blue are `values`. */
+static double coded(const double values[3])
+{
+	return 65536 * values[0] + 256 * values[1] + values[2];
+}
+
+/* Adds the values that mean nodata, as the pixel function gets them. Of coded colours --nodata is in metres; a tag counts if all three have it. */
+static void text_add_nodata(struct text *text, const struct dem_params *params, GDALDatasetH dataset, GDALRasterBandH band, bool colours, double scale,
+			    double offset)
+{
+	double tags[3] = {0, 0, 0};
+	bool tagged = true;
+	for (int i = 0; i < (colours ? 3 : 1); i++) {
+		GDALRasterBandH one = colours ? GDALGetRasterBand(dataset, i + 1) : band;
+		tagged = nodata_tag(one, GDALGetRasterDataType(one), &tags[i]) && !isnan(tags[i]) && tagged;
+	}
+	text_add(text, " %zu", params->nodata_count + (tagged ? 1 : 0));
+	if (tagged)
+		text_add(text, " %.17g", colours ? coded(tags) : tags[0]);
+	for (size_t i = 0; i < params->nodata_count; i++)
+		text_add(text, " %.17g", colours ? rint((params->nodata[i] - offset) / scale) : params->nodata[i]);
+}
+
 /* `unit`: metres of the source's; `lower`: metres that heights are lowered by. A vrt that was written before is replaced. */
-static enum status write_vrt(struct gdal_source *source, const struct dem_params *params, GDALRasterBandH band, double unit, double lower,
+static enum status write_vrt(struct gdal_source *source, const struct dem_params *params, GDALDatasetH dataset, double unit, double lower,
 			     int number)
 {
+	const bool colours = source->colours;
+	GDALRasterBandH band = GDALGetRasterBand(dataset, source->band);
 	GDALDataType type = GDALGetRasterDataType(band);
 	int has_scale = 0, has_offset = 0;
 	double scale = GDALGetRasterScale(band, &has_scale), offset = GDALGetRasterOffset(band, &has_offset);
@@ -275,10 +310,16 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 		scale = (params->height_max - params->height_min) / full_scale(band);
 		offset = params->height_min;
 	}
+	if (colours) {
+		const bool terrarium = params->encoding == DEM_TERRARIUM;
+		unit = 1;
+		scale = terrarium ? 1.0 / 256 : 0.1;
+		offset = terrarium ? -32768 : -10000;
+	}
 	bool whole = type != GDT_Float32 && type != GDT_Float64;
 	source->unit = whole ? fabs(scale * unit) : 0;
 	source->whole = whole && dem_unit_exact(source->unit) && fmod(offset * unit - lower, source->unit) == 0;
-	source->doubles = !fits_float(type);
+	source->doubles = !fits_float(type) || (colours && params->encoding == DEM_MAPBOX);
 	source->panel_posts = panel_of(band);
 
 	char *escaped = CPLEscapeString(source->name, -1, CPLES_XML);
@@ -291,25 +332,20 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 		CPLFree(escaped);
 		return fail_memory(source->path);
 	}
-	double tag = 0;
-	bool tagged = nodata_tag(band, type, &tag) && !isnan(tag);
 	const double *p = source->place;
 	struct text text = {xml, xml + bytes};
 	text_add(&text, "<VRTDataset rasterXSize=\"%d\" rasterYSize=\"%d\"><GeoTransform>%.17g, %.17g, %.17g, "
 		 "%.17g, %.17g, %.17g</GeoTransform><VRTRasterBand dataType=\"%s\" band=\"1\" "
 		 "subClass=\"VRTDerivedRasterBand\"><NoDataValue>nan</NoDataValue>"
 		 "<PixelFunctionType>furrow_metres</PixelFunctionType><PixelFunctionArguments meaning=\""
-		 "%.17g %.17g %d %zu", source->width, source->height, p[0], p[1], p[2], p[3], p[4], p[5],
-		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit - lower, !source->doubles,
-		 params->nodata_count + (tagged ? 1 : 0));
-	if (tagged)
-		text_add(&text, " %.17g", tag);
-	for (size_t i = 0; i < params->nodata_count; i++)
-		text_add(&text, " %.17g", params->nodata[i]);
+		 "%.17g %.17g %d %d", source->width, source->height, p[0], p[1], p[2], p[3], p[4], p[5],
+		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit - lower, !source->doubles, colours);
+	text_add_nodata(&text, params, dataset, band, colours, scale, offset);
 	text_add(&text, "\"/><SourceTransferType>Float64</SourceTransferType>");
-	text_add_source(&text, escaped, "1", source, band);
+	for (int i = 0; i < (colours ? 3 : 1); i++)
+		text_add_source(&text, escaped, source->band + i, false, source, GDALGetRasterBand(dataset, source->band + i));
 	if ((GDALGetMaskFlags(band) & (GMF_ALL_VALID | GMF_NODATA)) == 0)
-		text_add_source(&text, escaped, "mask,1", source, GDALGetMaskBand(band));
+		text_add_source(&text, escaped, source->band, true, source, GDALGetMaskBand(band));
 	text_add(&text, "</VRTRasterBand></VRTDataset>");
 	CPLFree(escaped);
 
@@ -340,6 +376,79 @@ done:
 	return status;
 }
 
+/* Turns the place of a raster along the axes: it counts from the north and the west then, and its readers turn its posts. */
+static void turn_around(struct gdal_source *source)
+{
+	double *p = source->place;
+	source->from_east = p[2] == 0 && p[4] == 0 && p[1] < 0;
+	source->from_south = p[2] == 0 && p[4] == 0 && p[5] > 0;
+	if (source->from_east) {
+		p[0] += source->width * p[1];
+		p[1] = -p[1];
+	}
+	if (source->from_south) {
+		p[3] += source->height * p[5];
+		p[5] = -p[5];
+	}
+}
+
+/* Finds out if a raster's colours code heights, which an inset of one band never does. STATUS_INPUT: they cannot. */
+static enum status check_colours(struct gdal_source *source, GDALDatasetH dataset, const struct dem_params *params)
+{
+	const int count = GDALGetRasterCount(dataset);
+	const char *packed = GDALGetMetadataItem(dataset, "COMPRESSION", "IMAGE_STRUCTURE");
+	if (params->encoding == DEM_PLAIN || (params->anchor != NULL && count == 1))
+		return STATUS_OK;
+	bool bytes = count >= 3;
+	for (int i = 1; bytes && i <= 3; i++)
+		bytes = GDALGetRasterDataType(GDALGetRasterBand(dataset, i)) == GDT_Byte;
+	if (!bytes)
+		return fail_with(STATUS_INPUT, "%s: has %d band%s, and no red, green and blue of 8 bits that code heights; leave --encoding out, or make colours of a "
+				 "palette with gdal_translate -expand rgb", source->path, count, count == 1 ? "" : "s");
+	if (packed != NULL && strstr(packed, "JPEG") != NULL)
+		return fail_with(STATUS_INPUT, "%s: is packed with loss (%s), which spoils heights that are coded in colours; give a PNG or another lossless raster",
+				 source->path, packed);
+	source->colours = true;
+	return STATUS_OK;
+}
+
+/* Returns the threads with which GDAL decodes blocks of a GeoTIFF that are read together. Only what is packed is worth it. */
+static int decoding_threads(GDALDatasetH dataset, const struct dem_params *params)
+{
+	const char *packed = GDALGetMetadataItem(dataset, "COMPRESSION", "IMAGE_STRUCTURE"), *driver = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+	const bool shared = packed != NULL && driver != NULL && strcmp(driver, "GTiff") == 0;
+	return shared && params->jobs > 1 ? (int)fmin((double)params->jobs, THREADS_MOST) : 1;
+}
+
+/* Chooses the band that has the heights. */
+static enum status choose_band(struct gdal_source *source, GDALDatasetH dataset, const struct dem_params *params)
+{
+	const int count = GDALGetRasterCount(dataset);
+	const char *path = source->path, *what = NULL;
+	source->band = 1;
+	TRY(check_colours(source, dataset, params));
+	if (source->colours)
+		return STATUS_OK;
+	if (params->band > count && !(params->anchor != NULL && count == 1))
+		return fail_with(STATUS_INPUT, "%s: has %d band%s; --band %lld is not there (gdalinfo lists them)", path, count, count == 1 ? "" : "s",
+				 (long long)params->band);
+	if (params->band > 0 && params->band <= count)
+		source->band = (int)params->band;
+	else if (count > 1)
+		note("%s: has %d bands; its first is taken for heights, and --band names another", path, count);
+	GDALRasterBandH band = GDALGetRasterBand(dataset, source->band);
+	if (GDALDataTypeIsComplex(GDALGetRasterDataType(band)))
+		what = "complex";
+	else if (GDALGetRasterColorTable(band) != NULL)
+		what = "a palette of colours";
+	else if (count >= 3 && GDALGetRasterColorInterpretation(band) == GCI_RedBand)
+		what = "the red of a picture";
+	if (what == NULL)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "%s: its band %d is %s, not heights; give an elevation raster, another --band, or --encoding if the colours code heights", path,
+			 source->band, what);
+}
+
 /* Reads what an open raster is and where it lies. */
 static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset, const struct dem_params *params,
 				OGRSpatialReferenceH override, int number, struct dem_list *files)
@@ -353,18 +462,11 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 	if (GDALGetRasterCount(dataset) < 1)
 		return fail_with(STATUS_INPUT, "%s: no raster band in it; name one of its subdatasets "
 				 "(gdalinfo lists them)", path);
-	if (GDALGetRasterCount(dataset) > 1)
-		note("%s: has %d bands; its first is taken for heights", path, GDALGetRasterCount(dataset));
+	TRY(choose_band(source, dataset, params));
+	source->threads = decoding_threads(dataset, params);
 	source->width = GDALGetRasterXSize(dataset);
 	source->height = GDALGetRasterYSize(dataset);
-	GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
-	if (GDALDataTypeIsComplex(GDALGetRasterDataType(band)) || GDALGetRasterColorTable(band) != NULL)
-		return fail_with(STATUS_INPUT, "%s: its first band is %s, not heights; give an elevation "
-				 "raster", path,
-				 GDALGetRasterColorTable(band) != NULL ? "a palette of colours" : "complex");
-	const GDALColorInterp colour = GDALGetRasterColorInterpretation(band);
-	if (colour == GCI_RedBand && GDALGetRasterCount(dataset) >= 3)
-		return fail_with(STATUS_INPUT, "%s: its first band is the red of a picture, not heights; give an elevation raster", path);
+	GDALRasterBandH band = GDALGetRasterBand(dataset, source->band);
 	TRY(check_range(source, params, band));
 	TRY(place_source(source, dataset, params, override));
 	TRY(vertical_unit(source, params, band, &unit, &said));
@@ -373,7 +475,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 		metadata = GDALGetMetadataItem(dataset, "GEOID", NULL);
 	if (source->own == NULL && metadata != NULL)
 		TRY(dem_vertical_metadata(source, metadata));
-	TRY(write_vrt(source, params, band, unit, 0, number));
+	TRY(write_vrt(source, params, dataset, unit, 0, number));
 	if (source->remarks[SOURCE_DEGREES] != NULL)
 		TRY(refuse_degrees(source));
 	if (fmax(fabs(source->place[1]), fabs(source->place[5])) >= COARSE_DEGREES) { /* as likely metres */
@@ -385,10 +487,11 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 		mem_free(source->own);
 		TRY(mem_text(&source->own, DEM_ELLIPSOID, path));
 		snprintf(source->vertical, sizeof source->vertical, "sphere of %.10g m, from radii", radius.sphere);
-		TRY(write_vrt(source, params, band, radius.unit, radius.sphere, number));
+		TRY(write_vrt(source, params, dataset, radius.unit, radius.sphere, number));
 	}
 	TRY(dem_vertical_plan(source, params));
 	describe_unit(source, unit);
+	turn_around(source);
 	return STATUS_OK;
 }
 

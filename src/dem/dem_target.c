@@ -348,8 +348,8 @@ static enum status lay_out(struct dem_target *target, const struct dem_params *p
 		target->origin[i] = start[i] + ceil((bounds.low[i] - start[i]) / s - 1e-6) * s;
 		count[i] = floor((bounds.high[i] - target->origin[i]) / s + 1e-6) + 1;
 		if (!(count[i] >= 2) || count[i] > 2e9)
-			return fail_with(STATUS_INPUT, "%s: projected with posts every %g m it is %.0f posts along a side; choose "
-					 "another --spacing or --t-srs", name, s, count[i]);
+			return fail_with(STATUS_INPUT, "%s: with posts every %g m it has %.0f post%s along a side, %s; choose another --spacing or --t-srs", name, s, fmax(count[i], 0),
+					 count[i] == 1 ? "" : "s", count[i] < 2 ? "and a terrain needs at least 2 x 2" : "which are too many");
 	}
 	target->width = (int64_t)count[0];
 	target->height = (int64_t)count[1];

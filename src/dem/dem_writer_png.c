@@ -1,10 +1,11 @@
 /*
- * Writes grey PNGs. A PNG begins with its northern row, but rows come from the south. So the whole picture is held in memory until
+ * Writes grey PNGs. Pixels without a value are 0, which is declared transparent if no other pixel has it. A PNG begins with its northern row, but rows come from the south. So the whole picture is held in memory until
  * it is finished. A picture above the limit must be written as GeoTIFF.
  */
 #include "dem_internal.h"
 
 #include <errno.h>
+#include <math.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
@@ -16,6 +17,7 @@ struct png_sink {
 	const struct dem_raster *raster;
 	FILE *file;
 	size_t row_bytes;
+	bool holes, zeros; /* pixels without a value, and others that are 0 */
 	uint8_t *rows; /* the southernmost first, big-endian as PNG has them */
 };
 
@@ -30,6 +32,8 @@ static enum status sink_row(struct dem_sink *sink, int64_t y, const double *valu
 	uint8_t *to = png->rows + (size_t)y * png->row_bytes;
 	for (int64_t x = 0; x < png->raster->width; x++) {
 		unsigned value = (unsigned)dem_raster_value(png->raster, values[x]);
+		png->holes = png->holes || isnan(values[x]);
+		png->zeros = png->zeros || (value == 0 && !isnan(values[x]));
 		if (png->raster->type == DEM_UINT16)
 			*to++ = (uint8_t)(value >> 8);
 		*to++ = (uint8_t)value;
@@ -60,6 +64,8 @@ static bool encode(png_structp writer, png_infop header, const struct png_sink *
 	png_set_IHDR(writer, header, (png_uint_32)png->raster->width, (png_uint_32)png->raster->height,
 		     png->raster->type == DEM_UINT16 ? 16 : 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
 		     PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+	if (png->holes && !png->zeros) /* GDAL reads that as nodata; engines leave it out */
+		png_set_tRNS(writer, header, NULL, 0, &(png_color_16){.gray = 0});
 	png_write_info(writer, header);
 	for (int64_t y = png->raster->height; y-- > 0;)
 		png_write_row(writer, png->rows + (size_t)y * png->row_bytes);

@@ -28,6 +28,7 @@ struct exchange_tiles_params {
 	double range[2];       /* metres: ends of the ruts' colours, below and above 0. Without it: chosen, or those of the folder */
 	struct chart_sun sun;
 	double exaggerate;     /* factor of heights for the shading */
+	bool terrarium;        /* height tiles are coded as Terrarium's, in steps of 1/256 m; otherwise as Mapbox's, of 0.1 m */
 	int64_t jobs;          /* threads; 0: one for each core */
 	const char *leaflet;   /* folder of leaflet.js and leaflet.css, which are copied beside the page */
 	/* Called on the caller's thread. If it does not return STATUS_OK, the work stops. May be NULL. */
@@ -40,6 +41,7 @@ enum exchange_set { EXCHANGE_TERRAIN, EXCHANGE_HILLSHADE, EXCHANGE_RUTS, EXCHANG
 struct exchange_tiles_result {
 	int64_t revision;                /* of the store, when the export began */
 	int zoom[2], mesh_zoom[2];       /* least and greatest */
+	double mesh_step[2];             /* metres between vertices to the east and to the north, at the finest mesh zoom that is complete */
 	int64_t made[EXCHANGE_SETS];     /* tiles that were computed */
 	int64_t written[EXCHANGE_SETS];  /* of these, files that are new or differ from what was there */
 	int64_t removed;                 /* files of tiles that are no more */
@@ -54,7 +56,7 @@ struct exchange_tiles_result {
 /*
  * Writes the tiles. If an export to the same folder with the same parameters and revision was killed, it goes on from there.
  * STATUS_INPUT: the folder holds something else, or tiles of another terrain, or tiles that are too old for `since`. STATUS_INPUT,
- * too: terrain-RGB cannot hold the heights, or the terrain crosses the antimeridian or a pole. STATUS_FAILED: a file cannot be written; Leaflet is
+ * too: terrain-RGB cannot hold heights so great (it has -10000 m for all below), or the terrain crosses the antimeridian or a pole. STATUS_FAILED: a file cannot be written; Leaflet is
  * not there. STATUS_INTERRUPTED: `progress` stopped it; the next call goes on.
  */
 enum status exchange_tiles(const struct exchange_tiles_params *params, struct exchange_tiles_result *result) FURROW_CHECKED;

@@ -83,7 +83,7 @@ static enum status find_bounds(struct exchange_frame *frame)
 			/* Between two points, not more than a tenth of the way round: else the line crosses the antimeridian or a pole. */
 			if (isnan(x[i]) || (i > 0 && fabs(x[i] - x[i - 1]) > 36))
 				return fail_with(STATUS_INPUT, "the store: it crosses the antimeridian or a pole, where tiles would be torn apart; "
-						 "export a part of it that does not");
+						 "import a part of it that does not, with furrow import --window");
 			low[0] = fmin(low[0], x[i]);
 			high[0] = fmax(high[0], x[i]);
 			low[1] = fmin(low[1], y[i]);
@@ -91,8 +91,8 @@ static enum status find_bounds(struct exchange_frame *frame)
 		}
 	}
 	if (high[0] - low[0] > 180)
-		return fail_with(STATUS_INPUT, "the store: it crosses the antimeridian or a pole, where tiles would be torn apart; export a part "
-				 "of it that does not");
+		return fail_with(STATUS_INPUT, "the store: it crosses the antimeridian or a pole, where tiles would be torn apart; import a part "
+				 "of it that does not, with furrow import --window");
 	for (int i = 0; i < 2; i++) {
 		double more = 1e-4 * (high[i] - low[i]);
 		low[i] -= more;

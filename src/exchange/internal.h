@@ -148,12 +148,32 @@ enum status exchange_tile_path(const char *directory, enum exchange_set set, str
 typedef enum status (*exchange_tile_fn)(void *user, struct tile tile);
 enum status exchange_folder_each(const char *directory, enum exchange_set set, exchange_tile_fn fn, void *user) FURROW_CHECKED;
 
+/* --- cover.c: heights for globes where the terrain has none; any thread reads one --- */
+struct exchange_cover {
+	double *heights; /* metres: posts of a level of the base, rows from the south; all are known */
+	int64_t width, height;
+	double spacing; /* metres */
+};
+enum status exchange_cover_init(struct exchange_cover *cover, const struct exchange_frame *frame, struct store_reader *reader) FURROW_CHECKED;
+void exchange_cover_finish(struct exchange_cover *cover); /* cover may be all zero */
+/* Returns the height, metres, at metres east and north of the south-west post, or of the nearest place within the terrain's rectangle. */
+double exchange_cover_at(const struct exchange_cover *cover, double x, double y);
+/* The same at degrees. `frame`: of the calling thread. */
+double exchange_cover_degrees(const struct exchange_cover *cover, const struct exchange_frame *frame, double longitude, double latitude);
+
+/* Returns the height in metres of the code 0 of height tiles. */
+static inline double exchange_encoding_zero(const struct exchange_tiles_params *params)
+{
+	return params->terrarium ? -32768 : -10000;
+}
+
 /* --- map_tile.c and mesh_tile.c: one tile; a maker for each thread --- */
 struct exchange_steps; /* of mesh tiles; shared by threads */
 struct exchange_maker {
 	const struct exchange_tiles_params *params;
 	const struct exchange_zooms *zooms;
 	struct exchange_steps *steps;
+	const struct exchange_cover *cover; /* of globes */
 	struct exchange_sampler sampler;
 	double *heights, *slopes;
 	uint8_t *pixels, *indices;

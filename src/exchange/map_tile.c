@@ -61,16 +61,17 @@ enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set s
 
 /* --- heights --- */
 
-/* Mapbox's terrain-RGB: height = -10000 + 0.1 (65536 R + 256 G + B). Nodata is the terrain's lowest height: the format has none. */
+/* Mapbox's terrain-RGB: height = -10000 + 0.1 (65536 R + 256 G + B). Terrarium's: -32768 + (65536 R + 256 G + B) / 256. Nodata is the
+ * terrain's lowest height: the formats have none. */
 static enum status put_terrain(struct exchange_maker *maker, struct tile tile)
 {
-	double lowest = maker->sampler.frame.meta->low;
+	const double lowest = maker->sampler.frame.meta->low, zero = exchange_encoding_zero(maker->params), parts = maker->params->terrarium ? 256 : 10;
 	uint8_t *to = maker->pixels;
 	for (size_t y = 1; y <= EXCHANGE_PIXELS; y++)
 		for (size_t x = 1; x <= EXCHANGE_PIXELS; x++, to += 3) {
 			double height = maker->heights[y * BORDER + x];
-			height = fmin(fmax(isnan(height) ? lowest : height, -10000), 1667721.5);
-			uint32_t units = (uint32_t)(10 * (height + 10000) + 0.5);
+			height = ((isnan(height) ? lowest : height) - zero) * parts;
+			const uint32_t units = (uint32_t)(fmin(fmax(height, 0), 16777215) + 0.5);
 			to[0] = (uint8_t)(units >> 16);
 			to[1] = (uint8_t)(units >> 8);
 			to[2] = (uint8_t)units;

@@ -6,14 +6,21 @@
  * tiles, in a corner of the largest of its four.
  *
  *  1. A tile's unit follows from its own samples alone, so that every order of work gives the same bytes.
- *  2. The unit leaves one bit to spare. So heights that are rounded to a neighbour's unit still fit.
- *  3. Units are at least 2^-10 m. Up to 16 km such heights are exact in the header's floats.
+ *  2. The unit leaves SPARE numbers. It is at most so many times finer than any tile's. So heights that are rounded to a neighbour's unit
+ *     still fit.
+ *  3. Where the terrain has no height, a sample has that of the cover (cover.c). Near the terrain it is fitted to the nearest sample that has
+ *     a height. That too depends on samples, not on tiles.
+ *  4. Units are at least 2^-10 m. Up to 16 km such heights are exact in the header's floats.
  */
 #include "exchange/internal.h"
 
 #define BORDER (EXCHANGE_SIDE + 2)
 #define UNIT_LEAST (-10)
-#define SPAN_MOST 16383 /* half of the 15 bits */
+#define SPARE_BITS 11
+#define SPARE (1 << SPARE_BITS)
+#define SPAN_MOST (32767 - SPARE) /* of the 15 bits */
+#define REACH 16 /* samples over which the cover is fitted to the terrain */
+#define WIDE (BORDER + 2 * REACH)
 
 struct exchange_steps {
 	struct mutex mutex;
@@ -56,18 +63,82 @@ enum status exchange_steps_put(struct exchange_steps *steps, uint64_t key, int e
 	return status;
 }
 
-/* Reads the heights of a tile with one more sample on each side. Rows from the south; NaN: no terrain. */
-static enum status read_heights(struct exchange_maker *maker, const struct exchange_zoom *zoom, int64_t x, int64_t y)
+/* Returns the cover's height at sample `at` of those that were placed, which is sample (i, j) of the zoom level. */
+static double covered(const struct exchange_maker *maker, size_t at, int64_t i, int64_t j)
 {
-	TRY(exchange_sampler_place(&maker->sampler, zoom, x * EXCHANGE_CELLS - 1, y * EXCHANGE_CELLS - 1, BORDER, BORDER));
-	return exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights);
+	const struct exchange_sampler *sampler = &maker->sampler;
+	const double spacing = extent_spacing(sampler->extent, sampler->zoom->level);
+	double x = sampler->x[at] * spacing, y = sampler->y[at] * spacing;
+	if (!isnan(x) && !isnan(y))
+		return exchange_cover_at(maker->cover, x, y);
+	exchange_place_degrees(&sampler->frame, sampler->zoom, (double)i, (double)j, &x, &y);
+	return exchange_cover_degrees(maker->cover, &sampler->frame, x, y);
 }
 
-/* The height of a tile's own sample. Where there is no terrain it is 0: that of the ellipsoid. */
+/* Finds the nearest sample within REACH that has a height. Returns false if there is none. *away: samples to it. */
+static bool find_nearest(const double *heights, size_t at, size_t *nearest, double *away)
+{
+	int least = REACH * REACH + 1;
+	for (int dy = -REACH; dy <= REACH; dy++)
+		for (int dx = -REACH; dx <= REACH; dx++) {
+			const size_t there = (size_t)((int64_t)at + dy * WIDE + dx);
+			if (dx * dx + dy * dy >= least || isnan(heights[there]))
+				continue;
+			least = dx * dx + dy * dy;
+			*nearest = there;
+		}
+	*away = sqrt(least);
+	return least <= REACH * REACH;
+}
+
+/* Gives the samples of a tile that have no height one; the first sample placed is (i0, j0). `wide` has WIDE x WIDE. */
+static void fill_holes(struct exchange_maker *maker, const double *wide, int64_t i0, int64_t j0)
+{
+	for (size_t y = 0; y < BORDER; y++)
+		for (size_t x = 0; x < BORDER; x++) {
+			const size_t at = (y + REACH) * WIDE + x + REACH;
+			size_t nearest = 0;
+			double height = wide[at], away;
+			if (isnan(height)) {
+				height = covered(maker, at, i0 + (int64_t)(x + REACH), j0 + (int64_t)(y + REACH));
+				if (find_nearest(wide, at, &nearest, &away)) /* it has a position, so it needs no number */
+					height += (wide[nearest] - covered(maker, nearest, 0, 0)) * (1 - away / (REACH + 1));
+			}
+			maker->heights[y * BORDER + x] = height;
+		}
+}
+
+/* Reads the heights of a tile with one more sample on each side. Rows from the south. Where there is no terrain they are the cover's. */
+static enum status read_heights(struct exchange_maker *maker, const struct exchange_zoom *zoom, int64_t x, int64_t y)
+{
+	const int64_t i0 = x * EXCHANGE_CELLS - 1, j0 = y * EXCHANGE_CELLS - 1;
+	double *wide = maker->slopes; /* free until slopes are taken */
+	bool holes = false;
+	TRY(exchange_sampler_place(&maker->sampler, zoom, i0, j0, BORDER, BORDER));
+	TRY(exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights));
+	for (size_t k = 0; k < (size_t)BORDER * BORDER; k++)
+		holes = holes || isnan(maker->heights[k]);
+	if (!holes)
+		return STATUS_OK;
+	TRY(exchange_sampler_place(&maker->sampler, zoom, i0 - REACH, j0 - REACH, WIDE, WIDE));
+	TRY(exchange_sampler_read(&maker->sampler, STORE_SURFACE, wide));
+	fill_holes(maker, wide, i0 - REACH, j0 - REACH);
+	return STATUS_OK;
+}
+
+/* The height of a tile's own sample. */
 static double height_at(const struct exchange_maker *maker, size_t i, size_t j)
 {
-	double height = maker->heights[(j + 1) * BORDER + i + 1];
-	return isnan(height) ? 0 : height;
+	return maker->heights[(j + 1) * BORDER + i + 1];
+}
+
+/* The least exponent of a unit whose numbers hold heights that differ by `span`. */
+static int exponent_of(double span)
+{
+	int exponent = UNIT_LEAST;
+	while (ldexp(SPAN_MOST - 1, exponent) < span)
+		exponent++;
+	return exponent;
 }
 
 /* The exponent of the tile whose heights were read. */
@@ -79,10 +150,10 @@ static int own_exponent(const struct exchange_maker *maker)
 			low = fmin(low, height_at(maker, i, j));
 			high = fmax(high, height_at(maker, i, j));
 		}
-	int exponent = UNIT_LEAST;
-	while (ldexp(SPAN_MOST - 1, exponent) < high - low)
-		exponent++;
-	return exponent;
+	/* No tile spans more than this: the cover may go a little beyond the heights of the base, and a drive below them. */
+	const struct store_meta *meta = maker->sampler.frame.meta;
+	const int coarsest = exponent_of(2 * (meta->high - meta->low) + 8192), own = exponent_of(high - low);
+	return own > coarsest - SPARE_BITS ? own : coarsest - SPARE_BITS;
 }
 
 /* Finds the exponents of the 3 x 3 tiles around one; those that are not there have the least. Leaves the heights of the middle one. */

@@ -193,6 +193,7 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	add(&text, "  bounds: [%.12g, %.12g, %.12g, %.12g], // west, south, east, north\n", bounds[0], bounds[1], bounds[2], bounds[3]);
 	add(&text, "  range: [%.6g, %.6g], // metres\n", result->range[0], result->range[1]);
 	add_ramp(&text);
+	add(&text, "  encoding: \"%s\", // of the tiles of heights\n", params->terrarium ? "terrarium" : "mapbox");
 	add(&text, "  coarsest: %d, finest: %d,\n", zooms->map[0], zooms->map[1]);
 	add(&text, "  // Tiles that are there: {z: {y: [x0, x1, ...]}}.\n  hillshade: ");
 	add_rows(&text, &shades);

@@ -19,6 +19,7 @@ struct work {
 	const struct exchange_tiles_params *params;
 	struct exchange_tiles_result *result;
 	struct exchange_frame frame;
+	struct exchange_cover cover;
 	struct exchange_zooms zooms;
 	struct exchange_stamp stamp;
 	struct exchange_journal journal;
@@ -105,6 +106,7 @@ static enum status make_units(struct work *all)
 {
 	struct exchange_maker maker;
 	TRY(exchange_maker_init(&maker, all->params, &all->zooms, all->steps, all->stamp.range));
+	maker.cover = &all->cover;
 	const struct exchange_zoom *zoom;
 	int64_t unit, number;
 	while (take_unit(all, &zoom, &unit, &number)) {
@@ -188,12 +190,11 @@ wait:
 
 /* --- before and after --- */
 
-static enum status check_heights(const struct store_meta *meta)
+static enum status check_heights(const struct exchange_tiles_params *params, const struct store_meta *meta)
 {
-	const double deepest = -9990, highest = 1667700;
-	if (meta->low < deepest || meta->high > highest)
-		return fail_with(STATUS_INPUT, "heights from %g to %g m: terrain-RGB holds %g to %g m; write a .tif", meta->low, meta->high,
-				 deepest, highest);
+	const double highest = params->terrarium ? 32767 : 1667700;
+	if (meta->high > highest)
+		return fail_with(STATUS_INPUT, "heights from %g to %g m: tiles of this encoding hold at most %g m; write a .tif", meta->low, meta->high, highest);
 	return STATUS_OK;
 }
 
@@ -248,14 +249,14 @@ static enum status check_stamp(struct work *all, const struct exchange_stamp *ol
 		return fail_with(STATUS_INPUT, "%s: its tiles are of revision %lld, and --since %lld would leave out what changed between; give "
 				 "--since %lld", directory, (long long)old->revision, since, (long long)old->revision);
 	if (old->look != all->stamp.look)
-		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration or range of colours; give the same, or leave --since "
+		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration, encoding or range of colours; give the same, or leave --since "
 				 "out", directory);
 	return STATUS_OK;
 }
 
 static uint64_t look_of(const struct exchange_tiles_params *params, const double range[2])
 {
-	double look[3 + 3 * CHART_SUNS] = {range[0], range[1], params->exaggerate};
+	double look[3 + 3 * CHART_SUNS] = {range[0], range[1], params->terrarium ? -params->exaggerate : params->exaggerate};
 	for (int i = 0; i < 3 * CHART_SUNS; i++)
 		look[3 + i] = params->sun.toward[i / 3][i % 3];
 	return XXH3_64bits(look, sizeof look);
@@ -331,6 +332,12 @@ static void tell(struct work *all)
 		result->mesh_zoom[i] = all->zooms.mesh[i];
 		result->range[i] = all->stamp.range[i];
 	}
+	for (size_t k = 0; k < all->zooms.count; k++)
+		if (all->zooms.zooms[k].globe && !all->zooms.zooms[k].sparse) { /* the finest of these comes first */
+			const struct exchange_zoom *zoom = &all->zooms.zooms[k];
+			exchange_place_steps(&all->frame, zoom, (double)(zoom->y0 + zoom->y1) / 2 * EXCHANGE_CELLS, &result->mesh_step[0], &result->mesh_step[1]);
+			break;
+		}
 }
 
 enum status exchange_tiles(const struct exchange_tiles_params *params, struct exchange_tiles_result *result)
@@ -344,11 +351,12 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 	dem_quiet_begin();
 	enum status status;
 	TRY_OR(done, exchange_page_check(params));
-	TRY_OR(done, check_heights(meta));
+	TRY_OR(done, check_heights(params, meta));
 	TRY_OR(done, check_folder(params->directory));
 	TRY_OR(done, exchange_file_folder(params->directory));
 	TRY_OR(done, store_reader_create(params->store, &all.reader));
 	TRY_OR(done, exchange_frame_init(&all.frame, meta));
+	TRY_OR(done, exchange_cover_init(&all.cover, &all.frame, all.reader));
 	TRY_OR(done, exchange_zooms_init(&all.zooms, &all.frame, all.reader, params->store, params->since));
 	TRY_OR(done, exchange_steps_create(&all.steps));
 	TRY_OR(done, begin(&all));
@@ -363,6 +371,7 @@ done:
 	exchange_journal_finish(&all.journal);
 	exchange_steps_destroy(all.steps);
 	exchange_zooms_finish(&all.zooms);
+	exchange_cover_finish(&all.cover);
 	exchange_frame_finish(&all.frame);
 	store_reader_destroy(all.reader);
 	dem_quiet_end();

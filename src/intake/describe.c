@@ -1,6 +1,7 @@
 /* Describes an import: what the store says about its sources, and all that decides its content. */
 #include "intake/internal.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,11 +55,35 @@ static char *tell_insets(const struct import *import)
 	return NULL;
 }
 
+/* A raster that is a folder changes if a file of it does. */
+static void describe_folder(FILE *out, const char *path, int depth)
+{
+	struct dirent **entries = NULL;
+	const int count = depth < 16 ? scandir(path, &entries, NULL, alphasort) : 0;
+	for (int i = 0; i < count; i++) {
+		char full[4200];
+		struct stat file = {0};
+		const bool named = entries[i]->d_name[0] != '.' || entries[i]->d_name[1] == 'z';
+		if (named && snprintf(full, sizeof full, "%s/%s", path, entries[i]->d_name) < (int)sizeof full && stat(full, &file) == 0) {
+			fprintf(out, "%lld.%09ld %lld %s\n", (long long)file.st_mtim.tv_sec, (long)file.st_mtim.tv_nsec, (long long)file.st_size, full);
+			if (S_ISDIR(file.st_mode))
+				describe_folder(out, full, depth + 1);
+		}
+		free(entries[i]);
+	}
+	free(entries);
+}
+
 static void describe_file(FILE *out, const char *path)
 {
 	struct stat file = {0};
-	static const char gzip[] = "/vsigzip/";
-	(void)stat(strncmp(path, gzip, sizeof gzip - 1) == 0 ? path + sizeof gzip - 1 : path, &file); /* GDAL may read sources that are no files */
+	char real[4200];
+	const char *vsi = strncmp(path, "/vsi", 4) == 0 ? strchr(path + 1, '/') : NULL; /* /vsizip/a.zip/b.tif: a.zip */
+	snprintf(real, sizeof real, "%s", vsi != NULL ? vsi + 1 : path);
+	while (stat(real, &file) != 0 && vsi != NULL && strrchr(real, '/') != NULL && strrchr(real, '/') != real)
+		*strrchr(real, '/') = '\0';
+	if (S_ISDIR(file.st_mode))
+		describe_folder(out, real, 0);
 	fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
 		(long)file.st_mtim.tv_nsec, path);
 }
@@ -92,6 +117,8 @@ static char *describe(const struct import *import, const struct dem_info *info)
 		(int)dem->resample, (int)dem->radii, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
 	for (size_t i = 0; i < dem->nodata_count; i++)
 		fprintf(out, " %.17g", dem->nodata[i]);
+	if (dem->band > 1 || dem->encoding != DEM_PLAIN)
+		fprintf(out, " band %lld encoding %d", (long long)dem->band, (int)dem->encoding);
 	fprintf(out, "\nsrs %s\nfrom %s\nvertical %s from %s to %s unit %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "", info->vertical,
 		dem->s_vertical != NULL ? dem->s_vertical : "", dem->t_vertical != NULL ? dem->t_vertical : "",
 		dem->s_unit != NULL ? dem->s_unit : "");

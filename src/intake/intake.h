@@ -105,9 +105,9 @@ enum import_list {
 	IMPORT_JOINED   /* one call, with the values parted by commas */
 };
 enum import_list intake_import_list(const char *name); /* IMPORT_NO_LIST of a name that is no option, too */
-/* The values of `r`, `radii`, `pack` and `s-unit`, ended by NULL. */
+/* The values of `r`, `radii`, `pack`, `s-unit` and `encoding`, ended by NULL. */
 extern const char *const intake_import_methods[], *const intake_import_radii[], *const intake_import_packs[],
-	*const intake_import_units[];
+	*const intake_import_units[], *const intake_import_encodings[];
 /* Opens the sources, which must outlive the import. Writes nothing. STATUS_INPUT: they give no terrain. */
 enum status intake_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
 /* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */

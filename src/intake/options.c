@@ -15,9 +15,10 @@ struct option {
 	const char *const *words; /* of a word, ended by NULL */
 };
 
-const char *const intake_import_methods[] = {"bilinear", "cubic", "near", NULL};
+const char *const intake_import_methods[] = {"bilinear", "cubic", "near", "average", "lanczos", NULL};
 const char *const intake_import_radii[] = {"auto", "yes", "no", NULL};
 const char *const intake_import_packs[] = {"fast", "small", NULL};
+const char *const intake_import_encodings[] = {"terrarium", "mapbox", NULL}; /* from DEM_TERRARIUM on */
 const char *const intake_import_units[] = {"m", "ft", "us-ft", NULL};
 static const struct option options[] = {
 	{"tile", WHOLE, TILE_CELLS_MIN, TILE_CELLS_MAX, NULL},
@@ -33,6 +34,8 @@ static const struct option options[] = {
 	{"s-unit", WORD, 0, 0, intake_import_units},
 	{"r", WORD, 0, 0, intake_import_methods},
 	{"radii", WORD, 0, 0, intake_import_radii},
+	{"band", WHOLE, 1, 1e6, NULL},
+	{"encoding", WORD, 0, 0, intake_import_encodings},
 	{"pack", WORD, 0, 0, intake_import_packs},
 	{"nodata", LIST, 0, 0, NULL},
 	{"height-range", RANGE, 0, 0, NULL},
@@ -200,7 +203,7 @@ static enum status take(struct import *import, const struct option *option, cons
 		TRY(take_number(option, text, &number));
 		if (strcmp(option->name, "tile") == 0)
 			return take_tile(import, (int64_t)number);
-		import->jobs = (int64_t)number;
+		*(strcmp(option->name, "band") == 0 ? &import->dem.band : &import->jobs) = (int64_t)number;
 		break;
 	case NUMBER:
 		TRY(take_number(option, text, &number));
@@ -219,6 +222,8 @@ static enum status take(struct import *import, const struct option *option, cons
 			import->dem.resample = (enum dem_resample)word;
 		else if (option->words == intake_import_radii)
 			import->dem.radii = (enum dem_radii)word;
+		else if (option->words == intake_import_encodings)
+			import->dem.encoding = (enum dem_encoding)(DEM_TERRARIUM + word);
 		else if (option->words == intake_import_units)
 			import->dem.s_unit = intake_import_units[word];
 		else

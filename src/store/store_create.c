@@ -142,7 +142,11 @@ static enum status connect_part(struct store *store)
 
 static enum status begin_part(struct store *store)
 {
+	struct stat left;
 	store->keeps_part = false;
+	if (store->meta.request[0] != '\0' && lstat(store->part_path, &left) == 0 && S_ISREG(left.st_mode) && left.st_size > 0)
+		note("%s: an earlier import was broken off with %.3g MB done, which is thrown away; with --resume the same import goes on there", store->path,
+		     (double)left.st_size / 1e6);
 	if (!store_create_remove_part(store)) /* an import that was killed left it; this process has the lock, so none uses it */
 		return fail_with(STATUS_FAILED, "%s: what an earlier import left beside it cannot be removed: %s; make its "
 				 "folder writable", store->path, strerror(errno));

@@ -154,6 +154,58 @@ class Meanings(RasterTest):
             self.assertIn("outside", told.stdout)
             self.assertRegex(told.stderr, "exchanged|latitude and longitude")
 
+    def turned(self, name, turn):
+        """Heights of one ground in a raster that counts from another corner."""
+        west, north, step = (500000 if turn in ("", "south") else 500400), (5000000 if turn in ("", "east") else 4999700), [10, 10]
+        step[0] *= -1 if turn in ("east", "both") else 1
+        step[1] *= -1 if turn in ("south", "both") else 1
+        self.make(name, 40, 30, lambda column, row: 300 + 2 * (39 - column if step[0] < 0 else column) + 3 * (29 - row if step[1] < 0 else row) + (column * row) % 2, code="h",
+                  west=west, north=north, step=tuple(step))
+
+    def test_grids_that_count_from_another_corner_are_not_resampled(self):
+        for turn in ("", "south", "east", "both"):
+            self.turned("von süden.tif", turn)
+            rasters.gdal("gdalwarp", "-q", "-overwrite", "-tr", 10, 10, "-te", 500000, 4999700, 500400, 5000000, self.folder / "von süden.tif", self.folder / "gdal.tif")
+            result = self.furrow("import", "von süden.tif", "-o", "s.furrow", "--overwrite")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertNotIn("resampl", result.stderr + result.stdout)
+            self.assertIn("measured: 0 m", result.stdout)
+            self.assertEqual(self.exported("s.furrow", "--layer", "base")[2], list(rasters.pixels(self.folder / "gdal.tif")[2]))
+
+    def test_turned_and_other_grids_join(self):
+        self.turned("up.tif", "both")
+        self.make("east.tif", 40, 30, lambda column, row: 7, west=500000 + 400, code="h")
+        alone = None
+        for order in (("up.tif", "east.tif"), ("east.tif", "up.tif")):
+            self.ok("import", *order, "-o", "s.furrow", "--overwrite")
+            self.assertEqual(self.json("info", "s.furrow")["posts"], [80, 30])
+            cells = self.exported("s.furrow", "--layer", "base")[2]
+            self.assertEqual(alone or cells, cells)
+            alone = cells
+
+    def test_rasters_of_one_pixel(self):
+        self.make("one.tif", 1, 1, lambda column, row: 5.0)
+        self.assertIn("at least 2 x 2", self.refused(3, "import", "one.tif", "-o", "s.furrow"))
+        for column in range(3):
+            self.make(f"strip {column}.tif", 1, 20, lambda _, row, column=column: 10.0 * column + row, west=500000 + 10 * column)
+        self.ok("import", *(f"strip {column}.tif" for column in (2, 0, 1)), "-o", "s.furrow", "--max-error", 0)
+        self.assertEqual(self.exported("s.furrow", "--layer", "base"), (3, 20, [10.0 * column + row for row in range(20) for column in range(3)]))
+
+    def test_whole_metres_of_the_nearest_posts_stay_as_they_are(self):
+        self.make("g.tif", 40, 30, lambda column, row: 300 + 2 * column + 3 * row, code="h")
+        output = self.ok("import", "g.tif", "-o", "s.furrow", "-r", "near", "--spacing", 7)
+        self.assertNotIn("rounded to", output)
+        self.assertNotIn("-r cubic", output)
+        self.assertIn("rounded to", self.ok("import", "g.tif", "-o", "t.furrow", "--spacing", 7))
+
+    def test_a_height_range_that_does_not_reach_names_the_height(self):
+        self.make("g.tif", 40, 30, lambda column, row: 300 + 2 * column + 3 * row, code="h")
+        self.ok("import", "g.tif", "-o", "s.furrow")
+        for name in ("r.png", "r.r16"):
+            told = self.refused(3, "export", "s.furrow", "-o", name, "--height-range", "350,470")
+            self.assertRegex(told, r"height of \d+ m does not fit the 16 bits of --height-range 350,470")
+            self.ok("export", "s.furrow", "-o", name, "--height-range", "300,470")
+
 
 if __name__ == "__main__":
     main()
