@@ -9,7 +9,7 @@
         print(world.points([(60, 60)])["height"])
 
 Metres, seconds, newtons and radians; local axes are x east, y north, z up, from the store's south-west post. Failures raise
-furrow.Error, whose .status is a furrow.Status.
+furrow.Error, whose .status is a furrow.Status. The first call loads libfurrow; furrow.results needs none.
 """
 from furrow._declarations import Contact, ContactState, Info, Layer, Pose, State, Status, VehicleState
 from furrow._library import Error, import_dem, set_log, version
@@ -18,4 +18,10 @@ from furrow._vehicle import Vehicle
 
 __all__ = ["Body", "CONTACT", "Contact", "ContactState", "Error", "HIT", "Info", "Layer", "POINT", "Pose", "RECT", "STATE", "State",
            "Status", "Vehicle", "VehicleState", "World", "import_dem", "set_log", "version"]
-__version__ = version()
+
+
+def __getattr__(name: str) -> str:
+    """__version__ is the library's, which is loaded when something of it is first asked."""
+    if name == "__version__":
+        return version()
+    raise AttributeError(f"module 'furrow' has no attribute {name!r}")

@@ -58,7 +58,16 @@ def _load() -> "dict[str, Any]":
     return functions
 
 
-_functions = _load()
+class _Functions(dict):
+    """The library's functions by their names. The library is loaded when the first is called, so furrow.results works where there is none."""
+
+    def __missing__(self, name: str) -> Any:
+        functions = _load()
+        self.update(functions)
+        return functions[name]
+
+
+_functions = _Functions()
 _log_type = _declarations.FUNCTIONS["furrow_set_log"][2][0]
 _progress_type = _declarations.FUNCTIONS["furrow_import"][2][4]
 _log_lock = threading.Lock()
@@ -107,8 +116,11 @@ def set_log(log: Optional[Callable[[int, str], None]]) -> None:
         _log_held = new
 
 
-# A thread of the library must not call into an interpreter that has ended.
-atexit.register(set_log, None)
+@atexit.register
+def _end_log() -> None:
+    """A thread of the library must not call into an interpreter that has ended."""
+    if _log_held is not None:
+        set_log(None)
 
 
 def import_dem(sources: Union[Path, Iterable[Path]], store: Path, *, progress: Optional[Callable[[float], Any]] = None,

@@ -10,6 +10,7 @@ from typing import Any, Iterable, Optional, Sequence, Tuple, Union
 
 import numpy
 
+from furrow import _arrays
 from furrow import _declarations as declared
 from furrow._declarations import Contact, Info, Layer, Pose, State, Status
 from furrow._library import Error, Path, call, text, yaml
@@ -18,10 +19,11 @@ from furrow._vehicle import Vehicle
 Vector = Union[Sequence[float], numpy.ndarray]
 
 STATE = numpy.dtype(declared.furrow_state)
-CONTACT = numpy.dtype(declared.furrow_contact)
-POINT = numpy.dtype(declared.furrow_point)
-HIT = numpy.dtype(declared.furrow_hit)
+CONTACT = _arrays.columns(numpy.dtype(declared.furrow_contact))
+POINT = _arrays.columns(numpy.dtype(declared.furrow_point))
+HIT = _arrays.columns(numpy.dtype(declared.furrow_hit))
 RECT = numpy.dtype(declared.furrow_rect)
+METRES = (Layer.SURFACE, Layer.BASE, Layer.OFFSET, Layer.DEPOSITED, Layer.SINKAGE)
 LEVEL_WITH_NO_TURN = (1.0, 0.0, 0.0, 0.0)
 CHASE = (-6.0, 3.0)  # m: where render is from what it looks at: to the north, and up
 LEAST_ABOVE = 1.0    # m: of that place above the ground
@@ -279,7 +281,10 @@ class World:
         return states
 
     def get_contacts(self, bodies: Bodies) -> numpy.ndarray:
-        """Body.contact of n bodies at once: (n,) of furrow.CONTACT. ["force"] is (n, 3), N."""
+        """Body.contact of n bodies at once: (n,) of furrow.CONTACT. ["force"] is (n, 3), N, and ["force_x"] its first column.
+
+        pandas.DataFrame(contacts) has a row for each body, and a column for each number: force_x, force_y, and so on.
+        """
         handles = _handles(bodies)
         contacts = numpy.empty(len(handles), CONTACT)
         self._call("furrow_get_contacts", len(handles), handles.ctypes.data, contacts.ctypes.data, CONTACT.itemsize)
@@ -305,6 +310,8 @@ class World:
 
         xy: (n, 2), or any (..., 2), m, local axes; not copied if it is contiguous float64.
         Returns (n,), or (...), of furrow.POINT: ["height"] and ["offset"] in m, ["normal"] (n, 3), ["soil"], ["nodata"].
+        ["normal_x"], ["normal_y"] and ["normal_z"] are the columns of ["normal"]. So pandas.DataFrame(points) has a row for each of n points, and a
+        column for each number.
         A point off the terrain or in a hole raises nothing: its ["nodata"] is True, its height, offset and normal are nan. The
         terrain goes from (0, 0) to World.info.extent.
         """
@@ -317,7 +324,8 @@ class World:
         """Where n rays first meet the newest ground.
 
         origin: (n, 3), m; direction: (n, 3), of any length but 0; local axes. One of either serves all of the other.
-        Returns (n,) of furrow.HIT: ["position"] (n, 3), m, ["normal"] (n, 3), ["distance"], m, ["hit"]. A ray that misses the terrain
+        Returns (n,) of furrow.HIT: ["position"] (n, 3), m, ["normal"] (n, 3), ["distance"], m, ["hit"]; ["position_x"] and so on are single columns,
+        as pandas.DataFrame(hits) has them. A ray that misses the terrain
         raises nothing: its ["hit"] is False, its position, normal and distance are nan.
         """
         first, second = numpy.broadcast_arrays(_array(origin, "origin", 3), _array(direction, "direction", 3))
@@ -329,21 +337,27 @@ class World:
     def read(self, layer: Union[str, Layer] = "surface", *, x: Optional[float] = None, y: Optional[float] = None,
              width: Optional[float] = None, height: Optional[float] = None, column: int = 0, row: int = 0,
              columns: Optional[int] = None, rows: Optional[int] = None, level: Optional[int] = None,
-             out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+             out: Optional[numpy.ndarray] = None, xarray: bool = False) -> Any:
         """Posts of a rectangle: (rows, columns) float64, row 0 the southernmost. NaN where there is no post.
+
+        The array's .x (columns,) and .y (rows,) say where the posts are, m, local axes. A part of the array has neither.
 
         layer: "surface", "base", "offset", "deposited", "sinkage" (m), "shear_x", "shear_y"
             (shares of the soil's strength, -1 to 1), "disturbance", or "bent" or "torn" plants (0 to 1).
         The rectangle is x, y (m, its south-west corner), width and height (m), and holds the posts in it, its sides included; or
         column, row, columns and rows, in posts. level: None is the working level, the finest.
-        out: (rows, columns) float64 to fill, whose rows are contiguous each; nothing is copied.
+        Posts are at whole multiples of the spacing, World.info.spacing at the working level. So the first post is not at x, y, but is the first one
+        at or beyond it, to the east and north: less than a spacing away. Posts that a millionth of the spacing keeps outside are inside.
+        Post (column, row) is at (column, row) x spacing: World.points gives the same height there.
+        out: (rows, columns) float64 to fill, whose rows are contiguous each; nothing is copied, and what is returned is a view of it.
+        xarray: returns an xarray.DataArray, with the dimensions y and x and their places, m. ImportError: that package is not installed.
         """
         info = self.info
         level = info.level if level is None else level
         if x is not None or y is not None or width is not None or height is not None:
             if x is None or y is None or width is None or height is None:
                 raise ValueError("furrow: read needs x, y, width and height together, in metres")
-            spacing = info.spacing * 2.0 ** (level - info.level)
+            spacing = _spacing(info, level)
             column, columns = _posts_between(x, width, spacing)
             row, rows = _posts_between(y, height, spacing)
         elif columns is None or rows is None:
@@ -352,7 +366,7 @@ class World:
         if isinstance(layer, str) and layer.lower() not in names:
             raise KeyError(f"furrow: {layer!r} is no layer; give one of {', '.join(names)}")
         wanted = Layer[layer.upper()] if isinstance(layer, str) else Layer(layer)
-        columns, rows = operator.index(columns), operator.index(rows)
+        column, row, columns, rows = map(operator.index, (column, row, columns, rows))
         if columns < 0 or rows < 0:
             raise ValueError(f"furrow: read was asked for {columns} columns and {rows} rows; give 0 or more")
         if out is None:
@@ -363,7 +377,9 @@ class World:
             raise ValueError("furrow: the rows of out must be contiguous each, and follow one another")
         stride = out.strides[0] // out.itemsize if rows > 1 else columns
         self._call("furrow_read", wanted, level, column, row, columns, rows, out.ctypes.data, stride)
-        return out
+        spacing = _spacing(info, level)
+        placed = _arrays.posts(out, spacing * numpy.arange(column, column + columns), spacing * numpy.arange(row, row + rows))
+        return _arrays.data_array(placed, wanted.name.lower(), "m" if wanted in METRES else "1") if xarray else placed
 
     def changes(self, since: int = 0) -> Tuple[numpy.ndarray, int]:
         """Rectangles of the working level that changed since a revision, and the revision now.
@@ -494,6 +510,11 @@ def _toward(eye: numpy.ndarray, target: numpy.ndarray) -> Tuple[float, float, fl
     yaw = math.atan2(north, east) / 2 if level > 1e-9 * abs(up) else math.pi / 4
     pitch = -math.atan2(up, level) / 2
     return (math.cos(yaw) * math.cos(pitch), -math.sin(yaw) * math.sin(pitch), math.cos(yaw) * math.sin(pitch), math.sin(yaw) * math.cos(pitch))
+
+
+def _spacing(info: Info, level: int) -> float:
+    """m between the posts of a level."""
+    return info.spacing * 2.0 ** (level - info.level)
 
 
 def _posts_between(start: float, length: float, spacing: float) -> Tuple[int, int]:

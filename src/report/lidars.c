@@ -271,7 +271,7 @@ static enum status open_one(const struct report_lidars *lidars, struct lidar *li
 	TRY(make_folder(path));
 	TRY(write_json(lidars, lidar->scene));
 	path_of(lidars, lidar->scene, "poses.tum", path);
-	TRY(report_rows_file_open(lidars->world, path, HEADER, &lidar->poses, &begins));
+	TRY(report_rows_file_open(lidars->world, path, HEADER, true, &lidar->poses, &begins));
 	return begins && fputs(HEADER, lidar->poses) < 0 ? report_rows_file_failed(path) : STATUS_OK;
 }
 

@@ -116,7 +116,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	bool begins;
 	const char *header = header_of(world_scene(world));
 	enum status status;
-	TRY_OR(failed, report_rows_file_open(world, path, header, &rows->file, &begins));
+	TRY_OR(failed, report_rows_file_open(world, path, header, true, &rows->file, &begins));
 	if (begins && fputs(header, rows->file) < 0)
 		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;

@@ -28,7 +28,7 @@ enum status report_rows_file_failed(const char *path)
 	return fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written"));
 }
 
-enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins)
+enum status report_rows_file_open(const struct world *world, const char *path, const char *header, bool again, FILE **file, bool *begins)
 {
 	long end = 0;
 	struct world_recorded recorded = {.step = 0};
@@ -36,7 +36,7 @@ enum status report_rows_file_open(const struct world *world, const char *path, c
 	if (*file != NULL && world_facts(world)->resumed.is) {
 		world_recorded(world, &recorded);
 		rewind(*file);
-		end = whole_until(*file, header, recorded.step > 0 ? recorded.time : -1); /* the first step gives the rows of time 0 */
+		end = whole_until(*file, header, recorded.step > 0 || !again ? recorded.time : -1);
 	}
 	*begins = end == 0;
 	if (*file == NULL || end < 0 || ftruncate(fileno(*file), end) != 0 || fseek(*file, 0, SEEK_END) != 0)

@@ -152,7 +152,7 @@ enum status report_sensors_open(const struct world *world, struct vehicles *vehi
 	bool begins = false;
 	tell_what_is_missed(rows, world_scene(world));
 	TRY_OR(failed, make_header(rows));
-	TRY_OR(failed, report_rows_file_open(world, path, rows->header, &rows->file, &begins));
+	TRY_OR(failed, report_rows_file_open(world, path, rows->header, true, &rows->file, &begins));
 	if (begins && fputs(rows->header, rows->file) < 0)
 		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;

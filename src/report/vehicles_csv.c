@@ -170,7 +170,7 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 	TRY_OR(failed, find_columns(rows));
 	bool begins = false;
 	TRY_OR(failed, make_header(rows));
-	TRY_OR(failed, report_rows_file_open(world, path, rows->header, &rows->file, &begins));
+	TRY_OR(failed, report_rows_file_open(world, path, rows->header, true, &rows->file, &begins));
 	if (begins && fputs(rows->header, rows->file) < 0)
 		TRY_OR(failed, report_rows_file_failed(path));
 	*out = rows;

@@ -141,10 +141,10 @@ struct page_cache *resident_pages_cache(struct pages *pages)
 	return pages->cache;
 }
 
-void resident_pages_volume(struct pages *pages, FILE *file, double unit)
+void resident_pages_volume(struct pages *pages, const struct resident_volume *volume)
 {
 	mutex_lock(&pages->mutex);
-	pages->volume = (struct pages_volume){file, unit};
+	pages->volume = *volume;
 	mutex_unlock(&pages->mutex);
 }
 

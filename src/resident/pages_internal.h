@@ -87,10 +87,7 @@ struct pages {
 	double readback_ms;              /* readback_ms and the next two are used by the GPU's thread */
 	uint64_t host_bytes, changed_images;
 	struct mutex mutex;              /* guards io and volume */
-	struct pages_volume {            /* file NULL: none */
-		FILE *file;
-		double unit;             /* m3 */
-	} volume;
+	struct resident_volume volume;   /* file NULL: none */
 	struct resident_pages_io io;
 };
 

@@ -1,6 +1,7 @@
 /* Moves pages from the store and back: loads on the loader threads, commits on the writer's. */
 #include <errno.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "resident/pages_internal.h"
 
@@ -110,11 +111,23 @@ static enum status acknowledge(struct pages *pages, int64_t commit, int64_t step
 	return STATUS_OK;
 }
 
-static enum status tell_volume(const struct pages_volume *volume, const struct store_run *run, const struct pages_sums *sums)
+/* Takes the last row away if it is of the step. */
+static bool begin_row(struct resident_volume *volume, int64_t step)
+{
+	if (volume->step == step && ftruncate(fileno(volume->file), volume->row) != 0)
+		return false;
+	if (fseek(volume->file, 0, SEEK_END) != 0)
+		return false;
+	volume->step = step;
+	volume->row = ftell(volume->file);
+	return volume->row >= 0;
+}
+
+static enum status tell_volume(struct resident_volume *volume, const struct store_run *run, const struct pages_sums *sums)
 {
 	if (volume->file == NULL)
 		return STATUS_OK;
-	if (fprintf(volume->file, "%.9g,%lld,%.12g,%.12g,%.12g\n", run->time, (long long)run->step, (double)-sums->below * volume->unit, (double)sums->above * volume->unit,
+	if (!begin_row(volume, run->step) || fprintf(volume->file, "%.9g,%lld,%.12g,%.12g,%.12g\n", run->time, (long long)run->step, (double)-sums->below * volume->unit, (double)sums->above * volume->unit,
 		    (double)(sums->compacted - sums->carried - sums->in_flight) * volume->unit) < 0 || fflush(volume->file) != 0)
 		return fail_with(STATUS_FAILED, "volume.csv: %s; free some disk space", strerror(errno));
 	return STATUS_OK;
@@ -213,9 +226,14 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	count_commit_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	const struct pages_sums sums = pages->io.sums;
-	const struct pages_volume volume = pages->volume;
+	struct resident_volume volume = pages->volume;
 	mutex_unlock(&pages->mutex);
-	return status == STATUS_OK ? tell_volume(&volume, &run, &sums) : status;
+	TRY(status);
+	status = tell_volume(&volume, &run, &sums);
+	mutex_lock(&pages->mutex);
+	pages->volume = volume;
+	mutex_unlock(&pages->mutex);
+	return status;
 }
 
 struct page_io resident_pages_io_of(struct pages *pages)

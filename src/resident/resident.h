@@ -457,9 +457,16 @@ void resident_pages_mirror(struct pages *pages, struct gpu *gpu, struct gpu_slot
 enum status resident_pages_show(struct pages *pages, uint32_t slot, bool planes) FURROW_CHECKED;
 /* Returns true if the tile in the slot is deformed, wherever its home is. */
 bool resident_pages_is_deformed(const struct pages *pages, uint32_t slot);
-/* From now on writes a line into `file` after each commit: time (s), step, and three volumes (m3). These are what the whole drive removed,
- * raised and compacted. `unit`: m3 of a fixed-point unit. The file must outlive the pages' threads. Call it before the first commit. */
-void resident_pages_volume(struct pages *pages, FILE *file, double unit);
+/* A file with a row for each step at whose end there was a commit: time (s), step, and three volumes (m3). These are what the whole drive removed,
+ * raised and compacted until then. */
+struct resident_volume {
+	FILE *file;
+	double unit;       /* m3 of a fixed-point unit */
+	int64_t step, row; /* of the last row: its step, and the byte of the file where it begins. step -1: there is no row */
+};
+/* From now on writes a row into the file after each commit. It replaces the last row if that is of the same step. The file must outlive the
+ * pages' threads. Call it before the first commit. */
+void resident_pages_volume(struct pages *pages, const struct resident_volume *volume);
 /*
  * Pages that move to another process, between two steps, as page_cache_take and page_cache_put do. `bytes`: resident_pages_moved_bytes()
  * bytes, each plane of params.planes in turn. `planes`: those that the tile has; 0: it is not deformed, and there are no bytes.

@@ -328,6 +328,32 @@ objects:
         self.drive(scene, "--store", self.store, "--resume")
         self.assertEqual(self.log()[0][1], str(int(text.split()[-3]) + 1))
 
+    def test_volume_csv_has_a_row_for_each_step_with_a_commit(self):
+        """A drive with vehicles commits when it goes on, too, so there are two commits of that step. A drive goes on from step 0 if it was killed before its second commit."""
+        cart = f"vehicles: [{{name: cart, model: {pathlib.Path(__file__).parents[1]}/vehicle/one_wheel.xml, start: {{at: [20, 20]}}}}]"
+        bodies = {"objects": "objects: [{name: ball, shape: {sphere: {radius: 0.5}}, sink: 0.1, path: {points: [[20, 20], [24, 20]], speed: 2}}]"}
+        if "vehicles: MuJoCo" in subprocess.run([FURROW, "--version"], capture_output=True, text=True).stdout:
+            bodies["vehicles"] = cart
+        store = self.synth("plain.furrow", spacing=0.25, kind="plain", relief=2)
+        for name, body in bodies.items():
+            with self.subTest(name):
+                scene = self.scene(f"scene: 1\ntime_step: 0.002\nend_time: 0.1\nspacing: 0.125\nsoil: {{name: dry_sand}}\nredistribute: {{model: scm}}\n{body}\n")
+                drive = lambda *more: self.drive(scene, "--store", store, "--overlay", f"{name}.furrow", "--keep-history", *more)
+                drive("--steps", 10)
+                self.assertEqual(self.json("log", f"{name}.furrow")["revisions"][1]["step"], 0)
+                self.ok("restore", f"{name}.furrow", 1)
+                drive("--resume", "--steps", 5)
+                run = drive("--resume")
+                with open(self.folder / "out/volume.csv", newline="") as file:
+                    rows = list(csv.DictReader(file))
+                steps = [int(row["step"]) for row in rows]
+                self.assertEqual((steps[0], steps[-1]), (0, 50))
+                self.assertIn(5, steps)
+                self.assertEqual(steps, sorted(set(steps)))
+                self.assertEqual([row[key] for row in rows[:1] for key in ("removed", "raised", "compacted")], ["0", "0", "0"])
+                for key in ("removed", "raised", "compacted"):
+                    self.assertAlmostEqual(float(rows[-1][key]), run["volume"][key], delta=1e-9)
+
     def test_interrupted_it_goes_on(self):
         scene = self.scene(SCENE.replace("end_time: 4", "end_time: 60").replace("speed: 30}", "speed: 30, loop: true}"))
         whole = self.pieces(scene, self.copy(), [])
