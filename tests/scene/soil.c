@@ -22,7 +22,7 @@ static void a_soil_by_name_is_that_of_the_table(void **state)
 		scene_destroy(scene);
 	}
 	refuse("dry_sand", "wet_sand", ":3: soil.name: \"wet_sand\" is unknown; allowed: dry_sand, sandy_loam_15, ");
-	refuse("dry_sand", "wet_sand", ", lunar, sand, mud, snow");
+	refuse("dry_sand", "wet_sand", ", lunar, rock, asphalt, concrete, ice, sand, mud, snow");
 	refuse("soil: {name: dry_sand}", "soil: dry_sand", ":3: soil: is a single value; allowed: a mapping of name");
 	refuse("soil: {name: dry_sand}\n", "", ":3: redistribute.model: scm needs a soil, and none is given; write "
 					       "soil: {name: dry_sand}");

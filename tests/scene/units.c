@@ -122,7 +122,7 @@ static void named_soils_get_none_but_in_the_units_of_their_table(void **state)
 		struct soil_numbers soil;
 		char text[320];
 		assert_int_equal(soil_named(name, &soil), STATUS_OK);
-		if (isnan(soil.bekker_n))
+		if (isnan(soil.bekker_n) || soil_is_hard(&soil))
 			continue;
 		for (int table = 0; table < 2; table++) {
 			const double kilo = table ? 1e3 : 1, centi = table ? 100 : 1;

@@ -360,37 +360,6 @@ static void what_moves_slowly_sticks_and_settles(void **state)
 	bed_finish(&bed);
 }
 
-/*
- * A rim whose contact is shorter than a cell, in soil that bears in proportion to the sinkage: k w times the area of the circle's segment below the ground, wherever
- * the rim stands between the posts. So its force has no jump as it sinks, either.
- */
-static void a_contact_within_a_cell_bears_wherever_it_is(void **state)
-{
-	(void)state;
-	static const double k = 2e7, radius = 0.3, width = 0.25;
-	struct soil_numbers soil = bed_soil("dry_sand");
-	soil.bekker_kc = 0;
-	soil.bekker_kphi = k;
-	soil.bekker_n = 1;
-	soil.elastic_stiffness = 2 * k;
-	const struct soil_shape shape = {.kind = SOIL_WHEEL, .radius = radius, .width = width};
-	struct bed bed;
-	double worst = 0;
-	bed_init(&bed, &soil, 0.125, 64, 0, 0);
-	for (int place = 0; place < 16; place++)
-		for (int i = 1; i <= 12; i++) {
-			const double deep = 2.5e-4 * i, x = (32 + (place + 0.37) / 16) * 0.125;
-			const struct bed_state at = bed_state(x, 32 * 0.125, bed.height + radius - deep, 0, 0, 0);
-			struct soil_motion motion = bed_motion(&shape, &at, &at, NULL);
-			const double force = bed_probe(&bed, &motion).force[2], half = acos(1 - deep / radius);
-			const double exact = k * width * radius * radius * (half - sin(half) * cos(half));
-			worst = support_most(worst, fabs(force / exact - 1));
-		}
-	print_message("off by at most %.3g of the segment's force\n", worst);
-	assert_true(worst < 0.05); /* a parabola through the cell's ends and middle in place of the circle: 3 % at this spacing */
-	bed_finish(&bed);
-}
-
 TEST_PROGRAM(probe)
 {
 	const struct CMUnitTest tests[] = {
@@ -398,7 +367,6 @@ TEST_PROGRAM(probe)
 		cmocka_unit_test(feeling_with_a_load_is_the_contact),
 		cmocka_unit_test(a_probe_beside_the_planes_is_not_known),
 		cmocka_unit_test(stiffness_and_damping_are_how_the_force_changes),
-		cmocka_unit_test(a_contact_within_a_cell_bears_wherever_it_is),
 		cmocka_unit_test(a_ball_that_falls_stops_at_one_depth_for_every_host),
 		cmocka_unit_test(stiffness_follows_the_way_that_the_body_goes),
 		cmocka_unit_test(what_moves_slowly_sticks_and_settles),

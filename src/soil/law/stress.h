@@ -173,10 +173,10 @@ SOIL_INLINED float root_from(float sign, const float depths[3])
 {
 	const float bends = 0.5f * (depths[0] + depths[2]) - depths[1], rises = 0.5f * (depths[2] - depths[0]), over = depths[1];
 	const float squares = rises * rises - 4 * bends * over, by = root(squares) - sign * rises;
-	/* A parabola whose top misses 0 by rounding alone has one root, at its top. Where it is above 0 on one side of the middle alone, both roots are on that side. */
-	const bool touches = (bends < 0) & (squares <= 0), aside = (bends < 0) & (over < 0);
-	const float top = -0.5f * rises / least(bends, -1e-18f), side = sign * 2 * over / either(aside & (by < 0), least(by, -1e-15f), most(by, 1e-15f)), at = either(touches, top, side);
-	const bool never = (squares < either(touches, 4 * bends * SOIL_LEAST, 0)) | ((by <= 0) & !touches & !aside);
+	/* A parabola whose top misses 0 by rounding alone has one root, at its top. */
+	const bool touches = (bends < 0) & (squares <= 0);
+	const float top = -0.5f * rises / least(bends, -1e-18f), side = sign * 2 * over / most(by, 1e-15f), at = either(touches, top, side);
+	const bool never = (squares < either(touches, 4 * bends * SOIL_LEAST, 0)) | ((by <= 0) & !touches);
 	return either(depths[sign < 0 ? 0 : 2] > 0, sign, either(never, -sign, clamped(at, -1, 1)));
 }
 
