@@ -96,7 +96,7 @@ static furrow_status open_world(const mjModel *model, int instance, struct plugi
 		.scene = text ? scene : NULL,
 		.scene_file = text ? NULL : scene,
 		.store = config(model, instance, "store"),
-		.overlay = plugin_take_overlay(soil, config(model, instance, "overlay")),
+		.overlay = soil->overlay, /* without one the world would write the store */
 	};
 	return furrow_world_open(&open, &soil->world);
 }
@@ -189,6 +189,8 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return "no memory";
 	for (size_t i = 0; i < nv; i++)
 		soil->damped = soil->damped || model->dof_damping[i] > 0;
+	if (!plugin_take_overlay(soil, config(model, instance, "overlay")))
+		return "no folder for its ruts can be made in TMPDIR, or without TMPDIR in /tmp; set TMPDIR to a folder that can be written, or give its key overlay";
 	if (open_world(model, instance, soil) != FURROW_OK)
 		return furrow_last_error();
 	pose(model, data);

@@ -43,9 +43,9 @@ void plugin_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void plugin_must(furrow_status status); /* the same with the library's message, unless the status is FURROW_OK */
 
 /* --- files.c: which overlay a mjData writes --- */
-/* Takes `asked` unless another mjData of this process has it; then, and for NULL, a file in a folder of its own. Returns the path, which is the soil's; NULL: it
- * cannot be made. */
-const char *plugin_take_overlay(struct plugin_soil *soil, const char *asked);
+/* Sets soil->overlay: to `asked` unless another mjData of this process has it; then, and for NULL, to a file in a folder of its own. Returns false if there is none:
+ * no folder can be made, or memory is short. */
+bool plugin_take_overlay(struct plugin_soil *soil, const char *asked);
 void plugin_give_overlay(struct plugin_soil *soil);
 
 /* --- sensors.c --- */
