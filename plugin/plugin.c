@@ -130,6 +130,7 @@ static void free_soil(struct plugin_soil *soil)
 	free(soil->forces);
 	free(soil->passive);
 	free(soil->end);
+	free(soil->damping);
 	free(soil->mass);
 	free(soil);
 }
@@ -184,11 +185,10 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 	soil->forces = calloc(nv + 1, sizeof *soil->forces);
 	soil->passive = calloc(nv + 1, sizeof *soil->passive);
 	soil->end = calloc(nv + 1, sizeof *soil->end);
+	soil->damping = calloc(nv + 1, sizeof *soil->damping);
 	soil->mass = calloc((size_t)model->nC + 1, sizeof *soil->mass);
-	if (soil->forces == NULL || soil->passive == NULL || soil->end == NULL || soil->mass == NULL)
+	if (soil->forces == NULL || soil->passive == NULL || soil->end == NULL || soil->damping == NULL || soil->mass == NULL)
 		return "no memory";
-	for (size_t i = 0; i < nv; i++)
-		soil->damped = soil->damped || model->dof_damping[i] > 0;
 	if (!plugin_take_overlay(soil, config(model, instance, "overlay")))
 		return "no folder for its ruts can be made in TMPDIR, or without TMPDIR in /tmp; set TMPDIR to a folder that can be written, or give its key overlay";
 	if (open_world(model, instance, soil) != FURROW_OK)
@@ -260,6 +260,58 @@ static void copy(mjData *to, const mjModel *model, const mjData *from, int insta
 
 /* --- steps --- */
 
+/* How a damper's force answers the rate: its terms are the rate to the powers 1, 2, 3. */
+static double damper(double linear, const mjtNum *more, double rate)
+{
+	double damping = linear;
+	for (int i = 0; i < mjNPOLY; i++)
+		damping += (i + 2) * more[i] * pow(fabs(rate), i + 1);
+	return damping;
+}
+
+/* How the force of a motor on its joint answers the joint's rate, in the two integrators that know it. One at its limit does not answer. */
+static double motor(const mjModel *model, const mjData *data, int i)
+{
+	const int out = model->actuator_outadr[i], control = model->actuator_ctrladr[i], act = model->actuator_actadr[i] + model->actuator_actnum[i] - 1;
+	const mjtNum *range = model->actuator_forcerange + 2 * i, *most = model->actuator_ctrlrange + 2 * control;
+	double damping = 0, input = 0;
+	if ((model->opt.disableflags & mjDSBL_ACTUATION) != 0 ||
+	    (model->actuator_forcelimited[i] && (data->actuator_force[out] <= range[0] || data->actuator_force[out] >= range[1])))
+		return 0;
+	if (model->actuator_biastype[i] == mjBIAS_AFFINE)
+		damping -= model->actuator_biasprm[i * mjNBIAS + 2];
+	if (model->actuator_gaintype[i] == mjGAIN_AFFINE && model->actuator_gainprm[i * mjNGAIN + 2] != 0) {
+		input = model->actuator_actnum[i] > 0 ? data->act[act] : data->ctrl[control];
+		if (model->actuator_actnum[i] == 0 && model->actuator_ctrllimited[control])
+			input = fmin(fmax(input, most[0]), most[1]);
+		damping -= input * model->actuator_gainprm[i * mjNGAIN + 2];
+	}
+	return damping;
+}
+
+/* Fills the damping of each freedom that the integrator takes at the step's end: of its joint, and of its motors. Returns false if there is none. */
+static bool find_damping(const mjModel *model, const mjData *data, double *damping)
+{
+	const bool euler = model->opt.integrator == mjINT_EULER, dampers = (model->opt.disableflags & mjDSBL_DAMPER) == 0;
+	bool any = false;
+	if (model->opt.integrator == mjINT_RK4 || (euler && (model->opt.disableflags & mjDSBL_EULERDAMP) != 0))
+		return false;
+	for (int i = 0; i < model->nv; i++)
+		damping[i] = dampers ? damper(model->dof_damping[i], model->dof_dampingpoly + mjNPOLY * i, data->qvel[i]) : 0;
+	for (int i = 0; i < model->nactuator; i++) {
+		const int joint = model->actuator_trnid[2 * i];
+		if (model->actuator_trntype[i] != mjTRN_JOINT || (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE))
+			continue;
+		const int dof = model->jnt_dofadr[joint];
+		const double gear = model->actuator_gear[6 * model->actuator_outadr[i]];
+		const double own = dampers ? damper(model->actuator_damping[i], model->actuator_dampingpoly + mjNPOLY * i, gear * data->qvel[dof]) : 0;
+		damping[dof] += gear * gear * (own + (euler ? 0 : motor(model, data, i)));
+	}
+	for (int i = 0; i < model->nv; i++)
+		any = any || damping[i] != 0;
+	return any;
+}
+
 /* Finds the velocities at the step's end, as the integrator would, with the soil's forces as they are now. */
 static void find_end(const mjModel *model, mjData *data, struct plugin_soil *soil)
 {
@@ -270,10 +322,10 @@ static void find_end(const mjModel *model, mjData *data, struct plugin_soil *soi
 	mj_fwdAcceleration(model, data);
 	mj_fwdConstraint(model, data);
 	const double *rate = data->qacc;
-	if (soil->damped && model->opt.integrator != mjINT_RK4) { /* the integrator takes the joints' damping at the step's end */
+	if (find_damping(model, data, soil->damping)) {
 		memcpy(soil->mass, data->M, (size_t)model->nC * sizeof *data->M);
 		for (int i = 0; i < nv; i++) {
-			data->M[model->M_rowadr[i] + model->M_rownnz[i] - 1] += h * model->dof_damping[i];
+			data->M[model->M_rowadr[i] + model->M_rownnz[i] - 1] += h * soil->damping[i];
 			soil->end[i] = data->qfrc_smooth[i] + data->qfrc_constraint[i];
 		}
 		mj_factorM(model, data);

@@ -29,8 +29,7 @@ struct plugin_soil {
 	char *folder;           /* which goes away with it */
 	int count;              /* soil geoms; */
 	int *geoms;             /* their numbers in the model */
-	double *forces, *passive, *end, *mass; /* nv, nv, nv, nC */
-	bool damped;            /* a joint has damping */
+	double *forces, *passive, *end, *damping, *mass; /* nv, nv, nv, nv, nC */
 	bool used, moved;       /* since the last reset: it was computed; a step was made */
 	bool fresh, computed;   /* since the last step: it was not computed; it was */
 	bool foreign;           /* mj_copyData brought a state whose ground is another one */
