@@ -122,9 +122,9 @@ static void free_soil(struct plugin_soil *soil)
 	if (soil == NULL)
 		return;
 	plugin_free_field(soil->field);
-	furrow_mujoco_close(soil->soil);
 	if (furrow_world_close(soil->world) != FURROW_OK)
 		mju_warning("furrow.soil: %s", furrow_last_error());
+	furrow_mujoco_close(soil->soil); /* last: else the ground would spring back below its bodies, and an overlay that is kept would have that */
 	plugin_give_overlay(soil);
 	free(soil->geoms);
 	free(soil->forces);
