@@ -15,6 +15,7 @@
  * Invariants: (1) The ground changes where a step has ended, at the next `compute` before it is asked, since there the places of geoms are known. (2) After
  * `advance` the inertia is MuJoCo's own again.
  */
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -135,30 +136,30 @@ static void free_soil(struct plugin_soil *soil)
 	free(soil);
 }
 
-/* Warns once in this process, although each mjData is made in the same way. */
-static void warn_once(bool *told, const char *text)
+/* Warns once of a model, although each mjData of it is made in the same way. `told`: the model of the last warning. */
+static void warn_once(const mjModel *model, uint64_t *told, const char *text)
 {
-	if (!*told)
+	if (*told != model->signature)
 		mju_warning("furrow.soil: %s", text);
-	*told = true;
+	*told = model->signature;
 }
 
 /* Tells what gives a motion that nobody means. */
 static void doubt(const mjModel *model, const struct plugin_soil *soil)
 {
-	static bool gravity_told, floor_told; /* two threads may tell both: no harm */
+	static uint64_t gravity_told, floor_told; /* two threads may tell both: no harm */
 	struct furrow_info info = {.size = sizeof info};
 	char text[400];
 	if (furrow_info(soil->world, &info) == FURROW_OK && fabs(-model->opt.gravity[2] - info.gravity) > 0.01 * info.gravity) {
 		snprintf(text, sizeof text, "the model's gravity is %.4g m/s2, and the scene's is %.4g: give both the same", -model->opt.gravity[2], info.gravity);
-		warn_once(&gravity_told, text);
+		warn_once(model, &gravity_told, text);
 	}
 	for (int i = 0; i < model->ngeom; i++)
 		if (model->geom_type[i] == mjGEOM_PLANE && (model->geom_contype[i] != 0 || model->geom_conaffinity[i] != 0)) {
 			const char *name = mj_id2name(model, mjOBJ_GEOM, i);
 			snprintf(text, sizeof text, "bodies also stand on the model's own plane %.100s, where that is higher than the ground; give it contype=\"0\" conaffinity=\"0\", or take it out",
 				 name != NULL ? name : "without a name");
-			warn_once(&floor_told, text);
+			warn_once(model, &floor_told, text);
 		}
 }
 
@@ -251,10 +252,10 @@ static void copy(mjData *to, const mjModel *model, const mjData *from, int insta
 {
 	struct plugin_soil *soil = soil_of(to, instance);
 	const struct plugin_soil *source = soil_of(from, instance);
-	(void)model;
 	if (soil == NULL || source == NULL)
 		return;
 	reset_soil(soil);
+	plugin_follow(model, soil, true);
 	soil->foreign = source->moved || source->foreign;
 }
 
@@ -363,17 +364,19 @@ static void push(const mjModel *model, mjData *data, struct plugin_soil *soil)
 		data->qfrc_passive[i] = soil->passive[i] + soil->forces[i];
 }
 
-/* A state that is set back in time, as rollouts do it, has the ground of that time. Only that of the start is known. */
+/* A state of another time, as rollouts set it, has the ground of that time. Only that of the start is known. */
 static void look_at_time(const mjModel *model, const mjData *data, struct plugin_soil *soil)
 {
 	if (!soil->moved) {
 		soil->start = data->time;
 		return;
 	}
-	if (!soil->fresh || data->time > soil->base + model->opt.timestep / 2)
+	const double expected = soil->fresh ? soil->until : soil->base; /* where the last step ended, or of what was computed since */
+	if (fabs(data->time - expected) <= STAGE * model->opt.timestep + 4 * DBL_EPSILON * fabs(expected))
 		return;
 	if (data->time != soil->start)
-		plugin_fail("the time went back to %g s, where the ground of that time is not known; begin at %g s, or call mj_resetData", data->time, soil->start);
+		plugin_fail("the time went %s to %g s from %g s, and the ground of that time is not known; begin at %g s, or call mj_resetData",
+			    data->time < expected ? "back" : "on", data->time, expected, soil->start);
 	reset_soil(soil);
 	plugin_follow(model, soil, true);
 }
@@ -415,6 +418,7 @@ static void advance(const mjModel *model, mjData *data, int instance)
 		plugin_fail("MuJoCo asked for no passive force in this step; leave disable=\"spring damper\" out of the model's flags");
 	plugin_must(furrow_mujoco_end(soil->soil, data->qvel));
 	mj_factorM(model, data);
+	soil->until = soil->base + model->opt.timestep;
 	soil->computed = false;
 	soil->fresh = soil->moved = true;
 }

@@ -33,7 +33,7 @@ struct plugin_soil {
 	bool used, moved;       /* since the last reset: it was computed; a step was made */
 	bool fresh, computed;   /* since the last step: it was not computed; it was */
 	bool foreign;           /* mj_copyData brought a state whose ground is another one */
-	double base, start;     /* s: time of the present step's start, and of the first one after a reset */
+	double base, until, start; /* s: time of the present step's start, of the last step's end, and of the first step's start after a reset */
 	struct plugin_field *field; /* NULL: no height field follows the ground */
 };
 
