@@ -54,7 +54,7 @@ void plugin_sense(const mjModel *model, mjData *data, int instance, const struct
 const char *plugin_check_sensors(const mjModel *model, int instance, const struct plugin_soil *soil);
 
 /* --- field.c: a height field that follows the ground --- */
-/* Returns what is wrong; NULL: nothing. Without the key `hfield` it does nothing. Another mjData of the same model may have it already: then it does nothing, either. */
+/* Makes soil->field. Makes none without the key `hfield`, or if another mjData of the same model has one already. Returns what is wrong; NULL: nothing. */
 const char *plugin_make_field(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3]);
 void plugin_free_field(struct plugin_field *field); /* takes NULL */
 /* Brings it up to date, at most some times in a second of simulated time. `all`: now, and everywhere. */

@@ -43,8 +43,8 @@ struct furrow_mujoco_open {
 
 /* Returns the version of MuJoCo whose structs are known, as mj_version has it; 0: this build has none. Any thread. */
 FURROW_API int furrow_mujoco_version(void);
-/* Returns where mj_version is in the library of MuJoCo that this library has loaded; NULL: it has loaded none yet. A host of plugins knows by it which is not its own. Any
- * thread. */
+/* Returns where mj_version is in the library of MuJoCo that this library has loaded; NULL: it has loaded none yet. The engine plugin tells the host's
+ * MuJoCo from this one by it. Any thread. */
 FURROW_API const void *furrow_mujoco_own(void);
 
 /*
@@ -69,7 +69,8 @@ FURROW_API furrow_status furrow_mujoco_begin(struct furrow_mujoco *soil, const v
 /* With the velocities at the step's end, nv: *again tells that a contact would pull, or shear too much. Then `forces` and the inertia are new, and
  * the step is to be made once more. Three times are enough. */
 FURROW_API furrow_status furrow_mujoco_limit(struct furrow_mujoco *soil, const double *qvel, bool *again, double *forces);
-/* Fills `forces`, nv: with these as constant forces and its own inertia alone the same step ends with the velocities qvel, too. */
+/* Fills `forces`, nv: what the soil does to the joints in the step that ends with the velocities qvel. The same step with these as constant forces, and with
+ * MuJoCo's own inertia, ends with qvel, too. */
 FURROW_API furrow_status furrow_mujoco_forces(struct furrow_mujoco *soil, const double *qvel, double *forces);
 /* Ends the step with the velocities qvel, nv. The inertia is again as it was. */
 FURROW_API furrow_status furrow_mujoco_end(struct furrow_mujoco *soil, const double *qvel);

@@ -26,7 +26,8 @@ struct vehicle_lent {
 	bool named;                 /* filled with the arrays that the host names */
 	char *patterns;
 	char *list[PATTERNS_MOST];
-	double *forces, *before, *start, *after; /* nv each: velocities at the start of the step, at that of what was begun last, and at its end */
+	double *forces;             /* nv: what the soil does to the joints */
+	double *before, *start, *after; /* nv each: velocities at the start of the step; in the state with which it was begun last (RK4 has four); at its end */
 	struct furrow_state *last;  /* of each geom: when the ground got it, or it was placed */
 	double *velocities;         /* the host's, of those that it names */
 	bool placed, ended;         /* the geoms are in the world; a step has ended that the ground does not know yet */
