@@ -63,7 +63,7 @@ class Furrow:
 
 
 class Plane:
-    """The same model on MuJoCo's plane, with the same controls and the scene's gravity."""
+    """The same model on MuJoCo's plane, with the scene's gravity. Its rims run as fast, and it goes straight ahead, where the environments turn."""
 
     def __init__(self, envs, threads):
         import mujoco

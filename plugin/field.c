@@ -14,7 +14,7 @@ struct plugin_field {
 	int field, rows, columns;
 	double corner[2], apart[2]; /* m, local: of its first point; between points */
 	double zero, high;          /* m, local: of what it has as 0; how much higher it has 1 */
-	double next;                /* s, of the world */
+	double time;                /* s, of the world, when it was brought up to date last */
 	uint64_t revision;
 	double *places;             /* room for all points */
 	struct furrow_point *points;
@@ -137,9 +137,13 @@ void plugin_follow(const mjModel *model, struct plugin_soil *soil, bool all)
 {
 	struct plugin_field *field = soil->field;
 	struct furrow_info info = {.size = sizeof info};
-	if (field == NULL || (!all && furrow_time(soil->world) < field->next))
+	const double time = furrow_time(soil->world);
+	if (field == NULL)
 		return;
-	field->next = furrow_time(soil->world) + 1 / RATE;
+	all = all || time < field->time; /* the world went back */
+	if (!all && time < field->time + 1 / RATE)
+		return;
+	field->time = time;
 	plugin_must(furrow_info(soil->world, &info));
 	if (all) {
 		read_points(model, soil, (const int[]){0, 0}, (const int[]){field->columns, field->rows});
@@ -147,7 +151,8 @@ void plugin_follow(const mjModel *model, struct plugin_soil *soil, bool all)
 		return;
 	}
 	size_t count = field->room;
-	while (furrow_changes(soil->world, field->revision, field->rects, &count, NULL) == FURROW_USAGE && count > field->room) {
+	furrow_status status;
+	while ((status = furrow_changes(soil->world, field->revision, field->rects, &count, NULL)) == FURROW_USAGE && count > field->room) {
 		free(field->rects);
 		field->room = 2 * count;
 		field->rects = calloc(field->room, sizeof *field->rects);
@@ -155,7 +160,8 @@ void plugin_follow(const mjModel *model, struct plugin_soil *soil, bool all)
 			plugin_fail("no memory for its hfield");
 		count = field->room;
 	}
-	for (size_t i = 0; i < count && i < field->room; i++) {
+	plugin_must(status);
+	for (size_t i = 0; i < count; i++) {
 		int first[2], end[2];
 		range_of(field, &field->rects[i], info.spacing, first, end);
 		read_points(model, soil, first, end);

@@ -46,24 +46,32 @@ static void give(const char *path)
 	pthread_mutex_unlock(&lock);
 }
 
-static const char *make_own(struct plugin_soil *soil)
+static bool make_own(struct plugin_soil *soil)
 {
 	const char *place = getenv("TMPDIR");
 	char path[4096];
 	if (snprintf(path, sizeof path, "%s/furrow-XXXXXX", place != NULL && place[0] != '\0' ? place : "/tmp") >= (int)sizeof path - 20 || mkdtemp(path) == NULL)
-		return NULL;
+		return false;
 	soil->folder = strdup(path);
+	if (soil->folder == NULL) {
+		rmdir(path);
+		return false;
+	}
 	strcat(path, "/overlay.furrow");
 	soil->overlay = strdup(path);
-	return soil->overlay;
+	return soil->overlay != NULL;
 }
 
-const char *plugin_take_overlay(struct plugin_soil *soil, const char *asked)
+bool plugin_take_overlay(struct plugin_soil *soil, const char *asked)
 {
-	if (asked == NULL || asked[0] == '\0' || !take(asked))
+	if (asked == NULL || asked[0] == '\0')
 		return make_own(soil);
 	soil->overlay = strdup(asked);
-	return soil->overlay;
+	if (soil->overlay == NULL || take(asked))
+		return soil->overlay != NULL;
+	free(soil->overlay);
+	soil->overlay = NULL;
+	return make_own(soil);
 }
 
 static void remove_folder(const char *folder)

@@ -15,6 +15,7 @@
  * Invariants: (1) The ground changes where a step has ended, at the next `compute` before it is asked, since there the places of geoms are known. (2) After
  * `advance` the inertia is MuJoCo's own again.
  */
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -96,7 +97,7 @@ static furrow_status open_world(const mjModel *model, int instance, struct plugi
 		.scene = text ? scene : NULL,
 		.scene_file = text ? NULL : scene,
 		.store = config(model, instance, "store"),
-		.overlay = plugin_take_overlay(soil, config(model, instance, "overlay")),
+		.overlay = soil->overlay, /* without one the world would write the store */
 	};
 	return furrow_world_open(&open, &soil->world);
 }
@@ -122,42 +123,43 @@ static void free_soil(struct plugin_soil *soil)
 	if (soil == NULL)
 		return;
 	plugin_free_field(soil->field);
-	furrow_mujoco_close(soil->soil);
 	if (furrow_world_close(soil->world) != FURROW_OK)
 		mju_warning("furrow.soil: %s", furrow_last_error());
+	furrow_mujoco_close(soil->soil); /* last: else the ground would spring back below its bodies, and an overlay that is kept would have that */
 	plugin_give_overlay(soil);
 	free(soil->geoms);
 	free(soil->forces);
 	free(soil->passive);
 	free(soil->end);
+	free(soil->damping);
 	free(soil->mass);
 	free(soil);
 }
 
-/* Warns once in this process, although each mjData is made in the same way. */
-static void warn_once(bool *told, const char *text)
+/* Warns once of a model, although each mjData of it is made in the same way. `told`: the model of the last warning. */
+static void warn_once(const mjModel *model, uint64_t *told, const char *text)
 {
-	if (!*told)
+	if (*told != model->signature)
 		mju_warning("furrow.soil: %s", text);
-	*told = true;
+	*told = model->signature;
 }
 
 /* Tells what gives a motion that nobody means. */
 static void doubt(const mjModel *model, const struct plugin_soil *soil)
 {
-	static bool gravity_told, floor_told; /* two threads may tell both: no harm */
+	static uint64_t gravity_told, floor_told; /* two threads may tell both: no harm */
 	struct furrow_info info = {.size = sizeof info};
 	char text[400];
 	if (furrow_info(soil->world, &info) == FURROW_OK && fabs(-model->opt.gravity[2] - info.gravity) > 0.01 * info.gravity) {
 		snprintf(text, sizeof text, "the model's gravity is %.4g m/s2, and the scene's is %.4g: give both the same", -model->opt.gravity[2], info.gravity);
-		warn_once(&gravity_told, text);
+		warn_once(model, &gravity_told, text);
 	}
 	for (int i = 0; i < model->ngeom; i++)
 		if (model->geom_type[i] == mjGEOM_PLANE && (model->geom_contype[i] != 0 || model->geom_conaffinity[i] != 0)) {
 			const char *name = mj_id2name(model, mjOBJ_GEOM, i);
 			snprintf(text, sizeof text, "bodies also stand on the model's own plane %.100s, where that is higher than the ground; give it contype=\"0\" conaffinity=\"0\", or take it out",
 				 name != NULL ? name : "without a name");
-			warn_once(&floor_told, text);
+			warn_once(model, &floor_told, text);
 		}
 }
 
@@ -184,11 +186,12 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 	soil->forces = calloc(nv + 1, sizeof *soil->forces);
 	soil->passive = calloc(nv + 1, sizeof *soil->passive);
 	soil->end = calloc(nv + 1, sizeof *soil->end);
+	soil->damping = calloc(nv + 1, sizeof *soil->damping);
 	soil->mass = calloc((size_t)model->nC + 1, sizeof *soil->mass);
-	if (soil->forces == NULL || soil->passive == NULL || soil->end == NULL || soil->mass == NULL)
+	if (soil->forces == NULL || soil->passive == NULL || soil->end == NULL || soil->damping == NULL || soil->mass == NULL)
 		return "no memory";
-	for (size_t i = 0; i < nv; i++)
-		soil->damped = soil->damped || model->dof_damping[i] > 0;
+	if (!plugin_take_overlay(soil, config(model, instance, "overlay")))
+		return "no folder for its ruts can be made in TMPDIR, or without TMPDIR in /tmp; set TMPDIR to a folder that can be written, or give its key overlay";
 	if (open_world(model, instance, soil) != FURROW_OK)
 		return furrow_last_error();
 	pose(model, data);
@@ -249,14 +252,66 @@ static void copy(mjData *to, const mjModel *model, const mjData *from, int insta
 {
 	struct plugin_soil *soil = soil_of(to, instance);
 	const struct plugin_soil *source = soil_of(from, instance);
-	(void)model;
 	if (soil == NULL || source == NULL)
 		return;
 	reset_soil(soil);
+	plugin_follow(model, soil, true);
 	soil->foreign = source->moved || source->foreign;
 }
 
 /* --- steps --- */
+
+/* How a damper's force answers the rate: its terms are the rate to the powers 1, 2, 3. */
+static double damper(double linear, const mjtNum *more, double rate)
+{
+	double damping = linear;
+	for (int i = 0; i < mjNPOLY; i++)
+		damping += (i + 2) * more[i] * pow(fabs(rate), i + 1);
+	return damping;
+}
+
+/* How the force of a motor on its joint answers the joint's rate, in the two integrators that know it. One at its limit does not answer. */
+static double motor(const mjModel *model, const mjData *data, int i)
+{
+	const int out = model->actuator_outadr[i], control = model->actuator_ctrladr[i], act = model->actuator_actadr[i] + model->actuator_actnum[i] - 1;
+	const mjtNum *range = model->actuator_forcerange + 2 * i, *most = model->actuator_ctrlrange + 2 * control;
+	double damping = 0, input = 0;
+	if ((model->opt.disableflags & mjDSBL_ACTUATION) != 0 ||
+	    (model->actuator_forcelimited[i] && (data->actuator_force[out] <= range[0] || data->actuator_force[out] >= range[1])))
+		return 0;
+	if (model->actuator_biastype[i] == mjBIAS_AFFINE)
+		damping -= model->actuator_biasprm[i * mjNBIAS + 2];
+	if (model->actuator_gaintype[i] == mjGAIN_AFFINE && model->actuator_gainprm[i * mjNGAIN + 2] != 0) {
+		input = model->actuator_actnum[i] > 0 ? data->act[act] : data->ctrl[control];
+		if (model->actuator_actnum[i] == 0 && model->actuator_ctrllimited[control])
+			input = fmin(fmax(input, most[0]), most[1]);
+		damping -= input * model->actuator_gainprm[i * mjNGAIN + 2];
+	}
+	return damping;
+}
+
+/* Fills the damping of each freedom that the integrator takes at the step's end: of its joint, and of its motors. Returns false if there is none. */
+static bool find_damping(const mjModel *model, const mjData *data, double *damping)
+{
+	const bool euler = model->opt.integrator == mjINT_EULER, dampers = (model->opt.disableflags & mjDSBL_DAMPER) == 0;
+	bool any = false;
+	if (model->opt.integrator == mjINT_RK4 || (euler && (model->opt.disableflags & mjDSBL_EULERDAMP) != 0))
+		return false;
+	for (int i = 0; i < model->nv; i++)
+		damping[i] = dampers ? damper(model->dof_damping[i], model->dof_dampingpoly + mjNPOLY * i, data->qvel[i]) : 0;
+	for (int i = 0; i < model->nactuator; i++) {
+		const int joint = model->actuator_trnid[2 * i];
+		if (model->actuator_trntype[i] != mjTRN_JOINT || (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE))
+			continue;
+		const int dof = model->jnt_dofadr[joint];
+		const double gear = model->actuator_gear[6 * model->actuator_outadr[i]];
+		const double own = dampers ? damper(model->actuator_damping[i], model->actuator_dampingpoly + mjNPOLY * i, gear * data->qvel[dof]) : 0;
+		damping[dof] += gear * gear * (own + (euler ? 0 : motor(model, data, i)));
+	}
+	for (int i = 0; i < model->nv; i++)
+		any = any || damping[i] != 0;
+	return any;
+}
 
 /* Finds the velocities at the step's end, as the integrator would, with the soil's forces as they are now. */
 static void find_end(const mjModel *model, mjData *data, struct plugin_soil *soil)
@@ -268,10 +323,10 @@ static void find_end(const mjModel *model, mjData *data, struct plugin_soil *soi
 	mj_fwdAcceleration(model, data);
 	mj_fwdConstraint(model, data);
 	const double *rate = data->qacc;
-	if (soil->damped && model->opt.integrator != mjINT_RK4) { /* the integrator takes the joints' damping at the step's end */
+	if (find_damping(model, data, soil->damping)) {
 		memcpy(soil->mass, data->M, (size_t)model->nC * sizeof *data->M);
 		for (int i = 0; i < nv; i++) {
-			data->M[model->M_rowadr[i] + model->M_rownnz[i] - 1] += h * model->dof_damping[i];
+			data->M[model->M_rowadr[i] + model->M_rownnz[i] - 1] += h * soil->damping[i];
 			soil->end[i] = data->qfrc_smooth[i] + data->qfrc_constraint[i];
 		}
 		mj_factorM(model, data);
@@ -309,17 +364,19 @@ static void push(const mjModel *model, mjData *data, struct plugin_soil *soil)
 		data->qfrc_passive[i] = soil->passive[i] + soil->forces[i];
 }
 
-/* A state that is set back in time, as rollouts do it, has the ground of that time. Only that of the start is known. */
+/* A state of another time, as rollouts set it, has the ground of that time. Only that of the start is known. */
 static void look_at_time(const mjModel *model, const mjData *data, struct plugin_soil *soil)
 {
 	if (!soil->moved) {
 		soil->start = data->time;
 		return;
 	}
-	if (!soil->fresh || data->time > soil->base + model->opt.timestep / 2)
+	const double expected = soil->fresh ? soil->until : soil->base; /* where the last step ended, or of what was computed since */
+	if (fabs(data->time - expected) <= STAGE * model->opt.timestep + 4 * DBL_EPSILON * fabs(expected))
 		return;
 	if (data->time != soil->start)
-		plugin_fail("the time went back to %g s, where the ground of that time is not known; begin at %g s, or call mj_resetData", data->time, soil->start);
+		plugin_fail("the time went %s to %g s from %g s, and the ground of that time is not known; begin at %g s, or call mj_resetData",
+			    data->time < expected ? "back" : "on", data->time, expected, soil->start);
 	reset_soil(soil);
 	plugin_follow(model, soil, true);
 }
@@ -361,6 +418,7 @@ static void advance(const mjModel *model, mjData *data, int instance)
 		plugin_fail("MuJoCo asked for no passive force in this step; leave disable=\"spring damper\" out of the model's flags");
 	plugin_must(furrow_mujoco_end(soil->soil, data->qvel));
 	mj_factorM(model, data);
+	soil->until = soil->base + model->opt.timestep;
 	soil->computed = false;
 	soil->fresh = soil->moved = true;
 }

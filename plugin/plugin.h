@@ -29,12 +29,11 @@ struct plugin_soil {
 	char *folder;           /* which goes away with it */
 	int count;              /* soil geoms; */
 	int *geoms;             /* their numbers in the model */
-	double *forces, *passive, *end, *mass; /* nv, nv, nv, nC */
-	bool damped;            /* a joint has damping */
+	double *forces, *passive, *end, *damping, *mass; /* nv, nv, nv, nv, nC */
 	bool used, moved;       /* since the last reset: it was computed; a step was made */
 	bool fresh, computed;   /* since the last step: it was not computed; it was */
 	bool foreign;           /* mj_copyData brought a state whose ground is another one */
-	double base, start;     /* s: time of the present step's start, and of the first one after a reset */
+	double base, until, start; /* s: time of the present step's start, of the last step's end, and of the first step's start after a reset */
 	struct plugin_field *field; /* NULL: no height field follows the ground */
 };
 
@@ -43,9 +42,9 @@ void plugin_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void plugin_must(furrow_status status); /* the same with the library's message, unless the status is FURROW_OK */
 
 /* --- files.c: which overlay a mjData writes --- */
-/* Takes `asked` unless another mjData of this process has it; then, and for NULL, a file in a folder of its own. Returns the path, which is the soil's; NULL: it
- * cannot be made. */
-const char *plugin_take_overlay(struct plugin_soil *soil, const char *asked);
+/* Sets soil->overlay: to `asked` unless another mjData of this process has it; then, and for NULL, to a file in a folder of its own. Returns false if there is none:
+ * no folder can be made, or memory is short. */
+bool plugin_take_overlay(struct plugin_soil *soil, const char *asked);
 void plugin_give_overlay(struct plugin_soil *soil);
 
 /* --- sensors.c --- */
@@ -55,7 +54,7 @@ void plugin_sense(const mjModel *model, mjData *data, int instance, const struct
 const char *plugin_check_sensors(const mjModel *model, int instance, const struct plugin_soil *soil);
 
 /* --- field.c: a height field that follows the ground --- */
-/* Returns what is wrong; NULL: nothing. Without the key `hfield` it does nothing. Another mjData of the same model may have it already: then it does nothing, either. */
+/* Makes soil->field. Makes none without the key `hfield`, or if another mjData of the same model has one already. Returns what is wrong; NULL: nothing. */
 const char *plugin_make_field(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3]);
 void plugin_free_field(struct plugin_field *field); /* takes NULL */
 /* Brings it up to date, at most some times in a second of simulated time. `all`: now, and everywhere. */

@@ -12,7 +12,7 @@ import os
 import pathlib
 import tempfile
 import threading
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -25,6 +25,8 @@ try:
     gymnasium: Any = _command.need("gymnasium", "gymnasium")
 except _command.Missing as missing:
     raise ImportError(f"furrow.gym: {missing}") from None
+if not hasattr(gymnasium.vector, "AutoresetMode"):
+    raise ImportError(f"furrow.gym: gymnasium {gymnasium.__version__} is too old; install one from 1.1 on: pip install 'gymnasium>=1.1'")
 
 __all__ = ["DriveToGoal", "DriveToGoalVector", "RoverEnv", "RoverVectorEnv", "SandPit", "SandPitVector", "make_terrain"]
 
@@ -113,7 +115,7 @@ def _frames(rover: _rover.Rover) -> int:
 
 
 class DriveToGoal(RoverEnv):
-    """Drive over a hill of dry sand to a goal 17 to 22 m away."""
+    """Drive over a hill of lunar soil to a goal 17 to 22 m away."""
 
     kind = "hill"
 
@@ -182,7 +184,9 @@ class RoverVectorEnv(gymnasium.vector.VectorEnv):
                     return
                 work(index)
 
-        for done in [self._pool.submit(take) for _ in range(self._threads)]:
+        taken = [self._pool.submit(take) for _ in range(self._threads)]
+        wait(taken)
+        for done in taken:
             done.result()
 
     def _begin(self, index: int, goal: Any = None) -> Dict[str, Any]:
@@ -196,12 +200,14 @@ class RoverVectorEnv(gymnasium.vector.VectorEnv):
     def reset(self, *, seed: "Union[int, Sequence[Optional[int]], None]" = None,
               options: Optional[Dict[str, Any]] = None) -> "Tuple[np.ndarray, Dict[str, Any]]":
         """seed: of the first; the others have the numbers that follow. Or a list with one for each. options["goal"]: of all."""
-        seeds = [None if seed is None else seed + index for index in range(self.num_envs)] if seed is None or isinstance(seed, int) else list(seed)
+        if isinstance(seed, (int, np.integer)):
+            seed = range(int(seed), int(seed) + self.num_envs)
+        seeds = [None] * self.num_envs if seed is None else list(seed)
         if len(seeds) != self.num_envs:
             raise ValueError(f"furrow.gym: there are {len(seeds)} seeds for {self.num_envs} environments; give one for each")
         for index, own in enumerate(seeds):
             if own is not None:
-                self._randoms[index] = gymnasium.utils.seeding.np_random(own)[0]
+                self._randoms[index] = gymnasium.utils.seeding.np_random(operator.index(own))[0]
         found: List[Dict[str, Any]] = [{}] * self.num_envs
 
         def begin(index: int) -> None:

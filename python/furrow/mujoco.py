@@ -36,7 +36,7 @@ _PLUGIN = "libfurrow_mujoco.so"
 
 # What of the model and the data the library looks at, as MuJoCo calls it; others are made below.
 _MODEL = ("body_parentid body_rootid body_weldid body_jntnum body_jntadr body_dofnum body_dofadr body_geomnum jnt_type jnt_qposadr jnt_dofadr "
-          "dof_bodyid dof_jntid dof_parentid dof_damping dof_M0 body_mass geom_type geom_contype geom_conaffinity geom_bodyid geom_dataid geom_size "
+          "dof_bodyid dof_jntid dof_parentid dof_damping dof_M0 body_mass geom_type geom_contype geom_conaffinity geom_condim geom_priority geom_bodyid geom_dataid geom_size "
           "geom_aabb geom_user mesh_vertadr mesh_vertnum mesh_faceadr mesh_facenum mesh_vert mesh_face name_bodyadr name_geomadr name_jntadr "
           "name_textadr name_numericadr names text_adr text_data numeric_adr numeric_data actuator_trntype actuator_trnid actuator_gear "
           "actuator_biastype actuator_biasprm").split()
@@ -101,8 +101,10 @@ def plugin() -> str:
     raise ImportError(f"furrow.mujoco: there is no {_PLUGIN} beside {library}; build Furrow with MuJoCo 4 (tools/packages.sh)")
 
 
-def _close(handle: int) -> None:
-    _functions["furrow_mujoco_close"](handle)
+def _close(handle: int, lock: Any) -> None:
+    """Takes the bodies out of the world, which another thread may be stepping, unless it is closed already."""
+    with lock:
+        _functions["furrow_mujoco_close"](handle)
 
 
 class _Inertia:
@@ -190,10 +192,11 @@ class Soil:
         handle = ctypes.c_void_p()
         with world._lock:
             _functions["furrow_mujoco_open"](ctypes.byref(given), ctypes.byref(handle))
-        self._handle = handle.value
-        self._forgotten = weakref.finalize(self, _close, handle.value)
+        self._handle: Optional[int] = handle.value
+        self._forgotten = weakref.finalize(self, _close, handle.value, world._lock)
         self._forces = numpy.zeros(max(model.nv, 1))
         self._own: Optional[numpy.ndarray] = None  # the user's qfrc_applied while the soil's is in it
+        self._begun = self._step = 0.0  # s: when that step began, and how long it is
         self._state = numpy.zeros(mujoco.mj_stateSize(model, _STATE))
         self.geoms = self._names()
         self._doubt()
@@ -242,6 +245,8 @@ class Soil:
 
     def _call(self, name: str, *arguments: Any) -> None:
         with self.world._lock:
+            if self._handle is None:
+                raise Error(Status.USAGE, "mujoco: this soil is closed; make a new Soil")
             if self.world._handle is None:
                 raise Error(Status.USAGE, "mujoco: its world is closed; open it again with furrow.World, and make a new Soil")
             _functions[name](self._handle, *arguments)
@@ -250,6 +255,7 @@ class Soil:
 
     def apply(self) -> None:
         """Adds the soil's forces of the step that follows to data.qfrc_applied. Call it when controls and other forces are set, then mj_step, then commit().
+        Leave data.qfrc_applied alone until then.
 
         furrow.Error: a geom has left the terrain.
         """
@@ -274,14 +280,21 @@ class Soil:
             if not again.value:
                 break
         self._call("furrow_mujoco_forces", scratch.qvel.ctypes.data, forces.ctypes.data)
-        self._own = own
+        self._own, self._begun, self._step = own, data.time, model.opt.timestep
         data.qfrc_applied[:] = own + forces[:model.nv]
 
     def commit(self) -> None:
-        """Changes the ground by the step that mj_step has made since apply(), and takes the soil's forces out of data.qfrc_applied."""
+        """Changes the ground by the step that mj_step has made since apply(), and takes the soil's forces out of data.qfrc_applied.
+
+        furrow.Error: not one step was made since, or data.qfrc_applied was changed.
+        """
         model, data, scratch = self.model, self.data, self._scratch
         if self._own is None:
             raise Error(Status.USAGE, "mujoco: commit follows apply and a step; call soil.apply() before mj_step")
+        went = data.time - self._begun
+        if not abs(went - self._step) <= 1e-6 * self._step + 4 * numpy.spacing(abs(data.time)):
+            raise Error(Status.USAGE, f"mujoco: data.time went on by {went:g} s since apply, and a step is {self._step:g} s; "
+                        "call soil.apply() and soil.commit() around each single mj_step")
         self._take_back()
         end = numpy.ascontiguousarray(data.qvel)
         self._call("furrow_mujoco_end", end.ctypes.data)
@@ -293,17 +306,30 @@ class Soil:
         mujoco.mj_comVel(model, scratch)
         self._call("furrow_mujoco_touch", None)
 
-    def _take_back(self) -> None:
-        """Takes the soil's forces out of what is applied. What the user added since stays."""
-        if self._own is not None:
-            applied = self._own + self._forces[:self.model.nv]
-            self.data.qfrc_applied[:] = numpy.where(self.data.qfrc_applied == applied, self._own, self.data.qfrc_applied - self._forces[:self.model.nv])
-            self._own = None
+    def _take_back(self, strict: bool = True) -> None:
+        """Takes the soil's forces out of what is applied, where they still are: mj_resetData clears it. strict: any other change since apply() is an error."""
+        if self._own is None:
+            return
+        own, forces, now = self._own, self._forces[:self.model.nv], self.data.qfrc_applied
+        there = now == own + forces
+        self._own = None
+        if strict and (~there & (forces != 0) & (now != 0)).any():
+            raise Error(Status.USAGE, "mujoco: data.qfrc_applied was changed while it had the soil's forces; set it before apply, or after commit")
+        now[there] = own[there]
 
     def reset(self) -> None:
-        """Goes back to the ground as it was when this Soil was made. The data are the user's to reset: mujoco.mj_resetData."""
-        self._take_back()
+        """Goes back to the ground as it was when this Soil was made. The data are the user's to reset: mujoco.mj_resetData.
+
+        furrow.Error: the world got another checkpoint since, and it keeps the last one alone; world.rollback() goes back to that one.
+        """
+        self._take_back(strict=False)
         self._call("furrow_mujoco_reset")
+
+    def close(self) -> None:
+        """Takes the geoms' bodies out of the world. A closed Soil is closed again without effect; one that nobody holds is closed, too."""
+        self._take_back(strict=False)
+        self._handle = None
+        self._forgotten()
 
     # --- what the soil did ---
 

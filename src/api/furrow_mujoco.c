@@ -6,9 +6,11 @@
 #include "api/furrow_mujoco.h"
 
 struct furrow_mujoco {
-	struct furrow_world *world;
+	struct furrow_world *world; /* NULL: it was closed */
 	struct vehicle_lent *lent;
-	bool begun; /* the checkpoint is of a run that has begun */
+	bool begun;                 /* the checkpoint is of a run that has begun */
+	int64_t checkpoint;         /* the world's checkpoint to which a reset returns, as furrow_world.checkpoints counts */
+	struct furrow_mujoco *next; /* in the world's list */
 };
 
 int furrow_mujoco_version(void)
@@ -25,6 +27,16 @@ static enum status need(const struct furrow_mujoco *soil)
 {
 	TRY(api_library_need(soil, "soil"));
 	return api_library_need_world(soil->world);
+}
+
+/* A call of a step: its data are there, and a step has begun. */
+static enum status need_step(const struct furrow_mujoco *soil, const void *data, bool begun)
+{
+	if (!vehicle_lent_takes(soil->lent, data))
+		return fail_with(STATUS_USAGE, "mujoco: data is NULL, and furrow_mujoco_open got no arrays; give the const mjData *");
+	if (begun && !vehicle_lent_begun(soil->lent))
+		return fail_with(STATUS_USAGE, "mujoco: no step has begun; call furrow_mujoco_begin first");
+	return STATUS_OK;
 }
 
 static enum status check(const struct furrow_mujoco_open *open)
@@ -50,12 +62,19 @@ static enum status create(const struct furrow_mujoco_open *open, struct furrow_m
 	enum status status;
 	TRY_OR(failed, vehicle_lend(&lending, open->world->world, &soil->lent));
 	TRY_OR(failed, api_library_checkpoint(open->world));
+	soil->checkpoint = open->world->checkpoints;
+	soil->next = open->world->soils;
+	open->world->soils = soil;
 	*out = soil;
 	return STATUS_OK;
-failed:
+failed:;
+	struct failure failure;
+	failure_capture(&failure, status);
+	const enum status removed = soil->lent != NULL ? vehicle_lent_remove(soil->lent) : STATUS_OK;
+	(void)removed; /* the first failure is told */
 	vehicle_lent_destroy(soil->lent);
 	mem_free(soil);
-	return status;
+	return failure_restore(&failure);
 }
 
 furrow_status furrow_mujoco_open(const struct furrow_mujoco_open *open, struct furrow_mujoco **out)
@@ -80,10 +99,30 @@ left:
 
 void furrow_mujoco_close(struct furrow_mujoco *soil)
 {
+	struct library_call call = {.world = NULL};
 	if (soil == NULL)
 		return;
+	/* The bodies of a world whose last step has failed stay until it is closed. So they do where the call cannot enter the world. */
+	if (soil->world != NULL) {
+		for (struct furrow_mujoco **at = &soil->world->soils; *at != NULL; at = &(*at)->next)
+			if (*at == soil) {
+				*at = soil->next;
+				break;
+			}
+		enum status status = api_library_enter(&call, soil->world);
+		if (status == STATUS_OK && !world_is_torn(soil->world->world))
+			status = vehicle_lent_remove(soil->lent);
+		(void)api_library_leave(&call, status);
+	}
 	vehicle_lent_destroy(soil->lent);
 	mem_free(soil);
+}
+
+void api_library_let_go_soils(struct furrow_world *host)
+{
+	for (struct furrow_mujoco *soil = host->soils; soil != NULL; soil = soil->next)
+		soil->world = NULL;
+	host->soils = NULL;
 }
 
 furrow_status furrow_mujoco_begin(struct furrow_mujoco *soil, const void *data, double seconds, bool again, double *forces)
@@ -92,6 +131,7 @@ furrow_status furrow_mujoco_begin(struct furrow_mujoco *soil, const void *data, 
 	enum status status;
 	TRY_OR(done, api_library_enter(&call, soil != NULL ? soil->world : NULL));
 	TRY_OR(done, api_library_need(forces, "forces"));
+	TRY_OR(done, need_step(soil, data, again));
 	TRY_OR(done, vehicle_lent_begin(soil->lent, data, seconds, again, forces));
 done:
 	return api_library_leave(&call, status);
@@ -104,6 +144,7 @@ furrow_status furrow_mujoco_limit(struct furrow_mujoco *soil, const double *qvel
 	TRY_OR(done, api_library_begin());
 	TRY_OR(done, need(soil));
 	TRY_OR(done, api_library_need(qvel != NULL && again != NULL ? forces : NULL, "qvel, again or forces"));
+	TRY_OR(done, need_step(soil, soil, true));
 	*again = vehicle_lent_limit(soil->lent, qvel, forces);
 done:
 	return api_library_end(status);
@@ -115,6 +156,7 @@ furrow_status furrow_mujoco_forces(struct furrow_mujoco *soil, const double *qve
 	TRY_OR(done, api_library_begin());
 	TRY_OR(done, need(soil));
 	TRY_OR(done, api_library_need(qvel != NULL ? forces : NULL, "qvel or forces"));
+	TRY_OR(done, need_step(soil, soil, true));
 	vehicle_lent_forces(soil->lent, qvel, forces);
 done:
 	return api_library_end(status);
@@ -126,6 +168,7 @@ furrow_status furrow_mujoco_end(struct furrow_mujoco *soil, const double *qvel)
 	TRY_OR(done, api_library_begin());
 	TRY_OR(done, need(soil));
 	TRY_OR(done, api_library_need(qvel, "qvel"));
+	TRY_OR(done, need_step(soil, soil, true));
 	vehicle_lent_end(soil->lent, qvel);
 done:
 	return api_library_end(status);
@@ -137,7 +180,9 @@ static enum status begin_run(struct furrow_mujoco *soil)
 	if (soil->begun || !vehicle_lent_ended(soil->lent))
 		return STATUS_OK;
 	TRY(world_begin_run(soil->world->world));
+	const bool own = soil->checkpoint == soil->world->checkpoints;
 	TRY(api_library_checkpoint(soil->world));
+	soil->checkpoint = own ? soil->world->checkpoints : soil->checkpoint;
 	soil->begun = true;
 	return STATUS_OK;
 }
@@ -148,6 +193,7 @@ furrow_status furrow_mujoco_touch(struct furrow_mujoco *soil, const void *data)
 	enum status status;
 	bool moved = false;
 	TRY_OR(done, api_library_enter(&call, soil != NULL ? soil->world : NULL));
+	TRY_OR(done, need_step(soil, data, false));
 	TRY_OR(done, begin_run(soil));
 	TRY_OR(done, vehicle_lent_touch(soil->lent, data, &moved));
 	if (moved)
@@ -158,6 +204,14 @@ done:
 
 furrow_status furrow_mujoco_reset(struct furrow_mujoco *soil)
 {
+	if (soil != NULL && soil->world != NULL && soil->checkpoint != soil->world->checkpoints) {
+		enum status status;
+		TRY_OR(done, api_library_begin());
+		status = fail_with(STATUS_USAGE, "mujoco: a checkpoint was made after that of this soil, and a world keeps the last one alone; go back to that one with a rollback "
+						 "of the world, or open the soil anew");
+	done:
+		return api_library_end(status);
+	}
 	const furrow_status status = furrow_rollback(soil != NULL ? soil->world : NULL);
 	if (status == FURROW_OK)
 		vehicle_lent_forget(soil->lent);

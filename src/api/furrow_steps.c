@@ -9,6 +9,7 @@ enum status api_library_checkpoint(struct furrow_world *host)
 {
 	TRY(drive_checkpoint(host->drive));
 	host->mark = (struct library_mark){host->origin, host->steps};
+	host->checkpoints++;
 	return STATUS_OK;
 }
 

@@ -83,6 +83,7 @@ static enum status open_drive(struct furrow_world *host, const struct furrow_ope
 
 static void destroy(struct furrow_world *host, enum status status)
 {
+	api_library_let_go_soils(host);
 	drive_finish(host->drive, status);
 	scene_destroy(host->scene);
 	mem_free(host->output);

@@ -31,6 +31,8 @@ struct furrow_world {
 	} mark;
 	bool failed;               /* the last step failed, and nothing was rolled back since */
 	double busy;               /* s, by the clock, in furrow_step */
+	int64_t checkpoints;       /* how many were made */
+	struct furrow_mujoco *soils; /* furrow_mujoco.c: the list of those that are open */
 };
 
 /* State of one call of the library by its host. It keeps the host's GL context, which is restored when the call ends. */
@@ -58,6 +60,8 @@ furrow_status api_library_leave(struct library_call *call, enum status status);
 enum status api_library_step(struct furrow_world *host, double seconds) FURROW_CHECKED;
 /* The same file: makes a checkpoint. */
 enum status api_library_checkpoint(struct furrow_world *host) FURROW_CHECKED;
+/* furrow_mujoco.c: before the world goes, all soils in it let go of it. */
+void api_library_let_go_soils(struct furrow_world *host);
 /* Checks that the world may be changed. STATUS_USAGE: it is readonly. `what`: the call. */
 enum status api_library_need_writable(const struct furrow_world *world, const char *what) FURROW_CHECKED;
 /* Checks that a world is not NULL, and is of this process. STATUS_USAGE: it is not. In a child of the world's process lets go of its locks. */

@@ -687,6 +687,18 @@ static bool solve_lone(const struct vehicles *vehicles, struct vehicle *vehicle,
 	return true;
 }
 
+/* Finds the force of a contact once the velocities have changed. */
+static void force_after(const struct contact *contact, const double *change, double force[6])
+{
+	double u[6];
+	mju_copy(force, contact->force, 6);
+	if (contact->is_limited)
+		return;
+	velocity_of(contact, change, u);
+	for (int k = 0; k < 6; k++)
+		force[k] += dot6(contact->gain[k], u);
+}
+
 bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *before, bool drives)
 {
 	const int nv = vehicles->model->nv;
@@ -700,14 +712,9 @@ bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *befor
 				again |= solve_lone(vehicles, vehicle, vehicle->contacts[i].geom, h, change);
 		for (size_t i = 0; i < vehicle->touching; i++) {
 			struct contact *contact = &vehicle->contacts[i];
-			double *force = contact->geom->force, u[6];
-			mju_copy(force, contact->force, 6);
-			if (contact->is_limited)
-				continue;
-			velocity_of(contact, change, u);
-			for (int k = 0; k < 6; k++)
-				force[k] += dot6(contact->gain[k], u);
-			if (!limit(contact, force))
+			double *force = contact->geom->force;
+			force_after(contact, change, force);
+			if (contact->is_limited || !limit(contact, force))
 				continue;
 			contact->is_limited = again = true;
 			mju_copy(contact->force, force, 6);
@@ -716,6 +723,15 @@ bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *befor
 	if (again)
 		apply(vehicles, h, drives);
 	return again;
+}
+
+void vehicle_couple_tell(struct vehicles *vehicles, const double *before)
+{
+	double *change = vehicles->room;
+	mju_sub(change, vehicles->data->qvel, before, vehicles->model->nv);
+	for (size_t v = 0; v < vehicles->all; v++)
+		for (size_t i = 0; i < vehicles->list[v].touching; i++)
+			force_after(&vehicles->list[v].contacts[i], change, vehicles->list[v].contacts[i].geom->force);
 }
 
 void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells)
@@ -749,11 +765,8 @@ void vehicle_couple_forces(const struct vehicles *vehicles, const double *before
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t i = 0; i < vehicles->list[v].contact_count; i++) {
 			const struct contact *contact = &vehicles->list[v].contacts[i];
-			double force[6], u[6];
-			mju_copy(force, contact->force, 6);
-			velocity_of(contact, change, u);
-			for (int k = 0; k < 6 && !contact->is_limited; k++)
-				force[k] += dot6(contact->gain[k], u);
+			double force[6];
+			force_after(contact, change, force);
 			add_force(contact, force, forces);
 			if (!contact->is_load && contact->geom->shape.belt)
 				forces[contact->geom->dof] += contact->geom->pulled;

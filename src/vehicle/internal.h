@@ -18,7 +18,7 @@ struct soil_geom {
 	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
 	struct soil_shape shape;
-	struct soil_mesh *mesh;   /* of the shape; owned; NULL: none */
+	struct soil_mesh *mesh;   /* of the shape; owned, until the world's body has it; NULL: none, or the body has it */
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
 	int32_t number;             /* its body in the world */
 	bool carries;               /* soil that comes onto it stays on it */
@@ -471,6 +471,8 @@ double vehicle_damping_of(const struct vehicle *vehicle, int dof);
  * does not pull, and its shear has a limit. Then qfrc_applied and data->M have these contacts with the forces at that limit, and the step is to be
  * made once more. */
 bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *before, bool drives);
+/* Finds the soil's forces anew, where the step has ended with other velocities than were foreseen. None gets a limit any more. */
+void vehicle_couple_tell(struct vehicles *vehicles, const double *before);
 /* Takes the forces of the step as they are: adds what each geom did on the soil to its work, and puts the inertia back. tells false: without
  * the work. */
 void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells);

@@ -26,10 +26,12 @@ struct vehicle_lent {
 	bool named;                 /* filled with the arrays that the host names */
 	char *patterns;
 	char *list[PATTERNS_MOST];
-	double *forces, *before, *start, *after; /* nv each: velocities at the start of the step, at that of what was begun last, and at its end */
+	double *forces;             /* nv: what the soil does to the joints */
+	double *before, *start, *after; /* nv each: velocities at the start of the step; in the state with which it was begun last (RK4 has four); at its end */
 	struct furrow_state *last;  /* of each geom: when the ground got it, or it was placed */
 	double *velocities;         /* the host's, of those that it names */
 	bool placed, ended;         /* the geoms are in the world; a step has ended that the ground does not know yet */
+	bool begun;                 /* a step has begun, and has not ended */
 	bool stepping;              /* the world was to make a step since */
 	double time;                /* s, of the world: at the start of the last step */
 };
@@ -47,7 +49,7 @@ struct member {
 static const struct member model_members[] = {
 	MODEL(body_parentid), MODEL(body_rootid), MODEL(body_weldid), MODEL(body_jntnum), MODEL(body_jntadr), MODEL(body_dofnum), MODEL(body_dofadr), MODEL(body_geomnum),
 	MODEL(jnt_type), MODEL(jnt_qposadr), MODEL(jnt_dofadr), MODEL(dof_bodyid), MODEL(dof_jntid), MODEL(dof_parentid), MODEL(dof_damping), MODEL(dof_M0),
-	MODEL(body_mass), MODEL(geom_type), MODEL(geom_contype), MODEL(geom_conaffinity), MODEL(geom_bodyid), MODEL(geom_dataid), MODEL(geom_size), MODEL(geom_aabb), MODEL(geom_user),
+	MODEL(body_mass), MODEL(geom_type), MODEL(geom_contype), MODEL(geom_conaffinity), MODEL(geom_condim), MODEL(geom_priority), MODEL(geom_bodyid), MODEL(geom_dataid), MODEL(geom_size), MODEL(geom_aabb), MODEL(geom_user),
 	MODEL(mesh_vertadr), MODEL(mesh_vertnum), MODEL(mesh_faceadr), MODEL(mesh_facenum), MODEL(mesh_vert), MODEL(mesh_face),
 	MODEL(name_bodyadr), MODEL(name_geomadr), MODEL(name_jntadr), MODEL(name_textadr), MODEL(name_numericadr), MODEL(names),
 	MODEL(text_adr), MODEL(text_data), MODEL(numeric_adr), MODEL(numeric_data),
@@ -230,6 +232,8 @@ static enum status lend(const struct vehicle_lending *lending, struct world *wor
 	TRY(make_lists(&lent->all));
 	doubt_gravity(lent);
 	TRY(mem_zeroed(&lent->last, vehicle->geom_count + 1, sizeof *lent->last, "soil geoms"));
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		vehicle->geoms[g].number = -1;
 	return vehicle_add_bodies(vehicle, world);
 }
 
@@ -243,6 +247,8 @@ enum status vehicle_lend(const struct vehicle_lending *lending, struct world *wo
 	if (status != STATUS_OK) {
 		struct failure failure;
 		failure_capture(&failure, status);
+		const enum status removed = vehicle_lent_remove(lent); /* what was added before it failed */
+		(void)removed; /* the first failure is told */
 		vehicle_lent_destroy(lent);
 		return failure_restore(&failure);
 	}
@@ -258,6 +264,16 @@ void vehicle_lent_destroy(struct vehicle_lent *lent)
 	vehicle_free_geoms(&lent->one);
 	mem_free_all(all->numbers, all->states, all->belts, all->contacts, all->mass, all->room, lent->one.contacts, lent->one.rows, lent->forces, lent->before, lent->start, lent->after,
 		     lent->patterns, lent->last, lent->told.name, lent);
+}
+
+enum status vehicle_lent_remove(struct vehicle_lent *lent)
+{
+	for (size_t g = 0; g < lent->one.geom_count && lent->last != NULL; g++) {
+		const struct body *body = world_body(lent->all.world, (size_t)lent->one.geoms[g].number);
+		if (body != NULL && !body->host.removed)
+			TRY(world_body_remove(lent->all.world, lent->one.geoms[g].number));
+	}
+	return STATUS_OK;
 }
 
 /* --- steps --- */
@@ -301,6 +317,7 @@ enum status vehicle_lent_begin(struct vehicle_lent *lent, const void *data, doub
 	take_data(lent, data);
 	lent->scene.time_step = seconds;
 	if (!again) {
+		lent->begun = false;
 		mju_copy(lent->before, lent->start, nv);
 		const double now = world_time(lent->all.world);
 		if (lent->placed && (lent->stepping ? now <= lent->time : now != lent->time))
@@ -312,6 +329,7 @@ enum status vehicle_lent_begin(struct vehicle_lent *lent, const void *data, doub
 	}
 	vehicle_couple(&lent->all, seconds, 0, true);
 	mju_copy(forces, lent->forces, nv);
+	lent->begun = true;
 	return STATUS_OK;
 }
 
@@ -342,8 +360,11 @@ void vehicle_lent_forces(struct vehicle_lent *lent, const double *qvel, double *
 void vehicle_lent_end(struct vehicle_lent *lent, const double *qvel)
 {
 	let_end(lent, qvel);
+	if (lent->model.opt.integrator != mjINT_RK4) /* there the last state's own is told */
+		vehicle_couple_tell(&lent->all, lent->start);
 	vehicle_couple_done(&lent->all, lent->scene.time_step, lent->before, true);
 	lent->data.qvel = lent->start;
+	lent->begun = false;
 	lent->ended = true;
 }
 
@@ -391,7 +412,17 @@ void vehicle_lent_forget(struct vehicle_lent *lent)
 		mju_zero(geom->force, 6);
 		geom->contact = world_contact_unknown();
 	}
-	lent->placed = lent->ended = lent->stepping = false;
+	lent->placed = lent->begun = lent->ended = lent->stepping = false;
+}
+
+bool vehicle_lent_takes(const struct vehicle_lent *lent, const void *data)
+{
+	return lent->named || data != NULL;
+}
+
+bool vehicle_lent_begun(const struct vehicle_lent *lent)
+{
+	return lent->begun;
 }
 
 bool vehicle_lent_ended(const struct vehicle_lent *lent)

@@ -110,9 +110,9 @@ static void say_heavy(const struct vehicles *vehicles, char *text, size_t size)
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			if (geom->mesh == NULL || geom->mesh->triangle_count <= most)
+			if (geom->shape.kind != SOIL_MESH || geom->shape.mesh->triangle_count <= most)
 				continue;
-			most = geom->mesh->triangle_count;
+			most = geom->shape.mesh->triangle_count;
 			snprintf(text, size, "; the mesh of vehicles.%s has %u triangles, which take the time: thin it, or leave it out of soil", geom->name, most);
 		}
 }

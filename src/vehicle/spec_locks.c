@@ -190,8 +190,9 @@ static enum status lock_named(struct spec *spec)
 				const mjsJoint *joint = mjs_asJoint(each);
 				if (!moves(joint) || !vehicle_matches(&one, mjs_getString(mjs_getName(each)), false))
 					continue;
+				const struct scene_texts earlier = {patterns[k]->list, i};
 				any = true;
-				if (k == 0)
+				if (k == 0 && !vehicle_matches(&earlier, mjs_getString(mjs_getName(each)), false)) /* else it is locked already */
 					lock(spec, joint);
 			}
 			if (!any)

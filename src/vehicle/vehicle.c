@@ -165,13 +165,14 @@ static enum status thin(const struct vehicle *vehicle, double spacing)
 
 static enum status add_body(struct world *world, const struct vehicle *vehicle, struct soil_geom *geom)
 {
-	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape, .carry = geom->carries, .interface = vehicle_surface(vehicle, geom)};
+	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape, .mesh = geom->mesh, .carry = geom->carries, .interface = vehicle_surface(vehicle, geom)};
 	TRY_MEM(object.name, "a vehicle");
 	enum status status = world_body_add(world, &object, &geom->number);
 	if (status != STATUS_OK) {
 		mem_free(object.name);
 		return status;
 	}
+	geom->mesh = NULL; /* the body may live longer than the vehicle */
 	world_body_of_vehicle(world, geom->number);
 	return STATUS_OK;
 }

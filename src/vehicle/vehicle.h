@@ -291,10 +291,14 @@ struct vehicle_lending {
 	double origin[3];       /* m, local: where the host's origin is */
 };
 
-/* Finds the soil geoms of the model and adds them to the world as bodies. Free *out with vehicle_lent_destroy. STATUS_INPUT: no geom touches the
+/* Finds the soil geoms of the model and adds them to the world as bodies. Free *out with vehicle_lent_destroy; the bodies stay. STATUS_INPUT: no geom touches the
  * ground, or an array is missing. */
 enum status vehicle_lend(const struct vehicle_lending *lending, struct world *world, struct vehicle_lent **out) FURROW_CHECKED;
 void vehicle_lent_destroy(struct vehicle_lent *lent); /* takes NULL */
+/* Takes its bodies out of the world, which must not be torn. A rollback may bring them back. */
+enum status vehicle_lent_remove(struct vehicle_lent *lent) FURROW_CHECKED;
+bool vehicle_lent_takes(const struct vehicle_lent *lent, const void *data); /* `data` is given, or the arrays are there */
+bool vehicle_lent_begun(const struct vehicle_lent *lent); /* a step has begun, and has not ended */
 /* Begins the host's step of `seconds`: asks the world what the soil does. Fills `forces`, nv: of the soil on the joints, if the velocities stay. Adds to
  * the inertia data->M how these forces answer a change. `data`: as in vehicle_lending; NULL: the arrays. The place where each geom is must be computed.
  * again: the same step once more, from another state in it, as RK4 has. */

@@ -4,9 +4,11 @@ import hashlib
 import importlib.util
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import warnings
 
@@ -15,6 +17,7 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import FURROW
 
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs/GYM.md"
 BUILT = pathlib.Path(FURROW).parents[1] / "python"
 LIBRARY = str(BUILT.parent / "src/libfurrow.so.0")
 ACTIONS = [(1, 0.5), (1, -1), (-0.5, 0.2), (0.3, 1)]
@@ -152,6 +155,12 @@ class Rovers(GymTest):
         self.assertIn("ImportError: furrow.gym: the Python package gymnasium is not installed for", done.stderr.splitlines()[-1])
         self.assertNotIn("During handling", done.stderr)
 
+    def test_an_old_gymnasium_is_told_in_one_line(self):
+        done = python("import sys, types; old = types.ModuleType('gymnasium'); old.__version__ = '1.0.0'; old.vector = types.SimpleNamespace(); "
+                      "sys.modules['gymnasium'] = old; import furrow.gym")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ImportError: furrow.gym: gymnasium 1.0.0 is too old; install one from 1.1 on", done.stderr.splitlines()[-1])
+
     def test_arguments(self):
         with self.assertRaisesRegex(ValueError, "'valley' is no terrain; give one of hill, pit"):
             self.rovers.make_terrain("valley", self.folder / "valley.furrow")
@@ -209,6 +218,32 @@ class Environments(GymTest):
                     self.assertEqual(np.asarray(a, dtype=float).tobytes(), np.asarray(b, dtype=float).tobytes())
         self.assertEqual([step[3].tolist() for step in own[1:]], [[done] * 3 for done in (False, False, True, False, False, False)])
 
+    def test_the_page_s_processes(self):
+        blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
+        text = next(block for block in blocks if '"async"' in block).replace("num_envs=8", "num_envs=2, frame_skip=1").replace("envs.close()", "print(observations.shape)\n    envs.close()")
+        (self.folder / "processes.py").write_text(text, encoding="utf-8")
+        (self.folder / "processes").mkdir()
+        done = subprocess.run([sys.executable, self.folder / "processes.py"], env=environment(), cwd=self.folder / "processes", capture_output=True, text=True, timeout=300)
+        self.assertEqual((done.returncode, done.stdout), (0, "(2, 40)\n"), done.stderr)
+
+    def test_a_failure_waits_for_all(self):
+        import threading
+        envs = gymnasium.make_vec(self.names[1], num_envs=2, frame_skip=1, threads=2, store=self.folder / "pit.furrow")
+        self.addCleanup(envs.close)
+        vector, failed, ended = envs.unwrapped, threading.Event(), []
+
+        def work(index):
+            if index == 0:
+                failed.set()
+                raise ValueError("the first")
+            failed.wait()
+            time.sleep(0.3)
+            ended.append(index)
+
+        with self.assertRaisesRegex(ValueError, "the first"):
+            vector._each(work)
+        self.assertEqual(ended, [1])
+
     def test_arguments_and_files(self):
         before = set(pathlib.Path(tempfile.gettempdir()).glob("furrow-gym-*"))
         for wrong, says in (({"frame_skip": 0}, "frame_skip is 0"), ({"render_mode": "human"}, "there is no render_mode 'human'"), ({"soil": {"name": "cheese"}}, "cheese")):
@@ -221,6 +256,8 @@ class Environments(GymTest):
             envs.step(np.zeros(2))
         same, _ = envs.reset(seed=[4, 4])
         self.assertEqual(same[0].tobytes(), same[1].tobytes())
+        for seed in (np.int64(3), np.array([3, 4])):
+            self.assertEqual(envs.reset(seed=seed)[0].tobytes(), envs.reset(seed=3)[0].tobytes())
         envs.close()
         envs.close()
         self.assertEqual(set(pathlib.Path(tempfile.gettempdir()).glob("furrow-gym-*")), before)

@@ -14,7 +14,7 @@
 
 #define ENGINE_CALLS(CALL) \
 	CALL(mj_loadPluginLibrary) CALL(mj_parseXMLString) CALL(mj_compile) CALL(mjs_getError) CALL(mj_deleteSpec) CALL(mj_deleteModel) CALL(mj_makeData) CALL(mj_deleteData) \
-	CALL(mj_step) CALL(mj_step1) CALL(mj_step2) CALL(mj_forward) CALL(mj_resetData) CALL(mj_copyData) CALL(mj_name2id) CALL(mj_fullM)
+	CALL(mj_step) CALL(mj_step1) CALL(mj_step2) CALL(mj_forward) CALL(mj_resetData) CALL(mj_copyData) CALL(mj_name2id) CALL(mj_fullM) CALL(mj_factorM)
 
 static struct {
 #define ENGINE_MEMBER(name) __typeof__(&name) name;

@@ -33,6 +33,28 @@ static void a_field_shows_the_rut(void **state)
 	engine.mj_deleteModel(model);
 }
 
+/* A copy gets the ground of the start, and so does what its viewer shows. */
+static void a_copy_shows_no_ruts(void **state)
+{
+	(void)state;
+	engine_store();
+	mjModel *model = engine_ball("timestep=\"0.002\"", "<config key=\"hfield\" value=\"terrain\"/>", GEOM("contype=\"0\" conaffinity=\"0\""), FIELD);
+	assert_non_null(model);
+	mjData *shown = engine.mj_makeData(model), *other = engine.mj_makeData(model);
+	engine_run(model, shown, 1);
+	const float deep = points(model)[20 * 81 + 40];
+	assert_true(deep < 0.49f);
+	engine.mj_copyData(shown, model, other);
+	for (int i = 0; i < 41 * 81; i++)
+		assert_true(fabsf(points(model)[i] - 0.5f) < 1e-6f);
+	/* It goes on to be brought up to date, although its world's time is earlier now. */
+	engine_run(model, shown, 0.9);
+	assert_true(fabsf(points(model)[20 * 81 + 40] - deep) < 0.01f);
+	engine.mj_deleteData(other);
+	engine.mj_deleteData(shown);
+	engine.mj_deleteModel(model);
+}
+
 /* Makes a model that is refused. Returns why. */
 static const char *refusal(const char *world, const char *more)
 {
@@ -52,6 +74,6 @@ static void a_field_that_cannot_follow_is_refused(void **state)
 
 TEST_PROGRAM(fields)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(a_field_shows_the_rut), cmocka_unit_test(a_field_that_cannot_follow_is_refused)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(a_field_shows_the_rut), cmocka_unit_test(a_copy_shows_no_ruts), cmocka_unit_test(a_field_that_cannot_follow_is_refused)};
 	return cmocka_run_group_tests(tests, engine_enter, support_leave);
 }

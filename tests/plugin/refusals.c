@@ -1,4 +1,6 @@
 /* What the plugin cannot do it refuses in one line. */
+#include <stdlib.h>
+
 #include "engine.h"
 
 static const char *refusal(const char *geoms, const char *more, const char *sensors)
@@ -32,6 +34,21 @@ static void one_instance(void **state)
 	snprintf(more, sizeof more, "</instance><instance name=\"other\"><config key=\"scene\" value=\"" ENGINE_SCENE "\"/><config key=\"store\" value=\"%s\"/>",
 		 support_path("ground.furrow"));
 	assert_non_null(strstr(refusal("ball", more, ""), "several instances"));
+}
+
+/* Without an overlay the ruts would go into the terrain. */
+static void no_folder_for_the_ruts(void **state)
+{
+	char *const before = getenv("TMPDIR") != NULL ? strdup(getenv("TMPDIR")) : NULL;
+	(void)state;
+	engine_store();
+	setenv("TMPDIR", support_path("missing"), 1);
+	assert_non_null(strstr(refusal("ball", "", ""), "set TMPDIR to a folder that can be written, or give its key overlay"));
+	if (before != NULL)
+		setenv("TMPDIR", before, 1);
+	else
+		unsetenv("TMPDIR");
+	free(before);
 }
 
 /* Makes a step that is refused. Returns why. */
@@ -69,6 +86,6 @@ static void steps_that_cannot_be(void **state)
 
 TEST_PROGRAM(refusals)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(models_that_do_not_fit), cmocka_unit_test(one_instance), cmocka_unit_test(steps_that_cannot_be)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(models_that_do_not_fit), cmocka_unit_test(one_instance), cmocka_unit_test(no_folder_for_the_ruts), cmocka_unit_test(steps_that_cannot_be)};
 	return cmocka_run_group_tests(tests, engine_enter, support_leave);
 }

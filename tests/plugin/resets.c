@@ -159,6 +159,23 @@ static void a_time_that_goes_back(void **state)
 		engine.mj_step(model, data);
 	engine_catches = 0;
 	assert_non_null(strstr(engine_error, "the time went back to 0.01 s"));
+	data->time = 7;
+	engine_catches = 1;
+	if (setjmp(engine_back) == 0)
+		engine.mj_step(model, data);
+	engine_catches = 0;
+	assert_non_null(strstr(engine_error, "the time went on to 7 s"));
+	/* Also where the step's start was computed already. */
+	engine.mj_resetData(model, data);
+	engine_run(model, data, 0.05);
+	engine.mj_forward(model, data);
+	data->time = 7;
+	engine_catches = 1;
+	engine_error[0] = '\0';
+	if (setjmp(engine_back) == 0)
+		engine.mj_step(model, data);
+	engine_catches = 0;
+	assert_non_null(strstr(engine_error, "the time went on to 7 s from 0.05 s"));
 	engine.mj_deleteData(data);
 	engine.mj_deleteModel(model);
 }

@@ -151,7 +151,7 @@ static void the_scene_locks_joints(void **state)
 	struct vehicles *vehicles = load(model, "", NULL, NULL, &scene);
 	assert_true(given_way(vehicles, "knee") > 0.2);
 	unload(vehicles, scene);
-	vehicles = load(model, ", servo: {lock: [kn*]}", "{knee: -0.4}", NULL, &scene);
+	vehicles = load(model, ", servo: {lock: [kn*, knee]}", "{knee: -0.4}", NULL, &scene);
 	assert_near(*place_of(vehicles, "knee"), -0.4, 1e-12);
 	assert_true(given_way(vehicles, "knee") < 0.05);
 	unload(vehicles, scene);
