@@ -393,7 +393,11 @@ class OutTest(SensorsTest):
             self.assertEqual([m["angular_velocity"][a] for a in "xyz"], [float(row[f"imu.gyro.{a}"]) for a in "xyz"])
             self.assertEqual([m["orientation"][a] for a in "xyzw"], [float(row[f"imu.orientation.{a}"]) for a in "xyzw"])
         self.assertEqual(imu[0][1]["header"]["frame_id"], "sled/imu")
-        still = {t["child_frame_id"]: t for _, topic, _, m in messages if topic == "/tf_static" for t in m["transforms"]}
+        # They come with each row, so that who listens later has them.
+        self.assertNotIn("/tf_static", {topic for _, topic, *_ in messages})
+        told = [(ns, t["child_frame_id"]) for ns, topic, _, m in messages if topic == "/tf" for t in m["transforms"]]
+        self.assertEqual([ns for ns, child in told if child == "sled/imu"], [ns for ns, child in told if child == "sled/base_link"])
+        still = {t["child_frame_id"]: t for _, topic, _, m in messages if topic == "/tf" for t in m["transforms"]}
         self.assertEqual(still["sled/imu"]["header"]["frame_id"], "sled/base_link")
         np.testing.assert_allclose([still["sled/imu"]["transform"]["translation"][a] for a in "xyz"], [0.1, 0.2, 0.3], atol=1e-9)
         beam = results.matrices(np.array([[still["sled/down/beam"]["transform"]["rotation"][a] for a in "xyzw"]]))[0]
