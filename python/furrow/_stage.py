@@ -47,6 +47,41 @@ def _moved(drive: Drive) -> "np.ndarray":
     return places[np.isfinite(places).all(axis=1)]
 
 
+def _of_scene(drive: Drive, key: str) -> "Union[str, None]":
+    value = drive.facts["scene"]["values"].get(key)
+    return None if value is None else str(value).strip('"')
+
+
+def _beside(drive: Drive, text: "Union[str, None]") -> "Union[pathlib.Path, None]":
+    """A file that the scene names, seen from this folder. None: it is not there."""
+    scene = drive.facts["scene"]["file"]
+    for folder in (pathlib.Path(scene).parent, pathlib.Path(), drive.folder.parent / pathlib.Path(scene).parent):
+        if text is not None and (folder / text).is_file():
+            return (folder / text).resolve()
+    return None
+
+
+def _reader(drive: Drive) -> "dict[str, Any]":
+    """A scene that reads the store of a drive: with its spacing, and the relief that it has. ResultsError: relief by class needs the map of soils, which is gone."""
+    scene: "dict[str, Any]" = {"spacing": drive.facts["spacing"]}
+    relief = drive.facts.get("relief")
+    if not relief:
+        return scene
+    waves = [{key: each[key] for key in ("roughness", "wavelength")} for each in relief.get("classes", [relief])]
+    scene["relief"] = {**waves[0], "seed": relief["seed"]}
+    if len(waves) == 1:
+        return scene
+    text = _of_scene(drive, "soil.map")
+    map_file = _beside(drive, text)
+    # Which soils they are does not matter to the heights.
+    values = [str(value) for key, value in drive.facts["scene"]["values"].items() if re.fullmatch(r"soil\.classes\..+\.value", key)]
+    if map_file is None or len(values) != len(waves) - 1:
+        raise ResultsError(f"soil.map: {text} is not there, beside {drive.facts['scene']['file']}, and the relief of the drive is by its classes; run this in the folder of the drive")
+    scene["soil"] = {"map": str(map_file), "classes": {value: "dry_sand" for value in values}, "default": "dry_sand"}
+    scene["relief"]["classes"] = dict(zip(values, waves[1:]))
+    return scene
+
+
 def ground(drive: Drive, window: "Union[list[float], None]" = None, posts_most: int = POSTS_MOST) -> Ground:
     """The ground at the end of a drive. window: west, south, east, north, m; None: where something moved, and 10 m around; the whole terrain if nothing did.
 
@@ -55,7 +90,7 @@ def ground(drive: Drive, window: "Union[list[float], None]" = None, posts_most: 
     from furrow import Error, World
     path = drive.facts["store"]["file"]
     try:
-        world = World({"spacing": drive.facts["spacing"]}, store=path, readonly=True)
+        world = World(_reader(drive), store=path, readonly=True)
     except Error as error:
         raise ResultsError(f"the store of the drive cannot be read: {error}") from None
     with world:
@@ -102,19 +137,13 @@ _AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0)}
 _KINDS = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
 
 
-def _of_scene(drive: Drive, key: str) -> "Union[str, None]":
-    value = drive.facts["scene"]["values"].get(key)
-    return None if value is None else str(value).strip('"')
-
-
 def model_file(drive: Drive, name: str) -> pathlib.Path:
     """The model of a vehicle. ResultsError: it is not where the scene says, seen from this folder."""
     text = _of_scene(drive, f"vehicles.{name}.model")
-    scene = drive.facts["scene"]["file"]
-    for folder in (pathlib.Path(scene).parent, pathlib.Path(), drive.folder.parent / pathlib.Path(scene).parent):
-        if text is not None and (folder / text).is_file():
-            return (folder / text).resolve()
-    raise ResultsError(f"vehicles.{name}.model: {text} is not there, beside {scene}; run this in the folder of the drive, or leave vehicles out by --no-vehicles")
+    found = _beside(drive, text)
+    if found is not None:
+        return found
+    raise ResultsError(f"vehicles.{name}.model: {text} is not there, beside {drive.facts['scene']['file']}; run this in the folder of the drive, or leave vehicles out by --no-vehicles")
 
 
 def unit_quaternion(turn: "np.ndarray") -> "np.ndarray":

@@ -1,10 +1,13 @@
 """A drive as a world for MuJoCo and Gazebo, and as a USD stage: the ground is the store's, bodies are where the rows say. Where mujoco and usd-core are,
 they read what was written; without them the ground alone is checked."""
 import importlib.util
+import json
 import pathlib
+import shutil
 import struct
 import sys
 import unittest
+import zlib
 from xml.etree import ElementTree
 
 import numpy as np
@@ -28,6 +31,15 @@ objects:
   - {{name: ball, shape: {{sphere: {{radius: 0.5}}}}, sink: 0.1, path: {{points: [[34, 30], [35, 30]], speed: 4}}}}
 """
 WITH_PYTHON = {"FURROW_PYTHON": sys.executable}
+
+
+def write_png8(path, width, height, value):
+    """An 8-bit grey PNG; value(x, y) with y from the top."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + bytes(value(x, y) for x in range(width)) for y in range(height))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 def has(*modules):
@@ -65,6 +77,29 @@ class WorldsTest(SensorsTest):
         heights = self.surface(448, 464, 65, 41)
         np.testing.assert_allclose(z + reach * field, heights, atol=1e-6)
         self.assertLess((heights - (2 + np.tan(np.radians(SLOPE)) * (28 + 0.0625 * np.arange(65)))).min(), -0.02) # with ruts
+
+    def test_the_ground_has_the_relief_of_the_drive(self):
+        """For all ground, and by classes of a map of soils."""
+        from furrow import World
+        write_png8(self.folder / "map.png", 65, 65, lambda x, y: 1 if x < 30 else 2 if x < 40 else 0)
+        plain = {"roughness": 0.004, "wavelength": 3.0, "seed": 7}
+        soil = {"map": str(self.folder / "map.png"), "classes": {"1": "dry_sand", "2": "lete_sand"}, "default": "lunar"}
+        by_class = {**plain, "classes": {"2": {"roughness": 0.03}}}
+        for relief, ground in ((plain, None), (by_class, soil)):
+            with self.subTest(relief=relief):
+                text = SCENE.replace("redistribute:", f"relief: {json.dumps(relief)}\nredistribute:")
+                if ground:
+                    text = text.replace("soil: {name: dry_sand}", "soil: {map: map.png, classes: {1: dry_sand, 2: lete_sand}, default: lunar}")
+                shutil.rmtree(self.folder / "site", ignore_errors=True)
+                self.driven(text.replace("end_time: 0.2", "end_time: 0.02"), "slope.furrow", again=True)
+                self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,28,32,31")
+                data = (self.folder / "site/ground.bin").read_bytes()
+                world = ElementTree.parse(self.folder / "site/world.xml").getroot()
+                low, reach = float(world.find("worldbody/geom").get("pos").split()[2]), float(world.find("asset/hfield").get("size").split()[2])
+                with World({"spacing": 0.0625, "relief": relief, **({"soil": ground} if ground else {})}, store=self.folder / "ruts.furrow", readonly=True) as own:
+                    heights = own.read("surface", column=448, row=448, columns=65, rows=49)
+                np.testing.assert_allclose(low + reach * np.frombuffer(data[8:], "<f4").reshape(49, 65), heights, atol=1e-6)
+                self.assertGreater(np.abs(np.diff(heights, axis=0)).max(), 0.001)
 
     def test_a_heightmap_is_the_ground(self):
         self.made("world", "out", "-o", "gazebo", "--format", "sdf", "--no-vehicles", "--window", "28,28,32,32")
