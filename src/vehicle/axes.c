@@ -68,7 +68,7 @@ void vehicle_turn_fixed(struct vehicle *vehicle)
 	mj_forward(model, vehicle->data);
 }
 
-/* Finds forward, left and up of a body, as columns, in its axes: those of the model's first pose if the scene turns it; else its own. */
+/* Finds forward, left and up, as columns, in the axes of a body. They are those of the first pose if the scene turns the model. Else they are the body's own. */
 static void body_axes(const struct vehicle *vehicle, int body, double axes[9])
 {
 	const double *mat = &vehicle->data->xmat[9 * body];

@@ -28,7 +28,7 @@ static enum status check_names(const struct spec *spec)
 	return STATUS_OK;
 }
 
-/* The body that the scene names; without a name one that stands for the root body, which is not known yet. */
+/* The body that the scene names; without a name the first one, since the root body is not known yet. */
 static mjsBody *find_body(const struct spec *spec, const char *name)
 {
 	if (name != NULL)
