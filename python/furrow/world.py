@@ -49,14 +49,20 @@ def _height_file(own: "_stage.Ground") -> "tuple[bytes, float]":
 
 
 def _save_model(model: "_stage.Model", folder: pathlib.Path, taken: "set[str]") -> str:
-    """Writes a vehicle's model, where it was at the end, beside the world. Files of meshes stay where they are."""
+    """Writes a vehicle's model, its root body in the origin, beside the world. Files of meshes stay where they are. MuJoCo writes 6 digits: places of a
+    terrain are in world.xml."""
     spec = model.spec
     bases = model.bases_at(len(model.rows["t"]) - 1)
+    origin, axes = bases[model.root]
     for body in spec.worldbody.bodies:
         place, turn = bases[body.id]
-        x, y, z, w = _stage.unit_quaternion(turn)
-        body.alt.type = model.mujoco.mjtOrientation.mjORIENTATION_QUAT
-        body.pos, body.quat = place, [w, x, y, z]
+        x, y, z, w = _stage.unit_quaternion(axes.T @ turn)
+        frame = body
+        while frame is not None:  # frames of MJCF around it, too
+            frame.alt.type = model.mujoco.mjtOrientation.mjORIENTATION_QUAT
+            frame.pos, frame.quat = [0, 0, 0], [1, 0, 0, 0]
+            frame = frame.frame
+        body.pos, body.quat = axes.T @ (place - origin), [w, x, y, z]
     for geom in list(spec.worldbody.geoms):  # its own floor
         spec.delete(geom)
     for camera in [*spec.worldbody.cameras, *spec.worldbody.lights]:
@@ -99,7 +105,9 @@ def mjcf(folder: _stage.Path, to: _stage.Path, window: "Union[list[float], None]
             model.set(len(model.rows["t"]) - 1)
             qpos += list(model.data.qpos)
             xml.SubElement(asset, "model", name=model.name, file=_save_model(model, whole, taken))
-            xml.SubElement(world, "attach", model=model.name, prefix=f"{model.name}/")
+            place, turn = model.bases_at(len(model.rows["t"]) - 1)[model.root]
+            frame = xml.SubElement(world, "frame", pos=_numbers(place), quat=_numbers(np.roll(_stage.unit_quaternion(turn), 1)))
+            xml.SubElement(frame, "attach", model=model.name, prefix=f"{model.name}/")
         if qpos:
             xml.SubElement(xml.SubElement(root, "keyframe"), "key", name="end", qpos=_numbers(qpos))
         xml.indent(root)

@@ -53,8 +53,8 @@ VEHICLES = {
     "swing": ("", "", f"""<body name="hull" pos="0 0 0.4"><freejoint/><geom type="box" size="0.4 0.3 0.1" mass="50"/>{FEET}
       <body name="arm" pos="0 0 0.3"><joint axis="0 1 0"/><joint type="slide" axis="1 0 0" range="-0.1 0.1" limited="true"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1" contype="0" conaffinity="0"/>
         <body name="plate" pos="0.3 0 0"/></body></body>"""),
-    "held": ("", "", """<body name="base" euler="0 0 30"><geom type="box" size="0.1 0.1 0.1" mass="50"/>
-      <body name="arm" pos="0 0 0.5"><joint name="base" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1"/></body></body>"""),
+    "held": ("", "", """<frame pos="2 1 0" euler="0 0 80"><body name="base" euler="0 0 30"><geom type="box" size="0.1 0.1 0.1" mass="50"/>
+      <body name="arm" pos="0 0 0.5"><joint name="base" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1"/></body></body></frame>"""),
     "stopped": ("fixed: true", "", """<body name="base"><geom type="box" size="0.1 0.1 0.1" mass="50"/>
       <body name="arm" pos="0 0 0.5"><joint name="arm" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1"/></body></body>"""),
     "rail": ("", "", f"""<body name="cart" pos="0 0 0.4"><joint name="east" type="slide" axis="1 0 0"/><joint name="up" type="slide" axis="0 0 1"/><joint name="pitch" axis="0 1 0"/>
