@@ -20,16 +20,18 @@ def imus(listed: "list[dict[str, Any]]", rows: "dict[str, dict[str, np.ndarray]]
     places: "dict[tuple[str, str], dict[str, dict[str, Any]]]" = {}
     for sensor in listed:
         if sensor["frame"] and sensor["kind"] == "site" and (sensor["type"] != "framequat" or sensor["axes"] == "map"):
-            places.setdefault((sensor["vehicle"], sensor["on"]), {}).setdefault(sensor["type"], sensor)
+            frame = sensor["frame"]  # sites without a name are told apart by their places
+            place = sensor["on"] or json.dumps([frame["body"], frame["position"], frame["orientation"]])
+            places.setdefault((sensor["vehicle"], place), {}).setdefault(sensor["type"], sensor)
     found = []
-    for (vehicle, on), parts in places.items():
+    for (vehicle, _), parts in places.items():
         if not {"accelerometer", "gyro"} <= set(parts) or vehicle not in rows:
             continue
         own = rows[vehicle]
         force, rate = _columns(own, parts["accelerometer"]), _columns(own, parts["gyro"])
         known = np.isfinite(force).all(axis=1)
         turns = _columns(own, parts["framequat"])[known][:, [1, 2, 3, 0]] if "framequat" in parts else None
-        found.append({"vehicle": vehicle, "name": on, "frame": parts["accelerometer"]["frame"], "t": own["t"][known], "accelerometer": force[known], "gyro": rate[known],
+        found.append({"vehicle": vehicle, "name": parts["accelerometer"]["on"] or parts["accelerometer"]["name"], "frame": parts["accelerometer"]["frame"], "t": own["t"][known], "accelerometer": force[known], "gyro": rate[known],
                       "orientation": turns, "noise": {"accelerometer": parts["accelerometer"]["noise"], "gyro": parts["gyro"]["noise"]}})
     return found
 

@@ -2,6 +2,7 @@
 
 Shapes of vehicles come from their models, which the package mujoco reads. Frame: the store's local axes, x east, y north, z up, m.
 """
+import fnmatch
 import os
 import pathlib
 import re
@@ -47,6 +48,41 @@ def _moved(drive: Drive) -> "np.ndarray":
     return places[np.isfinite(places).all(axis=1)]
 
 
+def _of_scene(drive: Drive, key: str) -> "Union[str, None]":
+    value = drive.facts["scene"]["values"].get(key)
+    return None if value is None else str(value).strip('"')
+
+
+def _beside(drive: Drive, text: "Union[str, None]") -> "Union[pathlib.Path, None]":
+    """A file that the scene names, seen from this folder. None: it is not there."""
+    scene = drive.facts["scene"]["file"]
+    for folder in (pathlib.Path(scene).parent, pathlib.Path(), drive.folder.parent / pathlib.Path(scene).parent):
+        if text is not None and (folder / text).is_file():
+            return (folder / text).resolve()
+    return None
+
+
+def _reader(drive: Drive) -> "dict[str, Any]":
+    """A scene that reads the store of a drive: with its spacing, and the relief that it has. ResultsError: relief by class needs the map of soils, which is gone."""
+    scene: "dict[str, Any]" = {"spacing": drive.facts["spacing"]}
+    relief = drive.facts.get("relief")
+    if not relief:
+        return scene
+    waves = [{key: each[key] for key in ("roughness", "wavelength")} for each in relief.get("classes", [relief])]
+    scene["relief"] = {**waves[0], "seed": relief["seed"]}
+    if len(waves) == 1:
+        return scene
+    text = _of_scene(drive, "soil.map")
+    map_file = _beside(drive, text)
+    # Which soils they are does not matter to the heights.
+    values = [str(value) for key, value in drive.facts["scene"]["values"].items() if re.fullmatch(r"soil\.classes\..+\.value", key)]
+    if map_file is None or len(values) != len(waves) - 1:
+        raise ResultsError(f"soil.map: {text} is not there, beside {drive.facts['scene']['file']}, and the relief of the drive is by its classes; run this in the folder of the drive")
+    scene["soil"] = {"map": str(map_file), "classes": {value: "dry_sand" for value in values}, "default": "dry_sand"}
+    scene["relief"]["classes"] = dict(zip(values, waves[1:]))
+    return scene
+
+
 def ground(drive: Drive, window: "Union[list[float], None]" = None, posts_most: int = POSTS_MOST) -> Ground:
     """The ground at the end of a drive. window: west, south, east, north, m; None: where something moved, and 10 m around; the whole terrain if nothing did.
 
@@ -55,7 +91,7 @@ def ground(drive: Drive, window: "Union[list[float], None]" = None, posts_most: 
     from furrow import Error, World
     path = drive.facts["store"]["file"]
     try:
-        world = World({"spacing": drive.facts["spacing"]}, store=path, readonly=True)
+        world = World(_reader(drive), store=path, readonly=True)
     except Error as error:
         raise ResultsError(f"the store of the drive cannot be read: {error}") from None
     with world:
@@ -102,19 +138,26 @@ _AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0)}
 _KINDS = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
 
 
-def _of_scene(drive: Drive, key: str) -> "Union[str, None]":
-    value = drive.facts["scene"]["values"].get(key)
-    return None if value is None else str(value).strip('"')
+def _patterns(drive: Drive, key: str) -> "list[str]":
+    return [word.strip("\"' ") for word in (_of_scene(drive, key) or "").strip("[]").split(",") if word.strip("\"' ")]
+
+
+def unused(name: str, taken: "set[str]", between: str = "_") -> str:
+    """The name, or the same with a number where it is taken; and takes it."""
+    own, number = name, 2
+    while own in taken:
+        own, number = f"{name}{between}{number}", number + 1
+    taken.add(own)
+    return own
 
 
 def model_file(drive: Drive, name: str) -> pathlib.Path:
     """The model of a vehicle. ResultsError: it is not where the scene says, seen from this folder."""
     text = _of_scene(drive, f"vehicles.{name}.model")
-    scene = drive.facts["scene"]["file"]
-    for folder in (pathlib.Path(scene).parent, pathlib.Path(), drive.folder.parent / pathlib.Path(scene).parent):
-        if text is not None and (folder / text).is_file():
-            return (folder / text).resolve()
-    raise ResultsError(f"vehicles.{name}.model: {text} is not there, beside {scene}; run this in the folder of the drive, or leave vehicles out by --no-vehicles")
+    found = _beside(drive, text)
+    if found is not None:
+        return found
+    raise ResultsError(f"vehicles.{name}.model: {text} is not there, beside {drive.facts['scene']['file']}; run this in the folder of the drive, or leave vehicles out by --no-vehicles")
 
 
 def unit_quaternion(turn: "np.ndarray") -> "np.ndarray":
@@ -134,7 +177,7 @@ def unit_quaternion(turn: "np.ndarray") -> "np.ndarray":
 
 
 class Model:
-    """The model of a vehicle in MuJoCo, set to rows of vehicles.csv."""
+    """The model of a vehicle in MuJoCo, set to rows of vehicles.csv. `lost`: what cannot be told of it, a line each."""
 
     def __init__(self, drive: Drive, name: str) -> None:
         self.mujoco = _command.need("mujoco", "mujoco")
@@ -142,31 +185,83 @@ class Model:
         self.file = model_file(drive, name)
         try:
             self.spec = self.mujoco.MjSpec.from_file(str(self.file))
-            body = self._root(self.spec)
-            if not list(body.joints):
-                body.add_freejoint()
+            self._free_roots(_of_scene(drive, f"vehicles.{name}.start.fixed"))
+            self._name_joints()
             self.model = self.spec.compile()
         except (ValueError, TypeError, self.mujoco.FatalError) as error:
             line = str(error).strip().splitlines()[0]
             raise ResultsError(f"{self.file}: MuJoCo {self.mujoco.__version__} does not read it: {line}; leave vehicles out by --no-vehicles") from None
         self.data = self.mujoco.MjData(self.model)
-        self.root = 1
-        forward = np.array(_AXES[_of_scene(drive, f"vehicles.{name}.forward") or "+x"], float)
-        up = np.array([0, 1, 0] if _of_scene(drive, f"vehicles.{name}.up") == "y" else [0, 0, 1], float)
-        self.axes = np.stack([forward, np.cross(up, forward), up], axis=1)  # of base_link, in the root body's
+        self._first_pose(_of_scene(drive, f"vehicles.{name}.start.keyframe"))
+        self.root = self._find_root(drive)
+        self.axes = self._find_axes(drive)  # of base_link, in the root body's
         self.turns = matrices(quaternions(self.rows))
+        self.lost = self._not_told()
 
-    @staticmethod
-    def _root(spec: Any) -> Any:
-        bodies = list(spec.worldbody.bodies)
+    def _free_roots(self, fixed: "Union[str, None]") -> None:
+        """A root without a joint is free if the scene says so, and in a URDF if it does not say otherwise. A link that is called world holds it."""
+        text = self.file.read_text(encoding="utf-8", errors="replace")
+        urdf = re.search(r"<robot\b", text) is not None and re.search(r"<link\s[^>]*name\s*=\s*[\"']world[\"']", text) is None
+        bodies = list(self.spec.worldbody.bodies)
         if not bodies:
             raise ValueError("it has no body")
-        return bodies[0]
+        for body in bodies:
+            if not list(body.joints) and not body.mocap and (fixed == "false" or (fixed is None and urdf)):
+                body.add_freejoint()
+
+    def _name_joints(self) -> None:
+        """A drive calls hinges and slides without a name after their bodies, so columns have these names."""
+        taken = {joint.name for joint in self.spec.joints}
+        for joint in self.spec.joints:
+            if joint.name or joint.type not in (self.mujoco.mjtJoint.mjJNT_HINGE, self.mujoco.mjtJoint.mjJNT_SLIDE):
+                continue
+            joint.name = unused(joint.parent.name or "joint", taken)
+
+    def _first_pose(self, keyframe: "Union[str, None]") -> None:
+        if keyframe is not None:
+            self.mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(keyframe).id)
+        self.first = np.array(self.data.qpos)
+        self.mujoco.mj_kinematics(self.model, self.data)
+
+    def _geom_name(self, geom: int) -> str:
+        model, body = self.model, int(self.model.geom_bodyid[geom])
+        alone = model.body(body).name if model.body_geomnum[body] == 1 else ""
+        return model.geom(geom).name or alone or f"geom_{geom}"
+
+    def _find_root(self, drive: Drive) -> int:
+        """The body whose motion the rows have: the one below the model's world that has the first geom that presses the soil."""
+        model, (soil, no_soil) = self.model, (_patterns(drive, f"vehicles.{self.name}.{key}") for key in ("soil", "no_soil"))
+        for geom in range(model.ngeom):
+            collides = model.geom_contype[geom] or model.geom_conaffinity[geom]
+            touches = any(fnmatch.fnmatchcase(self._geom_name(geom), pattern) for pattern in soil) if soil else collides and int(model.geom_type[geom]) in _KINDS
+            if model.body_weldid[model.geom_bodyid[geom]] != 0 and touches and not any(fnmatch.fnmatchcase(self._geom_name(geom), pattern) for pattern in no_soil):
+                return int(model.body_rootid[model.geom_bodyid[geom]])
+        return next((body for body in range(1, model.nbody) if model.body_parentid[body] == 0 and model.body_mocapid[body] < 0), 1)
+
+    def _find_axes(self, drive: Drive) -> "np.ndarray":
+        """Forward, left and up as columns: the root body's own, or those that the scene says of the model, as its root body is turned in the first pose."""
+        forward, up = (_of_scene(drive, f"vehicles.{self.name}.{key}") for key in ("forward", "up"))
+        if forward in (None, "+x") and up != "y":
+            return np.eye(3)
+        ahead, above = np.array(_AXES[forward or "+x"], float), np.array([0, 1, 0] if up == "y" else [0, 0, 1], float)
+        return self.data.xmat[self.root].reshape(3, 3).T @ np.stack([ahead, np.cross(above, ahead), above], axis=1)
+
+    def _not_told(self) -> "list[str]":
+        """Columns of joints that the model does not have, and bodies that move without rows."""
+        mujoco, model = self.mujoco, self.model
+        named = {f"q:{model.joint(joint).name}" for joint in range(model.njnt) if int(model.jnt_type[joint]) in (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))}
+        lost = [f"column {column} of vehicles.csv is of no joint of {self.file.name}" for column in self.rows
+                if column.startswith("q:") and column not in named and np.isfinite(self.rows[column]).any()]
+        for body in range(1, model.nbody):
+            free = model.body_jntnum[body] > 0 and model.jnt_type[model.body_jntadr[body]] == mujoco.mjtJoint.mjJNT_FREE
+            if body != self.root and model.body_parentid[body] == 0 and (free or model.body_mocapid[body] >= 0):
+                lost.append(f"{self.body_name(body)} has no rows: it is where {self.file.name} has it")
+        return lost
 
     def qpos(self, row: int) -> "np.ndarray":
-        """The model's places at a row. A root without a free joint, and joints without a column, stay as the model has them."""
+        """The model's places at a row. A root without a free joint, and joints without a column, stay as the model, or the drive's keyframe, has them."""
         mujoco, model = self.mujoco, self.model
-        qpos = np.array(model.qpos0)
+        qpos = np.array(self.first)
         for joint in range(model.njnt):
             at, kind = model.jnt_qposadr[joint], model.jnt_type[joint]
             column = f"q:{model.joint(joint).name}"
@@ -178,18 +273,36 @@ class Model:
         return qpos
 
     def set(self, row: int) -> None:
-        """Poses of the bodies at a row. A root that is held, or moves along joints of its own, is where the row says."""
+        """Poses of the bodies at a row. A root that is held, or moves along joints of its own, is where the model has it."""
         self.data.qpos[:] = self.qpos(row)
         self.mujoco.mj_kinematics(self.model, self.data)
+
+    def _shift(self, row: int) -> "tuple[np.ndarray, np.ndarray]":
+        """What takes the root from where the model has it to where the row says, after set: a place p goes to turn p + move. Returns turn, move."""
+        turn = self.turns[row] @ self.axes.T @ self.data.xmat[self.root].reshape(3, 3).T
+        return turn, np.array([self.rows[axis][row] for axis in "xyz"]) - turn @ self.data.xpos[self.root]
 
     def moves_at(self, row: int) -> "tuple[np.ndarray, np.ndarray]":
         """Places and turns (3 x 3) of all bodies at a row, shifted so that the root is exactly where the row says."""
         self.set(row)
-        places, turns = np.array(self.data.xpos), np.array(self.data.xmat).reshape(-1, 3, 3)
-        root = self.turns[row] @ self.axes.T
-        back = root @ turns[self.root].T
-        at = np.array([self.rows[axis][row] for axis in "xyz"])
-        return (places - places[self.root]) @ back.T + at, back @ turns
+        turn, move = self._shift(row)
+        return np.array(self.data.xpos) @ turn.T + move, turn @ np.array(self.data.xmat).reshape(-1, 3, 3)
+
+    def bases_at(self, row: int) -> "dict[int, tuple[np.ndarray, np.ndarray]]":
+        """Of each body below the model's world its place and turn (3 x 3) where its joints, other than free ones, are at 0, shifted as moves_at does."""
+        places, turns = self.moves_at(row)
+        turn, move = self._shift(row)
+        bases = {}
+        for body in range(1, self.model.nbody):
+            if self.model.body_parentid[body] != 0:
+                continue
+            if self.model.body_jntnum[body] > 0 and self.model.jnt_type[self.model.body_jntadr[body]] == self.mujoco.mjtJoint.mjJNT_FREE:
+                bases[body] = places[body], turns[body]
+                continue
+            own = np.empty(9)
+            self.mujoco.mju_quat2Mat(own, self.model.body_quat[body])
+            bases[body] = turn @ self.model.body_pos[body] + move, turn @ own.reshape(3, 3)
+        return bases
 
     def body_name(self, body: int) -> str:
         """Its own, or body_N."""

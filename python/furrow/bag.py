@@ -39,7 +39,29 @@ def _transform(ns: int, child: str, at: Any, turn: Any) -> "dict[str, Any]":
     return {"header": _header(ns, "map"), "child_frame_id": child, "transform": {"translation": _named(at), "rotation": _named(turn, "xyzw")}}
 
 
-def _of_vehicle(name: str, rows: "dict[str, np.ndarray]") -> "Iterator[Message]":
+def _topic(*parts: str) -> str:
+    """A topic of names as ROS takes them: of A-Z a-z 0-9 _, without a digit first."""
+    words = ["".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in word) for part in parts for word in part.split("/") if word]
+    return "".join("/" + ("_" if word[0].isdigit() else "") + word for word in words)
+
+
+def _still(ns: int, frames: "list[dict[str, Any]]") -> "list[dict[str, Any]]":
+    """Where sensors are on their vehicle. A beam of ROS goes along x, and one of MuJoCo along z."""
+    transforms = []
+    for frame in frames:
+        transforms.append(_transform(ns, frame["name"], frame["position"], frame["orientation"]))
+        transforms[-1]["header"]["frame_id"] = frame["parent"]
+    return transforms
+
+
+def _of_frames(rows: "dict[str, np.ndarray]", frames: "list[dict[str, Any]]") -> "Iterator[Message]":
+    """Of a vehicle that has rows of sensors alone."""
+    for t in rows["t"]:
+        yield nanoseconds(t), "/tf", "tf2_msgs/TFMessage", {"transforms": _still(nanoseconds(t), frames)}
+
+
+def _of_vehicle(name: str, rows: "dict[str, np.ndarray]", frames: "list[dict[str, Any]]") -> "Iterator[Message]":
+    """`frames`: of sensors that are fixed to it. They come with each row: players do not keep what was told once for those that listen later."""
     turns = quaternions(rows)
     at = np.stack([rows["x"], rows["y"], rows["z"]], axis=1)
     linear = rotate_back(turns, np.stack([rows["vx"], rows["vy"], rows["vz"]], axis=1))
@@ -48,13 +70,13 @@ def _of_vehicle(name: str, rows: "dict[str, np.ndarray]") -> "Iterator[Message]"
     base = f"{name}/base_link"
     for i, t in enumerate(rows["t"]):
         ns = nanoseconds(t)
-        yield ns, "/tf", "tf2_msgs/TFMessage", {"transforms": [_transform(ns, base, at[i], turns[i])]}
-        yield ns, f"/{name}/odom", "nav_msgs/Odometry", {
+        yield ns, "/tf", "tf2_msgs/TFMessage", {"transforms": [_transform(ns, base, at[i], turns[i]), *_still(ns, frames)]}
+        yield ns, _topic(name, "odom"), "nav_msgs/Odometry", {
             "header": _header(ns, "map"), "child_frame_id": base,
             "pose": {"pose": {"position": _named(at[i]), "orientation": _named(turns[i], "xyzw")}, "covariance": UNKNOWN},
             "twist": {"twist": {"linear": _named(linear[i]), "angular": _named(angular[i])}, "covariance": UNKNOWN}}
         if joints:
-            yield ns, f"/{name}/joint_states", "sensor_msgs/JointState", {
+            yield ns, _topic(name, "joint_states"), "sensor_msgs/JointState", {
                 "header": _header(ns, base), "name": [column[2:] for column in joints],
                 "position": [float(rows[column][i]) for column in joints], "velocity": [], "effort": []}
 
@@ -63,23 +85,8 @@ def _of_object(name: str, rows: "dict[str, np.ndarray]") -> "Iterator[Message]":
     for i, t in enumerate(rows["t"]):
         values = [float(rows[column][i]) for column in ("fx", "fy", "fz", "tx", "ty", "tz")]
         if np.isfinite(values).all():
-            yield nanoseconds(t), f"/{name.replace('.', '/')}/soil", "geometry_msgs/WrenchStamped", {
+            yield nanoseconds(t), _topic(name.replace(".", "/"), "soil"), "geometry_msgs/WrenchStamped", {
                 "header": _header(nanoseconds(t), "map"), "wrench": {"force": _named(values[:3]), "torque": _named(values[3:])}}
-
-
-def _topic(text: str) -> str:
-    """A name as ROS takes it."""
-    return "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in text)
-
-
-def _still(frames: "list[dict[str, Any]]") -> "Iterator[Message]":
-    """Where sensors are on their vehicles, once. A beam of ROS goes along x, and one of MuJoCo along z."""
-    transforms = []
-    for frame in frames:
-        transforms.append(_transform(0, frame["name"], frame["position"], frame["orientation"]))
-        transforms[-1]["header"]["frame_id"] = frame["parent"]
-    if transforms:
-        yield 0, "/tf_static", "tf2_msgs/TFMessage", {"transforms": transforms}
 
 
 def _diagonal(deviation: float) -> "list[float]":
@@ -92,7 +99,7 @@ def _of_imu(imu: "dict[str, Any]") -> "Iterator[Message]":
     turns = imu["orientation"]
     for i, t in enumerate(imu["t"]):
         ns = nanoseconds(t)
-        yield ns, f"/{imu['vehicle']}/{_topic(imu['name'])}", "sensor_msgs/Imu", {
+        yield ns, _topic(imu["vehicle"], imu["name"]), "sensor_msgs/Imu", {
             "header": _header(ns, imu["frame"]["name"]), "orientation": _named(turns[i] if turns is not None else [0.0, 0.0, 0.0, 1.0], "xyzw"),
             "orientation_covariance": [0.0] * 9 if turns is not None else [-1.0] + [0.0] * 8,
             "angular_velocity": _named(imu["gyro"][i]), "angular_velocity_covariance": _diagonal(imu["noise"]["gyro"]),
@@ -102,7 +109,7 @@ def _of_imu(imu: "dict[str, Any]") -> "Iterator[Message]":
 def _of_range(finder: "dict[str, Any]") -> "Iterator[Message]":
     for t, told in zip(finder["t"], finder["range"]):
         ns = nanoseconds(t)
-        yield ns, f"/{finder['vehicle']}/{_topic(finder['name'])}/range", "sensor_msgs/Range", {
+        yield ns, _topic(finder["vehicle"], finder["name"], "range"), "sensor_msgs/Range", {
             "header": _header(ns, finder["frame"]["name"] + "/beam"), "radiation_type": 1, "field_of_view": 0.0, "min_range": 0.0,
             "max_range": float(finder["cutoff"]) if finder["cutoff"] > 0 else float("inf"), "range": float(told)}
 
@@ -124,7 +131,7 @@ def _of_lidar(name: str, lidar: "dict[str, Any]") -> "Iterator[Message]":
     for frame in lidar["frames"]:
         ns = nanoseconds(frame["time"])
         yield ns, "/tf", "tf2_msgs/TFMessage", {"transforms": [_transform(ns, name, frame["position"], frame["orientation"])]}
-        yield ns, f"/{name}/points", "sensor_msgs/PointCloud2", _cloud_of(ns, name, _sensors.points(lidar, frame["frame"]))
+        yield ns, _topic(name, "points"), "sensor_msgs/PointCloud2", _cloud_of(ns, name, _sensors.points(lidar, frame["frame"]))
 
 
 def _info(ns: int, name: str, camera: "dict[str, Any]", right: "float") -> "dict[str, Any]":
@@ -153,30 +160,38 @@ def _of_camera(name: str, camera: "dict[str, Any]", points: bool) -> "Iterator[M
     for frame in camera["frames"]:
         ns, file = nanoseconds(frame["time"]), f"{frame['frame']:06d}"
         yield ns, "/tf", "tf2_msgs/TFMessage", {"transforms": [_transform(ns, name, frame["position"], frame["orientation"])]}
-        yield ns, f"/{name}/camera_info", "sensor_msgs/CameraInfo", _info(ns, name, camera, right)
+        yield ns, _topic(name, "camera_info"), "sensor_msgs/CameraInfo", _info(ns, name, camera, right)
         for image in camera["images"]:
             png = camera["folder"] / image / f"{file}.png"
             npy = png.with_suffix(".npy")
             if image == "depth" and npy.exists():
                 depth = np.load(npy)
-                yield ns, f"/{name}/depth/image_raw", "sensor_msgs/Image", {
+                yield ns, _topic(name, "depth/image_raw"), "sensor_msgs/Image", {
                     "header": _header(ns, name), "height": depth.shape[0], "width": depth.shape[1], "encoding": "32FC1", "is_bigendian": 0,
                     "step": 4 * depth.shape[1], "data": depth.astype("<f4").tobytes()}
                 if points:
-                    yield ns, f"/{name}/points", "sensor_msgs/PointCloud2", _cloud(ns, name, camera, depth)
+                    yield ns, _topic(name, "points"), "sensor_msgs/PointCloud2", _cloud(ns, name, camera, depth)
             elif png.exists():
-                topic = f"/{name}/image_raw/compressed" if image == "colour" else f"/{name}/{image}/image_raw/compressed"
+                topic = _topic(name, "" if image == "colour" else image, "image_raw/compressed")
                 yield ns, topic, "sensor_msgs/CompressedImage", {"header": _header(ns, name), "format": "png", "data": png.read_bytes()}
 
 
 def _in_time(sources: "list[Iterator[Message]]") -> "Iterator[Message]":
-    """Messages of several sources in the order of their times; a clock comes first at each time. Only the next one of each source is held."""
+    """Messages of several sources in the order of their times; a clock comes first at each time. Only the next one of each source is held.
+
+    ResultsError: two sources have one topic, or place one frame.
+    """
+    owners: "dict[str, int]" = {}
     heads = [next(source, None) for source in sources]
     told = -1
     while any(head is not None for head in heads):
         first = min((head[0], i) for i, head in enumerate(heads) if head is not None)[1]
         message = heads[first]
         assert message is not None
+        names = [f"frame {each['child_frame_id']}" for each in message[3]["transforms"]] if message[1] == "/tf" else [f"topic {message[1]}"]
+        for name in names:
+            if owners.setdefault(name, first) != first:
+                raise ResultsError(f"two parts of the drive have the {name}, and topics have A-Z a-z 0-9 and _ alone; give one of them another name")
         if message[0] > told:
             told = message[0]
             yield told, "/clock", "rosgraph_msgs/Clock", {"clock": _stamp(told)}
@@ -187,9 +202,10 @@ def _in_time(sources: "list[Iterator[Message]]") -> "Iterator[Message]":
 def _sources(drive: Drive, points: bool) -> "list[Iterator[Message]]":
     finders = _sensors.rangefinders(drive.sensor_list, drive.sensors)
     still = list(_sensors.frames(drive.sensor_list))
-    beams = [_beam(frame) for frame in still if frame["name"] in {finder["frame"]["name"] for finder in finders}]
-    sources = [_still(still + beams)] if still else []
-    sources += [_of_vehicle(*each) for each in drive.vehicles.items()] + [_of_object(*each) for each in drive.objects.items()]
+    still += [_beam(frame) for frame in still if frame["name"] in {finder["frame"]["name"] for finder in finders}]
+    own = {name: [frame for frame in still if frame["parent"] == f"{name}/base_link"] for name in {**drive.vehicles, **drive.sensors}}
+    sources = [_of_vehicle(name, rows, own[name]) for name, rows in drive.vehicles.items()]
+    sources += [_of_frames(rows, own[name]) for name, rows in drive.sensors.items() if name not in drive.vehicles and own[name]] + [_of_object(*each) for each in drive.objects.items()]
     sources += [_of_imu(imu) for imu in drive.imus] + [_of_range(finder) for finder in finders]
     return sources + [_of_camera(*each, points) for each in drive.cameras.items()] + [_of_lidar(*each) for each in drive.lidars.items()]
 

@@ -74,7 +74,8 @@ def _mount(drive: Drive, camera: "dict[str, Any]") -> "np.ndarray":
 def _imu_of(drive: Drive, vehicle: str) -> "Union[dict[str, Any], None]":
     """An IMU that is fixed to the root body of a vehicle: that of the scene, or the first one of the model."""
     own = [imu for imu in drive.imus if imu["vehicle"] == vehicle and imu["frame"]["parent"] == f"{vehicle}/base_link"]
-    return next((imu for imu in own if imu["name"] == "imu"), own[0] if own else None)
+    named = {imu["name"]: imu for imu in reversed(own)}
+    return named.get("imu.site", named.get("imu", own[0] if own else None))  # the scene's is imu.site where the model has an imu
 
 
 def _euroc_imu(folder: pathlib.Path, drive: Drive, imu: "dict[str, Any]") -> None:

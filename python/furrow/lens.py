@@ -116,10 +116,16 @@ def _mixed(numbers: "np.ndarray") -> "np.ndarray":
     return x ^ (x >> np.uint64(31))
 
 
-def noise(seed: int, frame: int, shape: "tuple[int, ...]") -> "np.ndarray":
-    """Numbers whose mean is 0 and whose standard deviation is 1: sums of twelve even ones, less 6. The same bits for the same seed and frame, everywhere."""
+def noise(seed: int, frame: int, shape: "tuple[int, ...]", camera: str = "") -> "np.ndarray":
+    """Numbers whose mean is 0 and whose standard deviation is 1: sums of twelve uniform random numbers between 0 and 1, minus 6.
+
+    The same bits for the same seed, frame and name of the camera, everywhere.
+    """
     with np.errstate(over="ignore"):
-        stream = _mixed(_mixed(np.array([seed], np.uint64)) ^ np.uint64(frame))
+        stream = _mixed(np.array([seed], np.uint64))
+        for byte in camera.encode():
+            stream = _mixed(stream ^ np.uint64(byte))
+        stream = _mixed(stream ^ np.uint64(frame))
         base = _mixed(stream ^ _mixed(np.arange(int(np.prod(shape)), dtype=np.uint64)))
         total = np.zeros(len(base), np.uint64)
         for i in range(12):
@@ -127,10 +133,10 @@ def noise(seed: int, frame: int, shape: "tuple[int, ...]") -> "np.ndarray":
     return (total.astype(np.float64) * 2.0 ** -48 - 6).reshape(shape)
 
 
-def expose(light: "np.ndarray", read: float, electrons: float, seed: int, frame: int) -> "np.ndarray":
+def expose(light: "np.ndarray", read: float, electrons: float, seed: int, frame: int, camera: str = "") -> "np.ndarray":
     """Light, 0 to 1, with noise. read: standard deviation in the dark, of full scale. electrons: at full scale; light of L electrons has the deviation sqrt(L); 0: none."""
     square = read * read + (np.clip(light, 0, 1) / electrons if electrons > 0 else 0.0)
-    return light + np.sqrt(square) * noise(seed, frame, light.shape) if read > 0 or electrons > 0 else light
+    return light + np.sqrt(square) * noise(seed, frame, light.shape, camera) if read > 0 or electrons > 0 else light
 
 
 # --- the new camera ---
@@ -207,7 +213,7 @@ def write(folder: _stage.Path, camera: str, new: str, model: str = "pinhole", co
                 first -= 1
             averaged = max(averaged, i - first + 1)
             light = sum(_linear(_png.read(own["folder"] / "colour" / f"{each['frame']:06d}.png")) for each in own["frames"][first:i + 1]) / (i - first + 1)
-            shown = expose(lens.colours(light), read, electrons, seed, frame["frame"])
+            shown = expose(lens.colours(light), read, electrons, seed, frame["frame"], camera)
             (beside / "colour" / f"{len(frames):06d}.png").write_bytes(_png.colours(_srgb(shown)))
             if "depth" in images:
                 np.save(beside / "depth" / f"{len(frames):06d}.npy", lens.depths(np.load(own["folder"] / "depth" / f"{frame['frame']:06d}.npy")))

@@ -145,7 +145,7 @@ def _rate(movers: "list[_stage.Mover]") -> float:
 
 
 def write(folder: _stage.Path, file: _stage.Path, window: "Union[list[float], None]" = None, vehicles: bool = True) -> "dict[str, Any]":
-    """Writes a stage (.usdc, .usda or .usd), and beside it its texture, NAME_ground.png. window: west, south, east, north, m. Returns {posts, spacing, bodies, rate}.
+    """Writes a stage (.usdc, .usda or .usd), and beside it its texture, NAME_ground.png. window: west, south, east, north, m. Returns {posts, spacing, bodies, rate, lost}.
 
     Each file is there when it is whole. ResultsError: the store is gone, or the window or a model cannot be used. _command.Missing: usd-core or mujoco is not installed.
     """
@@ -187,7 +187,8 @@ def write(folder: _stage.Path, file: _stage.Path, window: "Union[list[float], No
         aside = whole.with_name(whole.name)
         if not stage.GetRootLayer().Export(str(aside)):
             raise OSError(f"{to}: cannot be written; give a folder that can be written")
-    return {"posts": list(own.heights.shape[::-1]), "spacing": own.spacing, "bodies": sum(len(each) for _, each in movers), "rate": rate}
+    return {"posts": list(own.heights.shape[::-1]), "spacing": own.spacing, "bodies": sum(len(each) for _, each in movers), "rate": rate,
+            "lost": [f"{model.name}: {text}" for model in models for text in model.lost]}
 
 
 def main(arguments: "list[str]") -> int:
@@ -201,6 +202,8 @@ def main(arguments: "list[str]") -> int:
 
     def work() -> None:
         told = write(given.folder, given.output, _command.window(given.window), not given.no_vehicles)
+        for text in told["lost"]:
+            print(f"furrow: note: {text}", file=sys.stderr)
         print(f"{given.output}: ground of {told['posts'][0]} x {told['posts'][1]} posts at {told['spacing']:g} m, {told['bodies']} bodies at {told['rate']:g} time codes a second")
 
     return _command.end("usd", work)

@@ -22,6 +22,7 @@ ABOUT = """Writes the ground at the end of a drive, with its ruts, and the vehic
   python -m mujoco.viewer --mjcf=site/world.xml"""
 
 BASE = 1.0    # m: of a height field below its lowest post
+LIGHT = 1e-4, 1e-8  # kg, kg m2: of links of SDF without mass, which would get 1 kg there
 SDF_POSTS_MOST = 1025
 
 
@@ -47,14 +48,21 @@ def _height_file(own: "_stage.Ground") -> "tuple[bytes, float]":
     return struct.pack("<ii", rows, columns) + ((own.filled() - own.low) / reach).astype("<f4").tobytes(), reach
 
 
-def _save_model(model: "_stage.Model", folder: pathlib.Path) -> str:
-    """Writes a vehicle's model, where it was at the end, beside the world. Files of meshes stay where they are."""
-    row = len(model.rows["t"]) - 1
+def _save_model(model: "_stage.Model", folder: pathlib.Path, taken: "set[str]") -> str:
+    """Writes a vehicle's model, its root body in the origin, beside the world. Files of meshes stay where they are. MuJoCo writes 6 digits: places of a
+    terrain are in world.xml."""
     spec = model.spec
-    body = model._root(spec)
-    places, turns = model.moves_at(row)
-    x, y, z, w = _stage.unit_quaternion(turns[model.root])
-    body.pos, body.quat = places[model.root], [w, x, y, z]
+    bases = model.bases_at(len(model.rows["t"]) - 1)
+    origin, axes = bases[model.root]
+    for body in spec.worldbody.bodies:
+        place, turn = bases[body.id]
+        x, y, z, w = _stage.unit_quaternion(axes.T @ turn)
+        frame = body
+        while frame is not None:  # frames of MJCF around it, too
+            frame.alt.type = model.mujoco.mjtOrientation.mjORIENTATION_QUAT
+            frame.pos, frame.quat = [0, 0, 0], [1, 0, 0, 0]
+            frame = frame.frame
+        body.pos, body.quat = axes.T @ (place - origin), [w, x, y, z]
     for geom in list(spec.worldbody.geoms):  # its own floor
         spec.delete(geom)
     for camera in [*spec.worldbody.cameras, *spec.worldbody.lights]:
@@ -64,15 +72,15 @@ def _save_model(model: "_stage.Model", folder: pathlib.Path) -> str:
     for name in ("meshdir", "texturedir"):
         setattr(spec, name, str((model.file.parent / (getattr(spec, name) or "")).resolve()))
     spec.compile()
-    name = f"{_small(model.name)}.xml"
+    name = f"{_stage.unused(_small(model.name), taken)}.xml"
     (folder / name).write_text(spec.to_xml(), encoding="utf-8")
     return name
 
 
 def mjcf(folder: _stage.Path, to: _stage.Path, window: "Union[list[float], None]" = None, vehicles: bool = True) -> "dict[str, Any]":
-    """Writes a folder with world.xml, ground.bin and the models of the vehicles. Returns {posts, spacing, vehicles}.
+    """Writes a folder with world.xml, ground.bin and the models of the vehicles. Returns {posts, spacing, vehicles, lost}.
 
-    A keyframe `end` has the vehicles' joints. The folder is there when it is whole. ResultsError: the store is gone, or the window or a model cannot be used.
+    lost: what cannot be told of the vehicles, a line each. A keyframe `end` has the vehicles' joints. The folder is there when it is whole. ResultsError: the store is gone, or the window or a model cannot be used.
     _command.Missing: mujoco is not installed, and there are vehicles.
     """
     drive = Drive(folder)
@@ -92,16 +100,23 @@ def mjcf(folder: _stage.Path, to: _stage.Path, window: "Union[list[float], None]
         (whole / "ground.bin").write_bytes(data)
         (whole / "ground.png").write_bytes(_png.colours(np.rint(255 * _stage.ground_colours(own)[::-1])))
         qpos: "list[float]" = []
+        taken = {"world"}
         for model in models:
             model.set(len(model.rows["t"]) - 1)
             qpos += list(model.data.qpos)
-            xml.SubElement(asset, "model", name=model.name, file=_save_model(model, whole))
-            xml.SubElement(world, "attach", model=model.name, body=model.body_name(model.root), prefix=f"{model.name}/")
+            xml.SubElement(asset, "model", name=model.name, file=_save_model(model, whole, taken))
+            place, turn = model.bases_at(len(model.rows["t"]) - 1)[model.root]
+            frame = xml.SubElement(world, "frame", pos=_numbers(place), quat=_numbers(np.roll(_stage.unit_quaternion(turn), 1)))
+            xml.SubElement(frame, "attach", model=model.name, prefix=f"{model.name}/")
         if qpos:
             xml.SubElement(xml.SubElement(root, "keyframe"), "key", name="end", qpos=_numbers(qpos))
         xml.indent(root)
         xml.ElementTree(root).write(whole / "world.xml", encoding="utf-8")
-    return {"posts": list(own.heights.shape[::-1]), "spacing": own.spacing, "vehicles": [model.name for model in models]}
+    return {"posts": list(own.heights.shape[::-1]), "spacing": own.spacing, "vehicles": [model.name for model in models], "lost": _lost(models)}
+
+
+def _lost(models: "list[_stage.Model]") -> "list[str]":
+    return [f"{model.name}: {text}" for model in models for text in model.lost]
 
 
 def _gravity(drive: Drive) -> float:
@@ -134,7 +149,7 @@ def _pose(parent: Any, place: "Any", turn: "np.ndarray", relative: "Union[str, N
     pose.text = _numbers([*place, *_angles(turn)])
 
 
-def _geometry(parent: Any, part: "_stage.Part", folder: pathlib.Path, name: str) -> None:
+def _geometry(parent: Any, part: "_stage.Part", folder: pathlib.Path, name: str, files: "set[str]") -> None:
     own = xml.SubElement(parent, "geometry")
     shape = xml.SubElement(own, part.kind)
     if part.kind == "box":
@@ -142,7 +157,7 @@ def _geometry(parent: Any, part: "_stage.Part", folder: pathlib.Path, name: str)
     elif part.kind == "ellipsoid":
         xml.SubElement(shape, "radii").text = _numbers(part.size)
     elif part.kind == "mesh":
-        file = f"meshes/{_small(name)}.obj"
+        file = f"meshes/{_stage.unused(_small(name), files)}.obj"
         (folder / "meshes").mkdir(exist_ok=True)
         (folder / file).write_text("".join(f"v {_numbers(v)}\n" for v in part.vertices) + "".join("f " + " ".join(str(i + 1) for i in f) + "\n" for f in part.faces), encoding="ascii")
         xml.SubElement(shape, "uri").text = file
@@ -152,44 +167,48 @@ def _geometry(parent: Any, part: "_stage.Part", folder: pathlib.Path, name: str)
             xml.SubElement(shape, "length").text = _numbers([2 * part.size[1]])
 
 
-def _link(parent: Any, model: "_stage.Model", body: int, name: str, place: "np.ndarray", turn: "np.ndarray", folder: pathlib.Path) -> None:
+def _link(parent: Any, model: "_stage.Model", body: int, name: str, place: "np.ndarray", turn: "np.ndarray", folder: pathlib.Path, files: "set[str]") -> None:
     link = xml.SubElement(parent, "link", name=name)
     _pose(link, place, turn)
     mass, inertia = float(model.model.body_mass[body]), model.model.body_inertia[body]
-    if mass > 0:
-        inner = np.empty(9)
-        model.mujoco.mju_quat2Mat(inner, model.model.body_iquat[body])
-        inertial = xml.SubElement(link, "inertial")
-        _pose(inertial, model.model.body_ipos[body], inner.reshape(3, 3))
-        xml.SubElement(inertial, "mass").text = f"{mass:.17g}"
-        matrix = xml.SubElement(inertial, "inertia")
-        for key, value in (("ixx", inertia[0]), ("ixy", 0), ("ixz", 0), ("iyy", inertia[1]), ("iyz", 0), ("izz", inertia[2])):
-            xml.SubElement(matrix, key).text = f"{float(value):.17g}"
+    if not mass > 0:
+        mass, inertia = LIGHT[0], [LIGHT[1]] * 3
+    inner = np.empty(9)
+    model.mujoco.mju_quat2Mat(inner, model.model.body_iquat[body])
+    inertial = xml.SubElement(link, "inertial")
+    _pose(inertial, model.model.body_ipos[body], inner.reshape(3, 3))
+    xml.SubElement(inertial, "mass").text = f"{mass:.17g}"
+    matrix = xml.SubElement(inertial, "inertia")
+    for key, value in (("ixx", inertia[0]), ("ixy", 0), ("ixz", 0), ("iyy", inertia[1]), ("iyz", 0), ("izz", inertia[2])):
+        xml.SubElement(matrix, key).text = f"{float(value):.17g}"
     for number, part in enumerate(model.parts(body)):
         for kind in ("visual", "collision") if part.collides else ("visual",):
             shape = xml.SubElement(link, kind, name=f"{kind}_{number}")
             _pose(shape, part.at, part.turn)
-            _geometry(shape, part, folder, f"{model.name}_{name}_{number}")
+            _geometry(shape, part, folder, f"{model.name}_{name}_{number}", files)
             if kind == "visual":
                 material = xml.SubElement(shape, "material")
                 for word in ("ambient", "diffuse"):
                     xml.SubElement(material, word).text = _numbers([*part.colour, 1])
 
 
-def _joint(parent: Any, model: "_stage.Model", body: int, names: "dict[int, str]") -> "list[str]":
+def _name_once(name: str, taken: "set[str]", ending: str = "") -> str:
+    """A name of SDF that no link and no joint of the model has: they have one namespace."""
+    name = name.replace("::", "_")
+    return _stage.unused(name + ending if ending and name in taken else name, taken)
+
+
+def _joint(parent: Any, model: "_stage.Model", body: int, names: "dict[int, str]", taken: "set[str]") -> "list[str]":
     """The joint between a body and the one above. Returns what SDF cannot have of it."""
     mujoco, own = model.mujoco, model.model
     above, first, count = int(own.body_parentid[body]), int(own.body_jntadr[body]), int(own.body_jntnum[body])
     kinds = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic", int(mujoco.mjtJoint.mjJNT_BALL): "ball"}
-    if above == 0:
-        if count == 0:
-            joint = xml.SubElement(parent, "joint", name=f"hold_{names[body]}", type="fixed")
-            xml.SubElement(joint, "parent").text, xml.SubElement(joint, "child").text = "world", names[body]
+    if count > 0 and int(own.jnt_type[first]) == int(mujoco.mjtJoint.mjJNT_FREE):
         return []
     kind = kinds[int(own.jnt_type[first])] if count > 0 else "fixed"
-    name = own.joint(first).name if count > 0 and own.joint(first).name else f"joint_{names[body]}"
-    joint = xml.SubElement(parent, "joint", name=name, type=kind)
-    xml.SubElement(joint, "parent").text, xml.SubElement(joint, "child").text = names[above], names[body]
+    name = (own.joint(first).name if count > 0 else "") or f"{'hold' if above == 0 else 'joint'}_{names[body]}"
+    joint = xml.SubElement(parent, "joint", name=_name_once(name, taken, "_joint"), type=kind)
+    xml.SubElement(joint, "parent").text, xml.SubElement(joint, "child").text = names.get(above, "world"), names[body]
     if count > 0:
         _pose(joint, own.jnt_pos[first], np.eye(3), names[body])
     if kind in ("revolute", "prismatic"):
@@ -204,18 +223,29 @@ def _joint(parent: Any, model: "_stage.Model", body: int, names: "dict[int, str]
     return [f"{names[body]} has {count} joints, and SDF takes the first"] if count > 1 else []
 
 
-def _sdf_model(world: Any, model: "_stage.Model", folder: pathlib.Path) -> "list[str]":
+def _not_of_sdf(model: "_stage.Model", names: "dict[int, str]") -> "list[str]":
+    """What a model has, and SDF has not."""
+    own = model.model
+    light = [name for body, name in names.items() if not own.body_mass[body] > 0]
+    told = [f"its {word} ({count}) are left out: SDF has none" for count, word in ((int(own.neq), "equalities"), (int(own.ntendon), "tendons"), (int(own.nu), "actuators")) if count > 0]
+    if light:
+        told.append(f"{', '.join(light[:3])}{f' and {len(light) - 3} others' if len(light) > 3 else ''}: without mass in the model, with {LIGHT[0]:g} kg in SDF")
+    return told
+
+
+def _sdf_model(world: Any, model: "_stage.Model", folder: pathlib.Path, files: "set[str]", models: "set[str]") -> "list[str]":
     row = len(model.rows["t"]) - 1
     places, turns = model.moves_at(row)
-    names = {body: model.body_name(body) for body in range(1, model.model.nbody)}
-    own = xml.SubElement(world, "model", name=model.name)
+    taken: "set[str]" = set()
+    names = {body: _name_once(model.body_name(body), taken) for body in range(1, model.model.nbody)}
+    own = xml.SubElement(world, "model", name=_name_once(model.name, models, "_vehicle"))
     _pose(own, places[model.root], turns[model.root])
     back = turns[model.root].T
-    told = []
+    told = model.lost + _not_of_sdf(model, names)
     for body, name in names.items():
-        _link(own, model, body, name, back @ (places[body] - places[model.root]), back @ turns[body], folder)
+        _link(own, model, body, name, back @ (places[body] - places[model.root]), back @ turns[body], folder, files)
     for body in names:
-        told += _joint(own, model, body, names)
+        told += _joint(own, model, body, names, taken)
     return told
 
 
@@ -254,8 +284,10 @@ def sdf(folder: _stage.Path, to: _stage.Path, window: "Union[list[float], None]"
         (whole / "heightmap.png").write_bytes(_png.grey16(heights[::-1]))
         (whole / "ground.png").write_bytes(_png.colours(np.rint(255 * _stage.ground_colours(own)[::-1])))
         (whole / "flat.png").write_bytes(_png.colours(np.full((4, 4, 3), [128, 128, 255])))
+        files: "set[str]" = set()
+        taken = {"ground"}
         for model in models:
-            lost += [f"{model.name}: {text}" for text in _sdf_model(world, model, whole)]
+            lost += [f"{model.name}: {text}" for text in _sdf_model(world, model, whole, files, taken)]
         xml.indent(root)
         xml.ElementTree(root).write(whole / "world.sdf", encoding="utf-8", xml_declaration=True)
     return {"posts": list(own.heights.shape[::-1]), "spacing": own.spacing, "vehicles": [model.name for model in models], "lost": lost}

@@ -9,9 +9,10 @@
 
 /* Returns a stream of its own for a name, below another stream or a seed. */
 uint64_t noise_stream(uint64_t above, const char *name);
-/* Returns a number from 0 up to, and not, 1: a whole multiple of 2^-53. */
+/* Returns a number that is at least 0 and below 1: a whole multiple of 2^-53. */
 double noise_even(uint64_t stream, uint64_t number);
-/* Returns a number whose mean is 0 and whose standard deviation is 1: the sum of twelve even ones, less 6. So it is within 6, and nearly normal. */
+/* Returns a number whose mean is 0 and whose standard deviation is 1. It is the sum of twelve uniform random numbers between 0 and 1, minus 6. So it is within 6,
+ * and nearly normal. */
 double noise_normal(uint64_t stream, uint64_t number);
 
 #endif

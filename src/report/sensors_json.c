@@ -28,7 +28,29 @@ static void add_numbers(cJSON *object, const char *name, const double *numbers, 
 		cJSON_AddItemToArray(list, cJSON_CreateNumber(numbers[i]));
 }
 
-static void add_frame(cJSON *to, const char *vehicle, const struct vehicle_sensor *sensor)
+static const char *label_of(const struct vehicle_sensor *sensor)
+{
+	return sensor->on[0] != '\0' ? sensor->on : sensor->name;
+}
+
+/* Two sensors on one thing have one frame. Things without a name have none in common. */
+static bool is_same_thing(const struct vehicle_sensor *a, const struct vehicle_sensor *b)
+{
+	return strcmp(a->kind, b->kind) == 0 && (a->on[0] != '\0') == (b->on[0] != '\0');
+}
+
+/* Names of sites, geoms and bodies may be the same. Writes the name of a sensor's frame, with its kind where another frame has that name. A body keeps its own. */
+static void name_frame(const char *vehicle, const struct vehicle_sensor *all, size_t count, const struct vehicle_sensor *sensor, char text[600])
+{
+	const char *label = label_of(sensor);
+	const bool is_body = strcmp(sensor->kind, "body") == 0;
+	bool taken = strcmp(label, "base_link") == 0;
+	for (size_t i = 0; i < count && !taken && !is_body; i++)
+		taken = all[i].body != NULL && ((strcmp(label_of(&all[i]), label) == 0 && !is_same_thing(&all[i], sensor)) || (!all[i].is_fixed && strcmp(all[i].body, label) == 0));
+	snprintf(text, 600, "%s/%s%s%s", vehicle, label, taken ? "." : "", !taken ? "" : sensor->on[0] != '\0' ? sensor->kind : "sensor");
+}
+
+static void add_frame(cJSON *to, const char *vehicle, const struct vehicle_sensor *all, size_t count, const struct vehicle_sensor *sensor)
 {
 	char text[600];
 	double q[4], columns[3][3];
@@ -37,10 +59,10 @@ static void add_frame(cJSON *to, const char *vehicle, const struct vehicle_senso
 		return;
 	}
 	cJSON *frame = cJSON_AddObjectToObject(to, "frame");
-	snprintf(text, sizeof text, "%s/%s", vehicle, sensor->on[0] != '\0' ? sensor->on : sensor->name);
+	name_frame(vehicle, all, count, sensor, text);
 	cJSON_AddStringToObject(frame, "name", text);
 	cJSON_AddStringToObject(frame, "body", sensor->body);
-	snprintf(text, sizeof text, "%s/%s", vehicle, sensor->is_fixed ? "base_link" : sensor->body);
+	snprintf(text, sizeof text, "%s/%s%s", vehicle, sensor->is_fixed ? "base_link" : sensor->body, !sensor->is_fixed && strcmp(sensor->body, "base_link") == 0 ? ".body" : "");
 	cJSON_AddStringToObject(frame, "parent", text);
 	add_numbers(frame, "position", sensor->at, 3);
 	for (int i = 0; i < 3; i++)
@@ -50,7 +72,7 @@ static void add_frame(cJSON *to, const char *vehicle, const struct vehicle_senso
 	add_numbers(frame, "orientation", q, 4);
 }
 
-static void add_sensor(cJSON *list, const char *vehicle, const struct vehicle_sensor *sensor)
+static void add_sensor(cJSON *list, const char *vehicle, const struct vehicle_sensor *all, size_t count, const struct vehicle_sensor *sensor)
 {
 	cJSON *one = cJSON_CreateObject();
 	cJSON_AddItemToArray(list, one);
@@ -74,23 +96,33 @@ static void add_sensor(cJSON *list, const char *vehicle, const struct vehicle_se
 	cJSON_AddBoolToObject(one, "mean_of_last_step", sensor->later);
 	json_number(one, "noise", sensor->noise);
 	json_number(one, "cutoff", sensor->cutoff);
-	add_frame(one, vehicle, sensor);
+	add_frame(one, vehicle, all, count, sensor);
 }
 
-static void add_sensors(cJSON *root, const struct vehicles *vehicles, const struct scene *scene)
+static enum status add_of_vehicle(cJSON *list, const struct vehicles *vehicles, size_t v)
+{
+	const size_t count = vehicle_sensor_count(vehicles, v);
+	struct vehicle_sensor *all;
+	struct vehicle_info info;
+	TRY(mem_zeroed(&all, count + 1, sizeof *all, "sensors.json"));
+	vehicle_info(vehicles, v, &info);
+	for (size_t i = 0; i < count; i++)
+		vehicle_sensor(vehicles, v, i, &all[i]);
+	for (size_t i = 0; i < count; i++)
+		add_sensor(list, info.name, all, count, &all[i]);
+	mem_free(all);
+	return STATUS_OK;
+}
+
+static enum status add_sensors(cJSON *root, const struct vehicles *vehicles, const struct scene *scene)
 {
 	json_number(root, "rate", scene->sensor_rows);
 	if (scene->noise_seeded)
 		json_integer(root, "noise_seed", scene->noise_seed);
 	cJSON *list = cJSON_AddArrayToObject(root, "sensors");
 	for (size_t v = 0; v < vehicle_count(vehicles) && scene->sensor_rows > 0; v++)
-		for (size_t i = 0; i < vehicle_sensor_count(vehicles, v); i++) {
-			struct vehicle_info info;
-			struct vehicle_sensor sensor;
-			vehicle_info(vehicles, v, &info);
-			vehicle_sensor(vehicles, v, i, &sensor);
-			add_sensor(list, info.name, &sensor);
-		}
+		TRY(add_of_vehicle(list, vehicles, v));
+	return STATUS_OK;
 }
 
 /* Cameras and lidars have files of their own, which tell more. */
@@ -127,12 +159,13 @@ enum status report_sensors_json(const struct world *world, const struct vehicles
 	}
 	cJSON *root = cJSON_CreateObject();
 	TRY_MEM(root, "sensors.json");
-	add_sensors(root, vehicles, scene);
+	enum status status = add_sensors(root, vehicles, scene);
 	add_folders(root, scene);
-	char *text = json_text(root);
+	char *text = status == STATUS_OK ? json_text(root) : NULL;
 	cJSON_Delete(root);
+	TRY(status);
 	TRY_MEM(text, "sensors.json");
-	enum status status = aside_begin(&aside, path);
+	status = aside_begin(&aside, path);
 	if (status == STATUS_OK) {
 		fprintf(aside.file, "%s\n", text); /* a failure returns when the file is completed */
 		status = aside_end(&aside, false, STATUS_OK);

@@ -358,6 +358,18 @@ static enum status check_bearing(const struct scene_tree *tree, const struct sce
 	return STATUS_OK;
 }
 
+/* Checks the soil at `where`, and what lies below its layer. */
+static enum status check_bearings_at(const struct scene_tree *tree, const struct scene *scene, const char *where, size_t index)
+{
+	const struct soil_numbers *over = scene->soils[index].over;
+	char below[56];
+	TRY(check_bearing(tree, scene, where, &scene->soils[index]));
+	if (over == NULL || soil_is_rigid(over))
+		return STATUS_OK;
+	snprintf(below, sizeof below, "%s.over", where);
+	return check_bearing(tree, scene, below, over);
+}
+
 enum status scene_check_bearing(const struct scene_tree *tree, const struct scene *scene,
 				const struct scene_object *object)
 {
@@ -450,7 +462,7 @@ static enum status check_road_soils(const struct scene_tree *tree, const struct 
 			TRY(check_weight(soil, where, scene));
 			TRY(check_replaced(tree, soil, where, scene));
 			if (deform_model_reads(scene->model, "bekker_kc"))
-				TRY(check_bearing(tree, scene, where, &scene->soils[index]));
+				TRY(check_bearings_at(tree, scene, where, index));
 		}
 		keep_name(scene, index, soil->name, -1);
 		scene->roads[i].soil = (uint8_t)index;
@@ -464,11 +476,7 @@ static enum status check_bearings(const struct scene_tree *tree, const struct sc
 	for (int i = 0; i < scene->soil_count; i++) {
 		char where[48];
 		snprintf(where, sizeof where, "soil.classes[%d]", i - 1);
-		TRY(check_bearing(tree, scene, i > 0 ? where : mapped ? "soil.default" : "soil", &scene->soils[i]));
-		if (scene->soils[i].over == NULL || soil_is_rigid(scene->soils[i].over))
-			continue;
-		snprintf(where, sizeof where, i > 0 ? "soil.classes[%d].over" : mapped ? "soil.default.over" : "soil.over", i - 1);
-		TRY(check_bearing(tree, scene, where, scene->soils[i].over));
+		TRY(check_bearings_at(tree, scene, i > 0 ? where : mapped ? "soil.default" : "soil", (size_t)i));
 	}
 	return STATUS_OK;
 }

@@ -68,12 +68,34 @@ void vehicle_turn_fixed(struct vehicle *vehicle)
 	mj_forward(model, vehicle->data);
 }
 
+/* Finds forward, left and up, as columns, in the axes of a body. They are those of the first pose if the scene turns the model. Else they are the body's own. */
+static void body_axes(const struct vehicle *vehicle, int body, double axes[9])
+{
+	const double *mat = &vehicle->data->xmat[9 * body];
+	const bool turned = vehicle_scene_axes(vehicle->scene, axes);
+	/* The model has been turned, so forward, left and up are x, y and z. The rows of `mat` are these axes in those of the body. */
+	for (int i = 0; i < 9; i++)
+		axes[i] = turned ? mat[3 * (i % 3) + i / 3] : i % 4 == 0;
+}
+
 void vehicle_set_root_axes(struct vehicle *vehicle)
 {
+	body_axes(vehicle, vehicle->root, vehicle->axes);
+}
+
+void vehicle_place_imu(struct vehicle *vehicle)
+{
+	mjModel *model = vehicle->model;
+	const struct scene_imu *imu = &vehicle->scene->imu;
+	const int site = imu->present ? vehicle_find_part(vehicle, mjOBJ_SITE, IMU_SITE) : -1;
 	double axes[9];
-	const double *mat = &vehicle->data->xmat[9 * vehicle->root];
-	const bool turned = vehicle_scene_axes(vehicle->scene, axes);
-	/* The model has been turned, so forward, left and up are x, y and z. The rows of `mat` are these axes in those of the root body. */
-	for (int i = 0; i < 9; i++)
-		vehicle->axes[i] = turned ? mat[3 * (i % 3) + i / 3] : i % 4 == 0;
+	if (site < 0)
+		return;
+	if (imu->body == NULL)
+		model->site_bodyid[site] = vehicle->root;
+	body_axes(vehicle, model->site_bodyid[site], axes);
+	mju_mulMatVec3(model->site_pos + 3 * site, axes, imu->at);
+	mju_mat2Quat(model->site_quat + 4 * site, axes);
+	model->site_sameframe[site] = mjSAMEFRAME_NONE;
+	mj_kinematics(model, vehicle->data);
 }

@@ -422,6 +422,9 @@ void vehicle_turn_single(struct vehicle *vehicle); /* the same of its own model,
 void vehicle_turn_fixed(struct vehicle *vehicle);
 /* Finds forward, left and up in the axes of the root body, which is known by now. */
 void vehicle_set_root_axes(struct vehicle *vehicle);
+#define IMU_SITE "imu.site" /* of the scene's imu: spec_imu.c */
+/* Puts the site of the scene's imu where the scene says: on its body, or on the root body. */
+void vehicle_place_imu(struct vehicle *vehicle);
 
 /* --- pushes.c --- */
 /* Reads the table of pushes. Free it with vehicle_free_pushes, even after a failure. */

@@ -69,6 +69,7 @@ static enum status find_root(struct vehicle *vehicle, const char *where)
 		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
 	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
 	vehicle_set_root_axes(vehicle);
+	vehicle_place_imu(vehicle);
 	return STATUS_OK;
 }
 

@@ -208,10 +208,14 @@ static const char *differing_part(const struct vehicle *vehicle)
 	const mjModel *all = vehicle->model, *single = vehicle->single;
 	const struct owned *own = &vehicle->own;
 	const int fixed = own->geom_number;
+	double axes[9];
+	const bool turned = vehicle->scene != NULL && vehicle_scene_axes(vehicle->scene, axes); /* the model alone is by now: axes.c */
 	for (int i = 1; i < single->nbody; i++) {
 		const int at = own->body.first + i - 1, parent = single->body_parentid[i];
+		const bool moved = turned && parent == 0 && !vehicle_is_free(single, i);
 		if (all->body_jntnum[at] != single->body_jntnum[i] || all->body_geomnum[at] != single->body_geomnum[i] ||
-		    all->body_parentid[at] != (parent > 0 ? own->body.first + parent - 1 : 0) || !same(&all->body_pos[3 * at], &single->body_pos[3 * i], 3))
+		    all->body_parentid[at] != (parent > 0 ? own->body.first + parent - 1 : 0) ||
+		    (!moved && !same(&all->body_pos[3 * at], &single->body_pos[3 * i], 3)))
 			return "its bodies";
 	}
 	for (int i = 0; i < single->njnt; i++)

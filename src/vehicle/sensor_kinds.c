@@ -168,11 +168,17 @@ bool vehicle_senses_unknown(const mjModel *model, int sensor)
 	return type == mjSENS_PLUGIN || type == mjSENS_USER || type == mjSENS_TACTILE || (type == mjSENS_RANGEFINDER && model->sensor_objtype[sensor] != mjOBJ_SITE);
 }
 
+/* Returns true for a site that the scene's imu is: spec_imu.c. */
+static bool is_scenes(const struct vehicle *vehicle, int type, int part)
+{
+	const char *name = vehicle->scene->imu.present && type == mjOBJ_SITE ? vehicle_part_name(vehicle->model, mjOBJ_SITE, part) : NULL;
+	return name != NULL && strcmp(name, IMU_SITE) == 0;
+}
+
 double vehicle_senses_noise(const struct vehicles *vehicles, const struct vehicle *vehicle, int sensor)
 {
 	const mjModel *model = vehicle->model;
-	const char *name = vehicle_part_name(model, mjOBJ_SENSOR, sensor);
-	if (vehicle->scene->imu.present && name != NULL && strncmp(name, "imu.", 4) == 0) {
+	if (is_scenes(vehicle, model->sensor_objtype[sensor], model->sensor_objid[sensor])) {
 		const int type = model->sensor_type[sensor];
 		return type == mjSENS_ACCELEROMETER ? vehicle->scene->imu.noise[0] : type == mjSENS_GYRO ? vehicle->scene->imu.noise[1] : 0;
 	}
@@ -196,8 +202,8 @@ void vehicle_sensor(const struct vehicles *vehicles, size_t index, size_t number
 	else
 		snprintf(out->name, sizeof out->name, "%.140s_%zu", out->type, number);
 	name_part(model, model->sensor_objtype[sensor], model->sensor_objid[sensor], out->on);
-	if (vehicle->scene->imu.present && strcmp(out->on, "imu.site") == 0)
-		snprintf(out->on, sizeof out->on, "imu"); /* spec_imu.c */
+	if (is_scenes(vehicle, model->sensor_objtype[sensor], model->sensor_objid[sensor]) && vehicle_find_part(vehicle, mjOBJ_SITE, "imu") < 0)
+		snprintf(out->on, sizeof out->on, "imu"); /* it keeps its own name beside a site of the model's that has this one */
 	name_part(model, model->sensor_reftype[sensor], model->sensor_refid[sensor], out->reference);
 	if (kinds[type].axes == NONE)
 		snprintf(out->reference, sizeof out->reference, "-");

@@ -217,6 +217,21 @@ static void measure(void *argument)
 
 /* --- noise --- */
 
+/* Only distances have it, of what was met. They stay what a rangefinder can tell: from 0 to its cutoff. */
+static void add_noise_of_range(const mjModel *model, int sensor, double deviation, uint64_t stream, uint64_t first, double *to)
+{
+	const int fields = model->sensor_intprm[sensor * mjNSENS];
+	const double cutoff = model->sensor_cutoff[sensor] > 0 ? model->sensor_cutoff[sensor] : INFINITY;
+	for (int field = 0, at = 0; field < mjNRAYDATA; field++) {
+		if (!(fields >> field & 1))
+			continue;
+		const bool distance = field == mjRAYDATA_DIST || field == mjRAYDATA_DEPTH;
+		if (distance && to[at] >= 0)
+			to[at] = fmin(fmax(to[at] + deviation * noise_normal(stream, first + (uint64_t)at), 0), cutoff);
+		at += distance ? 1 : 3;
+	}
+}
+
 static void add_noise(const struct vehicles *vehicles, const struct vehicle *vehicle, int sensor)
 {
 	const mjModel *model = vehicles->model;
@@ -229,6 +244,10 @@ static void add_noise(const struct vehicles *vehicles, const struct vehicle *veh
 	stream = noise_stream(stream, name != NULL ? name : "");
 	stream += (uint64_t)(sensor - vehicle->own.sensor.first) << 48;
 	const uint64_t row = (uint64_t)llround(world_time(vehicles->world) / vehicles->scene->time_step);
+	if (model->sensor_type[sensor] == mjSENS_RANGEFINDER) {
+		add_noise_of_range(model, sensor, deviation, stream, row * 4096, to);
+		return;
+	}
 	for (int i = 0; i < model->sensor_dim[sensor]; i++)
 		to[i] += deviation * noise_normal(stream, row * 4096 + (uint64_t)i);
 	if (model->sensor_datatype[sensor] == mjDATATYPE_QUATERNION)

@@ -61,7 +61,7 @@ static void cut(mjDoubleVec *vector, int from, int count)
 	int length;
 	const double *numbers = mjs_getDouble(vector, &length);
 	double *kept;
-	if (from + count > length || mem_make(&kept, (size_t)length + 1, sizeof *kept, "a powertrain") != STATUS_OK)
+	if (count == 0 || from + count > length || mem_make(&kept, (size_t)length + 1, sizeof *kept, "a powertrain") != STATUS_OK)
 		return;
 	memcpy(kept, numbers, (size_t)from * sizeof *kept);
 	memcpy(kept + from, numbers + from + count, (size_t)(length - from - count) * sizeof *kept);

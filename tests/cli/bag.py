@@ -68,7 +68,7 @@ class MessagesTest(BagTest):
         super().setUp()
         from furrow import bag, results
         drive = results.Drive(self.folder.joinpath("out"))
-        sources = ([bag._of_vehicle(*each) for each in drive.vehicles.items()] + [bag._of_object(*each) for each in drive.objects.items()]
+        sources = ([bag._of_vehicle(*each, []) for each in drive.vehicles.items()] + [bag._of_object(*each) for each in drive.objects.items()]
                    + [bag._of_camera(*each, True) for each in drive.cameras.items()])
         self.messages = list(bag._in_time(sources))
 
@@ -101,6 +101,20 @@ class MessagesTest(BagTest):
             self.assertAlmostEqual(left[2], np.cos(pitch) * np.sin(roll), delta=1e-9)
             velocity = [float(row[name]) for name in ("vx", "vy", "vz")]
             self.assertAlmostEqual(message["twist"]["twist"]["linear"]["x"], float(np.dot(forward, velocity)), delta=1e-9)
+
+    def test_topics_are_as_ros_takes_them(self):
+        """It takes A-Z a-z 0-9 _, and no digit first."""
+        from furrow import bag, results
+        drive = results.Drive(self.folder.joinpath("out"))
+        rows = drive.vehicles["cart"]
+        found = {topic for name in ("2nd cart", "team/a-b") for _, topic, *_ in bag._of_vehicle(name, rows, [])}
+        found |= {topic for name in ("3", "nav-left") for _, topic, *_ in bag._of_camera(name, drive.cameras["nav"], True)}
+        found |= {topic for _, topic, *_ in bag._of_object("cart-2.wheel-1", drive.objects["cart.wheel"])}
+        self.assertEqual(found - {"/tf"}, {f"/{name}" for name in ("_2nd_cart/odom", "_2nd_cart/joint_states", "team/a_b/odom", "team/a_b/joint_states", "cart_2/wheel_1/soil")}
+                         | {f"/{camera}/{topic}" for camera in ("_3", "nav_left") for topic in ("camera_info", "image_raw/compressed", "depth/image_raw", "points")})
+        for sources in ([bag._of_vehicle("a-b", rows, []), bag._of_vehicle("a_b", rows, [])], [bag._of_camera("nav", drive.cameras["nav"], False), bag._of_camera("nav", drive.cameras["nav"], False)]):
+            with self.assertRaisesRegex(results.ResultsError, "two parts of the drive have the (topic /a_b/odom|frame nav), and topics have .*; give one of them another name"):
+                list(bag._in_time(sources))
 
     def test_turn_rates_are_those_of_a_steady_turn(self):
         from furrow import results

@@ -163,7 +163,7 @@ ROWS = {
     "objects[].interface.adhesion": (SCM, {"objects.a.interface": "{adhesion: 10}"}),
     "vehicles[].name": (CAR, {"vehicles.car.name": "bus"}),
     "vehicles[].model": (CAR, {"vehicles.car.model": "heavy.xml"}),
-    "vehicles[].start.at": (CAR, {"vehicles.car.start.at": "[21, 20]"}),
+    "vehicles[].start.at": (CAR, {"vehicles.car.start.at": "[20, 20.4]"}),
     "vehicles[].start.yaw": (CAR, {"vehicles.car.start.yaw": "40"}),
     "vehicles[].soil": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel", "four").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.soil": "[left_fl, left_rl, right_fr]"}),
     "vehicles[].no_soil": ({**CAR, "vehicles": CAR["vehicles"].replace("one_wheel", "four").replace("{drive: 3}", "{drive_a: 3}")}, {"vehicles.car.no_soil": "[left_fl]"}),

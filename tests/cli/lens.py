@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import shutil
 import sys
 import unittest
 
@@ -74,7 +75,7 @@ class ModelsTest(LensTest):
         self.assertAlmostEqual(numbers.mean(), 0, delta=0.01)
         self.assertAlmostEqual(numbers.std(), 1, delta=0.01)
         self.assertAlmostEqual((np.abs(numbers) > 2).mean(), 0.0455, delta=0.004)
-        for other in (lens.noise(4, 5, (200, 300, 3)), lens.noise(3, 6, (200, 300, 3)), np.roll(numbers, 1, axis=1)):
+        for other in (lens.noise(4, 5, (200, 300, 3)), lens.noise(3, 6, (200, 300, 3)), lens.noise(3, 5, (200, 300, 3), "left"), lens.noise(3, 5, (200, 300, 3), "left_right"), np.roll(numbers, 1, axis=1)):
             self.assertAlmostEqual(np.corrcoef(numbers.ravel(), other.ravel())[0, 1], 0, delta=0.01)
         light = np.full((200, 300, 3), 0.36)
         self.assertAlmostEqual((lens.expose(light, 0.01, 2500, 1, 0) - light).std(), np.sqrt(0.01 ** 2 + 0.36 / 2500), delta=2e-4)
@@ -138,6 +139,10 @@ class PicturesTest(LensTest):
         a, b, c = ((self.cameras / name / "colour/000002.png").read_bytes() for name in "abc")
         self.assertEqual(a, b)
         self.assertNotEqual(a, c)
+        # A camera that sees the same has noise of its own.
+        shutil.copytree(self.cameras / "eye", self.cameras / "twin")
+        self.ok("lens", "out", "--camera", "twin", "-o", "d", "--noise", 0.02, "--electrons", 500, "--seed", 1)
+        self.assertFalse(a == (self.cameras / "d/colour/000002.png").read_bytes())
 
     def test_camera_info_tells_the_model(self):
         from furrow import bag, lens, results

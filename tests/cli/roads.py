@@ -145,6 +145,8 @@ class Roads(FurrowTest):
                 ("{points: [[1, 2], [3, 4]], width: 0, soil: rock}", "scm", r"ground.roads\[0\].width: 0 is out of range; allowed: above 0 to 1000"),
                 ("{points: [[1, 2], [3, 4]], width: 4, soil: tarmac}", "scm", r"ground.roads\[0\].soil.name: \"tarmac\" is unknown; allowed: "),
                 ("{points: [[1, 2], [3, 4]], width: 4}", "scm", r"ground.roads\[0\].soil"),
+                ("{points: [[1, 2], [3, 4]], width: 4, soil: {name: dry_sand, thickness: 0.1, over: {name: dry_sand, bekker_kc: -5e6, bekker_kphi: 1e6}}}", "scm",
+                 r"ground.roads\[0\].soil.over.bekker_kc: bekker_kc / b \+ bekker_kphi is -1.567e\+07 under wheel, whose b is 0.3 m"),
                 ("{lines: a.shp, width: 4, soil: rock}", "scm", r"lines are read from .gpx and .geojson; convert it"),
                 ("{points: [[40, 20], [40, 60]], width: 4, soil: rock}", "slippage", r"rock is hard ground, into which nothing sinks, and model slippage presses into all ground; write redistribute: {model: scm}"),
                 ("{points: [[40, 20], [40, 60]], width: 4, soil: rock}", "box", r"rock is hard ground, into which nothing sinks, and model box presses")):

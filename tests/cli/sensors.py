@@ -209,6 +209,67 @@ class FilesTest(SensorsTest):
         axes = {name: sensor["axes"] for name, sensor in self.listed(drive).items()}
         self.assertEqual([axes[name] for name in ("force_of_rest", "place", "top", "down")], ["own", "map", "hull", None])
 
+    def drive_model(self, changes, scene=SCENE, sets=(), out="out"):
+        """A drive of the sled with some of its text replaced."""
+        text = SLED.read_text()
+        for old, new in changes:
+            self.assertEqual(text.count(old), 1, old)
+            text = text.replace(old, new)
+        (self.folder / "own.xml").write_text(text)
+        return self.driven(scene.replace(str(SLED), "own.xml"), out=out, sets=sets, again=True)
+
+    def test_an_imu_of_the_model_stays_beside_the_scenes(self):
+        own = [('<site name="sky"', '<site name="imu" pos="0 0 -0.05" euler="90 0 0"/><site name="sky"'),
+               ('<clock name="clock"/>', '<clock name="clock"/><accelerometer name="a" site="imu"/><gyro name="g" site="imu" noise="9"/>')]
+        drive = self.drive_model(own, SCENE.replace("0.3]}", "0.3], noise: [0, 0.5]}"))
+        places = {imu["name"]: (imu["frame"]["name"], imu["frame"]["position"], imu["noise"]["gyro"]) for imu in drive.imus}
+        self.assertEqual(sorted(places), ["imu", "imu.site", "pack"])
+        self.assertEqual((places["imu"][0], places["imu.site"][0]), ("sled/imu", "sled/imu.site"))
+        np.testing.assert_allclose(places["imu"][1], [0, 0, -0.05], atol=1e-9)
+        np.testing.assert_allclose(places["imu.site"][1], [0.1, 0.2, 0.3], atol=1e-9)
+        self.assertEqual((places["imu"][2], places["imu.site"][2]), (0, 0.5))
+        from furrow import dataset
+        self.assertEqual(dataset._imu_of(drive, "sled")["name"], "imu.site")
+        # Names that the scene's sensors would need are told.
+        (self.folder / "own.xml").write_text(SLED.read_text().replace('<clock name="clock"/>', '<gyro name="imu.gyro" site="pack"/>'))
+        self.scene(SCENE.replace(str(SLED), "own.xml"))
+        told = self.furrow("drive", "scene.yaml", "--store", "level.furrow", "--overlay", "ruts.furrow", "-o", "out")
+        self.assertEqual(told.returncode, 3)
+        self.assertIn("imu: the model has a sensor imu.gyro already; call that otherwise", told.stderr)
+
+    def test_frames_of_different_things_have_different_names(self):
+        own = [('<site name="top" ', '<site name="mast" pos="0 0 0.2"/><site name="base_link"/><site name="top" '),
+               ('<clock name="clock"/>', '<clock name="clock"/><gyro name="of_site" site="mast"/><framepos name="of_geom" objtype="geom" objname="mast"/><gyro name="of_link" site="base_link"/>'
+                '<framepos name="of_body" objtype="xbody" objname="mast"/><framepos name="of_foot" objtype="geom" objname="foot_a"/>')]
+        frames = {name: sensor["frame"]["name"] for name, sensor in self.listed(self.drive_model(own)).items() if sensor["frame"]}
+        self.assertEqual([frames[name] for name in ("of_site", "of_geom", "of_link", "of_body", "of_foot", "touch_a", "touch_b", "top")],
+                         ["sled/mast.site", "sled/mast.geom", "sled/base_link.site", "sled/mast", "sled/foot_a.geom", "sled/foot_a.site", "sled/foot_b", "sled/top"])
+
+    def test_the_imu_is_on_the_body_that_the_rows_have(self):
+        """A body that the scene does not move comes first. And a root that is turned in a model that looks backward."""
+        marker = ('<body name="hull" pos="0 0 0.6">', '<body name="marker" mocap="true" pos="3 3 3"/><body name="hull" pos="0 0 0.6">')
+        turned_root = ('<body name="hull" pos="0 0 0.6">', '<body name="hull" pos="0 0 0.6" euler="0 0 90">')
+        for changes, keys, at in (([marker], "", [0.1, 0.2, 0.3]), ([turned_root], "forward: -x, ", [0.1, 0.2, 0.3]), ([turned_root], "forward: -x, body: foot_b, ", None)):
+            with self.subTest(keys=keys, changes=changes):
+                scene = SCENE.replace("imu: {at", f"{keys.replace('body: foot_b, ', '')}imu: {{{'body: foot_b, ' if at is None else ''}at")
+                frame = self.listed(self.drive_model(changes, scene))["imu.gyro"]["frame"]
+                self.assertEqual((frame["body"], frame["parent"]), ("hull" if at else "foot_b", "sled/base_link"))
+                # foot_b is 0.5, -0.35, -0.35 in the hull, whose x is the model's y, which looks to the right of -x.
+                np.testing.assert_allclose(frame["position"], at or [0.1 - 0.35, 0.2 - 0.5, 0.3 - 0.35], atol=1e-9)
+                np.testing.assert_allclose(np.abs(frame["orientation"]), [0, 0, 0, 1], atol=1e-9)
+
+    def test_noise_of_a_rangefinder_is_of_distances(self):
+        own = [(f'<rangefinder name="{name}" ', f'<rangefinder name="{name}" noise="{noise}" ') for name, noise in (("down", 0.05), ("sky", 0.05), ("near", 0.05), ("all", 0.05), ("ahead", 0.05))]
+        exact, noisy = (self.drive_model(own, sets=sets, out=out) for sets, out in (([], "exact"), (["output.noise_seed=4"], "noisy")))
+        one, two = self.of(noisy, "down"), self.of(exact, "down")
+        self.assertAlmostEqual((one - two).std(), 0.05, delta=0.02)
+        self.assertTrue((self.of(noisy, "sky") == -1).all())
+        self.assertTrue((self.of(noisy, "ahead") == -1).all())
+        self.assertTrue(((self.of(noisy, "near") >= 0) & (self.of(noisy, "near") <= 0.3)).all())
+        self.assertGreater(len(set(self.of(noisy, "near")[:, 0])), 5)
+        np.testing.assert_array_equal(self.of(noisy, "all")[:, 1:], self.of(exact, "all")[:, 1:])
+        self.assertTrue((self.of(noisy, "all")[:, 0] != self.of(exact, "all")[:, 0]).all())
+
     def test_noise_follows_the_seed(self):
         exact, one, again, other = (self.driven(out=f"n{i}", sets=sets, again=True) for i, sets in enumerate(([], ["output.noise_seed=4"], ["output.noise_seed=4"], ["output.noise_seed=5"])))
         self.assertEqual(one.folder.joinpath("sensors.csv").read_bytes(), again.folder.joinpath("sensors.csv").read_bytes())
@@ -332,7 +393,11 @@ class OutTest(SensorsTest):
             self.assertEqual([m["angular_velocity"][a] for a in "xyz"], [float(row[f"imu.gyro.{a}"]) for a in "xyz"])
             self.assertEqual([m["orientation"][a] for a in "xyzw"], [float(row[f"imu.orientation.{a}"]) for a in "xyzw"])
         self.assertEqual(imu[0][1]["header"]["frame_id"], "sled/imu")
-        still = {t["child_frame_id"]: t for _, topic, _, m in messages if topic == "/tf_static" for t in m["transforms"]}
+        # They come with each row, so that who listens later has them.
+        self.assertNotIn("/tf_static", {topic for _, topic, *_ in messages})
+        told = [(ns, t["child_frame_id"]) for ns, topic, _, m in messages if topic == "/tf" for t in m["transforms"]]
+        self.assertEqual([ns for ns, child in told if child == "sled/imu"], [ns for ns, child in told if child == "sled/base_link"])
+        still = {t["child_frame_id"]: t for _, topic, _, m in messages if topic == "/tf" for t in m["transforms"]}
         self.assertEqual(still["sled/imu"]["header"]["frame_id"], "sled/base_link")
         np.testing.assert_allclose([still["sled/imu"]["transform"]["translation"][a] for a in "xyz"], [0.1, 0.2, 0.3], atol=1e-9)
         beam = results.matrices(np.array([[still["sled/down/beam"]["transform"]["rotation"][a] for a in "xyzw"]]))[0]

@@ -1,10 +1,14 @@
 """A drive as a world for MuJoCo and Gazebo, and as a USD stage: the ground is the store's, bodies are where the rows say. Where mujoco and usd-core are,
 they read what was written; without them the ground alone is checked."""
 import importlib.util
+import json
 import pathlib
+import re
+import shutil
 import struct
 import sys
 import unittest
+import zlib
 from xml.etree import ElementTree
 
 import numpy as np
@@ -30,8 +34,120 @@ objects:
 WITH_PYTHON = {"FURROW_PYTHON": sys.executable}
 
 
+def write_png8(path, width, height, value):
+    """An 8-bit grey PNG; value(x, y) with y from the top."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + bytes(value(x, y) for x in range(width)) for y in range(height))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
 def has(*modules):
     return all(importlib.util.find_spec(module) is not None for module in modules)
+
+
+FEET = "".join(f'<geom type="sphere" size="0.1" pos="{x} {y} -0.2" mass="2"/>' for x in (-0.4, 0.4) for y in (-0.3, 0.3))
+# Each with sensors that tell where its bodies are.
+VEHICLES = {
+    "swing": ("", "", f"""<body name="hull" pos="0 0 0.4"><freejoint/><geom type="box" size="0.4 0.3 0.1" mass="50"/>{FEET}
+      <body name="arm" pos="0 0 0.3"><joint axis="0 1 0"/><joint type="slide" axis="1 0 0" range="-0.1 0.1" limited="true"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1" contype="0" conaffinity="0"/>
+        <body name="plate" pos="0.3 0 0"/></body></body>"""),
+    "held": ("", "", """<frame pos="2 1 0" euler="0 0 80"><body name="base" euler="0 0 30"><geom type="box" size="0.1 0.1 0.1" mass="50"/>
+      <body name="arm" pos="0 0 0.5"><joint name="base" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1"/></body></body></frame>"""),
+    "stopped": ("fixed: true", "", """<body name="base"><geom type="box" size="0.1 0.1 0.1" mass="50"/>
+      <body name="arm" pos="0 0 0.5"><joint name="arm" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1"/></body></body>"""),
+    "rail": ("", "", f"""<body name="cart" pos="0 0 0.4"><joint name="east" type="slide" axis="1 0 0"/><joint name="up" type="slide" axis="0 0 1"/><joint name="pitch" axis="0 1 0"/>
+      <geom type="box" size="0.4 0.3 0.1" mass="50"/>{FEET}</body>"""),
+    "turned": ("", "forward: -x", f"""<body name="marker" mocap="true" pos="0 3 1"/>
+      <body name="hull" pos="0 0 0.4" euler="0 0 50"><freejoint/><geom type="box" size="0.4 0.3 0.1" mass="50"/>{FEET}<body name="top" pos="0.2 0.1 0.3"/></body>"""),
+}
+
+
+def turn_of(roll, pitch, yaw):
+    """SDF's: about the fixed x, then y, then z."""
+    return turned(np.degrees(yaw), -np.degrees(pitch), np.degrees(roll))
+
+
+class VehiclesTest(SensorsTest):
+    """Vehicles of many kinds are where their own sensors say."""
+
+    def drive_one(self, name):
+        start, keys, bodies = VEHICLES[name]
+        names = [word for word in re.findall(r'<body name="(\w+)"', bodies) if word != "marker"]
+        sensors = "".join(f'<framepos name="{body}" objtype="xbody" objname="{body}"/>' for body in names)
+        motor = '<actuator><motor name="swing" joint="arm"/></actuator>' if '<joint name="arm"' in bodies else ""
+        (self.folder / "own.xml").write_text(f'<mujoco><option timestep="0.002"/><worldbody>{bodies}</worldbody>{motor}<sensor>{sensors}</sensor></mujoco>')
+        scene = SCENE[:SCENE.index("vehicles:")] + f"vehicles:\n  - {{name: it, model: own.xml, {keys + ', ' if keys else ''}start: {{at: [30, 30], yaw: 40{', ' + start if start else ''}}}}}\n"
+        self.result = self.driven(scene + "output: {vehicles: 50, sensors: 50}\n", self.ground("level", lambda x: 5), again=True)
+        own = {sensor["name"]: np.array([self.result.sensors["it"][column][-1] for column in sensor["columns"]]) for sensor in self.result.sensor_list}
+        self.assertEqual(sorted(own), sorted(names))
+        return own
+
+    def check_mjcf(self, name, own):
+        import mujoco
+        told = self.furrow("world", "out", "-o", f"{name}_mjcf", env=WITH_PYTHON)
+        self.assertEqual(told.returncode, 0, told.stderr)
+        model = mujoco.MjModel.from_xml_path(str(self.folder / f"{name}_mjcf/world.xml"))
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0) if model.nkey else None
+        mujoco.mj_forward(model, data)
+        for body, place in own.items():
+            np.testing.assert_allclose(data.body(f"it/{body}").xpos, place, atol=1e-6, err_msg=body)
+        self.assertEqual([model.body(f"it/{body}").weldid[0] == 0 for body in own if body == "base"], [True] if "base" in own else [])
+        return told.stderr
+
+    def check_sdf(self, name, own):
+        told = self.furrow("world", "out", "-o", f"{name}_sdf", "--format", "sdf", env=WITH_PYTHON)
+        self.assertEqual(told.returncode, 0, told.stderr)
+        model = ElementTree.parse(self.folder / f"{name}_sdf/world.sdf").getroot().find("world/model[@name='it']")
+        whole = np.array([float(word) for word in model.find("pose").text.split()])
+        for body, place in own.items():
+            pose = [float(word) for word in model.find(f"link[@name='{body}']/pose").text.split()]
+            np.testing.assert_allclose(whole[:3] + turn_of(*whole[3:]) @ pose[:3], place, atol=1e-6, err_msg=body)
+        parts = [part.get("name") for kind in ("link", "joint") for part in model.findall(kind)]
+        self.assertEqual(len(parts), len(set(parts)), parts)  # links and joints have one namespace
+        self.assertTrue(all(float(link.find("inertial/mass").text) > 0 for link in model.findall("link")))
+        return told.stderr, {joint.get("name"): (joint.get("type"), joint.find("parent").text, joint.find("child").text) for joint in model.findall("joint")}
+
+    def test_each_is_where_its_sensors_say(self):
+        if not has("mujoco"):
+            self.skipTest("not on this machine: the Python package mujoco")
+        joints = {"swing": {"arm_joint": ("revolute", "hull", "arm"), "joint_plate": ("fixed", "arm", "plate")}, "held": {"hold_base": ("fixed", "world", "base"), "base_joint": ("revolute", "base", "arm")},
+                  "stopped": {"hold_base": ("fixed", "world", "base"), "arm_joint": ("revolute", "base", "arm")}, "rail": {"east": ("prismatic", "world", "cart")},
+                  "turned": {"hold_marker": ("fixed", "world", "marker"), "joint_top": ("fixed", "hull", "top")}}
+        notes = {"swing": "note: it: plate: without mass in the model, with 0.0001 kg in SDF", "stopped": "note: it: its actuators (1) are left out: SDF has none",
+                 "rail": "note: it: cart has 3 joints, and SDF takes the first", "turned": "note: it: marker has no rows: it is where own.xml has it"}
+        for name in VEHICLES:
+            with self.subTest(vehicle=name):
+                own = self.drive_one(name)
+                self.assertEqual("marker has no rows" in self.check_mjcf(name, own), name == "turned")
+                said, found = self.check_sdf(name, own)
+                self.assertEqual(found, joints[name])
+                self.assertIn(notes.get(name, ""), said)
+                self.assertNotIn("is of no joint", said)
+                if not has("pxr"):
+                    continue
+                from pxr import Usd, UsdGeom
+                self.made("usd", "out", "-o", f"{name}.usdc")
+                stage, rows = Usd.Stage.Open(str(self.folder / f"{name}.usdc")), self.result.vehicles["it"]
+                for body, place in own.items():
+                    prim = UsdGeom.Xformable.Get(stage, f"/World/it/{body}")
+                    if prim:  # it has shapes
+                        at = prim.ComputeLocalToWorldTransform(float(rows["t"][-1]) * stage.GetTimeCodesPerSecond()).ExtractTranslation()
+                        np.testing.assert_allclose(list(at), place, atol=1e-6, err_msg=body)
+
+    def test_a_column_of_no_joint_is_told(self):
+        if not has("mujoco"):
+            self.skipTest("not on this machine: the Python package mujoco")
+        self.drive_one("swing")
+        (self.folder / "own.xml").write_text((self.folder / "own.xml").read_text().replace('<joint axis="0 1 0"/>', '<joint name="elbow" axis="0 1 0"/>'))
+        self.assertIn("note: it: column q:arm_2 of vehicles.csv is of no joint of own.xml", self.furrow("world", "out", "-o", "site", env=WITH_PYTHON).stderr)
+
+    def made(self, *arguments):
+        told = self.furrow(*arguments, env=WITH_PYTHON)
+        self.assertEqual(told.returncode, 0, told.stderr)
+        return told.stdout
 
 
 class WorldsTest(SensorsTest):
@@ -65,6 +181,29 @@ class WorldsTest(SensorsTest):
         heights = self.surface(448, 464, 65, 41)
         np.testing.assert_allclose(z + reach * field, heights, atol=1e-6)
         self.assertLess((heights - (2 + np.tan(np.radians(SLOPE)) * (28 + 0.0625 * np.arange(65)))).min(), -0.02) # with ruts
+
+    def test_the_ground_has_the_relief_of_the_drive(self):
+        """For all ground, and by classes of a map of soils."""
+        from furrow import World
+        write_png8(self.folder / "map.png", 65, 65, lambda x, y: 1 if x < 30 else 2 if x < 40 else 0)
+        plain = {"roughness": 0.004, "wavelength": 3.0, "seed": 7}
+        soil = {"map": str(self.folder / "map.png"), "classes": {"1": "dry_sand", "2": "lete_sand"}, "default": "lunar"}
+        by_class = {**plain, "classes": {"2": {"roughness": 0.03}}}
+        for relief, ground in ((plain, None), (by_class, soil)):
+            with self.subTest(relief=relief):
+                text = SCENE.replace("redistribute:", f"relief: {json.dumps(relief)}\nredistribute:")
+                if ground:
+                    text = text.replace("soil: {name: dry_sand}", "soil: {map: map.png, classes: {1: dry_sand, 2: lete_sand}, default: lunar}")
+                shutil.rmtree(self.folder / "site", ignore_errors=True)
+                self.driven(text.replace("end_time: 0.2", "end_time: 0.02"), "slope.furrow", again=True)
+                self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,28,32,31")
+                data = (self.folder / "site/ground.bin").read_bytes()
+                world = ElementTree.parse(self.folder / "site/world.xml").getroot()
+                low, reach = float(world.find("worldbody/geom").get("pos").split()[2]), float(world.find("asset/hfield").get("size").split()[2])
+                with World({"spacing": 0.0625, "relief": relief, **({"soil": ground} if ground else {})}, store=self.folder / "ruts.furrow", readonly=True) as own:
+                    heights = own.read("surface", column=448, row=448, columns=65, rows=49)
+                np.testing.assert_allclose(low + reach * np.frombuffer(data[8:], "<f4").reshape(49, 65), heights, atol=1e-6)
+                self.assertGreater(np.abs(np.diff(heights, axis=0)).max(), 0.001)
 
     def test_a_heightmap_is_the_ground(self):
         self.made("world", "out", "-o", "gazebo", "--format", "sdf", "--no-vehicles", "--window", "28,28,32,32")
