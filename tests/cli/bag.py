@@ -167,7 +167,7 @@ class FilesTest(BagTest):
             told = self.furrow("bag", "out", "-o", "run.mcap")
             self.assertEqual(told.returncode, 1)
             self.assertRegex(told.stderr, r"^furrow: bag: the Python package mcap-ros2-support is not installed for \S+; \S+ -m pip install mcap-ros2-support\n$")
-            self.skipTest("mcap-ros2-support or rosbags is not installed")
+            self.skipTest("not on this machine: the Python packages mcap-ros2-support and rosbags")
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
         self.furrow("bag", "out", "-o", "run.mcap", env={"FURROW_PYTHON": sys.executable})

@@ -57,7 +57,7 @@ class LoopTest(FurrowTest):
 
     def check_script(self, text):
         if importlib.util.find_spec("mujoco") is None:
-            self.skipTest("this Python has no package mujoco")
+            self.skipTest("not on this machine: the Python package mujoco")
         result = self.run_script(COMMON + text)
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         return result.stdout
@@ -100,7 +100,7 @@ assert abs(soil.contact(0).force[2] - 20 * G - 100) < 0.01 * 20 * G, soil.contac
     def test_the_plugin_goes_the_same_way(self):
         wheel = WHEEL.replace('pos="0 0 0.5"', 'pos="0 0 0.321"').replace("<option", '<option gravity="0 0 -9.80665"')
         if not self.check_script("print(mujoco.__version__)").startswith("4."):
-            self.skipTest("this Python has no MuJoCo 4, for which the plugin is")
+            self.skipTest("not on this machine: MuJoCo 4 in this Python, for which the plugin is")
         self.check_script(f"WHEEL = {wheel!r}" + """
 def control(time, data): data.ctrl[0] = 2 * min(time, 1)
 world, soil, model, data = loop(WHEEL, "wheel", 800, control=control)
