@@ -58,13 +58,6 @@ static void tell_outside(struct asking *asking, double x, double y)
 	note("query: %.15g %.15g: is outside the terrain, but %s", x, y, hint);
 }
 
-static void add_numbers(cJSON *object, const char *name, const double *values, size_t count)
-{
-	cJSON *array = cJSON_AddArrayToObject(object, name);
-	for (size_t i = 0; i < count; i++)
-		cJSON_AddItemToArray(array, cJSON_CreateNumber(values[i]));
-}
-
 /* Returns the shades that are left of a mark that fades. until: s of the store's time. */
 static int32_t left_of(const struct asking *asking, enum plane plane, double until)
 {
@@ -102,7 +95,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	if (isnan(surface.normal[2]))
 		cJSON_AddNullToObject(point, "normal");
 	else
-		add_numbers(point, "normal", surface.normal, 3);
+		json_numbers(point, "normal", surface.normal, 3);
 	cJSON_AddBoolToObject(point, "nodata", nodata);
 	cJSON_AddBoolToObject(point, "outside", sample.outside);
 	cJSON *soil = cJSON_AddObjectToObject(point, "soil");
@@ -121,7 +114,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 		if (sample.planes & PLANE_BIT(state[i].plane))
 			json_number(soil, plane_layer(state[i].plane == PLANE_SETTLED ? PLANE_LOOSE : state[i].plane), state[i].value);
 	if (sample.planes & PLANE_BIT(PLANE_SHEAR))
-		add_numbers(soil, plane_layer(PLANE_SHEAR), sample.shear, 2);
+		json_numbers(soil, plane_layer(PLANE_SHEAR), sample.shear, 2);
 	cJSON_AddItemToArray(asking->points, point);
 	asking->only = point;
 	return STATUS_OK;
@@ -157,13 +150,13 @@ static enum status ask_ray(struct asking *asking, const double asked[RAY])
 		return STATUS_OK;
 	}
 	cJSON *object = cJSON_CreateObject();
-	add_numbers(object, "origin", asked, 3);
-	add_numbers(object, "direction", asked + 3, 3);
+	json_numbers(object, "origin", asked, 3);
+	json_numbers(object, "direction", asked + 3, 3);
 	cJSON_AddBoolToObject(object, "hit", hit.hit);
 	if (hit.hit) {
 		json_number(object, "distance", hit.distance);
-		add_numbers(object, "point", hit.point, 3);
-		add_numbers(object, "normal", hit.normal, 3);
+		json_numbers(object, "point", hit.point, 3);
+		json_numbers(object, "normal", hit.normal, 3);
 		cJSON_AddBoolToObject(object, "below", hit.below);
 		json_integer(object, "level", hit.tile.level);
 	}

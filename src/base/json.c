@@ -21,6 +21,13 @@ void json_number(cJSON *object, const char *name, double value)
 		cJSON_AddNullToObject(object, name);
 }
 
+void json_numbers(cJSON *object, const char *name, const double *numbers, size_t count)
+{
+	cJSON *list = cJSON_CreateDoubleArray(numbers, (int)count);
+	if (!cJSON_AddItemToObject(object, name, list))
+		cJSON_Delete(list);
+}
+
 void json_string(cJSON *object, const char *name, const char *text)
 {
 	if (text != NULL)

@@ -6,6 +6,7 @@
 #define FURROW_BASE_JSON_H
 
 #include <cJSON.h>
+#include <stddef.h>
 #include <stdint.h>
 
 void json_integer(cJSON *object, const char *name, int64_t value);
@@ -13,6 +14,7 @@ void json_integer(cJSON *object, const char *name, int64_t value);
  * out of memory. */
 char *json_text(const cJSON *root);
 void json_number(cJSON *object, const char *name, double value); /* null if not finite */
+void json_numbers(cJSON *object, const char *name, const double *numbers, size_t count); /* null for one that is not finite */
 void json_string(cJSON *object, const char *name, const char *text); /* null if NULL */
 
 #endif

@@ -140,13 +140,6 @@ static void print_points(const struct report_poses *poses, size_t index, FILE *f
 
 /* --- camera.json --- */
 
-static void add_numbers(cJSON *object, const char *name, const double *numbers, int count)
-{
-	cJSON *list = cJSON_CreateDoubleArray(numbers, count);
-	if (!cJSON_AddItemToObject(object, name, list))
-		cJSON_Delete(list);
-}
-
 static void add_conventions(cJSON *root)
 {
 	cJSON *told = cJSON_AddObjectToObject(root, "conventions");
@@ -265,12 +258,12 @@ static void add_frames(cJSON *root, const struct poses_of *of, const struct repo
 		}
 		json_integer(frame, "frame", of->rows[i].frame);
 		json_number(frame, "time", of->rows[i].time);
-		add_numbers(frame, "position", of->rows[i].at, 3);
-		add_numbers(frame, "orientation", of->rows[i].q, 4);
+		json_numbers(frame, "position", of->rows[i].at, 3);
+		json_numbers(frame, "orientation", of->rows[i].q, 4);
 		if (!sun->sun.light.timed)
 			continue;
 		const struct report_sun_place place = report_sun_at(sun, of->rows[i].time);
-		add_numbers(frame, "sun", (const double[2]){place.azimuth, place.height}, 2);
+		json_numbers(frame, "sun", (const double[2]){place.azimuth, place.height}, 2);
 	}
 }
 
@@ -315,8 +308,8 @@ static void add_place(cJSON *camera, const char *name, const struct poses_row *r
 	cJSON *frame = cJSON_AddObjectToObject(camera, name);
 	json_integer(frame, "frame", row->frame);
 	json_number(frame, "time", row->time);
-	add_numbers(frame, "position", row->at, 3);
-	add_numbers(frame, "orientation", row->q, 4);
+	json_numbers(frame, "position", row->at, 3);
+	json_numbers(frame, "orientation", row->q, 4);
 }
 
 void report_cameras_add(cJSON *root, const struct scene *scene, const struct report_poses *poses)

@@ -71,7 +71,7 @@ static double azimuth_of(const struct scene_lidar *lidar, int column)
 	return steps > 0 ? -lidar->fov[0] / 2 + lidar->fov[0] * column / steps : 0;
 }
 
-/* Radians above the lidar's plane; row 0 is the highest. */
+/* Returns the angle of a row's rays above the lidar's plane, rad. Row 0 is the highest. */
 static double elevation_of(const struct scene_lidar *lidar, int row)
 {
 	return lidar->rows > 1 ? lidar->fov[1] / 2 - lidar->fov[1] * row / (lidar->rows - 1) : 0;
@@ -202,13 +202,6 @@ enum status report_lidars_write(struct report_lidars *lidars)
 	return STATUS_OK;
 }
 
-static void add_numbers(cJSON *root, const char *name, const double *numbers, size_t count)
-{
-	cJSON *list = cJSON_AddArrayToObject(root, name);
-	for (size_t i = 0; i < count; i++)
-		cJSON_AddItemToArray(list, cJSON_CreateNumber(numbers[i]));
-}
-
 void report_lidar_add(struct cJSON *to, const struct scene *scene, const struct scene_lidar *lidar)
 {
 	double own[3][3], q[4];
@@ -219,8 +212,8 @@ void report_lidar_add(struct cJSON *to, const struct scene *scene, const struct 
 		cJSON_AddStringToObject(to, "on", scene->vehicles[lidar->vehicle - 1].name);
 	if (lidar->body != NULL)
 		cJSON_AddStringToObject(to, "body", lidar->body);
-	add_numbers(to, "position", lidar->at, 3);
-	add_numbers(to, "orientation", q, 4);
+	json_numbers(to, "position", lidar->at, 3);
+	json_numbers(to, "orientation", q, 4);
 	json_integer(to, "columns", lidar->columns);
 	json_integer(to, "rows", lidar->rows);
 	json_number(to, "rate", lidar->rate);
@@ -266,13 +259,11 @@ static enum status make_folder(const char *path)
 static enum status open_one(const struct report_lidars *lidars, struct lidar *lidar)
 {
 	char path[PATH];
-	bool begins = false;
 	path_of(lidars, lidar->scene, "", path);
 	TRY(make_folder(path));
 	TRY(write_json(lidars, lidar->scene));
 	path_of(lidars, lidar->scene, "poses.tum", path);
-	TRY(report_rows_file_open(lidars->world, path, HEADER, true, &lidar->poses, &begins));
-	return begins && fputs(HEADER, lidar->poses) < 0 ? report_rows_file_failed(path) : STATUS_OK;
+	return report_rows_file_open(lidars->world, path, HEADER, true, &lidar->poses, NULL);
 }
 
 static enum status open_all(struct report_lidars *lidars, const struct scene *scene)

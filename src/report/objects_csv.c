@@ -107,18 +107,14 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/objects.csv", directory);
 	if (world_scene(world)->object_count + world_scene(world)->vehicle_count == 0 || world_scene(world)->forces == 0) {
-		unlink(path); /* another run's */
+		unlink(path); /* that another run left */
 		return STATUS_OK;
 	}
 	struct report_rows *rows = mem_calloc(1, sizeof *rows);
 	TRY_MEM(rows, "objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory};
-	bool begins;
-	const char *header = header_of(world_scene(world));
 	enum status status;
-	TRY_OR(failed, report_rows_file_open(world, path, header, true, &rows->file, &begins));
-	if (begins && fputs(header, rows->file) < 0)
-		TRY_OR(failed, report_rows_file_failed(path));
+	TRY_OR(failed, report_rows_file_open(world, path, header_of(world_scene(world)), true, &rows->file, NULL));
 	*out = rows;
 	return STATUS_OK;
 failed:

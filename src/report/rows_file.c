@@ -38,13 +38,15 @@ enum status report_rows_file_open(const struct world *world, const char *path, c
 		rewind(*file);
 		end = whole_until(*file, header, recorded.step > 0 || !again ? recorded.time : -1);
 	}
-	*begins = end == 0;
+	const bool empty = end == 0;
+	if (begins != NULL)
+		*begins = empty;
 	if (*file == NULL || end < 0 || ftruncate(fileno(*file), end) != 0 || fseek(*file, 0, SEEK_END) != 0)
 		return report_rows_file_failed(path);
-	if (*begins && recorded.step > 0)
+	if (empty && recorded.step > 0)
 		note("%s: has no rows of the steps up to %lld: the file was not there, or was damaged; give the -o of the drive that is resumed",
 		     path, (long long)recorded.step);
-	return STATUS_OK;
+	return empty && fputs(header, *file) < 0 ? report_rows_file_failed(path) : STATUS_OK;
 }
 
 bool report_rows_file_end(FILE *file, int64_t *end)

@@ -6,11 +6,11 @@
 
 /*
  * Opens the file, empty for a new run. Of a resumed run's file it keeps the rows until where that run goes on, if its first line begins with
- * `header`. `again`: the first step gives the rows of time 0 once more, so a run that goes on from there keeps none. Sets *begins if the file is
- * empty now, so that the caller writes the first line. After a failure *file may be open.
+ * `header`. Else it writes that line, and sets *begins. `again`: the first step gives the rows of time 0 once more, so a run that goes on from there keeps
+ * none. begins may be NULL. After a failure *file may be open.
  */
 enum status report_rows_file_open(const struct world *world, const char *path, const char *header, bool again, FILE **file, bool *begins) FURROW_CHECKED;
-/* Returns the failure to open the file or to write its first line. errno tells why. */
+/* Returns the failure to open or to read the file. errno tells why. */
 enum status report_rows_file_failed(const char *path);
 
 /* Tells where the file ends, when all its rows are written, and cuts it there. Returns false with errno. */

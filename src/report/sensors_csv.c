@@ -149,12 +149,9 @@ enum status report_sensors_open(const struct world *world, struct vehicles *vehi
 	for (size_t v = 0; v < vehicle_count(vehicles); v++)
 		for (size_t i = 0; i < vehicle_sensor_count(vehicles, v); i++)
 			TRY_OR(failed, add_column(rows, v, i));
-	bool begins = false;
 	tell_what_is_missed(rows, world_scene(world));
 	TRY_OR(failed, make_header(rows));
-	TRY_OR(failed, report_rows_file_open(world, path, rows->header, true, &rows->file, &begins));
-	if (begins && fputs(rows->header, rows->file) < 0)
-		TRY_OR(failed, report_rows_file_failed(path));
+	TRY_OR(failed, report_rows_file_open(world, path, rows->header, true, &rows->file, NULL));
 	*out = rows;
 	return STATUS_OK;
 failed:

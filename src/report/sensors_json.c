@@ -21,13 +21,6 @@ void report_sensor_column(const struct vehicle_sensor *sensor, size_t k, char te
 		snprintf(text, 400, "%s.%zu", sensor->name, k);
 }
 
-static void add_numbers(cJSON *object, const char *name, const double *numbers, size_t count)
-{
-	cJSON *list = cJSON_AddArrayToObject(object, name);
-	for (size_t i = 0; i < count; i++)
-		cJSON_AddItemToArray(list, cJSON_CreateNumber(numbers[i]));
-}
-
 static const char *label_of(const struct vehicle_sensor *sensor)
 {
 	return sensor->on[0] != '\0' ? sensor->on : sensor->name;
@@ -64,12 +57,12 @@ static void add_frame(cJSON *to, const char *vehicle, const struct vehicle_senso
 	cJSON_AddStringToObject(frame, "body", sensor->body);
 	snprintf(text, sizeof text, "%s/%s%s", vehicle, sensor->is_fixed ? "base_link" : sensor->body, !sensor->is_fixed && strcmp(sensor->body, "base_link") == 0 ? ".body" : "");
 	cJSON_AddStringToObject(frame, "parent", text);
-	add_numbers(frame, "position", sensor->at, 3);
+	json_numbers(frame, "position", sensor->at, 3);
 	for (int i = 0; i < 3; i++)
 		for (int k = 0; k < 3; k++)
 			columns[i][k] = sensor->axes[3 * k + i];
 	report_quaternion(columns, q);
-	add_numbers(frame, "orientation", q, 4);
+	json_numbers(frame, "orientation", q, 4);
 }
 
 static void add_sensor(cJSON *list, const char *vehicle, const struct vehicle_sensor *all, size_t count, const struct vehicle_sensor *sensor)
@@ -154,7 +147,7 @@ enum status report_sensors_json(const struct world *world, const struct vehicles
 	struct aside aside;
 	snprintf(path, sizeof path, "%s/sensors.json", directory);
 	if (!(scene->sensor_rows > 0) && scene->lidar_count == 0) {
-		unlink(path); /* another run's */
+		unlink(path); /* that another run left */
 		return STATUS_OK;
 	}
 	cJSON *root = cJSON_CreateObject();

@@ -154,7 +154,7 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/vehicles.csv", directory);
 	if (vehicles == NULL || world_scene(world)->vehicle_rows == 0) {
-		unlink(path); /* another run's */
+		unlink(path); /* that another run left */
 		return STATUS_OK;
 	}
 	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
@@ -168,11 +168,8 @@ enum status report_vehicles_open(const struct world *world, struct vehicles *veh
 	}
 	enum status status;
 	TRY_OR(failed, find_columns(rows));
-	bool begins = false;
 	TRY_OR(failed, make_header(rows));
-	TRY_OR(failed, report_rows_file_open(world, path, rows->header, true, &rows->file, &begins));
-	if (begins && fputs(rows->header, rows->file) < 0)
-		TRY_OR(failed, report_rows_file_failed(path));
+	TRY_OR(failed, report_rows_file_open(world, path, rows->header, true, &rows->file, NULL));
 	*out = rows;
 	return STATUS_OK;
 failed:

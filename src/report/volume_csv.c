@@ -36,11 +36,11 @@ enum status report_volume_open(const struct world *world, const char *directory,
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/volume.csv", directory);
 	if (world_resident(world)->pages == NULL || world_scene(world)->object_count + world_scene(world)->vehicle_count == 0 || world_params(world)->ranks != NULL) { /* of ranks each has a part of the ground */
-		unlink(path); /* another run's */
+		unlink(path); /* that another run left */
 		return STATUS_OK;
 	}
 	TRY(report_rows_file_open(world, path, header, false, out, &begins));
-	if (begins && (fputs(header, *out) < 0 || fflush(*out) != 0))
+	if (begins && fflush(*out) != 0)
 		return report_rows_file_failed(path);
 	struct resident_volume volume = {
 		.file = *out,

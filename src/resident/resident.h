@@ -170,8 +170,8 @@ enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_
 				   uint8_t *classes) FURROW_CHECKED;
 #define SOIL_MAP_NONE (-1) /* the raster has no value there */
 #define SOIL_MAP_ROAD (-2) /* a road is there */
-/* Reads the raster's own value at one post of a level, as loader 0 does, or tells what is there in its place. One thread at a time. */
-enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value) FURROW_CHECKED;
+/* Reads the raster's own value at one post of a level, as loader 0 does, or tells what is there in its place. *soil: the soil's index. One thread at a time. */
+enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value, uint8_t *soil) FURROW_CHECKED;
 /* Reads the soil index of one post of a level. Only if params.places is set, and on the owner's thread. It may read the
  * raster's file. */
 enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int64_t y, uint8_t *soil) FURROW_CHECKED;

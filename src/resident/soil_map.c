@@ -87,16 +87,14 @@ enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_
 }
 
 /* A byte has no room for "none" beside 256 values, so a second read tells whether there is a value. */
-enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value)
+enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value, uint8_t *soil)
 {
 	const struct post_rect post = {x, y, x + 1, y + 1};
-	uint8_t same[256], any[256], read = 0, has = 0, road = 0;
-	const double spacing = extent_spacing(&map->params.meta->extent, level);
-	*value = SOIL_MAP_NONE;
-	resident_roads_paint(map->roads, spacing, post, &road);
-	if (road > 0)
-		*value = SOIL_MAP_ROAD;
-	if (road > 0 || map->count == 0)
+	uint8_t same[256], any[256], read = 0, has = 0;
+	*soil = 0;
+	resident_roads_paint(map->roads, extent_spacing(&map->params.meta->extent, level), post, soil);
+	*value = *soil > 0 ? SOIL_MAP_ROAD : SOIL_MAP_NONE;
+	if (*soil > 0 || map->count == 0)
 		return STATUS_OK;
 	for (int i = 0; i < 256; i++) {
 		same[i] = (uint8_t)i;
@@ -110,6 +108,7 @@ enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, 
 done:
 	dem_quiet_end();
 	*value = read > 0 || has > 0 ? read : SOIL_MAP_NONE;
+	*soil = *value >= 0 ? map->params.classes[*value] : 0;
 	return status;
 }
 

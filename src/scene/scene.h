@@ -318,7 +318,7 @@ struct scene_camera {
 	double baseline;       /* of the right camera of a pair: metres to the right of the left one; else 0 */
 };
 
-#define SCENE_LIDARS 64 /* most of a scene */
+#define SCENE_LIDARS 64 /* the most that a scene may have */
 /* A sensor that measures ranges along rays, all at the same time. */
 struct scene_lidar {
 	char *name;            /* also of its folder */

@@ -64,8 +64,7 @@ static enum status check_keys(const struct entry *entry)
 static enum status check_name(const struct entry *entry, const char *name)
 {
 	const struct scene_node *node = node_of(entry, "name");
-	if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != strlen(name))
-		return scene_error(entry->tree->file, node, "%s is not a name; allowed: A-Z a-z 0-9 _ -", scene_quote(name).text);
+	TRY(scene_check_name(entry->tree, node, name));
 	for (size_t i = 0; i < entry->scene->camera_count; i++)
 		if (&entry->scene->cameras[i] != entry->camera && entry->scene->cameras[i].name != NULL && strcmp(entry->scene->cameras[i].name, name) == 0)
 			return scene_error(entry->tree->file, node, "%s is the name of another camera; allowed: unique names",

@@ -153,6 +153,13 @@ static enum status check_coordinates(const struct raw_scene *raw, struct scene *
 	return copy(&scene->srs, raw->coordinates);
 }
 
+enum status scene_check_name(const struct scene_tree *tree, const struct scene_node *node, const char *name)
+{
+	if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != strlen(name))
+		return scene_error(tree->file, node, "%s is not a name; allowed: A-Z a-z 0-9 _ -", scene_quote(name).text);
+	return STATUS_OK;
+}
+
 /* Reads bytes such as "512 MB". */
 static enum status check_memory(const struct scene_tree *tree, const struct raw_cache *cache, struct scene *scene)
 {

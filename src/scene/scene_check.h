@@ -33,6 +33,8 @@ enum status scene_take_texts(char *const *from, uint32_t count, struct scene_tex
 /* Notes a setting that has no effect but is no error. scene_advise tells it. */
 enum status scene_tell_unused(struct scene *scene, const char *format, ...) FURROW_PRINTF(2, 3) FURROW_CHECKED;
 
+/* STATUS_INPUT unless the name has letters, digits, _ and - alone. `node`: that gives it. */
+enum status scene_check_name(const struct scene_tree *tree, const struct scene_node *node, const char *name) FURROW_CHECKED;
 /* The parts of scene_check, each in a file of its own. */
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
 				struct scene *scene) FURROW_CHECKED;

@@ -287,7 +287,7 @@ done:
 
 struct mesh_kind {
 	const char *ending;
-	enum status (*count)(const char *bytes, size_t length, const char *told); /* NULL: a glTF */
+	enum status (*count)(const char *bytes, size_t length, const char *told); /* counts the faces of a file before it is read; NULL: glTF, which is counted as it is read */
 };
 
 static const struct mesh_kind kinds[] = {

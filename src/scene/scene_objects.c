@@ -26,10 +26,7 @@ static enum status take_name(const struct scene_tree *tree, const struct scene *
 			     const char *name, struct scene_object *object)
 {
 	const struct scene_node *node = scene_tree_find(tree, "objects[%zu].name", index);
-	if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
-	    strlen(name))
-		return scene_error(tree->file, node, "%s is not a name; allowed: A-Z a-z 0-9 _ -",
-				   scene_quote(name).text);
+	TRY(scene_check_name(tree, node, name));
 	if (is_named(scene, object, name))
 		return scene_error(tree->file, node,
 				   "%s is the name of another object; allowed: unique names",

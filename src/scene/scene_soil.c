@@ -52,6 +52,15 @@ static const double *given(const struct raw_class *raw, const struct parameter *
 	return value;
 }
 
+/* Returns true if the scene gives a number of the soil. */
+static bool has_numbers(const struct raw_class *raw)
+{
+	bool any = false;
+	for (size_t i = 0; i < PARAMETERS; i++)
+		any = any || given(raw, &parameters[i]) != NULL;
+	return any;
+}
+
 static enum status take_name(const struct scene_tree *tree, const char *name, const char *where,
 			     struct soil_numbers *soil)
 {
@@ -325,6 +334,14 @@ static enum status check_replaced(const struct scene_tree *tree, const struct ra
 				 where, deform_model_row(scene->model)->name, raw->name, remain.length > 0 ? ", except " : "", remain.text, raw->name, raw->name);
 }
 
+/* Tells what counts for nothing of the soil written at `where`. */
+static enum status tell_vain(const struct scene_tree *tree, const struct raw_class *raw, const char *where, struct scene *scene)
+{
+	TRY(check_unread(raw, where, scene));
+	TRY(check_weight(raw, where, scene));
+	return check_replaced(tree, raw, where, scene);
+}
+
 /* Metres: scm's b of an object whose shape says it; 0: it depends on the contact. */
 static double contact_width(const struct soil_shape *shape)
 {
@@ -390,10 +407,7 @@ enum status scene_check_bearing(const struct scene_tree *tree, const struct scen
 static enum status check_map(const struct scene_tree *tree, const struct raw_soil *raw, bool read, bool moved, struct scene *scene)
 {
 	const struct scene_node *node = scene_tree_find(tree, "soil.map");
-	bool alone = raw->all.name == NULL;
-	for (size_t i = 0; i < PARAMETERS; i++)
-		alone = alone && given(&raw->all, &parameters[i]) == NULL;
-	if (!alone)
+	if (raw->all.name != NULL || has_numbers(&raw->all))
 		return scene_error(tree->file, node, "does not go with a soil beside it; allowed: map, classes, "
 				   "default, rasters");
 	if (raw->classes == NULL)
@@ -419,11 +433,8 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 			return scene_error(tree->file, scene_tree_find(tree, "%s.value", where),
 					   "%d is another class; allowed: each value once", (int)class->value);
 		TRY(check_class(tree, class, where, scene, i + 1));
-		if (reads_soil(scene)) {
-			TRY(check_unread(class, where, scene));
-			TRY(check_weight(class, where, scene));
-			TRY(check_replaced(tree, class, where, scene));
-		}
+		if (reads_soil(scene))
+			TRY(tell_vain(tree, class, where, scene));
 		scene->soil_class[class->value] = (uint8_t)(i + 1);
 		keep_name(scene, i + 1, class->name, (int)class->value);
 	}
@@ -433,10 +444,7 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 
 static bool is_name_alone(const struct raw_class *raw)
 {
-	bool alone = raw->name != NULL && raw->over == NULL && raw->thickness == NULL;
-	for (size_t i = 0; i < PARAMETERS; i++)
-		alone = alone && given(raw, &parameters[i]) == NULL;
-	return alone;
+	return raw->name != NULL && raw->over == NULL && raw->thickness == NULL && !has_numbers(raw);
 }
 
 /* The soils of roads come after those of the map. Roads whose soil is the same name alone share it. */
@@ -458,9 +466,7 @@ static enum status check_road_soils(const struct scene_tree *tree, const struct 
 		const size_t index = (size_t)scene->soil_count;
 		TRY(check_class(tree, soil, where, scene, index));
 		if (read) {
-			TRY(check_unread(soil, where, scene));
-			TRY(check_weight(soil, where, scene));
-			TRY(check_replaced(tree, soil, where, scene));
+			TRY(tell_vain(tree, soil, where, scene));
 			if (deform_model_reads(scene->model, "bekker_kc"))
 				TRY(check_bearings_at(tree, scene, where, index));
 		}
@@ -514,11 +520,8 @@ static enum status check_soils(const struct scene_tree *tree, const struct raw_s
 	TRY(check_class(tree, elsewhere, where, scene, 0));
 	scene->soil_count = 1;
 	keep_name(scene, 0, elsewhere->name, first ? (int)elsewhere->value : -1);
-	if (read && !first) {
-		TRY(check_unread(elsewhere, where, scene));
-		TRY(check_weight(elsewhere, where, scene));
-		TRY(check_replaced(tree, elsewhere, where, scene));
-	}
+	if (read && !first)
+		TRY(tell_vain(tree, elsewhere, where, scene));
 	TRY(check_classes(tree, soil, scene));
 	if (deform_model_reads(scene->model, "bekker_kc"))
 		TRY(check_bearings(tree, scene, mapped));

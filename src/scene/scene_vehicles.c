@@ -15,8 +15,7 @@
 static enum status take_name(const struct scene_tree *tree, const struct scene *scene, size_t index, const char *name, char **out)
 {
 	const struct scene_node *node = scene_tree_find(tree, "vehicles[%zu].name", index);
-	if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != strlen(name))
-		return scene_error(tree->file, node, "%s is not a name; allowed: A-Z a-z 0-9 _ -", scene_quote(name).text);
+	TRY(scene_check_name(tree, node, name));
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (scene->objects[i].name != NULL && strcmp(scene->objects[i].name, name) == 0)
 			return scene_error(tree->file, node, "%s is the name of an object; allowed: unique names", scene_quote(name).text);

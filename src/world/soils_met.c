@@ -26,14 +26,10 @@ static enum status read_post(const struct world *world, int64_t column, int64_t 
 	struct soil_raster rasters[SOIL_RASTERS];
 	enum status status = STATUS_OK;
 	*out = (struct post_soil){.value = SOIL_MAP_NONE};
+	uint8_t soil = 0;
 	if (world->resident.soil_map != NULL)
-		status = resident_soil_map_value(world->resident.soil_map, world->resident.level, column, row, &out->value);
-	out->soil = out->value >= 0 ? scene->soil_class[out->value] : 0;
-	if (out->value == SOIL_MAP_ROAD && status == STATUS_OK) {
-		uint8_t soil;
-		status = resident_soil_map_rect(world->resident.soil_map, world->resident.level, (struct post_rect){column, row, column + 1, row + 1}, &soil);
-		out->soil = soil;
-	}
+		status = resident_soil_map_value(world->resident.soil_map, world->resident.level, column, row, &out->value, &soil);
+	out->soil = soil;
 	out->numbers = scene->soils[out->soil];
 	if (status != STATUS_OK || world->resident.soil_rasters == NULL)
 		return status;

@@ -7,15 +7,12 @@ import pathlib
 import pickle
 import subprocess
 import sys
-import unittest
 
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, main, write_png16
+from furrow_test import BUILT, FurrowTest, main, use_package, write_png16
 
-BUILT = pathlib.Path(FURROW).parents[1] / "python"
-LIBRARY = os.environ.get("FURROW_LIBRARY", str(BUILT.parent / "src/libfurrow.so.0"))
 SCENE = {"time_step": 0.01, "spacing": 0.0625, "soil": {"name": "dry_sand"}, "redistribute": {"model": "scm"}}
 EAST, NORTH = 0.21, 0.13  # slopes of the ground
 
@@ -28,10 +25,7 @@ class ArraysTest(FurrowTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        if not (BUILT / "furrow/_declarations.py").exists():
-            raise unittest.SkipTest("the Python package is not built")
-        sys.path.insert(0, str(BUILT))
-        os.environ["FURROW_LIBRARY"] = LIBRARY
+        use_package()
 
     @contextlib.contextmanager
     def world(self):

@@ -4,21 +4,17 @@ import atexit
 import csv
 import importlib.util
 import json
-import os
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
-import unittest
 
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FurrowTest, main, need_vehicles, use_package
 
 ROOT = pathlib.Path(__file__).parents[2]
-BUILT = pathlib.Path(FURROW).parents[1] / "python"
 SCENE = f"""scene: 1
 time_step: 0.002
 end_time: 0.4
@@ -40,10 +36,8 @@ class BagTest(FurrowTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        if not (BUILT / "furrow/_declarations.py").exists():
-            raise unittest.SkipTest("the Python package is not built")
-        if "vehicles: MuJoCo" not in subprocess.run([FURROW, "--version"], capture_output=True, text=True).stdout:
-            raise unittest.SkipTest("this build has no MuJoCo")
+        use_package()
+        need_vehicles()
 
     def setUp(self):
         super().setUp()
@@ -55,8 +49,6 @@ class BagTest(FurrowTest):
             atexit.register(shutil.rmtree, BagTest.driven, ignore_errors=True)
             shutil.copytree(self.folder / "out", BagTest.driven / "out")
         shutil.copytree(BagTest.driven / "out", self.folder / "out", dirs_exist_ok=True)
-        sys.path.insert(0, str(BUILT))
-        os.environ.setdefault("FURROW_LIBRARY", str(BUILT.parent / "src/libfurrow.so.0"))
 
     def rows(self):
         with open(self.folder.joinpath("out/vehicles.csv"), newline="") as file:

@@ -47,6 +47,24 @@ def has_gdal():
     return shutil.which("gdal_translate") is not None
 
 
+BUILT = pathlib.Path(FURROW).parents[1] / "python"  # the Python package of this build
+LIBRARY = os.environ.get("FURROW_LIBRARY", str(BUILT.parent / "src/libfurrow.so.0"))
+
+
+def use_package():
+    """Lets a test import the Python package of this build; without one the test skips."""
+    if not (BUILT / "furrow/_declarations.py").exists():
+        raise unittest.SkipTest("the Python package is not built")
+    sys.path.insert(0, str(BUILT))
+    os.environ["FURROW_LIBRARY"] = LIBRARY
+
+
+def need_vehicles():
+    """Skips a test where this build has no vehicles."""
+    if "vehicles: MuJoCo" not in subprocess.run([FURROW, "--version"], capture_output=True, text=True).stdout:
+        raise unittest.SkipTest("this build has no MuJoCo")
+
+
 def long(test):
     """Of a test or a class of them that costs much for what it finds: `sh tools/test.sh long` runs it."""
     return unittest.skipUnless(FULL, "for sh tools/test.sh long")(test)

@@ -15,11 +15,9 @@ import warnings
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW
+from furrow_test import BUILT, LIBRARY, need_vehicles, use_package
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs/GYM.md"
-BUILT = pathlib.Path(FURROW).parents[1] / "python"
-LIBRARY = str(BUILT.parent / "src/libfurrow.so.0")
 ACTIONS = [(1, 0.5), (1, -1), (-0.5, 0.2), (0.3, 1)]
 EPISODE = """import hashlib, sys
 import numpy as np
@@ -35,7 +33,7 @@ rover.close()
 
 
 def environment():
-    return {**os.environ, "PYTHONPATH": str(BUILT), "FURROW_LIBRARY": os.environ.get("FURROW_LIBRARY", LIBRARY)}
+    return {**os.environ, "PYTHONPATH": str(BUILT), "FURROW_LIBRARY": LIBRARY}
 
 
 def python(text, *arguments):
@@ -45,12 +43,8 @@ def python(text, *arguments):
 class GymTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        if not (BUILT / "furrow/_declarations.py").exists():
-            raise unittest.SkipTest("the Python package is not built")
-        if "vehicles: MuJoCo" not in subprocess.run([FURROW, "--version"], capture_output=True, text=True).stdout:
-            raise unittest.SkipTest("this build has no MuJoCo")
-        sys.path.insert(0, str(BUILT))
-        os.environ.setdefault("FURROW_LIBRARY", LIBRARY)
+        use_package()
+        need_vehicles()
         from furrow import _rover
         cls.rovers = _rover
         cls.held = tempfile.TemporaryDirectory()

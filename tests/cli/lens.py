@@ -1,18 +1,15 @@
 """Lenses, exposure times and noise of cameras: known points are where the model says, noise has its size and follows its seed, and bags and datasets tell the model."""
 import json
-import os
 import pathlib
 import shutil
 import sys
-import unittest
 
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from cameras import matrix, read_png  # noqa: E402
-from furrow_test import FURROW, FurrowTest, main, write_png16  # noqa: E402
+from furrow_test import FurrowTest, main, use_package, write_png16  # noqa: E402
 
-BUILT = pathlib.Path(FURROW).parents[1] / "python"
 BALLS = [(18.0, 26.0), (24.0, 26.0), (21.0, 24.0), (16.5, 22.0), (25.5, 22.0)]
 SCENE = """scene: 1
 time_step: 0.02
@@ -29,10 +26,7 @@ class LensTest(FurrowTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        if not (BUILT / "furrow/_declarations.py").exists():
-            raise unittest.SkipTest("the Python package is not built")
-        sys.path.insert(0, str(BUILT))
-        os.environ.setdefault("FURROW_LIBRARY", str(BUILT.parent / "src/libfurrow.so.0"))
+        use_package()
 
     def setUp(self):
         super().setUp()

@@ -1,20 +1,11 @@
 """Roads: which posts lie on them, beside distances computed here; hard ground under wheels; what is refused and told."""
 import json
 import math
-import os
-import pathlib
 import subprocess
-import sys
-import unittest
 
 import numpy as np
 
-from furrow_test import FURROW, FurrowTest, has_gdal, main
-
-BUILT = pathlib.Path(FURROW).parents[1] / "python"
-sys.path.insert(0, str(BUILT))
-os.environ.setdefault("FURROW_LIBRARY", str(BUILT.parent / "src/libfurrow.so.0"))
-import furrow
+from furrow_test import FurrowTest, has_gdal, main, use_package
 
 SCENE = """scene: 1
 time_step: 0.02
@@ -59,6 +50,8 @@ class Roads(FurrowTest):
 
     def soils(self, roads, spacing=0.25, step=1):
         """The index of the soil at every post of the terrain."""
+        use_package()
+        import furrow
         scene = {"spacing": spacing, "soil": {"name": "dry_sand"}, "ground": {"roads": roads}, "redistribute": {"model": "scm"}}
         side = np.arange(0, 128 + spacing / 2, spacing * step)
         x, y = np.meshgrid(side, side)
@@ -92,6 +85,8 @@ class Roads(FurrowTest):
         self.assertLess(abs(rows["sinkage"][on] / closed - 1).max(), 0.02)
         self.assertGreater(rows["sinkage"][off].min(), 0.02)
         self.assertTrue(np.allclose(rows["fz"], 2000, rtol=0.01))
+        use_package()
+        import furrow
         with furrow.World({"spacing": 0.25, "redistribute": {"model": "none"}}, store=self.folder / "out.furrow", readonly=True) as world:
             heights = world.points([(x, 40) for x in np.arange(38, 42.1, 0.25)])["offset"]
         self.assertEqual(abs(heights).max(), 0)

@@ -2,21 +2,17 @@
 import atexit
 import csv
 import json
-import os
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
-import unittest
 
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, main, write_png16  # noqa: E402
+from furrow_test import FurrowTest, main, need_vehicles, use_package, write_png16  # noqa: E402
 
 ROOT = pathlib.Path(__file__).parents[2]
-BUILT = pathlib.Path(FURROW).parents[1] / "python"
 SLED = ROOT / "tests/vehicle/sled.xml"
 G = 9.81
 LEVEL = 10.0  # m: height of the level ground
@@ -68,12 +64,8 @@ class SensorsTest(FurrowTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        if not (BUILT / "furrow/_declarations.py").exists():
-            raise unittest.SkipTest("the Python package is not built")
-        if "vehicles: MuJoCo" not in subprocess.run([FURROW, "--version"], capture_output=True, text=True).stdout:
-            raise unittest.SkipTest("this build has no MuJoCo")
-        sys.path.insert(0, str(BUILT))
-        os.environ.setdefault("FURROW_LIBRARY", str(BUILT.parent / "src/libfurrow.so.0"))
+        use_package()
+        need_vehicles()
 
     def ground(self, name, height):
         """A store of 257 x 257 posts at 0.25 m; height(x), m, from 0 to 65."""

@@ -35,6 +35,18 @@ static void engine_fail(const char *text)
 	exit(1);
 }
 
+/* Makes steps until one ends in an error, `most` of them at most. Returns MuJoCo's text; "": none did. */
+static inline const char *engine_refuses(mjModel *model, mjData *data, int most)
+{
+	engine_error[0] = '\0';
+	engine_catches = 1;
+	if (setjmp(engine_back) == 0)
+		for (int i = 0; i < most; i++)
+			engine.mj_step(model, data);
+	engine_catches = 0;
+	return engine_error;
+}
+
 /* For cmocka's group: opens a folder, MuJoCo, and the plugin. */
 static inline int engine_enter(void **state)
 {

@@ -54,14 +54,9 @@ static void no_folder_for_the_ruts(void **state)
 /* Makes a step that is refused. Returns why. */
 static const char *step_refusal(mjModel *model, mjData *data)
 {
-	engine_error[0] = '\0';
-	engine_catches = 1;
-	if (setjmp(engine_back) == 0)
-		for (int i = 0; i < 100; i++)
-			engine.mj_step(model, data);
-	engine_catches = 0;
-	print_message("%s\n", engine_error);
-	return engine_error;
+	const char *told = engine_refuses(model, data, 100);
+	print_message("%s\n", told);
+	return told;
 }
 
 static void steps_that_cannot_be(void **state)
