@@ -168,7 +168,9 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 	if (!*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5)
 		dem_source_remark(source, SOURCE_UNIT, "its SRS is in feet and nothing says the unit of heights; they are taken as metres. Give --s-unit %s if they are feet",
 		       OSRGetLinearUnits(source->srs, NULL) == 0.3048 ? "ft" : "us-ft");
-	if (tagged && params->s_unit != NULL && fabs(*metres) != dem_unit_metres(tag))
+	if (tagged && params->s_unit == NULL && !dem_unit_known(tag))
+		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s, which is not known; its heights are taken as metres. --s-unit names another", tag);
+	else if (tagged && params->s_unit != NULL && fabs(*metres) != dem_unit_metres(tag))
 		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; --s-unit %s is used", tag, unit);
 	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / fabs(*metres) - 1) > 1e-9)
 		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; that is used, not the %.10g m of %.80s. --s-unit names another", tag, axis,
@@ -242,13 +244,19 @@ static int64_t panel_of(GDALRasterBandH band)
 	return tiled ? DEM_CACHE_BYTES / 2 / column : 0;
 }
 
+static bool is_signed_byte(GDALRasterBandH band)
+{
+	const char *type = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+	return GDALGetRasterDataType(band) == GDT_Byte && type != NULL && strcmp(type, "SIGNEDBYTE") == 0;
+}
+
 /* Returns what full scale of a band is that a height range may describe; 0: the band says itself what it means. */
 static double full_scale(GDALRasterBandH band)
 {
 	const GDALDataType type = GDALGetRasterDataType(band);
 	int has_scale = 0, has_offset = 0;
 	const double scale = GDALGetRasterScale(band, &has_scale), offset = GDALGetRasterOffset(band, &has_offset);
-	if ((has_scale && scale != 1) || (has_offset && offset != 0))
+	if ((has_scale && scale != 1) || (has_offset && offset != 0) || is_signed_byte(band))
 		return 0;
 	return type == GDT_Byte ? 255 : type == GDT_UInt16 ? 65535 : 0;
 }
@@ -339,7 +347,8 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 		 "subClass=\"VRTDerivedRasterBand\"><NoDataValue>nan</NoDataValue>"
 		 "<PixelFunctionType>furrow_metres</PixelFunctionType><PixelFunctionArguments meaning=\""
 		 "%.17g %.17g %d %d", source->width, source->height, p[0], p[1], p[2], p[3], p[4], p[5],
-		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit - lower, !source->doubles, colours);
+		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit - lower, !source->doubles,
+		 colours ? DEM_STORED_COLOURS : is_signed_byte(band) ? DEM_STORED_SIGNED_BYTE : DEM_STORED_PLAIN);
 	text_add_nodata(&text, params, dataset, band, colours, scale, offset);
 	text_add(&text, "\"/><SourceTransferType>Float64</SourceTransferType>");
 	for (int i = 0; i < (colours ? 3 : 1); i++)
