@@ -39,8 +39,8 @@ static bool looks_like_degrees(const struct gdal_source *source)
 #define COARSE_DEGREES 0.1 /* between posts: coarser ones are degrees only if the heights say so */
 #define STEEP_MOST 50.0 /* no ground differs in height by more than so many times its width */
 
-/* Refuses a place in degrees that would become a terrain much higher than wide. */
-static enum status refuse_degrees(const struct gdal_source *source)
+/* Refuses a place in degrees that would become a terrain much higher than wide. Drops the remark of one with coarse posts that is no higher than wide. */
+static enum status judge_degrees(struct gdal_source *source)
 {
 	const double wide = source->width * fabs(source->place[1]), high = source->height * fabs(source->place[5]);
 	double range[2] = {0, 0};
@@ -48,6 +48,11 @@ static enum status refuse_degrees(const struct gdal_source *source)
 	if (dataset != NULL) {
 		GDALComputeRasterMinMax(GDALGetRasterBand(dataset, 1), TRUE, range);
 		GDALClose(dataset);
+	}
+	const bool coarse = fmax(fabs(source->place[1]), fabs(source->place[5])) >= COARSE_DEGREES;
+	if (coarse && !(range[1] - range[0] > fmax(wide, high))) { /* as likely metres */
+		mem_free(source->remarks[SOURCE_DEGREES]);
+		source->remarks[SOURCE_DEGREES] = NULL;
 	}
 	if (!(range[1] - range[0] > STEEP_MOST * fmax(wide, high)))
 		return STATUS_OK;
@@ -141,9 +146,22 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	return STATUS_OK;
 }
 
+/* Returns true if the file says that greater values are deeper. Its vertical axis may say so, a word of netCDF, or a standard name of the CF
+ * conventions. A BAG holds elevations, whatever the axis in it says. */
+static bool counts_down(GDALDatasetH dataset, GDALRasterBandH band, OGRAxisOrientation way)
+{
+	const char *positive = GDALGetMetadataItem(band, "positive", NULL), *name = GDALGetMetadataItem(band, "standard_name", NULL);
+	const char *driver = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+	if (driver != NULL && strcmp(driver, "BAG") == 0)
+		return false;
+	if (positive != NULL)
+		return strcmp(positive, "down") == 0;
+	return way == OAO_Down || (name != NULL && (strcmp(name, "depth") == 0 || strncmp(name, "depth_below", 11) == 0 || strncmp(name, "sea_floor_depth", 15) == 0));
+}
+
 /* Gives the unit of values in metres: --s-unit, or that of the band, of the vertical reference, or else 1. *said: that is known. Takes the
  * vertical part off the SRS. */
-static enum status vertical_unit(struct gdal_source *source, const struct dem_params *params, GDALRasterBandH band, double *metres, bool *said)
+static enum status vertical_unit(struct gdal_source *source, const struct dem_params *params, GDALDatasetH dataset, GDALRasterBandH band, double *metres, bool *said)
 {
 	const char *tag = GDALGetRasterUnitType(band), *unit = params->s_unit != NULL ? params->s_unit : tag;
 	const bool tagged = tag != NULL && tag[0] != '\0', projected = source->srs != NULL && OSRIsProjected(source->srs);
@@ -154,8 +172,7 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 		(void)OSRGetAxis(source->srs, "COMPD_CS|VERT_CS", 0, &way);
 	}
 	TRY(dem_vertical_part(source));
-	const char *positive = GDALGetMetadataItem(band, "positive", NULL); /* netCDF's word */
-	const bool down = params->s_vertical == NULL && (way == OAO_Down || (positive != NULL && strcmp(positive, "down") == 0));
+	const bool down = params->s_vertical == NULL && counts_down(dataset, band, way);
 	if (params->s_vertical != NULL)
 		TRY(dem_vertical_unit(params->s_vertical, &axis));
 	*said = source->own != NULL || tagged || params->s_unit != NULL;
@@ -478,7 +495,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 	GDALRasterBandH band = GDALGetRasterBand(dataset, source->band);
 	TRY(check_range(source, params, band));
 	TRY(place_source(source, dataset, params, override));
-	TRY(vertical_unit(source, params, band, &unit, &said));
+	TRY(vertical_unit(source, params, dataset, band, &unit, &said));
 	const char *metadata = GDALGetMetadataItem(dataset, "VERTICAL_REFERENCE", NULL);
 	if (metadata == NULL) /* DEMs of planets name their geoid or areoid so */
 		metadata = GDALGetMetadataItem(dataset, "GEOID", NULL);
@@ -486,11 +503,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 		TRY(dem_vertical_metadata(source, metadata));
 	TRY(write_vrt(source, params, dataset, unit, 0, number));
 	if (source->remarks[SOURCE_DEGREES] != NULL)
-		TRY(refuse_degrees(source));
-	if (fmax(fabs(source->place[1]), fabs(source->place[5])) >= COARSE_DEGREES) { /* as likely metres */
-		mem_free(source->remarks[SOURCE_DEGREES]);
-		source->remarks[SOURCE_DEGREES] = NULL;
-	}
+		TRY(judge_degrees(source));
 	TRY(dem_radii_find(source, params->radii, unit, said, &radius));
 	if (radius.sphere > 0) {
 		mem_free(source->own);

@@ -59,6 +59,50 @@ class Formats(RasterTest):
                 self.assertIn(f"its unit is {unit}", told)
                 self.assertNotIn("is not known", self.check("unit.vrt", [value * 0.3048 for value in values], "--s-unit", "ft"))
 
+    def described(self, name, items, driver=None):
+        """A raster whose band has metadata, in a VRT or as another driver writes that."""
+        path = rasters.make(self.folder / "plain.tif", WIDTH, HEIGHT, self.grid())
+        text = self.folder / "described.vrt"
+        rasters.gdal("gdal_translate", "-q", "-of", "VRT", path, text)
+        lines = "".join(f'<MDI key="{key}">{value}</MDI>' for key, value in items.items())
+        text.write_text(text.read_text().replace("<ColorInterp>", f"<Metadata>{lines}</Metadata><ColorInterp>"))
+        if driver is None:
+            return text.rename(self.folder / name)
+        rasters.gdal("gdal_translate", "-q", "-of", driver, text, self.folder / name)
+        return self.folder / name
+
+    def test_names_that_mean_a_depth(self):
+        for number, (items, sign) in enumerate((({"standard_name": "sea_floor_depth_below_geoid"}, -1), ({"standard_name": "depth"}, -1),
+                                                ({"standard_name": "sea_floor_depth_below_geoid", "positive": "up"}, 1), ({"standard_name": "height_above_geoid"}, 1),
+                                                ({"positive": "down"}, -1))):
+            with self.subTest(items=items):
+                told = self.check(self.described(f"{number}.vrt", items).name, [sign * value for value in self.grid()])
+                self.assertEqual("count down" in told, sign < 0, told)
+
+    def with_driver(self, name):
+        if f"  {name} -" not in rasters.gdal("gdalinfo", "--formats"):
+            self.skipTest(f"not on this machine: GDAL's driver {name}")
+
+    def test_a_bag_has_elevations_though_its_axis_points_down(self):
+        self.with_driver("BAG")
+        path = self.described("b.bag", {}, "BAG")
+        self.assertIn("down", rasters.gdal("gdalinfo", path))
+        self.assertNotIn("count down", self.check("b.bag", self.grid()))
+
+    def test_a_part_of_an_hdf5_file_by_its_name(self):
+        self.with_driver("BAG")
+        self.with_driver("HDF5")
+        self.described("b.bag", {}, "BAG")
+        self.ok("import", 'HDF5:"b.bag"://BAG_root/elevation', "-o", "s.furrow")
+        self.assertEqual(self.json("info", "s.furrow")["posts"], [WIDTH, HEIGHT])
+        self.assertIn("network", self.refused(3, "import", 'HDF5:"http://127.0.0.1:1/b.h5"://elevation', "-o", "x.furrow"))
+
+    def test_coarse_degrees_without_an_srs_are_told_where_the_ground_is_higher_than_wide(self):
+        for rise, told in ((10.0, True), (0.01, False)):
+            self.make("d.tif", 50, 40, lambda column, row: rise * column, west=12.0, north=45.0, step=0.25, srs=None)
+            result = self.furrow("import", "d.tif", "-o", "s.furrow", "--overwrite")
+            self.assertEqual((result.returncode, "looks like degrees" in result.stderr), (0, told), result.stderr)
+
     def test_what_a_projection_does_not_hold_is_told(self):
         for width, lost in ((360, True), (10, False)):
             rasters.make(self.folder / "globe.tif", width, 180, [50.0] * (180 * width), west=-width / 2, north=90.0, step=1, srs="EPSG:4326")
