@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "dem/dem.h"
+#include "exchange/exchange.h"
 #include "export.h"
 #include "relief_told.h"
 #include "ruts.h"
@@ -14,6 +15,8 @@
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", NULL};
 
+/* In the order of enum exchange_up, from its second. */
+static const char *const export_axes[] = {"y", "z", NULL};
 static const char *const export_encodings[] = {"mapbox", "terrarium", NULL};
 
 static const struct command_option options[] = {
@@ -21,6 +24,7 @@ static const struct command_option options[] = {
 	 .files = "tif png r16 raw svg pdf", .needed = true},
 	{"mesh", "OUT", .help = "the surface of the window as triangles: .obj, .glb (glTF 2.0) or .stl", .files = "obj glb stl",
 	 .instead = true},
+	{"up", "AXIS", .help = "with --mesh: the axis that is up; x is east. y: z is south; z: y is north", .choices = export_axes, .preset = "y; of .stl, z"},
 	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
 	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, disturbance, bent and torn plants as shares, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
 	 .preset = "surface"},
@@ -101,13 +105,27 @@ static enum status check_mesh(const struct arguments *arguments, const char *pat
 	return known ? STATUS_OK : fail_with(STATUS_USAGE, "export: --mesh %s: has another ending; name a .obj, .glb or .stl", path);
 }
 
+/* Without --up it is what the format has. */
+static enum status read_up(const struct arguments *arguments, struct export_request *request)
+{
+	int axis = 0;
+	request->up = EXCHANGE_UP_FORMAT;
+	if (arguments_text(arguments, "up") == NULL)
+		return STATUS_OK;
+	if (!request->mesh)
+		return fail_with(STATUS_USAGE, "export: --up is for --mesh; give --mesh OUT, or leave --up out");
+	TRY(arguments_choice(arguments, "up", &axis));
+	request->up = EXCHANGE_UP_Y + axis;
+	return STATUS_OK;
+}
+
 static enum status read_request(const struct arguments *arguments, struct export_request *request)
 {
 	const char *mesh = arguments_text(arguments, "mesh");
 	request->path = mesh != NULL ? mesh : arguments_text(arguments, "o");
 	request->mesh = mesh != NULL;
-	if (mesh != NULL)
-		TRY(check_mesh(arguments, mesh));
+	TRY(mesh != NULL ? check_mesh(arguments, mesh) : STATUS_OK);
+	TRY(read_up(arguments, request));
 	if (request->path == NULL)
 		return fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif, .png or .r16");
 	TRY(export_read_layer(arguments, &request->layer));
@@ -431,8 +449,8 @@ const struct command command_export = {
 		   "hillshade, with a grid, a legend, a scale bar and north (furrow map says more of them). Its pixels are posts, "
 		   "small maps enlarged by a whole factor. More than 4096 on a side are drawn at a coarser level, each pixel with "
 		   "the largest value of the posts within it, so that narrow ruts are seen.\n\n"
-		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. OBJ and STL are "
-		   "z up, glTF is y up.\n\n"
+		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. glTF and OBJ are y up, STL is z up; --up changes OBJ and "
+		   "STL. glTF has a picture as of furrow map.\n\n"
 		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a "
 		   "page that shows them behind any static server: python3 -m http.server -d DIR. Run again after a kill it goes "
 		   "on; with --since it writes what changed. src/exchange/EXCHANGE.md says how to use the tiles.\n",

@@ -33,6 +33,7 @@ struct export_request {
 	struct plane_marks marks; /* the store's time */
 	int64_t level;
 	bool png, raw, mesh; /* path's ending; mesh: --mesh */
+	int up;              /* of a mesh: enum exchange_up */
 	bool map;            /* a picture with a frame and a legend */
 	bool has_window, has_range;
 	double window[4], range[2]; /* window: m from the south-west post; before export_place_window, in window_srs */

@@ -12,7 +12,7 @@
 /* Options that say what one file has, and nothing of tiles. */
 static enum status check_options(const struct arguments *arguments)
 {
-	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window", "window-srs"};
+	static const char *const foreign[] = {"o", "mesh", "up", "layer", "level", "window", "window-srs"};
 	for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
 		if (arguments_text(arguments, foreign[i]) != NULL)
 			return fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",

@@ -65,12 +65,18 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
  * --- meshes ---
  *
  * The surface of a window as triangles: two for each cell, one where one of its posts is a hole, none where more are. Positions
- * are metres east, north and up of the mesh's origin, so that floats hold them.
+ * are metres east, north and up of the mesh's origin, so that floats hold them. A .glb has a picture over it, and a .obj the places in one.
  */
+enum exchange_up { EXCHANGE_UP_FORMAT, EXCHANGE_UP_Y, EXCHANGE_UP_Z };
 struct exchange_mesh_params {
 	struct store_reader *reader;
 	const struct store_meta *meta;
 	const char *path;      /* ending in .obj, .glb or .stl */
+	const char *name;      /* of the terrain, which .glb and .obj tell; NULL: "terrain" */
+	/* EXCHANGE_UP_FORMAT: y in .glb and .obj, z in .stl. Where y is up, x is east and z south. A .glb takes no EXCHANGE_UP_Z */
+	enum exchange_up up;
+	bool deformed;         /* the store has a working level, `working`: the picture of a .glb may show ruts */
+	int working;
 	int level;
 	struct post_rect rect; /* of posts of `level`, within the terrain */
 	store_progress_fn progress; /* may be NULL */
@@ -80,9 +86,10 @@ struct exchange_mesh_result {
 	uint64_t vertices, triangles; /* STL has each vertex in each of its triangles */
 	double origin[3]; /* metres: east and north of the store's south-west post, and height, where the mesh has (0, 0, 0) */
 	double low[3], high[3]; /* metres: bounds of the positions, east, north, up */
+	bool y_up;
 };
 /* Writes the mesh to another name first, then renames it. STATUS_INPUT: no triangle is there, or the file would be too large; the
- * message says how large. That counts holes as posts. STATUS_USAGE: another ending. */
+ * message says how large. That counts holes as posts. STATUS_USAGE: another ending, or z is up in a .glb. */
 enum status exchange_mesh(const struct exchange_mesh_params *params, struct exchange_mesh_result *result) FURROW_CHECKED;
 
 #endif
