@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "dem/dem.h"
 #include "exchange/exchange.h"
 #include "export.h"
 #include "relief_told.h"
@@ -12,10 +13,10 @@
 /* Options that say what one file has, and nothing of tiles. */
 static enum status check_options(const struct arguments *arguments)
 {
-	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window", "window-srs"};
+	static const char *const foreign[] = {"o", "mesh", "layer", "level"};
 	for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
 		if (arguments_text(arguments, foreign[i]) != NULL)
-			return fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",
+			return fail_with(STATUS_USAGE, "export: --tiles has all zoom levels; leave %s%s out",
 					 foreign[i][1] == '\0' ? "-" : "--", foreign[i]);
 	return STATUS_OK;
 }
@@ -27,6 +28,39 @@ static enum status step(void *user, int64_t done, int64_t total)
 	if (status == STATUS_INTERRUPTED)
 		return fail_with(status, "%s: interrupted; run it again to go on", progress->what);
 	return status;
+}
+
+/* Reads --window and --window-srs. Of degrees, the tiles have just those: the antimeridian may be their edge. */
+static enum status read_window(const struct export_request *asked, const struct store_meta *meta, struct exchange_tiles_params *params)
+{
+	struct export_request request = *asked;
+	struct post_rect rect;
+	if (!request.has_window)
+		return STATUS_OK;
+	params->has_clip = request.window_srs != NULL && strcmp(request.window_srs, DEM_SRS_DEGREES) == 0;
+	memcpy(params->clip, request.window, sizeof params->clip);
+	if (params->has_clip && request.window[0] > request.window[2])
+		return fail_with(STATUS_INPUT, "export: --window %g,%g,%g,%g: crosses the antimeridian, or its corners are swapped; give one that ends at 180, and one that begins at -180, "
+				 "each with a folder of its own", request.window[0], request.window[1], request.window[2], request.window[3]);
+	TRY(export_place_window(&request, meta));
+	TRY(export_find_rect(&request, &meta->extent, &rect));
+	params->has_window = true;
+	memcpy(params->window, request.window, sizeof params->window);
+	return STATUS_OK;
+}
+
+/* How heights are coded: --encoding, or --height-step. */
+static enum status read_coding(const struct arguments *arguments, struct exchange_tiles_params *params)
+{
+	int encoding = 0;
+	TRY(arguments_number(arguments, "height-step", 1e-4, 100, &params->step));
+	if (arguments_text(arguments, "encoding") == NULL)
+		return STATUS_OK;
+	TRY(arguments_choice(arguments, "encoding", &encoding));
+	params->terrarium = encoding == 1;
+	return params->step == 0 ? STATUS_OK
+				 : fail_with(STATUS_USAGE, "export: --height-step %g: --encoding %s has its own steps; leave one of both out", params->step,
+					     arguments_text(arguments, "encoding"));
 }
 
 /* Globes have no other heights than those above the ellipsoid. `vertical`: what the store's are above; "": not known. */
@@ -43,7 +77,7 @@ static void tell_vertical(const char *directory, const char *vertical)
 static void print_made(const struct exchange_tiles_params *params, const struct exchange_tiles_result *made, const struct store_meta *meta)
 {
 	const char *directory = params->directory;
-	const double deepest = params->terrarium ? -32768 : -10000;
+	const double deepest = made->coding_zero;
 	int64_t tiles = 0, written = 0;
 	for (int set = 0; set < EXCHANGE_SETS; set++) {
 		tiles += made->made[set];
@@ -71,8 +105,8 @@ static void print_made(const struct exchange_tiles_params *params, const struct 
 	if (meta->holes > 0)
 		note("%s: the terrain has holes, which globe tiles fill from their rims; maps leave them out", directory);
 	if (fmax(made->mesh_step[0], made->mesh_step[1]) > 1.005 * meta->extent.spacing)
-		note("%s: the globe's finest complete level has vertices %.3g x %.3g m apart, and the store has posts every %.3g m", directory, made->mesh_step[0],
-		     made->mesh_step[1], meta->extent.spacing);
+		note("%s: the globe's finest complete level has vertices %.3g x %.3g m apart, and the store has posts every %.3g m: --fine-globe makes one more level, "
+		     "with up to four times as many globe tiles", directory, made->mesh_step[0], made->mesh_step[1], meta->extent.spacing);
 }
 
 enum status export_tiles(const struct arguments *arguments)
@@ -94,10 +128,13 @@ enum status export_tiles(const struct arguments *arguments)
 	TRY(arguments_integer(arguments, "jobs", 1, 64, &params.jobs));
 	TRY(arguments_numbers(arguments, "height-range", 2, params.range, &params.has_range));
 	TRY(export_read_light(arguments, &request, true));
-	int encoding = 0;
-	if (arguments_text(arguments, "encoding") != NULL)
-		TRY(arguments_choice(arguments, "encoding", &encoding));
-	params.terrarium = encoding == 1;
+	TRY(read_coding(arguments, &params));
+	int wide = 0;
+	if (arguments_text(arguments, "tile-size") != NULL)
+		TRY(arguments_choice(arguments, "tile-size", &wide));
+	params.pixels = wide ? 512 : 256;
+	params.fine_globe = arguments_flag(arguments, "fine-globe");
+	TRY(export_read_window(arguments, &request));
 	if (params.has_range && !(params.range[0] < 0 && params.range[1] > 0))
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: ruts have colours for both signs; give MIN below 0 and MAX above",
 				 params.range[0], params.range[1]);
@@ -108,12 +145,15 @@ enum status export_tiles(const struct arguments *arguments)
 	interrupt_catch();
 	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	params.store = store;
+	enum status status;
+	TRY_OR(done, read_window(&request, store_meta(store), &params));
 	progress_start(&progress, params.directory, "tiles");
 	relief_tell_missing(path, store);
-	enum status status = exchange_tiles(&params, &made);
+	status = exchange_tiles(&params, &made);
 	progress_end(&progress);
 	if (status == STATUS_OK)
 		print_made(&params, &made, store_meta(store));
+done:
 	store_close(store);
 	return status;
 }

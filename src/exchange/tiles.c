@@ -192,7 +192,11 @@ wait:
 
 static enum status check_heights(const struct exchange_tiles_params *params, const struct store_meta *meta)
 {
-	const double highest = params->terrarium ? 32767 : 1667700;
+	const struct exchange_coding coding = exchange_coding_of(params, meta);
+	const double highest = coding.zero + EXCHANGE_CODE_MOST / coding.parts, spare = 256; /* heaps may rise above the base */
+	if (params->step > 0 && meta->high + spare > highest)
+		return fail_with(STATUS_INPUT, "export: --height-step %g: heights from %g to %g m need more steps than a tile has; give at least %s", params->step, meta->low,
+				 meta->high, number_at_least((meta->high + spare - coding.zero) / EXCHANGE_CODE_MOST, 3).text);
 	if (meta->high > highest)
 		return fail_with(STATUS_INPUT, "heights from %g to %g m: tiles of this encoding hold at most %g m; write a .tif", meta->low, meta->high, highest);
 	return STATUS_OK;
@@ -249,7 +253,7 @@ static enum status check_stamp(struct work *all, const struct exchange_stamp *ol
 		return fail_with(STATUS_INPUT, "%s: its tiles are of revision %lld, and --since %lld would leave out what changed between; give "
 				 "--since %lld", directory, (long long)old->revision, since, (long long)old->revision);
 	if (old->look != all->stamp.look)
-		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration, encoding or range of colours; give the same, or leave --since "
+		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration, encoding, size, window or range of colours; give the same, or leave --since "
 				 "out", directory);
 	return STATUS_OK;
 }
@@ -259,7 +263,16 @@ static uint64_t look_of(const struct exchange_tiles_params *params, const double
 	double look[3 + 3 * CHART_SUNS] = {range[0], range[1], params->terrarium ? -params->exaggerate : params->exaggerate};
 	for (int i = 0; i < 3 * CHART_SUNS; i++)
 		look[3 + i] = params->sun.toward[i / 3][i % 3];
-	return XXH3_64bits(look, sizeof look);
+	const uint64_t hash = XXH3_64bits(look, sizeof look);
+	/* Folders of earlier versions have a hash without these. */
+	if (params->step == 0 && params->pixels <= 256 && !params->fine_globe && !params->has_window)
+		return hash;
+	double more[11] = {params->step, (double)params->pixels, params->fine_globe};
+	for (int i = 0; i < 4; i++) {
+		more[3 + i] = params->has_window ? params->window[i] : 0;
+		more[7 + i] = params->has_clip ? params->clip[i] : 0;
+	}
+	return XXH3_64bits_withSeed(more, sizeof more, hash);
 }
 
 static enum status begin(struct work *all)
@@ -323,8 +336,10 @@ static void tell(struct work *all)
 {
 	struct exchange_tiles_result *result = all->result;
 	result->revision = all->zooms.revision;
+	snprintf(result->version, sizeof result->version, "%lld-%08x", (long long)result->revision, (unsigned)all->stamp.look);
 	result->local = all->frame.globe == NULL;
 	result->earth = all->frame.earth;
+	result->coding_zero = exchange_coding_of(all->params, all->frame.meta).zero;
 	if (!result->local)
 		snprintf(result->system, sizeof result->system, "%s", dem_globe_info(all->frame.globe)->name);
 	for (int i = 0; i < 2; i++) {
@@ -355,7 +370,7 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 	TRY_OR(done, check_folder(params->directory));
 	TRY_OR(done, exchange_file_folder(params->directory));
 	TRY_OR(done, store_reader_create(params->store, &all.reader));
-	TRY_OR(done, exchange_frame_init(&all.frame, meta));
+	TRY_OR(done, exchange_frame_init(&all.frame, params));
 	TRY_OR(done, exchange_cover_init(&all.cover, &all.frame, all.reader));
 	TRY_OR(done, exchange_zooms_init(&all.zooms, &all.frame, all.reader, params->store, params->since));
 	TRY_OR(done, exchange_steps_create(&all.steps));
