@@ -109,6 +109,28 @@ static void print_made(const struct exchange_tiles_params *params, const struct 
 		     "with up to four times as many globe tiles", directory, made->mesh_step[0], made->mesh_step[1], meta->extent.spacing);
 }
 
+/* Reads what folders and files of tiles have in common. */
+static enum status read_common(const struct arguments *arguments, struct export_request *request, struct exchange_tiles_params *params)
+{
+	const char *path = arguments_at(arguments, 0), *slash = strrchr(path, '/');
+	int wide = 0;
+	TRY(arguments_integer(arguments, "jobs", 1, 64, &params->jobs));
+	TRY(arguments_numbers(arguments, "height-range", 2, params->range, &params->has_range));
+	TRY(export_read_light(arguments, request, true));
+	TRY(read_coding(arguments, params));
+	if (arguments_text(arguments, "tile-size") != NULL)
+		TRY(arguments_choice(arguments, "tile-size", &wide));
+	params->pixels = wide ? 512 : 256;
+	TRY(export_read_window(arguments, request));
+	if (params->has_range && !(params->range[0] < 0 && params->range[1] > 0))
+		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: ruts have colours for both signs; give MIN below 0 and MAX above",
+				 params->range[0], params->range[1]);
+	params->title = slash != NULL ? slash + 1 : path;
+	params->sun = request->sun;
+	params->exaggerate = request->exaggerate;
+	return STATUS_OK;
+}
+
 enum status export_tiles(const struct arguments *arguments)
 {
 	const char *path = arguments_at(arguments, 0), *leaflet = arguments_text(arguments, "leaflet");
@@ -118,6 +140,7 @@ enum status export_tiles(const struct arguments *arguments)
 		.directory = arguments_text(arguments, "tiles"),
 		.since = -1,
 		.leaflet = leaflet != NULL ? leaflet : LEAFLET,
+		.fine_globe = arguments_flag(arguments, "fine-globe"),
 		.progress = step,
 		.progress_user = &progress,
 	};
@@ -125,23 +148,7 @@ enum status export_tiles(const struct arguments *arguments)
 	struct store *store = NULL;
 	TRY(check_options(arguments));
 	TRY(arguments_integer(arguments, "since", 0, INT64_MAX - 1, &params.since));
-	TRY(arguments_integer(arguments, "jobs", 1, 64, &params.jobs));
-	TRY(arguments_numbers(arguments, "height-range", 2, params.range, &params.has_range));
-	TRY(export_read_light(arguments, &request, true));
-	TRY(read_coding(arguments, &params));
-	int wide = 0;
-	if (arguments_text(arguments, "tile-size") != NULL)
-		TRY(arguments_choice(arguments, "tile-size", &wide));
-	params.pixels = wide ? 512 : 256;
-	params.fine_globe = arguments_flag(arguments, "fine-globe");
-	TRY(export_read_window(arguments, &request));
-	if (params.has_range && !(params.range[0] < 0 && params.range[1] > 0))
-		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: ruts have colours for both signs; give MIN below 0 and MAX above",
-				 params.range[0], params.range[1]);
-	const char *slash = strrchr(path, '/');
-	params.title = slash != NULL ? slash + 1 : path;
-	params.sun = request.sun;
-	params.exaggerate = request.exaggerate;
+	TRY(read_common(arguments, &request, &params));
 	interrupt_catch();
 	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	params.store = store;
@@ -153,6 +160,51 @@ enum status export_tiles(const struct arguments *arguments)
 	progress_end(&progress);
 	if (status == STATUS_OK)
 		print_made(&params, &made, store_meta(store));
+done:
+	store_close(store);
+	return status;
+}
+
+/* The set of tiles that --layer asks for. */
+static enum status read_set(const struct arguments *arguments, enum exchange_set *set)
+{
+	int layer = LAYER_SURFACE;
+	TRY(export_read_layer(arguments, &layer));
+	*set = layer == LAYER_HILLSHADE ? EXCHANGE_HILLSHADE : layer == LAYER_OFFSET ? EXCHANGE_RUTS : EXCHANGE_TERRAIN;
+	return layer == LAYER_SURFACE || layer == LAYER_HILLSHADE || layer == LAYER_OFFSET
+		       ? STATUS_OK
+		       : fail_with(STATUS_USAGE, "export: an .mbtiles holds surface, hillshade or offset, not %s; write a .tif", export_layer_name(layer));
+}
+
+enum status export_mbtiles(const struct arguments *arguments)
+{
+	static const char *const foreign[] = {"since", "leaflet", "fine-globe", "level"};
+	const char *path = arguments_at(arguments, 0);
+	struct export_request request = {.command = "export", .exaggerate = 1};
+	struct progress progress;
+	struct exchange_tiles_params params = {.directory = arguments_text(arguments, "o"), .since = -1, .progress = step, .progress_user = &progress};
+	struct exchange_tiles_result made;
+	enum exchange_set set = EXCHANGE_TERRAIN;
+	struct store *store = NULL;
+	for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
+		if (arguments_flag(arguments, foreign[i]))
+			return fail_with(STATUS_USAGE, "export: an .mbtiles has all zoom levels of one layer, and no globe; leave --%s out", foreign[i]);
+	TRY(read_set(arguments, &set));
+	TRY(read_common(arguments, &request, &params));
+	interrupt_catch();
+	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	params.store = store;
+	enum status status;
+	TRY_OR(done, read_window(&request, store_meta(store), &params));
+	progress_start(&progress, params.directory, "tiles");
+	relief_tell_missing(path, store);
+	status = exchange_mbtiles(&params, set, &made);
+	progress_end(&progress);
+	TRY_OR(done, status);
+	printf("%s: revision %lld, zoom %d to %d: %lld tiles; %.1f s on %d threads\n", params.directory, (long long)made.revision, made.zoom[0], made.zoom[1],
+	       (long long)made.made[set], made.seconds, made.threads);
+	if (!made.earth)
+		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", params.directory, made.system);
 done:
 	store_close(store);
 	return status;

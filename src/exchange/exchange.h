@@ -72,6 +72,12 @@ struct exchange_tiles_result {
 enum status exchange_tiles(const struct exchange_tiles_params *params, struct exchange_tiles_result *result) FURROW_CHECKED;
 
 /*
+ * Writes one set of map tiles, `set`, as an MBTiles file: params->directory is its path, and since and leaflet are not read. What is there is
+ * replaced when the new file is complete. STATUS_INPUT: also where the store is local metres, which have no place on the world's map.
+ */
+enum status exchange_mbtiles(const struct exchange_tiles_params *params, enum exchange_set set, struct exchange_tiles_result *result) FURROW_CHECKED;
+
+/*
  * --- meshes ---
  *
  * The surface of a window as triangles: two for each cell, one where one of its posts is a hole, none where more are. Positions

@@ -34,6 +34,7 @@ struct exchange_frame {
 	double clip[4];   /* degrees: west, south, east, north */
 	int pixels;       /* along a map tile */
 	bool fine_globe;
+	bool maps_only;   /* no tiles for globes */
 };
 enum status exchange_frame_init(struct exchange_frame *frame, const struct exchange_tiles_params *params) FURROW_CHECKED;
 /* Returns true if the frame shows a point: within its window and its clip. Metres from the south-west post, and degrees. */
@@ -202,6 +203,8 @@ struct exchange_maker {
 	struct exchange_steps *steps;
 	const struct exchange_cover *cover; /* of globes */
 	struct exchange_sampler sampler;
+	struct exchange_mbtiles *file; /* the tiles of `only` go into it; NULL: all go into the folder */
+	enum exchange_set only;
 	size_t side; /* pixels along a map tile */
 	struct exchange_coding coding;
 	double *heights, *slopes;
@@ -240,6 +243,16 @@ struct exchange_quantized {
 /* Appends the tile: header, vertices, triangles, edges, and the extension of oct-encoded normals. */
 enum status exchange_quantized_write(const struct exchange_quantized *tile, const struct exchange_frame *frame, struct exchange_bytes *out)
 	FURROW_CHECKED;
+
+/* --- mbtiles.c: a set of map tiles in one SQLite file; any thread --- */
+struct exchange_mbtiles;
+enum status exchange_mbtiles_create(const char *path, struct exchange_mbtiles **out) FURROW_CHECKED;
+void exchange_mbtiles_destroy(struct exchange_mbtiles *file); /* removes what was not published; NULL: nothing */
+enum status exchange_mbtiles_put(struct exchange_mbtiles *file, struct tile tile, const struct exchange_bytes *bytes) FURROW_CHECKED;
+enum status exchange_mbtiles_get(struct exchange_mbtiles *file, struct tile tile, struct exchange_bytes *out, bool *found) FURROW_CHECKED;
+/* Adds a row of metadata. */
+enum status exchange_mbtiles_say(struct exchange_mbtiles *file, const char *name, const char *value) FURROW_CHECKED;
+enum status exchange_mbtiles_publish(struct exchange_mbtiles *file) FURROW_CHECKED;
 
 /* --- page.c: index.html, tiles.js, layer.json, and Leaflet's files --- */
 enum status exchange_page_write(const struct exchange_tiles_params *params, const struct exchange_frame *frame,

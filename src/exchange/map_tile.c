@@ -49,6 +49,13 @@ enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set s
 {
 	char path[EXCHANGE_PATH];
 	bool done;
+	if (maker->file != NULL) {
+		if (maker->bytes.size == 0)
+			return STATUS_OK;
+		maker->made[set]++;
+		maker->written[set]++;
+		return exchange_mbtiles_put(maker->file, tile, &maker->bytes);
+	}
 	TRY(exchange_tile_path(maker->params->directory, set, tile, path));
 	if (maker->bytes.size == 0) {
 		TRY(exchange_file_remove(path, &done));
@@ -153,7 +160,8 @@ static enum status gather_ruts(struct exchange_maker *maker, struct tile tile)
 		char path[EXCHANGE_PATH];
 		bool found;
 		TRY(exchange_tile_path(maker->params->directory, EXCHANGE_RUTS, child, path));
-		TRY(exchange_file_get(path, (size_t)1 << 20, &maker->bytes, &found));
+		TRY(maker->file != NULL ? exchange_mbtiles_get(maker->file, child, &maker->bytes, &found)
+					: exchange_file_get(path, (size_t)1 << 20, &maker->bytes, &found));
 		if (!found)
 			continue;
 		TRY(exchange_png_decode(&maker->bytes, (int)side, path, fine));
@@ -199,9 +207,11 @@ enum status exchange_map_tile(struct exchange_maker *maker, const struct exchang
 			any = !isnan(maker->heights[y * SAMPLES(side) + x]);
 	maker->bytes.size = 0;
 	if (any) {
-		TRY(put_terrain(maker, tile));
-		TRY(put_hillshade(maker, zoom, tile));
-		return put_ruts(maker, zoom, tile);
+		if (maker->file == NULL || maker->only == EXCHANGE_TERRAIN)
+			TRY(put_terrain(maker, tile));
+		if (maker->file == NULL || maker->only == EXCHANGE_HILLSHADE)
+			TRY(put_hillshade(maker, zoom, tile));
+		return maker->file == NULL || maker->only == EXCHANGE_RUTS ? put_ruts(maker, zoom, tile) : STATUS_OK;
 	}
 	for (int set = EXCHANGE_TERRAIN; set <= EXCHANGE_RUTS; set++)
 		TRY(exchange_maker_put(maker, (enum exchange_set)set, tile));

@@ -295,7 +295,7 @@ static enum status plan(const struct planning *planning, bool some)
 	zooms->mesh[0] = 0;
 	for (int z = zooms->map[1]; z >= zooms->map[0]; z--)
 		TRY(plan_zoom(planning, false, z, dense, some));
-	for (int z = zooms->mesh[1]; z >= 0; z--)
+	for (int z = planning->frame->maps_only ? -1 : zooms->mesh[1]; z >= 0; z--)
 		TRY(plan_zoom(planning, true, z, mesh, some));
 	return STATUS_OK;
 }

@@ -4,6 +4,7 @@ import math
 import pathlib
 import re
 import shlex
+import sqlite3
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
@@ -11,7 +12,17 @@ import numpy
 
 from furrow_test import main
 from raster_test import RasterTest
+import rasters
 import tile_readers
+
+SCENE = """scene: 1
+time_step: 0.05
+end_time: 2
+spacing: 0.46875
+redistribute: {model: box}
+objects:
+  - {name: w, shape: {wheel: {radius: 3, width: 2}}, sink: 0.5, path: {points: [[4000, 2500], [4080, 2540]], speed: 60}}
+"""
 
 
 def ground(column, row):
@@ -153,8 +164,7 @@ class TileWindows(RasterTest):
 
     def test_an_update_changes_the_version_in_all_urls(self):
         self.store(west=400000)
-        (self.folder / "scene.yaml").write_text("scene: 1\ntime_step: 0.05\nend_time: 2\nspacing: 0.46875\nredistribute: {model: box}\nobjects:\n"
-                                                "  - {name: w, shape: {wheel: {radius: 3, width: 2}}, sink: 0.5, path: {points: [[4000, 2500], [4080, 2540]], speed: 60}}\n")
+        (self.folder / "scene.yaml").write_text(SCENE)
         versions = []
         for options in ((), ("--sun", "90,45"), None, ()):
             if options is None:
@@ -178,6 +188,38 @@ class TileWindows(RasterTest):
             left, below, right, above = tile_readers.mercator_bounds(z, x, y)
             degrees = [math.degrees(value / 6378137) for value in (left, right)]
             self.assertTrue(degrees[0] < east and degrees[1] > west, (z, x, y))
+
+    def test_mbtiles_have_the_tiles_of_the_folder_and_gdal_opens_them(self):
+        self.store(west=400000)
+        (self.folder / "scene.yaml").write_text(SCENE)
+        self.ok("drive", "scene.yaml", "--store", "s.furrow", "--overlay", "Spuren für später.furrow", "-o", "out")
+        store = "Spuren für später.furrow"
+        self.ok("export", store, "--tiles", "tiles", "--leaflet", ".", "--tile-size", 256)
+        for layer, name in (("surface", "terrain"), ("hillshade", "hillshade"), ("offset", "ruts")):
+            out = self.folder / f"{name} 1.mbtiles"
+            self.ok("export", store, "-o", out, "--layer", layer)
+            with sqlite3.connect(out) as database:
+                rows = {(z, x, 2 ** z - 1 - y): data for z, x, y, data in database.execute("SELECT * FROM tiles")}
+                said = dict(database.execute("SELECT name, value FROM metadata"))
+                self.assertEqual(database.execute("PRAGMA integrity_check").fetchone()[0], "ok")
+            database.close()
+            there = {tile: (self.folder / "tiles" / name / "{}/{}/{}.png".format(*tile)).read_bytes() for tile in self.tiles("tiles", name)[0]}
+            self.assertEqual(rows.keys(), there.keys())
+            self.assertEqual([tile for tile in rows if rows[tile] != there[tile]], [])
+            listed = json.loads((self.folder / f"tiles/{name}.json").read_text())
+            self.assertEqual((int(said["minzoom"]), int(said["maxzoom"]), said["format"]), (listed["minzoom"], listed["maxzoom"], "png"))
+            self.assertEqual(said.get("encoding"), "mapbox" if name == "terrain" else None)
+            read = rasters.gdalinfo(out)
+            self.assertEqual(read["driverShortName"], "MBTiles")
+            self.assertIn("Pseudo-Mercator", read["coordinateSystem"]["wkt"])
+        self.assertEqual(list(self.folder.glob("*.part")), [])
+        self.assertIn("no ruts", self.refused(3, "export", "s.furrow", "-o", "no.mbtiles", "--layer", "offset"))
+        self.assertFalse((self.folder / "no.mbtiles").exists())
+        self.assertIn("local metres", self.refused(3, "export", self.synth("local.furrow", posts="65x65"), "-o", "no.mbtiles"))
+        self.assertIn("no globe", self.refused(2, "export", "s.furrow", "-o", "no.mbtiles", "--fine-globe"))
+        self.assertIn("holds surface", self.refused(2, "export", "s.furrow", "-o", "no.mbtiles", "--layer", "shear"))
+        self.assertIn("pmtiles convert", self.refused(2, "export", "s.furrow", "-o", "no.pmtiles"))
+        self.refused(3, "export", "s.furrow", "-o", "nowhere/a.mbtiles")
 
 
 if __name__ == "__main__":
