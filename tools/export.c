@@ -39,6 +39,7 @@ static const struct command_option options[] = {
 	{"height-step", "M", .help = "of tiles: heights in steps of so much: MapLibre's encoding custom, whose factors are in terrain.json", .unit = "m", .preset = "the encoding's"},
 	{"tile-size", "PIXELS", .help = "of tiles: pixels along a map tile; 512 also serve as @2x of 256", .choices = export_sizes, .preset = "256"},
 	{"fine-globe", .help = "with --tiles: globe tiles down to vertices no further apart than posts, up to four times as many"},
+	{"gzip", .help = "with --tiles: globe tiles compressed, a tenth of the bytes; the server or the page has to know"},
 	{"jobs", "N", .help = "of tiles: threads", .preset = "all cores"},
 	{"leaflet", "DIR", .help = "with --tiles: where leaflet.js and leaflet.css are", .files = "/",
 	 .preset = "/usr/share/javascript/leaflet, of libjs-leaflet"},
@@ -389,7 +390,7 @@ done:
 
 static enum status run(const struct arguments *arguments)
 {
-	static const char *const tiles_only[] = {"encoding", "height-step", "tile-size", "fine-globe", "since", "jobs", "leaflet"};
+	static const char *const tiles_only[] = {"encoding", "height-step", "tile-size", "fine-globe", "gzip", "since", "jobs", "leaflet"};
 	struct export_request request = {.command = "export", .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
 	const char *out = arguments_text(arguments, "o");

@@ -90,6 +90,8 @@ static void print_made(const struct exchange_tiles_params *params, const struct 
 	       (long long)written, (long long)made->removed, made->seconds, made->threads,
 	       made->seconds > 0 ? (double)tiles / made->seconds : 0);
 	printf("python3 -m http.server -d %s    # then open http://localhost:8000\n", directory);
+	if (params->gzip)
+		note("%s: globe tiles are compressed: serve .terrain with Content-Encoding: gzip, or unpack them in the page, as EXCHANGE.md has it", directory);
 	if (made->kept > 0)
 		note("%s: went on from an export that was cut short", directory);
 	if (made->local)
@@ -141,6 +143,7 @@ enum status export_tiles(const struct arguments *arguments)
 		.since = -1,
 		.leaflet = leaflet != NULL ? leaflet : LEAFLET,
 		.fine_globe = arguments_flag(arguments, "fine-globe"),
+		.gzip = arguments_flag(arguments, "gzip"),
 		.progress = step,
 		.progress_user = &progress,
 	};
@@ -178,7 +181,7 @@ static enum status read_set(const struct arguments *arguments, enum exchange_set
 
 enum status export_mbtiles(const struct arguments *arguments)
 {
-	static const char *const foreign[] = {"since", "leaflet", "fine-globe", "level"};
+	static const char *const foreign[] = {"since", "leaflet", "fine-globe", "gzip", "level"};
 	const char *path = arguments_at(arguments, 0);
 	struct export_request request = {.command = "export", .exaggerate = 1};
 	struct progress progress;
@@ -203,6 +206,8 @@ enum status export_mbtiles(const struct arguments *arguments)
 	TRY_OR(done, status);
 	printf("%s: revision %lld, zoom %d to %d: %lld tiles; %.1f s on %d threads\n", params.directory, (long long)made.revision, made.zoom[0], made.zoom[1],
 	       (long long)made.made[set], made.seconds, made.threads);
+	if (made.finer_left_out)
+		note("%s: ruts or insets are finer than its zoom levels, which have all tiles: ruts are in an .mbtiles of --layer offset, and --tiles has both", params.directory);
 	if (!made.earth)
 		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", params.directory, made.system);
 done:

@@ -32,6 +32,7 @@ struct exchange_tiles_params {
 	double step;           /* metres: height tiles are coded in steps of so much, from a zero of their own; 0: as `terrarium` says */
 	int64_t pixels;        /* along a map tile: 256 or 512; 0: 256 */
 	bool fine_globe;       /* globe tiles down to vertices no further apart than posts; otherwise than 1.41 posts */
+	bool gzip;             /* globe tiles are compressed by gzip, under the same names */
 	/* The part that is exported. Without a window: the whole. */
 	bool has_window;
 	double window[4];      /* metres east and north of the south-west post: west, south, east, north */
@@ -58,6 +59,7 @@ struct exchange_tiles_result {
 	double range[2];                 /* metres: ends of the ruts' colours */
 	double coding_zero;              /* metres: the least height that height tiles hold */
 	bool local, earth;
+	bool finer_left_out;             /* of one file: ruts or insets are finer than its zoom levels */
 	char system[80];                 /* name of the degrees' system; "" for local metres */
 	double seconds;
 	int threads;
@@ -73,7 +75,7 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 
 /*
  * Writes one set of map tiles, `set`, as an MBTiles file: params->directory is its path, and since and leaflet are not read. What is there is
- * replaced when the new file is complete. STATUS_INPUT: also where the store is local metres, which have no place on the world's map.
+ * replaced when the new file is complete. Of heights and hillshade it has the zoom levels that are complete. STATUS_INPUT: also where the store is local metres, which have no place on the world's map.
  */
 enum status exchange_mbtiles(const struct exchange_tiles_params *params, enum exchange_set set, struct exchange_tiles_result *result) FURROW_CHECKED;
 

@@ -35,6 +35,7 @@ struct exchange_frame {
 	int pixels;       /* along a map tile */
 	bool fine_globe;
 	bool maps_only;   /* no tiles for globes */
+	bool whole_only;  /* of maps only the zoom levels that have all tiles */
 };
 enum status exchange_frame_init(struct exchange_frame *frame, const struct exchange_tiles_params *params) FURROW_CHECKED;
 /* Returns true if the frame shows a point: within its window and its clip. Metres from the south-west post, and degrees. */
@@ -210,7 +211,7 @@ struct exchange_maker {
 	double *heights, *slopes;
 	uint8_t *pixels, *indices;
 	void *mesh;
-	struct exchange_bytes bytes;
+	struct exchange_bytes bytes, packed;
 	double range[2];
 	struct chart_colour greys[256], colours[256]; /* palettes */
 	int64_t made[EXCHANGE_SETS], written[EXCHANGE_SETS], removed;
@@ -243,6 +244,10 @@ struct exchange_quantized {
 /* Appends the tile: header, vertices, triangles, edges, and the extension of oct-encoded normals. */
 enum status exchange_quantized_write(const struct exchange_quantized *tile, const struct exchange_frame *frame, struct exchange_bytes *out)
 	FURROW_CHECKED;
+
+/* --- gzip.c --- */
+/* Compresses all bytes; `out` is replaced. */
+enum status exchange_gzip(const struct exchange_bytes *in, struct exchange_bytes *out) FURROW_CHECKED;
 
 /* --- mbtiles.c: a set of map tiles in one SQLite file; any thread --- */
 struct exchange_mbtiles;

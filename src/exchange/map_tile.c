@@ -40,6 +40,7 @@ void exchange_maker_finish(struct exchange_maker *maker)
 	exchange_sampler_finish(&maker->sampler);
 	mem_free_all(maker->heights, maker->slopes, maker->pixels, maker->indices, maker->mesh);
 	exchange_bytes_finish(&maker->bytes);
+	exchange_bytes_finish(&maker->packed);
 	maker->heights = maker->slopes = NULL;
 	maker->pixels = maker->indices = NULL;
 	maker->mesh = NULL;
@@ -62,8 +63,11 @@ enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set s
 		maker->removed += done;
 		return STATUS_OK;
 	}
+	const bool packs = maker->params->gzip && set == EXCHANGE_MESH;
+	if (packs)
+		TRY(exchange_gzip(&maker->bytes, &maker->packed));
 	maker->made[set]++;
-	TRY(exchange_file_put(path, &maker->bytes, &done));
+	TRY(exchange_file_put(path, packs ? &maker->packed : &maker->bytes, &done));
 	maker->written[set] += done;
 	return STATUS_OK;
 }

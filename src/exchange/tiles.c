@@ -269,9 +269,9 @@ static uint64_t look_of(const struct exchange_tiles_params *params, const double
 		look[3 + i] = params->sun.toward[i / 3][i % 3];
 	const uint64_t hash = XXH3_64bits(look, sizeof look);
 	/* Folders of earlier versions have a hash without these. */
-	if (params->step == 0 && params->pixels <= 256 && !params->fine_globe && !params->has_window)
+	if (params->step == 0 && params->pixels <= 256 && !params->fine_globe && !params->gzip && !params->has_window)
 		return hash;
-	double more[11] = {params->step, (double)params->pixels, params->fine_globe};
+	double more[11] = {params->step, (double)params->pixels, params->fine_globe + 2 * params->gzip};
 	for (int i = 0; i < 4; i++) {
 		more[3 + i] = params->has_window ? params->window[i] : 0;
 		more[7 + i] = params->has_clip ? params->clip[i] : 0;
@@ -351,8 +351,11 @@ static void tell(struct work *all)
 	result->local = all->frame.globe == NULL;
 	result->earth = all->frame.earth;
 	result->coding_zero = exchange_coding_of(all->params, all->frame.meta).zero;
-	if (!result->local)
+	if (!result->local && strncmp(dem_globe_info(all->frame.globe)->name, "unknown", 7) != 0)
 		snprintf(result->system, sizeof result->system, "%s", dem_globe_info(all->frame.globe)->name);
+	else if (!result->local)
+		snprintf(result->system, sizeof result->system, "a body of %.10g m radius", all->frame.semi_major);
+	result->finer_left_out = all->frame.whole_only && all->zooms.finest < 0;
 	for (int i = 0; i < 2; i++) {
 		result->zoom[i] = all->zooms.map[i];
 		result->mesh_zoom[i] = all->zooms.mesh[i];
@@ -466,7 +469,9 @@ enum status exchange_mbtiles(const struct exchange_tiles_params *params, enum ex
 	TRY_OR(done, store_reader_create(params->store, &all.reader));
 	TRY_OR(done, exchange_frame_init(&all.frame, params));
 	TRY_OR(done, check_place(&all));
+	/* Programs that read one file, such as GDAL, show nothing where the finest zoom level has no tile. Ruts are nothing there. */
 	all.frame.maps_only = true;
+	all.frame.whole_only = set != EXCHANGE_RUTS;
 	TRY_OR(done, exchange_zooms_init(&all.zooms, &all.frame, all.reader, params->store, -1));
 	TRY_OR(done, choose_range(&all, &none, false));
 	TRY_OR(done, mem_zeroed(&all.journal.done, (size_t)count_units(&all) + 1, 1, "the tiles of a file"));

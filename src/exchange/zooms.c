@@ -288,7 +288,7 @@ static enum status plan(const struct planning *planning, bool some)
 	zooms->finest = working < planning->finest_base ? working : planning->finest_base;
 	int dense = zoom_of(planning, false, 0), mesh = zoom_of(planning, true, 0);
 	zooms->ruts = zoom_of(planning, false, working);
-	zooms->map[1] = zoom_of(planning, false, zooms->finest);
+	zooms->map[1] = planning->frame->whole_only ? dense : zoom_of(planning, false, zooms->finest);
 	zooms->mesh[1] = zoom_of(planning, true, zooms->finest);
 	zooms->map[0] = first_map(planning->frame);
 	zooms->map[0] = zooms->map[0] < dense ? zooms->map[0] : dense;

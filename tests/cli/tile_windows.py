@@ -1,4 +1,5 @@
 """Tiles of a window, at the antimeridian too; tiles of 512 pixels, of chosen steps; TileJSON, and vertices as near as posts."""
+import gzip
 import json
 import math
 import pathlib
@@ -162,6 +163,19 @@ class TileWindows(RasterTest):
         self.assertNotIn("fine-globe", self.export("fine", "--fine-globe"))
         self.assertEqual(self.tiles("fine", "mesh")[1][0][0], self.tiles("usual", "mesh")[1][0][0] + 1)
 
+    def test_compressed_globe_tiles_unpack_to_the_same_bytes(self):
+        self.store(west=400000, width=100, height=80)
+        self.export("plain")
+        self.assertIn("Content-Encoding: gzip", self.export("packed", "--gzip"))
+        self.assertIn("leave --since", self.refused(3, "export", "s.furrow", "--tiles", "packed", "--leaflet", ".", "--since", 0))
+        sizes = [0, 0]
+        self.assertEqual(self.tiles("plain", "mesh"), self.tiles("packed", "mesh"))
+        for tile in self.tiles("plain", "mesh")[0]:
+            plain, packed = ((self.folder / name / "mesh/{}/{}/{}.terrain".format(*tile)).read_bytes() for name in ("plain", "packed"))
+            self.assertEqual(gzip.decompress(packed), plain, tile)
+            sizes = [sizes[0] + len(plain), sizes[1] + len(packed)]
+        self.assertLess(sizes[1], sizes[0] / 4)
+
     def test_an_update_changes_the_version_in_all_urls(self):
         self.store(west=400000)
         (self.folder / "scene.yaml").write_text(SCENE)
@@ -195,19 +209,26 @@ class TileWindows(RasterTest):
         self.ok("drive", "scene.yaml", "--store", "s.furrow", "--overlay", "Spuren für später.furrow", "-o", "out")
         store = "Spuren für später.furrow"
         self.ok("export", store, "--tiles", "tiles", "--leaflet", ".", "--tile-size", 256)
+        self.export("whole")  # of the store without ruts
         for layer, name in (("surface", "terrain"), ("hillshade", "hillshade"), ("offset", "ruts")):
             out = self.folder / f"{name} 1.mbtiles"
-            self.ok("export", store, "-o", out, "--layer", layer)
+            told = self.furrow("export", store, "-o", out, "--layer", layer)
+            self.assertEqual(told.returncode, 0, told.stderr)
             with sqlite3.connect(out) as database:
                 rows = {(z, x, 2 ** z - 1 - y): data for z, x, y, data in database.execute("SELECT * FROM tiles")}
                 said = dict(database.execute("SELECT name, value FROM metadata"))
                 self.assertEqual(database.execute("PRAGMA integrity_check").fetchone()[0], "ok")
             database.close()
             there = {tile: (self.folder / "tiles" / name / "{}/{}/{}.png".format(*tile)).read_bytes() for tile in self.tiles("tiles", name)[0]}
+            if name != "ruts":  # without the zoom levels that have tiles around ruts alone
+                self.assertIn("finer than its zoom levels", told.stderr)
+                finest = max(z for z, _, _ in rows)
+                self.assertEqual(finest, self.tiles("whole")[1][0][0])
+                there = {tile: data for tile, data in there.items() if tile[0] <= finest}
             self.assertEqual(rows.keys(), there.keys())
             self.assertEqual([tile for tile in rows if rows[tile] != there[tile]], [])
             listed = json.loads((self.folder / f"tiles/{name}.json").read_text())
-            self.assertEqual((int(said["minzoom"]), int(said["maxzoom"]), said["format"]), (listed["minzoom"], listed["maxzoom"], "png"))
+            self.assertEqual((int(said["minzoom"]), int(said["maxzoom"]), said["format"]), (listed["minzoom"], max(z for z, _, _ in rows), "png"))
             self.assertEqual(said.get("encoding"), "mapbox" if name == "terrain" else None)
             read = rasters.gdalinfo(out)
             self.assertEqual(read["driverShortName"], "MBTiles")
