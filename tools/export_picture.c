@@ -13,7 +13,7 @@ enum status export_check_picture(const struct export_request *request)
 {
 	const double *range = request->range;
 	const char *command = request->command, *layer = export_layer_name(request->layer);
-	if (request->layer == LAYER_QUANTA || request->layer == LAYER_HILLSHADE || request->layer == LAYER_LOOSE || request->layer == LAYER_DENSITY)
+	if (request->layer == LAYER_IMAGERY || request->layer == LAYER_QUANTA || request->layer == LAYER_HILLSHADE || request->layer == LAYER_LOOSE || request->layer == LAYER_DENSITY)
 		return fail_with(STATUS_USAGE, "%s: a map has no %s; write it as .tif, or --layer offset as a map", command, layer);
 	if (request->layer <= LAYER_BASE || !request->has_range)
 		return STATUS_OK;
