@@ -55,12 +55,11 @@ enum status export_imagery(const struct export_request *request, bool leveled, s
 	const struct store_meta *meta = store_meta(store);
 	struct export_request chosen = *request;
 	struct rows rows = {.cells = meta->extent.cells};
-	struct store_imagery imagery;
-	TRY(store_imagery_info(store, &imagery));
-	if (!imagery.found)
+	int finest = 0;
+	if (!store_has_imagery(store, &finest, NULL))
 		return fail_with(STATUS_INPUT, "%s: it has no imagery; put some into it: furrow import --imagery ORTHO... -o %s", request->store,
 				 shell_path(request->store).text);
-	chosen.level = leveled ? request->level : imagery.finest;
+	chosen.level = leveled ? request->level : finest;
 	TRY(export_find_rect(&chosen, &meta->extent, &rows.rect));
 	if (rows.rect.x1 - rows.rect.x0 > SIDE_MOST || rows.rect.y1 - rows.rect.y0 > SIDE_MOST)
 		return fail_with(STATUS_INPUT, "export: %lld x %lld pixels are too many for one picture; give a --window or a coarser --level",

@@ -389,6 +389,9 @@ struct store {
 	enum state_rows state_rows[ROW_TABLES]; /* for each table of the soil's state; only when writing */
 	uint64_t base_hash; /* hash of the base (store_identity.c) */
 	int64_t commit; /* number of the last commit */
+	bool has_imagery;  /* of a plain store, as of its opening or of the end of an import of imagery; then these: */
+	int imagery_finest, imagery_quality;
+	uint64_t imagery_hash;
 	bool imagery_made; /* an import of imagery is in a transaction */
 	bool marked;       /* there is a mark, and the undo belongs to it */
 	struct undo *undo; /* NULL: never marked */
@@ -468,8 +471,8 @@ const struct store *store_imagery_holder(const struct store *store);
 uint64_t store_imagery_row_hash(uint64_t key, int64_t codec, const void *bytes, size_t size);
 /* Computes the hash over all rows of imagery; 0: there are none. `db` is a connection to a store of version 9. */
 enum status store_imagery_compute(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
-/* Reads the hash that the header has; 0: the store has no imagery. */
-enum status store_imagery_hash(const struct store *store, uint64_t *hash) FURROW_CHECKED;
+/* Reads what the header of a plain store says of imagery, into the store. */
+enum status store_imagery_open(struct store *store) FURROW_CHECKED;
 /* Unpacks a blob into side x side pixels of 4 bytes. Returns false if it is no such picture. In store_imagery_pixels.c. */
 bool store_imagery_unpack(const void *bytes, size_t size, uint32_t side, uint8_t *pixels);
 /* Copies the imagery of `from` into a plain store that is being made, in its transaction. */

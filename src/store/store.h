@@ -538,6 +538,10 @@ struct store_imagery {
 	int64_t tiles, bytes;
 	char sources[4096]; /* one on each line, cut after whole lines */
 };
+/* Of the store, or of the one under an overlay. Returns false if there is no imagery. `finest`, `quality`: as above; may be NULL. Any thread. */
+bool store_has_imagery(const struct store *store, int *finest, int *quality);
+uint64_t store_imagery_hash(const struct store *store); /* over all tiles; 0: there is none */
+/* Counts, which takes longer. On the thread that uses the store. */
 enum status store_imagery_info(const struct store *store, struct store_imagery *out) FURROW_CHECKED;
 /* Reads a tile: (cells + 1)^2 * 4 bytes, row 0 south. If there is none, *found is false and all bytes are 0. STATUS_INPUT: the row is damaged.
  * STATUS_FAILED: this build has no libwebp. On any thread, each with its own reader. */

@@ -41,16 +41,6 @@ static enum status header_integer(const struct store *store, const char *key, bo
 	return store_sql_integer(store->db, store->path, sql, value);
 }
 
-enum status store_imagery_hash(const struct store *store, uint64_t *hash)
-{
-	const struct store *holder = store_imagery_holder(store);
-	int64_t value = 0;
-	bool found = false;
-	TRY(header_integer(holder, "imagery_hash", &found, &value));
-	*hash = found ? (uint64_t)value : 0;
-	return STATUS_OK;
-}
-
 /* Copies the sources, whole lines only. */
 static enum status header_sources(const struct store *store, char *text, size_t room)
 {
@@ -76,29 +66,61 @@ static enum status bad_header(const struct store *store, const char *key)
 			 store->path, key);
 }
 
+enum status store_imagery_open(struct store *store)
+{
+	int64_t finest = 0, quality = 0, hash = 0;
+	bool quality_known = false, hash_known = false;
+	store->has_imagery = false;
+	if (store->version < STORE_VERSION_IMAGERY || store->base_path != NULL)
+		return STATUS_OK;
+	TRY(header_integer(store, "imagery_level", &store->has_imagery, &finest));
+	if (!store->has_imagery)
+		return STATUS_OK;
+	TRY(header_integer(store, "imagery_quality", &quality_known, &quality));
+	TRY(header_integer(store, "imagery_hash", &hash_known, &hash));
+	if (finest < TILE_LEVEL_MIN || finest > extent_coarsest(&store->meta.extent))
+		return bad_header(store, "imagery_level");
+	if (!quality_known || quality < 0 || quality > 100)
+		return bad_header(store, "imagery_quality");
+	if (!hash_known)
+		return bad_header(store, "imagery_hash");
+	store->imagery_finest = (int)finest;
+	store->imagery_quality = (int)quality;
+	store->imagery_hash = (uint64_t)hash;
+	return STATUS_OK;
+}
+
+bool store_has_imagery(const struct store *store, int *finest, int *quality)
+{
+	const struct store *holder = store_imagery_holder(store);
+	if (holder->has_imagery && finest != NULL)
+		*finest = holder->imagery_finest;
+	if (holder->has_imagery && quality != NULL)
+		*quality = holder->imagery_quality;
+	return holder->has_imagery;
+}
+
+uint64_t store_imagery_hash(const struct store *store)
+{
+	const struct store *holder = store_imagery_holder(store);
+	return holder->has_imagery ? holder->imagery_hash : 0;
+}
+
 enum status store_imagery_info(const struct store *store, struct store_imagery *out)
 {
 	const struct store *holder = store_imagery_holder(store);
-	int64_t finest = 0, quality = 0;
-	bool known = false;
-	*out = (struct store_imagery){.found = false};
+	*out = (struct store_imagery){.found = holder->has_imagery};
 	if (holder->version < STORE_VERSION_IMAGERY)
 		return STATUS_OK;
-	TRY(header_integer(holder, "imagery_level", &out->found, &finest));
 	TRY(store_sql_integer(holder->db, holder->path, "SELECT count(*) FROM imagery", &out->tiles));
 	out->broken_off = !out->found && out->tiles > 0;
 	if (!out->found) {
 		out->tiles = 0;
 		return STATUS_OK;
 	}
+	out->finest = holder->imagery_finest;
+	out->quality = holder->imagery_quality;
 	TRY(store_sql_integer(holder->db, holder->path, "SELECT coalesce(sum(length(blob)), 0) FROM imagery", &out->bytes));
-	TRY(header_integer(holder, "imagery_quality", &known, &quality));
-	if (finest < TILE_LEVEL_MIN || finest > extent_coarsest(&holder->meta.extent))
-		return bad_header(holder, "imagery_level");
-	if (!known || quality < 0 || quality > 100)
-		return bad_header(holder, "imagery_quality");
-	out->finest = (int)finest;
-	out->quality = (int)quality;
 	return header_sources(holder, out->sources, sizeof out->sources);
 }
 
@@ -153,7 +175,7 @@ done:
 enum status store_imagery_read(struct store_reader *reader, struct tile tile, uint8_t *pixels, bool *found)
 {
 	*found = false;
-	if (store_imagery_holder(reader->store)->version < STORE_VERSION_IMAGERY) {
+	if (!store_has_imagery(reader->store, NULL, NULL)) {
 		const size_t side = tile_posts(&reader->store->meta.extent);
 		memset(pixels, 0, side * side * 4);
 		return STATUS_OK;
@@ -231,15 +253,14 @@ static void refine(const uint8_t *from, struct post_rect coarse, int shift, stru
 
 enum status store_imagery_read_rect(struct store_reader *reader, int level, struct post_rect rect, uint8_t *pixels)
 {
-	struct store_imagery imagery;
-	TRY(store_imagery_info(reader->store, &imagery));
-	if (!imagery.found || level >= imagery.finest)
+	int finest = level;
+	if (!store_has_imagery(reader->store, &finest, NULL) || level >= finest)
 		return read_stored(reader, level, rect, pixels);
-	const int shift = imagery.finest - level;
+	const int shift = finest - level;
 	const struct post_rect coarse = {rect.x0 >> shift, rect.y0 >> shift, (rect.x1 >> shift) + 2, (rect.y1 >> shift) + 2};
 	uint8_t *from = mem_alloc((size_t)(coarse.x1 - coarse.x0) * (size_t)(coarse.y1 - coarse.y0), 4);
 	TRY_MEM(from, "imagery");
-	enum status status = read_stored(reader, imagery.finest, coarse, from);
+	enum status status = read_stored(reader, finest, coarse, from);
 	if (status == STATUS_OK)
 		refine(from, coarse, shift, rect, pixels);
 	mem_free(from);

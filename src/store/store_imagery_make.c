@@ -107,6 +107,7 @@ enum status store_imagery_begin(struct store *store, const struct store_imagery_
 	TRY_OR(failed, open_table(store, making, goes_on));
 	TRY_OR(failed, commit(store));
 	store->version = STORE_VERSION_IMAGERY;
+	store->has_imagery = false;
 	TRY(store_sql_integer(store->db, store->path, "SELECT count(*) FROM imagery", tiles));
 	TRY(begin(store));
 	store->imagery_made = true;
@@ -173,7 +174,8 @@ enum status store_imagery_finish(struct store *store)
 	assert(store->imagery_made);
 	TRY(put_header(store));
 	store->imagery_made = false;
-	return commit(store);
+	TRY(commit(store));
+	return store_imagery_open(store);
 }
 
 enum status store_imagery_suspend(struct store *store)
@@ -248,17 +250,15 @@ enum status store_imagery_copy(const struct store *from, struct store *to)
 {
 	const struct store *holder = store_imagery_holder(from);
 	struct store_imagery has;
-	uint64_t hash = 0;
 	TRY(store_imagery_info(from, &has));
 	if (!has.found)
 		return STATUS_OK;
 	TRY(store_schema_add_imagery(to));
 	to->version = STORE_VERSION_IMAGERY;
 	TRY(each_row(holder->db, holder->path, "SELECT key, codec, hash, blob FROM imagery ORDER BY key", copy_row, to));
-	TRY(store_imagery_hash(from, &hash));
 	TRY(store_meta_put_integer(to, "imagery_level", has.finest));
 	TRY(store_meta_put_integer(to, "imagery_quality", has.quality));
-	TRY(store_meta_put_integer(to, "imagery_hash", (int64_t)hash));
+	TRY(store_meta_put_integer(to, "imagery_hash", (int64_t)store_imagery_hash(from)));
 	return store_meta_put_text(to, "imagery_sources", has.sources);
 }
 
@@ -314,10 +314,8 @@ enum status store_imagery_verify(const struct store *store, void (*problem)(void
 {
 	const struct store *holder = store_imagery_holder(store);
 	const size_t side = tile_posts(&holder->meta.extent);
-	struct store_imagery has;
-	uint64_t hash = 0, named = 0;
-	TRY(store_imagery_info(store, &has));
-	if (!has.found)
+	uint64_t hash = 0;
+	if (!holder->has_imagery)
 		return STATUS_OK;
 	struct checking checking = {.store = holder, .tell = problem, .user = user, .pixels = mem_alloc(side * side, 4)};
 	TRY_MEM(checking.pixels, "verifying");
@@ -325,8 +323,7 @@ enum status store_imagery_verify(const struct store *store, void (*problem)(void
 	mem_free(checking.pixels);
 	TRY(status);
 	TRY(store_imagery_compute(holder->db, holder->path, &hash));
-	TRY(store_imagery_hash(store, &named));
-	if (hash != named)
+	if (hash != holder->imagery_hash)
 		problem(user, "header: its imagery_hash is not that of its imagery tiles");
 	return STATUS_OK;
 }

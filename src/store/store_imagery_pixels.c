@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-#if FURROW_WEBP
+#if defined FURROW_WEBP && FURROW_WEBP
 #include <webp/decode.h>
 #include <webp/encode.h>
 

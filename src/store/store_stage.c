@@ -51,11 +51,9 @@ static enum status name_copy(struct store *store, const char *folder, struct sto
 	struct store *plain = store;
 	while (plain->under != NULL)
 		plain = plain->under;
-	uint64_t imagery;
 	TRY(store_lineage_state(plain, &out->state));
-	TRY(store_imagery_hash(plain, &imagery)); /* a copy from before an import of imagery is another copy */
 	out->original = mem_strdup(plain->real_path);
-	out->copy = copy_name(folder, plain->real_path, out->state ^ imagery);
+	out->copy = copy_name(folder, plain->real_path, out->state ^ store_imagery_hash(plain)); /* one from before an import of imagery is another */;
 	return out->original != NULL && out->copy != NULL ? STATUS_OK : fail_memory("a base's copy");
 }
 

@@ -8,9 +8,10 @@ import sqlite3
 import subprocess
 import sys
 import time
+import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, largest, main
+from furrow_test import FURROW, MAPS, largest, main
 from raster_test import RasterTest
 
 WEST, SOUTH = 500000, 5000000  # of the terrain's first post, EPSG:32632
@@ -235,6 +236,20 @@ class Imagery(RasterTest):
     def rows(self):
         with sqlite3.connect(self.folder / "s.furrow") as db:
             return db.execute("SELECT key, hash FROM imagery ORDER BY key").fetchall()
+
+    @unittest.skipUnless(MAPS, "this build draws no maps")
+    def test_a_map_shows_it(self):
+        """Two halves of two colours: on a map of level ground each is where it lies, and has its colour."""
+        self.make("dem.tif", POSTS, POSTS, lambda x, y: 100, west=WEST - 0.5, north=SOUTH + POSTS - 0.5, step=1, srs="EPSG:32632")
+        self.picture("ortho.tif", lambda x, y: (220, 40, 20) if x < 32 else (20, 60, 200))
+        self.store("--imagery", "ortho.tif", "--lossless")
+        self.ok("map", "s.furrow", "-o", "map.png", "--layer", "imagery", "--grid", "none", "--size", 100, "--world-file")
+        told = self.gdal("gdallocationinfo", "-geoloc", "-valonly", "map.png", stdin=f"{WEST + 10} {SOUTH + 30}\n{WEST + 50} {SOUTH + 30}\n").split()
+        for found, colour in zip((told[:3], told[3:6]), ((220, 40, 20), (20, 60, 200))):
+            self.assertLess(largest(abs(int(a) - b) for a, b in zip(found, colour)), 3)
+        self.refused(2, "map", "s.furrow", "-o", "map.png", "--layer", "imagery", "--height-range", "0,1")
+        self.ok("import", "dem.tif", "-o", "plain.furrow")
+        self.assertIn("has no imagery", self.refused(3, "map", "plain.furrow", "-o", "x.png", "--layer", "imagery"))
 
     def test_mistakes(self):
         self.store()
