@@ -15,10 +15,11 @@ static const char *const layer_names[] = {"surface", "base",        "offset",   
 					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", "imagery", NULL};
 
 static const char *const export_encodings[] = {"mapbox", "terrarium", NULL};
+static const char *const export_sizes[] = {"256", "512", NULL};
 
 static const struct command_option options[] = {
-	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map",
-	 .files = "tif png r16 raw svg pdf", .needed = true},
+	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map; .mbtiles: map tiles in one file",
+	 .files = "tif png r16 raw svg pdf mbtiles", .needed = true},
 	{"mesh", "OUT", .help = "the surface of the window as triangles: .obj, .glb (glTF 2.0) or .stl", .files = "obj glb stl",
 	 .instead = true},
 	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
@@ -34,8 +35,11 @@ static const struct command_option options[] = {
 	 .preset = "315,45"},
 	{"exaggerate", "TIMES", .help = "a hillshade as if heights were so many times what they are", .preset = "1"},
 	{"since", "REVISION", .help = "with --tiles: only tiles that changed after this revision of the store"},
-	{"encoding", "KIND", .help = "with --tiles: how heights are coded in colours: mapbox in steps of 0.1 m, terrarium of 4 mm", .choices = export_encodings, .preset = "mapbox"},
-	{"jobs", "N", .help = "with --tiles: threads", .preset = "all cores"},
+	{"encoding", "KIND", .help = "of tiles: how heights are coded in colours: mapbox in steps of 0.1 m, terrarium of 4 mm", .choices = export_encodings, .preset = "mapbox"},
+	{"height-step", "M", .help = "of tiles: heights in steps of so much: MapLibre's encoding custom, whose factors are in terrain.json", .unit = "m", .preset = "the encoding's"},
+	{"tile-size", "PIXELS", .help = "of tiles: pixels along a map tile; 512 also serve as @2x of 256", .choices = export_sizes, .preset = "256"},
+	{"fine-globe", .help = "with --tiles: globe tiles down to vertices no further apart than posts, up to four times as many"},
+	{"jobs", "N", .help = "of tiles: threads", .preset = "all cores"},
 	{"leaflet", "DIR", .help = "with --tiles: where leaflet.js and leaflet.css are", .files = "/",
 	 .preset = "/usr/share/javascript/leaflet, of libjs-leaflet"},
 	{.name = NULL},
@@ -387,13 +391,18 @@ done:
 
 static enum status run(const struct arguments *arguments)
 {
-	static const char *const tiles_only[] = {"encoding", "since", "jobs", "leaflet"};
+	static const char *const tiles_only[] = {"encoding", "height-step", "tile-size", "fine-globe", "since", "jobs", "leaflet"};
 	struct export_request request = {.command = "export", .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
+	const char *out = arguments_text(arguments, "o");
 	if (arguments_text(arguments, "tiles") != NULL)
 		return export_tiles(arguments);
+	if (out != NULL && dem_path_ends(out, ".mbtiles"))
+		return export_mbtiles(arguments);
+	if (out != NULL && dem_path_ends(out, ".pmtiles"))
+		return fail_with(STATUS_USAGE, "export: %s: PMTiles are not written; write a .mbtiles, and convert it with pmtiles convert", out);
 	for (size_t i = 0; i < sizeof tiles_only / sizeof *tiles_only; i++)
-		if (arguments_text(arguments, tiles_only[i]) != NULL)
+		if (arguments_flag(arguments, tiles_only[i]))
 			return fail_with(STATUS_USAGE, "export: --%s is for --tiles; give --tiles DIR, or leave --%s out", tiles_only[i], tiles_only[i]);
 	TRY(read_request(arguments, &request));
 	request.store = arguments_at(arguments, 0);
@@ -441,10 +450,12 @@ const struct command command_export = {
 		   "z up, glTF is y up.\n\n"
 		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a "
 		   "page that shows them behind any static server: python3 -m http.server -d DIR. Run again after a kill it goes "
-		   "on; with --since it writes what changed. src/exchange/EXCHANGE.md says how to use the tiles.\n",
+		   "on; with --since it writes what changed. --window cuts a part out; of --window-srs degrees tiles end just at those meridians. "
+		   "An .mbtiles has those of surface, hillshade or offset in one file. src/exchange/EXCHANGE.md says how to use the tiles.\n",
 	.examples = "furrow export world.furrow -o surface.tif\n"
 		    "furrow export ruts.furrow -o ruts.png --layer offset\n"
-		    "furrow export ruts.furrow --tiles map\n",
+		    "furrow export ruts.furrow --tiles map\n"
+		    "furrow export ruts.furrow --tiles map --height-step 0.001 --tile-size 512\n",
 	.see = "furrow-import(1)",
 	.run = run,
 };

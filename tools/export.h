@@ -72,8 +72,9 @@ enum status export_imagery(const struct export_request *request, bool leveled, s
 /* export_mesh.c: --mesh; the request has its path, level and window. */
 enum status export_mesh(const struct export_request *request, struct store *store) FURROW_CHECKED;
 
-/* export_tiles.c: --tiles. */
+/* export_tiles.c: --tiles; and -o OUT.mbtiles. */
 enum status export_tiles(const struct arguments *arguments) FURROW_CHECKED;
+enum status export_mbtiles(const struct arguments *arguments) FURROW_CHECKED;
 
 /* export_picture.c: a layer in false colour on the hillshade. */
 enum status export_check_picture(const struct export_request *request) FURROW_CHECKED;

@@ -29,6 +29,14 @@ struct exchange_tiles_params {
 	struct chart_sun sun;
 	double exaggerate;     /* factor of heights for the shading */
 	bool terrarium;        /* height tiles are coded as Terrarium's, in steps of 1/256 m; otherwise as Mapbox's, of 0.1 m */
+	double step;           /* metres: height tiles are coded in steps of so much, from a zero of their own; 0: as `terrarium` says */
+	int64_t pixels;        /* along a map tile: 256 or 512; 0: 256 */
+	bool fine_globe;       /* globe tiles down to vertices no further apart than posts; otherwise than 1.41 posts */
+	/* The part that is exported. Without a window: the whole. */
+	bool has_window;
+	double window[4];      /* metres east and north of the south-west post: west, south, east, north */
+	bool has_clip;         /* and of the window only what lies within */
+	double clip[4];        /* degrees: west, south, east, north */
 	int64_t jobs;          /* threads; 0: one for each core */
 	const char *leaflet;   /* folder of leaflet.js and leaflet.css, which are copied beside the page */
 	/* Called on the caller's thread. If it does not return STATUS_OK, the work stops. May be NULL. */
@@ -40,6 +48,7 @@ enum exchange_set { EXCHANGE_TERRAIN, EXCHANGE_HILLSHADE, EXCHANGE_RUTS, EXCHANG
 
 struct exchange_tiles_result {
 	int64_t revision;                /* of the store, when the export began */
+	char version[32];                /* of the tiles, in their urls: another one where the revision or the look is another */
 	int zoom[2], mesh_zoom[2];       /* least and greatest */
 	double mesh_step[2];             /* metres between vertices to the east and to the north, at the finest mesh zoom that is complete */
 	int64_t made[EXCHANGE_SETS];     /* tiles that were computed */
@@ -47,6 +56,7 @@ struct exchange_tiles_result {
 	int64_t removed;                 /* files of tiles that are no more */
 	int64_t kept;                    /* blocks of tiles that an unfinished export had made */
 	double range[2];                 /* metres: ends of the ruts' colours */
+	double coding_zero;              /* metres: the least height that height tiles hold */
 	bool local, earth;
 	char system[80];                 /* name of the degrees' system; "" for local metres */
 	double seconds;
@@ -56,10 +66,16 @@ struct exchange_tiles_result {
 /*
  * Writes the tiles. If an export to the same folder with the same parameters and revision was killed, it goes on from there.
  * STATUS_INPUT: the folder holds something else, or tiles of another terrain, or tiles that are too old for `since`. STATUS_INPUT,
- * too: terrain-RGB cannot hold heights so great (it has -10000 m for all below), or the terrain crosses the antimeridian or a pole. STATUS_FAILED: a file cannot be written; Leaflet is
+ * too: the code of height tiles cannot hold heights so great, or what is exported crosses the antimeridian or a pole. STATUS_FAILED: a file cannot be written; Leaflet is
  * not there. STATUS_INTERRUPTED: `progress` stopped it; the next call goes on.
  */
 enum status exchange_tiles(const struct exchange_tiles_params *params, struct exchange_tiles_result *result) FURROW_CHECKED;
+
+/*
+ * Writes one set of map tiles, `set`, as an MBTiles file: params->directory is its path, and since and leaflet are not read. What is there is
+ * replaced when the new file is complete. STATUS_INPUT: also where the store is local metres, which have no place on the world's map.
+ */
+enum status exchange_mbtiles(const struct exchange_tiles_params *params, enum exchange_set set, struct exchange_tiles_result *result) FURROW_CHECKED;
 
 /*
  * --- meshes ---

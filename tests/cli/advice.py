@@ -99,7 +99,7 @@ ELSEWHERE = {
     "it is a whole store, not an overlay": "cli/overlay", "that relief": "cli/relief", "for the ground as it was imported": "commands", "undoes that": "commands",
     "is not there; put it into": "PROJ's grids are not in the tests", "taken as heights over the sphere": "cli/planets", "is used": "a note of what was done",
     "they are taken as metres": "cli/rasters", "that is used, not": "a note of what was done", "does not lie within them": "cli/mixed", "not understood": "cli/placement",
-    "is nowhere in": "cli/rasters", "4.2 GB is the most": "a terrain of 4 GB", "would leave out what changed": "cli/tiles", "resample it to": "cli/insets",
+    "is nowhere in": "cli/rasters", "4.2 GB is the most": "a terrain of 4 GB", "would leave out what changed": "cli/tiles", "has a width and a height in it": "cli/tile_windows", "need more steps than a tile has": "cli/tile_windows", "is for --tiles": "cli/globe", "resample it to": "cli/insets",
     "so all would be unknown": "cli/mobility", "its cells are %g m wide": "cli/mobility", "leave %s out and give metres": "cli/contract", "inside as": "cli/contract",
     "is no result of this study": "cli/study", "these come from resampling": "any finer spacing will do", "n would be": "no number to type",
     "names no body of the model": "cli/cameras", "no post lies in --window": "windows", "pictures take": "a progress line", "computed together": "a table",
