@@ -13,7 +13,7 @@
 #include "world_file.h"
 
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
-					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", NULL};
+					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", "imagery", NULL};
 
 /* In the order of enum exchange_up, from its second. */
 static const char *const export_axes[] = {"y", "z", NULL};
@@ -27,10 +27,10 @@ static const struct command_option options[] = {
 	 .instead = true},
 	{"up", "AXIS", .help = "with --mesh: the axis that is up; x is east. y: z is south; z: y is north", .choices = export_axes, .preset = "y; of .stl, z"},
 	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
-	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, disturbance, bent and torn plants as shares, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
+	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, disturbance, bent and torn plants as shares, imagery as a .png of colours, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
 	 .preset = "surface"},
 	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser",
-	 .preset = "0; offset to fixed_point: the deformed level"},
+	 .preset = "0; offset to fixed_point: the deformed level; imagery: its finest"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all, or what changed, see below"},
 	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "heights that a heightmap's 0 and full scale mean; of a map, its ramp's ends",
@@ -58,7 +58,7 @@ const char *export_layer_name(int layer)
 enum store_layer export_store_layer(int layer)
 {
 	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_DEPOSITED,
-						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_LOOSE, STORE_DENSITY, STORE_UNITS, STORE_SURFACE, STORE_SOIL, STORE_RISEN, STORE_GROWN};
+						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_LOOSE, STORE_DENSITY, STORE_UNITS, STORE_SURFACE, STORE_SOIL, STORE_RISEN, STORE_GROWN, STORE_SURFACE};
 	return layers[layer];
 }
 
@@ -139,6 +139,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 	TRY(arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range));
 	enum chart_format format;
 	const bool drawn = !request->mesh && chart_path_format(request->path, &format);
+	if (request->layer == LAYER_IMAGERY && (request->mesh || !drawn || format != CHART_PNG))
+		return fail_with(STATUS_USAGE, "export: %s: imagery is colours; write it as .png, which gdal_translate makes a .tif of", request->path);
 	request->png = drawn && format == CHART_PNG;
 	request->map = drawn && (!request->png || export_is_ruts(request)); /* a PNG holds no negative metres */
 	if (drawn && !request->png && !export_is_ruts(request))
@@ -432,6 +434,10 @@ static enum status run(const struct arguments *arguments)
 	TRY_OR(done, export_place_window(&request, store_meta(store)));
 	if (!export_is_ruts(&request))
 		relief_tell_missing(request.store, store);
+	if (request.layer == LAYER_IMAGERY) {
+		TRY_OR(done, export_imagery(&request, arguments_flag(arguments, "level"), store));
+		goto done;
+	}
 	if (export_is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	TRY_OR(done, export_take_changed(&request, store));

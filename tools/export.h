@@ -22,7 +22,8 @@ enum export_layer {
 	LAYER_HILLSHADE,
 	LAYER_DISTURBANCE,
 	LAYER_BENT,
-	LAYER_TORN
+	LAYER_TORN,
+	LAYER_IMAGERY
 };
 
 struct export_request {
@@ -65,6 +66,9 @@ enum status export_find_rect(const struct export_request *request, const struct 
 
 /* Reads --sun and --exaggerate. `lit`: something is lit; otherwise the options are refused. */
 enum status export_read_light(const struct arguments *arguments, struct export_request *request, bool lit) FURROW_CHECKED;
+
+/* export_imagery.c: colours as a PNG. `leveled`: the request says the level. STATUS_INPUT: the store has no imagery. */
+enum status export_imagery(const struct export_request *request, bool leveled, struct store *store) FURROW_CHECKED;
 
 /* export_mesh.c: --mesh; the request has its path, level and window. */
 enum status export_mesh(const struct export_request *request, struct store *store) FURROW_CHECKED;

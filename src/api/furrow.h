@@ -90,8 +90,9 @@ FURROW_API void furrow_free(void *memory);
 /*
  * Makes a store of elevation data, as `furrow import` does.
  * `sources`: `count` paths of rasters, folders, or "@list.txt"; at least one. `store`: path of the file to make.
+ * With {imagery: [ortho.tif]} colours are put over the terrain, too. With imagery and `count` 0 they are put into the store that exists.
  * `options`: a YAML mapping of the command's long names, as in "{max_error: 0.01, spacing: 1}"; NULL: all defaults.
- * `nodata` and `inset` may be lists of values; `height_range` and `window` are lists of numbers. No other option is a list.
+ * `nodata`, `inset` and `imagery` may be lists of values; `height_range` and `window` are lists of numbers. No other option is a list.
  * Without {allow_network: true} GDAL fetches nothing from a network. No other function fetches anything, either. A host's own settings of
  * GDAL come back when the call returns. PROJ may fetch its own grids where the host allows that.
  * `progress`: gets the share that is done, 0 to 1, and returns false to stop; NULL: nobody asks. It is called on this thread.

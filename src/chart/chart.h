@@ -159,6 +159,8 @@ struct chart_map {
 	const uint8_t *classes;
 	const struct chart_key *keys;
 	size_t key_count;
+	/* or colours: 4 bytes for each pixel of the raster, with opacity. Values, range and ramp are not used then */
+	const uint8_t *colours;
 	const struct chart_way *ways;
 	size_t way_count;
 	enum chart_grid grid;

@@ -91,8 +91,11 @@ static const char *why_none(const struct import *import)
 	return "all values of the sources are nodata; look at --nodata, at --window and at what gdalinfo says of nodata";
 }
 
-enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made)
+enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made,
+			      struct intake_imagery *coloured)
 {
+	if (import->imagery_count > 0)
+		TRY(intake_imagery_check(import));
 	if (import->census == NULL)
 		TRY(mem_zeroed(&import->census, 1, sizeof *import->census, "counting heights"));
 	*made = (struct intake){
@@ -114,5 +117,7 @@ enum status intake_import_run(struct import *import, const char *store, dem_prog
 	};
 	TRY(intake_run(made));
 	note_sentinel(import, made);
-	return STATUS_OK;
+	if (import->imagery_count == 0)
+		return STATUS_OK;
+	return intake_import_imagery(import, store, NULL, 0, false, progress, user, coloured);
 }

@@ -64,6 +64,32 @@ struct census {
 	struct census_extreme low, high;
 };
 
+/* --- imagery: colours over a store that there is --- */
+
+#define INTAKE_QUALITY 85 /* of WebP, the default */
+struct intake_imagery {
+	const char *const *sources; /* as of dem_imagery_params */
+	size_t count;
+	const char *vrt_folder; /* may be NULL */
+	const char *store;      /* path of a plain store */
+	int quality;            /* 1 to 100; 0: lossless */
+	int64_t jobs;           /* threads */
+	bool dry;               /* only opens the sources and finds the level */
+	bool resume, overwrite; /* as in struct store_imagery_making */
+	dem_progress_fn progress; /* of rows of the finest level; may be NULL */
+	void *progress_user;
+	/* set by intake_imagery_run: */
+	int finest;             /* level of the finest pixels */
+	double pixel, source_pixel; /* metres: of that level, and of the finest source */
+	size_t source_count;
+	int64_t tiles, bytes;   /* of all levels, packed */
+	int64_t kept;           /* tiles that an import that was broken off had made */
+	double seconds;
+};
+/* Puts colours of the sources and their pyramid into the store. STATUS_INPUT: they give none. STATUS_INTERRUPTED: `progress` stopped it; what
+ * was made stays in the store for `resume`, and is not shown. After any other failure the store has the imagery of none of them. */
+enum status intake_imagery_run(struct intake_imagery *imagery) FURROW_CHECKED;
+
 /* --- import: sources and options to a store --- */
 
 #define IMPORT_NODATA_MOST 32
@@ -78,6 +104,10 @@ struct import {
 	bool allow_network; /* dem_network_begin was called */
 	char **inset_sources; /* owned; those that were named */
 	size_t inset_count;
+	char **imagery_sources; /* owned; those that were named */
+	size_t imagery_count;
+	int quality; /* as of intake_imagery; `lossless` counts for more */
+	bool lossless;
 	enum store_pack pack;
 	bool resume, overwrite, force;
 	double nodata[IMPORT_NODATA_MOST];
@@ -111,6 +141,11 @@ extern const char *const intake_import_methods[], *const intake_import_radii[], 
 /* Opens the sources, which must outlive the import. Writes nothing. STATUS_INPUT: they give no terrain. */
 enum status intake_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
 /* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */
-enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made) FURROW_CHECKED;
+/* If imagery was named it is opened first, and imported last; `coloured` gets what it came to, and may be NULL where there is none. */
+enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made,
+			      struct intake_imagery *coloured) FURROW_CHECKED;
+/* Imports only the imagery, into a store that exists: what was named as `imagery`, then `more`. intake_import_open() is not called. */
+enum status intake_import_imagery(const struct import *import, const char *store, const char *const *more, size_t count, bool dry,
+				  dem_progress_fn progress, void *user, struct intake_imagery *out) FURROW_CHECKED;
 
 #endif

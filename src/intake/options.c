@@ -27,6 +27,9 @@ static const struct option options[] = {
 	{"spacing", NUMBER, 1e-4, 1e6, NULL},
 	{"feather", NUMBER, 0, 1e6, NULL},
 	{"inset", SOURCES, 0, 0, NULL},
+	{"imagery", SOURCES, 0, 0, NULL},
+	{"imagery-quality", WHOLE, 1, 100, NULL},
+	{"lossless", FLAG, 0, 0, NULL},
 	{"s-srs", TEXT, 0, 0, NULL},
 	{"t-srs", TEXT, 0, 0, NULL},
 	{"s-vertical", TEXT, 0, 0, NULL},
@@ -156,11 +159,11 @@ static enum status take_named_text(struct import *import, const char *name, cons
 	return take_text(text, texts[i].to, &import->texts[i]);
 }
 
-static enum status take_inset(struct import *import, const char *text)
+static enum status take_source(const char *text, char ***list, size_t *count)
 {
-	TRY(mem_resize(&import->inset_sources, import->inset_count + 1, sizeof *import->inset_sources, "an option"));
-	TRY(mem_text(&import->inset_sources[import->inset_count], text, "an option"));
-	import->inset_count++;
+	TRY(mem_resize(list, *count + 1, sizeof **list, "an option"));
+	TRY(mem_text(&(*list)[*count], text, "an option"));
+	++*count;
 	return STATUS_OK;
 }
 
@@ -183,6 +186,8 @@ static enum status take_flag(struct import *import, const char *name, bool on)
 		import->match_heights = on;
 	else if (strcmp(name, "resume") == 0)
 		import->resume = on;
+	else if (strcmp(name, "lossless") == 0)
+		import->lossless = on;
 	else if (strcmp(name, "force") == 0)
 		import->force = on;
 	else
@@ -203,7 +208,10 @@ static enum status take(struct import *import, const struct option *option, cons
 		TRY(take_number(option, text, &number));
 		if (strcmp(option->name, "tile") == 0)
 			return take_tile(import, (int64_t)number);
-		*(strcmp(option->name, "band") == 0 ? &import->dem.band : &import->jobs) = (int64_t)number;
+		if (strcmp(option->name, "imagery-quality") == 0)
+			import->quality = (int)number;
+		else
+			*(strcmp(option->name, "band") == 0 ? &import->dem.band : &import->jobs) = (int64_t)number;
 		break;
 	case NUMBER:
 		TRY(take_number(option, text, &number));
@@ -236,7 +244,8 @@ static enum status take(struct import *import, const struct option *option, cons
 	case LIST:
 		return take_nodata(import, text);
 	case SOURCES:
-		return take_inset(import, text);
+		return strcmp(option->name, "imagery") == 0 ? take_source(text, &import->imagery_sources, &import->imagery_count)
+							    : take_source(text, &import->inset_sources, &import->inset_count);
 	}
 	return STATUS_OK;
 }
@@ -279,7 +288,7 @@ enum status intake_import_option(struct import *import, const char *name, const 
 
 void intake_import_init(struct import *import)
 {
-	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1, .feather = -1};
+	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1, .feather = -1, .quality = INTAKE_QUALITY};
 }
 
 void intake_import_finish(struct import *import)
@@ -287,6 +296,7 @@ void intake_import_finish(struct import *import)
 	for (size_t i = 0; i < sizeof import->texts / sizeof *import->texts; i++)
 		mem_free(import->texts[i]);
 	mem_free_list(import->inset_sources, import->inset_count);
+	mem_free_list(import->imagery_sources, import->imagery_count);
 	dem_insets_close(import->insets);
 	mem_free_all(import->inset_paths, import->inset_from, import->census);
 	free(import->lines);

@@ -22,6 +22,7 @@
 #define STORE_VERSION_PINS 6    /* the first that can keep what overlays depend on */
 #define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose layers */
 #define STORE_VERSION_MARKS 8   /* the first that keeps marks that fade */
+#define STORE_VERSION_IMAGERY 9 /* of a store with imagery; one without stays at STORE_VERSION, so that older programs read it */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
@@ -388,6 +389,10 @@ struct store {
 	enum state_rows state_rows[ROW_TABLES]; /* for each table of the soil's state; only when writing */
 	uint64_t base_hash; /* hash of the base (store_identity.c) */
 	int64_t commit; /* number of the last commit */
+	bool has_imagery;  /* of a plain store, as of its opening or of the end of an import of imagery; then these: */
+	int imagery_finest, imagery_quality;
+	uint64_t imagery_hash;
+	bool imagery_made; /* an import of imagery is in a transaction */
 	bool marked;       /* there is a mark, and the undo belongs to it */
 	struct undo *undo; /* NULL: never marked */
 	struct changes changes; /* store_changes.c */
@@ -454,6 +459,26 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *version) FURR
 enum status store_schema_hide(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
 /* Makes an older store one of this version, in one transaction. Shear of version 3 is dropped. */
 enum status store_schema_raise(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
+
+/* Gives the store the table of imagery, and version 9. In a transaction; set store->version when it is committed. */
+enum status store_schema_add_imagery(struct store *store) FURROW_CHECKED;
+
+/* --- store_imagery.c --- */
+
+/* Returns the store that has the imagery: the plain one at the end of a chain. */
+const struct store *store_imagery_holder(const struct store *store);
+#define STORE_IMAGERY_WEBP 1 /* the codec of a row */
+uint64_t store_imagery_row_hash(uint64_t key, int64_t codec, const void *bytes, size_t size);
+/* Computes the hash over all rows of imagery; 0: there are none. `db` is a connection to a store of version 9. */
+enum status store_imagery_compute(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
+/* Reads what the header of a plain store says of imagery, into the store. */
+enum status store_imagery_open(struct store *store) FURROW_CHECKED;
+/* Unpacks a blob into side x side pixels of 4 bytes. Returns false if it is no such picture. In store_imagery_pixels.c. */
+bool store_imagery_unpack(const void *bytes, size_t size, uint32_t side, uint8_t *pixels);
+/* Copies the imagery of `from` into a plain store that is being made, in its transaction. */
+enum status store_imagery_copy(const struct store *from, struct store *to) FURROW_CHECKED;
+/* Checks all rows, each by its hash and its size, and that each has the tile above it. Calls `tell` with what is wrong. */
+enum status store_imagery_verify(const struct store *store, void (*tell)(void *user, const char *text), void *user) FURROW_CHECKED;
 
 /* --- store_misfit.c: meta.off_resampled and meta.off_source in the file --- */
 enum status store_misfit_write(struct store *store) FURROW_CHECKED; /* in a transaction */

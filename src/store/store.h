@@ -523,6 +523,53 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 /* Computes a hash of all rows, but not of the file's bytes. Stores with equal hashes have equal content. */
 enum status store_content_hash(struct store *store, uint64_t *hash) FURROW_CHECKED;
 
+/* --- imagery: colours over the terrain ---
+ *
+ * Pixels lie on the lattice of posts: level -2 has four pixels for each post along a side, and a pixel's centre is its post. A tile has
+ * (cells + 1)^2 pixels and shares its edges with its neighbours, as a tile of heights does. Each pixel has four bytes: red, green, blue and
+ * opacity. Opacity 0: the imagery has nothing there, and the colours are 0. Level L + 1 is level L smoothed (1 2 1) and every second pixel.
+ * An overlay shows the imagery of its plain store. FORMAT.md tells how it is stored.
+ */
+struct store_imagery {
+	bool found;      /* false: the store has no imagery, and the rest is 0 */
+	bool broken_off; /* an import of imagery was broken off */
+	int finest;      /* level of the finest tiles; the coarsest is extent_coarsest() */
+	int quality;     /* 1 to 100 of WebP; 0: lossless */
+	int64_t tiles, bytes;
+	char sources[4096]; /* one on each line, cut after whole lines */
+};
+/* Of the store, or of the one under an overlay. Returns false if there is no imagery. `finest`, `quality`: as above; may be NULL. Any thread. */
+bool store_has_imagery(const struct store *store, int *finest, int *quality);
+uint64_t store_imagery_hash(const struct store *store); /* over all tiles; 0: there is none */
+/* Counts, which takes longer. On the thread that uses the store. */
+enum status store_imagery_info(const struct store *store, struct store_imagery *out) FURROW_CHECKED;
+/* Reads a tile: (cells + 1)^2 * 4 bytes, row 0 south. If there is none, *found is false and all bytes are 0. STATUS_INPUT: the row is damaged.
+ * STATUS_FAILED: this build has no libwebp. On any thread, each with its own reader. */
+enum status store_imagery_read(struct store_reader *reader, struct tile tile, uint8_t *pixels, bool *found) FURROW_CHECKED;
+/* Reads the pixels of `rect`, which may extend beyond the imagery. Row 0 is the south row. A level finer than the imagery gives the pixels of
+ * its finest level, bilinear between them. */
+enum status store_imagery_read_rect(struct store_reader *reader, int level, struct post_rect rect, uint8_t *pixels) FURROW_CHECKED;
+
+/* Making it, on a plain store that is open for writing. Begin, put each tile once, finish. One thread at a time. */
+struct store_imagery_making {
+	int finest, quality;
+	const char *sources; /* one on each line */
+	const char *request; /* all that decides the tiles; an import that is resumed must have the same */
+	bool resume, overwrite;
+};
+/* *tiles: how many tiles an import that is resumed has already. STATUS_INPUT: the store is an overlay; or has imagery, and `overwrite` is false;
+ * or the import that was broken off had another request. */
+enum status store_imagery_begin(struct store *store, const struct store_imagery_making *making, int64_t *tiles) FURROW_CHECKED;
+enum status store_imagery_has(struct store *store, struct tile tile, bool *has) FURROW_CHECKED;
+/* `packed`: of store_imagery_pack(). */
+enum status store_imagery_put(struct store *store, struct tile tile, const void *packed, size_t size) FURROW_CHECKED;
+enum status store_imagery_finish(struct store *store) FURROW_CHECKED; /* from then on the store has this imagery */
+enum status store_imagery_suspend(struct store *store) FURROW_CHECKED; /* keeps what was put, for store_imagery_begin with `resume` */
+enum status store_imagery_drop(struct store *store) FURROW_CHECKED;    /* removes what was put */
+/* Packs side x side pixels of 4 bytes. Returns memory for mem_free(). Pure; on any thread. `quality` as in struct store_imagery. */
+enum status store_imagery_pack(const uint8_t *pixels, uint32_t side, int quality, void **packed, size_t *size) FURROW_CHECKED;
+bool store_imagery_possible(void); /* false: this build has no libwebp */
+
 /* --- reading posts, at any level from the finest to the coarsest --- */
 enum store_layer {
 	STORE_SURFACE,

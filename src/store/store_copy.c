@@ -85,6 +85,7 @@ enum status store_copy(struct store *from, const char *out, enum store_overwrite
 	TRY_OR(done, copy_rows(&copying));
 	TRY_OR(done, check_base(&copying));
 	TRY_OR(done, copy_run(&copying));
+	TRY_OR(done, store_imagery_copy(from, copying.to));
 	TRY_OR(done, store_publish(copying.to));
 done:
 	store_close(copying.to);

@@ -53,7 +53,7 @@ static enum status name_copy(struct store *store, const char *folder, struct sto
 		plain = plain->under;
 	TRY(store_lineage_state(plain, &out->state));
 	out->original = mem_strdup(plain->real_path);
-	out->copy = copy_name(folder, plain->real_path, out->state);
+	out->copy = copy_name(folder, plain->real_path, out->state ^ store_imagery_hash(plain)); /* one from before an import of imagery is another */;
 	return out->original != NULL && out->copy != NULL ? STATUS_OK : fail_memory("a base's copy");
 }
 

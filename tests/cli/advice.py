@@ -103,6 +103,8 @@ ELSEWHERE = {
     "so all would be unknown": "cli/mobility", "its cells are %g m wide": "cli/mobility", "leave %s out and give metres": "cli/contract", "inside as": "cli/contract",
     "is no result of this study": "cli/study", "these come from resampling": "any finer spacing will do", "n would be": "no number to type",
     "names no body of the model": "cli/cameras", "no post lies in --window": "windows", "pictures take": "a progress line", "computed together": "a table",
+    "goes on with its imagery": "cli/imagery", "no imagery lies on the terrain": "cli/imagery", "has 8 bits a band": "cli/imagery", "imagery is part of the terrain": "cli/imagery",
+    "put some into it: furrow import --imagery": "cli/imagery", "does not take quality": "a range",
     "its pixels are %.10g m apart": "cli/edit", "inset      ": "windows", "<svg": "a picture", "is no number of slots;": "a range",
 }
 
