@@ -134,6 +134,7 @@ struct vehicle {
 	struct owned own;           /* what of both is this vehicle's */
 	char prefix[24];            /* of names in `model`: names.c */
 	bool is_world;              /* no vehicle, but the things of the scene's `world` */
+	bool is_urdf;
 	mjModel *single;            /* of this vehicle alone: shares.c */
 	mjSpec *spec;               /* of this vehicle, until all are put together; NULL after that */
 	mjData *posed;              /* the same: in its first pose */
@@ -263,6 +264,11 @@ static inline void vehicle_root_axes(const struct vehicle *vehicle, const mjData
 #define VEHICLE_WHERE 300
 /* Writes where the scene names the vehicle, for a message. */
 void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE]);
+
+/* --- hangs.c --- */
+
+/* Notes once which joints of limbs nothing holds. Comes after vehicle_find_parts. */
+void vehicle_tell_hanging(const struct vehicle *vehicle);
 
 /* --- geoms.c --- */
 
