@@ -396,6 +396,7 @@ enum status vehicle_lent_touch(struct vehicle_lent *lent, const void *data, bool
 		TRY(place_some(lent, true));
 	else
 		TRY(vehicle_touch(&lent->all));
+	TRY(vehicle_check_summed(&lent->all));
 	*moved = true;
 	lent->stepping = true;
 	return vehicle_tell_forces(&lent->all);

@@ -198,6 +198,8 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 
 enum status vehicle_ask(struct vehicles *vehicles)
 {
+	for (size_t v = 0; v < vehicles->all; v++)
+		vehicles->list[v].cut = NULL;
 	TRY(ask(vehicles));
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
@@ -275,6 +277,7 @@ static enum status move_all(struct vehicles *vehicles, double rate, bool drives)
 	}
 	TRY(vehicle_guard(vehicles->all == 1 ? vehicles->list[0].scene->name : "vehicles", advance, &motion));
 	TRY(check_controls(vehicles));
+	TRY(vehicle_check_summed(vehicles));
 	const struct vehicle *bad = diverged(vehicles);
 	if (bad != NULL)
 		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "

@@ -32,9 +32,13 @@ static double reach_of_tile(const struct world *world, const struct world_space 
 	return most;
 }
 
-bool world_is_ranked(const struct world *world)
+/* The same of each held tile, as this rank has it. Of a tile that another rank has changed, that rank's number is taken. */
+static enum status reach_of_all(struct world *world, const struct world_space *space, struct post_rect rect, struct held_tiles *held, double *depths)
 {
-	return world->ranks != NULL;
+	TRY(world_hold_own(world, rect, held));
+	for (size_t i = 0; i < held->count; i++)
+		depths[i] = reach_of_tile(world, space, &held->tiles[i], rect);
+	return STATUS_OK;
 }
 
 enum status world_reach_into(struct world *world, const struct world_space *space, double *depth)
@@ -45,15 +49,21 @@ enum status world_reach_into(struct world *world, const struct world_space *spac
 		(int64_t)ceil(space->high[0] / spacing) + 1, (int64_t)ceil(space->high[1] / spacing) + 1,
 	};
 	const size_t tiles = world_tiles_in(world, rect);
-	struct held_tiles held;
+	const struct world_ranks *ranks = world->ranks;
+	struct held_tiles held = {.count = 0};
+	double depths[WORLD_TILES_MOST];
 	*depth = -INFINITY;
-	if (world->resident.host == NULL || world->ranks != NULL || tiles > world->counts.windows.tiles) {
+	if (world->resident.host == NULL || tiles > world->counts.windows.tiles) {
 		*depth = INFINITY;
 		return STATUS_OK;
 	}
-	TRY(world_hold(world, rect, &held));
+	if (tiles == 0)
+		return STATUS_OK;
+	enum status status = reach_of_all(world, space, rect, &held, depths);
+	if (ranks != NULL)
+		status = ranks->newest(ranks->user, held.count, held.keys, depths, status);
 	for (size_t i = 0; i < held.count; i++)
-		*depth = fmax(*depth, reach_of_tile(world, space, &held.tiles[i], rect));
+		*depth = fmax(*depth, depths[i]);
 	world_release(world, &held);
-	return STATUS_OK;
+	return status;
 }

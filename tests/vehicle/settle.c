@@ -5,6 +5,7 @@
 
 #include "drive.h"
 #include "../support/program.h"
+#include "vehicle/settle.h"
 
 static const struct extent extent = {65, 65, 0.25, 64};
 static double slope; /* tangent */
@@ -148,12 +149,36 @@ static void what_turns_for_ever_starts(void **state)
 	mem_free(json);
 }
 
+/* Returns the work, s, after which a start fails whose speed falls from `speed` to `share` of it in each second of work; INFINITY: it does not within 100 s. */
+static double work_until_failure(double speed, double share, double motion_by_work)
+{
+	struct unrest unrest = {.before = 0};
+	for (int i = 0; i <= 1000; i++) {
+		const double work = 0.1 * i;
+		if (vehicle_unrest_fails(&unrest, speed * pow(share, work) * (1.2 + sin(i)), motion_by_work * work, work))
+			return work;
+	}
+	return INFINITY;
+}
+
+static void a_start_that_trembles_fails_within_20_s_of_work(void **state)
+{
+	(void)state;
+	assert_true(work_until_failure(0.03, 1, 1) >= 15 && work_until_failure(0.03, 1, 1) < 20);
+	assert_true(work_until_failure(0.5, 0.99, 5) < 20);       /* it calms far too slowly */
+	assert_true(work_until_failure(0.5, 1, 0.4) < 20);
+	assert_true(isinf(work_until_failure(0.03, 0.9, 1)));     /* it calms */
+	assert_true(isinf(work_until_failure(0.0005, 1, 1)));     /* by micrometres: the drive may begin */
+	assert_true(work_until_failure(0.03, 1, 0.02) >= 50);     /* so heavy that it has not had time to calm */
+}
+
 TEST_PROGRAM(settle)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_settles_at_the_two_sided_arc),
 		cmocka_unit_test(a_block_holds_on_a_slope),
 		cmocka_unit_test(what_turns_for_ever_starts),
+		cmocka_unit_test(a_start_that_trembles_fails_within_20_s_of_work),
 	};
 	return cmocka_run_group_tests_name("vehicles at rest", tests, support_enter, support_leave);
 }
