@@ -123,6 +123,7 @@ static void free_soil(struct plugin_soil *soil)
 	if (soil == NULL)
 		return;
 	plugin_free_field(soil->field);
+	plugin_free_field(soil->skin);
 	if (furrow_world_close(soil->world) != FURROW_OK)
 		mju_warning("furrow.soil: %s", furrow_last_error());
 	furrow_mujoco_close(soil->soil); /* last: else the ground would spring back below its bodies, and an overlay that is kept would have that */
@@ -201,7 +202,7 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return "no memory";
 	doubt(model, soil);
 	const char *wrong = plugin_check_sensors(model, instance, soil);
-	return wrong != NULL ? wrong : plugin_make_field(model, instance, soil, origin);
+	return wrong != NULL ? wrong : plugin_make_fields(model, instance, soil, origin);
 }
 
 static int init(const mjModel *model, mjData *data, int instance)
@@ -425,7 +426,7 @@ static void advance(const mjModel *model, mjData *data, int instance)
 
 static void registers(void)
 {
-	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield"};
+	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield", "skin"};
 	mjpPlugin plugin;
 	mjp_defaultPlugin(&plugin);
 	plugin.name = "furrow.soil";

@@ -101,6 +101,28 @@ def plugin() -> str:
     raise ImportError(f"furrow.mujoco: there is no {_PLUGIN} beside {library}; build Furrow with MuJoCo 4 (tools/packages.sh)")
 
 
+def write_skin(path: Union[str, "os.PathLike[str]"], size: Sequence[float], spacing: float, centre: Sequence[float] = (0.0, 0.0)) -> None:
+    """Writes a level skin of MuJoCo, which the plugin's key `skin` lets follow the ground. Viewers of all kinds show its ruts.
+
+    path: the file to write, .skn. size: (2,), m, of the rectangle, along x and y. spacing: m, between vertices. centre: (2,), m, of the rectangle in
+    MuJoCo's axes. ValueError: it has less than 2 or more than 4 million vertices.
+    """
+    counts = [round(length / spacing) + 1 if spacing > 0 and length >= spacing / 2 else 0 for length in size]
+    if min(counts) < 2 or counts[0] * counts[1] > 4000000:
+        raise ValueError(f"furrow.mujoco: a skin of {size[0]:g} x {size[1]:g} m every {spacing:g} m has {counts[0]} x {counts[1]} vertices; give a size and spacing for 2 x 2 to 4 million")
+    axes = [centre[k] + spacing * (numpy.arange(counts[k]) - (counts[k] - 1) / 2) for k in range(2)]
+    vertices = numpy.zeros((counts[1], counts[0], 3), dtype="<f4")
+    vertices[..., 0], vertices[..., 1] = axes[0], axes[1][:, None]
+    first = (numpy.arange(counts[1] - 1)[:, None] * counts[0] + numpy.arange(counts[0] - 1)).ravel()
+    next_row = first + counts[0]
+    faces = numpy.concatenate([numpy.stack([first, first + 1, next_row + 1], 1), numpy.stack([first, next_row + 1, next_row], 1)]).astype("<i4")
+    number = counts[0] * counts[1]
+    with open(path, "wb") as file:
+        for part in (numpy.array([number, 0, len(faces), 1], dtype="<i4"), vertices, faces, b"world".ljust(40, b"\0"),  # its one bone, which all vertices hang on
+                     numpy.array([0, 0, 0, 1, 0, 0, 0], dtype="<f4"), numpy.array([number], dtype="<i4"), numpy.arange(number, dtype="<i4"), numpy.ones(number, dtype="<f4")):
+            file.write(part if isinstance(part, bytes) else part.tobytes())
+
+
 def _close(handle: int, lock: Any) -> None:
     """Takes the bodies out of the world, which another thread may be stepping, unless it is closed already."""
     with lock:

@@ -119,6 +119,23 @@ assert abs(soil.contact("wheel").sinkage - data2.sensordata[1]) < 0.02 * data2.s
 assert abs(soil.contact("wheel").slip - data2.sensordata[0]) < 0.01
 """)
 
+    def test_a_skin_is_what_it_asks_for(self):
+        self.check_script("""
+furrow.mujoco.write_skin("ground.skn", size=(4, 2), spacing=0.05, centre=(1, 0))
+model = mujoco.MjModel.from_xml_string('<mujoco><deformable><skin name="terrain" file="ground.skn"/></deformable><worldbody/></mujoco>')
+vertices, faces = model.skin_vert, model.skin_face
+assert vertices.shape == (81 * 41, 3) and faces.shape == (2 * 80 * 40, 3), (vertices.shape, faces.shape)
+assert np.allclose(vertices.min(0), (-1, -1, 0)) and np.allclose(vertices.max(0), (3, 1, 0)), (vertices.min(0), vertices.max(0))
+corners = vertices[faces]
+assert (np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 0.002).all()  # all look up
+try:
+    furrow.mujoco.write_skin("none.skn", size=(4, 2), spacing=5)
+except ValueError as error:
+    assert "give a size and spacing" in str(error)
+else:
+    raise AssertionError("not refused")
+""")
+
     def test_what_the_user_applies_stays(self):
         self.check_script("""
 world, soil, model, data = loop(BALL, "ball", 1500)
