@@ -106,7 +106,7 @@ static furrow_status open_soil(const mjModel *model, const mjData *data, int ins
 {
 	const char *name = mj_id2name(model, mjOBJ_PLUGIN, instance);
 	struct furrow_mujoco_open open = {.size = sizeof open, .world = soil->world, .name = name != NULL ? name : "soil", .model = model, .data = data,
-					  .geoms = config(model, instance, "geoms")};
+					  .geoms = config(model, instance, "geoms"), .carry = config(model, instance, "carry"), .tyres = config(model, instance, "tyres")};
 	memcpy(open.origin, origin, sizeof open.origin);
 	const furrow_status status = furrow_mujoco_open(&open, &soil->soil);
 	if (status != FURROW_OK)
@@ -182,6 +182,9 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return "its key scene is missing; give the path of a scene, or its text in braces";
 	if (!is_alone(model, instance))
 		return "the model has several instances of it; give one, which names all geoms";
+	if (config(model, instance, "powertrain") != NULL || config(model, instance, "brakes") != NULL)
+		return "it has no powertrain and no brakes, since the model's actuators turn its joints; give the model actuators that do, or let furrow drive it as a vehicle of a scene, "
+		       "which has both";
 	if (!read_origin(model, instance, origin))
 		return "its key origin is no place; give where MuJoCo's origin is in the terrain, m: x y, or x y z";
 	soil->forces = calloc(nv + 1, sizeof *soil->forces);
@@ -426,7 +429,7 @@ static void advance(const mjModel *model, mjData *data, int instance)
 
 static void registers(void)
 {
-	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield", "skin"};
+	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield", "skin", "carry", "tyres", "powertrain", "brakes"};
 	mjpPlugin plugin;
 	mjp_defaultPlugin(&plugin);
 	plugin.name = "furrow.soil";

@@ -51,7 +51,7 @@ class _Array(ctypes.Structure):
 class _Open(ctypes.Structure):
     _fields_ = [("size", ctypes.c_size_t), ("world", ctypes.c_void_p), ("name", ctypes.c_char_p), ("model", ctypes.c_void_p),
                 ("data", ctypes.c_void_p), ("arrays", ctypes.POINTER(_Array)), ("array_count", ctypes.c_size_t), ("geoms", ctypes.c_char_p),
-                ("origin", ctypes.c_double * 3)]
+                ("origin", ctypes.c_double * 3), ("carry", ctypes.c_char_p), ("tyres", ctypes.c_char_p)]
 
 
 def _load() -> Dict[str, Any]:
@@ -129,6 +129,10 @@ def _close(handle: int, lock: Any) -> None:
         _functions["furrow_mujoco_close"](handle)
 
 
+def _patterns(patterns: Union[str, Sequence[str], None]) -> Optional[bytes]:
+    return None if patterns is None else text(patterns if isinstance(patterns, str) else " ".join(patterns))
+
+
 class _Inertia:
     """MuJoCo's inertia as 4.0 keeps it in M: rows of a lower triangle. Before 4.0 it was in qM, which begins each row with its diagonal, and from 3.3 on in M, too."""
 
@@ -191,11 +195,14 @@ class Soil:
     """
 
     def __init__(self, world: World, model: Any, data: Any, geoms: Union[str, Sequence[str], None] = None,
-                 origin: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+                 origin: Sequence[float] = (0.0, 0.0, 0.0), carry: Union[str, Sequence[str], None] = None,
+                 tyres: Optional[Dict[str, Dict[str, float]]] = None) -> None:
         """Makes bodies of the world of the model's geoms, and a checkpoint, to which reset() returns.
 
         world: a furrow.World that has no vehicles of its own. model, data: mujoco.MjModel and mujoco.MjData. geoms: patterns of the geoms that
-        press the ground, such as "wheel_* chassis"; None: all that collide. origin: (3,), m, where MuJoCo's origin is in the terrain.
+        press the ground, such as "wheel_* chassis"; None: all that collide. origin: (3,), m, where MuJoCo's origin is in the terrain. carry: patterns of
+        those on which soil lies, such as "bucket"; its weight is theirs. tyres: by patterns of wheels, such as {"wheel_*": {"stiffness": 5e4, "load": 981}}:
+        stiffness, N/m, load, N, and perhaps pressure, Pa, damping, N s/m, and width, m, as the `tyres` of a scene's vehicle.
 
         furrow.Error: no geom presses the ground, or one has a shape that cannot.
         """
@@ -210,7 +217,8 @@ class Soil:
         self._kept: List[Any] = []
         arrays = self._arrays()
         given = _Open(ctypes.sizeof(_Open), world._handle, b"mujoco", None, None, arrays, len(arrays),
-                      None if geoms is None else text(geoms if isinstance(geoms, str) else " ".join(geoms)), (ctypes.c_double * 3)(*origin))
+                      _patterns(geoms), (ctypes.c_double * 3)(*origin), _patterns(carry),
+                      None if tyres is None else text("; ".join(" ".join([name, *(f"{key} {value!r}" for key, value in numbers.items())]) for name, numbers in tyres.items())))
         handle = ctypes.c_void_p()
         with world._lock:
             _functions["furrow_mujoco_open"](ctypes.byref(given), ctypes.byref(handle))

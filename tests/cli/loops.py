@@ -136,6 +136,23 @@ else:
     raise AssertionError("not refused")
 """)
 
+    def test_a_soil_has_tyres(self):
+        self.check_script("""
+CART = f'''<mujoco><option timestep="0.002" gravity="0 0 -{G}" integrator="implicit"/><worldbody><body pos="0 0 .301"><joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="90" diaginertia="1 1 1"/>
+<body><joint axis="0 1 0"/><inertial pos="0 0 0" mass="10" diaginertia=".5 .5 .5"/><geom name="wheel" type="cylinder" size=".3 .1" euler="90 0 0"/></body></body></worldbody></mujoco>'''
+model = mujoco.MjModel.from_xml_string(CART)
+data = mujoco.MjData(model)
+world = furrow.World(dict(SCENE, soil={"name": "concrete"}), store="plain.furrow", overlay="loop.furrow")
+refused("has no stiffness or no load", furrow.mujoco.Soil, world, model, data, origin=(10, 10.5, 0), tyres={"wheel": {"stiffness": 5e4}})
+refused("soil rolls off", furrow.mujoco.Soil, world, model, data, origin=(10, 10.5, 0), carry="wheel")
+soil = furrow.mujoco.Soil(world, model, data, origin=(10, 10.5, 0), tyres={"wheel": {"stiffness": 5e4, "load": 100 * G}})
+for _ in range(2000):
+    soil.apply()
+    mujoco.mj_step(model, data)
+    soil.commit()
+assert abs(-0.001 - data.qpos[0] - 100 * G / 5e4) < 0.02 * 100 * G / 5e4, data.qpos  # the tyre's deflection
+""")
+
     def test_what_the_user_applies_stays(self):
         self.check_script("""
 world, soil, model, data = loop(BALL, "ball", 1500)
