@@ -106,7 +106,7 @@ static furrow_status open_soil(const mjModel *model, const mjData *data, int ins
 {
 	const char *name = mj_id2name(model, mjOBJ_PLUGIN, instance);
 	struct furrow_mujoco_open open = {.size = sizeof open, .world = soil->world, .name = name != NULL ? name : "soil", .model = model, .data = data,
-					  .geoms = config(model, instance, "geoms")};
+					  .geoms = config(model, instance, "geoms"), .carry = config(model, instance, "carry"), .tyres = config(model, instance, "tyres")};
 	memcpy(open.origin, origin, sizeof open.origin);
 	const furrow_status status = furrow_mujoco_open(&open, &soil->soil);
 	if (status != FURROW_OK)
@@ -123,6 +123,7 @@ static void free_soil(struct plugin_soil *soil)
 	if (soil == NULL)
 		return;
 	plugin_free_field(soil->field);
+	plugin_free_field(soil->skin);
 	if (furrow_world_close(soil->world) != FURROW_OK)
 		mju_warning("furrow.soil: %s", furrow_last_error());
 	furrow_mujoco_close(soil->soil); /* last: else the ground would spring back below its bodies, and an overlay that is kept would have that */
@@ -181,6 +182,9 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return "its key scene is missing; give the path of a scene, or its text in braces";
 	if (!is_alone(model, instance))
 		return "the model has several instances of it; give one, which names all geoms";
+	if (config(model, instance, "powertrain") != NULL || config(model, instance, "brakes") != NULL)
+		return "it has no powertrain and no brakes, since the model's actuators turn its joints; give the model actuators that do, or let furrow drive it as a vehicle of a scene, "
+		       "which has both";
 	if (!read_origin(model, instance, origin))
 		return "its key origin is no place; give where MuJoCo's origin is in the terrain, m: x y, or x y z";
 	soil->forces = calloc(nv + 1, sizeof *soil->forces);
@@ -201,7 +205,7 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return "no memory";
 	doubt(model, soil);
 	const char *wrong = plugin_check_sensors(model, instance, soil);
-	return wrong != NULL ? wrong : plugin_make_field(model, instance, soil, origin);
+	return wrong != NULL ? wrong : plugin_make_fields(model, instance, soil, origin);
 }
 
 static int init(const mjModel *model, mjData *data, int instance)
@@ -425,7 +429,7 @@ static void advance(const mjModel *model, mjData *data, int instance)
 
 static void registers(void)
 {
-	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield"};
+	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield", "skin", "carry", "tyres", "powertrain", "brakes"};
 	mjpPlugin plugin;
 	mjp_defaultPlugin(&plugin);
 	plugin.name = "furrow.soil";

@@ -187,7 +187,7 @@ class Model:
             self.spec = self.mujoco.MjSpec.from_file(str(self.file))
             self._free_roots(_of_scene(drive, f"vehicles.{name}.start.fixed"))
             self._name_joints()
-            self.model = self.spec.compile()
+            left_out = self._compile()
         except (ValueError, TypeError, self.mujoco.FatalError) as error:
             line = str(error).strip().splitlines()[0]
             raise ResultsError(f"{self.file}: MuJoCo {self.mujoco.__version__} does not read it: {line}; leave vehicles out by --no-vehicles") from None
@@ -196,7 +196,7 @@ class Model:
         self.root = self._find_root(drive)
         self.axes = self._find_axes(drive)  # of base_link, in the root body's
         self.turns = matrices(quaternions(self.rows))
-        self.lost = self._not_told()
+        self.lost = left_out + self._not_told()
 
     def _free_roots(self, fixed: "Union[str, None]") -> None:
         """A root without a joint is free if the scene says so, and in a URDF if it does not say otherwise. A link that is called world holds it."""
@@ -208,6 +208,35 @@ class Model:
         for body in bodies:
             if not list(body.joints) and not body.mocap and (fixed == "false" or (fixed is None and urdf)):
                 body.add_freejoint()
+
+    def _compile(self) -> "list[str]":
+        """Sets `model`. A drive leaves out meshes and images that it does not find or read, so these are left out here, too. Returns a line for each."""
+        lost: "list[str]" = []
+        while True:
+            try:
+                self.model = self.spec.compile()
+                return lost
+            except (ValueError, self.mujoco.FatalError) as error:
+                asset = next((asset for asset in [*self.spec.meshes, *self.spec.textures] if asset.file and re.split(r"[/\\]", asset.file)[-1] in str(error)), None)
+                if asset is None:
+                    raise
+                lost.append(self._leave_out(asset))
+
+    def _leave_out(self, asset: Any) -> str:
+        """Takes an asset out of the model, with what has its shape. Returns what is to be told."""
+        spec, name = self.spec, re.split(r"[/\\]", asset.file)[-1]
+        delete = spec.delete if hasattr(spec, "delete") else lambda part: part.delete()  # before MuJoCo 3.3 parts do it
+        if asset in spec.textures:
+            for material in spec.materials:
+                if asset.name in material.textures:
+                    material.textures = ["" if texture == asset.name else texture for texture in material.textures]
+            delete(asset)
+            return f"image {name} of {self.file.name} is not found or not read: what shows it has its plain colour"
+        for geom in [geom for geom in spec.geoms if geom.meshname == asset.name]:
+            delete(geom)
+        delete(asset)
+        spec.compiler.boundmass = spec.compiler.boundinertia = 1e-6  # of bodies that had their mass of it alone
+        return f"mesh {name} of {self.file.name} is not found or not read: its shape, and the mass that it gives, are left out"
 
     def _name_joints(self) -> None:
         """A drive calls hinges and slides without a name after their bodies, so columns have these names."""

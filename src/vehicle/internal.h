@@ -506,6 +506,8 @@ void vehicle_geom_contact(const struct vehicles *vehicles, const struct soil_geo
 enum status vehicle_find_own_shares(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
 /* Gives its wheels the tyres of the scene. STATUS_INPUT: a pattern names no wheel, or soil_tyre_set refuses a tyre. Without tyres it does nothing. */
 enum status vehicle_make_tyres(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+/* lent_tyres.c: gives its wheels the tyres that a line tells. It is changed. NULL: none. STATUS_INPUT: it is not understood, or as above. */
+enum status vehicle_lent_tyres(struct vehicle *vehicle, const char *where, char *text, double gravity) FURROW_CHECKED;
 
 /* --- advance.c --- */
 

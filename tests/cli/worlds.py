@@ -137,6 +137,24 @@ class VehiclesTest(SensorsTest):
                         at = prim.ComputeLocalToWorldTransform(float(rows["t"][-1]) * stage.GetTimeCodesPerSecond()).ExtractTranslation()
                         np.testing.assert_allclose(list(at), place, atol=1e-6, err_msg=body)
 
+    def test_meshes_that_are_not_there_are_left_out(self):
+        """A drive tells of them and leaves them out, so what is made of the drive does, too."""
+        if not has("mujoco"):
+            self.skipTest("not on this machine: the Python package mujoco")
+        assets = '<asset><mesh name="lid" file="gone.stl"/><mesh file="away.obj"/><texture name="t" type="2d" file="gone.png"/><material name="m" texture="t"/></asset>'
+        bodies = (f'<body name="hull" pos="0 0 0.4"><freejoint/><geom type="box" size="0.4 0.3 0.1" mass="50" material="m"/>{FEET}<geom type="mesh" mesh="lid" contype="0" conaffinity="0"/>'
+                  '<body name="arm" pos="0 0 0.3"><joint name="elbow" axis="0 1 0"/><inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/><geom type="mesh" mesh="away" contype="0" conaffinity="0"/></body></body>')
+        (self.folder / "own.xml").write_text(f"<mujoco>{assets}<worldbody>{bodies}</worldbody></mujoco>")
+        self.driven(SCENE[:SCENE.index("vehicles:")] + "vehicles:\n  - {name: it, model: own.xml, start: {at: [30, 30]}}\noutput: {vehicles: 50}\n", self.ground("level", lambda x: 5), again=True)
+        for made in (("world", "out", "-o", "mjcf"), ("world", "out", "-o", "sdf", "--format", "sdf"), *([("usd", "out", "-o", "it.usdc")] if has("pxr") else [])):
+            told = self.furrow(*made, env=WITH_PYTHON)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            for line in ("mesh gone.stl of own.xml is not found", "mesh away.obj of own.xml is not found", "image gone.png of own.xml is not found"):
+                self.assertEqual(told.stderr.count(line), 1, told.stderr)
+        import mujoco
+        model = mujoco.MjModel.from_xml_path(str(self.folder / "mjcf/world.xml"))
+        self.assertEqual((model.nmesh, model.body("it/arm").mass[0]), (0, 1))
+
     def test_a_column_of_no_joint_is_told(self):
         if not has("mujoco"):
             self.skipTest("not on this machine: the Python package mujoco")
