@@ -72,6 +72,7 @@ ELSEWHERE = {
     "give at most %.4g Pa, or a higher": "a measured tyre, docs/VEHICLES.md: no default is near it",
     # tests of this file
     "furrow reset %s": "commands", "furrow restore %s": "commands", "give --window %s": "windows", "--window %s": "windows",
+    "--%s is for --tiles": "two options, cli/tiles",
     "give 0 to %d": "a range", "coarser than the store's coarsest": "windows", "time_step: %g s is longer": "vehicles", "give gravity: %s": "vehicles",
     "give gravity: %g": "cli/planets", "give view.body: %s": "cli/planets", "shorten time_step": "a motion that diverged is not made by a scene of a few lines",
     "the lowest height is %s m": "nodata", "give \"--nodata %s": "nodata", "give --nodata %s": "nodata", "import again with --nodata %g": "nodata",
