@@ -343,11 +343,24 @@ static enum status tidy(struct work *all)
 	return STATUS_OK;
 }
 
+/* After a reset revisions begin anew, so the version also has a hash of the look and of the last run. */
+static enum status find_version(struct work *all)
+{
+	struct store_run run;
+	TRY(store_last_run(all->params->store, &run));
+	uint64_t hash = all->stamp.look;
+	if (run.scene_hash != NULL)
+		hash = XXH3_64bits_withSeed(run.scene_hash, strlen(run.scene_hash), hash);
+	if (run.scene_hash != NULL && run.state != NULL)
+		hash = XXH3_64bits_withSeed(run.state, strlen(run.state), hash);
+	snprintf(all->result->version, sizeof all->result->version, "%lld-%08x", (long long)all->zooms.revision, (unsigned)hash);
+	return STATUS_OK;
+}
+
 static void tell(struct work *all)
 {
 	struct exchange_tiles_result *result = all->result;
 	result->revision = all->zooms.revision;
-	snprintf(result->version, sizeof result->version, "%lld-%08x", (long long)result->revision, (unsigned)all->stamp.look);
 	result->local = all->frame.globe == NULL;
 	result->earth = all->frame.earth;
 	result->coding_zero = exchange_coding_of(all->params, all->frame.meta).zero;
@@ -410,6 +423,7 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 	TRY_OR(done, exchange_zooms_init(&all.zooms, &all.frame, all.reader, params->store, params->since));
 	TRY_OR(done, exchange_steps_create(&all.steps));
 	TRY_OR(done, begin(&all));
+	TRY_OR(done, find_version(&all));
 	tell(&all);
 	TRY_OR(done, run_threads(&all));
 	TRY_OR(done, tidy(&all));
