@@ -184,6 +184,8 @@ class TileWindows(RasterTest):
                 (self.folder / "scene.yaml").write_text(SCENE.replace("[4080, 2540]", options))
                 self.ok("reset", "s.furrow")
                 self.ok("drive", "scene.yaml", "--store", "s.furrow", "-o", "out")
+                if len(versions) == 3:
+                    self.assertIn("was reset since", self.refused(3, "export", "s.furrow", "--tiles", "tiles", "--leaflet", ".", "--since", 2))
                 continue
             self.export("tiles", *options)
             lists = {name: (self.folder / "tiles" / f"{name}").read_text() for name in ("tiles.js", "terrain.json", "hillshade.json", "mesh/layer.json")}
