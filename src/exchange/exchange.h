@@ -49,7 +49,7 @@ enum exchange_set { EXCHANGE_TERRAIN, EXCHANGE_HILLSHADE, EXCHANGE_RUTS, EXCHANG
 
 struct exchange_tiles_result {
 	int64_t revision;                /* of the store, when the export began */
-	char version[32];                /* of the tiles, in their urls: another one where the revision or the look is another */
+	char version[32];                /* of the tiles, in their urls: another one where the revision, the last run or the look is another */
 	int zoom[2], mesh_zoom[2];       /* least and greatest */
 	double mesh_step[2];             /* metres between vertices to the east and to the north, at the finest mesh zoom that is complete */
 	int64_t made[EXCHANGE_SETS];     /* tiles that were computed */

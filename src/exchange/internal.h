@@ -271,6 +271,7 @@ struct exchange_stamp {
 	int64_t revision;
 	double range[2];
 	uint64_t look;    /* hash of sun, exaggeration and range */
+	char version[32]; /* as in exchange_tiles_result; "": an earlier furrow did not write it */
 };
 struct exchange_journal {
 	FILE *file;

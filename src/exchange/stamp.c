@@ -37,6 +37,7 @@ static enum status parse(const struct exchange_bytes *bytes, const char *path, s
 	const cJSON *format = cJSON_GetObjectItem(root, "format"), *terrain = cJSON_GetObjectItem(root, "terrain");
 	const cJSON *revision = cJSON_GetObjectItem(root, "revision"), *range = cJSON_GetObjectItem(root, "ruts_range");
 	const cJSON *look = cJSON_GetObjectItem(root, "look"), *low = cJSON_GetArrayItem(range, 0), *high = cJSON_GetArrayItem(range, 1);
+	const cJSON *version = cJSON_GetObjectItem(root, "version");
 	const bool whole = cJSON_IsNumber(format) && format->valuedouble == FORMAT && cJSON_IsString(terrain) && cJSON_IsNumber(revision) &&
 			   cJSON_IsNumber(low) && cJSON_IsNumber(high) && cJSON_IsString(look) && low->valuedouble < 0 && high->valuedouble > 0;
 	if (whole) {
@@ -45,6 +46,7 @@ static enum status parse(const struct exchange_bytes *bytes, const char *path, s
 		stamp->range[0] = low->valuedouble;
 		stamp->range[1] = high->valuedouble;
 		stamp->look = strtoull(look->valuestring, NULL, 16);
+		snprintf(stamp->version, sizeof stamp->version, "%s", cJSON_IsString(version) ? version->valuestring : "");
 	}
 	cJSON_Delete(root);
 	return whole ? STATUS_OK
@@ -83,6 +85,7 @@ enum status exchange_stamp_write(const char *directory, const struct exchange_st
 	json_integer(root, "revision", stamp->revision);
 	cJSON_AddItemToObject(root, "ruts_range", cJSON_CreateDoubleArray(stamp->range, 2));
 	cJSON_AddStringToObject(root, "look", look);
+	cJSON_AddStringToObject(root, "version", stamp->version);
 	char *text = cJSON_Print(root);
 	cJSON_Delete(root);
 	TRY_MEM(text, path);

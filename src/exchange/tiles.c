@@ -12,6 +12,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
 
@@ -240,6 +241,11 @@ static enum status choose_range(struct work *all, const struct exchange_stamp *o
 		TRY(store_read_offset_range(all->reader, (struct tile){extent_coarsest(extent), 0, 0}, &low, &high, &found));
 	range[0] = -(found && low < 0 ? chart_round_range(-low) : 0.1);
 	range[1] = found && high > 0 ? chart_round_range(high) : 0.1;
+	for (int i = 0; i < 2; i++) { /* as JSON gives it back: the next export compares looks */
+		char text[32];
+		snprintf(text, sizeof text, "%.6g", range[i]);
+		range[i] = strtod(text, NULL);
+	}
 	return STATUS_OK;
 }
 
@@ -259,6 +265,8 @@ static enum status check_stamp(struct work *all, const struct exchange_stamp *ol
 	if (old->look != all->stamp.look)
 		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration, encoding, size, window or range of colours; give the same, or leave --since "
 				 "out", directory);
+	if (old->version[0] != '\0' && old->revision == all->stamp.revision && strcmp(old->version, all->result->version) != 0)
+		return fail_with(STATUS_INPUT, "%s: its tiles are of another drive: the store was reset since; leave --since out", directory);
 	return STATUS_OK;
 }
 
@@ -277,6 +285,20 @@ static uint64_t look_of(const struct exchange_tiles_params *params, const double
 		more[7 + i] = params->has_clip ? params->clip[i] : 0;
 	}
 	return XXH3_64bits_withSeed(more, sizeof more, hash);
+}
+
+/* After a reset revisions begin anew, so the version also has a hash of the look and of the last run. */
+static enum status find_version(struct work *all)
+{
+	struct store_run run;
+	TRY(store_last_run(all->params->store, &run));
+	uint64_t hash = all->stamp.look;
+	if (run.scene_hash != NULL)
+		hash = XXH3_64bits_withSeed(run.scene_hash, strlen(run.scene_hash), hash);
+	if (run.scene_hash != NULL && run.state != NULL)
+		hash = XXH3_64bits_withSeed(run.state, strlen(run.state), hash);
+	snprintf(all->result->version, sizeof all->result->version, "%lld-%08x", (long long)all->zooms.revision, (unsigned)hash);
+	return STATUS_OK;
 }
 
 /* Counts units and tiles. Returns the units. */
@@ -301,7 +323,9 @@ static enum status begin(struct work *all)
 	TRY(choose_range(all, &old, found));
 	all->stamp.look = look_of(params, all->stamp.range);
 	all->stamp.revision = all->zooms.revision;
+	TRY(find_version(all));
 	TRY(check_stamp(all, &old, found));
+	snprintf(all->stamp.version, sizeof all->stamp.version, "%s", all->result->version);
 	const int64_t units = count_units(all);
 	snprintf(request, sizeof request, "furrow tiles 1, terrain %s, revision %lld, since %lld, look %016llx, units %lld", all->stamp.terrain,
 		 (long long)all->stamp.revision, (long long)params->since, (unsigned long long)all->stamp.look, (long long)units);
@@ -347,7 +371,6 @@ static void tell(struct work *all)
 {
 	struct exchange_tiles_result *result = all->result;
 	result->revision = all->zooms.revision;
-	snprintf(result->version, sizeof result->version, "%lld-%08x", (long long)result->revision, (unsigned)all->stamp.look);
 	result->local = all->frame.globe == NULL;
 	result->earth = all->frame.earth;
 	result->coding_zero = exchange_coding_of(all->params, all->frame.meta).zero;

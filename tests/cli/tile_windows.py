@@ -178,11 +178,14 @@ class TileWindows(RasterTest):
 
     def test_an_update_changes_the_version_in_all_urls(self):
         self.store(west=400000)
-        (self.folder / "scene.yaml").write_text(SCENE)
         versions = []
-        for options in ((), ("--sun", "90,45"), None, ()):
-            if options is None:
+        for options in ((), ("--sun", "90,45"), "[4080, 2540]", (), "[4080, 2400]", ()):
+            if isinstance(options, str):  # after a reset revisions are the same numbers again
+                (self.folder / "scene.yaml").write_text(SCENE.replace("[4080, 2540]", options))
+                self.ok("reset", "s.furrow")
                 self.ok("drive", "scene.yaml", "--store", "s.furrow", "-o", "out")
+                if len(versions) == 3:
+                    self.assertIn("was reset since", self.refused(3, "export", "s.furrow", "--tiles", "tiles", "--leaflet", ".", "--since", 2))
                 continue
             self.export("tiles", *options)
             lists = {name: (self.folder / "tiles" / f"{name}").read_text() for name in ("tiles.js", "terrain.json", "hillshade.json", "mesh/layer.json")}
@@ -191,7 +194,8 @@ class TileWindows(RasterTest):
             for name, text in lists.items():
                 self.assertIn(version[4:], text, name)
             versions.append(version)
-        self.assertEqual(len(set(versions)), 3, versions)
+        self.assertEqual(len(set(versions)), 4, versions)
+        self.assertEqual(versions[2].split("-")[0], versions[3].split("-")[0])
         ruts = json.loads((self.folder / "tiles/ruts.json").read_text())
         self.assertIn(versions[-1][4:], ruts["tiles"][0])
         # Every tile of ruts lies in the bounds of its list, which are much smaller than the terrain's.
