@@ -300,8 +300,10 @@ class Imagery(RasterTest):
         self.picture("ortho.tif", ramp)
         self.gdal("gdal_translate", "-q", "-ot", "UInt16", "ortho.tif", "deep.tif")
         self.picture("far.tif", ramp, 9000, 0)
+        vrt = self.gdal("gdal_translate", "-q", "-of", "VRT", "ortho.tif", "/vsistdout/")
+        (self.folder / "ink.vrt").write_text(vrt.replace("<ColorInterp>Red<", "<ColorInterp>Cyan<"))
         (self.folder / "plain.ppm").write_bytes(b"P6\n2 2\n255\n" + bytes(12))
-        for name, status, why in (("deep.tif", 3, "8 bits a band"), ("far.tif", 3, "no imagery lies on the terrain"), ("plain.ppm", 3, "has no place"),
+        for name, status, why in (("deep.tif", 3, "8 bits a band"), ("ink.vrt", 3, "not red, green and blue"), ("far.tif", 3, "no imagery lies on the terrain"), ("plain.ppm", 3, "has no place"),
                                   ("gone.tif", 3, "gone.tif")):
             self.assertIn(why, self.refused(status, "import", "--imagery", name, "-o", "s.furrow"), name)
             self.assertIsNone(self.json("info", "s.furrow")["imagery"])
