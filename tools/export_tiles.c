@@ -92,6 +92,8 @@ static void print_made(const struct exchange_tiles_params *params, const struct 
 	printf("python3 -m http.server -d %s    # then open http://localhost:8000\n", directory);
 	if (params->gzip)
 		note("%s: globe tiles are compressed: serve .terrain with Content-Encoding: gzip, or unpack them in the page, as EXCHANGE.md has it", directory);
+	if (made->made[EXCHANGE_IMAGERY] > 0)
+		printf("%s: %lld tiles of imagery, to zoom %d\n", directory, (long long)made->made[EXCHANGE_IMAGERY], made->imagery_zoom);
 	if (made->kept > 0)
 		note("%s: went on from an export that was cut short", directory);
 	if (made->local)
@@ -173,10 +175,10 @@ static enum status read_set(const struct arguments *arguments, enum exchange_set
 {
 	int layer = LAYER_SURFACE;
 	TRY(export_read_layer(arguments, &layer));
-	*set = layer == LAYER_HILLSHADE ? EXCHANGE_HILLSHADE : layer == LAYER_OFFSET ? EXCHANGE_RUTS : EXCHANGE_TERRAIN;
-	return layer == LAYER_SURFACE || layer == LAYER_HILLSHADE || layer == LAYER_OFFSET
+	*set = layer == LAYER_HILLSHADE ? EXCHANGE_HILLSHADE : layer == LAYER_OFFSET ? EXCHANGE_RUTS : layer == LAYER_IMAGERY ? EXCHANGE_IMAGERY : EXCHANGE_TERRAIN;
+	return layer == LAYER_SURFACE || layer == LAYER_HILLSHADE || layer == LAYER_OFFSET || layer == LAYER_IMAGERY
 		       ? STATUS_OK
-		       : fail_with(STATUS_USAGE, "export: an .mbtiles holds surface, hillshade or offset, not %s; write a .tif", export_layer_name(layer));
+		       : fail_with(STATUS_USAGE, "export: an .mbtiles holds surface, hillshade, offset or imagery, not %s; write a .tif", export_layer_name(layer));
 }
 
 enum status export_mbtiles(const struct arguments *arguments)

@@ -58,6 +58,9 @@ static enum status find_channels(const struct picture *picture, GDALDatasetH sou
 			return fail_with(STATUS_INPUT, "%s: band %d is %s, and imagery has 8 bits a band; convert it: gdal_translate -ot Byte -scale LOW HIGH %s out.tif",
 					 picture->path, band, GDALGetDataTypeName(GDALGetRasterDataType(one)), picture->path);
 	}
+	const GDALColorInterp first = GDALGetRasterColorInterpretation(GDALGetRasterBand(source, 1));
+	if (first >= GCI_HueBand && first <= GCI_YCbCr_CrBand)
+		return fail_with(STATUS_INPUT, "%s: its bands are not red, green and blue, but of another model, as cyan or hue; convert it to an RGB picture first", picture->path);
 	const bool grey = count - (found[3] != 0) < 3;
 	for (int c = 0; c < 3; c++)
 		out->bands[c] = grey ? 1 : found[0] != 0 && found[1] != 0 && found[2] != 0 ? found[c] : c + 1;

@@ -45,12 +45,13 @@ struct exchange_tiles_params {
 	void *progress_user;
 };
 
-enum exchange_set { EXCHANGE_TERRAIN, EXCHANGE_HILLSHADE, EXCHANGE_RUTS, EXCHANGE_MESH, EXCHANGE_SETS };
+enum exchange_set { EXCHANGE_TERRAIN, EXCHANGE_HILLSHADE, EXCHANGE_RUTS, EXCHANGE_MESH, EXCHANGE_IMAGERY, EXCHANGE_SETS };
 
 struct exchange_tiles_result {
 	int64_t revision;                /* of the store, when the export began */
 	char version[32];                /* of the tiles, in their urls: another one where the revision, the last run or the look is another */
 	int zoom[2], mesh_zoom[2];       /* least and greatest */
+	int imagery_zoom;                /* the greatest of imagery; -1: the store has none */
 	double mesh_step[2];             /* metres between vertices to the east and to the north, at the finest mesh zoom that is complete */
 	int64_t made[EXCHANGE_SETS];     /* tiles that were computed */
 	int64_t written[EXCHANGE_SETS];  /* of these, files that are new or differ from what was there */

@@ -65,6 +65,7 @@ void exchange_frame_earth_centred(const struct exchange_frame *frame, double lon
  * tiles that touch a deformed tile of the working level, if that is as fine. They also have those that touch an inset as fine as that.
  */
 struct exchange_zoom {
+	bool imagery; /* map tiles finer than those of heights: imagery alone */
 	bool globe;  /* mesh tiles, y from the south; otherwise map tiles, y from the north */
 	int z;
 	int level;   /* of the store: the one whose spacing is nearest to a sample's */
@@ -84,6 +85,7 @@ struct exchange_zooms {
 	struct exchange_zoom zooms[EXCHANGE_ZOOMS]; /* in the order of work: maps, then globe, each from fine to coarse */
 	size_t count;
 	int map[2], mesh[2];  /* least and greatest zoom */
+	int imagery;          /* greatest zoom of imagery, at least map[1]; -1: there is none */
 	int64_t revision;
 	bool deformed;        /* the store has a working level */
 	int working;
@@ -209,6 +211,8 @@ struct exchange_maker {
 	size_t side; /* pixels along a map tile */
 	struct exchange_coding coding;
 	double *heights, *slopes;
+	uint8_t *imagery, *posts; /* of imagery: 4 bytes each; of a tile, and of the posts under it. NULL: none yet */
+	size_t posts_room;
 	uint8_t *pixels, *indices;
 	void *mesh;
 	struct exchange_bytes bytes, packed;
@@ -222,6 +226,8 @@ void exchange_maker_finish(struct exchange_maker *maker);
 /* Puts maker->bytes into the file of a tile, or removes the file if they are empty. */
 enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set set, struct tile tile) FURROW_CHECKED;
 enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
+/* imagery_tile.c: colours, if the store has imagery. Places the sampler anew. */
+enum status exchange_imagery_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
 enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
 /* Returns the palette index of an offset in metres: 0 none, 1 to 127 down, 129 to 255 up. */
 uint8_t exchange_rut_index(const double range[2], double offset);

@@ -38,11 +38,11 @@ failed:
 void exchange_maker_finish(struct exchange_maker *maker)
 {
 	exchange_sampler_finish(&maker->sampler);
-	mem_free_all(maker->heights, maker->slopes, maker->pixels, maker->indices, maker->mesh);
+	mem_free_all(maker->heights, maker->slopes, maker->pixels, maker->indices, maker->mesh, maker->imagery, maker->posts);
 	exchange_bytes_finish(&maker->bytes);
 	exchange_bytes_finish(&maker->packed);
 	maker->heights = maker->slopes = NULL;
-	maker->pixels = maker->indices = NULL;
+	maker->pixels = maker->indices = maker->imagery = maker->posts = NULL;
 	maker->mesh = NULL;
 }
 
@@ -199,7 +199,7 @@ static enum status put_ruts(struct exchange_maker *maker, const struct exchange_
 	return exchange_maker_put(maker, EXCHANGE_RUTS, tile);
 }
 
-enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+static enum status put_ground(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
 {
 	const size_t side = maker->side;
 	const int64_t i0 = (int64_t)tile.x * (int64_t)side - 1, j0 = (int64_t)tile.y * (int64_t)side - 1;
@@ -220,4 +220,12 @@ enum status exchange_map_tile(struct exchange_maker *maker, const struct exchang
 	for (int set = EXCHANGE_TERRAIN; set <= EXCHANGE_RUTS; set++)
 		TRY(exchange_maker_put(maker, (enum exchange_set)set, tile));
 	return STATUS_OK;
+}
+
+enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+{
+	const bool ground = maker->file == NULL || maker->only != EXCHANGE_IMAGERY, colours = maker->file == NULL || maker->only == EXCHANGE_IMAGERY;
+	if (ground && !zoom->imagery)
+		TRY(put_ground(maker, zoom, tile));
+	return colours ? exchange_imagery_tile(maker, zoom, tile) : STATUS_OK;
 }

@@ -234,15 +234,16 @@ static void tiles_bounds(const struct listed *list, double bounds[4])
 static enum status write_tilejson(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
 				  const struct exchange_tiles_result *result, enum exchange_set set, const double bounds[4])
 {
-	static const char *const names[] = {[EXCHANGE_TERRAIN] = "terrain", [EXCHANGE_HILLSHADE] = "hillshade", [EXCHANGE_RUTS] = "ruts"};
+	static const char *const names[] = {[EXCHANGE_TERRAIN] = "terrain", [EXCHANGE_HILLSHADE] = "hillshade", [EXCHANGE_RUTS] = "ruts", [EXCHANGE_IMAGERY] = "imagery"};
 	const struct exchange_coding coding = exchange_coding_of(params, frame->meta);
 	struct text text = {.status = STATUS_OK};
 	char file[32];
 	snprintf(file, sizeof file, "%s.json", names[set]);
 	add(&text, "{\n  \"tilejson\": \"3.0.0\",\n  \"name\": ");
 	add_string(&text, params->title);
-	add(&text, ",\n  \"version\": \"1.0.%s\",\n  \"scheme\": \"xyz\",\n  \"tiles\": [\"%s/{z}/{x}/{y}.png?v=%s\"],\n", result->version, names[set], result->version);
-	add(&text, "  \"minzoom\": %d,\n  \"maxzoom\": %d,\n  \"tileSize\": %d,\n", zooms->map[0], zooms->map[1], frame->pixels);
+	add(&text, ",\n  \"version\": \"1.0.%s\",\n  \"scheme\": \"xyz\",\n  \"tiles\": [\"%s/{z}/{x}/{y}.%s?v=%s\"],\n", result->version, names[set],
+	    set == EXCHANGE_IMAGERY ? "webp" : "png", result->version);
+	add(&text, "  \"minzoom\": %d,\n  \"maxzoom\": %d,\n  \"tileSize\": %d,\n", zooms->map[0], set == EXCHANGE_IMAGERY ? zooms->imagery : zooms->map[1], frame->pixels);
 	if (set == EXCHANGE_TERRAIN)
 		add(&text, "  \"encoding\": \"%s\",\n", exchange_coding_name(params));
 	if (set == EXCHANGE_TERRAIN && params->step > 0) /* MapLibre refuses them for an encoding that it knows */
@@ -252,9 +253,9 @@ static enum status write_tilejson(const struct exchange_tiles_params *params, co
 	return put_text(params, file, &text);
 }
 
-/* Local metres have no place on the world's map, so they have no TileJSON. Nor have ruts that are not there: clients would ask for them. */
+/* Local metres have no place on the world's map, so they have no TileJSON. Nor have ruts or imagery that are not there: clients would ask for them. */
 static enum status write_tilejsons(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
-				   const struct exchange_tiles_result *result, const struct listed *ruts)
+				   const struct exchange_tiles_result *result, const struct listed *ruts, const struct listed *imagery)
 {
 	char path[EXCHANGE_PATH];
 	double bounds[4];
@@ -263,12 +264,19 @@ static enum status write_tilejsons(const struct exchange_tiles_params *params, c
 		return STATUS_OK;
 	TRY(write_tilejson(params, frame, zooms, result, EXCHANGE_TERRAIN, frame->bounds));
 	TRY(write_tilejson(params, frame, zooms, result, EXCHANGE_HILLSHADE, frame->bounds));
-	if (ruts->count == 0) {
-		snprintf(path, sizeof path, "%s/ruts.json", params->directory);
-		return exchange_file_remove(path, &removed);
+	const struct listed *const sets[] = {ruts, imagery};
+	static const enum exchange_set kinds[] = {EXCHANGE_RUTS, EXCHANGE_IMAGERY};
+	static const char *const files[] = {"ruts.json", "imagery.json"};
+	for (size_t i = 0; i < 2; i++) {
+		snprintf(path, sizeof path, "%s/%s", params->directory, files[i]);
+		if (sets[i]->count == 0) {
+			TRY(exchange_file_remove(path, &removed));
+			continue;
+		}
+		tiles_bounds(sets[i], bounds);
+		TRY(write_tilejson(params, frame, zooms, result, kinds[i], bounds));
 	}
-	tiles_bounds(ruts, bounds);
-	return write_tilejson(params, frame, zooms, result, EXCHANGE_RUTS, bounds);
+	return STATUS_OK;
 }
 
 static enum status write_page(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
@@ -278,13 +286,15 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	const struct exchange_bytes page = {.data = (uint8_t *)(uintptr_t)exchange_page, .size = exchange_page_size};
 	const double *bounds = result->local ? frame->metres : frame->bounds;
 	const struct exchange_coding coding = exchange_coding_of(params, frame->meta);
-	struct listed shades = {NULL, 0, 0}, ruts = {NULL, 0, 0};
+	struct listed shades = {NULL, 0, 0}, ruts = {NULL, 0, 0}, imagery = {NULL, 0, 0};
 	struct text text = {.status = STATUS_OK};
 	enum status status;
 	TRY_OR(done, exchange_folder_each(params->directory, EXCHANGE_HILLSHADE, list_tile, &shades));
 	TRY_OR(done, exchange_folder_each(params->directory, EXCHANGE_RUTS, list_tile, &ruts));
 	sort_tiles(&shades);
+	TRY_OR(done, exchange_folder_each(params->directory, EXCHANGE_IMAGERY, list_tile, &imagery));
 	sort_tiles(&ruts);
+	sort_tiles(&imagery);
 	add(&text, "// What the folder has. Written by furrow export --tiles.\nconst FURROW_TILES = {\n  title: ");
 	add_string(&text, params->title);
 	add(&text, ",\n  revision: %lld, version: \"%s\",\n  local: %s,\n", (long long)result->revision, result->version, result->local ? "true" : "false");
@@ -301,12 +311,14 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	add_rows(&text, &shades);
 	add(&text, ",\n  ruts: ");
 	add_rows(&text, &ruts);
-	add(&text, ",\n};\n");
+	add(&text, ",\n  imagery: ");
+	add_rows(&text, &imagery);
+	add(&text, ", finest_imagery: %d,\n};\n", zooms->imagery);
 	TRY_OR(done, put_text(params, "tiles.js", &text));
 	TRY_OR(done, put(params, "index.html", &page));
-	TRY_OR(done, write_tilejsons(params, frame, zooms, result, &ruts));
+	TRY_OR(done, write_tilejsons(params, frame, zooms, result, &ruts, &imagery));
 done:
-	mem_free_all(shades.tiles, ruts.tiles);
+	mem_free_all(shades.tiles, ruts.tiles, imagery.tiles);
 	return status;
 }
 

@@ -275,7 +275,8 @@ static uint64_t look_of(const struct exchange_tiles_params *params, const double
 	double look[3 + 3 * CHART_SUNS] = {range[0], range[1], params->terrarium ? -params->exaggerate : params->exaggerate};
 	for (int i = 0; i < 3 * CHART_SUNS; i++)
 		look[3 + i] = params->sun.toward[i / 3][i % 3];
-	const uint64_t hash = XXH3_64bits(look, sizeof look);
+	/* Other imagery, other tiles; without imagery, folders of earlier versions have this hash. */
+	const uint64_t hash = XXH3_64bits(look, sizeof look) ^ store_imagery_hash(params->store);
 	/* Folders of earlier versions have a hash without these. */
 	if (params->step == 0 && params->pixels <= 256 && !params->fine_globe && !params->gzip && !params->has_window)
 		return hash;
@@ -345,9 +346,9 @@ static enum status tidy_tile(void *user, struct tile tile)
 {
 	const struct tidying *tidying = user;
 	const struct exchange_zooms *zooms = &tidying->all->zooms;
-	for (size_t k = 0; k < zooms->count; k++) {
+	for (size_t k = 0; k < zooms->count && (tidying->set != EXCHANGE_IMAGERY || zooms->imagery >= 0); k++) {
 		const struct exchange_zoom *zoom = &zooms->zooms[k];
-		if (zoom->z == tile.level && zoom->globe == (tidying->set == EXCHANGE_MESH) && exchange_zoom_has(zoom, tile.x, tile.y))
+		if (zoom->z == tile.level && zoom->globe == (tidying->set == EXCHANGE_MESH) && (!zoom->imagery || tidying->set == EXCHANGE_IMAGERY) && exchange_zoom_has(zoom, tile.x, tile.y))
 			return STATUS_OK;
 	}
 	char path[EXCHANGE_PATH];
@@ -371,6 +372,7 @@ static void tell(struct work *all)
 {
 	struct exchange_tiles_result *result = all->result;
 	result->revision = all->zooms.revision;
+	result->imagery_zoom = all->zooms.imagery;
 	result->local = all->frame.globe == NULL;
 	result->earth = all->frame.earth;
 	result->coding_zero = exchange_coding_of(all->params, all->frame.meta).zero;
@@ -448,10 +450,10 @@ done:
 /* What MBTiles 1.3 asks for, and of heights how they are coded. */
 static enum status say_all(struct work *all)
 {
-	static const char *const names[] = {[EXCHANGE_TERRAIN] = "heights", [EXCHANGE_HILLSHADE] = "hillshade", [EXCHANGE_RUTS] = "ruts"};
+	static const char *const names[] = {[EXCHANGE_TERRAIN] = "heights", [EXCHANGE_HILLSHADE] = "hillshade", [EXCHANGE_RUTS] = "ruts", [EXCHANGE_IMAGERY] = "imagery"};
 	const struct exchange_coding coding = exchange_coding_of(all->params, all->frame.meta);
 	const double *b = all->frame.bounds;
-	const int least = all->zooms.map[0], most = all->zooms.map[1];
+	const int least = all->zooms.map[0], most = all->only == EXCHANGE_IMAGERY ? all->zooms.imagery : all->zooms.map[1];
 	char text[8][160];
 	snprintf(text[0], sizeof text[0], "%s", all->params->title);
 	snprintf(text[1], sizeof text[1], "%.9f,%.9f,%.9f,%.9f", b[0], b[1], b[2], b[3]);
@@ -461,7 +463,7 @@ static enum status say_all(struct work *all)
 	snprintf(text[5], sizeof text[5], "%s, revision %lld", names[all->only], (long long)all->zooms.revision);
 	snprintf(text[6], sizeof text[6], "%d", all->frame.pixels);
 	const char *const rows[][2] = {
-		{"name", text[0]}, {"format", "png"}, {"bounds", text[1]}, {"center", text[2]}, {"minzoom", text[3]}, {"maxzoom", text[4]},
+		{"name", text[0]}, {"format", all->only == EXCHANGE_IMAGERY ? "webp" : "png"}, {"bounds", text[1]}, {"center", text[2]}, {"minzoom", text[3]}, {"maxzoom", text[4]},
 		{"type", all->only == EXCHANGE_RUTS ? "overlay" : "baselayer"}, {"version", "1"}, {"description", text[5]}, {"tileSize", text[6]},
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -502,8 +504,8 @@ enum status exchange_mbtiles(const struct exchange_tiles_params *params, enum ex
 	tell(&all);
 	TRY_OR(done, run_threads(&all));
 	if (result->made[set] == 0)
-		TRY_OR(done, fail_with(STATUS_INPUT, "%s: nothing would be in it: %s; %s", params->directory, set == EXCHANGE_RUTS ? "no ruts are there" : "no ground is there",
-				       set == EXCHANGE_RUTS ? "give the overlay or the store that was driven on" : "give another window"));
+		TRY_OR(done, fail_with(STATUS_INPUT, "%s: nothing would be in it: %s; %s", params->directory, set == EXCHANGE_RUTS ? "no ruts are there" : set == EXCHANGE_IMAGERY ? "no imagery is there" : "no ground is there",
+				       set == EXCHANGE_RUTS ? "give the overlay or the store that was driven on" : set == EXCHANGE_IMAGERY ? "give another window, or import some with furrow import --imagery" : "give another window"));
 	TRY_OR(done, say_all(&all));
 	TRY_OR(done, exchange_mbtiles_publish(all.file));
 done:

@@ -5,6 +5,7 @@
  *     whose samples are nearest to it, since a mesh tile takes 20 bytes a sample; with `fine_globe` it is the first as fine as level 0.
  *  2. Finer ones are sparse: those down to the spacing of the working level have tiles where something drove, those down to the
  *     spacing of an inset have tiles where it lies.
+ *     Imagery that is finer than both has dense zoom levels of its own, without heights.
  *  3. The coarsest map shows the terrain within a tile or so. A globe begins at zoom 0, whose two tiles clients ask for always.
  */
 #include "exchange/internal.h"
@@ -264,7 +265,13 @@ static enum status plan_zoom(const struct planning *planning, bool globe, int z,
 	*zoom = (struct exchange_zoom){.globe = globe, .z = z, .sparse = z > dense, .some = some};
 	zoom->step = step_of(frame, zoom);
 	long level = lround(log2(zoom->step / extent->spacing));
-	long finest = zoom->sparse ? zooms->finest : 0, coarsest = extent_coarsest(extent);
+	int imagery = 0;
+	zoom->imagery = !globe && z > zooms->map[1];
+	if (zoom->imagery) {
+		store_has_imagery(planning->store, &imagery, NULL);
+		zoom->sparse = false;
+	}
+	long finest = zoom->imagery ? imagery : zoom->sparse ? zooms->finest : 0, coarsest = extent_coarsest(extent);
 	zoom->level = (int)(level < finest ? finest : level > coarsest ? coarsest : level);
 	int64_t range[4];
 	tiles_of(frame, zoom, !globe && frame->globe == NULL ? frame->metres : frame->bounds, range);
@@ -293,7 +300,10 @@ static enum status plan(const struct planning *planning, bool some)
 	zooms->map[0] = first_map(planning->frame);
 	zooms->map[0] = zooms->map[0] < dense ? zooms->map[0] : dense;
 	zooms->mesh[0] = 0;
-	for (int z = zooms->map[1]; z >= zooms->map[0]; z--)
+	int imagery = 0;
+	const bool has = store_has_imagery(planning->store, &imagery, NULL);
+	zooms->imagery = !has ? -1 : imagery < zooms->finest ? zoom_of(planning, false, imagery) : zooms->map[1];
+	for (int z = zooms->imagery > zooms->map[1] ? zooms->imagery : zooms->map[1]; z >= zooms->map[0]; z--)
 		TRY(plan_zoom(planning, false, z, dense, some));
 	for (int z = planning->frame->maps_only ? -1 : zooms->mesh[1]; z >= 0; z--)
 		TRY(plan_zoom(planning, true, z, mesh, some));

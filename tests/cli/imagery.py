@@ -251,13 +251,59 @@ class Imagery(RasterTest):
         self.ok("import", "dem.tif", "-o", "plain.furrow")
         self.assertIn("has no imagery", self.refused(3, "map", "plain.furrow", "-o", "x.png", "--layer", "imagery"))
 
+    def test_map_tiles_show_it_as_finely_as_it_is(self):
+        """Tiles beside the picture itself, at places of the map that gdalwarp finds; and no tile where there is no imagery."""
+        import json
+        def soft(x, y):
+            return round(120 + 70 * math.sin(x / 7)), round(120 + 70 * math.cos(y / 5)), round(100 + x)
+        (self.folder / "leaflet").mkdir()
+        for name in ("leaflet.js", "leaflet.css"):
+            (self.folder / "leaflet" / name).write_text("")
+        self.picture("ortho.tif", soft, 8, 8, 180, 180)
+        self.store("--imagery", "ortho.tif", "--lossless")
+        told = self.ok("export", "s.furrow", "--tiles", "map", "--leaflet", "leaflet")
+        tiles = {tuple(map(int, path.with_suffix("").parts[-3:])): path for path in (self.folder / "map/imagery").rglob("*.webp")}
+        finest = max(z for z, _, _ in tiles)
+        self.assertIn(f"{len(tiles)} tiles of imagery, to zoom {finest}", told)
+        self.assertGreater(finest, max(int(path.name) for path in (self.folder / "map/hillshade").iterdir()))
+        listed = json.loads((self.folder / "map/imagery.json").read_text())
+        self.assertEqual((listed["maxzoom"], listed["tiles"][0][:27]), (finest, "imagery/{z}/{x}/{y}.webp?v="))
+        size, edge = 2 * math.pi * 6378137, math.pi * 6378137
+        compared = 0
+        for (z, x, y), path in tiles.items():
+            if z != finest:
+                continue
+            step = size / 2 ** z / 256
+            west, north = x * size / 2 ** z - edge, edge - y * size / 2 ** z
+            self.gdal("gdal_translate", "-q", "-b", 1, "-b", 2, "-b", 3, path, "tile.tif")
+            cells = self.pixels("tile.tif")[2]
+            spots = [(i, j) for i in range(20, 256, 60) for j in range(20, 256, 60)]
+            sent = "".join(f"{west + (i + 0.5) * step} {north - (j + 0.5) * step}\n" for i, j in spots)
+            for (i, j), line in zip(spots, self.gdal("gdaltransform", "-s_srs", "EPSG:3857", "-t_srs", "EPSG:32632", stdin=sent).splitlines()):
+                east, northing = (float(number) - of for number, of in zip(line.split(), (WEST, SOUTH)))
+                if not (9 < east < 51 and 9 < northing < 51):
+                    continue
+                compared += 1
+                for found, expected in zip(cells[255 - j][i], soft(east, northing)):
+                    self.assertLess(abs(found - expected), 4, (z, x, y, i, j))
+        self.assertGreater(compared, 8)
+        self.ok("export", "s.furrow", "-o", "ortho.mbtiles", "--layer", "imagery")
+        with sqlite3.connect(self.folder / "ortho.mbtiles") as db:
+            self.assertEqual(dict(db.execute("SELECT name, value FROM metadata"))["format"], "webp")
+            self.assertEqual(db.execute("SELECT count(*) FROM tiles").fetchone()[0], len(tiles))
+        self.store()
+        self.ok("export", "s.furrow", "--tiles", "map", "--leaflet", "leaflet")
+        self.assertEqual((list((self.folder / "map/imagery").rglob("*.webp")), (self.folder / "map/imagery.json").exists()), ([], False))
+
     def test_mistakes(self):
         self.store()
         self.picture("ortho.tif", ramp)
         self.gdal("gdal_translate", "-q", "-ot", "UInt16", "ortho.tif", "deep.tif")
         self.picture("far.tif", ramp, 9000, 0)
+        vrt = self.gdal("gdal_translate", "-q", "-of", "VRT", "ortho.tif", "/vsistdout/")
+        (self.folder / "ink.vrt").write_text(vrt.replace("<ColorInterp>Red<", "<ColorInterp>Cyan<"))
         (self.folder / "plain.ppm").write_bytes(b"P6\n2 2\n255\n" + bytes(12))
-        for name, status, why in (("deep.tif", 3, "8 bits a band"), ("far.tif", 3, "no imagery lies on the terrain"), ("plain.ppm", 3, "has no place"),
+        for name, status, why in (("deep.tif", 3, "8 bits a band"), ("ink.vrt", 3, "not red, green and blue"), ("far.tif", 3, "no imagery lies on the terrain"), ("plain.ppm", 3, "has no place"),
                                   ("gone.tif", 3, "gone.tif")):
             self.assertIn(why, self.refused(status, "import", "--imagery", name, "-o", "s.furrow"), name)
             self.assertIsNone(self.json("info", "s.furrow")["imagery"])
