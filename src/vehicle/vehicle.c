@@ -84,6 +84,7 @@ static enum status load(const struct scene *scene, struct vehicles *vehicles)
 	}
 	TRY(vehicle_divide_step(vehicles));
 	TRY(vehicle_set_timestep(vehicles));
+	vehicle_soften_servos(vehicles);
 	TRY(make_lists(vehicles));
 	TRY(vehicle_check_cameras(vehicles));
 	TRY(vehicle_make_senses(vehicles));

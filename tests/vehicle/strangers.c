@@ -330,6 +330,34 @@ static void columns_of_a_table_get_servos(void **state)
 	unload(&loaded);
 }
 
+#define LIGHT(name, of, at) "<link name='" name "'><inertial><origin xyz='.02 0 0'/><mass value='.005'/><inertia ixx='1e-7' iyy='1e-7' izz='1e-7' ixy='0' ixz='0' iyz='0'/></inertial></link>" \
+	"<joint name='" name "' type='revolute'><parent link='" of "'/><child link='" name "'/><origin xyz='" at "'/><axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1000' velocity='1'/></joint>"
+
+static void servos_of_light_fingers_are_stable(void **state)
+{
+	static const char *const says[] = {"3 position servos (near, middle, tip) would be too stiff for the mass that they move, in steps of 0.002 s: softened", NULL};
+	(void)state;
+	support_write(support_path("table.csv"), "t,near,middle,tip,arm\n0,0.2,0.2,0.2,0.5\n");
+	support_write(support_path("model.xml"), "<robot name='r'><link name='base'>" INERTIAL("50") "<collision>" BOX("1", ".6", ".2") "</collision></link>"
+						 "<link name='arm'>" INERTIAL("5") "</link><joint name='arm' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/>"
+						 "<limit lower='-1' upper='1' effort='100' velocity='1'/></joint>" LIGHT("near", "arm", ".5 0 0") LIGHT("middle", "near", ".04 0 0") LIGHT("tip", "middle", ".04 0 0") "</robot>");
+	struct loaded loaded = load(", driver: {controls: table.csv}", says);
+	mjData *data = loaded.vehicles->data;
+	const struct vehicle *car = &loaded.vehicles->list[0];
+	assert_null(strstr(told, "arm,")); /* its servo is not too stiff */
+	for (int i = 0; i < loaded.model->nu; i++)
+		data->ctrl[i] = 0.2;
+	for (int i = 0; i < 500; i++) {
+		mj_step1(loaded.model, data);
+		mj_step2(loaded.model, data);
+	}
+	for (const char *const *name = (const char *const[]){"near", "middle", "tip", "arm", NULL}; *name != NULL; name++) {
+		const int joint = vehicle_find_part(car, mjOBJ_JOINT, *name);
+		assert_true(fabs(data->qpos[loaded.model->jnt_qposadr[joint]] - 0.2) < 0.02);
+	}
+	unload(&loaded);
+}
+
 static void joints_that_nothing_moves_are_told(void **state)
 {
 	(void)state;
@@ -446,6 +474,7 @@ TEST_PROGRAM(strangers)
 		cmocka_unit_test(parts_without_a_name_get_one),
 		cmocka_unit_test(materials_that_are_not_there_are_left_out),
 		cmocka_unit_test(columns_of_a_table_get_servos),
+		cmocka_unit_test(servos_of_light_fingers_are_stable),
 		cmocka_unit_test(joints_that_nothing_moves_are_told),
 		cmocka_unit_test(a_skid_without_friction_slides),
 		cmocka_unit_test(axles_that_look_forward_are_told),
