@@ -255,6 +255,15 @@ static void joints_that_mimic_follow(void **state)
 }
 
 /* MuJoCo has free joints at roots alone. */
+static void a_joint_without_its_link_is_refused(void **state)
+{
+	(void)state;
+	support_write(support_path("model.xml"), "<robot name='r'><link name='base'>" INERTIAL("5") "<collision>" BOX("1", "1", ".2") "</collision></link><link name='a'/>" JOINT("arm", "fixed", "b", "") "</robot>");
+	rig_refused(STEP, "", STATUS_INPUT, "joint arm: its child b is no link of the file; correct the name, or take the joint out");
+	support_write(support_path("model.xml"), "<robot name='r'><link name='bas'>" INERTIAL("5") "<collision>" BOX("1", "1", ".2") "</collision></link><link name='b'/>" JOINT("arm", "fixed", "b", "") "</robot>");
+	rig_refused(STEP, "", STATUS_INPUT, "joint arm: its parent base is no link of the file");
+}
+
 static void links_that_float_are_held(void **state)
 {
 	(void)state;
@@ -469,6 +478,7 @@ TEST_PROGRAM(strangers)
 		cmocka_unit_test(links_that_are_fixed_and_weigh_nothing_stay_so),
 		cmocka_unit_test(texts_that_others_take_are_taken),
 		cmocka_unit_test(joints_that_mimic_follow),
+		cmocka_unit_test(a_joint_without_its_link_is_refused),
 		cmocka_unit_test(links_that_float_are_held),
 		cmocka_unit_test(files_that_an_mjcf_lacks_are_left_out),
 		cmocka_unit_test(parts_without_a_name_get_one),
