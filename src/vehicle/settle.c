@@ -19,8 +19,11 @@
 #define CALM 0.1        /* s: for so long */
 #define SLOWED_MOST 60.0 /* s */
 #define SLOWED_WILD 15.0 /* s: at most so long, if all that is not calm then moves faster than TREMBLES: it swings, and more time calms nothing */
+#define SLOWED_RESTLESS 25.0 /* s: the same for what moves faster than RESTLESS */
 #define FREE_MOST 20.0  /* s */
 #define FREE_WILD 10.0  /* s: the same */
+#define FREE_RESTLESS 15.0 /* s: the same */
+#define RESTLESS 3e-4   /* m/s: faster than this after so long, it trembles, and will go on to */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define WORK_MOST 15.0  /* s of the clock: for so long a vehicle may sink that is deeper than it is high, */
 #define SINKS 1e-3      /* m/s: faster than this */
@@ -225,22 +228,33 @@ static enum status settle_step(struct vehicles *vehicles, double rate, double st
 	return check_unrest(vehicles);
 }
 
-/* Returns true if each vehicle that is not calm moves fast. */
-static bool all_wild(const struct vehicles *vehicles)
+/* Returns true if each vehicle that is not calm moves faster than that, m/s. It is by what the record has, so a resumed start ends alike. */
+static bool all_faster(const struct vehicles *vehicles, double speed)
 {
 	bool all = true;
 	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
-		all = all && (vehicle->calm >= CALM || vehicle->is_world || vehicle->scene->start.unsettled || speed_of(vehicle) > TREMBLES);
+		all = all && (vehicle->calm >= CALM || vehicle->is_world || vehicle->scene->start.unsettled || speed_of(vehicle) > speed);
 	}
 	return all;
 }
 
+/* How long a stage of settling takes at most, s: at all; of what is wild, or restless. */
+struct limits {
+	double most, wild, restless;
+};
+
+static bool goes_on(const struct vehicles *vehicles, const struct limits *limits)
+{
+	const double time = vehicles->list[0].settle_seconds - vehicles->list[0].slow;
+	return !all_calm(vehicles) && time <= limits->most && (time <= limits->wild || !all_faster(vehicles, TREMBLES)) && (time <= limits->restless || !all_faster(vehicles, RESTLESS));
+}
+
 /* Lets all vehicles move until each was at rest for a while. */
-static enum status until_still(struct vehicles *vehicles, double rate, double still, double most, double wild)
+static enum status until_still(struct vehicles *vehicles, double rate, double still, struct limits limits)
 {
 	const struct vehicle *first = &vehicles->list[0];
-	while (!all_calm(vehicles) && first->settle_seconds - first->slow <= most && (first->settle_seconds - first->slow <= wild || !all_wild(vehicles))) {
+	while (goes_on(vehicles, &limits)) {
 		const bool later = first->settle_seconds - first->slow >= 1;
 		TRY(settle_step(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, still));
 	}
@@ -312,13 +326,13 @@ static enum status settle(struct vehicles *vehicles)
 {
 	const struct vehicle *first = &vehicles->list[0];
 	if (first->begun == VEHICLE_SLOWED) {
-		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST, SLOWED_WILD);
+		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, (struct limits){SLOWED_MOST, SLOWED_WILD, SLOWED_RESTLESS});
 		touch_all(vehicles);
 		TRY(status);
 		begin(vehicles, VEHICLE_FREE);
 	}
 	if (first->begun == VEHICLE_FREE) {
-		TRY(until_still(vehicles, 0, STILL, FREE_MOST, FREE_WILD));
+		TRY(until_still(vehicles, 0, STILL, (struct limits){FREE_MOST, FREE_WILD, FREE_RESTLESS}));
 		tell_unrest(vehicles);
 	}
 	return STATUS_OK;
