@@ -28,6 +28,7 @@
 
 #define LIMITED_MOST 3 /* times that a step is tried whose contacts reach their limits */
 #define STAGE 1e-9     /* of a timestep: rounding of RK4's times */
+#define LONG_STEP 0.005 /* s: with a longer step legs that strike the ground may be thrown */
 
 void plugin_fail(const char *format, ...)
 {
@@ -148,12 +149,16 @@ static void warn_once(const mjModel *model, uint64_t *told, const char *text)
 /* Tells what gives a motion that nobody means. */
 static void doubt(const mjModel *model, const struct plugin_soil *soil)
 {
-	static uint64_t gravity_told, floor_told; /* two threads may tell both: no harm */
+	static uint64_t gravity_told, floor_told, step_told; /* two threads may tell both: no harm */
 	struct furrow_info info = {.size = sizeof info};
 	char text[400];
 	if (furrow_info(soil->world, &info) == FURROW_OK && fabs(-model->opt.gravity[2] - info.gravity) > 0.01 * info.gravity) {
 		snprintf(text, sizeof text, "the model's gravity is %.4g m/s2, and the scene's is %.4g: give both the same", -model->opt.gravity[2], info.gravity);
 		warn_once(model, &gravity_told, text);
+	}
+	if (model->opt.timestep > LONG_STEP) {
+		snprintf(text, sizeof text, "the model's timestep is %.3g s, and what strikes the ground may be thrown with one above %g s; give a shorter one", model->opt.timestep, LONG_STEP);
+		warn_once(model, &step_told, text);
 	}
 	for (int i = 0; i < model->ngeom; i++)
 		if (model->geom_type[i] == mjGEOM_PLANE && (model->geom_contype[i] != 0 || model->geom_conaffinity[i] != 0)) {

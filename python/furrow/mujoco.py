@@ -30,6 +30,7 @@ from furrow._library import Error, text
 from furrow._world import World
 
 OLDEST = (3, 2)
+LONG_STEP = 0.005  # s: with a longer step legs that strike the ground may be thrown
 LIMITED_MOST = 3  # times that a step is made again whose contacts reach their limits
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 _PLUGIN = "libfurrow_mujoco.so"
@@ -236,6 +237,9 @@ class Soil:
         model, gravity = self.model, self.world.info.gravity
         if abs(-model.opt.gravity[2] - gravity) > 0.01 * gravity:
             warnings.warn(f"furrow.mujoco: the model's gravity is {-model.opt.gravity[2]:.4g} m/s2, and the scene's is {gravity:.4g}: give both the same", stacklevel=3)
+        if model.opt.timestep > LONG_STEP:
+            warnings.warn(f"furrow.mujoco: the model's timestep is {model.opt.timestep:.3g} s, and what strikes the ground may be thrown with one above {LONG_STEP:g} s; "
+                          "give a shorter one", stacklevel=3)
         for geom in range(model.ngeom):
             if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE and (model.geom_contype[geom] or model.geom_conaffinity[geom]):
                 warnings.warn(f"furrow.mujoco: bodies also stand on the model's own plane {model.geom(geom).name or 'without a name'}, where that is higher than the ground; "

@@ -119,6 +119,16 @@ assert abs(soil.contact("wheel").sinkage - data2.sensordata[1]) < 0.02 * data2.s
 assert abs(soil.contact("wheel").slip - data2.sensordata[0]) < 0.01
 """)
 
+    def test_a_long_step_is_told(self):
+        self.check_script("""
+import warnings
+for step, count in ((0.005, 0), (0.01, 1)):
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        loop(BALL.replace("0.002", str(step)), "ball", 1)
+    assert [str(one.message).count("timestep is 0.01 s") for one in told] == [1] * count, told
+""")
+
     def test_a_skin_is_what_it_asks_for(self):
         self.check_script("""
 furrow.mujoco.write_skin("ground.skn", size=(4, 2), spacing=0.05, centre=(1, 0))
