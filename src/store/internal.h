@@ -383,7 +383,8 @@ struct store {
 	int working;
 	char *relief_text; /* of what is deformed, or of the history; NULL: none (store_relief.c) */
 	bool relief_stored;   /* the file has such a text */
-	struct relief relief; /* what raises the ground now */
+	struct relief relief; /* what raises the ground now, */
+	struct rocks rocks;   /* and these */
 	int64_t compacted; /* soil compacted, as of the last commit; only when writing */
 	int64_t added;     /* soil added, likewise */
 	enum state_rows state_rows[ROW_TABLES]; /* for each table of the soil's state; only when writing */

@@ -20,6 +20,7 @@
 #include "base/base.h"
 #include "base/plan.h"
 #include "base/plane.h"
+#include "base/rocks.h"
 
 enum store_pack { STORE_PACK_FAST, STORE_PACK_SMALL };
 
@@ -158,7 +159,10 @@ enum status store_set_working_level(struct store *store, int level) FURROW_CHECK
  * store was deformed, unless it depends on classes: then there is none before store_set_relief().
  * Valid while the store is open and store_set_relief() is not called. */
 const struct relief *store_relief(const struct store *store);
-/* Returns the relief over which the store was deformed, as relief_print() gives it; NULL: none. It
+/* Returns the rocks that raise the ground at every level; NULL: none. They are with the relief: of what store_set_ground() gave, or of what the store was deformed over.
+ * Valid as long as store_relief() is. */
+const struct rocks *store_rocks(const struct store *store);
+/* Returns the relief and rocks over which the store was deformed, as rocks_print() gives it; NULL: none. It
  * may depend on classes. */
 const char *store_relief_text(const struct store *store);
 /* Sets the relief (NULL: none), after the working level. The first commit writes what it is to the
@@ -166,6 +170,8 @@ const char *store_relief_text(const struct store *store);
  * STATUS_INPUT: the store was deformed over another relief. */
 enum status store_set_relief(struct store *store, const struct relief_spec *spec,
 			     const struct relief_map *map) FURROW_CHECKED;
+/* The same with rocks (NULL: none). */
+enum status store_set_ground(struct store *store, const struct relief_spec *spec, const struct rocks_spec *rocks, const struct relief_map *map) FURROW_CHECKED;
 
 /* --- overlays: deformation in a separate file, over a store that is only read --- */
 
