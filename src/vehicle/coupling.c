@@ -649,7 +649,7 @@ static void apply(struct vehicles *vehicles, double h, bool drives)
 
 void vehicle_couple(struct vehicles *vehicles, double h, double later, bool drives)
 {
-	const double spacing = world_resident(vehicles->world)->spacing;
+	const double spacing = vehicles->world != NULL ? world_resident(vehicles->world)->spacing : 0; /* without a world nothing touches */
 	const mjModel *model = vehicles->model;
 	mjData *data = vehicles->data;
 	bool any = false;

@@ -74,7 +74,7 @@ ELSEWHERE = {
     "furrow reset %s": "commands", "furrow restore %s": "commands", "give --window %s": "windows", "--window %s": "windows",
     "--%s is for --tiles": "two options, cli/tiles",
     "give 0 to %d": "a range", "coarser than the store's coarsest": "windows", "time_step: %g s is longer": "vehicles", "give gravity: %s": "vehicles",
-    "give gravity: %g": "cli/planets", "give view.body: %s": "cli/planets", "shorten time_step": "a motion that diverged is not made by a scene of a few lines",
+    "give gravity: %g": "cli/planets", "give view.body: %s": "cli/planets", "soil.damping presses a post": "vehicle/damped.c", "it comes to no rest": "any finer spacing will do", "its axles look along its": "vehicle/strangers.c", "is for --tiles; give --tiles DIR": "no number", "shorten time_step": "a motion that diverged is not made by a scene of a few lines",
     "the lowest height is %s m": "nodata", "give \"--nodata %s": "nodata", "give --nodata %s": "nodata", "import again with --nodata %g": "nodata",
     "give --max-error %s or more": "nodata", "keep it smooth": "cli/vertical", "keeps them smooth": "any number will do",
     # numbers, tests/scene/units.c sets each again
