@@ -459,7 +459,7 @@ static void fill_contact(const struct step *step, struct contact *contact)
 {
 	const struct soil_geom *geom = contact->geom;
 	const double h = step->h;
-	double *force = contact->force, moved[6], at[6], u[6];
+	double *force = contact->force, moved[6], at[6], u[6], goes[6], gains[6]; /* way and change of the velocity at the step's end */
 	velocity_of(contact, step->vehicle->data->qvel, u);
 	displacement(step->vehicle, contact, moved);
 	for (int i = 0; i < 3; i++) {
@@ -468,9 +468,13 @@ static void fill_contact(const struct step *step, struct contact *contact)
 		force[i] = geom->contact.force[i];
 		force[3 + i] = geom->contact.moment[i];
 	}
+	for (int j = 0; j < 6; j++) {
+		goes[j] = moved[j] + step->later * at[j] + h * u[j];
+		gains[j] = u[j] - at[j];
+	}
 	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++) {
-			force[i] += contact->stiffness[i][j] * (moved[j] + step->later * at[j] + h * u[j]) + contact->damping[i][j] * (u[j] - at[j]);
+			force[i] += contact->stiffness[i][j] * goes[j] + contact->damping[i][j] * gains[j];
 			contact->gain[i][j] = h * contact->stiffness[i][j] + contact->damping[i][j];
 		}
 	damp(contact, u);
