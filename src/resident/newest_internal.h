@@ -11,6 +11,14 @@ struct resident_newest_tile {
 	double *heights, (*blocks)[2];
 };
 
+/* The base of a tile, whose heights are often made anew: offsets change with each step, the base never. */
+struct newest_base {
+	uint64_t key;
+	bool known;
+	int32_t *posts; /* NULL: none was kept yet */
+};
+enum { NEWEST_BASES = 4 };
+
 struct newest {
 	struct store *store;
 	struct pages *pages;       /* NULL: only the store is read */
@@ -27,6 +35,8 @@ struct newest {
 	struct recent recent;
 	struct resident_newest_tile *tiles; /* by place number in `recent` */
 	int32_t *posts, *patch;    /* scratch memory for one tile */
+	struct newest_base kept[NEWEST_BASES];
+	unsigned kept_next;        /* whose place the next base gets */
 };
 
 /* newest.c */

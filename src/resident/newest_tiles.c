@@ -68,6 +68,8 @@ void resident_newest_destroy_tiles(struct newest *newest)
 	free_heights(newest);
 	mem_free(newest->tiles);
 	recent_finish(&newest->recent);
+	for (int i = 0; i < NEWEST_BASES; i++)
+		mem_free(newest->kept[i].posts);
 	mem_free_all(newest->posts, newest->patch);
 }
 
@@ -134,6 +136,25 @@ static void divide(struct newest *newest, struct tile tile, int shift, const int
 	lattice_subdivide(newest->patch, cells, shift, (uint32_t)(x & part), (uint32_t)(y & part), posts);
 }
 
+/* Gives the base posts of a tile. They are valid until the next call. */
+static enum status base_posts(struct newest *newest, struct tile tile, const int32_t **out)
+{
+	const uint64_t key = tile_key(tile);
+	for (int i = 0; i < NEWEST_BASES; i++)
+		if (newest->kept[i].known && newest->kept[i].key == key) {
+			*out = newest->kept[i].posts;
+			return STATUS_OK;
+		}
+	struct newest_base *kept = &newest->kept[newest->kept_next++ % NEWEST_BASES];
+	if (kept->posts == NULL)
+		TRY(mem_make(&kept->posts, posts_of(newest), sizeof *kept->posts, "a tile for queries"));
+	kept->known = false;
+	TRY(resident_ground_posts(newest->base, tile, kept->posts));
+	*kept = (struct newest_base){key, true, kept->posts};
+	*out = kept->posts;
+	return STATUS_OK;
+}
+
 static enum status fill_base(struct newest *newest, struct tile tile, double *heights)
 {
 	const size_t count = posts_of(newest);
@@ -146,11 +167,12 @@ static enum status fill_base(struct newest *newest, struct tile tile, double *he
 			heights[i] = height_code_metres(posts[i], meta->step);
 		return status;
 	}
-	status = resident_ground_posts(newest->base, tile, posts);
 	const double reference = resident_ground_reference(newest->store);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		heights[i] = posts[i] == BASE_NODATA ? (double)NAN : reference + lattice_base_metres(posts[i]);
-	return status;
+	const int32_t *base;
+	TRY(base_posts(newest, tile, &base));
+	for (size_t i = 0; i < count; i++)
+		heights[i] = base[i] == BASE_NODATA ? (double)NAN : reference + base[i] * (1.0 / (1 << BASE_BITS));
+	return STATUS_OK;
 }
 
 static enum status add_offsets(struct newest *newest, struct tile tile, struct resident_newest_tile *into)
@@ -167,7 +189,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 	}
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		bits |= offsets[i];
-		into->heights[i] += lattice_offset_metres(offsets[i]);
+		into->heights[i] += offsets[i] * (1.0 / (1 << OFFSET_BITS));
 	}
 	into->offsets = bits != 0;
 	mem_free(fine);
