@@ -1,4 +1,7 @@
-/* furrow export --layer imagery: the colours of a window as a PNG, with its place beside it. */
+/* furrow export --layer imagery: the colours of a window as a PNG, transparent where there are none, with its place beside it. */
+#include <stdio.h>
+#include <string.h>
+
 #include "export.h"
 #include "world_file.h"
 
@@ -34,20 +37,26 @@ static void put_row(const void *user, uint32_t y, uint8_t *row)
 		rows->status = read_rows(rows, first > rows->rect.y0 ? first : rows->rect.y0);
 		failure_capture(&rows->failure, rows->status);
 	}
+	if (rows->status != STATUS_OK)
+		return;
 	const uint8_t *from = rows->pixels + 4 * (post - rows->first) * width;
-	for (int64_t x = 0; x < width; x++)
-		for (int c = 0; c < 3; c++)
-			row[3 * x + c] = rows->status == STATUS_OK ? from[4 * x + c] : 0;
+	memcpy(row, from, 4 * (size_t)width);
+}
+
+static enum status ended(const void *user)
+{
+	const struct rows *rows = user;
+	return rows->status == STATUS_OK ? STATUS_OK : failure_restore(&rows->failure);
 }
 
 static enum status write_png(const struct export_request *request, struct rows *rows)
 {
 	const uint32_t width = (uint32_t)(rows->rect.x1 - rows->rect.x0), height = (uint32_t)(rows->rect.y1 - rows->rect.y0);
-	const struct chart_png png = {width, height, 8, 3, put_row, rows, .srgb = true, .small = true};
+	const struct chart_png png = {width, height, 8, 4, put_row, rows, ended, .srgb = true, .small = true};
 	TRY(mem_zeroed(&rows->pixels, (size_t)width * (size_t)rows->cells, 4, "imagery"));
 	const enum status status = chart_png_rows(request->path, &png);
 	mem_free(rows->pixels);
-	return status != STATUS_OK || rows->status == STATUS_OK ? status : failure_restore(&rows->failure);
+	return status;
 }
 
 enum status export_imagery(const struct export_request *request, bool leveled, struct store *store)

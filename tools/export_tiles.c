@@ -74,10 +74,16 @@ static void tell_vertical(const char *directory, const char *vertical)
 		     vertical);
 }
 
+/* Tiles of heights have nothing below the zero of their coding. */
+static void tell_lowest(const char *path, const struct exchange_tiles_result *made, const struct store_meta *meta, const char *more)
+{
+	if (meta->low < made->coding_zero)
+		note("%s: the lowest ground is at %.6g m, and tiles of heights have nothing below %g m: they have that there%s", path, meta->low, made->coding_zero, more);
+}
+
 static void print_made(const struct exchange_tiles_params *params, const struct exchange_tiles_result *made, const struct store_meta *meta)
 {
 	const char *directory = params->directory;
-	const double deepest = made->coding_zero;
 	int64_t tiles = 0, written = 0;
 	for (int set = 0; set < EXCHANGE_SETS; set++) {
 		tiles += made->made[set];
@@ -103,9 +109,7 @@ static void print_made(const struct exchange_tiles_params *params, const struct 
 		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", directory, made->system);
 	else
 		tell_vertical(directory, meta->vertical);
-	if (meta->low < deepest)
-		note("%s: the lowest ground is at %.6g m, and tiles of heights have nothing below %g m: they have that there, globe tiles the ground", directory, meta->low,
-		     deepest);
+	tell_lowest(directory, made, meta, ", globe tiles the ground");
 	if (meta->holes > 0)
 		note("%s: the terrain has holes, which globe tiles fill from their rims; maps leave them out", directory);
 	if (fmax(made->mesh_step[0], made->mesh_step[1]) > 1.005 * meta->extent.spacing)
@@ -113,14 +117,14 @@ static void print_made(const struct exchange_tiles_params *params, const struct 
 		     "with up to four times as many globe tiles", directory, made->mesh_step[0], made->mesh_step[1], meta->extent.spacing);
 }
 
-/* Reads what folders and files of tiles have in common. */
-static enum status read_common(const struct arguments *arguments, struct export_request *request, struct exchange_tiles_params *params)
+/* Reads what folders and files of tiles have in common. `lit`: hillshades are among them. */
+static enum status read_common(const struct arguments *arguments, struct export_request *request, bool lit, struct exchange_tiles_params *params)
 {
 	const char *path = arguments_at(arguments, 0), *slash = strrchr(path, '/');
 	int wide = 0;
 	TRY(arguments_integer(arguments, "jobs", 1, 64, &params->jobs));
 	TRY(arguments_numbers(arguments, "height-range", 2, params->range, &params->has_range));
-	TRY(export_read_light(arguments, request, true));
+	TRY(export_read_light(arguments, request, lit));
 	TRY(read_coding(arguments, params));
 	if (arguments_text(arguments, "tile-size") != NULL)
 		TRY(arguments_choice(arguments, "tile-size", &wide));
@@ -153,7 +157,7 @@ enum status export_tiles(const struct arguments *arguments)
 	struct store *store = NULL;
 	TRY(check_options(arguments));
 	TRY(arguments_integer(arguments, "since", 0, INT64_MAX - 1, &params.since));
-	TRY(read_common(arguments, &request, &params));
+	TRY(read_common(arguments, &request, true, &params));
 	interrupt_catch();
 	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	params.store = store;
@@ -171,19 +175,45 @@ done:
 }
 
 /* The set of tiles that --layer asks for. */
-static enum status read_set(const struct arguments *arguments, enum exchange_set *set)
+static enum status read_set(const struct arguments *arguments, struct export_request *request, enum exchange_set *set)
 {
-	int layer = LAYER_SURFACE;
-	TRY(export_read_layer(arguments, &layer));
+	TRY(export_read_layer(arguments, &request->layer));
+	const int layer = request->layer;
 	*set = layer == LAYER_HILLSHADE ? EXCHANGE_HILLSHADE : layer == LAYER_OFFSET ? EXCHANGE_RUTS : layer == LAYER_IMAGERY ? EXCHANGE_IMAGERY : EXCHANGE_TERRAIN;
 	return layer == LAYER_SURFACE || layer == LAYER_HILLSHADE || layer == LAYER_OFFSET || layer == LAYER_IMAGERY
 		       ? STATUS_OK
 		       : fail_with(STATUS_USAGE, "export: an .mbtiles holds surface, hillshade, offset or imagery, not %s; write a .tif", export_layer_name(layer));
 }
 
+/* Options of another layer than the one that the file has. */
+static enum status check_set(const struct arguments *arguments, enum exchange_set set, const char *layer)
+{
+	static const struct {
+		const char *option;
+		enum exchange_set of;
+	} options[] = {{"height-range", EXCHANGE_RUTS}, {"encoding", EXCHANGE_TERRAIN}, {"height-step", EXCHANGE_TERRAIN}};
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+		if (options[i].of != set && arguments_flag(arguments, options[i].option))
+			return fail_with(STATUS_USAGE, "export: --%s says nothing of tiles of %s; leave it out", options[i].option, layer);
+	return STATUS_OK;
+}
+
+/* What tiles of one layer have not, of all that the store has. */
+static void tell_left_out(const struct exchange_tiles_params *params, enum exchange_set set, const struct exchange_tiles_result *made, const struct store_meta *meta)
+{
+	if (made->finer_left_out)
+		note("%s: ruts or insets are finer than its zoom levels, which have all tiles: ruts are in an .mbtiles of --layer offset, and --tiles has both", params->directory);
+	if (!made->earth)
+		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", params->directory, made->system);
+	if (set == EXCHANGE_TERRAIN)
+		tell_lowest(params->directory, made, meta, "");
+	if (set == EXCHANGE_TERRAIN && meta->holes > 0)
+		note("%s: the terrain has holes, and tiles of heights know none: they have %.6g m there, the lowest ground", params->directory, meta->low);
+}
+
 enum status export_mbtiles(const struct arguments *arguments)
 {
-	static const char *const foreign[] = {"since", "leaflet", "fine-globe", "gzip", "level"};
+	static const char *const foreign[] = {"since", "leaflet", "fine-globe", "gzip", "level", "mesh", "up"};
 	const char *path = arguments_at(arguments, 0);
 	struct export_request request = {.command = "export", .exaggerate = 1};
 	struct progress progress;
@@ -193,9 +223,10 @@ enum status export_mbtiles(const struct arguments *arguments)
 	struct store *store = NULL;
 	for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
 		if (arguments_flag(arguments, foreign[i]))
-			return fail_with(STATUS_USAGE, "export: an .mbtiles has all zoom levels of one layer, and no globe; leave --%s out", foreign[i]);
-	TRY(read_set(arguments, &set));
-	TRY(read_common(arguments, &request, &params));
+			return fail_with(STATUS_USAGE, "export: an .mbtiles has all zoom levels of one layer, and no globe and no mesh; leave --%s out", foreign[i]);
+	TRY(read_set(arguments, &request, &set));
+	TRY(check_set(arguments, set, export_layer_name(request.layer)));
+	TRY(read_common(arguments, &request, set == EXCHANGE_HILLSHADE, &params));
 	interrupt_catch();
 	TRY(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	params.store = store;
@@ -208,10 +239,7 @@ enum status export_mbtiles(const struct arguments *arguments)
 	TRY_OR(done, status);
 	printf("%s: revision %lld, zoom %d to %d: %lld tiles; %.1f s on %d threads\n", params.directory, (long long)made.revision, made.zoom[0], made.zoom[1],
 	       (long long)made.made[set], made.seconds, made.threads);
-	if (made.finer_left_out)
-		note("%s: ruts or insets are finer than its zoom levels, which have all tiles: ruts are in an .mbtiles of --layer offset, and --tiles has both", params.directory);
-	if (!made.earth)
-		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", params.directory, made.system);
+	tell_left_out(&params, set, &made, store_meta(store));
 done:
 	store_close(store);
 	return status;

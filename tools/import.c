@@ -115,6 +115,8 @@ static void note_output(const struct import *import, const char *path)
 		return;
 	if (!import->overwrite)
 		note("%s: it exists; without --overwrite it is not replaced", path);
+	else if (import->imagery_count > 0 && !import->force)
+		note("%s: it exists; with --imagery it is not replaced without --force, too", path);
 	if (!import->force && store_open(path, &(struct store_options){.mode = STORE_READ}, &store) == STATUS_OK &&
 	    store_losses(store, true, text, sizeof text, &count) == STATUS_OK && count > 0)
 		note("%s: %s, which would be lost; without --force it is not replaced", path, text);
@@ -214,6 +216,8 @@ static enum status make_and_print(const struct arguments *arguments, struct impo
 	const bool dry = arguments_flag(arguments, "dry-run");
 	struct intake_imagery coloured = {.tiles = 0};
 	struct intake made = {.meta = import->meta, .low = (double)NAN, .high = (double)NAN};
+	if (dry && import->imagery_count > 0)
+		TRY(intake_imagery_check(import));
 	if (dry)
 		note_output(import, path);
 	else
@@ -226,22 +230,24 @@ static enum status make_and_print(const struct arguments *arguments, struct impo
 	return STATUS_OK;
 }
 
-/* Returns true if only imagery is imported: nothing else is named, or the store is there and is not to be replaced. */
-static bool is_imagery_alone(const struct arguments *arguments, const struct import *import, const char *path)
+/* SOURCEs beside imagery make a new store. Where a shell made several names of --imagery *.tif they are pictures, and their user wants the store kept. */
+static enum status check_replaced(const struct arguments *arguments, const struct import *import, const char *path)
 {
 	struct stat file;
-	const bool replaces = import->overwrite && arguments_count(arguments) > 0;
-	return import->imagery_count > 0 && (arguments_count(arguments) == 0 || (stat(path, &file) == 0 && !replaces));
+	if (import->imagery_count == 0 || (import->overwrite && import->force) || arguments_flag(arguments, "dry-run") || stat(path, &file) != 0)
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "import: %s exists, and %s would be the heights of a new store in its place; to put pictures into the store as it is name no SOURCE, and "
+			 "each picture, or their folder, by --imagery; to replace the store give --overwrite --force, too", path, arguments_at(arguments, 0));
 }
 
-/* Of a store that exists. SOURCEs are more imagery, as where a shell made several names of a pattern. */
-static enum status run_imagery(const struct arguments *arguments, const struct import *import, const char *path, const char *const *sources)
+/* Of a store that exists. */
+static enum status run_imagery(const struct arguments *arguments, const struct import *import, const char *path)
 {
 	struct intake_imagery coloured;
 	struct progress progress;
 	interrupt_catch();
 	progress_start(&progress, path, "rows");
-	const enum status status = intake_import_imagery(import, path, sources, arguments_count(arguments), arguments_flag(arguments, "dry-run"), progress_step, &progress, &coloured);
+	const enum status status = intake_import_imagery(import, path, arguments_flag(arguments, "dry-run"), progress_step, &progress, &coloured);
 	progress_end(&progress);
 	TRY(status);
 	if (arguments_flag(arguments, "json")) {
@@ -266,12 +272,13 @@ static enum status run(const struct arguments *arguments)
 	intake_import_init(&import);
 	enum status status;
 	TRY_OR(done, read_options(arguments, &import));
-	if (is_imagery_alone(arguments, &import, path)) {
-		TRY_OR(done, run_imagery(arguments, &import, path, sources));
+	if (import.imagery_count > 0 && arguments_count(arguments) == 0) {
+		TRY_OR(done, run_imagery(arguments, &import, path));
 		goto done;
 	}
 	if (arguments_count(arguments) == 0)
 		TRY_OR(done, fail_with(STATUS_USAGE, "import: something is missing; usage: furrow import SOURCE... -o STORE [options], or furrow import --imagery ORTHO... -o STORE"));
+	TRY_OR(done, check_replaced(arguments, &import, path));
 	TRY_OR(done, intake_import_open(&import, sources, arguments_count(arguments)));
 	TRY_OR(done, make_and_print(arguments, &import, path));
 done:
@@ -308,8 +315,8 @@ const struct command command_import = {
 		   "Sources may come from strangers. Without --allow-network nothing that a source names is fetched. A VRT names files of its own "
 		   "folder and those below it, or of --vrt-folder.\n\n"
 		   "--imagery lays pictures over the terrain, each in its own SRS and resolution. Where several overlap the first named wins. A pixel is a post, "
-		   "or 2, 4 or 8 pixels a post along a side: the coarsest that keeps the finest picture. Tiles and their coarser levels are WebP. With STORE "
-		   "alone the pictures go into it as it is, ruts and overlays stay, and --overwrite replaces the pictures it has. --resume goes on with an import of pictures that was broken off.\n",
+		   "or 2, 4 or 8 pixels a post along a side: the coarsest that keeps the finest picture. Tiles and their coarser levels are WebP. Without "
+		   "SOURCE the pictures go into STORE as it is, ruts and overlays stay, and --overwrite replaces the pictures it has. A folder or @list.txt stands for several. --resume goes on with an import of pictures that was broken off.\n",
 	.examples = "furrow import N46E007.hgt -o alps.furrow\n"
 		    "furrow import tiles/ -o site.furrow --t-srs EPSG:25832 --spacing 1\n"
 		    "furrow import wide.tif --inset site.tif -o site.furrow --match-heights\n"

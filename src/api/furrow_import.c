@@ -129,7 +129,7 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 	TRY_OR(done, read_options(&import, options));
 	TRY_OR(done, check(sources, count, store, import.imagery_count > 0));
 	if (count == 0) {
-		TRY_OR(done, intake_import_imagery(&import, store, NULL, 0, false, tell, &telling, &coloured));
+		TRY_OR(done, intake_import_imagery(&import, store, false, tell, &telling, &coloured));
 		goto done;
 	}
 	TRY_OR(done, intake_import_open(&import, sources, count));

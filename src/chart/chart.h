@@ -24,9 +24,10 @@ struct chart_colour {
 /* A PNG that is made row by row. */
 struct chart_png {
 	uint32_t width, height;
-	unsigned bits, channels; /* 8 or 16; 1 or 3 */
+	unsigned bits, channels; /* 8 or 16; 1 or 3; 4: with opacity */
 	void (*put)(const void *user, uint32_t y, uint8_t *row); /* fills a row, 0 the lowest; of 16 bits, the high byte first */
 	const void *user;
+	enum status (*ended)(const void *user); /* after the last row: any but STATUS_OK, and nothing is published; NULL: all is well */
 	bool srgb;
 	bool small;              /* takes longer, for fewer bytes */
 	uint32_t per_metre;      /* dots a metre on paper, which the file says; 0: it says nothing */

@@ -17,12 +17,14 @@
 #define CACHE_BYTES (256 << 20) /* GDAL's, while imagery is open: a row of a source's blocks is used by several calls */
 #define EDGE 32                 /* places along a side of a source that are looked at to find its area */
 #define AVERAGED 0.75           /* a source with pixels below this share of the target's is averaged */
+#define MEASURED 4              /* of them, every so many are looked at to find a pixel's size */
+#define OPEN_MOST 200           /* sources that stay open from one call to the next: each is a file */
 #define WARP_MB "64"
 
 struct picture {
 	const char *path;
 	double low[2], high[2]; /* m from the store's south-west post */
-	double pixel;           /* m */
+	double pixel;           /* m: where it lies on the terrain */
 	bool local;             /* its coordinates are metres from there */
 	GDALDatasetH source, bands; /* NULL: closed */
 };
@@ -33,6 +35,7 @@ struct dem_imagery {
 	struct dem_list list;
 	struct picture *pictures;
 	OGRSpatialReferenceH target; /* NULL: local metres */
+	size_t open;                 /* pictures */
 	struct dem_imagery_info info;
 };
 
@@ -100,8 +103,9 @@ static enum status take_bands(struct picture *picture)
 	return STATUS_OK;
 }
 
-static void close_picture(struct picture *picture)
+static void close_picture(struct dem_imagery *imagery, struct picture *picture)
 {
+	imagery->open -= picture->source != NULL;
 	if (picture->bands != NULL)
 		GDALClose(picture->bands);
 	if (picture->source != NULL)
@@ -109,7 +113,7 @@ static void close_picture(struct picture *picture)
 	picture->bands = picture->source = NULL;
 }
 
-static enum status open_picture(const struct dem_imagery *imagery, struct picture *picture)
+static enum status open_picture(struct dem_imagery *imagery, struct picture *picture)
 {
 	if (picture->bands != NULL)
 		return STATUS_OK;
@@ -118,6 +122,7 @@ static enum status open_picture(const struct dem_imagery *imagery, struct pictur
 	picture->source = GDALOpenEx(picture->path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, dem_gdal_drivers(), NULL, NULL);
 	if (picture->source == NULL)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster%s; give a whole raster that GDAL reads", picture->path, dem_gdal_because());
+	imagery->open++;
 	TRY(dem_outside_opened(picture->path, imagery->vrt_folder, picture->source));
 	if (GDALGetRasterCount(picture->source) < 1)
 		return fail_with(STATUS_INPUT, "%s: no raster band in it; name one of its subdatasets (gdalinfo lists them)", picture->path);
@@ -145,10 +150,62 @@ static bool locate(const struct placing *placing, const struct picture *picture,
 	return isfinite(at[0]) && isfinite(at[1]);
 }
 
+/* Takes the size of the pixel at this place, if it is smaller. At a pole of degrees a pixel has no width: then its height counts. */
+static void measure(const struct placing *placing, struct picture *picture, double column, double row)
+{
+	double at[2], east[2], north[2];
+	if (!locate(placing, picture, column, row, at) || !locate(placing, picture, column + 1, row, east) || !locate(placing, picture, column, row + 1, north))
+		return;
+	const double width = hypot(east[0] - at[0], east[1] - at[1]), height = hypot(north[0] - at[0], north[1] - at[1]);
+	const double pixel = fmax(sqrt(width * height), fmax(width, height) / 2);
+	if (pixel > 0 && !(picture->pixel <= pixel))
+		picture->pixel = pixel;
+}
+
+/* Measures pixels of a source between whose grid places the terrain lies, at nine places of the terrain; `all`: also of those beside the source. */
+static void measure_back(const struct placing *placing, struct picture *picture, const double far[2], bool all)
+{
+	const struct dem_imagery *imagery = placing->imagery;
+	const double width = GDALGetRasterXSize(picture->source), height = GDALGetRasterYSize(picture->source);
+	double place[6], inverse[6];
+	memcpy(place, placing->place, sizeof place);
+	OGRCoordinateTransformationH back = placing->move != NULL ? OCTNewCoordinateTransformation(imagery->target, GDALGetSpatialRef(picture->source)) : NULL;
+	for (int i = 0; i < 9 && GDALInvGeoTransform(place, inverse) && (back != NULL || placing->move == NULL); i++) {
+		double x = far[0] * (i % 3) / 2 + (picture->local ? 0 : imagery->params.origin[0]);
+		double y = far[1] * (double)(i / 3) / 2 + (picture->local ? 0 : imagery->params.origin[1]);
+		if (back != NULL && !OCTTransform(back, 1, &x, &y, NULL))
+			continue;
+		const double column = inverse[0] + inverse[1] * x + inverse[2] * y, row = inverse[3] + inverse[4] * x + inverse[5] * y;
+		if (all || (column >= 0 && column <= width && row >= 0 && row <= height))
+			measure(placing, picture, column, row);
+	}
+	if (back != NULL)
+		OCTDestroyCoordinateTransformation(back);
+}
+
+/* Finds the size of a pixel on the terrain: the smallest of the places that are looked at. */
+static void find_pixel(const struct placing *placing, struct picture *picture, const double far[2])
+{
+	const double width = GDALGetRasterXSize(picture->source), height = GDALGetRasterYSize(picture->source);
+	double at[2];
+	picture->pixel = (double)NAN;
+	for (int i = 0; i <= EDGE; i += MEASURED)
+		for (int j = 0; j <= EDGE; j += MEASURED) {
+			const double column = width * i / EDGE, row = height * j / EDGE;
+			if (locate(placing, picture, column, row, at) && at[0] >= 0 && at[1] >= 0 && at[0] <= far[0] && at[1] <= far[1])
+				measure(placing, picture, column, row);
+		}
+	for (int all = 0; all < 2; all++)
+		if (!(picture->pixel > 0))
+			measure_back(placing, picture, far, all == 1);
+	if (!(picture->pixel > 0))
+		measure(placing, picture, width / 2, height / 2);
+}
+
 static void find_area(const struct placing *placing, struct picture *picture)
 {
 	const double width = GDALGetRasterXSize(picture->source), height = GDALGetRasterYSize(picture->source);
-	double at[2], east[2], north[2];
+	double at[2];
 	for (int i = 0; i < 2; i++) {
 		picture->low[i] = (double)INFINITY;
 		picture->high[i] = -(double)INFINITY;
@@ -162,9 +219,6 @@ static void find_area(const struct placing *placing, struct picture *picture)
 				picture->high[axis] = fmax(picture->high[axis], at[axis]);
 			}
 		}
-	picture->pixel = (double)NAN;
-	if (locate(placing, picture, width / 2, height / 2, at) && locate(placing, picture, width / 2 + 1, height / 2, east) && locate(placing, picture, width / 2, height / 2 + 1, north))
-		picture->pixel = sqrt(hypot(east[0] - at[0], east[1] - at[1]) * hypot(north[0] - at[0], north[1] - at[1]));
 }
 
 /* Finds the way from the source's coordinates to those of the store. */
@@ -194,6 +248,7 @@ static enum status place_picture(const struct dem_imagery *imagery, struct pictu
 		return fail_with(STATUS_INPUT, "%s: has no place; give it one with gdal_translate -a_ullr and -a_srs", picture->path);
 	TRY(find_way(imagery, picture, &placing));
 	find_area(&placing, picture);
+	find_pixel(&placing, picture, (double[2]){extent_side(imagery->params.extent, 0), extent_side(imagery->params.extent, 1)});
 	if (placing.move != NULL)
 		OCTDestroyCoordinateTransformation(placing.move);
 	if (!(picture->pixel > 0) || !(picture->low[0] <= picture->high[0]))
@@ -221,7 +276,7 @@ static enum status open_all(struct dem_imagery *imagery)
 		picture->path = imagery->list.paths[i];
 		TRY(open_picture(imagery, picture));
 		TRY(place_picture(imagery, picture));
-		close_picture(picture);
+		close_picture(imagery, picture);
 		for (int axis = 0; axis < 2; axis++) {
 			info->low[axis] = i == 0 ? picture->low[axis] : fmin(info->low[axis], picture->low[axis]);
 			info->high[axis] = i == 0 ? picture->high[axis] : fmax(info->high[axis], picture->high[axis]);
@@ -273,7 +328,7 @@ void dem_imagery_close(struct dem_imagery *imagery)
 	if (imagery == NULL)
 		return;
 	for (size_t i = 0; imagery->pictures != NULL && i < imagery->list.count; i++)
-		close_picture(&imagery->pictures[i]);
+		close_picture(imagery, &imagery->pictures[i]);
 	if (imagery->target != NULL)
 		OSRDestroySpatialReference(imagery->target);
 	dem_list_finish(&imagery->list);
@@ -314,7 +369,8 @@ static enum status warp(const struct dem_imagery *imagery, const struct picture 
 	char threads[32];
 	snprintf(threads, sizeof threads, "NUM_THREADS=%lld", (long long)imagery->params.jobs);
 	char *words[] = {(char *)(uintptr_t)"-r", (char *)(uintptr_t)(picture->pixel < AVERAGED * spacing ? "average" : "bilinear"), (char *)(uintptr_t)"-ovr",
-			 (char *)(uintptr_t)"NONE", (char *)(uintptr_t)"-wm", (char *)(uintptr_t)WARP_MB, (char *)(uintptr_t)"-wo", threads, NULL};
+			 (char *)(uintptr_t)"NONE", (char *)(uintptr_t)"-wm", (char *)(uintptr_t)WARP_MB, (char *)(uintptr_t)"-wo", threads, (char *)(uintptr_t)"-wo",
+			 (char *)(uintptr_t)"UNIFIED_SRC_NODATA=YES", NULL}; /* a pixel is nodata if all its bands are */
 	GDALWarpAppOptions *options = GDALWarpAppOptionsNew(words, NULL);
 	GDALDatasetH source = picture->bands;
 	int usage = 0;
@@ -354,12 +410,14 @@ enum status dem_imagery_read(struct dem_imagery *imagery, int level, struct post
 	for (size_t i = imagery->list.count; i-- > 0;) {
 		struct picture *picture = &imagery->pictures[i];
 		if (!touches(picture, low, high)) {
-			close_picture(picture);
+			close_picture(imagery, picture);
 			continue;
 		}
 		TRY_OR(done, open_picture(imagery, picture));
 		place_canvas(imagery, picture->local, spacing, rect, canvas);
 		TRY_OR(done, warp(imagery, picture, spacing, canvas));
+		if (imagery->open > OPEN_MOST)
+			close_picture(imagery, picture);
 	}
 	TRY_OR(done, take_pixels(canvas, rect, pixels));
 done:

@@ -170,7 +170,7 @@ static void add_numbers(struct text *text, const char *name, const double *value
 		if (isfinite(values[i]))
 			add(text, "%s%.3f", i > 0 ? ", " : "", values[i]);
 		else
-			add(text, "%snull", i > 0 ? ", " : "");
+			add(text, "%sNaN", i > 0 ? ", " : ""); /* null would count as 0 */
 	}
 	add(text, "],\n");
 }
@@ -210,23 +210,24 @@ static void add_ramp(struct text *text)
 
 /* --- TileJSON --- */
 
-/* The bounds, in degrees, of the tiles of the finest zoom level of a sorted list. */
-static void tiles_bounds(const struct listed *list, double bounds[4])
+/* The bounds, in degrees, of the tiles of zoom level `whole` and finer ones of a sorted list. All that there is has tiles at `whole`; finer levels,
+ * as those of an inset, have some of it. Without such tiles, those of the finest level. */
+static void tiles_bounds(const struct listed *list, int whole, double bounds[4])
 {
-	const int z = list->tiles[list->count - 1].level;
-	uint32_t x[2] = {UINT32_MAX, 0}, y[2] = {UINT32_MAX, 0};
+	const int finest = list->tiles[list->count - 1].level, least = whole < finest ? whole : finest;
+	double x[2] = {1, 0}, y[2] = {1, 0}; /* shares of the world's side */
 	for (size_t i = 0; i < list->count; i++) {
 		const struct tile tile = list->tiles[i];
-		if (tile.level != z)
+		if (tile.level < least)
 			continue;
-		x[0] = tile.x < x[0] ? tile.x : x[0];
-		x[1] = tile.x >= x[1] ? tile.x + 1 : x[1];
-		y[0] = tile.y < y[0] ? tile.y : y[0];
-		y[1] = tile.y >= y[1] ? tile.y + 1 : y[1];
+		x[0] = fmin(x[0], ldexp(tile.x, -tile.level));
+		x[1] = fmax(x[1], ldexp(tile.x + 1.0, -tile.level));
+		y[0] = fmin(y[0], ldexp(tile.y, -tile.level));
+		y[1] = fmax(y[1], ldexp(tile.y + 1.0, -tile.level));
 	}
 	for (int i = 0; i < 2; i++) {
-		bounds[2 * i] = ldexp(x[i], -z) * 360 - 180;
-		bounds[1 + 2 * i] = atan(sinh(M_PI * (1 - 2 * ldexp(y[1 - i], -z)))) * 180 / M_PI;
+		bounds[2 * i] = x[i] * 360 - 180;
+		bounds[1 + 2 * i] = atan(sinh(M_PI * (1 - 2 * y[1 - i]))) * 180 / M_PI;
 	}
 }
 
@@ -273,7 +274,7 @@ static enum status write_tilejsons(const struct exchange_tiles_params *params, c
 			TRY(exchange_file_remove(path, &removed));
 			continue;
 		}
-		tiles_bounds(sets[i], bounds);
+		tiles_bounds(sets[i], kinds[i] == EXCHANGE_RUTS ? zooms->ruts : zooms->imagery, bounds);
 		TRY(write_tilejson(params, frame, zooms, result, kinds[i], bounds));
 	}
 	return STATUS_OK;

@@ -62,7 +62,9 @@ static enum status end(const struct intake_imagery *imagery, struct store *store
 {
 	struct failure failure;
 	if (status == STATUS_OK)
-		return store_imagery_finish(store);
+		status = store_imagery_finish(store);
+	if (status == STATUS_OK)
+		return STATUS_OK;
 	failure_capture(&failure, status);
 	if (status == STATUS_INTERRUPTED) {
 		TRY(store_imagery_suspend(store));
@@ -71,6 +73,17 @@ static enum status end(const struct intake_imagery *imagery, struct store *store
 	}
 	TRY(store_imagery_drop(store));
 	return failure_restore(&failure);
+}
+
+/* Of all tiles, those of an import that was broken off among them. */
+static enum status tell(struct intake_imagery *imagery, const struct store *store, const struct imagery_rows *rows)
+{
+	struct store_imagery has;
+	TRY(store_imagery_info(store, &has));
+	imagery->tiles = has.tiles;
+	imagery->bytes = has.bytes;
+	imagery->kept = intake_imagery_rows_kept(rows);
+	return STATUS_OK;
 }
 
 static enum status import_opened(struct intake_imagery *imagery, struct store *store, struct dem_imagery *opened)
@@ -90,7 +103,7 @@ static enum status import_opened(struct intake_imagery *imagery, struct store *s
 		status = read_all(imagery, opened, extent, rows);
 	status = end(imagery, store, status);
 	if (status == STATUS_OK)
-		intake_imagery_rows_told(rows, &imagery->tiles, &imagery->bytes, &imagery->kept);
+		status = tell(imagery, store, rows);
 done:
 	intake_imagery_rows_destroy(rows);
 	free(sources);
@@ -153,26 +166,20 @@ enum status intake_imagery_check(const struct import *import)
 	return status;
 }
 
-enum status intake_import_imagery(const struct import *import, const char *store, const char *const *more, size_t count, bool dry,
-				  dem_progress_fn progress, void *user, struct intake_imagery *out)
+enum status intake_imagery_add(const struct import *import, const char *store, bool dry, dem_progress_fn progress, void *user, struct intake_imagery *out)
 {
-	const char **sources = mem_calloc(import->imagery_count + count, sizeof *sources);
-	TRY_MEM(sources, "sources");
-	for (size_t i = 0; i < import->imagery_count; i++)
-		sources[i] = import->imagery_sources[i];
-	for (size_t i = 0; i < count; i++)
-		sources[import->imagery_count + i] = more[i];
 	*out = of_options(import);
-	out->sources = sources;
-	out->count = import->imagery_count + count;
 	out->store = store;
 	out->resume = import->resume;
 	out->overwrite = import->overwrite;
 	out->dry = dry;
 	out->progress = progress;
 	out->progress_user = user;
-	const enum status status = intake_imagery_run(out);
-	out->sources = NULL;
-	mem_free(sources);
-	return status;
+	return intake_imagery_run(out);
+}
+
+enum status intake_import_imagery(const struct import *import, const char *store, bool dry, dem_progress_fn progress, void *user, struct intake_imagery *out)
+{
+	TRY(intake_import_check_options(import, true));
+	return intake_imagery_add(import, store, dry, progress, user, out);
 }

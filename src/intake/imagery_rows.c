@@ -40,7 +40,7 @@ struct imagery_rows {
 	size_t count;
 	struct level_rows *packing; /* while the crew packs */
 	struct packed_tile *tiles;
-	int64_t tiles_put, bytes_put, kept;
+	int64_t kept;
 };
 
 #define SUMS 5
@@ -150,8 +150,6 @@ static enum status put_tiles(struct imagery_rows *rows, struct level_rows *level
 		if (tile->has || tile->empty)
 			continue;
 		TRY_OR(done, store_imagery_put(rows->store, (struct tile){level->level, x, level->tile_y}, tile->bytes, tile->size));
-		rows->tiles_put++;
-		rows->bytes_put += (int64_t)tile->size;
 	}
 done:
 	free_tiles(rows);
@@ -240,9 +238,7 @@ enum status intake_imagery_rows_put(struct imagery_rows *rows, const uint8_t *pi
 	return put_row(rows, 0, pixels);
 }
 
-void intake_imagery_rows_told(const struct imagery_rows *rows, int64_t *tiles, int64_t *bytes, int64_t *kept)
+int64_t intake_imagery_rows_kept(const struct imagery_rows *rows)
 {
-	*tiles = rows->tiles_put + rows->kept;
-	*bytes = rows->bytes_put;
-	*kept = rows->kept;
+	return rows->kept;
 }

@@ -54,6 +54,7 @@ static void note_rounding(const struct import *import)
 
 enum status intake_import_open(struct import *import, const char *const *sources, size_t count)
 {
+	TRY(intake_import_check_options(import, false));
 	import->dem.sources = sources;
 	import->dem.source_count = count;
 	import->dem.nodata = import->nodata;
@@ -119,5 +120,10 @@ enum status intake_import_run(struct import *import, const char *store, dem_prog
 	note_sentinel(import, made);
 	if (import->imagery_count == 0)
 		return STATUS_OK;
-	return intake_import_imagery(import, store, NULL, 0, false, progress, user, coloured);
+	const enum status status = intake_imagery_add(import, store, false, progress, user, coloured);
+	if (status == STATUS_OK || status == STATUS_INTERRUPTED)
+		return status;
+	struct failure failure;
+	failure_capture(&failure, status);
+	return fail_with(status, "%s: it is made, without its imagery: %s", store, failure.message);
 }

@@ -35,7 +35,7 @@ struct intake {
 	double seconds;   /* time that it took */
 };
 
-/* Makes the complete store, or none. Any thread. */
+/* Makes the complete store, or none. Imagery is no part of it. Any thread. */
 enum status intake_run(struct intake *intake) FURROW_CHECKED;
 
 /* Returns the default error: half the source's own unit, or a millimetre for floats (unit 0). */
@@ -111,6 +111,7 @@ struct import {
 	enum store_pack pack;
 	bool resume, overwrite, force;
 	double nodata[IMPORT_NODATA_MOST];
+	uint64_t given; /* a bit for each option that was set */
 	/* After intake_import_open: */
 	struct dem *opened;
 	const char **inset_paths; /* of all insets, one inset after the other */
@@ -140,12 +141,15 @@ extern const char *const intake_import_methods[], *const intake_import_radii[], 
 	*const intake_import_units[], *const intake_import_encodings[];
 /* Opens the sources, which must outlive the import. Writes nothing. STATUS_INPUT: they give no terrain. */
 enum status intake_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
-/* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */
-/* If imagery was named it is opened first, and imported last; `coloured` gets what it came to, and may be NULL where there is none. */
+/* Makes the store; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. Heights are complete, or there is no store. If imagery was named it is
+ * opened first, and put into the store that is made last. Where that fails the store stays, without imagery, and the failure says so.
+ * `coloured` gets what the imagery came to, and may be NULL where there is none. */
 enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made,
 			      struct intake_imagery *coloured) FURROW_CHECKED;
-/* Imports only the imagery, into a store that exists: what was named as `imagery`, then `more`. intake_import_open() is not called. */
-enum status intake_import_imagery(const struct import *import, const char *store, const char *const *more, size_t count, bool dry,
-				  dem_progress_fn progress, void *user, struct intake_imagery *out) FURROW_CHECKED;
+/* Opens the imagery of an import whose sources are open, and closes it. STATUS_INPUT: it cannot be imported over their terrain. */
+enum status intake_imagery_check(const struct import *import) FURROW_CHECKED;
+/* Imports only the imagery, into a store that exists. intake_import_open() is not called. STATUS_USAGE: an option was set that is of heights. */
+enum status intake_import_imagery(const struct import *import, const char *store, bool dry, dem_progress_fn progress, void *user,
+				  struct intake_imagery *out) FURROW_CHECKED;
 
 #endif

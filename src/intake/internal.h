@@ -11,10 +11,16 @@ void intake_census_add(struct census *census, const double *heights, int64_t cou
 /* Tells whether the lowest height, or the highest one, is probably an undeclared hole. *height gets it, m. */
 bool intake_census_find(const struct census *census, bool low, double *height);
 
+/* --- options.c --- */
+
+/* STATUS_USAGE: an option was set that would not count, or that contradicts another. `alone`: only imagery is imported. */
+enum status intake_import_check_options(const struct import *import, bool alone) FURROW_CHECKED;
+
 /* --- imagery.c --- */
 
-/* Opens the imagery of an import whose terrain is known, and closes it. STATUS_INPUT: it cannot be imported over that terrain. */
-enum status intake_imagery_check(const struct import *import) FURROW_CHECKED;
+/* As intake_import_imagery(), with the options of heights, which counted for the store that was made. */
+enum status intake_imagery_add(const struct import *import, const char *store, bool dry, dem_progress_fn progress, void *user,
+			       struct intake_imagery *out) FURROW_CHECKED;
 
 /* --- imagery_rows.c: rows of pixels to tiles of all levels --- */
 
@@ -28,7 +34,7 @@ enum status intake_imagery_rows_create(struct store *store, int finest, int qual
 void intake_imagery_rows_destroy(struct imagery_rows *rows); /* rows may be NULL */
 /* `pixels`: 4 bytes for each post of the level's width. */
 enum status intake_imagery_rows_put(struct imagery_rows *rows, const uint8_t *pixels) FURROW_CHECKED;
-void intake_imagery_rows_told(const struct imagery_rows *rows, int64_t *tiles, int64_t *bytes, int64_t *kept);
+int64_t intake_imagery_rows_kept(const struct imagery_rows *rows); /* tiles that the store had already */
 
 /* --- */
 

@@ -1,5 +1,5 @@
 /* The options of an import, by their long names. */
-#include "intake/intake.h"
+#include "intake/internal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,6 +52,10 @@ static const struct option options[] = {
 	{"overwrite", FLAG, 0, 0, NULL},
 	{"force", FLAG, 0, 0, NULL},
 };
+
+/* What an import of imagery alone takes, and what only imagery takes. */
+static const char *const of_imagery[] = {"imagery", "imagery-quality", "lossless", "vrt-folder", "allow-network", "jobs", "resume", "overwrite", NULL};
+static const char *const imagery_only[] = {"imagery-quality", "lossless", NULL};
 
 static enum status refuse(const char *name, const char *text, const char *allowed)
 {
@@ -282,8 +286,40 @@ enum import_list intake_import_list(const char *name)
 enum status intake_import_option(struct import *import, const char *name, const char *value)
 {
 	const struct option *option = find(name);
-	return option != NULL ? take(import, option, value)
-			      : fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
+	if (option == NULL)
+		return fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
+	TRY(take(import, option, value));
+	const uint64_t bit = UINT64_C(1) << (option - options);
+	import->given = option->kind == FLAG && value[0] == 'f' ? import->given & ~bit : import->given | bit;
+	return STATUS_OK;
+}
+
+static bool is_listed(const char *const *names, const char *name)
+{
+	while (*names != NULL && strcmp(*names, name) != 0)
+		names++;
+	return *names != NULL;
+}
+
+static bool is_given(const struct import *import, size_t index)
+{
+	_Static_assert(sizeof options / sizeof *options <= 64, "a bit for each option");
+	return (import->given >> index & 1) != 0;
+}
+
+enum status intake_import_check_options(const struct import *import, bool alone)
+{
+	bool both = true;
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+		const char *name = options[i].name;
+		if (is_given(import, i) && alone && !is_listed(of_imagery, name))
+			return fail_with(STATUS_USAGE, "import: --%s: imagery that goes into a store has the store's place, and needs no such option; leave it out (what a picture says of "
+					 "itself, its SRS or its nodata, gdal_translate changes)", name);
+		if (is_given(import, i) && import->imagery_count == 0 && is_listed(imagery_only, name))
+			return fail_with(STATUS_USAGE, "import: --%s is of imagery, and none is named; leave it out (heights are stored without loss with --max-error 0)", name);
+		both = both && (is_given(import, i) || !is_listed(imagery_only, name));
+	}
+	return both ? fail_with(STATUS_USAGE, "import: --imagery-quality does not count with --lossless; leave one of both out") : STATUS_OK;
 }
 
 void intake_import_init(struct import *import)

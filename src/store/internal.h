@@ -463,6 +463,7 @@ enum status store_schema_raise(sqlite3 *db, const char *path, int version) FURRO
 
 /* Gives the store the table of imagery, and version 9. In a transaction; set store->version when it is committed. */
 enum status store_schema_add_imagery(struct store *store) FURROW_CHECKED;
+enum status store_schema_drop_imagery(struct store *store) FURROW_CHECKED; /* the reverse, in the same way */
 
 /* --- store_imagery.c --- */
 
@@ -589,9 +590,9 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 
 /* --- store_copy.c --- */
 
-/* Copies what an open store shows into a new plain store at `out`. Kept revisions and their names are not copied. `what` made the file.
+/* Copies what an open store shows into a new plain store at `out`. Kept revisions and their names are not copied. `what` made the file. `imagery`: also imagery.
  * `progress` is called with rows; NULL: none. From then on `from` reads what it is now (store_overlay_hold). */
-enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, store_progress_fn progress, void *user)
+enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, bool imagery, store_progress_fn progress, void *user)
 	FURROW_CHECKED;
 
 /* --- store_posts.c --- */

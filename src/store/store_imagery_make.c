@@ -3,7 +3,7 @@
  *
  *   begin -> put ... (a commit from time to time) -> finish: it has imagery
  *                                                 -> suspend: rows and the request stay, for an import that goes on
- *                                                 -> drop: rows and the request go
+ *                                                 -> drop: the table goes, and the store is one of version 8 again
  *
  * Invariants:
  *   1. While rows are put, the header has `imagery_request` and no `imagery_level`. Both change in the transaction of the last row.
@@ -173,15 +173,19 @@ enum status store_imagery_finish(struct store *store)
 {
 	assert(store->imagery_made);
 	TRY(put_header(store));
+	TRY(store_sql_exec(store->db, store->path, doing, "COMMIT"));
 	store->imagery_made = false;
-	TRY(commit(store));
+	TRY(store_bound_wal(store));
 	return store_imagery_open(store);
 }
 
 enum status store_imagery_suspend(struct store *store)
 {
 	store->imagery_made = false;
-	return commit(store);
+	const enum status status = commit(store);
+	if (status != STATUS_OK)
+		store_sql_undo(store->db);
+	return status;
 }
 
 enum status store_imagery_drop(struct store *store)
@@ -193,7 +197,10 @@ enum status store_imagery_drop(struct store *store)
 	TRY(begin(store));
 	enum status status;
 	TRY_OR(failed, clear(store));
-	return commit(store);
+	TRY_OR(failed, store_schema_drop_imagery(store));
+	TRY_OR(failed, store_sql_exec(store->db, store->path, doing, "COMMIT"));
+	store->version = STORE_VERSION;
+	return store_bound_wal(store);
 failed:
 	store_sql_undo(store->db);
 	return status;

@@ -234,3 +234,10 @@ enum status store_schema_add_imagery(struct store *store)
 	snprintf(raise, sizeof raise, "PRAGMA user_version=%d", STORE_VERSION_IMAGERY);
 	return store_sql_exec(store->db, store->path, "making room for imagery", raise);
 }
+
+enum status store_schema_drop_imagery(struct store *store)
+{
+	char lower[64];
+	snprintf(lower, sizeof lower, "DROP TABLE imagery; PRAGMA user_version=%d", STORE_VERSION);
+	return store_sql_exec(store->db, store->path, "removing its imagery", lower);
+}

@@ -44,6 +44,10 @@ class Formats(RasterTest):
         self.assertAlmostEqual(self.json("info", "s.furrow")["holes"], values.count(-30) / len(values), delta=1e-6)
         self.ok("import", "signed.tif", "-o", "s.furrow", "--overwrite", "--nodata", 226)
         self.assertEqual(self.json("info", "s.furrow")["holes"], 0)
+        rasters.gdal("gdal_translate", "-q", *options, "-a_nodata", -30, path, self.folder / "tagged.tif")
+        self.ok("import", "tagged.tif", "-o", "s.furrow", "--overwrite")
+        self.assertGreater(values.count(-30), 0)
+        self.assertAlmostEqual(self.json("info", "s.furrow")["holes"], values.count(-30) / len(values), delta=1e-6)
 
     def test_units_that_are_known_and_others(self):
         values = self.grid()

@@ -47,12 +47,12 @@ class Imagery(RasterTest):
         return name
 
     def store(self, *more, name="s.furrow", tile=16):
-        self.ok("import", "dem.tif", "-o", name, "--tile", tile, "--overwrite", *more)
+        self.ok("import", "dem.tif", "-o", name, "--tile", tile, "--overwrite", *(("--force",) if "--imagery" in more else ()), *more)
         return name
 
     def pixels(self, picture):
-        """(width, height, rows from the south of tuples)"""
-        self.gdal("gdal_translate", "-q", "-of", "PNM", picture, "read.ppm")
+        """(width, height, rows from the south of tuples), without opacity"""
+        self.gdal("gdal_translate", "-q", "-of", "PNM", "-b", 1, "-b", 2, "-b", 3, picture, "read.ppm")
         data = (self.folder / "read.ppm").read_bytes().split(b"\n", 3)
         width, height = map(int, data[1].split())
         at = data[3]
@@ -95,8 +95,7 @@ class Imagery(RasterTest):
                 continue
             x, y = (sum((morton >> (2 * i + axis) & 1) << i for i in range(28)) for axis in (0, 1))
             (self.folder / "tile.webp").write_bytes(blob)
-            self.gdal("gdal_translate", "-q", "-b", 1, "-b", 2, "-b", 3, "tile.webp", "tile.tif")
-            width, height, cells = self.pixels("tile.tif")
+            width, height, cells = self.pixels("tile.webp")
             self.assertEqual((width, height), (17, 17))
             # The row's first line is the south one: WebP's first.
             for j in range(17):
@@ -159,6 +158,26 @@ class Imagery(RasterTest):
         self.assertEqual((read[10][10], read[10][110], read[200][200]), ((200, 0, 0), (0, 0, 200), (0, 0, 0)))
         info = self.json("info", "s.furrow")["imagery"]
         self.assertEqual(info["sources"], ["left.tif", "all.tif"])
+        told = self.gdal("gdallocationinfo", "-valonly", "-b", 4, "level.png", stdin="10 10\n200 40\n150 240\n").split()
+        self.assertEqual(told, ["255", "0", "255"])  # rows from the north
+
+    def test_nodata_is_that_of_all_bands(self):
+        """A colour whose red and green are the value of nodata hides what lies under it in all bands."""
+        self.picture("low.tif", lambda x, y: (200, 90, 50))
+        self.picture("high.tif", lambda x, y: (0, 0, 200) if x < 30 else (0, 0, 0), 0, 0, 257, 257, STEP, "EPSG:32632", "-a_nodata", 0)
+        self.store("--imagery", "high.tif", "--imagery", "low.tif", "--lossless")
+        read = self.level("s.furrow", -2)
+        self.assertEqual((read[50][50], read[50][200]), ((0, 0, 200), (200, 90, 50)))
+
+    def test_a_pixel_is_as_large_as_it_is_on_the_terrain(self):
+        """A picture of the globe, whose middle is nowhere in the store's zone, and whose pixels are half as large at 75 degrees as at the equator."""
+        self.make("dem.tif", POSTS, POSTS, lambda x, y: 100, west=380000, north=8500000, step=4000, srs="EPSG:32660")
+        (self.folder / "picture.ppm").write_bytes(b"P6\n1800 900\n255\n" + bytes((10, 200, 30)) * (1800 * 900))
+        self.gdal("gdal_translate", "-q", "-a_ullr", -180, 90, 180, -90, "-a_srs", "EPSG:4326", "picture.ppm", "globe.tif")
+        self.store(tile=8)
+        told = self.json("import", "--imagery", "globe.tif", "-o", "s.furrow", "--lossless")["imagery"]
+        self.assertEqual((told["level"], told["pixel"]), (1, 8000))
+        self.assertEqual(self.level("s.furrow", 1)[16][16], (10, 200, 30))
 
     def test_grey_palettes_and_opacity(self):
         self.picture("rgb.tif", lambda x, y: (90, 90, 90))
@@ -172,8 +191,14 @@ class Imagery(RasterTest):
             self.store("--imagery", name, "--lossless")
             self.assertEqual(self.level("s.furrow", -2)[99][99], colour, name)
         self.gdal("gdal_translate", "-q", "-a_nodata", 90, "rgb.tif", "none.tif")
-        self.assertIn("no pixel on the terrain", self.refused(3, "import", "--imagery", "none.tif", "-o", self.store()))
-        self.assertIsNone(self.json("info", "s.furrow")["imagery"])
+        for before in ((), ("--imagery", "rgb.tif")):
+            self.assertIn("no pixel on the terrain", self.refused(3, "import", "--imagery", "none.tif", "-o", self.store(*before), *(("--overwrite",) if before else ())))
+            self.assertIsNone(self.json("info", "s.furrow")["imagery"])
+            self.assertEqual((self.version(), (self.folder / "s.furrow-wal").exists()), (8, False))
+            self.assertTrue(self.json("verify", "s.furrow")["ok"])
+            self.ok("import", "--imagery", "rgb.tif", "-o", "s.furrow")
+        self.assertIn("x.furrow: it is made, without its imagery", self.refused(3, "import", "dem.tif", "--imagery", "none.tif", "-o", "x.furrow"))
+        self.assertTrue(self.json("verify", "x.furrow")["ok"])
 
     def test_what_a_store_does_with_it(self):
         self.picture("ortho.tif", ramp)
@@ -200,7 +225,9 @@ class Imagery(RasterTest):
         with sqlite3.connect(self.folder / "s.furrow") as db:
             db.execute("UPDATE imagery SET blob = zeroblob(40) WHERE key = (SELECT max(key) FROM imagery)")
         self.assertIn("its hash is not that of its bytes", str(self.json_failed("verify", "s.furrow")["problems"]))
+        (self.folder / "x.png").write_bytes(b"what was there")
         self.assertIn("it is damaged", self.refused(3, "export", "s.furrow", "-o", "x.png", "--layer", "imagery", "--level", 2))
+        self.assertEqual((self.folder / "x.png").read_bytes(), b"what was there")
 
     def version(self):
         with sqlite3.connect(self.folder / "s.furrow") as db:
@@ -211,27 +238,35 @@ class Imagery(RasterTest):
         return json.loads(self.furrow(*arguments, "--json").stdout)
 
     def test_what_was_broken_off_goes_on(self):
-        self.picture("ortho.tif", noise)
+        """A signal comes when a tenth of the tiles is written."""
+        self.make("dem.tif", 129, 129, lambda x, y: 100, west=WEST - 0.5, north=SOUTH + 128.5, step=1, srs="EPSG:32632")
+        grain = iter(random.Random(45).randbytes(3 * 513 * 513))
+        self.picture("ortho.tif", lambda x, y: (next(grain), next(grain), next(grain)), 0, 0, 513, 513)
         self.store(tile=8)
-        self.ok("import", "--imagery", "ortho.tif", "-o", "s.furrow", "--lossless")
+        told = self.json("import", "--imagery", "ortho.tif", "-o", "s.furrow", "--lossless")["imagery"]
         whole = self.rows()
+        self.assertEqual(told["tiles"], len(whole))
         self.store(tile=8)
         process = subprocess.Popen([FURROW, "import", "--imagery", "ortho.tif", "-o", "s.furrow", "--lossless", "--jobs", "1"], cwd=self.folder, stderr=subprocess.PIPE,
                                    text=True, env=dict(os.environ))
-        while process.poll() is None and not (self.folder / "s.furrow-wal").exists():
+        while process.poll() is None and not self.begun():
             time.sleep(0.002)
-        time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         error = process.communicate()[1]
-        if process.returncode == 0:
-            self.assertEqual(self.rows(), whole)
-            return
         self.assertEqual(process.returncode, 130, error)
         self.assertIsNone(self.json("info", "s.furrow")["imagery"])
-        if "broken off" in self.ok("info", "s.furrow"):  # otherwise it was before the first tile
-            self.assertIn("was another one", self.refused(3, "import", "--imagery", "ortho.tif", "-o", "s.furrow", "--resume"))
-        self.ok("import", "--imagery", "ortho.tif", "-o", "s.furrow", "--resume", "--lossless")
+        self.assertIn("broken off", self.ok("info", "s.furrow"))
+        kept = len(self.rows())
+        self.assertTrue(0 < kept < len(whole), kept)
+        self.assertIn("was another one", self.refused(3, "import", "--imagery", "ortho.tif", "-o", "s.furrow", "--resume"))
+        again = self.json("import", "--imagery", "ortho.tif", "-o", "s.furrow", "--resume", "--lossless")["imagery"]
         self.assertEqual(self.rows(), whole)
+        self.assertEqual((again["tiles"], again["bytes"]), (told["tiles"], told["bytes"]))  # of those that were kept, too
+
+    def begun(self):
+        """SQLite writes tiles there when its cache of 0.5 MB is full, long before they are committed."""
+        log = self.folder / "s.furrow-wal"
+        return log.exists() and log.stat().st_size > 200000
 
     def rows(self):
         with sqlite3.connect(self.folder / "s.furrow") as db:
@@ -275,8 +310,7 @@ class Imagery(RasterTest):
                 continue
             step = size / 2 ** z / 256
             west, north = x * size / 2 ** z - edge, edge - y * size / 2 ** z
-            self.gdal("gdal_translate", "-q", "-b", 1, "-b", 2, "-b", 3, path, "tile.tif")
-            cells = self.pixels("tile.tif")[2]
+            cells = self.pixels(path)[2]
             spots = [(i, j) for i in range(20, 256, 60) for j in range(20, 256, 60)]
             sent = "".join(f"{west + (i + 0.5) * step} {north - (j + 0.5) * step}\n" for i, j in spots)
             for (i, j), line in zip(spots, self.gdal("gdaltransform", "-s_srs", "EPSG:3857", "-t_srs", "EPSG:32632", stdin=sent).splitlines()):
@@ -308,6 +342,17 @@ class Imagery(RasterTest):
             self.assertIn(why, self.refused(status, "import", "--imagery", name, "-o", "s.furrow"), name)
             self.assertIsNone(self.json("info", "s.furrow")["imagery"])
         self.assertIn("gone.furrow", self.refused(3, "import", "--imagery", "ortho.tif", "-o", "gone.furrow"))
+        self.assertIn("no imagery lies on the terrain", self.refused(3, "import", "dem.tif", "--imagery", "far.tif", "-o", "gone.furrow", "--dry-run"))
+        before = (self.folder / "s.furrow").read_bytes()
+        for more in ((), ("--overwrite",), ("--resume",), ("--force",)):  # as of --imagery *.tif
+            self.assertIn("dem.tif would be the heights", self.refused(2, "import", "--imagery", "ortho.tif", "dem.tif", "-o", "s.furrow", *more))
+        self.assertIn("without --force", self.furrow("import", "--imagery", "ortho.tif", "dem.tif", "-o", "s.furrow", "--overwrite", "--dry-run").stderr)
+        for option in (("--nodata", 0), ("--s-srs", "EPSG:4326"), ("--t-srs", "source"), ("--window", "0,0,9,9"), ("--spacing", 1), ("--fill",), ("--force",),
+                       ("--inset", "dem.tif"), ("--tile", 64), ("--max-error", 1), ("--pack", "small")):
+            self.assertIn("needs no such option", self.refused(2, "import", "--imagery", "ortho.tif", "-o", "s.furrow", *option), option)
+        self.assertIn("leave one of both", self.refused(2, "import", "--imagery", "ortho.tif", "-o", "s.furrow", "--lossless", "--imagery-quality", 80))
+        self.assertIn("none is named", self.refused(2, "import", "dem.tif", "-o", "gone.furrow", "--lossless"))
+        self.assertEqual(((self.folder / "s.furrow").read_bytes(), (self.folder / "gone.furrow").exists()), (before, False))
         self.assertIn("has no imagery", self.refused(3, "export", "s.furrow", "-o", "x.png", "--layer", "imagery"))
         self.refused(2, "import", "-o", "gone.furrow")
 

@@ -207,6 +207,12 @@ class TileWindows(RasterTest):
             degrees = [math.degrees(value / 6378137) for value in (left, right)]
             self.assertTrue(degrees[0] < east and degrees[1] > west, (z, x, y))
 
+    def test_mbtiles_of_heights_tell_of_holes_and_of_what_lies_too_deep(self):
+        self.store(west=400000, value=lambda column, row: -11000 if column > 200 else math.nan if row > 150 else 100)
+        told = {layer: self.furrow("export", "s.furrow", "-o", "a.mbtiles", "--layer", layer) for layer in ("surface", "hillshade")}
+        for part in ("the lowest ground is at -11000 m", "the terrain has holes"):
+            self.assertEqual([part in told[layer].stderr for layer in ("surface", "hillshade")], [True, False], told)
+
     def test_mbtiles_have_the_tiles_of_the_folder_and_gdal_opens_them(self):
         self.store(west=400000)
         (self.folder / "scene.yaml").write_text(SCENE)
@@ -242,6 +248,12 @@ class TileWindows(RasterTest):
         self.assertFalse((self.folder / "no.mbtiles").exists())
         self.assertIn("local metres", self.refused(3, "export", self.synth("local.furrow", posts="65x65"), "-o", "no.mbtiles"))
         self.assertIn("no globe", self.refused(2, "export", "s.furrow", "-o", "no.mbtiles", "--fine-globe"))
+        self.assertIn("no mesh", self.refused(2, "export", "s.furrow", "--mesh", "m.glb", "-o", "no.mbtiles"))
+        self.assertIn("no mesh", self.refused(2, "export", "s.furrow", "--up", "z", "-o", "no.mbtiles"))
+        for option, layers in ((("--height-range", "-1,1"), ("surface", "hillshade", "imagery")), (("--sun", "90,30"), ("surface", "offset", "imagery")),
+                               (("--exaggerate", 2), ("surface", "offset")), (("--encoding", "terrarium"), ("offset", "hillshade")), (("--height-step", 1), ("hillshade",))):
+            for layer in layers:
+                self.refused(2, "export", "s.furrow", "-o", "no.mbtiles", "--layer", layer, *option)
         self.assertIn("holds surface", self.refused(2, "export", "s.furrow", "-o", "no.mbtiles", "--layer", "shear"))
         self.assertIn("pmtiles convert", self.refused(2, "export", "s.furrow", "-o", "no.pmtiles"))
         self.refused(3, "export", "s.furrow", "-o", "nowhere/a.mbtiles")
