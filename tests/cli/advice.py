@@ -72,7 +72,8 @@ ELSEWHERE = {
     "give at most %.4g Pa, or a higher": "a measured tyre, docs/VEHICLES.md: no default is near it",
     # tests of this file
     "furrow reset %s": "commands", "furrow restore %s": "commands", "give --window %s": "windows", "--window %s": "windows",
-    "--%s is for --tiles": "two options, cli/tiles",
+    "--%s is for --tiles": "two options, cli/tiles", "give one above %g and at most %g": "a range", "is missing; give %s": "cli/bag", "show no rocks of %g m": "cli/rocks",
+    "spikes or not met; give %g m": "any larger size will do",
     "give 0 to %d": "a range", "coarser than the store's coarsest": "windows", "time_step: %g s is longer": "vehicles", "give gravity: %s": "vehicles",
     "give gravity: %g": "cli/planets", "give view.body: %s": "cli/planets", "soil.damping presses a post": "vehicle/damped.c", "it comes to no rest": "any finer spacing will do", "its axles look along its": "vehicle/strangers.c", "is for --tiles; give --tiles DIR": "no number", "shorten time_step": "a motion that diverged is not made by a scene of a few lines",
     "the lowest height is %s m": "nodata", "give \"--nodata %s": "nodata", "give --nodata %s": "nodata", "import again with --nodata %g": "nodata",
