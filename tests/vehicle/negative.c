@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "vehicle/linear.h"
+#include "../support.h"
 #include "../support/program.h"
 
 #define MOST VEHICLE_ABREAST
