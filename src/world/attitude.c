@@ -85,7 +85,7 @@ static enum status find_attitude(const struct soil_shape *shape, const char *nam
 }
 
 /*
- * What was computed last. A step asks for the pose of each body several times, and the pose follows from the kind of its shape and the numbers of
+ * What was computed last. A step asks for the pose of each body several times. It follows from the kind of its shape and the numbers of
  * `from` alone. So each thread keeps those that it found last, by a hash of these numbers.
  */
 #define KEPT 64 /* a power of two */
