@@ -7,6 +7,7 @@
 
 #include "vehicle/linear.h"
 #include "../support.h"
+#include "../support/near.h"
 #include "../support/program.h"
 
 #define MOST VEHICLE_ABREAST
@@ -44,7 +45,7 @@ static void make(double a[6][6], double left[6][6], double *size)
 	*size = 0;
 	for (int k = 0; k < 6; k++) {
 		values[k] = k > 0 && number() > 0.5 ? values[k - 1] : number() > 0.6 ? 0 : number() * pow(10, 3 * number());
-		*size = fmax(*size, fabs(values[k]));
+		*size = support_most(*size, fabs(values[k]));
 	}
 	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++) {
@@ -74,7 +75,7 @@ static void what_is_above_zero_is_taken_away(void **state)
 			for (int i = 0; i < 6; i++)
 				for (int j = 0; j < 6; j++) {
 					assert_true(a[n][i][j] == a[n][j][i]);
-					worst = fmax(worst, fabs(a[n][i][j] - left[n][i][j]) / (size[n] + 10)); /* 10: the skew part is rounded, too */
+					worst = support_most(worst, fabs(a[n][i][j] - left[n][i][j]) / (size[n] + 10)); /* 10: the skew part is rounded, too */
 				}
 	}
 	print_message("the matrices differ from the closed form by %.2g of their largest eigenvalue, at most\n", worst);
