@@ -63,9 +63,12 @@ def _beside(drive: Drive, text: "Union[str, None]") -> "Union[pathlib.Path, None
 
 
 def _reader(drive: Drive) -> "dict[str, Any]":
-    """A scene that reads the store of a drive: with its spacing, and the relief that it has. ResultsError: relief by class needs the map of soils, which is gone."""
+    """A scene that reads the store of a drive: with its spacing, and the relief and the rocks that it has. ResultsError: relief by class needs the map of soils, which is gone."""
     scene: "dict[str, Any]" = {"spacing": drive.facts["spacing"]}
-    relief = drive.facts.get("relief")
+    relief = dict(drive.facts.get("relief") or {})
+    rocks = relief.pop("rocks", None)
+    if rocks:
+        scene["ground"] = {"rocks": rocks}
     if not relief:
         return scene
     waves = [{key: each[key] for key in ("roughness", "wavelength")} for each in relief.get("classes", [relief])]
@@ -176,6 +179,17 @@ def unit_quaternion(turn: "np.ndarray") -> "np.ndarray":
     return q / np.linalg.norm(q) * (1 if q[3] >= 0 else -1)
 
 
+def _unread(assets: "list[Any]", error: str) -> Any:
+    """The one whose file an error of MuJoCo says is not opened or read; None: it says something else. wheel.stl is not front_wheel.stl, and b/wheel.stl not a/wheel.stl."""
+    def says(name: str) -> bool:
+        return re.search(rf"(?:^|[\s'\"/\\(:]){re.escape(name)}(?:$|[\s'\"),:;])", error) is not None
+
+    if re.search(r"open|read|found|find|decod|invalid|unsupported|format", error) is None:
+        return None
+    said = [(len(name), asset) for asset in assets if asset.file for name in {asset.file, re.split(r"[/\\]", asset.file)[-1]} if says(name)]
+    return max(said, key=lambda each: each[0])[1] if said else None
+
+
 class Model:
     """The model of a vehicle in MuJoCo, set to rows of vehicles.csv. `lost`: what cannot be told of it, a line each."""
 
@@ -217,7 +231,7 @@ class Model:
                 self.model = self.spec.compile()
                 return lost
             except (ValueError, self.mujoco.FatalError) as error:
-                asset = next((asset for asset in [*self.spec.meshes, *self.spec.textures] if asset.file and re.split(r"[/\\]", asset.file)[-1] in str(error)), None)
+                asset = _unread([*self.spec.meshes, *self.spec.textures], str(error))
                 if asset is None:
                     raise
                 lost.append(self._leave_out(asset))

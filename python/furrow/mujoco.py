@@ -219,7 +219,7 @@ class Soil:
         arrays = self._arrays()
         given = _Open(ctypes.sizeof(_Open), world._handle, b"mujoco", None, None, arrays, len(arrays),
                       _patterns(geoms), (ctypes.c_double * 3)(*origin), _patterns(carry),
-                      None if tyres is None else text("; ".join(" ".join([name, *(f"{key} {value!r}" for key, value in numbers.items())]) for name, numbers in tyres.items())))
+                      None if tyres is None else text("; ".join(" ".join([name, *(f"{key} {float(value)!r}" for key, value in numbers.items())]) for name, numbers in tyres.items())))
         handle = ctypes.c_void_p()
         with world._lock:
             _functions["furrow_mujoco_open"](ctypes.byref(given), ctypes.byref(handle))

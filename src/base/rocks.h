@@ -25,6 +25,7 @@
 #define ROCKS_COUNTS 32 /* rocks of a cell at most */
 #define ROCKS_KNOTS 64  /* pieces of the table of diameters */
 #define ROCKS_COVER_MOST 0.9 /* the schema of scenes says so, too */
+#define ROCKS_SMALLEST_LEAST 1e-3 /* m; the same */
 #define ROCKS_LARGEST_MOST 20.0 /* m; the same */
 #define ROCKS_HEIGHT_MOST (39 / 64.0)  /* of the diameter; the least is 24 / 64, and at most a quarter less by facets */
 #define ROCKS_RANGE (1 << (ROCKS_OCTAVES - 2)) /* largest / smallest at most */

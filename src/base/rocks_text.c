@@ -46,7 +46,7 @@ static bool number(const cJSON *object, const char *key, double most, double *va
 
 bool rocks_good(const struct rocks_spec *rocks)
 {
-	return rocks->cover > 0 && rocks->cover <= ROCKS_COVER_MOST && rocks->k > 0 && rocks->smallest > 0 && rocks->smallest < rocks->largest &&
+	return rocks->cover > 0 && rocks->cover <= ROCKS_COVER_MOST && rocks->k > 0 && rocks->smallest >= ROCKS_SMALLEST_LEAST && rocks->smallest < rocks->largest &&
 	       rocks->largest <= ROCKS_LARGEST_MOST && rocks->largest <= ROCKS_RANGE * rocks->smallest;
 }
 

@@ -275,6 +275,7 @@ enum status exchange_page_check(const struct exchange_tiles_params *params) FURR
 struct exchange_stamp {
 	char terrain[24]; /* hash of the base, in hex */
 	int64_t revision;
+	int64_t resets;   /* of the store until then; an earlier furrow wrote none: 0 */
 	double range[2];
 	uint64_t look;    /* hash of sun, exaggeration and range */
 	char version[32]; /* as in exchange_tiles_result; "": an earlier furrow did not write it */

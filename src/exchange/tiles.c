@@ -265,7 +265,7 @@ static enum status check_stamp(struct work *all, const struct exchange_stamp *ol
 	if (old->look != all->stamp.look)
 		return fail_with(STATUS_INPUT, "%s: its tiles have another sun, exaggeration, encoding, size, window or range of colours; give the same, or leave --since "
 				 "out", directory);
-	if (old->version[0] != '\0' && old->revision == all->stamp.revision && strcmp(old->version, all->result->version) != 0)
+	if (old->resets != all->stamp.resets || (old->version[0] != '\0' && old->revision == all->stamp.revision && strcmp(old->version, all->result->version) != 0))
 		return fail_with(STATUS_INPUT, "%s: its tiles are of another drive: the store was reset since; leave --since out", directory);
 	return STATUS_OK;
 }
@@ -293,7 +293,7 @@ static enum status find_version(struct work *all)
 {
 	struct store_run run;
 	TRY(store_last_run(all->params->store, &run));
-	uint64_t hash = all->stamp.look;
+	uint64_t hash = all->stamp.look + (uint64_t)all->stamp.resets;
 	if (run.scene_hash != NULL)
 		hash = XXH3_64bits_withSeed(run.scene_hash, strlen(run.scene_hash), hash);
 	if (run.scene_hash != NULL && run.state != NULL)
@@ -324,6 +324,7 @@ static enum status begin(struct work *all)
 	TRY(choose_range(all, &old, found));
 	all->stamp.look = look_of(params, all->stamp.range);
 	all->stamp.revision = all->zooms.revision;
+	TRY(store_resets(params->store, &all->stamp.resets));
 	TRY(find_version(all));
 	TRY(check_stamp(all, &old, found));
 	snprintf(all->stamp.version, sizeof all->stamp.version, "%s", all->result->version);
@@ -436,8 +437,8 @@ enum status exchange_tiles(const struct exchange_tiles_params *params, struct ex
 	TRY_OR(done, exchange_steps_create(&all.steps));
 	TRY_OR(done, begin(&all));
 	tell(&all);
+	TRY_OR(done, tidy(&all)); /* before tiles of coarser levels are made of those that are there */
 	TRY_OR(done, run_threads(&all));
-	TRY_OR(done, tidy(&all));
 	TRY_OR(done, exchange_page_write(params, &all.frame, &all.zooms, result));
 	TRY_OR(done, exchange_stamp_write(params->directory, &all.stamp));
 	TRY_OR(done, exchange_journal_end(&all.journal));

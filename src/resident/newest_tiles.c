@@ -25,6 +25,11 @@ uint64_t resident_newest_tile_bytes(uint32_t cells)
 	return sizeof(double) * (posts + 2 * side * side);
 }
 
+uint64_t resident_newest_base_bytes(uint32_t cells)
+{
+	return (uint64_t)NEWEST_BASES * (cells + 1) * (cells + 1) * sizeof(int32_t);
+}
+
 enum status resident_newest_create_tiles(struct newest *newest)
 {
 	const size_t posts = posts_of(newest);

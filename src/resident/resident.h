@@ -534,6 +534,7 @@ void resident_newest_destroy(struct newest *newest); /* newest may be NULL */
 #define RESIDENT_NEWEST_LEAST 4 /* tiles that it keeps at least */
 uint32_t resident_newest_tiles(uint32_t cells); /* tiles that it keeps from its creation on */
 uint64_t resident_newest_tile_bytes(uint32_t cells);
+uint64_t resident_newest_base_bytes(uint32_t cells); /* of what it keeps beside them */
 /* From now on it keeps at most so many tiles, at least RESIDENT_NEWEST_LEAST. With fewer than before all are dropped. */
 enum status resident_newest_keep(struct newest *newest, uint32_t tiles) FURROW_CHECKED;
 /* Notes that the ground has changed since the last query. May be called inside a step. newest may be NULL. */

@@ -595,7 +595,7 @@ static const struct scene_limit limits[] = {
 	{"ground.rocks.cover", 0, 0.9, false, "is out of range, since cover is a share (0.05 for 5 %)", NULL, NAN, NULL},
 	{"ground.rocks.k", 0, 1, true, NULL, NULL, NAN, "ground.rocks.cover"},
 	{"ground.rocks.largest", 0, 20, true, NULL, "m", NAN, NULL},
-	{"ground.rocks.smallest", 0, 20, true, NULL, "m", NAN, "3 spacings"},
+	{"ground.rocks.smallest", 1e-3, 20, false, NULL, "m", NAN, "3 spacings"},
 	{"ground.rocks.seed", 0, 4294967295, false, NULL, NULL, 0, NULL},
 	{"relief.roughness", 0, 10, false, NULL, "m", NAN, NULL},
 	{"relief.wavelength", 0, 1e6, true, NULL, "m", NAN, NULL},

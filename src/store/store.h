@@ -402,6 +402,8 @@ enum status store_gather(const char *path, const char *const *parts, size_t coun
 /* Drops all deformation and the working level. Keeps the base. Drops the history, too. An overlay becomes as it was made: what its parent has stays. The mark
  * is lost. STATUS_INPUT: overlays depend on its ruts, or it has snapshots; `force` loses them. */
 enum status store_reset(struct store *store, bool force) FURROW_CHECKED;
+/* How often it was reset: after each the numbers of revisions begin anew. */
+enum status store_resets(const struct store *store, int64_t *count) FURROW_CHECKED;
 
 /* --- pins: overlays that depend on a store ---
  *

@@ -56,7 +56,7 @@
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 #define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
 #define CUT 2.0         /* damping has so many times the whole force: what is summed was cut */
-#define CUT_PRESSURE 2e7 /* Pa on a post: nothing is cut below that */
+#define CUT_PRESSURE 7e7 /* Pa on a post: nothing is cut below that: a post is cut where one of three components has 134 MPa */
 #define CUT_SHARE 0.1   /* of the damping that would just be summed: what is advised */
 #define LIGHT 0.25      /* of the mass that the contact carries: the least inverse mass is that of a body as many times heavier */
 #define LONE_MOST 6     /* freedoms of a lone body */
@@ -461,7 +461,8 @@ static void fill_load(const struct step *step, struct contact *contact)
 	}
 }
 
-/* Finds whether a contact's force was cut to what can be summed. `at`: the velocity of its force. */
+/* Finds whether a contact's force was cut to what can be summed. `at`: the velocity of its force. The contact's own matrix tells, since the part of it that resists has
+ * half of how sinking adds shear, along the normal. */
 static void find_cut(const struct step *step, const struct contact *contact, const double at[6])
 {
 	const struct furrow_contact *from = &contact->geom->contact;
@@ -470,7 +471,7 @@ static void find_cut(const struct step *step, const struct contact *contact, con
 	if (!(whole > step->cut))
 		return;
 	for (int i = 0; i < 3; i++)
-		damps += from->normal[i] * dot6(contact->damping[i], at);
+		damps += from->normal[i] * dot6(from->damping[i], at);
 	if (!(damps > CUT * whole) || (step->vehicle->cut != NULL && step->vehicle->cut_share <= whole / damps))
 		return;
 	step->vehicle->cut = contact->geom;

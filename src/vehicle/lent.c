@@ -399,11 +399,11 @@ enum status vehicle_lent_touch(struct vehicle_lent *lent, const void *data, bool
 		vehicle_geom_state(&lent->one, &lent->one.geoms[g], &lent->last[g], NULL);
 		elsewhere = has_jumped(lent, &lent->one.geoms[g], &lent->last[g]);
 	}
+	TRY(vehicle_check_summed(&lent->all));
 	if (elsewhere)
 		TRY(place_some(lent, true));
 	else
 		TRY(vehicle_touch(&lent->all));
-	TRY(vehicle_check_summed(&lent->all));
 	*moved = true;
 	lent->stepping = true;
 	return vehicle_tell_forces(&lent->all);

@@ -30,9 +30,10 @@
 #define HEAVY 2000      /* triangles: a mesh of more is told where settling takes long */
 #define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
 #define UNREST_WORK 15.0 /* s of work: from then on a vehicle that trembles, and comes no nearer to rest, fails its start. */
-#define NEARER 0.8      /* It comes nearer to rest if its least speed is that much less than before, */
+#define NEARER 0.8      /* It comes nearer to rest if its mean speed is that much less than the least before, */
 #define NEARER_WORK 4.0 /* in each time of so much work, s, */
 #define NEARER_TIME 1.0 /* and of so long a motion, s */
+#define FIRST_TIME 1.0  /* s of a stage's motion that do not count: what was set down finds its way, and is slowed more */
 #define INSIDE 1e-3     /* m: deeper than this, a vehicle starts inside another one */
 
 /* --- settling --- */
@@ -50,6 +51,7 @@ static void begin(struct vehicles *vehicles, double stage)
 		vehicle->slow = vehicle->settle_seconds; /* when the stage began */
 		vehicle->calm = 0;
 	}
+	vehicles->unrest = (struct unrest){.samples = 0};
 }
 
 /* Makes all geoms change the ground in the next step, so that it knows how deep they sank. */
@@ -156,29 +158,31 @@ static const struct vehicle *fastest_of(const struct vehicles *vehicles)
 
 bool vehicle_unrest_fails(struct unrest *unrest, double speed, double time, double work)
 {
-	if (unrest->before == 0 || time < unrest->time) /* settling begins */
-		*unrest = (struct unrest){.before = INFINITY, .least = speed, .time = time, .work = work};
-	unrest->least = fmin(unrest->least, speed);
+	if (time < FIRST_TIME || unrest->least == 0) /* a stage begins */
+		*unrest = (struct unrest){.least = INFINITY, .time = time, .work = work};
+	unrest->sum += speed;
+	unrest->samples++;
 	if (work - unrest->work < NEARER_WORK || time - unrest->time < NEARER_TIME)
 		return false;
-	const bool nearer = unrest->least < NEARER * unrest->before;
-	*unrest = (struct unrest){.before = fmin(unrest->before, unrest->least), .least = INFINITY, .time = time, .work = work};
-	return !nearer && work >= UNREST_WORK && unrest->before > TREMBLES;
+	const double mean = unrest->sum / unrest->samples;
+	const bool nearer = mean < NEARER * unrest->least;
+	*unrest = (struct unrest){.least = fmin(unrest->least, mean), .mean = mean, .time = time, .work = work};
+	return !nearer && work >= UNREST_WORK && mean > TREMBLES;
 }
 
 /* Fails for vehicles that tremble, and have come no nearer to rest for a while, after much work. */
 static enum status check_unrest(struct vehicles *vehicles)
 {
 	const struct vehicle *fastest = fastest_of(vehicles);
-	const double speed = speed_of(fastest), work = work_so_far(vehicles), time = vehicles->list[0].settle_seconds;
+	const double work = work_so_far(vehicles), time = vehicles->list[0].settle_seconds;
 	char heavy[300], deepest[300];
-	if (!vehicle_unrest_fails(&vehicles->unrest, speed, time, work) || fastest->scene->start.unsettled)
+	if (!vehicle_unrest_fails(&vehicles->unrest, speed_of(fastest), time - vehicles->list[0].slow, work) || fastest->scene->start.unsettled)
 		return STATUS_OK;
 	say_heavy(vehicles, heavy, sizeof heavy);
 	say_deepest(fastest, deepest, sizeof deepest);
 	return vehicle_fail_start(vehicles, fastest, "it comes to no rest: after %.3g s of work it has moved for %.3g s, still at %.2g mm/s, and comes no nearer to rest; %s; "
 						     "give a finer spacing (now %g m) or time_step (now %.3g s), or begin without settling (start: {settle: false})%s",
-				  work, time, 1e3 * speed, deepest, world_resident(vehicles->world)->spacing, vehicles->scene->time_step, heavy);
+				  work, time, 1e3 * vehicles->unrest.mean, deepest, world_resident(vehicles->world)->spacing, vehicles->scene->time_step, heavy);
 }
 
 /* Tells now and then how far it is: settling may take minutes of computing. */

@@ -13,11 +13,12 @@ enum { VEHICLE_ABOVE, VEHICLE_SLOWED, VEHICLE_FREE, VEHICLE_DRIVES };
 
 /* How near to rest settling vehicles have come. */
 struct unrest {
-	double before, least; /* m/s: the least speed until `time`, and since then; before 0: nothing is known */
+	double least, mean;   /* m/s: the least mean speed of the times before, and that of the last one; least 0: nothing is known */
+	double sum, samples;  /* m/s: of the speeds since `time` */
 	double time, work;    /* s of motion, s of work */
 };
 
-/* Notes the speed, m/s, of the fastest vehicle after so much motion and so much work, s. Returns true if a start has failed: after much work it trembles, and comes no nearer to
+/* Notes the speed, m/s, of the fastest vehicle after so much motion of a stage and so much work, s. Returns true if a start has failed: after much work it trembles, and comes no nearer to
  * rest. Heavy vehicles that come nearer get as much work as they need. */
 bool vehicle_unrest_fails(struct unrest *unrest, double speed, double time, double work);
 /* Sets the vehicles down and lets them settle, or goes on with that. STATUS_INPUT: also where the soil does not carry one. */

@@ -263,8 +263,8 @@ static void say_joint(const struct vehicles *vehicles, const struct vehicle *bad
 	int joint = -1;
 	text[0] = '\0';
 	for (int i = bad->own.joint.first; i < bad->own.joint.end; i++) {
-		const bool last = i + 1 >= bad->own.joint.end;
-		if (places->number > 0 ? places->lastinfo >= model->jnt_qposadr[i] && (last || places->lastinfo < model->jnt_qposadr[i + 1]) : dof >= 0 && model->dof_jntid[dof] == i)
+		const int end = i + 1 < bad->own.joint.end ? model->jnt_qposadr[i + 1] : bad->own.qpos.end;
+		if (places->number > 0 ? places->lastinfo >= model->jnt_qposadr[i] && places->lastinfo < end : dof >= 0 && model->dof_jntid[dof] == i)
 			joint = i;
 	}
 	const char *name = joint >= 0 ? vehicle_part_name(model, mjOBJ_JOINT, joint) : NULL;

@@ -70,7 +70,7 @@ struct rocks_spec world_rocks_asked(const struct world *world)
 {
 	struct rocks_spec spec = world->scene->rocks;
 	if (spec.smallest <= 0)
-		spec.smallest = fmax(ROCKS_POSTS * world->resident.spacing, spec.largest / ROCKS_RANGE);
+		spec.smallest = fmax(fmax(ROCKS_POSTS * world->resident.spacing, spec.largest / ROCKS_RANGE), ROCKS_SMALLEST_LEAST);
 	if (spec.cover > 0 && !rocks_good(&spec))
 		spec.cover = 0;
 	return spec;

@@ -220,6 +220,7 @@ static void the_text_is_read_as_it_was_written(void **state)
 		"{\"rocks\":{\"cover\":1,\"k\":0.05,\"smallest\":0.1,\"largest\":1,\"seed\":7}}",
 		"{\"rocks\":{\"cover\":0.05,\"k\":0,\"smallest\":0.1,\"largest\":1,\"seed\":7}}",
 		"{\"rocks\":{\"cover\":0.05,\"k\":0.05,\"smallest\":0.001,\"largest\":1,\"seed\":7}}",
+		"{\"rocks\":{\"cover\":0.05,\"k\":0.05,\"smallest\":1e-12,\"largest\":1e-11,\"seed\":7}}",
 		"{\"rocks\":{\"cover\":0.05,\"k\":0.05,\"smallest\":0.1,\"largest\":1,\"seed\":0.5}}",
 		"{\"rocks\":{\"cover\":0.05,\"k\":0.05,\"smallest\":0.1,\"largest\":1,\"seed\":7},\"roughness\":1}",
 	};

@@ -25,6 +25,12 @@ static struct {
 static jmp_buf engine_back;
 static char engine_error[1024]; /* MuJoCo's last error, once engine_catches */
 static _Bool engine_catches;
+static char engine_warning[1024]; /* MuJoCo's last warning */
+
+static void engine_warn(const char *text)
+{
+	snprintf(engine_warning, sizeof engine_warning, "%s", text);
+}
 
 static void engine_fail(const char *text)
 {
@@ -58,6 +64,7 @@ static inline int engine_enter(void **state)
 #undef ENGINE_FIND
 	void (**error)(const char *) = dlsym(library, "mju_user_error");
 	*error = engine_fail;
+	*(void (**)(const char *))dlsym(library, "mju_user_warning") = engine_warn;
 	engine.mj_loadPluginLibrary(getenv("FURROW_PLUGIN"));
 	return 0;
 }

@@ -144,8 +144,27 @@ static void a_tray_is_as_heavy_as_its_soil(void **state)
 	engine.mj_deleteModel(model);
 }
 
+static void soil_aboard_is_told_where_ruts_are_kept(void **state)
+{
+	char keys[700];
+	(void)state;
+	for (int keeps = 0; keeps < 2; keeps++) {
+		snprintf(keys, sizeof keys, keeps ? "<config key=\"carry\" value=\"tray\"/><config key=\"overlay\" value=\"%s\"/>" : "<config key=\"carry\" value=\"tray\"/>",
+			 support_path("kept.furrow"));
+		mjModel *model = digger(keys);
+		mjData *data = engine.mj_makeData(model);
+		const struct aboard full = dig(model, data);
+		engine_warning[0] = '\0';
+		engine.mj_deleteData(data);
+		engine.mj_deleteModel(model);
+		const char *told = strstr(engine_warning, "l of soil lie on geoms that carry");
+		assert_true(keeps ? told != NULL && fabs(strtod(engine_warning + strlen("furrow.soil: "), NULL) - 1e3 * full.volume) < 0.01e3 * full.volume : told == NULL);
+	}
+}
+
 TEST_PROGRAM(parts)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(a_tyre_gives_way_as_told), cmocka_unit_test(what_it_has_not_is_told), cmocka_unit_test(a_tray_is_as_heavy_as_its_soil)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(a_tyre_gives_way_as_told), cmocka_unit_test(what_it_has_not_is_told), cmocka_unit_test(a_tray_is_as_heavy_as_its_soil),
+					   cmocka_unit_test(soil_aboard_is_told_where_ruts_are_kept)};
 	return cmocka_run_group_tests(tests, engine_enter, support_leave);
 }

@@ -169,11 +169,11 @@ static void it_goes_the_way_of_a_scenes_vehicle(void **state)
 		const struct ride scene = ride_scene(&cases[i], 0.002), plugin = ride_plugin(&cases[i], "implicit", 0.002, scene.start);
 		tell("scene", &cases[i], 0.002, &scene);
 		tell("plugin", &cases[i], 0.002, &plugin);
-			if (cases[i].slope == 0) /* it begins 5 mm above the ground with the tips of its bars, which are 20 cm below its origin */
+		if (cases[i].slope == 0) /* it begins 5 mm above the ground with the tips of its bars, which are 20 cm below its origin */
 			assert_near(scene.start[2], 100 + 0.005 + 0.2, 1e-6);
 		assert_true(scene.way > 0.2 * cases[i].speed * 2.75);
-		assert_true(fabs(plugin.way - scene.way) < 0.01 * scene.way);
-		assert_true(fabs(plugin.sunk - scene.sunk) < 0.02 * scene.sunk);
+		assert_true(fabs(plugin.way - scene.way) < 0.003 * scene.way);
+		assert_true(fabs(plugin.sunk - scene.sunk) < 0.003 * scene.sunk);
 	}
 }
 

@@ -85,10 +85,43 @@ static void damping_beyond_what_is_summed_is_refused(void **state)
 	}
 }
 
+/* What slides on soil that damps: its shear grows as it sinks, and that is no damping along the normal. Returns where it is at the end, m. */
+static double slide(const char *model, double damping)
+{
+	static struct drive_row rows[256];
+	char text[900];
+	const char *store = support_path("world.furrow"), *scene = support_path("scene.yaml");
+	support_store(store, extent, level);
+	support_write(support_path("model.xml"), model);
+	snprintf(text, sizeof text, "scene: 1\nend_time: 0.5\ntime_step: 0.005\nspacing: 0.0078125\nsoil: {name: dry_sand, damping: %g}\nredistribute: {model: scm}\nvehicles:\n"
+				    "  - {name: v, model: model.xml, start: {at: [16, 16], speed: 2}}\noutput: {vehicles: 200}\n", damping);
+	support_write(scene, text);
+	unlink(support_path("over.furrow"));
+	must(make_drive(scene, store, NULL, &(struct drive_cut){.out = support_path("out"), .overlay = support_path("over.furrow")}, NULL));
+	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, COUNT(rows));
+	assert_true(count > 2);
+	return rows[count - 1].x - 16;
+}
+
+static void what_slides_drives(void **state)
+{
+	static const double dampings[] = {30000, 3e5}, masses[] = {300, 2000};
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		char model[300];
+		snprintf(model, sizeof model, "<mujoco><worldbody><body name=\"b\"><freejoint/><geom name=\"g\" type=\"box\" size=\".5 .2 .1\" mass=\"%g\"/></body></worldbody></mujoco>",
+			 masses[i]);
+		const double way = slide(model, dampings[i]);
+		print_message("%g kg, %g Pa s/m: %.3f m\n", masses[i], dampings[i], way);
+		assert_true(way > 0.15 && way < 0.9);
+	}
+}
+
 TEST_PROGRAM(damped)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_fall_gains_no_energy),
+		cmocka_unit_test(what_slides_drives),
 		cmocka_unit_test(damping_beyond_what_is_summed_is_refused),
 	};
 	return cmocka_run_group_tests_name("vehicles on soil that damps very much", tests, support_enter, support_leave);

@@ -164,13 +164,37 @@ static void what_trembles_by_little_starts_sooner(void **state)
 	assert_true(fabs(settled_after("0.0625") - 35) < 0.1);
 }
 
-/* Returns the work, s, after which a start fails whose speed falls from `speed` to `share` of it in each second of work; INFINITY: it does not within 100 s. */
-static double work_until_failure(double speed, double share, double motion_by_work)
+/* How a speed goes up and down within a time of work. */
+static double shake(int i)
 {
-	struct unrest unrest = {.before = 0};
+	return 1.2 + sin(i);
+}
+
+/* It stands for a moment, again and again. */
+static double bounce(int i)
+{
+	return i % 10 == 0 ? 0 : 1 + (i % 3);
+}
+
+/* It is slow once, before it trembles. */
+static double slow_once(int i)
+{
+	return i == 40 ? 0.0001 : 1 + 0.2 * sin(i);
+}
+
+/* The first second is slower than all that follows. */
+static double begins_slow(int i)
+{
+	return i < 10 ? 0.001 : 1;
+}
+
+/* Returns the work, s, after which a start fails whose speed falls from `speed` to `share` of it in each second of work; INFINITY: it does not within 100 s. */
+static double work_until_failure(double speed, double share, double motion_by_work, double (*form)(int i))
+{
+	struct unrest unrest = {.samples = 0};
 	for (int i = 0; i <= 1000; i++) {
 		const double work = 0.1 * i;
-		if (vehicle_unrest_fails(&unrest, speed * pow(share, work) * (1.2 + sin(i)), motion_by_work * work, work))
+		if (vehicle_unrest_fails(&unrest, speed * pow(share, work) * form(i), motion_by_work * work, work))
 			return work;
 	}
 	return INFINITY;
@@ -179,12 +203,15 @@ static double work_until_failure(double speed, double share, double motion_by_wo
 static void a_start_that_trembles_fails_within_20_s_of_work(void **state)
 {
 	(void)state;
-	assert_true(work_until_failure(0.03, 1, 1) >= 15 && work_until_failure(0.03, 1, 1) < 20);
-	assert_true(work_until_failure(0.5, 0.99, 5) < 20);       /* it calms far too slowly */
-	assert_true(work_until_failure(0.5, 1, 0.4) < 20);
-	assert_true(isinf(work_until_failure(0.03, 0.9, 1)));     /* it calms */
-	assert_true(isinf(work_until_failure(0.0005, 1, 1)));     /* by micrometres: the drive may begin */
-	assert_true(work_until_failure(0.03, 1, 0.02) >= 50);     /* so heavy that it has not had time to calm */
+	static double (*const forms[])(int i) = {shake, bounce, slow_once, begins_slow};
+	for (size_t k = 0; k < sizeof forms / sizeof forms[0]; k++) {
+		assert_true(work_until_failure(0.03, 1, 1, forms[k]) >= 15 && work_until_failure(0.03, 1, 1, forms[k]) < 20);
+		assert_true(work_until_failure(0.5, 0.99, 5, forms[k]) < 20);       /* it calms far too slowly */
+		assert_true(work_until_failure(0.5, 1, 0.4, forms[k]) < 20);
+		assert_true(isinf(work_until_failure(0.03, 0.9, 1, forms[k])));     /* it calms */
+		assert_true(isinf(work_until_failure(0.0005, 1, 1, forms[k])));     /* by micrometres: the drive may begin */
+		assert_true(work_until_failure(0.03, 1, 0.02, forms[k]) >= 50);     /* so heavy that it has not had time to calm */
+	}
 }
 
 TEST_PROGRAM(settle)
