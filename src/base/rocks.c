@@ -6,6 +6,7 @@
 
 #include "base/lattice.h"
 #include "base/memory.h"
+#include "base/mix.h"
 
 #define PLACE_BITS 13 /* places within a cell, and diameters, are counted in 2^-13 of its edge */
 #define EDGE (1 << PLACE_BITS)
@@ -24,16 +25,6 @@ static const int outlines[16][3] = {
 static const int directions[16][2] = {
 	{64, 0}, {59, 24}, {45, 45}, {24, 59}, {0, 64}, {-24, 59}, {-45, 45}, {-59, 24}, {-64, 0}, {-59, -24}, {-45, -45}, {-24, -59}, {0, -64}, {24, -59}, {45, -45}, {59, -24},
 };
-
-/* Mixes the bits of a word, as relief.c does. */
-static uint32_t mix(uint32_t v)
-{
-	v ^= v >> 16;
-	v *= 0x7feb352du;
-	v ^= v >> 15;
-	v *= 0x846ca68bu;
-	return v ^ v >> 16;
-}
 
 /* --- the law --- */
 
@@ -101,7 +92,7 @@ static void make_octave(const struct rocks_spec *spec, double low, double high, 
 {
 	const double metres = ldexp(spacing, edge);
 	*octave = (struct rocks_octave){
-		.key = mix(mix(spec->seed) + (uint32_t)(edge + 64)),
+		.key = mix_bits(mix_bits(spec->seed) + (uint32_t)(edge + 64)),
 		.edge = edge,
 		.scale = (uint32_t)lround(ldexp(metres, SCALE_BITS - PLACE_BITS)),
 	};
@@ -157,7 +148,7 @@ struct made {
 
 static uint32_t cell_hash(const struct rocks_octave *octave, uint32_t x, uint32_t y)
 {
-	return mix(mix(octave->key + x) + y);
+	return mix_bits(mix_bits(octave->key + x) + y);
 }
 
 static int count_of(const struct rocks_octave *octave, uint32_t hash)
@@ -170,7 +161,7 @@ static int count_of(const struct rocks_octave *octave, uint32_t hash)
 
 static struct made make(const struct rocks_octave *octave, uint32_t hash, int index)
 {
-	const uint32_t a = mix(hash ^ (uint32_t)(index + 1) * 0x9e3779b9u), b = mix(a + 0x85ebca6bu);
+	const uint32_t a = mix_bits(hash ^ (uint32_t)(index + 1) * 0x9e3779b9u), b = mix_bits(a + 0x85ebca6bu);
 	const uint32_t *knot = &octave->knots[b >> 26];
 	const int diameter = (int)(knot[0] + (((knot[1] - knot[0]) * ((b >> 16) & 1023u) + 512) >> 10));
 	return (struct made){
@@ -179,7 +170,7 @@ static struct made make(const struct rocks_octave *octave, uint32_t hash, int in
 		.diameter = diameter,
 		.height = (int)((((uint32_t)diameter * (24u + (b & 15u)) >> 6) * octave->scale) >> (SCALE_BITS - BASE_BITS)),
 		.shape = a >> 26 & 15u,
-		.facets = mix(b + 0xc2b2ae35u),
+		.facets = mix_bits(b + 0xc2b2ae35u),
 	};
 }
 

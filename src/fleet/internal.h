@@ -120,7 +120,7 @@ enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size) 
 /* STATUS_FAILED: there are not so many bytes. */
 enum status fleet_get(struct fleet_bytes *bytes, void *to, size_t size) FURROW_CHECKED;
 
-/* --- agree.c, step.c, move.c, commit.c: struct world_ranks --- */
+/* --- agree.c, step.c, move.c, commit.c, newest.c: struct world_ranks --- */
 /* Returns the failure of any rank on all ranks. The first two calls also compare what ranks must have in common. */
 enum status fleet_agree_on(void *user, struct world *world, enum status status) FURROW_CHECKED;
 enum status fleet_step(void *user, double until, enum status status) FURROW_CHECKED;

@@ -11,13 +11,7 @@ struct resident_newest_tile {
 	double *heights, (*blocks)[2];
 };
 
-/* The base of a tile, whose heights are often made anew: offsets change with each step, the base never. */
-struct newest_base {
-	uint64_t key;
-	bool known;
-	int32_t *posts; /* NULL: none was kept yet */
-};
-enum { NEWEST_BASES = 4 };
+enum { NEWEST_BASES = 4 }; /* tiles whose base is kept */
 
 struct newest {
 	struct store *store;
@@ -35,8 +29,8 @@ struct newest {
 	struct recent recent;
 	struct resident_newest_tile *tiles; /* by place number in `recent` */
 	int32_t *posts, *patch;    /* scratch memory for one tile */
-	struct newest_base kept[NEWEST_BASES];
-	unsigned kept_next;        /* whose place the next base gets */
+	struct recent recent_posts; /* heights of a tile are often made anew: offsets change with each step, the base never */
+	int32_t *base_posts[NEWEST_BASES]; /* by place number in `recent_posts`: base posts of a tile; NULL: not made yet */
 };
 
 /* newest.c */

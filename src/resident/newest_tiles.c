@@ -37,8 +37,10 @@ enum status resident_newest_create_tiles(struct newest *newest)
 	newest->tiles = mem_calloc(tiles, sizeof *newest->tiles);
 	newest->posts = mem_alloc(posts, sizeof *newest->posts);
 	newest->patch = mem_alloc(posts, sizeof *newest->patch);
-	return newest->tiles != NULL && newest->posts != NULL && newest->patch != NULL ? recent_create(&newest->recent, tiles)
-										  : fail_memory("tiles for queries");
+	if (newest->tiles == NULL || newest->posts == NULL || newest->patch == NULL)
+		return fail_memory("tiles for queries");
+	TRY(recent_create(&newest->recent_posts, NEWEST_BASES));
+	return recent_create(&newest->recent, tiles);
 }
 
 static void free_heights(struct newest *newest)
@@ -74,7 +76,8 @@ void resident_newest_destroy_tiles(struct newest *newest)
 	mem_free(newest->tiles);
 	recent_finish(&newest->recent);
 	for (int i = 0; i < NEWEST_BASES; i++)
-		mem_free(newest->kept[i].posts);
+		mem_free(newest->base_posts[i]);
+	recent_finish(&newest->recent_posts);
 	mem_free_all(newest->posts, newest->patch);
 }
 
@@ -142,21 +145,19 @@ static void divide(struct newest *newest, struct tile tile, int shift, const int
 }
 
 /* Gives the base posts of a tile. They are valid until the next call. */
-static enum status base_posts(struct newest *newest, struct tile tile, const int32_t **out)
+static enum status find_base_posts(struct newest *newest, struct tile tile, const int32_t **out)
 {
 	const uint64_t key = tile_key(tile);
-	for (int i = 0; i < NEWEST_BASES; i++)
-		if (newest->kept[i].known && newest->kept[i].key == key) {
-			*out = newest->kept[i].posts;
-			return STATUS_OK;
-		}
-	struct newest_base *kept = &newest->kept[newest->kept_next++ % NEWEST_BASES];
-	if (kept->posts == NULL)
-		TRY(mem_make(&kept->posts, posts_of(newest), sizeof *kept->posts, "a tile for queries"));
-	kept->known = false;
-	TRY(resident_ground_posts(newest->base, tile, kept->posts));
-	*kept = (struct newest_base){key, true, kept->posts};
-	*out = kept->posts;
+	uint32_t place = recent_find(&newest->recent_posts, key);
+	if (place == RECENT_NONE) {
+		place = recent_oldest(&newest->recent_posts, RECENT_NONE);
+		recent_empty(&newest->recent_posts, place); /* has no tile until the read is complete */
+		if (newest->base_posts[place] == NULL)
+			TRY(mem_make(&newest->base_posts[place], posts_of(newest), sizeof **newest->base_posts, "a tile for queries"));
+		TRY(resident_ground_posts(newest->base, tile, newest->base_posts[place]));
+	}
+	recent_use(&newest->recent_posts, place, key);
+	*out = newest->base_posts[place];
 	return STATUS_OK;
 }
 
@@ -174,7 +175,7 @@ static enum status fill_base(struct newest *newest, struct tile tile, double *he
 	}
 	const double reference = resident_ground_reference(newest->store);
 	const int32_t *base;
-	TRY(base_posts(newest, tile, &base));
+	TRY(find_base_posts(newest, tile, &base));
 	for (size_t i = 0; i < count; i++)
 		heights[i] = base[i] == BASE_NODATA ? (double)NAN : reference + base[i] * (1.0 / (1 << BASE_BITS));
 	return STATUS_OK;
