@@ -131,8 +131,7 @@ enum status intake_imagery_run(struct intake_imagery *imagery)
 	struct dem_imagery *opened = NULL;
 	const double began = clock_seconds();
 	enum status status;
-	if (!store_imagery_possible())
-		return fail_with(STATUS_FAILED, "%s: this furrow was built without libwebp, and cannot store imagery; build it with -Dimagery=enabled", imagery->store);
+	TRY(store_imagery_check(imagery->store));
 	TRY_OR(done, store_open(imagery->store, &(struct store_options){.mode = imagery->dry ? STORE_READ : STORE_WRITE}, &store));
 	const struct dem_imagery_params params = params_of(imagery, store_meta(store));
 	TRY_OR(done, dem_imagery_open(&params, &opened));
@@ -159,8 +158,7 @@ enum status intake_imagery_check(const struct import *import)
 	struct dem_imagery *opened = NULL;
 	const struct intake_imagery imagery = of_options(import);
 	const struct dem_imagery_params params = params_of(&imagery, &import->meta);
-	if (!store_imagery_possible())
-		return fail_with(STATUS_FAILED, "imagery: this furrow was built without libwebp, and cannot store it; build it with -Dimagery=enabled");
+	TRY(store_imagery_check("imagery"));
 	const enum status status = dem_imagery_open(&params, &opened);
 	dem_imagery_close(opened);
 	return status;

@@ -505,6 +505,9 @@ enum status store_meta_put_text(struct store *store, const char *key,
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
 enum status store_meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
 enum status store_meta_drop(struct store *store, const char *key) FURROW_CHECKED;
+/* *found false, or NULL: there is no such key, or its value is of another type. *text is for mem_free(). */
+enum status store_meta_find_integer(const struct store *store, const char *key, bool *found, int64_t *value) FURROW_CHECKED;
+enum status store_meta_find_text(const struct store *store, const char *key, char **text) FURROW_CHECKED;
 /* Reads the hash of the base from the file of a connection. */
 enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
 /* Adds to the compacted soil in the file. store->compacted does not change. */

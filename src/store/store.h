@@ -577,6 +577,7 @@ enum status store_imagery_drop(struct store *store) FURROW_CHECKED;    /* remove
 /* Packs side x side pixels of 4 bytes. Returns memory for mem_free(). Pure; on any thread. `quality` as in struct store_imagery. */
 enum status store_imagery_pack(const uint8_t *pixels, uint32_t side, int quality, void **packed, size_t *size) FURROW_CHECKED;
 bool store_imagery_possible(void); /* false: this build has no libwebp */
+enum status store_imagery_check(const char *where) FURROW_CHECKED; /* STATUS_FAILED: the same, told of `where` */
 
 /* --- reading posts, at any level from the finest to the coarsest --- */
 enum store_layer {

@@ -27,37 +27,17 @@ uint64_t store_imagery_row_hash(uint64_t key, int64_t codec, const void *bytes, 
 
 /* --- what the header says --- */
 
-/* Reads an entry of the header as a whole number. */
-static enum status header_integer(const struct store *store, const char *key, bool *found, int64_t *value)
-{
-	char sql[128];
-	snprintf(sql, sizeof sql, "SELECT count(*) FROM meta WHERE key = '%s' AND typeof(value) = 'integer'", key);
-	int64_t count = 0;
-	TRY(store_sql_integer(store->db, store->path, sql, &count));
-	*found = count > 0;
-	if (!*found)
-		return STATUS_OK;
-	snprintf(sql, sizeof sql, "SELECT value FROM meta WHERE key = '%s'", key);
-	return store_sql_integer(store->db, store->path, sql, value);
-}
-
 /* Copies the sources, whole lines only. */
-static enum status header_sources(const struct store *store, char *text, size_t room)
+static enum status copy_sources(const struct store *store, char *text, size_t room)
 {
-	sqlite3_stmt *statement = NULL;
-	enum status status;
-	TRY_OR(done, store_sql_prepare(store->db, store->path, &statement, "SELECT value FROM meta WHERE key = 'imagery_sources'"));
-	const int code = sqlite3_step(statement);
-	const char *all = code == SQLITE_ROW ? (const char *)sqlite3_column_text(statement, 0) : NULL;
-	if (code != SQLITE_ROW && code != SQLITE_DONE)
-		TRY_OR(done, store_sql_fail(store->db, code, store->path, "reading its imagery"));
+	char *all;
+	TRY(store_meta_find_text(store, "imagery_sources", &all));
 	snprintf(text, room, "%s", all != NULL ? all : "");
 	char *last = strrchr(text, '\n');
 	if (all != NULL && strlen(all) >= room && last != NULL)
 		last[1] = '\0';
-done:
-	sqlite3_finalize(statement);
-	return status;
+	mem_free(all);
+	return STATUS_OK;
 }
 
 static enum status bad_header(const struct store *store, const char *key)
@@ -73,11 +53,11 @@ enum status store_imagery_open(struct store *store)
 	store->has_imagery = false;
 	if (store->version < STORE_VERSION_IMAGERY || store->base_path != NULL)
 		return STATUS_OK;
-	TRY(header_integer(store, "imagery_level", &store->has_imagery, &finest));
+	TRY(store_meta_find_integer(store, "imagery_level", &store->has_imagery, &finest));
 	if (!store->has_imagery)
 		return STATUS_OK;
-	TRY(header_integer(store, "imagery_quality", &quality_known, &quality));
-	TRY(header_integer(store, "imagery_hash", &hash_known, &hash));
+	TRY(store_meta_find_integer(store, "imagery_quality", &quality_known, &quality));
+	TRY(store_meta_find_integer(store, "imagery_hash", &hash_known, &hash));
 	if (finest < TILE_LEVEL_MIN || finest > extent_coarsest(&store->meta.extent))
 		return bad_header(store, "imagery_level");
 	if (!quality_known || quality < 0 || quality > 100)
@@ -121,7 +101,7 @@ enum status store_imagery_info(const struct store *store, struct store_imagery *
 	out->finest = holder->imagery_finest;
 	out->quality = holder->imagery_quality;
 	TRY(store_sql_integer(holder->db, holder->path, "SELECT coalesce(sum(length(blob)), 0) FROM imagery", &out->bytes));
-	return header_sources(holder, out->sources, sizeof out->sources);
+	return copy_sources(holder, out->sources, sizeof out->sources);
 }
 
 /* --- tiles --- */
@@ -139,8 +119,7 @@ static enum status take_row(const char *path, const struct extent *extent, struc
 	const uint64_t hash = (uint64_t)sqlite3_column_int64(statement, 1);
 	const void *bytes = sqlite3_column_blob(statement, 2);
 	const size_t size = (size_t)sqlite3_column_bytes(statement, 2);
-	if (!store_imagery_possible())
-		return fail_with(STATUS_FAILED, "%s: this furrow was built without libwebp, and cannot show its imagery; build it with -Dimagery=enabled", path);
+	TRY(store_imagery_check(path));
 	if (codec != STORE_IMAGERY_WEBP || bytes == NULL || store_imagery_row_hash(tile_key(tile), codec, bytes, size) != hash ||
 	    !store_imagery_unpack(bytes, size, tile_posts(extent), pixels))
 		return damaged(path, tile);

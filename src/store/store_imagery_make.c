@@ -34,23 +34,6 @@ static enum status commit(struct store *store)
 	return store_bound_wal(store);
 }
 
-/* Reads what an import that was broken off was asked for. *request: NULL if there is none; free it with mem_free(). */
-static enum status read_request(struct store *store, char **request)
-{
-	sqlite3_stmt *statement = NULL;
-	enum status status;
-	*request = NULL;
-	TRY_OR(done, store_sql_prepare(store->db, store->path, &statement, "SELECT value FROM meta WHERE key = 'imagery_request'"));
-	const int code = sqlite3_step(statement);
-	if (code == SQLITE_ROW && sqlite3_column_text(statement, 0) != NULL)
-		TRY_OR(done, mem_text(request, (const char *)sqlite3_column_text(statement, 0), "imagery"));
-	else if (code != SQLITE_ROW && code != SQLITE_DONE)
-		TRY_OR(done, store_sql_fail(store->db, code, store->path, doing));
-done:
-	sqlite3_finalize(statement);
-	return status;
-}
-
 /* Looks at what the store has. *goes_on: rows of the same import are there. */
 static enum status look(struct store *store, const struct store_imagery_making *making, bool *goes_on)
 {
@@ -62,7 +45,7 @@ static enum status look(struct store *store, const struct store_imagery_making *
 	if (!has.broken_off || !making->resume)
 		return STATUS_OK;
 	char *request = NULL;
-	TRY(read_request(store, &request));
+	TRY(store_meta_find_text(store, "imagery_request", &request));
 	*goes_on = request != NULL && strcmp(request, making->request) == 0;
 	mem_free(request);
 	if (!*goes_on)
@@ -95,8 +78,7 @@ enum status store_imagery_begin(struct store *store, const struct store_imagery_
 	bool goes_on = false;
 	assert(store->writing && !store->late);
 	*tiles = 0;
-	if (!store_imagery_possible())
-		return fail_with(STATUS_FAILED, "%s: this furrow was built without libwebp, and cannot store imagery; build it with -Dimagery=enabled", store->path);
+	TRY(store_imagery_check(store->path));
 	if (store->base_path != NULL)
 		return fail_with(STATUS_INPUT, "%s: it is an overlay, and imagery is part of the terrain; name the store under it, %s", store->path,
 				 store_base_path(store));

@@ -97,7 +97,7 @@ bool store_imagery_possible(void)
 enum status store_imagery_pack(const uint8_t *pixels, uint32_t side, int quality, void **packed, size_t *size)
 {
 	*packed = NULL;
-	return fail_with(STATUS_FAILED, "imagery: this furrow was built without libwebp; build it with -Dimagery=enabled");
+	return store_imagery_check("imagery");
 }
 
 bool store_imagery_unpack(const void *bytes, size_t size, uint32_t side, uint8_t *pixels)
@@ -106,3 +106,8 @@ bool store_imagery_unpack(const void *bytes, size_t size, uint32_t side, uint8_t
 }
 
 #endif
+
+enum status store_imagery_check(const char *where)
+{
+	return store_imagery_possible() ? STATUS_OK : fail_with(STATUS_FAILED, "%s: this furrow was built without libwebp, and has no imagery; build it with -Dimagery=enabled", where);
+}
