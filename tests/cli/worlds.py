@@ -202,9 +202,22 @@ class WorldsTest(SensorsTest):
         np.testing.assert_allclose(z + reach * field, heights, atol=1e-6)
         self.assertLess((heights - (2 + np.tan(np.radians(SLOPE)) * (28 + 0.0625 * np.arange(65)))).min(), -0.02) # with ruts
 
+    def check_ground(self, text, ground, steps):
+        """The ground that is exported is that of a world over the drive's overlay, whose `ground` stands in its scene. It has steps above `steps`, in metres."""
+        from furrow import World
+        shutil.rmtree(self.folder / "site", ignore_errors=True)
+        self.driven(text.replace("end_time: 0.2", "end_time: 0.02"), "slope.furrow", again=True)
+        self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,28,32,31")
+        data = (self.folder / "site/ground.bin").read_bytes()
+        world = ElementTree.parse(self.folder / "site/world.xml").getroot()
+        low, reach = float(world.find("worldbody/geom").get("pos").split()[2]), float(world.find("asset/hfield").get("size").split()[2])
+        with World({"spacing": 0.0625, **ground}, store=self.folder / "ruts.furrow", readonly=True) as own:
+            heights = own.read("surface", column=448, row=448, columns=65, rows=49)
+        np.testing.assert_allclose(low + reach * np.frombuffer(data[8:], "<f4").reshape(49, 65), heights, atol=1e-6)
+        self.assertGreater(np.abs(np.diff(heights, axis=0)).max(), steps)
+
     def test_the_ground_has_the_relief_of_the_drive(self):
         """For all ground, and by classes of a map of soils."""
-        from furrow import World
         write_png8(self.folder / "map.png", 65, 65, lambda x, y: 1 if x < 30 else 2 if x < 40 else 0)
         plain = {"roughness": 0.004, "wavelength": 3.0, "seed": 7}
         soil = {"map": str(self.folder / "map.png"), "classes": {"1": "dry_sand", "2": "lete_sand"}, "default": "lunar"}
@@ -214,34 +227,15 @@ class WorldsTest(SensorsTest):
                 text = SCENE.replace("redistribute:", f"relief: {json.dumps(relief)}\nredistribute:")
                 if ground:
                     text = text.replace("soil: {name: dry_sand}", "soil: {map: map.png, classes: {1: dry_sand, 2: lete_sand}, default: lunar}")
-                shutil.rmtree(self.folder / "site", ignore_errors=True)
-                self.driven(text.replace("end_time: 0.2", "end_time: 0.02"), "slope.furrow", again=True)
-                self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,28,32,31")
-                data = (self.folder / "site/ground.bin").read_bytes()
-                world = ElementTree.parse(self.folder / "site/world.xml").getroot()
-                low, reach = float(world.find("worldbody/geom").get("pos").split()[2]), float(world.find("asset/hfield").get("size").split()[2])
-                with World({"spacing": 0.0625, "relief": relief, **({"soil": ground} if ground else {})}, store=self.folder / "ruts.furrow", readonly=True) as own:
-                    heights = own.read("surface", column=448, row=448, columns=65, rows=49)
-                np.testing.assert_allclose(low + reach * np.frombuffer(data[8:], "<f4").reshape(49, 65), heights, atol=1e-6)
-                self.assertGreater(np.abs(np.diff(heights, axis=0)).max(), 0.001)
+                self.check_ground(text, {"relief": relief, **({"soil": ground} if ground else {})}, steps=0.001)
 
     def test_the_ground_has_the_rocks_of_the_drive(self):
         """Alone, and with relief."""
-        from furrow import World
         rocks, relief = {"cover": 0.2, "largest": 1, "smallest": 0.2, "seed": 3}, {"roughness": 0.004, "wavelength": 3.0, "seed": 7}
         for more in ({"ground": {"rocks": rocks}}, {"ground": {"rocks": rocks}, "relief": relief}):
             with self.subTest(more=more):
                 text = SCENE.replace("redistribute:", "".join(f"{key}: {json.dumps(value)}\n" for key, value in more.items()) + "redistribute:")
-                shutil.rmtree(self.folder / "site", ignore_errors=True)
-                self.driven(text.replace("end_time: 0.2", "end_time: 0.02"), "slope.furrow", again=True)
-                self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,28,32,31")
-                data = (self.folder / "site/ground.bin").read_bytes()
-                world = ElementTree.parse(self.folder / "site/world.xml").getroot()
-                low, reach = float(world.find("worldbody/geom").get("pos").split()[2]), float(world.find("asset/hfield").get("size").split()[2])
-                with World({"spacing": 0.0625, **more}, store=self.folder / "ruts.furrow", readonly=True) as own:
-                    heights = own.read("surface", column=448, row=448, columns=65, rows=49)
-                np.testing.assert_allclose(low + reach * np.frombuffer(data[8:], "<f4").reshape(49, 65), heights, atol=1e-6)
-                self.assertGreater(np.abs(np.diff(heights, axis=0)).max(), 0.05)
+                self.check_ground(text, more, steps=0.05)
 
     def test_a_heightmap_is_the_ground(self):
         self.made("world", "out", "-o", "gazebo", "--format", "sdf", "--no-vehicles", "--window", "28,28,32,32")

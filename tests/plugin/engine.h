@@ -98,6 +98,16 @@ static inline mjModel *engine_model(const char *xml)
 	return model;
 }
 
+/* The same, of a model that must not be refused. */
+static inline mjModel *engine_accepted(const char *xml)
+{
+	mjModel *model = engine_model(xml);
+	if (model == NULL)
+		print_error("%s\n", engine_error);
+	assert_non_null(model);
+	return model;
+}
+
 /* A ball of 20 kg, r 0.2 m, 5 cm above the ground. */
 static inline mjModel *engine_ball(const char *option, const char *more, const char *world, const char *sensors)
 {

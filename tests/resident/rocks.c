@@ -3,6 +3,7 @@
 #include "../support/program.h"
 
 #include "insets.h"
+#include "ways.h"
 
 static const uint32_t sizes[] = {8, 32, 64};
 
@@ -45,10 +46,7 @@ static void check_tiles(uint32_t n, int working, bool relief)
 	must(resident_ground_create(bare, 2, &below));
 	for (int level = working < 0 ? working : 0; level <= extent_coarsest(extent); level++)
 		for (uint32_t k = 0; k < 20; k++) {
-			const bool inside = k % 2 == 0; /* about the insets */
-			const double share = inside ? 0.25 + 0.25 * (k * 37 % 101) / 101.0 : (k * 53 % 101) / 101.0;
-			const struct tile tile = {level, (uint32_t)(share * extent_tiles_x(extent, level)),
-						  (uint32_t)((inside ? fmin(share + 0.1, 1) : 1 - share) * (extent_tiles_y(extent, level) - 1))};
+			const struct tile tile = ways_tile(extent, level, k);
 			const struct post_rect rect = tile_post_rect(extent, tile);
 			double low, high;
 			bool any;
@@ -101,41 +99,28 @@ static void every_way_gives_the_same_point(void **state)
 	for (int i = 0; i < 3; i++)
 		for (int working = -6; working <= 0; working += 6) {
 			struct store *store = open_rocky(sizes[i], working, working < 0);
-			struct ground *ground;
-			struct newest *newest;
-			struct store_reader *reader;
+			struct ways ways;
 			int raised = 0;
-			must(resident_ground_create(store, 3, &ground));
-			must(resident_newest_create(store, NULL, &newest));
-			must(store_reader_create(store, &reader));
+			ways_open(store, &ways);
 			for (int k = 0; k < 150; k++) {
 				const double x = lattice_offset_metres(lattice_offset(256 * (k * 977 % 4001) / 4001.0)), y = lattice_offset_metres(lattice_offset(192 * (k * 1613 % 4003) / 4003.0));
-				struct resident_height told;
-				struct store_sample sample;
-				int64_t height;
-				bool any;
+				struct ways_heights at;
 				double corners[4];
-				must(resident_ground_height(ground, lattice_offset(x), lattice_offset(y), &height, &any));
-				must(resident_newest_heights(newest, &(struct resident_point){x, y}, 1, &told));
-				must(store_sample(reader, x, y, &sample));
-				assert_true(any == !sample.nodata && any == !told.nodata);
-				if (!any)
+				if (!ways_at(&ways, x, y, &at))
 					continue;
 				const int level = working;
 				const double px = ldexp(x / 4, -level), py = ldexp(y / 4, -level);
 				const int64_t cx = (int64_t)px, cy = (int64_t)py;
-				must(store_read_posts(reader, STORE_BASE, level, (struct post_rect){cx, cy, cx + 2, cy + 2}, corners));
+				must(store_read_posts(ways.reader, STORE_BASE, level, (struct post_rect){cx, cy, cx + 2, cy + 2}, corners));
 				const double wanted = lattice_bilinear(corners, px - (double)cx, py - (double)cy, 0);
-				assert_true(fabs(lattice_offset_metres(height) - sample.height) < 1e-5);
+				assert_true(fabs(lattice_offset_metres(at.height) - at.sample.height) < 1e-5);
 				/* Where an inset is finer than the working level, its own posts count. */
-				assert_true(told.level == working || (working == 0 && told.level < 0));
-				assert_true(told.level != working || (fabs(sample.height - wanted) < 1e-9 && fabs(told.bilinear - wanted) < 1e-9));
+				assert_true(at.told.level == working || (working == 0 && at.told.level < 0));
+				assert_true(at.told.level != working || (fabs(at.sample.height - wanted) < 1e-9 && fabs(at.told.bilinear - wanted) < 1e-9));
 				raised += rock_at(store, level, cx, cy) > 0;
 			}
 			assert_true(raised > 5);
-			store_reader_destroy(reader);
-			resident_newest_destroy(newest);
-			resident_ground_destroy(ground);
+			ways_close(&ways);
 			store_close(store);
 		}
 }
