@@ -9,7 +9,7 @@ struct furrow_mujoco {
 	struct furrow_world *world; /* NULL: it was closed */
 	struct vehicle_lent *lent;
 	bool begun;                 /* the first step has ended, and the ground at the start is committed */
-	int64_t checkpoint;         /* the world's checkpoint to which a reset returns, as furrow_world.checkpoints counts */
+	int64_t checkpoint;         /* how many checkpoints the world had made with the one to which a reset returns */
 	struct furrow_mujoco *next; /* in the world's list */
 };
 

@@ -355,7 +355,7 @@ static enum status make_canvas(struct post_rect rect, GDALDatasetH *out)
 	return STATUS_OK;
 }
 
-/* Places the raster in the coordinates of the store, or of a source that counts from the store's south-west post. */
+/* Gives the raster its place. local: the picture has no SRS, and its coordinates are metres from the store's south-west post. */
 static void place_canvas(const struct dem_imagery *imagery, bool local, double spacing, struct post_rect rect, GDALDatasetH canvas)
 {
 	const double west = local ? 0 : imagery->params.origin[0], south = local ? 0 : imagery->params.origin[1];
