@@ -248,6 +248,9 @@ double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, d
 double dem_srs_ground_off(OGRSpatialReferenceH srs, const double low[2], const double high[2]);
 /* Returns a metric SRS for data around (x, y): UTM, or on other planets an equirectangular projection. NULL: failed. */
 OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y);
+/* Returns a metric SRS for data in degrees that span more than 60 degrees of longitude. It is equirectangular and true along the data's middle latitude;
+ * round a pole it is polar stereographic. NULL: they span less, or are not in degrees. */
+OGRSpatialReferenceH dem_srs_metric_wide(OGRSpatialReferenceH srs, const double low[2], const double high[2]);
 /* Returns the SRS as WKT, to free with mem_free; NULL: out of memory. */
 char *dem_srs_wkt(OGRSpatialReferenceH srs);
 /* The length of one turn around the body along x, in units of `srs`: x and x + turn are one place. 0: x has no such length, or it is not known.

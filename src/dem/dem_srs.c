@@ -281,6 +281,10 @@ static OGRSpatialReferenceH projected_on(OGRSpatialReferenceH globe, const char 
 	return srs;
 }
 
+/* Degrees of longitude from which transverse Mercator is no use, and the latitude from which what goes round the body goes round its pole. */
+#define WIDE 60.0
+#define ROUND_POLE 50.0
+
 /* On any body. Near a pole polar stereographic, with the meridian `heading` along y. Else equirectangular, or where that is not true (it
  * knows spheres only) transverse Mercator through the middle of the data. */
 static OGRSpatialReferenceH metric_on_body(OGRSpatialReferenceH globe, double lon, double lat, double heading)
@@ -311,6 +315,22 @@ static double heading_of(OGRSpatialReferenceH srs)
 	if (lon == is_absent)
 		lon = OSRGetProjParm(srs, "longitude_of_origin", is_absent, NULL);
 	return lon == is_absent ? 0 : lon * degrees;
+}
+
+OGRSpatialReferenceH dem_srs_metric_wide(OGRSpatialReferenceH srs, const double low[2], const double high[2])
+{
+	if (!OSRIsGeographic(srs) || !(high[0] - low[0] > WIDE))
+		return NULL;
+	OGRSpatialReferenceH found = projected_on(srs, "metres of a large part of the body");
+	if (found == NULL)
+		return NULL;
+	const double lon = (low[0] + high[0]) / 2, lat = (low[1] + high[1]) / 2;
+	const bool cap = high[0] - low[0] > 180 && (low[1] >= ROUND_POLE || high[1] <= -ROUND_POLE);
+	if (cap)
+		OSRSetPS(found, lat, 0, 1, 0, 0);
+	else
+		OSRSetEquirectangular2(found, 0, lon, lat, 0, 0);
+	return found;
 }
 
 OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y)

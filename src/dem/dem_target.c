@@ -284,7 +284,9 @@ static enum status choose_srs(struct dem_target *target, const struct dem_params
 		TRY(bounds_cut(&bounds, params, first->srs));
 	double x = (bounds.low[0] + bounds.high[0]) / 2, y = (bounds.low[1] + bounds.high[1]) / 2;
 	const bool fits = is_true_at(first->srs, x, y, fabs(first->place[1])) && !lies_a_turn_away(first->srs, x);
-	target->srs = fits ? OSRClone(first->srs) : dem_srs_metric(first->srs, x, y);
+	target->srs = fits ? OSRClone(first->srs) : dem_srs_metric_wide(first->srs, bounds.low, bounds.high);
+	if (target->srs == NULL)
+		target->srs = dem_srs_metric(first->srs, x, y);
 	if (target->srs == NULL)
 		return fail_with(STATUS_INPUT, "%s: found no metric projection for it%s; name one with --t-srs", first->path,
 				 dem_gdal_because());

@@ -120,6 +120,22 @@ class Planets(RasterTest):
         result = self.furrow("import", "mars.tif", "-o", "s.furrow", "--overwrite", "--t-srs", "source")
         self.assertIn("beyond 180 degrees", result.stderr)
 
+    def test_a_whole_globe_is_held_whole(self):
+        """Transverse Mercator folds at 90 degrees from its meridian. A globe in degrees becomes equirectangular, and a cap round a pole polar stereographic."""
+        step = 2.0
+        value = lambda west, north: (lambda x, y: 1000 * math.sin(math.radians(west + step * (x + 0.5))) * math.cos(math.radians(north - step * (y + 0.5))))
+        for srs in ("EPSG:4326", "IAU_2015:49900"):
+            for west, north, south in ((-180, 90, -90), (0, 90, -90), (-180, 90, 60), (0, -60, -90), (-20, 60, 0), (100, 40, -40)):
+                width = 90 if west in (-20, 100) else 360
+                self.make("globe.tif", int(width / step), int((north - south) / step), value(west, north), west=west, north=north, step=step, srs=srs)
+                self.ok("import", "globe.tif", "-o", "s.furrow", "--overwrite", "--max-error", 0.01, "-r", "bilinear")
+                cap = width == 360 and min(abs(north), abs(south)) >= 50
+                self.assertLess(self.json("info", "s.furrow")["holes"], 0.3 if cap else 0.04)  # a cap is a disk in a square
+                for part in (0.1, 0.37, 0.5, 0.81):
+                    lon, lat = west + part * width, south + (1 - part) * (north - south)
+                    told = self.json("query", "s.furrow", "--srs", "degrees", lon, lat)
+                    self.assertAlmostEqual(told["height"], 1000 * math.sin(math.radians(lon)) * math.cos(math.radians(lat)), delta=12)
+
     def test_a_store_without_heights_is_refused(self):
         self.make("none.tif", WIDTH, HEIGHT, lambda x, y: -9999, west=2e6, north=-257330.0, step=20.0, srs="IAU_2015:49910", nodata=-9999)
         for more, why in (((), "longitude beyond 180"), (("--t-srs", "source"), "nodata")):
