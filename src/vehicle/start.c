@@ -432,6 +432,8 @@ enum status vehicle_start_speed(struct vehicles *vehicles, struct vehicle *vehic
 	}
 	for (size_t g = 0; g < vehicle->geom_count; g++)
 		roll(vehicle, &vehicle->geoms[g], velocity);
+	/* A driver on a path goes on from here: it does not start from rest. */
+	vehicle->driver.speed = fmax(vehicle->scene->way.speed < 0 ? -speed : speed, 0);
 	vehicle_find_places(vehicles);
 	return STATUS_OK;
 }

@@ -112,6 +112,30 @@ static void a_wheel_rolls_at_the_speed_of_the_start(void **state)
 	}
 }
 
+/* It neither stops first, nor waits for a speed that grows from rest. */
+static void a_driver_goes_on_at_the_speed_of_the_start(void **state)
+{
+	static const struct {
+		double speed, path, least, most; /* m/s: at the start, asked for, and along the way */
+	} cases[] = {{3, 3, 2.6, 3.3}, {3, 5, 2.6, 4.5}, {3, 2, 1.7, 3.1}, {-2, -2, -2.3, -1.7}};
+	static struct drive_row rows[400];
+	char path[512], vehicle[512];
+	(void)state;
+	slope = 0;
+	snprintf(path, sizeof path, "%s/vehicles/offroad.xml", getenv("SCENES"));
+	char *model = support_text(path);
+	support_write(support_path("offroad.xml"), model);
+	free(model);
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		snprintf(vehicle, sizeof vehicle, "{name: v, model: offroad.xml, start: {at: [8, 8], speed: %g}, driver: {path: {points: [[8, 8], [%g, 8]], speed: %g}, steer: [steer_*], drive: [drive_*]}}",
+			 cases[i].speed, cases[i].speed > 0 ? 14.0 : 2.0, cases[i].path);
+		const size_t count = rows_of(vehicle, "0.6", "v", rows, 400);
+		assert_int_equal(count, 301);
+		for (size_t r = 0; r < count; r++)
+			assert_true(rows[r].vx > cases[i].least && rows[r].vx < cases[i].most);
+	}
+}
+
 /* A model that looks along another axis of its own begins at the speed along that one. */
 static void the_speed_of_the_start_is_forward(void **state)
 {
@@ -275,6 +299,7 @@ TEST_PROGRAM(start)
 		cmocka_unit_test(it_falls_from_a_height_as_it_is_turned),
 		cmocka_unit_test(it_begins_as_placed_without_settling),
 		cmocka_unit_test(a_wheel_rolls_at_the_speed_of_the_start),
+		cmocka_unit_test(a_driver_goes_on_at_the_speed_of_the_start),
 		cmocka_unit_test(the_speed_of_the_start_is_forward),
 		cmocka_unit_test(a_wheel_that_settled_begins_without_slip),
 		cmocka_unit_test(servos_hold_the_joints_of_the_start),
