@@ -7,7 +7,7 @@
 /*
  * Rewrites the short forms in the tree. The keys of a camera written without its kind go into a mapping of that kind.
  * `soil.classes`, which maps values of a raster to soils, becomes a list of soils, each with its `value`. A soil there, or in
- * `soil.default`, may be only a name; it becomes a mapping with that name. Wrong input stays as it is, and scene_match refuses
+ * `soil.default`, may be only a name; it becomes a mapping with that name. Wrong input stays as it is, and scene_read refuses
  * it.
  */
 enum status scene_fold(struct scene_tree *tree) FURROW_CHECKED;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "scene/scene_error.h"
-#include "scene/scene_match.h"
+#include "scene/scene_read.h"
 
 struct template {
 	const struct scene_tree *tree;

@@ -31,7 +31,7 @@ struct scene_node {
 struct scene_tree {
 	const char *file;   /* name of the scene in messages: the file as given; must stay valid longer than the tree */
 	const char *folder; /* folder of the files that the scene names: "" or ends in '/'; must stay valid longer than the tree */
-	bool hosted;        /* the scene is read for a host: see scene_needed_by_command */
+	bool hosted;        /* the scene is read for a host: see `command` of struct scene_row */
 	struct scene_node *root; /* a mapping */
 };
 
