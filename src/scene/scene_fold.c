@@ -19,7 +19,7 @@ static enum status fold_camera(struct scene_node *camera, const char *name,
 		if (inner == NULL) {
 			inner = scene_node_create(SCENE_MAPPING, name);
 			TRY_MEM(inner, "reading the scene");
-			inner->line = child->line;
+			inner->place = child->place;
 			inner->setting = child->setting;
 			scene_node_append(camera, inner);
 		}
@@ -63,7 +63,7 @@ static enum status add_text(struct scene_node *parent, const char *key, char *te
 	}
 	node->text = text;
 	node->plain = plain;
-	node->line = parent->line;
+	node->place = parent->place;
 	node->setting = parent->setting;
 	scene_node_append(parent, node);
 	return STATUS_OK;

@@ -94,8 +94,10 @@ const char *scene_text_reason(const char *message)
 	if (strncmp(message, name, length) != 0 || message[length] != ':')
 		return message;
 	const char *reason = message + length + 1;
-	reason += strspn(reason, "0123456789");
-	reason += *reason == ':';
+	for (int i = 0; i < 2; i++) { /* line and column */
+		reason += strspn(reason, "0123456789");
+		reason += *reason == ':';
+	}
 	return reason + (*reason == ' ');
 }
 

@@ -190,7 +190,7 @@ static enum status plant(struct scene_tree *tree, const char *text)
 		scene_node_destroy(object);
 		return fail_memory("reading an object");
 	}
-	tree->root->line = list->line = object->line;
+	tree->root->place = list->place = object->place;
 	scene_node_append(tree->root, list);
 	scene_node_append(list, object);
 	return STATUS_OK;
