@@ -282,8 +282,10 @@ class ScenePage(FurrowTest):
         self.assertEqual([key for key, row in self.rows.items() if row["unit"] and key not in numbers], [])
 
     def test_every_row_says_what_it_does_and_since_when(self):
+        version = re.search(r"\d+\.\d+\.\d+", self.ok("--version")).group()
         for key, row in self.table.items():
             self.assertRegex(row["since"], r"^\d+\.\d+\.\d+$", key)
+            self.assertLessEqual(*([int(part) for part in one.split(".")] for one in (row["since"], version)), key)
             self.assertTrue(row["text"] or key.endswith((".radius",)), key)
 
     def test_the_command_finds_keys_as_people_write_them(self):
