@@ -57,6 +57,6 @@ const struct command command_explain = {
 		   "not there is not made and not run: run.json's counts are these amounts, times how often each unit came. Needs no GL, and changes nothing: the store is only read, also while another drive writes it. What a scene may say is in scene(5), which is "
 		   "src/scene/SCENE.md.\n",
 	.examples = "furrow explain scene.yaml --store world.furrow\n",
-	.see = "furrow-drive(1), scene(5)",
+	.see = "furrow-drive(1), furrow-scene(1), scene(5)",
 	.run = run,
 };

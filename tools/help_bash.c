@@ -4,8 +4,6 @@
 #include "help.h"
 
 static const char head[] =
-	"# Completion of furrow for bash. Made by furrow --print bash from the tables that --help prints.\n"
-	"\n"
 	"# Files with one of these endings, and folders. \"*\": all files; \"/\": folders alone.\n"
 	"_furrow_files()\n"
 	"{\n"
@@ -34,6 +32,12 @@ static const char head[] =
 	"\t[[ $word == *,* ]] && before=${word%,*},\n"
 	"\tcompopt -o nospace 2>/dev/null\n"
 	"\tCOMPREPLY+=($(compgen -P \"$before\" -W \"$*\" -- \"${word##*,}\"))\n"
+	"}\n"
+	"\n"
+	"_furrow_settings()\n"
+	"{\n"
+	"\tcompopt -o nospace 2>/dev/null\n"
+	"\t_furrow_words $_furrow_setting_keys\n"
 	"}\n"
 	"\n"
 	"_furrow()\n"
@@ -68,18 +72,34 @@ static void put_values(FILE *out, const struct command *command)
 		if (option->value == NULL)
 			continue;
 		fprintf(out, "\t'%s %s%s') ", command->name, command_dashes(option), option->name);
-		if (option->choices != NULL)
+		const bool keys = help_keys_of(option) == HELP_SETTINGS;
+		if (keys)
+			fputs("_furrow_settings", out);
+		else if (option->choices != NULL)
 			put_words(out, option);
 		else if (option->files != NULL)
 			put_files(out, option->files);
-		fputs(option->choices != NULL || option->files != NULL ? "; return ;;\n" : "return ;;\n", out);
+		fputs(keys || option->choices != NULL || option->files != NULL ? "; return ;;\n" : "return ;;\n", out);
 	}
+}
+
+/* Words after KEY= of a setting; `before` is its key. */
+static void put_setting(FILE *out, const char *key, const char *const *words, size_t count)
+{
+	fprintf(out, "\t*' %s') _furrow_words", key);
+	for (size_t i = 0; i < count; i++)
+		fprintf(out, " %s", words[i]);
+	fputs("; return ;;\n", out);
 }
 
 static void put_arguments(FILE *out, const struct command_option *argument)
 {
 	for (; argument != NULL && argument->name != NULL; argument++)
-		if (argument->files != NULL) {
+		if (help_keys_of(argument) == HELP_KEYS) {
+			fputs("\t\t_furrow_words", out);
+			help_put_keys(out, HELP_KEYS, " ", "");
+			putc('\n', out);
+		} else if (argument->files != NULL) {
 			fputs("\t\t", out);
 			put_files(out, argument->files);
 			putc('\n', out);
@@ -103,12 +123,15 @@ static void put_command(FILE *out, const struct command *command)
 void help_bash(FILE *out)
 {
 	const struct command *command;
-	fprintf(out, "%s\tif ((COMP_CWORD == 1)); then\n\t\t_furrow_words --help --version --print", head);
+	fputs("# Completion of furrow for bash. Made by furrow --print bash from the tables that --help prints.\n\n_furrow_setting_keys='", out);
+	help_put_keys(out, HELP_SETTINGS, "", "= ");
+	fprintf(out, "'\n\n%s\tif ((COMP_CWORD == 1)); then\n\t\t_furrow_words --help --version --print", head);
 	for (size_t i = 0; (command = command_at(i)) != NULL; i++)
 		fprintf(out, " %s", command->name);
 	fputs("\n\t\treturn\n\tfi\n\tcase \"$command $before\" in\n\t'--print --print') _furrow_words bash zsh fish man; return ;;\n", out);
 	for (size_t i = 0; (command = command_at(i)) != NULL; i++)
 		put_values(out, command);
+	help_put_values(out, put_setting);
 	fputs("\tesac\n\tcase $command in\n", out);
 	for (size_t i = 0; (command = command_at(i)) != NULL; i++)
 		put_command(out, command);

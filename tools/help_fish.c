@@ -42,7 +42,9 @@ static void put_option(FILE *out, const struct command *command, const struct co
 	fprintf(out, " -%c %s", option->name[1] == '\0' ? 's' : 'l', option->name);
 	if (option->value != NULL)
 		fputs(option->files != NULL && strcmp(option->files, "*") == 0 ? " -r" : " -x", out);
-	if (option->choices != NULL) {
+	if (help_keys_of(option) == HELP_SETTINGS) {
+		fputs(" -a '(__furrow_settings)'", out);
+	} else if (option->choices != NULL) {
 		fputs(" -a '", out);
 		for (const char *const *choice = option->choices; *choice != NULL; choice++)
 			fprintf(out, "%s%s", choice != option->choices ? " " : "", *choice);
@@ -58,13 +60,33 @@ static void put_option(FILE *out, const struct command *command, const struct co
 static void put_arguments(FILE *out, const struct command *command, const struct command_option *argument)
 {
 	for (; argument != NULL && argument->name != NULL; argument++)
-		if (argument->files != NULL) {
+		if (argument->files != NULL || help_keys_of(argument) == HELP_KEYS) {
 			put_begin(out, command);
-			put_files(out, argument->files);
+			if (argument->files != NULL)
+				put_files(out, argument->files);
+			else
+				fputs(" -a '(__furrow_keys)'", out);
 			fputs(" -d ", out);
 			put_text(out, argument->name, (int)strlen(argument->name));
 			putc('\n', out);
 		}
+}
+
+static void put_setting(FILE *out, const char *key, const char *const *words, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		fprintf(out, " %s=%s", key, words[i]);
+}
+
+/* Functions that print what a setting may be, and keys. */
+static void put_functions(FILE *out)
+{
+	fputs("function __furrow_settings\n    printf '%s\\n'", out);
+	help_put_keys(out, HELP_SETTINGS, " ", "=");
+	help_put_values(out, put_setting);
+	fputs("\nend\nfunction __furrow_keys\n    printf '%s\\n'", out);
+	help_put_keys(out, HELP_KEYS, " ", "");
+	fputs("\nend\n", out);
 }
 
 void help_fish(FILE *out)
@@ -75,6 +97,7 @@ void help_fish(FILE *out)
 	      "complete -c furrow -n __fish_use_subcommand -l version -d 'tell the version'\n"
 	      "complete -c furrow -n __fish_use_subcommand -l print -x -a 'bash zsh fish man' -d 'a script or page'\n"
 	      "complete -c furrow -l help -d 'explain the command'\n", out);
+	put_functions(out);
 	for (size_t i = 0; (command = command_at(i)) != NULL; i++) {
 		fprintf(out, "complete -c furrow -n __fish_use_subcommand -a %s -d ", command->name);
 		put_text(out, command->summary, (int)strlen(command->summary));

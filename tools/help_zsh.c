@@ -23,7 +23,14 @@ static void put_string(FILE *out, const char *text)
 /* What completes a value: files, words, or nothing. */
 static void put_action(FILE *out, const struct command_option *option)
 {
-	if (option->choices != NULL) {
+	const enum help_keys keys = help_keys_of(option);
+	if (keys == HELP_SETTINGS) {
+		fputs("_furrow_settings", out);
+	} else if (keys == HELP_KEYS) {
+		putc('(', out);
+		help_put_keys(out, HELP_KEYS, "", " ");
+		putc(')', out);
+	} else if (option->choices != NULL) {
 		fputs(option->list ? "_values -s , word" : "(", out);
 		for (const char *const *choice = option->choices; *choice != NULL; choice++)
 			fprintf(out, "%s%s", option->list || choice != option->choices ? " " : "", *choice);
@@ -92,10 +99,23 @@ static void put_command(FILE *out, const struct command *command)
 	fputs("\t\t\t&& return 0\n\t\t\t;;\n", out);
 }
 
+static void put_setting(FILE *out, const char *key, const char *const *words, size_t count)
+{
+	fprintf(out, "\t\t(*%s=) compadd --", key);
+	for (size_t i = 0; i < count; i++)
+		fprintf(out, " %s", words[i]);
+	fputs(" ;;\n", out);
+}
+
 void help_zsh(FILE *out)
 {
 	const struct command *command;
 	fputs("#compdef furrow\n# Completion of furrow for zsh. Made by furrow --print zsh from the tables that --help prints.\n\n"
+	      "_furrow_settings()\n{\n\tif compset -P '*='; then\n\t\tcase $IPREFIX in\n", out);
+	help_put_values(out, put_setting);
+	fputs("\t\tesac\n\telse\n\t\tcompadd -S '' --", out);
+	help_put_keys(out, HELP_SETTINGS, " ", "=");
+	fputs("\n\tfi\n}\n\n"
 	      "_furrow()\n{\n\tlocal state line\n\tlocal -a commands\n\tcommands=(\n", out);
 	for (size_t i = 0; (command = command_at(i)) != NULL; i++) {
 		fprintf(out, "\t\t'%s:", command->name);

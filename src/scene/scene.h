@@ -1,8 +1,8 @@
 /*
  * scene: reads a YAML file into a checked scene. It also holds the one table that describes every effect.
  *
- * A scene is untrusted input. Unknown keys, wrong types and values out of range are STATUS_INPUT. The message is "FILE:LINE:
- * KEY: WHY; what is allowed". All values of a struct scene are SI units; angles are in radians. A struct scene does not change
+ * A scene is untrusted input. Unknown keys, wrong types and values out of range are STATUS_INPUT. The message is
+ * "FILE:LINE:COLUMN: KEY: WHY; what is allowed". All values of a struct scene are SI units; angles are in radians. A struct scene does not change
  * after scene_load. The caller owns it.
  */
 #ifndef FURROW_SCENE_H
@@ -460,7 +460,7 @@ struct scene {
 	double prefetch; /* s of driving that the prefetcher looks ahead */
 	char **unused;   /* settings of the scene that have no effect: "KEY: WHY; WHAT TO DO" */
 	size_t unused_count;
-	char **doubts;   /* numbers that seem to be given in a wrong unit: "FILE:LINE: KEY: WHY; WHAT TO DO" */
+	char **doubts;   /* numbers that seem to be given in a wrong unit: "FILE:LINE:COLUMN: KEY: WHY; WHAT TO DO" */
 	size_t doubt_count;
 	struct scene_value *values; /* all settings as text, with those of --set, in the order of the file */
 	size_t value_count;
@@ -484,12 +484,12 @@ enum status scene_load(const char *path, const struct scene_setting *settings, s
 		       struct scene **out) FURROW_CHECKED;
 enum status scene_load_file(const char *path, const struct scene_setting *settings, size_t count,
 			    enum scene_reader reader, struct scene **out) FURROW_CHECKED;
-/* The same from a text: YAML in UTF-8 (JSON is YAML). Messages begin with "scene text:LINE". Files that the scene names are
+/* The same from a text: YAML in UTF-8 (JSON is YAML). Messages begin with "scene text:LINE:COLUMN". Files that the scene names are
  * looked for in `folder`; NULL: the current folder of the process. Several threads may call these three functions at once. The
  * locale of each must be "C" (base/c_locale.h), as in all of the library. */
 enum status scene_load_text(const char *text, const char *folder, const struct scene_setting *settings,
 			    size_t count, enum scene_reader reader, struct scene **out) FURROW_CHECKED;
-/* Returns a message of scene_load_text without "scene text:LINE: " at its begin: nobody knows the lines of a text that a program wrote. */
+/* Returns a message of scene_load_text without "scene text:LINE:COLUMN: " at its begin: nobody knows the lines of a text that a program wrote. */
 const char *scene_text_reason(const char *message);
 /*
  * Reads the triangles of a mesh of a vehicle's model: OBJ, STL, DAE (COLLADA) or glTF 2. Its unit times `scale` is metres; a DAE has a unit of its own.
@@ -534,7 +534,7 @@ bool scene_has_classes(const struct scene *scene);
 
 /*
  * Fills `object` from the YAML text of one entry of `objects`. Checks it as scene_load would for this scene. Messages begin
- * with "object text:LINE: objects[0]". If the text has a `path`, the object follows it. Otherwise the host moves the object,
+ * with "object text:LINE:COLUMN: objects[0]". If the text has a `path`, the object follows it. Otherwise the host moves the object,
  * and it has no sink, load or slip.
  *
  * The object's name must differ from the names of the scene's objects. An object without a name is named body-N, with the first
@@ -646,7 +646,7 @@ struct scene_rebound {
 void scene_rebound_look(const struct scene *scene, const char *key, const struct soil_shape *shape, double load, struct scene_rebound *worst);
 /* Tells of *worst, if its share is large enough. scene_advise does it for the scene's objects. */
 void scene_rebound_advise(const struct scene *scene, const struct scene_rebound *worst, scene_advice_fn tell, void *user);
-/* Calls `tell` for each number that seems to be given in a wrong unit. The text is one line, "FILE:LINE: KEY: WHY; WHAT TO DO".
+/* Calls `tell` for each number that seems to be given in a wrong unit. The text is one line, "FILE:LINE:COLUMN: KEY: WHY; WHAT TO DO".
  * scene_advise calls this first. */
 void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user);
 

@@ -9,11 +9,8 @@
 #include "scene/scene.h"
 #include "scene/scene_error.h"
 
-/* `where`: of a key its mapping, of a word its own place, with anonymous indices. NULL: no part of a scene, but
- * what commands take and tell. */
-static const struct alias {
-	const char *where, *former, *name;
-} aliases[] = {
+/* Without a place: what commands take and tell. */
+static const struct scene_former aliases[] = {
 	{"objects[].shape.wheel", "lugs", "grousers"},
 	{"objects[].shape.wheel", "lug_height", "grouser_height"},
 	{"objects[].shape.wheel", "lug_thickness", "grouser_thickness"},
@@ -25,6 +22,13 @@ static const struct alias {
 	{NULL, "quanta", "fixed_point"},
 };
 #define ALIASES (sizeof aliases / sizeof aliases[0])
+
+bool scene_alias_at(size_t index, struct scene_former *former)
+{
+	if (index < ALIASES)
+		*former = aliases[index];
+	return index < ALIASES;
+}
 
 const char *scene_name_now(const char *name)
 {

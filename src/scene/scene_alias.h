@@ -4,6 +4,13 @@
 
 #include "scene/scene_tree.h"
 
+/* A name that was replaced. */
+struct scene_former {
+	const char *where; /* of a key: its mapping; of a word: its own place; with [] for indices. NULL: no part of a scene */
+	const char *former, *name;
+};
+bool scene_alias_at(size_t index, struct scene_former *former); /* returns false behind the last */
+
 /* Replaces each old name of a key or word in the tree by the present name. STATUS_INPUT: a mapping has both names of a key. */
 enum status scene_alias(const struct scene_tree *tree) FURROW_CHECKED;
 

@@ -16,7 +16,7 @@ enum status scene_error(const char *file, const struct scene_node *node, const c
 	if (node->setting != NULL)
 		return fail_with(STATUS_INPUT, "%s: --set %s: %s%s%s", file, node->setting, path,
 				 colon, why);
-	return fail_with(STATUS_INPUT, "%s:%d: %s%s%s", file, node->line, path, colon, why);
+	return fail_with(STATUS_INPUT, "%s:%d:%d: %s%s%s", file, node->place.line, node->place.column, path, colon, why);
 }
 
 struct scene_quote scene_quote(const char *text)
@@ -53,7 +53,7 @@ struct scene_told scene_told(const char *file, const struct scene_node *node, co
 		snprintf(told.text, sizeof told.text, "%.100s: --set %.40s: %s: %s", file, node->setting, path,
 			 scene_quote(value).text);
 	else
-		snprintf(told.text, sizeof told.text, "%.120s:%d: %s: %s", file, node->line, path,
+		snprintf(told.text, sizeof told.text, "%.120s:%d:%d: %s: %s", file, node->place.line, node->place.column, path,
 			 scene_quote(value).text);
 	return told;
 }

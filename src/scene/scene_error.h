@@ -1,4 +1,4 @@
-/* Functions that report errors in a scene. Each message is one line: "FILE:LINE: KEY: WHY; WHAT IS ALLOWED". */
+/* Functions that report errors in a scene. Each message is one line: "FILE:LINE:COLUMN: KEY: WHY; WHAT IS ALLOWED". */
 #ifndef FURROW_SCENE_ERROR_H
 #define FURROW_SCENE_ERROR_H
 
@@ -14,7 +14,7 @@ struct scene_quote {
 };
 struct scene_quote scene_quote(const char *text);
 
-/* The text "FILE:LINE: KEY: "VALUE"". It begins messages about a file that the scene names at `node`. */
+/* The text "FILE:LINE:COLUMN: KEY: "VALUE"". It begins messages about a file that the scene names at `node`. */
 struct scene_told {
 	char text[300];
 };

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "scene/scene_error.h"
+#include "scene/scene_row.h"
 
 /* The keys of a camera may be written without its kind: {over, height}. Moves them into a mapping named by the kind. */
 static enum status fold_camera(struct scene_node *camera, const char *name,
@@ -19,7 +20,7 @@ static enum status fold_camera(struct scene_node *camera, const char *name,
 		if (inner == NULL) {
 			inner = scene_node_create(SCENE_MAPPING, name);
 			TRY_MEM(inner, "reading the scene");
-			inner->line = child->line;
+			inner->place = child->place;
 			inner->setting = child->setting;
 			scene_node_append(camera, inner);
 		}
@@ -63,13 +64,13 @@ static enum status add_text(struct scene_node *parent, const char *key, char *te
 	}
 	node->text = text;
 	node->plain = plain;
-	node->line = parent->line;
+	node->place = parent->place;
 	node->setting = parent->setting;
 	scene_node_append(parent, node);
 	return STATUS_OK;
 }
 
-/* `KEY: {...}` in a mapping is `{name: KEY, ...}` in a list. */
+/* `KEY: {...}` in a mapping is `{name: KEY, ...}` in a list, if `name` is "name". */
 static enum status fold_key(struct scene_node *node, const char *name)
 {
 	char *key = node->key;
@@ -77,102 +78,13 @@ static enum status fold_key(struct scene_node *node, const char *name)
 	return add_text(node, name, key, true);
 }
 
-/* `dry_sand` is `{name: dry_sand}`, with the key `name`. */
-static enum status fold_value(struct scene_node *soil, const char *key)
+/* `dry_sand` is `{name: dry_sand}`, if `key` is "name". */
+static enum status fold_value(struct scene_node *node, const char *key)
 {
-	if (soil->kind != SCENE_SCALAR)
-		return STATUS_OK;
-	char *text = soil->text;
-	soil->text = NULL;
-	soil->kind = SCENE_MAPPING;
-	return add_text(soil, key, text, soil->plain);
-}
-
-/* A class `VALUE: SCALAR` is `{value: VALUE, KEY: SCALAR}`. */
-static enum status fold_class(const struct scene_tree *tree, struct scene_node *soil,
-			      const char *key_of_scalar)
-{
-	TRY(fold_value(soil, key_of_scalar));
-	if (soil->kind != SCENE_MAPPING)
-		return STATUS_OK;
-	const struct scene_node *value = scene_node_child(soil, "value");
-	if (value != NULL)
-		return scene_error(tree->file, value, "is said by the key; allowed: each value once");
-	return fold_key(soil, "value");
-}
-
-/* What a soil lies over may be a name. */
-static enum status fold_over(const struct scene_node *soil)
-{
-	struct scene_node *over = soil->kind == SCENE_MAPPING ? scene_node_child(soil, "over") : NULL;
-	return over != NULL ? fold_value(over, "name") : STATUS_OK;
-}
-
-static enum status fold_soil(const struct scene_tree *tree)
-{
-	struct scene_node *soil = scene_node_child(tree->root, "soil");
-	struct scene_node *elsewhere = soil != NULL ? scene_node_child(soil, "default") : NULL;
-	struct scene_node *classes = soil != NULL ? scene_node_child(soil, "classes") : NULL;
-	if (soil != NULL)
-		TRY(fold_over(soil));
-	if (elsewhere != NULL) {
-		TRY(fold_value(elsewhere, "name"));
-		TRY(fold_over(elsewhere));
-	}
-	if (classes == NULL || (classes->kind != SCENE_MAPPING && classes->kind != SCENE_SEQUENCE))
-		return STATUS_OK;
-	for (struct scene_node *node = classes->first; node != NULL; node = node->next) {
-		if (classes->kind == SCENE_MAPPING)
-			TRY(fold_class(tree, node, "name"));
-		TRY(fold_over(node));
-	}
-	classes->kind = SCENE_SEQUENCE;
-	return STATUS_OK;
-}
-
-/* The soil of a road may be a name. */
-static enum status fold_roads(const struct scene_tree *tree)
-{
-	const struct scene_node *ground = scene_node_child(tree->root, "ground"), *roads = ground != NULL ? scene_node_child(ground, "roads") : NULL;
-	for (struct scene_node *road = roads != NULL ? roads->first : NULL; road != NULL; road = road->next) {
-		struct scene_node *soil = road->kind == SCENE_MAPPING ? scene_node_child(road, "soil") : NULL;
-		if (soil == NULL)
-			continue;
-		TRY(fold_value(soil, "name"));
-		TRY(fold_over(soil));
-	}
-	return STATUS_OK;
-}
-
-/* `1: 0.05` is `{value: 1, roughness: 0.05}`. */
-static enum status fold_relief(const struct scene_tree *tree)
-{
-	struct scene_node *relief = scene_node_child(tree->root, "relief");
-	struct scene_node *classes = relief != NULL && relief->kind == SCENE_MAPPING
-					     ? scene_node_child(relief, "classes")
-					     : NULL;
-	if (classes == NULL || classes->kind != SCENE_MAPPING)
-		return STATUS_OK;
-	for (struct scene_node *node = classes->first; node != NULL; node = node->next)
-		TRY(fold_class(tree, node, "roughness"));
-	classes->kind = SCENE_SEQUENCE;
-	return STATUS_OK;
-}
-
-/* `drive_1: 2.5` is `{actuator: drive_1, value: 2.5}`. */
-static enum status fold_control(struct scene_node *control, const char *name)
-{
-	char *text = control->text;
-	if (control->kind != SCENE_SCALAR)
-		return STATUS_OK;
-	control->text = NULL;
-	control->kind = SCENE_MAPPING;
-	enum status status;
-	TRY_OR(failed, fold_key(control, name));
-	return add_text(control, "value", text, control->plain);
-failed:
-	mem_free(text);
-	return status;
+	char *text = node->text;
+	node->text = NULL;
+	node->kind = SCENE_MAPPING;
+	return add_text(node, key, text, node->plain);
 }
 
 /* `engine: [[1000, 100], ...]` is `torque: [[1000, 100], ...]`, and brakes of the powertrain are those of the vehicle. */
@@ -195,67 +107,18 @@ static enum status fold_powertrain(struct scene_node *vehicle)
 	return STATUS_OK;
 }
 
-/* A mapping of names to values is a list of both. `name`: the key of the names. */
-static enum status fold_named(const struct scene_node *vehicle, const char *part, const char *key, const char *name)
-{
-	struct scene_node *of = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, part) : NULL;
-	struct scene_node *list = of != NULL && of->kind == SCENE_MAPPING ? scene_node_child(of, key) : NULL;
-	if (list == NULL || list->kind != SCENE_MAPPING)
-		return STATUS_OK;
-	for (struct scene_node *node = list->first; node != NULL; node = node->next)
-		TRY(fold_control(node, name));
-	list->kind = SCENE_SEQUENCE;
-	return STATUS_OK;
-}
-
-/* `wheel_*: steel` is `{geoms: wheel_*, material: steel}`, and `track: {...}` is `{geoms: track, ...}`. */
-static enum status fold_surfaces(struct scene_node *surfaces)
-{
-	for (struct scene_node *node = surfaces->first; node != NULL; node = node->next) {
-		TRY(fold_value(node, "material"));
-		if (node->kind == SCENE_MAPPING) {
-			TRY(fold_key(node, "geoms"));
-			continue;
-		}
-		mem_free(node->key);
-		node->key = NULL; /* in a list */
-	}
-	surfaces->kind = SCENE_SEQUENCE;
-	return STATUS_OK;
-}
-
-/* `wheel_*: {stiffness: 250e3}` is `{geom: wheel_*, stiffness: 250e3}`. */
-static enum status fold_tyres(struct scene_node *tyres)
-{
-	if (tyres == NULL || tyres->kind != SCENE_MAPPING)
-		return STATUS_OK;
-	for (struct scene_node *node = tyres->first; node != NULL; node = node->next)
-		if (node->kind == SCENE_MAPPING)
-			TRY(fold_key(node, "geom"));
-	tyres->kind = SCENE_SEQUENCE;
-	return STATUS_OK;
-}
-
-static enum status fold_vehicles(const struct scene_tree *tree)
+static enum status fold_powertrains(const struct scene_tree *tree)
 {
 	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
 	if (vehicles == NULL || vehicles->kind != SCENE_SEQUENCE)
 		return STATUS_OK;
-	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL; vehicle = vehicle->next) {
+	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL; vehicle = vehicle->next)
 		if (vehicle->kind == SCENE_MAPPING)
 			TRY(fold_powertrain(vehicle));
-		TRY(fold_named(vehicle, "driver", "hold", "actuator"));
-		TRY(fold_named(vehicle, "start", "controls", "actuator"));
-		TRY(fold_named(vehicle, "start", "joints", "joint"));
-		struct scene_node *surfaces = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "interface") : NULL;
-		if (surfaces != NULL && surfaces->kind == SCENE_MAPPING)
-			TRY(fold_surfaces(surfaces));
-		TRY(fold_tyres(vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "tyres") : NULL));
-	}
 	return STATUS_OK;
 }
 
-/* `[disturbance]` is `{disturbance: {}}`, and cover by class is folded as relief is. */
+/* `[disturbance]` is `{disturbance: {}}`. */
 static enum status fold_attributes(const struct scene_tree *tree)
 {
 	struct scene_node *attributes = scene_node_child(tree->root, "attributes");
@@ -274,13 +137,60 @@ static enum status fold_attributes(const struct scene_tree *tree)
 		node->kind = SCENE_MAPPING;
 	}
 	attributes->kind = SCENE_MAPPING;
-	struct scene_node *vegetation = scene_node_child(attributes, "vegetation");
-	struct scene_node *classes = vegetation != NULL && vegetation->kind == SCENE_MAPPING ? scene_node_child(vegetation, "classes") : NULL;
-	if (classes == NULL || classes->kind != SCENE_MAPPING)
+	return STATUS_OK;
+}
+
+/* --- by the table of keys: `alone` and `named` of its rows --- */
+
+static enum status fold_keys(const struct scene_tree *tree, const struct scene_row *rows, const struct scene_node *mapping);
+
+/* `1: 0.05` is `{value: 1, roughness: 0.05}`, and `wheel_*: {stiffness: 250e3}` is `{geom: wheel_*, stiffness: 250e3}`. */
+static enum status fold_named(const struct scene_tree *tree, const struct scene_row *row, struct scene_node *entry)
+{
+	if (entry->kind == SCENE_SCALAR && row->alone != NULL) {
+		char *text = entry->text;
+		entry->text = NULL;
+		entry->kind = SCENE_MAPPING;
+		const enum status status = fold_key(entry, row->named);
+		if (status == STATUS_OK)
+			return add_text(entry, row->alone, text, entry->plain);
+		mem_free(text);
+		return status;
+	}
+	if (entry->kind != SCENE_MAPPING)
 		return STATUS_OK;
-	for (struct scene_node *node = classes->first; node != NULL; node = node->next)
-		TRY(fold_class(tree, node, "cover"));
-	classes->kind = SCENE_SEQUENCE;
+	const struct scene_node *said = scene_node_child(entry, row->named);
+	if (said != NULL)
+		return scene_error(tree->file, said, "is said by the key; allowed: each value once");
+	return fold_key(entry, row->named);
+}
+
+/* Folds what the scene says of one key. Wrong input stays as it is. */
+static enum status fold_row(const struct scene_tree *tree, const struct scene_row *row, struct scene_node *node)
+{
+	if (row->form != ROW_LIST) {
+		if (node->kind == SCENE_SCALAR && row->alone != NULL)
+			TRY(fold_value(node, row->alone));
+		return node->kind == SCENE_MAPPING ? fold_keys(tree, row->rows, node) : STATUS_OK;
+	}
+	if (node->kind == SCENE_MAPPING && row->named != NULL) {
+		for (struct scene_node *entry = node->first; entry != NULL; entry = entry->next)
+			TRY(fold_named(tree, row, entry));
+		node->kind = SCENE_SEQUENCE;
+	}
+	for (struct scene_node *entry = node->kind == SCENE_SEQUENCE ? node->first : NULL; entry != NULL; entry = entry->next)
+		if (entry->kind == SCENE_MAPPING)
+			TRY(fold_keys(tree, row->rows, entry));
+	return STATUS_OK;
+}
+
+static enum status fold_keys(const struct scene_tree *tree, const struct scene_row *rows, const struct scene_node *mapping)
+{
+	for (struct scene_node *node = mapping->first; node != NULL; node = node->next) {
+		const struct scene_row *row = scene_row_find(rows, node->key, strlen(node->key));
+		if (row != NULL && row->type == ROW_MAPPING)
+			TRY(fold_row(tree, row, node));
+	}
 	return STATUS_OK;
 }
 
@@ -289,8 +199,6 @@ enum status scene_fold(struct scene_tree *tree)
 	drop_view(tree);
 	TRY(fold_attributes(tree));
 	TRY(fold_cameras(tree));
-	TRY(fold_soil(tree));
-	TRY(fold_roads(tree));
-	TRY(fold_relief(tree));
-	return fold_vehicles(tree);
+	TRY(fold_powertrains(tree));
+	return fold_keys(tree, scene_schema, tree->root);
 }

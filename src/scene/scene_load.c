@@ -1,4 +1,4 @@
-/* Makes a scene from a text or a file. Steps: tree, settings, short forms, schema, types, checks. */
+/* Makes a scene from a text or a file. Steps: tree, settings, short forms, typed values, checks. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,10 +8,9 @@
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 #include "scene/scene_fold.h"
-#include "scene/scene_match.h"
+#include "scene/scene_read.h"
 #include "scene/scene_set.h"
 #include "scene/scene_template.h"
-#include "scene/scene_typed.h"
 #include "scene/scene_values.h"
 
 /* Makes the tree of the scene from `text`, in tree->root. Replaces old names of keys, applies the settings, and expands the short
@@ -40,12 +39,11 @@ static enum status fill(struct scene *scene, const char *text, size_t length,
 	struct raw_scene *raw = NULL;
 	enum status status;
 	TRY_OR(done, read_tree(&tree, text, length, settings, count));
-	TRY_OR(done, scene_match(&tree));
-	TRY_OR(done, scene_typed_load(&tree, &raw));
+	TRY_OR(done, scene_read(&tree, &raw));
 	TRY_OR(done, scene_check(&tree, raw, scene));
 	TRY_OR(done, scene_values_take(&tree, scene));
 done:
-	scene_typed_destroy(raw);
+	scene_raw_destroy(raw);
 	scene_tree_finish(&tree);
 	return status;
 }
@@ -96,8 +94,10 @@ const char *scene_text_reason(const char *message)
 	if (strncmp(message, name, length) != 0 || message[length] != ':')
 		return message;
 	const char *reason = message + length + 1;
-	reason += strspn(reason, "0123456789");
-	reason += *reason == ':';
+	for (int i = 0; i < 2; i++) { /* line and column */
+		reason += strspn(reason, "0123456789");
+		reason += *reason == ':';
+	}
 	return reason + (*reason == ' ');
 }
 

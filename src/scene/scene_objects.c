@@ -6,11 +6,10 @@
 #include "scene/scene_alias.h"
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
-#include "scene/scene_match.h"
+#include "scene/scene_read.h"
 #include "scene/scene_mesh.h"
 #include "scene/scene_path.h"
 #include "scene/scene_way.h"
-#include "scene/scene_typed.h"
 
 /* Returns true if another object of the scene already has the name. While the scene is read, later objects have no names yet. */
 static bool is_named(const struct scene *scene, const struct scene_object *object, const char *name)
@@ -191,7 +190,7 @@ static enum status plant(struct scene_tree *tree, const char *text)
 		scene_node_destroy(object);
 		return fail_memory("reading an object");
 	}
-	tree->root->line = list->line = object->line;
+	tree->root->place = list->place = object->place;
 	scene_node_append(tree->root, list);
 	scene_node_append(list, object);
 	return STATUS_OK;
@@ -204,8 +203,7 @@ static enum status parse(const struct scene *scene, const char *text, struct sce
 	enum status status;
 	TRY_OR(done, plant(&tree, text));
 	TRY_OR(done, scene_alias(&tree));
-	TRY_OR(done, scene_match(&tree));
-	TRY_OR(done, scene_typed_load(&tree, &raw));
+	TRY_OR(done, scene_read(&tree, &raw));
 	TRY_OR(done, take_object(&tree, &raw->objects[0], 0, scene, object));
 	if (raw->objects[0].path != NULL && raw->objects[0].path->relative_to != NULL)
 		TRY_OR(done, scene_error(tree.file, scene_tree_find(&tree, "objects[0].path.relative_to"),
@@ -219,7 +217,7 @@ static enum status parse(const struct scene *scene, const char *text, struct sce
 		TRY_OR(done, make_name(scene, object));
 	TRY_OR(done, scene_check_bearing(&tree, scene, object));
 done:
-	scene_typed_destroy(raw);
+	scene_raw_destroy(raw);
 	scene_tree_finish(&tree);
 	return status;
 }

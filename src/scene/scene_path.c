@@ -5,7 +5,7 @@
 
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
-#include "scene/scene_match.h"
+#include "scene/scene_read.h"
 
 #define COLUMNS 7
 #define RADIANS (3.14159265358979323846 / 180)

@@ -48,7 +48,7 @@ static enum status take_road(const struct scene_tree *tree, const struct raw_roa
 	TRY(raw->lines != NULL ? read_lines(tree, node, raw->lines, road) : take_points(raw, road));
 	for (size_t i = 0; i < road->line_count; i++) {
 		road->lines[i].smooth = raw->smooth != NULL && *raw->smooth;
-		road->lines[i].line = node->setting == NULL ? node->line : 0;
+		road->lines[i].line = node->setting == NULL ? node->place.line : 0;
 	}
 	return STATUS_OK;
 }

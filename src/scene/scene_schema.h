@@ -1,16 +1,18 @@
 /*
- * The schema of a scene: the typed values that cyaml loads, the tables that cyaml loads them by, and the ranges of numbers.
- * scene_match checks the tree by the same tables. So each key is described once.
+ * The typed values of a scene, as its text gives them, and the arrays of rows that describe its keys (scene_row.h).
+ *
+ * A new key is a member here and a row in scene_schema*.c. The reader, the reference page, the editors' schema and the completions have it
+ * then.
  */
 #ifndef FURROW_SCENE_SCHEMA_H
 #define FURROW_SCENE_SCHEMA_H
 
-#include <cyaml/cyaml.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "deform/deform.h"
+#include "scene/scene_row.h"
 
 /* Optional values are pointers. They are NULL if the scene does not give them. */
 struct raw_tyre {
@@ -358,24 +360,10 @@ struct raw_scene {
 	struct raw_cache *cache;
 };
 
-extern const cyaml_schema_value_t scene_schema;
-
-/* Returns true if a key is optional in the schema but required by the furrow command. Only a host may leave it out. `where`:
- * the key's path with [] in place of indices, such as "objects[].path". */
-bool scene_needed_by_command(const char *where);
-
-/* Allowed values of the number at `where` (its path with [] in place of indices): from low to high. If `above`, low itself is
- * not allowed. Limits of "soil." hold for every soil, wherever the scene gives it. */
-struct scene_limit {
-	const char *where;
-	double low, high;
-	bool above;
-	const char *why; /* the reason in the error message; NULL: "is out of range" */
-	const char *unit; /* NULL: a number without a unit, or a share of 1 */
-	double absent;    /* default value; NAN: `otherwise` describes the default */
-	const char *otherwise; /* the default in words; NULL while `absent` is NAN: the key is required in its mapping */
-};
-const struct scene_limit *scene_limit_of(const char *where); /* returns NULL if any finite number is allowed */
-double scene_absent(const char *where); /* returns the default of a number that has one */
+/* The rows of mappings that have a file of their own. */
+extern const struct scene_row scene_soil_rows[], scene_ground_rows[], scene_redistribute_rows[]; /* scene_schema_soil.c */
+extern const struct scene_row scene_object_rows[];                                             /* scene_schema_objects.c */
+extern const struct scene_row scene_vehicle_rows[];                                            /* scene_schema_vehicles.c */
+extern const struct scene_row scene_view_rows[], scene_camera_rows[], scene_lidar_rows[];       /* scene_schema_view.c */
 
 #endif

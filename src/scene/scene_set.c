@@ -72,7 +72,7 @@ static enum status step(const struct scene_tree *tree, const struct scene_settin
 	struct scene_node *made = scene_node_create(SCENE_MAPPING, segment);
 	TRY_MEM(made, "setting a key of the scene");
 	made->setting = setting->key;
-	made->line = at->line;
+	made->place = at->place;
 	scene_node_append(at, made);
 	*out = made;
 	return STATUS_OK;

@@ -7,7 +7,7 @@
 
 /* Writes the value at the dotted key and adds missing mappings on the way. The value is YAML, so it may be a list or a mapping.
  * An element of `objects` is given by its name, an element of another list by its index. The value `null` removes the key.
- * scene_match checks later whether key and value are allowed. */
+ * scene_read checks later whether key and value are allowed. */
 enum status scene_set(struct scene_tree *tree, const struct scene_setting *setting) FURROW_CHECKED;
 
 #endif

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "scene/scene_error.h"
-#include "scene/scene_match.h"
+#include "scene/scene_read.h"
 
 struct template {
 	const struct scene_tree *tree;
@@ -51,7 +51,7 @@ static struct scene_node *copy_node(const struct scene_node *from)
 	if (node == NULL)
 		return NULL;
 	node->plain = from->plain;
-	node->line = from->line;
+	node->place = from->place;
 	node->setting = from->setting;
 	node->text = from->text != NULL ? mem_strdup(from->text) : NULL;
 	bool whole = from->text == NULL || node->text != NULL;
@@ -75,7 +75,7 @@ static enum status put_text(struct scene_node *parent, const char *key, const ch
 	if (copy != NULL && node == NULL) {
 		node = scene_node_create(SCENE_SCALAR, key);
 		if (node != NULL) {
-			node->line = parent->line;
+			node->place = parent->place;
 			node->setting = parent->setting;
 			scene_node_append(parent, node);
 		}
@@ -119,7 +119,7 @@ static enum status add_to_offset(struct scene_node *path, const double more[2])
 	}
 	node = scene_node_create(SCENE_SEQUENCE, "offset");
 	TRY_MEM(node, "reading the objects");
-	node->line = path->line;
+	node->place = path->place;
 	node->setting = path->setting;
 	scene_node_append(path, node);
 	TRY(put_number(node, NULL, numbers[0] + more[0]));
@@ -257,7 +257,7 @@ static enum status fold_alone(struct scene_node *objects)
 {
 	struct scene_node *inner = scene_node_create(SCENE_MAPPING, NULL);
 	TRY_MEM(inner, "reading the objects");
-	inner->line = objects->line;
+	inner->place = objects->place;
 	inner->setting = objects->setting;
 	for (struct scene_node *child = objects->first, *next; child != NULL; child = next) {
 		next = child->next;

@@ -1,5 +1,5 @@
 /*
- * Makes a tree of nodes from the events of the YAML parser. Each node knows its line. scene_tree.h tells the limits that protect
+ * Makes a tree of nodes from the events of the YAML parser. Each node knows its place. scene_tree.h tells the limits that protect
  * against hostile files.
  */
 #include "scene/scene_tree.h"
@@ -15,7 +15,7 @@ struct builder {
 	const char *file, *setting;
 	struct scene_node *root, *at; /* the open collection; NULL outside of any */
 	char *key;                    /* read, its value still to come */
-	int key_line;
+	struct scene_place key_place;
 	int depth;
 };
 
@@ -153,11 +153,16 @@ const struct scene_node *scene_tree_find(const struct scene_tree *tree, const ch
 	return at;
 }
 
-static enum status refuse(const struct builder *builder, int line, const char *why)
+static struct scene_place place_of(const yaml_mark_t *mark)
+{
+	return (struct scene_place){(int)mark->line + 1, (int)mark->column + 1};
+}
+
+static enum status refuse(const struct builder *builder, struct scene_place place, const char *why)
 {
 	if (builder->setting != NULL)
 		return fail_with(STATUS_INPUT, "%s: --set %s: %s", builder->file, builder->setting, why);
-	return fail_with(STATUS_INPUT, "%s:%d: %s", builder->file, line, why);
+	return fail_with(STATUS_INPUT, "%s:%d:%d: %s", builder->file, place.line, place.column, why);
 }
 
 /* Returns false for characters that YAML refuses unless they are escaped, or that break a line. These are C1 controls, line and
@@ -179,29 +184,29 @@ static bool text_is_clean(const char *text, size_t length)
 	return true;
 }
 
-static enum status take_key(struct builder *builder, const char *text, int line)
+static enum status take_key(struct builder *builder, const char *text, struct scene_place place)
 {
 	struct scene_node *at = builder->at;
 	if (scene_node_child(at, text) != NULL) {
-		struct scene_node here = {.line = line, .setting = builder->setting, .parent = at,
+		struct scene_node here = {.place = place, .setting = builder->setting, .parent = at,
 					  .key = (char *)text};
 		return scene_error(builder->file, &here,
 				   "is written twice; allowed: each key once");
 	}
 	if (at->count >= SCENE_KEYS)
-		return refuse(builder, line, "too many keys in one mapping; allowed: 64");
+		return refuse(builder, place, "too many keys in one mapping; allowed: 64");
 	builder->key = mem_strdup(text);
-	builder->key_line = line;
+	builder->key_place = place;
 	return builder->key == NULL ? fail_memory("reading the scene") : STATUS_OK;
 }
 
 /* Hangs a new node where the text has come to. */
 static enum status add(struct builder *builder, enum scene_kind kind, const char *text, bool plain,
-		       int line)
+		       struct scene_place place)
 {
 	struct scene_node *node = scene_node_create(kind, NULL);
 	TRY_MEM(node, "reading the scene");
-	node->line = builder->key != NULL ? builder->key_line : line;
+	node->place = builder->key != NULL ? builder->key_place : place;
 	node->setting = builder->setting;
 	node->plain = plain;
 	node->key = builder->key;
@@ -214,7 +219,7 @@ static enum status add(struct builder *builder, enum scene_kind kind, const char
 		builder->at = node;
 		builder->depth++;
 		if (builder->depth > SCENE_DEPTH)
-			return refuse(builder, line, "nested too deeply; allowed: 16 levels");
+			return refuse(builder, place, "nested too deeply; allowed: 16 levels");
 	} else if ((node->text = mem_strdup(text)) == NULL) {
 		return fail_memory("reading the scene");
 	}
@@ -223,27 +228,27 @@ static enum status add(struct builder *builder, enum scene_kind kind, const char
 
 static enum status take_event(struct builder *builder, const yaml_event_t *event)
 {
-	int line = (int)event->start_mark.line + 1;
+	const struct scene_place place = place_of(&event->start_mark);
 	bool key_due = builder->at != NULL && builder->at->kind == SCENE_MAPPING &&
 		       builder->key == NULL;
 	const char *text;
 	switch (event->type) {
 	case YAML_DOCUMENT_START_EVENT:
 		if (builder->root != NULL)
-			return refuse(builder, line, "a second document begins; allowed: one");
+			return refuse(builder, place, "a second document begins; allowed: one");
 		return STATUS_OK;
 	case YAML_ALIAS_EVENT:
-		return refuse(builder, line, "an alias (*name); allowed: the value written out");
+		return refuse(builder, place, "an alias (*name); allowed: the value written out");
 	case YAML_SCALAR_EVENT:
 		if (event->data.scalar.anchor != NULL || event->data.scalar.tag != NULL)
-			return refuse(builder, line, "an anchor or a tag; allowed: plain values");
+			return refuse(builder, place, "an anchor or a tag; allowed: plain values");
 		text = (const char *)event->data.scalar.value;
 		if (!text_is_clean(text, event->data.scalar.length))
-			return refuse(builder, line, "a control character; allowed: printable text");
+			return refuse(builder, place, "a control character; allowed: printable text");
 		if (key_due)
-			return take_key(builder, text, line);
+			return take_key(builder, text, place);
 		return add(builder, SCENE_SCALAR, text,
-			   event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE, line);
+			   event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE, place);
 	case YAML_SEQUENCE_START_EVENT:
 	case YAML_MAPPING_START_EVENT:
 		if (event->type == YAML_SEQUENCE_START_EVENT
@@ -251,12 +256,12 @@ static enum status take_event(struct builder *builder, const yaml_event_t *event
 				      event->data.sequence_start.tag != NULL
 			    : event->data.mapping_start.anchor != NULL ||
 				      event->data.mapping_start.tag != NULL)
-			return refuse(builder, line, "an anchor or a tag; allowed: plain values");
+			return refuse(builder, place, "an anchor or a tag; allowed: plain values");
 		if (key_due)
-			return refuse(builder, line, "a key that is no text; allowed: names");
+			return refuse(builder, place, "a key that is no text; allowed: names");
 		return add(builder,
 			   event->type == YAML_SEQUENCE_START_EVENT ? SCENE_SEQUENCE : SCENE_MAPPING,
-			   NULL, false, line);
+			   NULL, false, place);
 	case YAML_SEQUENCE_END_EVENT:
 	case YAML_MAPPING_END_EVENT:
 		builder->at = builder->at->parent;
@@ -285,13 +290,13 @@ static enum status parser_failed(const struct builder *builder, const yaml_parse
 		{"did not find expected ',' or '}'", true, "not YAML: a mapping is not closed; write {KEY: VALUE}, with a } for each {"},
 	};
 	char why[200];
-	size_t line = parser->error == YAML_READER_ERROR ? parser->mark.line : parser->problem_mark.line;
+	const yaml_mark_t *at = parser->error == YAML_READER_ERROR ? &parser->mark : &parser->problem_mark;
 	const char *problem = parser->problem != NULL ? parser->problem : "unreadable";
 	for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
 		if (strncmp(problem, known[i].problem, strlen(known[i].problem)) == 0)
-			return refuse(builder, (int)(known[i].at_context && parser->context != NULL ? parser->context_mark.line : line) + 1, known[i].why);
+			return refuse(builder, place_of(known[i].at_context && parser->context != NULL ? &parser->context_mark : at), known[i].why);
 	snprintf(why, sizeof why, "not YAML: %s; correct it as YAML wants", problem);
-	return refuse(builder, (int)line + 1, why);
+	return refuse(builder, place_of(at), why);
 }
 
 static enum status take_events(struct builder *builder, yaml_parser_t *parser)
@@ -306,7 +311,7 @@ static enum status take_events(struct builder *builder, yaml_parser_t *parser)
 		TRY(status);
 	}
 	if (builder->root == NULL)
-		return refuse(builder, 1, "nothing is written here; allowed: keys and values, as in scene: 1");
+		return refuse(builder, (struct scene_place){1, 1}, "nothing is written here; allowed: keys and values, as in scene: 1");
 	return STATUS_OK;
 }
 
@@ -324,7 +329,7 @@ enum status scene_tree_parse(const char *file, const char *setting, const char *
 	if (strncmp(text, "SQLite format 3", strnlen("SQLite format 3", length)) == 0 && length > 0)
 		return fail_with(STATUS_INPUT, "%s: it is a store, not a scene; name the YAML file of the scene, and the store with --store", file);
 	if (memchr(text, '\0', length) != NULL)
-		return refuse(&builder, 1, "it is no text, it has a NUL byte; allowed: a scene, YAML in UTF-8");
+		return refuse(&builder, (struct scene_place){1, 1}, "it is no text, it has a NUL byte; allowed: a scene, YAML in UTF-8");
 	if (!yaml_parser_initialize(&parser))
 		return fail_memory("reading the scene");
 	yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);

@@ -1,5 +1,5 @@
 /*
- * A scene's text as a tree of nodes. Each node knows its line, so that messages can name the place of a mistake. The tree is
+ * A scene's text as a tree of nodes. Each node knows its line and column, so that messages can name the place of a mistake. The tree is
  * made from libyaml's events. Limits on depth, keys and bytes make hostile text harmless.
  */
 #ifndef FURROW_SCENE_TREE_H
@@ -16,12 +16,17 @@
 
 enum scene_kind { SCENE_SCALAR, SCENE_SEQUENCE, SCENE_MAPPING };
 
+/* Where a text has something: its line and its column, in characters. Both count from 1. */
+struct scene_place {
+	int line, column;
+};
+
 struct scene_node {
 	enum scene_kind kind;
 	char *key;  /* of a node in a mapping; else NULL */
 	char *text; /* the text of a scalar */
 	bool plain; /* a scalar without quotes: may be a number or a truth value */
-	int line;   /* line of the node in the text, from 1; if the node has a key, the line of the key */
+	struct scene_place place; /* of the node in the text; if the node has a key, of the key */
 	const char *setting; /* the --set key that this node comes from, or NULL; must stay valid longer than the tree */
 	struct scene_node *parent, *first, *last, *next;
 	size_t count, index; /* number of children; position among the parent's children, from 0 */
@@ -31,7 +36,7 @@ struct scene_node {
 struct scene_tree {
 	const char *file;   /* name of the scene in messages: the file as given; must stay valid longer than the tree */
 	const char *folder; /* folder of the files that the scene names: "" or ends in '/'; must stay valid longer than the tree */
-	bool hosted;        /* the scene is read for a host: see scene_needed_by_command */
+	bool hosted;        /* the scene is read for a host: see `command` of struct scene_row */
 	struct scene_node *root; /* a mapping */
 };
 

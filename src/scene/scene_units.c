@@ -25,7 +25,7 @@ struct units {
 	struct scene *scene;
 };
 
-/* Keeps "FILE:LINE: KEY: WHY; WHAT TO DO". `why`: the last two. */
+/* Keeps "FILE:LINE:COLUMN: KEY: WHY; WHAT TO DO". `why`: the last two. */
 static enum status doubt(const struct units *units, const struct scene_node *node, const char *why)
 {
 	char key[160], text[800];
@@ -34,7 +34,7 @@ static enum status doubt(const struct units *units, const struct scene_node *nod
 	if (node->setting != NULL)
 		snprintf(text, sizeof text, "%.200s: --set %.100s: %s: %s", units->tree->file, node->setting, key, why);
 	else
-		snprintf(text, sizeof text, "%.200s:%d: %s: %s", units->tree->file, node->line, key, why);
+		snprintf(text, sizeof text, "%.200s:%d:%d: %s: %s", units->tree->file, node->place.line, node->place.column, key, why);
 	TRY(mem_resize(&scene->doubts, scene->doubt_count + 1, sizeof *scene->doubts, "reading the scene"));
 	scene->doubts[scene->doubt_count] = mem_strdup(text);
 	return scene->doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");

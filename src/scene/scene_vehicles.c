@@ -251,7 +251,7 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 	TRY(scene_take_texts(raw->no_soil, raw->no_soil_count, &vehicle->no_soil));
 	TRY(scene_take_texts(raw->carry, raw->carry_count, &vehicle->carry));
 	const struct scene_node *at = scene_tree_find(tree, "vehicles[%zu].start.at", index);
-	vehicle->line = at->setting == NULL ? at->line : 0;
+	vehicle->line = at->setting == NULL ? at->place.line : 0;
 	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
 	vehicle->yaw = scene_number(raw->start.yaw, "vehicles[].start.yaw") * M_PI / 180;
 	if (raw->start.keyframe != NULL)
@@ -292,7 +292,7 @@ static enum status check_things(const struct scene_tree *tree, const struct raw_
 			return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].name", i), "world is the name of the things of the key world; allowed with it: other names");
 	TRY(mem_zeroed(&scene->things, 1, sizeof *scene->things, "reading the vehicles"));
 	TRY(mem_text(&scene->things->name, "world", "reading the vehicles"));
-	scene->things->line = node->setting == NULL ? node->line : 0;
+	scene->things->line = node->setting == NULL ? node->place.line : 0;
 	return take_file(tree, node, raw->world, MODEL_BYTES, &scene->things->model, scene->things->model_hash);
 }
 

@@ -99,7 +99,7 @@ enum status scene_way_take(const struct scene_tree *tree, const struct raw_path 
 	}
 	TRY(raw->points != NULL ? take_points(&way) : take_file(&way));
 	const struct scene_node *node = node_of(&way, raw->points != NULL ? "points" : "file");
-	path->line = node->setting == NULL ? node->line : 0;
+	path->line = node->setting == NULL ? node->place.line : 0;
 	path->speed = raw->speed != NULL ? *raw->speed : 0;
 	path->loop = raw->loop != NULL && *raw->loop;
 	path->smooth = raw->smooth != NULL && *raw->smooth;

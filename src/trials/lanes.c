@@ -69,15 +69,17 @@ static char *text_for(const struct rig *rig, size_t soil, const struct rig_lane 
 	return NULL;
 }
 
-/* Where the reason in a message on a scene's text begins, behind its name and line. NULL: it is no such message. */
+/* Where the reason in a message on a scene's text begins, behind its name, line and column. NULL: it is no such message. */
 static const char *reason_of(const char *message)
 {
 	static const char name[] = "scene text:";
 	if (strncmp(message, name, strlen(name)) != 0)
 		return NULL;
 	const char *reason = message + strlen(name);
-	reason += strspn(reason, "0123456789");
-	reason += *reason == ':';
+	for (int i = 0; i < 2; i++) {
+		reason += strspn(reason, "0123456789");
+		reason += *reason == ':';
+	}
 	return reason + (*reason == ' ');
 }
 

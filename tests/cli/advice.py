@@ -80,7 +80,7 @@ ELSEWHERE = {
     "give --max-error %s or more": "nodata", "keep it smooth": "cli/vertical", "keeps them smooth": "any number will do",
     # numbers, tests/scene/units.c sets each again
     "is less than soils have": "scene/units.c", "is more than soils have": "scene/units.c", "is large, and perhaps in mm": "scene/units.c",
-    "less than the wheel's own weight": "scene/units.c", "degrees is narrow": "scene/units.c", "degrees above the horizon": "scene/units.c",
+    "less than the wheel's own weight": "scene/units.c", "degrees is narrow": "scene/units.c", "furrow scene lists all": "cli/scene_page", "degrees above the horizon": "scene/units.c",
     # ranges: what is allowed is named, and the range's own tests try its ends
     "is not kept; give %d to %d": "a range", "pixels; give 1 to %u each": "a range", "not a value it takes; give %s": "help.py types the words",
     "step: %g s from %g s on lead beyond": "api/misuse.c", "give an EPSG code, WKT, PROJ or IAU name": "cli/hostile", "no post was below it in any of": "cli/notes",

@@ -651,7 +651,7 @@ class Cameras(FurrowTest):
         self.assertEqual([note.split(" m below the ground when the drive begins; ")[0].split(" is ")[0] for note in seen], ["cameras.c0.pose.at: the camera", "cameras.c3.pose.at: the camera"])
         told = [note for note in self.json("explain", path, "--store", self.store)["notes"] if "cameras" in note]
         wanted = [rf"^cameras\.c{i}\.{words}" for i, (_, words) in enumerate(cases) if words is not None]
-        wanted.append(r"scene\.yaml:11: cameras\[4\]\.fov: 1\.05 degrees is narrow, .*: if it is in radians give 60\.2$")
+        wanted.append(r"scene\.yaml:11:\d+: cameras\[4\]\.fov: 1\.05 degrees is narrow, .*: if it is in radians give 60\.2$")
         self.assertEqual(len(told), len(wanted), told)
         for words in wanted:
             self.assertEqual(sum(re.search(words, note) is not None for note in told), 1, (words, told))

@@ -65,7 +65,7 @@ class BadInput(FurrowTest):
 
     def test_a_scene_may_begin_with_a_byte_order_mark(self):
         self.assertEqual(self.json("explain", self.scene(), "--json"), self.json("explain", self.scene("\ufeff" + SCENE), "--json"))
-        self.assertIn(":2: time_ste: unknown key", self.refused(3, "explain", self.scene("\ufeff" + SCENE.replace("time_step", "time_ste"))))
+        self.assertIn(":2:1: time_ste: unknown key", self.refused(3, "explain", self.scene("\ufeff" + SCENE.replace("time_step", "time_ste"))))
 
     def test_slots_below_what_a_step_needs_are_refused_with_the_number(self):
         """Before anything is made; and with that number of slots it runs, within what it says it takes."""
@@ -189,7 +189,7 @@ objects:
         store = self.synth(posts="65x65")
         scene = self.scene(SCENE.replace("sink: 0.15", "sunk: 0.15", 1))
         error = self.refused(3, "drive", scene, "--store", store, "-o", "out")
-        self.assertRegex(error, r"scene\.yaml:8: .*sunk.*sink")
+        self.assertRegex(error, r"scene\.yaml:8:\d+: .*sunk.*sink")
         self.assertFalse((self.folder / "out/run.json").exists())
 
     def test_a_soil_that_lacks_what_the_model_reads_is_refused_before_anything_is_driven(self):
@@ -203,7 +203,7 @@ objects:
             for command in (["drive", scene, "--store", store, "-o", "out"], ["explain", scene]):
                 error = self.refused(3, *command)
                 name = re.search(r"mud|sand|snow", soil).group()
-                self.assertRegex(error, rf"scene\.yaml:\d+: {re.escape(key)}: {name} has no bekker_kc, bekker_kphi, bekker_n, ")
+                self.assertRegex(error, rf"scene\.yaml:\d+:\d+: {re.escape(key)}: {name} has no bekker_kc, bekker_kphi, bekker_n, ")
                 self.assertIn("which model scm reads; give these beside the name, or name one of dry_sand, sandy_loam_15, ", error)
                 self.assertEqual("cohesion" in error, "cohesion" not in soil)
             self.assertFalse((self.folder / "out/run.json").exists())

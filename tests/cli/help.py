@@ -137,7 +137,10 @@ class Help(FurrowTest):
                 (("drive", "a.yaml", "--durable", "=", "f"), ["full"]), (("drive", "a.yaml", "--durable", "="), ["full", "normal"]),
                 (("import", ""), ["e.tif", "f.txt", "sub"]), (("import", "e.tif", "-r", "c"), ["cubic"]),
                 (("cache-sim", "t", "--policy", "lru,cl"), ["lru,clock"]), (("study", "c"), ["collect"]),
-                (("query", "b.furrow", "--srs", ""), [])):
+                (("query", "b.furrow", "--srs", ""), []),
+                (("drive", "a.yaml", "--set", "cache.s"), ["cache.slots="]), (("explain", "a.yaml", "--set", "redistribute.fa"), ["redistribute.faces="]),
+                (("drive", "a.yaml", "--set", "redistribute.faces", "="), ["off", "on"]), (("drive", "a.yaml", "--set", "output.map", "=", "t"), ["true"]),
+                (("scene", "objects.shape.box.s"), ["objects.shape.box.size"]), (("scene", "soil.coh"), ["soil.cohesion"])):
             with self.subTest(words):
                 self.assertEqual(self.complete("furrow", *words), offered)
 
@@ -177,6 +180,9 @@ class Help(FurrowTest):
         self.assertEqual(offered("furrow synth --kind "), {"ridged", "dunes", "plain"})
         self.assertIn("b.furrow", offered("furrow info "))
         self.assertIn("cache-sim", offered("furrow ca"))
+        self.assertIn("cache.slots=", offered("furrow drive --set cache."))
+        self.assertIn("redistribute.faces=off", offered("furrow drive --set redistribute.fa"))
+        self.assertIn("soil.cohesion", offered("furrow scene soil."))
 
     def test_zsh_offers_them(self):
         if shutil.which("zsh") is None:
@@ -202,6 +208,9 @@ zpty -d z
                 self.assertIn(name, told)
         self.assertIn("collect", offered("furrow study col", "collect"))
         self.assertIn("dunes", offered("furrow synth --kind d", "dunes"))
+        self.assertIn("cache.slots=", offered("furrow drive --set cache.sl", "cache.slots="))
+        self.assertIn("redistribute.thrown=off", offered("furrow drive --set redistribute.thrown=of", "thrown=off"))
+        self.assertIn("soil.cohesion", offered("furrow scene soil.coh", "cohesion"))
 
     def test_lines_are_short_and_manual_pages_are_clean(self):
         for command, text in {**self.help, "": self.overview}.items():

@@ -94,7 +94,7 @@ class Notes(FurrowTest):
     def test_the_unit_of_a_number_is_told_once(self):
         self.scene(SCM, "scm.yaml")
         told = self.notes("kPa", "--overlay", "a.furrow", scene="scm.yaml")
-        self.assertEqual(told, ["furrow: note: scm.yaml:4: soil.cohesion: 1.04 Pa is less than soils have, and probably in kPa; the unit is "
+        self.assertEqual(told, ["furrow: note: scm.yaml:4:24: soil.cohesion: 1.04 Pa is less than soils have, and probably in kPa; the unit is "
                                 "Pa: give 1040, or 0 for none"])
         self.assertEqual(len([note for note in self.json("explain", "scm.yaml")["notes"] if "kPa" in note]), 1)
         self.scene(SCM.replace("cohesion: 1.04", "bekker_kphi: 1528, janosi_shear: 2"), "scm.yaml")

@@ -241,7 +241,7 @@ class Rig(FurrowTest):
                 (3, ["-o", "r", "--soil", "moondust"], "moondust"), (3, ["-o", "r", "--soil", "absent.yaml"], "absent.yaml"),
                 (3, ["-o", "r", "--set", "soil.cohesion=-3"], "soil.cohesion: -3"),
                 (3, ["-o", "r", "--soil", "{name: dry_sand, cohesion: -3}"], "soil.cohesion: -3 is out of range"),
-                (3, ["-o", "r", "--soil", "map.yaml"], "its soil is a map"), (3, ["-o", "r", "--soil", "typo.yaml"], "typo.yaml:1: soil.cohesin: unknown key"), (3, ["-o", "r", "--shape", "wheel: {radius: -1, width: 1}"], "radius"),
+                (3, ["-o", "r", "--soil", "map.yaml"], "its soil is a map"), (3, ["-o", "r", "--soil", "typo.yaml"], "typo.yaml:1:24: soil.cohesin: unknown key"), (3, ["-o", "r", "--shape", "wheel: {radius: -1, width: 1}"], "radius"),
                 (2, ["-o", "r", "--shape", "box: {size: [1, 1, 1]}", "--torque", "5"], "no wheel"),
                 (3, ["-o", "r", "--compare", "absent.csv"], "absent.csv"), (3, ["-o", "r", "--compare", "none.csv"], "none.csv:1"),
                 (3, ["-o", "r", "--compare", "odd.csv"], "odd.csv:2"), (2, ["-o", "r", "--set", "x"], "KEY=VALUE")):

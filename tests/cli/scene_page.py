@@ -10,7 +10,9 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "docs"))
 import rasters  # noqa: E402
+import scene_tables  # noqa: E402
 from furrow_test import FurrowTest, has_gdal, long, main, write_png16  # noqa: E402
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -125,28 +127,6 @@ def page_rows():
     return rows
 
 
-def schema_limits():
-    """Where: {low, high, above, unit, absent, otherwise}, as src/scene/scene_schema.c has them."""
-    text = (ROOT / "src" / "scene" / "scene_schema.c").read_text()
-    table = re.search(r"scene_limit limits\[\] = \{\n(.*?)\n\};", text, re.S).group(1)
-    cell = r'(NULL|"[^"]*")'
-    line_of = re.compile(r'\{"([^"]+)", (\S+), (\S+), (true|false), ' + cell + ", " + cell + r", (\S+), " + cell + r"\},$")
-    limits = {}
-    for line in table.splitlines():
-        where, low, high, above, _, unit, absent, otherwise = line_of.match(line.strip()).groups()
-        limits[where] = {"low": float(low), "high": float(high), "above": above == "true", "unit": unit.strip('"').replace("NULL", ""),
-                         "absent": None if absent == "NAN" else float(absent),
-                         "otherwise": None if otherwise == "NULL" else otherwise.strip('"')}
-    return limits
-
-
-def limit_of(limits, key):
-    for where in (key, key + "[]", key + "[][]", key.replace("soil.classes[].", "soil.")):
-        if where in limits:
-            return limits[where]
-    return None
-
-
 def range_of(text):
     """(low, high, above): "0 .. 4", "above 0 .. 4", "1"; the checker says "to"."""
     numbers = [float(number) for number in re.split(r" \.\. | to ", text.removeprefix("above ").partition(", in ")[0])]
@@ -230,10 +210,11 @@ class Checker:
 class ScenePage(FurrowTest):
     @classmethod
     def setUpClass(cls):
-        cls.rows, cls.limits = page_rows(), schema_limits()
+        cls.rows = page_rows()
 
     def setUp(self):
         super().setUp()
+        self.table = {row["key"]: row for row in self.json("scene")["keys"]}
         shutil.copy(ROOT / "tools" / "scenes" / "foot.obj", self.folder)
         shutil.copy(ROOT / "tools" / "scenes" / "vehicles" / "rover.xml", self.folder)
         shutil.copy(ROOT / "tests" / "vehicle" / "one_wheel.xml", self.folder)
@@ -285,16 +266,37 @@ class ScenePage(FurrowTest):
         else:
             self.assertEqual(float(row["default"]), default, key)
 
-    def test_numbers_have_the_ranges_units_and_defaults_of_the_schema(self):
+    def test_it_has_the_tables_that_the_command_prints(self):
+        page = PAGE.read_text()
+        self.assertEqual(scene_tables.written(page, scene_tables.tables_of(self.ok("scene", "--tables"))), page,
+                         "run python3 docs/scene_tables.py build/tools/furrow")
+
+    def test_numbers_have_the_ranges_units_and_defaults_of_the_table(self):
+        self.assertEqual(set(self.table), set(self.rows))
         numbers = {key for key, row in self.rows.items() if row["type"].endswith(("number", "numbers"))}
-        used = []
+        self.assertEqual({key for key, row in self.table.items() if "range" in row}, numbers)
         for key in numbers:
-            limit = limit_of(self.limits, key)
-            used.append(limit)
-            otherwise = limit["absent"] if limit["absent"] is not None else limit["otherwise"]
-            self.check_numbers(key, limit["low"], limit["high"], limit["above"], limit["unit"], otherwise)
-        self.assertEqual([where for where, limit in self.limits.items() if not any(limit is other for other in used)], [])
+            row = self.table[key]
+            default = row["default"] if row["needs"] is None else None
+            self.check_numbers(key, *row["range"], row["above"], row["unit"], default)
         self.assertEqual([key for key, row in self.rows.items() if row["unit"] and key not in numbers], [])
+
+    def test_every_row_says_what_it_does_and_since_when(self):
+        version = re.search(r"\d+\.\d+\.\d+", self.ok("--version")).group()
+        for key, row in self.table.items():
+            self.assertRegex(row["since"], r"^\d+\.\d+\.\d+$", key)
+            self.assertLessEqual(*([int(part) for part in one.split(".")] for one in (row["since"], version)), key)
+            self.assertTrue(row["text"] or key.endswith((".radius",)), key)
+
+    def test_the_command_finds_keys_as_people_write_them(self):
+        for asked, key in (("objects.sink", "objects[].sink"), ("objects.front_left.sink", "objects[].sink"), ("soil.cohesion", "soil.cohesion"),
+                           ("vehicles[].start.joints[].value", "vehicles[].start.joints[].value"), ("soil.classes[].cohesion", "soil.classes[].cohesion"),
+                           ("janosi_shear", "soil.janosi_shear")):
+            self.assertIn(key, [row["key"] for row in self.json("scene", asked)["keys"]], asked)
+        self.assertEqual([row["key"] for row in self.json("scene", "cache")["keys"]][:2], ["cache", "cache.slots"])
+        wrong = self.furrow("scene", "objects.snk")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("did you mean objects[].sink?", wrong.stderr)
 
     def test_explain_says_the_same_of_parameters_and_effects(self):
         path = self.folder / "least.yaml"

@@ -261,7 +261,7 @@ static void *load_again_and_again(void *argument)
 		    scene->objects[0].mesh->triangle_count != (strcmp(loader->model, "scm") == 0 ? 1 : 2))
 			loader->wrong++;
 		if (scene_load_text(loader->says, folder, NULL, 0, SCENE_HOST, &none) != STATUS_INPUT ||
-		    strncmp(strstr(failure_message(), "1: ") + 3, loader->says + 1, 3) != 0)
+		    strncmp(strstr(failure_message(), "1:2: ") + 5, loader->says + 1, 3) != 0)
 			loader->wrong++;
 		scene_destroy(scene);
 	}

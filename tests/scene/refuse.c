@@ -168,6 +168,30 @@ static const struct {
 	{"store: world.furrow", "--- a", ":2: a second document begins"},
 };
 
+/* The column of the key, or of an entry of a list; of text that is no YAML, where that begins. Both count from 1, and columns count characters. */
+static void each_mistake_is_told_with_its_column(void **state)
+{
+	static const struct {
+		const char *from, *to, *says;
+	} columns[] = {
+		{"spacing: 0.125", "spaceing: 0.125", "scene.yaml:6:1: spaceing: unknown key"},
+		{"radius: 0.5", "diameter: 0.5", "scene.yaml:14:21: objects[0].shape.wheel.diameter: unknown key"},
+		{"[90, 40]", "[90, 4e10]", "scene.yaml:15:36: objects[0].path.points[1][1]: 4e10 is out of range"},
+		{"sink: 0.1", "sink: 0.1\n    sink: 0.2", "scene.yaml:17:5: objects[0].sink: is written twice"},
+		{"front_left\n", "\"a\xc3\xa4\xf0\x9f\x9a\x9c\", sunk: 1\n", "scene.yaml:13:16: not YAML"},
+		{"{name: dry_sand}", "{name: *a}", "scene.yaml:8:14: an alias"},
+		{"model: box", "model: bocks", "scene.yaml:9:16: redistribute.model: \"bocks\" is unknown"},
+	};
+	for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
+		char *text = edited(example, columns[i].from, columns[i].to);
+		struct scene *scene;
+		assert_int_equal(load_text(text, NULL, 0, &scene), STATUS_INPUT);
+		if (strstr(failure_message(), columns[i].says) == NULL)
+			fail_msg("\"%s\" does not say \"%s\"", failure_message(), columns[i].says);
+		free(text);
+	}
+}
+
 static void each_mistake_is_told_with_line_key_and_what_is_allowed(void **state)
 {
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -224,6 +248,7 @@ static void the_first_mistake_of_the_file_is_the_one_told(void **state)
 TEST_PROGRAM(refuse)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(each_mistake_is_told_with_its_column),
 		cmocka_unit_test(each_mistake_is_told_with_line_key_and_what_is_allowed),
 		cmocka_unit_test(what_is_no_scene_at_all_is_refused),
 		cmocka_unit_test(the_first_mistake_of_the_file_is_the_one_told),

@@ -192,12 +192,12 @@ static void what_the_model_does_not_read_gets_no_such_note(void **state)
 	assert_int_equal(heard_of(scm, slippage, 4).count, 1);
 }
 
-static void a_note_names_the_line(void **state)
+static void a_note_names_the_line_and_the_column(void **state)
 {
 	char *text = edited(scm, "dry_sand}", "dry_sand, cohesion: 2, friction_angle: 0.4}");
 	const struct heard heard = heard_of(text, NULL, 0);
 	assert_int_equal(heard.count, 2);
-	assert_non_null(strstr(heard.text, "scene.yaml:4: soil.friction_angle: 0.4 degrees"));
+	assert_non_null(strstr(heard.text, "scene.yaml:4:37: soil.friction_angle: 0.4 degrees"));
 	free(text);
 }
 
@@ -271,7 +271,7 @@ TEST_PROGRAM(units)
 		cmocka_unit_test(loads_in_kilonewtons_or_kilograms),
 		cmocka_unit_test(a_sun_that_leaves_the_picture_black),
 		cmocka_unit_test(what_the_model_does_not_read_gets_no_such_note),
-		cmocka_unit_test(a_note_names_the_line),
+		cmocka_unit_test(a_note_names_the_line_and_the_column),
 		cmocka_unit_test(every_class_of_a_map_is_looked_at),
 		cmocka_unit_test(shipped_scenes_get_none),
 		cmocka_unit_test(memory_that_runs_out_is_told),
