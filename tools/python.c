@@ -45,12 +45,14 @@ static bool has_package(const char *folder)
 	return access(file, R_OK) == 0;
 }
 
-/* Finds the folder that has the package: of a wheel, of the build that this program lies in, or the installed one. */
+/* Finds the folder that has the package: of a wheel, of the build that this program lies in, or the installed one. What is started may call this program: FURROW_PROGRAM. */
 static enum status find_package(char folder[PATH_MAX])
 {
 	char program[PATH_MAX];
 	const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
 	program[length > 0 ? length : 0] = '\0';
+	if (length > 0)
+		setenv("FURROW_PROGRAM", program, 0);
 	for (int up = 0; up < 2; up++) { /* a wheel has the program in the package */
 		char *slash = strrchr(program, '/');
 		if (slash != NULL)
