@@ -13,7 +13,7 @@ def main() -> int:
     except ImportError as error:
         what = error.name if error.name else str(error)
         print(f"furrow: {name}: {sys.executable} cannot import {what}; {sys.executable} -m pip install {what}, or name another Python in FURROW_PYTHON", file=sys.stderr)
-        return 127 if name in ("plot", "study") else 1  # parts of commands, which do the rest without them
+        return 127 if name in ("plot", "studies") else 1  # parts of commands, which do the rest without them
     return module.main(sys.argv[2:])
 
 

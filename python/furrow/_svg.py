@@ -95,13 +95,13 @@ def at(fig: Any, x: float, y: float, text: str, **options: Any) -> None:
 
 
 def keys(fig: Any, left: float, top: float, entries: "list[tuple[dict[str, Any], str]]", title: "str | None" = None) -> None:
-    """A legend at a place: of each entry how its line looks (of matplotlib's Line2D), and its text."""
+    """A legend at a place: of each entry how its line looks (of matplotlib's Line2D), and its text. Marks alone need less room than lines."""
     if not entries:
         return
     line2d = _command.need("matplotlib.lines", "matplotlib").Line2D
     width, height = (side * 72 for side in fig.get_size_inches())
     legend = fig.legend([line2d([], [], **options) for options, _ in entries], [text for _, text in entries], loc="upper left", frameon=False, borderpad=0,
-                        borderaxespad=0, bbox_to_anchor=(left / width, 1 - top / height), handlelength=2.6, title=title, alignment="left")
+                        borderaxespad=0, bbox_to_anchor=(left / width, 1 - top / height), handlelength=0.9 if all(options.get("linestyle") == "none" for options, _ in entries) else 2.6, title=title, alignment="left")
     if title:
         legend.get_title().set_fontweight("bold")
 
