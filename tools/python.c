@@ -179,8 +179,9 @@ enum status python_ask(const char *name, const char *const *given, const char *t
 	char start[PATH_MAX + 32];
 	FILE *files[3] = {NULL, NULL, NULL};
 	enum status status = STATUS_OK;
-	*missing = false;
+	*missing = true; /* the package itself */
 	TRY(begin_words(&words, name, start));
+	*missing = false;
 	for (; *given != NULL; given++)
 		TRY(add(&words, *given));
 	for (int i = 0; i < 3 && status == STATUS_OK; i++)

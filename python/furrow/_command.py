@@ -33,19 +33,24 @@ def parser(name: str, about: str) -> argparse.ArgumentParser:
     return _Parser(prog=f"furrow {name}", description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
-def end(name: str, work: "Callable[[], None]") -> int:
-    """Runs a command's work. Returns its status: 0 done, 1 failed or a package is missing, 3 bad input, 130 interrupted. `name`: what its messages begin with."""
-    before = f"furrow: {name}: " if name else "furrow: "
+def end(name: str, work: "Callable[[], None]", whole: bool = False) -> int:
+    """Runs a command's work. Returns its status: 0 done, 1 failed or a package is missing, 3 bad input, 130 interrupted. `whole`: its errors of files begin with the
+    file, and not with the command's name."""
+    before = "furrow: " if whole else f"furrow: {name}: "
     try:
         work()
-    except (Missing, OSError) as error:
-        print(f"{before}{error}", file=sys.stderr)
+    except Missing as error:
+        print(f"furrow: {name}: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        where = str(error.filename).replace(f".{os.getpid()}.", "") if error.filename else ""  # a file that is not whole yet has another name
+        print(f"{before}{where}: {error.strerror}; give a place that can be written and has room" if where else f"{before}{error}", file=sys.stderr)
         return 1
     except ResultsError as error:
         print(f"{before}{error}", file=sys.stderr)
         return 3
     except KeyboardInterrupt:
-        print(f"{before}interrupted; nothing was written", file=sys.stderr)
+        print(f"furrow: {name}: interrupted; nothing was written", file=sys.stderr)
         return 130
     return 0
 

@@ -7,7 +7,7 @@ import sys
 def main() -> int:
     """Runs furrow.NAME's main. Returns its status."""
     sys.path[0] = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    name = sys.argv[1]
+    name = {"fit-soil": "fit"}.get(sys.argv[1], sys.argv[1])
     try:
         module = importlib.import_module(f"furrow.{name}")
     except ImportError as error:

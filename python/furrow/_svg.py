@@ -6,7 +6,6 @@ import html
 import io
 import math
 import re
-import sys
 import warnings
 from typing import Any
 
@@ -23,9 +22,14 @@ _LOOK = {"svg.fonttype": "none", "svg.hashsalt": "furrow", "font.family": "sans-
          "axes.titlesize": SIZE, "axes.labelsize": SIZE, "lines.scale_dashes": False, "path.simplify": False, "figure.dpi": 72, "legend.fontsize": SIZE}
 
 
+def visible(text: Any) -> str:
+    """A text of a user without control characters, and without what is no character: each is a question mark."""
+    return "".join("?" if not char.isprintable() or 0xd800 <= ord(char) <= 0xdfff or ord(char) in (0xfffe, 0xffff) else char for char in str(text))
+
+
 def plain(text: Any, most: int = 0) -> str:
     """A text of a user as a plot shows it: no formula, no control characters. `most`: it is cut after so many characters; 0: it is not cut."""
-    out = "".join("?" if not char.isprintable() or 0xd800 <= ord(char) <= 0xdfff or ord(char) in (0xfffe, 0xffff) else char for char in str(text))
+    out = visible(text)
     if most and len(out) > most:
         out = out[:most] + "…"
     out = out.replace("$", r"\$")
@@ -123,7 +127,3 @@ def written(fig: Any, inline: "str | None" = None) -> str:
     whole = text[text.index("<svg"):]
     return re.sub(r"<svg([^>]*)>", lambda found: f'<svg role="img"{found[1]}><title>{html.escape(inline)}</title>', whole, count=1)
 
-
-def complain(error: Exception) -> None:
-    """Tells an error as the command does."""
-    print(f"furrow: {error}", file=sys.stderr)

@@ -220,10 +220,10 @@ def main(arguments: "list[str]") -> int:
         sys.stdout.buffer.write(KINDS[arguments[0]](told).encode("utf-8", "replace"))
         sys.stdout.flush()
     except _command.Missing as error:
-        _svg.complain(error)
+        print(f"furrow: plot: {error}", file=sys.stderr)
         return 127
     except OSError as error:
-        _svg.complain(error)
+        print(f"furrow: plot: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

@@ -257,7 +257,7 @@ def main(arguments: "list[str]") -> int:
         complete = sum(run["state"] == "complete" for run in facts["runs"])
         print(f"{complete} of {len(facts['runs'])} runs are complete: {arguments[1]}/study.csv" + (f", and {len(plots)} plots" if facts["results"] else ""))
 
-    return _command.end("", work)
+    return _command.end("study", work, whole=True)
 
 
 if __name__ == "__main__":
