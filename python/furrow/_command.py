@@ -44,7 +44,10 @@ def end(name: str, work: "Callable[[], None]", whole: bool = False) -> int:
         return 1
     except OSError as error:
         where = str(error.filename).replace(f".{os.getpid()}.", "") if error.filename else ""  # a file that is not whole yet has another name
-        print(f"{before}{where}: {error.strerror}; give a place that can be written and has room" if where else f"{before}{error}", file=sys.stderr)
+        if where:
+            print(f"{before}{where}: {error.strerror}; give a place that can be written and has room", file=sys.stderr)
+        else:
+            print(f"{before}stdout: cannot be written; check the disk or the pipe" if error.errno else f"{before}{error}", file=sys.stderr)
         return 1
     except ResultsError as error:
         print(f"{before}{error}", file=sys.stderr)
@@ -63,6 +66,8 @@ class Whole:
         self.beside = path.with_name(f".{os.getpid()}.{path.name}")
 
     def __enter__(self) -> pathlib.Path:
+        if self.path.exists() and not self.path.is_file() and not self.path.is_dir():
+            raise OSError(f"{self.path}: is a device or a pipe, and would be replaced; give a file")
         return self.beside
 
     def __exit__(self, kind: Any, value: Any, trace: Any) -> None:

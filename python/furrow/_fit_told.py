@@ -128,11 +128,11 @@ def _figures(quality: Quality) -> "dict[str, Any]":
 
 
 def _table(table: Table, groups: str) -> "dict[str, Any]":
-    return {"file": table.path, "rows": len(table), "skipped": table.skipped, groups: list(table.groups)}
+    return {"file": table.path.encode("utf-8", "replace").decode(), "rows": len(table), "skipped": table.skipped, groups: list(table.groups)}
 
 
 def told(fit: "Fit") -> "dict[str, Any]":
-    """All numbers. None: there is none."""
+    """All numbers. None: there is none. Bytes of a path that are no UTF-8 are question marks."""
     out: "dict[str, Any]" = {"soil": fit.soil, "method": fit.method}
     if fit.plates and fit.plate is not None:
         plates = fit.plates
@@ -152,5 +152,5 @@ def told(fit: "Fit") -> "dict[str, Any]":
 
 
 def json_text(fit: "Fit") -> str:
-    """told() as JSON; bytes of a path that are no UTF-8 become question marks."""
-    return json.dumps(told(fit), indent="\t").encode("utf-8", "replace").decode("utf-8") + "\n"
+    """told() as JSON."""
+    return json.dumps(told(fit), indent="\t") + "\n"

@@ -1,11 +1,13 @@
 """Started by the command furrow, as a file: python3 .../furrow/_start.py NAME ARGUMENT... Another numpy than that of this interpreter is not looked for."""
 import importlib
 import os
+import signal
 import sys
 
 
 def main() -> int:
     """Runs furrow.NAME's main. Returns its status."""
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as any command: it ends with its reader
     sys.path[0] = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     name = {"fit-soil": "fit"}.get(sys.argv[1], sys.argv[1])
     try:

@@ -119,6 +119,7 @@ def main(arguments: "list[str]") -> int:
             print(f"\n{given.output}: a soil, for furrow drive SCENE --set soil={given.output}, and for --soil of furrow rig and furrow mobility")
         elif not given.json:
             print("\n" + fit.block(), end="")
+        sys.stdout.flush()
 
     return _command.end("fit-soil", work, whole=True)
 
