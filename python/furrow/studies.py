@@ -211,7 +211,7 @@ def _write_table(own: Study, table: "list[list[Cell]]") -> None:
     for number, (run, cells) in enumerate(zip(own.runs, table), 1):
         lines.append([str(number), run["folder"], run["state"], *(run["values"][name] for name in own.parameters), *(cell.text for cell in cells)])
     with _command.Whole(own.folder / "study.csv") as path:
-        path.write_text("".join(",".join(map(_csv_cell, line)) + "\n" for line in lines), encoding="utf-8", newline="")
+        path.write_bytes("".join(",".join(map(_csv_cell, line)) + "\n" for line in lines).encode("utf-8", "replace"))
 
 
 def _plot_path(own: Study, plot: "dict[str, str]") -> pathlib.Path:
@@ -241,7 +241,7 @@ def collect(folder: Path, facts: "dict[str, Any] | None" = None) -> "list[pathli
                 _plot_path(own, other).unlink(missing_ok=True)
             return []
         with _command.Whole(path) as whole:
-            whole.write_text(text, encoding="utf-8")
+            whole.write_text(text, encoding="utf-8", errors="replace")
         paths.append(path)
     return paths
 
