@@ -6,14 +6,16 @@
 #include <sys/stat.h>
 
 #include "base/aside.h"
-#include "cache_plot.h"
+#include "cache_curves.h"
 #include "command.h"
 #include "dem/dem.h"
 #include "json.h"
+#include "python.h"
 
 #define SLOTS_MOST 1000000000 /* no cache has more */
 #define SIZES_FEW 6           /* fewer powers of two than this are filled up by their square roots of two */
 
+const char *const cache_policy_labels[SIM_POLICIES] = {"LRU", "CLOCK", "ARC", "S3-FIFO", "OPT"};
 static const char *const policy_names[SIM_POLICIES + 1] = {"lru", "clock", "arc", "s3fifo", "opt"};
 
 static const struct command_option options[] = {
@@ -21,7 +23,7 @@ static const struct command_option options[] = {
 	{"slots", "LIST", .help = "sizes, as in 16,32,64", .preset = "powers of two from 4 to the number of tiles"},
 	{"json", .help = "one JSON object: accesses, tiles, slots, policies {NAME: {misses, miss_ratio}}"},
 	{"csv", "FILE", .help = "write the trace as text for other simulators", .files = "csv"},
-	{"plot", "FILE.svg", .help = "write the miss curves as an SVG", .files = "svg"},
+	{"plot", "FILE.svg", .help = "write the miss curves as an SVG, by the Python package matplotlib", .files = "svg"},
 	{.name = NULL},
 };
 
@@ -176,7 +178,7 @@ static void add_number(cJSON *array, double value)
 	cJSON_AddItemToArray(array, isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull());
 }
 
-static enum status print_json(const struct cache_curves *curves)
+static cJSON *told_curves(const struct cache_curves *curves)
 {
 	const struct sim_accesses *accesses = curves->accesses;
 	cJSON *object = cJSON_CreateObject();
@@ -200,7 +202,18 @@ static enum status print_json(const struct cache_curves *curves)
 			add_number(ratios, ratio(curves->misses[policy][i], accesses->count));
 		}
 	}
-	return json_print(object);
+	return object;
+}
+
+/* Python draws: python/furrow/plot.py. */
+static enum status draw_curves(const struct cache_curves *curves, FILE *file)
+{
+	cJSON *plan = told_curves(curves);
+	bool missing;
+	cJSON_AddStringToObject(plan, "title", curves->title);
+	const enum status status = python_draw("cache", plan, file, &missing);
+	cJSON_Delete(plan);
+	return status;
 }
 
 static enum status write_csv(const struct sim_accesses *accesses, FILE *file)
@@ -223,7 +236,7 @@ static enum status write_output(const struct cache_curves *curves, bool csv, con
 	if (csv)
 		TRY(write_csv(curves->accesses, aside->file));
 	else
-		cache_plot_write(curves, aside->file);
+		TRY(draw_curves(curves, aside->file));
 	return aside_whole(aside, true);
 }
 
@@ -261,7 +274,7 @@ static enum status run(const struct arguments *arguments)
 		note("S3-FIFO keeps nothing with fewer than %d slots: a tenth of them, its small queue, must be two",
 		     SIM_S3FIFO_SLOTS_MIN);
 	if (arguments_flag(arguments, "json"))
-		TRY_OR(done, print_json(&curves));
+		TRY_OR(done, json_print(told_curves(&curves)));
 	else
 		print_table(&curves);
 done:

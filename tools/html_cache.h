@@ -2,7 +2,7 @@
 #ifndef FURROW_TOOLS_HTML_CACHE_H
 #define FURROW_TOOLS_HTML_CACHE_H
 
-#include "cache_plot.h"
+#include "cache_curves.h"
 #include "html_run.h"
 
 enum { HTML_LRU, HTML_OPT, HTML_POLICIES };

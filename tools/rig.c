@@ -5,11 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "command.h"
 #include "base/aside.h"
+#include "base/json.h"
 #include "base/limits.h"
-#include "rig_plot.h"
+#include "python.h"
+#include "rig_table.h"
 #include "settings.h"
 #include "soil_given.h"
 
@@ -147,16 +150,37 @@ static void tell_sunk(const struct rig_table *table)
 		     count, table->count, deepest);
 }
 
-static enum status write_file(const struct rig_table *table, const char *folder, const char *name, void (*write)(const struct rig_table *, FILE *))
+static enum status write_table(const struct rig_table *table, const char *folder)
 {
 	char path[4096];
 	struct aside aside = {.path = NULL};
-	snprintf(path, sizeof path, "%s/%s", folder, name);
+	snprintf(path, sizeof path, "%s/rig.csv", folder);
 	enum status status;
 	TRY_OR(done, aside_begin(&aside, path));
-	write(table, aside.file);
+	rig_csv_write(table, aside.file);
 done:
 	return aside_end(&aside, false, status);
+}
+
+/* Python draws. Without it there is the table alone, and no plot of another one beside it. */
+static enum status write_plot(const struct rig_table *table, const char *folder, bool *missing)
+{
+	char path[4096];
+	struct aside aside = {.path = NULL};
+	cJSON *plan = NULL;
+	snprintf(path, sizeof path, "%s/rig.svg", folder);
+	enum status status;
+	TRY_OR(done, aside_begin(&aside, path));
+	plan = rig_told_plan(table);
+	TRY_OR(done, python_draw("rig", plan, aside.file, missing));
+done:
+	cJSON_Delete(plan);
+	status = aside_end(&aside, false, status);
+	if (!*missing)
+		return status;
+	note("%s: is not drawn: %s", path, failure_message());
+	(void)unlink(path);
+	return STATUS_OK;
 }
 
 /* How it is turned, and how it goes. */
@@ -180,7 +204,6 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 	int64_t passes = 1;
 	params->shape = shape != NULL ? shape : DEFAULT_SHAPE;
 	params->folder = arguments_text(arguments, "o");
-	asked->table.measured_name = compare;
 	if (params->folder == NULL)
 		return fail_with(STATUS_USAGE, "rig: -o is missing; give a folder for rig.csv and rig.svg");
 	TRY(arguments_number(arguments, "spacing", 1e-4, 10, &params->spacing));
@@ -238,20 +261,21 @@ static enum status run(const struct arguments *arguments)
 	asked->table.params = params;
 	asked->table.soils = asked->labels;
 	char *joined = NULL;
+	bool missing = false;
 	enum status status;
 	TRY_OR(done, read_all(arguments, asked, &settings));
 	TRY_OR(done, join_settings(&settings, &joined));
 	params->settings = joined;
 	TRY_OR(done, make_folder(params->folder));
 	TRY_OR(done, run_rig(asked));
-	TRY_OR(done, write_file(&asked->table, params->folder, "rig.csv", rig_csv_write));
-	TRY_OR(done, write_file(&asked->table, params->folder, "rig.svg", rig_plot_write));
+	TRY_OR(done, write_table(&asked->table, params->folder));
+	TRY_OR(done, write_plot(&asked->table, params->folder, &missing));
 	tell_sunk(&asked->table);
 	if (arguments_flag(arguments, "json")) {
 		TRY_OR(done, rig_told_json(&asked->table));
 	} else {
 		rig_told_print(&asked->table);
-		printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
+		printf(missing ? "\n%s/rig.csv: written\n" : "\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
 	}
 done:
 	settings_finish(&settings);
@@ -282,6 +306,7 @@ const struct command command_rig = {
 		   "Efficiency is the pull along the way times way over torque times turn. deeper: how much deeper the second half of the "
 		   "last quarter is than the first. against: the force against the way, its mean, least and most. heap: the highest soil "
 		   "ahead of its centre at the end, above the untouched ground, and its volume. Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n\n"
+		   "rig.svg is drawn by the Python package matplotlib. Without it a note says so, and there is rig.csv alone.\n\n"
 		   "With --compare the differences from the measured trials are told, and drawn. A line with a slip_angle_deg belongs to that slip angle, one without to 0.\n",
 	.examples = "furrow rig -o bench --soil dry_sand,clayey_38 --load 500,1000\n"
 		    "furrow rig -o bench --soil my_sand.yaml,dry_sand\n"

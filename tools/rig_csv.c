@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rig_plot.h"
+#include "rig_table.h"
 
 static void write_number(double value, const char *end, FILE *file)
 {

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "command.h"
-#include "rig_plot.h"
+#include "rig_table.h"
 
 static enum status add(const char *option, double value, double *list, size_t *count)
 {

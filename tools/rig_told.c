@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "json.h"
-#include "rig_plot.h"
+#include "rig_table.h"
 
 /* --- text --- */
 
@@ -124,7 +124,7 @@ static cJSON *row_of(const struct rig_table *table, const struct rig_row *row)
 	return object;
 }
 
-enum status rig_told_json(const struct rig_table *table)
+static cJSON *table_of(const struct rig_table *table)
 {
 	cJSON *object = cJSON_CreateObject(), *rows = cJSON_CreateArray();
 	cJSON_AddStringToObject(object, "shape", table->params->shape);
@@ -134,5 +134,27 @@ enum status rig_told_json(const struct rig_table *table)
 	for (size_t i = 0; i < table->count; i++)
 		cJSON_AddItemToArray(rows, row_of(table, &table->rows[i]));
 	cJSON_AddItemToObject(object, "rows", rows);
-	return json_print(object);
+	return object;
+}
+
+enum status rig_told_json(const struct rig_table *table)
+{
+	return json_print(table_of(table));
+}
+
+cJSON *rig_told_plan(const struct rig_table *table)
+{
+	cJSON *plan = table_of(table), *list = cJSON_AddArrayToObject(plan, "measured");
+	cJSON_AddBoolToObject(plan, "belt", table->found.belt);
+	for (const struct rig_measured *m = table->measured; m < table->measured + table->measured_count; m++) {
+		cJSON *trial = cJSON_CreateObject();
+		cJSON_AddItemToArray(list, trial);
+		json_number(trial, "slip", m->slip);
+		json_number(trial, "angle", m->angle);
+		json_number(trial, "sinkage", m->sinkage);
+		json_number(trial, "drawbar", m->drawbar);
+		json_number(trial, "side", m->side);
+		json_number(trial, "torque", m->torque);
+	}
+	return plan;
 }

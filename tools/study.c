@@ -20,24 +20,6 @@ static const struct command_option options[] = {
 	{.name = NULL},
 };
 
-static enum status print_end(const struct study *study)
-{
-	size_t complete = 0;
-	for (size_t run = 0; run < study->run_count; run++)
-		complete += study->runs[run].state == STUDY_COMPLETE;
-	printf("%zu of %zu runs are complete: %s/study.csv", complete, study->run_count, study->directory);
-	if (study->result_count > 0)
-		printf(", and %zu plots", study->plot_count);
-	putchar('\n');
-	return STATUS_OK;
-}
-
-static enum status collect(struct study *study)
-{
-	TRY(study_collect(study));
-	return print_end(study);
-}
-
 /* Runs what is to do. What there is is collected also when some runs failed. */
 static enum status work(struct study *study, int jobs)
 {
@@ -46,7 +28,7 @@ static enum status work(struct study *study, int jobs)
 		return worked;
 	struct failure failure = {.status = STATUS_OK};
 	failure_capture(&failure, worked);
-	const enum status collected = collect(study);
+	const enum status collected = study_collect(study);
 	return worked != STATUS_OK ? failure_restore(&failure) : collected;
 }
 
@@ -84,7 +66,7 @@ static enum status run(const struct arguments *arguments)
 	if (!again)
 		TRY_OR(done, study_prepare(&study, directory, arguments_flag(arguments, "collect")));
 	if (again || arguments_flag(arguments, "collect")) {
-		TRY_OR(done, collect(&study));
+		TRY_OR(done, study_collect(&study));
 	} else if (kind >= 0) {
 		TRY_OR(done, study_write(&study, kind, (int)jobs));
 	} else {
@@ -111,7 +93,7 @@ const struct command command_study = {
 		   "does not stop the others; its last error is told, and the exit status is 1. Ctrl-C ends all cleanly.\n\n"
 		   "When the runs have ended, DIR/study.csv has a row for each run: its values and its results; and the plots are "
 		   "drawn. furrow study collect DIR does that again, and after a scheduler has run them. DIR/study.json tells the "
-		   "state of each.\n",
+		   "state of each. Python (numpy) reads the results, and its package matplotlib draws.\n",
 	.examples = "furrow study loads.yaml -o loads --jobs 4\n"
 		    "furrow study loads.yaml -o loads --write slurm\n",
 	.see = "furrow-drive(1), furrow-report(1)",

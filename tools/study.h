@@ -153,8 +153,8 @@ enum status study_arguments(struct study *study, size_t run, const char ***out) 
 const char *study_state_name(enum study_state state);
 /* Looks into a run's folder, and sets its state and seconds. */
 void study_look(struct study *study, size_t run);
-/* Reads run.json of a run. NULL: there is none that is whole. */
-struct cJSON *study_run_json(const struct study *study, size_t run);
+/* Returns the text of study.json; cJSON_free it. NULL: out of memory. */
+char *study_manifest_text(const struct study *study);
 /* Writes DIR/study.json: the runs, their settings and states. */
 enum status study_manifest(const struct study *study) FURROW_CHECKED;
 /* Writes DIR/runs/NAME/FILE into a buffer of PATH_MAX bytes, and returns it. "": the folder itself.
@@ -184,25 +184,18 @@ enum status study_work(struct study *study, int jobs) FURROW_CHECKED;
  * `jobs`: the most at once; 0: the scheduler's choice. */
 enum status study_write(struct study *study, int kind, int jobs) FURROW_CHECKED;
 
-/* --- study_collect.c, study_columns.c, study_plot.c --- */
-/* A result of a run. */
-struct study_cell {
-	char *text;    /* as the CSV has it; NULL: the run has none */
-	double number; /* NaN: no number */
-};
-/* Writes DIR/study.csv and the plots. */
+/* --- study_collect.c --- */
+/* Writes DIR/study.csv and the plots, and prints how many runs are complete. STATUS_INPUT if a complete run lacks a result. STATUS_FAILED without Python. */
 enum status study_collect(struct study *study) FURROW_CHECKED;
-/* Fills the cells of a run, one for each result, from its objects.csv and vehicles.csv. */
-enum status study_columns(const struct study *study, size_t run, struct study_cell *cells) FURROW_CHECKED;
-/* STATUS_INPUT if a result cannot be read from a run that is complete. */
+/* STATUS_INPUT if a result cannot be read from a run that is complete. Checks nothing without Python. */
 enum status study_check_run(struct study *study, size_t run) FURROW_CHECKED;
-/* Sets a cell to a number, in as few digits as tell it apart. */
-enum status study_cell_number(struct study_cell *cell, double number) FURROW_CHECKED;
+/* Adds to study.json what is collected: parameters, results, plots. */
+struct cJSON;
+void study_add_results(const struct study *study, struct cJSON *json);
+
+/* --- study_results.c --- */
 /* STATUS_INPUT if a parameter of the plot has too many values that are no numbers. `node`: where
  * the study file has the plot. */
 enum status study_plot_check(const struct study *study, const struct study_plot *plot, const struct scene_node *node) FURROW_CHECKED;
-/* Draws one plot. `cells`: run x result. */
-enum status study_plot_write(const struct study *study, const struct study_plot *plot, const struct study_cell *cells,
-			     FILE *file) FURROW_CHECKED;
 
 #endif

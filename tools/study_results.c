@@ -5,6 +5,42 @@
 #include "scene/scene_error.h"
 #include "study.h"
 
+#define GROUPS_MOST 24 /* values across a plot that are no numbers; python/furrow/studies.py has them, too */
+#define SERIES_MOST 8
+
+/* Returns true if a parameter has values that are no numbers, and more different ones than `most`. */
+static bool has_too_many(const struct study *study, size_t parameter, size_t most)
+{
+	const char *names[GROUPS_MOST];
+	size_t count = 0;
+	double number;
+	bool text = false;
+	for (size_t run = 0; run < study->run_count && !text; run++)
+		text = !parse_number(study_value(study, run, parameter), &number);
+	for (size_t run = 0; run < study->run_count && text; run++) {
+		const char *name = study_value(study, run, parameter);
+		size_t i = 0;
+		while (i < count && strcmp(names[i], name) != 0)
+			i++;
+		if (i == count && count == most)
+			return true;
+		if (i == count)
+			names[count++] = name;
+	}
+	return false;
+}
+
+enum status study_plot_check(const struct study *study, const struct study_plot *plot, const struct scene_node *node)
+{
+	if (has_too_many(study, plot->x, GROUPS_MOST))
+		return scene_error(study->file, node, "has %s across, which has more than %d values that are no numbers; allowed: another parameter as x",
+				   study->parameters[plot->x].name, GROUPS_MOST);
+	if (plot->by != SIZE_MAX && has_too_many(study, plot->by, SERIES_MOST))
+		return scene_error(study->file, node, "is by %s, which has more than %d values that are no numbers; allowed: another parameter as by, or none",
+				   study->parameters[plot->by].name, SERIES_MOST);
+	return STATUS_OK;
+}
+
 static enum status take_result(const struct study *study, const struct scene_node *node, struct study_result *result)
 {
 	static const char *const keys[] = {"run", "objects", "vehicles", "of", "take", "after", NULL};

@@ -29,17 +29,11 @@ static cJSON *json_read(const char *path)
 	return json;
 }
 
-struct cJSON *study_run_json(const struct study *study, size_t run)
-{
-	char path[PATH_MAX];
-	return json_read(study_path(study, run, "run.json", path));
-}
-
 void study_look(struct study *study, size_t index)
 {
 	struct study_run *run = &study->runs[index];
 	char path[PATH_MAX];
-	cJSON *json = study_run_json(study, index);
+	cJSON *json = json_read(study_path(study, index, "run.json", path));
 	const char *ended = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "ended"));
 	const cJSON *seconds = cJSON_GetObjectItemCaseSensitive(json, "seconds");
 	run->state = access(study_path(study, index, "log.txt", path), F_OK) == 0 ? STUDY_BEGUN : STUDY_WAITING;
@@ -70,8 +64,7 @@ static void add_run(const struct study *study, size_t index, cJSON *list)
 		cJSON_AddStringToObject(values, study->parameters[i].name, study_value(study, index, i));
 }
 
-/* NULL: out of memory. */
-static char *manifest_text(const struct study *study)
+char *study_manifest_text(const struct study *study)
 {
 	static const char *const designs[] = {"grid", "list", "hypercube"};
 	const char *slash = strrchr(study->file, '/');
@@ -91,6 +84,7 @@ static char *manifest_text(const struct study *study)
 			count += study->runs[run].state == (enum study_state)i;
 		json_integer(states, state_names[i], count);
 	}
+	study_add_results(study, json);
 	cJSON *list = cJSON_AddArrayToObject(json, "runs");
 	for (size_t run = 0; run < study->run_count; run++)
 		add_run(study, run, list);
@@ -103,7 +97,7 @@ enum status study_manifest(const struct study *study)
 {
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};
-	char *text = manifest_text(study);
+	char *text = study_manifest_text(study);
 	TRY_MEM(text, "study.json");
 	snprintf(path, sizeof path, "%.4000s/study.json", study->directory);
 	enum status status;

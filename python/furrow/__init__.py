@@ -15,9 +15,11 @@ from furrow._declarations import Contact, ContactState, Info, Layer, Pose, State
 from furrow._library import Error, import_dem, set_log, version
 from furrow._world import CONTACT, HIT, POINT, RECT, STATE, Body, World
 from furrow._vehicle import Vehicle
+from furrow.fit import fit_soil
+from furrow.studies import study
 
 __all__ = ["Body", "CONTACT", "Contact", "ContactState", "Error", "HIT", "Info", "Layer", "POINT", "Pose", "RECT", "STATE", "State",
-           "Status", "Vehicle", "VehicleState", "World", "import_dem", "set_log", "version"]
+           "Status", "Vehicle", "VehicleState", "World", "fit_soil", "import_dem", "set_log", "study", "version"]
 
 
 def __getattr__(name: str) -> str:

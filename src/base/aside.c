@@ -38,10 +38,27 @@ static enum status fail_open(enum status status, const char *path, const char *f
 	return fail_with(status, "%s: %s; %s", path, input_problem(), limits_advice(reason, "give a file that can be written"));
 }
 
+/* A device or a pipe: a renamed file would take its place. errno stays: callers look at that of what they do. */
+static bool is_special(const char *path)
+{
+	const int before = errno;
+	struct stat file;
+	const bool special = stat(path, &file) == 0 && !S_ISREG(file.st_mode) && !S_ISDIR(file.st_mode);
+	errno = before;
+	return special;
+}
+
+static enum status fail_special(enum status status, const char *path)
+{
+	return fail_with(status, "%s: is a device or a pipe, and would be replaced; give a file", path);
+}
+
 enum status aside_check(const char *path)
 {
 	char folder[4096];
 	struct stat file;
+	if (is_special(path))
+		return fail_special(STATUS_INPUT, path);
 	if (stat(path, &file) == 0 && S_ISDIR(file.st_mode))
 		return fail_open(STATUS_INPUT, path, path, EISDIR);
 	const int length = folder_length(path);
@@ -53,6 +70,9 @@ enum status aside_check(const char *path)
 
 enum status aside_begin(struct aside *aside, const char *path)
 {
+	*aside = (struct aside){.path = NULL};
+	if (is_special(path))
+		return fail_special(STATUS_FAILED, path);
 	TRY(aside_name(aside, path));
 	const int file = output_create(aside->part, O_WRONLY | O_TRUNC);
 	aside->file = file >= 0 ? fdopen(file, "w") : NULL;

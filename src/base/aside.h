@@ -24,7 +24,7 @@ struct aside {
  * when it has made the file. Returns STATUS_FAILED if memory runs out. */
 enum status aside_name(struct aside *aside, const char *path) FURROW_CHECKED;
 /* Checks before long work that aside_begin can make this file. Makes no file. STATUS_INPUT: its folder is not there or may not be written to, or
- * PATH is a folder. */
+ * PATH is a folder, a device or a pipe. */
 enum status aside_check(const char *path) FURROW_CHECKED;
 /* Sets the name, and opens a new PATH.part as `file`. Returns a failure if it cannot be made; then there is nothing to finish. */
 enum status aside_begin(struct aside *aside, const char *path) FURROW_CHECKED;

@@ -35,11 +35,29 @@ static void what_cannot_be_written_is_told_before_the_work(void **state)
 	assert_int_equal(aside_check(support_path("pages/map.pdf")), STATUS_OK);
 }
 
+static void a_device_or_a_pipe_is_not_replaced(void **state)
+{
+	struct aside aside;
+	struct stat found;
+	const char *pipe = support_path("pipe");
+	assert_int_equal(mkfifo(pipe, 0666), 0);
+	for (int i = 0; i < 2; i++) {
+		const char *path = i == 0 ? pipe : "/dev/null";
+		assert_int_equal(aside_check(path), STATUS_INPUT);
+		assert_non_null(strstr(failure_message(), "is a device or a pipe, and would be replaced; give a file"));
+		assert_int_equal(aside_begin(&aside, path), STATUS_FAILED);
+		assert_non_null(strstr(failure_message(), "is a device or a pipe, and would be replaced; give a file"));
+		aside_finish(&aside);
+	}
+	assert_true(stat(pipe, &found) == 0 && S_ISFIFO(found.st_mode));
+}
+
 TEST_PROGRAM(aside)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_full_disk_is_told_as_one),
 		cmocka_unit_test(what_cannot_be_written_is_told_before_the_work),
+		cmocka_unit_test(a_device_or_a_pipe_is_not_replaced),
 	};
 	return cmocka_run_group_tests_name("aside", tests, support_enter, support_leave);
 }

@@ -259,8 +259,9 @@ class CacheSim(FurrowTest):
             self.assertAlmostEqual(float(row[5]), misses[0] / misses[1], places=3)
         svg = xml.etree.ElementTree.parse(self.folder / "t.svg").getroot()
         self.assertEqual(svg.tag, "{http://www.w3.org/2000/svg}svg")
-        self.assertEqual(len(svg.findall("{*}polyline")), 2)
-        texts = [text.text for text in svg.findall("{*}text")]
+        curves = {group.get("id"): len(list(group.findall(".//{*}use"))) for group in svg.findall(".//{*}g") if group.get("id", "").startswith("curve-")}
+        self.assertEqual(curves, {"curve-lru": 2, "curve-opt": 2})
+        texts = [text.text for text in svg.findall(".//{*}text")]
         for text in ("LRU", "OPT", "slots", "misses", "8", "16"):
             self.assertIn(text, texts)
 
@@ -298,6 +299,9 @@ class CacheSim(FurrowTest):
         self.assertIn("itself", self.refused(2, "cache-sim", "t.trace", "--csv", "./t.trace"))
         self.refused(2, "cache-sim", "t.trace", "--csv", "a", "--plot", "a")
         self.refused(1, "cache-sim", "t.trace", "--csv", "t.csv", "--plot", "no/where.svg")
+        self.assertEqual(self.here(), before)
+        result = self.furrow("cache-sim", "t.trace", "--plot", "t.svg", env={"FURROW_PYTHON": "./gone"})
+        self.assertEqual((result.returncode, result.stderr), (1, "furrow: ./gone: No such file or directory; name a Python 3 in FURROW_PYTHON\n"))
         self.assertEqual(self.here(), before)
 
     def test_a_drive_that_cannot_begin_leaves_no_trace(self):

@@ -30,7 +30,28 @@ def soil_of(text):
     return {key: value for key, value in (line.strip().split(": ") for line in lines if line.startswith("  "))}
 
 
+def dots_of(page):
+    """How many rows each plot of a page has."""
+    return [sum(len(group.findall(".//{*}use")) for group in svg.findall(".//{*}g") if group.get("id", "").startswith("rows-")) for svg in page.findall(".//{*}svg")]
+
+
 class FitSoil(FurrowTest):
+    def test_a_notebook_has_the_same_numbers(self):
+        told = self.json("fit-soil", PLATE, SHEAR, "--penetration", PENETRATION, "--area", "0.0025", "--method", "wong")
+        script = f"import furrow, json\nfit = furrow.fit_soil({str(PLATE)!r}, {str(SHEAR)!r}, penetration={str(PENETRATION)!r}, area=0.0025, method='wong')\nprint(json.dumps(fit.told()))"
+        self.assertEqual(json.loads(self.python(script, needs=("scipy",))), told)
+
+    def test_a_missing_package_is_named_and_nothing_is_written(self):
+        (self.folder / "lacks").mkdir()
+        for package, options in (("scipy", ()), ("jinja2", ("--page", "soil.html")), ("matplotlib", ("--page", "soil.html"))):
+            for old in (self.folder / "lacks").glob("*"):
+                shutil.rmtree(old) if old.is_dir() else old.unlink()
+            (self.folder / "lacks" / f"{package}.py").write_text("raise ImportError\n")
+            said = self.refused(1, "fit-soil", PLATE, "-o", "soil.yaml", *options, env={"PYTHONPATH": str(self.folder / "lacks")})
+            self.assertRegex(said, rf"furrow: fit-soil: the Python package {package} is not installed for .*; .* -m pip install {package}")
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["lacks"])
+        self.assertIn("no/soil.yaml: No such file or directory; ", self.refused(1, "fit-soil", PLATE, "-o", "no/soil.yaml"))
+
     def test_the_examples_give_their_numbers_within_three_standard_errors(self):
         fit = self.json("fit-soil", PLATE, SHEAR)
         for method in ("plain", "wong"):
@@ -117,11 +138,10 @@ class FitSoil(FurrowTest):
         text = (self.folder / "soil.html").read_text()
         root = xml.etree.ElementTree.fromstring(text)
         self.assertEqual([section.get("id") for section in root.iter("section")], ["plates", "shear", "soil"])
-        plots = [svg.find("title").text for svg in root.iter("svg") if svg.find("title") is not None]
+        plots = [svg.find("{*}title").text for svg in root.findall(".//{*}svg")]
         self.assertEqual(plots, ["pressure over sinkage", "residuals of pressure", "shear stress over displacement", "residuals of shear stress"])
-        circles = [sum(1 for _ in svg.iter("circle")) for svg in root.iter("svg") if svg.find("title") is not None]
-        self.assertEqual(circles, [36, 36, 42, 42])
-        self.assertNotRegex(text, r"(?:src|href)=|https?:|url\(|@import")
+        self.assertEqual(dots_of(root), [36, 36, 42, 42])
+        self.assertNotRegex(text, r'(?:src|href)="(?!#)|https?:(?!//www\.w3\.org/(?:1999/xlink|2000/svg)")|url\((?!#)|@import')
         self.assertEqual(soil_of("".join(root.find(".//pre").itertext())), soil_of(self.ok("fit-soil", PLATE, SHEAR)))
 
     def test_one_width_and_one_stress_are_told(self):
@@ -173,8 +193,7 @@ class FitSoil(FurrowTest):
         self.assertNotIn("is more than its error", text)
         root = xml.etree.ElementTree.fromstring((self.folder / "all.html").read_text())
         self.assertEqual([section.get("id") for section in root.iter("section")], ["plates", "shear", "penetration", "soil"])
-        circles = [sum(1 for _ in svg.iter("circle")) for svg in root.iter("svg") if svg.find("title") is not None]
-        self.assertEqual(circles, [36, 36, 42, 42, 21, 21])
+        self.assertEqual(dots_of(root), [36, 36, 42, 42, 21, 21])
         (self.folder / "c.csv").write_text("z m,p Pa\n" + "".join(f"{z / 100},{900 + 9e5 * z / 100 + z % 2}\n" for z in range(1, 9)))
         self.assertIn("is more than its error", self.ok("fit-soil", "--penetration", "c.csv"))
 

@@ -117,6 +117,18 @@ class FurrowTest(unittest.TestCase):
         return subprocess.run([FURROW, *map(str, arguments)], input=stdin, env=environment, cwd=cwd or self.folder,
                               capture_output=True, text=True, timeout=280)
 
+    def python(self, script, needs=()):
+        """What a script prints that has the package of this build. Skips where the interpreter lacks a package that it needs."""
+        python = os.environ.get("FURROW_PYTHON") or sys.executable
+        build = pathlib.Path(FURROW).resolve().parents[1]
+        env = dict(os.environ, PYTHONPATH=str(build / "python"), FURROW_LIBRARY=str(build / "src/libfurrow.so.0"))
+        for module in ("numpy", *needs):
+            if subprocess.run([python, "-c", f"import {module}"], capture_output=True).returncode != 0:
+                self.skipTest(f"not on this machine: {module} for {python}")
+        result = subprocess.run([python, "-c", script], cwd=self.folder, env=env, capture_output=True, text=True, timeout=280)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
     def ok(self, *arguments, **options):
         result = self.furrow(*arguments, **options)
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -2,6 +2,7 @@
 import gzip
 import json
 import os
+import pathlib
 import shutil
 import socket
 import sqlite3
@@ -245,6 +246,9 @@ class Hostile(ft.FurrowTest):
         self.assertIn("not a file", self.refused(3, "info", "pipe.furrow"))
         self.assertIn("not a file", self.refused(3, "cache-sim", "pipe.csv"))
         self.assertIn("not a file", self.refused(3, "fit-soil", "pipe.csv"))
+        plate = pathlib.Path(__file__).resolve().parents[2] / "examples/soil/plate.csv"
+        self.assertIn("pipe.yaml: is a device or a pipe, and would be replaced; give a file", self.refused(1, "fit-soil", plate, "-o", "pipe.yaml"))
+        self.assertTrue((self.folder / "pipe.yaml").is_fifo())
         for name in ("epochs.log", "objects.csv"):
             shutil.rmtree(self.folder / "out", ignore_errors=True)
             (self.folder / "out").mkdir()

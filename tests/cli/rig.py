@@ -167,8 +167,9 @@ class Rig(FurrowTest):
                 self.assertAlmostEqual(row[key], braces[key], delta=1e-9 * abs(braces[key]))
         self.assertNotAlmostEqual(rows[0]["drawbar"], rows[7]["drawbar"], delta=1)
         # Each of eight soils has its own pair of colour and mark.
-        drawn = xml.etree.ElementTree.parse(self.folder / "rig" / "rig.svg").iter("{http://www.w3.org/2000/svg}path")
-        looks = {(path.get("stroke"), path.get("d").split("m" if "m" in path.get("d") else "M", 1)[-1]) for path in drawn if path.get("class") == "mark"}
+        drawn = xml.etree.ElementTree.parse(self.folder / "rig" / "rig.svg").iter("{http://www.w3.org/2000/svg}g")
+        looks = {(use.get("style").partition("stroke:")[2], use.get("{http://www.w3.org/1999/xlink}href")) for group in drawn if group.get("id", "").startswith("rows-")
+                 for use in group.iter("{http://www.w3.org/2000/svg}use")}
         self.assertEqual(len(looks), 8)
 
     @long
@@ -226,8 +227,21 @@ class Rig(FurrowTest):
         gaps = [(float(rows[slip]["sinkage"]) * 1e3 - mm, float(rows[slip]["drawbar"]) - pull) for slip, mm, pull in ((0.1, 40, 100), (0.3, 50, 200))]
         sinkage, drawbar = (math.sqrt(sum(gap[k] ** 2 for gap in gaps) / 2) for k in range(2))
         self.assertIn(f"sinkage {sinkage:.2f} mm, drawbar {drawbar:.2f} N\n", told)
-        drawn = (self.folder / "rig" / "rig.svg").read_text().count('class="measured"')
-        self.assertEqual(drawn, 2 * 2 + 1)  # two trials in two plots, and the legend
+        tree = xml.etree.ElementTree.parse(self.folder / "rig" / "rig.svg")
+        drawn = {group.get("id"): len(list(group.findall(".//{*}use"))) for group in tree.findall(".//{*}g") if group.get("id", "").startswith("measured-")}
+        self.assertEqual(drawn, {"measured-sinkage-222222": 2, "measured-drawbar-222222": 2})
+        self.assertIn("measured", [text.text for text in tree.findall(".//{*}text")])
+
+    def test_without_matplotlib_the_table_is_whole_and_no_old_plot_stays(self):
+        self.rig("--slip", "0.2", "--spacing", "0.08")
+        (self.folder / "lacks").write_text("#!/bin/sh\nprintf 'furrow: the Python package matplotlib is not installed; pip install matplotlib\\n' >&2\nexit 127\n")
+        (self.folder / "lacks").chmod(0o755)
+        for python, why in (("./lacks", "the Python package matplotlib is not installed; pip install matplotlib"), ("./gone", "./gone: No such file or directory; name a Python 3 in FURROW_PYTHON")):
+            result = self.furrow("rig", "-o", "rig", "--shape", WHEEL, "--slip", "0.2", "--spacing", "0.08", env={"FURROW_PYTHON": python})
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(f"furrow: note: rig/rig.svg: is not drawn: {why}\n", result.stderr)
+            self.assertTrue(result.stdout.endswith("\nrig/rig.csv: written\n"))
+            self.assertEqual([path.name for path in (self.folder / "rig").iterdir()], ["rig.csv"])
 
     def test_wrong_input_is_told(self):
         (self.folder / "none.csv").write_text("a,b\n1,2\n")

@@ -25,7 +25,7 @@ CHOSEN = {
     "edit": ["Refusals"],
     "explain": ["Explain.test_what_is_wrong_is_told"],
     "help": ["Help.test_what_is_not_printed_is_refused"],
-    "fit_soil": ["FitSoil.test_what_is_wrong_is_refused_and_leaves_nothing", "FitSoil.test_a_name_cannot_break_out_of_the_soil_or_the_page"],
+    "fit_soil": ["FitSoil.test_what_is_wrong_is_refused_and_leaves_nothing"],
     "history": ["History.test_what_cannot_be_is_refused"],
     "meshes": ["Meshes.test_refusals"],
     "pins": ["Pins.test_a_parent_that_cannot_be_told_says_so"],

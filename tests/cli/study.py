@@ -133,7 +133,7 @@ class Study(FurrowTest):
         plots = list((self.folder / "out").glob("*.svg"))
         self.assertEqual(len(plots), 7)
         tree = xml.etree.ElementTree.parse(self.folder / "out" / "sinkage-over-load-by-soil.svg")
-        self.assertEqual(sum(node.get("class") == "run" for node in tree.iter()), 6)
+        self.assertEqual([len(group.findall(".//{*}use")) for group in tree.findall(".//{*}g") if group.get("id", "").startswith("runs-of-")], [3, 3])
 
     def test_what_is_complete_is_not_run_again(self):
         self.study(GRID)
@@ -466,6 +466,33 @@ class Study(FurrowTest):
                           ["study.yaml", "-o", "out", "--slurm", "--parallel"]):
             self.refused(2, "study", *arguments)
         self.refused(3, "study", "collect", "nowhere")
+
+    def test_a_notebook_has_the_same_table(self):
+        self.study(GRID.replace("[400, 800, 1600]", "[400, 800]"))
+        script = ("import furrow, json; frame = furrow.study('out')\nprint(json.dumps([list(frame.columns), list(frame.index), frame['load'].tolist(), frame['soil'].tolist(),"
+                  " frame['pull'].tolist(), [path.name for path in furrow.studies.collect('out')]]))")
+        before = (self.folder / "out/study.csv").read_bytes()
+        (self.folder / "out/study.csv").unlink()
+        columns, index, loads, soils, pulls, plots = json.loads(self.python(script, needs=("pandas", "matplotlib")))
+        self.assertEqual((self.folder / "out/study.csv").read_bytes(), before)
+        rows = self.rows()
+        self.assertEqual(columns, list(rows[0])[1:])
+        self.assertEqual((index, loads, soils), ([1, 2, 3, 4], [400, 400, 800, 800], [row["soil"] for row in rows]))
+        self.assertEqual(pulls, [float(row["pull"]) for row in rows])
+        self.assertEqual(sorted(plots), sorted(path.name for path in (self.folder / "out").glob("*.svg")))
+
+    def test_without_matplotlib_the_table_is_whole_and_no_old_plot_stays(self):
+        self.study(GRID.replace("[400, 800, 1600]", "[400]"))
+        self.assertEqual(len(list((self.folder / "out").glob("*.svg"))), 7)
+        before = (self.folder / "out/study.csv").read_bytes()
+        (self.folder / "lacks").mkdir()
+        (self.folder / "lacks/matplotlib.py").write_text("raise ImportError\n")
+        result = self.furrow("study", "collect", "out", env={"PYTHONPATH": str(self.folder / "lacks")})
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r"\Afurrow: note: .*/out: no plot is drawn: the Python package matplotlib is not installed for .*pip install matplotlib\n\Z")
+        self.assertRegex(result.stdout, r"\A2 of 2 runs are complete: .*/out/study.csv, and 0 plots\n\Z")
+        self.assertEqual(((self.folder / "out/study.csv").read_bytes(), list((self.folder / "out").glob("*.svg"))), (before, []))
+        self.assertIn("name a Python 3 in FURROW_PYTHON", self.refused(1, "study", "collect", "out", env={"FURROW_PYTHON": "./gone"}))
 
     def test_what_cannot_be_collected_says_what_can(self):
         self.study(GRID)

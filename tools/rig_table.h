@@ -1,6 +1,6 @@
-/* What furrow rig found, and what was measured, as a CSV and as an SVG. */
-#ifndef FURROW_TOOLS_RIG_PLOT_H
-#define FURROW_TOOLS_RIG_PLOT_H
+/* What furrow rig found, and what was measured, as a CSV and for python/furrow/plot.py. */
+#ifndef FURROW_TOOLS_RIG_TABLE_H
+#define FURROW_TOOLS_RIG_TABLE_H
 
 #include <stdio.h>
 
@@ -22,7 +22,6 @@ struct rig_table {
 	size_t count;
 	struct rig_measured *measured;
 	size_t measured_count;
-	const char *measured_name; /* path */
 };
 
 /* Reads a table of comma-separated values with a line of names: slip, and some of sinkage (m) or sinkage_mm, drawbar or drawbar_N or
@@ -30,7 +29,6 @@ struct rig_table {
 enum status rig_measured_read(const char *path, struct rig_measured **out, size_t *count) FURROW_CHECKED;
 
 void rig_csv_write(const struct rig_table *table, FILE *file);
-void rig_plot_write(const struct rig_table *table, FILE *file);
 /* rig_lists.c: numbers and ranges of an option, parted by commas. otherwise: what it is where it is not given; NULL: none. */
 struct arguments;
 enum status rig_list_read(const struct arguments *arguments, const char *option, const char *otherwise, double *list, size_t *count) FURROW_CHECKED;
@@ -38,6 +36,8 @@ enum status rig_list_read(const struct arguments *arguments, const char *option,
 /* rig_told.c: all rows on stdout. */
 void rig_told_print(const struct rig_table *table);
 enum status rig_told_json(const struct rig_table *table) FURROW_CHECKED;
+/* What rig.svg is drawn from: the same rows as JSON, with the measured trials. The caller deletes it. NULL: out of memory. */
+struct cJSON *rig_told_plan(const struct rig_table *table);
 
 bool rig_has_slip(const struct rig_table *table);          /* a wheel or a belt */
 bool rig_same_angle(double a, double b);                     /* degrees: those of one setting */

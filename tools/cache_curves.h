@@ -1,8 +1,6 @@
-/* The miss curves of furrow cache-sim as an SVG. */
-#ifndef FURROW_TOOLS_CACHE_PLOT_H
-#define FURROW_TOOLS_CACHE_PLOT_H
-
-#include <stdio.h>
+/* The miss curves of furrow cache-sim. */
+#ifndef FURROW_TOOLS_CACHE_CURVES_H
+#define FURROW_TOOLS_CACHE_CURVES_H
 
 #include "sim/sim.h"
 
@@ -21,6 +19,5 @@ extern const char *const cache_policy_labels[SIM_POLICIES];
 
 /* Sizes from 4 slots to one for every tile. */
 void cache_sizes(struct cache_curves *curves);
-void cache_plot_write(const struct cache_curves *curves, FILE *file);
 
 #endif
