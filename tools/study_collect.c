@@ -59,7 +59,7 @@ void study_add_results(const struct study *study, struct cJSON *json)
 			json_number(one, "after", result->after);
 		}
 		scene_node_path(result->node, false, path, sizeof path);
-		snprintf(at, sizeof at, "%.200s:%d: %s", study->file, result->node->line, path);
+		snprintf(at, sizeof at, "%.200s:%d:%d: %s", study->file, result->node->place.line, result->node->place.column, path);
 		cJSON_AddStringToObject(one, "at", at);
 	}
 	for (const struct study_plot *plot = study->plots; plot < study->plots + study->plot_count; plot++) {
