@@ -123,7 +123,7 @@ static inline size_t range_count(struct range range)
 	return (size_t)(range.end - range.first);
 }
 
-struct contact; /* coupling.c */
+struct contact; /* coupling.h */
 struct powertrain; /* powertrain.h */
 struct drive; /* drives.h */
 
@@ -471,7 +471,7 @@ enum status vehicle_tell_forces(struct vehicles *vehicles) FURROW_CHECKED;
 /* Takes the rows of the time that has gone as told. */
 void vehicle_skip_rows(struct vehicles *vehicles);
 
-/* --- coupling.c --- */
+/* --- coupling.c; coupling_chain.c makes room, coupling_gain.c has the damping --- */
 
 /* Makes room for all soil geoms to touch at once, and finds what moves them. */
 enum status vehicle_make_room(struct vehicle *vehicle) FURROW_CHECKED;
