@@ -122,7 +122,8 @@ void vehicle_couple(struct vehicles *vehicles, double h, double later, bool driv
 	if (any)
 		mj_factorM(model, data);
 	for (size_t v = 0; v < vehicles->all; v++)
-		vehicle_coupling_fill(&(struct step){&vehicles->list[v], h, later, CUT_PRESSURE * spacing * spacing});
+		vehicle_coupling_fill(&(struct step){&vehicles->list[v], h, later, CUT_PRESSURE * spacing * spacing, vehicles->as_asked});
+	vehicles->as_asked = false;
 	apply(vehicles, h, drives);
 }
 

@@ -29,6 +29,7 @@ struct step {
 	double h;               /* s */
 	double later;           /* s: of the coupling step after this step of the engine */
 	double cut;             /* N: no smaller force was cut */
+	bool as_asked;          /* all geoms are where they were asked for */
 };
 
 static inline double dot6(const double a[6], const double b[6])

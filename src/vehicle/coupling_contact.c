@@ -60,13 +60,14 @@ static void set_damping(const struct vehicle *vehicle, struct contact *contact, 
 }
 
 /* How far the body, or the belt's lower run, has moved and turned since its contact was linearised. */
-static void displacement(const struct vehicle *vehicle, const struct contact *contact, double moved[6])
+static void displacement(const struct step *step, const struct contact *contact, double moved[6])
 {
 	const struct soil_geom *geom = contact->geom;
-	struct furrow_state state;
-	struct furrow_belt belt;
+	struct furrow_state state = geom->from;
+	struct furrow_belt belt = geom->from_belt;
 	double back[4], turn[4];
-	vehicle_geom_state(vehicle, geom, &state, &belt);
+	if (!step->as_asked)
+		vehicle_geom_state(step->vehicle, geom, &state, &belt);
 	for (int i = 0; i < 3; i++)
 		moved[i] = state.pose.position[i] - geom->now.pose.position[i] -
 			   (belt.travel - geom->now_belt.travel) * contact->forward[i];
@@ -167,7 +168,7 @@ static void fill_contact(const struct step *step, struct contact *contact)
 	const double h = step->h;
 	double *force = contact->force, moved[6], at[6], u[6], goes[6], gains[6]; /* way and change of the velocity at the step's end */
 	vehicle_coupling_velocity(contact, step->vehicle->data->qvel, u);
-	displacement(step->vehicle, contact, moved);
+	displacement(step, contact, moved);
 	for (int i = 0; i < 3; i++) {
 		at[i] = geom->now.linear[i] - geom->now_belt.speed * contact->forward[i];
 		at[3 + i] = geom->now.angular[i];

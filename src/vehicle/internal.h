@@ -8,6 +8,13 @@
 #include "vehicle/settle.h"
 #include "vehicle/vehicle.h"
 
+/* How high the undisturbed ground is below a place, fixed-point units of local metres. It never changes. */
+struct vehicle_ground {
+	bool known;                 /* it was looked up */
+	bool any;                   /* there is ground */
+	int64_t x, y, height;
+};
+
 /* A geom that touches the ground. */
 struct soil_geom {
 	int geom;                   /* of the model */
@@ -28,6 +35,9 @@ struct soil_geom {
 	struct furrow_state touched; /* up to which its motion has changed the ground */
 	struct furrow_belt now_belt, touched_belt; /* its belt then; 0: it has none */
 	bool is_touched;
+	struct furrow_state from;    /* at the time step's start, as it asked for `contact`, and its belt */
+	struct furrow_belt from_belt;
+	struct vehicle_ground grounds[2]; /* step.c: below where it last changed the ground, and where its last step ended */
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
 	struct furrow_contact contact;  /* linearised at `now` */
 	int *chain;                 /* freedoms that move it, from the root on; a belt's hinge too. Owned */
@@ -210,6 +220,7 @@ struct vehicles {
 	size_t geom_count;          /* soil geoms of all */
 	double *room;               /* merge.c: of all vehicles */
 	double *mass;               /* nC: coupling.c */
+	bool as_asked;              /* all geoms still are where the time step began: soil_geom.from */
 	double *kept;               /* a state of MuJoCo, VEHICLE_KEPT: advance.c */
 	int32_t *numbers;           /* room for all soil geoms */
 	struct furrow_state *states;
