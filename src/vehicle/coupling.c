@@ -135,8 +135,7 @@ static void force_after(const struct contact *contact, const double *change, dou
 	if (contact->is_limited)
 		return;
 	vehicle_coupling_velocity(contact, change, u);
-	for (int k = 0; k < 6; k++)
-		force[k] += dot6(contact->gain[k], u);
+	vehicle_coupling_answer(contact, u, force);
 }
 
 bool vehicle_couple_end(struct vehicles *vehicles, double h, const double *before, bool drives)
@@ -201,9 +200,9 @@ void vehicle_couple_done(struct vehicles *vehicles, double h, const double *befo
 			const struct contact *contact = &vehicle->contacts[i];
 			struct soil_geom *geom = contact->geom;
 			double from[6], to[6], power = 0;
-			vehicle_coupling_follow(contact, h, after);
 			vehicle_coupling_velocity(contact, before, from);
 			vehicle_coupling_velocity(contact, after, to);
+			vehicle_coupling_follow(contact, h, to);
 			for (int k = 0; k < 6; k++)
 				power += geom->force[k] * (from[k] + to[k]) / 2;
 			if (geom->shape.belt)

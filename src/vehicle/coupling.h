@@ -11,14 +11,14 @@
 struct contact {
 	struct soil_geom *geom;
 	double stiffness[6][6], damping[6][6]; /* the parts that resist */
-	double gain[6][6];      /* dF / du, with the damping of shear */
+	double gain[6][6];      /* dF / du, with the damping of shear: of u[j] and F[i] at [j][i] */
 	double force[6];        /* N, N m: F(v); once it is at its limit, that */
 	double along[2][6];     /* two directions along the ground at the contact, as what gives the velocity there of u */
 	double direction[2][3]; /* the same two, in local axes */
 	double critical[2], pace[2]; /* N s/m: c; 1/s: how fast w follows */
 	double arm[3];          /* m: from the origin to the contact */
 	double forward[3];      /* the body's own x axis */
-	double *rows;           /* 6 x chain_count: J; owned by the vehicle */
+	double (*columns)[6];   /* chain_count: those of J; owned by the vehicle */
 	bool is_load;           /* not a contact, but the soil aboard the geom */
 	bool is_limited;        /* at its limit: `force` is all of it */
 };
@@ -40,11 +40,32 @@ static inline double dot6(const double a[6], const double b[6])
 	return sum;
 }
 
+/* u = J v */
+static inline void vehicle_coupling_velocity(const struct contact *contact, const double *v, double u[6])
+{
+	const int count = contact->geom->chain_count, *chain = contact->geom->chain;
+	double sum[6] = {0, 0, 0, 0, 0, 0};
+	for (int c = 0; c < count; c++)
+		for (int k = 0; k < 6; k++)
+			sum[k] += contact->columns[c][k] * v[chain[c]];
+	for (int k = 0; k < 6; k++)
+		u[k] = sum[k];
+}
+
+/* Adds G u to a force. */
+static inline void vehicle_coupling_answer(const struct contact *contact, const double u[6], double force[6])
+{
+	double sum[6] = {0, 0, 0, 0, 0, 0};
+	for (int j = 0; j < 6; j++)
+		for (int i = 0; i < 6; i++)
+			sum[i] += contact->gain[j][i] * u[j];
+	for (int i = 0; i < 6; i++)
+		force[i] += sum[i];
+}
+
 /* --- coupling_chain.c --- */
 /* Fills J of each contact. `wide`: room for 6 nv numbers. */
 void vehicle_coupling_fill_jacobians(struct vehicle *vehicle, double *wide);
-/* u = J v */
-void vehicle_coupling_velocity(const struct contact *contact, const double *v, double u[6]);
 /* Adds J^T F to forces of the joints. */
 void vehicle_coupling_add_force(const struct contact *contact, const double force[6], double *forces);
 
@@ -54,8 +75,8 @@ void vehicle_coupling_add_gain(const struct contact *contact, double h, double *
 /* Holds braked wheels still: adds an inertia to their hinges that no torque of a vehicle can turn. */
 void vehicle_coupling_brake(const struct vehicle *vehicle, double *mass);
 double *vehicle_coupling_diagonal(const mjModel *model, double *mass, int dof); /* where M has a freedom's own number */
-/* The inverse mass along a direction at a contact: y^T M^-1 y with y = J^T along. M is factored, L^T D L. `work`: chain_count numbers. */
-double vehicle_coupling_inverse_mass(const struct vehicle *vehicle, const struct contact *contact, const double along[6], double *work);
+/* Finds the inverse masses along both directions at a contact: y^T M^-1 y with y = J^T along. M is factored, L^T D L. `work`: room for chain_count pairs. */
+void vehicle_coupling_inverse_masses(const struct vehicle *vehicle, const struct contact *contact, double (*work)[2], double inverse[2]);
 /*
  * Solves the equations of the lone body of a contact, from the change of the velocities that the stiffer diagonal has let. All its contacts get the
  * forces of that solution, at their limits. Returns false if there is no solution.
@@ -69,8 +90,8 @@ void vehicle_coupling_set_forward(struct contact *contact);
 void vehicle_coupling_fill(const struct step *step);
 /* The soil does not pull, and its shear has a limit. Returns true if the force is another one by that. */
 bool vehicle_coupling_limit(const struct contact *contact, double force[6]);
-/* w goes on: it follows the velocity at the contact at the step's end. */
-void vehicle_coupling_follow(const struct contact *contact, double h, const double *after);
+/* w goes on: it follows the velocity at the contact at the step's end, `end`. */
+void vehicle_coupling_follow(const struct contact *contact, double h, const double end[6]);
 /* What of a belt's pull is not in the force along its body's x axis, as a torque on its hinge. */
 double vehicle_coupling_turn_back(const struct contact *contact);
 

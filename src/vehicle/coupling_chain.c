@@ -81,42 +81,32 @@ enum status vehicle_make_room(struct vehicle *vehicle)
 		numbers += 6 * (size_t)vehicle->geoms[i].chain_count * (vehicle->geoms[i].carries ? 2 : 1);
 	}
 	vehicle->contacts = mem_calloc(vehicle->geom_count + vehicle->carrying_count + 1, sizeof *vehicle->contacts);
-	vehicle->rows = mem_calloc(numbers + 1, sizeof *vehicle->rows);
-	return vehicle->contacts != NULL && vehicle->rows != NULL ? STATUS_OK : fail_memory("a vehicle");
+	vehicle->columns = mem_calloc(numbers + 1, sizeof *vehicle->columns);
+	return vehicle->contacts != NULL && vehicle->columns != NULL ? STATUS_OK : fail_memory("a vehicle");
 }
 
 void vehicle_coupling_fill_jacobians(struct vehicle *vehicle, double *wide)
 {
 	const mjModel *model = vehicle->model;
-	double *next = vehicle->rows;
+	double *next = vehicle->columns;
 	for (size_t i = 0; i < vehicle->contact_count; i++) {
 		struct contact *contact = &vehicle->contacts[i];
 		const struct soil_geom *geom = contact->geom;
-		contact->rows = next;
-		next += 6 * geom->chain_count;
+		const int count = geom->chain_count;
+		contact->columns = (double(*)[6])next;
+		next += 6 * count;
 		mj_jacGeom(model, vehicle->data, wide, wide + 3 * model->nv, geom->geom);
-		for (int k = 0; k < 6; k++)
-			for (int c = 0; c < geom->chain_count; c++)
-				contact->rows[k * geom->chain_count + c] = wide[k * model->nv + geom->chain[c]];
-		for (int k = 0; k < 3 && geom->shape.belt; k++)
-			contact->rows[k * geom->chain_count + geom->hinge_at] -= geom->sprocket * contact->forward[k];
-	}
-}
-
-void vehicle_coupling_velocity(const struct contact *contact, const double *v, double u[6])
-{
-	const int count = contact->geom->chain_count;
-	for (int k = 0; k < 6; k++) {
-		u[k] = 0;
 		for (int c = 0; c < count; c++)
-			u[k] += contact->rows[k * count + c] * v[contact->geom->chain[c]];
+			for (int k = 0; k < 6; k++)
+				contact->columns[c][k] = wide[k * model->nv + geom->chain[c]];
+		for (int k = 0; k < 3 && geom->shape.belt; k++)
+			contact->columns[geom->hinge_at][k] -= geom->sprocket * contact->forward[k];
 	}
 }
 
 void vehicle_coupling_add_force(const struct contact *contact, const double force[6], double *forces)
 {
-	const int count = contact->geom->chain_count;
-	for (int c = 0; c < count; c++)
+	for (int c = 0; c < contact->geom->chain_count; c++)
 		for (int k = 0; k < 6; k++)
-			forces[contact->geom->chain[c]] += contact->rows[k * count + c] * force[k];
+			forces[contact->geom->chain[c]] += contact->columns[c][k] * force[k];
 }

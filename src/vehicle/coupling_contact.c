@@ -38,16 +38,18 @@ static void set_directions(struct contact *contact)
 }
 
 /* Finds the damping of shear: from the stiffness of the soil along each direction, and the mass that it moves. */
-static void set_damping(const struct vehicle *vehicle, struct contact *contact, double *work)
+static void set_damping(const struct vehicle *vehicle, struct contact *contact, double (*work)[2])
 {
 	const double(*stiffness)[6] = (const double(*)[6])contact->geom->contact.stiffness;
 	const double carried = contact->geom->contact.normal_force / mju_norm3(vehicle->model->opt.gravity); /* kg */
+	double inverses[2];
+	vehicle_coupling_inverse_masses(vehicle, contact, work, inverses);
 	for (int k = 0; k < 2; k++) {
+		const double inverse = inverses[k];
 		double spring = 0;
 		for (int i = 0; i < 3; i++)
 			for (int j = 0; j < 3; j++)
 				spring -= contact->direction[k][i] * stiffness[i][j] * contact->direction[k][j];
-		const double inverse = vehicle_coupling_inverse_mass(vehicle, contact, contact->along[k], work);
 		contact->critical[k] = contact->pace[k] = 0;
 		if (!(spring > 0 && inverse > HELD))
 			continue;
@@ -88,7 +90,7 @@ static void scale_back(const double from[6][6], double length, double to[6][6])
 {
 	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++)
-			to[i][j] = from[i][j] / ((i < 3 ? 1 : length) * (j < 3 ? 1 : length));
+			to[i][j] = i < 3 && j < 3 ? from[i][j] : from[i][j] / ((i < 3 ? 1 : length) * (j < 3 ? 1 : length));
 }
 
 /* Copies the parts of the contacts' matrices that resist. Rotations are measured in lengths of the body, so that they compare with ways. */
@@ -123,11 +125,15 @@ static void damp(struct contact *contact, const double u[6])
 {
 	for (int k = 0; k < 2; k++) {
 		const double *along = contact->along[k], mean = mju_dot3(contact->geom->mean, contact->direction[k]);
-		for (int i = 0; i < 6; i++) {
-			contact->force[i] -= contact->critical[k] * along[i] * (dot6(along, u) - mean);
-			for (int j = 0; j < 6; j++)
-				contact->gain[i][j] -= contact->critical[k] * along[i] * along[j];
-		}
+		const double changed = dot6(along, u) - mean;
+		double resists[6];
+		for (int i = 0; i < 6; i++)
+			resists[i] = contact->critical[k] * along[i];
+		for (int i = 0; i < 6; i++)
+			contact->force[i] -= resists[i] * changed;
+		for (int j = 0; j < 6; j++)
+			for (int i = 0; i < 6; i++)
+				contact->gain[j][i] -= resists[i] * along[j];
 	}
 }
 
@@ -180,10 +186,11 @@ static void fill_contact(const struct step *step, struct contact *contact)
 		goes[j] = moved[j] + step->later * at[j] + h * u[j];
 		gains[j] = u[j] - at[j];
 	}
-	for (int i = 0; i < 6; i++)
-		for (int j = 0; j < 6; j++) {
-			force[i] += contact->stiffness[i][j] * goes[j] + contact->damping[i][j] * gains[j];
-			contact->gain[i][j] = h * contact->stiffness[i][j] + contact->damping[i][j];
+	/* Both matrices are symmetric, to the bit. */
+	for (int j = 0; j < 6; j++)
+		for (int i = 0; i < 6; i++) {
+			force[i] += contact->stiffness[j][i] * goes[j] + contact->damping[j][i] * gains[j];
+			contact->gain[j][i] = h * contact->stiffness[j][i] + contact->damping[j][i];
 		}
 	damp(contact, u);
 }
@@ -193,7 +200,7 @@ void vehicle_coupling_fill(const struct step *step)
 	struct vehicle *vehicle = step->vehicle;
 	for (size_t i = 0; i < vehicle->touching; i++) {
 		set_directions(&vehicle->contacts[i]);
-		set_damping(vehicle, &vehicle->contacts[i], vehicle->room);
+		set_damping(vehicle, &vehicle->contacts[i], (double(*)[2])vehicle->room);
 	}
 	take_resisting(vehicle);
 	for (size_t i = 0; i < vehicle->contact_count; i++)
@@ -228,10 +235,9 @@ bool vehicle_coupling_limit(const struct contact *contact, double force[6])
 	return true;
 }
 
-void vehicle_coupling_follow(const struct contact *contact, double h, const double *after)
+void vehicle_coupling_follow(const struct contact *contact, double h, const double end[6])
 {
-	double end[6], mean[3] = {0, 0, 0};
-	vehicle_coupling_velocity(contact, after, end);
+	double mean[3] = {0, 0, 0};
 	for (int k = 0; k < 2; k++) {
 		const double was = mju_dot3(contact->geom->mean, contact->direction[k]), share = h * contact->pace[k];
 		mju_addToScl3(mean, contact->direction[k], was + (dot6(contact->along[k], end) - was) * share / (1 + share));

@@ -14,7 +14,7 @@ static void lone_gain(const struct contact *contact, double h, double *matrix)
 			double sum = 0;
 			for (int i = 0; i < 6; i++)
 				for (int j = 0; j < 6; j++)
-					sum -= h * contact->rows[i * n + a] * contact->gain[i][j] * contact->rows[j * n + b];
+					sum -= h * contact->columns[a][i] * contact->gain[j][i] * contact->columns[b][j];
 			matrix[a * n + b] = sum;
 		}
 }
@@ -46,19 +46,11 @@ void vehicle_coupling_add_gain(const struct contact *contact, double h, double *
 		return;
 	}
 	for (int a = 0; a < count; a++) {
-		double gained[6];
-		for (int i = 0; i < 6; i++) {
-			gained[i] = 0;
-			for (int j = 0; j < 6; j++)
-				gained[i] += contact->gain[i][j] * contact->rows[j * count + a];
-		}
-		for (int b = 0; b <= a; b++, place++) {
-			double sum = 0;
-			for (int i = 0; i < 6; i++)
-				sum += contact->rows[i * count + b] * gained[i];
+		double gained[6] = {0, 0, 0, 0, 0, 0};
+		vehicle_coupling_answer(contact, contact->columns[a], gained);
+		for (int b = 0; b <= a; b++, place++)
 			if (*place >= 0)
-				mass[*place] += factor * sum;
-		}
+				mass[*place] += factor * dot6(contact->columns[b], gained);
 	}
 }
 
@@ -81,25 +73,25 @@ double *vehicle_coupling_diagonal(const mjModel *model, double *mass, int dof)
 	return mass + model->M_rowadr[dof] + model->M_rownnz[dof] - 1;
 }
 
-double vehicle_coupling_inverse_mass(const struct vehicle *vehicle, const struct contact *contact, const double along[6], double *work)
+void vehicle_coupling_inverse_masses(const struct vehicle *vehicle, const struct contact *contact, double (*work)[2], double inverse[2])
 {
 	const mjData *data = vehicle->data;
 	const struct soil_geom *geom = contact->geom;
 	const int count = geom->chain_count;
-	double sum = 0;
-	for (int c = 0; c < count; c++) {
-		work[c] = 0;
-		for (int k = 0; k < 6; k++)
-			work[c] += contact->rows[k * count + c] * along[k];
-	}
+	double sum[2] = {0, 0};
+	for (int c = 0; c < count; c++)
+		for (int d = 0; d < 2; d++)
+			work[c][d] = dot6(contact->columns[c], contact->along[d]);
 	for (int c = count - 1; c >= 0; c--) {
 		const int *places = geom->places + c * (c + 1) / 2;
 		for (int b = 0; b < c; b++)
-			if (places[b] >= 0)
-				work[b] -= data->qLD[places[b]] * work[c];
-		sum += work[c] * work[c] * data->qLDiagInv[geom->chain[c]];
+			for (int d = 0; d < 2 && places[b] >= 0; d++)
+				work[b][d] -= data->qLD[places[b]] * work[c][d];
+		for (int d = 0; d < 2; d++)
+			sum[d] += work[c][d] * work[c][d] * data->qLDiagInv[geom->chain[c]];
 	}
-	return sum;
+	inverse[0] = sum[0];
+	inverse[1] = sum[1];
 }
 
 /* Returns true if the vehicle has equalities, limits, friction of joints, or tendons, or touches another one. */
@@ -157,10 +149,9 @@ bool vehicle_coupling_solve_lone(const struct vehicles *vehicles, struct vehicle
 		for (int k = 0; k < 6; k++) {
 			u[k] = 0;
 			for (int c = 0; c < n; c++)
-				u[k] += contact->rows[k * n + c] * h * rate[c];
+				u[k] += contact->columns[c][k] * h * rate[c];
 		}
-		for (int k = 0; k < 6; k++)
-			contact->force[k] += dot6(contact->gain[k], u);
+		vehicle_coupling_answer(contact, u, contact->force);
 		contact->is_limited = true;
 		if (!contact->is_load)
 			vehicle_coupling_limit(contact, contact->force);

@@ -180,7 +180,7 @@ struct vehicle {
 	double cut_share;           /* the whole force of that by its damping alone */
 	double *room;               /* VEHICLE_ROOM nv + 64 numbers; all vehicles share them */
 	struct contact *contacts;   /* geom_count + carrying_count: of coupling.c */
-	double *rows;               /* of the contacts */
+	double *columns;            /* of the contacts */
 	size_t contact_count, touching; /* in this step of the engine; touching: of them, the first ones, that are no loads */
 	double *start_controls;     /* nactuator: what an actuator has until a driver sets it; NaN: as without `start`. NULL: all are NaN */
 	double *kept;               /* room for its qpos and qvel, if it does not settle; else NULL: start.c */
