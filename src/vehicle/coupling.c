@@ -116,8 +116,9 @@ void vehicle_couple(struct vehicles *vehicles, double h, double later, bool driv
 		list_contacts(vehicle);
 		vehicle_coupling_fill_jacobians(vehicle, vehicles->room);
 		any = any || vehicle->touching > 0;
+		vehicle_coupling_dampings(vehicle, vehicles->room);
 		for (int i = vehicle->own.dof.first; i < vehicle->own.dof.end; i++)
-			*vehicle_coupling_diagonal(model, data->M, i) += h * vehicle_damping_of(vehicle, i) + (vehicle_train_holds(vehicle, i) ? BRAKE_SOFT * model->dof_M0[i] : 0);
+			*vehicle_coupling_diagonal(model, data->M, i) += h * vehicles->room[i] + (vehicle_train_holds(vehicle, i) ? BRAKE_SOFT * model->dof_M0[i] : 0);
 	}
 	if (any)
 		mj_factorM(model, data);

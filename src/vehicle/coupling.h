@@ -74,6 +74,8 @@ void vehicle_coupling_add_force(const struct contact *contact, const double forc
 void vehicle_coupling_add_gain(const struct contact *contact, double h, double *mass);
 /* Holds braked wheels still: adds an inertia to their hinges that no torque of a vehicle can turn. */
 void vehicle_coupling_brake(const struct vehicle *vehicle, double *mass);
+/* vehicle_damping_of of each freedom of a vehicle. damping: nv. */
+void vehicle_coupling_dampings(const struct vehicle *vehicle, double *damping);
 double *vehicle_coupling_diagonal(const mjModel *model, double *mass, int dof); /* where M has a freedom's own number */
 /* Finds the inverse masses along both directions at a contact: y^T M^-1 y with y = J^T along. M is factored, L^T D L. `work`: room for chain_count pairs. */
 void vehicle_coupling_inverse_masses(const struct vehicle *vehicle, const struct contact *contact, double (*work)[2], double inverse[2]);

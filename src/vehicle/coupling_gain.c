@@ -54,17 +54,41 @@ void vehicle_coupling_add_gain(const struct contact *contact, double h, double *
 	}
 }
 
-double vehicle_damping_of(const struct vehicle *vehicle, int dof)
+/* The freedom that a motor damps, where the engine's steps take that at their end; -1: none. */
+static int damped_by(const mjModel *model, int actuator)
+{
+	const bool motors = model->opt.integrator == mjINT_IMPLICIT || model->opt.integrator == mjINT_IMPLICITFAST;
+	const bool damps = motors && model->actuator_trntype[actuator] == mjTRN_JOINT && model->actuator_biastype[actuator] == mjBIAS_AFFINE;
+	return damps ? model->jnt_dofadr[model->actuator_trnid[2 * actuator]] : -1;
+}
+
+static double damping_by(const mjModel *model, int actuator)
+{
+	const double *gear = vehicle_gear(model, actuator);
+	return -model->actuator_biasprm[actuator * mjNBIAS + 2] * gear[0] * gear[0];
+}
+
+void vehicle_coupling_dampings(const struct vehicle *vehicle, double *damping)
 {
 	const mjModel *model = vehicle->model;
-	double damping = model->dof_damping[dof];
-	const bool motors = model->opt.integrator == mjINT_IMPLICIT || model->opt.integrator == mjINT_IMPLICITFAST;
-	for (int i = vehicle->own.actuator.first; i < vehicle->own.actuator.end && motors; i++) {
-		const double *gear = vehicle_gear(model, i);
-		if (model->actuator_trntype[i] == mjTRN_JOINT && model->jnt_dofadr[model->actuator_trnid[2 * i]] == dof &&
-		    model->actuator_biastype[i] == mjBIAS_AFFINE)
-			damping -= model->actuator_biasprm[i * mjNBIAS + 2] * gear[0] * gear[0];
+	const struct range dofs = vehicle->own.dof;
+	for (int i = dofs.first; i < dofs.end; i++)
+		damping[i] = model->dof_damping[i];
+	for (int i = vehicle->own.actuator.first; i < vehicle->own.actuator.end; i++) {
+		const int dof = damped_by(model, i);
+		if (dof >= dofs.first && dof < dofs.end)
+			damping[dof] += damping_by(model, i);
 	}
+	for (int i = dofs.first; i < dofs.end; i++)
+		damping[i] = damping[i] > 0 ? damping[i] : 0;
+}
+
+double vehicle_damping_of(const struct vehicle *vehicle, int dof)
+{
+	double damping = vehicle->model->dof_damping[dof];
+	for (int i = vehicle->own.actuator.first; i < vehicle->own.actuator.end; i++)
+		if (damped_by(vehicle->model, i) == dof)
+			damping += damping_by(vehicle->model, i);
 	return damping > 0 ? damping : 0;
 }
 
