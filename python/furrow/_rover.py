@@ -128,6 +128,7 @@ class Rover:
         self._steers = [joints.index(f"steer_{name}") for name, place in WHEELS.items() if place[0] != 0]
         self._rolls = [joints.index(f"roll_{name}") for name in WHEELS]
         self._wheels = np.array([bodies[f"wheel_{name}"].handle for name in WHEELS], np.int32)
+        self._wheels_at = self._wheels.ctypes.data
         self.goal = np.zeros(3)
         self.action = np.zeros(ACTIONS)
         self.distance = 0.0
@@ -170,7 +171,8 @@ class Rover:
 
     def aim(self, action: Any) -> None:
         """Sets the controls for the next `move`. action: (2,): speed and curvature, each -1 .. 1; clipped to that."""
-        self.action[:] = np.clip(np.nan_to_num(np.asarray(action, dtype=float)), -1, 1)
+        values = np.broadcast_to(np.asarray(action, dtype=float), (ACTIONS,)).tolist()  # so few numbers take numpy longer
+        self.action[:] = [0.0 if value != value else min(max(value, -1.0), 1.0) for value in values]
         self._set_controls()
 
     def move(self) -> None:
@@ -191,13 +193,12 @@ class Rover:
         """What the last action came to: observation, reward, whether the episode has ended there, and more of it."""
         return look([self])[0]
 
-    def _read(self, state: "np.ndarray", joints: "np.ndarray", contacts: "np.ndarray") -> None:
-        """state: (1,) of VEHICLE; joints: (2, joints): values and rates; contacts: (wheels,) of CONTACT."""
+    def _read(self, state: int, joints: int, contacts: int) -> None:
+        """Addresses. state: of one of VEHICLE with its size; joints: of values, and then of rates; contacts: of one of CONTACT for each wheel."""
         call, handle = self.world._call, self.vehicle.handle  # pylint: disable=protected-access
-        state["size"] = VEHICLE.itemsize
-        call("furrow_vehicle_get", handle, ctypes.byref(_declarations.furrow_vehicle_state.from_buffer(state)))
-        call("furrow_get_joints", handle, self._joints, joints[0].ctypes.data, joints[1].ctypes.data)
-        call("furrow_get_contacts", len(self._wheels), self._wheels.ctypes.data, contacts.ctypes.data, CONTACT.itemsize)
+        call("furrow_vehicle_get", handle, ctypes.byref(_declarations.furrow_vehicle_state.from_address(state)))
+        call("furrow_get_joints", handle, self._joints, joints, joints + 8 * self._joints)
+        call("furrow_get_contacts", len(WHEELS), self._wheels_at, contacts, CONTACT.itemsize)
 
     def picture(self, size: Tuple[int, int]) -> "np.ndarray":
         """(height, width, 3) uint8: the rover from behind, and a red pole at its goal. size: width, height."""
@@ -246,8 +247,11 @@ def _observe(rovers: "Sequence[Rover]") -> None:
     count, first = len(rovers), rovers[0]
     states, joints = np.zeros(count, VEHICLE), np.empty((count, 2, first._joints))  # pylint: disable=protected-access
     contacts, points = np.empty((count, len(WHEELS)), CONTACT), np.empty((count, len(AHEAD)), POINT)
+    states["size"] = VEHICLE.itemsize
+    arrays = (states, joints, contacts)
+    ats, sizes = [array.ctypes.data for array in arrays], [array.strides[0] for array in arrays]
     for index, rover in enumerate(rovers):
-        rover._read(states[index:index + 1], joints[index], contacts[index])  # pylint: disable=protected-access
+        rover._read(*(at + index * size for at, size in zip(ats, sizes)))  # pylint: disable=protected-access
     state = states["state"]
     position, linear, angular = state["pose"]["position"], state["linear"], state["angular"]
     w, x, y, z = state["pose"]["orientation"].T
@@ -265,8 +269,9 @@ def _observe(rovers: "Sequence[Rover]") -> None:
     places = np.empty((count, len(AHEAD), 2))
     places[:, :, 0] = (c[:, None] * AHEAD[:, 0] - s[:, None] * AHEAD[:, 1]) + position[:, 0:1]
     places[:, :, 1] = (s[:, None] * AHEAD[:, 0] + c[:, None] * AHEAD[:, 1]) + position[:, 1:2]
+    places_at, points_at = places.ctypes.data, points.ctypes.data
     for index, rover in enumerate(rovers):
-        rover.world._call("furrow_points", len(AHEAD), places[index].ctypes.data, points[index].ctypes.data)  # pylint: disable=protected-access
+        rover.world._call("furrow_points", len(AHEAD), places_at + index * places.strides[0], points_at + index * points.strides[0])  # pylint: disable=protected-access
     found = np.empty((count, OBSERVATIONS))
     found[:, 0] = distance / 10
     found[:, 1] = (c * to[:, 0] + s * to[:, 1]) * near

@@ -443,7 +443,10 @@ enum status bearing_probe(struct bearing *bearing, const struct soil_motion *bef
 	*out = (struct soil_probed){.known = false};
 	TRY(bearing_members_need(bearing, 1 + beside_count));
 	TRY(open_window(bearing, reads));
-	resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
+	struct soil_planes reads_of = bearing->window.planes;
+	if (before == NULL)
+		reads_of.disturbance = NULL; /* no force asks for it */
+	resident_host_gather(bearing->slots, held, count, &reads_of);
 	if (before != NULL)
 		TRY(sink_before(bearing, before, beside, beside_count));
 	size_t all = 1;

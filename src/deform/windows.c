@@ -180,12 +180,11 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 enum status deform_cut(const struct deform_params *params, const struct deform_contact *contact,
 		       struct deform_window *windows, size_t *count)
 {
-	const struct deform deform = {
-		.params = *params,
-		.spacing = extent_spacing(params->extent, params->level),
-		.reach = deform_reach(params),
-		.border = deform_border(params),
-	};
+	struct deform deform; /* large: what no cut reads is not set */
+	deform.params = *params;
+	deform.spacing = extent_spacing(params->extent, params->level);
+	deform.reach = deform_reach(params);
+	deform.border = deform_border(params);
 	return cut(&deform, contact, windows, count);
 }
 

@@ -8,6 +8,13 @@
 #include "vehicle/settle.h"
 #include "vehicle/vehicle.h"
 
+/* How high the undisturbed ground is below a place, fixed-point units of local metres. It never changes. */
+struct vehicle_ground {
+	bool known;                 /* it was looked up */
+	bool any;                   /* there is ground */
+	int64_t x, y, height;
+};
+
 /* A geom that touches the ground. */
 struct soil_geom {
 	int geom;                   /* of the model */
@@ -28,6 +35,9 @@ struct soil_geom {
 	struct furrow_state touched; /* up to which its motion has changed the ground */
 	struct furrow_belt now_belt, touched_belt; /* its belt then; 0: it has none */
 	bool is_touched;
+	struct furrow_state from;    /* at the time step's start, as it asked for `contact`, and its belt */
+	struct furrow_belt from_belt;
+	struct vehicle_ground grounds[2]; /* step.c: below where it last changed the ground, and where its last step ended */
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
 	struct furrow_contact contact;  /* linearised at `now` */
 	int *chain;                 /* freedoms that move it, from the root on; a belt's hinge too. Owned */
@@ -123,7 +133,7 @@ static inline size_t range_count(struct range range)
 	return (size_t)(range.end - range.first);
 }
 
-struct contact; /* coupling.c */
+struct contact; /* coupling.h */
 struct powertrain; /* powertrain.h */
 struct drive; /* drives.h */
 
@@ -170,7 +180,7 @@ struct vehicle {
 	double cut_share;           /* the whole force of that by its damping alone */
 	double *room;               /* VEHICLE_ROOM nv + 64 numbers; all vehicles share them */
 	struct contact *contacts;   /* geom_count + carrying_count: of coupling.c */
-	double *rows;               /* of the contacts */
+	double *columns;            /* of the contacts */
 	size_t contact_count, touching; /* in this step of the engine; touching: of them, the first ones, that are no loads */
 	double *start_controls;     /* nactuator: what an actuator has until a driver sets it; NaN: as without `start`. NULL: all are NaN */
 	double *kept;               /* room for its qpos and qvel, if it does not settle; else NULL: start.c */
@@ -210,6 +220,7 @@ struct vehicles {
 	size_t geom_count;          /* soil geoms of all */
 	double *room;               /* merge.c: of all vehicles */
 	double *mass;               /* nC: coupling.c */
+	bool as_asked;              /* all geoms still are where the time step began: soil_geom.from */
 	double *kept;               /* a state of MuJoCo, VEHICLE_KEPT: advance.c */
 	int32_t *numbers;           /* room for all soil geoms */
 	struct furrow_state *states;
@@ -471,7 +482,7 @@ enum status vehicle_tell_forces(struct vehicles *vehicles) FURROW_CHECKED;
 /* Takes the rows of the time that has gone as told. */
 void vehicle_skip_rows(struct vehicles *vehicles);
 
-/* --- coupling.c --- */
+/* --- coupling.c; coupling_chain.c makes room, coupling_gain.c has the damping --- */
 
 /* Makes room for all soil geoms to touch at once, and finds what moves them. */
 enum status vehicle_make_room(struct vehicle *vehicle) FURROW_CHECKED;

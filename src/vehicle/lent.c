@@ -269,7 +269,7 @@ void vehicle_lent_destroy(struct vehicle_lent *lent)
 		return;
 	struct vehicles *all = &lent->all;
 	vehicle_free_geoms(&lent->one);
-	mem_free_all(all->numbers, all->states, all->belts, all->contacts, all->mass, all->room, lent->one.contacts, lent->one.rows, lent->forces, lent->before, lent->start, lent->after,
+	mem_free_all(all->numbers, all->states, all->belts, all->contacts, all->mass, all->room, lent->one.contacts, lent->one.columns, lent->forces, lent->before, lent->start, lent->after,
 		     lent->patterns, lent->carry, lent->tyres, lent->last, lent->told.name, lent);
 }
 

@@ -170,6 +170,6 @@ void vehicle_forget(struct vehicle *vehicle)
 		mj_deleteData(vehicle->posed);
 	if (vehicle->single != NULL)
 		mj_deleteModel(vehicle->single);
-	mem_free_all(vehicle->drives, vehicle->joints, vehicle->row_joints, vehicle->contacts, vehicle->rows, vehicle->row_actuators, vehicle->host_controls,
+	mem_free_all(vehicle->drives, vehicle->joints, vehicle->row_joints, vehicle->contacts, vehicle->columns, vehicle->row_actuators, vehicle->host_controls,
 		     vehicle->start_controls, vehicle->kept);
 }

@@ -29,17 +29,32 @@ static void find_places(const struct vehicles *vehicles, const struct soil_geom 
 	mju_copy3(places[END], to->pose.position);
 }
 
+/* Finds the ground below a place, unless `known` has it. */
+static enum status find_ground(const struct vehicles *vehicles, const double place[3], const struct vehicle_ground *known, struct vehicle_ground *out)
+{
+	const int64_t x = lattice_offset(place[0]), y = lattice_offset(place[1]);
+	if (known->known && known->x == x && known->y == y) {
+		*out = *known;
+		return STATUS_OK;
+	}
+	*out = (struct vehicle_ground){.known = true, .x = x, .y = y};
+	return resident_ground_height(world_resident(vehicles->world)->ground, x, y, &out->height, &out->any);
+}
+
 /* Finds their heights above the undisturbed ground, m. Where a place lies over no ground, all are plain heights. */
-static enum status find_heights(const struct vehicles *vehicles, double places[PLACES][3], double heights[PLACES])
+static enum status find_heights(const struct vehicles *vehicles, struct soil_geom *geom, double places[PLACES][3], double heights[PLACES])
 {
 	double ground[PLACES];
+	struct vehicle_ground below[PLACES];
 	bool all = true;
+	TRY(find_ground(vehicles, places[TOUCHED], &geom->grounds[0], &below[TOUCHED]));
+	TRY(find_ground(vehicles, places[START], &geom->grounds[1], &below[START]));
+	TRY(find_ground(vehicles, places[END], &below[START], &below[END]));
+	geom->grounds[0] = below[TOUCHED];
+	geom->grounds[1] = below[END];
 	for (int i = 0; i < PLACES; i++) {
-		int64_t height;
-		bool any;
-		TRY(resident_ground_height(world_resident(vehicles->world)->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any));
-		all = all && any;
-		ground[i] = any ? lattice_offset_metres(height) : 0;
+		all = all && below[i].any;
+		ground[i] = below[i].any ? lattice_offset_metres(below[i].height) : 0;
 	}
 	for (int i = 0; i < PLACES; i++)
 		heights[i] = places[i][2] - (all ? ground[i] : 0);
@@ -50,7 +65,7 @@ static enum status find_heights(const struct vehicles *vehicles, double places[P
  * Tells whether a geom's motion since it last changed the ground is worth a contact. What it does in between is elastic for the soil.
  * So where a motion turns back, the ground must know how far it went: how deep it yielded, and how far it was sheared.
  */
-static enum status find_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct furrow_state *to, const struct furrow_belt *belt, bool *due)
+static enum status find_due(const struct vehicles *vehicles, struct soil_geom *geom, const struct furrow_state *to, const struct furrow_belt *belt, bool *due)
 {
 	const double spacing = world_resident(vehicles->world)->spacing;
 	const struct furrow_pose *from = &geom->touched.pose;
@@ -59,7 +74,7 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	if (!geom->is_touched)
 		return STATUS_OK;
 	find_places(vehicles, geom, to, places);
-	TRY(find_heights(vehicles, places, heights));
+	TRY(find_heights(vehicles, geom, places, heights));
 	mju_sub(way, to->pose.position, from->position, 2);
 	turn_between(from, &to->pose, turns);
 	const double level = hypot(way[0], way[1]), turn = mju_norm3(turns), sank = heights[TOUCHED] - heights[END];
@@ -155,7 +170,9 @@ static enum status ask(struct vehicles *vehicles)
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
-			vehicle_geom_state(&vehicles->list[v], geom, &geom->now, &geom->now_belt);
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->from, &geom->from_belt);
+			geom->now = geom->from;
+			geom->now_belt = geom->from_belt;
 			go_on(&geom->now, &geom->now_belt, vehicles->scene->time_step);
 			TRY(vehicle_lift_hull(vehicles, &vehicles->list[v], geom));
 			if (geom->aloft)
@@ -295,6 +312,7 @@ static enum status move_all(struct vehicles *vehicles, double rate, bool drives)
 			vehicle_trail_add(vehicle);
 		mju_copy(vehicle->was, &vehicle->data->xpos[3 * vehicle->root], 2);
 	}
+	vehicles->as_asked = true;
 	TRY(vehicle_guard(vehicles->all == 1 ? vehicles->list[0].scene->name : "vehicles", advance, &motion));
 	TRY(check_controls(vehicles));
 	TRY(vehicle_check_summed(vehicles));

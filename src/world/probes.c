@@ -168,17 +168,19 @@ static enum status check_states(const struct world *world, size_t count, const i
 static enum status probe(struct world *world, int32_t number, const struct furrow_state *asked, const struct furrow_belt *belt, struct furrow_contact *contact)
 {
 	const struct body *body = probed_body(world, number);
-	struct soil_probed probed;
-	*contact = world_contact_unknown();
-	if (body == NULL || body->elsewhere || !body->host.placed)
-		return STATUS_OK;
+	struct soil_probed probed = {.known = false};
 	struct furrow_state state = *asked;
-	world_rates_fill(&body->host.now.pose, world->scene->time_step, &state);
-	belt = belt != NULL ? belt : &body->host.belt;
-	TRY(probe_one(world, (size_t)number, &state, belt, &probed));
-	if (probed.known)
+	enum status status = STATUS_OK;
+	if (body != NULL && !body->elsewhere && body->host.placed) {
+		world_rates_fill(&body->host.now.pose, world->scene->time_step, &state);
+		belt = belt != NULL ? belt : &body->host.belt;
+		status = probe_one(world, (size_t)number, &state, belt, &probed);
+	}
+	if (status == STATUS_OK && probed.known)
 		world_tell_probed(world, body, &state, belt, &probed, world->time, contact);
-	return STATUS_OK;
+	else
+		*contact = world_contact_unknown();
+	return status;
 }
 
 static enum status probe_all(struct world *world, size_t count, const int32_t *numbers, const struct furrow_state *states, const struct furrow_belt *belts,

@@ -10,10 +10,24 @@ struct row {
 	double reference;              /* of base, m */
 };
 
-/* How far the ground of a row at y is above the limit of the space, m. */
+/* A height that no post of a row is above, m: the sum of its highest base and its highest offset. */
+static double highest_of_row(const struct row *row)
+{
+	int32_t base = BASE_NODATA, offset = row->offsets != NULL ? INT32_MIN : 0;
+	for (int64_t i = 0; i < row->count; i++)
+		base = row->base[i] > base ? row->base[i] : base;
+	for (int64_t i = 0; i < row->count && row->offsets != NULL; i++)
+		offset = row->offsets[i] > offset ? row->offsets[i] : offset;
+	return row->reference + base * (1.0 / (1 << BASE_BITS)) + offset * (1.0 / (1 << OFFSET_BITS));
+}
+
+/* How far the ground of a row at y is above the limit of the space, m. Below 0: it is no nearer than that. */
 static double reach_of_row(const struct world_space *space, const struct row *row, double y, double spacing)
 {
+	const double bound = highest_of_row(row) - space->lowest;
 	double most = -INFINITY;
+	if (bound < 0)
+		return bound;
 	for (int64_t i = 0; i < row->count; i++) {
 		const double x = (double)(row->first + i) * spacing, plane = space->at[2] + space->slope[0] * (x - space->at[0]) + space->slope[1] * (y - space->at[1]);
 		const double limit = plane > space->lowest ? plane : space->lowest;
@@ -61,8 +75,9 @@ enum status world_reach_into(struct world *world, const struct world_space *spac
 	};
 	const size_t tiles = world_tiles_in(world, rect);
 	const struct world_ranks *ranks = world->ranks;
-	struct held_tiles held = {.count = 0};
+	struct held_tiles held; /* large: what is not used is not set */
 	double depths[WORLD_TILES_MOST];
+	held.count = 0;
 	*depth = -INFINITY;
 	if (world->resident.host == NULL || tiles > world->counts.windows.tiles) {
 		*depth = INFINITY;

@@ -143,54 +143,67 @@ SOIL_CLONED static void add_block(const struct soil_form *restrict f, const stru
 	}
 }
 
-/* Returns how far the surface rises at a place for each m, in the frame. */
-static void slope_at(const struct look *look, const struct soil_faces *faces, size_t n, float spacing, float slope[2])
+/* How the forces of the facets of a block change. */
+struct facet_changes {
+	float place[3][3][LANES], rates[3][3][LANES]; /* with the place, and with its speed: rows force, columns motion */
+	float thrown[LANES], slows[LANES];            /* N; N s/m */
+};
+
+/* Finds how the force of each facet of a block changes: with its depth, with the recent motion of its place, and with its speed. bends: of soil_push_changes. */
+SOIL_CLONED static void find_changes(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, const float bends[restrict 3][3][LANES],
+				     const struct look *restrict look, struct facet_changes *restrict c)
 {
-	const float by = 0.5f / spacing, x = faces->x[n], y = faces->y[n], way = faces->faces_way[n];
-	slope[0] = (ground_at(look, faces, x + spacing, y, way) - ground_at(look, faces, x - spacing, y, way)) * by;
-	slope[1] = (ground_at(look, faces, x, y + spacing, way) - ground_at(look, faces, x, y - spacing, way)) * by;
+	const float spacing = f->spacing, by = 0.5f / spacing;
+	EACH_LANE {
+		const size_t n = b + (size_t)i;
+		const float push[3] = {faces->px[n], faces->py[n], faces->pz[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+		const float x = faces->x[n], y = faces->y[n], way = faces->faces_way[n], pressure = faces->pressure[n], grows = faces->steepens[n];
+		const float east = (ground_at(look, faces, x + spacing, y, way) - ground_at(look, faces, x - spacing, y, way)) * by;
+		const float north = (ground_at(look, faces, x, y + spacing, way) - ground_at(look, faces, x, y - spacing, way)) * by;
+		const float deeper[3] = {east, north, -1}, in = soil_facet_in(faces->deep[n], faces->tall[n], spacing), thrown = faces->thrown[n] * in;
+		const float more = faces->thrown[n] * sinks_in(in, faces->tall[n], spacing), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
+		c->thrown[i] = thrown;
+		c->slows[i] = slows;
+		for (int k = 0; k < 3; k++)
+			for (int j = 0; j < 3; j++) {
+				c->place[k][j][i] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j][i];
+				c->rates[k][j][i] = -slows * normal[k] * normal[j];
+			}
+	}
 }
 
 /* Adds how the force at a place changes with its motion. A place moves as the centre does, and as the body turns across the arm. */
-static void add_placed(const float at[3], const float place[3][3], struct soil_matrix *changes)
+SOIL_CLONED static void add_placed(const float at[restrict 3], const float place[restrict 3][3][LANES], size_t lane, double sums[restrict 6][6])
 {
+	const double r[3] = {(double)at[0], (double)at[1], (double)at[2]};
 	for (int k = 0; k < 3; k++) {
 		double row[6];
-		const double a[3] = {(double)place[k][0], (double)place[k][1], (double)place[k][2]}, r[3] = {(double)at[0], (double)at[1], (double)at[2]};
+		const double a[3] = {(double)place[k][0][lane], (double)place[k][1][lane], (double)place[k][2][lane]};
 		for (int j = 0; j < 3; j++) {
 			row[j] = a[j];
 			row[3 + j] = r[(j + 1) % 3] * a[(j + 2) % 3] - r[(j + 2) % 3] * a[(j + 1) % 3];
 		}
-		for (int j = 0; j < 6; j++) {
-			changes->at[k][j] += row[j];
-			changes->at[3 + (k + 1) % 3][j] += r[(k + 2) % 3] * row[j];
-			changes->at[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
-		}
+		for (int j = 0; j < 6; j++)
+			sums[k][j] += row[j];
+		for (int j = 0; j < 6; j++)
+			sums[3 + (k + 1) % 3][j] += r[(k + 2) % 3] * row[j];
+		for (int j = 0; j < 6; j++)
+			sums[3 + (k + 2) % 3][j] -= r[(k + 1) % 3] * row[j];
 	}
 }
 
-/* Adds how the force of a facet changes: with its depth, with the recent motion of its place, and with its speed. bends: of soil_push_changes, of its block. */
-static void add_changes(const struct soil_form *f, const struct soil_faces *faces, size_t n, const float bends[3][3][LANES], const struct look *look, struct soil_changes *changes)
+/* Adds how the force of a facet changes. c: of its block. */
+static void add_changes(const struct soil_faces *faces, size_t n, const struct facet_changes *c, struct soil_changes *changes)
 {
-	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]};
-	const float pressure = faces->pressure[n], grows = faces->steepens[n];
-	float slope[2], place[3][3];
-	slope_at(look, faces, n, f->spacing, slope);
-	const float deeper[3] = {slope[0], slope[1], -1}, in = soil_facet_in(faces->deep[n], faces->tall[n], f->spacing), thrown = faces->thrown[n] * in;
-	const float more = faces->thrown[n] * sinks_in(in, faces->tall[n], f->spacing), slows = either(faces->into[n] > 0, 2 * thrown / most(faces->into[n], 1e-12f), 0);
-	const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
-	float rates[3][3];
-	for (int k = 0; k < 3; k++)
-		for (int j = 0; j < 3; j++) {
-			place[k][j] = (grows * push[k] - more * normal[k]) * deeper[j] + pressure * bends[k][j][n % LANES];
-			rates[k][j] = -slows * normal[k] * normal[j];
-		}
-	add_placed(at, (const float(*)[3])place, &changes->stiffness);
-	if (slows > 0)
-		add_placed(at, (const float(*)[3])rates, &changes->damping);
+	const size_t lane = n % LANES;
+	const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, push[3] = {faces->px[n], faces->py[n], faces->pz[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+	const float pressure = faces->pressure[n];
+	add_placed(at, (const float(*)[3][LANES])c->place, lane, changes->stiffness.at);
+	if (c->slows[lane] > 0)
+		add_placed(at, (const float(*)[3][LANES])c->rates, lane, changes->damping.at);
 	const double force[3] = {(double)(pressure * push[0]), (double)(pressure * push[1]), (double)(pressure * push[2])};
 	const double across = force[0] * (double)normal[0] + force[1] * (double)normal[1] + force[2] * (double)normal[2];
-	changes->normal_force += fabs(across) + (double)thrown;
+	changes->normal_force += fabs(across) + (double)c->thrown[lane];
 	changes->shear_limit += (double)faces->tangent * fabs(across);
 	for (int k = 0; k < 3; k++)
 		changes->sheared[k] += force[k] - across * (double)normal[k];
@@ -208,14 +221,17 @@ static int64_t total(const int32_t lanes[LANES])
 static void add_block_changes(const struct soil_form *f, const struct soil_faces *faces, size_t b, const struct look *look, struct soil_changes *changes)
 {
 	float bends[3][3][LANES];
+	struct facet_changes all;
 	bool any = false;
 	for (size_t i = 0; i < LANES; i++) {
 		if (!(faces->deep[b + i] + faces->tall[b + i] > 0))
 			continue;
-		if (!any)
+		if (!any) {
 			soil_push_changes(f, faces, b, faces->by_modulus, bends);
+			find_changes(f, faces, b, (const float(*)[3][LANES])bends, look, &all);
+		}
 		any = true;
-		add_changes(f, faces, b + i, (const float(*)[3][LANES])bends, look, changes);
+		add_changes(faces, b + i, &all, changes);
 	}
 }
 

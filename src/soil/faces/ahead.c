@@ -192,17 +192,41 @@ static float envelope_at(const struct soil_body *body, const struct soil_form *f
 	return soil_lower_at(&body->lower, east, north, &place) ? (float)place.z : FINE_NONE;
 }
 
+/* envelope_row of an ellipsoid, or a ball: side by side what soil_lower_at computes. */
+SOIL_CLONED static void ellipsoid_row(const struct lower_envelope *restrict u, double east, double step, double north, int64_t first, int64_t count, float *restrict to)
+{
+	const double inside[3] = {u->inside[0], u->inside[1], u->inside[2]}, rise[2] = {u->rise[0], u->rise[1]}, lift = u->lift, y = north;
+	for (int64_t i = 0; i < count; i++) {
+		const double x = east + (double)(int32_t)(first + i) * step;
+		const double left = 1 - (inside[0] * x * x + 2 * inside[1] * x * y + inside[2] * y * y);
+		const float z = (float)(rise[0] * x + rise[1] * y - lift * sqrt(left < 0 ? 0 : left));
+		to[i] = left < 0 ? FINE_NONE : z;
+	}
+}
+
+/* Puts how high the lower envelope of a body is along a row of places into `to`: at east + (first + i) step. */
+static void envelope_row(const struct soil_body *body, const struct soil_form *form, double east, double step, double north, int64_t first, int64_t count, float *to)
+{
+	if (form->kind != FORM_RASTER && body->lower.shape->kind == SOIL_ELLIPSOID) {
+		ellipsoid_row(&body->lower, east, step, north, first, count, to);
+		return;
+	}
+	for (int64_t i = 0; i < count; i++)
+		to[i] = envelope_at(body, form, east + (double)(first + i) * step, north);
+}
+
 /* Finds which share of a cell the body is above, and its mean height there. */
 static void put_part(const struct soil_body *body, const struct soil_form *form, double east, double north, float *envelope, float *cover)
 {
 	const double part = (double)form->spacing / CELL_PARTS;
-	float sum = 0, count = 0;
-	for (int i = 0; i < CELL_PARTS; i++)
+	float sum = 0, count = 0, heights[CELL_PARTS];
+	for (int i = 0; i < CELL_PARTS; i++) {
+		envelope_row(body, form, east, part, north + (i - CELL_PARTS / 2) * part, -(CELL_PARTS / 2), CELL_PARTS, heights);
 		for (int k = 0; k < CELL_PARTS; k++) {
-			const float height = envelope_at(body, form, east + (k - CELL_PARTS / 2) * part, north + (i - CELL_PARTS / 2) * part);
-			sum += height < FINE_NONE ? height : 0;
-			count += height < FINE_NONE ? 1 : 0;
+			sum += heights[k] < FINE_NONE ? heights[k] : 0;
+			count += heights[k] < FINE_NONE ? 1 : 0;
 		}
+	}
 	*envelope = count > 0 ? sum / count : FINE_NONE;
 	*cover = count / (CELL_PARTS * CELL_PARTS);
 }
@@ -216,6 +240,15 @@ static bool is_rectangle(const struct soil_body *body, const struct soil_form *f
 	return wheel || (form->kind == FORM_BOX && form->tilts == 0);
 }
 
+/* Tells whether a cut would leave a polygon as it is. */
+static bool is_uncut(const double normal[2], double limit, const struct polygon *p)
+{
+	bool is = true;
+	for (int i = 0; i < p->count; i++)
+		is &= normal[0] * p->at[i][0] + normal[1] * p->at[i][1] - limit <= 0;
+	return is;
+}
+
 /* The same as put_part, of a body with a straight outline. */
 static void put_exact_part(const struct soil_body *body, const struct soil_form *form, const double outline[2], double east, double north, float *envelope, float *cover)
 {
@@ -224,7 +257,9 @@ static void put_exact_part(const struct soil_body *body, const struct soil_form 
 	for (int side = 0; side < 4; side++) {
 		const double sign = side % 2 == 0 ? 1 : -1, along[2] = {body->axis[0], body->axis[1]}, aside[2] = {-body->axis[1], body->axis[0]};
 		const double *axis = side < 2 ? along : aside;
-		cut_polygon((const double[]){sign * axis[0], sign * axis[1]}, outline[side / 2], &part);
+		const double normal[2] = {sign * axis[0], sign * axis[1]};
+		if (!is_uncut(normal, outline[side / 2], &part)) /* most sides are far away */
+			cut_polygon(normal, outline[side / 2], &part);
 	}
 	const struct amounts sum = amounts_of(&part);
 	const double share = sum.area / (4 * half * half);
@@ -233,15 +268,23 @@ static void put_exact_part(const struct soil_body *body, const struct soil_form 
 	*cover = is && *envelope < FINE_NONE ? (float)share : 0;
 }
 
-/* Tells whether an edge of the body passes beside a post: it is above some posts beside it, but not above all. */
-static bool at_edge(const float *envelope, int64_t x, int64_t y, int64_t columns, int64_t rows)
+/* Counts above how many of the posts y - 1, y and y + 1 of each column the body is. Returns how many of these rows there are. */
+SOIL_CLONED static float count_columns(const float *restrict envelope, int64_t y, int64_t columns, int64_t rows, float *restrict counts)
 {
-	const bool is = envelope[y * columns + x] < FINE_NONE;
-	for (int64_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < rows; j++)
-		for (int64_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < columns; i++)
-			if ((envelope[j * columns + i] < FINE_NONE) != is)
-				return true;
-	return false;
+	const int64_t from = y > 0 ? y - 1 : 0, end = y + 2 < rows ? y + 2 : rows;
+	for (int64_t x = 0; x < columns; x++)
+		counts[x] = 0;
+	for (int64_t j = from; j < end; j++)
+		for (int64_t x = 0; x < columns; x++)
+			counts[x] += envelope[j * columns + x] < FINE_NONE ? 1 : 0;
+	return (float)(end - from);
+}
+
+/* Tells whether an edge of the body passes beside a post: it is above some posts beside it, but not above all. high: rows that were counted. */
+static bool at_edge(const float *counts, int64_t x, int64_t columns, float high)
+{
+	const float before = x > 0 ? counts[x - 1] : 0, after = x + 1 < columns ? counts[x + 1] : 0, sum = before + counts[x] + after;
+	return sum > 0 && sum < high * (float)(1 + (x > 0) + (x + 1 < columns));
 }
 
 void soil_ahead_body(const struct soil_body *body, const struct soil_form *form, struct soil_faces *faces)
@@ -251,25 +294,26 @@ void soil_ahead_body(const struct soil_body *body, const struct soil_form *form,
 	const int64_t columns = rect->x1 - rect->x0, rows = rect->y1 - rect->y0;
 	const double x0 = -(double)soil_body_from_post(body->motion->to.x, rect->x0, spacing) - body->motion->beyond[0];
 	const double y0 = -(double)soil_body_from_post(body->motion->to.y, rect->y0, spacing) - body->motion->beyond[1];
-	/* `until` is not needed yet. */
-	float *heights = faces->until;
+	/* Neither is needed yet. */
+	float *heights = faces->until, *counts = faces->inside;
 	double outline[2];
 	const bool exact = is_rectangle(body, form, outline);
 	for (int64_t y = 0; y < rows; y++)
-		for (int64_t x = 0; x < columns; x++)
-			heights[y * columns + x] = envelope_at(body, form, x0 + (double)x * spacing, y0 + (double)y * spacing);
-	for (int64_t y = 0; y < rows; y++)
+		envelope_row(body, form, x0, spacing, y0 + (double)y * spacing, 0, columns, heights + y * columns);
+	for (int64_t y = 0; y < rows; y++) {
+		const float high = count_columns(heights, y, columns, rows, counts);
 		for (int64_t x = 0; x < columns; x++) {
 			const int64_t at = y * columns + x;
 			faces->envelope[at] = heights[at];
 			faces->cover[at] = heights[at] < FINE_NONE ? 1 : 0;
-			if (!at_edge(heights, x, y, columns, rows))
+			if (!at_edge(counts, x, columns, high))
 				continue;
 			if (exact)
 				put_exact_part(body, form, outline, x0 + (double)x * spacing, y0 + (double)y * spacing, &faces->envelope[at], &faces->cover[at]);
 			else
 				put_part(body, form, x0 + (double)x * spacing, y0 + (double)y * spacing, &faces->envelope[at], &faces->cover[at]);
 		}
+	}
 }
 
 /* Returns where a post that was gathered lies in the rectangle of the faces. */

@@ -20,7 +20,8 @@
 /* A block of facets in the frame. */
 struct facet_lanes {
 	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: it bears the body, 0: it is a side */
-	float pushes[LANES]; /* area that pushes */
+	float goes[3][LANES]; /* size, into and level of struct goes */
+	float pushes[LANES];  /* area that pushes */
 };
 
 /* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. A belt grips: soil follows it whole. */
@@ -36,28 +37,41 @@ SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent 
 		moves[k] = m->way[k] + rolls * rolled[k] + m->ran * belt[k] + turned[k];
 }
 
-/* Gives the area of a facet that pushes, m2, and its direction of motion. moves: of its place, for each metre of the body's way; lately: the same of the last bit
- * of it. A facet that backs off does not push: it loses its force within a bit of the way. */
-SOIL_INLINED float share_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], const float lately[3], float v[3])
+/* What a facet's place says of how much of it pushes: of one that bears the body, and of a side. */
+struct place_share {
+	float under, side;
+};
+
+SOIL_INLINED struct place_share place_share_at(const struct soil_form *f, const float at[3])
 {
-	const float size = sqrtf(dot3(moves, moves)), by = 1 / most(size, 1e-9f);
-	for (int k = 0; k < 3; k++)
-		v[k] = moves[k] * by;
-	const float into = least(dot3(normal, v), dot3(normal, lately)), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
-	const float slid = slid_at(f, at[0], at[1]), below = faces_share(slid) * clamped(1 + into * (1 / TRAILS), 0, 1);
-	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * clamped((slid - SLID_LEAST) * (1 / SLID_SIDES), 0, 1);
-	return either(size > 1e-6f, under * below + (1 - under) * beside, 0) * area;
+	const float slid = slid_at(f, at[0], at[1]);
+	return (struct place_share){faces_share(slid), clamped((slid - SLID_LEAST) * (1 / SLID_SIDES), 0, 1)};
 }
 
-/* Gives the force of a facet for each pascal, m2. */
-SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], const float lately[3],
-			   float tangent, float force[3])
+/* How a facet goes into the soil. moves: of its place, for each metre of the body's way; lately: the same of the last bit of it. */
+struct goes {
+	float v[3], size;  /* its direction; the length of `moves` */
+	float into, level; /* n . v, the less of both ways; the level part of v */
+};
+
+SOIL_INLINED struct goes goes_of(const float normal[3], const float moves[3], const float lately[3])
 {
-	float v[3], alpha[3];
-	const float share = share_of(f, at, normal, area, under, moves, lately, v);
-	resist_alpha(normal, v, tangent, alpha);
+	struct goes g;
+	g.size = sqrtf(dot3(moves, moves));
+	const float by = 1 / most(g.size, 1e-9f);
 	for (int k = 0; k < 3; k++)
-		force[k] = share * alpha[k];
+		g.v[k] = moves[k] * by;
+	g.into = least(dot3(normal, g.v), dot3(normal, lately));
+	g.level = sqrtf(g.v[0] * g.v[0] + g.v[1] * g.v[1]);
+	return g;
+}
+
+/* Returns the area of a facet that pushes, m2. A facet that backs off does not push: it loses its force within a bit of the way. */
+SOIL_INLINED float share_of(const struct place_share *place, const struct goes *g, float area, float under)
+{
+	const float below = place->under * clamped(1 + g->into * (1 / TRAILS), 0, 1);
+	const float beside = clamped(g->into * (1 / SIDE_FULL), 0, 1) * least(g->level * (1 / STEEP), 1) * place->side;
+	return either(g->size > 1e-6f, under * below + (1 - under) * beside, 0) * area;
 }
 
 SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const float axes[3][3], struct facet_lanes *l)
@@ -79,12 +93,27 @@ SOIL_CLONED static void push_block(const struct soil_form *restrict f, const str
 				    struct facet_lanes *restrict l)
 {
 	place_block(facets, b, axes, l);
+	int32_t may[LANES], any = 0;
 	EACH_LANE {
 		const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
-		float moves[3], lately[3], v[3];
+		float moves[3], lately[3];
 		motion_at(f, &f->recent, at, normal, moves);
 		motion_at(f, &f->last, at, normal, lately);
-		l->pushes[i] = share_of(f, at, normal, l->area[i], l->under[i], moves, lately, v);
+		const struct goes g = goes_of(normal, moves, lately);
+		l->goes[0][i] = g.size;
+		l->goes[1][i] = g.into;
+		l->goes[2][i] = g.level;
+		may[i] = (int32_t)(1 + g.into * (1 / TRAILS) > 0) & ((int32_t)(l->under[i] > 0) | (int32_t)(g.into > 0));
+	}
+	EACH_LANE any |= may[i];
+	memset(l->pushes, 0, sizeof l->pushes);
+	if (any == 0) /* all of them back off */
+		return;
+	EACH_LANE {
+		const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]};
+		const struct place_share place = place_share_at(f, at);
+		const struct goes g = {.size = l->goes[0][i], .into = l->goes[1][i], .level = l->goes[2][i]};
+		l->pushes[i] = share_of(&place, &g, l->area[i], l->under[i]);
 	}
 }
 
@@ -167,38 +196,66 @@ void soil_push(const struct soil_body *body, const struct soil_form *form, const
 /* The facets stand side by side in the lanes, as in push_block. */
 SOIL_CLONED static void change_block(const struct soil_form *restrict f, const struct soil_faces *restrict faces, size_t b, float by_modulus, float changes[restrict 3][3][LANES])
 {
-	float means[2][3][LANES], before[3][LANES];
+	float means[2][3][LANES], before[3][LANES], alphas[3][LANES], shares[2][LANES];
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
-		float moves[3], lately[3], force[3];
+		float moves[3], lately[3], alpha[3];
 		motion_at(f, &f->recent, at, normal, moves);
 		motion_at(f, &f->last, at, normal, lately);
-		force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, force);
+		const struct place_share place = place_share_at(f, at);
+		const struct goes g = goes_of(normal, moves, lately);
+		const float share = share_of(&place, &g, faces->whole[n], faces->under[n]);
+		resist_alpha(normal, g.v, faces->tangent, alpha);
+		shares[0][i] = place.under;
+		shares[1][i] = place.side;
 		for (int k = 0; k < 3; k++) {
 			means[0][k][i] = moves[k];
 			means[1][k][i] = lately[k];
-			before[k][i] = force[k];
+			alphas[k][i] = alpha[k];
+			before[k][i] = share * alpha[k];
 		}
 	}
-	/* The lanes are the loops of vectors. This one is not unrolled: what it calls is large. */
-	_Pragma("GCC unroll 1") for (int which = 0; which < 6; which++) {
-		const int mean = which / 3, j = which % 3;
-		float moved[2][3][LANES], by[LANES];
-		memcpy(moved, means, sizeof moved);
+	/* The lanes are the loops of vectors. These are not unrolled: what they call is large. First the recent motion changes, and with it alpha. */
+	_Pragma("GCC unroll 1") for (int j = 0; j < 3; j++) {
+		float moved[3][LANES], by[LANES];
+		memcpy(moved, means[0], sizeof moved);
 		EACH_LANE {
-			const float m[3] = {means[mean][0][i], means[mean][1][i], means[mean][2][i]}, step = STEP * most(sqrtf(dot3(m, m)), 0.1f);
-			by[i] = by_modulus * (mean == 0 ? 1 : TREND_LAST) / step;
-			moved[mean][j][i] += step;
+			const float m[3] = {means[0][0][i], means[0][1][i], means[0][2][i]}, step = STEP * most(sqrtf(dot3(m, m)), 0.1f);
+			by[i] = by_modulus * 1 / step;
+			moved[j][i] += step;
 		}
 		EACH_LANE {
 			const size_t n = b + (size_t)i;
-			const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
-			const float moves[3] = {moved[0][0][i], moved[0][1][i], moved[0][2][i]}, lately[3] = {moved[1][0][i], moved[1][1][i], moved[1][2][i]};
-			float after[3];
-			force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, after);
+			const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+			const float moves[3] = {moved[0][i], moved[1][i], moved[2][i]}, lately[3] = {means[1][0][i], means[1][1][i], means[1][2][i]};
+			const struct place_share place = {shares[0][i], shares[1][i]};
+			const struct goes g = goes_of(normal, moves, lately);
+			const float share = share_of(&place, &g, faces->whole[n], faces->under[n]);
+			float alpha[3];
+			resist_alpha(normal, g.v, faces->tangent, alpha);
 			for (int k = 0; k < 3; k++)
-				changes[k][j][i] = (mean == 0 ? 0 : changes[k][j][i]) + (after[k] - before[k][i]) * by[i];
+				changes[k][j][i] = 0 + (share * alpha[k] - before[k][i]) * by[i];
+		}
+	}
+	/* Then the last bit of it, of which alpha knows nothing. */
+	_Pragma("GCC unroll 1") for (int j = 0; j < 3; j++) {
+		float moved[3][LANES], by[LANES];
+		memcpy(moved, means[1], sizeof moved);
+		EACH_LANE {
+			const float m[3] = {means[1][0][i], means[1][1][i], means[1][2][i]}, step = STEP * most(sqrtf(dot3(m, m)), 0.1f);
+			by[i] = by_modulus * TREND_LAST / step;
+			moved[j][i] += step;
+		}
+		EACH_LANE {
+			const size_t n = b + (size_t)i;
+			const float normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+			const float moves[3] = {means[0][0][i], means[0][1][i], means[0][2][i]}, lately[3] = {moved[0][i], moved[1][i], moved[2][i]};
+			const struct place_share place = {shares[0][i], shares[1][i]};
+			const struct goes g = goes_of(normal, moves, lately);
+			const float share = share_of(&place, &g, faces->whole[n], faces->under[n]);
+			for (int k = 0; k < 3; k++)
+				changes[k][j][i] += (share * alphas[k][i] - before[k][i]) * by[i];
 		}
 	}
 }

@@ -262,9 +262,19 @@ static void ellipsoid_of(const struct soil_shape *shape, const struct soil_pose 
 	body->f[2] = along(m, u.rise[0], u.rise[1], frame->spacing, 1, 0, OFFSET_BITS, 12);
 }
 
+/* Most angles are 0: of a wheel its pitch, and what a body has not turned. */
+static void turn_of(double angle, double *c, double *s)
+{
+	*c = angle == 0 ? 1 : cos(angle);
+	*s = angle == 0 ? angle : sin(angle);
+}
+
 void soil_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
 {
-	double cy = cos(yaw), sy = sin(yaw), cp = cos(pitch), sp = sin(pitch), cr = cos(roll), sr = sin(roll);
+	double cy, sy, cp, sp, cr, sr;
+	turn_of(yaw, &cy, &sy);
+	turn_of(pitch, &cp, &sp);
+	turn_of(roll, &cr, &sr);
 	/* Yaw first, then pitch (nose up), then roll (right side down). */
 	const double turned[3][3] = {
 		{cy * cp, sy * cp, sp},
@@ -279,7 +289,8 @@ void soil_body_axes(const double size[3], double yaw, double pitch, double roll,
 void soil_axes(double yaw, double pitch, double roll, double turn, double axes[3][3])
 {
 	const double unit[3] = {2, 2, 2}; /* of which half is one */
-	double c = cos(turn), s = sin(turn);
+	double c, s;
+	turn_of(turn, &c, &s);
 	soil_body_axes(unit, yaw, pitch, roll, axes);
 	for (int k = 0; k < 3; k++) {
 		double forward = axes[0][k], up = axes[2][k];
