@@ -119,25 +119,10 @@ static furrow_status open_soil(const mjModel *model, const mjData *data, int ins
 	return FURROW_OK;
 }
 
-/* Soil aboard is in no overlay: it is gone with the data. */
-static void tell_aboard(const struct plugin_soil *soil)
-{
-	double volume = 0;
-	for (int i = 0; i < soil->count && soil->folder == NULL; i++) {
-		struct furrow_contact contact = {.carried = 0};
-		if (furrow_mujoco_geom(soil->soil, (size_t)i, NULL, NULL, &contact, sizeof contact) == FURROW_OK && contact.carried > 0)
-			volume += contact.carried;
-	}
-	if (volume > 0)
-		mju_warning("furrow.soil: %.3g l of soil lie on geoms that carry, and go with the data: %s keeps the hole that they left, and not them; lay them down before",
-			    1e3 * volume, soil->overlay);
-}
-
 static void free_soil(struct plugin_soil *soil)
 {
 	if (soil == NULL)
 		return;
-	tell_aboard(soil);
 	plugin_free_field(soil->field);
 	plugin_free_field(soil->skin);
 	if (furrow_world_close(soil->world) != FURROW_OK)

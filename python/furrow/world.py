@@ -249,6 +249,27 @@ def _sdf_model(world: Any, model: "_stage.Model", folder: pathlib.Path, files: "
     return told
 
 
+def _heightmap(link: Any, own: "_stage.Ground", reach: float) -> None:
+    """The ground for physics and for pictures. Gazebo's physics places a heightmap by the pose of its collision, and lays its posts size / posts apart; its
+    pictures go by `pos`, and lay them size / (posts - 1) apart."""
+    wide, tall = own.size()
+    posts = own.heights.shape[0]
+    place = [own.x + wide / 2, own.y + tall / 2, own.low]
+    for kind, share in (("collision", posts / (posts - 1)), ("visual", 1.0)):
+        shape = xml.SubElement(link, kind, name=kind)
+        if kind == "collision":
+            _pose(shape, place, np.eye(3))
+        field = xml.SubElement(xml.SubElement(shape, "geometry"), "heightmap")
+        xml.SubElement(field, "uri").text = "heightmap.png"
+        xml.SubElement(field, "size").text = _numbers([wide * share, tall * share, reach])
+        if kind == "visual":
+            xml.SubElement(field, "pos").text = _numbers(place)
+            texture = xml.SubElement(field, "texture")
+            xml.SubElement(texture, "diffuse").text = "ground.png"
+            xml.SubElement(texture, "normal").text = "flat.png"
+            xml.SubElement(texture, "size").text = f"{max(wide, tall):.17g}"
+
+
 def sdf(folder: _stage.Path, to: _stage.Path, window: "Union[list[float], None]" = None, vehicles: bool = True) -> "dict[str, Any]":
     """Writes a folder with world.sdf, heightmap.png and texture. Returns {posts, spacing, vehicles, lost}. lost: what SDF cannot have.
 
@@ -258,7 +279,6 @@ def sdf(folder: _stage.Path, to: _stage.Path, window: "Union[list[float], None]"
     drive = Drive(folder)
     own = _square(_stage.ground(drive, window))
     models = _stage.models(drive, not vehicles)
-    wide, tall = own.size()
     reach = max(own.high - own.low, 1e-6)
     root = xml.Element("sdf", version="1.9")
     world = xml.SubElement(root, "world", name="furrow")
@@ -268,16 +288,7 @@ def sdf(folder: _stage.Path, to: _stage.Path, window: "Union[list[float], None]"
     ground = xml.SubElement(world, "model", name="ground")
     xml.SubElement(ground, "static").text = "true"
     link = xml.SubElement(ground, "link", name="ground")
-    for kind in ("collision", "visual"):
-        field = xml.SubElement(xml.SubElement(xml.SubElement(link, kind, name=kind), "geometry"), "heightmap")
-        xml.SubElement(field, "uri").text = "heightmap.png"
-        xml.SubElement(field, "size").text = _numbers([wide, tall, reach])
-        xml.SubElement(field, "pos").text = _numbers([own.x + wide / 2, own.y + tall / 2, own.low])
-        if kind == "visual":
-            texture = xml.SubElement(field, "texture")
-            xml.SubElement(texture, "diffuse").text = "ground.png"
-            xml.SubElement(texture, "normal").text = "flat.png"
-            xml.SubElement(texture, "size").text = f"{max(wide, tall):.17g}"
+    _heightmap(link, own, reach)
     lost: "list[str]" = []
     with _Folder(pathlib.Path(to)) as whole:
         heights = np.rint((own.heights - own.low) / reach * 65535)

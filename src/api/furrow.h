@@ -144,8 +144,8 @@ struct furrow_open {
 FURROW_API furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world);
 
 /*
- * Commits the ground as the last whole step left it and frees the world. A world that was not stepped writes nothing. After a rollback the
- * ground is the rolled-back one. If the last step failed, run.json ends with "failed". NULL: does nothing, FURROW_OK.
+ * Commits the ground as the last whole step left it and frees the world. Soil aboard bodies that the host added or removed is laid down before, where they are,
+ * and slides until it lies. A world that was not stepped writes nothing. After a rollback the ground is the rolled-back one. If the last step failed, run.json ends with "failed". NULL: does nothing, FURROW_OK.
  * FURROW_FAILED: the last changes could not be committed; the store has its last commit, and the world is freed. So it is after a step
  * that failed half-way, if whole steps before it had no commit. FURROW_NO_GL: the world's GL cannot be made current here. Then nothing
  * was done and the world is still open: close it again, as "Manners" says.

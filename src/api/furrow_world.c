@@ -202,6 +202,7 @@ static enum status end(struct furrow_world *host)
 	if (world_is_torn(world))
 		return end_torn(world);
 	TRY(world_hosts_commit(world));
+	TRY(world_lay_down(world));
 	return drive_end(host->drive, is_complete(host));
 }
 

@@ -137,6 +137,9 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 enum status world_body_find(struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
 /* Removes a body. Its weight no longer acts on the soil. */
 enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
+/* At the end of a run: what lies aboard bodies that a host added, or removed, is laid down, since no record keeps it. It slides until it lies. Those bodies are on the
+ * ground no longer. Where there is none it does nothing. */
+enum status world_lay_down(struct world *world) FURROW_CHECKED;
 /* Takes a placed body off the ground, as before it was placed. */
 enum status world_body_lift(struct world *world, int32_t number) FURROW_CHECKED;
 /* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */

@@ -261,6 +261,8 @@ enum status world_wake_all(struct world *world) FURROW_CHECKED;
 void world_intervals_from(struct world *world, double time);
 /* Runs all relaxation intervals before `time`. If `at_it`, also the one that is due exactly at `time`. */
 enum status world_intervals(struct world *world, double time, bool at_it) FURROW_CHECKED;
+/* Soil slides and falls for so long, until all of it lies. No row is due. For the end of a run: time does not go on. */
+enum status world_relax_for(struct world *world, double seconds) FURROW_CHECKED;
 size_t world_rests(const struct world *world); /* lists the bodies on the ground in world->relaxation.rests; returns how many there are */
 /* The body no longer rests there: the ground under it may relax again. */
 enum status world_let_go(struct world *world, struct body *body) FURROW_CHECKED;

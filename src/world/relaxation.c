@@ -174,6 +174,24 @@ static enum status one_interval(struct world *world, size_t *blocks)
 	return status;
 }
 
+/* Runs intervals until `over` of them are over. rows: forces may be told at their ends. */
+static enum status run_until(struct world *world, int64_t over, bool rows)
+{
+	while (world->relaxation.intervals < over) {
+		size_t blocks = 0;
+		const double ends = (double)(world->relaxation.intervals + 1) * world->scene->interval;
+		TRY(world_batches_flush(world));
+		if (rows && world_carries(world))
+			TRY(world_forces_early(world->forces, ends));
+		if (world->thrown != NULL)
+			TRY(world_thrown_until(world, ends, true));
+		TRY(one_interval(world, &blocks));
+		/* If no block is active, none becomes active by itself, by what lands, or by soil aboard. */
+		world->relaxation.intervals = blocks > 0 || world_thrown_flies(world) || world_carried_unsettled(world) ? world->relaxation.intervals + 1 : over;
+	}
+	return STATUS_OK;
+}
+
 enum status world_intervals(struct world *world, double time, bool at_it)
 {
 	if (!world_changes_ground(world) || !deform_conserves(world->scene->model))
@@ -185,21 +203,18 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	if (world->relaxation.intervals >= over && world->thrown == NULL)
 		return STATUS_OK;
 	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
-	while (world->relaxation.intervals < over) {
-		size_t blocks = 0;
-		const double ends = (double)(world->relaxation.intervals + 1) * world->scene->interval;
-		TRY_OR(done, world_batches_flush(world));
-		if (world_carries(world))
-			TRY_OR(done, world_forces_early(world->forces, ends));
-		if (world->thrown != NULL)
-			TRY_OR(done, world_thrown_until(world, ends, true));
-		TRY_OR(done, one_interval(world, &blocks));
-		/* If no block is active, none becomes active by itself, by what lands, or by soil aboard. */
-		world->relaxation.intervals = blocks > 0 || world_thrown_flies(world) || world_carried_unsettled(world) ? world->relaxation.intervals + 1 : over;
-	}
+	TRY_OR(done, run_until(world, over, true));
 	if (world->thrown != NULL)
 		TRY_OR(done, world_thrown_until(world, time, at_it));
 done:
+	world_stage_enter(world, stage);
+	return status;
+}
+
+enum status world_relax_for(struct world *world, double seconds)
+{
+	const enum world_stage stage = world_stage_enter(world, WORLD_RELAX);
+	const enum status status = run_until(world, world->relaxation.intervals + (int64_t)ceil(seconds / world->scene->interval), false);
 	world_stage_enter(world, stage);
 	return status;
 }

@@ -148,12 +148,41 @@ static void only_boxes_and_meshes_under_scm_carry(void **state)
 	done(furrow_world_close(world));
 }
 
+/* What no record keeps is laid down to the unit when the world is closed, where the plate is. removed: the plate was taken out, and no step came after it. */
+static void lands_at_the_end(const char *scene, bool removed)
+{
+	struct furrow_world *world = hosted_world_over("carried.furrow", scene, hosted_flat);
+	const furrow_body plate = plate_in(world);
+	dig(world, plate);
+	for (int i = 0; i < 40; i++) /* nothing is in flight */
+		done(furrow_step(world, 0.05));
+	const double before = sum_of(world), below = point_at(world, 11.5, 16).offset, aboard = contact_of(world, plate).carried / (0.125 * 0.125);
+	assert_true(aboard > 1);
+	if (removed)
+		done(furrow_body_remove(world, plate));
+	done(furrow_world_close(world));
+	const struct furrow_open open = hosted_open(scene, support_path("carried.furrow"));
+	done(furrow_world_open(&open, &world));
+	print_message("%.6f m of %.6f m landed\n", sum_of(world) - before, aboard);
+	assert_near(sum_of(world) - before, aboard, 0x1p-22); /* a unit is 2^-20 m, and sums of whole units are exact */
+	assert_true(point_at(world, 11.5, 16).offset > below + 0.05);
+	assert_true(point_at(world, 14, 16).offset == 0);
+	done(furrow_world_close(world));
+}
+
+static void it_lands_when_the_world_is_closed(void **state)
+{
+	for (int i = 0; i < 4; i++)
+		lands_at_the_end(i % 2 == 0 ? SCENE : FALLS, i >= 2);
+}
+
 TEST_PROGRAM(carried)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_body_carries_weighs_on_it),
 		cmocka_unit_test(a_rollback_puts_it_back_aboard),
 		cmocka_unit_test(a_rollback_puts_it_back_into_the_air),
+		cmocka_unit_test(it_lands_when_the_world_is_closed),
 		cmocka_unit_test(only_boxes_and_meshes_under_scm_carry),
 	};
 	return cmocka_run_group_tests_name("carried", tests, support_enter, support_leave);

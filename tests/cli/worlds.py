@@ -241,10 +241,18 @@ class WorldsTest(SensorsTest):
         self.made("world", "out", "-o", "gazebo", "--format", "sdf", "--no-vehicles", "--window", "28,28,32,32")
         picture = read_png(self.folder / "gazebo/heightmap.png").astype(float)[::-1]
         self.assertEqual(picture.shape, (65, 65))
-        field = ElementTree.parse(self.folder / "gazebo/world.sdf").getroot().find("world/model/link/collision/geometry/heightmap")
-        wide, tall, reach = (float(word) for word in field.find("size").text.split())
-        x, y, z = (float(word) for word in field.find("pos").text.split())
+        link = ElementTree.parse(self.folder / "gazebo/world.sdf").getroot().find("world/model/link")
+
+        def numbers(path):
+            return [float(word) for word in link.find(path).text.split()]
+
+        x, y, z = numbers("visual/geometry/heightmap/pos")
+        wide, tall, reach = numbers("visual/geometry/heightmap/size")
         np.testing.assert_allclose([wide, tall, x, y], [4, 4, 30, 30], atol=1e-12)
+        # Gazebo's physics takes the pose of the collision, and no `pos`; its posts are size / posts apart.
+        self.assertEqual(numbers("collision/pose"), [x, y, z, 0, 0, 0])
+        self.assertIsNone(link.find("collision/geometry/heightmap/pos"))
+        np.testing.assert_allclose(np.array(numbers("collision/geometry/heightmap/size")), [4 * 65 / 64, 4 * 65 / 64, reach], atol=1e-12)
         self.assertEqual((picture.min(), picture.max()), (0, 65535)) # Gazebo scales by the highest
         np.testing.assert_allclose(z + reach * picture / 65535, self.surface(448, 448, 65, 65), atol=0.51 * reach / 65535 + 1e-6)
 
