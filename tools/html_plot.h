@@ -39,7 +39,7 @@ struct html_ground {
 	size_t length;              /* bytes */
 };
 
-/* The style sheet of a page with plots, in html_report.c. */
+/* The style sheet of a page with plots. */
 extern const char html_style[];
 
 /* Whether any point of a line is drawn. */

@@ -5,7 +5,7 @@ packages="build-essential clang meson ninja-build pkg-config python3 python3-pip
 libepoxy-dev liblz4-dev libzstd-dev liblzma-dev libsqlite3-dev libpng-dev libwebp-dev zlib1g-dev libcmocka-dev libgdal-dev libproj-dev gdal-bin libcyaml-dev libyaml-dev
 libcglm-dev libxxhash-dev libcjson-dev libassimp-dev liblmdb-dev libopenmpi-dev openmpi-bin gnuplot-nox
 libsdl2-dev libpango1.0-dev libcairo2-dev libfontconfig-dev fonts-dejavu-core poppler-utils xvfb xdotool x11-apps groff locales
-python3-numpy python3-matplotlib libjs-leaflet debhelper dh-python lintian mmdebstrap mandoc zsh fish"
+python3-numpy python3-matplotlib python3-jinja2 python3-pandas libjs-leaflet debhelper dh-python lintian mmdebstrap mandoc zsh fish"
 missing=
 for package in $packages; do
 	dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing="$missing $package"
