@@ -2,6 +2,7 @@
 
 The page is one HTML file: it needs no network, and no file beside it. docs/REPORT.md tells what it has. It needs the packages jinja2, matplotlib and pandas.
 """
+import logging
 import os
 import pathlib
 import sys
@@ -53,6 +54,8 @@ def main(arguments: "list[str]") -> int:
     parser.add_argument("folders", metavar="DIR", nargs="+")
     parser.add_argument("-o", "--output", metavar="FILE.html", required=True)
     given = parser.parse_args(arguments)
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # that it has no place to keep its list of fonts is nothing to tell
 
     def work() -> None:
         write(given.folders, given.output)

@@ -4,21 +4,17 @@ A plot has 520 x 320 units and no size of its own: the page stretches it. Of a l
 small whatever the drive's length.
 """
 import io
-import logging
 import math
 import re
 import xml.etree.ElementTree as xml
 from dataclasses import dataclass, field
 from typing import Any, Union
 
+import matplotlib
 import numpy as np
 from markupsafe import Markup, escape
-
-logging.getLogger("matplotlib").setLevel(logging.ERROR)
-logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
-import matplotlib  # noqa: E402
-from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 520, 320, 64, 12, 30, 46
 MAP_DOWN = 430         # a map has more room

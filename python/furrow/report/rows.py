@@ -136,7 +136,7 @@ class _File:
         lost = np.isnan(values[:, :4]).any(axis=1)
         if lost.any():
             raise wrong(self.path, self.line + 1 + int(np.argmax(lost)), "does not tell when or where it is")
-        self._share(table[1].to_numpy(str), values)
+        self._share(table[1].to_numpy(object), values)
         self.line += count
 
     def _share(self, names: "np.ndarray", values: "np.ndarray") -> None:

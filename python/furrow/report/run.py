@@ -41,7 +41,8 @@ def finite(value: Any) -> float:
 
 
 class Run:
-    """A folder. objects, vehicles, actuators: their rows, a Body each; ways: corners of their ways in run.json. volumes: of volume.csv. sides: "left" or "right" by an object's name."""
+    """A folder. objects, vehicles, actuators: their rows, a Body each; ways: corners of their ways in run.json. volumes: of volume.csv. sides: "left", "right" or "" by the name of
+    an object or an actuator."""
 
     def __init__(self, folder: str) -> None:
         self.folder = folder
@@ -62,6 +63,7 @@ class Run:
         self.volumes = found if found is not None else {}
         self.ways = [way for key in ("objects", "vehicles") for way in self._ways(key)]
         self.sides = {body.name: forces.side(body, next((v for v in self.vehicles if forces.is_part(body.name, v.name)), None)) for body in self.objects}
+        self.sides.update({body.name: forces.side(body, None) for body in self.actuators})
 
     # --- run.json ---
 
