@@ -178,6 +178,7 @@ static void print_store_imagery(const struct store_meta *meta, const struct stor
 
 static enum status print_json(struct store *store, const struct store_numbers *numbers, const struct store_imagery *imagery, const double *ruts)
 {
+	char name[160];
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
 	double transform[6];
@@ -204,6 +205,8 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_string(object, "base", store_base_path(store));
 	add_parent(object, store);
 	cJSON_AddStringToObject(object, "srs", meta->srs);
+	chart_system_name(meta->srs, name, sizeof name);
+	cJSON_AddStringToObject(object, "srs_name", name);
 	cJSON_AddItemToObject(object, "geotransform", cJSON_CreateDoubleArray(transform, 6));
 	cJSON_AddStringToObject(object, "vertical", meta->vertical);
 	json_pair(object, "origin", meta->origin[0], meta->origin[1]);

@@ -1,10 +1,12 @@
-/* furrow report: one HTML page of one drive, or of several beside each other. */
+/* furrow report: one HTML page of one drive, or of several beside each other. python/furrow/report writes it. */
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/aside.h"
-#include "command.h"
-#include "html_report.h"
+#include "python.h"
+
+#define RUNS 8
+
+extern const struct command command_report;
 
 static const struct command_option options[] = {
 	{"o", "FILE.html", .help = "the page", .files = "html", .needed = true},
@@ -14,9 +16,9 @@ static const struct command_option options[] = {
 static enum status check(const struct arguments *arguments, const char *path)
 {
 	struct stat found;
-	if (arguments_count(arguments) > HTML_RUNS)
+	if (arguments_count(arguments) > RUNS)
 		return fail_with(STATUS_USAGE, "report: %zu folders are too many; give at most %d, or collect them with furrow study",
-				 arguments_count(arguments), HTML_RUNS);
+				 arguments_count(arguments), RUNS);
 	if (path == NULL)
 		return fail_with(STATUS_USAGE, "report: -o is missing; give the page to write, as in -o report.html");
 	if (stat(path, &found) == 0 && !S_ISREG(found.st_mode))
@@ -28,46 +30,10 @@ static enum status check(const struct arguments *arguments, const char *path)
 	return STATUS_OK;
 }
 
-static enum status read_runs(const struct arguments *arguments, struct html_report *report)
-{
-	for (size_t i = 0; i < arguments_count(arguments); i++) {
-		report->count++;
-		TRY(html_run_read(arguments_at(arguments, i), &report->runs[i]));
-		TRY(html_rut_read(&report->runs[i], &report->ruts[i]));
-		TRY(html_map_read(&report->runs[i], arguments_count(arguments) > 1 ? 480 : 720, &report->maps[i]));
-		TRY(html_cache_read(&report->runs[i], &report->caches[i]));
-	}
-	return html_maps_share(report->maps, report->count);
-}
-
-static enum status write_page(struct html_report *report, const char *path)
-{
-	struct aside aside;
-	enum status status;
-	TRY_OR(done, aside_begin(&aside, path));
-	report->file = aside.file;
-	TRY_OR(done, html_report_write(report));
-done:
-	return aside_end(&aside, true, status);
-}
-
 static enum status run(const struct arguments *arguments)
 {
-	struct html_report *report = mem_calloc(1, sizeof *report);
-	const char *path = arguments_text(arguments, "o");
-	enum status status;
-	TRY_OR(done, report != NULL ? check(arguments, path) : fail_memory("a report"));
-	TRY_OR(done, read_runs(arguments, report));
-	TRY_OR(done, write_page(report, path));
-	printf("%s: %zu drive%s\n", path, report->count, report->count == 1 ? "" : "s");
-done:
-	for (size_t i = 0; report != NULL && i < report->count; i++) {
-		html_run_finish(&report->runs[i]);
-		html_rut_finish(&report->ruts[i]);
-		html_map_finish(&report->maps[i]);
-	}
-	mem_free(report);
-	return status;
+	TRY(check(arguments, arguments_text(arguments, "o")));
+	return python_command(&command_report, arguments);
 }
 
 const struct command command_report = {
@@ -78,7 +44,8 @@ const struct command command_report = {
 	.options = options,
 	.details = "The page is one file. It needs no network, and no file beside it: plots and maps are drawn within it, and pictures "
 		   "are a part of it.\n\n"
-		   "Sections, and the files that they come from:\n\n"
+		   "Sections, and the files that they come from. Pictures and four numbers are first, then plots, then tables:\n\n"
+		   "  pictures of the drive              its frame-*.png\n"
 		   "  what was run, settings, soils,     run.json\n"
 		   "    results, step times, volume, notes\n"
 		   "  volume over time                   volume.csv\n"
@@ -89,10 +56,11 @@ const struct command command_report = {
 		   "  sinkage, slip, traction, drawbar   objects.csv (output.forces in the scene)\n"
 		   "    pull, torque, energy\n"
 		   "  speed, work, energy of vehicles    vehicles.csv (output.vehicles)\n"
+		   "  pull against slip                  objects.csv, vehicles.csv\n"
 		   "  digging of bodies with carry       objects.csv, run.json\n"
 		   "  rut profile, across the way        the store or overlay that was deformed\n"
 		   "  page cache: misses over slots      the trace (drive --trace FILE)\n\n"
-		   "If a folder does not have the data for a section, one sentence gives the reason. More: docs/REPORT.md\n",
+		   "If a folder does not have the data for a section, one sentence gives the reason. It needs Python with jinja2, matplotlib and pandas (Debian: python3-jinja2 python3-matplotlib python3-pandas). More: docs/REPORT.md\n",
 	.examples = "furrow report out -o report.html\n"
 		    "furrow report sand clay -o soils.html\n",
 	.see = "furrow-drive(1)",

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/aside.h"
-#include "svg.h"
+#include "xml.h"
 
 /* Places in a world file are those of pixels' centres. */
 static void put_lines(FILE *file, const struct store_meta *meta, const struct chart_place *place)
@@ -17,7 +17,7 @@ static void put_lines(FILE *file, const struct store_meta *meta, const struct ch
 static void put_system(FILE *file, const struct store_meta *meta)
 {
 	fputs("<PAMDataset>\n  <SRS dataAxisToSRSAxisMapping=\"1,2\">", file);
-	svg_text(meta->srs, file);
+	xml_text(meta->srs, file);
 	fputs("</SRS>\n</PAMDataset>\n", file);
 }
 

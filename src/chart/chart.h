@@ -193,8 +193,6 @@ struct chart_ground {
 /* Writes the ground as a PNG into an open file, as small as it can. Of the map it needs raster, ramp, share, range or classes, and pixels: of
  * its longer side. `name`: of the file, for messages. */
 enum status chart_ground_write(const struct chart_map *map, const char *name, FILE *file, struct chart_ground *out) FURROW_CHECKED;
-/* Returns the colour of a value on level ground. */
-struct chart_colour chart_ground_key(const struct chart_map *map, const struct chart_range *range, double value);
 
 /* Returns the level of detail for a map: the finest level, not below `finest`, at which no side has more than `pixels` posts.
  * `rect`: posts of level `from`, which become those of the level. Pure. */

@@ -38,8 +38,3 @@ enum status chart_ground_write(const struct chart_map *map, const char *name, FI
 	mem_free(pixels);
 	return status;
 }
-
-struct chart_colour chart_ground_key(const struct chart_map *map, const struct chart_range *range, double value)
-{
-	return chart_ground_colour(map->raster->flat, map->raster->flat, chart_ramp(map->ramp, chart_ramp_place(map->ramp, range, value)));
-}

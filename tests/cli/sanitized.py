@@ -33,8 +33,6 @@ CHOSEN = {
     "tiles": ["Tiles.test_refusals"],
     "overlay": ["Refusals.test_what_is_no_overlay_of_that_store_is_refused_and_kept"],
     "resume": ["Resume.test_a_damaged_part_is_refused_and_kept"],
-    "report": ["Report.test_names_are_text", "Report.test_numbers_are_checked", "Report.test_rows_that_are_none_are_told_with_their_line",
-               "Report.test_what_is_no_drive_is_refused_and_nothing_is_left"],
     "soil_rasters": ["SoilRasters.test_what_cannot_be_used_is_refused_before_anything_is_driven"],
     "soil_map": ["SoilMap.test_what_is_no_map_is_refused_before_anything_is_driven"],
 }

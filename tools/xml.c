@@ -1,6 +1,4 @@
-#include "svg.h"
-
-#include <math.h>
+#include "xml.h"
 
 /* Returns the bytes of the character at `at`; 0: it is no UTF-8. */
 static int character(const unsigned char *at)
@@ -14,7 +12,7 @@ static int character(const unsigned char *at)
 	return at[0] == 0xef && at[1] == 0xbf && at[2] >= 0xbe ? 0 : length; /* U+FFFE and U+FFFF are none of XML's */
 }
 
-void svg_text(const char *text, FILE *file)
+void xml_text(const char *text, FILE *file)
 {
 	for (const unsigned char *at = (const unsigned char *)text; *at != '\0';) {
 		const int length = character(at);
@@ -32,21 +30,4 @@ void svg_text(const char *text, FILE *file)
 			fwrite(at, 1, (size_t)length, file);
 		at += length > 0 ? length : 1;
 	}
-}
-
-double svg_step(double least)
-{
-	const double power = pow(10, floor(log10(least))), factor = least / power;
-	return power * (factor <= 1 ? 1 : factor <= 2 ? 2 : factor <= 5 ? 5 : 10);
-}
-
-void svg_axis(double *low, double *high, double *step)
-{
-	if (!(*high > *low)) {
-		*low = isfinite(*low) ? *low - 0.5 : 0;
-		*high = *low + 1;
-	}
-	*step = svg_step((*high - *low) / 7);
-	*low = floor(*low / *step + 1e-9) * *step;
-	*high = ceil(*high / *step - 1e-9) * *step;
 }
