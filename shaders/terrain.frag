@@ -4,6 +4,9 @@
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #include "lib/slope.glsl"
+#ifdef TRUTH
+#include "lib/truth.glsl"
+#endif
 #include "lib/tone.glsl"
 #ifdef FOG
 #include "lib/sky.glsl"
@@ -18,7 +21,7 @@
 
 in vec2 post;
 in vec3 place;
-#if defined SKIRTS && defined TERRAIN_SHADOW
+#if defined SKIRTS && (defined TERRAIN_SHADOW || defined TRUTH)
 in float sunk; // metres below the ground's edge: more than 0 on skirts alone
 #else
 const float sunk = 0.0;
@@ -131,6 +134,10 @@ void main()
 #endif
 #if defined TEXTURE && defined DETAIL
 	gradient += surface.tilt;
+#endif
+#ifdef TRUTH
+	if (sunk == 0.0)
+		gradient = slope_of_triangle(place, gradient);
 #endif
 
 #ifdef LAYER

@@ -15,6 +15,12 @@ layout(binding = 5) uniform usampler2D class_map;
 // Added to the log2 of a pixel's size in metres, they give the level of each texture to read. They are a little less than log2 of
 // texels per metre (RENDER_GROUND_* in src/render/internal.h), so that the ground looks sharper.
 #define GROUND_NEAR_LEVEL 7.26
+// In pictures whose colour agrees with their depth, stones, blades and ripples have no height, so they are blurred to their mean colour.
+#ifdef TRUTH
+#define GROUND_LEAST_LEVEL 4.0
+#else
+#define GROUND_LEAST_LEVEL 0.0
+#endif
 #define GROUND_FAR_LEVEL 2.66
 #define GROUND_BEYOND 1.0 // log2 of metres per pixel; see ground_at
 
@@ -102,6 +108,9 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 	float beyond = log_pixel > GROUND_BEYOND ? 1.0 : 0.0, strong = clamp(0.7 * abs(log_pixel - GROUND_BEYOND), 0.0, 1.0);
 	vec4 wide = textureLod(ground_map, vec3(squares.zw * (1.0 - 0.9375 * beyond), GROUND_WIDE), log_pixel + GROUND_FAR_LEVEL - 4.0 * beyond);
 	wide = 0.5 + strong * (wide - 0.5);
+#ifdef TRUTH
+	wide.r = 0.5; // its humps and hollows have no height, either
+#endif
 	float noise = 2.0 * wide.g - 1.0, large = region + 0.5 * noise, slope = steep + 0.35 * noise;
 	rise += 0.14 * region + 0.10 * noise;
 	float stony = min(ground_ramp(0.58, 0.82, slope) + ground_ramp(0.62, 0.76, rise), 1.0);
@@ -134,7 +143,7 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 	part = abs(part);
 #endif
 
-	vec4 grain = textureLod(ground_map, vec3(squares.xy, layer), level + GROUND_NEAR_LEVEL);
+	vec4 grain = textureLod(ground_map, vec3(squares.xy, layer), max(level + GROUND_NEAR_LEVEL, GROUND_LEAST_LEVEL));
 	part = clamp(0.5 + 3.0 * (part - 0.5) + 1.2 * (0.5 - grain.r), 0.0, 1.0);
 	float hue = grain.g - 0.5 + 0.35 * large;
 #ifdef SPLAT

@@ -381,6 +381,21 @@ static enum status draw_layers(struct render *render, const struct gpu_slot *slo
 	return status;
 }
 
+/* Draws what there may be of pictures without and with truth. */
+static enum status draw_truths(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
+{
+	const bool shown = render->truth;
+	enum status status = STATUS_OK;
+	for (int truth = 0; truth < 2 && status == STATUS_OK; truth++) {
+		render->truth = truth;
+		status = render->truths[truth] ? draw_layers(render, slot, kinds, params) : STATUS_OK;
+		if (status == STATUS_OK && render->truths[truth] && render->heaps != NULL)
+			status = render_heaps_draw_unseen(render, params);
+	}
+	render->truth = shown;
+	return status;
+}
+
 static enum status draw_shade(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
 {
 	render->shading = render_shade_target(render->shade, 0);
@@ -399,7 +414,7 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 	gpu_list_write(render->instances, sizeof none, &none);
 	/* Count samples as in any frame, since llvmpipe compiles a program again for that. */
 	gpu_counter_begin(render->ground_samples);
-	enum status status = draw_layers(render, slot, kinds, &params);
+	enum status status = draw_truths(render, slot, kinds, &params);
 	gpu_counter_end(render->ground_samples);
 	TRY(status);
 	if (render->shade != NULL)
@@ -410,8 +425,6 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 		TRY(render_objects_draw_unseen(render, &params));
 	if (render->grains != NULL)
 		TRY(render_grains_draw_unseen(render, &params));
-	if (render->heaps != NULL)
-		TRY(render_heaps_draw_unseen(render, &params));
 	return render->effects >> EFFECT_SKY & 1 ? draw_sky(render, &params) : STATUS_OK;
 }
 

@@ -86,6 +86,8 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct extent 
 /* --- programs.c --- */
 /* Returns the effects of params, without those that would show nothing. */
 uint64_t render_effects(const struct render_params *params);
+/* Adds the define of pictures with truth to a request of the ground, in place of that of detail. */
+void render_request_truth(struct gpu_program_request *request);
 /* Kinds of tiles; each has its own program. PLAIN: not deformed. OFFSET: deformed. LEVEL0: deformed and below level 0. SMOOTH: not
  * deformed and below level 0. The last two also read the tile that they are interpolated from, so that light does not show its cells.
  * Numbers and shadows have the ground as it is, so for them these two are drawn as OFFSET and PLAIN. */
@@ -214,7 +216,9 @@ struct render {
 	struct render_grains *grains; /* NULL: no grains are shown */
 	struct render_heaps *heaps;   /* NULL: no soil aboard bodies is shown */
 	struct render_tiles tiles; /* counts of the last frame */
-	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
+	struct gpu_program *tile_programs[2][RENDER_VARIANTS]; /* without and with truth; NULL: not yet linked */
+	bool truths[2]; /* pictures without and with truth may be drawn */
+	bool truth;     /* the next frame has it */
 	struct render_shade *shade;    /* NULL: the terrain casts no shadows */
 	struct gpu_target *shading;    /* of the map that is drawn now; NULL: none */
 	struct gpu_program *shade_programs[RENDER_VARIANTS];

@@ -124,6 +124,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.layers = params->layers,
 		.measures = params->measures,
 		.classes = params->classes,
+		.truths = {!params->only_truth, params->truth || params->only_truth},
+		.truth = params->only_truth,
 		.show = params->show,
 		.user = params->user,
 		.layer = {RENDER_NATURAL, 0, 1},
@@ -160,6 +162,12 @@ void render_show_layer(struct render *render, const struct render_layer *layer)
 {
 	assert(render->layers && layer->low < layer->high);
 	render->layer = *layer;
+}
+
+void render_set_truth(struct render *render, bool truth)
+{
+	assert(render->truths[truth]);
+	render->truth = truth;
 }
 
 void render_move_sun(struct render *render, double azimuth, double height)

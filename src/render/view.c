@@ -144,6 +144,7 @@ static enum status draw(struct view *view, bool complete)
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
 	TRY(render_view_set_objects(view));
+	render_set_truth(view->render, scene_camera_truth(world_scene(view->world), NULL));
 	return render_frame(view->render, &camera, view->selection);
 }
 
@@ -252,6 +253,12 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.classes = scene_draws_classes(scene),
 		.soils = scene_draws_classes(scene) ? scene : NULL,
 	};
+	const bool own = scene->view.images > 0 || scene->hosted || scene->camera_count == 0;
+	bool truths[2] = {own && !scene_camera_truth(scene, NULL), own && scene_camera_truth(scene, NULL)};
+	for (size_t i = 0; i < scene->camera_count; i++)
+		truths[scene_camera_truth(scene, &scene->cameras[i])] = true;
+	params->truth = truths[1];
+	params->only_truth = !truths[0];
 }
 
 /* Pages may be made after the view. */
@@ -276,6 +283,8 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	params.high = isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high;
 	params.layers = watched;
 	params.measures = params.measures && !watched;
+	if (watched) /* the scene's cameras draw nothing then */
+		params.truth = params.only_truth = scene_camera_truth(world_scene(world), NULL);
 	return render_create(&params, out);
 }
 

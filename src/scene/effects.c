@@ -115,7 +115,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"resident tiles alone: the store's follow at each commit", "keeps coarser tiles up to date with changes"},
 	[EFFECT_PICTURE] = {
 		"picture", "view", "", LIST("terrain.vert", "terrain.frag"), "base, offset, dirt", "colour, depth", 0,
-		LIST("view.size[]", "view.camera"), "at most 1024 tiles a picture, of 8192 x 8192 pixels at most",
+		LIST("view.size[]", "view.camera", "view.truth"), "at most 1024 tiles a picture, of 8192 x 8192 pixels at most",
 		"draws the ground that the camera sees"},
 	[EFFECT_NORMALS] = {
 		"normals", "view", "", LIST("lib/slope.glsl"), "base, offset", "colour", 1, NONE,
@@ -279,6 +279,13 @@ static unsigned images_of(const struct scene *scene)
 bool scene_camera_measures(const struct scene *scene, const struct scene_camera *camera)
 {
 	return (camera->images & (SCENE_IMAGES_MEASURED | (scene->view.samples > 1 ? 1u << SCENE_IMAGE_DEPTH : 0))) != 0;
+}
+
+bool scene_camera_truth(const struct scene *scene, const struct scene_camera *camera)
+{
+	if (scene->view.truth != SCENE_TRUTH_BY_KIND)
+		return scene->view.truth == SCENE_TRUTH_ALL;
+	return camera != NULL && camera->aim.kind != SCENE_CHASE;
 }
 
 bool scene_measures(const struct scene *scene)

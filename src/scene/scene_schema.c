@@ -302,6 +302,7 @@ static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_INT_PTR("images", OPTIONAL, struct raw_view, images),
 	CYAML_FIELD_INT_PTR("samples", OPTIONAL, struct raw_view, samples),
 	CYAML_FIELD_FLOAT_PTR("pixel_error", OPTIONAL, struct raw_view, pixel_error),
+	CYAML_FIELD_BOOL_PTR("truth", OPTIONAL, struct raw_view, truth),
 	CYAML_FIELD_ENUM_PTR("exposure", OPTIONAL, struct raw_view, exposure, exposure_words, 2),
 	CYAML_FIELD_ENUM_PTR("body", OPTIONAL, struct raw_view, body, body_words, 3),
 	CYAML_FIELD_MAPPING_PTR("sun", OPTIONAL, struct raw_view, sun, sun_fields),
