@@ -51,7 +51,7 @@ struct render_axes {
 void render_axes(const struct render *render, const struct render_camera *camera, struct render_axes *axes);
 /* Returns a distance from the eye, in metres for each metre of spacing. From this distance on, a spacing is fine enough for the
  * mesh. Used if distance alone decides the detail. */
-double render_mesh_reach(const struct render_axes *axes);
+double render_mesh_reach(const struct render *render, const struct render_axes *axes);
 #define RENDER_RUT_REACH 1.5 /* up to this factor times that distance, vertices are dense enough to show ruts: camera.c */
 /* Fills the distance from the eye, in metres, from which on each stride of a tile (2^0 to 2^11) is fine enough. The distances
  * never decrease with the stride. */
@@ -94,6 +94,18 @@ void render_request_truth(struct gpu_program_request *request);
 enum { RENDER_PLAIN, RENDER_OFFSET, RENDER_LEVEL0, RENDER_SMOOTH, RENDER_VARIANTS };
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out) FURROW_CHECKED;
 enum status render_sky_program(struct render *render, struct gpu_program **out) FURROW_CHECKED;
+
+/* --- apron.c: the ground beyond the terrain, a part of EFFECT_SKY --- */
+/* Draws it behind what was drawn. Nothing is drawn where the selection's coarsest tile is not resident. `params`: those of the frame; values
+ * for a tile are overwritten. */
+enum status render_apron_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
+			      const struct render_selection *selection, struct picture_params *params) FURROW_CHECKED;
+/* Draws it from a texture like a base, outside the picture: `params` make it invisible. This compiles the program. */
+enum status render_apron_draw_unseen(struct render *render, struct gpu_texture *base, const struct picture_params *params) FURROW_CHECKED;
+enum status render_apron_warm(struct render *render) FURROW_CHECKED;
+void render_apron_plan(const struct render_params *params, struct plan *plan);
+/* Fills the parts of a tile's parameters that say how high the eye is: origin[3] and tile[2]. */
+void render_fill_height(const struct render *render, const struct render_camera *camera, struct picture_params *params);
 
 /* --- objects.c --- */
 struct render_objects;

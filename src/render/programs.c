@@ -216,6 +216,7 @@ enum status render_warm(struct render *render, bool deformed, bool divided, bool
 	TRY(status);
 	if (render->effects >> EFFECT_SKY & 1)
 		TRY(render_sky_program(render, &program));
+	TRY(render_apron_warm(render));
 	TRY(render_grains_warm(render));
 	return render_objects_warm(render);
 }
@@ -279,6 +280,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		add_program(plan, scene_effect_row(EFFECT_SKY)->name, &sky);
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}
+	render_apron_plan(params, plan);
 	render_objects_plan(params, plan);
 	render_grains_plan(params, plan);
 	render_heaps_plan(params, plan);

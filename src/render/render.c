@@ -204,7 +204,7 @@ void render_read_into(struct render *render, enum scene_image image, struct gpu_
 
 void render_depths(float *depth, size_t count)
 {
-	for (size_t i = 0; i < count; i++) /* the texture has near / distance; 0: nothing was drawn; 1e-12: the sky (shaders/sky.vert) */
+	for (size_t i = 0; i < count; i++) /* the texture has near / distance; 0: nothing was drawn; less than 1e-11: the ground beyond the terrain, or the sky (shaders/apron.vert, sky.vert) */
 		depth[i] = depth[i] > 1e-11f ? (float)RENDER_NEAR / depth[i] : INFINITY;
 }
 

@@ -98,7 +98,9 @@ static enum status select_and_load(struct view *view, const struct render_view *
 static enum status find_tiles(struct view *view, const struct render_view *whole, bool complete)
 {
 	view->exact = complete || !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
+	view->complete = complete;
 	enum status status = select_and_load(view, whole, complete);
+	view->complete = false;
 	view->exact = true;
 	TRY(status);
 	render_view_mark_used(view, true);
@@ -139,12 +141,12 @@ static enum status draw(struct view *view, bool complete)
 	const struct plane_marks marks = world_marks_at(view->world, world_time(view->world));
 	render_set_marks(view->render, &marks);
 	render_view_place_camera(view, world_time(view->world), &camera);
+	render_set_truth(view->render, scene_camera_truth(world_scene(view->world), NULL));
 	TRY(render_view_shade(view, &camera, complete));
 	TRY(render_view_find_tiles(view, &camera, complete));
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
 	TRY(render_view_set_objects(view));
-	render_set_truth(view->render, scene_camera_truth(world_scene(view->world), NULL));
 	return render_frame(view->render, &camera, view->selection);
 }
 

@@ -133,8 +133,8 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"fog", "view.effects", "FOG", LIST("terrain.frag", "terrain.vert"), "", "colour", 0, NONE,
 		"as clear as the terrain is large; there is none on the Moon", "fades what is far into the air"},
 	[EFFECT_SKY] = {
-		"sky", "view.effects", "", LIST("sky.vert", "sky.frag"), "", "colour", 0, NONE,
-		"where no ground is drawn", "draws the sky behind the ground"},
+		"sky", "view.effects", "", LIST("sky.vert", "sky.frag", "apron.vert", "apron.frag"), "", "colour", 0, NONE,
+		"beyond the terrain, ground that goes on from its edges; it has no depth", "draws the sky, and the ground beyond the terrain"},
 	[EFFECT_GEOMORPH] = {
 		"geomorph", "view.effects", "GEOMORPH", LIST("terrain.vert"), "base, offset", "depth", 1, NONE,
 		"with a pixel_error tiles of different levels may meet unevenly; skirts hide it", "slides each level into the next"},
