@@ -19,8 +19,8 @@
 
 layout(binding = 0) uniform isampler2D base_map;
 
-// Distances of rows from the edge. The first lies within the terrain. The ground is level from 1 on.
-const float rows[17] = float[17](-0.02, 0.0, 0.02, 0.05, 0.09, 0.14, 0.20, 0.27, 0.35, 0.44, 0.54, 0.65, 0.77, 0.90, 1.0, 5.0, 60.0);
+// Distances of rows from the edge. The first lies within the terrain. The ground is level from 1 on, and two more rows go to the horizon.
+const float rows[15] = float[15](-0.02, 0.0, 0.02, 0.05, 0.09, 0.14, 0.20, 0.27, 0.35, 0.44, 0.54, 0.65, 0.77, 0.90, 1.0);
 
 out vec3 place;
 out vec2 gradient;
@@ -59,7 +59,9 @@ void main()
 	int side = tile.w + 1, edge = gl_InstanceID / (ALONG * AWAY), block = gl_InstanceID % (ALONG * AWAY);
 	int row = min((block / ALONG) * tile.w + gl_VertexID / side, 16);
 	float along = float((block % ALONG) * tile.w + gl_VertexID % side) / float(ALONG * tile.w);
-	float apart = detail.x * rows[row], level = relief.x + detail.y - relief.w;
+	along = edge == 0 || edge == 3 ? 1.0 - along : along; // so that all sides have their front above
+	float level = relief.x + detail.y - relief.w, horizon_distance = sqrt(2.0 * planet_radius * max(-level, 2.0));
+	float apart = detail.x * rows[min(row, 14)] + horizon_distance * (row == 15 ? 0.2 : row == 16 ? 1.0 : 0.0);
 
 	// 0 south, 1 north, 2 west, 3 east.
 	vec2 size = ground.zw;
@@ -67,11 +69,16 @@ void main()
 	float there = mix(-apart, (upright ? size.y : size.x) + apart, along);
 	float beyond = (edge & 1) == 0 ? -apart : (upright ? size.x : size.y) + apart;
 	metres = upright ? vec2(beyond, there) : vec2(there, beyond);
+	vec2 outward = metres - clamp(metres, vec2(0.0), size);
+	if (row > 14) { // the horizon is round
+		outward *= apart / length(outward);
+		metres = clamp(metres, vec2(0.0), size) + outward;
+	}
 
 	vec2 mirrored = clamp(size - abs(size - abs(metres)), vec2(0.0), size);
 	vec2 post = min(mirrored / origin.z, ground.xy);
-	float height = height_between(post, level), fade = smoothstep(0.0, 1.0, rows[row]);
-	place = vec3(origin.xy + metres, mix(height, level, fade) - apart * apart / (2.0 * planet_radius));
+	float height = height_between(post, level), fade = smoothstep(0.0, 1.0, rows[min(row, 14)]);
+	place = vec3(origin.xy + metres, mix(height, level, fade) - dot(outward, outward) / (2.0 * planet_radius));
 	gradient = slope_around(post, level) * (1.0 - fade) * mix(vec2(-1.0), vec2(1.0), vec2(equal(mirrored, metres)));
 #ifdef FOG
 	air = haze_between(place);

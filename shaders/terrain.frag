@@ -14,6 +14,7 @@
 #endif
 #ifdef TEXTURE
 #include "lib/ground.glsl"
+#include "lib/walls.glsl"
 #endif
 #ifdef TERRAIN_SHADOW
 #include "lib/shade.glsl"
@@ -100,7 +101,8 @@ void main()
 #endif
 
 #ifdef TEXTURE
-	ground_surface surface = ground_at(post, squares, ground_pixel(place, gradient), country.x, country.y, steep, dug);
+	vec4 seen = vec4(walls_squares(squares.xy, gradient, steep, place.z + relief.w), squares.zw);
+	ground_surface surface = ground_at(post, seen, ground_pixel(place, gradient), country.x, country.y, steep, dug);
 	vec3 albedo = surface.albedo;
 #else
 	vec3 albedo = mix(low_colour, high_colour, clamp((place.z + relief.w - relief.x) * relief.y, 0.0, 1.0));

@@ -65,6 +65,7 @@ static enum status run(struct render *render, struct gpu_texture *base, const st
 		.index_count = render_index_count(render_block_cells(&render->extent), false),
 		.instances = 4 * RENDER_APRON_ALONG * RENDER_APRON_AWAY,
 		.depth_test = true,
+		.cull_back = true, /* through a hole of the terrain the sky is seen */
 	};
 	TRY(program_of(render, &pass.program));
 	gpu_pass_run(render->gpu, &pass);
