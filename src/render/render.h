@@ -165,8 +165,8 @@ struct render_tiles {
 	uint64_t shadowed; /* 1: with shadows (PLAN_SHADOWED) */
 };
 void render_tiles(const struct render *render, struct render_tiles *tiles);
-/* Sets whether frames from the next one on have the light of the drawn surface alone, as depth shows it: without detail of textures, and
- * flat on each triangle. Without a call they have it only if render_params.only_truth is set. False colours do not change. */
+/* Sets whether frames from the next one on have the light of the drawn surface alone, as depth shows it. Each triangle then has one light, and
+ * textures have no detail. At the start it is render_params.only_truth. False colours do not change. Only what render_params allows may be set. */
 void render_set_truth(struct render *render, bool truth);
 /* Moves the sun, from the next frame on. Azimuth clockwise from the store's north, and height, rad. */
 void render_move_sun(struct render *render, double azimuth, double height);

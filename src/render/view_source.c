@@ -199,7 +199,7 @@ void render_view_find_room(struct view *view)
 }
 
 /* A picture that is written waits for its tiles while no object acts. So what it shows depends on the slots alone, and not on what else uses
- * them: it is the same beside any objects, and without them. */
+ * them. It is the same with any objects. */
 static bool is_written(const struct view *view)
 {
 	return view->complete || view->at_steps;
