@@ -14,7 +14,7 @@
 
 #define NODATA int(0x80000000)
 // Blocks along a side, and away from it: RENDER_APRON_ALONG and RENDER_APRON_AWAY. A block has 8 cells along each.
-#define ALONG 16
+#define ALONG 8
 #define AWAY 2
 
 layout(binding = 0) uniform isampler2D base_map;

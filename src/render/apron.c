@@ -8,7 +8,7 @@
 #include "render/internal.h"
 
 /* Blocks along each of the four sides, and away from it; shaders/apron.vert has both, too. */
-#define RENDER_APRON_ALONG 16
+#define RENDER_APRON_ALONG 8
 #define RENDER_APRON_AWAY 2
 /* How far from the terrain its edges' heights level off: a share of its size, or so many times its relief. */
 #define LEVEL_SIZE 0.4
