@@ -93,7 +93,7 @@ void render_heaps_plan(const struct render_params *params, struct plan *plan)
 		if (!used[i])
 			continue;
 		gpu_program_name(&requests[i], name, sizeof name);
-		plan_add(plan, &(struct plan_line){.kind = PLAN_PROGRAM, .unit = PLAN_ONCE, .effect = i < 2 ? effect : scene_effect_row(EFFECT_CAMERAS)->name, .object = -1, .amount = 1}, name);
+		plan_add(plan, &(struct plan_line){.kind = PLAN_PROGRAM, .unit = PLAN_ONCE, .effect = i == 0 || (i == 1 && !used[0]) ? effect : scene_effect_row(EFFECT_CAMERAS)->name, .object = -1, .amount = 1}, name);
 	}
 	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = effect, .object = -1, .amount = 1, .bytes = gpu_list_bytes(HEAP_QUADS * 4 * sizeof(struct heap_corner))},
 		 "soil aboard: corners");

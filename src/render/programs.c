@@ -250,7 +250,9 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 			struct gpu_program_request request;
 			for (int truth = params->only_truth; truth <= (params->truth || params->only_truth); truth++) {
 				request = picture_request_of(effects, body, shown, params->pixel_error > 0, truth, variant);
-				add_program(plan, asks_reaches(effects, params->pixel_error > 0) ? by_error : picture, &request);
+				/* Beside pictures without truth, those with it are of cameras. */
+				const char *effect = asks_reaches(effects, params->pixel_error > 0) ? by_error : picture;
+				add_program(plan, truth && !params->only_truth ? scene_effect_row(EFFECT_CAMERAS)->name : effect, &request);
 			}
 			request = measure_request_of(effects, params->classes, params->pixel_error > 0, variant);
 			if (params->measures && !is_interpolated(variant))
