@@ -16,6 +16,10 @@ flat in int heap_class;
 #include "lib/haze.glsl"
 #endif
 
+#ifdef TRUTH
+#include "lib/truth.glsl"
+#endif
+
 in vec3 place;
 in vec3 normal;
 flat in vec2 along;
@@ -45,6 +49,9 @@ void main()
 	albedo *= 0.85; // fresh soil, as terrain.frag has it where it was raised
 #if defined TEXTURE && defined DETAIL
 	gradient += 1.6 * (surface.tilt.x * along + surface.tilt.y * vec2(-along.y, along.x));
+#endif
+#ifdef TRUTH
+	gradient = slope_of_triangle(place, gradient);
 #endif
 	vec3 outward = normalize(vec3(-gradient, 1.0));
 	float facing = max(dot(outward, sun.xyz), 0.0);

@@ -6,5 +6,5 @@ out vec2 corner; // place in the picture: -1 .. 1, x to the right, y upward
 void main()
 {
 	corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
-	gl_Position = vec4(corner, 1e-12, 1.0);
+	gl_Position = vec4(corner, 1e-30, 1.0);
 }

@@ -4,6 +4,9 @@
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #include "lib/slope.glsl"
+#ifdef TRUTH
+#include "lib/truth.glsl"
+#endif
 #include "lib/tone.glsl"
 #ifdef FOG
 #include "lib/sky.glsl"
@@ -11,6 +14,7 @@
 #endif
 #ifdef TEXTURE
 #include "lib/ground.glsl"
+#include "lib/walls.glsl"
 #endif
 #ifdef TERRAIN_SHADOW
 #include "lib/shade.glsl"
@@ -18,7 +22,7 @@
 
 in vec2 post;
 in vec3 place;
-#if defined SKIRTS && defined TERRAIN_SHADOW
+#if defined SKIRTS && (defined TERRAIN_SHADOW || defined TRUTH)
 in float sunk; // metres below the ground's edge: more than 0 on skirts alone
 #else
 const float sunk = 0.0;
@@ -97,7 +101,8 @@ void main()
 #endif
 
 #ifdef TEXTURE
-	ground_surface surface = ground_at(post, squares, ground_pixel(place, gradient), country.x, country.y, steep, dug);
+	vec4 seen = vec4(walls_squares(squares.xy, gradient, steep, place.z + relief.w), squares.zw);
+	ground_surface surface = ground_at(post, seen, ground_pixel(place, gradient), country.x, country.y, steep, dug);
 	vec3 albedo = surface.albedo;
 #else
 	vec3 albedo = mix(low_colour, high_colour, clamp((place.z + relief.w - relief.x) * relief.y, 0.0, 1.0));
@@ -131,6 +136,10 @@ void main()
 #endif
 #if defined TEXTURE && defined DETAIL
 	gradient += surface.tilt;
+#endif
+#ifdef TRUTH
+	if (sunk == 0.0)
+		gradient = slope_of_triangle(place, gradient);
 #endif
 
 #ifdef LAYER

@@ -33,7 +33,7 @@ layout(std430, binding = 0) readonly buffer blocks {
 
 out vec2 post;      // place in the tile, in posts
 out vec3 place;     // metres relative to the eye
-#if defined SKIRTS && defined TERRAIN_SHADOW
+#if defined SKIRTS && (defined TERRAIN_SHADOW || defined TRUTH)
 out float sunk; // metres below the ground's edge: more than 0 on skirts alone
 #endif
 #ifdef LEVEL0
@@ -136,7 +136,7 @@ void main()
 	if (drop > 0.0)
 		drop = max(2.0 * detail.w * length(place), detail.y);
 	place.z -= drop;
-#ifdef TERRAIN_SHADOW
+#if defined TERRAIN_SHADOW || defined TRUTH
 	sunk = drop;
 #endif
 #endif

@@ -11,12 +11,14 @@ $furrow synth -o demo/demo.tif --posts 2049x2049 --spacing 1 --kind ridged --rel
 rm -rf demo/drive demo/ruts.furrow # of an earlier demo: a terrain that has ruts over it is not replaced
 $furrow import demo/demo.tif -o demo/demo.furrow --overwrite
 scene=tools/scenes/vehicles/offroad.yaml
+camera='{fixed: {eye: [74.5, 51.8, 118.5], target: [66.5, 57.2, 115.5]}}' # beside the way, where the vehicle is after 12 s
 case $($furrow --version) in *"no MuJoCo"*)
 	scene=tools/scenes/demo.yaml
+	camera=
 	echo "demo: this build has no MuJoCo, so its wheels follow paths; sh tools/mujoco.sh fetches it, then remove the folder build"
 	;;
 esac
-$furrow drive $scene --store demo/demo.furrow --overlay demo/ruts.furrow -o demo/drive
+$furrow drive $scene --store demo/demo.furrow --overlay demo/ruts.furrow -o demo/drive ${camera:+--set "view.camera=$camera"}
 $furrow verify demo/ruts.furrow
 $furrow export demo/ruts.furrow -o demo/ruts.png --layer offset --window 30,30,100,70
 $furrow export demo/demo.furrow -o demo/hillshade.png --layer hillshade

@@ -1,5 +1,5 @@
-// The material of the ground and its look. One number gives the material: sand 0, grass 1, soil 2, rock 3, snow 4. Between two whole
-// numbers a place has both materials. With SPLAT the classes of the soil map give the material, except where rock shows. With HEAP it is that
+// The material of the ground and its look. One number gives the material: sand 0, grass 1, soil 2, rock 3, snow 4. A place has at most
+// two materials. With SPLAT the classes of the soil map give the material, except where rock shows. With HEAP it is that
 // of heap_class.
 //
 // There are two textures. The near one repeats every few metres. A second material of a place shows in its hollows. The far one repeats
@@ -15,6 +15,12 @@ layout(binding = 5) uniform usampler2D class_map;
 // Added to the log2 of a pixel's size in metres, they give the level of each texture to read. They are a little less than log2 of
 // texels per metre (RENDER_GROUND_* in src/render/internal.h), so that the ground looks sharper.
 #define GROUND_NEAR_LEVEL 7.26
+// In pictures whose colour agrees with their depth, stones, blades and ripples have no height, so they are blurred to their mean colour.
+#ifdef TRUTH
+#define GROUND_LEAST_LEVEL 4.0
+#else
+#define GROUND_LEAST_LEVEL 0.0
+#endif
 #define GROUND_FAR_LEVEL 2.66
 #define GROUND_BEYOND 1.0 // log2 of metres per pixel; see ground_at
 
@@ -81,10 +87,24 @@ vec3 ground_apart(vec4 soil)
 			   rock_colours[1] - rock_colours[0], snow_colours[1] - snow_colours[0]);
 }
 #else
-// Returns a value for a place on the line of materials, from the values of the five. Each of `steps` is 0 .. 1.
-vec3 ground_along(vec4 steps, const vec3 sand, const vec3 cover, const vec3 earth, const vec3 rock, const vec3 snow)
+// Returns a mean of the values of the five materials. shares: of grass, soil, rock and snow; the rest is sand.
+vec3 ground_mean(vec4 shares, const vec3 sand, const vec3 cover, const vec3 earth, const vec3 rock, const vec3 snow)
 {
-	return sand + steps.x * (cover - sand) + steps.y * (earth - cover) + steps.z * (rock - earth) + steps.w * (snow - rock);
+	return sand + shares.x * (cover - sand) + shares.y * (earth - sand) + shares.z * (rock - sand) + shares.w * (snow - sand);
+}
+
+// Two materials of a place, and the share of the second, at most 0.5.
+struct ground_pair {
+	float first, second, part;
+};
+
+// Lets a third material come to a place, by its share. The two with the largest shares stay. So between sand and soil there is no grass.
+ground_pair ground_with(ground_pair pair, float material, float share)
+{
+	if (share <= pair.part)
+		return pair;
+	bool more = share > 0.5;
+	return ground_pair(more ? material : pair.first, more ? pair.first : material, min(share, 1.0 - share));
 }
 #endif
 
@@ -102,6 +122,9 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 	float beyond = log_pixel > GROUND_BEYOND ? 1.0 : 0.0, strong = clamp(0.7 * abs(log_pixel - GROUND_BEYOND), 0.0, 1.0);
 	vec4 wide = textureLod(ground_map, vec3(squares.zw * (1.0 - 0.9375 * beyond), GROUND_WIDE), log_pixel + GROUND_FAR_LEVEL - 4.0 * beyond);
 	wide = 0.5 + strong * (wide - 0.5);
+#ifdef TRUTH
+	wide.r = 0.5; // its humps and hollows have no height, either
+#endif
 	float noise = 2.0 * wide.g - 1.0, large = region + 0.5 * noise, slope = steep + 0.35 * noise;
 	rise += 0.14 * region + 0.10 * noise;
 	float stony = min(ground_ramp(0.58, 0.82, slope) + ground_ramp(0.62, 0.76, rise), 1.0);
@@ -128,23 +151,24 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 	float sandy = ground_ramp(-0.10, -0.03, -rise) * ground_ramp(-0.35, -0.15, -slope) * (1.0 - stony);
 	float white = snow_lies * ground_ramp(0.70, 0.74, rise) * ground_ramp(-1.05, -0.75, -slope);
 	// Where the ground is dug up, soil shows under grass, and sand under sand.
-	float along = (1.0 - sandy) * (1.0 + max(min(bare, 1.0) + stony, dug * (1.0 - 0.6 * stony)));
-	along = mix(along, 4.0, white);
-	float layer = floor(along + 0.5), part = along - layer, aside = part < 0.0 ? -1.0 : 1.0;
-	part = abs(part);
+	float along = 1.0 + max(min(bare, 1.0) + stony, dug * (1.0 - 0.6 * stony)), near = floor(along + 0.5);
+	ground_pair pair = ground_pair(near, along < near ? near - 1.0 : near + 1.0, abs(along - near));
+	pair = ground_with(ground_with(pair, 0.0, sandy), 4.0, white);
+	float layer = pair.first, part = pair.part;
 #endif
 
-	vec4 grain = textureLod(ground_map, vec3(squares.xy, layer), level + GROUND_NEAR_LEVEL);
+	vec4 grain = textureLod(ground_map, vec3(squares.xy, layer), max(level + GROUND_NEAR_LEVEL, GROUND_LEAST_LEVEL));
 	part = clamp(0.5 + 3.0 * (part - 0.5) + 1.2 * (0.5 - grain.r), 0.0, 1.0);
 	float hue = grain.g - 0.5 + 0.35 * large;
 #ifdef SPLAT
 	vec3 colour = mix(ground_middle(soil), ground_middle(beside), part), apart = mix(ground_apart(soil), ground_apart(beside), part);
 #else
-	vec4 steps = clamp(vec4(layer + aside * part) - vec4(0.0, 1.0, 2.0, 3.0), 0.0, 1.0);
-	vec3 colour = ground_along(steps, 0.5 * (sand_colours[0] + sand_colours[1]), 0.5 * (cover_colours[0] + cover_colours[1]),
+	const vec4 materials = vec4(1.0, 2.0, 3.0, 4.0);
+	vec4 shares = (1.0 - part) * vec4(equal(vec4(layer), materials)) + part * vec4(equal(vec4(pair.second), materials));
+	vec3 colour = ground_mean(shares, 0.5 * (sand_colours[0] + sand_colours[1]), 0.5 * (cover_colours[0] + cover_colours[1]),
 				   0.5 * (soil_colours[0] + soil_colours[1]), 0.5 * (rock_colours[0] + rock_colours[1]),
 				   0.5 * (snow_colours[0] + snow_colours[1]));
-	vec3 apart = ground_along(steps, sand_colours[1] - sand_colours[0], cover_colours[1] - cover_colours[0],
+	vec3 apart = ground_mean(shares, sand_colours[1] - sand_colours[0], cover_colours[1] - cover_colours[0],
 				  soil_colours[1] - soil_colours[0], rock_colours[1] - rock_colours[0], snow_colours[1] - snow_colours[0]);
 #endif
 	ground_surface surface;

@@ -17,6 +17,8 @@
  * are finer than the mesh, since light is computed from their posts. */
 #define PIXELS_A_POST 6.0
 #define PIXELS_A_CELL 32.0
+/* The same with truth, where each triangle has one light. Not finer than tiles are selected. */
+#define PIXELS_A_TRUE_CELL 10.0
 /* The least reach of a stride, in its spacings. Below it, the zone in which vertices move to the next stride would be too narrow. */
 #define REACH_LEAST 24.0
 /* Ruts are finer than the ground. So strides up to this length have a longer reach, which shows ruts from farther away. The reach
@@ -58,9 +60,9 @@ void render_axes(const struct render *render, const struct render_camera *camera
 	axes->focal = render->screen->height / 2.0 / tan(camera->fov / 2);
 }
 
-double render_mesh_reach(const struct render_axes *axes)
+double render_mesh_reach(const struct render *render, const struct render_axes *axes)
 {
-	return fmax(axes->focal / PIXELS_A_CELL, REACH_LEAST);
+	return fmax(axes->focal / (render->truth ? PIXELS_A_TRUE_CELL : PIXELS_A_CELL), REACH_LEAST);
 }
 
 void render_reaches(const struct render *render, const struct render_axes *axes, const struct render_draw *draw,
@@ -70,7 +72,7 @@ void render_reaches(const struct render *render, const struct render_axes *axes,
 	for (int k = 0; k < RENDER_STRIDES; k++) {
 		double apart = spacing * (1 << k);
 		if (render->pixel_error <= 0) {
-			reaches[k] = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RENDER_RUT_REACH : 1);
+			reaches[k] = apart * render_mesh_reach(render, axes) * ((float)apart <= RUT_CELL ? RENDER_RUT_REACH : 1);
 			continue;
 		}
 		/* A stride of 2^k posts shows the surface of the level k levels above. So the error of that level decides (Equation 3).
@@ -92,6 +94,6 @@ void render_view(const struct render *render, const struct render_camera *camera
 			(double)render->screen->width / render->screen->height, RENDER_FAR, view->planes);
 	view->by_error = render->pixel_error > 0;
 	view->radius = view->by_error ? axes.focal / render->pixel_error :
-					fmax(axes.focal / PIXELS_A_POST, RENDER_RUT_REACH * render_mesh_reach(&axes)) / render->extent.cells;
+					fmax(axes.focal / PIXELS_A_POST, RENDER_RUT_REACH * render_mesh_reach(render, &axes)) / render->extent.cells;
 	view->finest = TILE_LEVEL_MIN;
 }

@@ -85,6 +85,14 @@ static bool is_patched(const struct render *render, const struct render_axes *ax
 	return false;
 }
 
+void render_fill_height(const struct render *render, const struct render_camera *camera, struct picture_params *params)
+{
+	const double eye = camera->eye[2] - render->reference;
+	const double half = fmin(fmax(round(ldexp(eye, BASE_BITS - 1)), -0x1p30 + 1), 0x1p30 - 1);
+	params->origin[3] = (float)(eye - ldexp(half, 1 - BASE_BITS));
+	params->tile[2] = (int32_t)half;
+}
+
 static void fill_tile(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
 		      const struct render_draw *draw, uint32_t first, bool patched, double lowest,
 		      struct picture_params *params)
@@ -94,20 +102,18 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	uint32_t cells = render->extent.cells;
 	double spacing = extent_spacing(&render->extent, draw->tile.level);
 	double west = draw->tile.x * spacing * cells, south = draw->tile.y * spacing * cells;
-	double eye = camera->eye[2] - render->reference;
-	double half = fmin(fmax(round(ldexp(eye, BASE_BITS - 1)), -0x1p30 + 1), 0x1p30 - 1);
-	to_floats(params->origin, west - camera->eye[0], south - camera->eye[1], spacing, eye - ldexp(half, 1 - BASE_BITS));
+	to_floats(params->origin, west - camera->eye[0], south - camera->eye[1], spacing, 0);
+	render_fill_height(render, camera, params);
 	to_floats(params->pattern, fmod(west, RENDER_PATTERN_PERIOD), fmod(south, RENDER_PATTERN_PERIOD), spacing, log2(1 / axes->focal));
 	double near_x = (2 * west + south) / RENDER_GROUND_NEAR, near_y = (2 * south - west) / RENDER_GROUND_NEAR;
 	double far_x = (3 * west + south) / RENDER_GROUND_FAR, far_y = (3 * south - west) / RENDER_GROUND_FAR;
 	to_floats(params->corner_squares, near_x - floor(near_x), near_y - floor(near_y), fmod(far_x, 16), fmod(far_y, 16));
-	to_floats(params->detail, render_mesh_reach(axes), patched ? draw->high - lowest : 0, RENDER_RUT_REACH * render_mesh_reach(axes),
+	to_floats(params->detail, render_mesh_reach(render, axes), patched ? draw->high - lowest : 0, RENDER_RUT_REACH * render_mesh_reach(render, axes),
 		  fmax(render->pixel_error, 1) / axes->focal);
 	for (int k = 0; k < RENDER_STRIDES; k++)
 		params->reaches[k] = (float)reaches[k];
 	params->tile[0] = (int32_t)cells;
 	params->tile[1] = (int32_t)first;
-	params->tile[2] = (int32_t)half;
 	params->tile[3] = (int32_t)render_block_cells(&render->extent);
 
 	to_floats(params->layer, render->layer.kind, render->layer.low, 1 / (render->layer.high - render->layer.low),
@@ -231,6 +237,16 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 	return STATUS_OK;
 }
 
+/* Draws the ground beyond the terrain, and the sky. */
+static enum status draw_beyond(struct render *render, const struct render_camera *camera, const struct render_selection *selection,
+			       struct picture_params *params)
+{
+	struct render_axes axes;
+	render_axes(render, camera, &axes);
+	TRY(render_apron_draw(render, camera, &axes, selection, params));
+	return draw_sky(render, params);
+}
+
 /* Draws the blocks of the selected tiles that `view` sees. */
 static enum status draw_ground(struct render *render, const struct render_camera *camera, const struct render_axes *axes, const struct render_view *view,
 			       const struct render_selection *selection, struct picture_params *params)
@@ -306,7 +322,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	gpu_target_clear(target_of(render), background);
 	TRY(draw_frame(render, camera, selection, &params));
 	if (render->effects >> EFFECT_SKY & 1)
-		TRY(draw_sky(render, &params));
+		TRY(draw_beyond(render, camera, selection, &params));
 	if (render->screen->resolved != NULL)
 		gpu_target_resolve(render->screen->target, render->screen->resolved);
 	return gpu_check(render->gpu, "drawing the picture");
@@ -381,6 +397,21 @@ static enum status draw_layers(struct render *render, const struct gpu_slot *slo
 	return status;
 }
 
+/* Draws what there may be of pictures without and with truth. */
+static enum status draw_truths(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
+{
+	const bool shown = render->truth;
+	enum status status = STATUS_OK;
+	for (int truth = 0; truth < 2 && status == STATUS_OK; truth++) {
+		render->truth = truth;
+		status = render->truths[truth] ? draw_layers(render, slot, kinds, params) : STATUS_OK;
+		if (status == STATUS_OK && render->truths[truth] && render->heaps != NULL)
+			status = render_heaps_draw_unseen(render, params);
+	}
+	render->truth = shown;
+	return status;
+}
+
 static enum status draw_shade(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
 {
 	render->shading = render_shade_target(render->shade, 0);
@@ -399,7 +430,7 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 	gpu_list_write(render->instances, sizeof none, &none);
 	/* Count samples as in any frame, since llvmpipe compiles a program again for that. */
 	gpu_counter_begin(render->ground_samples);
-	enum status status = draw_layers(render, slot, kinds, &params);
+	enum status status = draw_truths(render, slot, kinds, &params);
 	gpu_counter_end(render->ground_samples);
 	TRY(status);
 	if (render->shade != NULL)
@@ -410,9 +441,10 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 		TRY(render_objects_draw_unseen(render, &params));
 	if (render->grains != NULL)
 		TRY(render_grains_draw_unseen(render, &params));
-	if (render->heaps != NULL)
-		TRY(render_heaps_draw_unseen(render, &params));
-	return render->effects >> EFFECT_SKY & 1 ? draw_sky(render, &params) : STATUS_OK;
+	if (!(render->effects >> EFFECT_SKY & 1))
+		return STATUS_OK;
+	TRY(render_apron_draw_unseen(render, slot->base, &params));
+	return draw_sky(render, &params);
 }
 
 enum status render_draw_unseen(struct render *render, bool deformed, bool divided, bool smooth)

@@ -45,7 +45,7 @@ struct render_heaps {
 
 /* --- programs, plan and life --- */
 
-static struct gpu_program_request request_of(uint64_t effects, const char *body)
+static struct gpu_program_request request_of(uint64_t effects, const char *body, bool truth)
 {
 	static const enum scene_effect used[] = {EFFECT_TEXTURE, EFFECT_DETAIL, EFFECT_FOG, EFFECT_SPLAT, EFFECT_TERRAIN_SHADOW};
 	struct gpu_program_request request = {.vertex = "heap.vert", .fragment = "heap.frag"};
@@ -54,6 +54,8 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body)
 		if (effects >> used[i] & 1)
 			request.defines[count++] = scene_effect_row(used[i])->define;
 	request.defines[count] = body;
+	if (truth)
+		render_request_truth(&request);
 	return request;
 }
 
@@ -63,7 +65,7 @@ static enum status program_of(struct render *render, struct gpu_program **out)
 {
 	if (render->measuring)
 		return gpu_program_get(render->gpu, &measure_request, out);
-	const struct gpu_program_request request = request_of(render->effects, render_body_define(&render->light));
+	const struct gpu_program_request request = request_of(render->effects, render_body_define(&render->light), render->truth);
 	return gpu_program_get(render->gpu, &request, out);
 }
 
@@ -80,14 +82,18 @@ void render_heaps_plan(const struct render_params *params, struct plan *plan)
 {
 	const char *effect = scene_effect_row(EFFECT_CARRIED)->name;
 	const struct scene_light light = params->light != NULL ? *params->light : scene_light_default();
-	const struct gpu_program_request requests[] = {request_of(render_effects(params), render_body_define(&light)), measure_request};
+	const char *body = render_body_define(&light);
+	const struct gpu_program_request requests[] = {request_of(render_effects(params), body, false), request_of(render_effects(params), body, true), measure_request};
+	const bool used[] = {!params->only_truth, params->truth || params->only_truth, params->measures};
 	const bool objects = (params->effects >> EFFECT_OBJECTS & 1) && params->object_count > 0;
 	char name[GPU_PROGRAM_NAME];
 	if (!params->heaps)
 		return;
-	for (int i = 0; i < (params->measures ? 2 : 1); i++) {
+	for (int i = 0; i < 3; i++) {
+		if (!used[i])
+			continue;
 		gpu_program_name(&requests[i], name, sizeof name);
-		plan_add(plan, &(struct plan_line){.kind = PLAN_PROGRAM, .unit = PLAN_ONCE, .effect = i == 0 ? effect : scene_effect_row(EFFECT_CAMERAS)->name, .object = -1, .amount = 1}, name);
+		plan_add(plan, &(struct plan_line){.kind = PLAN_PROGRAM, .unit = PLAN_ONCE, .effect = i == 0 || (i == 1 && !used[0]) ? effect : scene_effect_row(EFFECT_CAMERAS)->name, .object = -1, .amount = 1}, name);
 	}
 	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_ONCE, .effect = effect, .object = -1, .amount = 1, .bytes = gpu_list_bytes(HEAP_QUADS * 4 * sizeof(struct heap_corner))},
 		 "soil aboard: corners");

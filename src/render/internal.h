@@ -51,7 +51,7 @@ struct render_axes {
 void render_axes(const struct render *render, const struct render_camera *camera, struct render_axes *axes);
 /* Returns a distance from the eye, in metres for each metre of spacing. From this distance on, a spacing is fine enough for the
  * mesh. Used if distance alone decides the detail. */
-double render_mesh_reach(const struct render_axes *axes);
+double render_mesh_reach(const struct render *render, const struct render_axes *axes);
 #define RENDER_RUT_REACH 1.5 /* up to this factor times that distance, vertices are dense enough to show ruts: camera.c */
 /* Fills the distance from the eye, in metres, from which on each stride of a tile (2^0 to 2^11) is fine enough. The distances
  * never decrease with the stride. */
@@ -86,12 +86,26 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct extent 
 /* --- programs.c --- */
 /* Returns the effects of params, without those that would show nothing. */
 uint64_t render_effects(const struct render_params *params);
+/* Adds the define of pictures with truth to a request of the ground, in place of that of detail. */
+void render_request_truth(struct gpu_program_request *request);
 /* Kinds of tiles; each has its own program. PLAIN: not deformed. OFFSET: deformed. LEVEL0: deformed and below level 0. SMOOTH: not
  * deformed and below level 0. The last two also read the tile that they are interpolated from, so that light does not show its cells.
  * Numbers and shadows have the ground as it is, so for them these two are drawn as OFFSET and PLAIN. */
 enum { RENDER_PLAIN, RENDER_OFFSET, RENDER_LEVEL0, RENDER_SMOOTH, RENDER_VARIANTS };
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out) FURROW_CHECKED;
 enum status render_sky_program(struct render *render, struct gpu_program **out) FURROW_CHECKED;
+
+/* --- apron.c: the ground beyond the terrain, a part of EFFECT_SKY --- */
+/* Draws it behind what was drawn. Nothing is drawn where the selection's coarsest tile is not resident. `params`: those of the frame; values
+ * for a tile are overwritten. */
+enum status render_apron_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
+			      const struct render_selection *selection, struct picture_params *params) FURROW_CHECKED;
+/* Draws it from a texture like a base, outside the picture: `params` make it invisible. This compiles the program. */
+enum status render_apron_draw_unseen(struct render *render, struct gpu_texture *base, const struct picture_params *params) FURROW_CHECKED;
+enum status render_apron_warm(struct render *render) FURROW_CHECKED;
+void render_apron_plan(const struct render_params *params, struct plan *plan);
+/* Fills the parts of a tile's parameters that say how high the eye is: origin[3] and tile[2]. */
+void render_fill_height(const struct render *render, const struct render_camera *camera, struct picture_params *params);
 
 /* --- objects.c --- */
 struct render_objects;
@@ -214,7 +228,9 @@ struct render {
 	struct render_grains *grains; /* NULL: no grains are shown */
 	struct render_heaps *heaps;   /* NULL: no soil aboard bodies is shown */
 	struct render_tiles tiles; /* counts of the last frame */
-	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
+	struct gpu_program *tile_programs[2][RENDER_VARIANTS]; /* without and with truth; NULL: not yet linked */
+	bool truths[2]; /* pictures without and with truth may be drawn */
+	bool truth;     /* the next frame has it */
 	struct render_shade *shade;    /* NULL: the terrain casts no shadows */
 	struct gpu_target *shading;    /* of the map that is drawn now; NULL: none */
 	struct gpu_program *shade_programs[RENDER_VARIANTS];

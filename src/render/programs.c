@@ -2,6 +2,7 @@
  * The programs that draw a picture, and its plan. Each kind of tile that there may be has a variant. It has only the code of the
  * effects that the view names.
  */
+#include <string.h>
 
 #include "render/internal.h"
 #include "render/textures.h"
@@ -52,6 +53,24 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	if (is_interpolated(variant))
 		request.defines[count++] = "LEVEL0";
 	request.defines[count] = body;
+	return request;
+}
+
+void render_request_truth(struct gpu_program_request *request)
+{
+	const char *detail = scene_effect_row(EFFECT_DETAIL)->define;
+	size_t count = 0;
+	while (count < GPU_DEFINES_MAX && request->defines[count] != NULL && strcmp(request->defines[count], detail) != 0)
+		count++;
+	assert(count < GPU_DEFINES_MAX);
+	request->defines[count] = "TRUTH";
+}
+
+static struct gpu_program_request picture_request_of(uint64_t effects, const char *body, struct shown shown, bool by_error, bool truth, unsigned variant)
+{
+	struct gpu_program_request request = request_of(effects, body, shown, by_error, variant);
+	if (truth)
+		render_request_truth(&request);
 	return request;
 }
 
@@ -141,11 +160,11 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 	if (render->measuring)
 		return measure_program(render, variant, out);
 	bool natural = render->layer.kind == RENDER_NATURAL;
-	struct gpu_program **program = natural ? &render->tile_programs[variant] : &render->layer_programs[variant];
+	struct gpu_program **program = natural ? &render->tile_programs[render->truth][variant] : &render->layer_programs[variant];
 	if (*program == NULL) {
 		const char *body = render_body_define(&render->light);
-		struct gpu_program_request request = natural ? request_of(render->effects, body, (struct shown){render->disturbance, render->heals, render->vegetation != NULL, render->cover_by_class},
-									  render->pixel_error > 0, variant) :
+		struct gpu_program_request request = natural ? picture_request_of(render->effects, body, (struct shown){render->disturbance, render->heals, render->vegetation != NULL, render->cover_by_class},
+										  render->pixel_error > 0, render->truth, variant) :
 							       layer_request_of(render, variant);
 		TRY(gpu_program_get(render->gpu, &request, program));
 	}
@@ -176,16 +195,29 @@ static enum status warm_variant(struct render *render, unsigned variant)
 	return status;
 }
 
-enum status render_warm(struct render *render, bool deformed, bool divided, bool smooth)
+static enum status warm_ground(struct render *render, bool deformed, bool divided, bool smooth)
 {
-	struct gpu_program *program;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided, smooth))
 			TRY(warm_variant(render, variant));
+	return render_heaps_warm(render);
+}
+
+enum status render_warm(struct render *render, bool deformed, bool divided, bool smooth)
+{
+	struct gpu_program *program;
+	const bool truth = render->truth;
+	enum status status = STATUS_OK;
+	for (int kind = 0; kind < 2 && status == STATUS_OK; kind++) {
+		render->truth = kind;
+		status = render->truths[kind] ? warm_ground(render, deformed, divided, smooth) : STATUS_OK;
+	}
+	render->truth = truth;
+	TRY(status);
 	if (render->effects >> EFFECT_SKY & 1)
 		TRY(render_sky_program(render, &program));
+	TRY(render_apron_warm(render));
 	TRY(render_grains_warm(render));
-	TRY(render_heaps_warm(render));
 	return render_objects_warm(render);
 }
 
@@ -214,9 +246,14 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	const char *picture = scene_effect_row(EFFECT_PICTURE)->name, *by_error = scene_effect_row(EFFECT_PIXEL_ERROR)->name;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided, smooth)) {
-			struct gpu_program_request request = request_of(effects, body, (struct shown){params->disturbance, params->heals, params->vegetation != NULL, params->cover_by_class},
-									   params->pixel_error > 0, variant);
-			add_program(plan, asks_reaches(effects, params->pixel_error > 0) ? by_error : picture, &request);
+			const struct shown shown = {params->disturbance, params->heals, params->vegetation != NULL, params->cover_by_class};
+			struct gpu_program_request request;
+			for (int truth = params->only_truth; truth <= (params->truth || params->only_truth); truth++) {
+				request = picture_request_of(effects, body, shown, params->pixel_error > 0, truth, variant);
+				/* Beside pictures without truth, those with it are of cameras. */
+				const char *effect = asks_reaches(effects, params->pixel_error > 0) ? by_error : picture;
+				add_program(plan, truth && !params->only_truth ? scene_effect_row(EFFECT_CAMERAS)->name : effect, &request);
+			}
 			request = measure_request_of(effects, params->classes, params->pixel_error > 0, variant);
 			if (params->measures && !is_interpolated(variant))
 				add_program(plan, scene_effect_row(EFFECT_CAMERAS)->name, &request);
@@ -245,6 +282,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		add_program(plan, scene_effect_row(EFFECT_SKY)->name, &sky);
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}
+	render_apron_plan(params, plan);
 	render_objects_plan(params, plan);
 	render_grains_plan(params, plan);
 	render_heaps_plan(params, plan);

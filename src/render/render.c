@@ -124,6 +124,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.layers = params->layers,
 		.measures = params->measures,
 		.classes = params->classes,
+		.truths = {!params->only_truth, params->truth || params->only_truth},
+		.truth = params->only_truth,
 		.show = params->show,
 		.user = params->user,
 		.layer = {RENDER_NATURAL, 0, 1},
@@ -162,6 +164,12 @@ void render_show_layer(struct render *render, const struct render_layer *layer)
 	render->layer = *layer;
 }
 
+void render_set_truth(struct render *render, bool truth)
+{
+	assert(render->truths[truth]);
+	render->truth = truth;
+}
+
 void render_move_sun(struct render *render, double azimuth, double height)
 {
 	render->light.azimuth = azimuth;
@@ -196,7 +204,7 @@ void render_read_into(struct render *render, enum scene_image image, struct gpu_
 
 void render_depths(float *depth, size_t count)
 {
-	for (size_t i = 0; i < count; i++) /* the texture has near / distance; 0: nothing was drawn; 1e-12: the sky (shaders/sky.vert) */
+	for (size_t i = 0; i < count; i++) /* the texture has near / distance; 0: nothing was drawn; less than 1e-11: the ground beyond the terrain, or the sky (shaders/apron.vert, sky.vert) */
 		depth[i] = depth[i] > 1e-11f ? (float)RENDER_NEAR / depth[i] : INFINITY;
 }
 

@@ -49,6 +49,8 @@ struct render_params {
 	bool layers;          /* render_show_layer will be called; plans do not count layers */
 	bool measures;        /* render_measure will be called */
 	bool classes;         /* the slots have classes of soil, which render_measure tells */
+	/* Some pictures have the light of the drawn surface alone: render_set_truth. `only_truth`: all have. Both false: none has */
+	bool truth, only_truth;
 	/* Brings a slot up to date before it is drawn: resident_pages_show. `planes` false: only its base is needed. NULL: slots always are */
 	enum status (*show)(void *user, uint32_t slot, bool planes);
 	void *user;           /* passed to `show` */
@@ -163,6 +165,9 @@ struct render_tiles {
 	uint64_t shadowed; /* 1: with shadows (PLAN_SHADOWED) */
 };
 void render_tiles(const struct render *render, struct render_tiles *tiles);
+/* Sets whether frames from the next one on have the light of the drawn surface alone, as depth shows it. Each triangle then has one light, and
+ * textures have no detail. At the start it is render_params.only_truth. False colours do not change. Only what render_params allows may be set. */
+void render_set_truth(struct render *render, bool truth);
 /* Moves the sun, from the next frame on. Azimuth clockwise from the store's north, and height, rad. */
 void render_move_sun(struct render *render, double azimuth, double height);
 /* Begins to read the last frame into a staging buffer, the bottom row first. Colour: sRGB and alpha, 4 bytes for each pixel. Depth: a

@@ -210,6 +210,7 @@ void render_select(const struct extent *extent, const struct render_view *view,
 	struct render_place place;
 	uint32_t slot;
 
+	selection->coarsest = RENDER_NO_SLOT;
 	selection->draw_count = selection->wanted_count = 0;
 	selection->visited = selection->culled = selection->ideal = selection->needed = 0;
 	if (!render_place_find(extent, view, source, root, &place))
@@ -218,6 +219,8 @@ void render_select(const struct extent *extent, const struct render_view *view,
 	selection->needed = 1;
 	if (!source->resident(source->user, root, &slot))
 		want(&s, root, place.distance);
+	else
+		selection->coarsest = slot;
 	cover(&s, &place);
 	qsort(selection->draws, selection->draw_count, sizeof *selection->draws, compare_draws);
 	find_ground(&s);

@@ -71,6 +71,7 @@ struct render_draw {
 #define RENDER_DRAWS_MAX 1024
 struct render_selection {
 	struct render_draw draws[RENDER_DRAWS_MAX]; /* near to far */
+	uint32_t coarsest; /* slot of the coarsest tile; RENDER_NO_SLOT: it is not resident, or has no ground */
 	size_t draw_count;
 	/* Keys of tiles that the complete picture needs but that are not resident. Coarser levels come first; within a level,
 	 * nearer tiles. */

@@ -98,7 +98,9 @@ static enum status select_and_load(struct view *view, const struct render_view *
 static enum status find_tiles(struct view *view, const struct render_view *whole, bool complete)
 {
 	view->exact = complete || !resident_look_ahead_brings_ranges(world_look_ahead(view->world));
+	view->complete = complete;
 	enum status status = select_and_load(view, whole, complete);
+	view->complete = false;
 	view->exact = true;
 	TRY(status);
 	render_view_mark_used(view, true);
@@ -139,6 +141,7 @@ static enum status draw(struct view *view, bool complete)
 	const struct plane_marks marks = world_marks_at(view->world, world_time(view->world));
 	render_set_marks(view->render, &marks);
 	render_view_place_camera(view, world_time(view->world), &camera);
+	render_set_truth(view->render, scene_camera_truth(world_scene(view->world), NULL));
 	TRY(render_view_shade(view, &camera, complete));
 	TRY(render_view_find_tiles(view, &camera, complete));
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
@@ -252,6 +255,12 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.classes = scene_draws_classes(scene),
 		.soils = scene_draws_classes(scene) ? scene : NULL,
 	};
+	const bool own = scene->view.images > 0 || scene->hosted || scene->camera_count == 0;
+	bool truths[2] = {own && !scene_camera_truth(scene, NULL), own && scene_camera_truth(scene, NULL)};
+	for (size_t i = 0; i < scene->camera_count; i++)
+		truths[scene_camera_truth(scene, &scene->cameras[i])] = true;
+	params->truth = truths[1];
+	params->only_truth = !truths[0];
 }
 
 /* Pages may be made after the view. */
@@ -276,6 +285,8 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	params.high = isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high;
 	params.layers = watched;
 	params.measures = params.measures && !watched;
+	if (watched) /* the scene's cameras draw nothing then */
+		params.truth = params.only_truth = scene_camera_truth(world_scene(world), NULL);
 	return render_create(&params, out);
 }
 

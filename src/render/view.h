@@ -55,6 +55,8 @@ struct view {
 	double reach;             /* metres; bounds how far a contact with an unknown result may change the ground */
 	struct view_errors *errors; /* NULL: distance alone decides the detail */
 	size_t budget;            /* most slots that one picture may need */
+	size_t budget_written;    /* the same of a picture that is written: objects do not act while it is drawn */
+	bool complete;            /* the present selection is for a picture that waits for its tiles */
 	size_t room;              /* most slots that this picture and the future ones may need together */
 	/* true: missing ranges are read at once; false: the look-ahead's thread reads them, and other ranges are used meanwhile */
 	bool exact;

@@ -269,6 +269,7 @@ static enum status draw(struct view *view, struct view_camera *this, struct pict
 	render_set_marks(view->render, &marks);
 	if (frame == 0)
 		tell_below(view, this->camera, camera.eye);
+	render_set_truth(view->render, scene_camera_truth(world_scene(view->world), this->camera));
 	TRY(render_view_shade(view, &camera, true));
 	TRY(render_view_find_tiles(view, &camera, true));
 	TRY(render_frame(view->render, &camera, view->selection));

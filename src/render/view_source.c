@@ -176,11 +176,11 @@ static bool not_resident(void *user, struct tile tile, uint32_t *slot)
 /* Most draws of a selection. The rest of the list is room for tiles that are being divided. */
 #define MOST (RENDER_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
 
-/* Returns how many of the slots pictures and their requests may take. *budget: those of one picture. */
-static size_t room_of(const struct world *world, size_t slots, size_t *budget)
+/* Returns how many of the slots pictures and their requests may take, beside so many objects. *budget: those of one picture. */
+static size_t room_of(const struct world *world, size_t slots, size_t objects, size_t *budget)
 {
 	/* For each object, the tiles that one window touches, and as many for the next window. */
-	size_t half = slots / 2, hold = 2 * 4 * world_scene(world)->object_count;
+	size_t half = slots / 2, hold = 2 * 4 * objects;
 	hold = hold < 4 ? 4 : hold;
 	size_t room = slots - (hold < half ? hold : half);
 	/* Leave some for running loads. */
@@ -193,23 +193,38 @@ static size_t room_of(const struct world *world, size_t slots, size_t *budget)
 
 void render_view_find_room(struct view *view)
 {
-	view->room = room_of(view->world, world_facts(view->world)->limits.slots, &view->budget);
+	const size_t slots = world_facts(view->world)->limits.slots;
+	view->room = room_of(view->world, slots, world_scene(view->world)->object_count, &view->budget);
+	room_of(view->world, slots, 0, &view->budget_written);
+}
+
+/* A picture that is written waits for its tiles while no object acts. So what it shows depends on the slots alone, and not on what else uses
+ * them. It is the same with any objects. */
+static bool is_written(const struct view *view)
+{
+	return view->complete || view->at_steps;
+}
+
+static size_t budget_of(const struct view *view)
+{
+	return is_written(view) ? view->budget_written : view->budget;
 }
 
 static void tell(struct view *view)
 {
-	size_t needed = view->selection->needed, enough = world_facts(view->world)->limits.slots, budget = view->budget;
+	const size_t given = budget_of(view), objects = is_written(view) ? 0 : world_scene(view->world)->object_count;
+	size_t needed = view->selection->needed, enough = world_facts(view->world)->limits.slots, budget = given;
 	if (view->told)
 		return;
 	view->told = true;
-	if (view->budget == MOST) {
+	if (given == MOST) {
 		note("the view needs %zu tiles and draws at most %d: drawn coarser; import with larger tiles", needed, MOST);
 		return;
 	}
 	while (budget < needed && budget < MOST)
-		room_of(view->world, ++enough, &budget);
+		room_of(view->world, ++enough, objects, &budget);
 	note("the view needs %zu tiles here, and of %u slots objects and loads leave it %zu: drawn coarser, without the finest "
-	     "ruts; give cache.slots at least %zu", needed, world_facts(view->world)->limits.slots, view->budget, enough);
+	     "ruts; give cache.slots at least %zu", needed, world_facts(view->world)->limits.slots, given, enough);
 }
 
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything)
@@ -229,10 +244,10 @@ enum status render_view_select_seen(struct view *view, const struct render_view 
 	looking = *whole;
 	/* Always begin with the whole view, so that a picture does not depend on the pictures before. */
 	render_select(extent, &looking, &source, view->selection);
-	view->coarse = view->selection->needed > view->budget;
+	view->coarse = view->selection->needed > budget_of(view);
 	if (view->coarse) {
 		tell(view);
-		view->coarse = !render_fit(extent, &source, view->budget, &looking);
+		view->coarse = !render_fit(extent, &source, budget_of(view), &looking);
 		render_select(extent, &looking, &source, view->selection);
 	}
 	return view->failed;

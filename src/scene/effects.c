@@ -115,7 +115,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"resident tiles alone: the store's follow at each commit", "keeps coarser tiles up to date with changes"},
 	[EFFECT_PICTURE] = {
 		"picture", "view", "", LIST("terrain.vert", "terrain.frag"), "base, offset, dirt", "colour, depth", 0,
-		LIST("view.size[]", "view.camera"), "at most 1024 tiles a picture, of 8192 x 8192 pixels at most",
+		LIST("view.size[]", "view.camera", "view.truth"), "at most 1024 tiles a picture, of 8192 x 8192 pixels at most",
 		"draws the ground that the camera sees"},
 	[EFFECT_NORMALS] = {
 		"normals", "view", "", LIST("lib/slope.glsl"), "base, offset", "colour", 1, NONE,
@@ -133,8 +133,8 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"fog", "view.effects", "FOG", LIST("terrain.frag", "terrain.vert"), "", "colour", 0, NONE,
 		"as clear as the terrain is large; there is none on the Moon", "fades what is far into the air"},
 	[EFFECT_SKY] = {
-		"sky", "view.effects", "", LIST("sky.vert", "sky.frag"), "", "colour", 0, NONE,
-		"where no ground is drawn", "draws the sky behind the ground"},
+		"sky", "view.effects", "", LIST("sky.vert", "sky.frag", "apron.vert", "apron.frag"), "", "colour", 0, NONE,
+		"beyond the terrain, ground that goes on from its edges; it has no depth", "draws the sky, and the ground beyond the terrain"},
 	[EFFECT_GEOMORPH] = {
 		"geomorph", "view.effects", "GEOMORPH", LIST("terrain.vert"), "base, offset", "depth", 1, NONE,
 		"with a pixel_error tiles of different levels may meet unevenly; skirts hide it", "slides each level into the next"},
@@ -279,6 +279,13 @@ static unsigned images_of(const struct scene *scene)
 bool scene_camera_measures(const struct scene *scene, const struct scene_camera *camera)
 {
 	return (camera->images & (SCENE_IMAGES_MEASURED | (scene->view.samples > 1 ? 1u << SCENE_IMAGE_DEPTH : 0))) != 0;
+}
+
+bool scene_camera_truth(const struct scene *scene, const struct scene_camera *camera)
+{
+	if (scene->view.truth != SCENE_TRUTH_BY_KIND)
+		return scene->view.truth == SCENE_TRUTH_ALL;
+	return camera != NULL && camera->aim.kind != SCENE_CHASE;
 }
 
 bool scene_measures(const struct scene *scene)

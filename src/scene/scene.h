@@ -347,6 +347,8 @@ struct scene_view {
 	int samples;           /* samples for each pixel: 1, 2, 4 or 8 */
 	/* pixels by which drawn ground may be wrong; 0: distance alone decides its detail */
 	double pixel_error;
+	/* Which pictures have the light of the drawn surface alone, so that colour agrees with depth. By kind: those of all cameras but chase. */
+	enum scene_truth { SCENE_TRUTH_BY_KIND, SCENE_TRUTH_ALL, SCENE_TRUTH_NONE } truth;
 	struct scene_light light;
 };
 
@@ -599,6 +601,8 @@ double scene_pixels_a_step(const struct scene *scene);
 /* Returns true if the camera's frames are drawn a second time: for SCENE_IMAGES_MEASURED, and with view.samples for depth, of one sample. */
 bool scene_camera_measures(const struct scene *scene, const struct scene_camera *camera);
 bool scene_measures(const struct scene *scene); /* some camera does */
+/* Returns true if the colours of this camera agree with its depth (view.truth). `camera` NULL: the view's own pictures. */
+bool scene_camera_truth(const struct scene *scene, const struct scene_camera *camera);
 /* Returns true if pictures show which soil is where, by the map of soils. Then the soil class of each post must be loaded for
  * all drawn tiles. */
 bool scene_draws_classes(const struct scene *scene);

@@ -198,6 +198,7 @@ struct raw_view {
 	uint32_t effects_count;
 	int64_t *images, *samples;
 	double *pixel_error;
+	bool *truth;
 	int *exposure; /* enum scene_exposure */
 	int *body; /* enum scene_body */
 	struct raw_sun *sun;

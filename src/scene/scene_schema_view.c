@@ -59,6 +59,8 @@ const struct scene_row scene_view_rows[] = {
 	 .text = "samples a pixel, 1, 2, 4 or 8: [smooth edges](#pictures)"},
 	{NUMBER("pixel_error", struct raw_view, pixel_error), ABOVE(0, 64), .unit = "pixels", .otherwise = "by distance alone", .since = "0.1.0",
 	 .text = "the ground may be drawn off by so much; smaller is finer"},
+	{SWITCH("truth", struct raw_view, truth), .otherwise = "true for all cameras but chase", .since = "0.2.0",
+	 .text = "the light is that of the drawn surface alone, so that [colour agrees with depth](../../docs/CAMERAS.md#colour-that-agrees-with-depth)"},
 	{WORD("exposure", struct raw_view, exposure, exposure_words), .otherwise = "fixed", .since = "0.2.0",
 	 .text = "sun: level ground is as bright as under the default sun, however low it is: up to 32 times more"},
 	{WORD("body", struct raw_view, body, body_words), .otherwise = "the store's, or earth", .since = "0.1.0",

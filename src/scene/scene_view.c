@@ -175,6 +175,8 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
+	if (raw->view->truth != NULL)
+		view->truth = *raw->view->truth ? SCENE_TRUTH_ALL : SCENE_TRUTH_NONE;
 	view->light = light_of(raw->view);
 	view->aim = (struct scene_aim){.kind = SCENE_FIXED, .target = {1, 0, 0}}; /* of a host, which gives a camera with each picture */
 	if (raw->view->camera != NULL)

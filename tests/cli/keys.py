@@ -322,6 +322,7 @@ ROWS = {
     "view.sun.at": ({**VIEW, "view": VIEW["view"].replace("images: 6", "images: 6, sun: {time: '2026-06-01T10:00:00Z', at: [10, 45]}")}, {"view.sun.at": "[60, 45]"}),
     "view.exposure": ({**VIEW, "view": VIEW["view"].replace("images: 6", "images: 6, sun: {height: 12}")}, {"view.exposure": "sun"}),
     "view.sun.colour": (VIEW, {"view.sun": "{colour: [0.2, 1, 1]}"}),
+    "view.truth": (VIEW, {"view.truth": "true"}),
     "view.pixel_error": ({**VIEW, "view": VIEW["view"].replace("[48, 32]", "[200, 150]")}, {"view.pixel_error": "16"}),
     "cache.slots": (PLAIN, {"cache": "{slots: 9}"}),
     "cache.memory": (PLAIN, {"cache": "{memory: 99 MB}"}),

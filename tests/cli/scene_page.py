@@ -50,7 +50,7 @@ SAMPLES = [
     scene(WHEEL, store="none.furrow", time_step=0.1, gravity=9.81, spacing=0.5, coordinates="local", attributes=["disturbance"],
           outside="skip", cache={"slots": 64, "loaders": 1, "prefetch": 1}, soil=NUMBERED, redistribute={"model": "box", "radius": 2,
                                                                                                      "repetitions": 2},
-          view=view({"chase": "a", "back": 9, "up": 4}, size=[64, 48], effects=["sky"], images=5, samples=2, pixel_error=2, body="mars",
+          view=view({"chase": "a", "back": 9, "up": 4}, size=[64, 48], effects=["sky"], images=5, samples=2, pixel_error=2, truth=True, body="mars",
                     sun={"azimuth": 90, "height": 20, "colour": [1, 1, 1]})),
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 12}}, sink=0.1), wheel(name="b"),
           view=view({"overhead": {"over": "b", "height": 9}})),

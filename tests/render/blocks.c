@@ -150,7 +150,7 @@ static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_erro
 		draw.tile.level = level;
 		render_reaches(&render, &axes, &draw, reaches);
 		for (int k = 0; k < RENDER_STRIDES; k++)
-			assert_true(reaches[k] == render_mesh_reach(&axes) * (level + k < -1 ? 1.5 : 1) * ldexp(1, level + k));
+			assert_true(reaches[k] == render_mesh_reach(&render, &axes) * (level + k < -1 ? 1.5 : 1) * ldexp(1, level + k));
 	}
 }
 

@@ -191,7 +191,7 @@ static void find_slack(const struct render *render, const struct render_axes *ax
 		for (uint32_t i = 0; i < land.count; i++)
 			if (land.tiles[i].tile.level == level)
 				error = fmax(error, land.tiles[i].error);
-		double from = 0.8 * render_mesh_reach(axes) * extent_spacing(&land_world, level);
+		double from = 0.8 * render_mesh_reach(&(struct render){.truth = false}, axes) * extent_spacing(&land_world, level);
 		*tangent = fmax(*tangent, error / from + 2 / axes->focal);
 	}
 }
