@@ -138,7 +138,9 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 		const float squares = ring_squares(f, kind, y), ahead = ring_ahead(f, kind, x, y), moves = f->run * f->run + f->plunge * f->plunge;
 		const float level = gains / f->lift - root(squares - ahead * ahead), nears = ahead * f->run + level * f->plunge;
 		const float beyond = ahead * ahead + level * level - squares, rooted = nears * nears - moves * beyond;
-		const float apart = either(nears > 0, -beyond, root(rooted) - nears), by = either(nears > 0, nears + root(rooted), moves);
+		/* Where it passed by without reaching it: below 0, and less the farther off it passed. */
+		const float reached = sqrtf(either(rooted < 0, -rooted, rooted)), apart = either(nears > 0, -beyond, either(rooted < 0, -reached, reached) - nears);
+		const float by = either(nears > 0, nears + reached, moves);
 		share = either(moves > 0, apart / most(by, 1e-30f), 1e3f);
 	} else if (kind == FORM_RASTER) {
 		/* A parabola through the heights above the post at the motion's start, halfway, and at its end. */
@@ -519,15 +521,16 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 		l->bottom[i] = rim_bottom(f, p->rise_x[i]);
 		l->back[i] = either(p->over[i] > 0, f->run + least(f->run, f->half_across), 1e3f);
 		/* The body may have come another way: it turned back, or sank. At the post itself it was no lower than the post remembers. */
-		float since;
-		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &since);
+		float ago;
+		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &ago);
 		l->unknown[i] = either((p->over[i] > 0) & (f->outer <= f->radius), most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
-		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less. */
+		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less: with a contact since a quarter of a motion
+		 * before it, by as much as that tells, with a later one by more, so that a post that is touched or left makes no jump. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);
 		const float way = either(mobilised > 0.9999f, 1e3f, -0.69314718f * log2_of(most(1 - mobilised, 1e-4f)));
-		const float known = clamped(way / most(l->slides[i] * (l->passed[i] - 1), 1e-9f), 0, 1);
-		l->lasts[i] = either((p->over[i] > 0) & ((l->passed[i] > 1) | ((l->depth[i] < stays) & (l->passed[i] > 0))), known, 1) * f->moved;
+		const float since = l->passed[i] - 1, known = clamped(way / most(l->slides[i] * since, 1e-9f), 0, 1);
+		l->lasts[i] = (1 + either(p->over[i] > 0, clamped(4 * since, 0, 1), 0) * (known - 1)) * f->moved;
 	}
 }
 
@@ -563,7 +566,7 @@ SOIL_INLINED void put_stays(const struct soil_form *f, bool soft, const struct l
 SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, bool soft, const struct lane_posts *p, struct block *l)
 {
 	float depths[3][LANES], mosts[3][LANES], unloads[2][LANES], stays[3][LANES];
-	const bool known = any_above(l->was, 0);
+	const bool known = any_above(l->was, 0), own = kind == FORM_RASTER;
 	EACH_LANE {
 		const float x = p->rise_x[i] - p->slope_x[i], y = p->rise_y[i] - p->slope_y[i], squares = x * x + y * y;
 		const float half = kind == FORM_BOX ? p->half_line[i] : f->half_across, by = half / sqrtf(most(squares, 1e-8f));
@@ -597,7 +600,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			unloads[k][i] = kind == FORM_RASTER ? clamped(over * (50 * f->by_step), 0, 1) : either(over > 0, 1, 0);
 		}
 	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < 3; k += own ? 1 : 2)
 		if (any && l->floored)
 			put_stays(f, soft, p, l, mosts[k], true, stays[k]);
 		else if (any)
@@ -605,10 +608,15 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 		else
 			memset(stays[k], 0, sizeof stays[k]);
 	EACH_LANE {
+		/* Inwards from an end of the line the rut counts as deep as it is there: what bears ends where the body leaves its floor. So as an end of the line begins to
+		 * unload, or to remember, no end of what bears jumps. Below a mesh each place has a floor of its own, since its facets
+		 * print the rut's. */
 		float from[3], to[3];
 		for (int k = 0; k < 3; k++) {
-			from[k] = depths[k][i] - stays[k][i] * unloads[0][i];
-			to[k] = depths[k][i] - stays[k][i] * unloads[1][i];
+			const float behind = own ? stays[k][i] : most(stays[0][i] - SOIL_LEAST, 0);
+			const float ahead_of = own ? stays[k][i] : most(stays[2][i] - SOIL_LEAST, 0);
+			from[k] = depths[k][i] - behind * unloads[0][i];
+			to[k] = depths[k][i] - ahead_of * unloads[1][i];
 		}
 		l->first[i] = root_from(-1, from);
 		l->last[i] = most(l->first[i], root_from(1, to));
