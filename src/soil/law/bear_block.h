@@ -561,6 +561,13 @@ SOIL_INLINED void put_stays(const struct soil_form *f, bool soft, const struct l
 	}
 }
 
+/* Returns the floor at a place of the line, from that at its end and its own, m. leaves: 1: the place unloads. */
+SOIL_INLINED float floor_of(float end, float own, float leaves)
+{
+	const float deep = most(end - SOIL_LEAST, 0);
+	return deep + leaves * clamped(4 * deep / most(own, 1e-9f), 0, 1) * (own - deep);
+}
+
 /* A line across the cell, in the direction in which the depth of the lower envelope changes most. The depth along it is taken as a parabola. An end of
  * what bears lies where the body leaves the surface; where it unloads, where it leaves the plastic part of the earlier sinkage. */
 SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, bool soft, const struct lane_posts *p, struct block *l)
@@ -600,7 +607,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			unloads[k][i] = kind == FORM_RASTER ? clamped(over * (50 * f->by_step), 0, 1) : either(over > 0, 1, 0);
 		}
 	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
-	for (int k = 0; k < 3; k += own ? 1 : 2)
+	for (int k = 0; k < 3; k++)
 		if (any && l->floored)
 			put_stays(f, soft, p, l, mosts[k], true, stays[k]);
 		else if (any)
@@ -609,14 +616,14 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			memset(stays[k], 0, sizeof stays[k]);
 	EACH_LANE {
 		/* Inwards from an end of the line the rut counts as deep as it is there: what bears ends where the body leaves its floor. So as an end of the line begins to
-		 * unload, or to remember, no end of what bears jumps. Below a mesh each place has a floor of its own, since its facets
-		 * print the rut's. */
+		 * unload, or to remember, no end of what bears jumps. Where the line unloads farther inwards, too, and the rut at its end is
+		 * a quarter as deep, each place has a floor of its own. So it has below a mesh, whose facets print the rut's. */
 		float from[3], to[3];
 		for (int k = 0; k < 3; k++) {
-			const float behind = own ? stays[k][i] : most(stays[0][i] - SOIL_LEAST, 0);
-			const float ahead_of = own ? stays[k][i] : most(stays[2][i] - SOIL_LEAST, 0);
-			from[k] = depths[k][i] - behind * unloads[0][i];
-			to[k] = depths[k][i] - ahead_of * unloads[1][i];
+			const float over = mosts[k][i] - most(depths[k][i], 0), springs = mosts[k][i] - stays[k][i], leaves = clamped(4 * over / most(springs, 1e-9f), 0, 1);
+			const float behind = floor_of(stays[0][i], stays[k][i], leaves), ahead_of = floor_of(stays[2][i], stays[k][i], leaves);
+			from[k] = depths[k][i] - (own ? stays[k][i] : behind) * unloads[0][i];
+			to[k] = depths[k][i] - (own ? stays[k][i] : ahead_of) * unloads[1][i];
 		}
 		l->first[i] = root_from(-1, from);
 		l->last[i] = most(l->first[i], root_from(1, to));
