@@ -561,11 +561,11 @@ SOIL_INLINED void put_stays(const struct soil_form *f, bool soft, const struct l
 	}
 }
 
-/* Returns the floor at a place of the line, from that at its end and its own, m. leaves: 1: the place unloads. */
-SOIL_INLINED float floor_of(float end, float own, float leaves)
+/* Returns the floor at a place of the line, from that at its end, at its middle and its own, m. leaves: 1: the place unloads. */
+SOIL_INLINED float floor_of(float end, float middle, float own, float leaves)
 {
-	const float deep = most(end - SOIL_LEAST, 0);
-	return deep + leaves * clamped(4 * deep / most(own, 1e-9f), 0, 1) * (own - deep);
+	const float deep = most(end - SOIL_LEAST, 0), is = clamped(4 * deep / most(middle, 1e-9f), 0, 1);
+	return deep + is * either(own > deep, 1, leaves) * (own - deep);
 }
 
 /* A line across the cell, in the direction in which the depth of the lower envelope changes most. The depth along it is taken as a parabola. An end of
@@ -621,7 +621,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 		float from[3], to[3];
 		for (int k = 0; k < 3; k++) {
 			const float over = mosts[k][i] - most(depths[k][i], 0), springs = mosts[k][i] - stays[k][i], leaves = clamped(4 * over / most(springs, 1e-9f), 0, 1);
-			const float behind = floor_of(stays[0][i], stays[k][i], leaves), ahead_of = floor_of(stays[2][i], stays[k][i], leaves);
+			const float behind = floor_of(stays[0][i], stays[1][i], stays[k][i], leaves), ahead_of = floor_of(stays[2][i], stays[1][i], stays[k][i], leaves);
 			from[k] = depths[k][i] - (own ? stays[k][i] : behind) * unloads[0][i];
 			to[k] = depths[k][i] - (own ? stays[k][i] : ahead_of) * unloads[1][i];
 		}
