@@ -96,6 +96,7 @@ PAIRS = [
     ("vegetation", scene(WHEEL), scene(WHEEL, attributes=["vegetation"])),
     ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),
     ("relief", scene(WHEEL, store="coarse.furrow"), scene(WHEEL, store="coarse.furrow", relief={"roughness": 0.02, "wavelength": 2, "seed": 7})),
+    ("rocks", scene(WHEEL), scene(WHEEL, ground={"rocks": {"cover": 0.05, "largest": 1.0, "seed": 7}})),
     ("loaders", scene(WHEEL, **cache(0, 0)), scene(WHEEL, **cache(2, 0))),
     ("prefetch", scene(WHEEL, **cache(2, 0)), scene(WHEEL, **cache(2, 1.5))),
     ("picture", scene(WHEEL), SEEN),

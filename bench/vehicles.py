@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """What must hold for vehicles over a long time, on rough ground and against each other. Prints a table; takes half an hour.
 
-    bench/vehicles.py FURROW [--only rest|rough|speed|touch]... [--dem N41E001.hgt] [--minutes 10]
+    bench/vehicles.py FURROW [--only rest|rough|speed|real|touch]... [--dem N41E001.hgt] [--minutes 10]
 
 rest: vehicles are set down and left alone. Told: how far they drift in the last minute, and their kinetic energy at its end.
 rough: the off-road vehicle drives at the longest time step over real ground whose posts lie 4 cm apart. Told: its energy, and
 for how many rows each wheel is in the air.
 speed: the same vehicle drives straight over level sand at 3 m/s. Told: the wall time of a metre, and simulated time over wall time.
+real: it drives the same way with tyres, and a robot of twelve joints trots; faces of both are on. Told: simulated time over wall time, and over time of the
+processor, beside what is asked. A busy machine changes the latter less. It is that of the last four seconds: a shorter drive is taken off.
 touch: two such vehicles, driven at 1 and 0.5 m/s. The faster one pushes the other, or drives 10 m beside it. Told: the wall time of a step.
 """
 import argparse
@@ -22,7 +24,8 @@ import tempfile
 import pages
 import record
 
-PARTS = ("speed", "touch", "rest", "rough")
+PARTS = ("speed", "real", "touch", "rest", "rough")
+REAL_TIME = 5  # times real time that are asked of `real`
 MODELS = pathlib.Path(__file__).parents[1] / "tools" / "scenes" / "vehicles"
 ONE = pathlib.Path(__file__).parents[1] / "tests" / "vehicle" / "one_wheel.xml"
 SCENE = """scene: 1
@@ -146,6 +149,54 @@ def speed(furrow, folder, kept, runs):
         print("| %.1f | %.1f | %.0f |" % (spacing * 100, sorted(times)[runs // 2], sorted(metres)[runs // 2]))
 
 
+TROT = """scene: 1
+time_step: 0.002
+end_time: {end}
+spacing: 0.015625
+soil: {{name: sandy_loam_15, damping: 30000}}
+redistribute: {{model: scm}}
+vehicles:
+  - name: v
+    model: {model}
+    start: {{at: [16, 16], keyframe: home}}
+    soil: [foot_*]
+    driver: {{controls: {controls}}}
+output: {{vehicles: 10, forces: 10}}
+"""
+
+
+def real(furrow, folder, kept, runs):
+    """The drives take turns, each once for 1 s and once for 5 s. That with rigid wheels tells how busy the machine is."""
+    driver = "    driver: {path: {points: [[4, 16], [30, 16]], speed: 3}, steer: [steer_*], drive: [drive_*]}\n"
+    tyred = "    tyres: [{geom: wheel*, stiffness: 200000}]\n"
+
+    def rolls(end, more=""):
+        return SCENE.format(step=0.002, end=end, gravity=9.81, spacing=0.03125, soil="sandy_loam_15", model=MODELS / "offroad.xml", x=4, y=16, yaw=0,
+                            driver=more + driver, rows=10)
+
+    def trots(end):
+        return TROT.format(end=end, model=MODELS / "quadruped.xml", controls=MODELS / "quadruped_controls.csv")
+
+    drives = {"rigid": ("rigid wheels, posts of 3.1 cm", rolls, None), "tyres": ("tyres, posts of 3.1 cm", lambda end: rolls(end, tyred), REAL_TIME),
+              "robot": ("robot of 12 joints, posts of 1.6 cm", trots, REAL_TIME)}
+    found = {name: [] for name in drives}
+    for _ in range(runs):
+        for name, (_, scene, _) in drives.items():
+            used = []
+            for end in (1, 5):
+                drive(furrow, folder, scene(end), plane(furrow, folder, 0))
+                run = json.loads((folder / "out" / "run.json").read_text())
+                used.append(run["processor_seconds"])
+            found[name].append((run["rtf"], 4 / (used[1] - used[0])))
+    print("| drive | times real time by the clock | by time of the processor | asked | met |\n| --- | --- | --- | --- | --- |")
+    for name, (text, _, asked) in drives.items():
+        times, processor = (sorted(column) for column in zip(*found[name]))
+        kept.add(f"{name}.real_time", times, "")
+        kept.add(f"{name}.of_the_processor", processor, "")
+        verdict = ("", "") if asked is None else ("%g" % asked, "yes" if processor[runs // 2] >= asked else "NO")
+        print("| %s | %.1f | %.1f | %s | %s |" % (text, times[runs // 2], processor[runs // 2], *verdict), flush=True)
+
+
 def touch(furrow, folder, kept, runs):
     """Both drives take turns. The hulls, 4.3 m long, meet in the first second if one vehicle starts behind the other."""
     driver = "driver: {path: {points: [[%g, %g], [28, %g]], speed: %g}, steer: [steer_*], drive: [drive_*]}"
@@ -175,7 +226,7 @@ def main():
     parser.add_argument("--only", action="append", choices=PARTS, help="one part; may be given again")
     parser.add_argument("--dem", type=pathlib.Path, help="real ground for rough: N41E001.hgt")
     parser.add_argument("--minutes", type=float, default=10)
-    parser.add_argument("--runs", type=int, default=3, help="of each drive for speed and touch, in turn")
+    parser.add_argument("--runs", type=int, default=3, help="of each drive for speed, real and touch, in turn")
     record.add_option(parser)
     arguments = parser.parse_args()
     kept = record.Record("vehicles", arguments.furrow)
@@ -183,7 +234,7 @@ def main():
     if "rough" in chosen and arguments.dem is None:
         raise pages.Told("--only rough: needs --dem, real ground to drive on")
     with tempfile.TemporaryDirectory() as folder:
-        parts = {"speed": (speed, arguments.runs), "touch": (touch, arguments.runs), "rest": (rest, arguments.minutes), "rough": (rough, arguments.dem)}
+        parts = {"speed": (speed, arguments.runs), "real": (real, arguments.runs), "touch": (touch, arguments.runs), "rest": (rest, arguments.minutes), "rough": (rough, arguments.dem)}
         for part in chosen:
             of, option = parts[part]
             of(arguments.furrow.resolve(), pathlib.Path(folder), kept, option)

@@ -1,4 +1,8 @@
-/* A height field of the model that follows the ground, so that MuJoCo's viewers show ruts. The model is one for many mjData: the first that is made writes it. */
+/*
+ * A height field or a skin of the model that follows the ground, so that MuJoCo's viewers show ruts. The model is one for many mjData: the first that is made writes it.
+ *
+ * A viewer loads a height field once, and again when it is told to. It takes the vertices of a skin for each picture. So a skin follows in any viewer.
+ */
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -11,12 +15,15 @@
 
 struct plugin_field {
 	const mjModel *model;
-	int field, rows, columns;
+	int field, rows, columns;   /* of a skin: its number; 1; how many vertices it has */
+	bool is_skin;
 	double corner[2], apart[2]; /* m, local: of its first point; between points */
 	double zero, high;          /* m, local: of what it has as 0; how much higher it has 1 */
 	double time;                /* s, of the world, when it was brought up to date last */
 	uint64_t revision;
 	double *places;             /* room for all points */
+	double *vertices;           /* of a skin: x and y of each in the terrain; */
+	int *chosen;                /* room for all */
 	struct furrow_point *points;
 	struct furrow_rect *rects;
 	size_t room;
@@ -31,7 +38,7 @@ static bool claim(struct plugin_field *field)
 	bool first = true;
 	pthread_mutex_lock(&lock);
 	for (const struct plugin_field *one = all_fields; one != NULL; one = one->before)
-		first = first && !(one->model == field->model && one->field == field->field);
+		first = first && !(one->model == field->model && one->is_skin == field->is_skin && one->field == field->field);
 	if (first) {
 		field->before = all_fields;
 		all_fields = field;
@@ -52,6 +59,8 @@ void plugin_free_field(struct plugin_field *field)
 		}
 	pthread_mutex_unlock(&lock);
 	free(field->places);
+	free(field->vertices);
+	free(field->chosen);
 	free(field->points);
 	free(field->rects);
 	free(field);
@@ -65,7 +74,7 @@ static int geom_of(const mjModel *model, int field)
 	return -1;
 }
 
-const char *plugin_make_field(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3])
+static const char *make_field(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3])
 {
 	const char *name = mj_getPluginConfig(model, instance, "hfield");
 	if (name == NULL || name[0] == '\0')
@@ -95,14 +104,60 @@ const char *plugin_make_field(const mjModel *model, int instance, struct plugin_
 		return NULL;
 	}
 	soil->field = field;
-	plugin_follow(model, soil, true);
 	return NULL;
 }
 
-/* Reads points of rows and columns from first until before end. */
-static void read_points(const mjModel *model, const struct plugin_soil *soil, const int first[2], const int end[2])
+/* Tells whether the vertices of a skin are where the model says: its one bone is the world. */
+static bool is_fixed(const mjModel *model, int skin)
 {
-	struct plugin_field *field = soil->field;
+	const int bone = model->skin_boneadr[skin];
+	const float *at = model->skin_bonebindpos + 3 * bone, *turn = model->skin_bonebindquat + 4 * bone;
+	return model->skin_bonenum[skin] == 1 && model->skin_bonebodyid[bone] == 0 && at[0] == 0 && at[1] == 0 && at[2] == 0 && fabsf(turn[0]) > 1 - 1e-6f;
+}
+
+static const char *make_skin(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3])
+{
+	const char *name = mj_getPluginConfig(model, instance, "skin");
+	if (name == NULL || name[0] == '\0')
+		return NULL;
+	const int number = mj_name2id(model, mjOBJ_SKIN, name);
+	if (number < 0)
+		return "its key skin names no skin of the model; give one in deformable, whose file furrow.mujoco.write_skin makes";
+	if (!is_fixed(model, number))
+		return "its skin hangs on a body that is not the world; give one whose file furrow.mujoco.write_skin makes";
+	struct plugin_field *field = calloc(1, sizeof *field);
+	if (field == NULL)
+		return "no memory for its skin";
+	*field = (struct plugin_field){.model = model, .field = number, .is_skin = true, .rows = 1, .columns = model->skin_vertnum[number], .zero = origin[2], .high = 1};
+	const size_t count = (size_t)field->columns;
+	const float *vertex = model->skin_vert + 3 * model->skin_vertadr[number];
+	field->places = malloc(2 * count * sizeof *field->places);
+	field->vertices = malloc(2 * count * sizeof *field->vertices);
+	field->chosen = malloc(count * sizeof *field->chosen);
+	field->points = malloc(count * sizeof *field->points);
+	if (field->places == NULL || field->vertices == NULL || field->chosen == NULL || field->points == NULL || !claim(field)) {
+		plugin_free_field(field);
+		return NULL;
+	}
+	for (size_t i = 0; i < 2 * count; i++)
+		field->vertices[i] = origin[i % 2] + (double)vertex[3 * (i / 2) + i % 2];
+	soil->skin = field;
+	return NULL;
+}
+
+const char *plugin_make_fields(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3])
+{
+	const char *wrong = make_field(model, instance, soil, origin);
+	if (wrong == NULL)
+		wrong = make_skin(model, instance, soil, origin);
+	if (wrong == NULL)
+		plugin_follow(model, soil, true);
+	return wrong;
+}
+
+/* Reads points of rows and columns from first until before end. */
+static void read_points(const mjModel *model, const struct plugin_soil *soil, struct plugin_field *field, const int first[2], const int end[2])
+{
 	float *to = model->hfield_data + model->hfield_adr[field->field];
 	size_t count = 0;
 	for (int r = first[1]; r < end[1]; r++)
@@ -133,23 +188,34 @@ static void range_of(const struct plugin_field *field, const struct furrow_rect 
 	}
 }
 
-void plugin_follow(const mjModel *model, struct plugin_soil *soil, bool all)
+/* Reads the vertices of a skin that lie in one of the first `count` rectangles of posts, or a post beside it. all: each vertex. */
+static void read_vertices(const mjModel *model, const struct plugin_soil *soil, struct plugin_field *field, bool all, size_t count, double spacing)
 {
-	struct plugin_field *field = soil->field;
-	struct furrow_info info = {.size = sizeof info};
-	const double time = furrow_time(soil->world);
-	if (field == NULL)
-		return;
-	all = all || time < field->time; /* the world went back */
-	if (!all && time < field->time + 1 / RATE)
-		return;
-	field->time = time;
-	plugin_must(furrow_info(soil->world, &info));
-	if (all) {
-		read_points(model, soil, (const int[]){0, 0}, (const int[]){field->columns, field->rows});
-		field->revision = info.revision;
-		return;
+	float *to = model->skin_vert + 3 * model->skin_vertadr[field->field];
+	size_t chosen = 0;
+	for (int i = 0; i < field->columns; i++) {
+		const double *at = field->vertices + 2 * i, x = at[0] / spacing, y = at[1] / spacing;
+		bool in = all;
+		for (size_t r = 0; r < count && !in; r++) {
+			const struct furrow_rect *rect = &field->rects[r];
+			in = x >= (double)rect->column - 1 && x <= (double)(rect->column + rect->columns) + 1 && y >= (double)rect->row - 1 && y <= (double)(rect->row + rect->rows) + 1;
+		}
+		if (!in)
+			continue;
+		memcpy(field->places + 2 * chosen, at, 2 * sizeof *at);
+		field->chosen[chosen++] = i;
 	}
+	if (chosen == 0)
+		return;
+	plugin_must(furrow_points(soil->world, chosen, field->places, field->points));
+	for (size_t i = 0; i < chosen; i++)
+		if (isfinite(field->points[i].height))
+			to[3 * field->chosen[i] + 2] = (float)(field->points[i].height - field->zero);
+}
+
+/* Fills the rectangles that changed since. Returns how many. */
+static size_t find_changes(const struct plugin_soil *soil, struct plugin_field *field)
+{
 	size_t count = field->room;
 	furrow_status status;
 	while ((status = furrow_changes(soil->world, field->revision, field->rects, &count, NULL)) == FURROW_USAGE && count > field->room) {
@@ -157,14 +223,41 @@ void plugin_follow(const mjModel *model, struct plugin_soil *soil, bool all)
 		field->room = 2 * count;
 		field->rects = calloc(field->room, sizeof *field->rects);
 		if (field->rects == NULL)
-			plugin_fail("no memory for its hfield");
+			plugin_fail("no memory for its height field or skin");
 		count = field->room;
 	}
 	plugin_must(status);
+	return count;
+}
+
+static void follow(const mjModel *model, const struct plugin_soil *soil, struct plugin_field *field, bool all)
+{
+	struct furrow_info info = {.size = sizeof info};
+	const double time = furrow_time(soil->world);
+	all = all || time < field->time; /* the world went back */
+	if (!all && time < field->time + 1 / RATE)
+		return;
+	field->time = time;
+	plugin_must(furrow_info(soil->world, &info));
+	const size_t count = all ? 0 : find_changes(soil, field);
+	field->revision = info.revision;
+	if (field->is_skin) {
+		read_vertices(model, soil, field, all, count, info.spacing);
+		return;
+	}
+	if (all)
+		read_points(model, soil, field, (const int[]){0, 0}, (const int[]){field->columns, field->rows});
 	for (size_t i = 0; i < count; i++) {
 		int first[2], end[2];
 		range_of(field, &field->rects[i], info.spacing, first, end);
-		read_points(model, soil, first, end);
+		read_points(model, soil, field, first, end);
 	}
-	field->revision = info.revision;
+}
+
+void plugin_follow(const mjModel *model, const struct plugin_soil *soil, bool all)
+{
+	if (soil->field != NULL)
+		follow(model, soil, soil->field, all);
+	if (soil->skin != NULL)
+		follow(model, soil, soil->skin, all);
 }

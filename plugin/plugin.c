@@ -28,6 +28,7 @@
 
 #define LIMITED_MOST 3 /* times that a step is tried whose contacts reach their limits */
 #define STAGE 1e-9     /* of a timestep: rounding of RK4's times */
+#define LONG_STEP 0.005 /* s: with a longer step legs that strike the ground may be thrown */
 
 void plugin_fail(const char *format, ...)
 {
@@ -106,7 +107,7 @@ static furrow_status open_soil(const mjModel *model, const mjData *data, int ins
 {
 	const char *name = mj_id2name(model, mjOBJ_PLUGIN, instance);
 	struct furrow_mujoco_open open = {.size = sizeof open, .world = soil->world, .name = name != NULL ? name : "soil", .model = model, .data = data,
-					  .geoms = config(model, instance, "geoms")};
+					  .geoms = config(model, instance, "geoms"), .carry = config(model, instance, "carry"), .tyres = config(model, instance, "tyres")};
 	memcpy(open.origin, origin, sizeof open.origin);
 	const furrow_status status = furrow_mujoco_open(&open, &soil->soil);
 	if (status != FURROW_OK)
@@ -118,11 +119,27 @@ static furrow_status open_soil(const mjModel *model, const mjData *data, int ins
 	return FURROW_OK;
 }
 
+/* Soil aboard is in no overlay: it is gone with the data. */
+static void tell_aboard(const struct plugin_soil *soil)
+{
+	double volume = 0;
+	for (int i = 0; i < soil->count && soil->folder == NULL; i++) {
+		struct furrow_contact contact = {.carried = 0};
+		if (furrow_mujoco_geom(soil->soil, (size_t)i, NULL, NULL, &contact, sizeof contact) == FURROW_OK && contact.carried > 0)
+			volume += contact.carried;
+	}
+	if (volume > 0)
+		mju_warning("furrow.soil: %.3g l of soil lie on geoms that carry, and go with the data: %s keeps the hole that they left, and not them; lay them down before",
+			    1e3 * volume, soil->overlay);
+}
+
 static void free_soil(struct plugin_soil *soil)
 {
 	if (soil == NULL)
 		return;
+	tell_aboard(soil);
 	plugin_free_field(soil->field);
+	plugin_free_field(soil->skin);
 	if (furrow_world_close(soil->world) != FURROW_OK)
 		mju_warning("furrow.soil: %s", furrow_last_error());
 	furrow_mujoco_close(soil->soil); /* last: else the ground would spring back below its bodies, and an overlay that is kept would have that */
@@ -147,12 +164,16 @@ static void warn_once(const mjModel *model, uint64_t *told, const char *text)
 /* Tells what gives a motion that nobody means. */
 static void doubt(const mjModel *model, const struct plugin_soil *soil)
 {
-	static uint64_t gravity_told, floor_told; /* two threads may tell both: no harm */
+	static uint64_t gravity_told, floor_told, step_told; /* two threads may tell both: no harm */
 	struct furrow_info info = {.size = sizeof info};
 	char text[400];
 	if (furrow_info(soil->world, &info) == FURROW_OK && fabs(-model->opt.gravity[2] - info.gravity) > 0.01 * info.gravity) {
 		snprintf(text, sizeof text, "the model's gravity is %.4g m/s2, and the scene's is %.4g: give both the same", -model->opt.gravity[2], info.gravity);
 		warn_once(model, &gravity_told, text);
+	}
+	if (model->opt.timestep > LONG_STEP) {
+		snprintf(text, sizeof text, "the model's timestep is %.3g s, and what strikes the ground may be thrown with one above %g s; give a shorter one", model->opt.timestep, LONG_STEP);
+		warn_once(model, &step_told, text);
 	}
 	for (int i = 0; i < model->ngeom; i++)
 		if (model->geom_type[i] == mjGEOM_PLANE && (model->geom_contype[i] != 0 || model->geom_conaffinity[i] != 0)) {
@@ -181,6 +202,9 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return "its key scene is missing; give the path of a scene, or its text in braces";
 	if (!is_alone(model, instance))
 		return "the model has several instances of it; give one, which names all geoms";
+	if (config(model, instance, "powertrain") != NULL || config(model, instance, "brakes") != NULL)
+		return "it has no powertrain and no brakes, since the model's actuators turn its joints; give the model actuators that do, or let furrow drive it as a vehicle of a scene, "
+		       "which has both";
 	if (!read_origin(model, instance, origin))
 		return "its key origin is no place; give where MuJoCo's origin is in the terrain, m: x y, or x y z";
 	soil->forces = calloc(nv + 1, sizeof *soil->forces);
@@ -201,7 +225,7 @@ static const char *make_soil(const mjModel *model, mjData *data, int instance, s
 		return "no memory";
 	doubt(model, soil);
 	const char *wrong = plugin_check_sensors(model, instance, soil);
-	return wrong != NULL ? wrong : plugin_make_field(model, instance, soil, origin);
+	return wrong != NULL ? wrong : plugin_make_fields(model, instance, soil, origin);
 }
 
 static int init(const mjModel *model, mjData *data, int instance)
@@ -425,7 +449,7 @@ static void advance(const mjModel *model, mjData *data, int instance)
 
 static void registers(void)
 {
-	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield"};
+	static const char *const keys[] = {"scene", "store", "overlay", "geoms", "origin", "reads", "hfield", "skin", "carry", "tyres", "powertrain", "brakes"};
 	mjpPlugin plugin;
 	mjp_defaultPlugin(&plugin);
 	plugin.name = "furrow.soil";

@@ -34,7 +34,7 @@ struct plugin_soil {
 	bool fresh, computed;   /* since the last step: it was not computed; it was */
 	bool foreign;           /* mj_copyData brought a state whose ground is another one */
 	double base, until, start; /* s: time of the present step's start, of the last step's end, and of the first step's start after a reset */
-	struct plugin_field *field; /* NULL: no height field follows the ground */
+	struct plugin_field *field, *skin; /* NULL: no height field, no skin follows the ground */
 };
 
 /* Fails, as MuJoCo does: its mju_error with one line, which does not return. */
@@ -53,12 +53,13 @@ void plugin_sense(const mjModel *model, mjData *data, int instance, const struct
 /* Returns what is wrong with the sensors of an instance; NULL: nothing. */
 const char *plugin_check_sensors(const mjModel *model, int instance, const struct plugin_soil *soil);
 
-/* --- field.c: a height field that follows the ground --- */
-/* Makes soil->field. Makes none without the key `hfield`, or if another mjData of the same model has one already. Returns what is wrong; NULL: nothing. */
-const char *plugin_make_field(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3]);
+/* --- field.c: a height field and a skin that follow the ground --- */
+/* Makes soil->field and soil->skin. Makes none without its key, `hfield` or `skin`, or if another mjData of the same model has it already. Returns what is wrong;
+ * NULL: nothing. */
+const char *plugin_make_fields(const mjModel *model, int instance, struct plugin_soil *soil, const double origin[3]);
 void plugin_free_field(struct plugin_field *field); /* takes NULL */
-/* Brings it up to date, at most some times in a second of simulated time. `all`: now, and everywhere. */
-void plugin_follow(const mjModel *model, struct plugin_soil *soil, bool all);
+/* Brings them up to date, at most some times in a second of simulated time. `all`: now, and everywhere. */
+void plugin_follow(const mjModel *model, const struct plugin_soil *soil, bool all);
 
 #ifndef PLUGIN_FINDS
 #define mj_version (*plugin_host.mj_version)

@@ -12,8 +12,8 @@ struct reading {
 	int numbers;
 };
 
-static const struct reading readings[] = {{"slip", 1}, {"sinkage", 1}, {"force", 3}, {"moment", 3}, {"slip_velocity", 1}, {"area", 1}, {"normal_force", 1}};
-enum { SLIP, SINKAGE, FORCE, MOMENT, SLIP_VELOCITY, AREA, NORMAL_FORCE, READINGS };
+static const struct reading readings[] = {{"slip", 1}, {"sinkage", 1}, {"force", 3}, {"moment", 3}, {"slip_velocity", 1}, {"area", 1}, {"normal_force", 1}, {"carried", 1}};
+enum { SLIP, SINKAGE, FORCE, MOMENT, SLIP_VELOCITY, AREA, NORMAL_FORCE, CARRIED, READINGS };
 
 static const char *reads_of(const mjModel *model, int instance)
 {
@@ -59,7 +59,7 @@ const char *plugin_check_sensors(const mjModel *model, int instance, const struc
 	const char *text = reads_of(model, instance);
 	for (int reading; (reading = next_reading(&text)) >= 0;)
 		if (reading == READINGS)
-			return "reads has a word that is none of slip, sinkage, force, moment, slip_velocity, area, normal_force";
+			return "reads has a word that is none of slip, sinkage, force, moment, slip_velocity, area, normal_force, carried";
 	for (int i = 0; i < model->nsensor; i++)
 		if (model->sensor_type[i] == mjSENS_PLUGIN && model->sensor_plugin[i] == instance &&
 		    (model->sensor_objtype[i] != mjOBJ_GEOM || soil_geom_of(soil, model->sensor_objid[i]) < 0))
@@ -78,7 +78,7 @@ void plugin_sense(const mjModel *model, mjData *data, int instance, const struct
 		/* In the air and before the first step most numbers are not known; a slip also where nothing turns. */
 		const bool known = contact.state != FURROW_UNKNOWN;
 		const double one[READINGS] = {[SLIP] = contact.slip, [SINKAGE] = contact.sinkage, [SLIP_VELOCITY] = contact.slip_velocity, [AREA] = contact.area,
-					      [NORMAL_FORCE] = contact.normal_force};
+					      [NORMAL_FORCE] = contact.normal_force, [CARRIED] = contact.carried};
 		const char *text = reads_of(model, instance);
 		for (int reading; (reading = next_reading(&text)) >= 0;)
 			for (int k = 0; reading < READINGS && k < readings[reading].numbers; k++) {

@@ -11,8 +11,6 @@ static const struct command_option options[] = {
 
 static enum status run(const struct arguments *arguments)
 {
-	if (arguments_text(arguments, "o") == NULL)
-		return fail_with(STATUS_USAGE, "bag: -o is missing; give a file for the bag");
 	return python_command(&command_bag, arguments);
 }
 

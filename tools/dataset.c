@@ -15,8 +15,6 @@ static const struct command_option options[] = {
 static enum status run(const struct arguments *arguments)
 {
 	int format;
-	if (arguments_text(arguments, "o") == NULL)
-		return fail_with(STATUS_USAGE, "dataset: -o is missing; give a folder for the dataset");
 	TRY(arguments_choice(arguments, "format", &format));
 	return python_command(&command_dataset, arguments);
 }

@@ -149,6 +149,19 @@ static void add_rasters(cJSON *root, const struct report_plan *plan)
 	}
 }
 
+static void add_rocks(cJSON *root, const struct report_plan *plan)
+{
+	if (!(plan->rocks.cover > 0))
+		return;
+	cJSON *rocks = cJSON_AddObjectToObject(root, "rocks");
+	json_number(rocks, "cover", rocks_cover(&plan->rocks, 0));
+	json_number(rocks, "smallest", plan->rocks.smallest);
+	json_number(rocks, "largest", plan->rocks.largest);
+	json_number(rocks, "highest", plan->rocks.largest * ROCKS_HEIGHT_MOST);
+	json_number(rocks, "a_square_metre", rocks_density(&plan->rocks));
+	json_number(rocks, "count", plan->rocks_count);
+}
+
 static void add_soils(cJSON *root, const struct scene *scene, const struct report_plan *plan)
 {
 	if (deform_model_row(scene->model)->numbers == NULL)
@@ -163,7 +176,7 @@ static void add_soils(cJSON *root, const struct scene *scene, const struct repor
 		if (scene_soil_value(scene, soil) >= 0)
 			json_integer(row, "class", scene_soil_value(scene, soil));
 		else if (soil > 0)
-			cJSON_AddTrueToObject(row, "road");
+			cJSON_AddTrueToObject(row, soil == scene->rocks_soil ? "rock" : "road");
 		if (plan->soils_known)
 			json_number(row, "share", plan->soils[soil]);
 		for (size_t i = 0; explain_number(scene, soil, i, &key, &value); i++) {
@@ -252,6 +265,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 		json_integer(samples, scene->objects[i].name, (int64_t)plan->samples[i]);
 	add_effects(root, scene, plan);
 	add_rasters(root, plan);
+	add_rocks(root, plan);
 	add_soils(root, scene, plan);
 	add_vehicles(root, plan);
 	explain_laws_json(root, scene, plan);

@@ -1,4 +1,5 @@
 /* furrow explain, for a person: sections of lines. Without --all only what a person asks first. */
+#include <math.h>
 #include <stdio.h>
 
 #include "explain.h"
@@ -42,6 +43,20 @@ static void print_rasters(const struct report_plan *plan)
 			snprintf(what + used, sizeof what - (size_t)used, ", along %.3g %% of the paths", 100 * plan->covered[i]);
 		layout_row(what, raster->path);
 	}
+}
+
+static void print_rocks(const struct report_plan *plan)
+{
+	const struct rocks_spec *rocks = &plan->rocks;
+	char text[400], count[80] = "";
+	if (!(rocks->cover > 0))
+		return;
+	puts("\nrocks");
+	if (!isnan(plan->rocks_count))
+		snprintf(count, sizeof count, ", about %s on the terrain", layout_number((uint64_t)plan->rocks_count).text);
+	snprintf(text, sizeof text, "%.3g to %.3g m across, up to %.2g m high, cover %.3g %% of the ground; the law's smaller and larger ones would make it %.3g %%. %.3g a square metre%s",
+		 rocks->smallest, rocks->largest, rocks->largest * ROCKS_HEIGHT_MOST, 100 * rocks_cover(rocks, 0), 100 * rocks->cover, rocks_density(rocks), count);
+	layout_wrapped(text, 4);
 }
 
 /* --- what it takes --- */
@@ -107,6 +122,7 @@ void explain_text(const struct scene *scene, const struct report_plan *plan, boo
 	if (all)
 		explain_effects_text(scene, plan);
 	print_rasters(plan);
+	print_rocks(plan);
 	explain_soils_text(scene, plan);
 	explain_vehicles_text(plan);
 	explain_laws_text(scene, plan);

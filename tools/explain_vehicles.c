@@ -96,7 +96,7 @@ static bool same_soil(const struct scene *scene, int a, int b)
 	return true;
 }
 
-/* Writes which classes of the map and whether roads have this soil, and along what share of the paths they lie. */
+/* Writes which classes of the map and whether roads or rocks have this soil, and along what share of the paths they lie. */
 static void add_classes(FILE *stream, const struct scene *scene, const struct report_plan *plan, int soil)
 {
 	double share = 0;
@@ -108,9 +108,9 @@ static void add_classes(FILE *stream, const struct scene *scene, const struct re
 		if (!same_soil(scene, soil, other))
 			continue;
 		if (other == 0)
-			fprintf(stream, "%s%s", any ? " and " : " (", scene->soil_map != NULL ? "default" : "off the roads");
+			fprintf(stream, "%s%s", any ? " and " : " (", scene->soil_map != NULL ? "default" : scene->road_count > 0 ? "off the roads" : "off the rocks");
 		else if (scene_soil_value(scene, other) < 0)
-			fprintf(stream, "%sroads", any ? ", " : " (");
+			fprintf(stream, "%s%s", any ? ", " : " (", other == scene->rocks_soil ? "rocks" : "roads");
 		else
 			fprintf(stream, "%s%d", any ? ", " : " (class ", scene_soil_value(scene, other));
 		share += plan->soils[other];

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "dem/dem.h"
+#include "exchange/exchange.h"
 #include "export.h"
 #include "relief_told.h"
 #include "ruts.h"
@@ -12,20 +13,24 @@
 #include "world_file.h"
 
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
-					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", NULL};
+					  "shear_x", "shear_y",     "loose",     "density",   "fixed_point",     "hillshade", "disturbance", "bent", "torn", "imagery", NULL};
 
+/* In the order of enum exchange_up, from its second. */
+static const char *const export_axes[] = {"y", "z", NULL};
 static const char *const export_encodings[] = {"mapbox", "terrarium", NULL};
+static const char *const export_sizes[] = {"256", "512", NULL};
 
 static const struct command_option options[] = {
-	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map",
-	 .files = "tif png r16 raw svg pdf", .needed = true},
+	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map; .mbtiles: map tiles in one file",
+	 .files = "tif png r16 raw svg pdf mbtiles", .needed = true},
 	{"mesh", "OUT", .help = "the surface of the window as triangles: .obj, .glb (glTF 2.0) or .stl", .files = "obj glb stl",
 	 .instead = true},
+	{"up", "AXIS", .help = "with --mesh: the axis that is up; x is east. y: z is south; z: y is north", .choices = export_axes, .preset = "y; of .stl, z"},
 	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
-	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, disturbance, bent and torn plants as shares, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
+	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, density as a share, disturbance, bent and torn plants as shares, imagery as a .png of colours, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
 	 .preset = "surface"},
 	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser",
-	 .preset = "0; offset to fixed_point: the deformed level"},
+	 .preset = "0; offset to fixed_point: the deformed level; imagery: its finest"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all, or what changed, see below"},
 	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "heights that a heightmap's 0 and full scale mean; of a map, its ramp's ends",
@@ -34,8 +39,12 @@ static const struct command_option options[] = {
 	 .preset = "315,45"},
 	{"exaggerate", "TIMES", .help = "a hillshade as if heights were so many times what they are", .preset = "1"},
 	{"since", "REVISION", .help = "with --tiles: only tiles that changed after this revision of the store"},
-	{"encoding", "KIND", .help = "with --tiles: how heights are coded in colours: mapbox in steps of 0.1 m, terrarium of 4 mm", .choices = export_encodings, .preset = "mapbox"},
-	{"jobs", "N", .help = "with --tiles: threads", .preset = "all cores"},
+	{"encoding", "KIND", .help = "of tiles: how heights are coded in colours: mapbox in steps of 0.1 m, terrarium of 4 mm", .choices = export_encodings, .preset = "mapbox"},
+	{"height-step", "M", .help = "of tiles: heights in steps of so much: MapLibre's encoding custom, whose factors are in terrain.json", .unit = "m", .preset = "the encoding's"},
+	{"tile-size", "PIXELS", .help = "of tiles: pixels along a map tile; 512 also serve as @2x of 256", .choices = export_sizes, .preset = "256"},
+	{"fine-globe", .help = "with --tiles: globe tiles down to vertices no further apart than posts, up to four times as many"},
+	{"gzip", .help = "with --tiles: globe tiles compressed, a tenth of the bytes; the server or the page has to know"},
+	{"jobs", "N", .help = "of tiles: threads", .preset = "all cores"},
 	{"leaflet", "DIR", .help = "with --tiles: where leaflet.js and leaflet.css are", .files = "/",
 	 .preset = "/usr/share/javascript/leaflet, of libjs-leaflet"},
 	{.name = NULL},
@@ -49,7 +58,7 @@ const char *export_layer_name(int layer)
 enum store_layer export_store_layer(int layer)
 {
 	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_DEPOSITED,
-						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_LOOSE, STORE_DENSITY, STORE_UNITS, STORE_SURFACE, STORE_SOIL, STORE_RISEN, STORE_GROWN};
+						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_LOOSE, STORE_DENSITY, STORE_UNITS, STORE_SURFACE, STORE_SOIL, STORE_RISEN, STORE_GROWN, STORE_SURFACE};
 	return layers[layer];
 }
 
@@ -101,13 +110,27 @@ static enum status check_mesh(const struct arguments *arguments, const char *pat
 	return known ? STATUS_OK : fail_with(STATUS_USAGE, "export: --mesh %s: has another ending; name a .obj, .glb or .stl", path);
 }
 
+/* Without --up it is what the format has. */
+static enum status read_up(const struct arguments *arguments, struct export_request *request)
+{
+	int axis = 0;
+	request->up = EXCHANGE_UP_FORMAT;
+	if (arguments_text(arguments, "up") == NULL)
+		return STATUS_OK;
+	if (!request->mesh)
+		return fail_with(STATUS_USAGE, "export: --up is for --mesh; give --mesh OUT, or leave --up out");
+	TRY(arguments_choice(arguments, "up", &axis));
+	request->up = EXCHANGE_UP_Y + axis;
+	return STATUS_OK;
+}
+
 static enum status read_request(const struct arguments *arguments, struct export_request *request)
 {
 	const char *mesh = arguments_text(arguments, "mesh");
 	request->path = mesh != NULL ? mesh : arguments_text(arguments, "o");
 	request->mesh = mesh != NULL;
-	if (mesh != NULL)
-		TRY(check_mesh(arguments, mesh));
+	TRY(mesh != NULL ? check_mesh(arguments, mesh) : STATUS_OK);
+	TRY(read_up(arguments, request));
 	if (request->path == NULL)
 		return fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif, .png or .r16");
 	TRY(export_read_layer(arguments, &request->layer));
@@ -116,6 +139,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 	TRY(arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range));
 	enum chart_format format;
 	const bool drawn = !request->mesh && chart_path_format(request->path, &format);
+	if (request->layer == LAYER_IMAGERY && (request->mesh || !drawn || format != CHART_PNG))
+		return fail_with(STATUS_USAGE, "export: %s: imagery is colours; write it as .png, which gdal_translate makes a .tif of", request->path);
 	request->png = drawn && format == CHART_PNG;
 	request->map = drawn && (!request->png || export_is_ruts(request)); /* a PNG holds no negative metres */
 	if (drawn && !request->png && !export_is_ruts(request))
@@ -385,13 +410,18 @@ done:
 
 static enum status run(const struct arguments *arguments)
 {
-	static const char *const tiles_only[] = {"encoding", "since", "jobs", "leaflet"};
+	static const char *const tiles_only[] = {"encoding", "height-step", "tile-size", "fine-globe", "gzip", "since", "jobs", "leaflet"};
 	struct export_request request = {.command = "export", .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
+	const char *out = arguments_text(arguments, "o");
 	if (arguments_text(arguments, "tiles") != NULL)
 		return export_tiles(arguments);
+	if (out != NULL && dem_path_ends(out, ".mbtiles"))
+		return export_mbtiles(arguments);
+	if (out != NULL && dem_path_ends(out, ".pmtiles"))
+		return fail_with(STATUS_USAGE, "export: %s: PMTiles are not written; write a .mbtiles, and convert it with pmtiles convert", out);
 	for (size_t i = 0; i < sizeof tiles_only / sizeof *tiles_only; i++)
-		if (arguments_text(arguments, tiles_only[i]) != NULL)
+		if (arguments_flag(arguments, tiles_only[i]))
 			return fail_with(STATUS_USAGE, "export: --%s is for --tiles; give --tiles DIR, or leave --%s out", tiles_only[i], tiles_only[i]);
 	TRY(read_request(arguments, &request));
 	request.store = arguments_at(arguments, 0);
@@ -404,6 +434,10 @@ static enum status run(const struct arguments *arguments)
 	TRY_OR(done, export_place_window(&request, store_meta(store)));
 	if (!export_is_ruts(&request))
 		relief_tell_missing(request.store, store);
+	if (request.layer == LAYER_IMAGERY) {
+		TRY_OR(done, export_imagery(&request, arguments_flag(arguments, "level"), store));
+		goto done;
+	}
 	if (export_is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	TRY_OR(done, export_take_changed(&request, store));
@@ -431,14 +465,16 @@ const struct command command_export = {
 		   "hillshade, with a grid, a legend, a scale bar and north (furrow map says more of them). Its pixels are posts, "
 		   "small maps enlarged by a whole factor. More than 4096 on a side are drawn at a coarser level, each pixel with "
 		   "the largest value of the posts within it, so that narrow ruts are seen.\n\n"
-		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. OBJ and STL are "
-		   "z up, glTF is y up.\n\n"
+		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. glTF and OBJ are y up, STL is z up; --up changes OBJ and "
+		   "STL. glTF has a picture as of furrow map.\n\n"
 		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a "
 		   "page that shows them behind any static server: python3 -m http.server -d DIR. Run again after a kill it goes "
-		   "on; with --since it writes what changed. src/exchange/EXCHANGE.md says how to use the tiles.\n",
+		   "on; with --since it writes what changed. --window cuts a part out; of --window-srs degrees tiles end just at those meridians. "
+		   "An .mbtiles has those of surface, hillshade or offset in one file. src/exchange/EXCHANGE.md says how to use the tiles.\n",
 	.examples = "furrow export world.furrow -o surface.tif\n"
 		    "furrow export ruts.furrow -o ruts.png --layer offset\n"
-		    "furrow export ruts.furrow --tiles map\n",
+		    "furrow export ruts.furrow --tiles map\n"
+		    "furrow export ruts.furrow --tiles map --height-step 0.001 --tile-size 512\n",
 	.see = "furrow-import(1)",
 	.run = run,
 };

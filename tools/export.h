@@ -22,7 +22,8 @@ enum export_layer {
 	LAYER_HILLSHADE,
 	LAYER_DISTURBANCE,
 	LAYER_BENT,
-	LAYER_TORN
+	LAYER_TORN,
+	LAYER_IMAGERY
 };
 
 struct export_request {
@@ -33,6 +34,7 @@ struct export_request {
 	struct plane_marks marks; /* the store's time */
 	int64_t level;
 	bool png, raw, mesh; /* path's ending; mesh: --mesh */
+	int up;              /* of a mesh: enum exchange_up */
 	bool map;            /* a picture with a frame and a legend */
 	bool has_window, has_range;
 	double window[4], range[2]; /* window: m from the south-west post; before export_place_window, in window_srs */
@@ -65,11 +67,15 @@ enum status export_find_rect(const struct export_request *request, const struct 
 /* Reads --sun and --exaggerate. `lit`: something is lit; otherwise the options are refused. */
 enum status export_read_light(const struct arguments *arguments, struct export_request *request, bool lit) FURROW_CHECKED;
 
+/* export_imagery.c: colours as a PNG. `leveled`: the request says the level. STATUS_INPUT: the store has no imagery. */
+enum status export_imagery(const struct export_request *request, bool leveled, struct store *store) FURROW_CHECKED;
+
 /* export_mesh.c: --mesh; the request has its path, level and window. */
 enum status export_mesh(const struct export_request *request, struct store *store) FURROW_CHECKED;
 
-/* export_tiles.c: --tiles. */
+/* export_tiles.c: --tiles; and -o OUT.mbtiles. */
 enum status export_tiles(const struct arguments *arguments) FURROW_CHECKED;
+enum status export_mbtiles(const struct arguments *arguments) FURROW_CHECKED;
 
 /* export_picture.c: a layer in false colour on the hillshade. */
 enum status export_check_picture(const struct export_request *request) FURROW_CHECKED;

@@ -15,6 +15,8 @@ enum status export_check_picture(const struct export_request *request)
 	const char *command = request->command, *layer = export_layer_name(request->layer);
 	if (request->layer == LAYER_QUANTA || request->layer == LAYER_HILLSHADE || request->layer == LAYER_LOOSE || request->layer == LAYER_DENSITY)
 		return fail_with(STATUS_USAGE, "%s: a map has no %s; write it as .tif, or --layer offset as a map", command, layer);
+	if (request->layer == LAYER_IMAGERY && request->has_range)
+		return fail_with(STATUS_USAGE, "%s: --height-range: imagery has colours of its own; leave it out", command);
 	if (request->layer <= LAYER_BASE || !request->has_range)
 		return STATUS_OK;
 	bool has_sign = request->layer == LAYER_OFFSET || request->layer == LAYER_HEAPED || request->layer == LAYER_SHEAR_X ||
@@ -51,7 +53,8 @@ static const char *title_of(int layer)
 					     [LAYER_OFFSET] = "Offset",
 					     [LAYER_DISTURBANCE] = "Disturbance",
 					     [LAYER_BENT] = "Bent plants",
-					     [LAYER_TORN] = "Torn plants"};
+					     [LAYER_TORN] = "Torn plants",
+					     [LAYER_IMAGERY] = "Imagery"};
 	return titles[layer];
 }
 
@@ -79,7 +82,7 @@ static void write_subtitle(const struct export_request *request, const struct ex
 	char across[32], up[32];
 	write_side(request, extent, 0, across, sizeof across);
 	write_side(request, extent, 1, up, sizeof up);
-	snprintf(text, room, "%s, %s by %s", request->layer <= LAYER_BASE ? "Heights" : "What deformation left", across, up);
+	snprintf(text, room, "%s, %s by %s", request->layer <= LAYER_BASE ? "Heights" : request->layer == LAYER_IMAGERY ? "Imagery" : "What deformation left", across, up);
 }
 
 /* Pixels of the frame's longer side. Without a size a post is a whole number of pixels. */
@@ -91,7 +94,7 @@ static uint32_t pixels_for(const struct export_request *request, const struct ch
 	return longest < SIDE ? (SIDE + longest - 1) / longest * longest : longest;
 }
 
-static enum status draw(const struct export_request *request, const struct store_meta *meta, const struct chart_raster *raster)
+static enum status draw(const struct export_request *request, const struct store_meta *meta, const struct chart_raster *raster, const uint8_t *colours)
 {
 	const char *slash = strrchr(request->store, '/'), *layer = export_layer_name(request->layer);
 	char subtitle[96], head[128];
@@ -106,7 +109,8 @@ static enum status draw(const struct export_request *request, const struct store
 						: request->store,
 		.subtitle = subtitle,
 		.layer = head,
-		.share = (request->layer >= LAYER_SHEAR && request->layer <= LAYER_SHEAR_Y) || request->layer >= LAYER_DISTURBANCE,
+		.colours = colours,
+		.share = (request->layer >= LAYER_SHEAR && request->layer <= LAYER_SHEAR_Y) || (request->layer >= LAYER_DISTURBANCE && request->layer <= LAYER_TORN),
 		.ramp = ramp_of(request->layer),
 		.range = {request->range[0], request->range[1]},
 		.grid = request->grid,
@@ -126,6 +130,7 @@ enum status export_picture(const struct export_request *request, struct store *s
 	const struct store_meta *meta = store_meta(store);
 	struct store_reader *reader = NULL;
 	struct chart_raster raster = {.width = 0};
+	uint8_t *colours = NULL;
 	struct progress progress;
 	struct chart_raster_params params = {
 		.meta = meta,
@@ -136,6 +141,9 @@ enum status export_picture(const struct export_request *request, struct store *s
 		.progress_user = &progress,
 		.marks = request->marks,
 	};
+	if (request->layer == LAYER_IMAGERY && !store_has_imagery(store, NULL, NULL))
+		return fail_with(STATUS_INPUT, "%s: it has no imagery; put some into it: furrow import --imagery ORTHO... -o %s", request->store,
+				 shell_path(request->store).text);
 	TRY(export_find_rect(request, &meta->extent, &params.rect));
 	params.level =
 		chart_level(&meta->extent, (int)request->level, request->pixels > 0 ? request->pixels : SIDE_MOST, &params.rect);
@@ -147,8 +155,13 @@ enum status export_picture(const struct export_request *request, struct store *s
 	enum status status = chart_raster_create(&params, &raster);
 	progress_end(&progress);
 	TRY_OR(done, status);
-	TRY_OR(done, draw(request, meta, &raster));
+	if (request->layer == LAYER_IMAGERY) {
+		TRY_OR(done, mem_make(&colours, (size_t)raster.width * raster.height, 4, "a map"));
+		TRY_OR(done, store_imagery_read_rect(reader, raster.level, raster.rect, colours));
+	}
+	TRY_OR(done, draw(request, meta, &raster, colours));
 done:
+	mem_free(colours);
 	chart_raster_finish(&raster);
 	store_reader_destroy(reader);
 	return status;

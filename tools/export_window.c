@@ -52,7 +52,7 @@ enum status export_place_window(struct export_request *request, const struct sto
 
 bool export_is_ruts(const struct export_request *request)
 {
-	return request->layer >= LAYER_OFFSET && request->layer != LAYER_HILLSHADE;
+	return request->layer >= LAYER_OFFSET && request->layer != LAYER_HILLSHADE && request->layer != LAYER_IMAGERY;
 }
 
 /* Most of a whole terrain is 0, ruts are specks on its map, and at their spacing its raster may have gigabytes. */

@@ -38,6 +38,9 @@ static const struct command_option options[] = {
 	{"fill", .help = "fill holes from their rims"},
 	{"inset", "SOURCE", .help = "finer ground in a part of the terrain, stored at its own spacing there alone",
 	 .files = SOURCES, .repeats = true},
+	{"imagery", "ORTHO", .help = "colours over the terrain: rasters of 8 bits a band; alone, they go into a STORE that exists", .files = SOURCES, .repeats = true},
+	{"imagery-quality", "Q", .help = "quality of the imagery's tiles, which are WebP, 1 to 100", .preset = "85"},
+	{"lossless", .help = "store the imagery's tiles without loss"},
 	{"feather", "M", .help = "width over which an inset's rim blends into what surrounds it", .unit = "m",
 	 .preset = "10 posts of what surrounds it, at most a quarter of the inset"},
 	{"vrt-folder", "FOLDER", .help = "where else a VRT's rasters may lie; otherwise in its own folder and below it", .files = "/"},
@@ -112,6 +115,8 @@ static void note_output(const struct import *import, const char *path)
 		return;
 	if (!import->overwrite)
 		note("%s: it exists; without --overwrite it is not replaced", path);
+	else if (import->imagery_count > 0 && !import->force)
+		note("%s: it exists; with --imagery it is not replaced without --force, too", path);
 	if (!import->force && store_open(path, &(struct store_options){.mode = STORE_READ}, &store) == STATUS_OK &&
 	    store_losses(store, true, text, sizeof text, &count) == STATUS_OK && count > 0)
 		note("%s: %s, which would be lost; without --force it is not replaced", path, text);
@@ -157,7 +162,7 @@ static void print_resampling(const struct import *import, const struct store_met
 		       info->unit, info->unit / 20);
 }
 
-static enum status print_json(const struct import *import, const struct intake *made)
+static enum status print_json(const struct import *import, const struct intake *made, const struct intake_imagery *coloured)
 {
 	const struct dem_info *info = dem_info(import->opened);
 	cJSON *object = cJSON_CreateObject();
@@ -177,15 +182,17 @@ static enum status print_json(const struct import *import, const struct intake *
 	json_pair(object, "height", made->low, made->high);
 	json_integer(object, "bytes", made->bytes);
 	json_number(object, "seconds", made->seconds);
+	if (coloured != NULL)
+		imagery_json(cJSON_AddObjectToObject(object, "imagery"), coloured);
 	return json_print(object);
 }
 
-static enum status make(struct import *import, const char *path, struct intake *made)
+static enum status make(struct import *import, const char *path, struct intake *made, struct intake_imagery *coloured)
 {
 	struct progress progress;
 	interrupt_catch();
 	progress_start(&progress, path, "rows");
-	enum status status = intake_import_run(import, path, progress_step, &progress, made);
+	enum status status = intake_import_run(import, path, progress_step, &progress, made, coloured);
 	progress_end(&progress);
 	return status;
 }
@@ -207,14 +214,48 @@ static void print_text(const struct import *import, const struct intake *made, b
 static enum status make_and_print(const struct arguments *arguments, struct import *import, const char *path)
 {
 	const bool dry = arguments_flag(arguments, "dry-run");
+	struct intake_imagery coloured = {.tiles = 0};
 	struct intake made = {.meta = import->meta, .low = (double)NAN, .high = (double)NAN};
+	if (dry && import->imagery_count > 0)
+		TRY(intake_imagery_check(import));
 	if (dry)
 		note_output(import, path);
 	else
-		TRY(make(import, path, &made));
+		TRY(make(import, path, &made, &coloured));
 	if (arguments_flag(arguments, "json"))
-		return print_json(import, &made);
+		return print_json(import, &made, coloured.store != NULL ? &coloured : NULL);
 	print_text(import, &made, dry);
+	if (coloured.store != NULL)
+		print_imagery(&coloured);
+	return STATUS_OK;
+}
+
+/* SOURCEs beside imagery make a new store. Where a shell made several names of --imagery *.tif they are pictures, and their user wants the store kept. */
+static enum status check_replaced(const struct arguments *arguments, const struct import *import, const char *path)
+{
+	struct stat file;
+	if (import->imagery_count == 0 || (import->overwrite && import->force) || arguments_flag(arguments, "dry-run") || stat(path, &file) != 0)
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "import: %s exists, and %s would be the heights of a new store in its place; to put pictures into the store as it is name no SOURCE, and "
+			 "each picture, or their folder, by --imagery; to replace the store give --overwrite --force, too", path, arguments_at(arguments, 0));
+}
+
+/* Of a store that exists. */
+static enum status run_imagery(const struct arguments *arguments, const struct import *import, const char *path)
+{
+	struct intake_imagery coloured;
+	struct progress progress;
+	interrupt_catch();
+	progress_start(&progress, path, "rows");
+	const enum status status = intake_import_imagery(import, path, arguments_flag(arguments, "dry-run"), progress_step, &progress, &coloured);
+	progress_end(&progress);
+	TRY(status);
+	if (arguments_flag(arguments, "json")) {
+		cJSON *object = cJSON_CreateObject();
+		imagery_json(cJSON_AddObjectToObject(object, "imagery"), &coloured);
+		return json_print(object);
+	}
+	print_imagery(&coloured);
 	return STATUS_OK;
 }
 
@@ -231,6 +272,13 @@ static enum status run(const struct arguments *arguments)
 	intake_import_init(&import);
 	enum status status;
 	TRY_OR(done, read_options(arguments, &import));
+	if (import.imagery_count > 0 && arguments_count(arguments) == 0) {
+		TRY_OR(done, run_imagery(arguments, &import, path));
+		goto done;
+	}
+	if (arguments_count(arguments) == 0)
+		TRY_OR(done, fail_with(STATUS_USAGE, "import: something is missing; usage: furrow import SOURCE... -o STORE [options], or furrow import --imagery ORTHO... -o STORE"));
+	TRY_OR(done, check_replaced(arguments, &import, path));
 	TRY_OR(done, intake_import_open(&import, sources, arguments_count(arguments)));
 	TRY_OR(done, make_and_print(arguments, &import, path));
 done:
@@ -243,7 +291,7 @@ const struct command command_import = {
 	.name = "import",
 	.summary = "elevation data to a terrain store",
 	.arguments = COMMAND_ARGUMENTS({"SOURCE", .help = "a raster, a folder or a .zip of rasters, or @list.txt", .files = SOURCES,
-	 .needed = true, .repeats = true}),
+	 .repeats = true}),
 	.options = options,
 	.details = "Several sources become one terrain; each may have its own SRS, spacing and unit. Where they overlap the first "
 		   "named wins. Without --spacing, a source that is at least twice as fine as the others, and lies within them, is "
@@ -265,10 +313,14 @@ const struct command command_import = {
 		   "--t-vertical converts, by PROJ and its grids: ellipsoid (of the source's SRS), egm96, egm2008, or any vertical "
 		   "SRS as EPSG:5703. If a source does not say, --s-vertical must: SRTM is above egm96.\n\n"
 		   "Sources may come from strangers. Without --allow-network nothing that a source names is fetched. A VRT names files of its own "
-		   "folder and those below it, or of --vrt-folder.\n",
+		   "folder and those below it, or of --vrt-folder.\n\n"
+		   "--imagery lays pictures over the terrain, each in its own SRS and resolution. Where several overlap the first named wins. A pixel is a post, "
+		   "or 2, 4 or 8 pixels a post along a side: the coarsest that keeps the finest picture. Tiles and their coarser levels are WebP. Without "
+		   "SOURCE the pictures go into STORE as it is, ruts and overlays stay, and --overwrite replaces the pictures it has. A folder or @list.txt stands for several. --resume goes on with an import of pictures that was broken off.\n",
 	.examples = "furrow import N46E007.hgt -o alps.furrow\n"
 		    "furrow import tiles/ -o site.furrow --t-srs EPSG:25832 --spacing 1\n"
-		    "furrow import wide.tif --inset site.tif -o site.furrow --match-heights\n",
+		    "furrow import wide.tif --inset site.tif -o site.furrow --match-heights\n"
+		    "furrow import --imagery ortho.tif -o site.furrow\n",
 	.see = "furrow-info(1), furrow-verify(1), store(5)",
 	.run = run,
 };

@@ -140,7 +140,43 @@ static void add_parent(cJSON *object, const struct store *store)
 	json_integer(parent, "revision", revision);
 }
 
-static enum status print_json(struct store *store, const struct store_numbers *numbers, const double *ruts)
+static const char imagery_codec[] = "WebP";
+
+static cJSON *store_imagery_json(const struct store_meta *meta, const struct store_imagery *imagery)
+{
+	if (!imagery->found)
+		return cJSON_CreateNull();
+	cJSON *object = cJSON_CreateObject();
+	json_integer(object, "level", imagery->finest);
+	json_number(object, "pixel", extent_spacing(&meta->extent, imagery->finest));
+	cJSON_AddStringToObject(object, "codec", imagery_codec);
+	json_integer(object, "quality", imagery->quality);
+	json_integer(object, "tiles", imagery->tiles);
+	json_integer(object, "bytes", imagery->bytes);
+	cJSON_AddItemToObject(object, "sources", sources_json(imagery->sources));
+	return object;
+}
+
+static void print_store_imagery(const struct store_meta *meta, const struct store_imagery *imagery)
+{
+	if (imagery->broken_off)
+		puts("imagery    an import of it was broken off; furrow import --imagery with --resume goes on");
+	if (!imagery->found)
+		return;
+	printf("imagery    pixels of %s m, levels %d to %d, %lld tiles, %lld bytes, %s ", number_exact(extent_spacing(&meta->extent, imagery->finest)).text,
+	       imagery->finest, extent_coarsest(&meta->extent), (long long)imagery->tiles, (long long)imagery->bytes, imagery_codec);
+	if (imagery->quality == 0)
+		puts("without loss");
+	else
+		printf("of quality %d\n", imagery->quality);
+	for (const char *line = imagery->sources; *line != '\0';) {
+		int length = (int)strcspn(line, "\n");
+		printf("           %.*s\n", length, line);
+		line += length + (line[length] == '\n');
+	}
+}
+
+static enum status print_json(struct store *store, const struct store_numbers *numbers, const struct store_imagery *imagery, const double *ruts)
 {
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
@@ -204,6 +240,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_integer(history, "bytes", numbers->history_bytes);
 	cJSON_AddItemToObject(object, "sources", sources_json(meta->sources));
 	cJSON_AddItemToObject(object, "insets", insets_json(meta));
+	cJSON_AddItemToObject(object, "imagery", store_imagery_json(meta, imagery));
 	cJSON_AddItemToObject(object, "last_run", last_run_json(numbers));
 	return json_print(object);
 }
@@ -257,7 +294,7 @@ static double volume_of(const struct store *store, int64_t amount)
 	return (double)amount * lattice_offset_metres(1) * spacing * spacing;
 }
 
-static void print_text(struct store *store, const struct store_numbers *numbers, const double *ruts)
+static void print_text(struct store *store, const struct store_numbers *numbers, const struct store_imagery *imagery, const double *ruts)
 {
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
@@ -318,6 +355,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 		line += length + (line[length] == '\n');
 	}
 	print_insets(meta);
+	print_store_imagery(meta, imagery);
 	if (numbers->last_run.scene_hash != NULL)
 		printf("last run   scene %s, step %lld (%.3f s), %lld epochs\n", numbers->last_run.scene_hash,
 		       (long long)numbers->last_run.step, numbers->last_run.time, (long long)numbers->commits);
@@ -327,16 +365,18 @@ static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	struct store_numbers numbers;
+	struct store_imagery imagery;
 	double ruts[4];
 	bool any = false;
 	enum status status;
 	TRY_OR(done, store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store));
 	TRY_OR(done, store_count(store, &numbers));
+	TRY_OR(done, store_imagery_info(store, &imagery));
 	TRY_OR(done, ruts_window(store, ruts, &any));
 	if (arguments_flag(arguments, "json"))
-		TRY_OR(done, print_json(store, &numbers, any ? ruts : NULL));
+		TRY_OR(done, print_json(store, &numbers, &imagery, any ? ruts : NULL));
 	else
-		print_text(store, &numbers, any ? ruts : NULL);
+		print_text(store, &numbers, &imagery, any ? ruts : NULL);
 done:
 	store_close(store);
 	return status;

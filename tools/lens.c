@@ -20,8 +20,6 @@ static const struct command_option options[] = {
 
 static enum status run(const struct arguments *arguments)
 {
-	if (arguments_text(arguments, "o") == NULL || arguments_text(arguments, "camera") == NULL)
-		return fail_with(STATUS_USAGE, "lens: %s is missing; give the name of a camera", arguments_text(arguments, "o") == NULL ? "-o" : "--camera");
 	return python_command(&command_lens, arguments);
 }
 

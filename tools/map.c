@@ -12,13 +12,13 @@
 
 /* Those of export's layers of which there are maps, in its order. */
 static const char *const layers[] = {"surface", "base",    "offset",  "deposited", "plastic_sinkage",
-				     "shear",   "shear_x", "shear_y", "disturbance", "bent", "torn", NULL};
+				     "shear",   "shear_x", "shear_y", "disturbance", "bent", "torn", "imagery", NULL};
 /* In the order of enum chart_grid. */
 static const char *const grids[] = {"metres", "local", "degrees", "none", NULL};
 
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write", .files = "png svg pdf", .needed = true},
-	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left: lengths, shares of the soil's strength, and shares of disturbance, of bent and of torn plants",
+	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left: lengths, shares of the soil's strength, and shares of disturbance, of bent and of torn plants; or the imagery's colours",
 	 .choices = layers, .preset = "surface"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all, or what changed, see below"},
 	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
@@ -91,6 +91,9 @@ static enum status run(const struct arguments *arguments)
 	if (request.layer <= LAYER_BASE)
 		relief_tell_missing(request.store, store);
 	request.level = store_finest(store);
+	int finest = 0;
+	if (request.layer == LAYER_IMAGERY && store_has_imagery(store, &finest, NULL))
+		request.level = finest;
 	TRY_OR(done, export_take_changed(&request, store));
 	TRY_OR(done, export_picture(&request, store));
 done:

@@ -65,11 +65,20 @@ static enum status find_package(char folder[PATH_MAX])
 	return has_package(folder) ? STATUS_OK : fail_with(STATUS_FAILED, "%s: the Python package furrow is not there; install it (docs/INSTALL.md)", folder);
 }
 
+static enum status check_needed(const struct command *command, const struct arguments *arguments)
+{
+	for (const struct command_option *option = command->options; option->name != NULL; option++)
+		if (option->needed && arguments_text(arguments, option->name) == NULL)
+			return fail_with(STATUS_USAGE, "%s: %s%s is missing; give %s: %s", command->name, command_dashes(option), option->name, option->value, option->help);
+	return STATUS_OK;
+}
+
 enum status python_command(const struct command *command, const struct arguments *arguments)
 {
 	struct words words = {.count = 0};
 	char folder[PATH_MAX], start[PATH_MAX + 32];
 	const char *python = getenv("FURROW_PYTHON");
+	TRY(check_needed(command, arguments));
 	TRY(find_package(folder));
 	if (python == NULL || python[0] == '\0')
 		python = PYTHON_FOUND;

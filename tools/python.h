@@ -5,7 +5,8 @@
 #include "command.h"
 
 /* Becomes the package's command of that name, with all arguments and options that were given. Returns only if that fails.
- * FURROW_PYTHON names the interpreter; without it the one that furrow was built with is taken. STATUS_FAILED: there is no interpreter, or no package. */
+ * FURROW_PYTHON names the interpreter; without it the one that furrow was built with is taken. STATUS_USAGE: an option that is needed was not given.
+ * STATUS_FAILED: there is no interpreter, or no package. */
 enum status python_command(const struct command *command, const struct arguments *arguments) FURROW_CHECKED;
 
 #endif

@@ -12,8 +12,6 @@ static const struct command_option options[] = {
 
 static enum status run(const struct arguments *arguments)
 {
-	if (arguments_text(arguments, "o") == NULL)
-		return fail_with(STATUS_USAGE, "usd: -o is missing; give a file for the stage");
 	return python_command(&command_usd, arguments);
 }
 

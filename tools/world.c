@@ -14,8 +14,6 @@ static const struct command_option options[] = {
 
 static enum status run(const struct arguments *arguments)
 {
-	if (arguments_text(arguments, "o") == NULL)
-		return fail_with(STATUS_USAGE, "world: -o is missing; give a folder for the world");
 	return python_command(&command_world, arguments);
 }
 

@@ -389,7 +389,7 @@ def drive(furrow, plan, folder, ground, store, images, settles=True):
     status, _, told, seconds = furrow("drive", scene, "--store", store, "--overlay", folder / (ground + ".furrow"), "-o", out)
     if status == 4 and images:
         return drive(furrow, plan, folder, ground, store, False, settles)
-    if status == 3 and settles and "it moves before the drive begins" in told:   # it falls: what does not stand may still be seen
+    if status == 3 and settles and ("it moves before the drive begins" in told or "it comes to no rest" in told):   # what falls or trembles may still be seen
         return drive(furrow, plan, folder, ground, store, images, False)
     notes, error = lines_of(told, scene, plan.path)
     notes = [note for note in notes if not note.startswith("drive: step ")]

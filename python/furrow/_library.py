@@ -129,6 +129,7 @@ def import_dem(sources: Union[Path, Iterable[Path]], store: Path, *, progress: O
 
     sources: one path or several, of rasters, folders, or "@list.txt". store: path of the file to make.
     progress: gets the share that is done, 0 to 1, and returns False to stop; None goes on. An exception stops it, too.
+    imagery=["ortho.tif"] puts colours over the terrain, too; with no sources ([]) into the store that exists.
     options: the command's long names with _ for -, such as max_error=0.01 (m), spacing=1 (m), overwrite=True.
 
     furrow.Error with Status.INTERRUPTED: progress stopped it. A call with resume=True goes on.

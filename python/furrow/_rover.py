@@ -2,19 +2,20 @@
 
 A terrain is written by `make_terrain`, and never changes afterwards. Each rover's world has its own overlay over it.
 """
+import ctypes
 import dataclasses
 import math
 import os
 import pathlib
 import tempfile
-from typing import Any, Dict, Optional, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from furrow import _png
+from furrow import _declarations, _png
 from furrow._library import Error, import_dem
 from furrow._declarations import Status
-from furrow._world import World
+from furrow._world import CONTACT, POINT, World
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -35,6 +36,8 @@ REACHED = 10.0
 FAILED = -10.0
 A_STEP = -0.01
 LEANS = math.cos(math.radians(60))  # of the upright axis, upward: below it the rover is overturned
+
+VEHICLE = np.dtype(_declarations.furrow_vehicle_state)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,9 +104,10 @@ def scene_of(kind: str, pictures: bool, **settings: Any) -> Dict[str, Any]:
 
 
 class Rover:
-    """One world with a rover and its task. `begin` starts an episode, `act` and `look` make a step of it.
+    """One world with a rover and its task. `begin` starts an episode, `act` (`aim`, then `move`) and `look` make a step of it.
 
-    act: the library alone works in it, without Python's lock, so several threads may move several rovers at once.
+    move: the library alone works in it, without Python's lock, so several threads may move several rovers at once. `look` of several rovers reads
+    them at once.
     kind: "hill" or "pit". store: its terrain. overlay: a new file, for its ruts. steps: time steps of an action. settings: as of scene_of.
     pictures: `picture` will be called.
     """
@@ -119,10 +123,11 @@ class Rover:
         self._steer = [(names.index(f"steer_{name}"), *place) for name, place in WHEELS.items() if place[0] != 0]
         self._drive = [(names.index(f"drive_{name}"), *place) for name, place in WHEELS.items()]
         self._controls = np.zeros(len(names))
-        joints, geoms = self.vehicle.joint_names, list(self.vehicle.bodies)
+        joints, bodies = self.vehicle.joint_names, self.vehicle.bodies
+        self._joints = len(joints)
         self._steers = [joints.index(f"steer_{name}") for name, place in WHEELS.items() if place[0] != 0]
         self._rolls = [joints.index(f"roll_{name}") for name in WHEELS]
-        self._wheels = [geoms.index(f"wheel_{name}") for name in WHEELS]
+        self._wheels = np.array([bodies[f"wheel_{name}"].handle for name in WHEELS], np.int32)
         self.goal = np.zeros(3)
         self.action = np.zeros(ACTIONS)
         self.distance = 0.0
@@ -145,8 +150,8 @@ class Rover:
         self.action[:] = 0
         self._set_controls()
         self.failure = None
-        observation = self._observe()
-        return observation
+        _observe([self])
+        return self.observation.copy()
 
     def _pour_heap(self, distance: float, bearing: float) -> None:
         radius, height = HEAP
@@ -163,10 +168,13 @@ class Rover:
             self._controls[index] = speed * math.hypot(bend * x, 1 - bend * y) / WHEEL_RADIUS
         self.vehicle.set_controls(self._controls)
 
-    def act(self, action: Any) -> None:
-        """Moves on by the time of an action. action: (2,): speed and curvature, each -1 .. 1; clipped to that."""
+    def aim(self, action: Any) -> None:
+        """Sets the controls for the next `move`. action: (2,): speed and curvature, each -1 .. 1; clipped to that."""
         self.action[:] = np.clip(np.nan_to_num(np.asarray(action, dtype=float)), -1, 1)
         self._set_controls()
+
+    def move(self) -> None:
+        """Moves on by the time of an action."""
         try:
             self.world.step(self.steps * self.time_step)
         except Error as error:
@@ -174,47 +182,26 @@ class Rover:
                 raise
             self.failure = str(error)
 
+    def act(self, action: Any) -> None:
+        """Both. action: as of `aim`."""
+        self.aim(action)
+        self.move()
+
     def look(self) -> "Tuple[np.ndarray, float, bool, Dict[str, Any]]":
         """What the last action came to: observation, reward, whether the episode has ended there, and more of it."""
-        before = self.distance
-        observation = self._observe()
-        reached = self.distance < NEAR
-        overturned = self.up < LEANS
-        ended = reached or overturned or self.failure is not None
-        reward = (before - self.distance if self.failure is None else 0.0) + A_STEP
-        if ended:
-            reward += REACHED if reached else FAILED
-        info = {"distance": self.distance, "reached": reached, "overturned": overturned, "failure": self.failure or ""}
-        return observation, reward, ended, info
+        return look([self])[0]
 
-    def _observe(self) -> "np.ndarray":
-        if self.failure is not None:
-            return self.observation.copy()  # a world whose step failed tells nothing new
-        pose = self.vehicle.state
-        position, (w, x, y, z) = pose.position, pose.orientation
-        # Its axes in the world's.
-        axes = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
-                         [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
-                         [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]])
-        self.position, self.heading, self.up = position, math.atan2(axes[0, 1], axes[0, 0]), float(axes[2, 2])
-        to = self.goal - position
-        self.distance = math.hypot(to[0], to[1])
-        c, s = math.cos(self.heading), math.sin(self.heading)
-        along, left = c * to[0] + s * to[1], c * to[1] - s * to[0]
-        by = 1 / max(self.distance, 1e-9)
-        angles, rates = self.vehicle.get_joints()
-        contacts = self.vehicle.get_contacts()
-        places = AHEAD @ np.array([[c, s], [-s, c]]) + position[:2]
-        heights = self.world.points(places)["height"] - position[2]
-        found = np.concatenate([
-            (self.distance / 10, along * by, left * by, to[2]), axes[:, 2], axes @ pose.velocity, axes @ pose.angular,
-            angles[self._steers], rates[self._rolls] * WHEEL_RADIUS, 10 * contacts["sinkage"][self._wheels], heights, self.action])
-        self.observation = np.clip(np.nan_to_num(found), -BOUND, BOUND).astype(np.float32)
-        return self.observation.copy()
+    def _read(self, state: "np.ndarray", joints: "np.ndarray", contacts: "np.ndarray") -> None:
+        """state: (1,) of VEHICLE; joints: (2, joints): values and rates; contacts: (wheels,) of CONTACT."""
+        call, handle = self.world._call, self.vehicle.handle  # pylint: disable=protected-access
+        state["size"] = VEHICLE.itemsize
+        call("furrow_vehicle_get", handle, ctypes.byref(_declarations.furrow_vehicle_state.from_buffer(state)))
+        call("furrow_get_joints", handle, self._joints, joints[0].ctypes.data, joints[1].ctypes.data)
+        call("furrow_get_contacts", len(self._wheels), self._wheels.ctypes.data, contacts.ctypes.data, CONTACT.itemsize)
 
     def picture(self, size: Tuple[int, int]) -> "np.ndarray":
         """(height, width, 3) uint8: the rover from behind, and a red pole at its goal. size: width, height."""
-        back = np.array([math.cos(self.heading), math.sin(self.heading), 0.0])
+        back = np.array([*self.heading, 0.0])
         eye = self.position - 3.2 * back
         ground = self.world.points(eye[:2])["height"]
         eye[2] = np.fmax(self.position[2] + 1.6, ground + 1.0)
@@ -231,6 +218,73 @@ class Rover:
         except Error:
             pass  # closing says what is wrong
         self.world.close()
+
+
+def look(rovers: "Sequence[Rover]") -> "List[Tuple[np.ndarray, float, bool, Dict[str, Any]]]":
+    """What `Rover.look` returns of each of several rovers of one task, to the bit: they are read at once, which is faster."""
+    before = [rover.distance for rover in rovers]
+    _observe([rover for rover in rovers if rover.failure is None])  # a world whose step failed tells nothing new
+    found = []
+    for rover, was in zip(rovers, before):
+        reached, overturned = rover.distance < NEAR, rover.up < LEANS
+        ended = reached or overturned or rover.failure is not None
+        reward = (was - rover.distance if rover.failure is None else 0.0) + A_STEP
+        if ended:
+            reward += REACHED if reached else FAILED
+        info = {"distance": rover.distance, "reached": reached, "overturned": overturned, "failure": rover.failure or ""}
+        found.append((rover.observation.copy(), reward, ended, info))
+    return found
+
+
+def _observe(rovers: "Sequence[Rover]") -> None:
+    """Sets observation, distance, position, heading and up of each of several rovers of one task.
+
+    It has sums, products, quotients and roots alone: so how many rovers there are changes no bit.
+    """
+    if not rovers:
+        return
+    count, first = len(rovers), rovers[0]
+    states, joints = np.zeros(count, VEHICLE), np.empty((count, 2, first._joints))  # pylint: disable=protected-access
+    contacts, points = np.empty((count, len(WHEELS)), CONTACT), np.empty((count, len(AHEAD)), POINT)
+    for index, rover in enumerate(rovers):
+        rover._read(states[index:index + 1], joints[index], contacts[index])  # pylint: disable=protected-access
+    state = states["state"]
+    position, linear, angular = state["pose"]["position"], state["linear"], state["angular"]
+    w, x, y, z = state["pose"]["orientation"].T
+    # Its axes in the world's: [i][k] is number k of axis i.
+    axes = ((1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
+            (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
+            (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)))
+    level = np.sqrt(axes[0][0] * axes[0][0] + axes[0][1] * axes[0][1])
+    up = level > 1e-9  # else its nose is straight up or down: it looks east
+    by = 1 / np.where(up, level, 1)
+    c, s = np.where(up, axes[0][0] * by, 1), np.where(up, axes[0][1] * by, 0)
+    to = np.array([rover.goal for rover in rovers]) - position
+    distance = np.sqrt(to[:, 0] * to[:, 0] + to[:, 1] * to[:, 1])
+    near = 1 / np.maximum(distance, 1e-9)
+    places = np.empty((count, len(AHEAD), 2))
+    places[:, :, 0] = (c[:, None] * AHEAD[:, 0] - s[:, None] * AHEAD[:, 1]) + position[:, 0:1]
+    places[:, :, 1] = (s[:, None] * AHEAD[:, 0] + c[:, None] * AHEAD[:, 1]) + position[:, 1:2]
+    for index, rover in enumerate(rovers):
+        rover.world._call("furrow_points", len(AHEAD), places[index].ctypes.data, points[index].ctypes.data)  # pylint: disable=protected-access
+    found = np.empty((count, OBSERVATIONS))
+    found[:, 0] = distance / 10
+    found[:, 1] = (c * to[:, 0] + s * to[:, 1]) * near
+    found[:, 2] = (c * to[:, 1] - s * to[:, 0]) * near
+    found[:, 3] = to[:, 2]
+    for k in range(3):
+        found[:, 4 + k] = axes[k][2]
+        for at, v in ((7, linear), (10, angular)):
+            found[:, at + k] = axes[k][0] * v[:, 0] + axes[k][1] * v[:, 1] + axes[k][2] * v[:, 2]
+    found[:, 13:17] = joints[:, 0, first._steers]  # pylint: disable=protected-access
+    found[:, 17:23] = joints[:, 1, first._rolls] * WHEEL_RADIUS  # pylint: disable=protected-access
+    found[:, 23:29] = 10 * contacts["sinkage"]
+    found[:, 29:38] = points["height"] - position[:, 2:3]
+    found[:, 38:40] = [rover.action for rover in rovers]
+    observations = np.clip(np.nan_to_num(found), -BOUND, BOUND).astype(np.float32)
+    for index, rover in enumerate(rovers):
+        rover.observation, rover.distance, rover.up = observations[index], float(distance[index]), float(axes[2][2][index])
+        rover.position, rover.heading = position[index], (float(c[index]), float(s[index]))
 
 
 def _draw_pole(rgb: "np.ndarray", depth: "np.ndarray", eye: "np.ndarray", look: "np.ndarray", fovy: float, goal: "np.ndarray") -> None:

@@ -63,9 +63,12 @@ def _beside(drive: Drive, text: "Union[str, None]") -> "Union[pathlib.Path, None
 
 
 def _reader(drive: Drive) -> "dict[str, Any]":
-    """A scene that reads the store of a drive: with its spacing, and the relief that it has. ResultsError: relief by class needs the map of soils, which is gone."""
+    """A scene that reads the store of a drive: with its spacing, and the relief and the rocks that it has. ResultsError: relief by class needs the map of soils, which is gone."""
     scene: "dict[str, Any]" = {"spacing": drive.facts["spacing"]}
-    relief = drive.facts.get("relief")
+    relief = dict(drive.facts.get("relief") or {})
+    rocks = relief.pop("rocks", None)
+    if rocks:
+        scene["ground"] = {"rocks": rocks}
     if not relief:
         return scene
     waves = [{key: each[key] for key in ("roughness", "wavelength")} for each in relief.get("classes", [relief])]
@@ -176,6 +179,17 @@ def unit_quaternion(turn: "np.ndarray") -> "np.ndarray":
     return q / np.linalg.norm(q) * (1 if q[3] >= 0 else -1)
 
 
+def _unread(assets: "list[Any]", error: str) -> Any:
+    """The one whose file an error of MuJoCo says is not opened or read; None: it says something else. wheel.stl is not front_wheel.stl, and b/wheel.stl not a/wheel.stl."""
+    def says(name: str) -> bool:
+        return re.search(rf"(?:^|[\s'\"/\\(:]){re.escape(name)}(?:$|[\s'\"),:;])", error) is not None
+
+    if re.search(r"open|read|found|find|decod|invalid|unsupported|format", error) is None:
+        return None
+    said = [(len(name), asset) for asset in assets if asset.file for name in {asset.file, re.split(r"[/\\]", asset.file)[-1]} if says(name)]
+    return max(said, key=lambda each: each[0])[1] if said else None
+
+
 class Model:
     """The model of a vehicle in MuJoCo, set to rows of vehicles.csv. `lost`: what cannot be told of it, a line each."""
 
@@ -187,7 +201,7 @@ class Model:
             self.spec = self.mujoco.MjSpec.from_file(str(self.file))
             self._free_roots(_of_scene(drive, f"vehicles.{name}.start.fixed"))
             self._name_joints()
-            self.model = self.spec.compile()
+            left_out = self._compile()
         except (ValueError, TypeError, self.mujoco.FatalError) as error:
             line = str(error).strip().splitlines()[0]
             raise ResultsError(f"{self.file}: MuJoCo {self.mujoco.__version__} does not read it: {line}; leave vehicles out by --no-vehicles") from None
@@ -196,7 +210,7 @@ class Model:
         self.root = self._find_root(drive)
         self.axes = self._find_axes(drive)  # of base_link, in the root body's
         self.turns = matrices(quaternions(self.rows))
-        self.lost = self._not_told()
+        self.lost = left_out + self._not_told()
 
     def _free_roots(self, fixed: "Union[str, None]") -> None:
         """A root without a joint is free if the scene says so, and in a URDF if it does not say otherwise. A link that is called world holds it."""
@@ -208,6 +222,35 @@ class Model:
         for body in bodies:
             if not list(body.joints) and not body.mocap and (fixed == "false" or (fixed is None and urdf)):
                 body.add_freejoint()
+
+    def _compile(self) -> "list[str]":
+        """Sets `model`. A drive leaves out meshes and images that it does not find or read, so these are left out here, too. Returns a line for each."""
+        lost: "list[str]" = []
+        while True:
+            try:
+                self.model = self.spec.compile()
+                return lost
+            except (ValueError, self.mujoco.FatalError) as error:
+                asset = _unread([*self.spec.meshes, *self.spec.textures], str(error))
+                if asset is None:
+                    raise
+                lost.append(self._leave_out(asset))
+
+    def _leave_out(self, asset: Any) -> str:
+        """Takes an asset out of the model, with what has its shape. Returns what is to be told."""
+        spec, name = self.spec, re.split(r"[/\\]", asset.file)[-1]
+        delete = spec.delete if hasattr(spec, "delete") else lambda part: part.delete()  # before MuJoCo 3.3 parts do it
+        if asset in spec.textures:
+            for material in spec.materials:
+                if asset.name in material.textures:
+                    material.textures = ["" if texture == asset.name else texture for texture in material.textures]
+            delete(asset)
+            return f"image {name} of {self.file.name} is not found or not read: what shows it has its plain colour"
+        for geom in [geom for geom in spec.geoms if geom.meshname == asset.name]:
+            delete(geom)
+        delete(asset)
+        spec.compiler.boundmass = spec.compiler.boundinertia = 1e-6  # of bodies that had their mass of it alone
+        return f"mesh {name} of {self.file.name} is not found or not read: its shape, and the mass that it gives, are left out"
 
     def _name_joints(self) -> None:
         """A drive calls hinges and slides without a name after their bodies, so columns have these names."""

@@ -30,6 +30,7 @@ from furrow._library import Error, text
 from furrow._world import World
 
 OLDEST = (3, 2)
+LONG_STEP = 0.005  # s: with a longer step legs that strike the ground may be thrown
 LIMITED_MOST = 3  # times that a step is made again whose contacts reach their limits
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 _PLUGIN = "libfurrow_mujoco.so"
@@ -51,7 +52,7 @@ class _Array(ctypes.Structure):
 class _Open(ctypes.Structure):
     _fields_ = [("size", ctypes.c_size_t), ("world", ctypes.c_void_p), ("name", ctypes.c_char_p), ("model", ctypes.c_void_p),
                 ("data", ctypes.c_void_p), ("arrays", ctypes.POINTER(_Array)), ("array_count", ctypes.c_size_t), ("geoms", ctypes.c_char_p),
-                ("origin", ctypes.c_double * 3)]
+                ("origin", ctypes.c_double * 3), ("carry", ctypes.c_char_p), ("tyres", ctypes.c_char_p)]
 
 
 def _load() -> Dict[str, Any]:
@@ -101,10 +102,36 @@ def plugin() -> str:
     raise ImportError(f"furrow.mujoco: there is no {_PLUGIN} beside {library}; build Furrow with MuJoCo 4 (tools/packages.sh)")
 
 
+def write_skin(path: Union[str, "os.PathLike[str]"], size: Sequence[float], spacing: float, centre: Sequence[float] = (0.0, 0.0)) -> None:
+    """Writes a level skin of MuJoCo, which the plugin's key `skin` lets follow the ground. Viewers of all kinds show its ruts.
+
+    path: the file to write, .skn. size: (2,), m, of the rectangle, along x and y. spacing: m, between vertices. centre: (2,), m, of the rectangle in
+    MuJoCo's axes. ValueError: it has less than 2 or more than 4 million vertices.
+    """
+    counts = [round(length / spacing) + 1 if spacing > 0 and length >= spacing / 2 else 0 for length in size]
+    if min(counts) < 2 or counts[0] * counts[1] > 4000000:
+        raise ValueError(f"furrow.mujoco: a skin of {size[0]:g} x {size[1]:g} m every {spacing:g} m has {counts[0]} x {counts[1]} vertices; give a size and spacing for 2 x 2 to 4 million")
+    axes = [centre[k] + spacing * (numpy.arange(counts[k]) - (counts[k] - 1) / 2) for k in range(2)]
+    vertices = numpy.zeros((counts[1], counts[0], 3), dtype="<f4")
+    vertices[..., 0], vertices[..., 1] = axes[0], axes[1][:, None]
+    first = (numpy.arange(counts[1] - 1)[:, None] * counts[0] + numpy.arange(counts[0] - 1)).ravel()
+    next_row = first + counts[0]
+    faces = numpy.concatenate([numpy.stack([first, first + 1, next_row + 1], 1), numpy.stack([first, next_row + 1, next_row], 1)]).astype("<i4")
+    number = counts[0] * counts[1]
+    with open(path, "wb") as file:
+        for part in (numpy.array([number, 0, len(faces), 1], dtype="<i4"), vertices, faces, b"world".ljust(40, b"\0"),  # its one bone, which all vertices hang on
+                     numpy.array([0, 0, 0, 1, 0, 0, 0], dtype="<f4"), numpy.array([number], dtype="<i4"), numpy.arange(number, dtype="<i4"), numpy.ones(number, dtype="<f4")):
+            file.write(part if isinstance(part, bytes) else part.tobytes())
+
+
 def _close(handle: int, lock: Any) -> None:
     """Takes the bodies out of the world, which another thread may be stepping, unless it is closed already."""
     with lock:
         _functions["furrow_mujoco_close"](handle)
+
+
+def _patterns(patterns: Union[str, Sequence[str], None]) -> Optional[bytes]:
+    return None if patterns is None else text(patterns if isinstance(patterns, str) else " ".join(patterns))
 
 
 class _Inertia:
@@ -169,11 +196,14 @@ class Soil:
     """
 
     def __init__(self, world: World, model: Any, data: Any, geoms: Union[str, Sequence[str], None] = None,
-                 origin: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+                 origin: Sequence[float] = (0.0, 0.0, 0.0), carry: Union[str, Sequence[str], None] = None,
+                 tyres: Optional[Dict[str, Dict[str, float]]] = None) -> None:
         """Makes bodies of the world of the model's geoms, and a checkpoint, to which reset() returns.
 
         world: a furrow.World that has no vehicles of its own. model, data: mujoco.MjModel and mujoco.MjData. geoms: patterns of the geoms that
-        press the ground, such as "wheel_* chassis"; None: all that collide. origin: (3,), m, where MuJoCo's origin is in the terrain.
+        press the ground, such as "wheel_* chassis"; None: all that collide. origin: (3,), m, where MuJoCo's origin is in the terrain. carry: patterns of
+        those on which soil lies, such as "bucket"; its weight is theirs. tyres: by patterns of wheels, such as {"wheel_*": {"stiffness": 5e4, "load": 981}}:
+        stiffness, N/m, load, N, and perhaps pressure, Pa, damping, N s/m, and width, m, as the `tyres` of a scene's vehicle.
 
         furrow.Error: no geom presses the ground, or one has a shape that cannot.
         """
@@ -188,7 +218,8 @@ class Soil:
         self._kept: List[Any] = []
         arrays = self._arrays()
         given = _Open(ctypes.sizeof(_Open), world._handle, b"mujoco", None, None, arrays, len(arrays),
-                      None if geoms is None else text(geoms if isinstance(geoms, str) else " ".join(geoms)), (ctypes.c_double * 3)(*origin))
+                      _patterns(geoms), (ctypes.c_double * 3)(*origin), _patterns(carry),
+                      None if tyres is None else text("; ".join(" ".join([name, *(f"{key} {float(value)!r}" for key, value in numbers.items())]) for name, numbers in tyres.items())))
         handle = ctypes.c_void_p()
         with world._lock:
             _functions["furrow_mujoco_open"](ctypes.byref(given), ctypes.byref(handle))
@@ -206,6 +237,9 @@ class Soil:
         model, gravity = self.model, self.world.info.gravity
         if abs(-model.opt.gravity[2] - gravity) > 0.01 * gravity:
             warnings.warn(f"furrow.mujoco: the model's gravity is {-model.opt.gravity[2]:.4g} m/s2, and the scene's is {gravity:.4g}: give both the same", stacklevel=3)
+        if model.opt.timestep > LONG_STEP:
+            warnings.warn(f"furrow.mujoco: the model's timestep is {model.opt.timestep:.3g} s, and what strikes the ground may be thrown with one above {LONG_STEP:g} s; "
+                          "give a shorter one", stacklevel=3)
         for geom in range(model.ngeom):
             if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE and (model.geom_contype[geom] or model.geom_conaffinity[geom]):
                 warnings.warn(f"furrow.mujoco: bodies also stand on the model's own plane {model.geom(geom).name or 'without a name'}, where that is higher than the ground; "

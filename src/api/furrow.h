@@ -90,14 +90,16 @@ FURROW_API void furrow_free(void *memory);
 /*
  * Makes a store of elevation data, as `furrow import` does.
  * `sources`: `count` paths of rasters, folders, or "@list.txt"; at least one. `store`: path of the file to make.
+ * With {imagery: [ortho.tif]} colours are put over the terrain, too. With imagery and `count` 0 they are put into the store that exists;
+ * then options of heights are FURROW_USAGE.
  * `options`: a YAML mapping of the command's long names, as in "{max_error: 0.01, spacing: 1}"; NULL: all defaults.
- * `nodata` and `inset` may be lists of values; `height_range` and `window` are lists of numbers. No other option is a list.
+ * `nodata`, `inset` and `imagery` may be lists of values; `height_range` and `window` are lists of numbers. No other option is a list.
  * Without {allow_network: true} GDAL fetches nothing from a network. No other function fetches anything, either. A host's own settings of
  * GDAL come back when the call returns. PROJ may fetch its own grids where the host allows that.
  * `progress`: gets the share that is done, 0 to 1, and returns false to stop; NULL: nobody asks. It is called on this thread.
  * `user` is handed on to it.
  * FURROW_INTERRUPTED: `progress` stopped it; a call with {resume: true} goes on. FURROW_INPUT: a source cannot be read, or
- * the store exists and {overwrite: true} is not given. It is also FURROW_INPUT if overlays depend on that store or it has
+ * the store exists and {overwrite: true} is not given. Where only its imagery fails the store is there, without. It is also FURROW_INPUT if overlays depend on that store or it has
  * snapshots, and {force: true} is not given, too. FURROW_USAGE: an option is unknown or out of its range.
  * Any thread. Needs no GL.
  */

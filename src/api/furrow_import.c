@@ -103,10 +103,11 @@ static enum status read_options(struct import *import, const char *text)
 	return status;
 }
 
-static enum status check(const char *const *sources, size_t count, const char *store)
+static enum status check(const char *const *sources, size_t count, const char *store, bool coloured)
 {
-	TRY(api_library_need(sources, "sources"));
-	if (count == 0)
+	if (count > 0 || !coloured)
+		TRY(api_library_need(sources, "sources"));
+	if (count == 0 && !coloured)
 		return fail_with(STATUS_USAGE, "sources: there are none; give at least one path");
 	TRY(api_library_need_count(count, sizeof *sources));
 	for (size_t i = 0; i < count; i++)
@@ -120,14 +121,19 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 {
 	struct import import;
 	struct intake made;
+	struct intake_imagery coloured;
 	struct telling telling = {progress, user, store};
 	enum status status = api_library_begin();
 	intake_import_init(&import);
 	TRY_OR(done, status);
-	TRY_OR(done, check(sources, count, store));
 	TRY_OR(done, read_options(&import, options));
+	TRY_OR(done, check(sources, count, store, import.imagery_count > 0));
+	if (count == 0) {
+		TRY_OR(done, intake_import_imagery(&import, store, false, tell, &telling, &coloured));
+		goto done;
+	}
 	TRY_OR(done, intake_import_open(&import, sources, count));
-	TRY_OR(done, intake_import_run(&import, store, tell, &telling, &made));
+	TRY_OR(done, intake_import_run(&import, store, tell, &telling, &made, &coloured));
 done:
 	intake_import_finish(&import);
 	return api_library_end(status);

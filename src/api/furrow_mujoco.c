@@ -9,7 +9,7 @@ struct furrow_mujoco {
 	struct furrow_world *world; /* NULL: it was closed */
 	struct vehicle_lent *lent;
 	bool begun;                 /* the first step has ended, and the ground at the start is committed */
-	int64_t checkpoint;         /* the world's checkpoint to which a reset returns, as furrow_world.checkpoints counts */
+	int64_t checkpoint;         /* how many checkpoints the world had made with the one to which a reset returns */
 	struct furrow_mujoco *next; /* in the world's list */
 };
 
@@ -53,7 +53,7 @@ static enum status check(const struct furrow_mujoco_open *open)
 static enum status create(const struct furrow_mujoco_open *open, struct furrow_mujoco **out)
 {
 	struct vehicle_lending lending = {.name = open->name != NULL ? open->name : "mujoco", .model = open->model, .data = open->data,
-					  .arrays = (const struct vehicle_array *)open->arrays, .array_count = open->array_count, .geoms = open->geoms};
+					  .arrays = (const struct vehicle_array *)open->arrays, .array_count = open->array_count, .geoms = open->geoms, .carry = open->carry, .tyres = open->tyres};
 	_Static_assert(sizeof(struct vehicle_array) == sizeof(struct furrow_array), "the same struct");
 	memcpy(lending.origin, open->origin, sizeof lending.origin);
 	struct furrow_mujoco *soil = mem_calloc(1, sizeof *soil);

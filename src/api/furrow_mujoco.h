@@ -39,6 +39,10 @@ struct furrow_mujoco_open {
 	size_t array_count;
 	const char *geoms;  /* patterns of the geoms that touch the ground, between spaces, as in "wheel_* chassis"; NULL: all that collide */
 	double origin[3];   /* m, local axes: where MuJoCo's origin is */
+	const char *carry;  /* patterns of those of them on which soil lies, boxes and meshes such as buckets; its weight is theirs. NULL: none */
+	/* Tyres: "wheel_* stiffness 50000 load 981; ...". Each has a pattern of wheels, N/m, and N. There may be a pressure, Pa, a damping, N s/m, and a width, m. They are as
+	 * in the `tyres` of a scene's vehicle. The first that names a wheel counts. NULL: wheels are rigid. */
+	const char *tyres;
 };
 
 /* Returns the version of MuJoCo whose structs are known, as mj_version has it; 0: this build has none. Any thread. */

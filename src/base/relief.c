@@ -6,6 +6,7 @@
 
 #include "base/lattice.h"
 #include "base/memory.h"
+#include "base/mix.h"
 
 #define UNIT_BITS 24                     /* heights are summed in 2^-24 m */
 #define FINER (UNIT_BITS - BASE_BITS)
@@ -15,20 +16,10 @@
 
 /* --- random numbers --- */
 
-/* Mixes the bits of a word: multiplications and shifts after C. Wellons' search for 32-bit functions of small bias. */
-static uint32_t mix(uint32_t v)
-{
-	v ^= v >> 16;
-	v *= 0x7feb352du;
-	v ^= v >> 15;
-	v *= 0x846ca68bu;
-	return v ^ v >> 16;
-}
-
 /* Returns the random numbers of two edges of the coarser level: to the east of a post (low 16 bits), and to its north. */
 static uint32_t edges_of(uint32_t key, uint32_t x, uint32_t y)
 {
-	return mix(mix(key + x) + y);
+	return mix_bits(mix_bits(key + x) + y);
 }
 
 /* Returns half the height of an edge's midpoint. `number`: 16 bits. */
@@ -51,7 +42,7 @@ void relief_make(const struct relief_spec *spec, double spacing, int finest, str
 	*relief = (struct relief){.coarsest = finest - 1, .finest = finest, .classes = spec->classes};
 	for (int level = -1; level >= finest; level--) {
 		const int band = -1 - level;
-		relief->keys[band] = mix(mix(spec->seed) + (uint32_t)band);
+		relief->keys[band] = mix_bits(mix_bits(spec->seed) + (uint32_t)band);
 		for (int i = 0; i < spec->classes; i++) {
 			const struct relief_waves *waves = &spec->waves[i];
 			double step = ldexp(spacing, level), first = step;

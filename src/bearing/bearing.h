@@ -70,9 +70,9 @@ struct post_rect bearing_meeting_reads(const struct bearing_contact *contacts, s
 /* Returns the posts that a probe of this motion reads. */
 struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion);
 /* Computes what soil_probe tells, where others are `beside` it. before: a motion of the same body that comes first, up to the begin of `motion`; NULL: none.
- * held: all tiles that have posts of both bearing_probe_posts, pinned. */
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count,
-			  const struct tile_slot *held, size_t count, struct soil_probed *out) FURROW_CHECKED;
+ * reads: bearing_probe_posts of both, not empty. held: all tiles that have some of these posts, pinned. */
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, struct post_rect reads, const struct deform_rest *beside,
+			  size_t beside_count, const struct tile_slot *held, size_t count, struct soil_probed *out) FURROW_CHECKED;
 /* Returns the recent motion of a body after a contact. Pure. */
 struct soil_trend bearing_trend_after(const struct bearing *bearing, const struct deform_contact *contact);
 struct soil_trend bearing_trend_of(const struct bearing *bearing, const struct soil_motion *motion); /* the same after a motion */

@@ -437,17 +437,12 @@ static enum status sink_before(struct bearing *bearing, const struct soil_motion
 	return STATUS_OK;
 }
 
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, const struct deform_rest *beside,
-			  size_t beside_count, const struct tile_slot *held, size_t count, struct soil_probed *out)
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, struct post_rect reads,
+			  const struct deform_rest *beside, size_t beside_count, const struct tile_slot *held, size_t count, struct soil_probed *out)
 {
-	struct post_rect read = bearing_probe_posts(bearing, motion);
 	*out = (struct soil_probed){.known = false};
-	if (post_rect_empty(read))
-		return STATUS_OK;
-	if (before != NULL)
-		read = post_rect_joined(read, bearing_probe_posts(bearing, before));
 	TRY(bearing_members_need(bearing, 1 + beside_count));
-	TRY(open_window(bearing, read));
+	TRY(open_window(bearing, reads));
 	resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
 	if (before != NULL)
 		TRY(sink_before(bearing, before, beside, beside_count));

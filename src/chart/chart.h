@@ -24,9 +24,10 @@ struct chart_colour {
 /* A PNG that is made row by row. */
 struct chart_png {
 	uint32_t width, height;
-	unsigned bits, channels; /* 8 or 16; 1 or 3 */
+	unsigned bits, channels; /* 8 or 16; 1 or 3; 4: with opacity */
 	void (*put)(const void *user, uint32_t y, uint8_t *row); /* fills a row, 0 the lowest; of 16 bits, the high byte first */
 	const void *user;
+	enum status (*ended)(const void *user); /* after the last row: any but STATUS_OK, and nothing is published; NULL: all is well */
 	bool srgb;
 	bool small;              /* takes longer, for fewer bytes */
 	uint32_t per_metre;      /* dots a metre on paper, which the file says; 0: it says nothing */
@@ -159,6 +160,8 @@ struct chart_map {
 	const uint8_t *classes;
 	const struct chart_key *keys;
 	size_t key_count;
+	/* or colours: 4 bytes for each pixel of the raster, with opacity. Values, range and ramp are not used then */
+	const uint8_t *colours;
 	const struct chart_way *ways;
 	size_t way_count;
 	enum chart_grid grid;

@@ -29,7 +29,7 @@ static const char *unit_for(const struct chart_legend *legend, double *of)
 
 static bool has_ramp(const struct chart_legend *legend)
 {
-	return legend->map->classes == NULL && legend->range.high > legend->range.low;
+	return legend->map->classes == NULL && legend->map->colours == NULL && legend->range.high > legend->range.low;
 }
 
 /* Writes the legend's title: what the colours show, and the unit. Returns its style: a title of a ramp breaks at the ramp's width into at most
@@ -41,7 +41,7 @@ static struct chart_style write_head(const struct chart_legend *legend, char *te
 	char plain[48];
 	double of;
 	const char *unit = unit_for(legend, &of);
-	if (map->classes != NULL) {
+	if (map->classes != NULL || map->colours != NULL) {
 		snprintf(text, room, "%s", map->layer);
 		return style;
 	}

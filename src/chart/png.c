@@ -40,7 +40,7 @@ static void encode(struct encoder *encoder, FILE *file, const struct chart_png *
 		return;
 	png_init_io(encoder->png, file);
 	png_set_IHDR(encoder->png, encoder->info, picture->width, picture->height, (int)picture->bits,
-		     picture->channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+		     picture->channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : picture->channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
 		     PNG_FILTER_TYPE_DEFAULT);
 	if (picture->srgb)
 		png_set_sRGB(encoder->png, encoder->info, PNG_sRGB_INTENT_PERCEPTUAL);
@@ -76,7 +76,10 @@ enum status chart_png_rows(const char *path, const struct chart_png *picture)
 {
 	struct aside aside;
 	TRY(aside_begin(&aside, path));
-	return aside_end(&aside, false, chart_png_file(aside.file, path, picture));
+	enum status status = chart_png_file(aside.file, path, picture);
+	if (status == STATUS_OK && picture->ended != NULL)
+		status = picture->ended(picture->user);
+	return aside_end(&aside, false, status);
 }
 
 struct colours {

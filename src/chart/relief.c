@@ -43,7 +43,7 @@ enum status chart_relief_range(const struct chart_map *map, struct chart_range *
 	double size, low, high;
 	*range = map->range;
 	beyond[0] = beyond[1] = (double)NAN;
-	if (map->classes != NULL)
+	if (map->classes != NULL || map->colours != NULL)
 		return STATUS_OK;
 	if (map->ramp == CHART_RAMP_HEIGHTS) {
 		struct chart_range found = {0, 0};
@@ -123,6 +123,15 @@ static struct chart_colour value_colour(const struct chart_map *map, const struc
 	return chart_ground_colour(shade, map->raster->flat, over);
 }
 
+/* The colour of imagery, lit a little as its ground is: pictures have the light of their day. Nearest pixel. */
+static struct chart_colour imagery_colour(const struct chart_map *map, double shade, size_t at)
+{
+	const uint8_t *pixel = map->colours + 4 * at;
+	const double flat = map->raster->flat;
+	const struct chart_colour over = {pixel[0], pixel[1], pixel[2], pixel[3]};
+	return chart_ground_colour(isnan(shade) ? shade : flat + 0.5 * (shade - flat), flat, over);
+}
+
 void chart_relief_fill(const struct chart_map *map, const struct chart_range *range, const struct chart_frame *frame,
 		       uint32_t *pixels, size_t stride)
 {
@@ -141,6 +150,8 @@ void chart_relief_fill(const struct chart_map *map, const struct chart_range *ra
 			struct chart_colour colour =
 				map->classes != NULL
 					? class_colour(map, shade, at)
+				: map->colours != NULL
+					? imagery_colour(map, shade, at)
 					: value_colour(map, range, shade,
 						       squares ? raster->values[at] : between(raster->values, raster, &spot));
 			const bool hole = map->classes != NULL ? map->classes[at] >= map->key_count : isnan(shade);

@@ -294,6 +294,36 @@ enum status dem_numbers_extremes(struct dem_pixels *pixels, const struct dem_num
  */
 enum status dem_numbers_read(struct dem_pixels *pixels, int level, struct post_rect rect, double *out) FURROW_CHECKED;
 
+/*
+ * --- imagery: colours over a terrain that there is ---
+ *
+ * Sources are rasters that GDAL reads, of 8 bits a band: red, green and blue, or grey, or a palette; opacity where they have it. Each has its own
+ * SRS and resolution. One without an SRS is in metres from the store's south-west post. Where several overlap the first named wins.
+ */
+struct dem_imagery_params {
+	const char *const *sources; /* as of dem_params: rasters, folders, "@list.txt" */
+	size_t count;
+	const char *vrt_folder;     /* may be NULL */
+	const struct extent *extent; /* of the terrain */
+	const char *srs;            /* of the store: WKT; "" for local metres */
+	double origin[2];           /* of the store */
+	int64_t jobs;               /* threads that resample; at least 1 */
+};
+struct dem_imagery_info {
+	size_t source_count;
+	const char *const *paths;
+	double pixel;      /* metres: side of the smallest pixel of all sources, where it lies on the terrain */
+	double low[2], high[2]; /* the area of all sources, metres from the store's south-west post; it may extend beyond the terrain */
+};
+struct dem_imagery;
+/* Opens the sources, and copies the parameters but for *extent. STATUS_INPUT: a source is no picture, has no place, or none lies on the terrain. */
+enum status dem_imagery_open(const struct dem_imagery_params *params, struct dem_imagery **out) FURROW_CHECKED;
+void dem_imagery_close(struct dem_imagery *imagery); /* imagery may be NULL */
+const struct dem_imagery_info *dem_imagery_info(const struct dem_imagery *imagery);
+/* Fills 4 bytes for each post of `rect` of `level`: red, green, blue, opacity; row 0 south. A pixel's centre is its post. A source with pixels
+ * much smaller than the spacing is averaged, others are bilinear. One thread at a time. STATUS_INPUT: a source cannot be read. */
+enum status dem_imagery_read(struct dem_imagery *imagery, int level, struct post_rect rect, uint8_t *pixels) FURROW_CHECKED;
+
 /* A line on the globe, or every line of a file, one after the other. */
 struct dem_line {
 	double (*points)[2]; /* degrees east and north; DEM_SRS_DEGREES says of what */

@@ -359,8 +359,15 @@ static void join_colours(void **colours, size_t count)
 		red[i] = 65536 * red[i] + 256 * green[i] + blue[i];
 }
 
+/* Gives bytes with a sign, which are read as 0 to 255, their values. */
+static void give_sign(double *values, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		values[i] -= values[i] > 127 ? 256 : 0;
+}
+
 /* The pixel function of a source's vrt: values to metres. The meaning comes as text: scale, offset,
- * whether single, whether values are coded in three colours, how many nodata values, and these. A further source is a mask. */
+ * whether single, enum dem_stored, how many nodata values, and these. A further source is a mask. */
 static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int width, int height,
 			       GDALDataType from, GDALDataType to, int pixel_space, int line_space,
 			       CSLConstList arguments)
@@ -372,7 +379,7 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 	struct dem_meaning meaning = {.scale = CPLStrtod(text, &end)};
 	meaning.offset = CPLStrtod(end, &end);
 	meaning.single = CPLStrtod(end, &end) != 0;
-	const int bands = CPLStrtod(end, &end) != 0 ? 3 : 1;
+	const int stored = (int)CPLStrtod(end, &end), bands = stored == DEM_STORED_COLOURS ? 3 : 1;
 	if (source_count < bands)
 		return CE_Failure;
 	meaning.nodata_count = (size_t)CPLStrtod(end, &end);
@@ -388,6 +395,8 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 	meaning.nodata = nodata;
 	if (bands > 1)
 		join_colours(sources, (size_t)width * (size_t)height);
+	else if (stored == DEM_STORED_SIGNED_BYTE)
+		give_sign(sources[0], (size_t)width * (size_t)height);
 	for (int y = 0; y < height; y++) {
 		const double *values = (const double *)sources[0] + (size_t)y * (size_t)width;
 		const double *mask = source_count > bands ?

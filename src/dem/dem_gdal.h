@@ -9,6 +9,9 @@
 /* What is told of a source once all are open, once for all sources of which it is told. */
 enum source_remark { SOURCE_SYSTEM, SOURCE_UNIT, SOURCE_DEGREES, SOURCE_VERTICAL, SOURCE_DOWN, SOURCE_REMARKS };
 
+/* How a raster has its values, as its vrt tells the pixel function. Before its type Int8, GDAL had bytes with a sign as Byte. */
+enum dem_stored { DEM_STORED_PLAIN, DEM_STORED_COLOURS, DEM_STORED_SIGNED_BYTE };
+
 /* One source file. `vrt` is a small virtual raster in GDAL's memory files. It gives band 1 in metres, with NaN for nodata. So
  * its readers need not handle nodata values, scales and units. */
 struct gdal_source {

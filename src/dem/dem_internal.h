@@ -71,8 +71,9 @@ void dem_metres(const struct dem_meaning *meaning, const double *values, int64_t
 /* Returns true if whole numbers of this unit are exact in metres: the unit is whole metres or a power of two. 0 (no unit) gives
  * false. */
 bool dem_unit_exact(double unit);
-/* Returns the metres of a unit named as GDAL does ("ft"). Returns 1 for "" and unknown names. */
+/* Returns the metres of a unit named as GDAL does ("ft"), of one or of more. Returns 1 for "" and names that are not known. */
 double dem_unit_metres(const char *unit);
+bool dem_unit_known(const char *unit);
 
 /* --- dem_open.c: what heights are above, as dem_info tells it --- */
 size_t dem_vertical_length(const char *vertical); /* of the reference's name; what follows tells of the unit */

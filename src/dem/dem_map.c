@@ -14,6 +14,7 @@
 #define CELL_LEAST 8      /* with smaller cells every point is computed exactly */
 #define OFF_CHOSEN 0.005  /* posts of the other lattice: the side of cells is chosen so that probes are off by less */
 #define OFF_MOST 0.01     /* posts: a cell whose middle is off by more is computed exactly */
+#define ROUNDING 1e-6     /* posts; and as a share of a turn */
 #define PROBES 5          /* cells along each side of the lattice that are probed */
 
 struct dem_map {
@@ -22,6 +23,7 @@ struct dem_map {
 	double straight[6]; /* from posts to posts, in one SRS */
 	OGRCoordinateTransformationH move; /* NULL: one SRS */
 	double turn, middle; /* a turn around the planet, and the middle of the other lattice, in its units; turn 0: x has none */
+	int64_t width, rows; /* of the other lattice */
 	int64_t side;        /* of a cell, posts; 1: every point is computed exactly */
 };
 
@@ -45,6 +47,26 @@ static void apply(const double affine[6], double *x, double *y)
 	*y = affine[3] + a * affine[4] + b * affine[5];
 }
 
+/* Finds a point on a lattice that may reach around the planet. A lattice has the edge of its first posts, and not that of its last. So x on the edge where both
+ * ends meet, or a rounding beyond it, is looked for one turn away. A pole on the edge of a row has no other place, so it is put into that row. */
+static void place_around(const struct dem_map *map, double *x, double *y)
+{
+	const double at[2] = {map->middle + remainder(*x - map->middle, map->turn), *y};
+	*x = at[0];
+	apply(map->inverse, x, y);
+	for (int side = -1; side <= 1 && !(*x >= -0.5 && *x < (double)map->width - 0.5); side += 2) {
+		double other[2] = {at[0] + side * map->turn, at[1]};
+		apply(map->inverse, &other[0], &other[1]);
+		if (other[0] >= -0.5 - ROUNDING && other[0] < (double)map->width - 0.5) {
+			*x = fmax(other[0], -0.5);
+			*y = other[1];
+		}
+	}
+	const double last = (double)map->rows - 0.5;
+	if (fabs(fabs(at[1]) - map->turn / 4) < ROUNDING * map->turn && *y > -0.5 - ROUNDING && *y < last + ROUNDING)
+		*y = fmin(fmax(*y, -0.5), last - ROUNDING);
+}
+
 /* Replaces points of the SRS of `from` by columns and rows of the other lattice. NaN: nowhere on it. */
 static void move_points(const struct dem_map *map, int count, double *x, double *y)
 {
@@ -55,8 +77,9 @@ static void move_points(const struct dem_map *map, int count, double *x, double 
 			continue;
 		}
 		if (map->turn > 0)
-			x[i] = map->middle + remainder(x[i] - map->middle, map->turn);
-		apply(map->inverse, &x[i], &y[i]);
+			place_around(map, &x[i], &y[i]);
+		else
+			apply(map->inverse, &x[i], &y[i]);
 	}
 }
 
@@ -119,6 +142,8 @@ enum status dem_map_create(const struct dem_lattice *from, const struct dem_latt
 	struct dem_map *map = mem_calloc(1, sizeof *map);
 	TRY_MEM(map, name);
 	map->from = *from;
+	map->width = to->width;
+	map->rows = to->height;
 	map->side = 1;
 	enum status status = STATUS_OK;
 	if (!dem_lattice_invert(to, map->inverse))

@@ -52,39 +52,62 @@ bool dem_unit_exact(double unit)
 	return unit > 0 && (unit == rint(unit) || frexp(unit, &exponent) == 0.5);
 }
 
+static const struct {
+	const char *name; /* of one; more have an s behind it */
+	double metres;
+} units[] = {
+	{"m", 1},
+	{"metre", 1},
+	{"meter", 1},
+	{"mtr", 1},
+	{"ft", 0.3048},
+	{"foot", 0.3048},
+	{"feet", 0.3048},
+	{"international foot", 0.3048},
+	{"international feet", 0.3048},
+	{"us-ft", 1200.0 / 3937.0},
+	{"ftus", 1200.0 / 3937.0},
+	{"sft", 1200.0 / 3937.0},
+	{"sfoot", 1200.0 / 3937.0},
+	{"us survey foot", 1200.0 / 3937.0},
+	{"us survey feet", 1200.0 / 3937.0},
+	{"foot_us", 1200.0 / 3937.0},
+	{"km", 1000},
+	{"kilometre", 1000},
+	{"kilometer", 1000},
+	{"dm", 0.1},
+	{"decimetre", 0.1},
+	{"decimeter", 0.1},
+	{"cm", 0.01},
+	{"centimetre", 0.01},
+	{"centimeter", 0.01},
+	{"mm", 0.001},
+	{"millimetre", 0.001},
+	{"millimeter", 0.001},
+	{"fathom", 1.8288},
+	{"yd", 0.9144},
+	{"yard", 0.9144},
+};
+
+/* Returns 0 for a name that is not known. */
+static double find_unit(const char *unit)
+{
+	for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+		const size_t length = strlen(units[i].name);
+		const char *more = unit + length;
+		if (strncasecmp(unit, units[i].name, length) == 0 && (*more == '\0' || strcasecmp(more, "s") == 0))
+			return units[i].metres;
+	}
+	return 0;
+}
+
 double dem_unit_metres(const char *unit)
 {
-	static const struct {
-		const char *name;
-		double metres;
-	} units[] = {
-		{"ft", 0.3048},
-		{"foot", 0.3048},
-		{"feet", 0.3048},
-		{"international foot", 0.3048},
-		{"international feet", 0.3048},
-		{"us-ft", 1200.0 / 3937.0},
-		{"ftus", 1200.0 / 3937.0},
-		{"sfoot", 1200.0 / 3937.0},
-		{"us survey foot", 1200.0 / 3937.0},
-		{"us survey feet", 1200.0 / 3937.0},
-		{"foot_us", 1200.0 / 3937.0},
-		{"km", 1000},
-		{"kilometre", 1000},
-		{"kilometer", 1000},
-		{"dm", 0.1},
-		{"decimetre", 0.1},
-		{"decimeter", 0.1},
-		{"cm", 0.01},
-		{"centimetre", 0.01},
-		{"centimeter", 0.01},
-		{"mm", 0.001},
-		{"millimetre", 0.001},
-		{"millimeter", 0.001},
-		{"fathom", 1.8288},
-	};
-	for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
-		if (strcasecmp(unit, units[i].name) == 0)
-			return units[i].metres;
-	return 1;
+	const double metres = find_unit(unit);
+	return metres > 0 ? metres : 1;
+}
+
+bool dem_unit_known(const char *unit)
+{
+	return find_unit(unit) > 0;
 }

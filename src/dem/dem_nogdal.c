@@ -103,6 +103,30 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 			 "or build with GDAL", params->path, kind == DEM_PLACED_CLASSES ? "classes" : "a soil's numbers");
 }
 
+enum status dem_imagery_open(const struct dem_imagery_params *params, struct dem_imagery **out)
+{
+	*out = NULL;
+	return fail_with(STATUS_FAILED, "%s: this furrow was built without GDAL and imports no imagery; build with GDAL", params->sources[0]);
+}
+
+void dem_imagery_close(struct dem_imagery *imagery)
+{
+	(void)imagery;
+}
+
+/* No handle was ever made. */
+const struct dem_imagery_info *dem_imagery_info(const struct dem_imagery *imagery)
+{
+	(void)imagery;
+	return NULL;
+}
+
+enum status dem_imagery_read(struct dem_imagery *imagery, int level, struct post_rect rect, uint8_t *pixels)
+{
+	(void)imagery, (void)level, (void)rect, (void)pixels;
+	return STATUS_FAILED;
+}
+
 void dem_network_begin(void)
 {
 }

@@ -10,8 +10,9 @@
 bool dem_outside_is_address(const char *name)
 {
 	static const char *const ways[] = {"/vsicurl", "/vsis3", "/vsigs", "/vsiaz", "/vsiadls", "/vsioss", "/vsiswift", "/vsihdfs", "/vsiwebhdfs"};
-	if (strstr(name, "://") != NULL)
-		return true;
+	for (const char *at = name; (at = strstr(at, "://")) != NULL; at += 3)
+		if (at == name || at[-1] != '"') /* HDF5:"file"://group is a part of a file */
+			return true;
 	for (const char *at = name; *at != '\0'; at++)
 		for (size_t i = 0; *at == '/' && i < sizeof ways / sizeof ways[0]; i++)
 			if (strncasecmp(at, ways[i], strlen(ways[i])) == 0)

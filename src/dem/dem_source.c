@@ -39,8 +39,8 @@ static bool looks_like_degrees(const struct gdal_source *source)
 #define COARSE_DEGREES 0.1 /* between posts: coarser ones are degrees only if the heights say so */
 #define STEEP_MOST 50.0 /* no ground differs in height by more than so many times its width */
 
-/* Refuses a place in degrees that would become a terrain much higher than wide. */
-static enum status refuse_degrees(const struct gdal_source *source)
+/* Refuses a place in degrees that would become a terrain much higher than wide. Drops the remark of one with coarse posts that is no higher than wide. */
+static enum status judge_degrees(struct gdal_source *source)
 {
 	const double wide = source->width * fabs(source->place[1]), high = source->height * fabs(source->place[5]);
 	double range[2] = {0, 0};
@@ -48,6 +48,11 @@ static enum status refuse_degrees(const struct gdal_source *source)
 	if (dataset != NULL) {
 		GDALComputeRasterMinMax(GDALGetRasterBand(dataset, 1), TRUE, range);
 		GDALClose(dataset);
+	}
+	const bool coarse = fmax(fabs(source->place[1]), fabs(source->place[5])) >= COARSE_DEGREES;
+	if (coarse && !(range[1] - range[0] > fmax(wide, high))) { /* as likely metres */
+		mem_free(source->remarks[SOURCE_DEGREES]);
+		source->remarks[SOURCE_DEGREES] = NULL;
 	}
 	if (!(range[1] - range[0] > STEEP_MOST * fmax(wide, high)))
 		return STATUS_OK;
@@ -141,9 +146,22 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	return STATUS_OK;
 }
 
+/* Returns true if the file says that greater values are deeper. Its vertical axis may say so, a word of netCDF, or a standard name of the CF
+ * conventions. A BAG holds elevations, whatever the axis in it says. */
+static bool counts_down(GDALDatasetH dataset, GDALRasterBandH band, OGRAxisOrientation way)
+{
+	const char *positive = GDALGetMetadataItem(band, "positive", NULL), *name = GDALGetMetadataItem(band, "standard_name", NULL);
+	const char *driver = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+	if (driver != NULL && strcmp(driver, "BAG") == 0)
+		return false;
+	if (positive != NULL)
+		return strcmp(positive, "down") == 0;
+	return way == OAO_Down || (name != NULL && (strcmp(name, "depth") == 0 || strncmp(name, "depth_below", 11) == 0 || strncmp(name, "sea_floor_depth", 15) == 0));
+}
+
 /* Gives the unit of values in metres: --s-unit, or that of the band, of the vertical reference, or else 1. *said: that is known. Takes the
  * vertical part off the SRS. */
-static enum status vertical_unit(struct gdal_source *source, const struct dem_params *params, GDALRasterBandH band, double *metres, bool *said)
+static enum status vertical_unit(struct gdal_source *source, const struct dem_params *params, GDALDatasetH dataset, GDALRasterBandH band, double *metres, bool *said)
 {
 	const char *tag = GDALGetRasterUnitType(band), *unit = params->s_unit != NULL ? params->s_unit : tag;
 	const bool tagged = tag != NULL && tag[0] != '\0', projected = source->srs != NULL && OSRIsProjected(source->srs);
@@ -154,8 +172,7 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 		(void)OSRGetAxis(source->srs, "COMPD_CS|VERT_CS", 0, &way);
 	}
 	TRY(dem_vertical_part(source));
-	const char *positive = GDALGetMetadataItem(band, "positive", NULL); /* netCDF's word */
-	const bool down = params->s_vertical == NULL && (way == OAO_Down || (positive != NULL && strcmp(positive, "down") == 0));
+	const bool down = params->s_vertical == NULL && counts_down(dataset, band, way);
 	if (params->s_vertical != NULL)
 		TRY(dem_vertical_unit(params->s_vertical, &axis));
 	*said = source->own != NULL || tagged || params->s_unit != NULL;
@@ -168,7 +185,9 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 	if (!*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5)
 		dem_source_remark(source, SOURCE_UNIT, "its SRS is in feet and nothing says the unit of heights; they are taken as metres. Give --s-unit %s if they are feet",
 		       OSRGetLinearUnits(source->srs, NULL) == 0.3048 ? "ft" : "us-ft");
-	if (tagged && params->s_unit != NULL && fabs(*metres) != dem_unit_metres(tag))
+	if (tagged && params->s_unit == NULL && !dem_unit_known(tag))
+		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s, which is not known; its heights are taken as metres. --s-unit names another", tag);
+	else if (tagged && params->s_unit != NULL && fabs(*metres) != dem_unit_metres(tag))
 		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; --s-unit %s is used", tag, unit);
 	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / fabs(*metres) - 1) > 1e-9)
 		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; that is used, not the %.10g m of %.80s. --s-unit names another", tag, axis,
@@ -242,13 +261,19 @@ static int64_t panel_of(GDALRasterBandH band)
 	return tiled ? DEM_CACHE_BYTES / 2 / column : 0;
 }
 
+static bool is_signed_byte(GDALRasterBandH band)
+{
+	const char *type = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+	return GDALGetRasterDataType(band) == GDT_Byte && type != NULL && strcmp(type, "SIGNEDBYTE") == 0;
+}
+
 /* Returns what full scale of a band is that a height range may describe; 0: the band says itself what it means. */
 static double full_scale(GDALRasterBandH band)
 {
 	const GDALDataType type = GDALGetRasterDataType(band);
 	int has_scale = 0, has_offset = 0;
 	const double scale = GDALGetRasterScale(band, &has_scale), offset = GDALGetRasterOffset(band, &has_offset);
-	if ((has_scale && scale != 1) || (has_offset && offset != 0))
+	if ((has_scale && scale != 1) || (has_offset && offset != 0) || is_signed_byte(band))
 		return 0;
 	return type == GDT_Byte ? 255 : type == GDT_UInt16 ? 65535 : 0;
 }
@@ -339,7 +364,8 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 		 "subClass=\"VRTDerivedRasterBand\"><NoDataValue>nan</NoDataValue>"
 		 "<PixelFunctionType>furrow_metres</PixelFunctionType><PixelFunctionArguments meaning=\""
 		 "%.17g %.17g %d %d", source->width, source->height, p[0], p[1], p[2], p[3], p[4], p[5],
-		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit - lower, !source->doubles, colours);
+		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit - lower, !source->doubles,
+		 colours ? DEM_STORED_COLOURS : is_signed_byte(band) ? DEM_STORED_SIGNED_BYTE : DEM_STORED_PLAIN);
 	text_add_nodata(&text, params, dataset, band, colours, scale, offset);
 	text_add(&text, "\"/><SourceTransferType>Float64</SourceTransferType>");
 	for (int i = 0; i < (colours ? 3 : 1); i++)
@@ -469,7 +495,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 	GDALRasterBandH band = GDALGetRasterBand(dataset, source->band);
 	TRY(check_range(source, params, band));
 	TRY(place_source(source, dataset, params, override));
-	TRY(vertical_unit(source, params, band, &unit, &said));
+	TRY(vertical_unit(source, params, dataset, band, &unit, &said));
 	const char *metadata = GDALGetMetadataItem(dataset, "VERTICAL_REFERENCE", NULL);
 	if (metadata == NULL) /* DEMs of planets name their geoid or areoid so */
 		metadata = GDALGetMetadataItem(dataset, "GEOID", NULL);
@@ -477,11 +503,7 @@ static enum status take_dataset(struct gdal_source *source, GDALDatasetH dataset
 		TRY(dem_vertical_metadata(source, metadata));
 	TRY(write_vrt(source, params, dataset, unit, 0, number));
 	if (source->remarks[SOURCE_DEGREES] != NULL)
-		TRY(refuse_degrees(source));
-	if (fmax(fabs(source->place[1]), fabs(source->place[5])) >= COARSE_DEGREES) { /* as likely metres */
-		mem_free(source->remarks[SOURCE_DEGREES]);
-		source->remarks[SOURCE_DEGREES] = NULL;
-	}
+		TRY(judge_degrees(source));
 	TRY(dem_radii_find(source, params->radii, unit, said, &radius));
 	if (radius.sphere > 0) {
 		mem_free(source->own);

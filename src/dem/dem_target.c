@@ -25,9 +25,10 @@ static double round_to_3_digits(double v)
 
 struct bounds {
 	double low[2], high[2];
+	size_t probes, lost; /* points of rasters that were projected, and those of them that are nowhere in the SRS */
 };
 
-static const struct bounds nowhere = {{(double)INFINITY, (double)INFINITY}, {-(double)INFINITY, -(double)INFINITY}};
+static const struct bounds nowhere = {.low = {(double)INFINITY, (double)INFINITY}, .high = {-(double)INFINITY, -(double)INFINITY}};
 
 static void bounds_add(struct bounds *bounds, double x, double y)
 {
@@ -61,8 +62,11 @@ static enum status bounds_add_raster(struct bounds *bounds, const struct dem_lat
 		double x, y;
 		dem_lattice_point(raster, (double)(raster->width - 1) * (i % PROBES) / (PROBES - 1),
 				  (double)(raster->height - 1) * (i / PROBES) / (PROBES - 1), &x, &y);
-		if (move != NULL && !OCTTransform(move, 1, &x, &y, NULL))
+		bounds->probes++;
+		if (move != NULL && (!OCTTransform(move, 1, &x, &y, NULL) || !isfinite(x) || !isfinite(y))) {
+			bounds->lost++;
 			continue;
+		}
 		bounds_add(bounds, turn > 0 ? near + remainder(x - near, turn) : x, y);
 	}
 	if (move != NULL)
@@ -325,6 +329,9 @@ static enum status lay_out(struct dem_target *target, const struct dem_params *p
 	struct bounds bounds;
 	TRY(bounds_of(groups, target->srs, &bounds));
 	struct bounds whole = bounds;
+	if (!params->has_window && bounds.lost > 0)
+		note("%s: %.2g %% of the area of its posts is nowhere in the target SRS, and is left out; import less at once, or choose a --t-srs that holds all of it", name,
+		     100.0 * (double)bounds.lost / (double)bounds.probes);
 	if (params->has_window)
 		TRY(bounds_cut(&bounds, params, target->srs));
 	double s = target->spacing, start[2] = {0, 0}, count[2];

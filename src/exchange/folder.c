@@ -19,7 +19,7 @@ static const struct {
 	const char *folder, *ending;
 } sets[EXCHANGE_SETS] = {
 	[EXCHANGE_TERRAIN] = {"terrain", "png"}, [EXCHANGE_HILLSHADE] = {"hillshade", "png"}, [EXCHANGE_RUTS] = {"ruts", "png"},
-	[EXCHANGE_MESH] = {"mesh", "terrain"},
+	[EXCHANGE_MESH] = {"mesh", "terrain"}, [EXCHANGE_IMAGERY] = {"imagery", "webp"},
 };
 
 enum status exchange_tile_path(const char *directory, enum exchange_set set, struct tile tile, char path[EXCHANGE_PATH])

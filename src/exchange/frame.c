@@ -64,56 +64,112 @@ void exchange_frame_from_degrees(const struct exchange_frame *frame, size_t coun
 	}
 }
 
+/* `ends`: the least positive and the greatest negative longitude. Where a pole is inside, they are near 0. */
+static enum status fail_torn(const double ends[2], double south, double north)
+{
+	if (!(ends[0] > 90 && ends[1] < -90))
+		return fail_with(STATUS_INPUT, "the store: a pole is in it or near it, where tiles would be torn apart; give a --window that leaves it out, or write a .tif");
+	/* Outward, to a millionth of a degree. */
+	const double low = floor((south - 1e-4) * 1e6) / 1e6, high = ceil((north + 1e-4) * 1e6) / 1e6;
+	return fail_with(STATUS_INPUT, "the store: it crosses the antimeridian, where tiles would be torn apart; write two folders: --window-srs degrees --window "
+			 "%.10g,%.10g,180,%.10g, and --window-srs degrees --window -180,%.10g,%.10g,%.10g", floor((ends[0] - 1e-4) * 1e6) / 1e6, low, high, low,
+			 ceil((ends[1] + 1e-4) * 1e6) / 1e6, high);
+}
+
+struct bounding {
+	double low[2], high[2]; /* degrees: of all points that the frame shows */
+	double step[2];         /* the greatest difference of two neighbours */
+	double ends[2];         /* the least positive and the greatest negative longitude */
+	bool torn;              /* between two neighbours is more than a tenth of the way round: a pole or the antimeridian */
+};
+
+/* Takes a row of points. `before`: the row before, or NULL. */
+static void bound_row(const struct exchange_frame *frame, struct bounding *bounding, const double (*row)[EDGE + 1], const double (*before)[EDGE + 1])
+{
+	for (int i = 0; i <= EDGE; i++) {
+		const double at[2] = {row[0][i], row[1][i]};
+		const bool clips = exchange_frame_clips(frame, at[0], at[1]);
+		for (int k = 0; k < 2; k++) {
+			const double step = fmax(i > 0 ? fabs(at[k] - row[k][i - 1]) : 0, before != NULL ? fabs(at[k] - before[k][i]) : 0);
+			bounding->step[k] = step <= 36 ? fmax(bounding->step[k], step) : bounding->step[k];
+			bounding->low[k] = clips ? bounding->low[k] : fmin(bounding->low[k], at[k]);
+			bounding->high[k] = clips ? bounding->high[k] : fmax(bounding->high[k], at[k]);
+		}
+		bounding->torn = bounding->torn || isnan(at[0]) || (i > 0 && fabs(at[0] - row[0][i - 1]) > 36);
+		bounding->ends[0] = at[0] > 0 ? fmin(bounding->ends[0], at[0]) : bounding->ends[0];
+		bounding->ends[1] = at[0] < 0 ? fmax(bounding->ends[1], at[0]) : bounding->ends[1];
+	}
+}
+
 /* The bounds of a grid of points; its lines are as curved as the terrain's edges. */
 static enum status find_bounds(struct exchange_frame *frame)
 {
-	const struct extent *extent = &frame->meta->extent;
-	double width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
-	double *low = frame->bounds, *high = frame->bounds + 2;
-	low[0] = low[1] = INFINITY;
-	high[0] = high[1] = -INFINITY;
+	const double *metres = frame->metres;
+	struct bounding bounding = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, {0, 0}, {180, -180}, false};
+	double rows[2][2][EDGE + 1], *low = frame->bounds, *high = frame->bounds + 2;
 	for (int row = 0; row <= EDGE; row++) {
-		double x[EDGE + 1], y[EDGE + 1];
+		double(*to)[EDGE + 1] = rows[row % 2];
 		for (int i = 0; i <= EDGE; i++) {
-			x[i] = width * i / EDGE;
-			y[i] = height * row / EDGE;
+			to[0][i] = metres[0] + (metres[2] - metres[0]) * i / EDGE;
+			to[1][i] = metres[1] + (metres[3] - metres[1]) * row / EDGE;
 		}
-		exchange_frame_to_degrees(frame, EDGE + 1, x, y);
-		for (int i = 0; i <= EDGE; i++) {
-			/* Between two points, not more than a tenth of the way round: else the line crosses the antimeridian or a pole. */
-			if (isnan(x[i]) || (i > 0 && fabs(x[i] - x[i - 1]) > 36))
-				return fail_with(STATUS_INPUT, "the store: it crosses the antimeridian or a pole, where tiles would be torn apart; "
-						 "import a part of it that does not, with furrow import --window");
-			low[0] = fmin(low[0], x[i]);
-			high[0] = fmax(high[0], x[i]);
-			low[1] = fmin(low[1], y[i]);
-			high[1] = fmax(high[1], y[i]);
-		}
+		exchange_frame_to_degrees(frame, EDGE + 1, to[0], to[1]);
+		bound_row(frame, &bounding, (const double(*)[EDGE + 1])to, row > 0 ? (const double(*)[EDGE + 1])rows[(row + 1) % 2] : NULL);
 	}
-	if (high[0] - low[0] > 180)
-		return fail_with(STATUS_INPUT, "the store: it crosses the antimeridian or a pole, where tiles would be torn apart; import a part "
-				 "of it that does not, with furrow import --window");
+	for (int i = 0; i < 2; i++) {
+		/* What is clipped may reach further than the points of the grid do. Where the clip is between them, it is all of it. */
+		const bool any = bounding.low[i] <= bounding.high[i];
+		low[i] = !frame->clipped ? bounding.low[i] : fmax(any ? bounding.low[i] - bounding.step[i] : -INFINITY, frame->clip[i]);
+		high[i] = !frame->clipped ? bounding.high[i] : fmin(any ? bounding.high[i] + bounding.step[i] : INFINITY, frame->clip[2 + i]);
+	}
+	if (!frame->clipped && (bounding.torn || high[0] - low[0] > 180))
+		return fail_torn(bounding.ends, low[1], high[1]);
 	for (int i = 0; i < 2; i++) {
 		double more = 1e-4 * (high[i] - low[i]);
-		low[i] -= more;
-		high[i] += more;
+		low[i] = fmax(low[i] - more, i == 0 ? -180 : -90);
+		high[i] = fmin(high[i] + more, i == 0 ? 180 : 90);
 	}
 	if (frame->globe != NULL && (low[1] > 85.05 || high[1] < -85.05))
 		return fail_with(STATUS_INPUT, "the store: it lies beyond 85 degrees of latitude, where Web Mercator ends; write a .tif");
 	return STATUS_OK;
 }
 
-enum status exchange_frame_init(struct exchange_frame *frame, const struct store_meta *meta)
+/* What is exported, in metres: the window, as far as it lies in the terrain. */
+static enum status take_window(struct exchange_frame *frame, const struct exchange_tiles_params *params)
 {
+	const struct extent *extent = &frame->meta->extent;
+	for (int i = 0; i < 2; i++) {
+		frame->metres[i] = 0;
+		frame->metres[2 + i] = extent_side(extent, i);
+		if (!params->has_window)
+			continue;
+		frame->metres[i] = fmax(params->window[i], 0);
+		frame->metres[2 + i] = fmin(params->window[2 + i], frame->metres[2 + i]);
+		if (!(frame->metres[i] < frame->metres[2 + i]))
+			return fail_with(STATUS_INPUT, "export: --window: nothing of the terrain has a width and a height in it; give X0,Y0,X1,Y1 inside %s",
+					 number_window(0, 0, extent_side(extent, 0), extent_side(extent, 1)).text);
+	}
+	return STATUS_OK;
+}
+
+enum status exchange_frame_init(struct exchange_frame *frame, const struct exchange_tiles_params *params)
+{
+	const struct store_meta *meta = store_meta(params->store);
 	*frame = (struct exchange_frame){
 		.meta = meta,
 		.semi_major = WGS84_RADIUS,
 		.flattening = WGS84_FLATTENING,
 		.earth = true,
+		.clipped = params->has_clip,
+		.pixels = params->pixels > 0 ? (int)params->pixels : 256,
+		.fine_globe = params->fine_globe,
 	};
+	for (int i = 0; i < 4; i++)
+		frame->clip[i] = params->clip[i];
+	TRY(take_window(frame, params));
 	const struct extent *extent = &meta->extent;
 	int64_t posts = (extent->width > extent->height ? extent->width : extent->height) - 1;
-	frame->side = EXCHANGE_PIXELS * extent->spacing;
+	frame->side = frame->pixels * extent->spacing;
 	while (frame->side < (double)posts * extent->spacing)
 		frame->side *= 2;
 	if (meta->srs[0] != '\0')

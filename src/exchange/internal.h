@@ -11,7 +11,6 @@
 #include "dem/dem.h"
 #include "exchange/exchange.h"
 
-#define EXCHANGE_PIXELS 256 /* along a map tile */
 #define EXCHANGE_CELLS 64   /* along a mesh tile */
 #define EXCHANGE_ZOOM_MOST 24
 #define EXCHANGE_ZOOMS (2 * (EXCHANGE_ZOOM_MOST + 1))
@@ -30,8 +29,26 @@ struct exchange_frame {
 	bool earth;
 	double bounds[4]; /* degrees: west, south, east, north of all posts, a little more */
 	double side;      /* metres: of a local map's square */
+	double metres[4]; /* what is exported: west, south, east, north from the south-west post */
+	bool clipped;     /* of it only what lies in `clip` */
+	double clip[4];   /* degrees: west, south, east, north */
+	int pixels;       /* along a map tile */
+	bool fine_globe;
+	bool maps_only;   /* no tiles for globes */
+	bool whole_only;  /* of maps only the zoom levels that have all tiles */
 };
-enum status exchange_frame_init(struct exchange_frame *frame, const struct store_meta *meta) FURROW_CHECKED;
+enum status exchange_frame_init(struct exchange_frame *frame, const struct exchange_tiles_params *params) FURROW_CHECKED;
+/* Returns true if the frame shows a point: within its window and its clip. Metres from the south-west post, and degrees. */
+static inline bool exchange_frame_shows(const struct exchange_frame *frame, double x, double y)
+{
+	const double beside = 1e-6 * frame->meta->extent.spacing;
+	return x >= frame->metres[0] - beside && y >= frame->metres[1] - beside && x <= frame->metres[2] + beside && y <= frame->metres[3] + beside;
+}
+static inline bool exchange_frame_clips(const struct exchange_frame *frame, double longitude, double latitude)
+{
+	const double *clip = frame->clip;
+	return frame->clipped && !(longitude >= clip[0] && longitude <= clip[2] && latitude >= clip[1] && latitude <= clip[3]);
+}
 void exchange_frame_finish(struct exchange_frame *frame); /* frame may be all zero */
 /* Convert points in place between metres east and north of the south-west post and degrees. NaN: no such point. */
 void exchange_frame_to_degrees(const struct exchange_frame *frame, size_t count, double *x, double *y);
@@ -48,6 +65,7 @@ void exchange_frame_earth_centred(const struct exchange_frame *frame, double lon
  * tiles that touch a deformed tile of the working level, if that is as fine. They also have those that touch an inset as fine as that.
  */
 struct exchange_zoom {
+	bool imagery; /* map tiles finer than those of heights: imagery alone */
 	bool globe;  /* mesh tiles, y from the south; otherwise map tiles, y from the north */
 	int z;
 	int level;   /* of the store: the one whose spacing is nearest to a sample's */
@@ -67,6 +85,7 @@ struct exchange_zooms {
 	struct exchange_zoom zooms[EXCHANGE_ZOOMS]; /* in the order of work: maps, then globe, each from fine to coarse */
 	size_t count;
 	int map[2], mesh[2];  /* least and greatest zoom */
+	int imagery;          /* greatest zoom of imagery, at least map[1]; -1: there is none */
 	int64_t revision;
 	bool deformed;        /* the store has a working level */
 	int working;
@@ -106,6 +125,7 @@ struct exchange_sampler {
 	const struct extent *extent;
 	struct exchange_frame frame;
 	const struct exchange_zoom *zoom; /* of the positions */
+	bool windowed;         /* not the whole terrain is shown */
 	int64_t nx, ny;
 	double *x, *y;         /* positions in posts of the zoom's level */
 	double *control[4];    /* i, j, x, y of the exact positions */
@@ -113,7 +133,7 @@ struct exchange_sampler {
 	double *posts;
 	struct post_rect rect; /* posts around all positions; empty: none is inside */
 };
-enum status exchange_sampler_init(struct exchange_sampler *sampler, struct store *store) FURROW_CHECKED;
+enum status exchange_sampler_init(struct exchange_sampler *sampler, const struct exchange_tiles_params *params) FURROW_CHECKED;
 void exchange_sampler_finish(struct exchange_sampler *sampler); /* sampler may be all zero */
 /* Places samples i0 <= i < i0 + nx, j0 <= j < j0 + ny. */
 enum status exchange_sampler_place(struct exchange_sampler *sampler, const struct exchange_zoom *zoom, int64_t i0, int64_t j0, int64_t nx,
@@ -121,17 +141,17 @@ enum status exchange_sampler_place(struct exchange_sampler *sampler, const struc
 /* Reads a layer at these positions, bilinear between posts; NaN: a hole, or outside. `values`: nx * ny, rows as placed. */
 enum status exchange_sampler_read(struct exchange_sampler *sampler, enum store_layer layer, double *values) FURROW_CHECKED;
 
-/* --- png.c: PNGs of 256 x 256 in memory --- */
+/* --- png.c: square PNGs in memory --- */
 struct exchange_bytes {
 	uint8_t *data;
 	size_t size, room;
 };
 enum status exchange_bytes_add(struct exchange_bytes *bytes, const void *data, size_t size) FURROW_CHECKED;
 void exchange_bytes_finish(struct exchange_bytes *bytes);
-/* Appends a PNG. `pixels`: rows from the north, RGB, or with a palette one byte each. Palette entry 0 is transparent. */
-enum status exchange_png_encode(const uint8_t *pixels, const struct chart_colour *palette, struct exchange_bytes *out) FURROW_CHECKED;
+/* Appends a PNG of side x side pixels. `pixels`: rows from the north, RGB, or with a palette one byte each. Palette entry 0 is transparent. */
+enum status exchange_png_encode(int side, const uint8_t *pixels, const struct chart_colour *palette, struct exchange_bytes *out) FURROW_CHECKED;
 /* Reads the palette indices of such a PNG. STATUS_INPUT: it is not one; the message names `path`. */
-enum status exchange_png_decode(const struct exchange_bytes *in, const char *path, uint8_t *indices) FURROW_CHECKED;
+enum status exchange_png_decode(const struct exchange_bytes *in, int side, const char *path, uint8_t *indices) FURROW_CHECKED;
 
 /* --- folder.c: the files of a folder of tiles --- */
 /* Writes `bytes` to a path as PATH.part, renamed when complete; makes folders on the way. Does not touch a file that has these bytes
@@ -161,10 +181,21 @@ double exchange_cover_at(const struct exchange_cover *cover, double x, double y)
 /* The same at degrees. `frame`: of the calling thread. */
 double exchange_cover_degrees(const struct exchange_cover *cover, const struct exchange_frame *frame, double longitude, double latitude);
 
-/* Returns the height in metres of the code 0 of height tiles. */
-static inline double exchange_encoding_zero(const struct exchange_tiles_params *params)
+/* How heights are coded: the height in metres of code 0, and codes a metre. */
+#define EXCHANGE_CODE_MOST 16777215
+struct exchange_coding {
+	double zero, parts;
+};
+static inline struct exchange_coding exchange_coding_of(const struct exchange_tiles_params *params, const struct store_meta *meta)
 {
-	return params->terrarium ? -32768 : -10000;
+	/* A zero that stays whatever a drive digs: at least 256 m below the base. */
+	if (params->step > 0)
+		return (struct exchange_coding){1024 * floor((meta->low - 256) / 1024), 1 / params->step};
+	return params->terrarium ? (struct exchange_coding){-32768, 256} : (struct exchange_coding){-10000, 10};
+}
+static inline const char *exchange_coding_name(const struct exchange_tiles_params *params)
+{
+	return params->step > 0 ? "custom" : params->terrarium ? "terrarium" : "mapbox";
 }
 
 /* --- map_tile.c and mesh_tile.c: one tile; a maker for each thread --- */
@@ -175,10 +206,16 @@ struct exchange_maker {
 	struct exchange_steps *steps;
 	const struct exchange_cover *cover; /* of globes */
 	struct exchange_sampler sampler;
+	struct exchange_mbtiles *file; /* the tiles of `only` go into it; NULL: all go into the folder */
+	enum exchange_set only;
+	size_t side; /* pixels along a map tile */
+	struct exchange_coding coding;
 	double *heights, *slopes;
+	uint8_t *imagery, *posts; /* of imagery: 4 bytes each; of a tile, and of the posts under it. NULL: none yet */
+	size_t posts_room;
 	uint8_t *pixels, *indices;
 	void *mesh;
-	struct exchange_bytes bytes;
+	struct exchange_bytes bytes, packed;
 	double range[2];
 	struct chart_colour greys[256], colours[256]; /* palettes */
 	int64_t made[EXCHANGE_SETS], written[EXCHANGE_SETS], removed;
@@ -189,6 +226,8 @@ void exchange_maker_finish(struct exchange_maker *maker);
 /* Puts maker->bytes into the file of a tile, or removes the file if they are empty. */
 enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set set, struct tile tile) FURROW_CHECKED;
 enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
+/* imagery_tile.c: colours, if the store has imagery. Places the sampler anew. */
+enum status exchange_imagery_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
 enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
 /* Returns the palette index of an offset in metres: 0 none, 1 to 127 down, 129 to 255 up. */
 uint8_t exchange_rut_index(const double range[2], double offset);
@@ -212,6 +251,20 @@ struct exchange_quantized {
 enum status exchange_quantized_write(const struct exchange_quantized *tile, const struct exchange_frame *frame, struct exchange_bytes *out)
 	FURROW_CHECKED;
 
+/* --- gzip.c --- */
+/* Compresses all bytes; `out` is replaced. */
+enum status exchange_gzip(const struct exchange_bytes *in, struct exchange_bytes *out) FURROW_CHECKED;
+
+/* --- mbtiles.c: a set of map tiles in one SQLite file; any thread --- */
+struct exchange_mbtiles;
+enum status exchange_mbtiles_create(const char *path, struct exchange_mbtiles **out) FURROW_CHECKED;
+void exchange_mbtiles_destroy(struct exchange_mbtiles *file); /* removes what was not published; NULL: nothing */
+enum status exchange_mbtiles_put(struct exchange_mbtiles *file, struct tile tile, const struct exchange_bytes *bytes) FURROW_CHECKED;
+enum status exchange_mbtiles_get(struct exchange_mbtiles *file, struct tile tile, struct exchange_bytes *out, bool *found) FURROW_CHECKED;
+/* Adds a row of metadata. */
+enum status exchange_mbtiles_say(struct exchange_mbtiles *file, const char *name, const char *value) FURROW_CHECKED;
+enum status exchange_mbtiles_publish(struct exchange_mbtiles *file) FURROW_CHECKED;
+
 /* --- page.c: index.html, tiles.js, layer.json, and Leaflet's files --- */
 enum status exchange_page_write(const struct exchange_tiles_params *params, const struct exchange_frame *frame,
 				const struct exchange_zooms *zooms, const struct exchange_tiles_result *result) FURROW_CHECKED;
@@ -222,8 +275,10 @@ enum status exchange_page_check(const struct exchange_tiles_params *params) FURR
 struct exchange_stamp {
 	char terrain[24]; /* hash of the base, in hex */
 	int64_t revision;
+	int64_t resets;   /* of the store until then; an earlier furrow wrote none: 0 */
 	double range[2];
 	uint64_t look;    /* hash of sun, exaggeration and range */
+	char version[32]; /* as in exchange_tiles_result; "": an earlier furrow did not write it */
 };
 struct exchange_journal {
 	FILE *file;

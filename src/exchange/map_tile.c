@@ -8,13 +8,15 @@
 
 #include <string.h>
 
-#define BORDER (EXCHANGE_PIXELS + 2) /* samples along a tile, with those around it, of which slopes are taken */
+#define SAMPLES(side) ((side) + 2) /* samples along a tile, with those around it, of which slopes are taken */
 
 enum status exchange_maker_init(struct exchange_maker *maker, const struct exchange_tiles_params *params, const struct exchange_zooms *zooms,
 				struct exchange_steps *steps, const double range[2])
 {
 	*maker = (struct exchange_maker){.params = params, .zooms = zooms, .steps = steps, .range = {range[0], range[1]}};
-	size_t samples = (size_t)BORDER * BORDER, pixels = (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS;
+	maker->side = params->pixels > 0 ? (size_t)params->pixels : 256;
+	maker->coding = exchange_coding_of(params, store_meta(params->store));
+	const size_t samples = SAMPLES(maker->side) * SAMPLES(maker->side), pixels = maker->side * maker->side;
 	maker->heights = mem_alloc(samples, sizeof *maker->heights);
 	maker->slopes = mem_alloc(2 * samples, sizeof *maker->slopes);
 	maker->pixels = mem_alloc(pixels, 3);
@@ -26,7 +28,7 @@ enum status exchange_maker_init(struct exchange_maker *maker, const struct excha
 	enum status status;
 	if (maker->heights == NULL || maker->slopes == NULL || maker->pixels == NULL || maker->indices == NULL || maker->mesh == NULL)
 		TRY_OR(failed, fail_memory("a tile"));
-	TRY_OR(failed, exchange_sampler_init(&maker->sampler, params->store));
+	TRY_OR(failed, exchange_sampler_init(&maker->sampler, params));
 	return STATUS_OK;
 failed:
 	exchange_maker_finish(maker);
@@ -36,10 +38,11 @@ failed:
 void exchange_maker_finish(struct exchange_maker *maker)
 {
 	exchange_sampler_finish(&maker->sampler);
-	mem_free_all(maker->heights, maker->slopes, maker->pixels, maker->indices, maker->mesh);
+	mem_free_all(maker->heights, maker->slopes, maker->pixels, maker->indices, maker->mesh, maker->imagery, maker->posts);
 	exchange_bytes_finish(&maker->bytes);
+	exchange_bytes_finish(&maker->packed);
 	maker->heights = maker->slopes = NULL;
-	maker->pixels = maker->indices = NULL;
+	maker->pixels = maker->indices = maker->imagery = maker->posts = NULL;
 	maker->mesh = NULL;
 }
 
@@ -47,49 +50,61 @@ enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set s
 {
 	char path[EXCHANGE_PATH];
 	bool done;
+	if (maker->file != NULL) {
+		if (maker->bytes.size == 0)
+			return STATUS_OK;
+		maker->made[set]++;
+		maker->written[set]++;
+		return exchange_mbtiles_put(maker->file, tile, &maker->bytes);
+	}
 	TRY(exchange_tile_path(maker->params->directory, set, tile, path));
 	if (maker->bytes.size == 0) {
 		TRY(exchange_file_remove(path, &done));
 		maker->removed += done;
 		return STATUS_OK;
 	}
+	const bool packs = maker->params->gzip && set == EXCHANGE_MESH;
+	if (packs)
+		TRY(exchange_gzip(&maker->bytes, &maker->packed));
 	maker->made[set]++;
-	TRY(exchange_file_put(path, &maker->bytes, &done));
+	TRY(exchange_file_put(path, packs ? &maker->packed : &maker->bytes, &done));
 	maker->written[set] += done;
 	return STATUS_OK;
 }
 
 /* --- heights --- */
 
-/* Mapbox's terrain-RGB: height = -10000 + 0.1 (65536 R + 256 G + B). Terrarium's: -32768 + (65536 R + 256 G + B) / 256. Nodata is the
- * terrain's lowest height: the formats have none. */
+/* Height = zero + (65536 R + 256 G + B) / parts, as Mapbox's terrain-RGB (-10000, 10), Terrarium's (-32768, 256), or with steps that were asked for.
+ * Nodata is the terrain's lowest height: the formats have none. */
 static enum status put_terrain(struct exchange_maker *maker, struct tile tile)
 {
-	const double lowest = maker->sampler.frame.meta->low, zero = exchange_encoding_zero(maker->params), parts = maker->params->terrarium ? 256 : 10;
+	const double lowest = maker->sampler.frame.meta->low, zero = maker->coding.zero, parts = maker->coding.parts;
+	const size_t side = maker->side;
 	uint8_t *to = maker->pixels;
-	for (size_t y = 1; y <= EXCHANGE_PIXELS; y++)
-		for (size_t x = 1; x <= EXCHANGE_PIXELS; x++, to += 3) {
-			double height = maker->heights[y * BORDER + x];
+	for (size_t y = 1; y <= side; y++)
+		for (size_t x = 1; x <= side; x++, to += 3) {
+			double height = maker->heights[y * SAMPLES(side) + x];
 			height = ((isnan(height) ? lowest : height) - zero) * parts;
-			const uint32_t units = (uint32_t)(fmin(fmax(height, 0), 16777215) + 0.5);
+			const uint32_t units = (uint32_t)(fmin(fmax(height, 0), EXCHANGE_CODE_MOST) + 0.5);
 			to[0] = (uint8_t)(units >> 16);
 			to[1] = (uint8_t)(units >> 8);
 			to[2] = (uint8_t)units;
 		}
 	maker->bytes.size = 0;
-	TRY(exchange_png_encode(maker->pixels, NULL, &maker->bytes));
+	TRY(exchange_png_encode((int)side, maker->pixels, NULL, &maker->bytes));
 	return exchange_maker_put(maker, EXCHANGE_TERRAIN, tile);
 }
 
 static enum status put_hillshade(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
 {
-	double *east = maker->slopes, *north = maker->slopes + (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS;
-	chart_slopes(maker->heights, EXCHANGE_PIXELS, EXCHANGE_PIXELS, 1, east, north);
-	for (size_t y = 0; y < EXCHANGE_PIXELS; y++) {
+	const size_t side = maker->side;
+	double *east = maker->slopes, *north = maker->slopes + side * side;
+	chart_slopes(maker->heights, (int64_t)side, (int64_t)side, 1, east, north);
+	for (size_t y = 0; y < side; y++) {
 		double step_east, step_north;
-		exchange_place_steps(&maker->sampler.frame, zoom, (double)tile.y * EXCHANGE_PIXELS + (double)y, &step_east, &step_north);
-		for (size_t x = 0; x < EXCHANGE_PIXELS; x++) {
-			size_t at = y * EXCHANGE_PIXELS + x;
+		exchange_place_steps(&maker->sampler.frame, zoom, (double)tile.y * (double)side + (double)y, &step_east, &step_north);
+		for (size_t x = 0; x < side; x++) {
+			size_t at = y * side + x;
 			/* Rows of pixels go south. */
 			double light = chart_shade(&maker->params->sun, maker->params->exaggerate * east[at] / step_east,
 						    -maker->params->exaggerate * north[at] / step_north);
@@ -97,7 +112,7 @@ static enum status put_hillshade(struct exchange_maker *maker, const struct exch
 		}
 	}
 	maker->bytes.size = 0;
-	TRY(exchange_png_encode(maker->indices, maker->greys, &maker->bytes));
+	TRY(exchange_png_encode((int)side, maker->indices, maker->greys, &maker->bytes));
 	return exchange_maker_put(maker, EXCHANGE_HILLSHADE, tile);
 }
 
@@ -126,43 +141,46 @@ static int strength(uint8_t index)
 }
 
 /* Takes a tile of the finer zoom level into one quarter of this one. */
-static void shrink(const uint8_t *fine, uint8_t *quarter)
+static void shrink(size_t side, const uint8_t *fine, uint8_t *quarter)
 {
-	for (size_t y = 0; y < EXCHANGE_PIXELS / 2; y++)
-		for (size_t x = 0; x < EXCHANGE_PIXELS / 2; x++) {
-			const uint8_t *p = fine + 2 * y * EXCHANGE_PIXELS + 2 * x;
-			const uint8_t four[] = {p[0], p[1], p[EXCHANGE_PIXELS], p[EXCHANGE_PIXELS + 1]};
+	for (size_t y = 0; y < side / 2; y++)
+		for (size_t x = 0; x < side / 2; x++) {
+			const uint8_t *p = fine + 2 * y * side + 2 * x;
+			const uint8_t four[] = {p[0], p[1], p[side], p[side + 1]};
 			uint8_t largest = four[0];
 			for (int i = 1; i < 4; i++)
 				largest = strength(four[i]) > strength(largest) ? four[i] : largest;
-			quarter[y * EXCHANGE_PIXELS + x] = largest;
+			quarter[y * side + x] = largest;
 		}
 }
 
 static enum status gather_ruts(struct exchange_maker *maker, struct tile tile)
 {
+	const size_t side = maker->side;
 	uint8_t *fine = maker->pixels;
-	memset(maker->indices, 0, (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS);
+	memset(maker->indices, 0, side * side);
 	for (uint32_t i = 0; i < 4; i++) {
 		struct tile child = {tile.level + 1, 2 * tile.x + i % 2, 2 * tile.y + i / 2};
 		char path[EXCHANGE_PATH];
 		bool found;
 		TRY(exchange_tile_path(maker->params->directory, EXCHANGE_RUTS, child, path));
-		TRY(exchange_file_get(path, (size_t)1 << 20, &maker->bytes, &found));
+		TRY(maker->file != NULL ? exchange_mbtiles_get(maker->file, child, &maker->bytes, &found)
+					: exchange_file_get(path, (size_t)1 << 20, &maker->bytes, &found));
 		if (!found)
 			continue;
-		TRY(exchange_png_decode(&maker->bytes, path, fine));
-		shrink(fine, maker->indices + (i / 2) * (EXCHANGE_PIXELS / 2) * EXCHANGE_PIXELS + (i % 2) * (EXCHANGE_PIXELS / 2));
+		TRY(exchange_png_decode(&maker->bytes, (int)side, path, fine));
+		shrink(side, fine, maker->indices + (i / 2) * (side / 2) * side + (i % 2) * (side / 2));
 	}
 	return STATUS_OK;
 }
 
 static enum status sample_ruts(struct exchange_maker *maker)
 {
+	const size_t side = maker->side;
 	TRY(exchange_sampler_read(&maker->sampler, STORE_OFFSET, maker->heights));
-	for (size_t y = 0; y < EXCHANGE_PIXELS; y++)
-		for (size_t x = 0; x < EXCHANGE_PIXELS; x++)
-			maker->indices[y * EXCHANGE_PIXELS + x] = exchange_rut_index(maker->range, maker->heights[(y + 1) * BORDER + x + 1]);
+	for (size_t y = 0; y < side; y++)
+		for (size_t x = 0; x < side; x++)
+			maker->indices[y * side + x] = exchange_rut_index(maker->range, maker->heights[(y + 1) * SAMPLES(side) + x + 1]);
 	return STATUS_OK;
 }
 
@@ -174,29 +192,40 @@ static enum status put_ruts(struct exchange_maker *maker, const struct exchange_
 		return exchange_maker_put(maker, EXCHANGE_RUTS, tile);
 	TRY(sampled ? sample_ruts(maker) : gather_ruts(maker, tile));
 	maker->bytes.size = 0;
-	for (size_t i = 0; i < (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS && !any; i++)
+	for (size_t i = 0; i < maker->side * maker->side && !any; i++)
 		any = maker->indices[i] != 0;
 	if (any)
-		TRY(exchange_png_encode(maker->indices, maker->colours, &maker->bytes));
+		TRY(exchange_png_encode((int)maker->side, maker->indices, maker->colours, &maker->bytes));
 	return exchange_maker_put(maker, EXCHANGE_RUTS, tile);
 }
 
-enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+static enum status put_ground(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
 {
-	int64_t i0 = (int64_t)tile.x * EXCHANGE_PIXELS - 1, j0 = (int64_t)tile.y * EXCHANGE_PIXELS - 1;
-	TRY(exchange_sampler_place(&maker->sampler, zoom, i0, j0, BORDER, BORDER));
+	const size_t side = maker->side;
+	const int64_t i0 = (int64_t)tile.x * (int64_t)side - 1, j0 = (int64_t)tile.y * (int64_t)side - 1;
+	TRY(exchange_sampler_place(&maker->sampler, zoom, i0, j0, (int64_t)SAMPLES(side), (int64_t)SAMPLES(side)));
 	TRY(exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights));
 	bool any = false;
-	for (size_t y = 1; y <= EXCHANGE_PIXELS && !any; y++)
-		for (size_t x = 1; x <= EXCHANGE_PIXELS && !any; x++)
-			any = !isnan(maker->heights[y * BORDER + x]);
+	for (size_t y = 1; y <= side && !any; y++)
+		for (size_t x = 1; x <= side && !any; x++)
+			any = !isnan(maker->heights[y * SAMPLES(side) + x]);
 	maker->bytes.size = 0;
 	if (any) {
-		TRY(put_terrain(maker, tile));
-		TRY(put_hillshade(maker, zoom, tile));
-		return put_ruts(maker, zoom, tile);
+		if (maker->file == NULL || maker->only == EXCHANGE_TERRAIN)
+			TRY(put_terrain(maker, tile));
+		if (maker->file == NULL || maker->only == EXCHANGE_HILLSHADE)
+			TRY(put_hillshade(maker, zoom, tile));
+		return maker->file == NULL || maker->only == EXCHANGE_RUTS ? put_ruts(maker, zoom, tile) : STATUS_OK;
 	}
 	for (int set = EXCHANGE_TERRAIN; set <= EXCHANGE_RUTS; set++)
 		TRY(exchange_maker_put(maker, (enum exchange_set)set, tile));
 	return STATUS_OK;
+}
+
+enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+{
+	const bool ground = maker->file == NULL || maker->only != EXCHANGE_IMAGERY, colours = maker->file == NULL || maker->only == EXCHANGE_IMAGERY;
+	if (ground && !zoom->imagery)
+		TRY(put_ground(maker, zoom, tile));
+	return colours ? exchange_imagery_tile(maker, zoom, tile) : STATUS_OK;
 }

@@ -115,6 +115,13 @@ enum status exchange_surface_put(struct exchange_surface *surface, const void *b
 		       : fail_with(STATUS_FAILED, "%s: cannot be written: %s; free some disk space", surface->params->path, strerror(errno));
 }
 
+void exchange_surface_turn(const struct exchange_surface *surface, const double from[3], double to[3])
+{
+	to[0] = from[0];
+	to[1] = from[surface->y_up ? 2 : 1];
+	to[2] = surface->y_up ? 0 - from[1] : from[2]; /* never -0 */
+}
+
 /* --- counting --- */
 
 static enum status count_row(void *user, const struct exchange_row *row)
@@ -215,9 +222,37 @@ static enum status count_and_write(struct exchange_surface *surface, const struc
 	return write_file(surface, format);
 }
 
+/* Length of the UTF-8 character at `at`, 1 to 4; 0: there is none, or it is a control character. */
+static size_t character(const unsigned char *at)
+{
+	static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
+	const size_t length = at[0] < 0x80 ? 1 : at[0] >> 5 == 6 ? 2 : at[0] >> 4 == 14 ? 3 : at[0] >> 3 == 30 ? 4 : 0;
+	unsigned code = length > 1 ? at[0] & (0x7fu >> length) : at[0];
+	for (size_t i = 1; i < length; i++) {
+		if (at[i] >> 6 != 2)
+			return 0;
+		code = code << 6 | (at[i] & 0x3f);
+	}
+	const bool surrogate = code >= 0xd800 && code < 0xe000;
+	return length > 0 && code >= 32 && (code < 127 || code >= 160) && code >= least[length] && code < 0x110000 && !surrogate ? length : 0;
+}
+
+/* Copies a name; what is no character, or none that is seen, becomes _. */
+static void copy_name(const char *from, char *to, size_t room)
+{
+	size_t used = 0;
+	for (const char *at = from; *at != '\0' && used + 5 < room;) {
+		const size_t length = character((const unsigned char *)at);
+		memcpy(to + used, length > 0 ? at : "_", length > 0 ? length : 1);
+		used += length > 0 ? length : 1;
+		at += length > 0 ? length : 1;
+	}
+	to[used] = '\0';
+}
+
 static void tell(const struct exchange_surface *surface, struct exchange_mesh_result *result)
 {
-	*result = (struct exchange_mesh_result){.triangles = surface->triangles, .vertices = surface->first[surface->rows]};
+	*result = (struct exchange_mesh_result){.triangles = surface->triangles, .vertices = surface->first[surface->rows], .y_up = surface->y_up};
 	for (int c = 0; c < 3; c++) {
 		result->origin[c] = surface->origin[c];
 		result->low[c] = (float)surface->low[c];
@@ -233,14 +268,18 @@ enum status exchange_mesh(const struct exchange_mesh_params *params, struct exch
 		format = dem_path_ends(params->path, formats[i]->ending) ? formats[i] : format;
 	if (format == NULL)
 		return fail_with(STATUS_USAGE, "%s: no mesh that can be written has this ending; name a .obj, .glb or .stl", params->path);
+	if (format == &exchange_glb && params->up == EXCHANGE_UP_Z)
+		return fail_with(STATUS_USAGE, "%s: glTF's y is up, by its specification; leave --up out, or write a .obj or .stl", params->path);
 	struct exchange_surface surface = {
 		.params = params,
+		.y_up = params->up == EXCHANGE_UP_FORMAT ? format->y_up : params->up == EXCHANGE_UP_Y,
 		.width = params->rect.x1 - params->rect.x0,
 		.rows = params->rect.y1 - params->rect.y0,
 		.spacing = extent_spacing(&params->meta->extent, params->level),
 		.low = {INFINITY, INFINITY, INFINITY},
 		.high = {-INFINITY, -INFINITY, -INFINITY},
 	};
+	copy_name(params->name != NULL && params->name[0] != '\0' ? params->name : "terrain", surface.name, sizeof surface.name);
 	TRY(check_size(&surface, format));
 	surface.total = surface.rows * (1 + format->passes);
 	TRY(mem_zeroed(&surface.first, (size_t)surface.rows + 1, sizeof *surface.first, "rows of a mesh"));

@@ -29,6 +29,8 @@ struct exchange_surface {
 	uint64_t *first;     /* number of the first vertex of each row, and behind it of all */
 	uint64_t triangles;
 	double origin[3], low[3], high[3];
+	bool y_up;
+	char name[256]; /* of the terrain: UTF-8 without control characters */
 	FILE *file;
 };
 /* Calls `fn` for each row, from the south. */
@@ -42,8 +44,25 @@ enum status exchange_surface_triangles(struct exchange_surface *surface, exchang
 /* Writes to the file. STATUS_FAILED: it cannot. */
 enum status exchange_surface_put(struct exchange_surface *surface, const void *bytes, size_t size) FURROW_CHECKED;
 
+/* East, north, up as the mesh has them: turned, so that y is up and z south, or as they are. */
+void exchange_surface_turn(const struct exchange_surface *surface, const double from[3], double to[3]);
+
+/* The picture that lies over a mesh, a PNG in memory, and where: in posts from the window's first. */
+#define EXCHANGE_TEXTURE_SIDE 2049 /* pixels at most: 2^n + 1 posts are usual */
+struct exchange_texture {
+	char *png;
+	size_t bytes;
+	double west, south, width, height;
+};
+/* Makes the picture. On failure `out` is all zero. */
+enum status exchange_texture_create(const struct exchange_mesh_params *params, struct exchange_texture *out) FURROW_CHECKED;
+/* Where a post is in the picture: 0 to 1 from its west and from its south edge. */
+void exchange_texture_place(const struct exchange_texture *texture, int64_t x, int64_t y, double out[2]);
+void exchange_texture_finish(struct exchange_texture *texture); /* may be all zero */
+
 struct exchange_mesh_format {
 	const char *ending;
+	bool y_up; /* if params->up does not say another */
 	int passes; /* over the rows, beside the first one that counts */
 	double (*bytes)(double vertices, double triangles); /* of the file, or a few more */
 	enum status (*write)(struct exchange_surface *surface);

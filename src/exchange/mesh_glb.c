@@ -1,36 +1,57 @@
 /*
- * glTF 2.0 binary: a header, a chunk of JSON, and a chunk of numbers: positions and normals of each vertex, then indices.
+ * glTF 2.0 binary: a header, a chunk of JSON, and a chunk of bytes. The bytes are position, normal and place in the picture of each
+ * vertex, then indices, then the picture.
  *
- * glTF is y up: x is east, y up, z south. `extras` has the origin in doubles, so that positions are small floats.
+ * glTF is y up: x is east, y up, z south. `extras` has the origin in doubles, so that positions are small floats. The node has the same, since Blender and
+ * others keep what nodes have, and lose what the file has.
  */
 #include "exchange/mesh.h"
 
 #include <cJSON.h>
 #include <string.h>
 
-#define VERTEX_BYTES 24
+#define VERTEX_BYTES 32
+#define VERTEX_FLOATS 8
 #define FLOATS 5126
 #define WHOLE_32 5125
 #define VERTEX_BUFFER 34962
 #define INDEX_BUFFER 34963
+#define LINEAR 9729
+#define LINEAR_MIPMAP_LINEAR 9987
+#define CLAMP_TO_EDGE 33071
+#define SRS_MOST 8192
 
-static double body_bytes(const struct exchange_surface *surface)
+static const char zeros[4];
+
+struct glb {
+	struct exchange_surface *surface;
+	struct exchange_texture texture;
+};
+
+static double vertices_of(const struct glb *glb)
 {
-	return VERTEX_BYTES * (double)surface->first[surface->rows] + 12 * (double)surface->triangles;
+	return (double)glb->surface->first[glb->surface->rows];
 }
 
-/* The JSON has at most 16 kB. */
+static double index_bytes(const struct glb *glb)
+{
+	return 12 * (double)glb->surface->triangles;
+}
+
+static size_t texture_padding(const struct glb *glb)
+{
+	return (4 - glb->texture.bytes % 4) % 4;
+}
+
+static double body_bytes(const struct glb *glb)
+{
+	return VERTEX_BYTES * vertices_of(glb) + index_bytes(glb) + (double)(glb->texture.bytes + texture_padding(glb));
+}
+
+/* The JSON has at most 64 kB. A picture has a byte for each colour, if it does not shrink. */
 static double bytes_of(double vertices, double triangles)
 {
-	return 16384 + VERTEX_BYTES * vertices + 12 * triangles;
-}
-
-/* East, north, up as glTF has them. */
-static void y_up(const double from[3], double to[3])
-{
-	to[0] = from[0];
-	to[1] = from[2];
-	to[2] = 0 - from[1]; /* never -0 */
+	return 65536 + 3.1 * EXCHANGE_TEXTURE_SIDE * EXCHANGE_TEXTURE_SIDE + VERTEX_BYTES * vertices + 12 * triangles;
 }
 
 static cJSON *add_object(cJSON *array)
@@ -40,15 +61,21 @@ static cJSON *add_object(cJSON *array)
 	return object;
 }
 
-static void add_view(cJSON *views, double offset, double length, int stride, int target)
+/* Adds an array `name` with one object. */
+static cJSON *add_only(cJSON *root, const char *name)
+{
+	return add_object(cJSON_AddArrayToObject(root, name));
+}
+
+static cJSON *add_view(cJSON *views, double offset, double length, int target)
 {
 	cJSON *view = add_object(views);
 	cJSON_AddNumberToObject(view, "buffer", 0);
 	cJSON_AddNumberToObject(view, "byteOffset", offset);
 	cJSON_AddNumberToObject(view, "byteLength", length);
-	if (stride > 0)
-		cJSON_AddNumberToObject(view, "byteStride", stride);
-	cJSON_AddNumberToObject(view, "target", target);
+	if (target != 0)
+		cJSON_AddNumberToObject(view, "target", target);
+	return view;
 }
 
 static cJSON *add_accessor(cJSON *accessors, int view, double offset, int type, double count, const char *shape)
@@ -62,14 +89,38 @@ static cJSON *add_accessor(cJSON *accessors, int view, double offset, int type, 
 	return accessor;
 }
 
-static void add_mesh(cJSON *root)
+static void add_mesh(cJSON *root, const char *name)
 {
-	cJSON *primitive = add_object(cJSON_AddArrayToObject(add_object(cJSON_AddArrayToObject(root, "meshes")), "primitives"));
+	cJSON *mesh = add_only(root, "meshes"), *primitive = add_only(mesh, "primitives");
 	cJSON *attributes = cJSON_AddObjectToObject(primitive, "attributes");
+	cJSON_AddStringToObject(mesh, "name", name);
 	cJSON_AddNumberToObject(attributes, "POSITION", 0);
 	cJSON_AddNumberToObject(attributes, "NORMAL", 1);
-	cJSON_AddNumberToObject(primitive, "indices", 2);
+	cJSON_AddNumberToObject(attributes, "TEXCOORD_0", 2);
+	cJSON_AddNumberToObject(primitive, "indices", 3);
 	cJSON_AddNumberToObject(primitive, "mode", 4);
+	cJSON_AddNumberToObject(primitive, "material", 0);
+}
+
+/* Rough ground in the picture's colours. The image is in bufferView 2. */
+static void add_material(cJSON *root, const char *name)
+{
+	cJSON *material = add_only(root, "materials");
+	cJSON_AddStringToObject(material, "name", name);
+	cJSON *looks = cJSON_AddObjectToObject(material, "pbrMetallicRoughness");
+	cJSON_AddNumberToObject(cJSON_AddObjectToObject(looks, "baseColorTexture"), "index", 0);
+	cJSON_AddNumberToObject(looks, "metallicFactor", 0);
+	cJSON_AddNumberToObject(looks, "roughnessFactor", 1);
+	cJSON *texture = add_only(root, "textures"), *sampler = add_only(root, "samplers"), *image = add_only(root, "images");
+	cJSON_AddNumberToObject(texture, "source", 0);
+	cJSON_AddNumberToObject(texture, "sampler", 0);
+	cJSON_AddNumberToObject(sampler, "magFilter", LINEAR);
+	cJSON_AddNumberToObject(sampler, "minFilter", LINEAR_MIPMAP_LINEAR);
+	cJSON_AddNumberToObject(sampler, "wrapS", CLAMP_TO_EDGE);
+	cJSON_AddNumberToObject(sampler, "wrapT", CLAMP_TO_EDGE);
+	cJSON_AddStringToObject(image, "name", name);
+	cJSON_AddNumberToObject(image, "bufferView", 2);
+	cJSON_AddStringToObject(image, "mimeType", "image/png");
 }
 
 /* Floats as the file has them, so that the bounds are those of the positions. */
@@ -80,8 +131,8 @@ static void add_bounds(cJSON *accessor, const struct exchange_surface *surface)
 		corner[0][c] = (float)surface->low[c];
 		corner[1][c] = (float)surface->high[c];
 	}
-	y_up(corner[0], low);
-	y_up(corner[1], high);
+	exchange_surface_turn(surface, corner[0], low);
+	exchange_surface_turn(surface, corner[1], high);
 	for (int c = 0; c < 3; c++)
 		if (low[c] > high[c]) {
 			double greater = low[c];
@@ -92,33 +143,56 @@ static void add_bounds(cJSON *accessor, const struct exchange_surface *surface)
 	cJSON_AddItemToObject(accessor, "max", cJSON_CreateDoubleArray(high, 3));
 }
 
-static char *describe(const struct exchange_surface *surface)
+static void add_extras(cJSON *object, const struct exchange_surface *surface)
 {
 	const struct store_meta *meta = surface->params->meta;
-	double vertices = (double)surface->first[surface->rows], vertex_bytes = VERTEX_BYTES * vertices, zero = 0;
+	const struct post_rect *rect = &surface->params->rect;
+	cJSON *extras = cJSON_AddObjectToObject(object, "extras");
+	/* In the SRS, or in metres from the south-west post; then the height. */
+	double origin[3] = {surface->origin[0] + meta->origin[0], surface->origin[1] + meta->origin[1], surface->origin[2]};
+	double window[4] = {(double)rect->x0 * surface->spacing, (double)rect->y0 * surface->spacing, (double)(rect->x1 - 1) * surface->spacing,
+			    (double)(rect->y1 - 1) * surface->spacing};
+	cJSON_AddItemToObject(extras, "origin", cJSON_CreateDoubleArray(origin, 3));
+	cJSON_AddStringToObject(extras, "axes", "x east, y up, z south; metres from origin [east, north, height]");
+	cJSON_AddStringToObject(extras, "srs", strlen(meta->srs) < SRS_MOST ? meta->srs : "");
+	cJSON_AddStringToObject(extras, "vertical", meta->vertical);
+	cJSON_AddNumberToObject(extras, "spacing", surface->spacing);
+	cJSON_AddNumberToObject(extras, "level", surface->params->level);
+	cJSON_AddItemToObject(extras, "window", cJSON_CreateDoubleArray(window, 4));
+}
+
+static void add_scene(cJSON *root, const struct exchange_surface *surface)
+{
+	const double zero = 0;
+	cJSON_AddNumberToObject(root, "scene", 0);
+	cJSON_AddItemToObject(add_only(root, "scenes"), "nodes", cJSON_CreateDoubleArray(&zero, 1));
+	cJSON *node = add_only(root, "nodes");
+	cJSON_AddStringToObject(node, "name", surface->name);
+	cJSON_AddNumberToObject(node, "mesh", 0);
+	add_extras(node, surface);
+}
+
+static char *describe(const struct glb *glb)
+{
+	const struct exchange_surface *surface = glb->surface;
+	const double vertices = vertices_of(glb), vertex_bytes = VERTEX_BYTES * vertices;
 	cJSON *root = cJSON_CreateObject(), *asset = cJSON_AddObjectToObject(root, "asset");
 	cJSON_AddStringToObject(asset, "version", "2.0");
 	cJSON_AddStringToObject(asset, "generator", "furrow " FURROW_VERSION);
-	cJSON_AddNumberToObject(root, "scene", 0);
-	cJSON_AddItemToObject(add_object(cJSON_AddArrayToObject(root, "scenes")), "nodes", cJSON_CreateDoubleArray(&zero, 1));
-	cJSON_AddNumberToObject(add_object(cJSON_AddArrayToObject(root, "nodes")), "mesh", 0);
-	add_mesh(root);
+	add_scene(root, surface);
+	add_mesh(root, surface->name);
+	add_material(root, surface->name);
 	cJSON *accessors = cJSON_AddArrayToObject(root, "accessors");
 	add_bounds(add_accessor(accessors, 0, 0, FLOATS, vertices, "VEC3"), surface);
 	add_accessor(accessors, 0, 12, FLOATS, vertices, "VEC3");
+	add_accessor(accessors, 0, 24, FLOATS, vertices, "VEC2");
 	add_accessor(accessors, 1, 0, WHOLE_32, 3 * (double)surface->triangles, "SCALAR");
 	cJSON *views = cJSON_AddArrayToObject(root, "bufferViews");
-	add_view(views, 0, vertex_bytes, VERTEX_BYTES, VERTEX_BUFFER);
-	add_view(views, vertex_bytes, 12 * (double)surface->triangles, 0, INDEX_BUFFER);
-	cJSON_AddNumberToObject(add_object(cJSON_AddArrayToObject(root, "buffers")), "byteLength", body_bytes(surface));
-	cJSON *extras = cJSON_AddObjectToObject(root, "extras");
-	/* In the SRS, or in metres from the south-west post; then the height. */
-	double origin[3] = {surface->origin[0] + meta->origin[0], surface->origin[1] + meta->origin[1], surface->origin[2]};
-	cJSON_AddItemToObject(extras, "origin", cJSON_CreateDoubleArray(origin, 3));
-	cJSON_AddStringToObject(extras, "axes", "x east, y up, z south; metres from origin [east, north, height]");
-	cJSON_AddStringToObject(extras, "srs", strlen(meta->srs) < 8192 ? meta->srs : "");
-	cJSON_AddNumberToObject(extras, "spacing", surface->spacing);
-	cJSON_AddNumberToObject(extras, "level", surface->params->level);
+	cJSON_AddNumberToObject(add_view(views, 0, vertex_bytes, VERTEX_BUFFER), "byteStride", VERTEX_BYTES);
+	add_view(views, vertex_bytes, index_bytes(glb), INDEX_BUFFER);
+	add_view(views, vertex_bytes + index_bytes(glb), (double)glb->texture.bytes, 0);
+	cJSON_AddNumberToObject(add_only(root, "buffers"), "byteLength", body_bytes(glb));
+	add_extras(root, surface);
 	char *text = cJSON_PrintUnformatted(root);
 	cJSON_Delete(root);
 	return text;
@@ -126,19 +200,22 @@ static char *describe(const struct exchange_surface *surface)
 
 static enum status put_vertices(void *user, const struct exchange_row *row)
 {
-	struct exchange_surface *surface = user;
+	const struct glb *glb = user;
 	for (int64_t x = 0; x < row->width; x++) {
 		if (!exchange_row_used(row, x, 0))
 			continue;
-		double at[3], normal[3], turned[2][3];
-		float numbers[6];
-		exchange_surface_position(surface, row, x, at);
-		exchange_row_normal(row, x, surface->spacing, normal);
-		y_up(at, turned[0]);
-		y_up(normal, turned[1]);
+		double at[3], normal[3], turned[2][3], place[2];
+		float numbers[VERTEX_FLOATS];
+		exchange_surface_position(glb->surface, row, x, at);
+		exchange_row_normal(row, x, glb->surface->spacing, normal);
+		exchange_surface_turn(glb->surface, at, turned[0]);
+		exchange_surface_turn(glb->surface, normal, turned[1]);
+		exchange_texture_place(&glb->texture, x, row->y, place);
 		for (int c = 0; c < 6; c++)
 			numbers[c] = (float)turned[c / 3][c % 3];
-		TRY(exchange_surface_put(surface, numbers, sizeof numbers));
+		numbers[6] = (float)place[0];
+		numbers[7] = (float)(1 - place[1]); /* glTF counts from the upper edge */
+		TRY(exchange_surface_put(glb->surface, numbers, sizeof numbers));
 	}
 	return STATUS_OK;
 }
@@ -150,26 +227,37 @@ static enum status put_triangle(void *user, const struct exchange_row *row, int6
 	return exchange_surface_put(user, numbers, sizeof numbers);
 }
 
-static enum status write_json(struct exchange_surface *surface, const char *json)
+static enum status write_json(const struct glb *glb, const char *json)
 {
-	uint32_t text = (uint32_t)strlen(json), padded = (text + 3) / 4 * 4, body = (uint32_t)body_bytes(surface);
+	uint32_t text = (uint32_t)strlen(json), padded = (text + 3) / 4 * 4, body = (uint32_t)body_bytes(glb);
 	const uint32_t header[] = {0x46546c67 /* glTF */, 2, 12 + 8 + padded + 8 + body, padded, 0x4e4f534a /* JSON */};
 	const uint32_t second[] = {body, 0x004e4942 /* BIN */};
-	TRY(exchange_surface_put(surface, header, sizeof header));
-	TRY(exchange_surface_put(surface, json, text));
-	TRY(exchange_surface_put(surface, "   ", padded - text));
-	return exchange_surface_put(surface, second, sizeof second);
+	TRY(exchange_surface_put(glb->surface, header, sizeof header));
+	TRY(exchange_surface_put(glb->surface, json, text));
+	TRY(exchange_surface_put(glb->surface, "   ", padded - text));
+	return exchange_surface_put(glb->surface, second, sizeof second);
+}
+
+static enum status write_all(struct glb *glb)
+{
+	char *json = describe(glb);
+	TRY_MEM(json, glb->surface->params->path);
+	enum status status = write_json(glb, json);
+	cJSON_free(json);
+	TRY(status);
+	TRY(exchange_surface_each(glb->surface, put_vertices, glb));
+	TRY(exchange_surface_triangles(glb->surface, put_triangle, glb->surface));
+	TRY(exchange_surface_put(glb->surface, glb->texture.png, glb->texture.bytes));
+	return exchange_surface_put(glb->surface, zeros, texture_padding(glb));
 }
 
 static enum status write_glb(struct exchange_surface *surface)
 {
-	char *json = describe(surface);
-	TRY_MEM(json, surface->params->path);
-	enum status status = write_json(surface, json);
-	cJSON_free(json);
-	TRY(status);
-	TRY(exchange_surface_each(surface, put_vertices, surface));
-	return exchange_surface_triangles(surface, put_triangle, surface);
+	struct glb glb = {.surface = surface};
+	TRY(exchange_texture_create(surface->params, &glb.texture));
+	const enum status status = write_all(&glb);
+	exchange_texture_finish(&glb.texture);
+	return status;
 }
 
-const struct exchange_mesh_format exchange_glb = {".glb", 2, bytes_of, write_glb};
+const struct exchange_mesh_format exchange_glb = {".glb", true, 2, bytes_of, write_glb};

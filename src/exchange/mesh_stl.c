@@ -1,4 +1,5 @@
-/* Binary STL: 80 bytes of text, the number of triangles, then 50 bytes each: normal, three corners, and 2 bytes that are 0. z is up. */
+/* Binary STL: 80 bytes of text, the number of triangles, then 50 bytes each: normal, three corners, and 2 bytes that are 0. z is up if nothing else
+ * is asked for. */
 #include "exchange/mesh.h"
 
 #include <string.h>
@@ -21,7 +22,9 @@ static enum status put_triangle(void *user, const struct exchange_row *row, int6
 		struct exchange_row from = *row;
 		from.y += corners[k] / 2;
 		from.heights[1] = row->heights[1 + corners[k] / 2];
-		exchange_surface_position(surface, &from, x + corners[k] % 2, at[k]);
+		double place[3];
+		exchange_surface_position(surface, &from, x + corners[k] % 2, place);
+		exchange_surface_turn(surface, place, at[k]);
 	}
 	for (int c = 0; c < 3; c++) {
 		one[c] = at[1][c] - at[0][c];
@@ -44,11 +47,11 @@ static enum status write_stl(struct exchange_surface *surface)
 	char text[81];
 	uint32_t count = (uint32_t)surface->triangles;
 	const double *o = surface->origin;
-	int length = snprintf(text, sizeof text, "furrow, metres, z up, origin %.10g %.10g %.10g", o[0], o[1], o[2]);
+	int length = snprintf(text, sizeof text, "furrow, metres, %s up, origin %.10g %.10g %.10g", surface->y_up ? "y" : "z", o[0], o[1], o[2]);
 	memset(text + length, ' ', sizeof text - (size_t)length); /* three numbers leave room */
 	TRY(exchange_surface_put(surface, text, 80));
 	TRY(exchange_surface_put(surface, &count, sizeof count));
 	return exchange_surface_triangles(surface, put_triangle, surface);
 }
 
-const struct exchange_mesh_format exchange_stl = {".stl", 1, bytes_of, write_stl};
+const struct exchange_mesh_format exchange_stl = {".stl", false, 1, bytes_of, write_stl};

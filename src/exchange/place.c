@@ -12,14 +12,14 @@ static double mercator_latitude(double share)
 	return atan(sinh(M_PI * (1 - 2 * share))) * 180 / M_PI;
 }
 
-static double samples_around(const struct exchange_zoom *zoom)
+static double samples_around(const struct exchange_frame *frame, const struct exchange_zoom *zoom)
 {
-	return ldexp(zoom->globe ? 2 * EXCHANGE_CELLS : EXCHANGE_PIXELS, zoom->z);
+	return ldexp(zoom->globe ? 2 * EXCHANGE_CELLS : frame->pixels, zoom->z);
 }
 
 void exchange_place_degrees(const struct exchange_frame *frame, const struct exchange_zoom *zoom, double i, double j, double *x, double *y)
 {
-	double around = samples_around(zoom);
+	double around = samples_around(frame, zoom);
 	if (zoom->globe) {
 		*x = i * (360 / around) - 180;
 		*y = j * (360 / around) - 90;
@@ -34,7 +34,7 @@ void exchange_place_degrees(const struct exchange_frame *frame, const struct exc
 
 void exchange_place_steps(const struct exchange_frame *frame, const struct exchange_zoom *zoom, double j, double *east, double *north)
 {
-	double around = samples_around(zoom), x, y;
+	double around = samples_around(frame, zoom), x, y;
 	if (!zoom->globe && frame->globe == NULL) {
 		*east = *north = frame->side / around;
 		return;
@@ -77,7 +77,7 @@ static double middle_error(const struct exchange_frame *frame, const struct exch
 
 int exchange_place_control(const struct exchange_frame *frame, const struct exchange_zoom *zoom)
 {
-	int64_t samples = zoom->globe ? EXCHANGE_CELLS : EXCHANGE_PIXELS;
+	int64_t samples = zoom->globe ? EXCHANGE_CELLS : frame->pixels;
 	double i[] = {(double)(zoom->x0 * samples), (double)(zoom->x0 + zoom->x1) * (double)samples / 2, (double)(zoom->x1 * samples)};
 	double j[] = {(double)(zoom->y0 * samples), (double)(zoom->y0 + zoom->y1) * (double)samples / 2, (double)(zoom->y1 * samples)};
 	for (int control = 64; control > 1; control /= 2) {

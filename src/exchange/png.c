@@ -1,4 +1,4 @@
-/* PNGs of 256 x 256 pixels in memory. */
+/* Square PNGs in memory. */
 #include "exchange/internal.h"
 
 #include <png.h>
@@ -63,13 +63,13 @@ static void warned(png_structp png, png_const_charp why)
 }
 
 /* Makes all calls from which libpng may jump back here. */
-static bool encode(png_structp png, png_infop info, const uint8_t *pixels, const struct chart_colour *palette)
+static bool encode(png_structp png, png_infop info, int side, const uint8_t *pixels, const struct chart_colour *palette)
 {
 	if (setjmp(png_jmpbuf(png)) != 0)
 		return false;
 	png_color colours[256];
 	png_byte alphas[256];
-	png_set_IHDR(png, info, EXCHANGE_PIXELS, EXCHANGE_PIXELS, 8, palette != NULL ? PNG_COLOR_TYPE_PALETTE : PNG_COLOR_TYPE_RGB,
+	png_set_IHDR(png, info, (png_uint_32)side, (png_uint_32)side, 8, palette != NULL ? PNG_COLOR_TYPE_PALETTE : PNG_COLOR_TYPE_RGB,
 		     PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
 	int most = 0; /* the last entry that is not opaque */
 	for (int i = 0; i < 256 && palette != NULL; i++) {
@@ -87,14 +87,14 @@ static bool encode(png_structp png, png_infop info, const uint8_t *pixels, const
 	png_set_compression_strategy(png, palette == NULL ? 3 : 0);
 	png_set_filter(png, 0, palette == NULL ? PNG_FILTER_UP : PNG_FILTER_SUB);
 	png_write_info(png, info);
-	size_t stride = (size_t)EXCHANGE_PIXELS * (palette != NULL ? 1 : 3);
-	for (size_t y = 0; y < EXCHANGE_PIXELS; y++)
+	size_t stride = (size_t)side * (palette != NULL ? 1 : 3);
+	for (size_t y = 0; y < (size_t)side; y++)
 		png_write_row(png, pixels + y * stride);
 	png_write_end(png, NULL);
 	return true;
 }
 
-enum status exchange_png_encode(const uint8_t *pixels, const struct chart_colour *palette, struct exchange_bytes *out)
+enum status exchange_png_encode(int side, const uint8_t *pixels, const struct chart_colour *palette, struct exchange_bytes *out)
 {
 	struct coder coder = {.out = out};
 	png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &coder, failed, warned);
@@ -102,29 +102,29 @@ enum status exchange_png_encode(const uint8_t *pixels, const struct chart_colour
 	bool done = false;
 	if (info != NULL) {
 		png_set_write_fn(png, &coder, take, flush);
-		done = encode(png, info, pixels, palette);
+		done = encode(png, info, side, pixels, palette);
 	}
 	png_destroy_write_struct(&png, &info);
 	return done ? STATUS_OK : fail_memory("a PNG"); /* nothing else can fail */
 }
 
-static bool decode(png_structp png, png_infop info, uint8_t *indices)
+static bool decode(png_structp png, png_infop info, int side, uint8_t *indices)
 {
 	if (setjmp(png_jmpbuf(png)) != 0)
 		return false;
-	png_set_user_limits(png, EXCHANGE_PIXELS, EXCHANGE_PIXELS);
+	png_set_user_limits(png, (png_uint_32)side, (png_uint_32)side);
 	png_read_info(png, info);
-	if (png_get_image_width(png, info) != EXCHANGE_PIXELS || png_get_image_height(png, info) != EXCHANGE_PIXELS ||
+	if (png_get_image_width(png, info) != (png_uint_32)side || png_get_image_height(png, info) != (png_uint_32)side ||
 	    png_get_bit_depth(png, info) != 8 || png_get_color_type(png, info) != PNG_COLOR_TYPE_PALETTE ||
 	    png_get_interlace_type(png, info) != PNG_INTERLACE_NONE)
 		return false;
-	for (size_t y = 0; y < EXCHANGE_PIXELS; y++)
-		png_read_row(png, indices + y * EXCHANGE_PIXELS, NULL);
+	for (size_t y = 0; y < (size_t)side; y++)
+		png_read_row(png, indices + y * (size_t)side, NULL);
 	png_read_end(png, NULL);
 	return true;
 }
 
-enum status exchange_png_decode(const struct exchange_bytes *in, const char *path, uint8_t *indices)
+enum status exchange_png_decode(const struct exchange_bytes *in, int side, const char *path, uint8_t *indices)
 {
 	struct coder coder = {.in = in->data, .left = in->size};
 	png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &coder, failed, warned);
@@ -132,7 +132,7 @@ enum status exchange_png_decode(const struct exchange_bytes *in, const char *pat
 	bool done = false;
 	if (info != NULL) {
 		png_set_read_fn(png, &coder, give);
-		done = decode(png, info, indices);
+		done = decode(png, info, side, indices);
 	}
 	png_destroy_read_struct(&png, &info, NULL);
 	return done ? STATUS_OK : fail_with(STATUS_INPUT, "%s: is not a tile of this export, or is damaged; remove it and export again without "

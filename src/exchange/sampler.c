@@ -3,13 +3,12 @@
 
 #define BESIDE 1e-6 /* of a cell: a position no further outside the terrain is on its edge */
 
-enum status exchange_sampler_init(struct exchange_sampler *sampler, struct store *store)
+enum status exchange_sampler_init(struct exchange_sampler *sampler, const struct exchange_tiles_params *params)
 {
-	const struct store_meta *meta = store_meta(store);
-	*sampler = (struct exchange_sampler){.extent = &meta->extent};
+	*sampler = (struct exchange_sampler){.extent = &store_meta(params->store)->extent, .windowed = params->has_window};
 	enum status status;
-	TRY_OR(failed, store_reader_create(store, &sampler->reader));
-	TRY_OR(failed, exchange_frame_init(&sampler->frame, meta));
+	TRY_OR(failed, store_reader_create(params->store, &sampler->reader));
+	TRY_OR(failed, exchange_frame_init(&sampler->frame, params));
 	return STATUS_OK;
 failed:
 	exchange_sampler_finish(sampler);
@@ -60,6 +59,27 @@ static int64_t floor_div(int64_t a, int64_t b)
 static double between(double a, double b, double share)
 {
 	return share == 0 ? a : a + share * (b - a);
+}
+
+/* Samples outside the window or the clip have no position, as if the terrain ended there. The first is sample (i0, j0). */
+static void cut_window(struct exchange_sampler *sampler, int64_t i0, int64_t j0)
+{
+	const struct exchange_frame *frame = &sampler->frame;
+	const double spacing = extent_spacing(sampler->extent, sampler->zoom->level);
+	if (!sampler->windowed)
+		return;
+	for (int64_t j = 0; j < sampler->ny; j++)
+		for (int64_t i = 0; i < sampler->nx; i++) {
+			const size_t at = (size_t)(j * sampler->nx + i);
+			double x = 0, y = 0;
+			bool shown = exchange_frame_shows(frame, sampler->x[at] * spacing, sampler->y[at] * spacing);
+			if (shown && frame->clipped) {
+				exchange_place_degrees(frame, sampler->zoom, (double)(i0 + i), (double)(j0 + j), &x, &y);
+				shown = !exchange_frame_clips(frame, x, y);
+			}
+			if (!shown)
+				sampler->x[at] = sampler->y[at] = (double)NAN;
+		}
 }
 
 /* The posts around all positions, within the terrain. */
@@ -123,6 +143,7 @@ enum status exchange_sampler_place(struct exchange_sampler *sampler, const struc
 			sampler->y[to] = scale * between(south_y, north_y, v);
 		}
 	}
+	cut_window(sampler, i0, j0);
 	find_rect(sampler);
 	return STATUS_OK;
 }

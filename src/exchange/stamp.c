@@ -37,14 +37,17 @@ static enum status parse(const struct exchange_bytes *bytes, const char *path, s
 	const cJSON *format = cJSON_GetObjectItem(root, "format"), *terrain = cJSON_GetObjectItem(root, "terrain");
 	const cJSON *revision = cJSON_GetObjectItem(root, "revision"), *range = cJSON_GetObjectItem(root, "ruts_range");
 	const cJSON *look = cJSON_GetObjectItem(root, "look"), *low = cJSON_GetArrayItem(range, 0), *high = cJSON_GetArrayItem(range, 1);
+	const cJSON *version = cJSON_GetObjectItem(root, "version"), *resets = cJSON_GetObjectItem(root, "resets");
 	const bool whole = cJSON_IsNumber(format) && format->valuedouble == FORMAT && cJSON_IsString(terrain) && cJSON_IsNumber(revision) &&
 			   cJSON_IsNumber(low) && cJSON_IsNumber(high) && cJSON_IsString(look) && low->valuedouble < 0 && high->valuedouble > 0;
 	if (whole) {
 		snprintf(stamp->terrain, sizeof stamp->terrain, "%s", terrain->valuestring);
 		stamp->revision = (int64_t)revision->valuedouble;
+		stamp->resets = cJSON_IsNumber(resets) ? (int64_t)resets->valuedouble : 0;
 		stamp->range[0] = low->valuedouble;
 		stamp->range[1] = high->valuedouble;
 		stamp->look = strtoull(look->valuestring, NULL, 16);
+		snprintf(stamp->version, sizeof stamp->version, "%s", cJSON_IsString(version) ? version->valuestring : "");
 	}
 	cJSON_Delete(root);
 	return whole ? STATUS_OK
@@ -81,8 +84,11 @@ enum status exchange_stamp_write(const char *directory, const struct exchange_st
 	json_integer(root, "format", FORMAT);
 	cJSON_AddStringToObject(root, "terrain", stamp->terrain);
 	json_integer(root, "revision", stamp->revision);
+	if (stamp->resets > 0)
+		json_integer(root, "resets", stamp->resets);
 	cJSON_AddItemToObject(root, "ruts_range", cJSON_CreateDoubleArray(stamp->range, 2));
 	cJSON_AddStringToObject(root, "look", look);
+	cJSON_AddStringToObject(root, "version", stamp->version);
 	char *text = cJSON_Print(root);
 	cJSON_Delete(root);
 	TRY_MEM(text, path);

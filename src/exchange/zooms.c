@@ -2,9 +2,10 @@
  * Plans the zoom levels: which there are, the store's level that each one shows, and its tiles.
  *
  *  1. The finest dense zoom level of a map is the first whose pixels are no larger than level 0's spacing. That of a globe is the one
- *     whose samples are nearest to it: a mesh tile takes 80 bytes a sample.
+ *     whose samples are nearest to it, since a mesh tile takes 20 bytes a sample; with `fine_globe` it is the first as fine as level 0.
  *  2. Finer ones are sparse: those down to the spacing of the working level have tiles where something drove, those down to the
  *     spacing of an inset have tiles where it lies.
+ *     Imagery that is finer than both has dense zoom levels of its own, without heights.
  *  3. The coarsest map shows the terrain within a tile or so. A globe begins at zoom 0, whose two tiles clients ask for always.
  */
 #include "exchange/internal.h"
@@ -173,7 +174,7 @@ size_t exchange_zoom_unit(const struct exchange_zoom *zoom, int64_t unit, struct
 /* Metres between two samples at the middle of the terrain. */
 static double step_of(const struct exchange_frame *frame, struct exchange_zoom *zoom)
 {
-	double around = ldexp(zoom->globe ? 2 * EXCHANGE_CELLS : EXCHANGE_PIXELS, zoom->z), latitude = (frame->bounds[1] + frame->bounds[3]) / 2;
+	double around = ldexp(zoom->globe ? 2 * EXCHANGE_CELLS : frame->pixels, zoom->z), latitude = (frame->bounds[1] + frame->bounds[3]) / 2;
 	double east, north;
 	if (!zoom->globe && frame->globe == NULL)
 		return frame->side / around;
@@ -187,20 +188,20 @@ static int first_within(const struct exchange_frame *frame, bool globe, double s
 {
 	struct exchange_zoom zoom = {.globe = globe};
 	/* A terrain that is true to scale within 0.1 % is as fine as its map. */
-	double most = globe ? spacing * M_SQRT2 : spacing * 1.005;
+	double most = globe && !frame->fine_globe ? spacing * M_SQRT2 : spacing * 1.005;
 	while (zoom.z < EXCHANGE_ZOOM_MOST && step_of(frame, &zoom) > most)
 		zoom.z++;
 	return zoom.z;
 }
 
-static int first_map(const struct exchange_frame *frame, const struct extent *extent)
+static int first_map(const struct exchange_frame *frame)
 {
-	int64_t posts = extent->width > extent->height ? extent->width : extent->height;
-	double size = (double)(posts - 1) * extent->spacing;
+	const double *metres = frame->metres;
+	double size = fmax(metres[2] - metres[0], metres[3] - metres[1]);
 	struct exchange_zoom zoom = {.z = 0};
 	while (zoom.z < EXCHANGE_ZOOM_MOST) {
 		zoom.z++;
-		if (step_of(frame, &zoom) * EXCHANGE_PIXELS < size)
+		if (step_of(frame, &zoom) * frame->pixels < size)
 			return zoom.z - 1;
 	}
 	return zoom.z;
@@ -264,11 +265,16 @@ static enum status plan_zoom(const struct planning *planning, bool globe, int z,
 	*zoom = (struct exchange_zoom){.globe = globe, .z = z, .sparse = z > dense, .some = some};
 	zoom->step = step_of(frame, zoom);
 	long level = lround(log2(zoom->step / extent->spacing));
-	long finest = zoom->sparse ? zooms->finest : 0, coarsest = extent_coarsest(extent);
+	int imagery = 0;
+	zoom->imagery = !globe && z > zooms->map[1];
+	if (zoom->imagery) {
+		store_has_imagery(planning->store, &imagery, NULL);
+		zoom->sparse = false;
+	}
+	long finest = zoom->imagery ? imagery : zoom->sparse ? zooms->finest : 0, coarsest = extent_coarsest(extent);
 	zoom->level = (int)(level < finest ? finest : level > coarsest ? coarsest : level);
-	double all[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
 	int64_t range[4];
-	tiles_of(frame, zoom, !globe && frame->globe == NULL ? all : frame->bounds, range);
+	tiles_of(frame, zoom, !globe && frame->globe == NULL ? frame->metres : frame->bounds, range);
 	if (globe && z == 0) {
 		range[0] = 0;
 		range[2] = 2;
@@ -289,14 +295,17 @@ static enum status plan(const struct planning *planning, bool some)
 	zooms->finest = working < planning->finest_base ? working : planning->finest_base;
 	int dense = zoom_of(planning, false, 0), mesh = zoom_of(planning, true, 0);
 	zooms->ruts = zoom_of(planning, false, working);
-	zooms->map[1] = zoom_of(planning, false, zooms->finest);
+	zooms->map[1] = planning->frame->whole_only ? dense : zoom_of(planning, false, zooms->finest);
 	zooms->mesh[1] = zoom_of(planning, true, zooms->finest);
-	zooms->map[0] = first_map(planning->frame, planning->extent);
+	zooms->map[0] = first_map(planning->frame);
 	zooms->map[0] = zooms->map[0] < dense ? zooms->map[0] : dense;
 	zooms->mesh[0] = 0;
-	for (int z = zooms->map[1]; z >= zooms->map[0]; z--)
+	int imagery = 0;
+	const bool has = store_has_imagery(planning->store, &imagery, NULL);
+	zooms->imagery = !has ? -1 : imagery < zooms->finest ? zoom_of(planning, false, imagery) : zooms->map[1];
+	for (int z = zooms->imagery > zooms->map[1] ? zooms->imagery : zooms->map[1]; z >= zooms->map[0]; z--)
 		TRY(plan_zoom(planning, false, z, dense, some));
-	for (int z = zooms->mesh[1]; z >= 0; z--)
+	for (int z = planning->frame->maps_only ? -1 : zooms->mesh[1]; z >= 0; z--)
 		TRY(plan_zoom(planning, true, z, mesh, some));
 	return STATUS_OK;
 }

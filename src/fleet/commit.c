@@ -1,4 +1,4 @@
-/* Commits of all ranks, probes, and the end of a run. */
+/* Commits of all ranks, and the end of a run. */
 #include "fleet/internal.h"
 
 #include <math.h>
@@ -135,66 +135,4 @@ enum status fleet_end(void *user, enum status status)
 	if (status == STATUS_OK || status == STATUS_INTERRUPTED)
 		return shared != STATUS_OK ? shared : status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 	return failure_restore(&failure);
-}
-
-/* --- probes --- */
-
-struct probing {
-	struct fleet *fleet;
-	struct furrow_contact *contacts;
-	size_t count;
-};
-
-static enum status get_contacts(void *user, int rank, struct fleet_bytes *bytes)
-{
-	const struct probing *probing = user;
-	uint32_t count;
-	TRY(fleet_get(bytes, &count, sizeof count));
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t at;
-		struct furrow_contact contact;
-		TRY(fleet_get(bytes, &at, sizeof at));
-		TRY(fleet_get(bytes, &contact, sizeof contact));
-		if (at >= probing->count)
-			return fail_with(STATUS_FAILED, "ranks: a contact came for a body that was not asked for; report this");
-		if (rank != probing->fleet->rank)
-			probing->contacts[at] = contact;
-	}
-	return STATUS_OK;
-}
-
-static bool is_here(const struct world *world, int32_t number)
-{
-	const struct body *body = world_body(world, (size_t)number);
-	return body != NULL && body->kind != BODY_PATH && !body->elsewhere;
-}
-
-/* Puts the contacts of the bodies that are on this rank. */
-static enum status put_contacts(struct fleet *fleet, size_t count, const int32_t *numbers, const struct furrow_contact *contacts)
-{
-	uint32_t here = 0;
-	for (size_t i = 0; i < count; i++)
-		here += is_here(fleet->world, numbers[i]);
-	TRY(fleet_begin(fleet, FLEET_PROBE, STATUS_OK));
-	TRY(fleet_put(&fleet->sent, &here, sizeof here));
-	for (size_t i = 0; i < count; i++) {
-		const uint32_t at = (uint32_t)i;
-		if (!is_here(fleet->world, numbers[i]))
-			continue;
-		TRY(fleet_put(&fleet->sent, &at, sizeof at));
-		TRY(fleet_put(&fleet->sent, &contacts[i], sizeof contacts[i]));
-	}
-	return STATUS_OK;
-}
-
-enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status)
-{
-	struct fleet *fleet = user;
-	struct probing probing = {fleet, contacts, count};
-	struct fleet_told told;
-	if (fleet->failed)
-		return status;
-	if (status == STATUS_OK)
-		status = put_contacts(fleet, count, numbers, contacts);
-	return fleet_tell(fleet, FLEET_PROBE, status, &told, get_contacts, &probing);
 }

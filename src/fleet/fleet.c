@@ -213,6 +213,7 @@ const struct world_ranks *fleet_ranks(struct fleet *fleet)
 		.part = fleet->part,
 		.step = fleet_step,
 		.probed = fleet_probed,
+		.newest = fleet_newest,
 		.rows = fleet_rows_take,
 		.changes = fleet_changes,
 		.has = fleet_has,

@@ -9,7 +9,7 @@
 #include "fleet/groups.h"
 
 /* What an exchange is for. If ranks are in different ones, one of them has failed, and tells so. */
-enum fleet_kind { FLEET_AGREE, FLEET_STEP, FLEET_COMMIT, FLEET_PROBE, FLEET_LOADS, FLEET_END, FLEET_FIGURES };
+enum fleet_kind { FLEET_AGREE, FLEET_STEP, FLEET_COMMIT, FLEET_PROBE, FLEET_NEWEST, FLEET_LOADS, FLEET_END, FLEET_FIGURES };
 
 /* Bytes that are put together for a message, or read from one. */
 struct fleet_bytes {
@@ -120,7 +120,7 @@ enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size) 
 /* STATUS_FAILED: there are not so many bytes. */
 enum status fleet_get(struct fleet_bytes *bytes, void *to, size_t size) FURROW_CHECKED;
 
-/* --- agree.c, step.c, move.c, commit.c: struct world_ranks --- */
+/* --- agree.c, step.c, move.c, commit.c, newest.c: struct world_ranks --- */
 /* Returns the failure of any rank on all ranks. The first two calls also compare what ranks must have in common. */
 enum status fleet_agree_on(void *user, struct world *world, enum status status) FURROW_CHECKED;
 enum status fleet_step(void *user, double until, enum status status) FURROW_CHECKED;
@@ -139,6 +139,7 @@ enum status fleet_commit(struct fleet *fleet, enum status status) FURROW_CHECKED
 /* Afterwards no commit is in flight, and the world's record is the same on all ranks. */
 enum status fleet_share_record(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_end(void *user, enum status status) FURROW_CHECKED;
+enum status fleet_newest(void *user, size_t count, const uint64_t *keys, double *numbers, enum status status) FURROW_CHECKED;
 enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status) FURROW_CHECKED;
 
 /* --- aboard.c --- */

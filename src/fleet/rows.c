@@ -78,7 +78,7 @@ static enum status write_some(struct fleet *fleet, const struct fleet_row *from,
 			.force = from[i].force,
 			.aboard = from[i].aboard,
 		};
-		if (!world_ranked(fleet->world, rows[i].body))
+		if (world_body(fleet->world, rows[i].body) == NULL) /* one that is lifted by now has rows, too */
 			return fail_with(STATUS_FAILED, "ranks: a row came of a body that there is not; report this");
 		rows[i].object = world_body(fleet->world, rows[i].body)->object;
 	}

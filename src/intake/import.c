@@ -54,6 +54,7 @@ static void note_rounding(const struct import *import)
 
 enum status intake_import_open(struct import *import, const char *const *sources, size_t count)
 {
+	TRY(intake_import_check_options(import, false));
 	import->dem.sources = sources;
 	import->dem.source_count = count;
 	import->dem.nodata = import->nodata;
@@ -91,8 +92,11 @@ static const char *why_none(const struct import *import)
 	return "all values of the sources are nodata; look at --nodata, at --window and at what gdalinfo says of nodata";
 }
 
-enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made)
+enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made,
+			      struct intake_imagery *coloured)
 {
+	if (import->imagery_count > 0)
+		TRY(intake_imagery_check(import));
 	if (import->census == NULL)
 		TRY(mem_zeroed(&import->census, 1, sizeof *import->census, "counting heights"));
 	*made = (struct intake){
@@ -114,5 +118,12 @@ enum status intake_import_run(struct import *import, const char *store, dem_prog
 	};
 	TRY(intake_run(made));
 	note_sentinel(import, made);
-	return STATUS_OK;
+	if (import->imagery_count == 0)
+		return STATUS_OK;
+	const enum status status = intake_imagery_add(import, store, false, progress, user, coloured);
+	if (status == STATUS_OK || status == STATUS_INTERRUPTED)
+		return status;
+	struct failure failure;
+	failure_capture(&failure, status);
+	return fail_with(status, "%s: it is made, without its imagery: %s", store, failure.message);
 }

@@ -35,7 +35,7 @@ struct intake {
 	double seconds;   /* time that it took */
 };
 
-/* Makes the complete store, or none. Any thread. */
+/* Makes the complete store, or none. Imagery is no part of it. Any thread. */
 enum status intake_run(struct intake *intake) FURROW_CHECKED;
 
 /* Returns the default error: half the source's own unit, or a millimetre for floats (unit 0). */
@@ -64,6 +64,32 @@ struct census {
 	struct census_extreme low, high;
 };
 
+/* --- imagery: colours over a store that there is --- */
+
+#define INTAKE_QUALITY 85 /* of WebP, the default */
+struct intake_imagery {
+	const char *const *sources; /* as of dem_imagery_params */
+	size_t count;
+	const char *vrt_folder; /* may be NULL */
+	const char *store;      /* path of a plain store */
+	int quality;            /* 1 to 100; 0: lossless */
+	int64_t jobs;           /* threads */
+	bool dry;               /* only opens the sources and finds the level */
+	bool resume, overwrite; /* as in struct store_imagery_making */
+	dem_progress_fn progress; /* of rows of the finest level; may be NULL */
+	void *progress_user;
+	/* set by intake_imagery_run: */
+	int finest;             /* level of the finest pixels */
+	double pixel, source_pixel; /* metres: of that level, and of the finest source */
+	size_t source_count;
+	int64_t tiles, bytes;   /* of all levels, packed */
+	int64_t kept;           /* tiles that an import that was broken off had made */
+	double seconds;
+};
+/* Puts colours of the sources and their pyramid into the store. STATUS_INPUT: they give none. STATUS_INTERRUPTED: `progress` stopped it; what
+ * was made stays in the store for `resume`, and is not shown. After any other failure the store has the imagery of none of them. */
+enum status intake_imagery_run(struct intake_imagery *imagery) FURROW_CHECKED;
+
 /* --- import: sources and options to a store --- */
 
 #define IMPORT_NODATA_MOST 32
@@ -78,9 +104,14 @@ struct import {
 	bool allow_network; /* dem_network_begin was called */
 	char **inset_sources; /* owned; those that were named */
 	size_t inset_count;
+	char **imagery_sources; /* owned; those that were named */
+	size_t imagery_count;
+	int quality; /* as of intake_imagery; `lossless` counts for more */
+	bool lossless;
 	enum store_pack pack;
 	bool resume, overwrite, force;
 	double nodata[IMPORT_NODATA_MOST];
+	uint64_t given; /* a bit for each option that was set */
 	/* After intake_import_open: */
 	struct dem *opened;
 	const char **inset_paths; /* of all insets, one inset after the other */
@@ -110,7 +141,15 @@ extern const char *const intake_import_methods[], *const intake_import_radii[], 
 	*const intake_import_units[], *const intake_import_encodings[];
 /* Opens the sources, which must outlive the import. Writes nothing. STATUS_INPUT: they give no terrain. */
 enum status intake_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
-/* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */
-enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made) FURROW_CHECKED;
+/* Makes the store; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. Heights are complete, or there is no store. If imagery was named it is
+ * opened first, and put into the store that is made last. Where that fails the store stays, without imagery, and the failure says so.
+ * `coloured` gets what the imagery came to, and may be NULL where there is none. */
+enum status intake_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made,
+			      struct intake_imagery *coloured) FURROW_CHECKED;
+/* Opens the imagery of an import whose sources are open, and closes it. STATUS_INPUT: it cannot be imported over their terrain. */
+enum status intake_imagery_check(const struct import *import) FURROW_CHECKED;
+/* Imports only the imagery, into a store that exists. intake_import_open() is not called. STATUS_USAGE: an option was set that is of heights. */
+enum status intake_import_imagery(const struct import *import, const char *store, bool dry, dem_progress_fn progress, void *user,
+				  struct intake_imagery *out) FURROW_CHECKED;
 
 #endif

@@ -1,5 +1,5 @@
 /* The options of an import, by their long names. */
-#include "intake/intake.h"
+#include "intake/internal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,6 +27,9 @@ static const struct option options[] = {
 	{"spacing", NUMBER, 1e-4, 1e6, NULL},
 	{"feather", NUMBER, 0, 1e6, NULL},
 	{"inset", SOURCES, 0, 0, NULL},
+	{"imagery", SOURCES, 0, 0, NULL},
+	{"imagery-quality", WHOLE, 1, 100, NULL},
+	{"lossless", FLAG, 0, 0, NULL},
 	{"s-srs", TEXT, 0, 0, NULL},
 	{"t-srs", TEXT, 0, 0, NULL},
 	{"s-vertical", TEXT, 0, 0, NULL},
@@ -49,6 +52,10 @@ static const struct option options[] = {
 	{"overwrite", FLAG, 0, 0, NULL},
 	{"force", FLAG, 0, 0, NULL},
 };
+
+/* What an import of imagery alone takes, and what only imagery takes. */
+static const char *const of_imagery[] = {"imagery", "imagery-quality", "lossless", "vrt-folder", "allow-network", "jobs", "resume", "overwrite", NULL};
+static const char *const imagery_only[] = {"imagery-quality", "lossless", NULL};
 
 static enum status refuse(const char *name, const char *text, const char *allowed)
 {
@@ -156,11 +163,11 @@ static enum status take_named_text(struct import *import, const char *name, cons
 	return take_text(text, texts[i].to, &import->texts[i]);
 }
 
-static enum status take_inset(struct import *import, const char *text)
+static enum status take_source(const char *text, char ***list, size_t *count)
 {
-	TRY(mem_resize(&import->inset_sources, import->inset_count + 1, sizeof *import->inset_sources, "an option"));
-	TRY(mem_text(&import->inset_sources[import->inset_count], text, "an option"));
-	import->inset_count++;
+	TRY(mem_resize(list, *count + 1, sizeof **list, "an option"));
+	TRY(mem_text(&(*list)[*count], text, "an option"));
+	++*count;
 	return STATUS_OK;
 }
 
@@ -183,6 +190,8 @@ static enum status take_flag(struct import *import, const char *name, bool on)
 		import->match_heights = on;
 	else if (strcmp(name, "resume") == 0)
 		import->resume = on;
+	else if (strcmp(name, "lossless") == 0)
+		import->lossless = on;
 	else if (strcmp(name, "force") == 0)
 		import->force = on;
 	else
@@ -203,7 +212,10 @@ static enum status take(struct import *import, const struct option *option, cons
 		TRY(take_number(option, text, &number));
 		if (strcmp(option->name, "tile") == 0)
 			return take_tile(import, (int64_t)number);
-		*(strcmp(option->name, "band") == 0 ? &import->dem.band : &import->jobs) = (int64_t)number;
+		if (strcmp(option->name, "imagery-quality") == 0)
+			import->quality = (int)number;
+		else
+			*(strcmp(option->name, "band") == 0 ? &import->dem.band : &import->jobs) = (int64_t)number;
 		break;
 	case NUMBER:
 		TRY(take_number(option, text, &number));
@@ -236,7 +248,8 @@ static enum status take(struct import *import, const struct option *option, cons
 	case LIST:
 		return take_nodata(import, text);
 	case SOURCES:
-		return take_inset(import, text);
+		return strcmp(option->name, "imagery") == 0 ? take_source(text, &import->imagery_sources, &import->imagery_count)
+							    : take_source(text, &import->inset_sources, &import->inset_count);
 	}
 	return STATUS_OK;
 }
@@ -273,13 +286,45 @@ enum import_list intake_import_list(const char *name)
 enum status intake_import_option(struct import *import, const char *name, const char *value)
 {
 	const struct option *option = find(name);
-	return option != NULL ? take(import, option, value)
-			      : fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
+	if (option == NULL)
+		return fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
+	TRY(take(import, option, value));
+	const uint64_t bit = UINT64_C(1) << (option - options);
+	import->given = option->kind == FLAG && value[0] == 'f' ? import->given & ~bit : import->given | bit;
+	return STATUS_OK;
+}
+
+static bool is_listed(const char *const *names, const char *name)
+{
+	while (*names != NULL && strcmp(*names, name) != 0)
+		names++;
+	return *names != NULL;
+}
+
+static bool is_given(const struct import *import, size_t index)
+{
+	_Static_assert(sizeof options / sizeof *options <= 64, "a bit for each option");
+	return (import->given >> index & 1) != 0;
+}
+
+enum status intake_import_check_options(const struct import *import, bool alone)
+{
+	bool both = true;
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+		const char *name = options[i].name;
+		if (is_given(import, i) && alone && !is_listed(of_imagery, name))
+			return fail_with(STATUS_USAGE, "import: --%s: imagery that goes into a store has the store's place, and needs no such option; leave it out (what a picture says of "
+					 "itself, its SRS or its nodata, gdal_translate changes)", name);
+		if (is_given(import, i) && import->imagery_count == 0 && is_listed(imagery_only, name))
+			return fail_with(STATUS_USAGE, "import: --%s is of imagery, and none is named; leave it out (heights are stored without loss with --max-error 0)", name);
+		both = both && (is_given(import, i) || !is_listed(imagery_only, name));
+	}
+	return both ? fail_with(STATUS_USAGE, "import: --imagery-quality does not count with --lossless; leave one of both out") : STATUS_OK;
 }
 
 void intake_import_init(struct import *import)
 {
-	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1, .feather = -1};
+	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1, .feather = -1, .quality = INTAKE_QUALITY};
 }
 
 void intake_import_finish(struct import *import)
@@ -287,6 +332,7 @@ void intake_import_finish(struct import *import)
 	for (size_t i = 0; i < sizeof import->texts / sizeof *import->texts; i++)
 		mem_free(import->texts[i]);
 	mem_free_list(import->inset_sources, import->inset_count);
+	mem_free_list(import->imagery_sources, import->imagery_count);
 	dem_insets_close(import->insets);
 	mem_free_all(import->inset_paths, import->inset_from, import->census);
 	free(import->lines);

@@ -173,7 +173,7 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	if (tile.level > store_finest_base(world_resident(view->world)->store) || world_relief(view->world) != NULL)
+	if (tile.level > store_finest_base(world_resident(view->world)->store) || world_relief(view->world) != NULL || world_rocks(view->world) != NULL)
 		TRY(base_error(view, tile, error));
 	double bend = 0;
 	if (tile.level <= 0 && tile.level > world_resident(view->world)->level)

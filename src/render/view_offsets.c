@@ -43,7 +43,7 @@ enum status render_view_stored_offsets(struct view *view, struct tile tile, doub
 double render_view_find_reach(const struct world *world)
 {
 	const struct scene *scene = world_scene(world);
-	double reach = 0, deepest = 0, raised = relief_bound(world_relief(world), 0);
+	double reach = 0, deepest = 0, raised = relief_bound(world_relief(world), 0) + rocks_bound(world_rocks(world));
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		const double *size = object->shape.size;

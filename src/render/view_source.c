@@ -34,7 +34,7 @@ static bool is_expected(const struct view *view, struct tile tile)
 
 bool render_view_smooths(const struct world *world)
 {
-	return world_resident(world)->level < 0 && !relief_has_level(world_relief(world), -1);
+	return world_resident(world)->level < 0 && !relief_has_level(world_relief(world), -1) && world_rocks(world) == NULL;
 }
 
 enum status render_view_bend(struct view *view, struct tile tile, double *bend)
@@ -65,10 +65,10 @@ static bool is_deformed(const struct view *view, struct tile tile)
 	return render_view_is_deformed(view, tile) || is_expected(view, tile);
 }
 
-/* Returns true if relief raises tiles of this level or finer ones, as far as they are drawn. */
+/* Returns true if relief or rocks raise tiles of this level or finer ones, as far as they are drawn. */
 static bool raised(const struct view *view, int level)
 {
-	return world_relief(view->world) != NULL && level >= world_resident(view->world)->level;
+	return (world_relief(view->world) != NULL || world_rocks(view->world) != NULL) && level >= world_resident(view->world)->level;
 }
 
 /* Returns true if the tile has base heights of its own. It may read the store, once for each tile. */
@@ -76,7 +76,7 @@ static bool stored(void *user, struct tile tile)
 {
 	struct view *view = user;
 	/* Below the working level there is no relief: its cells would be drawn as planes with sharp edges. */
-	bool found = tile.level >= world_resident(view->world)->level && relief_has_level(world_relief(view->world), tile.level);
+	bool found = tile.level >= world_resident(view->world)->level && (relief_has_level(world_relief(view->world), tile.level) || world_rocks(view->world) != NULL);
 	if (found)
 		return true;
 	enum status status = resident_ground_has_base(world_resident(view->world)->ground, tile, &found);

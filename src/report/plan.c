@@ -259,6 +259,14 @@ static void describe_soils(const struct world *world, struct report_plan *out)
 		out->covered[i] = met->numbers[i] / met->all;
 }
 
+static void describe_rocks(const struct world *world, struct report_plan *out)
+{
+	const struct extent *extent = &world_resident(world)->meta->extent;
+	out->rocks = world_rocks_asked(world);
+	out->rocks_count = world_resident(world)->store == NULL ? (double)NAN :
+			   rocks_density(&out->rocks) * (double)(extent->width - 1) * (double)(extent->height - 1) * extent->spacing * extent->spacing;
+}
+
 static enum status describe(struct world *world, struct report_plan *out)
 {
 	const struct scene *scene = world_scene(world);
@@ -287,6 +295,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 		out->samples[i] = world_samples_until(world_body(world, i)->track, scene->end_time);
 	for (int i = 0; world_resident(world)->soil_rasters != NULL && i < scene->raster_count; i++)
 		out->rasters[out->raster_count++] = world_raster(world, i);
+	describe_rocks(world, out);
 	describe_soils(world, out);
 	world_advise(world, keep_note, &notes);
 	if (world_resident(world)->store != NULL || world_scene(world)->spacing > 0)

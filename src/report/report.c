@@ -444,7 +444,7 @@ static void add_soils(cJSON *root, const struct report *report)
 		if (value >= 0)
 			json_integer(soil, "class", value);
 		else if (i > 0)
-			cJSON_AddTrueToObject(soil, "road");
+			cJSON_AddTrueToObject(soil, i == scene->rocks_soil ? "rock" : "road");
 		else if (scene->soil_map != NULL)
 			cJSON_AddNullToObject(soil, "class");
 		add_numbers(soil, &scene->soils[i]);
@@ -624,7 +624,7 @@ char *report_json(const struct report *report, const char *ended)
 	report_cameras_add(root, world_scene(report->world), report->poses);
 	json_number(root, "spacing", world_resident(report->world)->spacing);
 	json_integer(root, "working_level", world_resident(report->world)->level);
-	if (world_relief(report->world) != NULL)
+	if (world_relief(report->world) != NULL || world_rocks(report->world) != NULL)
 		cJSON_AddRawToObject(root, "relief", store_relief_text(world_resident(report->world)->store));
 	add_volume(root, world_resident(report->world)->spacing, &io.sums, world_carries(report->world), world_grains_most(report->world) > 0);
 	add_thrown(root, report);

@@ -204,6 +204,8 @@ struct report_plan {
 	size_t body_count;
 	struct world_raster rasters[SOIL_RASTERS]; /* as the store's posts get them. Paths are the scene's */
 	int raster_count;     /* 0: there is none, or no store */
+	struct rocks_spec rocks; /* cover 0: none */
+	double rocks_count;   /* about how many there are on the terrain; NAN: no store */
 	/* Of what lies along the paths of objects and drivers, shares of 1: */
 	bool soils_known;     /* false: no path, or no store and a map */
 	double soils[SOIL_CLASSES];     /* of each soil */

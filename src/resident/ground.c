@@ -35,6 +35,7 @@ enum status resident_ground_create(struct store *store, uint32_t tiles, struct g
 	ground->meta = store_meta(store);
 	ground->reference = resident_ground_reference(store);
 	ground->relief = store_relief(store);
+	ground->rocks = store_rocks(store);
 	ground->latest = RECENT_NONE;
 	ground->posts = mem_calloc(tiles, sizeof *ground->posts);
 	enum status status = ground->posts != NULL ? recent_create(&ground->recent, tiles) : fail_memory("the ground");

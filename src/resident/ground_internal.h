@@ -10,6 +10,7 @@ struct ground {
 	struct store_reader *reader; /* used by the owner */
 	const struct store_meta *meta;
 	const struct relief *relief; /* of the store; NULL: none */
+	const struct rocks *rocks;   /* the same */
 	int32_t reference;
 	int finest; /* the finest level with base tiles, at most 0 */
 	struct mutex mutex; /* guards the rest */

@@ -4,7 +4,7 @@
  * Below level 0 a tile may be stored in part, where an inset lies, or not at all. A post has the
  * value of the finest level that gives one. Its own level gives one if the post is stored. A
  * coarser level gives one if it has all posts around; it is interpolated between them, and raised
- * by relief. So the value depends on the post alone, and tiles that share it agree.
+ * by relief. Rocks are added at every level. So the value depends on the post alone, and tiles that share it agree.
  */
 #include "resident/ground_internal.h"
 
@@ -80,6 +80,7 @@ enum status resident_ground_posts(struct ground *ground, struct tile tile, int32
 		posts[i] = BASE_NODATA;
 	for (int level = tile.level; level <= coarsest && left > 0; level++)
 		TRY_OR(done, fill_from(ground, tile, level, raised, posts, &left));
+	TRY_OR(done, rocks_add(ground->rocks, tile.level, tile_post_rect(extent, tile), posts));
 done:
 	mem_free(raised);
 	return status;
@@ -93,7 +94,7 @@ enum status resident_ground_patch(struct ground *ground, struct tile tile, int32
 	const uint32_t stride = extent->cells + 1;
 	*shift = 0;
 	*sub_x = *sub_y = 0;
-	if (relief_any(ground->relief) && ground->relief->classes > 1)
+	if (ground->rocks != NULL || (relief_any(ground->relief) && ground->relief->classes > 1))
 		return resident_ground_posts(ground, tile, patch);
 	for (int level = ground->finest > tile.level ? ground->finest : tile.level; level < 0; level++) {
 		bool stored;
@@ -206,7 +207,7 @@ done:
 	if (lowest <= most)
 		*highest = (int64_t)most * (1 << (OFFSET_BITS - BASE_BITS)) +
 			   (int64_t)ground->reference * (1 << OFFSET_BITS) +
-			   (level < 0 ? lattice_offset(relief_bound(ground->relief, 0)) : 0);
+			   (level < 0 ? lattice_offset(relief_bound(ground->relief, 0)) : 0) + lattice_offset(rocks_bound(ground->rocks));
 	return status;
 }
 
@@ -248,7 +249,7 @@ done:
 	return status;
 }
 
-/* Gives a post of a level below zero: of the finest level that has it, or has all posts around.
+/* Gives a post of a level at most zero: of the finest level that has it, or has all posts around.
  * BASE_NODATA: none has. */
 static enum status post_at(struct ground *ground, int level, int64_t x, int64_t y, int32_t *post)
 {
@@ -270,17 +271,24 @@ static enum status post_at(struct ground *ground, int level, int64_t x, int64_t 
 		TRY(post_within(ground, tile, shift, x, y, post));
 		if (*post != BASE_NODATA) {
 			*post += raised;
-			return STATUS_OK;
+			return rocks_add(ground->rocks, level, (struct post_rect){x, y, x + 1, y + 1}, post);
 		}
 	}
 	return STATUS_OK;
 }
 
-/* Interpolates between the four posts of relief's finest level around (x, y), in posts of level 0.
- * NaN: one that has weight has no data. */
-static enum status height_of_relief(struct ground *ground, double x, double y, double *sum)
+/* Returns the level down to which relief or rocks raise posts; 1: there are none. */
+static int raised_finest(const struct ground *ground)
 {
-	const int level = ground->relief->finest;
+	const int relief = relief_any(ground->relief) ? ground->relief->finest : 1, rocks = ground->rocks != NULL ? ground->rocks->finest : 1;
+	return rocks < relief ? rocks : relief;
+}
+
+/* Interpolates between the four posts of that level around (x, y), in posts of level 0.
+ * NaN: one that has weight has no data. */
+static enum status height_of_raised(struct ground *ground, double x, double y, double *sum)
+{
+	const int level = raised_finest(ground);
 	const double px = ldexp(x, -level), py = ldexp(y, -level);
 	int64_t cell[2];
 	double corners[4];
@@ -302,6 +310,7 @@ static enum status height_of_level(struct ground *ground, int level, double x, d
 	const int64_t cells = extent->cells;
 	int64_t cell[2];
 	double corners[4], px = ldexp(x, -level), py = ldexp(y, -level);
+	int32_t rocks[4] = {0};
 	const int32_t *posts;
 	bool stored;
 	*sum = (double)NAN;
@@ -309,12 +318,14 @@ static enum status height_of_level(struct ground *ground, int level, double x, d
 	if (!stored)
 		return STATUS_OK;
 	cell_of(extent, level, px, py, cell);
+	if (ground->rocks != NULL)
+		rocks_heights(ground->rocks, level, (struct post_rect){cell[0], cell[1], cell[0] + 2, cell[1] + 2}, rocks);
 	enum status status;
 	mutex_lock(&ground->mutex);
 	TRY_OR(done, resident_ground_posts_locked(ground, tile, &posts));
 	for (int i = 0; i < 4; i++) {
 		int32_t post = posts[(cell[1] % cells + i / 2) * (cells + 1) + cell[0] % cells + i % 2];
-		corners[i] = post == BASE_NODATA ? (double)NAN : post;
+		corners[i] = post == BASE_NODATA ? (double)NAN : post + rocks[i];
 	}
 	*sum = lattice_bilinear(corners, px - (double)cell[0], py - (double)cell[1], 0);
 done:
@@ -329,11 +340,11 @@ enum status resident_ground_height(struct ground *ground, int64_t x, int64_t y, 
 	*any = false;
 	if (px < 0 || py < 0 || px > (double)(extent->width - 1) || py > (double)(extent->height - 1))
 		return STATUS_OK;
-	const int last = relief_any(ground->relief) ? ground->relief->finest - 1 : 0;
+	const int raised = raised_finest(ground), last = raised - 1; /* that level, and coarser ones, are not stored whole */
 	for (int level = ground->finest; level <= last && isnan(sum); level++)
 		TRY(height_of_level(ground, level, px, py, &sum));
-	if (isnan(sum) && relief_any(ground->relief))
-		TRY(height_of_relief(ground, px, py, &sum));
+	if (isnan(sum) && raised <= 0)
+		TRY(height_of_raised(ground, px, py, &sum));
 	if (isnan(sum))
 		return STATUS_OK;
 	*height = (int64_t)floor(sum * (1 << (OFFSET_BITS - BASE_BITS)) + 0.5) + (int64_t)ground->reference * (1 << OFFSET_BITS);

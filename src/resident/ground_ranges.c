@@ -181,7 +181,11 @@ enum status resident_ground_base_range(struct ground *ground, struct tile tile,
 {
 	const struct relief *relief = ground->relief;
 	enum status status = find_base_range(ground, tile, range);
-	if (status != STATUS_OK || !relief_any(relief))
+	if (status != STATUS_OK)
+		return status;
+	range->high += rocks_bound(ground->rocks);
+	range->error += rocks_error(ground->rocks, tile.level);
+	if (!relief_any(relief))
 		return status;
 	range->low -= relief_bound(relief, 0);
 	range->high += relief_bound(relief, 0);

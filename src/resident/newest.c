@@ -95,7 +95,8 @@ static enum status present(void *user, struct tile tile, bool *out)
 	*out = false;
 	if (!extent_has(newest->extent, tile))
 		return STATUS_OK;
-	*out = relief_any(relief) && tile.level >= relief->finest;
+	const struct rocks *rocks = store_rocks(newest->store);
+	*out = (relief_any(relief) && tile.level >= relief->finest) || (rocks != NULL && tile.level >= rocks->finest);
 	if (*out)
 		return STATUS_OK;
 	enum status status = resident_ground_has_base(newest->base, tile, out);

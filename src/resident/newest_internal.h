@@ -11,6 +11,8 @@ struct resident_newest_tile {
 	double *heights, (*blocks)[2];
 };
 
+enum { NEWEST_BASES = 4 }; /* tiles whose base is kept */
+
 struct newest {
 	struct store *store;
 	struct pages *pages;       /* NULL: only the store is read */
@@ -27,6 +29,8 @@ struct newest {
 	struct recent recent;
 	struct resident_newest_tile *tiles; /* by place number in `recent` */
 	int32_t *posts, *patch;    /* scratch memory for one tile */
+	struct recent recent_posts; /* heights of a tile are often made anew: offsets change with each step, the base never */
+	int32_t *base_posts[NEWEST_BASES]; /* by place number in `recent_posts`: base posts of a tile; NULL: not made yet */
 };
 
 /* newest.c */

@@ -25,6 +25,11 @@ uint64_t resident_newest_tile_bytes(uint32_t cells)
 	return sizeof(double) * (posts + 2 * side * side);
 }
 
+uint64_t resident_newest_base_bytes(uint32_t cells)
+{
+	return (uint64_t)NEWEST_BASES * (cells + 1) * (cells + 1) * sizeof(int32_t);
+}
+
 enum status resident_newest_create_tiles(struct newest *newest)
 {
 	const size_t posts = posts_of(newest);
@@ -32,8 +37,10 @@ enum status resident_newest_create_tiles(struct newest *newest)
 	newest->tiles = mem_calloc(tiles, sizeof *newest->tiles);
 	newest->posts = mem_alloc(posts, sizeof *newest->posts);
 	newest->patch = mem_alloc(posts, sizeof *newest->patch);
-	return newest->tiles != NULL && newest->posts != NULL && newest->patch != NULL ? recent_create(&newest->recent, tiles)
-										  : fail_memory("tiles for queries");
+	if (newest->tiles == NULL || newest->posts == NULL || newest->patch == NULL)
+		return fail_memory("tiles for queries");
+	TRY(recent_create(&newest->recent_posts, NEWEST_BASES));
+	return recent_create(&newest->recent, tiles);
 }
 
 static void free_heights(struct newest *newest)
@@ -68,6 +75,9 @@ void resident_newest_destroy_tiles(struct newest *newest)
 	free_heights(newest);
 	mem_free(newest->tiles);
 	recent_finish(&newest->recent);
+	for (int i = 0; i < NEWEST_BASES; i++)
+		mem_free(newest->base_posts[i]);
+	recent_finish(&newest->recent_posts);
 	mem_free_all(newest->posts, newest->patch);
 }
 
@@ -134,6 +144,23 @@ static void divide(struct newest *newest, struct tile tile, int shift, const int
 	lattice_subdivide(newest->patch, cells, shift, (uint32_t)(x & part), (uint32_t)(y & part), posts);
 }
 
+/* Gives the base posts of a tile. They are valid until the next call. */
+static enum status find_base_posts(struct newest *newest, struct tile tile, const int32_t **out)
+{
+	const uint64_t key = tile_key(tile);
+	uint32_t place = recent_find(&newest->recent_posts, key);
+	if (place == RECENT_NONE) {
+		place = recent_oldest(&newest->recent_posts, RECENT_NONE);
+		recent_empty(&newest->recent_posts, place); /* has no tile until the read is complete */
+		if (newest->base_posts[place] == NULL)
+			TRY(mem_make(&newest->base_posts[place], posts_of(newest), sizeof **newest->base_posts, "a tile for queries"));
+		TRY(resident_ground_posts(newest->base, tile, newest->base_posts[place]));
+	}
+	recent_use(&newest->recent_posts, place, key);
+	*out = newest->base_posts[place];
+	return STATUS_OK;
+}
+
 static enum status fill_base(struct newest *newest, struct tile tile, double *heights)
 {
 	const size_t count = posts_of(newest);
@@ -146,11 +173,12 @@ static enum status fill_base(struct newest *newest, struct tile tile, double *he
 			heights[i] = height_code_metres(posts[i], meta->step);
 		return status;
 	}
-	status = resident_ground_posts(newest->base, tile, posts);
 	const double reference = resident_ground_reference(newest->store);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		heights[i] = posts[i] == BASE_NODATA ? (double)NAN : reference + lattice_base_metres(posts[i]);
-	return status;
+	const int32_t *base;
+	TRY(find_base_posts(newest, tile, &base));
+	for (size_t i = 0; i < count; i++)
+		heights[i] = base[i] == BASE_NODATA ? (double)NAN : reference + base[i] * (1.0 / (1 << BASE_BITS));
+	return STATUS_OK;
 }
 
 static enum status add_offsets(struct newest *newest, struct tile tile, struct resident_newest_tile *into)
@@ -167,7 +195,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 	}
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		bits |= offsets[i];
-		into->heights[i] += lattice_offset_metres(offsets[i]);
+		into->heights[i] += offsets[i] * (1.0 / (1 << OFFSET_BITS));
 	}
 	into->offsets = bits != 0;
 	mem_free(fine);

@@ -139,7 +139,7 @@ void resident_bounds_finish(struct offset_bounds *bounds);
 /*
  * --- map of soils ---
  *
- * What tells the soil class of each post: the values of a raster, and roads over it. Each loader thread has its own handle of the raster.
+ * What tells the soil class of each post: the values of a raster, roads over it, and rocks over these. Each loader thread has its own handle of the raster.
  */
 struct soil_map;
 
@@ -153,6 +153,8 @@ struct soil_map_params {
 	const char *path;              /* of the raster; NULL: none, and its class is 0 everywhere */
 	const struct road_part *parts; /* of all roads, later ones over earlier ones; read while it is opened */
 	size_t part_count;
+	const struct rocks *rocks;     /* over the roads; NULL: none. They outlive the map */
+	uint8_t rocks_soil;            /* index of their soil */
 	const uint8_t *classes;        /* 256: the index of the soil for each value of the raster */
 	unsigned loaders;              /* number of loader threads; 0: only the owner reads */
 	bool places;                   /* resident_soil_map_at will be called */
@@ -170,6 +172,7 @@ enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_
 				   uint8_t *classes) FURROW_CHECKED;
 #define SOIL_MAP_NONE (-1) /* the raster has no value there */
 #define SOIL_MAP_ROAD (-2) /* a road is there */
+#define SOIL_MAP_ROCK (-3) /* a rock is there */
 /* Reads the raster's own value at one post of a level, as loader 0 does, or tells what is there in its place. *soil: the soil's index. One thread at a time. */
 enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value, uint8_t *soil) FURROW_CHECKED;
 /* Reads the soil index of one post of a level. Only if params.places is set, and on the owner's thread. It may read the
@@ -531,6 +534,7 @@ void resident_newest_destroy(struct newest *newest); /* newest may be NULL */
 #define RESIDENT_NEWEST_LEAST 4 /* tiles that it keeps at least */
 uint32_t resident_newest_tiles(uint32_t cells); /* tiles that it keeps from its creation on */
 uint64_t resident_newest_tile_bytes(uint32_t cells);
+uint64_t resident_newest_base_bytes(uint32_t cells); /* of what it keeps beside them */
 /* From now on it keeps at most so many tiles, at least RESIDENT_NEWEST_LEAST. With fewer than before all are dropped. */
 enum status resident_newest_keep(struct newest *newest, uint32_t tiles) FURROW_CHECKED;
 /* Notes that the ground has changed since the last query. May be called inside a step. newest may be NULL. */

@@ -1,4 +1,4 @@
-/* The soil of each post: by a raster's values, and by roads over it. */
+/* The soil of each post: by a raster's values, by roads over it, and by rocks over these. */
 #include "resident/resident.h"
 
 #include <assert.h>
@@ -52,6 +52,21 @@ void resident_soil_map_close(struct soil_map *map)
 	mem_free(map);
 }
 
+/* Writes the soil of rocks where they raise posts, and leaves other posts. Fails only without memory. */
+static enum status paint_rocks(const struct soil_map *map, int level, struct post_rect rect, uint8_t *classes)
+{
+	const size_t count = (size_t)(rect.x1 - rect.x0) * (size_t)(rect.y1 - rect.y0);
+	int32_t *heights = NULL;
+	if (!rocks_any(map->params.rocks))
+		return STATUS_OK;
+	TRY(mem_make(&heights, count, sizeof *heights, "rocks"));
+	rocks_heights(map->params.rocks, level, rect, heights);
+	for (size_t i = 0; i < count; i++)
+		classes[i] = heights[i] > 0 ? map->params.rocks_soil : classes[i];
+	mem_free(heights);
+	return STATUS_OK;
+}
+
 /* raster NULL: there is none. */
 static enum status read_rect(const struct soil_map *map, struct dem_pixels *raster, int level,
 			     struct post_rect rect, uint8_t *classes)
@@ -64,7 +79,7 @@ static enum status read_rect(const struct soil_map *map, struct dem_pixels *rast
 		memset(classes, 0, (size_t)(rect.x1 - rect.x0) * (size_t)(rect.y1 - rect.y0));
 	dem_quiet_end();
 	resident_roads_paint(map->roads, extent_spacing(&map->params.meta->extent, level), rect, classes);
-	return status;
+	return status == STATUS_OK ? paint_rocks(map, level, rect, classes) : status;
 }
 
 static struct dem_pixels *raster_of(const struct soil_map *map, unsigned loader)
@@ -91,7 +106,14 @@ enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, 
 {
 	const struct post_rect post = {x, y, x + 1, y + 1};
 	uint8_t same[256], any[256], read = 0, has = 0;
+	int32_t rock;
 	*soil = 0;
+	rocks_heights(map->params.rocks, level, post, &rock);
+	if (rock > 0) {
+		*value = SOIL_MAP_ROCK;
+		*soil = map->params.rocks_soil;
+		return STATUS_OK;
+	}
 	resident_roads_paint(map->roads, extent_spacing(&map->params.meta->extent, level), post, soil);
 	*value = *soil > 0 ? SOIL_MAP_ROAD : SOIL_MAP_NONE;
 	if (*soil > 0 || map->count == 0)

@@ -447,7 +447,7 @@ static void advise_view(const struct adviser *adviser)
 		advise(adviser, "view.effects.fog: there is no air on the Moon: it changes nothing; take it away");
 }
 
-#define ERROR_TOLD 0.25 /* pixels: what numbers over relief may be off without a note */
+#define ERROR_TOLD 0.25 /* pixels: what numbers over relief and rocks may be off without a note */
 
 /* With the distance the mesh of a picture gets coarser than the working posts. Ruts and relief are as fine as these posts. */
 static void advise_cameras(const struct adviser *adviser)
@@ -459,14 +459,17 @@ static void advise_cameras(const struct adviser *adviser)
 	double rough = 0;
 	for (int i = 0; i < scene->relief.classes; i++)
 		rough = fmax(rough, scene->relief.waves[i].roughness);
+	const bool rocks = rough <= 0 && scene->rocks.cover > 0;
+	if (scene->rocks.cover > 0)
+		rough = fmax(rough, scene->rocks.largest * ROCKS_HEIGHT_MOST / 2);
 	for (size_t i = 0; i < scene->camera_count && name == NULL; i++)
 		name = (scene->cameras[i].images & numbers) != 0 ? scene->cameras[i].name : NULL;
 	if (name == NULL)
 		return;
 	if (rough > 0 && (scene->view.pixel_error <= 0 || scene->view.pixel_error > ERROR_TOLD))
-		advise(adviser, "cameras.%s: over relief its numbers are those of a mesh that leaves out shorter waves, up to about %.2g m high%s; "
+		advise(adviser, "cameras.%s: over %s its numbers are those of a mesh that leaves out shorter %s, up to about %.2g m high%s; "
 				"view.pixel_error: 0.25 bounds that by a quarter of a pixel, and a frame then takes several times as long",
-		       name, 2 * rough, ruts ? ", and narrow ruts" : "");
+		       name, rocks ? "rocks" : "relief", rocks ? "ones" : "waves", 2 * rough, ruts ? ", and narrow ruts" : "");
 	else if (ruts)
 		advise(adviser, "cameras.%s: with the distance its mesh gets coarser than the posts, and narrow ruts are blurred or missing in its numbers; "
 				"view.pixel_error: 0.25 shows them, and a frame then takes several times as long", name);

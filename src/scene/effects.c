@@ -105,6 +105,11 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		     "relief.classes[].wavelength"),
 		"at levels below the source's whose spacing is at most half a wavelength; by class it is computed without the GPU",
 		"raises and lowers posts between the source's"},
+	[EFFECT_ROCKS] = {
+		"rocks", "ground.rocks", "", NONE, "base", "base", 0,
+		LIST("ground.rocks", "ground.rocks.cover", "ground.rocks.k", "ground.rocks.smallest", "ground.rocks.largest", "ground.rocks.seed"),
+		"at most 31 rocks a cell of their grid, whose edge is at most 2.7 times the largest diameter there; tiles below the source's level are computed without the GPU",
+		"raises posts where rocks lie, and gives these the soil rock"},
 	[EFFECT_PYRAMID] = {
 		"pyramid", "view", "", LIST("decimate.frag"), "offset, dirt", "offset, dirt", 0, NONE,
 		"resident tiles alone: the store's follow at each commit", "keeps coarser tiles up to date with changes"},
@@ -345,6 +350,8 @@ uint64_t scene_effects(const struct scene *scene, int level)
 		effects |= EFFECT_BIT(EFFECT_SUBDIVIDE);
 	if (level < 0 && scene->relief.classes > 0)
 		effects |= EFFECT_BIT(EFFECT_RELIEF);
+	if (scene->rocks.cover > 0)
+		effects |= EFFECT_BIT(EFFECT_ROCKS);
 	if (scene->loaders > 0)
 		effects |= EFFECT_BIT(EFFECT_LOADERS);
 	return effects;

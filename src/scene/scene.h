@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/rocks.h"
 #include "base/effect.h"
 #include "deform/deform.h"
 
@@ -50,6 +51,7 @@ enum scene_effect {
 	EFFECT_VEGETATION,
 	EFFECT_SUBDIVIDE,
 	EFFECT_RELIEF,
+	EFFECT_ROCKS,
 	EFFECT_PYRAMID,
 	EFFECT_PICTURE,
 	EFFECT_NORMALS,
@@ -420,6 +422,8 @@ struct scene {
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */
 	struct scene_road *roads; /* over the map. Of two at one post the later one counts */
 	size_t road_count;
+	struct rocks_spec rocks; /* over all; cover 0: none. smallest 0: three working posts */
+	uint8_t rocks_soil;      /* index of their soil; 0: they have that of the ground */
 	struct scene_raster rasters[SOIL_RASTERS]; /* in the order of their numbers */
 	int raster_count;        /* 0: every number is that of a post's soil */
 	struct relief_spec relief; /* below the source's level; its classes are indices of soils;
@@ -525,7 +529,7 @@ double scene_raster_unit(enum soil_number number);
 double scene_soil_modulus(const struct soil_numbers *soil, const struct soil_shape *shape, double *width);
 /* Returns the value of the map of soils that means soils[soil]. Returns -1 for the default soil, or if there is no map. */
 int scene_soil_value(const struct scene *scene, int soil);
-/* Returns true if soils differ from place to place: by a map, or by roads. */
+/* Returns true if soils differ from place to place: by a map, by roads, or by rocks. */
 bool scene_has_classes(const struct scene *scene);
 
 /*

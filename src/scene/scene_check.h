@@ -54,6 +54,8 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 /* Part of scene_check_soil: fills the roads, without their soils. */
 enum status scene_roads_take(const struct scene_tree *tree, const struct raw_ground *raw, struct scene *scene) FURROW_CHECKED;
 void scene_roads_finish(struct scene *scene);
+/* Part of scene_check_soil: fills the rocks, without their soil. `raw` may be NULL. */
+enum status scene_rocks_take(const struct scene_tree *tree, const struct raw_ground *raw, struct scene *scene) FURROW_CHECKED;
 /* Part of scene_check_soil. `raw` may be NULL. */
 enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_rasters *raw, struct scene *scene) FURROW_CHECKED;
 /* Gives the soil of a class that `node` names by its value, and notes it in `given`. STATUS_INPUT: soil.classes has no such class, or it was given before. */

@@ -523,6 +523,12 @@ enum status scene_hash(struct scene *scene)
 	}
 	if (scene->relief.classes > 0)
 		add_relief(state, scene);
+	if (scene->rocks.cover > 0) {
+		const double numbers[] = {scene->rocks.cover, scene->rocks.k, scene->rocks.smallest, scene->rocks.largest, scene->rocks.seed};
+		add_text(state, "rocks");
+		for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+			add_number(state, numbers[i]);
+	}
 	XXH128_hash_t hash = XXH3_128bits_digest(state);
 	XXH3_freeState(state);
 	snprintf(scene->hash, sizeof scene->hash, "%016llx%016llx", (unsigned long long)hash.high64,

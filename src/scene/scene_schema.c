@@ -189,8 +189,17 @@ static const cyaml_schema_field_t road_fields[] = {
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t road_entry = {CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_road, road_fields)};
+static const cyaml_schema_field_t rocks_fields[] = {
+	CYAML_FIELD_FLOAT("cover", NEEDED, struct raw_rocks, cover),
+	CYAML_FIELD_FLOAT_PTR("k", OPTIONAL, struct raw_rocks, k),
+	CYAML_FIELD_FLOAT("largest", NEEDED, struct raw_rocks, largest),
+	CYAML_FIELD_FLOAT_PTR("smallest", OPTIONAL, struct raw_rocks, smallest),
+	CYAML_FIELD_INT_PTR("seed", OPTIONAL, struct raw_rocks, seed),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t ground_fields[] = {
 	CYAML_FIELD_SEQUENCE("roads", OPTIONAL_POINTER, struct raw_ground, roads, &road_entry, 1, SOIL_CLASSES - 1),
+	CYAML_FIELD_MAPPING_PTR("rocks", OPTIONAL, struct raw_ground, rocks, rocks_fields),
 	CYAML_FIELD_END,
 };
 
@@ -583,6 +592,11 @@ static const struct scene_limit limits[] = {
 	{"soil.value", 0, 255, false, NULL, NULL, NAN, NULL},
 	{"ground.roads[].points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"ground.roads[].width", 0, 1000, true, NULL, "m", NAN, NULL},
+	{"ground.rocks.cover", 0, 0.9, false, "is out of range, since cover is a share (0.05 for 5 %)", NULL, NAN, NULL},
+	{"ground.rocks.k", 0, 1, true, NULL, NULL, NAN, "ground.rocks.cover"},
+	{"ground.rocks.largest", 0, 20, true, NULL, "m", NAN, NULL},
+	{"ground.rocks.smallest", 1e-3, 20, false, NULL, "m", NAN, "3 spacings"},
+	{"ground.rocks.seed", 0, 4294967295, false, NULL, NULL, 0, NULL},
 	{"relief.roughness", 0, 10, false, NULL, "m", NAN, NULL},
 	{"relief.wavelength", 0, 1e6, true, NULL, "m", NAN, NULL},
 	{"relief.seed", 0, 4294967295, false, NULL, NULL, 0, NULL},

@@ -112,9 +112,14 @@ struct raw_road {
 	double width;
 	struct raw_class soil;
 };
+struct raw_rocks {
+	double cover, largest, *k, *smallest;
+	int64_t *seed;
+};
 struct raw_ground {
 	struct raw_road *roads;
 	uint32_t roads_count;
+	struct raw_rocks *rocks;
 };
 struct raw_relief_class {
 	int64_t value; /* the raster's value of this class */

@@ -477,6 +477,27 @@ static enum status check_road_soils(const struct scene_tree *tree, const struct 
 	return STATUS_OK;
 }
 
+/* Rocks are hard where the model knows hard ground. What comes onto them sinks in under other models. */
+static enum status check_rocks_soil(const struct scene_tree *tree, bool read, bool drawn, struct scene *scene)
+{
+	const struct raw_class rock = {.name = (char *)(uintptr_t)"rock"};
+	const char *const where = "ground.rocks";
+	if (read && !deform_model_reads(scene->model, "bekker_kc"))
+		return STATUS_OK;
+	if (!read && !drawn)
+		return STATUS_OK;
+	if (scene->soil_count == SOIL_CLASSES)
+		return scene_error(tree->file, scene_tree_find(tree, where), "are of one soil too many; allowed: %d in all, of soil, of roads and of rocks", SOIL_CLASSES);
+	const size_t index = (size_t)scene->soil_count;
+	TRY(check_class(tree, &rock, where, scene, index));
+	if (read)
+		TRY(check_bearings_at(tree, scene, where, index));
+	keep_name(scene, index, rock.name, -1);
+	scene->rocks_soil = (uint8_t)index;
+	scene->soil_count++;
+	return STATUS_OK;
+}
+
 static enum status check_bearings(const struct scene_tree *tree, const struct scene *scene, bool mapped)
 {
 	for (int i = 0; i < scene->soil_count; i++) {
@@ -491,6 +512,7 @@ static enum status check_bearings(const struct scene_tree *tree, const struct sc
 static void forget_soils(struct scene *scene)
 {
 	scene_roads_finish(scene);
+	scene->rocks_soil = 0;
 	memset(scene->soil_class, 0, sizeof scene->soil_class);
 	scene->soil_count = 0;
 }
@@ -510,7 +532,8 @@ static enum status check_soils(const struct scene_tree *tree, const struct raw_s
 		return scene_error(tree->file,
 				   scene_tree_find(tree, soil->classes != NULL ? "soil.classes" : "soil.default"),
 				   "is of a map, and there is none; allowed with: map");
-	const bool drawn = ((mapped || scene->road_count > 0) && draws_soil(raw)) || (mapped && raises_by_class(raw));
+	const bool rocks = scene->rocks.cover > 0;
+	const bool drawn = ((mapped || scene->road_count > 0 || rocks) && draws_soil(raw)) || (mapped && raises_by_class(raw));
 	if (mapped)
 		TRY(check_map(tree, soil, read || drawn, scene->hosted || raw->vehicles_count > 0, scene));
 	const bool first = mapped && soil->elsewhere == NULL; /* the first class is the default, too */
@@ -526,11 +549,16 @@ static enum status check_soils(const struct scene_tree *tree, const struct raw_s
 	if (deform_model_reads(scene->model, "bekker_kc"))
 		TRY(check_bearings(tree, scene, mapped));
 	TRY(scene_check_rasters(tree, soil->rasters, scene));
+	if (rocks && scene->raster_count > 0)
+		return scene_error(tree->file, scene_tree_find(tree, "ground.rocks"), "do not go with soil.rasters, whose numbers would be the rocks' too; "
+				   "take the rasters or the rocks away");
 	if (scene->road_count > 0 && scene->raster_count > 0)
 		return scene_error(tree->file, scene_tree_find(tree, "ground.roads"), "do not go with soil.rasters, whose numbers would be the roads' too; "
 				   "draw the roads into the rasters, or take those away");
 	if (scene->road_count > 0)
 		TRY(check_road_soils(tree, raw->ground, read, scene));
+	if (rocks)
+		TRY(check_rocks_soil(tree, read, drawn, scene));
 	if (read)
 		return STATUS_OK;
 	memset(scene->soils, 0, sizeof scene->soils);
@@ -548,6 +576,7 @@ static enum status check_soils(const struct scene_tree *tree, const struct raw_s
 enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const bool roads = raw->ground != NULL && raw->ground->roads_count > 0;
+	TRY(scene_rocks_take(tree, raw->ground, scene));
 	if (roads && raw->soil == NULL && !reads_soil(scene))
 		return scene_tell_unused(scene, "ground.roads: model %s does not depend on them; take them away, or name a model that moves soil",
 					 deform_model_row(scene->model)->name);
@@ -586,7 +615,7 @@ bool scene_soil_given(const struct scene *scene, int soil, const char *key)
 
 bool scene_has_classes(const struct scene *scene)
 {
-	return scene->soil_map != NULL || scene->road_count > 0;
+	return scene->soil_map != NULL || scene->road_count > 0 || scene->rocks_soil > 0;
 }
 
 int scene_soil_value(const struct scene *scene, int soil)

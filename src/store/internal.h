@@ -22,6 +22,7 @@
 #define STORE_VERSION_PINS 6    /* the first that can keep what overlays depend on */
 #define STORE_VERSION_LOOSE 7   /* the first that keeps what a post remembers of loose layers */
 #define STORE_VERSION_MARKS 8   /* the first that keeps marks that fade */
+#define STORE_VERSION_IMAGERY 9 /* of a store with imagery; one without stays at STORE_VERSION, so that older programs read it */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
@@ -382,12 +383,17 @@ struct store {
 	int working;
 	char *relief_text; /* of what is deformed, or of the history; NULL: none (store_relief.c) */
 	bool relief_stored;   /* the file has such a text */
-	struct relief relief; /* what raises the ground now */
+	struct relief relief; /* what raises the ground now, */
+	struct rocks rocks;   /* and these */
 	int64_t compacted; /* soil compacted, as of the last commit; only when writing */
 	int64_t added;     /* soil added, likewise */
 	enum state_rows state_rows[ROW_TABLES]; /* for each table of the soil's state; only when writing */
 	uint64_t base_hash; /* hash of the base (store_identity.c) */
 	int64_t commit; /* number of the last commit */
+	bool has_imagery;  /* of a plain store, as of its opening or of the end of an import of imagery; then these: */
+	int imagery_finest, imagery_quality;
+	uint64_t imagery_hash;
+	bool imagery_made; /* an import of imagery is in a transaction */
 	bool marked;       /* there is a mark, and the undo belongs to it */
 	struct undo *undo; /* NULL: never marked */
 	struct changes changes; /* store_changes.c */
@@ -455,6 +461,27 @@ enum status store_schema_hide(sqlite3 *db, const char *path, int version) FURROW
 /* Makes an older store one of this version, in one transaction. Shear of version 3 is dropped. */
 enum status store_schema_raise(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
 
+/* Gives the store the table of imagery, and version 9. In a transaction; set store->version when it is committed. */
+enum status store_schema_add_imagery(struct store *store) FURROW_CHECKED;
+enum status store_schema_drop_imagery(struct store *store) FURROW_CHECKED; /* the reverse, in the same way */
+
+/* --- store_imagery.c --- */
+
+/* Returns the store that has the imagery: the plain one at the end of a chain. */
+const struct store *store_imagery_holder(const struct store *store);
+#define STORE_IMAGERY_WEBP 1 /* the codec of a row */
+uint64_t store_imagery_row_hash(uint64_t key, int64_t codec, const void *bytes, size_t size);
+/* Computes the hash over all rows of imagery; 0: there are none. `db` is a connection to a store of version 9. */
+enum status store_imagery_compute(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
+/* Reads what the header of a plain store says of imagery, into the store. */
+enum status store_imagery_open(struct store *store) FURROW_CHECKED;
+/* Unpacks a blob into side x side pixels of 4 bytes. Returns false if it is no such picture. In store_imagery_pixels.c. */
+bool store_imagery_unpack(const void *bytes, size_t size, uint32_t side, uint8_t *pixels);
+/* Copies the imagery of `from` into a plain store that is being made, in its transaction. */
+enum status store_imagery_copy(const struct store *from, struct store *to) FURROW_CHECKED;
+/* Checks all rows, each by its hash and its size, and that each has the tile above it. Calls `tell` with what is wrong. */
+enum status store_imagery_verify(const struct store *store, void (*tell)(void *user, const char *text), void *user) FURROW_CHECKED;
+
 /* --- store_misfit.c: meta.off_resampled and meta.off_source in the file --- */
 enum status store_misfit_write(struct store *store) FURROW_CHECKED; /* in a transaction */
 enum status store_misfit_read(struct store *store) FURROW_CHECKED;
@@ -478,6 +505,9 @@ enum status store_meta_put_text(struct store *store, const char *key,
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
 enum status store_meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
 enum status store_meta_drop(struct store *store, const char *key) FURROW_CHECKED;
+/* *found false, or NULL: there is no such key, or its value is of another type. *text is for mem_free(). */
+enum status store_meta_find_integer(const struct store *store, const char *key, bool *found, int64_t *value) FURROW_CHECKED;
+enum status store_meta_find_text(const struct store *store, const char *key, char **text) FURROW_CHECKED;
 /* Reads the hash of the base from the file of a connection. */
 enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
 /* Adds to the compacted soil in the file. store->compacted does not change. */
@@ -563,9 +593,9 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 
 /* --- store_copy.c --- */
 
-/* Copies what an open store shows into a new plain store at `out`. Kept revisions and their names are not copied. `what` made the file.
+/* Copies what an open store shows into a new plain store at `out`. Kept revisions and their names are not copied. `what` made the file. `imagery`: also imagery.
  * `progress` is called with rows; NULL: none. From then on `from` reads what it is now (store_overlay_hold). */
-enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, store_progress_fn progress, void *user)
+enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, bool imagery, store_progress_fn progress, void *user)
 	FURROW_CHECKED;
 
 /* --- store_posts.c --- */

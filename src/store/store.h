@@ -20,6 +20,7 @@
 #include "base/base.h"
 #include "base/plan.h"
 #include "base/plane.h"
+#include "base/rocks.h"
 
 enum store_pack { STORE_PACK_FAST, STORE_PACK_SMALL };
 
@@ -158,7 +159,10 @@ enum status store_set_working_level(struct store *store, int level) FURROW_CHECK
  * store was deformed, unless it depends on classes: then there is none before store_set_relief().
  * Valid while the store is open and store_set_relief() is not called. */
 const struct relief *store_relief(const struct store *store);
-/* Returns the relief over which the store was deformed, as relief_print() gives it; NULL: none. It
+/* Returns the rocks that raise the ground at every level; NULL: none. They are with the relief: of what store_set_ground() gave, or of what the store was deformed over.
+ * Valid as long as store_relief() is. */
+const struct rocks *store_rocks(const struct store *store);
+/* Returns the relief and rocks over which the store was deformed, as rocks_print() gives it; NULL: none. It
  * may depend on classes. */
 const char *store_relief_text(const struct store *store);
 /* Sets the relief (NULL: none), after the working level. The first commit writes what it is to the
@@ -166,6 +170,8 @@ const char *store_relief_text(const struct store *store);
  * STATUS_INPUT: the store was deformed over another relief. */
 enum status store_set_relief(struct store *store, const struct relief_spec *spec,
 			     const struct relief_map *map) FURROW_CHECKED;
+/* The same with rocks (NULL: none). */
+enum status store_set_ground(struct store *store, const struct relief_spec *spec, const struct rocks_spec *rocks, const struct relief_map *map) FURROW_CHECKED;
 
 /* --- overlays: deformation in a separate file, over a store that is only read --- */
 
@@ -396,6 +402,8 @@ enum status store_gather(const char *path, const char *const *parts, size_t coun
 /* Drops all deformation and the working level. Keeps the base. Drops the history, too. An overlay becomes as it was made: what its parent has stays. The mark
  * is lost. STATUS_INPUT: overlays depend on its ruts, or it has snapshots; `force` loses them. */
 enum status store_reset(struct store *store, bool force) FURROW_CHECKED;
+/* How often it was reset: after each the numbers of revisions begin anew. */
+enum status store_resets(const struct store *store, int64_t *count) FURROW_CHECKED;
 
 /* --- pins: overlays that depend on a store ---
  *
@@ -522,6 +530,54 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 			 void *user, struct store_check *check) FURROW_CHECKED;
 /* Computes a hash of all rows, but not of the file's bytes. Stores with equal hashes have equal content. */
 enum status store_content_hash(struct store *store, uint64_t *hash) FURROW_CHECKED;
+
+/* --- imagery: colours over the terrain ---
+ *
+ * Pixels lie on the lattice of posts: level -2 has four pixels for each post along a side, and a pixel's centre is its post. A tile has
+ * (cells + 1)^2 pixels and shares its edges with its neighbours, as a tile of heights does. Each pixel has four bytes: red, green, blue and
+ * opacity. Opacity 0: the imagery has nothing there, and the colours are 0. Level L + 1 is level L smoothed (1 2 1) and every second pixel.
+ * An overlay shows the imagery of its plain store. FORMAT.md tells how it is stored.
+ */
+struct store_imagery {
+	bool found;      /* false: the store has no imagery, and the rest is 0 */
+	bool broken_off; /* an import of imagery was broken off */
+	int finest;      /* level of the finest tiles; the coarsest is extent_coarsest() */
+	int quality;     /* 1 to 100 of WebP; 0: lossless */
+	int64_t tiles, bytes;
+	char sources[4096]; /* one on each line, cut after whole lines */
+};
+/* Of the store, or of the one under an overlay. Returns false if there is no imagery. `finest`, `quality`: as above; may be NULL. Any thread. */
+bool store_has_imagery(const struct store *store, int *finest, int *quality);
+uint64_t store_imagery_hash(const struct store *store); /* over all tiles; 0: there is none */
+/* Counts, which takes longer. On the thread that uses the store. */
+enum status store_imagery_info(const struct store *store, struct store_imagery *out) FURROW_CHECKED;
+/* Reads a tile: (cells + 1)^2 * 4 bytes, row 0 south. If there is none, *found is false and all bytes are 0. STATUS_INPUT: the row is damaged.
+ * STATUS_FAILED: this build has no libwebp. On any thread, each with its own reader. */
+enum status store_imagery_read(struct store_reader *reader, struct tile tile, uint8_t *pixels, bool *found) FURROW_CHECKED;
+/* Reads the pixels of `rect`, which may extend beyond the imagery. Row 0 is the south row. A level finer than the imagery gives the pixels of
+ * its finest level, bilinear between them. */
+enum status store_imagery_read_rect(struct store_reader *reader, int level, struct post_rect rect, uint8_t *pixels) FURROW_CHECKED;
+
+/* Making it, on a plain store that is open for writing. Begin, put each tile once, finish. One thread at a time. */
+struct store_imagery_making {
+	int finest, quality;
+	const char *sources; /* one on each line */
+	const char *request; /* all that decides the tiles; an import that is resumed must have the same */
+	bool resume, overwrite;
+};
+/* *tiles: how many tiles an import that is resumed has already. STATUS_INPUT: the store is an overlay; or has imagery, and `overwrite` is false;
+ * or the import that was broken off had another request. */
+enum status store_imagery_begin(struct store *store, const struct store_imagery_making *making, int64_t *tiles) FURROW_CHECKED;
+enum status store_imagery_has(struct store *store, struct tile tile, bool *has) FURROW_CHECKED;
+/* `packed`: of store_imagery_pack(). */
+enum status store_imagery_put(struct store *store, struct tile tile, const void *packed, size_t size) FURROW_CHECKED;
+enum status store_imagery_finish(struct store *store) FURROW_CHECKED; /* from then on the store has this imagery */
+enum status store_imagery_suspend(struct store *store) FURROW_CHECKED; /* keeps what was put, for store_imagery_begin with `resume` */
+enum status store_imagery_drop(struct store *store) FURROW_CHECKED;    /* removes what was put */
+/* Packs side x side pixels of 4 bytes. Returns memory for mem_free(). Pure; on any thread. `quality` as in struct store_imagery. */
+enum status store_imagery_pack(const uint8_t *pixels, uint32_t side, int quality, void **packed, size_t *size) FURROW_CHECKED;
+bool store_imagery_possible(void); /* false: this build has no libwebp */
+enum status store_imagery_check(const char *where) FURROW_CHECKED; /* STATUS_FAILED: the same, told of `where` */
 
 /* --- reading posts, at any level from the finest to the coarsest --- */
 enum store_layer {

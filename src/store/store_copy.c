@@ -76,7 +76,7 @@ done:
 	return status;
 }
 
-enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, store_progress_fn progress, void *user)
+enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, bool imagery, store_progress_fn progress, void *user)
 {
 	struct copying copying = {.from = from, .what = what, .progress = progress, .user = user};
 	enum status status;
@@ -85,6 +85,8 @@ enum status store_copy(struct store *from, const char *out, enum store_overwrite
 	TRY_OR(done, copy_rows(&copying));
 	TRY_OR(done, check_base(&copying));
 	TRY_OR(done, copy_run(&copying));
+	if (imagery)
+		TRY_OR(done, store_imagery_copy(from, copying.to));
 	TRY_OR(done, store_publish(copying.to));
 done:
 	store_close(copying.to);

@@ -29,7 +29,7 @@ enum status store_flatten(const char *path, const char *out, enum store_overwrit
 	enum status status;
 	TRY_OR(done, store_open(path, &(struct store_options){.mode = STORE_READ}, &from));
 	TRY_OR(done, check_out(from, out));
-	TRY_OR(done, store_copy(from, out, overwrite, "flatten", progress, user));
+	TRY_OR(done, store_copy(from, out, overwrite, "flatten", true, progress, user));
 done:
 	store_close(from);
 	return status;

@@ -114,6 +114,9 @@ enum status store_content_hash(struct store *store, uint64_t *hash)
 		hashing.table = (enum row_table)table;
 		TRY_OR(done, store_rows_each(store_table(store, hashing.table), hashing.table, 0, INT64_MAX, add_row, &hashing));
 	}
+	const uint64_t imagery = store_imagery_hash(store);
+	if (imagery != 0)
+		store_hash_words(hashing.state, &imagery, 1);
 	*hash = XXH3_64bits_digest(hashing.state);
 done:
 	mem_free(hashing.posts);

@@ -193,6 +193,7 @@ static enum status take_all(struct store *store, const struct store_options *opt
 	if (version < STORE_VERSION)
 		TRY(adapt(store, begins, version));
 	TRY(find_finest_base(store));
+	TRY(store_imagery_open(store));
 	if (begins)
 		TRY(store_wal_begin(store));
 	store->writing = options->mode == STORE_WRITE;

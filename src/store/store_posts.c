@@ -5,8 +5,8 @@
  * data; the last reads the deformation. Each pass reads tiles of one stored level, which is the
  * requested level or coarser. It interpolates between posts as the shaders do. Below level 0 there
  * is a pass over the base for each level with insets, from the finest, and one for level 0. Each of
- * them fills the posts that have no height yet, and raises them by relief. All passes are in one
- * transaction, so all posts are of one commit.
+ * them fills the posts that have no height yet, and raises them by relief. Rocks are added last, at
+ * every level. All passes are in one transaction, so all posts are of one commit.
  */
 #include "store/internal.h"
 
@@ -201,6 +201,27 @@ static enum status take_base(struct reading *reading, struct post_rect rect)
 	return STATUS_OK;
 }
 
+enum { STRIP = 1 << 16 }; /* posts that get their rocks at once */
+
+/* Adds the rocks to base heights, strip by strip. */
+static enum status add_rocks(const struct reading *reading, struct post_rect rect)
+{
+	const struct rocks *rocks = store_rocks(reading->reader->store);
+	const int64_t width = rect.x1 - rect.x0, stride = reading->rect.x1 - reading->rect.x0, rows = width < STRIP ? STRIP / width : 1;
+	int32_t *heights = NULL;
+	if (rocks == NULL)
+		return STATUS_OK;
+	TRY(mem_make(&heights, (size_t)(rows * width), sizeof *heights, "rocks"));
+	for (int64_t y = rect.y0; y < rect.y1; y += rows) {
+		const struct post_rect strip = {rect.x0, y, rect.x1, y + rows < rect.y1 ? y + rows : rect.y1};
+		rocks_heights(rocks, reading->level, strip, heights);
+		for (int64_t k = 0; k < width * (strip.y1 - y); k++)
+			reading->values[(y + k / width - reading->rect.y0) * stride + rect.x0 + k % width - reading->rect.x0] += lattice_base_metres(heights[k]);
+	}
+	mem_free(heights);
+	return STATUS_OK;
+}
+
 /* `rect` is the part of the rectangle within the terrain. */
 static enum status read_layer(struct reading *reading, struct post_rect rect)
 {
@@ -211,6 +232,7 @@ static enum status read_layer(struct reading *reading, struct post_rect rect)
 	bool deformed;
 	TRY(store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working));
 	TRY(take_base(reading, rect));
+	TRY(add_rocks(reading, rect));
 	if (layer == STORE_BASE)
 		return STATUS_OK;
 	size_t count = (size_t)(reading->rect.x1 - reading->rect.x0) *

@@ -15,11 +15,17 @@ static enum status remove_all(struct store *store, bool force)
 			   "DELETE FROM healed; DELETE FROM risen; DELETE FROM grown; DELETE FROM run; DELETE FROM "
 			   "history; DELETE FROM revision; "
 			   "DELETE FROM snapshot; "
-			   "DELETE FROM meta WHERE key IN ('working', 'compacted', 'added', 'relief') OR key GLOB 'added [0-9]*'"));
+			   "DELETE FROM meta WHERE key IN ('working', 'compacted', 'added', 'relief') OR key GLOB 'added [0-9]*'; "
+			   "INSERT OR REPLACE INTO meta(key, value) SELECT 'resets', 1 + coalesce(max(value), 0) FROM meta WHERE key = 'resets'"));
 	TRY(store_pinned_clear(store));
 	if (store->inherits)
 		TRY(store_overlay_begin(store));
 	return store_sql_exec(store->db, store->path, "resetting it", "COMMIT");
+}
+
+enum status store_resets(const struct store *store, int64_t *count)
+{
+	return store_sql_integer(store->db, store->path, "SELECT coalesce(max(value), 0) FROM meta WHERE key = 'resets'", count);
 }
 
 enum status store_reset(struct store *store, bool force)

@@ -56,6 +56,8 @@ static enum status level_at(struct store_reader *reader, double x, double y, int
 	TRY(base_level_at(reader, x, y, level));
 	if (relief_any(relief) && relief->finest < *level)
 		*level = relief->finest;
+	if (store_rocks(reader->store) != NULL && store_rocks(reader->store)->finest < *level)
+		*level = store_rocks(reader->store)->finest;
 	TRY(store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working));
 	if (!deformed)
 		return STATUS_OK;

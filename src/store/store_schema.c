@@ -10,6 +10,7 @@
  *
  *   6: no tables for loose layers.
  *   7: no tables for marks that fade.
+ *   8: no table for imagery. Only an import of imagery raises a store to 9 (store_imagery_make.c). Nothing else does.
  *
  * A store gets version 6, with two more tables, when it first keeps what an overlay depends on (store_pinned.c).
  */
@@ -42,6 +43,7 @@ static const struct object objects[] = {
 	{"history",
 	 "CREATE TABLE history(plane INTEGER NOT NULL, key INTEGER NOT NULL, revision INTEGER NOT NULL, form INTEGER NOT NULL, "
 	 "codec INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL, PRIMARY KEY(plane, key, revision)) WITHOUT ROWID"},
+	{"imagery", "CREATE TABLE imagery(key INTEGER PRIMARY KEY, codec INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
 	{"loose", PLANE_TABLE("loose")},
 	{"meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"},
 	{"offset",
@@ -85,6 +87,8 @@ static const struct object *object_of(size_t index, int version)
 				 *const since_marks[] = {"grown", "healed", "risen"};
 	const char *name = objects[index].name;
 	if (strcmp(name, "dug") == 0 && version < STORE_VERSION_SHEAR)
+		return NULL;
+	if (strcmp(name, "imagery") == 0 && version < STORE_VERSION_IMAGERY)
 		return NULL;
 	if ((strcmp(name, "pinned") == 0 || strcmp(name, "replaced") == 0) && version < STORE_VERSION_PINS)
 		return NULL;
@@ -163,9 +167,9 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *out)
 	if (id != STORE_APPLICATION_ID)
 		return fail_with(STATUS_INPUT, "%s: not a Furrow store (application id %llx); make one with "
 				 "furrow import", path, (unsigned long long)id & 0xffffffffu);
-	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION)
+	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION_IMAGERY)
 		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows versions %d to %d; use "
-				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION);
+				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION_IMAGERY);
 	*out = (int)version;
 	return check_objects(db, path, *out);
 }
@@ -219,4 +223,21 @@ enum status store_schema_raise(sqlite3 *db, const char *path, int version)
 failed:
 	store_sql_undo(db);
 	return status;
+}
+
+enum status store_schema_add_imagery(struct store *store)
+{
+	char raise[64];
+	if (store->version >= STORE_VERSION_IMAGERY)
+		return STATUS_OK;
+	TRY(store_sql_exec(store->db, store->path, "making room for imagery", sql_of("imagery")));
+	snprintf(raise, sizeof raise, "PRAGMA user_version=%d", STORE_VERSION_IMAGERY);
+	return store_sql_exec(store->db, store->path, "making room for imagery", raise);
+}
+
+enum status store_schema_drop_imagery(struct store *store)
+{
+	char lower[64];
+	snprintf(lower, sizeof lower, "DROP TABLE imagery; PRAGMA user_version=%d", STORE_VERSION);
+	return store_sql_exec(store->db, store->path, "removing its imagery", lower);
 }

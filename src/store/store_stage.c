@@ -9,6 +9,7 @@
  * Invariants:
  *   1. A copy that is used has the base and the ruts of the original. Its name has the hash of both. Its base rows and its ruts have that
  *      hash, and each row has its own.
+ *      It has no imagery: no run reads that.
  *   2. A file that is there and is not that copy is never replaced.
  */
 #include "store/internal.h"
@@ -167,7 +168,7 @@ static enum status make_copy(const struct store_staged *staged, store_progress_f
 	TRY_OR(done, store_lineage_state(original, &state));
 	if (state != staged->state)
 		TRY_OR(done, fail_with(STATUS_FAILED, "%s: it was driven since this run began; start again", staged->original));
-	TRY_OR(done, store_copy(original, staged->copy, false, "stage", progress, user));
+	TRY_OR(done, store_copy(original, staged->copy, false, "stage", false, progress, user));
 done:
 	store_close(original);
 	return status;

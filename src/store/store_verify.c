@@ -154,6 +154,11 @@ static enum status check_identity(struct verifying *verifying)
 	return STATUS_OK;
 }
 
+static void tell_imagery(void *user, const char *text)
+{
+	store_verify_tell(user, "%s", text);
+}
+
 static enum status check_all(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
@@ -174,6 +179,7 @@ static enum status check_all(struct verifying *verifying)
 	TRY(store_meta_compacted(store->db, store->path, &verifying->check->compacted));
 	TRY(store_meta_added(store->db, store->path, &verifying->check->added));
 	TRY(store_last_soil(store, &verifying->check->carried, &verifying->check->in_flight));
+	TRY(store_imagery_verify(store, tell_imagery, verifying));
 	return check_identity(verifying);
 }
 

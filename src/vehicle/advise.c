@@ -85,7 +85,7 @@ static void advise_damping(const struct scene *scene, scene_advice_fn tell, void
 {
 	for (int i = 0; i < scene->soil_count; i++) {
 		char text[240];
-		if (scene->soils[i].damping == 0 || scene_soil_given(scene, i, "damping"))
+		if (scene->soils[i].damping == 0 || scene_soil_given(scene, i, "damping") || (scene->rocks_soil > 0 && i == scene->rocks_soil))
 			continue;
 		snprintf(text, sizeof text, "soil.damping: is not given, so it is %g Pa s/m: it adds slip, more at a higher speed; furrow rig and "
 					    "furrow mobility have no damping: for the same as there give 0", scene->soils[i].damping);

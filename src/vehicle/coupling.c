@@ -16,6 +16,9 @@
  * right, with all its own forces, constraints and contacts. J of a geom has numbers only for the freedoms from the root of its tree to the geom. M has
  * room for all pairs of these. So there is no other system of equations, and what MuJoCo solves knows how the soil answers.
  *
+ * A post bears no more than can be summed. If damping alone has more than that, F0 is less than C u0, and C takes away more than F0 has.
+ * Then the soil hardly brakes a body, and throws it up later. Such a contact ends the drive.
+ *
  * The soil does not pull, and its shear has a limit. A contact whose force at the end is beyond that gets the force at the limit, without G. Then
  * the step is made once more.
  *
@@ -52,6 +55,9 @@
 #define DAMPING 0.5     /* of what is critical */
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 #define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
+#define CUT 2.0         /* damping has so many times the whole force: what is summed was cut */
+#define CUT_PRESSURE 7e7 /* Pa on a post: nothing is cut below that: a post is cut where one of three components has 134 MPa */
+#define CUT_SHARE 0.1   /* of the damping that would just be summed: what is advised */
 #define LIGHT 0.25      /* of the mass that the contact carries: the least inverse mass is that of a body as many times heavier */
 #define LONE_MOST 6     /* freedoms of a lone body */
 #define BRAKE 1e12      /* kg m2: inertia of a wheel that does not turn, */
@@ -78,6 +84,7 @@ struct step {
 	struct vehicle *vehicle;
 	double h;               /* s */
 	double later;           /* s: of the coupling step after this step of the engine */
+	double cut;             /* N: no smaller force was cut */
 };
 
 static bool touches(const struct soil_geom *geom)
@@ -454,12 +461,29 @@ static void fill_load(const struct step *step, struct contact *contact)
 	}
 }
 
+/* Finds whether a contact's force was cut to what can be summed. `at`: the velocity of its force. The contact's own matrix tells, since the part of it that resists has
+ * half of how sinking adds shear, along the normal. */
+static void find_cut(const struct step *step, const struct contact *contact, const double at[6])
+{
+	const struct furrow_contact *from = &contact->geom->contact;
+	const double whole = mju_dot3(from->force, from->normal);
+	double damps = 0;
+	if (!(whole > step->cut))
+		return;
+	for (int i = 0; i < 3; i++)
+		damps += from->normal[i] * dot6(from->damping[i], at);
+	if (!(damps > CUT * whole) || (step->vehicle->cut != NULL && step->vehicle->cut_share <= whole / damps))
+		return;
+	step->vehicle->cut = contact->geom;
+	step->vehicle->cut_share = whole / damps;
+}
+
 /* Fills force and gain of a contact. */
 static void fill_contact(const struct step *step, struct contact *contact)
 {
 	const struct soil_geom *geom = contact->geom;
 	const double h = step->h;
-	double *force = contact->force, moved[6], at[6], u[6];
+	double *force = contact->force, moved[6], at[6], u[6], goes[6], gains[6]; /* way and change of the velocity at the step's end */
 	velocity_of(contact, step->vehicle->data->qvel, u);
 	displacement(step->vehicle, contact, moved);
 	for (int i = 0; i < 3; i++) {
@@ -468,9 +492,14 @@ static void fill_contact(const struct step *step, struct contact *contact)
 		force[i] = geom->contact.force[i];
 		force[3 + i] = geom->contact.moment[i];
 	}
+	find_cut(step, contact, at);
+	for (int j = 0; j < 6; j++) {
+		goes[j] = moved[j] + step->later * at[j] + h * u[j];
+		gains[j] = u[j] - at[j];
+	}
 	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++) {
-			force[i] += contact->stiffness[i][j] * (moved[j] + step->later * at[j] + h * u[j]) + contact->damping[i][j] * (u[j] - at[j]);
+			force[i] += contact->stiffness[i][j] * goes[j] + contact->damping[i][j] * gains[j];
 			contact->gain[i][j] = h * contact->stiffness[i][j] + contact->damping[i][j];
 		}
 	damp(contact, u);
@@ -625,6 +654,7 @@ static void apply(struct vehicles *vehicles, double h, bool drives)
 
 void vehicle_couple(struct vehicles *vehicles, double h, double later, bool drives)
 {
+	const double spacing = vehicles->world != NULL ? world_resident(vehicles->world)->spacing : 0; /* without a world nothing touches */
 	const mjModel *model = vehicles->model;
 	mjData *data = vehicles->data;
 	bool any = false;
@@ -640,7 +670,7 @@ void vehicle_couple(struct vehicles *vehicles, double h, double later, bool driv
 	if (any)
 		mj_factorM(model, data);
 	for (size_t v = 0; v < vehicles->all; v++)
-		fill_contacts(&(struct step){&vehicles->list[v], h, later});
+		fill_contacts(&(struct step){&vehicles->list[v], h, later, CUT_PRESSURE * spacing * spacing});
 	apply(vehicles, h, drives);
 }
 
@@ -732,6 +762,24 @@ void vehicle_couple_tell(struct vehicles *vehicles, const double *before)
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t i = 0; i < vehicles->list[v].touching; i++)
 			force_after(&vehicles->list[v].contacts[i], change, vehicles->list[v].contacts[i].geom->force);
+}
+
+enum status vehicle_check_summed(const struct vehicles *vehicles)
+{
+	for (const struct vehicle *vehicle = vehicles->list; vehicle < vehicles->list + vehicles->all; vehicle++) {
+		const struct scene *scene = vehicles->scene;
+		const struct soil_geom *geom = vehicle->cut;
+		double most = 0;
+		if (geom == NULL)
+			continue;
+		for (int i = 0; i < scene->soil_count; i++)
+			most = fmax(most, scene->soils[i].damping);
+		return fail_with(STATUS_FAILED, "%s%s: soil.damping presses a post with more than 134 MPa, the most that is summed, at %.3g m/s and %.3f, %.3f m, after %.6g s: "
+						"with less than the whole force the ground would give way; give soil.damping (now %g Pa s/m) of at most %s",
+				 vehicle->is_world ? "" : "vehicles.", geom->name, mju_norm3(geom->now.linear), geom->now.pose.position[0], geom->now.pose.position[1],
+				 world_time(vehicles->world), most, number_at_most(CUT_SHARE * vehicle->cut_share * most, 2).text);
+	}
+	return STATUS_OK;
 }
 
 void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells)

@@ -160,6 +160,19 @@ static void list_frames(struct vehicles *vehicles)
 			vehicles->frames[vehicles->frame_count++] = (struct world_frame){.vehicle = scene->cameras[i].aim.vehicle - 1, .body = scene->cameras[i].body};
 }
 
+/* Tells once of textures, which pictures do not show. */
+static void tell_textures(const struct vehicles *vehicles)
+{
+	for (size_t v = 0; v < vehicles->all; v++) {
+		size_t count = 0;
+		for (size_t i = 0; i < vehicles->figure_count; i++)
+			count += vehicles->figures[i].vehicle == v && vehicles->figures[i].geom >= 0 && vehicle_has_pattern(vehicles->model, vehicles->figures[i].geom);
+		if (count > 0)
+			note("%s%s: %zu of its geoms ha%s textures: pictures show their mean colour", vehicles->list[v].is_world ? "" : "vehicles.", vehicles->list[v].scene->name, count,
+			     count == 1 ? "s" : "ve");
+	}
+}
+
 enum status vehicle_make_figures(struct vehicles *vehicles, uint64_t effects)
 {
 	vehicles->frames = mem_calloc(vehicles->count + vehicles->scene->camera_count, sizeof *vehicles->frames);
@@ -168,6 +181,7 @@ enum status vehicle_make_figures(struct vehicles *vehicles, uint64_t effects)
 	TRY(name_bodies(vehicles));
 	for (size_t v = 0; v < vehicles->all && (effects >> EFFECT_OBJECTS & 1); v++)
 		TRY(add_vehicle(vehicles, v));
+	tell_textures(vehicles);
 	return mem_zeroed(&vehicles->places, vehicles->figure_count + 1, sizeof *vehicles->places, "the parts of a vehicle");
 }
 

@@ -17,6 +17,8 @@ enum status vehicle_add_figure(struct vehicles *vehicles, size_t vehicle, int bo
 float vehicle_alpha_of(const mjModel *model, int geom);
 /* Finds the colour of a geom: its own, that of its material times the mean of its texture, or none. */
 void vehicle_look_of(const mjModel *model, int geom, struct world_look *look);
+/* Returns true if the geom's texture has more than one colour. Pictures show its mean. */
+bool vehicle_has_pattern(const mjModel *model, int geom);
 /* Gives a look a colour of a file, sRGB. */
 void vehicle_paint(struct world_look *look, const float colour[3]);
 

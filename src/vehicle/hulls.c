@@ -96,9 +96,6 @@ enum status vehicle_lift_hull(const struct vehicles *vehicles, const struct vehi
 	bool aloft;
 	if (geom->is_standing)
 		return STATUS_OK;
-	if (world_is_ranked(vehicles->world))
-		return fail_with(STATUS_INPUT, "vehicles.%s: a hull that presses the ground needs one process; name what it stands on in soil, or its hulls in no_soil",
-				 geom->name);
 	TRY(find_aloft(vehicles, vehicle, geom, &aloft));
 	if (aloft == geom->aloft)
 		return STATUS_OK;

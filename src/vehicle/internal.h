@@ -5,6 +5,7 @@
 #include "vehicle_mujoco.h"
 
 #include "vehicle/guard.h"
+#include "vehicle/settle.h"
 #include "vehicle/vehicle.h"
 
 /* A geom that touches the ground. */
@@ -133,6 +134,7 @@ struct vehicle {
 	struct owned own;           /* what of both is this vehicle's */
 	char prefix[24];            /* of names in `model`: names.c */
 	bool is_world;              /* no vehicle, but the things of the scene's `world` */
+	bool is_urdf;
 	mjModel *single;            /* of this vehicle alone: shares.c */
 	mjSpec *spec;               /* of this vehicle, until all are put together; NULL after that */
 	mjData *posed;              /* the same: in its first pose */
@@ -164,6 +166,8 @@ struct vehicle {
 	struct lie *lies;           /* LIE_OWN, and one for each other geom that is watched; in the record */
 	size_t lie_count;
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
+	const struct soil_geom *cut; /* whose force was cut to what can be summed; NULL: none was */
+	double cut_share;           /* the whole force of that by its damping alone */
 	double *room;               /* VEHICLE_ROOM nv + 64 numbers; all vehicles share them */
 	struct contact *contacts;   /* geom_count + carrying_count: of coupling.c */
 	double *rows;               /* of the contacts */
@@ -231,6 +235,8 @@ struct vehicles {
 	struct senses *senses;      /* NULL: nobody reads sensors */
 	double stuck_at;
 	double settling_begun, settling_told; /* s, by the clock: when settling began, and when it was last told how far it is; 0: not begun */
+	double settling_processor;  /* s, of the processor: when settling began */
+	struct unrest unrest;       /* settle.c */
 };
 
 /* --- load.c --- */
@@ -258,6 +264,11 @@ static inline void vehicle_root_axes(const struct vehicle *vehicle, const mjData
 #define VEHICLE_WHERE 300
 /* Writes where the scene names the vehicle, for a message. */
 void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE]);
+
+/* --- hangs.c --- */
+
+/* Notes once which joints of limbs nothing holds. Comes after vehicle_find_parts. */
+void vehicle_tell_hanging(const struct vehicle *vehicle);
 
 /* --- geoms.c --- */
 
@@ -479,6 +490,8 @@ void vehicle_couple_tell(struct vehicles *vehicles, const double *before);
 /* Takes the forces of the step as they are: adds what each geom did on the soil to its work, and puts the inertia back. tells false: without
  * the work. */
 void vehicle_couple_done(struct vehicles *vehicles, double h, const double *before, bool tells);
+/* STATUS_FAILED: since vehicle_ask the force of some geom was cut to what can be summed. */
+enum status vehicle_check_summed(const struct vehicles *vehicles) FURROW_CHECKED;
 
 /* Fills `forces`, nv: what the contacts do on the joints in the step that has changed the velocities from `before`. */
 void vehicle_couple_forces(const struct vehicles *vehicles, const double *before, double *forces);
@@ -493,6 +506,8 @@ void vehicle_geom_contact(const struct vehicles *vehicles, const struct soil_geo
 enum status vehicle_find_own_shares(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
 /* Gives its wheels the tyres of the scene. STATUS_INPUT: a pattern names no wheel, or soil_tyre_set refuses a tyre. Without tyres it does nothing. */
 enum status vehicle_make_tyres(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
+/* lent_tyres.c: gives its wheels the tyres that a line tells. It is changed. NULL: none. STATUS_INPUT: it is not understood, or as above. */
+enum status vehicle_lent_tyres(struct vehicle *vehicle, const char *where, char *text, double gravity) FURROW_CHECKED;
 
 /* --- advance.c --- */
 

@@ -24,8 +24,8 @@ struct vehicle_lent {
 	mjModel model;              /* copies of the structs, */
 	mjData data;
 	bool named;                 /* filled with the arrays that the host names */
-	char *patterns;
-	char *list[PATTERNS_MOST];
+	char *patterns, *carry, *tyres;
+	char *list[PATTERNS_MOST], *carry_list[PATTERNS_MOST];
 	double *forces;             /* nv: what the soil does to the joints */
 	double *before, *start, *after; /* nv each: velocities at the start of the step; in the state with which it was begun last (RK4 has four); at its end */
 	struct furrow_state *last;  /* of each geom: when the ground got it, or it was placed */
@@ -142,21 +142,21 @@ static void take_data(struct vehicle_lent *lent, const void *data)
 
 /* --- a vehicle of it --- */
 
-static enum status split(struct vehicle_lent *lent, const char *geoms)
+/* Cuts a copy of the patterns of a key into a list. */
+static enum status split(const struct vehicle_lent *lent, const char *key, const char *patterns, char **copy, char *list[PATTERNS_MOST], struct scene_texts *to)
 {
-	struct scene_texts *soil = &lent->told.soil;
-	lent->patterns = mem_strdup(geoms);
-	TRY_MEM(lent->patterns, "patterns of geoms");
-	soil->list = lent->list;
-	for (char *word = lent->patterns, *next; *(word += strspn(word, " \t\n")) != '\0'; word = next) {
+	*copy = mem_strdup(patterns);
+	TRY_MEM(*copy, "patterns of geoms");
+	to->list = list;
+	for (char *word = *copy, *next; *(word += strspn(word, " \t\n")) != '\0'; word = next) {
 		next = word + strcspn(word, " \t\n");
 		if (*next != '\0')
 			*next++ = '\0';
-		if (soil->count == PATTERNS_MOST)
-			return fail_with(STATUS_INPUT, "%s: geoms has more than %d patterns; give fewer, with wildcards", lent->told.name, PATTERNS_MOST);
-		lent->list[soil->count++] = word;
+		if (to->count == PATTERNS_MOST)
+			return fail_with(STATUS_INPUT, "%s: %s has more than %d patterns; give fewer, with wildcards", lent->told.name, key, PATTERNS_MOST);
+		list[to->count++] = word;
 	}
-	return soil->count > 0 ? STATUS_OK : fail_with(STATUS_INPUT, "%s: geoms names nothing; give patterns of the geoms that press the ground, such as wheel_*, or leave it out", lent->told.name);
+	return to->count > 0 ? STATUS_OK : fail_with(STATUS_INPUT, "%s: %s names nothing; give patterns of geoms, such as wheel_*, or leave it out", lent->told.name, key);
 }
 
 /* The whole model is the vehicle's, and no part of it has a prefix. */
@@ -221,7 +221,9 @@ static enum status lend(const struct vehicle_lending *lending, struct world *wor
 	TRY(mem_zeroed(&lent->start, nv + 1, sizeof *lent->start, "soil geoms"));
 	TRY(mem_zeroed(&lent->after, nv + 1, sizeof *lent->after, "soil geoms"));
 	if (lending->geoms != NULL)
-		TRY(split(lent, lending->geoms));
+		TRY(split(lent, "geoms", lending->geoms, &lent->patterns, lent->list, &lent->told.soil));
+	if (lending->carry != NULL)
+		TRY(split(lent, "carry", lending->carry, &lent->carry, lent->carry_list, &lent->told.carry));
 	lent->scene = *world_scene(world);
 	lent->all = (struct vehicles){.scene = &lent->scene, .world = world, .model = &lent->model, .data = &lent->data, .engine_steps = 1, .list = vehicle, .count = 1, .all = 1};
 	*vehicle = (struct vehicle){.scene = &lent->told, .model = &lent->model, .data = &lent->data, .keyframe = -1};
@@ -229,6 +231,11 @@ static enum status lend(const struct vehicle_lending *lending, struct world *wor
 	mju_copy3(lent->all.origin, lending->origin);
 	own_all(lent);
 	TRY(find_geoms(lent));
+	if (lending->tyres != NULL) {
+		lent->tyres = mem_strdup(lending->tyres);
+		TRY_MEM(lent->tyres, "tyres");
+		TRY(vehicle_lent_tyres(vehicle, lent->told.name, lent->tyres, lent->scene.gravity));
+	}
 	TRY(make_lists(&lent->all));
 	doubt_gravity(lent);
 	TRY(mem_zeroed(&lent->last, vehicle->geom_count + 1, sizeof *lent->last, "soil geoms"));
@@ -263,7 +270,7 @@ void vehicle_lent_destroy(struct vehicle_lent *lent)
 	struct vehicles *all = &lent->all;
 	vehicle_free_geoms(&lent->one);
 	mem_free_all(all->numbers, all->states, all->belts, all->contacts, all->mass, all->room, lent->one.contacts, lent->one.rows, lent->forces, lent->before, lent->start, lent->after,
-		     lent->patterns, lent->last, lent->told.name, lent);
+		     lent->patterns, lent->carry, lent->tyres, lent->last, lent->told.name, lent);
 }
 
 enum status vehicle_lent_remove(struct vehicle_lent *lent)
@@ -392,6 +399,7 @@ enum status vehicle_lent_touch(struct vehicle_lent *lent, const void *data, bool
 		vehicle_geom_state(&lent->one, &lent->one.geoms[g], &lent->last[g], NULL);
 		elsewhere = has_jumped(lent, &lent->one.geoms[g], &lent->last[g]);
 	}
+	TRY(vehicle_check_summed(&lent->all));
 	if (elsewhere)
 		TRY(place_some(lent, true));
 	else

@@ -15,7 +15,7 @@ bool vehicle_factor(double *a, size_t n);
 /* Solves L L^T x = b. `b` becomes x. */
 void vehicle_solve_factored(const double *a, double *b, size_t n);
 
-#define VEHICLE_ABREAST 8 /* matrices that are made negative together */
+#define VEHICLE_ABREAST 12 /* matrices that are made negative together */
 /* Makes 6 x 6 matrices symmetric, each as the mean of it and its transpose, and takes away what is not negative of it. Eigenvalues above 0
  * become 0. count: at most VEHICLE_ABREAST. Each becomes the same as it would alone. */
 void vehicle_make_negative(double (*const list[])[6], size_t count);

@@ -16,6 +16,8 @@ void vehicle_fit(struct vehicles *vehicles);
 enum status vehicle_find_parts(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
 /* Finds how many steps of the engine make a time step of the scene. STATUS_INPUT: too many. */
 enum status vehicle_set_timestep(struct vehicles *vehicles) FURROW_CHECKED;
+/* Makes position servos of URDFs no stiffer than a step of the engine is stable with, and tells it. Comes after vehicle_set_timestep. */
+void vehicle_soften_servos(struct vehicles *vehicles);
 void vehicle_forget(struct vehicle *vehicle);
 
 #endif

@@ -36,6 +36,20 @@ static bool mean_of(const mjModel *model, int material, float mean[3])
 	return pixels > 0;
 }
 
+bool vehicle_has_pattern(const mjModel *model, int geom)
+{
+	const int material = model->geom_matid[geom];
+	const int texture = material >= 0 ? model->mat_texid[mjNTEXROLE * material + mjTEXROLE_RGB] : -1;
+	if (texture < 0)
+		return false;
+	const size_t channels = (size_t)model->tex_nchannel[texture], pixels = (size_t)model->tex_width[texture] * (size_t)model->tex_height[texture];
+	const mjtByte *data = model->tex_data + model->tex_adr[texture];
+	for (size_t i = 1; i < pixels; i++)
+		if (memcmp(data + i * channels, data, channels) != 0)
+			return true;
+	return false;
+}
+
 /* MuJoCo's own grey: nobody chose it. */
 static bool is_preset(const float rgba[4])
 {

@@ -10,7 +10,6 @@
 #include <stdio.h>
 
 #include "vehicle/internal.h"
-#include "vehicle/settle.h"
 #include "vehicle/start.h"
 
 #define SLOWED 100.0    /* 1/s: rate at which all velocities decay in the first second, */
@@ -20,13 +19,21 @@
 #define CALM 0.1        /* s: for so long */
 #define SLOWED_MOST 60.0 /* s */
 #define SLOWED_WILD 15.0 /* s: at most so long, if all that is not calm then moves faster than TREMBLES: it swings, and more time calms nothing */
+#define SLOWED_RESTLESS 25.0 /* s: the same for what moves faster than RESTLESS */
 #define FREE_MOST 20.0  /* s */
 #define FREE_WILD 10.0  /* s: the same */
+#define FREE_RESTLESS 15.0 /* s: the same */
+#define RESTLESS 3e-4   /* m/s: faster than this after so long, it trembles, and will go on to */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define WORK_MOST 15.0  /* s of the clock: for so long a vehicle may sink that is deeper than it is high, */
 #define SINKS 1e-3      /* m/s: faster than this */
-#define HEAVY 20000     /* triangles: a mesh of more is told where settling takes long */
+#define HEAVY 2000      /* triangles: a mesh of more is told where settling takes long */
 #define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
+#define UNREST_WORK 15.0 /* s of work: from then on a vehicle that trembles, and comes no nearer to rest, fails its start. */
+#define NEARER 0.8      /* It comes nearer to rest if its mean speed is that much less than the least before, */
+#define NEARER_WORK 4.0 /* in each time of so much work, s, */
+#define NEARER_TIME 1.0 /* and of so long a motion, s */
+#define FIRST_TIME 1.0  /* s of a stage's motion that do not count: what was set down finds its way, and is slowed more */
 #define INSIDE 1e-3     /* m: deeper than this, a vehicle starts inside another one */
 
 /* --- settling --- */
@@ -44,6 +51,7 @@ static void begin(struct vehicles *vehicles, double stage)
 		vehicle->slow = vehicle->settle_seconds; /* when the stage began */
 		vehicle->calm = 0;
 	}
+	vehicles->unrest = (struct unrest){.samples = 0};
 }
 
 /* Makes all geoms change the ground in the next step, so that it knows how deep they sank. */
@@ -86,6 +94,12 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 
 /* Soil that yields does not lift a geom again. So a vehicle is refused once a geom is deeper than it is large in any direction. A thin plate
  * that is only deeper than it is high may be carried. But if it still sinks after so much work, that is told at once. */
+/* Seconds of work since settling began: of the clock, or of the processor where that is less, since other programs may have had it. */
+static double work_so_far(const struct vehicles *vehicles)
+{
+	return vehicles->settling_begun > 0 ? fmin(clock_seconds() - vehicles->settling_begun, clock_process_seconds() - vehicles->settling_processor) : 0;
+}
+
 static enum status check_sunk(const struct vehicles *vehicles)
 {
 	char text[500];
@@ -93,7 +107,7 @@ static enum status check_sunk(const struct vehicles *vehicles)
 		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
 		if (geom == NULL)
 			continue;
-		const bool works_long = vehicles->settling_begun > 0 && clock_seconds() - vehicles->settling_begun > WORK_MOST && speed_of(&vehicles->list[v]) > SINKS;
+		const bool works_long = work_so_far(vehicles) > WORK_MOST && speed_of(&vehicles->list[v]) > SINKS;
 		if (geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape) && !works_long)
 			continue;
 		vehicle_say_sunk(vehicles, &vehicles->list[v], geom, text, sizeof text);
@@ -113,26 +127,80 @@ static void say_heavy(const struct vehicles *vehicles, char *text, size_t size)
 			if (geom->shape.kind != SOIL_MESH || geom->shape.mesh->triangle_count <= most)
 				continue;
 			most = geom->shape.mesh->triangle_count;
-			snprintf(text, size, "; the mesh of vehicles.%s has %u triangles, which take the time: thin it, or leave it out of soil", geom->name, most);
+			snprintf(text, size, "; the mesh of %s%s has %u triangles, which take the time: thin it, or leave it out of soil", vehicles->list[v].is_world ? "" : "vehicles.",
+				 geom->name, most);
 		}
+}
+
+/* Writes which geom of a vehicle is deepest in the soil, where, and how deep. */
+static void say_deepest(const struct vehicle *vehicle, char *text, size_t size)
+{
+	const struct soil_geom *deepest = NULL;
+	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++)
+		if (geom->contact.area > 0 && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
+			deepest = geom;
+	if (deepest == NULL) {
+		snprintf(text, size, "none of its geoms touches the ground");
+		return;
+	}
+	const double *at = deepest->now.pose.position;
+	snprintf(text, size, "vehicles.%s is deepest, by %.3g mm, at %.3f, %.3f, %.3f m", deepest->name, 1e3 * deepest->contact.sinkage, at[0], at[1], at[2]);
+}
+
+static const struct vehicle *fastest_of(const struct vehicles *vehicles)
+{
+	const struct vehicle *fastest = &vehicles->list[0];
+	for (size_t v = 1; v < vehicles->count; v++)
+		if (speed_of(&vehicles->list[v]) > speed_of(fastest))
+			fastest = &vehicles->list[v];
+	return fastest;
+}
+
+bool vehicle_unrest_fails(struct unrest *unrest, double speed, double time, double work)
+{
+	if (time < FIRST_TIME || unrest->least == 0) /* a stage begins */
+		*unrest = (struct unrest){.least = INFINITY, .time = time, .work = work};
+	unrest->sum += speed;
+	unrest->samples++;
+	if (work - unrest->work < NEARER_WORK || time - unrest->time < NEARER_TIME)
+		return false;
+	const double mean = unrest->sum / unrest->samples;
+	const bool nearer = mean < NEARER * unrest->least;
+	*unrest = (struct unrest){.least = fmin(unrest->least, mean), .mean = mean, .time = time, .work = work};
+	return !nearer && work >= UNREST_WORK && mean > TREMBLES;
+}
+
+/* Fails for vehicles that tremble, and have come no nearer to rest for a while, after much work. */
+static enum status check_unrest(struct vehicles *vehicles)
+{
+	const struct vehicle *fastest = fastest_of(vehicles);
+	const double work = work_so_far(vehicles), time = vehicles->list[0].settle_seconds;
+	char heavy[300], deepest[300];
+	if (!vehicle_unrest_fails(&vehicles->unrest, speed_of(fastest), time - vehicles->list[0].slow, work) || fastest->scene->start.unsettled)
+		return STATUS_OK;
+	say_heavy(vehicles, heavy, sizeof heavy);
+	say_deepest(fastest, deepest, sizeof deepest);
+	return vehicle_fail_start(vehicles, fastest, "it comes to no rest: after %.3g s of work it has moved for %.3g s, still at %.2g mm/s, and comes no nearer to rest; %s; "
+						     "give a finer spacing (now %g m) or time_step (now %.3g s), or begin without settling (start: {settle: false})%s",
+				  work, time, 1e3 * vehicles->unrest.mean, deepest, world_resident(vehicles->world)->spacing, vehicles->scene->time_step, heavy);
 }
 
 /* Tells now and then how far it is: settling may take minutes of computing. */
 static void tell_settling(struct vehicles *vehicles, double still)
 {
 	const double now = clock_seconds();
-	char heavy[300];
-	double fastest = 0;
-	if (vehicles->settling_begun == 0)
+	char heavy[300], deepest[300];
+	if (vehicles->settling_begun == 0) {
 		vehicles->settling_told = vehicles->settling_begun = now;
+		vehicles->settling_processor = clock_process_seconds();
+	}
 	if (now - vehicles->settling_told < TOLD_SECONDS)
 		return;
 	vehicles->settling_told = now;
-	for (size_t v = 0; v < vehicles->count; v++)
-		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
 	say_heavy(vehicles, heavy, sizeof heavy);
-	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g%s", vehicles->list[0].settle_seconds,
-	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still, heavy);
+	say_deepest(fastest_of(vehicles), deepest, sizeof deepest);
+	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g; %s%s", vehicles->list[0].settle_seconds,
+	     SLOWED_MOST + FREE_MOST, 1e3 * speed_of(fastest_of(vehicles)), 1e3 * still, deepest, heavy);
 }
 
 /* Returns true if all vehicles that settle have been at rest for a while. */
@@ -161,25 +229,36 @@ static enum status settle_step(struct vehicles *vehicles, double rate, double st
 	TRY(world_move_hosts(vehicles->world));
 	TRY(vehicle_record(vehicles));
 	tell_settling(vehicles, still);
-	return STATUS_OK;
+	return check_unrest(vehicles);
 }
 
-/* Returns true if each vehicle that is not calm moves fast. */
-static bool all_wild(const struct vehicles *vehicles)
+/* Returns true if each vehicle that is not calm moves faster than that, m/s. It is by what the record has, so a resumed start ends alike. */
+static bool all_faster(const struct vehicles *vehicles, double speed)
 {
 	bool all = true;
 	for (size_t v = 0; v < vehicles->all; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
-		all = all && (vehicle->calm >= CALM || vehicle->is_world || vehicle->scene->start.unsettled || speed_of(vehicle) > TREMBLES);
+		all = all && (vehicle->calm >= CALM || vehicle->is_world || vehicle->scene->start.unsettled || speed_of(vehicle) > speed);
 	}
 	return all;
 }
 
+/* How long a stage of settling takes at most, s: at all; of what is wild, or restless. */
+struct limits {
+	double most, wild, restless;
+};
+
+static bool goes_on(const struct vehicles *vehicles, const struct limits *limits)
+{
+	const double time = vehicles->list[0].settle_seconds - vehicles->list[0].slow;
+	return !all_calm(vehicles) && time <= limits->most && (time <= limits->wild || !all_faster(vehicles, TREMBLES)) && (time <= limits->restless || !all_faster(vehicles, RESTLESS));
+}
+
 /* Lets all vehicles move until each was at rest for a while. */
-static enum status until_still(struct vehicles *vehicles, double rate, double still, double most, double wild)
+static enum status until_still(struct vehicles *vehicles, double rate, double still, struct limits limits)
 {
 	const struct vehicle *first = &vehicles->list[0];
-	while (!all_calm(vehicles) && first->settle_seconds - first->slow <= most && (first->settle_seconds - first->slow <= wild || !all_wild(vehicles))) {
+	while (goes_on(vehicles, &limits)) {
 		const bool later = first->settle_seconds - first->slow >= 1;
 		TRY(settle_step(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, still));
 	}
@@ -251,13 +330,13 @@ static enum status settle(struct vehicles *vehicles)
 {
 	const struct vehicle *first = &vehicles->list[0];
 	if (first->begun == VEHICLE_SLOWED) {
-		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST, SLOWED_WILD);
+		enum status status = until_still(vehicles, SLOWED, STILL_SLOWED, (struct limits){SLOWED_MOST, SLOWED_WILD, SLOWED_RESTLESS});
 		touch_all(vehicles);
 		TRY(status);
 		begin(vehicles, VEHICLE_FREE);
 	}
 	if (first->begun == VEHICLE_FREE) {
-		TRY(until_still(vehicles, 0, STILL, FREE_MOST, FREE_WILD));
+		TRY(until_still(vehicles, 0, STILL, (struct limits){FREE_MOST, FREE_WILD, FREE_RESTLESS}));
 		tell_unrest(vehicles);
 	}
 	return STATUS_OK;

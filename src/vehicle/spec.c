@@ -317,6 +317,7 @@ enum status vehicle_compile(struct vehicle *vehicle, const struct scene *scene, 
 		if (again)
 			mj_deleteSpec(spec.spec);
 	}
+	vehicle->is_urdf = spec.urdf;
 	vehicle->single = spec.model;
 	vehicle->posed = spec.data;
 	if (status == STATUS_OK)

@@ -131,6 +131,31 @@ static enum status find_parts(struct rewrite *rewrite)
 	return STATUS_OK;
 }
 
+/* A joint whose link is not in the file: MuJoCo tells the line alone. */
+static enum status check_joints(const struct rewrite *rewrite)
+{
+	struct vehicle_xml xml = vehicle_xml_begin(rewrite->text, rewrite->length);
+	struct vehicle_xml_attribute joint = {"", "", 0, 0}, link;
+	bool in_joint = false;
+	for (enum vehicle_xml_event event; (event = vehicle_xml_next(&xml)) == VEHICLE_XML_OPEN || event == VEHICLE_XML_CLOSE;) {
+		if (event == VEHICLE_XML_CLOSE)
+			continue;
+		if (xml.depth == 2)
+			in_joint = vehicle_xml_is(xml.name, xml.name_length, "joint") && find_attribute(xml, "name", &joint);
+		const bool parent = vehicle_xml_is(xml.name, xml.name_length, "parent");
+		if (xml.depth != 3 || !in_joint || (!parent && !vehicle_xml_is(xml.name, xml.name_length, "child")) || !find_attribute(xml, "link", &link))
+			continue;
+		bool found = false;
+		for (size_t i = 0; i < rewrite->link_count && !found; i++)
+			found = same(rewrite->links[i].name, rewrite->links[i].length, link.value, link.value_length);
+		if (!found)
+			return fail_with(STATUS_INPUT, "%s: %s: joint %.*s: its %s %.*s is no link of the file; correct the name, or take the joint out", rewrite->spec->where, rewrite->spec->path,
+					 (int)(joint.value_length < 64 ? joint.value_length : 64), joint.value, parent ? "parent" : "child",
+					 (int)(link.value_length < 64 ? link.value_length : 64), link.value);
+	}
+	return STATUS_OK;
+}
+
 /* Decides which links collide with what is seen of them. */
 static void choose_seen(struct rewrite *rewrite)
 {
@@ -313,6 +338,7 @@ enum status vehicle_spec_text(struct spec *spec, char **out)
 	TRY_OR(done, vehicle_check_read(&check, spec->path, &text, &rewrite.length));
 	rewrite.text = rewrite.copied = text;
 	TRY_OR(done, find_parts(&rewrite));
+	TRY_OR(done, check_joints(&rewrite));
 	choose_seen(&rewrite);
 	write_all(&rewrite);
 	status = rewrite.status;

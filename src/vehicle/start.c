@@ -2,7 +2,8 @@
  * Where and how a vehicle begins.
  *
  * Its pose is that of its model, of `start.keyframe`, or of `start.joints`. It is turned by yaw, pitch and roll about the origin of its root body, which stays
- * above `at`. Then it is lifted, so that its lowest soil geom touches the ground, or is `start.height` above it.
+ * above `at`. Then it is lifted, so that its lowest soil geom touches the ground, or is `start.height` above it. Of what is set down bars dig in as it settles; what falls has them
+ * above the ground, too.
  */
 #include <math.h>
 #include <stdarg.h>
@@ -361,7 +362,8 @@ enum status vehicle_set_down(struct vehicles *vehicles, struct vehicle *vehicle)
 		TRY(depth_of(vehicles, vehicle, vehicle->geoms[g].geom, &depth, at, &any));
 		if (!any)
 			return fail_ground(vehicles, vehicle, &vehicle->geoms[g]);
-		deepest = fmax(deepest, depth);
+		const struct soil_shape *shape = &vehicle->geoms[g].shape;
+		deepest = fmax(deepest, depth + (vehicle->scene->start.unsettled && shape->grousers > 0 ? shape->grouser_height : 0));
 	}
 	deepest += vehicle->scene->start.height;
 	/* Whole metres are the origin's, so that MuJoCo's numbers stay small. */

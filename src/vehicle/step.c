@@ -1,5 +1,6 @@
 /* One time step: what the soil does, what the vehicles do, and which of their geoms change the ground. */
 #include <math.h>
+#include <stdio.h>
 
 #include "vehicle/internal.h"
 #include "vehicle/start.h"
@@ -198,6 +199,8 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 
 enum status vehicle_ask(struct vehicles *vehicles)
 {
+	for (size_t v = 0; v < vehicles->all; v++)
+		vehicles->list[v].cut = NULL;
 	TRY(ask(vehicles));
 	for (size_t v = 0; v < vehicles->all; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
@@ -251,6 +254,25 @@ static const struct vehicle *diverged(const struct vehicles *vehicles)
 	return bad;
 }
 
+/* Writes at which joint of the vehicle numbers first went bad, if that is known. */
+static void say_joint(const struct vehicles *vehicles, const struct vehicle *bad, char *text, size_t size)
+{
+	const mjModel *model = vehicles->model;
+	const mjWarningStat *places = &vehicles->data->warning[mjWARN_BADQPOS], *rates = &vehicles->data->warning[mjWARN_BADQVEL], *changes = &vehicles->data->warning[mjWARN_BADQACC];
+	const int dof = rates->number > 0 ? rates->lastinfo : changes->number > 0 ? changes->lastinfo : -1;
+	int joint = -1;
+	text[0] = '\0';
+	for (int i = bad->own.joint.first; i < bad->own.joint.end; i++) {
+		const int end = i + 1 < bad->own.joint.end ? model->jnt_qposadr[i + 1] : bad->own.qpos.end;
+		if (places->number > 0 ? places->lastinfo >= model->jnt_qposadr[i] && places->lastinfo < end : dof >= 0 && model->dof_jntid[dof] == i)
+			joint = i;
+	}
+	const char *name = joint >= 0 ? vehicle_part_name(model, mjOBJ_JOINT, joint) : NULL;
+	const char *body = joint >= 0 ? vehicle_part_name(model, mjOBJ_BODY, model->jnt_bodyid[joint]) : NULL;
+	if (name != NULL || body != NULL)
+		snprintf(text, size, ", first at %s %.64s", name != NULL ? "joint" : "body", name != NULL ? name : body);
+}
+
 /* MuJoCo sets all controls to 0 if one is out of its range: those of other vehicles, too. */
 static enum status check_controls(const struct vehicles *vehicles)
 {
@@ -275,10 +297,14 @@ static enum status move_all(struct vehicles *vehicles, double rate, bool drives)
 	}
 	TRY(vehicle_guard(vehicles->all == 1 ? vehicles->list[0].scene->name : "vehicles", advance, &motion));
 	TRY(check_controls(vehicles));
+	TRY(vehicle_check_summed(vehicles));
 	const struct vehicle *bad = diverged(vehicles);
+	char at[100];
 	if (bad != NULL)
-		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "
-						"actuators, or give its joints damping", bad->scene->name, motion.time, motion.seconds,
+		say_joint(vehicles, bad, at, sizeof at);
+	if (bad != NULL)
+		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s%s%s; shorten time_step (now %g s, at most %s s), soften its "
+						"actuators, or give its joints damping", bad->scene->name, motion.time, drives ? "" : " of settling", at, motion.seconds,
 				 number_at_most(bad->largest_step, 3).text);
 	for (size_t v = 0; v < vehicles->all; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];

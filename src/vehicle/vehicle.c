@@ -80,9 +80,12 @@ static enum status load(const struct scene *scene, struct vehicles *vehicles)
 	for (size_t i = 0; i < vehicles->all; i++) {
 		TRY(vehicle_find_parts(&vehicles->list[i], scene));
 		TRY(vehicle_make_tyres(&vehicles->list[i], scene));
+		if (scene->time_step > 0) /* else nothing will move */
+			vehicle_tell_hanging(&vehicles->list[i]);
 	}
 	TRY(vehicle_divide_step(vehicles));
 	TRY(vehicle_set_timestep(vehicles));
+	vehicle_soften_servos(vehicles);
 	TRY(make_lists(vehicles));
 	TRY(vehicle_check_cameras(vehicles));
 	TRY(vehicle_make_senses(vehicles));

@@ -289,6 +289,8 @@ struct vehicle_lending {
 	size_t array_count;
 	const char *geoms;      /* patterns of the geoms that touch the ground, between spaces; NULL: all that collide */
 	double origin[3];       /* m, local: where the host's origin is */
+	const char *carry;      /* patterns of those that carry soil; NULL: none */
+	const char *tyres;      /* as furrow_mujoco_open has them; NULL: wheels are rigid */
 };
 
 /* Finds the soil geoms of the model and adds them to the world as bodies. Free *out with vehicle_lent_destroy; the bodies stay. STATUS_INPUT: no geom touches the

@@ -1,5 +1,6 @@
 /* Converts a host's pose, a place and a quaternion, to the pose of deform: yaw, pitch, roll and a wheel's turn. */
 #include <math.h>
+#include <string.h>
 
 #include "world/internal.h"
 
@@ -46,7 +47,7 @@ double world_spin(const struct soil_pose *pose, const double angular[3])
 	return axes[1][0] * angular[0] + axes[1][1] * angular[1] + axes[1][2] * angular[2];
 }
 
-enum status world_attitude(const struct soil_shape *shape, const char *name, const struct furrow_pose *from, struct soil_pose *pose)
+static enum status find_attitude(const struct soil_shape *shape, const char *name, const struct furrow_pose *from, struct soil_pose *pose)
 {
 	double q[4], length = 0, axes[3][3];
 	for (int i = 0; i < 4; i++)
@@ -80,6 +81,43 @@ enum status world_attitude(const struct soil_shape *shape, const char *name, con
 	}
 	pose->yaw = atan2(axes[0][1], axes[0][0]);
 	pose->roll = atan2(axes[1][2], axes[2][2]);
+	return STATUS_OK;
+}
+
+/*
+ * What was computed last. A step asks for the pose of each body several times. It follows from the kind of the body's shape and the numbers of
+ * `from` alone. So each thread keeps the poses that it found last, by a hash of these numbers.
+ */
+#define KEPT 64 /* a power of two */
+struct kept_attitude {
+	struct furrow_pose from;
+	enum soil_shape_kind kind;
+	bool known;
+	struct soil_pose pose;
+};
+
+static struct kept_attitude *kept_of(const struct furrow_pose *from)
+{
+	static _Thread_local struct kept_attitude kept[KEPT];
+	uint64_t numbers[7], hash = 0;
+	_Static_assert(sizeof numbers == sizeof *from, "all its numbers");
+	memcpy(numbers, from, sizeof numbers);
+	for (int i = 0; i < 7; i++)
+		hash = (hash ^ numbers[i]) * 0x9e3779b97f4a7c15u;
+	return &kept[hash >> 58];
+}
+
+enum status world_attitude(const struct soil_shape *shape, const char *name, const struct furrow_pose *from, struct soil_pose *pose)
+{
+	struct kept_attitude *kept = kept_of(from);
+	if (!kept->known || kept->kind != shape->kind || memcmp(&kept->from, from, sizeof *from) != 0) {
+		kept->known = false;
+		TRY(find_attitude(shape, name, from, &kept->pose));
+		kept->from = *from;
+		kept->kind = shape->kind;
+		kept->known = true;
+	}
+	*pose = kept->pose;
 	return STATUS_OK;
 }
 

@@ -155,9 +155,9 @@ struct world_space {
 	double lowest;          /* m */
 	double at[3], slope[2]; /* m; its rise for each metre east and north */
 };
-bool world_is_ranked(const struct world *world); /* returns true if other processes step it, too */
 /* Finds how far the present ground reaches into the space, m. It is the most by which a post of the working level is higher than the space's lower limit.
- * Below 0: it reaches nowhere. -INFINITY: no post there has data. INFINITY: the rectangle has more tiles than can be held at once, or the world has ranks. */
+ * Below 0: it reaches nowhere. -INFINITY: no post there has data. INFINITY: the rectangle has more tiles than can be held at once.
+ * Where several processes step the world, all of them call this with the same space, and get the same. */
 enum status world_reach_into(struct world *world, const struct world_space *space, double *depth) FURROW_CHECKED;
 /* From now on a vehicle moves this body, and computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */

@@ -150,8 +150,9 @@ static uint64_t kept_bytes(const struct world *world)
 	const uint64_t side = tile_posts(&world->resident.meta->extent);
 	/* each thread that loads ahead has one tile of its own */
 	const unsigned ahead = resident_look_ahead_threads(world->facts.limits.prefetch, world->scene->object_count);
-	return ((uint64_t)world->facts.limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t) +
-	       world->facts.limits.queries * resident_newest_tile_bytes(world->resident.meta->extent.cells);
+	const uint32_t cells = world->resident.meta->extent.cells, queries = world->facts.limits.queries;
+	return ((uint64_t)world->facts.limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t) + queries * resident_newest_tile_bytes(cells) +
+	       (queries > 0 ? resident_newest_base_bytes(cells) : 0);
 }
 
 /* Returns the bytes of the GPU's slots that mirror tiles in host memory for pictures. */

@@ -150,7 +150,7 @@ uint64_t world_carried_bytes(const struct world *world)
 {
 	uint64_t bytes = 0;
 	for (size_t i = 0; i < world->body_count; i++)
-		if (carries(world->bodies[i]) && world->bodies[i]->kind != BODY_VEHICLE) /* those of vehicles are told before they are added */
+		if (carries(world->bodies[i]) && (world->bodies[i]->kind != BODY_VEHICLE || world->params.carrying_count == 0)) /* those of vehicles are told before they are added */
 			bytes += bytes_of(world, world->bodies[i]->object, world->bodies[i]->carried->fell != NULL);
 	for (size_t i = 0; i < world->params.carrying_count; i++) {
 		const struct scene_object object = {.shape = *world->params.aboard_shapes[i]};
@@ -260,10 +260,11 @@ size_t world_carried_numbers(const struct world *world)
 	return count;
 }
 
-/* Returns the body of a vehicle that carries, the first from number *at on, and moves *at behind it. NULL: there is none. */
+/* Returns the body of a vehicle of the scene that carries, the first from number *at on, and moves *at behind it. NULL: there is none. A world whose scene has no vehicles
+ * may have bodies of a host's model instead. These begin anew, and the record has no room for them. */
 static struct body *next_aboard(const struct world *world, size_t *at)
 {
-	while (*at < world->body_count) {
+	while (world->params.carrying_count > 0 && *at < world->body_count) {
 		struct body *body = world->bodies[(*at)++];
 		if (carries(body) && body->kind == BODY_VEHICLE)
 			return body;

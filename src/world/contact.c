@@ -4,11 +4,11 @@
 
 #include "world/internal.h"
 
-/* Pins the tiles of held->keys. */
-static enum status pin(struct world *world, struct held_tiles *held)
+/* Pins the tiles of held->keys. newest: they are to be read as this step has them, so this rank must have them. */
+static enum status pin(struct world *world, struct held_tiles *held, bool newest)
 {
 	uint32_t slots[WORLD_TILES_MOST];
-	for (size_t i = 0; i < held->count && world->ranks != NULL; i++)
+	for (size_t i = 0; i < held->count && world->ranks != NULL && newest; i++)
 		if (!world->ranks->has(world->ranks->user, held->keys[i])) {
 			held->count = 0;
 			return fail_with(STATUS_FAILED, "ranks: a step reads ground of another rank; report this");
@@ -46,10 +46,10 @@ enum status world_hold_tile(struct world *world, struct tile tile, struct held_t
 {
 	held->count = 0;
 	add_tile(held, tile);
-	return pin(world, held);
+	return pin(world, held, true);
 }
 
-enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held)
+static enum status hold(struct world *world, struct post_rect rect, struct held_tiles *held, bool newest)
 {
 	const struct extent *extent = &world->resident.meta->extent;
 	struct tile first, last;
@@ -70,7 +70,17 @@ enum status world_hold(struct world *world, struct post_rect rect, struct held_t
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
 			add_tile(held, (struct tile){world->resident.level, x, y});
-	return pin(world, held);
+	return pin(world, held, newest);
+}
+
+enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held)
+{
+	return hold(world, rect, held, true);
+}
+
+enum status world_hold_own(struct world *world, struct post_rect rect, struct held_tiles *held)
+{
+	return hold(world, rect, held, false);
 }
 
 void world_release(struct world *world, struct held_tiles *held)

@@ -98,6 +98,8 @@ uint64_t world_effects(const struct world *world);
 bool world_is_bearing(const struct world *world);
 bool world_computes_together(const struct world *world); /* contacts of several bodies, whose passes read and write tiles, so the slots lie in arrays */
 const struct relief *world_relief(const struct world *world); /* returns what raises the ground below level 0; NULL: nothing */
+struct rocks_spec world_rocks_asked(const struct world *world); /* returns the scene's rocks as far as posts show them; cover 0: none */
+const struct rocks *world_rocks(const struct world *world);   /* returns the rocks that raise the ground at every level; NULL: none */
 enum gpu_division world_division(const struct world *world);  /* returns how tiles below level 0 get their base */
 bool world_needs_soil_map(const struct scene *scene); /* true if there is a map of soils and something uses it */
 bool world_needs_rasters(const struct scene *scene);  /* true if there are rasters of soil numbers and something uses them */
@@ -107,7 +109,7 @@ struct world_soils_met {
 	size_t places;              /* that were looked at, on the terrain */
 	bool partly;                /* some body comes elsewhere: a vehicle without a path, or a host's */
 	double all, soils[SOIL_CLASSES];
-	double values[256], none, roads; /* by the value of the map of soils; none: the map has no value there; roads: a road is there */
+	double values[256], none, roads, rocks; /* by the value of the map of soils; none: the map has no value there; roads, rocks: one is there */
 	double numbers[SOIL_RASTERS]; /* by raster of soil numbers: where it has a number */
 	/* Of object i and soil k, at i * SOIL_CLASSES + k: about what load the soil bears that is weakest there, N, and that soil. NAN: the object has no
 	 * load, or does not come to it. INFINITY: not known for its shape */

@@ -355,6 +355,8 @@ struct held_tiles {
 size_t world_tiles_in(const struct world *world, struct post_rect rect); /* returns how many tiles have a post in the rectangle */
 /* Pins all tiles that have a post in the rectangle. After a failure none is pinned. */
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
+/* The same of tiles as this rank has them, which another rank may have changed. */
+enum status world_hold_own(struct world *world, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
 enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held) FURROW_CHECKED;
 void world_release(struct world *world, struct held_tiles *held);
 /* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and pictures learn of it. */

@@ -82,7 +82,8 @@ static uint32_t query_tiles(const struct world *world, uint64_t bytes)
 	const uint32_t cells = world->resident.meta->extent.cells, most = resident_newest_tiles(cells);
 	if (!scene_moves_bodies(world->scene))
 		return 0;
-	const double fit = bytes > 0 ? (double)(bytes / resident_newest_tile_bytes(cells)) : INFINITY;
+	const uint64_t bases = resident_newest_base_bytes(cells);
+	const double fit = bytes > 0 ? (double)((bytes > bases ? bytes - bases : 0) / resident_newest_tile_bytes(cells)) : INFINITY;
 	const double tiles = fmin(fmax(most, 2.0 * world_work_pages(world)), fit);
 	return tiles > RESIDENT_NEWEST_LEAST ? (uint32_t)tiles : RESIDENT_NEWEST_LEAST;
 }

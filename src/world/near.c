@@ -79,9 +79,11 @@ static enum status add_hosted(const struct world *world, const struct body *body
 	return STATUS_OK;
 }
 
-/* Adds all bodies. Those of the scene have the entries of their numbers. An added one that is nowhere has none. */
-static enum status add_bodies(struct world *world, struct near_table *near)
+/* Adds all bodies. Those of the scene have the entries of their numbers. An added one that is nowhere has none. Bodies of a host that are among the
+ * first `count` of `numbers`, in rising order, have an empty place: it is given later. */
+static enum status add_bodies(struct world *world, struct near_table *near, size_t count, const int32_t *numbers)
 {
+	size_t given = 0;
 	for (size_t i = 0; i < world->body_count; i++) {
 		const struct body *body = world->bodies[i];
 		const bool hosted = world_is_set_down(body) && !body->elsewhere;
@@ -89,8 +91,12 @@ static enum status add_bodies(struct world *world, struct near_table *near)
 			continue;
 		struct near_entry *entry = &near->entries[near->count++];
 		*entry = (struct near_entry){.body = i, .rect = {0, 0, 0, 0}};
+		while (given < count && (size_t)numbers[given] < i)
+			given++;
 		if (body->kind == BODY_PATH)
 			add_path(world, body, entry);
+		else if (hosted && given < count && (size_t)numbers[given] == i)
+			entry->rest.shape = &body->object->shape;
 		else if (hosted)
 			TRY(add_hosted(world, body, entry));
 	}
@@ -158,14 +164,14 @@ static enum status make_grid(struct near_table *near)
 	return STATUS_OK;
 }
 
-/* Lists the bodies where they are. */
-static enum status list(struct world *world)
+/* Lists the bodies where they are. count, numbers: as of add_bodies. */
+static enum status list(struct world *world, size_t count, const int32_t *numbers)
 {
 	struct near_table *near = &world->near;
 	near->stale = true;
 	TRY(need_entries(near, world->body_count + 1));
 	near->count = near->moved = 0;
-	return add_bodies(world, near);
+	return add_bodies(world, near, count, numbers);
 }
 
 static enum status end_list(struct near_table *near)
@@ -179,7 +185,7 @@ done:
 
 enum status world_near_make(struct world *world)
 {
-	TRY(list(world));
+	TRY(list(world, 0, NULL));
 	return end_list(&world->near);
 }
 
@@ -207,13 +213,13 @@ enum status world_near_begin(struct world *world, size_t count, const int32_t *n
 	/* Of one body alone the place does not matter to itself. */
 	const bool most = count > 1 && 4 * count >= world->body_count;
 	enum status status;
-	TRY_OR(done, most ? list(world) : near->stale ? world_near_make(world) : STATUS_OK);
+	TRY_OR(done, most ? list(world, count, numbers) : near->stale ? world_near_make(world) : STATUS_OK);
 	for (size_t i = 0; i < count && count > 1; i++) {
 		struct soil_pose pose;
 		struct near_entry *entry = entry_of(near, (size_t)numbers[i]);
-		if (entry == NULL || !world_is_set_down(world->bodies[numbers[i]]) || world_state_check(entry->rest.shape, "", &states[i],
-													&pose) != STATUS_OK)
+		if (entry == NULL || !world_is_set_down(world->bodies[numbers[i]]))
 			continue;
+		TRY_OR(done, world_state_check(entry->rest.shape, "a body", &states[i], &pose)); /* it was checked before */
 		if (most) {
 			move(world, entry, &pose);
 			continue;

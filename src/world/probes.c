@@ -33,7 +33,7 @@ static struct soil_motion whole_motion(const struct body *body, const struct fur
 	struct soil_motion motion = {
 		.shape = &object->shape, .interface = object->interface, .from = known ? body->last : *to, .to = *to, .stamped = body->host.stamped,
 		.trend = known ? body->trend : (struct soil_trend){.whole = {.ran = 0}},
-		.turned = body->host.turned + remainder(to->turn - now->turn, 2 * M_PI) + world_spin(to, state->angular) * unposed, .hosted = true,
+		.turned = body->host.turned + remainder(to->turn - now->turn, 2 * M_PI) + (unposed != 0 ? world_spin(to, state->angular) * unposed : 0), .hosted = true,
 	};
 	if (object->shape.belt) {
 		motion.turned = known ? belt->travel - body->last.turn : 0;
@@ -121,7 +121,7 @@ static enum status probe_one(struct world *world, size_t number, const struct fu
 	const size_t beside = list_beside(world, number, rect);
 	status = world_hold(world, rect, &held);
 	if (status == STATUS_OK)
-		status = bearing_probe(world->bearing, turns ? &before : NULL, &motion, world->near.rests, beside, held.tiles, held.count, probed);
+		status = bearing_probe(world->bearing, turns ? &before : NULL, &motion, rect, world->near.rests, beside, held.tiles, held.count, probed);
 	world_release(world, &held);
 	return status;
 }

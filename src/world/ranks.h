@@ -30,6 +30,9 @@ struct world_ranks {
 	enum status (*step)(void *user, double until, enum status status);
 	/* Fills the contacts of bodies that are elsewhere. `status`: of this rank's own probes. */
 	enum status (*probed)(void *user, size_t count, const int32_t *numbers, struct furrow_contact *contacts, enum status status);
+	/* Takes a number of each tile, as this rank has the tile, and gives that of the rank with its newest planes. The tiles are the same on all ranks. `status`: of this rank's
+	 * own numbers. */
+	enum status (*newest)(void *user, size_t count, const uint64_t *keys, double *numbers, enum status status);
 	/* This rank changes the tile in this step. */
 	enum status (*changes)(void *user, uint64_t key);
 	/* Returns true if this rank may read the tile in this step. */

@@ -3,10 +3,24 @@
 
 #include "world/internal.h"
 
-/* The limit of the space at a post, m. */
-static double limit_at(const struct world_space *space, double x, double y)
+/* A row of posts. */
+struct row {
+	const int32_t *base, *offsets; /* offsets: NULL: they are 0 */
+	int64_t first, count;          /* the first one's column, how many */
+	double reference;              /* of base, m */
+};
+
+/* How far the ground of a row at y is above the limit of the space, m. */
+static double reach_of_row(const struct world_space *space, const struct row *row, double y, double spacing)
 {
-	return fmax(space->lowest, space->at[2] + space->slope[0] * (x - space->at[0]) + space->slope[1] * (y - space->at[1]));
+	double most = -INFINITY;
+	for (int64_t i = 0; i < row->count; i++) {
+		const double x = (double)(row->first + i) * spacing, plane = space->at[2] + space->slope[0] * (x - space->at[0]) + space->slope[1] * (y - space->at[1]);
+		const double limit = plane > space->lowest ? plane : space->lowest;
+		const double height = row->reference + row->base[i] * (1.0 / (1 << BASE_BITS)) + (row->offsets != NULL ? row->offsets[i] * (1.0 / (1 << OFFSET_BITS)) : 0);
+		most = row->base[i] != BASE_NODATA && height - limit > most ? height - limit : most;
+	}
+	return most;
 }
 
 /* Posts of a tile that are in `rect`. */
@@ -21,20 +35,21 @@ static double reach_of_tile(const struct world *world, const struct world_space 
 		return most;
 	resident_host_get(world->resident.host, held->slot, &slot);
 	const int32_t *offsets = slot.planes[PLANE_OFFSET];
-	for (int64_t y = in.y0; y < in.y1 && slot.base != NULL; y++)
-		for (int64_t x = in.x0; x < in.x1; x++) {
-			const size_t at = (size_t)(y - own.y0) * (extent->cells + 1) + (size_t)(x - own.x0);
-			if (slot.base[at] == BASE_NODATA)
-				continue;
-			const double height = reference + lattice_base_metres(slot.base[at]) + (offsets != NULL ? lattice_offset_metres(offsets[at]) : 0);
-			most = fmax(most, height - limit_at(space, (double)x * spacing, (double)y * spacing));
-		}
+	for (int64_t y = in.y0; y < in.y1 && slot.base != NULL; y++) {
+		const size_t row = (size_t)(y - own.y0) * (extent->cells + 1) + (size_t)(in.x0 - own.x0);
+		const double reached = reach_of_row(space, &(struct row){slot.base + row, offsets != NULL ? offsets + row : NULL, in.x0, in.x1 - in.x0, reference}, (double)y * spacing, spacing);
+		most = reached > most ? reached : most;
+	}
 	return most;
 }
 
-bool world_is_ranked(const struct world *world)
+/* The same of each held tile, as this rank has it. Of a tile that another rank has changed, that rank's number is taken. */
+static enum status reach_of_all(struct world *world, const struct world_space *space, struct post_rect rect, struct held_tiles *held, double *depths)
 {
-	return world->ranks != NULL;
+	TRY(world_hold_own(world, rect, held));
+	for (size_t i = 0; i < held->count; i++)
+		depths[i] = reach_of_tile(world, space, &held->tiles[i], rect);
+	return STATUS_OK;
 }
 
 enum status world_reach_into(struct world *world, const struct world_space *space, double *depth)
@@ -45,15 +60,21 @@ enum status world_reach_into(struct world *world, const struct world_space *spac
 		(int64_t)ceil(space->high[0] / spacing) + 1, (int64_t)ceil(space->high[1] / spacing) + 1,
 	};
 	const size_t tiles = world_tiles_in(world, rect);
-	struct held_tiles held;
+	const struct world_ranks *ranks = world->ranks;
+	struct held_tiles held = {.count = 0};
+	double depths[WORLD_TILES_MOST];
 	*depth = -INFINITY;
-	if (world->resident.host == NULL || world->ranks != NULL || tiles > world->counts.windows.tiles) {
+	if (world->resident.host == NULL || tiles > world->counts.windows.tiles) {
 		*depth = INFINITY;
 		return STATUS_OK;
 	}
-	TRY(world_hold(world, rect, &held));
+	if (tiles == 0)
+		return STATUS_OK;
+	enum status status = reach_of_all(world, space, rect, &held, depths);
+	if (ranks != NULL)
+		status = ranks->newest(ranks->user, held.count, held.keys, depths, status);
 	for (size_t i = 0; i < held.count; i++)
-		*depth = fmax(*depth, reach_of_tile(world, space, &held.tiles[i], rect));
+		*depth = fmax(*depth, depths[i]);
 	world_release(world, &held);
-	return STATUS_OK;
+	return status;
 }

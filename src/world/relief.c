@@ -1,8 +1,10 @@
-/* The relief of the ground below its source: what the scene asks for, given to the store, which all readers take it from. */
+/* Relief of the ground below its source, and rocks. What the scene asks for is given to the store, and all readers take it from there. */
 #include <math.h>
 
 #include "world/internal.h"
 
+#define ROCKS_POSTS 3   /* posts that the smallest rock is wide, unless the scene says it */
+#define ROCKS_NARROW 2  /* posts: narrower rocks are told */
 #define SHARE_TOLD 0.01 /* of slopes that are too steep: fewer are not told */
 
 /* What relief by class reads. All threads share one handle of the raster. */
@@ -47,30 +49,48 @@ const struct relief *world_relief(const struct world *world)
 	return world->resident.store != NULL ? store_relief(world->resident.store) : NULL;
 }
 
+const struct rocks *world_rocks(const struct world *world)
+{
+	return world->resident.store != NULL ? store_rocks(world->resident.store) : NULL;
+}
+
 enum gpu_division world_division(const struct world *world)
 {
 	const struct relief *relief = world_relief(world);
 	if (world->resident.level >= 0 || world_is_bearing(world)) /* tiles in host memory get their base there */
+		return GPU_UNDIVIDED;
+	if (world_rocks(world) != NULL)
 		return GPU_UNDIVIDED;
 	if (relief == NULL)
 		return GPU_DIVIDED;
 	return relief->classes > 1 ? GPU_UNDIVIDED : GPU_DIVIDED_RELIEF;
 }
 
+struct rocks_spec world_rocks_asked(const struct world *world)
+{
+	struct rocks_spec spec = world->scene->rocks;
+	if (spec.smallest <= 0)
+		spec.smallest = fmax(fmax(ROCKS_POSTS * world->resident.spacing, spec.largest / ROCKS_RANGE), ROCKS_SMALLEST_LEAST);
+	if (spec.cover > 0 && !rocks_good(&spec))
+		spec.cover = 0;
+	return spec;
+}
+
 enum status world_settle_relief(struct world *world)
 {
+	const struct rocks_spec rocks = world_rocks_asked(world);
 	const struct relief_spec *spec = &world->scene->relief;
 	enum status status = spec->classes > 1 && world->resident.level < 0 ? open_map(world) : STATUS_OK;
 	if (status == STATUS_OK)
-		status = store_set_relief(world->resident.store, spec->classes > 0 ? spec : NULL, world->relief != NULL ? &world->relief->map : NULL);
+		status = store_set_ground(world->resident.store, spec->classes > 0 ? spec : NULL, rocks.cover > 0 ? &rocks : NULL, world->relief != NULL ? &world->relief->map : NULL);
 	if (status != STATUS_OK || isnan(world->resident.meta->low))
 		return status;
 	/* The reference stays that of the source's heights. */
-	const double bound = relief_bound(world_relief(world), 0), reference = resident_ground_reference(world->resident.store);
+	const double bound = relief_bound(world_relief(world), 0) + rocks_bound(world_rocks(world)), reference = resident_ground_reference(world->resident.store);
 	const double most = fmax(world->resident.meta->high - reference, reference - world->resident.meta->low) + bound;
 	if (bound > 0 && most > ldexp(1, 31 - BASE_BITS) - 2)
-		return fail_with(STATUS_INPUT, "relief: with it heights from %g to %g m are more than can be deformed; give less roughness, or import a "
-				 "smaller part", world->resident.meta->low, world->resident.meta->high);
+		return fail_with(STATUS_INPUT, "%s: with it heights from %g to %g m are more than can be deformed; give less roughness or no rocks, or import a "
+				 "smaller part", world_relief(world) != NULL ? "relief" : "ground.rocks", world->resident.meta->low, world->resident.meta->high);
 	return STATUS_OK;
 }
 
@@ -104,8 +124,30 @@ static void advise_slopes(const struct world *world, scene_advice_fn tell, void 
 	}
 }
 
+static void advise_rocks(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	const struct rocks_spec *rocks = &scene->rocks;
+	const double spacing = world->resident.spacing;
+	char text[320];
+	if (!(rocks->cover > 0) || world->resident.store == NULL)
+		return;
+	if (world_rocks(world) == NULL)
+		snprintf(text, sizeof text, "ground.rocks: posts %g m apart show no rocks of %g m: the smallest is %d posts wide; give a spacing below %.3g, or larger rocks", spacing,
+			 rocks->largest, ROCKS_POSTS, rocks->largest / ROCKS_POSTS);
+	else if (rocks->smallest > 0 && rocks->smallest < ROCKS_NARROW * spacing)
+		snprintf(text, sizeof text, "ground.rocks.smallest: rocks of %g m are narrower than %d posts, which are %g m apart, and are spikes or not met; give %g m or more, or a "
+					    "smaller spacing", rocks->smallest, ROCKS_NARROW, spacing, ROCKS_POSTS * spacing);
+	else if (deform_model_row(scene->model)->numbers != NULL && scene->rocks_soil == 0)
+		snprintf(text, sizeof text, "ground.rocks: model %s knows no hard ground, so what comes onto rocks sinks into them; name model scm", deform_model_row(scene->model)->name);
+	else
+		return;
+	tell(user, text);
+}
+
 void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user)
 {
+	advise_rocks(world, tell, user);
 	const struct relief_spec *spec = &world->scene->relief;
 	const double own = world->resident.meta->extent.spacing;
 	double longest = 0;

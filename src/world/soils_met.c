@@ -13,7 +13,7 @@
 
 /* What is at one post. */
 struct post_soil {
-	int soil, value; /* value: the map's, or SOIL_MAP_NONE or SOIL_MAP_ROAD */
+	int soil, value; /* value: the map's, or SOIL_MAP_NONE, SOIL_MAP_ROAD or SOIL_MAP_ROCK */
 	bool has[SOIL_RASTERS];
 	struct soil_numbers numbers;
 };
@@ -61,7 +61,7 @@ static enum status add_place(const struct world *world, double x, double y, doub
 	met->places++;
 	met->all += weight;
 	met->soils[post.soil] += weight;
-	*(post.value >= 0 ? &met->values[post.value] : post.value == SOIL_MAP_ROAD ? &met->roads : &met->none) += weight;
+	*(post.value >= 0 ? &met->values[post.value] : post.value == SOIL_MAP_ROAD ? &met->roads : post.value == SOIL_MAP_ROCK ? &met->rocks : &met->none) += weight;
 	for (int i = 0; i < SOIL_RASTERS; i++)
 		met->numbers[i] += post.has[i] ? weight : 0;
 	if (object != NULL && object->load > 0 && deform_tells_forces(world->scene->model)) {
@@ -226,7 +226,7 @@ static void advise_map(const struct world *world, scene_advice_fn tell, void *us
 	const struct scene *scene = world->scene;
 	const struct world_soils_met *met = world->facts.met;
 	char text[600], values[120];
-	if (met->none > 0 && met->none + met->roads == met->all) {
+	if (met->none > 0 && met->none + met->roads + met->rocks == met->all) {
 		snprintf(text, sizeof text, "soil.map: %.200s covers 0 %% of the paths of objects and vehicles: all get the default soil, %s; look at its place and "
 					    "its reference system (gdalinfo): without one it is in metres from the south-west post", scene->soil_map, scene->soil_names[0]);
 		tell(user, text);

@@ -79,7 +79,8 @@ static enum status contact(struct world *world, const struct step *step)
 	world_tear(world);
 	world_batches_forget(world);
 	world_meetings_forget(world);
-	if (world->meetings != NULL)
+	world->near.stale = true; /* made if a contact asks for it */
+	if (world->meetings != NULL && world->events.count > 0)
 		TRY(world_near_make(world));
 	for (size_t i = 0; i < world->events.count; i++) {
 		struct event *event = &world->events.list[i];

@@ -72,8 +72,10 @@ ELSEWHERE = {
     "give at most %.4g Pa, or a higher": "a measured tyre, docs/VEHICLES.md: no default is near it",
     # tests of this file
     "furrow reset %s": "commands", "furrow restore %s": "commands", "give --window %s": "windows", "--window %s": "windows",
+    "--%s is for --tiles": "two options, cli/tiles", "give one above %g and at most %g": "a range", "is missing; give %s": "cli/bag", "show no rocks of %g m": "cli/rocks",
+    "spikes or not met; give %g m": "any larger size will do",
     "give 0 to %d": "a range", "coarser than the store's coarsest": "windows", "time_step: %g s is longer": "vehicles", "give gravity: %s": "vehicles",
-    "give gravity: %g": "cli/planets", "give view.body: %s": "cli/planets", "shorten time_step": "a motion that diverged is not made by a scene of a few lines",
+    "give gravity: %g": "cli/planets", "give view.body: %s": "cli/planets", "soil.damping presses a post": "vehicle/damped.c", "it comes to no rest": "any finer spacing will do", "its axles look along its": "vehicle/strangers.c", "is for --tiles; give --tiles DIR": "no number", "shorten time_step": "a motion that diverged is not made by a scene of a few lines",
     "the lowest height is %s m": "nodata", "give \"--nodata %s": "nodata", "give --nodata %s": "nodata", "import again with --nodata %g": "nodata",
     "give --max-error %s or more": "nodata", "keep it smooth": "cli/vertical", "keeps them smooth": "any number will do",
     # numbers, tests/scene/units.c sets each again
@@ -99,10 +101,12 @@ ELSEWHERE = {
     "it is a whole store, not an overlay": "cli/overlay", "that relief": "cli/relief", "for the ground as it was imported": "commands", "undoes that": "commands",
     "is not there; put it into": "PROJ's grids are not in the tests", "taken as heights over the sphere": "cli/planets", "is used": "a note of what was done",
     "they are taken as metres": "cli/rasters", "that is used, not": "a note of what was done", "does not lie within them": "cli/mixed", "not understood": "cli/placement",
-    "is nowhere in": "cli/rasters", "4.2 GB is the most": "a terrain of 4 GB", "would leave out what changed": "cli/tiles", "resample it to": "cli/insets",
+    "is nowhere in": "cli/rasters", "4.2 GB is the most": "a terrain of 4 GB", "would leave out what changed": "cli/tiles", "has a width and a height in it": "cli/tile_windows", "need more steps than a tile has": "cli/tile_windows", "is for --tiles": "cli/globe", "resample it to": "cli/insets",
     "so all would be unknown": "cli/mobility", "its cells are %g m wide": "cli/mobility", "leave %s out and give metres": "cli/contract", "inside as": "cli/contract",
     "is no result of this study": "cli/study", "these come from resampling": "any finer spacing will do", "n would be": "no number to type",
     "names no body of the model": "cli/cameras", "no post lies in --window": "windows", "pictures take": "a progress line", "computed together": "a table",
+    "goes on with its imagery": "cli/imagery", "no imagery lies on the terrain": "cli/imagery", "has 8 bits a band": "cli/imagery", "imagery is part of the terrain": "cli/imagery",
+    "put some into it: furrow import --imagery": "cli/imagery", "does not take quality": "a range",
     "its pixels are %.10g m apart": "cli/edit", "inset      ": "windows", "<svg": "a picture", "is no number of slots;": "a range",
 }
 

@@ -8,6 +8,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import largest, main
 from raster_test import RasterTest
+import rasters
 import tile_readers
 
 SITE = (800, 600, 1300, 1000)  # west, south, east, north, metres from the country's first post
@@ -148,6 +149,17 @@ class InsetTiles(RasterTest):
         for path in sorted((self.folder / "whole").rglob("*.*")):
             if path.suffix in (".png", ".terrain"):
                 self.assertEqual((folder / path.relative_to(self.folder / "whole")).read_bytes(), path.read_bytes(), path)
+
+    def test_the_list_of_ruts_bounds_those_beside_insets_too(self):
+        store, srs = self.imported("EPSG:32632"), "EPSG:32632"
+        points = [[1010, 790], [1030, 800], [1600, 1100]]
+        self.drive(self.scene(SCENE.format(points=points)), "--store", store)
+        west, south, east, north = json.loads((self.export(store) / "ruts.json").read_text())["bounds"]
+        sent = "".join(f"{500000 + x} {5000000 + y}\n" for x, y in points)
+        for line in rasters.gdal("gdaltransform", "-s_srs", srs, "-t_srs", "EPSG:4326", stdin=sent).splitlines():
+            longitude, latitude = map(float, line.split()[:2])
+            self.assertTrue(west < longitude < east and south < latitude < north, line)
+        self.assertLess(east - west, 0.05)
 
 
 if __name__ == "__main__":

@@ -34,6 +34,7 @@ PLAIN = {**HEAD, "objects": f"[{WHEEL % 'sink: 0.2'}]"}
 LAYER = {**SCM, "soil": "{name: snow_us, thickness: 0.05, over: rigid}"}
 MAP = {**SCM, "soil": "{map: map.png, classes: {1: dry_sand, 2: lunar}, default: clayey_38}"}
 ROAD = {**SCM, "ground": "{roads: [{points: [[10, 20], [12, 21], [12, 24]], width: 1, soil: rock}]}"}
+ROCKS = {**SCM, "ground": "{rocks: {cover: 0.3, largest: 1.5, smallest: 0.5, seed: 1}}"}
 VIEW = {**PLAIN, "view": "{size: [48, 32], camera: {chase: a, back: 6, up: 3}, effects: [texture, objects], images: 6}"}
 RELIEF = {**SCM, "relief": "{roughness: 0.05, wavelength: 0.8}"}
 CAR = {"time_step": "0.002", "end_time": "0.3", "spacing": "0.125", "soil": "{name: dry_sand}", "redistribute": "{model: scm}", "output": "{vehicles: 50}",
@@ -265,6 +266,11 @@ ROWS = {
     "ground.roads[].smooth": ({**ROAD, "ground": "{roads: [{points: [[8, 20], [12, 20], [12, 24]], width: 0.5, soil: rock}]}"},
                               {"ground.roads": "[{points: [[8, 20], [12, 20], [12, 24]], smooth: true, width: 0.5, soil: rock}]"}),
     "ground.roads[].width": (ROAD, {"ground.roads": "[{points: [[10, 20], [12, 21], [12, 24]], width: 0.3, soil: rock}]"}),
+    "ground.rocks.cover": (ROCKS, {"ground.rocks.cover": "0.2"}),
+    "ground.rocks.k": (ROCKS, {"ground.rocks.k": "0.1"}),
+    "ground.rocks.largest": (ROCKS, {"ground.rocks.largest": "2"}),
+    "ground.rocks.smallest": (ROCKS, {"ground.rocks.smallest": "0.8"}),
+    "ground.rocks.seed": (ROCKS, {"ground.rocks.seed": "2"}),
     "soil.map": (MAP, {"soil.map": "west.png"}),
     "soil.classes": (MAP, {"soil.classes": "{1: lunar, 2: lunar}"}),
     "soil.classes[].value": ({**MAP, "soil": "{map: map.png, classes: [{value: 1, name: dry_sand}, {value: 2, name: lunar}], default: clayey_38}"}, {"soil.classes": "[{value: 9, name: dry_sand}, {value: 2, name: lunar}]"}),

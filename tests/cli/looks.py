@@ -132,6 +132,14 @@ class Looks(FurrowTest):
         green = linear_hue(colours)["green"] & (numbers == 1)
         self.assert_spans(green, self.box_of([-0.2, 0.2, 0.43], [0.04, 0.06, 0.33]))
 
+    def test_textures_are_told(self):
+        """One that has more than one colour, and once."""
+        for kind, told in (("flat", 0), ("checker", 1)):
+            (self.folder / "car.xml").write_text(MJCF.replace("flat", kind) % FEET)
+            result = self.furrow("drive", self.scene(self.mounted("car.xml")), "--store", "world.furrow", "--overlay", kind + ".furrow", "-o", kind)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stderr.count("vehicles.car: 1 of its geoms has textures: pictures show their mean colour"), told, result.stderr)
+
     def test_a_model_of_group_3_alone_is_shown(self):
         (self.folder / "car.xml").write_text(MJCF.replace('rgba="1 0 0 1" mass', 'rgba="1 0 0 1" group="3" mass').split("<geom type=\"ellipsoid\"")[0] +
                                              FEET.replace("<geom", '<geom group="4"') + "</body></worldbody></mujoco>")

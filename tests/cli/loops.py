@@ -119,6 +119,50 @@ assert abs(soil.contact("wheel").sinkage - data2.sensordata[1]) < 0.02 * data2.s
 assert abs(soil.contact("wheel").slip - data2.sensordata[0]) < 0.01
 """)
 
+    def test_a_long_step_is_told(self):
+        self.check_script("""
+import warnings
+for step, count in ((0.005, 0), (0.01, 1)):
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        loop(BALL.replace("0.002", str(step)), "ball", 1)
+    assert [str(one.message).count("timestep is 0.01 s") for one in told] == [1] * count, told
+""")
+
+    def test_a_skin_is_what_it_asks_for(self):
+        self.check_script("""
+furrow.mujoco.write_skin("ground.skn", size=(4, 2), spacing=0.05, centre=(1, 0))
+model = mujoco.MjModel.from_xml_string('<mujoco><deformable><skin name="terrain" file="ground.skn"/></deformable><worldbody/></mujoco>')
+vertices, faces = model.skin_vert, model.skin_face
+assert vertices.shape == (81 * 41, 3) and faces.shape == (2 * 80 * 40, 3), (vertices.shape, faces.shape)
+assert np.allclose(vertices.min(0), (-1, -1, 0)) and np.allclose(vertices.max(0), (3, 1, 0)), (vertices.min(0), vertices.max(0))
+corners = vertices[faces]
+assert (np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 0.002).all()  # all look up
+try:
+    furrow.mujoco.write_skin("none.skn", size=(4, 2), spacing=5)
+except ValueError as error:
+    assert "give a size and spacing" in str(error)
+else:
+    raise AssertionError("not refused")
+""")
+
+    def test_a_soil_has_tyres(self):
+        self.check_script("""
+CART = f'''<mujoco><option timestep="0.002" gravity="0 0 -{G}" integrator="implicit"/><worldbody><body pos="0 0 .301"><joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="90" diaginertia="1 1 1"/>
+<body><joint axis="0 1 0"/><inertial pos="0 0 0" mass="10" diaginertia=".5 .5 .5"/><geom name="wheel" type="cylinder" size=".3 .1" euler="90 0 0"/></body></body></worldbody></mujoco>'''
+model = mujoco.MjModel.from_xml_string(CART)
+data = mujoco.MjData(model)
+world = furrow.World(dict(SCENE, soil={"name": "concrete"}), store="plain.furrow", overlay="loop.furrow")
+refused("has no stiffness or no load", furrow.mujoco.Soil, world, model, data, origin=(10, 10.5, 0), tyres={"wheel": {"stiffness": 5e4}})
+refused("soil rolls off", furrow.mujoco.Soil, world, model, data, origin=(10, 10.5, 0), carry="wheel")
+soil = furrow.mujoco.Soil(world, model, data, origin=(10, 10.5, 0), tyres={"wheel": {"stiffness": 5e4, "load": 100 * G}})
+for _ in range(2000):
+    soil.apply()
+    mujoco.mj_step(model, data)
+    soil.commit()
+assert abs(-0.001 - data.qpos[0] - 100 * G / 5e4) < 0.02 * 100 * G / 5e4, data.qpos  # the tyre's deflection
+""")
+
     def test_what_the_user_applies_stays(self):
         self.check_script("""
 world, soil, model, data = loop(BALL, "ball", 1500)

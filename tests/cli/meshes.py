@@ -1,5 +1,6 @@
 """furrow export --mesh: OBJ, glb and STL, by readers made from the formats alone."""
 import json
+import pathlib
 import struct
 import unittest
 
@@ -10,7 +11,7 @@ from tile_readers import numpy
 
 
 def read_glb(path):
-    """JSON, positions, normals, triangles; y up as in the file. Everything that glTF 2.0 asks of such a file is checked."""
+    """JSON, positions, normals, triangles, places in the picture, picture; y up as in the file. Everything that glTF 2.0 asks of such a file is checked."""
     data = path.read_bytes()
     magic, version, length = struct.unpack_from("<4sII", data)
     assert (magic, version, length) == (b"glTF", 2, len(data))
@@ -43,21 +44,30 @@ def read_glb(path):
     _, normals = accessor(primitive["attributes"]["NORMAL"], 3, "<f4", "VEC3", 34962)
     part, indices = accessor(primitive["indices"], 1, "<u4", "SCALAR", 34963)
     assert part["componentType"] == 5125 and len(indices) % 3 == 0 and indices.max() < len(positions)
-    return root, positions.astype(float), normals.astype(float), indices.reshape(-1, 3).astype(int)
+    _, places = accessor(primitive["attributes"]["TEXCOORD_0"], 2, "<f4", "VEC2", 34962)
+    (image,), (texture,), (material,) = root["images"], root["textures"], root["materials"]
+    view = root["bufferViews"][image["bufferView"]]
+    assert primitive["material"] == 0 and material["pbrMetallicRoughness"]["baseColorTexture"] == {"index": 0} and texture == {"source": 0, "sampler": 0}
+    assert image["mimeType"] == "image/png" and "target" not in view and view["byteOffset"] + view["byteLength"] <= len(body) < view["byteOffset"] + view["byteLength"] + 4
+    picture = tile_readers.png(body[view["byteOffset"]:view["byteOffset"] + view["byteLength"]])[3]
+    return root, positions.astype(float), normals.astype(float), indices.reshape(-1, 3).astype(int), places.astype(float), picture
 
 
 def read_obj(path):
-    """Positions, normals, triangles; each vertex has its own normal."""
-    found = {"v": [], "vn": [], "f": []}
+    """Positions, places in a picture, normals, triangles; each vertex has its own place and normal."""
+    found = {"v": [], "vt": [], "vn": [], "f": [], "o": []}
     for line in path.read_text().splitlines():
         word, *rest = line.split()
         if word == "f":
-            corners = [corner.split("//") for corner in rest]
-            assert len(corners) == 3 and all(a == b for a, b in corners)
-            found["f"].append([int(a) - 1 for a, _ in corners])
+            corners = [corner.split("/") for corner in rest]
+            assert len(corners) == 3 and all(a == b == c for a, b, c in corners)
+            found["f"].append([int(a) - 1 for a, _, _ in corners])
+        elif word == "o":
+            found["o"].append(line[2:])
         elif word != "#":
             found[word].append([float(part) for part in rest])
-    return [numpy.array(found[word]) for word in ("v", "vn", "f")]
+    assert len(found["o"]) == 1
+    return [numpy.array(found[word]) for word in ("v", "vt", "vn", "f")]
 
 
 def read_stl(path):
@@ -81,7 +91,11 @@ class Meshes(furrow_test.FurrowTest):
         options = ("--window", ",".join(map(str, window)), "--level", level)
         for ending in ("obj", "glb", "stl"):
             self.ok("export", store, "--mesh", f"m.{ending}", *options)
-        root, positions, normals, triangles = read_glb(self.folder / "m.glb")
+        root, positions, normals, triangles, places, picture = read_glb(self.folder / "m.glb")
+        (node,) = root["nodes"]
+        self.assertEqual((node["name"], node["extras"]), (pathlib.Path(store).stem, root["extras"]))
+        self.assertEqual(node["extras"]["window"], [column * spacing + start for start, column in
+                                                    zip([-(-at // spacing) * spacing for at in window[:2]] * 2, (0, 0, heights.shape[1] - 1, heights.shape[0] - 1))])
         self.assertIn("y up", root["extras"]["axes"])
         base = root["extras"]["origin"][2]
         self.assertEqual(root["extras"]["origin"][:2], list(origin))
@@ -105,7 +119,12 @@ class Meshes(furrow_test.FurrowTest):
         self.assertEqual(len({tuple(edge) for edge in edges.tolist()}), len(edges))
         numpy.testing.assert_allclose(numpy.linalg.norm(normals, axis=1), 1, atol=1e-5)
         self.assertTrue((normals[:, 2] > 0).all())
-        points, obj_normals, faces = read_obj(self.folder / "m.obj")
+        # A post is the centre of its pixel, in the picture of the .glb and in rasters of the same window.
+        self.assertEqual(picture.shape[:2], heights.shape)
+        numpy.testing.assert_allclose(places, numpy.stack([(columns_at + 0.5) / columns, 1 - (rows_at + 0.5) / rows], axis=1), atol=2e-7)
+        points, pixels, obj_normals, faces = read_obj(self.folder / "m.obj")
+        numpy.testing.assert_allclose(pixels, numpy.stack([places[:, 0], 1 - places[:, 1]], axis=1), atol=2e-7)
+        points, obj_normals = z_up(points), z_up(obj_normals)
         numpy.testing.assert_allclose(points, positions, atol=1e-6 * max(1, abs(positions).max()))
         numpy.testing.assert_allclose(obj_normals, normals, atol=2e-6)
         numpy.testing.assert_array_equal(faces, triangles)
@@ -153,6 +172,63 @@ class Meshes(furrow_test.FurrowTest):
         truth /= numpy.linalg.norm(truth, axis=1)[:, None]
         inner = ((positions[:, :2] > 1) & (positions[:, :2] < 117)).all(axis=1)
         self.assertLess(abs(normals - truth)[inner].max(), 5 / 24 / 6 / 12 ** 2 + 1e-4)  # of a difference over two posts
+
+    def test_up(self):
+        store = self.synth(name="Große Höhe 7.furrow", posts="40x30", spacing=2)
+        for ending, read in (("obj", lambda path: read_obj(path)[0]), ("stl", lambda path: read_stl(path)[1].reshape(-1, 3))):
+            for axis in ("y", "z"):
+                told = self.ok("export", store, "--mesh", f"{axis}.{ending}", "--up", axis)
+                self.assertIn(f"; up is {axis}\n", told)
+            numpy.testing.assert_array_equal(z_up(read(self.folder / f"y.{ending}")), read(self.folder / f"z.{ending}"))
+            self.ok("export", store, "--mesh", f"m.{ending}")
+            self.assertEqual((self.folder / f"m.{ending}").read_bytes(), (self.folder / f"{'y' if ending == 'obj' else 'z'}.{ending}").read_bytes())
+        self.assertIn("\no Große Höhe 7\n", (self.folder / "m.obj").read_text())
+        self.ok("export", store, "--mesh", "m.glb", "--up", "y")
+        self.assertEqual(read_glb(self.folder / "m.glb")[0]["nodes"][0]["name"], "Große Höhe 7")
+        self.assertIn("leave --up out", self.refused(2, "export", store, "--mesh", "z.glb", "--up", "z"))
+        self.refused(2, "export", store, "--mesh", "z.obj", "--up", "x")
+        self.refused(2, "export", store, "-o", "z.tif", "--up", "z")
+        self.refused(2, "export", store, "--tiles", "tiles", "--up", "z")
+        self.assertFalse((self.folder / "z.glb").exists())
+
+    def colours(self, store, *options):
+        """Places of the mesh's vertices and the colours of the picture there."""
+        self.ok("export", store, "--mesh", "c.glb", *options)
+        _, positions, _, _, places, picture = read_glb(self.folder / "c.glb")
+        height, width = picture.shape[:2]
+        columns, rows = (numpy.clip(numpy.floor(places[:, k] * side).astype(int), 0, side - 1) for k, side in enumerate((width, height)))
+        return z_up(positions), picture[rows, columns].astype(int), picture.shape[:2]
+
+    def test_the_picture_has_ruts_in_colour_and_heights_without_them(self):
+        store = self.synth(posts="60x50", kind="plain", relief=0)
+        positions, plain, _ = self.colours(store)
+        self.assertEqual(len({tuple(colour) for colour in plain.tolist()}), 1)
+        self.ok("edit", store, "--polygon", "POLYGON ((10 20, 30 20, 30 28, 10 28, 10 20))", "--depth", -0.5, "--dense")
+        self.ok("edit", store, "--polygon", "POLYGON ((10 35, 30 35, 30 43, 10 43, 10 35))", "--depth", 0.5, "--dense")
+        positions, colours, _ = self.colours(store)
+        dug = positions[:, 2] < positions[:, 2].max() - 0.9
+        self.assertEqual(set(map(tuple, numpy.rint(positions[dug, :2]).astype(int).tolist())), {(x, y) for x in range(10, 30) for y in range(20, 28)})
+        ground = colours[(positions[:, 0] > 45)]
+        self.assertTrue((ground.max(axis=1) - ground.min(axis=1) < 12).all(), "ground is grey")
+        inner = dug & (positions[:, 0] > 12) & (positions[:, 0] < 27) & (positions[:, 1] > 22) & (positions[:, 1] < 25)
+        self.assertTrue((colours[inner].max(axis=1) - colours[inner].min(axis=1) > 40).all(), "a pit has a colour")
+        # A window beside the pit has none, so heights are shown.
+        _, beside, _ = self.colours(store, "--window", "40,0,59,49")
+        self.assertEqual({tuple(colour) for colour in beside.tolist()}, {tuple(plain[0].tolist())})
+
+    @unittest.skipUnless(furrow_test.has_gdal(), "no GDAL")
+    def test_a_large_mesh_has_a_smaller_picture_in_the_same_place(self):
+        x = numpy.arange(3000)
+        values = numpy.tile(numpy.where(abs(x - 2004) < 24, 50, 0), (20, 1)).astype(numpy.float32)
+        path = rasters.make(self.folder / "wall.tif", 3000, 20, values.ravel().tolist(), step=1)
+        self.ok("import", path, "-o", "wall.furrow", "--max-error", 0)
+        positions, colours, shape = self.colours("wall.furrow")
+        self.assertEqual(shape, (10, 1500))
+        on = abs(positions[:, 0] - 2004) < 20
+        far = abs(positions[:, 0] - 2004) > 28
+        high, low = numpy.median(colours[on], axis=0), numpy.median(colours[far], axis=0)
+        self.assertTrue((abs(colours[on] - high).sum(axis=1) < abs(colours[on] - low).sum(axis=1)).all())
+        self.assertTrue((abs(colours[far] - low).sum(axis=1) < abs(colours[far] - high).sum(axis=1)).all())
 
     def test_refusals(self):
         store = self.synth(posts="65x65")

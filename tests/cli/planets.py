@@ -135,6 +135,15 @@ class Planets(RasterTest):
             self.assertNotIn("radii", told)
             self.assertIn("not radii", self.refused(3, "import", "moon.img", "-o", "x.furrow", "--radii", "yes"))
 
+    def test_metres_like_the_radius_in_kilometres_are_heights(self):
+        """Highlands of the Moon at 1,400 to 2,000 m, in a file that says no unit; and radii in kilometres, which are within 1.2 % of it."""
+        for low, high, radii in ((1400, 2000, False), (1729, 1747, True), (1717, 1757, True)):
+            rasters.make(self.folder / "in.tif", WIDTH, HEIGHT, [low + (high - low) * k / (WIDTH * HEIGHT - 1) for k in range(WIDTH * HEIGHT)], west=10.0, north=20.0,
+                         step=0.01, srs="IAU_2015:30100")
+            result = self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite")
+            self.assertEqual((result.returncode, "its values are radii" in result.stderr), (0, radii), result.stderr)
+            self.assertAlmostEqual(self.json("info", "s.furrow")["height"][0], 1000 * (low - 1737.4) if radii else low, delta=1000 if radii else 10)
+
     def test_radii_need_a_sphere(self):
         cells = [3389000 + x for x in range(WIDTH * HEIGHT)]
         for srs, status, why in (("IAU_2015:49900", 0, ""), ("+proj=longlat +a=3396190 +b=3376200 +no_defs", 3, "ellipsoid"), (None, 3, "no SRS")):

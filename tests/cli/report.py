@@ -647,7 +647,7 @@ class Report(FurrowTest):
         self.assertAlmostEqual(results["car: work of its actuators for each metre, J/m"][0], work / went, delta=1e-6 * work / went)
         lost = sum(wheel[-1]["work"] - next(row["work"] for row in wheel if row["t"] >= late[0]["t"] * (1 - 1e-9)) for wheel in self.csv_of("car").values())
         self.assertAlmostEqual(results["car: energy into the soil for each metre, J/m"][0], lost / went, delta=1e-3 * lost / went)
-        self.assertLess(abs(results.get("car: tractive efficiency, share of 1", [0])[0]), 0.03)
+        self.assertLess(abs(results.get("car: tractive efficiency, share of 1", [0])[0]), 0.05)
         plots = page.plots("vehicles")
         wanted = {"speed": math.hypot(*(rows[-1][key] for key in ("vx", "vy", "vz"))), "work of the actuators": rows[-1]["work"] / 1e3,
                   "kinetic energy": rows[-1]["kinetic"] / 1e3}

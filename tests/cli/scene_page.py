@@ -65,6 +65,7 @@ SAMPLES = [
           soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}}),
     scene(WHEEL, redistribute={"model": "scm"}, spacing=0.25, soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}},
           relief={"roughness": 0.02, "wavelength": 2, "seed": 7, "classes": [{"value": 1, "roughness": 0.1, "wavelength": 3}]}),
+    scene(WHEEL, redistribute={"model": "scm"}, soil={"name": "lunar"}, ground={"rocks": {"cover": 0.1, "k": 0.2, "smallest": 0.5, "largest": 3, "seed": 5}}),
     scene(WHEEL, attributes={"disturbance": {"heals": 86400}, "vegetation": {"cover": 0.9, "height": 0.2, "tears": 0.4, "rises": 3600, "grows": 86400,
           "classes": [{"value": 1, "cover": 0.2}]}, "elapsed": 60}, soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}}),
     scene(wheel(shape={"mesh": {"file": "foot.obj", "scale": 2, "belt": True}})),

@@ -59,6 +59,32 @@ class Seams(RasterTest):
         self.ok("import", *(f"t{i}.tif" for i in (2, 0, 1, 3)), "-o", "s.furrow", "--t-srs", "EPSG:6933")
         self.assertGreater(self.json("info", "s.furrow")["posts"][0], 100)
 
+    def test_all_longitudes_around_a_pole_leave_no_line_of_holes(self):
+        """The posts on the meridian where both ends of the data meet, and the pole itself. Heights fall by 50 m a degree."""
+        step, rows = 0.5, 12
+
+        def tile(name, west, pole, columns):
+            heights = lambda column, row: 1000 - 50 * step * ((row if pole > 0 else rows - 1 - row) + 0.5)  # noqa: E731
+            return self.make(name, columns, rows, heights, west=west, north=90.0 if pole > 0 else -90.0 + rows * step, step=step, srs="EPSG:4326")
+
+        for pole in (1, -1):
+            for number, west in enumerate((-180.0, -90.0, 0.0, 90.0)):
+                tile(f"quarter{number}.tif", west, pole, 180)
+            tile("whole.tif", -180.0, pole, 720)
+            tile("whole360.tif", 0.0, pole, 720)
+            for sources in (("whole.tif",), ("whole360.tif",), ("quarter2.tif", "quarter0.tif", "quarter3.tif", "quarter1.tif")):
+                with self.subTest(pole=pole, sources=sources):
+                    self.ok("import", *sources, "-o", "s.furrow", "--overwrite", "--max-error", 0.01)
+                    width, height, found = self.exported("s.furrow")
+                    self.assertEqual(width % 2 + height % 2, 2)  # a post is on the pole, and a line of posts on the meridian
+                    info = self.json("info", "s.furrow")
+                    for place, got in enumerate(found):
+                        x, y = place % width - width // 2, place // width - height // 2
+                        away = math.hypot(x, y) * info["spacing"] / 111600  # degrees, nearly
+                        if away < rows * step - 0.2:
+                            self.assertIsNotNone(got, (x, y))
+                            self.assertAlmostEqual(got, 1000 - 50 * max(away, step / 2), delta=6)
+
     def test_a_pole_in_the_middle_of_a_grid(self):
         for srs, centre in (("EPSG:3413", 0.0), ("EPSG:3031", 0.0), ("EPSG:5041", 2000000.0)):
             self.make("pole.tif", 60, 60, lambda column, row: 3000 - 20 * math.hypot(column - 29.5, row - 29.5), west=centre - 30000, north=centre + 30000, step=1000, srs=srs)

@@ -303,6 +303,24 @@ class Tiles(furrow_test.FurrowTest):
         self.assertEqual(after, files(self.export(store, "whole", *look)))
         self.assertEqual(tiles_of(folder, "ruts"), [])
 
+    def test_since_tells_a_reset_after_more_commits_than_before(self):
+        look = ("--height-range", "-0.2,0.2")
+        store = self.synth(posts="257x257", spacing=1, relief=10)
+        self.dig(store, [[60, 45], [64, 45]], "short.yaml")
+        self.export(store, "tiles", *look)
+        revision = json.loads((self.folder / "tiles/furrow-tiles.json").read_text())["revision"]
+        self.ok("reset", store)
+        for points in ([[160, 145], [180, 145]], [[60, 145], [80, 145]]):
+            self.dig(store, points, "other.yaml")
+        self.assertGreater(self.json("info", store)["last_run"]["epochs"], revision)
+        said = self.furrow("export", store, "--tiles", "tiles", "--leaflet", self.leaflet, "--since", revision, *look)
+        self.assertEqual(said.returncode, 3)
+        self.assertIn("its tiles are of another drive: the store was reset since; leave --since out", said.stderr)
+        self.export(store, "tiles", *look)
+        after, whole = files(self.folder / "tiles"), files(self.export(store, "whole", *look))
+        self.assertEqual([path for path in after if after[path] != whole.get(path)], [])
+        self.export(store, "tiles", "--since", json.loads(after["furrow-tiles.json"])["revision"], *look)
+
     # --- kills ---
 
     @furrow_test.long

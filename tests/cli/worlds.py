@@ -137,6 +137,26 @@ class VehiclesTest(SensorsTest):
                         at = prim.ComputeLocalToWorldTransform(float(rows["t"][-1]) * stage.GetTimeCodesPerSecond()).ExtractTranslation()
                         np.testing.assert_allclose(list(at), place, atol=1e-6, err_msg=body)
 
+    def test_meshes_that_are_not_there_are_left_out(self):
+        """A drive tells of them and leaves them out, so what is made of the drive does, too."""
+        if not has("mujoco"):
+            self.skipTest("not on this machine: the Python package mujoco")
+        assets = '<asset><mesh name="lid" file="gone.stl"/><mesh file="away.obj"/><mesh name="one" file="one.obj"/><mesh name="two" file="gone_one.obj"/><texture name="t" type="2d" file="gone.png"/><material name="m" texture="t"/></asset>'
+        bodies = (f'<body name="hull" pos="0 0 0.4"><freejoint/><geom type="box" size="0.4 0.3 0.1" mass="50" material="m"/>{FEET}<geom type="mesh" mesh="lid" contype="0" conaffinity="0"/><geom type="mesh" mesh="one" contype="0" conaffinity="0" mass="0"/>'
+                  '<body name="arm" pos="0 0 0.3"><joint name="elbow" axis="0 1 0"/><inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/><geom type="mesh" mesh="away" contype="0" conaffinity="0"/></body></body>')
+        (self.folder / "one.obj").write_text("v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")  # its name is the end of another one's
+        (self.folder / "own.xml").write_text(f"<mujoco>{assets}<worldbody>{bodies}</worldbody></mujoco>")
+        self.driven(SCENE[:SCENE.index("vehicles:")] + "vehicles:\n  - {name: it, model: own.xml, start: {at: [30, 30]}}\noutput: {vehicles: 50}\n", self.ground("level", lambda x: 5), again=True)
+        for made in (("world", "out", "-o", "mjcf"), ("world", "out", "-o", "sdf", "--format", "sdf"), *([("usd", "out", "-o", "it.usdc")] if has("pxr") else [])):
+            told = self.furrow(*made, env=WITH_PYTHON)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            for line in ("mesh gone.stl of own.xml is not found", "mesh away.obj of own.xml is not found", "mesh gone_one.obj of own.xml is not found", "image gone.png of own.xml is not found"):
+                self.assertEqual(told.stderr.count(line), 1, told.stderr)
+            self.assertNotIn("mesh one.obj", told.stderr)
+        import mujoco
+        model = mujoco.MjModel.from_xml_path(str(self.folder / "mjcf/world.xml"))
+        self.assertEqual((model.nmesh, model.body("it/arm").mass[0]), (1, 1))
+
     def test_a_column_of_no_joint_is_told(self):
         if not has("mujoco"):
             self.skipTest("not on this machine: the Python package mujoco")
@@ -182,9 +202,22 @@ class WorldsTest(SensorsTest):
         np.testing.assert_allclose(z + reach * field, heights, atol=1e-6)
         self.assertLess((heights - (2 + np.tan(np.radians(SLOPE)) * (28 + 0.0625 * np.arange(65)))).min(), -0.02) # with ruts
 
+    def check_ground(self, text, ground, steps):
+        """The ground that is exported is that of a world over the drive's overlay, whose `ground` stands in its scene. It has steps above `steps`, in metres."""
+        from furrow import World
+        shutil.rmtree(self.folder / "site", ignore_errors=True)
+        self.driven(text.replace("end_time: 0.2", "end_time: 0.02"), "slope.furrow", again=True)
+        self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,28,32,31")
+        data = (self.folder / "site/ground.bin").read_bytes()
+        world = ElementTree.parse(self.folder / "site/world.xml").getroot()
+        low, reach = float(world.find("worldbody/geom").get("pos").split()[2]), float(world.find("asset/hfield").get("size").split()[2])
+        with World({"spacing": 0.0625, **ground}, store=self.folder / "ruts.furrow", readonly=True) as own:
+            heights = own.read("surface", column=448, row=448, columns=65, rows=49)
+        np.testing.assert_allclose(low + reach * np.frombuffer(data[8:], "<f4").reshape(49, 65), heights, atol=1e-6)
+        self.assertGreater(np.abs(np.diff(heights, axis=0)).max(), steps)
+
     def test_the_ground_has_the_relief_of_the_drive(self):
         """For all ground, and by classes of a map of soils."""
-        from furrow import World
         write_png8(self.folder / "map.png", 65, 65, lambda x, y: 1 if x < 30 else 2 if x < 40 else 0)
         plain = {"roughness": 0.004, "wavelength": 3.0, "seed": 7}
         soil = {"map": str(self.folder / "map.png"), "classes": {"1": "dry_sand", "2": "lete_sand"}, "default": "lunar"}
@@ -194,16 +227,15 @@ class WorldsTest(SensorsTest):
                 text = SCENE.replace("redistribute:", f"relief: {json.dumps(relief)}\nredistribute:")
                 if ground:
                     text = text.replace("soil: {name: dry_sand}", "soil: {map: map.png, classes: {1: dry_sand, 2: lete_sand}, default: lunar}")
-                shutil.rmtree(self.folder / "site", ignore_errors=True)
-                self.driven(text.replace("end_time: 0.2", "end_time: 0.02"), "slope.furrow", again=True)
-                self.made("world", "out", "-o", "site", "--no-vehicles", "--window", "28,28,32,31")
-                data = (self.folder / "site/ground.bin").read_bytes()
-                world = ElementTree.parse(self.folder / "site/world.xml").getroot()
-                low, reach = float(world.find("worldbody/geom").get("pos").split()[2]), float(world.find("asset/hfield").get("size").split()[2])
-                with World({"spacing": 0.0625, "relief": relief, **({"soil": ground} if ground else {})}, store=self.folder / "ruts.furrow", readonly=True) as own:
-                    heights = own.read("surface", column=448, row=448, columns=65, rows=49)
-                np.testing.assert_allclose(low + reach * np.frombuffer(data[8:], "<f4").reshape(49, 65), heights, atol=1e-6)
-                self.assertGreater(np.abs(np.diff(heights, axis=0)).max(), 0.001)
+                self.check_ground(text, {"relief": relief, **({"soil": ground} if ground else {})}, steps=0.001)
+
+    def test_the_ground_has_the_rocks_of_the_drive(self):
+        """Alone, and with relief."""
+        rocks, relief = {"cover": 0.2, "largest": 1, "smallest": 0.2, "seed": 3}, {"roughness": 0.004, "wavelength": 3.0, "seed": 7}
+        for more in ({"ground": {"rocks": rocks}}, {"ground": {"rocks": rocks}, "relief": relief}):
+            with self.subTest(more=more):
+                text = SCENE.replace("redistribute:", "".join(f"{key}: {json.dumps(value)}\n" for key, value in more.items()) + "redistribute:")
+                self.check_ground(text, more, steps=0.05)
 
     def test_a_heightmap_is_the_ground(self):
         self.made("world", "out", "-o", "gazebo", "--format", "sdf", "--no-vehicles", "--window", "28,28,32,32")

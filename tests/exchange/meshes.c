@@ -81,7 +81,12 @@ static double true_volume(struct post_rect rect, double spacing, double origin, 
 static void assimp_reads_what_was_told(void **state)
 {
 	static const double spacings[] = {0.05, 1, 30};
-	static const char *const names[] = {"m.obj", "m.stl", "m.glb"};
+	static const struct {
+		const char *name;
+		enum exchange_up up;
+		bool y_up;
+	} files[] = {{"m.obj", EXCHANGE_UP_FORMAT, true}, {"m.obj", EXCHANGE_UP_Z, false}, {"m.stl", EXCHANGE_UP_FORMAT, false},
+		     {"m.stl", EXCHANGE_UP_Y, true}, {"m.glb", EXCHANGE_UP_FORMAT, true}, {"m.glb", EXCHANGE_UP_Y, true}};
 	for (size_t i = 0; i < 3; i++) {
 		const char *path = support_path("mesh.furrow");
 		support_store(path, (struct extent){97, 70, spacings[i], CELLS}, waves);
@@ -89,12 +94,14 @@ static void assimp_reads_what_was_told(void **state)
 		struct store_reader *reader;
 		must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 		must(store_reader_create(store, &reader));
-		for (size_t k = 0; k < 3; k++) {
+		for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
 			struct post_rect rect = {5, 3, 90, 69};
-			struct exchange_mesh_params params = {.reader = reader, .meta = store_meta(store), .path = support_path(names[k]), .rect = rect};
+			struct exchange_mesh_params params = {.reader = reader, .meta = store_meta(store), .path = support_path(files[k].name), .rect = rect,
+				.up = files[k].up};
 			struct exchange_mesh_result told;
 			must(exchange_mesh(&params, &told));
-			bool y_up = k == 2;
+			const bool y_up = files[k].y_up;
+			assert_int_equal(told.y_up, y_up);
 			struct read read = read_mesh(params.path, y_up ? 1 : 2);
 			uint64_t triangles;
 			double volume = true_volume(rect, spacings[i], told.origin[2], &triangles);

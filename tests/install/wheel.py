@@ -1,6 +1,7 @@
 """`pip install .`: in a fresh environment the command, the Python package and its vehicles work, and no variable is needed."""
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -64,6 +65,12 @@ class WheelTest(unittest.TestCase):
         # The engine plugin finds the library beside itself, and says nothing where no MuJoCo loads it.
         told = self.output("fresh/bin/python", "-c", f"import ctypes; ctypes.CDLL({str(package / 'libfurrow_mujoco.so')!r}); print('loaded')")
         self.assertEqual(told, "loaded\n")
+        # MuJoCo's own import calls it; here a module of its version stands for it. Of another version nothing is loaded.
+        version = re.search(rb"libmujoco\.so\.([0-9.]+)", (package / "libfurrow.so.0").read_bytes())[1].decode()
+        called = ("import importlib.metadata as m, sys, types; sys.modules['mujoco'] = types.SimpleNamespace(__version__=sys.argv[1]); "
+                  "[e.load()() for e in m.entry_points(group='mujoco.plugins')]; print('libfurrow_mujoco.so' in open('/proc/self/maps').read())")
+        self.assertEqual(self.output("fresh/bin/python", "-c", called, version), "True\n")
+        self.assertEqual(self.output("fresh/bin/python", "-c", called, "3.3.0"), "False\n")
 
 
 if __name__ == "__main__":

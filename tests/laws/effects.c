@@ -64,6 +64,7 @@ static const struct pair pairs[] = {
 	{EFFECT_VEGETATION, HEAD SPHERE VIEW(""), HEAD SPHERE "attributes: [vegetation]\n" VIEW(""), true},
 	{EFFECT_DISTURBANCE, HEAD SPHERE SCM, HEAD SPHERE SCM "attributes: {disturbance: {heals: 100}}\n", false},
 	{EFFECT_SUBDIVIDE, HEAD SPHERE, HEAD SPHERE "spacing: 0.5\n", false},
+	{EFFECT_ROCKS, HEAD SPHERE SCM, HEAD SPHERE SCM "ground: {rocks: {cover: 0.1, largest: 5}}\n", false},
 	{EFFECT_RELIEF, HEAD SPHERE "spacing: 0.25\n", HEAD SPHERE "spacing: 0.25\nrelief: {roughness: 0.02, wavelength: 2}\n", true},
 	{EFFECT_PYRAMID, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_PICTURE, HEAD SPHERE, HEAD SPHERE VIEW(""), false},

@@ -365,6 +365,32 @@ class TheSame(Ranks):
         self.compare(text, ranks=RANKS[-1:])
 
 
+    def test_hulls_that_touch_the_ground_of_other_ranks(self):
+        """Sleds tip over, so that masts that were high above the ground hit it, in the ruts of others and over the edges of tiles. A car drives with its hulls, and one falls on its roof."""
+        if not (MODELS / "offroad.xml").exists():
+            self.skipTest("no vehicle models")
+        shutil.copy(MODELS / "offroad.xml", self.folder)
+        (self.folder / "sled.xml").write_text("""<mujoco><worldbody><body name="sled"><freejoint/><geom name="base" type="box" size=".5 .4 .1" mass="60"/>
+            <geom name="mast" type="capsule" size=".12" fromto="0 0 .2 0 0 1.2" mass="90"/><geom name="head" type="sphere" size=".25" pos="0 0 1.3" mass="60"/></body></worldbody></mujoco>""")
+        vehicles = "".join(
+            f"  - name: {name}\n    model: sled.xml\n    start: {{at: {at}, yaw: {yaw}, speed: {speed}, settle: false}}\n"
+            for name, at, yaw, speed in (("a", [60.5, 60], 0, 5), ("b", [100, 66.5], -90, 5.5))) + "".join(
+            f"  - name: {name}\n    model: offroad.xml\n    start: {{at: {at}, yaw: {yaw}{start}}}\n"
+            f"    driver: {{path: {{points: [{at}, {to}], speed: 5}}, steer: [steer_*], drive: [drive_*]}}\n"
+            for name, at, yaw, to, start in (("car", [50, 58.5], 0, [80, 59.5], ", settle: false"), ("roof", [61, 90], 0, [80, 90], ", roll: 160, height: 0.5")))
+        text = scene("scm", 2, wheel("w", [[76, 61], [60, 60.5]], 9), step=0.004, more="vehicles:\n" + vehicles)
+        text = text.replace("output: {forces: 20}", "output: {forces: 50, vehicles: 50}")
+        if "this build has no MuJoCo" in self.furrow("explain", self.scene(text)).stderr:
+            self.skipTest("no MuJoCo in this build")
+        self.compare(text, ranks=RANKS[-1:])
+        reports = [json.loads((self.folder / name / "run.json").read_text())["vehicles"] for name in ("one", f"many{RANKS[-1]}")]
+        for name in reports[0]:
+            self.assertEqual(reports[1][name], reports[0][name])
+        told = (self.folder / "one" / "objects.csv").read_text()
+        for hull in ("a.mast", "b.head", "roof."):   # they were in the world, at some time
+            self.assertIn(hull, told)
+
+
 class Killed(Ranks):
     def test_a_kill_of_any_rank_loses_nothing(self):
         chance = random.Random(SEED)

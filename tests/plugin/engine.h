@@ -25,6 +25,12 @@ static struct {
 static jmp_buf engine_back;
 static char engine_error[1024]; /* MuJoCo's last error, once engine_catches */
 static _Bool engine_catches;
+static char engine_warning[1024]; /* MuJoCo's last warning */
+
+static void engine_warn(const char *text)
+{
+	snprintf(engine_warning, sizeof engine_warning, "%s", text);
+}
 
 static void engine_fail(const char *text)
 {
@@ -58,6 +64,7 @@ static inline int engine_enter(void **state)
 #undef ENGINE_FIND
 	void (**error)(const char *) = dlsym(library, "mju_user_error");
 	*error = engine_fail;
+	*(void (**)(const char *))dlsym(library, "mju_user_warning") = engine_warn;
 	engine.mj_loadPluginLibrary(getenv("FURROW_PLUGIN"));
 	return 0;
 }
@@ -88,6 +95,16 @@ static inline mjModel *engine_model(const char *xml)
 	if (model == NULL) /* what a plugin refuses comes as the compiler's error */
 		snprintf(engine_error, sizeof engine_error, "%s", engine.mjs_getError(spec));
 	engine.mj_deleteSpec(spec);
+	return model;
+}
+
+/* The same, of a model that must not be refused. */
+static inline mjModel *engine_accepted(const char *xml)
+{
+	mjModel *model = engine_model(xml);
+	if (model == NULL)
+		print_error("%s\n", engine_error);
+	assert_non_null(model);
 	return model;
 }
 

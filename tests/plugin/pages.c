@@ -43,10 +43,7 @@ static void the_rover_of_the_page_drives(void **state)
 	assert_int_equal(chdir(support_folder), 0);
 	run_console(console);
 	support_write("ground.yaml", scene);
-	mjModel *model = engine_model(xml);
-	if (model == NULL)
-		print_error("%s\n", engine_error);
-	assert_non_null(model);
+	mjModel *model = engine_accepted(xml);
 	mjData *data = engine.mj_makeData(model);
 	for (int i = 0; i < model->nu; i++)
 		data->ctrl[i] = 2;

@@ -49,11 +49,7 @@ static mjModel *cart(const char *integrator, double step)
 		 (int)(from - text), text, option, engine_extension("wheel", ""), (int)(end - body - (long)strlen("<body name=\"carriage\" pos=\"0 0 0.5\">")),
 		 body + strlen("<body name=\"carriage\" pos=\"0 0 0.5\">"), sensors);
 	free(text);
-	mjModel *model = engine_model(xml);
-	if (model == NULL)
-		print_error("%s\n", engine_error);
-	assert_non_null(model);
-	return model;
+	return engine_accepted(xml);
 }
 
 struct ride {
@@ -134,10 +130,7 @@ static void jerk_light(struct jerks *jerks)
 	snprintf(sensors, sizeof sensors, ENGINE_SENSOR, "wheel");
 	snprintf(head, sizeof head, "%s%s", LIGHT_OPTION, engine_extension("wheel", ""));
 	snprintf(xml, sizeof xml, LIGHT, head, 0.151, "<plugin plugin=\"furrow.soil\" instance=\"ground\"/>", sensors);
-	mjModel *model = engine_model(xml);
-	if (model == NULL)
-		print_error("%s\n", engine_error);
-	assert_non_null(model);
+	mjModel *model = engine_accepted(xml);
 	mjData *data = engine.mj_makeData(model);
 	for (int i = 0; i < STEPS; i++) {
 		data->ctrl[0] = jerked(i);

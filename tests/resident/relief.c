@@ -3,6 +3,7 @@
 #include "../support/program.h"
 
 #include "insets.h"
+#include "ways.h"
 
 static const uint32_t sizes[] = {8, 32, 64};
 
@@ -80,10 +81,7 @@ static void check_tiles(uint32_t n, int working, bool classes)
 	must(resident_ground_create(store, 2, &ground));
 	for (int level = working; level < 0; level++)
 		for (uint32_t k = 0; k < 30; k++) {
-			const bool inside = k % 2 == 0; /* about the insets */
-			const double share = inside ? 0.25 + 0.25 * (k * 37 % 101) / 101.0 : (k * 53 % 101) / 101.0;
-			const struct tile tile = {level, (uint32_t)(share * extent_tiles_x(extent, level)),
-						  (uint32_t)((inside ? share + 0.1 : 1 - share) * (extent_tiles_y(extent, level) - 1))};
+			const struct tile tile = ways_tile(extent, level, k);
 			const struct post_rect rect = tile_post_rect(extent, tile);
 			int shift;
 			uint32_t sub_x, sub_y;
@@ -143,13 +141,9 @@ static void every_way_gives_the_same_point(void **state)
 		for (int classes = 0; classes < 2; classes++) {
 			const int working = -6;
 			struct store *store = open_raised(sizes[i], working, classes == 1);
-			struct ground *ground;
-			struct newest *newest;
-			struct store_reader *reader;
+			struct ways ways;
 			int raised = 0;
-			must(resident_ground_create(store, 3, &ground));
-			must(resident_newest_create(store, NULL, &newest));
-			must(store_reader_create(store, &reader));
+			ways_open(store, &ways);
 			for (int k = 0; k < 150; k++) {
 				const double share[2] = {(k * 977 % 4001) / 4001.0, (k * 1613 % 4003) / 4003.0};
 				const double x = lattice_offset_metres(lattice_offset(k % 2 ? 256 * share[0] : 70 + 28 * share[0]));
@@ -162,26 +156,18 @@ static void every_way_gives_the_same_point(void **state)
 					corners[c] = post == BASE_NODATA ? (double)NAN : lattice_base_metres(post);
 				}
 				const double wanted = lattice_bilinear(corners, px - (double)cx, py - (double)cy, 0);
-				const struct resident_point point = {x, y};
-				struct resident_height told;
-				struct store_sample sample;
-				int64_t height;
-				bool any;
-				must(resident_ground_height(ground, lattice_offset(x), lattice_offset(y), &height, &any));
-				must(resident_newest_heights(newest, &point, 1, &told));
-				must(store_sample(reader, x, y, &sample));
-				assert_true(any == !isnan(wanted) && any == !sample.nodata && any == !told.nodata);
+				struct ways_heights at;
+				const bool any = ways_at(&ways, x, y, &at);
+				assert_true(any == !isnan(wanted));
 				if (!any)
 					continue;
-				assert_true(fabs(lattice_offset_metres(height) - wanted) < 1e-6);
-				assert_true(fabs(sample.height - wanted) < 1e-9 && fabs(told.bilinear - wanted) < 1e-9);
-				assert_int_equal(told.level, working);
+				assert_true(fabs(lattice_offset_metres(at.height) - wanted) < 1e-6);
+				assert_true(fabs(at.sample.height - wanted) < 1e-9 && fabs(at.told.bilinear - wanted) < 1e-9);
+				assert_int_equal(at.told.level, working);
 				raised += fabs(wanted - corners[0]) > 1e-3;
 			}
 			assert_true(raised > 50);
-			store_reader_destroy(reader);
-			resident_newest_destroy(newest);
-			resident_ground_destroy(ground);
+			ways_close(&ways);
 			store_close(store);
 		}
 }

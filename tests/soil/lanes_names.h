@@ -86,6 +86,7 @@
 #define soil_faces_reach LANES_NAME(LANES_OF, faces_reach)
 #define soil_push LANES_NAME(LANES_OF, push)
 #define soil_push_changes LANES_NAME(LANES_OF, push_changes)
+#define soil_push_forces LANES_NAME(LANES_OF, push_forces)
 #define soil_ahead_read LANES_NAME(LANES_OF, ahead_read)
 #define soil_ahead_find LANES_NAME(LANES_OF, ahead_find)
 #define soil_ahead_body LANES_NAME(LANES_OF, ahead_body)

@@ -1,6 +1,7 @@
 /* Staged bases: an overlay reads its base from a copy, and names the original; a copy that is not what its name says is refused. */
 #include "chain.h"
 #include "../support/program.h"
+#include "../support/skip.h"
 
 #include <pthread.h>
 
@@ -299,6 +300,44 @@ static void of_many_that_stage_at_once_one_copies(void **state)
 	}
 }
 
+/* Imagery may be far larger than the heights, and no run reads it. */
+static void a_copy_has_no_imagery(void **state)
+{
+	static const uint8_t grey[4 * POSTS] = {90, 90, 90, 255};
+	const char *base = in_folder("coloured.furrow");
+	const struct store_imagery_making making = {.quality = 0, .sources = "o.tif\n", .request = "o.tif"};
+	struct store_staged before;
+	int64_t tiles;
+	if (!store_imagery_possible())
+		skip_since("no libwebp");
+	make_store(base);
+	assert_ok(store_stage_name(base, stage, &before));
+	struct store *store = open_store(base, STORE_WRITE);
+	assert_ok(store_imagery_begin(store, &making, &tiles));
+	for (int level = 0; level <= extent_coarsest(&extent); level++) {
+		void *packed;
+		size_t size;
+		assert_ok(store_imagery_pack(grey, SIDE, 0, &packed, &size));
+		assert_ok(store_imagery_put(store, (struct tile){level, 0, 0}, packed, size));
+		mem_free(packed);
+	}
+	assert_ok(store_imagery_finish(store));
+	store_close(store);
+	struct store_staged staged = staged_of(base, true);
+	assert_string_equal(staged.copy, before.copy);
+	store = open_store(base, STORE_READ);
+	struct store *copy = open_store(staged.copy, STORE_READ);
+	assert_true(store_has_imagery(store, NULL, NULL));
+	assert_false(store_has_imagery(copy, NULL, NULL));
+	assert_true(store_base_hash(copy) == store_base_hash(store));
+	verified(copy);
+	store_close(copy);
+	store_close(store);
+	unlink(staged.copy);
+	store_staged_finish(&staged);
+	store_staged_finish(&before);
+}
+
 TEST_PROGRAM(stage)
 {
 	const struct CMUnitTest tests[] = {
@@ -307,6 +346,7 @@ TEST_PROGRAM(stage)
 		cmocka_unit_test(what_is_no_whole_copy_is_refused_and_kept),
 		cmocka_unit_test(a_copying_that_is_stopped_leaves_nothing),
 		cmocka_unit_test(of_many_that_stage_at_once_one_copies),
+		cmocka_unit_test(a_copy_has_no_imagery),
 	};
 	return cmocka_run_group_tests(tests, enter, leave);
 }

@@ -176,6 +176,40 @@ static void joints_begin_within_their_limits(void **state)
 	unload(vehicles, scene);
 }
 
+#define MJ_CART(more, end) "<mujoco><worldbody><body name='base'><freejoint/><geom type='box' size='.6 .3 .1' mass='50'/>" \
+	MJ_WHEEL("fl", ".6 .5 -.2") MJ_WHEEL("fr", ".6 -.5 -.2") MJ_WHEEL("rl", "-.6 .5 -.2") MJ_WHEEL("rr", "-.6 -.5 -.2") more "</body></worldbody><actuator>" \
+	"<velocity name='wheel_fl' joint='fl' kv='9'/><velocity name='wheel_fr' joint='fr' kv='9'/><velocity name='wheel_rl' joint='rl' kv='9'/><velocity name='wheel_rr' joint='rr' kv='9'/>" end "</mujoco>"
+#define MJ_WHEEL(name, at) "<body pos='" at "'><joint name='" name "' axis='0 1 0'/><geom type='cylinder' size='.3 .1' mass='5' zaxis='0 1 0'/></body>"
+#define MJ_ARM(more) "<body pos='0 0 .3'><joint name='arm' axis='0 1 0' range='-1 1' limited='true'" more "/><geom type='capsule' size='.05' fromto='0 0 0 .5 0 0' mass='3'/></body>"
+
+static void a_limb_that_nothing_holds_is_told_once(void **state)
+{
+	static const struct {
+		const char *model, *keys, *says; /* says: NULL: nothing is told */
+	} rows[] = {
+		{CART ARM "</robot>", "", "vehicles.car: 1 joint with limits (arm) has no actuator, spring or friction: nothing holds it"},
+		{MJ_CART(MJ_ARM(""), "</actuator>"), PATH, "vehicles.car: 1 joint with limits (arm) has no actuator, spring or friction: nothing holds it"},
+		{MJ_CART(MJ_ARM(""), "</actuator>"), "", "nothing holds it, and what is below hangs; servo: {lock: [JOINT, ...]} locks it"},
+		{MJ_CART(MJ_ARM(""), "<motor name='arm' joint='arm' ctrlrange='-5 5'/></actuator>"), PATH, "1 joint with limits (arm) has motors that the driver does not name"},
+		{MJ_CART(MJ_ARM(""), "<motor name='arm' joint='arm' ctrlrange='-5 5'/></actuator>"), "", NULL}, /* a host may use it */
+		{MJ_CART(MJ_ARM(""), "<position name='arm' joint='arm' kp='500'/></actuator>"), PATH, NULL},
+		{MJ_CART(MJ_ARM(" stiffness='90'"), "</actuator>"), PATH, NULL},
+		{MJ_CART(MJ_ARM(""), "</actuator>"), PATH ", servo: {lock: [arm]}", NULL},
+		{MJ_CART(MJ_ARM(""), "</actuator><equality><joint joint1='arm'/></equality>"), PATH, NULL},
+		{MJ_CART(MJ_ARM(""), "</actuator><tendon><fixed name='t' stiffness='9'><joint joint='arm' coef='1'/></fixed></tendon>"), PATH, NULL},
+		{MJ_CART("<body><joint name='rocker' axis='0 1 0' range='-1 1' limited='true'/><geom type='box' size='.1 .1 .1' mass='3'/>" MJ_WHEEL("more", "0 .6 -.2") "</body>", "</actuator>"), PATH, NULL},
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct scene *scene;
+		struct vehicles *vehicles = load(rows[i].model, rows[i].keys, NULL, rows[i].says, &scene);
+		unload(vehicles, scene);
+		const char *first = strstr(told, "nothing holds"), *second = first != NULL ? strstr(first + 1, "nothing holds") : NULL;
+		if ((first != NULL) != (rows[i].says != NULL) || second != NULL)
+			fail_msg("row %zu told:\n%s", i, told);
+	}
+}
+
 TEST_PROGRAM(locks)
 {
 	const struct CMUnitTest tests[] = {
@@ -184,6 +218,7 @@ TEST_PROGRAM(locks)
 		cmocka_unit_test(limits_may_be_odd),
 		cmocka_unit_test(the_scene_locks_joints),
 		cmocka_unit_test(joints_begin_within_their_limits),
+		cmocka_unit_test(a_limb_that_nothing_holds_is_told_once),
 	};
 	return cmocka_run_group_tests_name("joints that nothing drives", tests, support_enter, support_leave);
 }

@@ -204,6 +204,55 @@ static void what_slides_away_before_the_drive_is_refused(void **state)
 	must(drive("{name: v, model: box.xml, start: {at: [8, 8], settle: false}}", "0.01", &(struct drive_cut){.out = support_path("out")}));
 }
 
+#define BALL "<mujoco><option timestep=\"0.002\"/><worldbody><body name=\"ball\" pos=\"0 0 0.2\"><freejoint/><geom name=\"ball\" type=\"sphere\" size=\"0.2\" mass=\"30\"/></body></worldbody></mujoco>"
+#define ROLLER(name, at) "<body pos=\"" at "\"><joint name=\"" name "\" axis=\"0 1 0\"/><geom type=\"cylinder\" size=\"0.2 0.08\" euler=\"90 0 0\" mass=\"5\"/></body>"
+#define CART "<mujoco><option timestep=\"0.002\"/><worldbody><body name=\"cart\" pos=\"0 0 0.2\"><freejoint/><geom type=\"box\" size=\"0.5 0.3 0.08\" mass=\"60\"/>" \
+	     ROLLER("fl", ".4 .4 0") ROLLER("fr", ".4 -.4 0") ROLLER("rl", "-.4 .4 0") ROLLER("rr", "-.4 -.4 0") "</body></worldbody>" \
+	     "<keyframe><key name=\"turned\" qpos=\"0 0 0.2 1 0 0 0 0.5 0.5 0.5 0.5\"/></keyframe></mujoco>"
+
+/* What each vehicle does on each slope: it rests where it was set down, or begins as it was told, or is refused with how far it went. */
+static void starts_on_slopes(void **state)
+{
+	static const struct {
+		const char *model, *start;
+		double degrees, speed; /* speed: m/s at the start, along the slope or the level, within 1 %; 0: at rest, slower than 5 mm/s */
+		const char *says;      /* NULL: it begins */
+	} rows[] = {
+		{"box.xml", "yaw: 30", 5, 0, NULL},
+		{"box.xml", "yaw: 90", 15, 0, NULL},
+		{"box.xml", "pitch: 0", 25, 0, "on this slope of 25 degrees, and it has no wheels or belts that brake"},
+		{"box.xml", "settle: false, speed: -1.5", 30, 1.5, NULL},
+		{"ball.xml", "yaw: 0", 0, 0, NULL},
+		{"ball.xml", "settle: false, speed: 1", 10, 1, NULL},
+		{"cart.xml", "yaw: 0", 10, 0, NULL},
+		{"cart.xml", "yaw: 180", 20, 0, NULL},
+		{"cart.xml", "yaw: 45, keyframe: turned", 15, 0, NULL},
+		{"cart.xml", "yaw: 90, speed: 2", 10, 2, NULL},
+		{"cart.xml", "yaw: 180, speed: 3, settle: false", 30, 3, NULL},
+		{"cart.xml", "joints: {fl: 0.3, 'r*': -0.2}", 5, 0, NULL},
+		{"cart.xml", "height: 0.3, pitch: -10, roll: 15", 20, 0, NULL},
+	};
+	(void)state;
+	support_write(support_path("box.xml"), BOX);
+	support_write(support_path("ball.xml"), BALL);
+	support_write(support_path("cart.xml"), CART);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct drive_row first[4];
+		char vehicle[300];
+		slope = tan(rows[i].degrees * M_PI / 180);
+		snprintf(vehicle, sizeof vehicle, "{name: v, model: %s, start: {at: [8, 8], %s}}", rows[i].model, rows[i].start);
+		if (rows[i].says != NULL) {
+			refused(vehicle, rows[i].says);
+			continue;
+		}
+		assert_true(rows_of(vehicle, "0.01", "v", first, 4) > 1);
+		const double speed = hypot(hypot(first->vx, first->vy), first->vz), moved = hypot(first->x - 8, first->y - 8);
+		print_message("%s {%s} on %g degrees: %.4g m/s, %.4g m away\n", rows[i].model, rows[i].start, rows[i].degrees, speed, moved);
+		assert_true(rows[i].speed > 0 ? fabs(speed - rows[i].speed) < 0.01 * rows[i].speed : speed < 0.005);
+		assert_true(moved < 0.25);
+	}
+}
+
 static void wrong_starts_are_refused(void **state)
 {
 	(void)state;
@@ -232,6 +281,7 @@ TEST_PROGRAM(start)
 		cmocka_unit_test(one_that_falls_waits_until_the_others_rest),
 		cmocka_unit_test(a_resumed_start_goes_on_to_the_same_bits),
 		cmocka_unit_test(what_slides_away_before_the_drive_is_refused),
+		cmocka_unit_test(starts_on_slopes),
 		cmocka_unit_test(wrong_starts_are_refused),
 	};
 	return cmocka_run_group_tests_name("how vehicles begin", tests, support_enter, support_leave);

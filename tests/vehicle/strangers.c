@@ -255,6 +255,15 @@ static void joints_that_mimic_follow(void **state)
 }
 
 /* MuJoCo has free joints at roots alone. */
+static void a_joint_without_its_link_is_refused(void **state)
+{
+	(void)state;
+	support_write(support_path("model.xml"), "<robot name='r'><link name='base'>" INERTIAL("5") "<collision>" BOX("1", "1", ".2") "</collision></link><link name='a'/>" JOINT("arm", "fixed", "b", "") "</robot>");
+	rig_refused(STEP, "", STATUS_INPUT, "joint arm: its child b is no link of the file; correct the name, or take the joint out");
+	support_write(support_path("model.xml"), "<robot name='r'><link name='bas'>" INERTIAL("5") "<collision>" BOX("1", "1", ".2") "</collision></link><link name='b'/>" JOINT("arm", "fixed", "b", "") "</robot>");
+	rig_refused(STEP, "", STATUS_INPUT, "joint arm: its parent base is no link of the file");
+}
+
 static void links_that_float_are_held(void **state)
 {
 	(void)state;
@@ -327,6 +336,34 @@ static void columns_of_a_table_get_servos(void **state)
 	assert_true(loaded.model->actuator_forcerange[1] == 100000);
 	/* The weight at the end of the largest shape, times ten, in 0.02 rad. */
 	assert_true(fabs(loaded.model->actuator_gainprm[0] - 10 * 6 * 9.81 * 0.5 / 0.02) < 1);
+	unload(&loaded);
+}
+
+#define LIGHT(name, of, at) "<link name='" name "'><inertial><origin xyz='.02 0 0'/><mass value='.005'/><inertia ixx='1e-7' iyy='1e-7' izz='1e-7' ixy='0' ixz='0' iyz='0'/></inertial></link>" \
+	"<joint name='" name "' type='revolute'><parent link='" of "'/><child link='" name "'/><origin xyz='" at "'/><axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1000' velocity='1'/></joint>"
+
+static void servos_of_light_fingers_are_stable(void **state)
+{
+	static const char *const says[] = {"3 position servos (near, middle, tip) would be too stiff for the mass that they move, in steps of 0.002 s: softened", NULL};
+	(void)state;
+	support_write(support_path("table.csv"), "t,near,middle,tip,arm\n0,0.2,0.2,0.2,0.5\n");
+	support_write(support_path("model.xml"), "<robot name='r'><link name='base'>" INERTIAL("50") "<collision>" BOX("1", ".6", ".2") "</collision></link>"
+						 "<link name='arm'>" INERTIAL("5") "</link><joint name='arm' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/>"
+						 "<limit lower='-1' upper='1' effort='100' velocity='1'/></joint>" LIGHT("near", "arm", ".5 0 0") LIGHT("middle", "near", ".04 0 0") LIGHT("tip", "middle", ".04 0 0") "</robot>");
+	struct loaded loaded = load(", driver: {controls: table.csv}", says);
+	mjData *data = loaded.vehicles->data;
+	const struct vehicle *car = &loaded.vehicles->list[0];
+	assert_null(strstr(told, "arm,")); /* its servo is not too stiff */
+	for (int i = 0; i < loaded.model->nu; i++)
+		data->ctrl[i] = 0.2;
+	for (int i = 0; i < 500; i++) {
+		mj_step1(loaded.model, data);
+		mj_step2(loaded.model, data);
+	}
+	for (const char *const *name = (const char *const[]){"near", "middle", "tip", "arm", NULL}; *name != NULL; name++) {
+		const int joint = vehicle_find_part(car, mjOBJ_JOINT, *name);
+		assert_true(fabs(data->qpos[loaded.model->jnt_qposadr[joint]] - 0.2) < 0.02);
+	}
 	unload(&loaded);
 }
 
@@ -441,11 +478,13 @@ TEST_PROGRAM(strangers)
 		cmocka_unit_test(links_that_are_fixed_and_weigh_nothing_stay_so),
 		cmocka_unit_test(texts_that_others_take_are_taken),
 		cmocka_unit_test(joints_that_mimic_follow),
+		cmocka_unit_test(a_joint_without_its_link_is_refused),
 		cmocka_unit_test(links_that_float_are_held),
 		cmocka_unit_test(files_that_an_mjcf_lacks_are_left_out),
 		cmocka_unit_test(parts_without_a_name_get_one),
 		cmocka_unit_test(materials_that_are_not_there_are_left_out),
 		cmocka_unit_test(columns_of_a_table_get_servos),
+		cmocka_unit_test(servos_of_light_fingers_are_stable),
 		cmocka_unit_test(joints_that_nothing_moves_are_told),
 		cmocka_unit_test(a_skid_without_friction_slides),
 		cmocka_unit_test(axles_that_look_forward_are_told),

@@ -245,6 +245,15 @@ static struct pushing pushing_of(const struct soil_body *body, const struct soil
 	return (struct pushing){faces->xi, faces->unit_weight, faces->cohesion, narrow, form->spacing, faces->wedge.weight[WEDGE_RAKES - 1]};
 }
 
+/* Tells whether a facet of a block is in soil. */
+static bool is_in_soil(const struct soil_faces *faces, size_t b)
+{
+	bool any = false;
+	for (size_t i = 0; i < LANES; i++)
+		any |= faces->deep[b + i] + faces->tall[b + i] > 0;
+	return any;
+}
+
 void soil_faces_look(const struct soil_planes *planes, const struct soil_body *body, struct soil_form *form, struct soil_posts *posts, int32_t raised, struct soil_faces *faces)
 {
 	const float up = (float)raised * SOIL_UNIT + form->beyond;
@@ -255,8 +264,11 @@ void soil_faces_look(const struct soil_planes *planes, const struct soil_body *b
 	const float deep = most(value_at(&look, faces->found, &centre) + form->reach - up, 0);
 	soil_ahead_put(planes, body, form, posts, up, deep * faces->wedge_length, faces);
 	const struct pushing pushing = pushing_of(body, form, &look, up + form->scooped, faces); /* what bars have taken away does not push */
-	for (size_t b = 0; b < faces->count; b += LANES)
+	for (size_t b = 0; b < faces->count; b += LANES) {
+		if (is_in_soil(faces, b))
+			soil_push_forces(form, faces, b);
 		find_pressures(faces, b, &pushing, faces->pressure, faces->steepens);
+	}
 	if (!soil_footing_is(form))
 		return;
 	float way[2];

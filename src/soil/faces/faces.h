@@ -15,10 +15,12 @@
 	EACH(nx) EACH(ny) EACH(nz)          /* outward normal */ \
 	EACH(whole)                         /* area of the facet, m2 */ \
 	EACH(under)                         /* 1: it bears the body: FACET_UNDER, and a side that looks down; 0: it is another side */ \
-	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: area times alpha */ \
-	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
+	EACH(share)                         /* area that pushes, m2 */ \
+	EACH(known)                         /* of a block's first facet: 1: the numbers of the next three lines are known (push.h); else they are 0 */ \
+	EACH(px) EACH(py) EACH(pz)          /* force for each pascal, m2: share times alpha */ \
 	EACH(weight) EACH(cohesive)         /* of its wedge: struct soil_wedge */ \
 	EACH(into) EACH(thrown)             /* how fast it moves into the soil, m/s; force of the soil's inertia if all of it is in soil, N */ \
+	EACH(sole) EACH(faces_way)          /* 1: it faces down; how much it faces the way in which the body slides, 0 .. 1 */ \
 	EACH(tall)                          /* half of its height, m */ \
 	EACH(pressure) EACH(steepens)        /* at a height: Pa for each unit of alpha; how that grows with depth, Pa/m */ \
 	EACH(deep) EACH(found_deep)         /* at a height: depth of its middle below the ground that pushes it, and below that as the body found it, m */ \

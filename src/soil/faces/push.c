@@ -20,7 +20,7 @@
 /* A block of facets in the frame. */
 struct facet_lanes {
 	float at[3][LANES], normal[3][LANES], area[LANES], under[LANES]; /* under: 1: it bears the body, 0: it is a side */
-	float force[3][LANES], pushes[LANES];
+	float pushes[LANES]; /* area that pushes */
 };
 
 /* Gives the recent motion of a place of the body, m for each m of its way. normal: a belt runs along it. A belt grips: soil follows it whole. */
@@ -36,21 +36,28 @@ SOIL_INLINED void motion_at(const struct soil_form *f, const struct soil_recent 
 		moves[k] = m->way[k] + rolls * rolled[k] + m->ran * belt[k] + turned[k];
 }
 
-/* Gives the force of a facet for each pascal, m2. moves: of its place, for each metre of the body's way; lately: the same of the last bit of it. A facet that
- * backs off does not push: it loses its force within a bit of the way. */
-SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], const float lately[3],
-			   float tangent, float force[3], float *pushes)
+/* Gives the area of a facet that pushes, m2, and its direction of motion. moves: of its place, for each metre of the body's way; lately: the same of the last bit
+ * of it. A facet that backs off does not push: it loses its force within a bit of the way. */
+SOIL_INLINED float share_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], const float lately[3], float v[3])
 {
-	const float size = sqrtf(dot3(moves, moves)), by = 1 / most(size, 1e-9f), v[3] = {moves[0] * by, moves[1] * by, moves[2] * by};
+	const float size = sqrtf(dot3(moves, moves)), by = 1 / most(size, 1e-9f);
+	for (int k = 0; k < 3; k++)
+		v[k] = moves[k] * by;
 	const float into = least(dot3(normal, v), dot3(normal, lately)), level = sqrtf(v[0] * v[0] + v[1] * v[1]);
 	const float slid = slid_at(f, at[0], at[1]), below = faces_share(slid) * clamped(1 + into * (1 / TRAILS), 0, 1);
 	const float beside = clamped(into * (1 / SIDE_FULL), 0, 1) * least(level * (1 / STEEP), 1) * clamped((slid - SLID_LEAST) * (1 / SLID_SIDES), 0, 1);
-	const float share = either(size > 1e-6f, under * below + (1 - under) * beside, 0) * area;
-	float alpha[3];
+	return either(size > 1e-6f, under * below + (1 - under) * beside, 0) * area;
+}
+
+/* Gives the force of a facet for each pascal, m2. */
+SOIL_INLINED void force_of(const struct soil_form *f, const float at[3], const float normal[3], float area, float under, const float moves[3], const float lately[3],
+			   float tangent, float force[3])
+{
+	float v[3], alpha[3];
+	const float share = share_of(f, at, normal, area, under, moves, lately, v);
 	resist_alpha(normal, v, tangent, alpha);
 	for (int k = 0; k < 3; k++)
 		force[k] = share * alpha[k];
-	*pushes = share;
 }
 
 SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const float axes[3][3], struct facet_lanes *l)
@@ -68,50 +75,69 @@ SOIL_INLINED void place_block(const struct soil_facets *facets, size_t b, const 
 	}
 }
 
-SOIL_CLONED static void push_block(const struct soil_form *restrict f, const struct soil_facets *restrict facets, size_t b, const float axes[restrict 3][3], float tangent,
+SOIL_CLONED static void push_block(const struct soil_form *restrict f, const struct soil_facets *restrict facets, size_t b, const float axes[restrict 3][3],
 				    struct facet_lanes *restrict l)
 {
 	place_block(facets, b, axes, l);
 	EACH_LANE {
 		const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
-		float moves[3], lately[3], force[3], pushes;
+		float moves[3], lately[3], v[3];
 		motion_at(f, &f->recent, at, normal, moves);
 		motion_at(f, &f->last, at, normal, lately);
-		force_of(f, at, normal, l->area[i], l->under[i], moves, lately, tangent, force, &pushes);
-		for (int k = 0; k < 3; k++)
-			l->force[k][i] = force[k];
-		l->pushes[i] = pushes;
+		l->pushes[i] = share_of(f, at, normal, l->area[i], l->under[i], moves, lately, v);
 	}
 }
 
-/* Sets how fast a facet moves into the soil, and the force by which the inertia of that soil acts on it. */
-static void put_thrown(const struct soil_form *f, const struct facet_lanes *l, int i, struct soil_faces *faces, size_t n)
+/* Sets force, and how fast a facet moves into the soil, and the force by which the inertia of that soil acts on it. */
+SOIL_CLONED static void put_forces(const struct soil_form *restrict f, struct soil_faces *restrict faces, size_t b)
 {
-	const float at[3] = {l->at[0][i], l->at[1][i], l->at[2][i]}, normal[3] = {l->normal[0][i], l->normal[1][i], l->normal[2][i]};
-	float turned[3];
-	cross3(f->turns, at, turned);
-	const float into = most(dot3(f->goes, normal) + dot3(turned, normal), 0);
-	faces->into[n] = into;
-	faces->thrown[n] = faces->inertia * into * into * l->pushes[i];
+	float *const px = faces->px + b, *const py = faces->py + b, *const pz = faces->pz + b, *const pushes_into = faces->into + b, *const thrown = faces->thrown + b;
+	SOIL_APART
+	EACH_LANE {
+		const size_t n = b + (size_t)i;
+		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
+		float moves[3], v[3], alpha[3], turned[3];
+		motion_at(f, &f->recent, at, normal, moves);
+		const float by = 1 / most(sqrtf(dot3(moves, moves)), 1e-9f), share = faces->share[n];
+		for (int k = 0; k < 3; k++)
+			v[k] = moves[k] * by;
+		resist_alpha(normal, v, faces->tangent, alpha);
+		px[i] = share * alpha[0];
+		py[i] = share * alpha[1];
+		pz[i] = share * alpha[2];
+		cross3(f->turns, at, turned);
+		const float into = most(dot3(f->goes, normal) + dot3(turned, normal), 0);
+		pushes_into[i] = into;
+		thrown[i] = faces->inertia * into * into * share;
+	}
+}
+
+void soil_push_forces(const struct soil_form *form, struct soil_faces *faces, size_t first)
+{
+	if (faces->known[first] > 0)
+		return;
+	put_forces(form, faces, first);
+	for (size_t n = first; n < first + LANES; n++)
+		soil_wedge_at(&faces->wedge, faces->nz[n], &faces->weight[n], &faces->cohesive[n]);
+	faces->known[first] = 1;
 }
 
 /* way: in which the body slides, plan, in the frame. */
-static void keep(const struct soil_form *f, const struct facet_lanes *l, int i, const float way[2], struct soil_faces *faces)
+static void keep(const struct facet_lanes *l, int i, const float way[2], struct soil_faces *faces)
 {
 	const size_t n = faces->count++;
-	float *const to[3][3] = {{faces->x, faces->y, faces->z}, {faces->nx, faces->ny, faces->nz}, {faces->px, faces->py, faces->pz}};
+	float *const to[2][3] = {{faces->x, faces->y, faces->z}, {faces->nx, faces->ny, faces->nz}};
 	for (int k = 0; k < 3; k++) {
 		to[0][k][n] = l->at[k][i];
 		to[1][k][n] = l->normal[k][i];
-		to[2][k][n] = l->force[k][i];
 	}
+	faces->share[n] = l->pushes[i];
+	faces->known[n] = faces->px[n] = faces->py[n] = faces->pz[n] = faces->weight[n] = faces->cohesive[n] = faces->into[n] = faces->thrown[n] = 0;
 	faces->whole[n] = l->area[i];
 	faces->under[n] = l->under[i];
 	faces->tall[n] = 0.5f * sqrtf(l->area[i] * most(1 - l->normal[2][i] * l->normal[2][i], 0));
 	faces->sole[n] = clamped(-l->normal[2][i], 0, 1);
 	faces->faces_way[n] = clamped((l->normal[0][i] * way[0] + l->normal[1][i] * way[1]) * (1 / FACES_WAY), 0, 1);
-	soil_wedge_at(&faces->wedge, l->normal[2][i], &faces->weight[n], &faces->cohesive[n]);
-	put_thrown(f, l, i, faces, n);
 }
 
 void soil_push(const struct soil_body *body, const struct soil_form *form, const struct soil_facets *facets, const float axes[3][3], float tangent, struct soil_faces *faces)
@@ -123,17 +149,17 @@ void soil_push(const struct soil_body *body, const struct soil_form *form, const
 	faces->count = 0;
 	faces->tangent = tangent;
 	for (size_t b = 0; b < facets->count; b += LANES) {
-		push_block(form, facets, b, axes, tangent, &lanes);
+		push_block(form, facets, b, axes, &lanes);
 		for (int i = 0; i < LANES; i++)
 			if (lanes.pushes[i] > 0 || (flat && lanes.under[i] * lanes.area[i] * -lanes.normal[2][i] > 0))
-				keep(form, &lanes, i, way, faces);
+				keep(&lanes, i, way, faces);
 	}
 	/* The last block is filled with facets that push nothing. */
 	memset(&lanes, 0, sizeof lanes);
 	for (int i = 0; i < LANES; i++)
 		lanes.normal[2][i] = 1;
 	while (faces->count % LANES != 0)
-		keep(form, &lanes, 0, way, faces);
+		keep(&lanes, 0, way, faces);
 }
 
 #define STEP 0.01f /* of a motion, by which a quotient of differences is taken */
@@ -145,10 +171,10 @@ SOIL_CLONED static void change_block(const struct soil_form *restrict f, const s
 	EACH_LANE {
 		const size_t n = b + (size_t)i;
 		const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
-		float moves[3], lately[3], force[3], pushes;
+		float moves[3], lately[3], force[3];
 		motion_at(f, &f->recent, at, normal, moves);
 		motion_at(f, &f->last, at, normal, lately);
-		force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, force, &pushes);
+		force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, force);
 		for (int k = 0; k < 3; k++) {
 			means[0][k][i] = moves[k];
 			means[1][k][i] = lately[k];
@@ -169,8 +195,8 @@ SOIL_CLONED static void change_block(const struct soil_form *restrict f, const s
 			const size_t n = b + (size_t)i;
 			const float at[3] = {faces->x[n], faces->y[n], faces->z[n]}, normal[3] = {faces->nx[n], faces->ny[n], faces->nz[n]};
 			const float moves[3] = {moved[0][0][i], moved[0][1][i], moved[0][2][i]}, lately[3] = {moved[1][0][i], moved[1][1][i], moved[1][2][i]};
-			float after[3], pushes;
-			force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, after, &pushes);
+			float after[3];
+			force_of(f, at, normal, faces->whole[n], faces->under[n], moves, lately, faces->tangent, after);
 			for (int k = 0; k < 3; k++)
 				changes[k][j][i] = (mean == 0 ? 0 : changes[k][j][i]) + (after[k] - before[k][i]) * by[i];
 		}

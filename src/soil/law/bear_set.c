@@ -3,21 +3,32 @@
 
 typedef void bear_copy(const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept,
 		       struct soil_changes *changes);
-bear_copy soil_bear_plain, soil_bear_avx2, soil_bear_avx512, soil_bear_layered_plain, soil_bear_layered_avx2, soil_bear_layered_avx512;
+bear_copy soil_bear_plain, soil_bear_layered_plain;
 
-static bear_copy *copy_of(bear_copy *plain, bear_copy *avx2, bear_copy *avx512)
-{
-	return __builtin_cpu_supports("x86-64-v4") ? avx512 : __builtin_cpu_supports("avx2") ? avx2 : plain;
-}
+#ifdef FURROW_LAW_AVX512
+bear_copy soil_bear_avx512, soil_bear_layered_avx512;
+#define IN_AVX512(name) __builtin_cpu_supports("x86-64-v4") ? name##_avx512:
+#else
+#define IN_AVX512(name)
+#endif
+
+#ifdef FURROW_LAW_AVX2
+bear_copy soil_bear_avx2, soil_bear_layered_avx2;
+#define IN_AVX2(name) __builtin_cpu_supports("avx2") ? name##_avx2:
+#else
+#define IN_AVX2(name)
+#endif
+
+#define WIDEST(name) (IN_AVX512(name) IN_AVX2(name) name##_plain)
 
 void soil_bear(const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept,
 	       struct soil_changes *changes)
 {
-	copy_of(soil_bear_plain, soil_bear_avx2, soil_bear_avx512)(form, posts, raised, share, sums, kept, changes);
+	WIDEST(soil_bear)(form, posts, raised, share, sums, kept, changes);
 }
 
 void soil_bear_layered(const struct soil_form *form, const struct soil_posts *posts, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept,
 		       struct soil_changes *changes)
 {
-	copy_of(soil_bear_layered_plain, soil_bear_layered_avx2, soil_bear_layered_avx512)(form, posts, raised, share, sums, kept, changes);
+	WIDEST(soil_bear_layered)(form, posts, raised, share, sums, kept, changes);
 }

@@ -19,10 +19,16 @@ static double dot(const double a[3], const double b[3])
 
 void soil_shape_axis(const struct soil_shape *shape, const struct soil_pose *pose, double axis[3])
 {
-	double axes[3][3];
-	bool wheel = shape->kind == SOIL_WHEEL;
-	soil_axes(pose->yaw, wheel ? 0 : pose->pitch, pose->roll, 0, axes);
-	const double *own = axes[wheel ? 1 : 2], sign = own[2] < 0 ? -1 : 1;
+	/* Of soil_axes with no turn: of a wheel the second without pitch, of others the third. */
+	const double cy = cos(pose->yaw), sy = sin(pose->yaw), cr = cos(pose->roll), sr = sin(pose->roll);
+	double own[3] = {-sy * cr, cy * cr, sr};
+	if (shape->kind != SOIL_WHEEL) {
+		const double cp = cos(pose->pitch), sp = sin(pose->pitch);
+		own[0] = sy * sr - cy * sp * cr;
+		own[1] = -cy * sr - sy * sp * cr;
+		own[2] = cp * cr;
+	}
+	const double sign = own[2] < 0 ? -1 : 1;
 	for (int k = 0; k < 3; k++)
 		axis[k] = sign * own[k];
 }
