@@ -527,11 +527,11 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
 		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less: with a contact since a quarter of a motion
 		 * before it, by as much as that tells, with a later one by more, so that a post that is touched or left makes no jump. So also where the body
-		 * came back to a rut in the motion, and leaves it. */
+		 * rises from a rut that it does not reach any more. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);
 		const float way = either(mobilised > 0.9999f, 1e3f, -0.69314718f * log2_of(most(1 - mobilised, 1e-4f)));
 		const float since = l->passed[i] - 1, known = clamped(way / most(l->slides[i] * since, 1e-9f), 0, 1), came = clamped(way / most(l->slides[i] * 0.25f, 1e-9f), 0, 1);
-		const float by_whole = 4 / most(whole, 1e-9f), left = clamped(least(stays, stays - l->depth[i]) * by_whole, 0, 1) * clamped(4 * l->passed[i], 0, 1);
+		const float by_whole = 4 / most(whole, 1e-9f), left = clamped(least(stays, stays - l->depth[i]) * by_whole, 0, 1) * clamped(4 * (before - l->depth[i]) / most(stays - l->depth[i], 0.25f * whole + 1e-9f), 0, 1);
 		const float stayed = clamped(4 * since, 0, 1), back = left * clamped((stays + whole - l->depth[i] - p->lowered[i]) * by_whole, 0, 1);
 		l->lasts[i] = least(1 + either(p->over[i] > 0, stayed, 0) * (known - 1), 1 + either(p->over[i] > 0, back, 0) * (came - 1)) * f->moved;
 	}
