@@ -525,9 +525,9 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &ago);
 		l->unknown[i] = either((p->over[i] > 0) & (f->outer <= f->radius), most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
-		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less: with a contact since a quarter of a motion
-		 * before it, by as much as that tells, with a later one by more, so that a post that is touched or left makes no jump. So also where the body
-		 * rises from a rut that it does not reach any more. */
+		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less. With a contact since a quarter of a
+		 * motion before it they differ by as much as that tells. With a later one they differ more, so that a post that is touched or left makes no
+		 * jump. So also where the body rises from a rut that it does not reach any more. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);
 		const float way = either(mobilised > 0.9999f, 1e3f, -0.69314718f * log2_of(most(1 - mobilised, 1e-4f)));
 		const float since = l->passed[i] - 1, known = clamped(way / most(l->slides[i] * since, 1e-9f), 0, 1), came = clamped(way / most(l->slides[i] * 0.25f, 1e-9f), 0, 1);
@@ -619,8 +619,8 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			memset(stays[k], 0, sizeof stays[k]);
 	EACH_LANE {
 		/* Inwards from an end of the line the rut counts as deep as it is there: what bears ends where the body leaves its floor. So as an end of the line begins to
-		 * unload, or to remember, no end of what bears jumps. Where the line unloads farther inwards, too, and the rut at its end is
-		 * a quarter as deep, each place has a floor of its own. So it has below a mesh, whose facets print the rut's. */
+		 * unload, or to remember, no end of what bears jumps. Where the line unloads farther inwards, too, places have floors of their own. These count
+		 * whole where the rut at the line's end is a quarter as deep. So it is below a mesh, whose facets print the rut's. */
 		float from[3], to[3];
 		for (int k = 0; k < 3; k++) {
 			const float over = mosts[k][i] - most(depths[k][i], 0), springs = mosts[k][i] - stays[k][i], leaves = clamped(4 * over / most(springs, 1e-9f), 0, 1);

@@ -168,8 +168,8 @@ SOIL_INLINED float sheared(float before, float direction, float stays)
 }
 
 /* Returns the place on a line, from -1 to 1, beyond which a parabola is above 0. It goes through three numbers at -1, 0 and 1. sign: the end
- * from which it is looked for. As the parabola changes evenly, so does the place: two roots that meet stay at the parabola's top, and one that leaves the line stays
- * at its end. Where the parabola is nowhere above 0, the place from 1 is not beyond that from -1. */
+ * from which it is looked for. As the parabola changes evenly, so does the place. Two roots that meet stay at the parabola's top. One that leaves the
+ * line stays at its end. Where the parabola is nowhere above 0, the place from 1 is not beyond that from -1. */
 SOIL_INLINED float root_from(float sign, const float depths[3])
 {
 	const float bends = 0.5f * (depths[0] + depths[2]) - depths[1], rises = 0.5f * (depths[2] - depths[0]), over = depths[1];
