@@ -71,6 +71,7 @@ enum scene_effect {
 	EFFECT_SHADOW,
 	EFFECT_CAMERAS,
 	EFFECT_TERRAIN_SHADOW,
+	EFFECT_IMAGERY,
 	EFFECT_COUNT
 };
 #define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* the effect of using a model */
@@ -347,6 +348,7 @@ struct scene_view {
 	int samples;           /* samples for each pixel: 1, 2, 4 or 8 */
 	/* pixels by which drawn ground may be wrong; 0: distance alone decides its detail */
 	double pixel_error;
+	double imagery_budget; /* MB of the GPU's memory for tiles of imagery */
 	struct scene_light light;
 };
 

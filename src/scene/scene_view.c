@@ -175,6 +175,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
+	view->imagery_budget = raw->view->imagery_budget != NULL ? *raw->view->imagery_budget : scene_absent("view.imagery_budget");
 	view->light = light_of(raw->view);
 	view->aim = (struct scene_aim){.kind = SCENE_FIXED, .target = {1, 0, 0}}; /* of a host, which gives a camera with each picture */
 	if (raw->view->camera != NULL)
