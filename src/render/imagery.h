@@ -73,7 +73,8 @@ struct render_imagery {
 	/* pages that the last frame lacked, if it did not wait */
 	struct imagery_pages lacking, wanted;
 	struct key_set seen;
-	bool told, parted;   /* of this frame, `parted`: it needed more pages than there are slots */
+	bool told[2];        /* that frames are drawn in parts, and that some are coarser */
+	bool parted;         /* this frame needed more pages than there are slots */
 	uint64_t parted_frames;
 };
 

@@ -112,12 +112,12 @@ static void tell(struct render_imagery *imagery, size_t pages, bool coarser)
 	const double page = 4e-6 * (imagery->extent.cells + 1) * (imagery->extent.cells + 1);
 	imagery->parted_frames += !imagery->parted;
 	imagery->parted = true;
-	if (imagery->told)
+	if (imagery->told[coarser])
 		return;
-	imagery->told = true;
+	imagery->told[coarser] = true;
 	if (coarser)
-		note("view.imagery_budget: a part of the picture needs %zu tiles of imagery and the budget has %u: drawn coarser; give at least %.3g MB", pages, imagery->slots,
-		     ceil((double)pages * page * 1.01 * 100) / 100);
+		note("view.imagery_budget: a part of the picture needs %zu tiles of imagery and the budget has %u: drawn coarser; give at least %s MB, and more if another part needs more", pages,
+		     imagery->slots, number_at_least((double)pages * page * 1.001, 4).text);
 	else
 		note("view.imagery_budget: the picture needs more than the %u tiles of imagery that it has: it reads them again in each picture, which takes long; give more", imagery->slots);
 }
