@@ -10,6 +10,7 @@ import argparse
 import copy
 import json
 import pathlib
+import shutil
 import signal
 import statistics
 import struct
@@ -106,6 +107,7 @@ PAIRS = [
     ("detail", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "detail"))),
     ("splat", MAPPED | view("texture"), MAPPED | view("texture", "splat")),
     ("terrain_shadow", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "terrain_shadow"))),
+    ("imagery", scene(WHEEL, **view("texture")), scene(WHEEL, store="pictured.furrow", **view("texture", "imagery"))),
     ("cameras", SEEN, SEEN | {"cameras": [EYE]}),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
     ("antialias", SEEN, scene(WHEEL, **view(samples=4))),
@@ -141,6 +143,10 @@ class Bench:
             self.command("synth", "-o", f"{name}.png", "--posts", f"{SIDE * posts + 1}x{SIDE * posts + 1}", "--spacing", 1 / posts,
                          "--kind", "plain", "--relief", 1)
             self.command("import", f"{name}.png", "-o", f"{name}.furrow", "--spacing", 1 / posts, "--height-range", "0,1")
+        (folder / "picture.ppm").write_bytes(b"P6\n%d %d\n255\n" % (SIDE + 1, SIDE + 1) + bytes((150, 120, 90)) * (SIDE + 1) ** 2)
+        (folder / "picture.wld").write_text(f"1\n0\n0\n-1\n0\n{SIDE}\n")
+        shutil.copy(folder / "fine.furrow", folder / "pictured.furrow")
+        self.command("import", "--imagery", "picture.ppm", "-o", "pictured.furrow")
         (folder / "brick.obj").write_text(brick())
         (folder / "classes.png").write_bytes(classes())
 

@@ -11,6 +11,8 @@
  * that of a drive whose wheels never came down; "pyramid" brings coarser tiles up to date, which only a picture
  * asks for; "step" is what was pressed. What deformation adds to a frame is (frame + pyramid) / at_rest.
  *
+ * "imagery" is all beside all with imagery of 0.125 m, of random colours, in one run.
+ *
  * Many frames in a row, without a finish between them, give the fps at 1920 x 1080 on hardware.
  *
  * bench_frame [--quick] [--png FOLDER] [--table NAME]: fewer rounds; pictures are kept; one table, and no word of the bar.
@@ -22,6 +24,7 @@
 #include <string.h>
 
 #include "bench.h"
+#include "imagery.h"
 #include "record.h"
 #include "render/internal.h"
 #include "render/view.h"
@@ -44,8 +47,10 @@ static const struct {
 } sets[] = {
 	{"none", 0}, {"texture", BIT(TEXTURE)}, {"texture, detail", BIT(TEXTURE) | BIT(DETAIL)}, {"fog", BIT(FOG)}, {"sky", BIT(SKY)},
 	{"geomorph", BIT(GEOMORPH)}, {"skirts", BIT(SKIRTS)}, {"texture, fog, geomorph", BAR_EFFECTS}, {"all", ALL},
+	/* only in the table of imagery */
+	{"all, imagery", ALL | BIT(IMAGERY)},
 };
-#define SETS (sizeof sets / sizeof *sets)
+#define SETS (sizeof sets / sizeof *sets - 1)
 
 static const int sizes[][2] = {{640, 360}, {1280, 720}, {1920, 1080}};
 static const double budgets[] = {0, 8, 4, 1}; /* pixels; 0: by the radii */
@@ -104,7 +109,7 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	rig->scene->slots = slots;
 	rig->scene->loaders = 2;
 	rig->scene->view = (struct scene_view){.present = true, .width = sizes[1][0], .height = sizes[1][1], .effects = ALL,
-					       .aim = {SCENE_CHASE, .object = 2, .back = 13, .up = 3.2}, .light = scene_light_default()};
+					       .aim = {SCENE_CHASE, .object = 2, .back = 13, .up = 3.2}, .imagery_budget = 128, .light = scene_light_default()};
 	bench_must(world_open(&(struct world_params){.scene = rig->scene, .store = store, .overlay = overlay, .readonly = overlay == NULL}, &rig->world));
 	world_made_get(rig->world, &rig->made);
 	rig->made.time = MOMENT;
@@ -319,6 +324,25 @@ static void slots_table(struct rig *all, struct rig *few)
 	}
 }
 
+/* Over the same without imagery. */
+static void imagery_table(struct rig *rig)
+{
+	static struct look looks[2];
+	for (int view = 0; view < VIEWS; view++) {
+		double ratio[ROUNDS_MOST];
+		for (size_t i = 0; i < 2; i++)
+			open_look(&looks[i], rig, view, sizes[1], 0, SETS - 1 + i);
+		take(looks, 2, "imagery");
+		for (size_t i = 0; i < 2; i++)
+			print_look("imagery", &looks[i], &looks[0]);
+		for (int i = 0; i < rounds; i++)
+			ratio[i] = looks[1].ms[i] / looks[0].ms[i];
+		printf("{\"bench\": \"frame\", \"table\": \"imagery\", \"view\": \"%s\", \"ratio\": %.3f}\n", view_names[view], bench_median(ratio, (size_t)rounds));
+		keep(view_names[view], sizes[1], "all, imagery", ".ratio", "times", ratio, rounds);
+		finish_looks(looks, 2);
+	}
+}
+
 /* --- deforming --- */
 
 static void set_time(struct rig *rig, double time)
@@ -440,7 +464,7 @@ int main(int argc, char **argv)
 		bool quick = strcmp(argv[i], "--quick") == 0, more = i + 1 < argc;
 		bool png = more && strcmp(argv[i], "--png") == 0, table = more && strcmp(argv[i], "--table") == 0;
 		if (!quick && !png && !table) {
-			fprintf(stderr, "usage: bench_frame [--quick] [--png FOLDER] [--table effects|levels|slots|deforming] [--figures FILE]\n");
+			fprintf(stderr, "usage: bench_frame [--quick] [--png FOLDER] [--table effects|levels|slots|imagery|deforming] [--figures FILE]\n");
 			return 2;
 		}
 		rounds = quick ? 5 : rounds;
@@ -459,6 +483,8 @@ int main(int argc, char **argv)
 	bench_store(plain, &synth, CELLS);
 	bench_store(rutted, &synth, CELLS);
 	mem_free(bench_drive(scene_text(), rutted));
+	if (asked(only, "imagery") && store_imagery_possible())
+		bench_imagery(rutted);
 	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &gpu));
 	struct bar bar = {0};
 	static struct rig a, b;
@@ -467,6 +493,8 @@ int main(int argc, char **argv)
 		effects_table(&a, &bar);
 	if (asked(only, "levels"))
 		levels_table(&a);
+	if (asked(only, "imagery") && store_imagery_possible())
+		imagery_table(&a);
 	if (only == NULL)
 		hardware_table(&a);
 	if (asked(only, "slots")) {

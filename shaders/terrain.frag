@@ -7,6 +7,7 @@
 #ifdef TRUTH
 #include "lib/truth.glsl"
 #endif
+#include "lib/pixel.glsl"
 #include "lib/tone.glsl"
 #ifdef FOG
 #include "lib/sky.glsl"
@@ -15,6 +16,9 @@
 #ifdef TEXTURE
 #include "lib/ground.glsl"
 #include "lib/walls.glsl"
+#endif
+#ifdef IMAGERY
+#include "lib/imagery.glsl"
 #endif
 #ifdef TERRAIN_SHADOW
 #include "lib/shade.glsl"
@@ -98,14 +102,41 @@ void main()
 	float risen = max(smoothstep(0.004, 0.03, moved), smoothstep(0.04, 0.25, length(cut)));
 	dug = max(sunken, risen);
 	shade = 1.0 - 0.35 * smoothstep(0.0, 0.35, -moved);
+#ifdef DISTURBANCE
+	ivec2 at = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
+	vec2 part = post - vec2(at);
+	float wet = BETWEEN(SHADES, at, part);
+#endif
 #endif
 
+#ifdef IMAGERY
+	vec4 seen = imagery_at(post, imagery_pixel(place, gradient));
+#if defined OFFSET && defined DISTURBANCE
+	seen *= imagery_left(wet);
+#elif defined OFFSET
+	seen *= 1.0 - dug;
+#endif
+#endif
 #ifdef TEXTURE
-	vec4 seen = vec4(walls_squares(squares.xy, gradient, steep, place.z + relief.w), squares.zw);
-	ground_surface surface = ground_at(post, seen, ground_pixel(place, gradient), country.x, country.y, steep, dug);
+#ifdef IMAGERY
+	ground_surface surface = ground_surface(vec3(0.0), vec2(0.0), 1.0);
+	if (seen.a < 1.0) // the soil's look shows through
+#else
+	ground_surface surface;
+#endif
+	{
+		vec4 side = vec4(walls_squares(squares.xy, gradient, steep, place.z + relief.w), squares.zw);
+		surface = ground_at(post, side, ground_pixel(place, gradient), country.x, country.y, steep, dug);
+	}
 	vec3 albedo = surface.albedo;
 #else
 	vec3 albedo = mix(low_colour, high_colour, clamp((place.z + relief.w - relief.x) * relief.y, 0.0, 1.0));
+#endif
+#ifdef IMAGERY
+	albedo = seen.rgb + albedo * (1.0 - seen.a);
+#ifdef TEXTURE
+	surface.tilt *= 1.0 - seen.a; // the picture has light and shade of its own
+#endif
 #endif
 
 #ifdef OFFSET
@@ -115,9 +146,6 @@ void main()
 	surface.tilt *= 1.0 + 0.6 * risen - 0.55 * surface.loose * sunken;
 #endif
 #ifdef DISTURBANCE
-	ivec2 at = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
-	vec2 part = post - vec2(at);
-	float wet = BETWEEN(SHADES, at, part);
 	albedo *= 1.0 - 0.4 * wet;
 #endif
 #endif

@@ -93,6 +93,35 @@ static inline void support_store(const char *path, struct extent extent, support
 	support_store_at(path, extent, height, 0, 0);
 }
 
+/* Gives a store imagery of this colour, of the spacing of its posts. Returns false if this build has none. */
+static inline bool support_imagery(const char *path, uint8_t red, uint8_t green, uint8_t blue)
+{
+	struct store *store;
+	int64_t tiles;
+	if (!store_imagery_possible())
+		return false;
+	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store));
+	must(store_imagery_begin(store, &(struct store_imagery_making){.finest = 0, .sources = "a colour\n", .request = "a colour"}, &tiles));
+	const struct extent *extent = &store_meta(store)->extent;
+	const uint32_t side = extent->cells + 1;
+	uint8_t *pixels = mem_alloc((size_t)side * side, 4);
+	assert_non_null(pixels);
+	for (size_t i = 0; i < (size_t)side * side; i++)
+		memcpy(pixels + 4 * i, (const uint8_t[]){red, green, blue, 255}, 4);
+	void *packed;
+	size_t size;
+	must(store_imagery_pack(pixels, side, 0, &packed, &size));
+	for (int level = 0; level <= extent_coarsest(extent); level++)
+		for (struct tile tile = {level, 0, 0}; extent_has(extent, tile); tile.x = 0, tile.y++)
+			for (; extent_has(extent, tile); tile.x++)
+				must(store_imagery_put(store, tile, packed, size));
+	mem_free(packed);
+	mem_free(pixels);
+	must(store_imagery_finish(store));
+	store_close(store);
+	return true;
+}
+
 static inline void support_write(const char *path, const char *text)
 {
 	FILE *file = fopen(path, "w");

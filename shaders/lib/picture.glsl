@@ -21,7 +21,8 @@ layout(std140, binding = 0) uniform picture {
 	vec4 tint;        // rgb: factor for the colour of the sky around the sun
 	vec4 soils[16];   // for each soil class of the map: rgb: tint; w: layer of the ground's textures (src/render/body.c)
 	ivec4 tile;       // x: cells of a tile; y: first instance; z: the eye's lattice height, in units of 2 base units; w: cells of a block
-	// False colours. x: enum render_layer_kind; y: low end of its range; z: 1 / width of the range. w: 2 * (level - TILE_LEVEL_MIN), plus
+	// With IMAGERY. y: log2 of metres between pixels of the finest imagery. z: levels from it to the finest of the draw's table. w: levels from
+	// there to the coarsest of the table. Otherwise false colours. x: enum render_layer_kind; y: low end of its range; z: 1 / width of the range. w: 2 * (level - TILE_LEVEL_MIN), plus
 	// 1 for every other tile, as on a chessboard.
 	vec4 layer;
 #ifdef REACHES
@@ -38,6 +39,11 @@ layout(std140, binding = 0) uniform picture {
 	ivec4 marks;    // quarter seconds: the store's time; what marks take to heal, to rise, to grow
 	vec4 plants;    // x: height, m
 	vec4 cover[4];  // for each soil class, the share of the ground that plants cover
+#endif
+#ifdef IMAGERY
+	// Two vectors for each level of the draw's table. The first has x: pixels of the level for each post of the tile. yz: the tile's south-west
+	// post, in pixels of its page. w: where the pages begin. The second has the first and the last page, from south-west to north-east.
+	layout(offset = 864) vec4 imagery_levels[64];
 #endif
 };
 

@@ -136,6 +136,10 @@ enum status gpu_texture_create_sampled(struct gpu *gpu, enum gpu_format format, 
  * layer. Other transfers use level 0. */
 enum status gpu_texture_create_mipmapped(struct gpu *gpu, enum gpu_format format, uint32_t size, uint32_t layers,
 					 struct gpu_texture **out) FURROW_CHECKED;
+/* Makes an array of square textures. A lookup interpolates linearly between texels, sRGB as light. Outside 0..1 it takes the edge. The
+ * format must allow filtering. */
+enum status gpu_texture_create_filtered(struct gpu *gpu, enum gpu_format format, uint32_t size, uint32_t layers, struct gpu_texture **out)
+	FURROW_CHECKED;
 uint32_t gpu_mipmap_levels(uint32_t size); /* returns the number of mip levels of such a texture. Pure */
 uint64_t gpu_texture_bytes(enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers, uint32_t levels); /* pure */
 void gpu_texture_upload_level(struct gpu_texture *texture, uint32_t level, const void *data);
@@ -200,7 +204,7 @@ void gpu_target_resolve(struct gpu_target *from, struct gpu_target *to);
 /* Shaders are files of shaders/ ("deform/none.frag"), which the build embeds in the program. A program has a vertex and a fragment
  * shader. `#include "lib/x.glsl"` is resolved. Each define is "NAME" or "NAME value" and makes a variant. The same request returns
  * the same program. The gpu owns all programs. An error message has file:line and the driver's text. */
-#define GPU_DEFINES_MAX 16
+#define GPU_DEFINES_MAX 20
 struct gpu_program_request {
 	const char *vertex, *fragment;
 	const char *defines[GPU_DEFINES_MAX]; /* ends with NULL unless all entries are used */
@@ -240,7 +244,7 @@ void gpu_list_destroy(struct gpu_list *list);
 void gpu_list_write(struct gpu_list *list, size_t bytes, const void *data); /* may wait for passes of four writings before */
 
 /* --- passes: gpu_pass.c --- */
-#define GPU_PASS_TEXTURES 8
+#define GPU_PASS_TEXTURES 9
 #define GPU_PASS_BUFFERS 6
 #define GPU_PASS_IMAGES 8
 struct gpu_pass {

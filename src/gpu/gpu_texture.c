@@ -2,8 +2,8 @@
  * Textures and the targets over them.
  *
  * Invariants:
- *   1. A texture has one mip level, and is sampled NEAREST and clamped. There are two exceptions. A texture created mipmapped has
- *      all levels, filters within a level, and repeats. A texture of several samples a pixel does not filter.
+ *   1. A texture has one mip level, and is sampled NEAREST and clamped. There are three exceptions. A texture created mipmapped has
+ *      all levels, filters within a level, and repeats. One created filtered filters. A texture of several samples a pixel does not filter.
  *   2. Data in and out is tight, in the format's own type, row 0 first.
  *
  * GL orders copies, clears, uploads and draws among themselves. Textures that passes wrote as images need a barrier, and so do
@@ -145,6 +145,15 @@ enum status gpu_texture_create_mipmapped(struct gpu *gpu, enum gpu_format format
 {
 	assert(size > 1 && layers > 0 && !gpu_format_is_integer(format));
 	return create(gpu, format, size, size, layers, gpu_mipmap_levels(size), 1, out);
+}
+
+enum status gpu_texture_create_filtered(struct gpu *gpu, enum gpu_format format, uint32_t size, uint32_t layers, struct gpu_texture **out)
+{
+	assert(size > 0 && layers > 0 && !gpu_format_is_integer(format));
+	TRY(create(gpu, format, size, size, layers, 1, 1, out));
+	glTextureParameteri((*out)->name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+	glTextureParameteri((*out)->name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+	return STATUS_OK;
 }
 
 void gpu_texture_destroy(struct gpu_texture *texture)

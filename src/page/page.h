@@ -44,7 +44,8 @@ struct page_io {
 	 * the store. */
 	enum status (*load)(void *user, unsigned loader, struct page_image *image,
 			    const struct page_image *queued);
-	/* Commits `images`, `record` and `snapshot` (may be NULL) in one transaction. Called on the writer thread. */
+	/* Commits `images`, `record` and `snapshot` (may be NULL) in one transaction. Called on the writer thread. NULL: no page is ever
+	 * dirty, and there is no writer thread. */
 	enum status (*commit)(void *user, const struct page_image *const *images, size_t count,
 			      const void *record, const struct page_image *snapshot);
 };

@@ -17,7 +17,8 @@
 
 static enum status start_threads(struct page_cache *cache)
 {
-	TRY(thread_start(&cache->writer, page_writer_body, cache, PAGE_WRITER_THREAD));
+	if (cache->params.io.commit != NULL)
+		TRY(thread_start(&cache->writer, page_writer_body, cache, PAGE_WRITER_THREAD));
 	for (uint32_t i = 0; i < cache->params.loaders; i++) {
 		struct page_loader *loader = &cache->loaders[i];
 		*loader = (struct page_loader){.cache = cache, .number = i};

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/internal.h"
+#include "render/imagery.h"
 
 
 static void to_floats(float out[4], double x, double y, double z, double w)
@@ -169,23 +169,30 @@ static struct gpu_target *target_of(const struct render *render)
 	return render->measuring ? screen->measure : screen->ground != NULL ? screen->ground : screen->target;
 }
 
+/* Returns whether the ground that is drawn now has the colours of imagery. */
+static bool shows_imagery(const struct render *render)
+{
+	return render->imagery != NULL && render->shading == NULL && !render->measuring && render->layer.kind == RENDER_NATURAL;
+}
+
 /* `ground`: the base of the tile that its base is interpolated from, or NULL. */
 static enum status run_tile(struct render *render, const struct gpu_slot *slot, struct gpu_texture *ground, uint32_t blocks,
 			    const struct picture_params *params)
 {
 	const struct gpu_rect shade_rect = {0, 0, RENDER_SHADE_SIZE, RENDER_SHADE_SIZE};
-	const bool shown = render->shading == NULL && !render->measuring;
+	const bool shown = render->shading == NULL && !render->measuring, coloured = shows_imagery(render);
 	struct gpu_pass pass = {
 		.stage = GPU_TERRAIN,
 		.target = target_of(render),
 		.viewport = render->shading != NULL ? shade_rect : (struct gpu_rect){0, 0, render->screen->width, render->screen->height},
 		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, ground, render->ground, slot->classes,
-			     shown ? render_shade_texture(render->shade) : NULL},
+			     shown ? render_shade_texture(render->shade) : NULL, coloured ? render->imagery->texture : NULL,
+			     coloured ? render->imagery->tables[render->imagery->table] : NULL},
 		.lists = {render->instances},
 		.images = {slot->base, slot->planes[PLANE_OFFSET]},
 		.only_reads = true,
 		.params = params,
-		.params_bytes = sizeof *params,
+		.params_bytes = coloured ? sizeof *params : RENDER_PARAMS_BYTES,
 		.indices = render->indices,
 		.index_count = render->index_count,
 		.instances = blocks,
@@ -229,7 +236,7 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 		.target = render->screen->target,
 		.viewport = {0, 0, render->screen->width, render->screen->height},
 		.params = params,
-		.params_bytes = sizeof *params,
+		.params_bytes = RENDER_PARAMS_BYTES,
 		.depth_test = true,
 	};
 	TRY(render_sky_program(render, &pass.program));
@@ -247,6 +254,50 @@ static enum status draw_beyond(struct render *render, const struct render_camera
 	return draw_sky(render, params);
 }
 
+/* What the draws of a frame have in common. */
+struct drawing {
+	struct render *render;
+	const struct render_camera *camera;
+	const struct render_axes *axes;
+	const struct render_selection *selection;
+	struct picture_params *params;
+	bool patched;
+	double lowest;
+};
+
+static enum status draw_blocks(const struct drawing *drawing, const struct render_draw *draw, const struct drawn *drawn, const struct imagery_draw *imagery)
+{
+	fill_tile(drawing->render, drawing->camera, drawing->axes, draw, drawn->first, drawing->patched, drawing->lowest, drawing->params);
+	if (imagery != NULL) {
+		memcpy(drawing->params->layer, imagery->layer, sizeof imagery->layer);
+		memcpy(drawing->params->imagery, imagery->levels, sizeof imagery->levels);
+	}
+	return draw_tile(drawing->render, draw, drawn, drawing->params);
+}
+
+static enum status run_imagery(void *user, const struct imagery_draw *part)
+{
+	const struct drawing *drawing = user;
+	return draw_blocks(drawing, &drawing->selection->draws[part->draw], &(struct drawn){part->first, part->count}, part);
+}
+
+/* Draws tiles whose blocks are in the GPU's buffer. */
+static enum status draw_tiles(struct drawing *drawing, const struct render_view *view, size_t first, size_t end, const struct drawn *drawn)
+{
+	struct render *render = drawing->render;
+	const bool imagery = shows_imagery(render);
+	for (size_t k = first; k < end; k++) {
+		const struct render_draw *draw = &drawing->selection->draws[k];
+		if (drawn[k].count == 0)
+			continue;
+		if (imagery)
+			TRY(render_imagery_draw(render->imagery, view, drawing->axes->focal, draw, k, render->blocks.blocks, drawn[k].first, drawn[k].count, run_imagery, drawing));
+		else
+			TRY(draw_blocks(drawing, draw, &drawn[k], NULL));
+	}
+	return imagery ? render_imagery_flush(render->imagery, run_imagery, drawing) : STATUS_OK;
+}
+
 /* Draws the blocks of the selected tiles that `view` sees. */
 static enum status draw_ground(struct render *render, const struct render_camera *camera, const struct render_axes *axes, const struct render_view *view,
 			       const struct render_selection *selection, struct picture_params *params)
@@ -254,22 +305,15 @@ static enum status draw_ground(struct render *render, const struct render_camera
 	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
 	TRY_MEM(drawn, "the picture's draws");
 	enum status status = STATUS_OK;
-	bool patched = is_patched(render, axes, selection);
-	double lowest = INFINITY;
+	struct drawing drawing = {render, camera, axes, selection, params, is_patched(render, axes, selection), INFINITY};
 	for (size_t i = 0; i < selection->draw_count; i++)
-		lowest = fmin(lowest, selection->draws[i].low);
+		drawing.lowest = fmin(drawing.lowest, selection->draws[i].low);
 	render->triangles = 0;
 	render->tiles = (struct render_tiles){.drawn = 0};
 	for (size_t i = 0, end; i < selection->draw_count; i = end) {
 		TRY_OR(done, collect_blocks(render, view, axes, selection, i, &end, drawn));
 		count_triangles(render);
-		for (size_t k = i; k < end; k++) {
-			if (drawn[k].count == 0)
-				continue;
-			const struct render_draw *draw = &selection->draws[k];
-			fill_tile(render, camera, axes, draw, drawn[k].first, patched, lowest, params);
-			TRY_OR(done, draw_tile(render, draw, &drawn[k], params));
-		}
+		TRY_OR(done, draw_tiles(&drawing, view, i, end, drawn));
 	}
 done:
 	mem_free(drawn);
@@ -320,6 +364,8 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	struct picture_params params = {0};
 	render_body_background(&render->light, background);
 	gpu_target_clear(target_of(render), background);
+	if (render->imagery != NULL)
+		render_imagery_begin_frame(render->imagery);
 	TRY(draw_frame(render, camera, selection, &params));
 	if (render->effects >> EFFECT_SKY & 1)
 		TRY(draw_beyond(render, camera, selection, &params));

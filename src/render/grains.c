@@ -185,7 +185,7 @@ static enum status run(struct render *render, struct picture_params *params, siz
 		.storage = {grains->corners},
 		.lists = {[1] = grains->instances},
 		.params = params,
-		.params_bytes = sizeof *params,
+		.params_bytes = RENDER_PARAMS_BYTES,
 		.indices = grains->indices,
 		.wide_indices = true,
 		.first_index = grains->first,

@@ -322,7 +322,7 @@ static enum status run(struct render *render, const struct picture_params *param
 		.textures = {[4] = render->measuring ? NULL : render->ground, [6] = render->measuring ? NULL : render_shade_texture(render->shade)},
 		.lists = {heaps->corners},
 		.params = params,
-		.params_bytes = sizeof *params,
+		.params_bytes = RENDER_PARAMS_BYTES,
 		.indices = heaps->indices,
 		.wide_indices = true,
 		.index_count = (uint32_t)(quads * 6),

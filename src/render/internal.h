@@ -18,6 +18,8 @@
 #define RENDER_SHADES RENDER_SHADE_MAPS
 #define RENDER_SHADE_SIZE 1024u /* texels along a side of each */
 
+#define RENDER_IMAGERY_LEVELS 32
+
 /* The uniform block of shaders/lib/picture.glsl, std140. */
 struct picture_params {
 	float project[16];
@@ -33,7 +35,7 @@ struct picture_params {
 	float sunlight[4], tint[4];
 	float soils[SOIL_CLASSES][4];
 	int32_t tile[4];
-	float layer[4]; /* only for programs with the define LAYER */
+	float layer[4]; /* only for programs with the define LAYER or IMAGERY, of which no program has both */
 	float reaches[RENDER_STRIDES]; /* only for programs with the define REACHES */
 	float shade_across[4], shade_along[4];
 	float shade_middle[RENDER_SHADES][4], shade_scale[RENDER_SHADES][4];
@@ -41,7 +43,10 @@ struct picture_params {
 	int32_t marks[4];
 	float plants[4];
 	float cover[SOIL_CLASSES / 4][4];
+	float imagery[RENDER_IMAGERY_LEVELS][2][4]; /* only for programs with the define IMAGERY, which have it at this place whatever else they have */
 };
+#define RENDER_PARAMS_BYTES offsetof(struct picture_params, imagery) /* of other programs */
+static_assert(RENDER_PARAMS_BYTES == 864, "lib/picture.glsl has this offset");
 
 /* A camera's axes (unit vectors, at right angles), and the size of its pixels. */
 struct render_axes {
@@ -238,6 +243,7 @@ struct render {
 	bool measuring;         /* numbers are drawn now, not colours */
 	struct gpu_program *measure_programs[RENDER_VARIANTS];
 	bool layers;
+	struct render_imagery *imagery; /* the caller's; NULL without EFFECT_IMAGERY */
 	struct render_layer layer;
 	struct gpu_program *layer_programs[RENDER_VARIANTS]; /* the same for false colours (layers) */
 };

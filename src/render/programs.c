@@ -4,7 +4,7 @@
  */
 #include <string.h>
 
-#include "render/internal.h"
+#include "render/imagery.h"
 #include "render/textures.h"
 
 /* By pixel error each draw has its own reaches. All code that changes a mesh with the distance must read them. */
@@ -287,4 +287,6 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	render_grains_plan(params, plan);
 	render_heaps_plan(params, plan);
 	render_shade_plan(params, plan);
+	if (effects >> EFFECT_IMAGERY & 1)
+		render_imagery_plan(params->extent, params->imagery_budget, params->loaders, plan);
 }

@@ -120,6 +120,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.heals = params->heals,
 		.vegetation = params->vegetation,
 		.cover_by_class = params->cover_by_class,
+		.imagery = params->effects >> EFFECT_IMAGERY & 1 ? params->imagery : NULL,
 		.pixel_error = params->pixel_error,
 		.layers = params->layers,
 		.measures = params->measures,

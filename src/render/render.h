@@ -24,6 +24,8 @@ struct render_camera {
 	double up[3];             /* direction that is up in the picture; all zero: the z axis */
 };
 
+struct render_imagery; /* imagery.h: the colours that the store has for the ground */
+
 struct render_params {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
@@ -39,6 +41,9 @@ struct render_params {
 	const struct scene_light *light; /* the planet and the sun; NULL: the default of a scene */
 	/* for the effect splat: its soils are the classes in the slots. Must stay valid longer than the render; NULL: none */
 	const struct scene *soils;
+	struct render_imagery *imagery; /* with EFFECT_IMAGERY; must stay valid longer than the render. Plans do not need it */
+	double imagery_budget; /* MB; for plans alone, as the next one */
+	uint32_t loaders;     /* threads that read imagery */
 	double pixel_error;   /* pixels by which drawn ground may be wrong; 0: distance alone decides the detail (camera.c) */
 	int samples;          /* samples for each pixel; 0 and 1: only the colour at the pixel's centre */
 	/* objects that may be drawn, with EFFECT_OBJECTS; must stay valid longer than the render */
@@ -110,6 +115,9 @@ struct render;
  * they are interpolated. Pure. */
 void render_plan(const struct render_params *params, bool deformed, bool divided, bool smooth, struct plan *plan);
 
+/* Checks that pictures can show the imagery of the store. STATUS_INPUT: it has none. STATUS_FAILED: this build cannot read it. `store` NULL: no
+ * store is known, and nothing is refused. */
+enum status render_imagery_check(const struct store *store) FURROW_CHECKED;
 /* Checks that the driver can draw so many samples a pixel. STATUS_INPUT: it cannot; the message names its limit. */
 enum status render_check_samples(const struct gpu *gpu, int samples) FURROW_CHECKED;
 /* Makes the programs and buffers for pictures. Also checks the samples, as render_check_samples does. */

@@ -147,6 +147,8 @@ static enum status draw(struct view *view, bool complete)
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
 	TRY(render_view_set_objects(view));
+	if (view->imagery != NULL)
+		view->imagery->complete = complete;
 	return render_frame(view->render, &camera, view->selection);
 }
 
@@ -162,6 +164,7 @@ enum status render_view_warm(struct view *view)
 		TRY_OR(done, draw(view, !view->watched)); /* a watched picture may be drawn before its tiles are there */
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		TRY_OR(done, render_view_look_ahead(view));
+	TRY_OR(done, render_view_want_imagery(view));
 done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
@@ -191,6 +194,7 @@ enum status render_view_between(struct view *view, struct pictures *pictures)
 	enum status status;
 	TRY_OR(done, render_pictures_poll(pictures));
 	TRY_OR(done, render_view_look_ahead(view));
+	TRY_OR(done, render_view_want_imagery(view));
 done:
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
@@ -221,9 +225,11 @@ enum status render_view_frame(struct view *view, struct pictures *pictures, bool
 	TRY(draw(view, image));
 	render_view_count(view);
 	take_overdraw(view);
-	view->lacks = view->selection->wanted_count > 0 || view->guessed;
+	view->lacks = view->selection->wanted_count > 0 || view->guessed || (view->imagery != NULL && view->imagery->lacking.count > 0);
 	view->starved += view->coarse || view->lacks;
 	enum status status = render_view_look_ahead(view);
+	if (status == STATUS_OK)
+		status = render_view_want_imagery(view);
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	TRY(status);
@@ -244,6 +250,8 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.heals = scene->heals > 0,
 		.vegetation = scene->vegetation.present ? &scene->vegetation : NULL,
 		.cover_by_class = scene_covers_by_class(scene),
+		.imagery_budget = scene->view.imagery_budget,
+		.loaders = world_facts(world)->limits.loaders,
 		.pixel_error = scene->view.pixel_error,
 		.samples = scene->view.samples,
 		.grains = world_grains_most(world),
@@ -283,6 +291,7 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	params.reference = resident_ground_reference(world_resident(world)->store);
 	params.low = isnan(world_resident(world)->meta->low) ? 0 : world_resident(world)->meta->low;
 	params.high = isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high;
+	params.imagery = view->imagery;
 	params.layers = watched;
 	params.measures = params.measures && !watched;
 	if (watched) /* the scene's cameras draw nothing then */
@@ -302,6 +311,7 @@ static enum status make(struct view *view)
 	const struct scene *scene = world_scene(world);
 	TRY_MEM(view->selection != NULL && view->now != NULL && view->ahead != NULL && view->missing != NULL, "the view");
 	view->reach = render_view_find_reach(world);
+	TRY(render_view_make_imagery(view));
 	TRY(make_render(view, view->watched, &view->render));
 	TRY(render_sun_find(&world_facts(world)->light, world_resident(world)->meta, &view->sun));
 	if (!view->watched)
@@ -344,8 +354,13 @@ void render_view_destroy(struct view *view)
 {
 	if (view == NULL)
 		return;
+	for (size_t i = 0; i < view->camera_count; i++)
+		mem_free(view->cameras[i].ahead.imagery.keys);
+	for (int i = 0; i < VIEW_LOOKS && view->ahead != NULL; i++)
+		mem_free(view->ahead[i].imagery.keys);
 	render_view_free_cameras(view);
 	render_destroy(view->render);
+	render_imagery_destroy(view->imagery);
 	key_set_finish(&view->deformed);
 	resident_bounds_finish(&view->bounds);
 	key_set_finish(&view->expected);
@@ -368,6 +383,12 @@ void render_view_figures(const struct view *view, struct render_view_figures *fi
 		.nap_ms = view->nap_ms,
 		.tiles = view->tiles,
 	};
+	if (view->imagery == NULL)
+		return;
+	struct page_stats stats;
+	page_cache_stats(view->imagery->cache, &stats);
+	figures->naps += stats.stalls;
+	figures->nap_ms += stats.stall_ms;
 }
 
 /* --- a host's --- */

@@ -5,6 +5,7 @@
 #include "render/render.h"
 #include "base/key_map.h"
 #include "base/key_set.h"
+#include "render/imagery.h"
 
 /* The tiles that the picture of one moment needs, most needed first. */
 struct view_look {
@@ -14,6 +15,7 @@ struct view_look {
 	uint64_t done; /* number of ranges that the look-ahead had loaded by then */
 	size_t count;
 	uint64_t keys[2 * RENDER_DRAWS_MAX];
+	struct imagery_pages imagery; /* pages of imagery that it shows */
 };
 
 #define VIEW_LOOKS 4 /* number of future moments that are looked at */
@@ -45,6 +47,7 @@ struct view {
 	size_t added_count;
 	size_t bodies;            /* of the host's world when they were listed */
 	struct render *render;
+	struct render_imagery *imagery; /* NULL: pictures show none */
 	struct key_set deformed;  /* tiles that had offsets, or a finer tile with offsets, before the drive; 11 to 21 bytes each */
 	/* for each tile that this drive changed: bounds of the offsets that its contacts may have left */
 	struct offset_bounds bounds;
@@ -179,8 +182,17 @@ enum status render_view_errors_touch(struct view *view, struct tile tile) FURROW
  * looked at. */
 enum status render_view_error(struct view *view, struct tile tile, bool expected, double *error) FURROW_CHECKED;
 
+/* view_imagery.c: imagery. Each does nothing if pictures show none. */
+enum status render_view_make_imagery(struct view *view) FURROW_CHECKED;
+/* Puts the pages of imagery that a look's tiles show into the look. */
+enum status render_view_look_imagery(struct view *view, const struct render_camera *camera, struct view_look *look) FURROW_CHECKED;
+/* Requests pages for the looks that are ahead, and lets finished loads become resident. Call it once a step. */
+enum status render_view_want_imagery(struct view *view) FURROW_CHECKED;
+
 /* view_ahead.c: tiles that future pictures will need. */
 void render_view_keep_now(struct view *view);
+/* Sorts the looks by time, the soonest first, and returns their number. Those whose time has passed are left out. */
+size_t render_view_order_ahead(const struct view *view, const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS]);
 /* Fills the look with the tiles that the camera sees at its time, as if none were resident. `time`: when it is drawn. */
 enum status render_view_look(struct view *view, const struct render_camera *camera, double time, struct view_look *look) FURROW_CHECKED;
 /* Looks at one of the future moments. Call this once for each frame, after it was selected and kept. */

@@ -119,6 +119,7 @@ enum status render_view_look(struct view *view, const struct render_camera *came
 	TRY_OR(done, render_view_select(view, camera, true));
 	look->count = view->selection->wanted_count;
 	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
+	TRY_OR(done, render_view_look_imagery(view, camera, look));
 done:
 	look->guessed = view->guessed;
 	look->done = done;
@@ -146,8 +147,7 @@ enum status render_view_look_ahead(struct view *view)
 	return status;
 }
 
-/* Sorts the looks by time, the soonest first. Those whose time has passed are left out. */
-static size_t order_ahead(const struct view *view, const struct view_look *order[])
+size_t render_view_order_ahead(const struct view *view, const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS])
 {
 	size_t count = 0;
 	for (size_t i = 0; i < VIEW_LOOKS + view->camera_count; i++) {
@@ -181,7 +181,7 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 enum status render_view_requests(struct view *view, struct requests *requests)
 {
 	const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS];
-	size_t count = order_ahead(view, order);
+	size_t count = render_view_order_ahead(view, order);
 	key_set_clear(&view->seen);
 	TRY(add_look(view, view->now, world_time(view->world), SIZE_MAX, requests));
 	for (size_t i = 0; i < count; i++)

@@ -272,6 +272,8 @@ static enum status draw(struct view *view, struct view_camera *this, struct pict
 	render_set_truth(view->render, scene_camera_truth(world_scene(view->world), this->camera));
 	TRY(render_view_shade(view, &camera, true));
 	TRY(render_view_find_tiles(view, &camera, true));
+	if (view->imagery != NULL)
+		view->imagery->complete = true;
 	TRY(render_frame(view->render, &camera, view->selection));
 	TRY(tell_pose(view, this, &camera, poses, frame));
 	render_view_count(view);

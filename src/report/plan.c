@@ -73,6 +73,8 @@ static enum status plan_view(const struct world *world, bool planes, struct repo
 	const struct world_figures figures = vehicle_figures(out->vehicles);
 	struct render_params render;
 	render_view_params(world, &render);
+	if (render.effects >> EFFECT_IMAGERY & 1)
+		TRY(render_imagery_check(world_resident(world)->store));
 	struct scene_object *drawn = mem_calloc(scene->object_count + figures.count + 1, sizeof *drawn);
 	TRY_MEM(drawn, "the plan");
 	for (size_t i = 0; i < scene->object_count; i++)

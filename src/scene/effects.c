@@ -169,6 +169,10 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"terrain_shadow", "view.effects", "TERRAIN_SHADOW", LIST("terrain.frag", "object.frag", "depth.frag"), "base, offset", "colour", 0, NONE,
 		"four maps of 1024 x 1024 texels, the first at least 24 m wide, each 8 times wider; the ground is drawn once for each of them",
 		"shades the ground that the terrain hides from the sun"},
+	[EFFECT_IMAGERY] = {
+		"imagery", "view.effects", "IMAGERY", LIST("terrain.frag", "lib/imagery.glsl"), "base, offset", "colour", 0, LIST("view.imagery_budget"),
+		"as finely as the store has it; a picture that needs more than the budget reads tiles again while it is drawn",
+		"shows the imagery of the store where the ground is undisturbed"},
 	[EFFECT_CAMERAS] = {
 		"cameras", "cameras", "", LIST("measure.frag", "measure_object.frag"), "colour, depth", "", 0,
 		LIST("cameras[].size[]", "cameras[].rate", "cameras[].fov", "cameras[].images", "cameras[].depth_unit"),

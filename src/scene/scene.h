@@ -71,6 +71,7 @@ enum scene_effect {
 	EFFECT_SHADOW,
 	EFFECT_CAMERAS,
 	EFFECT_TERRAIN_SHADOW,
+	EFFECT_IMAGERY,
 	EFFECT_COUNT
 };
 #define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* the effect of using a model */
@@ -349,6 +350,7 @@ struct scene_view {
 	double pixel_error;
 	/* Which pictures have the light of the drawn surface alone, so that colour agrees with depth. By kind: those of all cameras but chase. */
 	enum scene_truth { SCENE_TRUTH_BY_KIND, SCENE_TRUTH_ALL, SCENE_TRUTH_NONE } truth;
+	double imagery_budget; /* MB of the GPU's memory for tiles of imagery */
 	struct scene_light light;
 };
 

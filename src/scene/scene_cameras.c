@@ -231,6 +231,7 @@ static void imply_view(struct scene *scene)
 	view->width = scene->cameras[0].width;
 	view->height = scene->cameras[0].height;
 	view->samples = 1;
+	view->imagery_budget = scene_absent("view.imagery_budget");
 	view->light = scene_light_default();
 	view->aim = (struct scene_aim){.kind = SCENE_FIXED, .target = {1, 0, 0}};
 	view->effects = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |

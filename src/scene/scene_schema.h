@@ -197,7 +197,7 @@ struct raw_view {
 	char **effects;
 	uint32_t effects_count;
 	int64_t *images, *samples;
-	double *pixel_error;
+	double *pixel_error, *imagery_budget;
 	bool *truth;
 	int *exposure; /* enum scene_exposure */
 	int *body; /* enum scene_body */

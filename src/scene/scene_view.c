@@ -177,6 +177,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
 	if (raw->view->truth != NULL)
 		view->truth = *raw->view->truth ? SCENE_TRUTH_ALL : SCENE_TRUTH_NONE;
+	view->imagery_budget = raw->view->imagery_budget != NULL ? *raw->view->imagery_budget : scene_absent("view.imagery_budget");
 	view->light = light_of(raw->view);
 	view->aim = (struct scene_aim){.kind = SCENE_FIXED, .target = {1, 0, 0}}; /* of a host, which gives a camera with each picture */
 	if (raw->view->camera != NULL)

@@ -414,6 +414,7 @@ struct store_reader {
 	/* Of an overlay: a connection to each file under it that is read. `base`: `rows`, or those of the plain store. */
 	sqlite3 *layer_db[STORE_DEPTH_MOST];
 	struct rows layer_rows[STORE_DEPTH_MOST], *layers[STORE_DEPTH_MOST], *base;
+	sqlite3_stmt *imagery; /* reads a tile of imagery, on the connection of `base`; NULL: none was read yet */
 };
 
 /* In store_read.c. Call the first before rows of the reader are used, outside a transaction: it connects anew if the reader is outdated. It is

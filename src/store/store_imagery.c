@@ -130,14 +130,15 @@ static enum status read_tile(struct store_reader *reader, struct tile tile, uint
 {
 	const struct extent *extent = &reader->store->meta.extent;
 	const size_t side = tile_posts(extent);
-	sqlite3_stmt *statement = NULL;
 	*found = false;
 	TRY(store_reader_begin(reader));
 	sqlite3 *db = reader->base->db;
 	const char *path = reader->base->path;
 	memset(pixels, 0, side * side * 4);
 	enum status status = STATUS_OK;
-	TRY_OR(done, store_sql_prepare(db, path, &statement, "SELECT codec, hash, blob FROM imagery WHERE key = ?"));
+	if (reader->imagery == NULL)
+		TRY(store_sql_prepare(db, path, &reader->imagery, "SELECT codec, hash, blob FROM imagery WHERE key = ?"));
+	sqlite3_stmt *const statement = reader->imagery;
 	sqlite3_bind_int64(statement, 1, (sqlite3_int64)tile_key(tile));
 	const int code = sqlite3_step(statement);
 	if (code == SQLITE_ROW) {
@@ -147,7 +148,7 @@ static enum status read_tile(struct store_reader *reader, struct tile tile, uint
 		TRY_OR(done, store_sql_fail(db, code, path, "reading its imagery"));
 	}
 done:
-	sqlite3_finalize(statement);
+	sqlite3_reset(statement); /* it must hold no transaction: readers see what is committed later */
 	return status;
 }
 

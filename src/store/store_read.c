@@ -51,6 +51,7 @@ static enum status connect_layers(struct store_reader *reader)
 
 static void disconnect(struct store_reader *reader)
 {
+	sqlite3_finalize(reader->imagery);
 	store_rows_finish(&reader->rows);
 	sqlite3_close(reader->db);
 	for (int at = 0; at < STORE_DEPTH_MOST; at++) {

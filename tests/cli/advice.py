@@ -69,6 +69,7 @@ SCENES = [
 
 # By the part of the message in the sources: which test types it, or why none does.
 ELSEWHERE = {
+    "has no imagery; add some with": "cli/imagery_drawn", "and more if another part needs more": "cli/imagery_drawn",
     "give at most %.4g Pa, or a higher": "a measured tyre, docs/VEHICLES.md: no default is near it",
     # tests of this file
     "furrow reset %s": "commands", "furrow restore %s": "commands", "give --window %s": "windows", "--window %s": "windows",

@@ -12,12 +12,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import FURROW, MAPS, largest, main
-from raster_test import RasterTest
-
-WEST, SOUTH = 500000, 5000000  # of the terrain's first post, EPSG:32632
-POSTS = 65                     # 1 m apart
-STEP = 0.25                    # m, of the picture's pixels: 4 a post
-
+from raster_test import POSTS, SOUTH, STEP, WEST, PictureTest
 
 def ramp(x, y):
     """A picture in which each place has its own colours, at most 2 levels a pixel of STEP."""
@@ -29,35 +24,10 @@ def noise(x, y):
     return tuple(generator.randrange(256) for _ in range(3))
 
 
-class Imagery(RasterTest):
+class Imagery(PictureTest):
     def setUp(self):
         super().setUp()
         self.make("dem.tif", POSTS, POSTS, lambda x, y: 100 + 5 * math.sin(x / 9), west=WEST - 0.5, north=SOUTH + POSTS - 0.5, step=1, srs="EPSG:32632")
-
-    def gdal(self, *arguments, stdin=None):
-        return subprocess.run([*map(str, arguments)], cwd=self.folder, check=True, capture_output=True, text=True, input=stdin).stdout
-
-    def picture(self, name, value, x0=0, y0=0, width=257, height=257, step=STEP, srs="EPSG:32632", *more):
-        """A GeoTIFF of three bands; its pixels' centres are x0, y0 and multiples of `step`, metres from the first post."""
-        rows = b"".join(bytes(value(x0 + i * step, y0 + j * step)) for j in reversed(range(height)) for i in range(width))
-        (self.folder / "picture.ppm").write_bytes(b"P6\n%d %d\n255\n" % (width, height) + rows)
-        west, south = (WEST, SOUTH) if srs else (0, 0)
-        corners = (west + x0 - step / 2, south + y0 + (height - 0.5) * step, west + x0 + (width - 0.5) * step, south + y0 - step / 2)
-        self.gdal("gdal_translate", "-q", "-a_ullr", *corners, *(("-a_srs", srs) if srs else ()), *more, "picture.ppm", name)
-        return name
-
-    def store(self, *more, name="s.furrow", tile=16):
-        self.ok("import", "dem.tif", "-o", name, "--tile", tile, "--overwrite", *(("--force",) if "--imagery" in more else ()), *more)
-        return name
-
-    def pixels(self, picture):
-        """(width, height, rows from the south of tuples), without opacity"""
-        self.gdal("gdal_translate", "-q", "-of", "PNM", "-b", 1, "-b", 2, "-b", 3, picture, "read.ppm")
-        data = (self.folder / "read.ppm").read_bytes().split(b"\n", 3)
-        width, height = map(int, data[1].split())
-        at = data[3]
-        rows = [[tuple(at[3 * (j * width + i):3 * (j * width + i) + 3]) for i in range(width)] for j in range(height)]
-        return width, height, rows[::-1]
 
     def level(self, store, level):
         self.ok("export", store, "-o", "level.png", "--layer", "imagery", "--level", level)

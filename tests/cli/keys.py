@@ -372,7 +372,8 @@ ROWS |= {f"soil.rasters.{key}": (SCM, {"soil.rasters": f"{{{key}: {key}.png}}"})
          ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear", "elastic_stiffness")}
 # They need a store that lies on the Earth, and GDAL. These tests drive with two values of each.
 ELSEWHERE = {"output.map": "tests/cli/contract.py", "coordinates": "tests/cli/lines.py", "objects[].path.line": "tests/cli/lines.py", "vehicles[].driver.path.file": "tests/cli/lines.py",
-             "vehicles[].driver.path.line": "tests/cli/lines.py", "ground.roads[].lines": "tests/cli/roads.py"}
+             "vehicles[].driver.path.line": "tests/cli/lines.py", "ground.roads[].lines": "tests/cli/roads.py",
+             "view.imagery_budget": "tests/cli/imagery_drawn.py"}
 UNUSED = ("output.delay",)  # kept for scenes that give it; changes nothing
 RASTERS = {"bekker_kc": 5000, "bekker_kphi": 60000, "bekker_n": 2, "cohesion": 9000, "friction_angle": 45, "janosi_shear": 1, "elastic_stiffness": 50000}
 # The same results whatever they are, so it is told by run.json alone.

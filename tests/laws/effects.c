@@ -85,6 +85,7 @@ static const struct pair pairs[] = {
 	{EFFECT_OBJECTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("objects"), true},
 	{EFFECT_SHADOW, HEAD SEEN VIEW("objects"), HEAD SEEN VIEW("objects, shadow"), true},
 	{EFFECT_TERRAIN_SHADOW, HEAD SEEN VIEW(""), HEAD SEEN VIEW("terrain_shadow"), false},
+	{EFFECT_IMAGERY, HEAD SEEN VIEW(""), HEAD SEEN VIEW("imagery"), true},
 	{EFFECT_SPLAT, HEAD SPHERE MAP VIEW("texture"), HEAD SPHERE MAP VIEW("texture, splat"), true},
 	{EFFECT_SPLAT, HEAD MAP VIEW("texture"), HEAD MAP VIEW("texture, splat"), true},
 };
@@ -245,6 +246,8 @@ static void each_effect_comes_and_goes_alone(void **state)
 	write_files();
 	if (!has_meshes())
 		seen |= EFFECT_BIT(EFFECT_MESH);
+	if (!store_imagery_possible())
+		seen |= EFFECT_BIT(EFFECT_IMAGERY);
 	for (size_t i = 0; i < PAIRS; i++) {
 		if (done[i])
 			continue;
@@ -253,7 +256,7 @@ static void each_effect_comes_and_goes_alone(void **state)
 			if (strcmp(pairs[k].without, pairs[i].without) != 0)
 				continue;
 			done[k] = true;
-			if (seen >> pairs[k].effect & 1 && pairs[k].effect == EFFECT_MESH)
+			if (seen >> pairs[k].effect & 1 && (pairs[k].effect == EFFECT_MESH || pairs[k].effect == EFFECT_IMAGERY))
 				continue;
 			struct outcome with = drive(pairs[k].with);
 			check_pair(&pairs[k], &without, &with);

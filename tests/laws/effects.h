@@ -119,6 +119,8 @@ static inline struct outcome drive(const char *text)
 {
 	const char *store = support_path("effects.furrow");
 	support_store(store, extent, gentle);
+	if (strstr(text, "imagery") != NULL)
+		assert_true(support_imagery(store, 150, 120, 90));
 	return drive_on(text, store);
 }
 

@@ -143,6 +143,7 @@ static void each_key_calls_for_its_own(void **state)
 		{quiet, "view.effects", "[splat]", EFFECT_BIT(EFFECT_SPLAT), "view.effects.splat"},
 		{quiet, "view.effects", "[skirts]", EFFECT_BIT(EFFECT_SKIRTS), "view.effects.skirts"},
 		{quiet, "view.effects", "[terrain_shadow]", EFFECT_BIT(EFFECT_TERRAIN_SHADOW), "view.effects.terrain_shadow"},
+		{quiet, "view.effects", "[imagery]", EFFECT_BIT(EFFECT_IMAGERY), "view.effects.imagery"},
 		{seen, "view.effects", "[objects]", EFFECT_BIT(EFFECT_OBJECTS), "view.effects.objects"},
 		{seen, "view.effects", "[objects, shadow]", EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW), "view.effects.objects"},
 		{seen, "view.effects", "[shadow]", 0, NULL}, /* of nothing that is drawn */
