@@ -108,6 +108,7 @@ PAIRS = [
     ("terrain_shadow", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "terrain_shadow"))),
     ("cameras", SEEN, SEEN | {"cameras": [EYE]}),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
+    ("light", SEEN, scene(WHEEL, **view(exposure="auto"))),
     ("antialias", SEEN, scene(WHEEL, **view(samples=4))),
     ("images", scene(WHEEL), SEEN),
 ]

@@ -92,9 +92,10 @@ static struct gpu_program_request shade_request_of(uint64_t effects, bool by_err
 	return request;
 }
 
-static struct gpu_program_request sky_of(const char *body)
+static struct gpu_program_request sky_of(uint64_t effects, const char *body)
 {
-	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {body}};
+	const char *light = render_light_define(effects);
+	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {light != NULL ? light : body, light != NULL ? body : NULL}};
 }
 
 static bool has_variant(unsigned variant, bool deformed, bool divided, bool smooth)
@@ -155,7 +156,7 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 
 enum status render_sky_program(struct render *render, struct gpu_program **out)
 {
-	struct gpu_program_request sky = sky_of(render_body_define(&render->light));
+	struct gpu_program_request sky = sky_of(render->effects, render_body_define(&render->light));
 	return gpu_program_get(render->gpu, &sky, out);
 }
 
@@ -184,6 +185,7 @@ enum status render_warm(struct render *render, bool deformed, bool divided, bool
 			TRY(warm_variant(render, variant));
 	if (render->effects >> EFFECT_SKY & 1)
 		TRY(render_sky_program(render, &program));
+	TRY(render_expose_warm(render));
 	TRY(render_grains_warm(render));
 	TRY(render_heaps_warm(render));
 	return render_objects_warm(render);
@@ -230,7 +232,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	const char *antialias = scene_effect_row(EFFECT_ANTIALIAS)->name;
 	add(plan, PLAN_TEXTURE, PLAN_ONCE, samples > 1 ? antialias : picture, 4 * pixels * samples, "depth");
 	if (samples > 1) {
-		add(plan, PLAN_TEXTURE, PLAN_ONCE, antialias, 4 * pixels * samples, "samples");
+		add(plan, PLAN_TEXTURE, PLAN_ONCE, antialias, gpu_format_bytes(render_light_format(effects)) * pixels * samples, "samples");
 		add(plan, PLAN_PASS, PLAN_FRAME, antialias, 0, gpu_stage_name(GPU_RESOLVE));
 	}
 	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : picture,
@@ -241,7 +243,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		    gpu_texture_bytes(GPU_RGBA8, RENDER_GROUND_SIZE, RENDER_GROUND_SIZE, RENDER_GROUND_LAYERS, gpu_mipmap_levels(RENDER_GROUND_SIZE)),
 		    "ground");
 	if (effects >> EFFECT_SKY & 1) {
-		struct gpu_program_request sky = sky_of(body);
+		struct gpu_program_request sky = sky_of(effects, body);
 		add_program(plan, scene_effect_row(EFFECT_SKY)->name, &sky);
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}
@@ -249,4 +251,5 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	render_grains_plan(params, plan);
 	render_heaps_plan(params, plan);
 	render_shade_plan(params, plan);
+	render_expose_plan(params, plan);
 }

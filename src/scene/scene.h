@@ -71,6 +71,7 @@ enum scene_effect {
 	EFFECT_SHADOW,
 	EFFECT_CAMERAS,
 	EFFECT_TERRAIN_SHADOW,
+	EFFECT_LIGHT,
 	EFFECT_COUNT
 };
 #define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* the effect of using a model */
@@ -275,7 +276,9 @@ struct scene_light {
 	double days;            /* when the drive begins: days since 2000-01-01 12:00, UTC */
 	bool placed;            /* false: the place is the middle of the store's terrain */
 	double longitude, latitude; /* rad, east and north */
-	enum scene_exposure { SCENE_EXPOSURE_FIXED, SCENE_EXPOSURE_SUN } exposure; /* sun: level ground is as bright whatever its height */
+	/* sun: level ground is as bright whatever its height; auto: the frame's mean light is as bright */
+	enum scene_exposure { SCENE_EXPOSURE_FIXED, SCENE_EXPOSURE_SUN, SCENE_EXPOSURE_AUTO } exposure;
+	double ev;              /* stops: pictures are 2^ev times as bright as by `exposure` alone */
 	bool coloured;          /* `colour` is given; false: the colour is computed for this planet and this height of the sun */
 	double colour[3];       /* linear */
 };
@@ -297,7 +300,7 @@ struct scene_aim {
 };
 
 /* What a camera writes of each frame. */
-enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, SCENE_IMAGE_HEIGHT, SCENE_IMAGE_CLASS, SCENE_IMAGE_INSTANCE, SCENE_IMAGES };
+enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, SCENE_IMAGE_HEIGHT, SCENE_IMAGE_CLASS, SCENE_IMAGE_INSTANCE, SCENE_IMAGE_LINEAR, SCENE_IMAGES };
 /* drawn a second time */
 #define SCENE_IMAGES_MEASURED (1u << SCENE_IMAGE_NORMALS | 1u << SCENE_IMAGE_HEIGHT | 1u << SCENE_IMAGE_CLASS | 1u << SCENE_IMAGE_INSTANCE)
 
@@ -314,6 +317,8 @@ struct scene_camera {
 	int width, height;     /* pixels */
 	double rate;           /* frames for each second of simulated time */
 	unsigned images;       /* bit 1 << enum scene_image of each */
+	enum scene_exposure exposure; /* as scene_light has it for the view */
+	double ev;
 	double depth_unit;     /* metres of 1 in a 16-bit picture of depth */
 	bool video;            /* ffmpeg makes one of its colours at the end */
 	int pair;              /* the other camera of a stereo pair; -1: none */
@@ -596,6 +601,8 @@ bool scene_carries(const struct scene *scene);
 void scene_unwatched(const struct scene *scene, struct scene *out);
 /* Returns how many pixels of pictures a step draws, as a mean over the drive. A window is not counted. */
 double scene_pixels_a_step(const struct scene *scene);
+/* Returns true if pictures are drawn as light first, which is exposed then: for images of linear light, and exposures by the frame. */
+bool scene_draws_light(const struct scene *scene);
 /* Returns true if the camera's frames are drawn a second time: for SCENE_IMAGES_MEASURED, and with view.samples for depth, of one sample. */
 bool scene_camera_measures(const struct scene *scene, const struct scene_camera *camera);
 bool scene_measures(const struct scene *scene); /* some camera does */

@@ -199,6 +199,7 @@ struct raw_view {
 	int64_t *images, *samples;
 	double *pixel_error;
 	int *exposure; /* enum scene_exposure */
+	double *ev;
 	int *body; /* enum scene_body */
 	struct raw_sun *sun;
 };
@@ -223,6 +224,8 @@ struct raw_listed_camera {
 	char **images;
 	uint32_t images_count;
 	double *depth_unit, *stereo;
+	int *exposure; /* enum scene_exposure */
+	double *ev;
 	bool *video;
 };
 struct raw_lidar {
