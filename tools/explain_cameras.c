@@ -23,12 +23,21 @@ static uint64_t frame_bytes(const struct scene_camera *camera)
 	return 4 * (uint64_t)camera->width * (uint64_t)camera->height * (uint64_t)(plain + measured);
 }
 
+/* Times of a Martian clock, whole minutes. */
+static void print_hours(const struct report_sun_place *place)
+{
+	const int mean = (int)(place->mean_hours * 60), apparent = (int)(place->solar_hours * 60);
+	printf("  local time on Mars when the drive begins: mean (LMST) %02d:%02d, true (LTST) %02d:%02d\n", mean / 60, mean % 60, apparent / 60, apparent % 60);
+}
+
 void explain_sun_text(const struct report_plan *plan)
 {
 	const struct report_sun *sun = &plan->sun;
 	if (!sun->drawn)
 		return;
 	printf("\nsun: azimuth %.1f degrees, clockwise from the store's north; %.1f degrees above the horizon\n", sun->begins.azimuth, sun->begins.height);
+	if (!isnan(sun->begins.solar_hours))
+		print_hours(&sun->begins);
 	if (sun->sun.light.timed)
 		printf("  it moves: when the drive ends, azimuth %.1f, height %.1f degrees\n", sun->ends.azimuth, sun->ends.height);
 }

@@ -81,6 +81,7 @@ void report_where(struct cJSON *root, const struct report *report, const struct 
 /* Degrees: clockwise from the store's north, and above the horizon. */
 struct report_sun_place {
 	double azimuth, height;
+	double mean_hours, solar_hours; /* on Mars, with a time: local mean and local true solar time, hours of 1/24 sol; else NAN */
 };
 struct report_sun {
 	bool drawn;              /* the scene has pictures or cameras. Otherwise the rest is not filled */

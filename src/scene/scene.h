@@ -287,6 +287,8 @@ struct scene_light {
 /* Gives where the sun is in the sky of a place: azimuth clockwise from true north and height above the horizon, rad. On the Earth the
  * air raises it. `days`: since 2000-01-01 12:00, UTC. `longitude` (east) and `latitude`: rad. Sources and accuracy: scene_sun.c. */
 void scene_sun_at(enum scene_body body, double days, double longitude, double latitude, double *azimuth, double *height);
+/* Gives the local solar times of a place on Mars, in hours of 1/24 sol, 0 to below 24. *mean: LMST. *apparent: LTST, which is 12 when the sun is highest. */
+void scene_mars_hours(double days, double longitude, double *mean, double *apparent);
 struct scene_light scene_light_default(void); /* returns the light of a view that gives no light */
 
 /* What a camera follows, or where it is. */

@@ -118,6 +118,14 @@ class Light(FurrowTest):
             self.assertTrue(notes[0].endswith(why), notes[0])
         self.assertEqual([note for note in self.shoot({"c": "ev: 0"})["notes"] if "is white" in note or "is black" in note], [])
 
+    def test_local_times_on_mars_are_told(self):
+        """Perseverance landed at 15:53 of local mean solar time; the sun is then in the west."""
+        sun = self.shoot({"c": "ev: 0"}, 'sun: {time: "2021-02-18T20:43:49Z", at: [77.4508, 18.4447]}', "mars")["sun"]
+        self.assertAlmostEqual(sun["local_mean_solar_time"][0], 15 + 53 / 60, delta=0.04)
+        self.assertAlmostEqual((sun["local_mean_solar_time"][1] - sun["local_mean_solar_time"][0]) * 1.0274912517 * 3600, 0.2, delta=1e-3)
+        self.assertGreater(sun["azimuth"], 200)
+        self.assertNotIn("local_mean_solar_time", self.shoot({"c": "ev: 0"}, 'sun: {time: "2021-02-18T20:43:49Z", at: [77.4508, 18.4447]}', "earth")["sun"])
+
     def test_a_black_sky_is_told_as_such(self):
         note, = [note for note in self.shoot({"c": "pose: {at: [90, 100, 60], pitch: 80}"}, body="moon")["notes"] if "is black" in note]
         self.assertTrue(note.endswith("no ground is in view, so it shows the sky alone; turn the camera to the ground, or give view.effects: [sky]"), note)
