@@ -30,7 +30,7 @@ def text():
             ("relief", rough * 2 ** rough_power, "the same over relief"), ("relief_power", rough_power, "")]
     lines = [f"	.{name} = {value:.4g},{f' /* {what} */' if what else ''}" for name, value, what in rows]
     return "\n".join(["/* Made by bench/frame_costs.py from bench/figures/looks.json. Processor seconds of llvmpipe, all effects. */",
-                      f'#define FRAME_COSTS_RENDERER "llvmpipe"', "static const struct frame_costs llvmpipe = {", *lines, "};", ""])
+                      "static const struct frame_costs llvmpipe = {", *lines, "};", ""])
 
 
 if __name__ == "__main__":

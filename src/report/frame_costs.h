@@ -1,5 +1,4 @@
 /* Made by bench/frame_costs.py from bench/figures/looks.json. Processor seconds of llvmpipe, all effects. */
-#define FRAME_COSTS_RENDERER "llvmpipe"
 static const struct frame_costs llvmpipe = {
 	.pixel = 1.316e-07, /* s a pixel */
 	.frame = 0.006313, /* s a frame */
