@@ -110,6 +110,7 @@ PAIRS = [
     ("imagery", scene(WHEEL, **view("texture")), scene(WHEEL, store="pictured.furrow", **view("texture", "imagery"))),
     ("cameras", SEEN, SEEN | {"cameras": [EYE]}),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
+    ("light", SEEN, scene(WHEEL, **view(exposure="auto"))),
     ("antialias", SEEN, scene(WHEEL, **view(samples=4))),
     ("images", scene(WHEEL), SEEN),
 ]

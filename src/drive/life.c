@@ -117,6 +117,7 @@ static void advise(const struct drive *drive)
 	if (!drive->params.hosted || drive->params.advise) {
 		world_advise(world, tell_advice, NULL);
 		report_sun_advise(world, tell_advice, NULL);
+		report_pictures_advise(world_scene(world), world_step_count(world), tell_advice, NULL);
 	}
 	if (drive->vehicles != NULL || !drive->params.hosted)
 		vehicle_advise(drive->vehicles, world, tell_advice, NULL);

@@ -58,6 +58,7 @@ enum gpu_stage {
 	GPU_OBJECTS,
 	GPU_SKY,
 	GPU_RESOLVE,   /* averages the samples of each pixel */
+	GPU_EXPOSE,    /* turns light into colours */
 	/* fills a tile finer than level 0 by interpolation when the tile is loaded (Technique 4 of the dissertation) */
 	GPU_SUBDIVIDE,
 	GPU_STAGES

@@ -16,6 +16,7 @@ static const struct {
 	[GPU_PYRAMID] = {"pyramid", GPU_DECIMATE},     [GPU_TERRAIN] = {"terrain", GPU_RENDER},
 	[GPU_SHADOW] = {"shadow", GPU_RENDER},	       [GPU_OBJECTS] = {"objects", GPU_RENDER},
 	[GPU_SKY] = {"sky", GPU_RENDER},	       [GPU_RESOLVE] = {"resolve", GPU_RENDER},
+	[GPU_EXPOSE] = {"expose", GPU_RENDER},
 	[GPU_SUBDIVIDE] = {"subdivide", GPU_DIVIDE},
 };
 

@@ -84,15 +84,17 @@ static double level_light(const struct scene_light *light, double height)
 
 double render_body_exposure(const struct scene_light *light)
 {
+	const double by_ev = exp2(light->ev);
 	if (light->exposure == SCENE_EXPOSURE_FIXED)
-		return 1;
-	return fmin(level_light(light, SCENE_SUN_HEIGHT) / fmax(level_light(light, light->height), 1e-6), 32);
+		return by_ev;
+	return by_ev * fmin(level_light(light, SCENE_SUN_HEIGHT) / fmax(level_light(light, light->height), 1e-6), 32);
 }
 
 double render_sun_brightens(const struct scene_light *light)
 {
 	struct scene_light by_sun = *light;
 	by_sun.exposure = SCENE_EXPOSURE_SUN;
+	by_sun.ev = 0;
 	return fmax(render_body_exposure(&by_sun), 1);
 }
 

@@ -363,6 +363,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	float background[4];
 	struct picture_params params = {0};
 	render_body_background(&render->light, background);
+	render_expose_background(render, background);
 	gpu_target_clear(target_of(render), background);
 	if (render->imagery != NULL)
 		render_imagery_begin_frame(render->imagery);
@@ -371,6 +372,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 		TRY(draw_beyond(render, camera, selection, &params));
 	if (render->screen->resolved != NULL)
 		gpu_target_resolve(render->screen->target, render->screen->resolved);
+	TRY(render_expose(render));
 	return gpu_check(render->gpu, "drawing the picture");
 }
 

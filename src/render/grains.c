@@ -36,6 +36,8 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body)
 		request.defines[count++] = scene_effect_row(EFFECT_FOG)->define;
 	if (effects >> EFFECT_TERRAIN_SHADOW & 1)
 		request.defines[count++] = scene_effect_row(EFFECT_TERRAIN_SHADOW)->define;
+	if (effects >> EFFECT_LIGHT & 1)
+		request.defines[count++] = render_light_define(effects);
 	request.defines[count] = body;
 	return request;
 }

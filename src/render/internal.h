@@ -170,8 +170,23 @@ void render_body_textures(const struct scene_light *light, enum render_ground ki
 const char *render_body_define(const struct scene_light *light);
 /* Fills sunlight, tint, and the look of soil classes. `soils` may be NULL. */
 void render_body_fill(const struct scene_light *light, const struct scene *soils, struct picture_params *params);
-/* Returns the factor of all light: 1, or what makes level ground as bright as under the default sun, at most 32. */
+/* Returns the factor of all light: 2^ev, and what makes level ground as bright as under the default sun, at most 32. For an exposure by the frame, what
+ * `sun` would give: windows have that. */
 double render_body_exposure(const struct scene_light *light);
+/* --- expose.c: with EFFECT_LIGHT a frame is drawn as light, and exposed by its mean then --- */
+struct render_screen;
+const char *render_light_define(uint64_t effects); /* returns the define of programs that draw light; NULL: they draw colours */
+enum gpu_format render_light_format(uint64_t effects); /* returns the format of what pictures are drawn into */
+#define RENDER_METER 32u /* cells along each side of the light's sums */
+#define RENDER_METER_BYTES ((uint64_t)RENDER_METER * RENDER_METER * 4)
+/* Makes what a screen needs for it; does nothing without the effect. */
+enum status render_expose_screen(struct render *render, struct render_screen *screen) FURROW_CHECKED;
+void render_expose_screen_finish(struct render_screen *screen);
+enum status render_expose_warm(struct render *render) FURROW_CHECKED;
+void render_expose_plan(const struct render_params *params, struct plan *plan);
+void render_expose_background(const struct render *render, float rgba[4]); /* turns the background's colour into light */
+/* Exposes the frame that was drawn, and notes its exposure. */
+enum status render_expose(struct render *render) FURROW_CHECKED;
 double render_body_air(const struct scene_light *light); /* returns the haze relative to the Earth's; 0: no air */
 void render_body_background(const struct scene_light *light, float rgba[4]); /* gives the colour where nothing is drawn */
 
@@ -193,6 +208,10 @@ struct render_screen {
 	struct gpu_texture *numbers; /* NULL unless render_measure may be called */
 	struct gpu_texture *single;  /* depth of one sample for each pixel, if `depth` has several and `numbers` is there; else NULL */
 	struct gpu_target *measure;  /* draws into `numbers`, and `single` or `depth` */
+	/* With EFFECT_LIGHT, else NULL */
+	struct gpu_texture *light;   /* the frame as light, of one sample for each pixel */
+	struct gpu_texture *meter;   /* sums of its luminance (expose.c) */
+	struct gpu_target *exposed, *metered; /* targets with `colour` and `meter` */
 	/* For shadows of objects; NULL: no object casts one */
 	struct gpu_texture *umbra;   /* the ground without the sun's light */
 	struct gpu_target *ground;   /* `target` and `umbra` */
@@ -228,6 +247,7 @@ struct render {
 	uint32_t index_count;
 	struct render_blocks blocks;
 	uint64_t triangles;
+	double exposed; /* factor of the last frame's light */
 	struct gpu_counter *ground_samples; /* counts samples of the ground */
 	struct render_objects *objects; /* NULL: no objects are shown */
 	struct render_grains *grains; /* NULL: no grains are shown */

@@ -71,6 +71,8 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 		request.defines[count++] = scene_effect_row(EFFECT_ANTIALIAS)->define;
 	if (!shadow && (effects >> EFFECT_TERRAIN_SHADOW & 1))
 		request.defines[count++] = scene_effect_row(EFFECT_TERRAIN_SHADOW)->define;
+	if (!shadow && (effects >> EFFECT_LIGHT & 1))
+		request.defines[count++] = render_light_define(effects);
 	request.defines[count] = body;
 	return request;
 }
@@ -160,7 +162,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 	add_program(plan, EFFECT_SHADOW, &umbra);
 	for (int pass = 0; pass < 2; pass++)
 		add(plan, PLAN_PASS, PLAN_SHADOWED, EFFECT_SHADOW, 0, gpu_stage_name(GPU_SHADOW));
-	add(plan, PLAN_TEXTURE, PLAN_ONCE, EFFECT_SHADOW, 4 * samples, "ground without sun");
+	add(plan, PLAN_TEXTURE, PLAN_ONCE, EFFECT_SHADOW, gpu_format_bytes(render_light_format(params->effects)) * samples, "ground without sun");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, gpu_list_bytes(params->object_count * sizeof(struct object_shadow)), "shadows: where they are");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, sizeof volume_sides, "shadows: a volume");
 }

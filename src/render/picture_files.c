@@ -55,6 +55,26 @@ static enum status write_depth(const char *path, const struct render_picture *pi
 	return write_npy(path, picture, depth, 1, sizeof *depth);
 }
 
+/* --- linear light --- */
+
+static void put_light(const void *user, uint32_t y, uint8_t *row)
+{
+	const struct greys *light = user;
+	const float *from = light->values + (size_t)4 * light->width * y;
+	for (uint32_t i = 0; i < 3 * light->width; i++) {
+		const double value = (double)from[4 * (i / 3) + i % 3] * light->unit + 0.5;
+		const unsigned number = value >= 65535 ? 65535 : value > 0 ? (unsigned)value : 0;
+		row[2 * i] = (uint8_t)(number >> 8);
+		row[2 * i + 1] = (uint8_t)number;
+	}
+}
+
+static enum status write_linear(const char *path, const struct render_picture *picture, const float *light)
+{
+	const struct greys rows = {light, picture->width, picture->exposure * 65535 / RENDER_LINEAR_FULL};
+	return write_png(path, picture, 16, 3, put_light, &rows);
+}
+
 /* --- numbers of render_measure --- */
 
 #define CODE 3 /* the number of a pixel that says what is there: render_measure */
@@ -209,6 +229,8 @@ enum status render_picture_write(const char *directory, const struct render_pict
 	case SCENE_IMAGE_COLOUR:
 		snprintf(file, sizeof file, "%s.png", path);
 		return chart_png_write(file, bytes, picture->width, picture->height);
+	case SCENE_IMAGE_LINEAR:
+		return write_linear(path, picture, bytes);
 	case SCENE_IMAGE_DEPTH:
 		return write_depth(path, picture, bytes);
 	case SCENE_IMAGE_NORMALS:

@@ -56,34 +56,45 @@ static enum status sticky(struct pictures *pictures)
 
 /* --- the thread --- */
 
-/* Returns what share of the pixels is black; less than RENDER_BLACK_SHARE as soon as so many are brighter. */
-static double black_share(const struct render_picture *picture, const uint8_t *pixels)
+/* Returns what share of the pixels is black, or white; less than RENDER_BLACK_SHARE as soon as so many are not. */
+static double share_of(const struct render_picture *picture, const uint8_t *pixels, bool white)
 {
 	const size_t count = (size_t)picture->width * picture->height, enough = (size_t)((1 - RENDER_BLACK_SHARE) * (double)count) + 1;
-	size_t bright = 0;
-	for (const uint8_t *pixel = pixels; pixel < pixels + 4 * count && bright < enough; pixel += 4)
-		bright += pixel[0] > RENDER_BLACK || pixel[1] > RENDER_BLACK || pixel[2] > RENDER_BLACK;
-	return 1 - (double)bright / (double)count;
+	size_t others = 0;
+	for (const uint8_t *pixel = pixels; pixel < pixels + 4 * count && others < enough; pixel += 4)
+		others += white ? pixel[0] < RENDER_WHITE || pixel[1] < RENDER_WHITE || pixel[2] < RENDER_WHITE
+				: pixel[0] > RENDER_BLACK || pixel[1] > RENDER_BLACK || pixel[2] > RENDER_BLACK;
+	return 1 - (double)others / (double)count;
 }
 
-/* Counts the picture if it is black. */
+static void name_file(const struct render_picture *picture, char name[160])
+{
+	if (picture->frame < 0)
+		snprintf(name, 160, "%.100s.png", picture->name);
+	else
+		snprintf(name, 160, "%.100s/%s/%06lld.png", picture->name, scene_image_name(picture->image), (long long)picture->frame);
+}
+
+/* Counts the picture if it is black or white. */
 static void look(struct pictures *pictures, uint64_t which)
 {
 	const struct render_picture *picture = &pictures->pictures[which % PICTURES_ROOM];
+	const uint8_t *pixels = gpu_staging_bytes(pictures->places[which % PICTURES_ROOM]);
 	struct render_pictures_figures *figures = &pictures->figures;
 	if (picture->image != SCENE_IMAGE_COLOUR)
 		return;
-	const double dark = black_share(picture, gpu_staging_bytes(pictures->places[which % PICTURES_ROOM]));
-	if (dark < RENDER_BLACK_SHARE)
-		return;
+	const double dark = share_of(picture, pixels, false), bright = share_of(picture, pixels, true);
 	mutex_lock(&pictures->mutex);
-	if (figures->black++ == 0) {
+	if (dark >= RENDER_BLACK_SHARE && figures->black++ == 0) {
 		figures->dark = dark;
-		if (picture->frame < 0)
-			snprintf(figures->first_black, sizeof figures->first_black, "%.100s.png", picture->name);
-		else
-			snprintf(figures->first_black, sizeof figures->first_black, "%.100s/%s/%06lld.png", picture->name, scene_image_name(picture->image),
-				 (long long)picture->frame);
+		figures->groundless_black = picture->triangles == 0;
+		name_file(picture, figures->first_black);
+	}
+	if (bright >= RENDER_BLACK_SHARE && figures->white++ == 0) {
+		figures->bright = bright;
+		figures->exposed_white = picture->exposure;
+		figures->groundless_white = picture->triangles == 0;
+		name_file(picture, figures->first_white);
 	}
 	mutex_unlock(&pictures->mutex);
 }
@@ -181,7 +192,8 @@ static size_t bytes_of(uint64_t width, uint64_t height, bool measured)
 
 enum status render_pictures_begin(struct pictures *pictures, struct render *render, int64_t step)
 {
-	struct render_picture picture = {SCENE_IMAGE_COLOUR, render->screen->width, render->screen->height, .unit = 1, .frame = -1};
+	struct render_picture picture = {SCENE_IMAGE_COLOUR, render->screen->width, render->screen->height, .unit = 1, .frame = -1, .exposure = render_exposed(render),
+					.triangles = render_triangles(render)};
 	snprintf(picture.name, sizeof picture.name, "frame-%06lld", (long long)step);
 	return render_pictures_add(pictures, render, &picture);
 }
@@ -190,7 +202,7 @@ enum status render_pictures_add(struct pictures *pictures, struct render *render
 {
 	if (pictures == NULL)
 		return STATUS_OK;
-	assert(bytes_of(picture->width, picture->height, picture->images != 0) <= pictures->bytes);
+	assert(bytes_of(picture->width, picture->height, picture->images != 0 || picture->image == SCENE_IMAGE_LINEAR) <= pictures->bytes);
 	wait_for_room(pictures);
 	TRY(sticky(pictures));
 	uint64_t place = pictures->begun % PICTURES_ROOM;
@@ -251,7 +263,7 @@ size_t render_pictures_bytes(const struct scene *scene)
 	size_t most = view->images > 0 ? bytes_of((uint64_t)view->width, (uint64_t)view->height, false) : 0;
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
-		const size_t bytes = bytes_of((uint64_t)camera->width, (uint64_t)camera->height, camera->images & SCENE_IMAGES_MEASURED);
+		const size_t bytes = bytes_of((uint64_t)camera->width, (uint64_t)camera->height, (camera->images & (SCENE_IMAGES_MEASURED | 1u << SCENE_IMAGE_LINEAR)) != 0);
 		most = bytes > most ? bytes : most;
 	}
 	return most;

@@ -111,9 +111,10 @@ static struct gpu_program_request shade_request_of(uint64_t effects, bool by_err
 	return request;
 }
 
-static struct gpu_program_request sky_of(const char *body)
+static struct gpu_program_request sky_of(uint64_t effects, const char *body)
 {
-	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {body}};
+	const char *light = render_light_define(effects);
+	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {light != NULL ? light : body, light != NULL ? body : NULL}};
 }
 
 static bool has_variant(unsigned variant, bool deformed, bool divided, bool smooth)
@@ -174,7 +175,7 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 
 enum status render_sky_program(struct render *render, struct gpu_program **out)
 {
-	struct gpu_program_request sky = sky_of(render_body_define(&render->light));
+	struct gpu_program_request sky = sky_of(render->effects, render_body_define(&render->light));
 	return gpu_program_get(render->gpu, &sky, out);
 }
 
@@ -217,6 +218,7 @@ enum status render_warm(struct render *render, bool deformed, bool divided, bool
 	if (render->effects >> EFFECT_SKY & 1)
 		TRY(render_sky_program(render, &program));
 	TRY(render_apron_warm(render));
+	TRY(render_expose_warm(render));
 	TRY(render_grains_warm(render));
 	return render_objects_warm(render);
 }
@@ -267,7 +269,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	const char *antialias = scene_effect_row(EFFECT_ANTIALIAS)->name;
 	add(plan, PLAN_TEXTURE, PLAN_ONCE, samples > 1 ? antialias : picture, 4 * pixels * samples, "depth");
 	if (samples > 1) {
-		add(plan, PLAN_TEXTURE, PLAN_ONCE, antialias, 4 * pixels * samples, "samples");
+		add(plan, PLAN_TEXTURE, PLAN_ONCE, antialias, gpu_format_bytes(render_light_format(effects)) * pixels * samples, "samples");
 		add(plan, PLAN_PASS, PLAN_FRAME, antialias, 0, gpu_stage_name(GPU_RESOLVE));
 	}
 	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : picture,
@@ -278,7 +280,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		    gpu_texture_bytes(GPU_RGBA8, RENDER_GROUND_SIZE, RENDER_GROUND_SIZE, RENDER_GROUND_LAYERS, gpu_mipmap_levels(RENDER_GROUND_SIZE)),
 		    "ground");
 	if (effects >> EFFECT_SKY & 1) {
-		struct gpu_program_request sky = sky_of(body);
+		struct gpu_program_request sky = sky_of(effects, body);
 		add_program(plan, scene_effect_row(EFFECT_SKY)->name, &sky);
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}
@@ -289,4 +291,5 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	render_shade_plan(params, plan);
 	if (effects >> EFFECT_IMAGERY & 1)
 		render_imagery_plan(params->extent, params->imagery_budget, params->loaders, plan);
+	render_expose_plan(params, plan);
 }

@@ -177,6 +177,17 @@ void render_move_sun(struct render *render, double azimuth, double height)
 	render->light.height = height;
 }
 
+void render_expose_by(struct render *render, enum scene_exposure exposure, double ev)
+{
+	render->light.exposure = exposure;
+	render->light.ev = ev;
+}
+
+double render_exposed(const struct render *render)
+{
+	return render->exposed;
+}
+
 uint64_t render_triangles(const struct render *render)
 {
 	return render->triangles;
@@ -199,7 +210,7 @@ void render_read_into(struct render *render, enum scene_image image, struct gpu_
 {
 	const struct render_screen *screen = render->screen;
 	struct gpu_texture *depth = screen->single != NULL ? screen->single : screen->depth;
-	struct gpu_texture *texture = image == SCENE_IMAGE_DEPTH ? depth : image == SCENE_IMAGE_COLOUR ? screen->colour : screen->numbers;
+	struct gpu_texture *texture = image == SCENE_IMAGE_DEPTH ? depth : image == SCENE_IMAGE_COLOUR ? screen->colour : image == SCENE_IMAGE_LINEAR ? screen->light : screen->numbers;
 	gpu_texture_read_into(texture, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, staging, 0);
 }
 

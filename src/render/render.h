@@ -178,6 +178,9 @@ void render_tiles(const struct render *render, struct render_tiles *tiles);
 void render_set_truth(struct render *render, bool truth);
 /* Moves the sun, from the next frame on. Azimuth clockwise from the store's north, and height, rad. */
 void render_move_sun(struct render *render, double azimuth, double height);
+/* Sets the exposure, from the next frame on. */
+void render_expose_by(struct render *render, enum scene_exposure exposure, double ev);
+double render_exposed(const struct render *render); /* returns the factor by which the last frame's light was exposed */
 /* Begins to read the last frame into a staging buffer, the bottom row first. Colour: sRGB and alpha, 4 bytes for each pixel. Depth: a
  * float of the depth texture; with several samples for each pixel, of what render_measure drew. Other images: what render_measure drew, 16 bytes for each pixel. The next
  * frame may be drawn at once. */
@@ -232,6 +235,8 @@ enum status render_view_between(struct view *view, struct pictures *pictures) FU
 /* Where a camera is: local metres, and unit vectors at right angles. */
 struct render_pose {
 	double eye[3], right[3], up[3], forward[3];
+	double exposure;    /* of the frame: factor of the light */
+	uint64_t triangles; /* of ground in the frame */
 };
 /* Takes the poses of frames as they are drawn. `camera`: index of the scene's camera. */
 struct render_poses {
@@ -309,10 +314,14 @@ struct render_picture {
 	double unit;            /* depth and height: metres of 1 in the 16-bit PNG */
 	double low;             /* height: metres at 0 of that */
 	double eye;             /* height: of the camera, m */
+	double exposure;        /* the factor of the light */
+	uint64_t triangles;     /* of ground in it; 0: it shows none */
 	uint32_t vehicles[2];   /* class: numbers of the bodies of vehicles, from the first until before the second */
 	int64_t frame;          /* below 0: `name` is the file, without its ending */
 	char name[80];          /* in the folder; a camera's own folder, with a folder for each image, if it has frames */
 };
+/* Light, times the exposure, of the largest number in a picture of linear light. A white surface that faces the Earth's sun at its default height has 2.6. */
+#define RENDER_LINEAR_FULL 4.0
 /* The unit and the zero of 16-bit pictures of height over a terrain between these heights, m. 0 is below all ground. */
 void render_height_scale(double low, double high, double *unit, double *zero);
 /* Returns the bytes of the largest picture that the scene writes; 0: it writes none. Pure. */
@@ -347,8 +356,14 @@ struct render_pictures_figures {
 	uint64_t black;          /* pictures of colours of which RENDER_BLACK_SHARE is no brighter than RENDER_BLACK in any channel */
 	char first_black[160];   /* the file of the first of them, in the run's folder, */
 	double dark;             /* and what share of its pixels is so dark, 0 .. 1 */
+	uint64_t white;          /* the same of pictures that are no darker than RENDER_WHITE in all channels */
+	char first_white[160];
+	double bright;
+	bool groundless_black, groundless_white; /* these first ones show no ground */
+	double exposed_white;    /* exposure of first_white */
 };
 #define RENDER_BLACK 10u         /* of 255: what looks black on a screen */
+#define RENDER_WHITE 250u
 #define RENDER_BLACK_SHARE 0.95  /* beyond the terrain there may be sky */
 void render_pictures_figures(struct pictures *pictures, struct render_pictures_figures *figures);
 

@@ -6,15 +6,17 @@ static enum status create_target(struct render *render, struct render_screen *sc
 	struct gpu *gpu = render->gpu;
 	uint32_t width = screen->width, height = screen->height, samples = screen->samples;
 	TRY(gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->colour));
+	TRY(render_expose_screen(render, screen));
+	struct gpu_texture *shown = screen->light != NULL ? screen->light : screen->colour;
 	if (samples > 1)
-		TRY(gpu_texture_create_sampled(gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->drawn));
+		TRY(gpu_texture_create_sampled(gpu, render_light_format(render->effects), width, height, samples, &screen->drawn));
 	TRY(samples > 1 ? gpu_texture_create_sampled(gpu, GPU_DEPTH32F, width, height, samples, &screen->depth)
 			: gpu_texture_create(gpu, GPU_DEPTH32F, width, height, 0, &screen->depth));
-	TRY(gpu_target_create(gpu, &(struct gpu_attachment){samples > 1 ? screen->drawn : screen->colour, 0}, 1,
+	TRY(gpu_target_create(gpu, &(struct gpu_attachment){samples > 1 ? screen->drawn : shown, 0}, 1,
 			      (struct gpu_attachment){screen->depth, 0}, &screen->target));
 	if (samples <= 1)
 		return STATUS_OK;
-	return gpu_target_create(gpu, &(struct gpu_attachment){screen->colour, 0}, 1, (struct gpu_attachment){NULL, 0}, &screen->resolved);
+	return gpu_target_create(gpu, &(struct gpu_attachment){shown, 0}, 1, (struct gpu_attachment){NULL, 0}, &screen->resolved);
 }
 
 enum status render_screen_init(struct render *render, uint32_t width, uint32_t height, uint32_t samples, struct render_screen *screen)
@@ -23,9 +25,11 @@ enum status render_screen_init(struct render *render, uint32_t width, uint32_t h
 	TRY(create_target(render, screen));
 	if (!render_objects_cast(render->objects))
 		return STATUS_OK;
-	TRY(samples > 1 ? gpu_texture_create_sampled(render->gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->umbra)
-			: gpu_texture_create(render->gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->umbra));
-	const struct gpu_attachment colours[2] = {{screen->drawn != NULL ? screen->drawn : screen->colour, 0}, {screen->umbra, 0}};
+	const enum gpu_format format = render_light_format(render->effects);
+	struct gpu_texture *shown = screen->light != NULL ? screen->light : screen->colour;
+	TRY(samples > 1 ? gpu_texture_create_sampled(render->gpu, format, width, height, samples, &screen->umbra)
+			: gpu_texture_create(render->gpu, format, width, height, 0, &screen->umbra));
+	const struct gpu_attachment colours[2] = {{screen->drawn != NULL ? screen->drawn : shown, 0}, {screen->umbra, 0}};
 	TRY(gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){screen->depth, 0}, &screen->ground));
 	return gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){NULL, 0}, &screen->over);
 }
@@ -51,6 +55,7 @@ void render_screen_finish(struct render_screen *screen)
 	gpu_texture_destroy(screen->single);
 	gpu_target_destroy(screen->target);
 	gpu_target_destroy(screen->resolved);
+	render_expose_screen_finish(screen);
 	gpu_texture_destroy(screen->drawn);
 	gpu_texture_destroy(screen->colour);
 	gpu_texture_destroy(screen->depth);

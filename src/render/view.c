@@ -245,7 +245,7 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.extent = &world_resident(world)->meta->extent,
 		.width = scene->view.width,
 		.height = scene->view.height,
-		.effects = scene->view.effects,
+		.effects = scene->view.effects | (scene_draws_light(scene) ? EFFECT_BIT(EFFECT_LIGHT) : 0),
 		.disturbance = scene->disturbance && scene->heals <= 0,
 		.heals = scene->heals > 0,
 		.vegetation = scene->vegetation.present ? &scene->vegetation : NULL,
@@ -293,6 +293,7 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	params.high = isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high;
 	params.imagery = view->imagery;
 	params.layers = watched;
+	params.effects &= watched ? ~EFFECT_BIT(EFFECT_LIGHT) : ~(uint64_t)0; /* layers are no light */
 	params.measures = params.measures && !watched;
 	if (watched) /* the scene's cameras draw nothing then */
 		params.truth = params.only_truth = scene_camera_truth(world_scene(world), NULL);

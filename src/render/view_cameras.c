@@ -217,6 +217,8 @@ static enum status write(struct view *view, const struct view_camera *this, cons
 		picture.vehicles[1] = world_instance_of_figured(view->world, world_figures(view->world)->body_count);
 		render_height_scale(view->render->low, view->render->high, &picture.unit, &picture.low);
 	}
+	picture.exposure = render_exposed(view->render);
+	picture.triangles = render_triangles(view->render);
 	return render_pictures_add(pictures, view->render, &picture);
 }
 
@@ -227,6 +229,8 @@ static enum status write_all(struct view *view, const struct view_camera *this, 
 	const bool measures = scene_camera_measures(world_scene(view->world), this->camera);
 	if (images >> SCENE_IMAGE_COLOUR & 1)
 		TRY(write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR));
+	if (images >> SCENE_IMAGE_LINEAR & 1)
+		TRY(write(view, this, at, pictures, frame, SCENE_IMAGE_LINEAR));
 	if (measures) {
 		TRY(render_measure(view->render, at, view->selection));
 		render_view_count_tiles(view);
@@ -248,6 +252,8 @@ static enum status tell_pose(struct view *view, const struct view_camera *this, 
 	memcpy(pose.right, axes.right, sizeof pose.right);
 	memcpy(pose.up, axes.up, sizeof pose.up);
 	memcpy(pose.forward, axes.forward, sizeof pose.forward);
+	pose.exposure = render_exposed(view->render);
+	pose.triangles = render_triangles(view->render);
 	return poses->take(poses->user, (size_t)(this - view->cameras), frame, &pose);
 }
 
@@ -294,7 +300,10 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 			TRY(render_view_set_objects(view));
 		set = true;
 		view->render->screen = view->cameras[i].screen;
+		const struct scene_light *light = &world_scene(world)->view.light;
+		render_expose_by(view->render, view->cameras[i].camera->exposure, view->cameras[i].camera->ev);
 		enum status status = draw(view, &view->cameras[i], pictures, poses, frame);
+		render_expose_by(view->render, light->exposure, light->ev);
 		view->render->screen = &view->render->own;
 		TRY(status);
 	}
@@ -434,6 +443,8 @@ enum status render_cameras_fit(const struct scene *scene, uint64_t memory)
 void render_cameras_plan(const struct scene *scene, struct plan *plan)
 {
 	const uint64_t samples = scene->view.samples > 1 ? (uint64_t)scene->view.samples : 1;
+	const bool light = scene_draws_light(scene);
+	const uint64_t shown = gpu_format_bytes(render_light_format(light ? EFFECT_BIT(EFFECT_LIGHT) : 0));
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const uint64_t pixels = (uint64_t)scene->cameras[i].width * (uint64_t)scene->cameras[i].height;
 		if (is_first_measured(scene, i))
@@ -443,10 +454,14 @@ void render_cameras_plan(const struct scene *scene, struct plan *plan)
 		if (is_shared(scene, i))
 			continue;
 		add_texture(plan, 4 * pixels, "camera colour");
+		if (light)
+			add_texture(plan, shown * pixels, "camera light");
+		if (light)
+			add_texture(plan, RENDER_METER_BYTES, "camera light meter");
 		add_texture(plan, 4 * pixels * samples, "camera depth");
 		if (samples > 1)
-			add_texture(plan, 4 * pixels * samples, "camera samples");
+			add_texture(plan, shown * pixels * samples, "camera samples");
 		if (scene_effects(scene, 0) >> EFFECT_SHADOW & 1)
-			add_texture(plan, 4 * pixels * samples, "camera ground without sun");
+			add_texture(plan, shown * pixels * samples, "camera ground without sun");
 	}
 }

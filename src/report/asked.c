@@ -71,6 +71,7 @@ void report_asked(cJSON *root, const struct report *report)
 		world_advise(world, add_note, notes);
 		vehicle_advise(report->vehicles, world, add_note, notes);
 		report_sun_advise(world, add_note, notes);
+		report_pictures_advise(scene, world_step_count(world), add_note, notes);
 		report_end_notes(report, add_note, notes);
 	} else {
 		scene_advise_units(scene, add_note, notes);

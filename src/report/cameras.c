@@ -218,6 +218,11 @@ static void add_images(cJSON *root, const struct world *world, const struct scen
 	cJSON *images = cJSON_AddObjectToObject(root, "images");
 	if (camera->images >> SCENE_IMAGE_COLOUR & 1)
 		cJSON_AddStringToObject(cJSON_AddObjectToObject(images, "colour"), "png", "8-bit sRGB");
+	if (camera->images >> SCENE_IMAGE_LINEAR & 1) {
+		cJSON *linear = cJSON_AddObjectToObject(images, "linear");
+		cJSON_AddStringToObject(linear, "png", "16-bit RGB, linear: light = png / 65535 * full_scale / exposure; the exposure of each frame is in frames.csv");
+		json_number(linear, "full_scale", RENDER_LINEAR_FULL);
+	}
 	if (camera->images >> SCENE_IMAGE_DEPTH & 1) {
 		cJSON *depth = cJSON_AddObjectToObject(images, "depth");
 		cJSON_AddStringToObject(depth, "png", "16-bit; 0: sky, or beyond 65535 units");

@@ -304,6 +304,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 		vehicle_advise(out->vehicles, world, keep_note, &notes);
 	report_sun_advise(world, keep_note, &notes);
 	report_cameras_advise(world, keep_note, &notes);
+	report_pictures_advise(scene, out->steps, keep_note, &notes);
 	if (report_sun_find(world, &out->sun) != STATUS_OK) /* told when the store is known */
 		out->sun.drawn = false;
 	TRY(list_bodies(world, out));

@@ -131,6 +131,7 @@ static enum status take(void *user, size_t index, int64_t frame, const struct re
 	if (poses->file == NULL)
 		TRY(begin_file(poses, path));
 	TRY(add(poses, &row));
+	TRY(report_frames_add(all, index, frame, pose));
 	return fputs(text, poses->file) >= 0 && fflush(poses->file) == 0 ? STATUS_OK : failed(path);
 }
 
@@ -178,6 +179,8 @@ void report_poses_close(struct report_poses *poses)
 	for (size_t i = 0; poses->cameras != NULL && i < poses->count; i++) {
 		if (poses->cameras[i].file != NULL)
 			fclose(poses->cameras[i].file);
+		if (poses->cameras[i].frames != NULL)
+			fclose(poses->cameras[i].frames);
 		mem_free(poses->cameras[i].rows);
 	}
 	mem_free_all(poses->cameras, poses);

@@ -14,6 +14,7 @@ struct poses_row {
 
 struct poses_of {
 	FILE *file; /* NULL: no frame was drawn yet */
+	FILE *frames; /* frames.csv; NULL: none */
 	struct poses_row *rows;
 	size_t count, room;
 };
@@ -28,6 +29,9 @@ struct report_poses {
 
 /* Fills the path of a file in a camera's folder. */
 void report_poses_path(const struct report_poses *poses, size_t camera, const char *name, char path[POSES_PATH]);
+
+/* frames.c: writes a row of frames.csv, if the scene draws light: how each frame was exposed. */
+enum status report_frames_add(struct report_poses *poses, size_t camera, int64_t frame, const struct render_pose *pose) FURROW_CHECKED;
 
 /* Fills the quaternion x, y, z, w of a rotation, given by its columns. `w` is not negative. */
 void report_quaternion(double columns[3][3], double q[4]);

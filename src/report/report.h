@@ -81,6 +81,7 @@ void report_where(struct cJSON *root, const struct report *report, const struct 
 /* Degrees: clockwise from the store's north, and above the horizon. */
 struct report_sun_place {
 	double azimuth, height;
+	double mean_hours, solar_hours; /* on Mars, with a time: local mean and local true solar time, hours of 1/24 sol; else NAN */
 };
 struct report_sun {
 	bool drawn;              /* the scene has pictures or cameras. Otherwise the rest is not filled */
@@ -96,6 +97,17 @@ void report_sun_advise(const struct world *world, scene_advice_fn tell, void *us
 /* Tells cameras that see nothing at first. A fixed one is below the ground, or off the terrain. One on an object is below the soil when the drive
  * begins. The ground is as it was imported. Without a store it tells nothing. */
 void report_cameras_advise(const struct world *world, scene_advice_fn tell, void *user);
+
+/* --- frame_cost.c: what pictures will cost, by a table that a bench wrote: processor seconds of software GL (llvmpipe), within a factor of
+ * about three. On a GPU they cost less. Pure. --- */
+double report_camera_seconds(const struct scene *scene, const struct scene_camera *camera); /* returns those of a frame */
+double report_view_seconds(const struct scene *scene); /* returns those of a picture of the view; 0: it writes none */
+int64_t report_camera_frames(const struct scene *scene, const struct scene_camera *camera, int64_t steps); /* returns the frames of so many steps */
+/* Returns those of all pictures of so many steps. *count: their number. */
+double report_pictures_seconds(const struct scene *scene, int64_t steps, int64_t *count);
+void report_seconds_text(double seconds, char text[32]); /* with a unit, as "12 min" */
+/* Tells if keys of the view make pictures three times as long, or longer, and all take half a minute or more. */
+void report_pictures_advise(const struct scene *scene, int64_t steps, scene_advice_fn tell, void *user);
 
 /* --- objects.csv --- */
 

@@ -14,6 +14,10 @@ struct report_sun_place report_sun_at(const struct report_sun *sun, double time)
 	render_sun_at(&sun->sun, time, &place.azimuth, &place.height);
 	place.azimuth = fmod(fmod(place.azimuth * DEGREES, 360) + 360, 360);
 	place.height *= DEGREES;
+	place.mean_hours = place.solar_hours = NAN;
+	const struct scene_light *light = &sun->sun.light;
+	if (light->timed && light->body == SCENE_MARS)
+		scene_mars_hours(light->days + time / 86400, light->longitude, &place.mean_hours, &place.solar_hours);
 	return place;
 }
 
@@ -41,6 +45,10 @@ void report_sun_add(cJSON *root, const struct report_sun *sun)
 		return;
 	json_number(object, "azimuth_at_end", sun->ends.azimuth);
 	json_number(object, "height_at_end", sun->ends.height);
+	if (!isnan(sun->begins.solar_hours)) {
+		json_numbers(object, "local_mean_solar_time", (const double[2]){sun->begins.mean_hours, sun->ends.mean_hours}, 2);
+		json_numbers(object, "local_true_solar_time", (const double[2]){sun->begins.solar_hours, sun->ends.solar_hours}, 2);
+	}
 	json_number(object, "longitude", sun->sun.light.longitude * DEGREES);
 	json_number(object, "latitude", sun->sun.light.latitude * DEGREES);
 }

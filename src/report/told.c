@@ -43,10 +43,14 @@ static void tell_untouched(const struct world *world, scene_advice_fn tell, void
 
 /* --- pictures --- */
 
-static void say_why_black(const struct report *report, char *text, size_t size)
+static void say_why_black(const struct report *report, bool groundless, char *text, size_t size)
 {
 	struct report_sun sun;
 	const struct world *world = report->world;
+	if (groundless) {
+		snprintf(text, size, "no ground is in view, so it shows the sky alone; turn the camera to the ground, or give view.effects: [sky]");
+		return;
+	}
 	if (report_sun_find(world, &sun) != STATUS_OK || !sun.drawn) {
 		snprintf(text, size, "look at view.sun and at where the camera is");
 		return;
@@ -77,8 +81,30 @@ static void tell_black(const struct report *report, scene_advice_fn tell, void *
 		return;
 	if (figures.black > 1)
 		snprintf(others, sizeof others, ", and %llu more", (unsigned long long)figures.black - 1);
-	say_why_black(report, why, sizeof why);
+	say_why_black(report, figures.groundless_black, why, sizeof why);
 	snprintf(text, sizeof text, "%s: is black%s: %.3g %% of its pixels are darker than %u of 255: %s", figures.first_black, others, 100 * figures.dark, RENDER_BLACK + 1,
+		 why);
+	tell(user, text);
+}
+
+static void tell_white(const struct report *report, scene_advice_fn tell, void *user)
+{
+	struct render_pictures_figures figures;
+	char text[640], why[280], others[60] = "";
+	if (report->pictures == NULL)
+		return;
+	render_pictures_figures(report->pictures, &figures);
+	if (figures.white == 0)
+		return;
+	if (figures.white > 1)
+		snprintf(others, sizeof others, ", and %llu more", (unsigned long long)figures.white - 1);
+	if (figures.groundless_white)
+		snprintf(why, sizeof why, "no ground is in view, so it shows the sky alone; turn the camera to the ground");
+	else if (figures.exposed_white > 1)
+		snprintf(why, sizeof why, "it is exposed %.3g times as bright as fixed; give a lower ev, or exposure: auto", figures.exposed_white);
+	else
+		snprintf(why, sizeof why, "the sun is too bright for what is in view; give a lower ev, exposure: auto, or a darker view.sun.colour");
+	snprintf(text, sizeof text, "%s: is white%s: %.3g %% of its pixels are brighter than %u of 255: %s", figures.first_white, others, 100 * figures.bright, RENDER_WHITE - 1,
 		 why);
 	tell(user, text);
 }
@@ -119,6 +145,7 @@ void report_end_notes(const struct report *report, scene_advice_fn tell, void *u
 	if (world_params(world)->ranks == NULL && !world_facts(world)->resumed.is)
 		tell_untouched(world, tell, user);
 	tell_black(report, tell, user);
+	tell_white(report, tell, user);
 	if (report->advised)
 		report_slow_pictures(world_scene(world), &report->step_ms, &report->picture_ms, tell, user);
 }

@@ -178,6 +178,10 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		LIST("cameras[].size[]", "cameras[].rate", "cameras[].fov", "cameras[].images", "cameras[].depth_unit"),
 		"at most 64; a step waits until each picture has all its tiles; at most 3 pictures on their way to their files",
 		"writes the frames of cameras to files"},
+	[EFFECT_LIGHT] = {
+		"light", "view.exposure", "LINEAR", LIST("lib/tone.glsl", "meter.frag", "expose.frag"), "colour", "colour", 0,
+		LIST("view.exposure", "view.ev", "cameras[].exposure", "cameras[].ev", "cameras[].images"),
+		"2^-10 to 2^16 times as bright, for auto; by the frame alone, never by those before", "exposes each frame by its own light"},
 };
 
 const struct effect_row *scene_effect_row(enum scene_effect effect)
@@ -261,6 +265,14 @@ static uint64_t object_effects(const struct scene *scene)
 	return effects;
 }
 
+bool scene_draws_light(const struct scene *scene)
+{
+	bool draws = scene->view.light.exposure == SCENE_EXPOSURE_AUTO;
+	for (size_t i = 0; i < scene->camera_count; i++)
+		draws |= scene->cameras[i].exposure == SCENE_EXPOSURE_AUTO || (scene->cameras[i].images >> SCENE_IMAGE_LINEAR & 1);
+	return scene->view.present && draws;
+}
+
 static uint64_t view_effects(const struct scene *scene)
 {
 	uint64_t always = EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) | EFFECT_BIT(EFFECT_PYRAMID);
@@ -269,7 +281,7 @@ static uint64_t view_effects(const struct scene *scene)
 		named &= ~(EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW)); /* of nothing */
 	return named | always | (scene->camera_count > 0 ? EFFECT_BIT(EFFECT_CAMERAS) : 0) | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
 	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0) |
-	       (scene->view.samples > 1 ? EFFECT_BIT(EFFECT_ANTIALIAS) : 0);
+	       (scene->view.samples > 1 ? EFFECT_BIT(EFFECT_ANTIALIAS) : 0) | (scene_draws_light(scene) ? EFFECT_BIT(EFFECT_LIGHT) : 0);
 }
 
 static unsigned images_of(const struct scene *scene)

@@ -72,6 +72,7 @@ enum scene_effect {
 	EFFECT_CAMERAS,
 	EFFECT_TERRAIN_SHADOW,
 	EFFECT_IMAGERY,
+	EFFECT_LIGHT,
 	EFFECT_COUNT
 };
 #define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* the effect of using a model */
@@ -276,7 +277,9 @@ struct scene_light {
 	double days;            /* when the drive begins: days since 2000-01-01 12:00, UTC */
 	bool placed;            /* false: the place is the middle of the store's terrain */
 	double longitude, latitude; /* rad, east and north */
-	enum scene_exposure { SCENE_EXPOSURE_FIXED, SCENE_EXPOSURE_SUN } exposure; /* sun: level ground is as bright whatever its height */
+	/* sun: level ground is as bright whatever its height; auto: the frame's mean light is as bright */
+	enum scene_exposure { SCENE_EXPOSURE_FIXED, SCENE_EXPOSURE_SUN, SCENE_EXPOSURE_AUTO } exposure;
+	double ev;              /* stops: pictures are 2^ev times as bright as by `exposure` alone */
 	bool coloured;          /* `colour` is given; false: the colour is computed for this planet and this height of the sun */
 	double colour[3];       /* linear */
 };
@@ -285,6 +288,8 @@ struct scene_light {
 /* Gives where the sun is in the sky of a place: azimuth clockwise from true north and height above the horizon, rad. On the Earth the
  * air raises it. `days`: since 2000-01-01 12:00, UTC. `longitude` (east) and `latitude`: rad. Sources and accuracy: scene_sun.c. */
 void scene_sun_at(enum scene_body body, double days, double longitude, double latitude, double *azimuth, double *height);
+/* Gives the local solar times of a place on Mars, in hours of 1/24 sol, 0 to below 24. *mean: LMST. *apparent: LTST, which is 12 when the sun is highest. */
+void scene_mars_hours(double days, double longitude, double *mean, double *apparent);
 struct scene_light scene_light_default(void); /* returns the light of a view that gives no light */
 
 /* What a camera follows, or where it is. */
@@ -298,7 +303,7 @@ struct scene_aim {
 };
 
 /* What a camera writes of each frame. */
-enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, SCENE_IMAGE_HEIGHT, SCENE_IMAGE_CLASS, SCENE_IMAGE_INSTANCE, SCENE_IMAGES };
+enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, SCENE_IMAGE_HEIGHT, SCENE_IMAGE_CLASS, SCENE_IMAGE_INSTANCE, SCENE_IMAGE_LINEAR, SCENE_IMAGES };
 /* drawn a second time */
 #define SCENE_IMAGES_MEASURED (1u << SCENE_IMAGE_NORMALS | 1u << SCENE_IMAGE_HEIGHT | 1u << SCENE_IMAGE_CLASS | 1u << SCENE_IMAGE_INSTANCE)
 
@@ -315,6 +320,8 @@ struct scene_camera {
 	int width, height;     /* pixels */
 	double rate;           /* frames for each second of simulated time */
 	unsigned images;       /* bit 1 << enum scene_image of each */
+	enum scene_exposure exposure; /* as scene_light has it for the view */
+	double ev;
 	double depth_unit;     /* metres of 1 in a 16-bit picture of depth */
 	bool video;            /* ffmpeg makes one of its colours at the end */
 	int pair;              /* the other camera of a stereo pair; -1: none */
@@ -600,6 +607,8 @@ bool scene_carries(const struct scene *scene);
 void scene_unwatched(const struct scene *scene, struct scene *out);
 /* Returns how many pixels of pictures a step draws, as a mean over the drive. A window is not counted. */
 double scene_pixels_a_step(const struct scene *scene);
+/* Returns true if pictures are drawn as light first, which is exposed then: for images of linear light, and exposures by the frame. */
+bool scene_draws_light(const struct scene *scene);
 /* Returns true if the camera's frames are drawn a second time: for SCENE_IMAGES_MEASURED, and with view.samples for depth, of one sample. */
 bool scene_camera_measures(const struct scene *scene, const struct scene_camera *camera);
 bool scene_measures(const struct scene *scene); /* some camera does */

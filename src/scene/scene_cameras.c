@@ -153,7 +153,7 @@ static enum status check_place(const struct entry *entry)
 const char *scene_image_name(enum scene_image image)
 {
 	static const char *const names[SCENE_IMAGES] = {[SCENE_IMAGE_COLOUR] = "colour", [SCENE_IMAGE_DEPTH] = "depth", [SCENE_IMAGE_NORMALS] = "normals",
-						   [SCENE_IMAGE_HEIGHT] = "height", [SCENE_IMAGE_CLASS] = "class", [SCENE_IMAGE_INSTANCE] = "instance"};
+						   [SCENE_IMAGE_HEIGHT] = "height", [SCENE_IMAGE_CLASS] = "class", [SCENE_IMAGE_INSTANCE] = "instance", [SCENE_IMAGE_LINEAR] = "linear"};
 	return names[image];
 }
 
@@ -192,6 +192,8 @@ static enum status check_camera(const struct entry *entry)
 	camera->height = raw->size != NULL ? (int)raw->size[1] : 480;
 	camera->depth_unit = raw->depth_unit != NULL ? *raw->depth_unit : scene_absent("cameras[].depth_unit");
 	camera->rate = raw->rate;
+	camera->exposure = raw->exposure != NULL ? (enum scene_exposure)*raw->exposure : entry->scene->view.light.exposure;
+	camera->ev = raw->ev != NULL ? *raw->ev : entry->scene->view.light.ev;
 	if (raw->rate > steps * (1 + 1e-9))
 		return scene_error(entry->tree->file, node_of(entry, "rate"), "%g a second are more than there are steps, %g a second; allowed: at "
 				   "most that, or a smaller time_step", raw->rate, steps);

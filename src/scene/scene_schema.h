@@ -200,6 +200,7 @@ struct raw_view {
 	double *pixel_error, *imagery_budget;
 	bool *truth;
 	int *exposure; /* enum scene_exposure */
+	double *ev;
 	int *body; /* enum scene_body */
 	struct raw_sun *sun;
 };
@@ -224,6 +225,8 @@ struct raw_listed_camera {
 	char **images;
 	uint32_t images_count;
 	double *depth_unit, *stereo;
+	int *exposure; /* enum scene_exposure */
+	double *ev;
 	bool *video;
 };
 struct raw_lidar {

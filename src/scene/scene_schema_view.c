@@ -4,7 +4,7 @@
 
 static const struct scene_word body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}, {NULL, 0}};
 static const struct scene_word camera_words[] = {{"mounted", SCENE_MOUNTED}, {"fixed", SCENE_FIXED}, {"chase", SCENE_CHASE}, {"overhead", SCENE_OVERHEAD}, {"poses", SCENE_BY_POSES}, {NULL, 0}};
-static const struct scene_word exposure_words[] = {{"fixed", SCENE_EXPOSURE_FIXED}, {"sun", SCENE_EXPOSURE_SUN}, {NULL, 0}};
+static const struct scene_word exposure_words[] = {{"fixed", SCENE_EXPOSURE_FIXED}, {"sun", SCENE_EXPOSURE_SUN}, {"auto", SCENE_EXPOSURE_AUTO}, {NULL, 0}};
 
 static const struct scene_row overhead_rows[] = {
 	{NEEDED_TEXT("over", struct raw_overhead, over, 64), .since = "0.1.0",
@@ -64,7 +64,9 @@ const struct scene_row scene_view_rows[] = {
 	{SWITCH("truth", struct raw_view, truth), .otherwise = "true for all cameras but chase", .since = "0.2.0",
 	 .text = "the light is that of the drawn surface alone, so that [colour agrees with depth](../../docs/CAMERAS.md#colour-that-agrees-with-depth)"},
 	{WORD("exposure", struct raw_view, exposure, exposure_words), .otherwise = "fixed", .since = "0.2.0",
-	 .text = "sun: level ground is as bright as under the default sun, however low it is: up to 32 times more"},
+	 .text = "sun: level ground is as bright as under the default sun, however low it is: up to 32 times more; auto: [the frame's mean light](../../docs/CAMERAS.md#exposure) is a middle grey"},
+	{NUMBER("ev", struct raw_view, ev), RANGE(-16, 16), .unit = "stops", DEFAULT(0), .since = "0.2.0",
+	 .text = "pictures are 2^ev times as bright as `exposure` alone makes them"},
 	{WORD("body", struct raw_view, body, body_words), .otherwise = "the store's, or earth", .since = "0.1.0",
 	 .text = "where the ground is: its colours, its sky, its sun; on the Moon there is no air, and no fog"},
 	{MAPPING("sun", struct raw_view, sun, struct raw_sun, sun_rows), .otherwise = "as below", .since = "0.1.0",
@@ -110,7 +112,11 @@ const struct scene_row scene_camera_rows[] = {
 	{NEEDED_NUMBER("rate", struct raw_listed_camera, rate), ABOVE(0, 1e6), .unit = "1/s", .since = "0.2.0",
 	 .text = "frames for each second of simulated time; at most one a step"},
 	{TEXTS("images", struct raw_listed_camera, images, 64, 1, ENDLESS), .otherwise = "colour", .since = "0.2.0",
-	 .text = "of `colour`, `depth`, `normals`, `height`, `class` (soil, object, vehicle), `instance` (body)"},
+	 .text = "of `colour`, `depth`, `normals`, `height`, `class` (soil, object, vehicle), `instance` (body), `linear` ([light](../../docs/CAMERAS.md#exposure), 16 bits)"},
+	{WORD("exposure", struct raw_listed_camera, exposure, exposure_words), .otherwise = "the view's", .since = "0.2.0",
+	 .text = "as of `view`, for this camera"},
+	{NUMBER("ev", struct raw_listed_camera, ev), RANGE(-16, 16), .unit = "stops", .otherwise = "the view's", .since = "0.2.0",
+	 .text = "as of `view`, for this camera"},
 	{NUMBER("depth_unit", struct raw_listed_camera, depth_unit), RANGE(1e-6, 1000), .unit = "m", DEFAULT(0.001), .since = "0.2.0",
 	 .text = "metres of 1 in 16-bit pictures of depth"},
 	{NUMBER("stereo", struct raw_listed_camera, stereo), ABOVE(0, 1000), .unit = "m", .otherwise = "none", .since = "0.2.0",

@@ -79,6 +79,12 @@ static void below_sun_moon(double days, double *longitude, double *latitude)
 	*latitude = asin(-sine(W) * cosine(height) * sine(inclination) - sine(height) * cosine(inclination)) / RADIANS;
 }
 
+/* Returns the mean solar time at the prime meridian, sols. */
+static double mars_sols(double days)
+{
+	return (days + TERRESTRIAL - 4.5) / 1.0274912517 + 44796.0 - 0.0009626;
+}
+
 static void below_sun_mars(double days, double *longitude, double *latitude)
 {
 	static const struct {
@@ -91,9 +97,24 @@ static void below_sun_mars(double days, double *longitude, double *latitude)
 		centre += pulls[i].size * cosine(0.985626 * t / pulls[i].years + pulls[i].phase);
 	const double Ls = fictitious + centre;
 	const double equation = 2.861 * sine(2 * Ls) - 0.071 * sine(4 * Ls) + 0.002 * sine(6 * Ls) - centre;
-	const double sols = (t - 4.5) / 1.0274912517 + 44796.0 - 0.0009626; /* mean solar time at the prime meridian */
+	const double sols = mars_sols(days);
 	*longitude = -(360 * (sols - floor(sols)) + equation + 180);
 	*latitude = asin(0.42565 * sine(Ls)) / RADIANS + 0.25 * sine(Ls);
+}
+
+static double hours_of(double turns)
+{
+	const double hours = 24 * (turns - floor(turns));
+	return hours < 24 ? hours : 0;
+}
+
+void scene_mars_hours(double days, double longitude, double *mean, double *apparent)
+{
+	const double east = longitude / RADIANS / 360;
+	double overhead, latitude;
+	below_sun_mars(days, &overhead, &latitude);
+	*mean = hours_of(mars_sols(days) + east);
+	*apparent = hours_of(0.5 + east - overhead / 360);
 }
 
 /* How much the Earth's air raises the sun that is at this height (Saemundsson, in Meeus 16.4). Below the horizon it fades out. */

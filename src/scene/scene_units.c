@@ -219,7 +219,7 @@ static enum status doubt_sun(const struct units *units)
 	const double *height = view != NULL && view->sun != NULL ? view->sun->height : NULL;
 	char why[320], radians[48] = "";
 	double brightest = 1;
-	const bool bright = view != NULL && view->exposure != NULL && *view->exposure == SCENE_EXPOSURE_SUN;
+	const bool bright = view != NULL && view->exposure != NULL && *view->exposure != SCENE_EXPOSURE_FIXED;
 	if (height == NULL || *height >= LEAST_SUN || bright)
 		return STATUS_OK;
 	if (view->sun->colour != NULL)

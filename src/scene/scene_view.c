@@ -152,6 +152,7 @@ static struct scene_light light_of(const struct raw_view *raw)
 	if (raw->body != NULL)
 		light.body = (enum scene_body)*raw->body;
 	light.exposure = raw->exposure != NULL ? (enum scene_exposure)*raw->exposure : SCENE_EXPOSURE_FIXED;
+	light.ev = raw->ev != NULL ? *raw->ev : scene_absent("view.ev");
 	if (sun != NULL && sun->azimuth != NULL)
 		light.azimuth = *sun->azimuth * M_PI / 180;
 	if (sun != NULL && sun->height != NULL)

@@ -373,7 +373,7 @@ class Cameras(FurrowTest):
                 self.assertEqual(told[key], frame)
         plan = self.json("explain", self.folder / "scene.yaml", "--store", self.store)
         self.assertEqual({name: camera["frames"] for name, camera in plan["cameras"].items()}, {"a": 7, "b": 41})
-        self.assertEqual(plan["cameras"]["b"], {"images": ["colour", "depth"], "frames": 41, "frame_bytes": 2 * 64 * 48 * 4})
+        self.assertEqual({key: value for key, value in plan["cameras"]["b"].items() if key != "frame_seconds"}, {"images": ["colour", "depth"], "frames": 41, "frame_bytes": 2 * 64 * 48 * 4})
 
     def shade(self, sun, name="a"):
         """Mean green of the ground under this sun, and the picture."""

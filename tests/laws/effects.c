@@ -18,6 +18,7 @@
 
 #define VIEW_BY_ERROR(effects) "view: {" CAMERA ", pixel_error: 4, effects: [" effects "]}\n"
 #define SAMPLED "view: {" CAMERA ", samples: 4}\n"
+#define EXPOSED "view: {" CAMERA ", exposure: auto}\n"
 
 #define SEEN SPHERE "attributes: [dirt]\n"
 
@@ -80,6 +81,7 @@ static const struct pair pairs[] = {
 	{EFFECT_GEOMORPH, HEAD SEEN VIEW(""), HEAD SEEN VIEW("geomorph"), true},
 	{EFFECT_SKIRTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("skirts"), true},
 	{EFFECT_ANTIALIAS, HEAD SEEN VIEW(""), HEAD SEEN SAMPLED, true},
+	{EFFECT_LIGHT, HEAD SEEN VIEW(""), HEAD SEEN EXPOSED, true},
 	{EFFECT_PIXEL_ERROR, HEAD SEEN VIEW("geomorph"), HEAD SEEN VIEW_BY_ERROR("geomorph"), false},
 	{EFFECT_TEXTURE, HEAD VIEW(""), HEAD VIEW("texture"), true},
 	{EFFECT_OBJECTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("objects"), true},

@@ -135,6 +135,7 @@ static void each_key_calls_for_its_own(void **state)
 		{object, "view.camera.chase", "a", EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS), "view"},
 		{quiet, "view.images", "4", EFFECT_BIT(EFFECT_IMAGES), "view.images: 4"},
 		{quiet, "cameras", "[{name: c, kind: fixed, rate: 1, pose: {at: [1, 2, 3]}}]", EFFECT_BIT(EFFECT_CAMERAS), "cameras"},
+		{quiet, "view.exposure", "auto", EFFECT_BIT(EFFECT_LIGHT), "view.exposure"},
 		{quiet, "view.samples", "4", EFFECT_BIT(EFFECT_ANTIALIAS), "view.samples: 4"},
 		{quiet, "view.samples", "1", 0, NULL},
 		{quiet, "view.effects", "[fog]", EFFECT_BIT(EFFECT_FOG), "view.effects.fog"},

@@ -61,6 +61,26 @@ static void the_example_of_meeus_is_met_on_the_moon(void **state)
 	assert_near(azimuth, 90, 2);
 }
 
+/* The same example: 23:59:39 of mean time at the prime meridian, and 23:38:54 of true time. Then landings, whose local mean times NASA has published to
+ * a minute: Curiosity 15:03, Perseverance 15:53. */
+static void local_times_on_mars_are_the_published_ones(void **state)
+{
+	static const struct {
+		const char *utc;
+		double longitude, mean, within, apparent;
+	} rows[] = {{"2000-01-06T00:00:00Z", 0, 23.99425, 2e-3, 23.64847},
+		    {"2012-08-06T05:17:57Z", 137.4417, 15 + 3 / 60.0, 0.04, -1},
+		    {"2021-02-18T20:43:49Z", 77.4508, 15 + 53 / 60.0, 0.04, -1}};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		double days, mean, apparent;
+		assert_true(scene_sun_time(rows[i].utc, &days));
+		scene_mars_hours(days, rows[i].longitude * M_PI / 180, &mean, &apparent);
+		assert_near(mean, rows[i].mean, rows[i].within);
+		if (rows[i].apparent >= 0)
+			assert_near(apparent, rows[i].apparent, rows[i].within);
+	}
+}
+
 /* The worked example of Mars24: 2000-01-06 00:00:00 UTC: overhead at 174.72600 west, declination -25.22838. */
 static void the_example_of_mars24_is_met(void **state)
 {
@@ -91,6 +111,7 @@ TEST_PROGRAM(sun)
 		cmocka_unit_test(it_is_as_far_north_as_the_season_has_it),
 		cmocka_unit_test(the_example_of_meeus_is_met_on_the_moon),
 		cmocka_unit_test(the_example_of_mars24_is_met),
+		cmocka_unit_test(local_times_on_mars_are_the_published_ones),
 		cmocka_unit_test(what_is_no_time_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
