@@ -83,6 +83,7 @@ struct steering {
 struct sent {
 	bool is;
 	bool fresh;                 /* the driver has not followed it yet */
+	bool turns;                 /* and before it went backward, on its path */
 	double points[SENT_POINTS][2]; /* m, local */
 	size_t count;
 	double speed;               /* m/s, forward */

@@ -330,7 +330,9 @@ void vehicle_pursue(struct vehicle *vehicle, double time)
 	const double along = motion.backward * middle; /* from the origin, in the direction in which it goes */
 	const double x = motion.x + along * cos(motion.heading), y = motion.y + along * sin(motion.heading);
 	const bool origin = vehicle->scene->follows_origin;
-	driver->sent.fresh = false;
+	if (driver->sent.fresh && driver->sent.turns)
+		driver->speed = driver->sum = driver->turn = 0; /* they were of its way backward */
+	driver->sent.fresh = driver->sent.turns = false;
 	if (driver->point_count < 2) {
 		driver->arrived = true;
 		return;

@@ -71,6 +71,7 @@ bool vehicle_send(struct vehicles *vehicles, size_t index, double x, double y)
 	} else if (!arc(sent, place, heading, radius, side)) {
 		(void)arc(sent, place, heading, radius, -side); /* it is outside of the other circle */
 	}
+	sent->turns = vehicle->scene->way.speed < 0 && (!sent->is || (sent->fresh && sent->turns));
 	sent->is = sent->fresh = true;
 	sent->speed = fastest(vehicle, driver->route_count);
 	driver->at = 0;

@@ -64,6 +64,24 @@ class Objects(Rested):
         self.key("Escape")
         self.close()
 
+    def test_what_was_dropped_and_the_end_go_back_in_the_store_itself(self):
+        self.scene(SCENE.replace("end_time: 20", "end_time: 2"))
+        self.open("--write")
+        self.until("steps", lambda: self.step() > 2)
+        self.hold()
+        self.key("2", "m", "c")  # the store is open for writing while the map is read
+        stood, marked = self.step(), self.seen()
+        self.xdo("mousemove", "--window", self.window, 100, 140)
+        self.key("b", "o")
+        self.until("a rut", lambda: self.seen() != marked)
+        self.key(*["plus"] * 8, "space")
+        self.until("the end", lambda: self.step() == 40)
+        self.key("space", "z")
+        self.until("the mark", lambda: self.step() == stood)
+        self.assertEqual(self.seen(), marked)
+        self.assertIn("1 dropped", self.close_with_escape())
+        self.json("verify", "world.furrow")
+
     def test_the_map_follows_what_is_clicked_on_it(self):
         self.scene(SCENE.replace("objects:\n", "objects:\n  - {name: far, shape: {sphere: {radius: 2.5}}, sink: 0.6, path: {points: [[200, 220], [220, 220]], speed: 0.1}}\n"))
         self.open()
