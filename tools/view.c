@@ -16,6 +16,7 @@
 
 static const struct command_option options[] = {
 	{"store", "STORE", .help = "the terrain, instead of the scene's own", .files = "furrow"},
+	{"follow", "NAME", .help = "follow this object or vehicle from the start"},
 	{"overlay", "FILE", .help = "keep the deformation in FILE; made if absent", .files = "furrow"},
 	{"write", .help = "deform the store itself", .instead = true},
 	{"set", "KEY=VALUE", .help = "override a key of the scene, as in view.size=[800,450]", .repeats = true},
@@ -80,8 +81,22 @@ static enum status check_store(const char *path)
 	return STATUS_OK;
 }
 
+static enum status check_followed(const struct scene *scene, const char *name)
+{
+	char names[400] = "";
+	size_t used = 0;
+	for (size_t i = 0; i < scene->object_count + scene->vehicle_count && used < sizeof names; i++) {
+		const char *other = i < scene->object_count ? scene->objects[i].name : scene->vehicles[i - scene->object_count].name;
+		if (strcmp(other, name) == 0)
+			return STATUS_OK;
+		used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s", i > 0 ? ", " : "", other);
+	}
+	return fail_with(STATUS_USAGE, "view: --follow %.64s: the scene has no such object or vehicle; it has %s", name, names);
+}
+
 struct looking {
 	struct scene *scene;
+	const char *follow;
 	const char *store, *overlay; /* as given; overlay NULL: temporary, unless `write` */
 	bool write;
 	struct window *window;
@@ -131,6 +146,8 @@ static enum status open_window(struct looking *looking)
 	const struct scene_view *view = &looking->scene->view;
 	TRY(window_open("furrow: loads", view->width, view->height, &looking->window));
 	viewer_init(&looking->viewer, looking->window, looking->scene);
+	looking->viewer.follow = looking->follow;
+	looking->viewer.store = looking->store != NULL ? looking->store : looking->scene->store;
 	if (chart_missing() == NULL)
 		return chart_pen_create(&looking->viewer.pen);
 	note("view: no text is on the picture: %s", chart_missing());
@@ -141,6 +158,7 @@ static enum status run(const struct arguments *arguments)
 {
 	struct settings settings = {.count = 0};
 	struct looking looking = {
+		.follow = arguments_text(arguments, "follow"),
 		.store = arguments_text(arguments, "store"),
 		.overlay = arguments_text(arguments, "overlay"),
 		.write = arguments_flag(arguments, "write"),
@@ -151,6 +169,8 @@ static enum status run(const struct arguments *arguments)
 	enum status status;
 	TRY_OR(done, settings_take(arguments, &settings));
 	TRY_OR(done, view_scene_load(arguments_at(arguments, 0), &settings, &looking.scene));
+	if (looking.follow != NULL)
+		TRY_OR(done, check_followed(looking.scene, looking.follow));
 	if (temporary)
 		TRY_OR(done, check_store(looking.store != NULL ? looking.store : looking.scene->store));
 	TRY_OR(done, open_window(&looking));
@@ -166,6 +186,7 @@ done:;
 	struct failure failure;
 	failure_capture(&failure, status);
 	chart_pen_destroy(looking.viewer.pen);
+	viewer_finish(&looking.viewer);
 	window_close(looking.window);
 	shelter_remove();
 	scene_destroy(looking.scene);

@@ -84,6 +84,28 @@ void view_eye_clear(struct view_eye *eye, double ground)
 	eye->eye[2] = fmax(eye->eye[2], ground + VIEW_CLEAR);
 }
 
+bool view_project(const struct render_camera *camera, int width, int height, const double place[3], double *x, double *y)
+{
+	struct view_eye eye;
+	double forward[3], parts[3] = {0, 0, 0};
+	view_eye_take(&eye, camera);
+	look(&eye, forward);
+	const double right[3] = {sin(eye.yaw), -cos(eye.yaw), 0};
+	const double up[3] = {-sin(eye.pitch) * cos(eye.yaw), -sin(eye.pitch) * sin(eye.yaw), cos(eye.pitch)};
+	const double focal = height / 2.0 / tan(camera->fov / 2);
+	for (int i = 0; i < 3; i++) {
+		const double to = place[i] - camera->eye[i];
+		parts[0] += to * forward[i];
+		parts[1] += to * right[i];
+		parts[2] += to * up[i];
+	}
+	if (parts[0] < 0.05)
+		return false;
+	*x = width / 2.0 + focal * parts[1] / parts[0];
+	*y = height / 2.0 - focal * parts[2] / parts[0];
+	return true;
+}
+
 void view_ray(const struct render_camera *camera, int width, int height, double x, double y, double ray[3])
 {
 	struct view_eye eye;

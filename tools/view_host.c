@@ -28,8 +28,7 @@ void viewer_init(struct viewer *viewer, struct window *window, const struct scen
 	};
 }
 
-static void tell(struct viewer *viewer, const char *format, ...) FURROW_PRINTF(2, 3);
-static void tell(struct viewer *viewer, const char *format, ...)
+void viewer_tell(struct viewer *viewer, const char *format, ...)
 {
 	va_list arguments;
 	va_start(arguments, format);
@@ -93,58 +92,32 @@ static enum status place_eye(struct viewer *viewer, struct drive *drive, double 
 	return status;
 }
 
-static void follow_next(struct viewer *viewer, const struct drive *drive)
-{
-	const size_t count = drive_followed_count(drive);
-	struct view_eye *eye = &viewer->eye;
-	size_t next = eye->mode == VIEW_MODE_FOLLOW ? eye->object + 1 : 0;
-	eye->swing = 0;
-	if (next < count) {
-		struct drive_followed followed;
-		drive_followed(drive, next, &followed);
-		eye->mode = VIEW_MODE_FOLLOW;
-		eye->object = next;
-		tell(viewer, "follows %.60s", followed.name);
-		return;
-	}
-	eye->mode = VIEW_MODE_FLY;
-	tell(viewer, count > 0 ? "flies" : "there is no object to follow");
-}
-
 /* --- dropping --- */
 
 static enum status drop_at(struct viewer *viewer, struct drive *drive, double x, double y)
 {
-	struct render_camera camera;
-	int width, height;
-	struct resident_ray ray = {.length = INFINITY};
-	struct resident_hit hit = {.hit = false};
+	struct resident_hit hit;
 	bool pressed = false;
-	window_size(viewer->window, &width, &height);
-	if (viewer->eye.mode == VIEW_MODE_SCENE)
-		drive_scene_camera(drive, &camera);
-	else
-		view_eye_camera(&viewer->eye, &camera);
-	view_ray(&camera, width, height, x, y, ray.direction);
-	memcpy(ray.origin, camera.eye, sizeof ray.origin);
-	TRY(drive_rays(drive, &ray, 1, &hit));
+	TRY(view_ground_at(viewer, drive, x, y, &hit));
 	if (hit.hit)
 		TRY(drive_drop(drive, viewer->shape, hit.point[0], hit.point[1], viewer->eye.yaw, &pressed));
 	viewer->drops += pressed;
 	if (pressed)
-		tell(viewer, "dropped at %.2f, %.2f", hit.point[0], hit.point[1]);
+		viewer_tell(viewer, "dropped at %.2f, %.2f", hit.point[0], hit.point[1]);
 	else
-		tell(viewer, drive_scene(drive)->object_count == 0 ? "the scene has no object: its ground does not give" :
+		viewer_tell(viewer, drive_scene(drive)->object_count == 0 ? "the scene has no object: its ground does not give" :
 								   "there is no ground");
 	return STATUS_OK;
 }
 
-static enum status drop_at_cursor(struct viewer *viewer, struct drive *drive)
+/* Where the cursor is; elsewhere than over the window: its middle. */
+static void cursor(const struct viewer *viewer, double *x, double *y)
 {
-	int x, y, width, height;
+	int at[2], width, height;
 	window_size(viewer->window, &width, &height);
-	bool over = window_mouse(viewer->window, &x, &y);
-	return drop_at(viewer, drive, over ? x : width / 2, over ? y : height / 2);
+	bool over = window_mouse(viewer->window, &at[0], &at[1]);
+	*x = over ? at[0] : width / 2;
+	*y = over ? at[1] : height / 2;
 }
 
 /* --- what was pressed --- */
@@ -154,35 +127,52 @@ static void change_pace(struct viewer *viewer, int by)
 	viewer->pace += by;
 	viewer->pace = viewer->pace < VIEW_PACE_LEAST ? VIEW_PACE_LEAST : viewer->pace > VIEW_PACE_MOST ? VIEW_PACE_MOST : viewer->pace;
 	if (viewer->pace == VIEW_PACE_MOST)
-		tell(viewer, "as fast as it can");
+		viewer_tell(viewer, "as fast as it can");
 	else
-		tell(viewer, "%g times real time", ldexp(1, viewer->pace));
+		viewer_tell(viewer, "%g times real time", ldexp(1, viewer->pace));
 }
 
 static void show_layer(struct viewer *viewer, const struct scene *scene, int which)
 {
 	static const char *const names[RENDER_LAYERS] = {"natural colours", "offset", "dirt", "height", "slope", "tiles, by level"};
 	viewer->layer = (enum render_layer_kind)which;
-	tell(viewer, viewer->layer == RENDER_DISTURBANCE && !scene->disturbance ? "the scene keeps no dirt" : "%s", names[which]);
+	viewer_tell(viewer, viewer->layer == RENDER_DISTURBANCE && !scene->disturbance ? "the scene keeps no dirt" : "%s", names[which]);
 }
 
 static enum status key_down(struct viewer *viewer, struct drive *drive, int key)
 {
 	int which = 0;
+	double x, y;
+	cursor(viewer, &x, &y);
 	switch (view_action_of(key, &which)) {
 	case VIEW_FOLLOW:
-		follow_next(viewer, drive);
+		view_follow(viewer, drive, viewer->eye.mode == VIEW_MODE_FOLLOW ? viewer->eye.object + 1 : 0);
+		break;
+	case VIEW_MARK:
+		return view_mark(viewer, drive);
+	case VIEW_BACK_TO:
+		return view_go_back(viewer, drive);
+	case VIEW_SEND:
+		return view_send(viewer, drive, x, y);
+	case VIEW_GRAPH:
+		viewer->graph = !viewer->graph;
+		viewer->again = true;
+		break;
+	case VIEW_MAP:
+		view_show_map(viewer);
 		break;
 	case VIEW_RESET:
 		viewer->eye.mode = VIEW_MODE_SCENE;
-		tell(viewer, "the scene's camera");
+		viewer_tell(viewer, "the scene's camera");
 		break;
 	case VIEW_PAUSE:
 		viewer->paused = !viewer->paused;
-		tell(viewer, viewer->paused ? "paused" : "goes on");
+		viewer->ones = 0;
+		viewer_tell(viewer, viewer->paused ? "paused" : "goes on");
 		break;
 	case VIEW_ONE_STEP:
-		viewer->paused = viewer->one = true;
+		viewer->paused = true;
+		viewer->ones++;
 		break;
 	case VIEW_SLOWER:
 		change_pace(viewer, -1);
@@ -191,10 +181,10 @@ static enum status key_down(struct viewer *viewer, struct drive *drive, int key)
 		change_pace(viewer, 1);
 		break;
 	case VIEW_DROP:
-		return drop_at_cursor(viewer, drive);
+		return drop_at(viewer, drive, x, y);
 	case VIEW_SHAPE:
 		viewer->shape = (viewer->shape + 1) % WORLD_DROP_SHAPES;
-		tell(viewer, viewer->shape == WORLD_DROP_BALL ? "drops a ball" : "drops the first object's shape");
+		viewer_tell(viewer, viewer->shape == WORLD_DROP_BALL ? "drops a ball" : "drops the first object's shape");
 		break;
 	case VIEW_LAYER:
 		show_layer(viewer, drive_scene(drive), which);
@@ -233,6 +223,8 @@ static enum status take_events(struct viewer *viewer, struct drive *drive)
 			TRY(key_down(viewer, drive, event.key));
 		else if (event.kind == WINDOW_CLICK)
 			TRY(drop_at(viewer, drive, event.x, event.y));
+		else if (event.kind == WINDOW_PICK)
+			TRY(view_pick(viewer, drive, event.x, event.y));
 		else if (event.dx != 0 || event.dy != 0) {
 			if (viewer->eye.mode == VIEW_MODE_SCENE)
 				viewer->eye.mode = VIEW_MODE_FLY;
@@ -244,14 +236,10 @@ static enum status take_events(struct viewer *viewer, struct drive *drive)
 
 /* --- the host's calls --- */
 
-/* Gives the vehicle whose figures are told: the one that the eye follows, or the scene's camera, or the first. Returns false if there is none. */
 static bool watched(const struct viewer *viewer, const struct drive *drive, struct drive_followed *out)
 {
-	const struct scene *scene = drive_scene(drive);
-	const int aimed = scene->view.aim.vehicle;
-	const bool follows = viewer->eye.mode == VIEW_MODE_FOLLOW && viewer->eye.object >= scene->object_count;
-	const size_t number = follows ? viewer->eye.object : scene->object_count + (aimed > 0 ? (size_t)aimed - 1 : 0);
-	if (number >= drive_followed_count(drive))
+	size_t number;
+	if (!view_watched(viewer, drive, &number))
 		return false;
 	drive_followed(drive, number, out);
 	return true;
@@ -283,7 +271,7 @@ static void fill_wish(struct viewer *viewer, struct drive_control *wish)
 {
 	int width, height;
 	window_size(viewer->window, &width, &height);
-	wish->go = viewer->ended ? DRIVE_STOP : viewer->one ? DRIVE_ONE : viewer->paused ? DRIVE_HOLD : DRIVE_ON;
+	wish->go = viewer->ended ? DRIVE_STOP : viewer->ones > 0 ? DRIVE_ONE : viewer->paused ? DRIVE_HOLD : DRIVE_ON;
 	wish->pace = viewer->pace == VIEW_PACE_MOST ? INFINITY : ldexp(1, viewer->pace);
 	wish->free = viewer->eye.mode != VIEW_MODE_SCENE;
 	view_eye_camera(&viewer->eye, &wish->camera);
@@ -291,15 +279,19 @@ static void fill_wish(struct viewer *viewer, struct drive_control *wish)
 	wish->width = side_of(width);
 	wish->height = side_of(height);
 	wish->again = wish->again || viewer->again;
-	viewer->one = viewer->again = false;
+	viewer->ones -= viewer->ones > 0;
+	viewer->again = false;
 }
 
 static enum status turn(void *user, struct drive *drive, struct drive_control *wish)
 {
 	struct viewer *viewer = user;
+	size_t number;
 	double now = clock_seconds(), seconds = fmin(now - viewer->fly_before, TURN_MOST);
 	viewer->fly_before = now;
+	view_follow_named(viewer, drive);
 	TRY(take_events(viewer, drive));
+	TRY(view_track_take(&viewer->track, drive, view_watched(viewer, drive, &number) ? number : SIZE_MAX));
 	TRY(place_eye(viewer, drive, seconds));
 	if (viewer->told[0] != '\0' && now > viewer->told_until) {
 		viewer->told = "";
@@ -320,11 +312,11 @@ static void write_snapshot(struct viewer *viewer, const uint8_t *pixels, uint32_
 	while (number < SNAPSHOTS_MOST && access(path, F_OK) == 0);
 	viewer->snapshot = false;
 	if (chart_png_write(path, pixels, width, height) != STATUS_OK) {
-		tell(viewer, "%.90s", failure_message());
+		viewer_tell(viewer, "%.90s", failure_message());
 		return;
 	}
 	viewer->snapshots++;
-	tell(viewer, "wrote %s", path);
+	viewer_tell(viewer, "wrote %s", path);
 }
 
 static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
@@ -332,12 +324,22 @@ static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uin
 	struct viewer *viewer = user;
 	struct drive_figures figures;
 	struct drive_followed followed;
+	int top;
 	drive_figures(drive, &figures);
 	viewer->pictures++;
-	TRY(view_draw_over(viewer, &figures, watched(viewer, drive, &followed) ? &followed : NULL, pixels, width, height));
+	TRY(view_draw_targets(viewer, drive, pixels, width, height));
+	TRY(view_draw_over(viewer, &figures, watched(viewer, drive, &followed) ? &followed : NULL, pixels, width, height, &top));
+	TRY(view_draw_graph(viewer, drive, pixels, width, height));
+	TRY(view_draw_map(viewer, drive, pixels, width, height, top));
 	if (viewer->snapshot)
 		write_snapshot(viewer, pixels, width, height);
 	return window_show(viewer->window, pixels, (int)width, (int)height);
+}
+
+void viewer_finish(struct viewer *viewer)
+{
+	view_track_finish(&viewer->track);
+	view_map_finish(&viewer->map);
 }
 
 struct drive_host viewer_host(struct viewer *viewer)

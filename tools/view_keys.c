@@ -20,6 +20,11 @@ static const struct binding {
 	{VIEW_ONE_STEP, {'n', '.'}},
 	{VIEW_SLOWER, {WINDOW_MINUS}},
 	{VIEW_FASTER, {WINDOW_PLUS}},
+	{VIEW_MARK, {'c'}},
+	{VIEW_BACK_TO, {'z'}},
+	{VIEW_SEND, {'t'}},
+	{VIEW_GRAPH, {'g'}},
+	{VIEW_MAP, {'m'}},
 	{VIEW_DROP, {'o'}},
 	{VIEW_SHAPE, {'b'}},
 	{VIEW_LAYER, {'1', '2', '3', '4', '5', '6'}},
@@ -34,11 +39,15 @@ static const struct binding {
 #define LINES(line) \
 	line("W A S D    fly, as the arrow keys do; Q down, E up; Shift: faster") \
 	line("drag       look around with the left button held") \
-	line("F          follow an object; again: the next; after the last: fly") \
+	line("F          follow an object or vehicle; again: the next; at the end: fly") \
 	line("R          the scene's own camera") \
 	line("Space      pause, and go on") \
 	line("N .        one step") \
 	line("+ -        twice as fast, half as fast; at the top as fast as it can") \
+	line("C Z        mark this moment; go back to it, with ground and vehicles") \
+	line("click T    send the vehicle there, if it follows a path; T: to the cursor") \
+	line("G          slip and sinkage of its wheels in the last 10 s") \
+	line("M          a map with all ways; a click on it follows the nearest") \
 	line("O          drop an object at the cursor; so does the right button") \
 	line("B          what is dropped: the scene's first object, or a ball") \
 	line("1 ... 6    colours: natural, offset, dirt, height, slope, tiles") \

@@ -153,20 +153,20 @@ static enum status draw_legend(const struct over *over, const struct render_laye
 }
 
 enum status view_draw_over(const struct viewer *viewer, const struct drive_figures *figures, const struct drive_followed *followed, uint8_t *pixels,
-			   uint32_t width, uint32_t height)
+			   uint32_t width, uint32_t height, int *top)
 {
 	const struct over over = {viewer->pen, {pixels, width, height}, width > LARGE ? 2 : 1};
-	int top = (int)height;
 	char text[500];
+	*top = (int)height;
 	if (viewer->pen == NULL)
 		return STATUS_OK;
 	if (viewer->line) {
 		view_figures_text(viewer, figures, followed, text, sizeof text - 96);
 		if (viewer->told[0] != '\0')
 			snprintf(text + strlen(text), sizeof text - strlen(text), "  %s", viewer->told);
-		TRY(draw_figures(&over, text, &top));
+		TRY(draw_figures(&over, text, top));
 	}
 	if (viewer->layer != RENDER_NATURAL && viewer->line)
 		TRY(draw_legend(&over, &figures->layer));
-	return viewer->help ? draw_help(&over, top) : STATUS_OK;
+	return viewer->help ? draw_help(&over, *top) : STATUS_OK;
 }

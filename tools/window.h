@@ -27,6 +27,7 @@ enum window_event_kind {
 	WINDOW_KEY,    /* `key` went down; once, however long it is held */
 	WINDOW_DRAG,   /* the mouse moved by dx, dy pixels (right, down) with its left button held */
 	WINDOW_CLICK,  /* its right button, at x, y */
+	WINDOW_PICK,   /* its left button came up at x, y where it went down */
 	WINDOW_EXPOSED, /* part of it was covered and lost its picture: show the picture again */
 	WINDOW_CLOSE,
 };

@@ -10,9 +10,11 @@
 
 #define LEAST_WIDTH 64
 #define LEAST_HEIGHT 36
+#define STILL 3 /* pixels: a hand that moves the mouse so little does not drag */
 
 struct window {
 	SDL_Window *sdl;
+	int down[2];          /* where the left button went down; below 0: it has moved since */
 	SDL_Surface *upright; /* the picture with its highest row first, as SDL shows it; NULL before the first picture */
 };
 
@@ -131,7 +133,20 @@ bool window_next(struct window *window, struct window_event *event)
 			event->kind = WINDOW_KEY;
 			return true;
 		}
+		if (from.type == SDL_MOUSEBUTTONDOWN && from.button.button == SDL_BUTTON_LEFT) {
+			window->down[0] = from.button.x;
+			window->down[1] = from.button.y;
+		}
+		if (from.type == SDL_MOUSEBUTTONUP && from.button.button == SDL_BUTTON_LEFT && window->down[0] >= 0) {
+			event->kind = WINDOW_PICK;
+			event->x = from.button.x;
+			event->y = from.button.y;
+			window->down[0] = -1;
+			return true;
+		}
 		if (from.type == SDL_MOUSEMOTION && (from.motion.state & SDL_BUTTON_LMASK) != 0) {
+			if (abs(from.motion.x - window->down[0]) > STILL || abs(from.motion.y - window->down[1]) > STILL)
+				window->down[0] = -1;
 			event->kind = WINDOW_DRAG;
 			event->dx = from.motion.xrel;
 			event->dy = from.motion.yrel;

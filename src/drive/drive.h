@@ -95,6 +95,21 @@ void drive_followed(const struct drive *drive, size_t number, struct drive_follo
 /* Tells where one of these is now. `place`: local metres, of an object on the base; `yaw`: radians from east to north. */
 void drive_place(const struct drive *drive, size_t number, double place[3], double *yaw);
 
+/* Sends a vehicle, by its number as above, to a place, m, local: its driver leaves its path (vehicle_send). Returns false if the number is of an object, or of a
+ * vehicle without a path. */
+bool drive_send(struct drive *drive, size_t number, double x, double y);
+/* Gives the place to which it was sent. Returns false if it was not. */
+bool drive_target(const struct drive *drive, size_t number, double place[2]);
+double drive_time(const struct drive *drive); /* s, simulated: now */
+/* A wheel or a belt of one of these. */
+struct drive_wheel {
+	const char *name; /* VEHICLE.GEOM */
+	double slip;      /* NaN: it does not turn */
+	double sinkage;   /* m; 0: it touches nothing */
+};
+/* Fills `wheels`, at most `most`. Returns how many there are of them; 0 for an object. */
+size_t drive_wheels(const struct drive *drive, size_t number, struct drive_wheel *wheels, size_t most);
+
 /* Drops a body, as world_drop does. The soil that relaxes after it goes on relaxing in the steps that follow. */
 enum status drive_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 	FURROW_CHECKED;

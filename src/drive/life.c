@@ -290,6 +290,7 @@ enum status drive_checkpoint(struct drive *drive)
 	TRY(report_sensors_mark(drive->sensor_rows, &mark.sensor_rows));
 	TRY(report_rows_mark(drive->rows, &mark.rows));
 	TRY(world_checkpoint(drive->world));
+	vehicle_mark_ways(drive->vehicles);
 	drive->mark = mark;
 	return STATUS_OK;
 }
@@ -297,6 +298,7 @@ enum status drive_checkpoint(struct drive *drive)
 static enum status roll_rows_back(struct drive *drive)
 {
 	TRY(report_rows_rollback(drive->rows, drive->mark.rows));
+	vehicle_mark_ways_back(drive->vehicles);
 	if (drive->vehicles != NULL)
 		TRY(vehicle_rollback(drive->vehicles));
 	TRY(report_sensors_rollback(drive->sensor_rows, drive->mark.sensor_rows));

@@ -225,20 +225,22 @@ enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *wo
 	if (vehicle->scene->driver != SCENE_FOLLOW)
 		return STATUS_OK;
 	TRY(world_route(world, &vehicle->scene->way, vehicle->scene->name, &route));
-	driver->points = mem_calloc(route.count, sizeof *driver->points);
-	for (size_t i = 0; i < route.count && driver->points != NULL; i++) {
-		driver->points[i][0] = route.points[i].x;
-		driver->points[i][1] = route.points[i].y;
-		driver->point_count = i + 1;
+	driver->route = mem_calloc(route.count, sizeof *driver->route);
+	for (size_t i = 0; i < route.count && driver->route != NULL; i++) {
+		driver->route[i][0] = route.points[i].x;
+		driver->route[i][1] = route.points[i].y;
+		driver->route_count = i + 1;
 	}
 	motion_route_finish(&route);
-	return driver->points != NULL ? STATUS_OK : fail_memory("a driver");
+	driver->points = driver->route;
+	driver->point_count = driver->route_count;
+	return driver->route != NULL ? STATUS_OK : fail_memory("a driver");
 }
 
 void vehicle_free_driver(struct driver *driver)
 {
 	vehicle_free_steering(&driver->steering);
-	mem_free_all(driver->steer, driver->drive, driver->points, driver->held, driver->table);
+	mem_free_all(driver->steer, driver->drive, driver->route, driver->held, driver->table);
 }
 
 /* The driver's controls. */

@@ -88,13 +88,27 @@ struct steering {
 	bool *idle;                 /* drive_count: it turns no wheel */
 };
 
+/* target.c: a way to a place that a window's host chose. */
+#define SENT_POINTS 40
+struct sent {
+	bool is;
+	bool fresh;                 /* the driver has not followed it yet */
+	bool turns;                 /* and before it went backward, on its path */
+	double points[SENT_POINTS][2]; /* m, local */
+	size_t count;
+	double speed;               /* m/s, forward */
+};
+
 /* What sets the controls: driver.c. */
 struct driver {
 	int *steer, *drive;         /* actuators that steer, and that drive */
 	size_t steer_count, drive_count;
 	struct steering steering;
-	double (*points)[2];        /* m, local: the path */
+	double (*route)[2];         /* m, local: the scene's path */
+	size_t route_count;
+	double (*points)[2];        /* what it follows: that, or `sent` */
 	size_t point_count;
+	struct sent sent, marked;   /* marked: as it was at the checkpoint */
 	int *held;                  /* actuators with a constant control, or columns of a table */
 	size_t held_count;
 	const double *values;       /* SCENE_HOLD: their controls. The scene owns them */
@@ -473,6 +487,7 @@ void vehicle_ask_place(const struct vehicle *vehicle, int actuator, double lengt
 /* --- pursuit.c --- */
 /* Sets the controls so that the vehicle follows its path. Once in an engine step. */
 void vehicle_pursue(struct vehicle *vehicle, double time);
+double vehicle_wheelbase(const struct vehicle *vehicle); /* m, of what its driver steers and drives */
 
 /* --- vehicle.c --- */
 /* Adds the soil geoms of a vehicle to the world, as its bodies. Large meshes are thinned to the ground's posts. */

@@ -279,6 +279,34 @@ enum status vehicle_rollback(struct vehicles *vehicles)
 	return none();
 }
 
+bool vehicle_send(struct vehicles *vehicles, size_t vehicle, double x, double y)
+{
+	(void)vehicles, (void)vehicle, (void)x, (void)y;
+	return false;
+}
+
+bool vehicle_target(const struct vehicles *vehicles, size_t vehicle, double place[2])
+{
+	(void)vehicles, (void)vehicle, (void)place;
+	return false;
+}
+
+void vehicle_mark_ways(struct vehicles *vehicles)
+{
+	(void)vehicles;
+}
+
+void vehicle_mark_ways_back(struct vehicles *vehicles)
+{
+	(void)vehicles;
+}
+
+bool vehicle_wheel(const struct vehicles *vehicles, size_t vehicle, size_t geom, const char **name, double *slip, double *sinkage)
+{
+	(void)vehicles, (void)vehicle, (void)geom, (void)name, (void)slip, (void)sinkage;
+	return false;
+}
+
 const char *vehicle_engine(void)
 {
 	return NULL;

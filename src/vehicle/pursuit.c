@@ -95,6 +95,13 @@ static void measure(const struct vehicle *vehicle, double *middle, double *base)
 	*base = fmax(high - low, 0.1);
 }
 
+double vehicle_wheelbase(const struct vehicle *vehicle)
+{
+	double middle, base;
+	measure(vehicle, &middle, &base);
+	return base;
+}
+
 /* --- the path --- */
 
 static double length_of(const struct driver *driver, size_t segment)
@@ -245,6 +252,8 @@ static double asked(const struct vehicle *vehicle)
 {
 	const struct driver *driver = &vehicle->driver;
 	const double *speeds = vehicle->scene->speeds;
+	if (driver->sent.is)
+		return driver->sent.speed;
 	const size_t last = driver->point_count - 1, from = (size_t)driver->at < last ? (size_t)driver->at : last - 1;
 	return speeds != NULL ? speeds[from] + (driver->at - (double)from) * (speeds[from + 1] - speeds[from]) : vehicle->scene->way.speed;
 }
@@ -315,12 +324,15 @@ static double turned(struct vehicle *vehicle, const struct motion *motion, doubl
 void vehicle_pursue(struct vehicle *vehicle, double time)
 {
 	struct driver *driver = &vehicle->driver;
-	const struct motion motion = motion_of(vehicle, vehicle->scene->way.speed < 0 ? -1 : 1);
+	const struct motion motion = motion_of(vehicle, !driver->sent.is && vehicle->scene->way.speed < 0 ? -1 : 1);
 	double middle, base, goal[2];
 	measure(vehicle, &middle, &base);
 	const double along = motion.backward * middle; /* from the origin, in the direction in which it goes */
 	const double x = motion.x + along * cos(motion.heading), y = motion.y + along * sin(motion.heading);
 	const bool origin = vehicle->scene->follows_origin;
+	if (driver->sent.fresh && driver->sent.turns)
+		driver->speed = driver->sum = driver->turn = 0; /* they were of its way backward */
+	driver->sent.fresh = driver->sent.turns = false;
 	if (driver->point_count < 2) {
 		driver->arrived = true;
 		return;

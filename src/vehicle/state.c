@@ -55,6 +55,8 @@ static void carry_geom(struct record *record, struct soil_geom *geom)
 	carry(record, geom->mean, 3);
 }
 
+#define AT 11 /* of them: where the driver is on its path; of a way that is not the scene's (target.c) this is -1 less that */
+
 /* The OWN numbers. */
 static void carry_own(struct record *record, struct vehicle *vehicle)
 {
@@ -93,6 +95,8 @@ static double *save_one(const struct vehicles *vehicles, struct vehicle *vehicle
 {
 	struct record record = {.to = to};
 	carry_own(&record, vehicle);
+	if (vehicle->driver.sent.is)
+		to[AT] = -1 - to[AT];
 	record.to = save_trail(&vehicle->trail, record.to);
 	record.to = vehicle_save_lies(vehicle, record.to);
 	carry_engine(&record, vehicle);
@@ -132,13 +136,18 @@ static bool restore_trail(struct trail *trail, const double *from)
 static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicle, const double **numbers)
 {
 	const double *n = *numbers;
+	const bool sent = n[AT] < 0;
 	struct record record = {.from = n};
 	if (n[0] != vehicle->checksum[0] || n[1] != vehicle->checksum[1])
 		return damaged(vehicles, vehicle, "its model is another one now, or was read by another MuJoCo");
-	if (!restore_trail(&vehicle->trail, n + OWN) || !(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(n[11] >= 0 && n[11] <= fmax((double)vehicle->driver.point_count - 1, 0)))
+	if (sent && !vehicle->driver.sent.is)
+		return damaged(vehicles, vehicle, "furrow view sent it to a place, so it is off its path");
+	const double at = vehicle->driver.sent.fresh || sent != vehicle->driver.sent.is ? 0 : sent ? -1 - n[AT] : n[AT];
+	if (!restore_trail(&vehicle->trail, n + OWN) || !(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(at >= 0 && at <= fmax((double)vehicle->driver.point_count - 1, 0)))
 		return damaged(vehicles, vehicle, "numbers out of range");
 	const bool is_placed = vehicle->begun > 0; /* it goes back to a checkpoint: its model is turned and lifted already */
 	carry_own(&record, vehicle);
+	vehicle->driver.at = at;
 	record.from = vehicle_restore_lies(vehicle, record.from + TRAIL);
 	if (vehicle->begun > 0 && !is_placed)
 		TRY(vehicle_replace(vehicles, vehicle));

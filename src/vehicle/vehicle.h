@@ -162,6 +162,16 @@ void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *val
 void vehicle_actuators(const struct vehicles *vehicles, size_t vehicle, double *controls, double *forces);
 /* Sets the controls of the steps from now on, actuator_count numbers. NaN: the scene's driver sets it. */
 void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const double *controls);
+/* Sends a vehicle that follows a path to a place instead, m, local. From the next step its driver goes there, forward, at the path's speed. Returns false if it
+ * has no path. A drive cannot be resumed after it. */
+bool vehicle_send(struct vehicles *vehicles, size_t vehicle, double x, double y);
+/* Gives the place to which it was sent. Returns false if it was not. */
+bool vehicle_target(const struct vehicles *vehicles, size_t vehicle, double place[2]);
+/* Keeps these places with a checkpoint of the world; and takes them back, before vehicle_rollback. `vehicles` may be NULL. */
+void vehicle_mark_ways(struct vehicles *vehicles);
+void vehicle_mark_ways_back(struct vehicles *vehicles);
+/* Gives slip (NaN: it does not turn) and sinkage, m, of a soil geom now. Returns false if it is no wheel, belt or round foot that rolls. */
+bool vehicle_wheel(const struct vehicles *vehicles, size_t vehicle, size_t geom, const char **name, double *slip, double *sinkage);
 /* Returns how many bodies its model has, and the name of one, "" if it has none. */
 size_t vehicle_bodies(const struct vehicles *vehicles, size_t vehicle);
 const char *vehicle_model_body_name(const struct vehicles *vehicles, size_t vehicle, size_t body);
